@@ -1,0 +1,69 @@
+#pragma once
+/// What a scene file asks for, as values. scene_file.hpp reads it; plan.hpp says what is built for it.
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/types/geometry.hpp"
+#include "core/types/motion.hpp"
+
+namespace voxtouch {
+
+/// Closed forms that stand for a mesh, or a convex part of it, in the validator. In the mesh's frame after scaling [m].
+struct SpherePrimitive { Vec3 centre = Vec3::Zero(); double radius_m = 0; };
+struct BoxPrimitive { Pose pose; Vec3 size_m = Vec3::Zero(); };
+struct CylinderPrimitive { Pose pose; double radius_m = 0, length_m = 0; };  ///< axis = local z
+using Primitive = std::variant<SpherePrimitive, BoxPrimitive, CylinderPrimitive>;
+
+struct MeshSpec {
+  std::filesystem::path path;        ///< absolute, resolved against the scene file's folder
+  double scale = 1.0;                ///< file units to metres
+  Pose pose;                         ///< static: mesh in W; dynamic: mesh in T
+  std::vector<Primitive> primitives; ///< declared equivalents, checked against the mesh by a test; may be empty
+};
+
+enum class ShellKind { kExact, kNaive };
+
+struct ContactSpec {
+  std::string model = "adapted";       ///< original | adapted | clustered | field
+  double stiffness_n_per_m = 0.0;      ///< per shell point, original and adapted
+  double stiffness_n_per_m3 = 0.0;     ///< per area, clustered and field
+};
+
+struct CouplingSpec {
+  std::string kind = "shaping_filter"; ///< shaping_filter | spring_damper | direct
+  double cutoff_hz = 100.0, damping_ratio = 0.7071067811865476, gain = 1.0;       ///< shaping filter
+  double stiffness_n_per_m = 500.0, damping_ns_per_m = 2.0;                       ///< spring-damper
+};
+
+/// How the device moves the tool in the world: T in W = device_in_world * scaled(T in D) * tool_offset.
+struct DeviceSpec {
+  double position_scale = 1.0;  ///< metres in W for one metre of the device
+  double force_scale = 1.0;     ///< newtons at the device for one newton in W; loop gain is the product of both
+  Pose device_in_world;         ///< D in W
+  Pose tool_offset;             ///< T in the device's tip frame
+  std::optional<std::uint32_t> clutch_button;  ///< while pressed the tool stays and the device moves free
+};
+
+struct Scene {
+  std::string name;
+  std::filesystem::path file;     ///< where it was read from
+  std::string hash;               ///< 16 hex digits over the scene's text and the bytes of its meshes
+  double voxel_size_m = 0.0;
+  std::vector<MeshSpec> static_meshes;
+  std::optional<Vec3> grid_origin;  ///< default e * (floor(min / e) - 1) per axis
+  MeshSpec dynamic_mesh;
+  ShellKind shell = ShellKind::kExact;
+  ContactSpec contact;
+  std::vector<std::string> effects; ///< names of the effects asked for; none exist yet
+  CouplingSpec coupling;
+  DeviceSpec device;
+  std::map<std::string, Motion> motions;  ///< in W
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,3 @@
+#include "core/types/motion.hpp"
+namespace voxtouch {
+}  // namespace voxtouch

@@ -1,0 +1,100 @@
+#pragma once
+/// The static scene as a voxmap: surface, interior, free (paper, section 1), in bricks behind a top table.
+///
+/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick; an int32 top table with power-of-two strides names the
+/// brick of each 8-voxel cell, with shared bricks for "all free" and "all interior". One border cell of free bricks surrounds
+/// the object. Beside it, one byte for each 4x4x4-voxel cell says how far, in cells, the nearest surface or interior is
+/// at least: what the culling tree asks.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/voxmap/grid.hpp"
+
+namespace voxtouch {
+
+enum class VoxelKind : std::uint8_t { kFree = 0, kSurface = 1, kInterior = 2 };
+
+class Voxmap {
+ public:
+  static constexpr int kBrickEdge = 8;      ///< voxels
+  static constexpr int kCellEdge = 4;       ///< voxels, of the free-distance cells
+  using Brick = std::array<std::uint64_t, 16>;  ///< 512 voxels x 2 bits; voxel (x,y,z) at bit 2*(x + 8*(y + 8*z))
+
+  Voxmap() = default;
+  /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error if the table would need more
+  /// than `kMaxTableCells` cells: callers estimate first (voxelise.hpp) and say it better.
+  Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last);
+
+  const Grid& grid() const noexcept { return grid_; }
+
+  /// Kind of a voxel; everything outside the table is free. Real-time safe.
+  VoxelKind at(const VoxelIndex& v) const noexcept {
+    const std::int64_t x = std::int64_t{v.i} - base_.i, y = std::int64_t{v.j} - base_.j, z = std::int64_t{v.k} - base_.k;
+    if ((x | y | z) < 0 || (x >> 3) >= cells_[0] || (y >> 3) >= cells_[1] || (z >> 3) >= cells_[2]) return VoxelKind::kFree;
+    const auto brick = static_cast<std::size_t>(table_[table_index(x >> 3, y >> 3, z >> 3)]);
+    const unsigned bit = static_cast<unsigned>(2 * ((x & 7) + 8 * ((y & 7) + 8 * (z & 7))));
+    return static_cast<VoxelKind>((bricks_[brick][bit >> 6] >> (bit & 63)) & 3U);
+  }
+
+  /// Sets one voxel; the voxel must lie within the room given at construction. Not real-time safe.
+  void set(const VoxelIndex& v, VoxelKind kind);
+  /// Sets the whole 8-voxel cell that holds `v` to free or interior by pointing at the shared brick.
+  void fill_cell(const VoxelIndex& v, VoxelKind kind);
+
+  /// Computes the free-distance bytes; call once after the last `set`.
+  void finish();
+
+  /// Lower bound of the distance [voxels] from anywhere in the 4-voxel cell of `u` (grid coordinates) to the nearest voxel
+  /// that is not free; 0 where unknown or near. Outside the table: the distance to the table at least. Real-time safe.
+  double free_distance_voxels(const Vec3& u) const noexcept;
+
+  /// Surface and interior voxels, counted.
+  std::size_t surface_count() const noexcept { return surface_count_; }
+  std::size_t interior_count() const noexcept { return interior_count_; }
+  std::size_t bytes() const noexcept;
+
+  /// Calls f(VoxelIndex, VoxelKind) for each voxel that is not free, sorted by (i, j, k).
+  template <class F>
+  void for_each_occupied(F&& f) const;
+
+  /// First voxel of the table and its size in 8-voxel cells.
+  const VoxelIndex& base() const noexcept { return base_; }
+  const std::array<std::int64_t, 3>& cells() const noexcept { return cells_; }
+
+  static constexpr std::int64_t kMaxTableCells = std::int64_t{1} << 28;
+
+ private:
+  static constexpr std::int32_t kFreeBrick = 0, kInteriorBrick = 1;
+  std::size_t table_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
+    return static_cast<std::size_t>(x + (y << shift_y_) + (z << shift_z_));
+  }
+  Brick& own_brick(std::size_t index);
+
+  Grid grid_;
+  VoxelIndex base_;                       ///< first voxel of the table, a multiple of 8
+  std::array<std::int64_t, 3> cells_{};   ///< table size in bricks
+  int shift_y_ = 0, shift_z_ = 0;         ///< power-of-two strides
+  std::vector<std::int32_t> table_;
+  std::vector<Brick> bricks_;
+  std::array<std::int64_t, 3> near_cells_{};
+  std::vector<std::uint8_t> near_;        ///< free distance in 4-voxel cells, saturated at 255
+  std::size_t surface_count_ = 0, interior_count_ = 0;
+};
+
+template <class F>
+void Voxmap::for_each_occupied(F&& f) const {
+  for (std::int64_t x = 0; x < cells_[0] * kBrickEdge; ++x)
+    for (std::int64_t y = 0; y < cells_[1] * kBrickEdge; ++y)
+      for (std::int64_t cz = 0; cz < cells_[2]; ++cz) {
+        if (table_[table_index(x >> 3, y >> 3, cz)] == kFreeBrick) continue;
+        for (std::int64_t z = cz * kBrickEdge; z < (cz + 1) * kBrickEdge; ++z) {
+          const VoxelIndex v{static_cast<std::int32_t>(base_.i + x), static_cast<std::int32_t>(base_.j + y),
+                             static_cast<std::int32_t>(base_.k + z)};
+          if (const VoxelKind kind = at(v); kind != VoxelKind::kFree) f(v, kind);
+        }
+      }
+}
+
+}  // namespace voxtouch

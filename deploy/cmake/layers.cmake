@@ -1,0 +1,28 @@
+# The layers of the house, checked at configure time: nodes -> qos, idl, devices, core; devices -> core/types; core -> nothing
+# above itself. Only core/mesh/import*, core/reference may see assimp; only core/scene yaml-cpp; only core/reference FCL;
+# core/reference sees no rendering code.
+function(voxtouch_forbid_includes folder pattern reason)
+  file(GLOB_RECURSE files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.hpp ${PROJECT_SOURCE_DIR}/${folder}/*.cpp
+       ${PROJECT_SOURCE_DIR}/${folder}/*.h ${PROJECT_SOURCE_DIR}/${folder}/*.c)
+  foreach(allowed IN LISTS ARGN)
+    list(FILTER files EXCLUDE REGEX "${allowed}")
+  endforeach()
+  foreach(file IN LISTS files)
+    file(STRINGS ${file} hits REGEX "^[ \t]*#[ \t]*include[ \t]*[<\"](${pattern})")
+    if(hits)
+      list(GET hits 0 first)
+      file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${file})
+      message(FATAL_ERROR "${name} has '${first}': ${reason}")
+    endif()
+  endforeach()
+endfunction()
+
+voxtouch_forbid_includes(core "dds|qos/|nodes/|devices/|voxtouch_msgs|idl/" "core is arithmetic and sees no layer above itself.")
+voxtouch_forbid_includes(core "assimp/" "assimp belongs to the mesh readers only." "/core/mesh/import" "/core/reference/")
+voxtouch_forbid_includes(core "yaml-cpp/" "the YAML parser belongs to core/scene only." "/core/scene/")
+voxtouch_forbid_includes(core "fcl/" "FCL belongs to core/reference only." "/core/reference/")
+voxtouch_forbid_includes(core/reference "core/(mesh|voxmap|pointshell|contact|effects|coupling)/"
+  "the reference links no rendering code: it would repeat the faults it has to find.")
+voxtouch_forbid_includes(devices "dds|qos/|nodes/|voxtouch_msgs|idl/|core/(mesh|voxmap|pointshell|contact|effects|coupling|scene|reference)/"
+  "a device driver sees the value types of core/types and nothing else of the house.")
+voxtouch_forbid_includes(qos "nodes/|devices/|core/" "qos is tables over idl.")

@@ -1,0 +1,19 @@
+# Two INTERFACE targets that every library of the house links: what the compiler warns of, and what keeps bits equal.
+find_package(Threads REQUIRED)
+
+add_library(voxtouch_warnings INTERFACE)
+add_library(voxtouch::warnings ALIAS voxtouch_warnings)
+target_compile_options(voxtouch_warnings INTERFACE
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wconversion -Wno-sign-conversion>
+  $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${VOXTOUCH_WERROR}>>:-Werror>)
+
+# No contraction into fused multiply-adds: the same source gives the same bits whatever the compiler finds to fuse.
+add_library(voxtouch_reproducible INTERFACE)
+add_library(voxtouch::reproducible ALIAS voxtouch_reproducible)
+target_compile_options(voxtouch_reproducible INTERFACE -ffp-contract=off -fno-fast-math)
+
+# The repository's root is the one include root: #include "core/voxmap/voxmap.hpp" says where the file is.
+add_library(voxtouch_root INTERFACE)
+add_library(voxtouch::root ALIAS voxtouch_root)
+target_include_directories(voxtouch_root INTERFACE ${PROJECT_SOURCE_DIR})
+target_link_libraries(voxtouch_root INTERFACE voxtouch::warnings voxtouch::reproducible Threads::Threads)

@@ -1,0 +1,72 @@
+#pragma once
+/// What every haptic device, real or simulated, is to the rest of the house.
+#include <chrono>
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <string>
+
+#include "core/types/geometry.hpp"
+
+namespace voxtouch {
+
+/// Why a call in the loop failed. A kind exists where the caller does something different about it.
+enum class DeviceError : std::uint8_t {
+  kTimeout,       ///< no sample within the time given; the device may still be there
+  kDisconnected,  ///< the device or its controller has gone
+  kNotFinite,     ///< a command held NaN or Inf; it was not sent
+  kLimit,         ///< a command was over a limit; it was not sent
+  kProtocol,      ///< the device said something that its protocol forbids
+  kRecoverable,   ///< the device dropped its force (warm motors, too fast) and will take commands again
+  kFault,         ///< the device stopped and needs a person
+};
+std::string_view name_of(DeviceError error) noexcept;
+
+template <class T>
+using DeviceResult = std::expected<T, DeviceError>;
+
+/// One sample, in frame D, at the tool's origin.
+struct DeviceSample {
+  std::int64_t time_ns = 0;   ///< the device's clock; simulated time in a simulated device
+  Pose pose;                  ///< T in D
+  Twist twist;                ///< D axes
+  std::uint32_t buttons = 0;  ///< bit 0 = first button
+  bool pose_valid = true;     ///< false: the device marked the sample as not to be trusted
+};
+
+/// What the device is: the numbers that guard, coupling and people need. "No limit" is infinity.
+struct DeviceDescription {
+  std::string model;                        ///< for example "sim-phantom"
+  double rate_hz = 1000.0;
+  double max_force_n = 0.0;
+  double max_torque_nm = 0.0;               ///< 0: gives no torque
+  double max_force_rate_n_per_s = 0.0;      ///< slew limit that the guard keeps
+  double max_torque_rate_nm_per_s = 0.0;
+  double max_stiffness_n_per_m = 0.0;
+  double mass_min_kg = 0.0, mass_max_kg = 0.0;  ///< apparent mass at the tool over the workspace
+  double damping_ns_per_m = 0.0;
+  double coulomb_friction_n = 0.0;
+  double position_resolution_m = 0.0;
+  double delay_s = 0.0;                     ///< from command to force, beside the sample period
+  double force_bandwidth_hz = 0.0;          ///< first-order lag of the force; infinity if none
+  std::uint32_t input_dof = 6, output_dof = 3;
+};
+
+/// An open device. It exists only while connected; destruction and every error path end in zero force.
+/// read, write and stop are real-time safe: no allocation, no lock that a slower thread holds, no log, no throw.
+class Driver {
+ public:
+  virtual ~Driver() = default;
+  virtual const DeviceDescription& description() const noexcept = 0;
+  /// The newest sample; waits at most `timeout` for it. A simulated device answers at once.
+  virtual DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept = 0;
+  /// Force and torque in D, applied until the next call. Refuses non-finite and over-limit commands: the last check before
+  /// the wire, beside the guard's. Must be called once a period; a device without a command goes to zero force.
+  virtual DeviceResult<void> write(const Wrench& command) noexcept = 0;
+  /// Zero force, now. Safe to call twice.
+  virtual void stop() noexcept = 0;
+  /// True where `write` advances simulated time by one period and `read` needs no waiting (lockstep can drive it).
+  virtual bool simulated() const noexcept = 0;
+};
+
+}  // namespace voxtouch
