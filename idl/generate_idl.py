@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""Writes DDS .idl files and a C++ header from ROS 2 .msg files.
+
+usage: generate_idl.py OUT_DIR PACKAGE=MSG_DIR ...      (the first package is the project's own)
+
+For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_::Name_, which is how ROS 2 names it on
+DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and static_asserts on its layout.
+"""
+import pathlib
+import re
+import sys
+
+PRIMITIVES = {  # .msg name -> (idl name, bytes in CDR and in C)
+    "bool": ("boolean", 1), "byte": ("octet", 1), "char": ("uint8", 1), "int8": ("int8", 1), "uint8": ("uint8", 1),
+    "int16": ("int16", 2), "uint16": ("uint16", 2), "int32": ("int32", 4), "uint32": ("uint32", 4),
+    "int64": ("int64", 8), "uint64": ("uint64", 8), "float32": ("float", 4), "float64": ("double", 8),
+}
+# Types that walk round the ring a thousand times a second: fixed size, no padding (padding bytes would reach the wire).
+RING = ("DeviceState", "ContactState", "ForceCommand")
+FIELD = re.compile(r"^(?P<type>[\w/]+)(?P<array>\[(?P<bound><=)?(?P<size>\d*)\])?\s+(?P<name>\w+)\s*(?P<const>=\s*(?P<value>\S+))?$")
+
+
+def parse(path, package):
+    """(fields, constants) of one .msg file; a field is (type, package or None, array kind, size, name)."""
+    fields, constants = [], []
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        text = line.split("#", 1)[0].strip()
+        if not text:
+            continue
+        match = FIELD.match(text)
+        if not match:
+            sys.exit(f"{path}:{number}: cannot read '{text}'; expected 'type name' or 'type NAME=value'.")
+        kind = match["type"]
+        if match["const"]:
+            constants.append((kind, match["name"], match["value"]))
+            continue
+        owner = None
+        if kind not in PRIMITIVES and kind != "string":
+            owner, kind = kind.split("/") if "/" in kind else (package, kind)
+        array = None
+        if match["array"]:
+            array = "bounded" if match["bound"] else ("fixed" if match["size"] else "sequence")
+        fields.append((kind, owner, array, int(match["size"] or 0), match["name"]))
+    return fields, constants
+
+
+def idl_type(kind, owner):
+    if owner:
+        return f"{owner}::msg::dds_::{kind}_"
+    return "string" if kind == "string" else PRIMITIVES[kind][0]
+
+
+def idl_text(package, name, fields, constants):
+    includes = sorted({f'#include "{owner}/msg/{kind}_.idl"' for kind, owner, *_ in fields if owner})
+    guard = f"{package}_msg_{name}_".upper()
+    out = [f"// Written by generate_idl.py from {name}.msg.", f"#ifndef {guard}", f"#define {guard}", *includes,
+           f"module {package} {{ module msg {{ module dds_ {{"]
+    if constants:
+        out.append(f"  module {name}_Constants {{")
+        out += [f"    const {PRIMITIVES[kind][0]} {constant} = {value};" for kind, constant, value in constants]
+        out.append("  };")
+    out.append(f"  @final @topic struct {name}_ {{")
+    for kind, owner, array, size, field in fields:
+        base = idl_type(kind, owner)
+        if array == "fixed":
+            out.append(f"    {base} {field}[{size}];")
+        elif array:
+            out.append(f"    sequence<{base}{f', {size}' if array == 'bounded' else ''}> {field};")
+        else:
+            out.append(f"    {base} {field};")
+    out += ["  };", "}; }; };", "#endif", ""]
+    return "\n".join(out)
+
+
+def packed_size(messages, package, name):
+    """Bytes of a fixed-size type without padding; None where the type is not fixed-size."""
+    total = 0
+    for kind, owner, array, size, _ in messages[package, name][0]:
+        if kind == "string" or array in ("sequence", "bounded"):
+            return None
+        one = packed_size(messages, owner, kind) if owner else PRIMITIVES[kind][1]
+        if one is None:
+            return None
+        total += one * (size if array == "fixed" else 1)
+    return total
+
+
+def header_text(messages, own):
+    out = ["#pragma once", "/// Written by generate_idl.py: short names of the wire types, and what their layout must be.",
+           "#include <cstddef>", "#include <cstdint>", "#include <string_view>", "#include <dds/dds.h>"]
+    out += [f'#include "{package}/msg/{name}_.h"' for package, name in messages]
+    out += ["namespace voxtouch::msg {", "/// Descriptor and names of a wire type.",
+            "template <class T> struct Type;", ""]
+    for package, name in messages:
+        c_name = f"{package}_msg_dds__{name}_"
+        short = name if package == own else f"{package}_{name}"
+        out += [f"using {short} = {c_name};",
+                f"template <> struct Type<{short}> {{",
+                f"  static constexpr const dds_topic_descriptor_t* descriptor = &{c_name}_desc;",
+                f'  static constexpr std::string_view ros_name = "{package}/msg/{name}";',
+                f'  static constexpr std::string_view dds_name = "{package}::msg::dds_::{name}_";', "};"]
+        constants = messages[package, name][1]
+        if constants and package == own:
+            out.append(f"namespace {name.lower() if name.islower() else re.sub(r'(?<!^)(?=[A-Z])', '_', name).lower()} {{")
+            out += [f"inline constexpr std::{kind}_t k{''.join(w.capitalize() for w in constant.split('_'))} = {value};"
+                    for kind, constant, value in constants]
+            out.append("}")
+    out.append("")
+    for name in RING:
+        size = packed_size(messages, own, name)
+        if size is None or size % 8:
+            sys.exit(f"{name}.msg: a ring type must be fixed-size and a multiple of 8 bytes; add or remove a reserved field.")
+        out.append(f'static_assert(sizeof({name}) == {size}, "{name} holds padding; reorder its fields");')
+    out += ["}  // namespace voxtouch::msg", ""]
+    return "\n".join(out)
+
+
+def main():
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    out = pathlib.Path(sys.argv[1])
+    packages = dict(argument.split("=", 1) for argument in sys.argv[2:])
+    own = next(iter(packages))
+    messages = {}
+    for package, folder in packages.items():
+        for path in sorted(pathlib.Path(folder).glob("*.msg")):
+            messages[package, path.stem] = parse(path, package)
+    for (package, name), (fields, constants) in messages.items():
+        for kind, owner, *_ in fields:
+            if owner and (owner, kind) not in messages:
+                sys.exit(f"{package}/{name}.msg uses {owner}/{kind}, which none of the given folders holds.")
+        target = out / package / "msg" / f"{name}_.idl"
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(idl_text(package, name, fields, constants))
+    (out / own).mkdir(parents=True, exist_ok=True)
+    (out / own / "messages.hpp").write_text(header_text(messages, own))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+#include "nodes/bus/endpoint.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace voxtouch::bus {
+namespace {
+
+Entity make_topic(const Participant& participant, const qos::Topic& row, std::string_view rig,
+                  const dds_topic_descriptor_t* descriptor, std::string_view ros_type) {
+  const std::string name = qos::dds_name(row, rig);
+  if (ros_type != row.type)
+    throw Error("topic " + name + " carries " + std::string(row.type) + ", not " + std::string(ros_type));
+  return Entity(dds_create_topic(participant.get(), descriptor, name.c_str(), nullptr, nullptr),
+                "topic " + name + " could not be made");
+}
+
+Guid to_guid(const dds_builtintopic_guid_t& key) {
+  Guid guid{};
+  std::memcpy(guid.data(), key.v, guid.size());
+  return guid;
+}
+
+/// Both directions ask in the same way; `List` and `Data` are the two DDS calls.
+template <class List, class Data>
+std::vector<Guid> matched(dds_entity_t endpoint, List list, Data data) {
+  dds_instance_handle_t handles[128];
+  const auto count = list(endpoint, handles, std::size(handles));
+  std::vector<Guid> guids;
+  for (dds_return_t i = 0; i < std::min<dds_return_t>(count, static_cast<dds_return_t>(std::size(handles))); ++i)
+    if (dds_builtintopic_endpoint_t* peer = data(endpoint, handles[i])) {
+      guids.push_back(to_guid(peer->participant_key));
+      dds_builtintopic_free_endpoint(peer);
+    }
+  return guids;
+}
+
+}  // namespace
+
+EndpointEntities make_writer(const Participant& participant, const qos::Topic& row, std::string_view rig,
+                             const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
+                             std::string_view ros_type) {
+  Entity topic = make_topic(participant, row, rig, descriptor, ros_type);
+  const double period_s = row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0;
+  const qos::Qos qos = qos::make_qos(profile, qos::Endpoint::kWriter, period_s);
+  Entity writer(dds_create_writer(participant.get(), topic.get(), qos.get(), nullptr),
+                "a writer on " + qos::dds_name(row, rig) + " could not be made");
+  return {std::move(topic), std::move(writer)};
+}
+
+EndpointEntities make_reader(const Participant& participant, const qos::Topic& row, std::string_view rig,
+                             const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
+                             std::string_view ros_type) {
+  Entity topic = make_topic(participant, row, rig, descriptor, ros_type);
+  const double period_s = row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0;
+  const qos::Qos qos = qos::make_qos(profile, qos::Endpoint::kReader, period_s);
+  Entity reader(dds_create_reader(participant.get(), topic.get(), qos.get(), nullptr),
+                "a reader on " + qos::dds_name(row, rig) + " could not be made");
+  return {std::move(topic), std::move(reader)};
+}
+
+std::vector<Guid> matched_readers(dds_entity_t writer) {
+  return matched(writer, dds_get_matched_subscriptions, dds_get_matched_subscription_data);
+}
+
+std::vector<Guid> matched_writers(dds_entity_t reader) {
+  return matched(reader, dds_get_matched_publications, dds_get_matched_publication_data);
+}
+
+std::uint32_t matched_reader_count(dds_entity_t writer) noexcept {
+  dds_publication_matched_status_t status{};
+  dds_get_publication_matched_status(writer, &status);
+  return status.current_count;
+}
+
+std::uint32_t matched_writer_count(dds_entity_t reader) noexcept {
+  dds_subscription_matched_status_t status{};
+  dds_get_subscription_matched_status(reader, &status);
+  return status.current_count;
+}
+
+std::uint64_t deadlines_missed(dds_entity_t reader) noexcept {
+  dds_requested_deadline_missed_status_t status{};
+  dds_get_requested_deadline_missed_status(reader, &status);
+  return status.total_count;
+}
+
+}  // namespace voxtouch::bus

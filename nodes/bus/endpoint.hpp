@@ -1,0 +1,32 @@
+#pragma once
+/// What a typed writer and a typed reader share: topic, QoS by table, and who has matched them.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "nodes/bus/participant.hpp"
+#include "qos/topics.hpp"
+
+namespace voxtouch::bus {
+
+/// Topic entity plus endpoint entity. Throws Error where the row's type is not `ros_type`.
+struct EndpointEntities {
+  Entity topic, endpoint;
+};
+EndpointEntities make_writer(const Participant& participant, const qos::Topic& row, std::string_view rig,
+                             const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
+                             std::string_view ros_type);
+EndpointEntities make_reader(const Participant& participant, const qos::Topic& row, std::string_view rig,
+                             const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
+                             std::string_view ros_type);
+
+/// Participants whose readers (writers) this writer (reader) has matched. Not for the loop.
+std::vector<Guid> matched_readers(dds_entity_t writer);
+std::vector<Guid> matched_writers(dds_entity_t reader);
+/// How many; real-time safe.
+std::uint32_t matched_reader_count(dds_entity_t writer) noexcept;
+std::uint32_t matched_writer_count(dds_entity_t reader) noexcept;
+/// Deadlines that this reader has missed since it was made; real-time safe.
+std::uint64_t deadlines_missed(dds_entity_t reader) noexcept;
+
+}  // namespace voxtouch::bus

@@ -1,0 +1,53 @@
+#include "nodes/bus/participant.hpp"
+
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <mutex>
+
+#include "qos/profiles.hpp"
+#include "qos_network.hpp"
+
+namespace voxtouch::bus {
+namespace {
+
+/// A domain is configured once a process, before its first participant; nodes composed into one process share it.
+void configure_domain(const ParticipantOptions& options) {
+  static std::mutex mutex;
+  static std::map<std::uint32_t, std::string> configured;
+  const std::lock_guard lock(mutex);
+  if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri && *uri) return;
+  if (const auto known = configured.find(options.domain); known != configured.end()) {
+    if (known->second != options.network_interface)
+      throw Error("domain " + std::to_string(options.domain) + " already runs on interface '" + known->second +
+                  "' in this process; it cannot run on '" + options.network_interface + "' as well");
+    return;
+  }
+  std::string xml(qos::kNetworkXml);
+  static constexpr std::string_view kSlot = "@INTERFACE@";
+  xml.replace(xml.find(kSlot), kSlot.size(), options.network_interface);
+  const dds_entity_t domain = dds_create_domain(options.domain, xml.c_str());
+  if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET)
+    throw Error("DDS domain " + std::to_string(options.domain) + " could not be set up on interface '" +
+                options.network_interface + "' (DDS says: " + dds_strretcode(-domain) + "); `ip link` lists the interfaces");
+  configured[options.domain] = options.network_interface;
+}
+
+}  // namespace
+
+Participant::Participant(const ParticipantOptions& options) {
+  configure_domain(options);
+  const qos::Qos qos(dds_create_qos());
+  static constexpr char kEnclave[] = "enclave=/;";
+  dds_qset_userdata(qos.get(), kEnclave, sizeof(kEnclave) - 1);
+  dds_qset_entity_name(qos.get(), options.name.c_str());
+  entity_ = Entity(dds_create_participant(options.domain, qos.get(), nullptr),
+                   "node '" + options.name + "' could not join DDS domain " + std::to_string(options.domain) +
+                       " on interface '" + options.network_interface +
+                       "'; `ip link` lists the interfaces, --interface chooses one");
+  dds_guid_t guid{};
+  dds_get_guid(entity_.get(), &guid);
+  std::memcpy(guid_.data(), guid.v, guid_.size());
+}
+
+}  // namespace voxtouch::bus

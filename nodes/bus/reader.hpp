@@ -1,0 +1,54 @@
+#pragma once
+/// A typed DDS reader.
+#include "nodes/bus/endpoint.hpp"
+#include "voxtouch_msgs/messages.hpp"
+
+namespace voxtouch::bus {
+
+template <class T>
+class Reader {
+ public:
+  Reader() = default;
+  Reader(const Participant& participant, const qos::Topic& row, std::string_view rig, const qos::Profile& profile)
+      : entities_(make_reader(participant, row, rig, profile, msg::Type<T>::descriptor, msg::Type<T>::ros_name)),
+        unread_(dds_create_readcondition(entities_.endpoint.get(), DDS_ANY_STATE), "a read condition could not be made") {}
+
+  /// Takes the oldest waiting sample, if there is one, into `sample`; `writer` (if given) gets the handle of its writer. Only for
+  /// fixed-size types. Real-time safe apart from what DDS itself does.
+  bool take(T& sample, dds_instance_handle_t* writer = nullptr) noexcept {
+    void* slot[1] = {&sample};
+    dds_sample_info_t info;
+    while (dds_take(entities_.endpoint.get(), slot, &info, 1, 1) == 1) {
+      if (!info.valid_data) continue;  // only a writer that came or went
+      if (writer) *writer = info.publication_handle;
+      return true;
+    }
+    return false;
+  }
+  /// Calls f(const T&) for each waiting sample, oldest first; for types with strings and sequences, which DDS lends. Returns how many.
+  template <class F>
+  int take_each(F&& f) {
+    int count = 0;
+    for (;;) {
+      void* lent[1] = {nullptr};
+      dds_sample_info_t info;
+      const auto n = dds_take(entities_.endpoint.get(), lent, &info, 1, 1);
+      if (n <= 0) return count;
+      if (info.valid_data) f(*static_cast<const T*>(lent[0])), ++count;
+      dds_return_loan(entities_.endpoint.get(), lent, n);
+    }
+  }
+  std::vector<Guid> matched() const { return matched_writers(entities_.endpoint.get()); }
+  std::uint32_t matched_count() const noexcept { return matched_writer_count(entities_.endpoint.get()); }
+  std::uint64_t deadlines_missed() const noexcept { return bus::deadlines_missed(entities_.endpoint.get()); }
+  /// Triggers while samples wait: for WaitSet.
+  dds_entity_t condition() const noexcept { return unread_.get(); }
+  dds_entity_t get() const noexcept { return entities_.endpoint.get(); }
+  explicit operator bool() const noexcept { return static_cast<bool>(entities_.endpoint); }
+
+ private:
+  EndpointEntities entities_;
+  Entity unread_;
+};
+
+}  // namespace voxtouch::bus

@@ -1,0 +1,19 @@
+#pragma once
+/// Waits until one of several readers has something.
+#include "nodes/bus/participant.hpp"
+
+namespace voxtouch::bus {
+
+class WaitSet {
+ public:
+  explicit WaitSet(const Participant& participant);
+  /// Attaches a reader's condition. Throws Error.
+  void attach(dds_entity_t condition);
+  /// True as soon as a condition triggers, false after `timeout`. Allocates nothing of ours.
+  bool wait(dds_duration_t timeout) noexcept;
+
+ private:
+  Entity entity_;
+};
+
+}  // namespace voxtouch::bus

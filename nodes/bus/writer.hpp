@@ -1,0 +1,29 @@
+#pragma once
+/// A typed DDS writer.
+#include "nodes/bus/endpoint.hpp"
+#include "voxtouch_msgs/messages.hpp"
+
+namespace voxtouch::bus {
+
+template <class T>
+class Writer {
+ public:
+  Writer() = default;
+  Writer(const Participant& participant, const qos::Topic& row, std::string_view rig, const qos::Profile& profile)
+      : entities_(make_writer(participant, row, rig, profile, msg::Type<T>::descriptor, msg::Type<T>::ros_name)) {}
+
+  /// False if DDS did not take the sample (a bounded history stayed full). Blocks only under a blocking profile.
+  bool write(const T& sample) noexcept { return dds_write(entities_.endpoint.get(), &sample) == DDS_RETCODE_OK; }
+  /// Waits until every matched reliable reader has acknowledged everything; false on time-out.
+  bool wait_for_acknowledgments(dds_duration_t timeout) noexcept {
+    return dds_wait_for_acks(entities_.endpoint.get(), timeout) == DDS_RETCODE_OK;
+  }
+  std::vector<Guid> matched() const { return matched_readers(entities_.endpoint.get()); }
+  std::uint32_t matched_count() const noexcept { return matched_reader_count(entities_.endpoint.get()); }
+  explicit operator bool() const noexcept { return static_cast<bool>(entities_.endpoint); }
+
+ private:
+  EndpointEntities entities_;
+};
+
+}  // namespace voxtouch::bus

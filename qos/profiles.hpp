@@ -1,0 +1,65 @@
+#pragma once
+/// Named QoS profiles: every DDS endpoint of the house uses one of these, so that a single test can hold every writer
+/// against every reader.
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include <dds/dds.h>
+
+namespace voxtouch::qos {
+
+enum class ProfileId : std::uint8_t { kStream, kLockstep, kLatched, kEvent, kStatus, kTap, kSensor, kState };
+
+/// Policies of a profile. All are shared ownership, by reception, automatic liveliness, no lifespan and no latency budget (a
+/// latency budget above 0 makes Cyclone DDS batch samples asynchronously).
+struct Profile {
+  ProfileId id;
+  std::string_view name;
+  bool reliable;
+  bool transient_local;         ///< the reader must ask for it too, or gets nothing
+  bool keep_all;                ///< bounded by `depth` as resource limit; else keep last `depth`
+  std::int32_t depth;
+  double deadline_periods;      ///< 0: none. One period fires falsely; three do not
+  bool blocks_for_ever;         ///< a full history blocks the writer instead of failing after 100 ms
+};
+
+inline constexpr Profile kProfiles[] = {
+    // id, name, reliable, transient local, keep all, depth, deadline, blocks
+    {ProfileId::kStream, "stream", false, false, false, 1, 3.0, false},     // the ring in real time: newest sample wins
+    {ProfileId::kLockstep, "lockstep", true, false, true, 256, 0.0, true},  // the ring in simulated time: nothing is lost
+    {ProfileId::kLatched, "latched", true, true, false, 1, 0.0, false},     // one value that late joiners get too
+    {ProfileId::kEvent, "event", true, false, false, 256, 0.0, false},      // reports
+    {ProfileId::kStatus, "status", true, true, false, 64, 0.0, false},      // as latched; readers keep many writers' last
+    {ProfileId::kTap, "tap", false, false, false, 64, 0.0, false},          // matches every stream and event, slows none
+    {ProfileId::kSensor, "sensor", false, false, false, 5, 0.0, false},     // ROS standard types, high rate
+    {ProfileId::kState, "state", true, false, false, 10, 0.0, false},       // ROS standard types, low rate
+};
+
+constexpr const Profile& profile(ProfileId id) {
+  for (const Profile& p : kProfiles)
+    if (p.id == id) return p;
+  return kProfiles[0];
+}
+
+struct QosDelete {
+  void operator()(dds_qos_t* qos) const noexcept { dds_delete_qos(qos); }
+};
+using Qos = std::unique_ptr<dds_qos_t, QosDelete>;
+
+enum class Endpoint : std::uint8_t { kWriter, kReader };
+
+/// The DDS QoS of one endpoint; `period_s` is the topic's period (0 where it has none).
+Qos make_qos(const Profile& profile, Endpoint endpoint, double period_s);
+
+/// Whether a writer of profile `offered` satisfies a reader of profile `requested` at the same period.
+constexpr bool matches(const Profile& offered, const Profile& requested) {
+  if (requested.reliable && !offered.reliable) return false;
+  if (requested.transient_local && !offered.transient_local) return false;
+  if (requested.deadline_periods > 0 &&
+      (offered.deadline_periods <= 0 || offered.deadline_periods > requested.deadline_periods))
+    return false;
+  return true;
+}
+
+}  // namespace voxtouch::qos
