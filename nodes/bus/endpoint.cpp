@@ -27,7 +27,7 @@ std::vector<Guid> matched(dds_entity_t endpoint, List list, Data data) {
   dds_instance_handle_t handles[128];
   const auto count = list(endpoint, handles, std::size(handles));
   std::vector<Guid> guids;
-  for (dds_return_t i = 0; i < std::min<dds_return_t>(count, static_cast<dds_return_t>(std::size(handles))); ++i)
+  for (dds_return_t i = 0; i < std::min<dds_return_t>(std::max(count, 0), static_cast<dds_return_t>(std::size(handles))); ++i)
     if (dds_builtintopic_endpoint_t* peer = data(endpoint, handles[i])) {
       guids.push_back(to_guid(peer->participant_key));
       dds_builtintopic_free_endpoint(peer);
@@ -65,6 +65,22 @@ std::vector<Guid> matched_readers(dds_entity_t writer) {
 
 std::vector<Guid> matched_writers(dds_entity_t reader) {
   return matched(reader, dds_get_matched_publications, dds_get_matched_publication_data);
+}
+
+Guid participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer) {
+  Guid guid{};
+  if (dds_builtintopic_endpoint_t* peer = dds_get_matched_publication_data(reader, writer)) {
+    guid = to_guid(peer->participant_key);
+    dds_builtintopic_free_endpoint(peer);
+  }
+  return guid;
+}
+
+bool writer_is_matched(dds_entity_t reader, dds_instance_handle_t writer) {
+  dds_instance_handle_t handles[128];
+  const auto count = dds_get_matched_publications(reader, handles, std::size(handles));
+  const auto known = std::min<dds_return_t>(std::max(count, 0), static_cast<dds_return_t>(std::size(handles)));
+  return std::find(handles, handles + known, writer) != handles + known;
 }
 
 std::uint32_t matched_reader_count(dds_entity_t writer) noexcept {

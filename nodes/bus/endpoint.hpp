@@ -23,6 +23,9 @@ EndpointEntities make_reader(const Participant& participant, const qos::Topic& r
 /// Participants whose readers (writers) this writer (reader) has matched. Not for the loop.
 std::vector<Guid> matched_readers(dds_entity_t writer);
 std::vector<Guid> matched_writers(dds_entity_t reader);
+/// The participant of the writer with instance handle `writer`, as this reader has matched it; all zero if it has gone.
+Guid participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer);
+bool writer_is_matched(dds_entity_t reader, dds_instance_handle_t writer);
 /// How many; real-time safe.
 std::uint32_t matched_reader_count(dds_entity_t writer) noexcept;
 std::uint32_t matched_writer_count(dds_entity_t reader) noexcept;

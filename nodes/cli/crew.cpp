@@ -1,0 +1,155 @@
+#include "nodes/cli/crew.hpp"
+
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "nodes/runtime/realtime.hpp"
+
+extern char** environ;
+
+namespace voxtouch::cli {
+namespace {
+
+class ProcessMember final : public Member {
+ public:
+  ProcessMember(std::string name, const std::vector<std::string>& arguments) : name_(std::move(name)) {
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / ("voxtouch_" + name_);
+    std::vector<std::string> texts = {program.string()};
+    texts.insert(texts.end(), arguments.begin(), arguments.end());
+    texts.push_back("--with-parent");
+    std::vector<char*> argv;
+    for (std::string& text : texts) argv.push_back(text.data());
+    argv.push_back(nullptr);
+    // Its own process group: Ctrl-C reaches `up` alone, which stops the nodes in order. stdout goes to stderr: `up --json` owns it.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", 0, 0);
+    const int error = posix_spawn(&pid_, program.c_str(), &actions, &attributes, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    if (error != 0)
+      throw std::runtime_error(fmt::format("{} could not be started ({}); it should stand beside voxtouch", program.string(),
+                                           std::strerror(error)));
+  }
+  ~ProcessMember() override {
+    if (!ended()) join(std::chrono::milliseconds(0));
+  }
+  const std::string& name() const noexcept override { return name_; }
+  void request_stop() override {
+    if (!status_) ::kill(pid_, SIGTERM);
+  }
+  std::optional<int> ended() override {
+    int raw = 0;
+    if (!status_ && waitpid(pid_, &raw, WNOHANG) == pid_) status_ = WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
+    return status_;
+  }
+  std::uint32_t pid() const noexcept override { return static_cast<std::uint32_t>(pid_); }
+
+ private:
+  void kill() override { ::kill(pid_, SIGKILL); }
+  std::string name_;
+  pid_t pid_ = 0;
+  std::optional<int> status_;
+};
+
+class ThreadMember final : public Member {
+ public:
+  using Run = std::function<int(const std::atomic<bool>&)>;
+  ThreadMember(std::string name, const runtime::RealtimeOptions& realtime, Run run)
+      : name_(std::move(name)), thread_([this, realtime, run = std::move(run)] {
+          int status = 1;
+          try {
+            for (const std::string& warning : runtime::enter_realtime(realtime)) fmt::print(stderr, "warning: {}: {}\n", name_, warning);
+            status = run(stop_);
+          } catch (const std::exception& error) {
+            fmt::print(stderr, "error: {}: {}\n", name_, error.what());
+          }
+          status_.store(status, std::memory_order_release);
+        }) {}
+  ~ThreadMember() override {
+    stop_.store(true);
+    thread_.join();
+  }
+  const std::string& name() const noexcept override { return name_; }
+  void request_stop() override { stop_.store(true); }
+  std::optional<int> ended() override {
+    const int status = status_.load(std::memory_order_acquire);
+    return status < 0 ? std::nullopt : std::optional(status);
+  }
+  std::uint32_t pid() const noexcept override { return static_cast<std::uint32_t>(getpid()); }
+
+ private:
+  void kill() override { stop_.store(true); }  // a thread cannot be ended by force; its destructor waits
+  std::string name_;
+  std::atomic<bool> stop_{false};
+  std::atomic<int> status_{-1};
+  std::thread thread_;
+};
+
+std::vector<std::string> device_arguments(const device::Options& o) {
+  std::vector<std::string> a = runtime::to_arguments(o, true);
+  a.insert(a.end(), {"--device", o.device, "--duration", fmt::format("{}", o.duration_s)});
+  if (!o.motion.empty()) a.insert(a.end(), {"--motion", o.motion});
+  return a;
+}
+
+std::vector<std::string> logger_arguments(const logger::Options& o) {
+  std::vector<std::string> a = runtime::to_arguments(o, false);
+  a.insert(a.end(), {"--bag", o.bag.string()});
+  for (const std::string& topic : o.topics) a.insert(a.end(), {"--topic", topic});
+  return a;
+}
+
+std::vector<std::string> validator_arguments(const validator::Options& o) {
+  std::vector<std::string> a = runtime::to_arguments(o, true);
+  a.insert(a.end(), {"--every", fmt::to_string(o.every)});
+  return a;
+}
+
+}  // namespace
+
+int Member::join(std::chrono::milliseconds patience) {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!ended()) {
+    if (std::chrono::steady_clock::now() >= until) {
+      kill();
+      for (int i = 0; i < 200 && !ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      return ended().value_or(1) == 0 ? 1 : ended().value_or(1);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return *ended();
+}
+
+std::vector<std::unique_ptr<Member>> start_crew(const CrewOptions& o) {
+  std::vector<std::unique_ptr<Member>> crew;
+  const auto start = [&](const std::string& name, auto arguments, ThreadMember::Run run) {
+    if (o.one_process)
+      crew.push_back(std::make_unique<ThreadMember>(name, o.device.realtime, std::move(run)));
+    else
+      crew.push_back(std::make_unique<ProcessMember>(name, arguments()));
+  };
+  using Stop = const std::atomic<bool>&;
+  if (o.record)
+    start("logger", [&] { return logger_arguments(o.logger); }, [&o](Stop stop) { return logger::run(o.logger, stop); });
+  start("validator", [&] { return validator_arguments(o.validator); }, [&o](Stop stop) { return validator::run(o.validator, stop); });
+  start("coupling", [&] { return runtime::to_arguments(o.coupling, true); }, [&o](Stop stop) { return coupling::run(o.coupling, stop); });
+  start("rendering", [&] { return runtime::to_arguments(o.rendering, true); }, [&o](Stop stop) { return rendering::run(o.rendering, stop); });
+  start("device", [&] { return device_arguments(o.device); }, [&o](Stop stop) { return device::run(o.device, stop); });
+  return crew;
+}
+
+}  // namespace voxtouch::cli

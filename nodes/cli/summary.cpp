@@ -1,0 +1,93 @@
+#include "nodes/cli/summary.hpp"
+
+#include <charconv>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace voxtouch::cli {
+namespace {
+
+using Reports = std::map<std::string, runtime::NodeReport>;
+
+double number(const Reports& reports, const std::string& node, const std::string& key) {
+  const auto report = reports.find(node);
+  if (report == reports.end()) return 0.0;
+  const auto value = report->second.values.find(key);
+  double out = 0.0;
+  if (value != report->second.values.end())
+    std::from_chars(value->second.data(), value->second.data() + value->second.size(), out);
+  return out;
+}
+
+std::uint64_t count(const Reports& reports, const std::string& node, const std::string& key) {
+  return static_cast<std::uint64_t>(number(reports, node, key));
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const RunSummary& s) {
+  const Reports& r = s.reports;
+  nlohmann::ordered_json j;
+  j["ok"] = s.problems.empty();
+  j["scene"] = s.scene;
+  j["device"] = s.device;
+  j["motion"] = s.motion;
+  j["mode"] = s.mode;
+  j["seed"] = s.seed;
+  j["samples"] = count(r, "device", "samples");
+  j["rate_hz"] = number(r, "device", "rate_hz");
+  j["ring_latency_us"] = {{"p50", number(r, "device", "latency_p50_us")},
+                          {"p99", number(r, "device", "latency_p99_us")},
+                          {"max", number(r, "device", "latency_max_us")}};
+  j["overruns"] = count(r, "device", "overruns");
+  j["deadline_misses"] = count(r, "device", "deadline_misses");
+  j["contact_samples"] = count(r, "rendering", "contact_samples");
+  j["max_force_n"] = number(r, "device", "max_force_n");
+  j["guard"] = {{"refused", count(r, "device", "refused")}, {"clamped", count(r, "device", "clamped")}};
+  nlohmann::ordered_json validator;
+  for (const char* key : {"checked", "decided", "agree", "in_band", "disagree"}) validator[key] = count(r, "validator", key);
+  j["validator"] = validator;
+  j["recording"] = {{"written", count(r, "logger", "written")}, {"dropped", count(r, "logger", "dropped")}};
+  j["bag"] = s.bag.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(s.bag);
+  j["problems"] = s.problems;
+  return j;
+}
+
+std::string to_text(const RunSummary& s) {
+  const Reports& r = s.reports;
+  std::string text = fmt::format(
+      "\n  device      {} samples at {:.1f} Hz, {} overruns, largest force {:.2f} N\n"
+      "  ring        {} answered, latency p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us, {} deadlines missed\n"
+      "  contact     {} samples with force, {} held, {} faster than half a voxel a sample\n"
+      "  guard       {} commands refused, {} clamped\n"
+      "  validator   {} checked: {} decided, {} agree, {} in band, {} disagree\n",
+      count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"), number(r, "device", "max_force_n"),
+      count(r, "device", "answered"), number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
+      number(r, "device", "latency_max_us"), count(r, "device", "deadline_misses"), count(r, "rendering", "contact_samples"),
+      count(r, "rendering", "held_samples"), count(r, "rendering", "fast_samples"), count(r, "device", "refused"),
+      count(r, "device", "clamped"), count(r, "validator", "checked"), count(r, "validator", "decided"),
+      count(r, "validator", "agree"), count(r, "validator", "in_band"), count(r, "validator", "disagree"));
+  if (!s.bag.empty())
+    text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag, count(r, "logger", "written"), count(r, "logger", "dropped"));
+  for (const std::string& problem : s.problems) text += "  PROBLEM     " + problem + "\n";
+  text += s.problems.empty() ? "  All is well.\n" : "";
+  return text;
+}
+
+std::string status_line(const Reports& r) {
+  const auto device = r.find("device");
+  if (device == r.end() || device->second.state == runtime::NodeState::kStarting) {
+    std::string waiting;
+    for (const char* node : {"device", "rendering", "coupling", "validator", "logger"})
+      if (const auto report = r.find(node); report == r.end() || report->second.session_id == 0)
+        waiting += (waiting.empty() ? "" : ", ") + std::string(node);
+    return "starting: waiting for " + waiting;
+  }
+  return fmt::format("{:>7} samples  force {:6.2f} N  latency p50 {:>4.0f} us p99 {:>5.0f} us  overruns {}  contacts {}  validator {}/{} agree",
+                     count(r, "device", "samples"), number(r, "device", "force_n"), number(r, "device", "latency_p50_us"),
+                     number(r, "device", "latency_p99_us"), count(r, "device", "overruns"), count(r, "rendering", "contact_samples"),
+                     count(r, "validator", "agree"), count(r, "validator", "decided"));
+}
+
+}  // namespace voxtouch::cli

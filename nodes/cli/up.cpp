@@ -1,0 +1,218 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <ctime>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/scene/scene_file.hpp"
+#include "devices/registry.hpp"
+#include "nodes/cli/crew.hpp"
+#include "nodes/cli/summary.hpp"
+#include "nodes/cli/verbs.hpp"
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/signals.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+using std::chrono::milliseconds;
+
+struct UpOptions {
+  runtime::NodeOptions node;
+  std::string device = "sim-phantom", motion;
+  double duration_s = 0.0;
+  std::filesystem::path bag;
+  std::vector<std::string> topics;
+  std::uint64_t every = 20;
+  bool no_record = false, one_process = false, json = false;
+};
+
+std::filesystem::path default_bag(const std::string& scene) {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char stamp[32];
+  std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &local);
+  return std::filesystem::path("recordings") / (scene + "-" + stamp);
+}
+
+/// Runs the ring once: start, watch, stop in order, sum up.
+class Run {
+ public:
+  Run(const UpOptions& options, const Scene& scene)
+      : options_(options), participant_(options.node.participant("up")), roster_(participant_, options.node.rig) {
+    summary_.scene = scene.name;
+    summary_.device = options.device;
+    summary_.motion = options.motion;
+    summary_.mode = options.node.lockstep ? "lockstep" : "real time";
+    summary_.seed = options.node.seed;
+    if (!options.no_record) summary_.bag = options.bag.empty() ? default_bag(scene.name).string() : options.bag.string();
+  }
+
+  RunSummary go() {
+    require_free_rig();
+    const CrewOptions crew_options = crew();
+    crew_ = start_crew(crew_options);
+    watch();
+    stop_all();
+    judge();
+    return std::move(summary_);
+  }
+
+ private:
+  void require_free_rig() {
+    const std::int64_t until = runtime::monotonic_ns() + 500'000'000;
+    while (runtime::monotonic_ns() < until) {
+      roster_.update();
+      if (const auto reports = roster_.reports(); !reports.empty())
+        throw std::runtime_error(fmt::format(
+            "rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or choose another --rig or --domain",
+            options_.node.rig, options_.node.domain, reports.front().node, reports.front().pid, reports.front().host));
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+  }
+
+  CrewOptions crew() const {
+    runtime::NodeOptions node = options_.node;
+    if (node.lockstep) node.peers = {"rendering", "coupling", "validator"};
+    if (node.lockstep && !options_.no_record) node.peers.push_back("logger");
+    CrewOptions c;
+    static_cast<runtime::NodeOptions&>(c.device) = node;
+    static_cast<runtime::NodeOptions&>(c.rendering) = node;
+    static_cast<runtime::NodeOptions&>(c.coupling) = node;
+    static_cast<runtime::NodeOptions&>(c.logger) = node;
+    static_cast<runtime::NodeOptions&>(c.validator) = node;
+    c.device.device = options_.device;
+    c.device.motion = options_.motion;
+    c.device.duration_s = options_.duration_s;
+    c.validator.every = options_.every;
+    c.logger.bag = summary_.bag;
+    c.logger.topics = options_.topics;
+    c.record = !options_.no_record;
+    c.one_process = options_.one_process;
+    return c;
+  }
+
+  void listen() {
+    roster_.update(true);
+    for (const runtime::NodeReport& report : roster_.reports())
+      if (std::any_of(crew_.begin(), crew_.end(), [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; }))
+        summary_.reports[report.node] = report;
+  }
+
+  Member* find(const std::string& name) {
+    for (const auto& member : crew_)
+      if (member->name() == name) return member.get();
+    return nullptr;
+  }
+
+  /// Returns when the device has finished, a node has died, or Ctrl-C came.
+  void watch() {
+    std::int64_t next_line = runtime::monotonic_ns();
+    while (!runtime::stop_requested().load()) {
+      listen();
+      if (runtime::monotonic_ns() >= next_line) {
+        fmt::print(stderr, "{}\n", status_line(summary_.reports));
+        next_line += 1'000'000'000;
+      }
+      for (const auto& member : crew_)
+        if (const auto status = member->ended()) {
+          if (member->name() != "device" || *status != 0) note_end(member->name(), *status);
+          return;
+        }
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    fmt::print(stderr, "stopping\n");
+    if (options_.duration_s > 0)
+      summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", options_.duration_s));
+  }
+
+  /// The device is at zero first; the logger goes last, so that the bag holds how the others ended.
+  void stop_all() {
+    for (const char* name : {"device", "rendering", "coupling", "validator", "logger"}) {
+      Member* member = find(name);
+      if (!member) continue;
+      const bool was_running = !member->ended();
+      member->request_stop();
+      const int status = member->join(milliseconds(name == std::string("logger") ? 20'000 : 8'000));
+      listen();
+      if (was_running && status != 0) note_end(name, status);
+    }
+  }
+
+  void note_end(const std::string& name, int status) {
+    if (std::string sentence = summary_.reports[name].message; summary_.reports[name].state == runtime::NodeState::kFailed)
+      summary_.problems.push_back(name + ": " + sentence);
+    else if (status > 128)
+      summary_.problems.push_back(fmt::format("{} was ended by signal {}; the device went to zero force", name, status - 128));
+    else if (status != 0)
+      summary_.problems.push_back(fmt::format("{} ended with status {}; its message stands above", name, status));
+    else
+      summary_.problems.push_back(fmt::format("{} ended before the device did", name));
+  }
+
+  void judge() {
+    const auto value = [&](const std::string& node, const std::string& key) { return summary_.reports[node].values[key]; };
+    if (const std::string disagree = value("validator", "disagree"); !disagree.empty() && disagree != "0")
+      summary_.problems.push_back(fmt::format("the validator disagrees with {} samples: {}", disagree, summary_.reports["validator"].message));
+    if (const std::string foreign = value("device", "foreign_commands"); !foreign.empty() && foreign != "0")
+      summary_.problems.push_back(fmt::format("{} commands of a second writer were ignored ({})", foreign, summary_.reports["device"].message));
+    if (options_.duration_s > 0 && value("device", "samples") == "0") summary_.problems.push_back("the device gave no sample");
+    std::vector<std::string> unique;
+    for (std::string& p : summary_.problems)
+      if (std::find(unique.begin(), unique.end(), p) == unique.end()) unique.push_back(std::move(p));
+    summary_.problems = std::move(unique);
+  }
+
+  const UpOptions& options_;
+  bus::Participant participant_;
+  runtime::Roster roster_;
+  std::vector<std::unique_ptr<Member>> crew_;
+  RunSummary summary_;
+};
+
+int up(const UpOptions& options) {
+  runtime::catch_signals();
+  const Scene scene = load_scene(options.node.scene);
+  for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  describe_device(options.device);  // an unknown device is said before anything starts
+  if (!options.motion.empty() && !scene.motions.contains(options.motion)) {
+    std::string known;
+    for (const auto& [name, motion] : scene.motions) known += (known.empty() ? "" : ", ") + name;
+    throw std::runtime_error(fmt::format("{}: there is no motion '{}'; this scene has {}", scene.file.string(), options.motion, known));
+  }
+  Run run(options, scene);
+  const RunSummary summary = run.go();
+  if (options.json)
+    fmt::print("{}\n", to_json(summary).dump(2));
+  else
+    fmt::print("{}", to_text(summary));
+  return summary.problems.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_up(CLI::App& app, Action& action) {
+  auto options = std::make_shared<UpOptions>();
+  CLI::App* verb = app.add_subcommand(
+      "up", "Start the whole ring (device, rendering, coupling, logger, validator), watch it, stop it on Ctrl-C, sum it up");
+  verb->add_option("SCENE", options->node.scene, "Scene file (YAML); deploy/scenes has some")->required()->check(CLI::ExistingFile);
+  runtime::add_node_options(*verb, options->node, false);
+  verb->remove_option(verb->get_option("--peers"));
+  verb->add_option("--device", options->device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
+  verb->add_option("--motion", options->motion, "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
+  verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")->capture_default_str()->check(CLI::NonNegativeNumber);
+  verb->add_option("--record", options->bag, "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
+  verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states");
+  verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")->capture_default_str()->check(CLI::PositiveNumber);
+  verb->add_flag("--no-record", options->no_record, "No logger, no bag");
+  verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
+  verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");
+  verb->callback([options, &action] { action = [options] { return up(*options); }; });
+}
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,18 @@
+#pragma once
+/// The verbs of `voxtouch`. Each adds itself to the command line and sets `action` when it was chosen.
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace voxtouch::cli {
+
+/// Runs the chosen verb; its result is the exit status.
+using Action = std::function<int()>;
+
+void add_up(CLI::App& app, Action& action);
+void add_build(CLI::App& app, Action& action);
+void add_probe(CLI::App& app, Action& action);
+
+}  // namespace voxtouch::cli

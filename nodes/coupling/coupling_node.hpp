@@ -1,0 +1,14 @@
+#pragma once
+/// The coupling's process: contact in, force command out.
+#include <atomic>
+
+#include "nodes/runtime/options.hpp"
+
+namespace voxtouch::coupling {
+
+struct Options : runtime::NodeOptions {};
+
+/// Answers every contact until `stop`. Throws while starting only.
+int run(const Options& options, const std::atomic<bool>& stop);
+
+}  // namespace voxtouch::coupling

@@ -1,0 +1,12 @@
+#include "nodes/coupling/coupling_node.hpp"
+#include "nodes/runtime/main.hpp"
+
+int main(int argc, char** argv) {
+  voxtouch::coupling::Options options;
+  return voxtouch::runtime::node_main(
+      argc, argv,
+      "voxtouch coupling node: shapes the contact wrench so that device, hand and contact stay stable together, and commands the\n"
+      "device.",
+      options, true, [](CLI::App&) {},
+      [&](const std::atomic<bool>& stop) { return voxtouch::coupling::run(options, stop); });
+}

@@ -1,0 +1,138 @@
+#include "nodes/device/device_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <chrono>
+
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/realtime.hpp"
+
+namespace voxtouch::device {
+namespace {
+
+constexpr auto kRelaxed = std::memory_order_relaxed;
+constexpr std::int64_t kPollNs = 50'000'000;
+
+}  // namespace
+
+DeviceLoop::DeviceLoop(const Settings& settings, Driver& driver, bus::Writer<msg::DeviceState>& states,
+                       bus::Reader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests)
+    : settings_(settings), driver_(driver), states_(states), commands_(commands), wait_set_(wait_set), progress_(progress),
+      requests_(requests), guard_(guard_config(driver.description())), gate_(settings.session_id),
+      period_ns_(std::llround(1e9 / driver.description().rate_hz)) {}
+
+End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
+  runtime::flush_denormals();
+  deadline_ns_ = runtime::monotonic_ns();
+  progress_.started_ns.store(deadline_ns_, kRelaxed);
+  End end = End::kNone;
+  while (end == End::kNone) end = turn(stop);
+  guard_.stop();
+  driver_.stop();
+  progress_.force_n.store(0.0, kRelaxed);
+  progress_.ended_ns.store(runtime::monotonic_ns(), kRelaxed);
+  progress_.end.store(end, std::memory_order_release);
+  return end;
+}
+
+End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
+  if (stop.load(kRelaxed)) return End::kStopped;
+  if (settings_.max_samples && sequence_ == settings_.max_samples) return End::kFinished;
+  if (settings_.lockstep && requests_.peer_gone.load(kRelaxed)) return End::kPeerGone;
+
+  const auto sample = driver_.read(std::chrono::microseconds(10 * period_ns_ / 1000));
+  if (!sample) return sample.error() == DeviceError::kDisconnected ? End::kDeviceGone : End::kDeviceFault;
+  if (!publish(*sample)) return End::kWriteBlocked;
+
+  End end = End::kNone;
+  const auto command = settings_.lockstep ? wait_in_lockstep(stop, end) : wait_in_real_time();
+  if (end != End::kNone) return end;
+
+  const Wrench force = guard_.pass(command, sample->time_ns + settings_.epoch_ns);
+  const auto written = driver_.write(force);
+  note(force);
+  if (!written && (written.error() == DeviceError::kDisconnected)) return End::kDeviceGone;
+  if (!written && (written.error() == DeviceError::kFault)) return End::kDeviceFault;
+  ++sequence_;
+  progress_.samples.store(sequence_, kRelaxed);
+  return End::kNone;
+}
+
+bool DeviceLoop::publish(const DeviceSample& sample) noexcept {
+  msg::DeviceState state{};
+  state.session_id = settings_.session_id;
+  state.sequence_number = sequence_;
+  state.sample_time_ns = sample.time_ns + settings_.epoch_ns;
+  if (sample.pose_valid) last_pose_ = sample.pose;
+  state.pose = runtime::to_msg(last_pose_);
+  state.twist = runtime::to_msg(sample.twist);
+  state.buttons = sample.buttons;
+  state.flags = (driver_.simulated() ? msg::device_state::kFlagSimulated : 0U) |
+                (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
+                (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U);
+  published_ns_[sequence_ % published_ns_.size()] = runtime::monotonic_ns();
+  return states_.write(state) || !settings_.lockstep;  // best effort: a full socket is a lost sample, not an end
+}
+
+std::optional<GuardInput> DeviceLoop::take_commands() noexcept {
+  std::optional<GuardInput> newest;
+  if (requests_.release_writer.exchange(false, kRelaxed)) gate_.release_writer();
+  msg::ForceCommand command;
+  dds_instance_handle_t writer = 0;
+  while (commands_.take(command, &writer)) {
+    const GateVerdict verdict = gate_.accept(writer, command.session_id, command.sequence_number, sequence_);
+    guard_.count(verdict);
+    if (verdict == GateVerdict::kForeignWriter) {
+      progress_.foreign_writer.store(writer, kRelaxed);
+      progress_.foreign_commands.fetch_add(1, kRelaxed);
+    }
+    if (verdict != GateVerdict::kAccepted) continue;
+    progress_.followed_writer.store(writer, kRelaxed);
+    if (sequence_ - command.sequence_number < published_ns_.size())
+      progress_.latency.record(runtime::monotonic_ns() - published_ns_[command.sequence_number % published_ns_.size()]);
+    newest = GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns};
+  }
+  return newest;
+}
+
+std::optional<GuardInput> DeviceLoop::wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept {
+  const std::int64_t give_up_ns = runtime::monotonic_ns() + settings_.peer_timeout_ns;
+  for (;;) {
+    wait_set_.wait(kPollNs);
+    const auto command = take_commands();
+    if (command && gate_.last_sequence() == sequence_) return command;
+    if (stop.load(kRelaxed)) end = End::kStopped;
+    if (requests_.peer_gone.load(kRelaxed)) end = End::kPeerGone;
+    if (runtime::monotonic_ns() > give_up_ns) end = End::kPeerSilent;
+    if (end != End::kNone) return std::nullopt;
+  }
+}
+
+std::optional<GuardInput> DeviceLoop::wait_in_real_time() noexcept {
+  std::optional<GuardInput> newest;
+  const auto next = runtime::next_deadline(deadline_ns_, runtime::monotonic_ns(), period_ns_);
+  deadline_ns_ = next.at_ns;
+  progress_.overruns.fetch_add(next.skipped, kRelaxed);
+  for (std::int64_t left; (left = deadline_ns_ - runtime::monotonic_ns()) > 0;) {
+    if (gate_.last_sequence() == sequence_) {  // answered: nothing more to wait for but the deadline
+      runtime::sleep_until(deadline_ns_);
+      break;
+    }
+    if (!wait_set_.wait(left)) break;
+    if (const auto command = take_commands()) newest = command;
+  }
+  return newest;
+}
+
+void DeviceLoop::note(const Wrench& force) noexcept {
+  const double magnitude = force.force.norm();
+  progress_.force_n.store(magnitude, kRelaxed);
+  if (magnitude > progress_.max_force_n.load(kRelaxed)) progress_.max_force_n.store(magnitude, kRelaxed);
+  const GuardCounts& counts = guard_.counts();
+  progress_.refused.store(counts.refused(), kRelaxed);
+  progress_.clamped.store(counts.clamped(), kRelaxed);
+  progress_.faded.store(counts.faded, kRelaxed);
+}
+
+}  // namespace voxtouch::device

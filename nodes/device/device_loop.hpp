@@ -1,0 +1,74 @@
+#pragma once
+/// One turn a sample: read, publish, wait for the command, guard, write. Real-time safe after construction.
+#include <array>
+#include <atomic>
+
+#include "devices/command_gate.hpp"
+#include "devices/driver.hpp"
+#include "devices/force_guard.hpp"
+#include "nodes/bus/reader.hpp"
+#include "nodes/bus/wait_set.hpp"
+#include "nodes/bus/writer.hpp"
+#include "nodes/runtime/latency.hpp"
+
+namespace voxtouch::device {
+
+/// Why the loop ended.
+enum class End : std::uint32_t { kNone, kStopped, kFinished, kPeerSilent, kPeerGone, kDeviceGone, kDeviceFault, kWriteBlocked };
+
+/// What other threads may read while the loop runs.
+struct Progress {
+  std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, clamped{0}, faded{0}, foreign_commands{0};
+  std::atomic<std::uint64_t> foreign_writer{0};  ///< publication handle of the last writer that was ignored
+  std::atomic<std::uint64_t> followed_writer{0}; ///< publication handle of the writer that is followed; 0: none yet
+  std::atomic<double> max_force_n{0.0}, force_n{0.0};
+  std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic
+  std::atomic<End> end{End::kNone};
+  runtime::LatencyHistogram latency;
+};
+
+/// Asked by other threads of the loop.
+struct Requests {
+  std::atomic<bool> release_writer{false};  ///< the followed writer has gone
+  std::atomic<bool> peer_gone{false};       ///< lockstep: a node that takes part has gone
+};
+
+class DeviceLoop {
+ public:
+  struct Settings {
+    std::uint64_t session_id = 0;
+    bool lockstep = false;
+    std::int64_t epoch_ns = 0;        ///< added to the driver's clock: stamps are absolute in real time, from 0 in lockstep
+    std::uint64_t max_samples = 0;    ///< 0: no end
+    std::int64_t peer_timeout_ns = 5'000'000'000;
+  };
+  DeviceLoop(const Settings& settings, Driver& driver, bus::Writer<msg::DeviceState>& states,
+             bus::Reader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests);
+
+  /// Runs to the end; leaves the driver stopped.
+  End run(const std::atomic<bool>& stop) noexcept;
+
+ private:
+  End turn(const std::atomic<bool>& stop) noexcept;
+  bool publish(const DeviceSample& sample) noexcept;
+  std::optional<GuardInput> wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept;
+  std::optional<GuardInput> wait_in_real_time() noexcept;
+  std::optional<GuardInput> take_commands() noexcept;
+  void note(const Wrench& force) noexcept;
+
+  Settings settings_;
+  Driver& driver_;
+  bus::Writer<msg::DeviceState>& states_;
+  bus::Reader<msg::ForceCommand>& commands_;
+  bus::WaitSet& wait_set_;
+  Progress& progress_;
+  Requests& requests_;
+  ForceGuard guard_;
+  CommandGate gate_;
+  std::int64_t period_ns_, deadline_ns_ = 0;
+  std::uint64_t sequence_ = 0;
+  std::array<std::int64_t, 256> published_ns_{};
+  Pose last_pose_;
+};
+
+}  // namespace voxtouch::device

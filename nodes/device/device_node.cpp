@@ -1,0 +1,254 @@
+#include "nodes/device/device_node.hpp"
+
+#include <cmath>
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "core/scene/scene_file.hpp"
+#include "devices/registry.hpp"
+#include "nodes/device/device_loop.hpp"
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/strings.hpp"
+
+namespace voxtouch::device {
+namespace {
+
+using runtime::NodeState;
+
+/// The hand's motion in the device's frame, as the scene gives it.
+Motion choose_motion(const Scene& scene, const std::string& name) {
+  if (scene.motions.empty()) return Motion{.path = {Vec3::Zero()}};
+  if (name.empty()) {
+    Motion rest = scene.motions.begin()->second;
+    rest.path.resize(1);
+    rest.repeat_from.reset();
+    rest.circle_centre.reset();
+    return rest;
+  }
+  const auto found = scene.motions.find(name);
+  if (found != scene.motions.end()) return found->second;
+  std::string known;
+  for (const auto& [key, motion] : scene.motions) known += (known.empty() ? "" : ", ") + key;
+  throw std::runtime_error(fmt::format("{}: there is no motion '{}'; this scene has {}", scene.file.string(), name, known));
+}
+
+/// New at each start; the same for the same run in lockstep, where recordings must not differ by a bit.
+std::uint64_t make_session_id(const Options& options, const Scene& scene) {
+  if (!options.lockstep) return static_cast<std::uint64_t>(runtime::realtime_ns());
+  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
+  for (const char c : fmt::format("{}/{}/{}/{}", scene.hash, options.device, options.motion, options.seed))
+    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  return hash;
+}
+
+void publish_description(bus::Writer<msg::DeviceDescription>& writer, const DeviceDescription& d, std::uint64_t session,
+                         bool simulated, bool lockstep) {
+  msg::DeviceDescription m{};
+  m.session_id = session;
+  m.model = runtime::lend(d.model);
+  m.rate_hz = d.rate_hz;
+  m.max_force_n = d.max_force_n;
+  m.max_torque_nm = d.max_torque_nm;
+  m.max_force_rate_n_per_s = d.max_force_rate_n_per_s;
+  m.max_torque_rate_nm_per_s = d.max_torque_rate_nm_per_s;
+  m.max_stiffness_n_per_m = d.max_stiffness_n_per_m;
+  m.mass_min_kg = d.mass_min_kg;
+  m.mass_max_kg = d.mass_max_kg;
+  m.damping_ns_per_m = d.damping_ns_per_m;
+  m.coulomb_friction_n = d.coulomb_friction_n;
+  m.position_resolution_m = d.position_resolution_m;
+  m.delay_s = d.delay_s;
+  m.force_bandwidth_hz = d.force_bandwidth_hz;
+  m.input_dof = d.input_dof;
+  m.output_dof = d.output_dof;
+  m.simulated = simulated;
+  m.lockstep = lockstep;
+  writer.write(m);
+}
+
+std::string sentence(End end, const Driver& driver) {
+  switch (end) {
+    case End::kNone: return "running";
+    case End::kStopped: return "stopped on request; the device is at zero force";
+    case End::kFinished: return "finished; the device is at zero force";
+    case End::kPeerSilent: return "no command came for 5 s: is the coupling node alive? The device is at zero force";
+    case End::kPeerGone: return "a node that takes part has gone; the device is at zero force";
+    case End::kDeviceGone: return driver.description().model + " does not answer any more: check its cable and power";
+    case End::kDeviceFault: return driver.description().model + " reported a fault and needs a person";
+    case End::kWriteBlocked: return "a sample could not be handed to DDS; the device is at zero force";
+  }
+  return "unknown";
+}
+
+/// Refuses to be the second device of a rig: two would fight over the same namespace.
+void require_free_rig(const bus::Participant& participant, const Options& options) {
+  runtime::Roster roster(participant, options.rig);
+  const std::int64_t until = runtime::monotonic_ns() + 400'000'000;
+  while (runtime::monotonic_ns() < until) {
+    roster.update();
+    if (const auto other = roster.find("device"))
+      throw std::runtime_error(fmt::format(
+          "a device already runs in rig '{}' on domain {} (process {} on {}). Stop it, or choose another --rig or --domain",
+          options.rig, options.domain, other->pid, other->host));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+/// All of the node: endpoints, driver, loop; the housekeeping thread looks in from beside.
+class DeviceNode {
+ public:
+  DeviceNode(const Options& options, const Scene& scene)
+      : options_(options), participant_(options.participant("device")), session_(make_session_id(options, scene)) {
+    require_free_rig(participant_, options);
+    driver_ = open_driver(scene);
+    states_ = {participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())};
+    descriptions_ = {participant_, qos::kDeviceDescription, options.rig, qos::profile_in(qos::kDeviceDescription, options.mode())};
+    commands_ = {participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())};
+    wait_set_.emplace(participant_);
+    wait_set_->attach(commands_.condition());
+    links_ = {{[this] { return states_.matched(); }, {"rendering", "coupling", "logger", "validator"}},
+              {[this] { return descriptions_.matched(); }, {"rendering", "coupling", "logger", "validator"}},
+              {[this] { return commands_.matched(); }, {"coupling"}}};
+    publish_description(descriptions_, driver_->description(), session_, driver_->simulated(), options.lockstep);
+  }
+
+  int run(const std::atomic<bool>& stop) {
+    DeviceLoop loop(settings(), *driver_, states_, commands_, *wait_set_, progress_, requests_);
+    End end = End::kNone;
+    {
+      runtime::Housekeeping housekeeping(participant_, "device", options_.rig,
+                                         [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+      end = wait_for_peers(stop);
+      if (end == End::kNone) end = loop.run(stop);
+      progress_.end.store(end, std::memory_order_release);
+      if (options_.lockstep) states_.wait_for_acknowledgments(DDS_SECS(5));
+    }
+    const bool good = end == End::kFinished || (end == End::kStopped && options_.duration_s == 0.0);
+    if (!good && end != End::kStopped) fmt::print(stderr, "error: device: {}\n", end_sentence(end));
+    return good ? 0 : 1;
+  }
+
+ private:
+  std::unique_ptr<Driver> open_driver(const Scene& scene) const {
+    const Motion motion = motion_in_device(choose_motion(scene, options_.motion), scene.device.device_in_world,
+                                           scene.device.tool_offset, scene.device.position_scale);
+    return open_device(options_.device, {.seed = options_.seed, .motion = motion});
+  }
+
+  DeviceLoop::Settings settings() const {
+    DeviceLoop::Settings s;
+    s.session_id = session_;
+    s.lockstep = options_.lockstep;
+    s.epoch_ns = options_.lockstep ? 0 : runtime::realtime_ns();
+    s.max_samples = static_cast<std::uint64_t>(std::llround(options_.duration_s * driver_->description().rate_hz));
+    return s;
+  }
+
+  /// Lockstep: sample 0 waits until everybody who takes part has answered ready for this session.
+  End wait_for_peers(const std::atomic<bool>& stop) {
+    const std::int64_t give_up = runtime::monotonic_ns() + 60'000'000'000;
+    while (options_.lockstep && !peers_ready_.load(std::memory_order_acquire)) {
+      if (stop.load()) return End::kStopped;
+      if (runtime::monotonic_ns() > give_up) {
+        peers_late_ = true;
+        return End::kPeerSilent;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return End::kNone;
+  }
+
+  std::string end_sentence(End end) const {
+    return peers_late_ ? "not every node that takes part was ready within 60 s; `--peers` names them" : sentence(end, *driver_);
+  }
+
+  void look(runtime::Roster& roster, runtime::NodeReport& report) {
+    const End end = progress_.end.load(std::memory_order_acquire);
+    watch_peers(roster);
+    watch_writers(roster);
+    report.session_id = session_;
+    const bool running = progress_.started_ns.load() != 0;
+    report.state = end == End::kNone ? (running ? NodeState::kRunning : NodeState::kReady)
+                   : end == End::kStopped || end == End::kFinished ? NodeState::kStopped : NodeState::kFailed;
+    report.message = end != End::kNone ? end_sentence(end)
+                     : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
+                     : running ? "running" : "waiting for the nodes that take part";
+    fill(report.values);
+  }
+
+  void watch_peers(runtime::Roster& roster) {
+    if (!options_.lockstep) return;
+    const std::vector<std::string> peers = runtime::taking_part(options_, {"rendering", "coupling", "logger", "validator"});
+    bool ready = runtime::all_linked(options_, roster, links_);
+    for (const std::string& peer : peers) {
+      const auto report = roster.find(peer);
+      if (peers_ready_.load() && (!report || report->state == NodeState::kFailed)) requests_.peer_gone.store(true);
+      ready = ready && report && report->session_id == session_ &&
+              (report->state == NodeState::kReady || report->state == NodeState::kRunning);
+    }
+    if (ready) peers_ready_.store(true, std::memory_order_release);
+  }
+
+  /// The device's rule for takeover: the followed writer keeps its place until it has gone.
+  void watch_writers(runtime::Roster& roster) {
+    const std::uint64_t followed = progress_.followed_writer.load();
+    if (followed != 0 && !bus::writer_is_matched(commands_.get(), followed)) {
+      progress_.followed_writer.store(0);
+      requests_.release_writer.store(true);
+    }
+    const std::uint64_t foreign = progress_.foreign_writer.load();
+    if (foreign != 0 && foreign_.empty()) foreign_ = roster.name_of(bus::participant_of_writer(commands_.get(), foreign));
+  }
+
+  void fill(std::map<std::string, std::string>& values) const {
+    const bool timed = !options_.lockstep;
+    const std::int64_t started = progress_.started_ns.load(), ended = progress_.ended_ns.load();
+    const double elapsed_s = started ? static_cast<double>((ended ? ended : runtime::monotonic_ns()) - started) * 1e-9 : 0.0;
+    const auto samples = progress_.samples.load();
+    values["device"] = driver_->description().model;
+    values["samples"] = fmt::to_string(samples);
+    values["rate_hz"] = fmt::format("{:.1f}", timed && elapsed_s > 0 ? static_cast<double>(samples) / elapsed_s : driver_->description().rate_hz);
+    values["latency_p50_us"] = fmt::format("{:.0f}", timed ? progress_.latency.quantile_us(0.5) : 0.0);
+    values["latency_p99_us"] = fmt::format("{:.0f}", timed ? progress_.latency.quantile_us(0.99) : 0.0);
+    values["latency_max_us"] = fmt::format("{:.0f}", timed ? progress_.latency.max_us() : 0.0);
+    values["answered"] = fmt::to_string(progress_.latency.count());
+    values["overruns"] = fmt::to_string(progress_.overruns.load());
+    values["deadline_misses"] = fmt::to_string(commands_.deadlines_missed());
+    values["max_force_n"] = fmt::format("{:.6g}", progress_.max_force_n.load());
+    values["force_n"] = fmt::format("{:.6g}", progress_.force_n.load());
+    values["refused"] = fmt::to_string(progress_.refused.load());
+    values["clamped"] = fmt::to_string(progress_.clamped.load());
+    values["faded"] = fmt::to_string(progress_.faded.load());
+    values["foreign_commands"] = fmt::to_string(progress_.foreign_commands.load());
+  }
+
+  const Options& options_;
+  bus::Participant participant_;
+  std::uint64_t session_;
+  std::unique_ptr<Driver> driver_;
+  bus::Writer<msg::DeviceState> states_;
+  bus::Writer<msg::DeviceDescription> descriptions_;
+  bus::Reader<msg::ForceCommand> commands_;
+  std::optional<bus::WaitSet> wait_set_;
+  std::vector<runtime::Link> links_;
+  Progress progress_;
+  Requests requests_;
+  std::atomic<bool> peers_ready_{false};
+  std::atomic<bool> peers_late_{false};
+  std::string foreign_;
+};
+
+}  // namespace
+
+int run(const Options& options, const std::atomic<bool>& stop) {
+  const Scene scene = load_scene(options.scene);
+  DeviceNode node(options, scene);
+  return node.run(stop);
+}
+
+}  // namespace voxtouch::device

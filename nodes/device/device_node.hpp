@@ -1,0 +1,20 @@
+#pragma once
+/// The device's process: samples out, commands in, the force guard between them and the hardware.
+#include <atomic>
+#include <string>
+
+#include "nodes/runtime/options.hpp"
+
+namespace voxtouch::device {
+
+struct Options : runtime::NodeOptions {
+  std::string device = "sim-phantom";
+  std::string motion;        ///< of the scene; empty: the hand rests where the first motion starts
+  double duration_s = 0.0;   ///< of the device's time; 0: until stopped
+};
+
+/// Runs until `stop`, the duration's end or a fault; the device is at zero force when this returns. 0 if all went well. Throws
+/// while starting only.
+int run(const Options& options, const std::atomic<bool>& stop);
+
+}  // namespace voxtouch::device

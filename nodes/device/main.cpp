@@ -1,0 +1,18 @@
+#include "nodes/device/device_node.hpp"
+#include "nodes/runtime/main.hpp"
+
+int main(int argc, char** argv) {
+  voxtouch::device::Options options;
+  return voxtouch::runtime::node_main(
+      argc, argv,
+      "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its state, and gives it the\n"
+      "commanded force through the force guard. Ends with the device at zero force.",
+      options, true,
+      [&](CLI::App& app) {
+        app.add_option("--device", options.device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
+        app.add_option("--motion", options.motion, "What the simulated operator's hand does (a motion of the scene)");
+        app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")->capture_default_str()->check(
+            CLI::NonNegativeNumber);
+      },
+      [&](const std::atomic<bool>& stop) { return voxtouch::device::run(options, stop); });
+}

@@ -1,0 +1,101 @@
+#include "nodes/logger/logger_node.hpp"
+
+#include <fmt/format.h>
+
+#include "nodes/bag/bag_recorder.hpp"
+#include "nodes/bag/bag_writer.hpp"
+#include "nodes/logger/recorded_topics.hpp"
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/housekeeping.hpp"
+
+namespace voxtouch::logger {
+namespace {
+
+using runtime::NodeState;
+
+std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder) {
+  auto writer = bag::BagWriter::create(folder);
+  if (!writer) throw std::runtime_error(writer.error().sentence);
+  return std::make_unique<bag::BagWriter>(std::move(*writer));
+}
+
+class LoggerNode {
+ public:
+  explicit LoggerNode(const Options& options)
+      : options_(options), participant_(options.participant("logger")),
+        descriptions_(participant_, qos::kDeviceDescription, options.rig, qos::profile_in(qos::kDeviceDescription, options.mode())),
+        wait_set_(participant_), recorder_(open_bag(options.bag), {.lockstep = options.lockstep}),
+        topics_(participant_, options, options.topics, recorder_, wait_set_), links_(topics_.links()) {
+    wait_set_.attach(descriptions_.condition());
+  }
+
+  int run(const std::atomic<bool>& stop) {
+    {
+      runtime::Housekeeping housekeeping(participant_, "logger", options_.rig,
+                                         [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+      std::int64_t last_discovery = 0;
+      while (!stop.load(std::memory_order_relaxed)) {
+        wait_set_.wait(20'000'000);
+        descriptions_.take_each([this](const msg::DeviceDescription& d) { session_.store(d.session_id); });
+        topics_.drain();
+        if (const std::int64_t now = runtime::monotonic_ns(); now - last_discovery > 50'000'000) {
+          last_discovery = now;
+          for (const std::string& sentence : topics_.discover()) fmt::print(stderr, "warning: logger: {}\n", sentence);
+        }
+      }
+      // Whatever the others wrote before they stopped has been acknowledged by our readers: it is here, or on its way (best effort).
+      const std::int64_t quiet_until = runtime::monotonic_ns() + 100'000'000;
+      do {
+        topics_.drain();
+      } while (wait_set_.wait(20'000'000) || runtime::monotonic_ns() < quiet_until);
+      final_ = recorder_.stop();
+      finished_.store(true, std::memory_order_release);
+    }
+    const std::uint64_t lost = final_.total(&bag::TopicReport::dropped) + final_.total(&bag::TopicReport::lost);
+    for (const std::string& error : final_.errors) fmt::print(stderr, "error: logger: {}\n", error);
+    for (const bag::TopicReport& t : final_.topics)
+      if (t.dropped + t.lost > 0)
+        fmt::print(stderr, "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or full\n",
+                   t.dropped + t.lost, t.received, t.name);
+    return lost == 0 && final_.errors.empty() ? 0 : 1;
+  }
+
+ private:
+  void look(runtime::Roster& roster, runtime::NodeReport& report) {
+    const bool finished = finished_.load(std::memory_order_acquire);
+    const bag::RecordingReport now = finished ? final_ : recorder_.report();
+    const std::uint64_t session = session_.load();
+    const bool ready = session != 0 && runtime::all_linked(options_, roster, links_);
+    const std::uint64_t lost = now.total(&bag::TopicReport::dropped) + now.total(&bag::TopicReport::lost);
+    report.session_id = ready ? session : 0;
+    report.state = finished ? NodeState::kStopped : ready ? NodeState::kRunning : NodeState::kStarting;
+    report.message = !now.errors.empty() ? now.errors.front()
+                     : lost ? "the disk is too slow: messages are being dropped"
+                     : finished ? "the bag is closed" : "recording";
+    report.values = {{"bag", options_.bag.string()},
+                     {"received", fmt::to_string(now.total(&bag::TopicReport::received))},
+                     {"written", fmt::to_string(now.total(&bag::TopicReport::written))},
+                     {"dropped", fmt::to_string(lost)},
+                     {"topics", fmt::to_string(now.topics.size())}};
+  }
+
+  const Options& options_;
+  bus::Participant participant_;
+  bus::Reader<msg::DeviceDescription> descriptions_;
+  bus::WaitSet wait_set_;
+  bag::BagRecorder recorder_;
+  RecordedTopics topics_;
+  std::vector<runtime::Link> links_;
+  bag::RecordingReport final_;
+  std::atomic<std::uint64_t> session_{0};
+  std::atomic<bool> finished_{false};
+};
+
+}  // namespace
+
+int run(const Options& options, const std::atomic<bool>& stop) {
+  LoggerNode node(options);
+  return node.run(stop);
+}
+
+}  // namespace voxtouch::logger

@@ -1,0 +1,59 @@
+#pragma once
+/// The readers of a recording: those of the ring from the start, others as their writers appear.
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "nodes/bag/bag_recorder.hpp"
+#include "nodes/bus/opaque_discovery.hpp"
+#include "nodes/bus/wait_set.hpp"
+#include "nodes/runtime/options.hpp"
+#include "nodes/runtime/participation.hpp"
+
+namespace voxtouch::logger {
+
+class RecordedTopics {
+ public:
+  /// Makes readers for every row of the table that is recorded. Throws bus::Error.
+  RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options, std::vector<std::string> wanted,
+                 bag::BagRecorder& recorder, bus::WaitSet& wait_set);
+
+  /// Makes readers for wanted topics whose writers have appeared since. Returns sentences about what cannot be recorded.
+  std::vector<std::string> discover();
+  /// Takes all that is there into the recorder; how many samples that was.
+  std::size_t drain();
+  /// Who must have matched what before a lockstep run.
+  std::vector<runtime::Link> links() const;
+  std::size_t size() const noexcept { return entries_.size(); }
+
+ private:
+  /// How a message's time in the bag is found in lockstep, where no clock may be asked.
+  enum class Stamp { kSampleTime, kZero, kNewest };
+  struct Entry {
+    std::string name;
+    bus::OpaqueTopic topic;
+    bus::OpaqueReader reader;
+    bus::Entity unread;
+    bag::TopicId id;
+    Stamp stamp;
+  };
+  void add(const std::string& name, const std::string& type, const bus::EndpointQos& qos, const bus::EndpointQos& offered, Stamp stamp);
+  bool wants(const std::string& topic) const;
+  std::int64_t time_of(const Entry& entry, const bus::RawSample& sample);
+
+  const bus::Participant& participant_;
+  const runtime::NodeOptions& options_;
+  std::vector<std::string> wanted_;
+  bag::BagRecorder& recorder_;
+  bus::WaitSet& wait_set_;
+  bus::WriterDiscovery discovery_;
+  std::deque<Entry> entries_;  // addresses stay
+  std::set<std::string> known_;
+  std::int64_t newest_ns_ = 0;
+};
+
+}  // namespace voxtouch::logger

@@ -1,0 +1,11 @@
+#include "nodes/rendering/rendering_node.hpp"
+#include "nodes/runtime/main.hpp"
+
+int main(int argc, char** argv) {
+  voxtouch::rendering::Options options;
+  return voxtouch::runtime::node_main(
+      argc, argv,
+      "voxtouch rendering node: builds the scene's voxmap and pointshell and answers every device sample with the contact wrench.",
+      options, true, [](CLI::App&) {},
+      [&](const std::atomic<bool>& stop) { return voxtouch::rendering::run(options, stop); });
+}

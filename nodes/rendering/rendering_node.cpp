@@ -1,0 +1,155 @@
+#include "nodes/rendering/rendering_node.hpp"
+
+#include <fmt/format.h>
+
+#include "core/scene/build.hpp"
+#include "core/scene/device_mapping.hpp"
+#include "core/scene/scene_file.hpp"
+#include "nodes/bus/wait_set.hpp"
+#include "nodes/rendering/plan_message.hpp"
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/participation.hpp"
+
+namespace voxtouch::rendering {
+namespace {
+
+using runtime::NodeState;
+constexpr auto kRelaxed = std::memory_order_relaxed;
+
+class RenderingNode {
+ public:
+  RenderingNode(const Options& options, const Scene& scene, BuiltScene& built)
+      : options_(options), scene_(scene), built_(built), mapping_(scene.device), participant_(options.participant("rendering")),
+        descriptions_(participant_, qos::kDeviceDescription, options.rig, qos::profile_in(qos::kDeviceDescription, options.mode())),
+        states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
+        contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
+        plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
+        wait_set_(participant_) {
+    wait_set_.attach(descriptions_.condition());
+    wait_set_.attach(states_.condition());
+    links_ = {{[this] { return descriptions_.matched(); }, {"device"}},
+              {[this] { return states_.matched(); }, {"device"}},
+              {[this] { return contacts_.matched(); }, {"coupling", "logger", "validator"}},
+              {[this] { return plans_.matched(); }, {"logger", "validator"}}};
+  }
+
+  int run(const std::atomic<bool>& stop) {
+    runtime::flush_denormals();
+    stop_ = &stop;
+    runtime::Housekeeping housekeeping(participant_, "rendering", options_.rig,
+                                       [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+    while (!stop.load(kRelaxed)) {
+      wait_set_.wait(50'000'000);
+      descriptions_.take_each([this](const msg::DeviceDescription& d) { start_session(d.session_id); });
+      msg::DeviceState state;
+      while (states_.take(state) && !stop.load(kRelaxed)) answer(state);
+    }
+    stopped_.store(true);
+    return 0;
+  }
+
+ private:
+  void start_session(std::uint64_t session) {
+    built_.renderer().reset();
+    mapping_.reset();
+    session_in_loop_ = session;
+    publish_plan(plans_, built_.plan(), built_.largest_shell_gap_m(), session);
+    session_.store(session, std::memory_order_release);
+  }
+
+  /// A sample that cannot be used is answered with the last good pose's contact for as long as a device holds a command.
+  void answer(const msg::DeviceState& state) noexcept {
+    const std::int64_t begin = runtime::monotonic_ns();
+    if (state.session_id != session_in_loop_) return;  // its description, which is reliable, is on the way
+    const ToolState& tool = mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons);
+    const bool good = !tool.refused;
+    if (good) {
+      result_ = built_.renderer().render(tool.pose);
+      refused_in_a_row_ = 0;
+    } else {
+      refused_.fetch_add(1, kRelaxed);
+      if (++refused_in_a_row_ > kHoldSamples) result_ = {};
+    }
+    publish(state, good, begin);
+  }
+
+  void publish(const msg::DeviceState& state, bool good, std::int64_t begin) noexcept {
+    const ContactResult& c = result_.contact;
+    msg::ContactState m{};
+    m.session_id = state.session_id;
+    m.sequence_number = state.sequence_number;
+    m.sample_time_ns = state.sample_time_ns;
+    m.tool_pose = runtime::to_msg(mapping_.tool().pose);
+    m.wrench = runtime::to_msg(c.wrench);
+    m.mean_normal = runtime::to_vector(c.mean_normal);
+    m.deepest_point = runtime::to_point(c.deepest_point);
+    m.deepest_depth_m = c.deepest_depth_m;
+    m.coherence = c.coherence;
+    m.stiffness_bound_n_per_m = c.stiffness_bound_n_per_m;
+    m.surface_hits = c.surface_hits;
+    m.interior_hits = c.interior_hits;
+    m.points_tested = c.points_tested;
+    m.model = static_cast<std::uint32_t>(built_.renderer().model());
+    m.flags = (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (result_.held ? msg::contact_state::kFlagHeld : 0U) |
+              (result_.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample);
+    const std::int64_t spent = runtime::monotonic_ns() - begin;
+    m.time_spent_ns = options_.lockstep ? 0 : spent;
+    contacts_.write(m);
+    samples_.fetch_add(1, kRelaxed);
+    if (!c.wrench.zero()) contact_samples_.fetch_add(1, kRelaxed);
+    if (result_.fast) fast_.fetch_add(1, kRelaxed);
+    if (result_.held) held_.fetch_add(1, kRelaxed);
+    if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
+  }
+
+  void look(runtime::Roster& roster, runtime::NodeReport& report) {
+    const std::uint64_t session = session_.load(std::memory_order_acquire);
+    const bool ready = session != 0 && runtime::all_linked(options_, roster, links_);
+    report.session_id = ready ? session : 0;
+    report.state = stopped_.load() ? NodeState::kStopped : ready ? (samples_.load() ? NodeState::kRunning : NodeState::kReady) : NodeState::kStarting;
+    report.message = stopped_.load() ? "stopped" : ready ? "scene '" + scene_.name + "' is built" : "scene '" + scene_.name + "' is built; waiting for a device";
+    report.values = {{"samples", fmt::to_string(samples_.load())},
+                     {"contact_samples", fmt::to_string(contact_samples_.load())},
+                     {"refused_samples", fmt::to_string(refused_.load())},
+                     {"fast_samples", fmt::to_string(fast_.load())},
+                     {"held_samples", fmt::to_string(held_.load())},
+                     {"longest_frame_us", fmt::format("{:.0f}", options_.lockstep ? 0.0 : static_cast<double>(longest_ns_.load()) * 1e-3)},
+                     {"deadline_misses", fmt::to_string(states_.deadlines_missed())},
+                     {"warnings", fmt::to_string(built_.plan().warnings.size())}};
+  }
+
+  static constexpr int kHoldSamples = 3;
+  const Options& options_;
+  const Scene& scene_;
+  BuiltScene& built_;
+  DeviceMapping mapping_;
+  bus::Participant participant_;
+  bus::Reader<msg::DeviceDescription> descriptions_;
+  bus::Reader<msg::DeviceState> states_;
+  bus::Writer<msg::ContactState> contacts_;
+  bus::Writer<msg::ScenePlan> plans_;
+  bus::WaitSet wait_set_;
+  std::vector<runtime::Link> links_;
+  const std::atomic<bool>* stop_ = nullptr;
+  std::uint64_t session_in_loop_ = 0;
+  std::atomic<std::uint64_t> session_{0};
+  StageResult result_;
+  int refused_in_a_row_ = 0;
+  std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0};
+  std::atomic<std::int64_t> longest_ns_{0};
+  std::atomic<bool> stopped_{false};
+};
+
+}  // namespace
+
+int run(const Options& options, const std::atomic<bool>& stop) {
+  const Scene scene = load_scene(options.scene);
+  const std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for());
+  for (const std::string& warning : built->plan().warnings) fmt::print(stderr, "warning: {}\n", warning);
+  RenderingNode node(options, scene, *built);
+  return node.run(stop);
+}
+
+}  // namespace voxtouch::rendering

@@ -1,0 +1,24 @@
+#pragma once
+/// Messages to core values and back; field by field, nothing computed. Real-time safe.
+#include "core/types/geometry.hpp"
+#include "voxtouch_msgs/messages.hpp"
+
+namespace voxtouch::runtime {
+
+inline Vec3 from_msg(const msg::geometry_msgs_Vector3& v) noexcept { return {v.x, v.y, v.z}; }
+inline Vec3 from_msg(const msg::geometry_msgs_Point& v) noexcept { return {v.x, v.y, v.z}; }
+inline Pose from_msg(const msg::geometry_msgs_Pose& p) noexcept {
+  return {from_msg(p.position), Quat(p.orientation.w, p.orientation.x, p.orientation.y, p.orientation.z)};
+}
+inline Twist from_msg(const msg::geometry_msgs_Twist& t) noexcept { return {from_msg(t.linear), from_msg(t.angular)}; }
+inline Wrench from_msg(const msg::geometry_msgs_Wrench& w) noexcept { return {from_msg(w.force), from_msg(w.torque)}; }
+
+inline msg::geometry_msgs_Vector3 to_vector(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
+inline msg::geometry_msgs_Point to_point(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
+inline msg::geometry_msgs_Pose to_msg(const Pose& p) noexcept {
+  return {to_point(p.position), {p.orientation.x(), p.orientation.y(), p.orientation.z(), p.orientation.w()}};
+}
+inline msg::geometry_msgs_Twist to_msg(const Twist& t) noexcept { return {to_vector(t.linear), to_vector(t.angular)}; }
+inline msg::geometry_msgs_Wrench to_msg(const Wrench& w) noexcept { return {to_vector(w.force), to_vector(w.torque)}; }
+
+}  // namespace voxtouch::runtime

@@ -1,0 +1,45 @@
+#include "nodes/runtime/housekeeping.hpp"
+
+#include <sched.h>
+
+#include <chrono>
+
+#include "nodes/runtime/clock.hpp"
+
+namespace voxtouch::runtime {
+
+Housekeeping::Housekeeping(const bus::Participant& participant, std::string node, const std::string& rig,
+                           std::function<void(Roster&, NodeReport&)> look)
+    : writer_(participant, std::move(node), rig), roster_(participant, rig), look_(std::move(look)) {
+  turn();
+  thread_ = std::thread([this] {
+    const sched_param ordinary{};
+    sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the creator may run under SCHED_FIFO
+    while (!stop_.load(std::memory_order_acquire)) {
+      turn();
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+}
+
+Housekeeping::~Housekeeping() {
+  stop_.store(true, std::memory_order_release);
+  thread_.join();
+  last_publish_ns_ = 0;
+  turn();
+  writer_.flush();
+}
+
+void Housekeeping::turn() {
+  roster_.update();
+  NodeReport report = last_;
+  look_(roster_, report);
+  const std::int64_t now = monotonic_ns();
+  const bool changed = report.state != last_.state || report.session_id != last_.session_id || report.message != last_.message;
+  if (!changed && last_publish_ns_ != 0 && now - last_publish_ns_ < 1'000'000'000) return;
+  writer_.publish(report);
+  last_ = std::move(report);
+  last_publish_ns_ = now;
+}
+
+}  // namespace voxtouch::runtime

@@ -1,0 +1,48 @@
+#include "nodes/runtime/options.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace voxtouch::runtime {
+
+bool NodeOptions::has_peer(std::string_view node) const {
+  return std::find(peers.begin(), peers.end(), node) != peers.end();
+}
+
+void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
+  if (with_scene) app.add_option("--scene", o.scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
+  app.add_option("--rig", o.rig, "Rig name: the namespace of all topics")->capture_default_str()->check(
+      [](const std::string& name) {
+        const bool good = !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) &&
+                          std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+        return good ? std::string() : "'" + name + "' is not a ROS name: letters, digits and _, a letter first";
+      });
+  app.add_option("--domain", o.domain, "DDS domain, as ROS_DOMAIN_ID")->capture_default_str()->envname("ROS_DOMAIN_ID")->check(
+      CLI::Range(0, 232));
+  app.add_option("--interface", o.network_interface, "Network interface (CYCLONEDDS_URI overrides)")->capture_default_str();
+  app.add_option("--seed", o.seed, "Seed of everything random")->capture_default_str();
+  app.add_flag("--lockstep", o.lockstep, "Simulated time: every sample waits for its command; same bits on every run");
+  app.add_option("--peers", o.peers, "Lockstep: nodes that take part, beside the device")->delimiter(',')->check(
+      CLI::IsMember({"rendering", "coupling", "logger", "validator"}));
+  app.add_option("--realtime", o.realtime.mode, "What to do where real-time scheduling is refused: ignore (warn) or enforce (fail)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Realtime>{{"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}));
+  app.add_option("--cpu", o.realtime.cpu, "Pin to this CPU");
+}
+
+std::vector<std::string> to_arguments(const NodeOptions& o, bool with_scene) {
+  std::vector<std::string> a;
+  if (with_scene) a.insert(a.end(), {"--scene", o.scene.string()});
+  a.insert(a.end(), {"--rig", o.rig, "--domain", fmt::to_string(o.domain), "--interface", o.network_interface, "--seed",
+                     fmt::to_string(o.seed)});
+  if (o.lockstep) a.push_back("--lockstep");
+  if (!o.peers.empty()) a.insert(a.end(), {"--peers", fmt::format("{}", fmt::join(o.peers, ","))});
+  if (o.realtime.mode == Realtime::kEnforce) a.insert(a.end(), {"--realtime", "enforce"});
+  if (o.realtime.cpu) a.insert(a.end(), {"--cpu", fmt::to_string(*o.realtime.cpu)});
+  return a;
+}
+
+}  // namespace voxtouch::runtime

@@ -1,0 +1,41 @@
+#pragma once
+/// What every node is told when it starts.
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "nodes/bus/participant.hpp"
+#include "nodes/runtime/realtime.hpp"
+#include "qos/topics.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace voxtouch::runtime {
+
+struct NodeOptions {
+  std::filesystem::path scene;
+  std::string rig = "haptic";
+  std::uint32_t domain = 0;
+  std::string network_interface = "lo";
+  bool lockstep = false;
+  std::vector<std::string> peers;  ///< lockstep: the nodes that take part, the device aside
+  std::uint64_t seed = 1;
+  RealtimeOptions realtime;
+
+  qos::TimeMode mode() const noexcept { return lockstep ? qos::TimeMode::kLockstep : qos::TimeMode::kRealTime; }
+  bus::ParticipantOptions participant(const std::string& node) const {
+    return {domain, network_interface, "voxtouch_" + node + "/" + rig};
+  }
+  bool has_peer(std::string_view node) const;
+};
+
+/// Adds the options above to a command line: --scene (where `with_scene`), --rig, --domain, --interface, --lockstep, ...
+void add_node_options(CLI::App& app, NodeOptions& options, bool with_scene);
+
+/// The command line of a node that gets exactly these options: what `up` starts its children with.
+std::vector<std::string> to_arguments(const NodeOptions& options, bool with_scene);
+
+}  // namespace voxtouch::runtime

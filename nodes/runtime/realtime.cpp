@@ -1,0 +1,61 @@
+#include "nodes/runtime/realtime.hpp"
+
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace voxtouch::runtime {
+namespace {
+
+/// 0 or errno. Under a limit the lock is not even tried: with MCL_FUTURE every later allocation beyond the limit would fail.
+int lock_memory() {
+  rlimit limit{};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
+  if (limit.rlim_cur != RLIM_INFINITY && geteuid() != 0) return EPERM;
+  return mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
+}
+
+}  // namespace
+
+std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
+  std::vector<std::string> refused;
+  sched_param parameters{};
+  parameters.sched_priority = options.priority;
+  if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
+    refused.push_back(fmt::format(
+        "SCHED_FIFO priority {} was refused ({}): expect late samples under load. 'rtprio' in /etc/security/limits.d allows it "
+        "(deploy/services/99-voxtouch-realtime.conf).", options.priority, std::strerror(errno)));
+  if (options.cpu) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(static_cast<std::size_t>(*options.cpu), &set);
+    if (sched_setaffinity(0, sizeof set, &set) != 0)
+      refused.push_back(fmt::format("CPU {} could not be taken ({}); `nproc` says how many there are.", *options.cpu,
+                                    std::strerror(errno)));
+  }
+  if (const int error = lock_memory(); error != 0)
+    refused.push_back(fmt::format(
+        "memory could not be locked ({}): a page fault may delay a sample. 'memlock' in /etc/security/limits.d allows it "
+        "(deploy/services/99-voxtouch-realtime.conf).", std::strerror(error)));
+  if (options.mode == Realtime::kEnforce && !refused.empty())
+    throw std::runtime_error("--realtime enforce: " + refused.front());
+  return refused;
+}
+
+void flush_denormals() noexcept {
+#if defined(__SSE2__)
+  _mm_setcsr(_mm_getcsr() | 0x8040U);  // FTZ and DAZ
+#endif
+}
+
+}  // namespace voxtouch::runtime

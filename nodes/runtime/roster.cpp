@@ -1,0 +1,81 @@
+#include "nodes/runtime/roster.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "nodes/runtime/strings.hpp"
+
+namespace voxtouch::runtime {
+
+StatusWriter::StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig)
+    : writer_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)) {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  own_.node = std::move(node);
+  own_.host = host;
+  own_.pid = static_cast<std::uint32_t>(getpid());
+  own_.participant = participant.guid();
+}
+
+void StatusWriter::publish(const NodeReport& report) {
+  std::vector<diagnostic_msgs_msg_dds__KeyValue_> values;
+  for (const auto& [key, value] : report.values) values.push_back({lend(key), lend(value)});
+  msg::NodeStatus sample{};
+  sample.node = lend(own_.node);
+  sample.host = lend(own_.host);
+  sample.pid = own_.pid;
+  std::memcpy(sample.participant, own_.participant.data(), own_.participant.size());
+  sample.session_id = report.session_id;
+  sample.state = static_cast<std::uint32_t>(report.state);
+  sample.message = lend(report.message);
+  sample.values._buffer = values.data();
+  sample.values._length = sample.values._maximum = static_cast<std::uint32_t>(values.size());
+  writer_.write(sample);
+}
+
+void StatusWriter::flush() noexcept { writer_.wait_for_acknowledgments(DDS_SECS(1)); }
+
+Roster::Roster(const bus::Participant& participant, const std::string& rig)
+    : reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)) {}
+
+void Roster::update(bool keep_gone) {
+  reader_.take_each([this](const msg::NodeStatus& s) {
+    NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}};
+    std::memcpy(report.participant.data(), s.participant, report.participant.size());
+    for (std::uint32_t i = 0; i < s.values._length; ++i) report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
+    reports_[report.participant] = std::move(report);
+  });
+  if (keep_gone) return;
+  const std::vector<bus::Guid> here = reader_.matched();
+  std::erase_if(reports_, [&](const auto& entry) { return std::find(here.begin(), here.end(), entry.first) == here.end(); });
+}
+
+std::vector<NodeReport> Roster::reports() const {
+  std::vector<NodeReport> all;
+  for (const auto& [guid, report] : reports_) all.push_back(report);
+  std::sort(all.begin(), all.end(), [](const NodeReport& a, const NodeReport& b) { return a.node < b.node; });
+  return all;
+}
+
+std::optional<NodeReport> Roster::find(std::string_view node) const {
+  for (const auto& [guid, report] : reports_)
+    if (report.node == node) return report;
+  return std::nullopt;
+}
+
+std::string Roster::name_of(const bus::Guid& guid) const {
+  const auto known = reports_.find(guid);
+  if (known == reports_.end()) return "a participant that gives no name";
+  return known->second.node + " (process " + std::to_string(known->second.pid) + " on " + known->second.host + ")";
+}
+
+bool has_matched(const Roster& roster, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes) {
+  return std::all_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
+    const auto report = roster.find(node);
+    return report && std::find(matched.begin(), matched.end(), report->participant) != matched.end();
+  });
+}
+
+}  // namespace voxtouch::runtime

@@ -1,0 +1,68 @@
+#pragma once
+/// Who runs in this rig: each node publishes its own status and reads everybody's.
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "nodes/bus/reader.hpp"
+#include "nodes/bus/writer.hpp"
+
+namespace voxtouch::runtime {
+
+enum class NodeState : std::uint32_t {
+  kStarting = msg::node_status::kStateStarting,
+  kReady = msg::node_status::kStateReady,
+  kRunning = msg::node_status::kStateRunning,
+  kStopped = msg::node_status::kStateStopped,
+  kFailed = msg::node_status::kStateFailed,
+};
+
+/// One node's status as a value.
+struct NodeReport {
+  std::string node;
+  std::string host;
+  std::uint32_t pid = 0;
+  bus::Guid participant{};
+  std::uint64_t session_id = 0;
+  NodeState state = NodeState::kStarting;
+  std::string message;
+  std::map<std::string, std::string> values;
+};
+
+/// Publishes this node's report. Not for the loop: allocates.
+class StatusWriter {
+ public:
+  StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig);
+  void publish(const NodeReport& report);  ///< node, host, pid and participant are filled in here
+  /// Waits until readers have the last report; for the way out.
+  void flush() noexcept;
+
+ private:
+  bus::Writer<msg::NodeStatus> writer_;
+  NodeReport own_;
+};
+
+/// The newest report of each participant that is still there.
+class Roster {
+ public:
+  Roster(const bus::Participant& participant, const std::string& rig);
+  /// Takes what has arrived; forgets nodes whose participant has gone unless `keep_gone`.
+  void update(bool keep_gone = false);
+  /// All reports, sorted by node name.
+  std::vector<NodeReport> reports() const;
+  std::optional<NodeReport> find(std::string_view node) const;
+  /// Name of the node whose participant is `guid`, or "an unknown participant".
+  std::string name_of(const bus::Guid& guid) const;
+  dds_entity_t condition() const noexcept { return reader_.condition(); }
+
+ private:
+  bus::Reader<msg::NodeStatus> reader_;
+  std::map<bus::Guid, NodeReport> reports_;
+};
+
+/// Whether `matched` holds the participant of every node of `nodes` that the roster knows; false where one is not known yet.
+bool has_matched(const Roster& roster, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes);
+
+}  // namespace voxtouch::runtime

@@ -1,0 +1,171 @@
+#include "nodes/validator/validator_node.hpp"
+
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/reference/judgement.hpp"
+#include "core/reference/reference_scene.hpp"
+#include "core/scene/scene_file.hpp"
+#include "nodes/bus/reader.hpp"
+#include "nodes/bus/wait_set.hpp"
+#include "nodes/bus/writer.hpp"
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/realtime.hpp"
+#include "nodes/runtime/strings.hpp"
+
+namespace voxtouch::validator {
+namespace {
+
+using runtime::NodeState;
+
+/// In real time the validator only taps; in lockstep nothing it has to check may be lost.
+const qos::Profile& contact_profile(const Options& options) {
+  return options.lockstep ? qos::profile(qos::ProfileId::kLockstep) : qos::profile(qos::ProfileId::kTap);
+}
+
+ReportedContact to_report(const msg::ContactState& c) {
+  ReportedContact r;
+  r.tool_in_world = runtime::from_msg(c.tool_pose);
+  r.wrench = runtime::from_msg(c.wrench);
+  r.mean_normal = runtime::from_msg(c.mean_normal);
+  r.deepest_depth_m = c.deepest_depth_m;
+  r.coherence = c.coherence;
+  r.surface_hits = c.surface_hits;
+  r.interior_hits = c.interior_hits;
+  r.held = (c.flags & (msg::contact_state::kFlagHeld | msg::contact_state::kFlagRefusedSample)) != 0;
+  r.fallback = (c.flags & msg::contact_state::kFlagFallback) != 0;
+  return r;
+}
+
+class ValidatorNode {
+ public:
+  ValidatorNode(const Options& options, const Scene& scene)
+      : options_(options), scene_(scene), reference_(scene), participant_(options.participant("validator")),
+        plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
+        contacts_(participant_, qos::kContactState, options.rig, contact_profile(options)),
+        reports_(participant_, qos::kValidation, options.rig, qos::profile_in(qos::kValidation, options.mode())),
+        wait_set_(participant_) {
+    for (const dds_entity_t condition : {plans_.condition(), contacts_.condition()}) wait_set_.attach(condition);
+    links_ = {{[this] { return contacts_.matched(); }, {"rendering"}}, {[this] { return reports_.matched(); }, {"logger"}}};
+  }
+
+  int run(const std::atomic<bool>& stop) {
+    runtime::flush_denormals();
+    runtime::Housekeeping housekeeping(participant_, "validator", options_.rig,
+                                       [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+    bool leave = false;
+    while (!leave) {
+      leave = stop.load(std::memory_order_relaxed);  // one more turn after the stop: what came before it is judged too
+      wait_set_.wait(leave ? 100'000'000 : 50'000'000);
+      plans_.take_each([this](const msg::ScenePlan& plan) { start_session(plan); });
+      msg::ContactState contact;
+      while (contacts_.take(contact)) check(contact);
+    }
+    if (options_.lockstep) reports_.wait_for_acknowledgments(DDS_SECS(5));
+    stopped_.store(true);
+    return 0;
+  }
+
+ private:
+  /// The plan says what the rendering built: another scene file, or another grid, is a disagreement before the first sample.
+  void start_session(const msg::ScenePlan& plan) {
+    if (plan.scene_hash != scene_.hash)
+      fmt::print(stderr, "warning: validator: the rendering runs another version of scene '{}' than {}\n", plan.scene, scene_.file.string());
+    JudgeSettings settings;
+    settings.edge_m = scene_.voxel_size_m;
+    settings.chord_error_m = reference_.chord_error_m();
+    settings.shell_gap_m = std::min(plan.largest_shell_gap_m, std::sqrt(3.0) * scene_.voxel_size_m);
+    settings.shell_offset_m = scene_.shell == ShellKind::kNaive ? std::sqrt(3.0) / 2 * scene_.voxel_size_m : 0.0;
+    judge_ = std::make_unique<Judge>(settings);
+    session_in_loop_ = plan.session_id;
+    publish_counts();
+    session_.store(plan.session_id, std::memory_order_release);
+  }
+
+  void check(const msg::ContactState& contact) {
+    if (!judge_ || contact.session_id != session_in_loop_ || !is_checked(contact.sequence_number, options_.every)) return;
+    const ReportedContact report = to_report(contact);
+    const GapResult gap = reference_.gap(report.tool_in_world);
+    const Judgement judgement = judge_->judge(gap, report);
+    const JudgeCounts& counts = judge_->counts();
+    msg::ValidationReport m{};
+    m.session_id = contact.session_id;
+    m.sequence_number = contact.sequence_number;
+    m.sample_time_ns = contact.sample_time_ns;
+    m.gap_m = gap.gap_m;
+    m.reported_depth_m = contact.deepest_depth_m;
+    m.depth_error_m = judgement.depth_error_m;
+    m.direction_error_rad = judgement.direction_error_rad;
+    m.surface_hits = contact.surface_hits;
+    m.interior_hits = contact.interior_hits;
+    m.verdict = static_cast<std::uint32_t>(judgement.verdict);
+    m.cause = static_cast<std::uint32_t>(judgement.cause);
+    m.checked = counts.checked;
+    m.decided = counts.decided;
+    m.agree = counts.agree;
+    m.in_band = counts.in_band;
+    m.disagree = counts.disagree;
+    m.explanation = runtime::lend(judgement.explanation);
+    reports_.write(m);
+    if (judgement.verdict == Verdict::kDisagree) note(contact.sequence_number, judgement);
+    publish_counts();
+  }
+
+  void note(std::uint64_t sequence, const Judgement& judgement) {
+    const std::lock_guard lock(mutex_);
+    if (first_disagreement_.empty())
+      first_disagreement_ = fmt::format("sample {} ({}): {}", sequence, judgement.cause == Cause::kReference ? "the reference's fault" : "the rendering's fault",
+                                        judgement.explanation);
+  }
+
+  void publish_counts() {
+    const std::lock_guard lock(mutex_);
+    counts_ = judge_->counts();
+  }
+
+  void look(runtime::Roster& roster, runtime::NodeReport& report) {
+    const std::uint64_t session = session_.load(std::memory_order_acquire);
+    const bool ready = session != 0 && runtime::all_linked(options_, roster, links_);
+    const std::lock_guard lock(mutex_);
+    report.session_id = ready ? session : 0;
+    report.state = stopped_.load() ? NodeState::kStopped : ready ? (counts_.checked ? NodeState::kRunning : NodeState::kReady) : NodeState::kStarting;
+    report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_ : ready ? "no disagreement" : "waiting for the rendering";
+    report.values = {{"checked", fmt::to_string(counts_.checked)}, {"decided", fmt::to_string(counts_.decided)},
+                     {"agree", fmt::to_string(counts_.agree)},     {"in_band", fmt::to_string(counts_.in_band)},
+                     {"disagree", fmt::to_string(counts_.disagree)}, {"by_rendering", fmt::to_string(counts_.rendering)},
+                     {"by_reference", fmt::to_string(counts_.reference)}};
+  }
+
+  const Options& options_;
+  const Scene& scene_;
+  ReferenceScene reference_;
+  bus::Participant participant_;
+  bus::Reader<msg::ScenePlan> plans_;
+  bus::Reader<msg::ContactState> contacts_;
+  bus::Writer<msg::ValidationReport> reports_;
+  bus::WaitSet wait_set_;
+  std::vector<runtime::Link> links_;
+  std::unique_ptr<Judge> judge_;
+  std::uint64_t session_in_loop_ = 0;
+  std::atomic<std::uint64_t> session_{0};
+  std::atomic<bool> stopped_{false};
+  std::mutex mutex_;
+  JudgeCounts counts_;
+  std::string first_disagreement_;
+};
+
+}  // namespace
+
+int run(const Options& options, const std::atomic<bool>& stop) {
+  const Scene scene = load_scene(options.scene);
+  ValidatorNode node(options, scene);
+  return node.run(stop);
+}
+
+}  // namespace voxtouch::validator

@@ -1,0 +1,17 @@
+#pragma once
+/// The validator's process: an independent reference judges every n-th contact.
+#include <atomic>
+#include <cstdint>
+
+#include "nodes/runtime/options.hpp"
+
+namespace voxtouch::validator {
+
+struct Options : runtime::NodeOptions {
+  std::uint64_t every = 20;  ///< check samples whose sequence number is a multiple of this
+};
+
+/// Judges until `stop`. Throws while starting only.
+int run(const Options& options, const std::atomic<bool>& stop);
+
+}  // namespace voxtouch::validator

@@ -1,0 +1,120 @@
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <set>
+#include <thread>
+
+#include "nodes/bus/reader.hpp"
+#include "nodes/bus/writer.hpp"
+
+namespace voxtouch {
+namespace {
+
+using qos::Endpoint;
+using qos::ProfileId;
+using qos::TimeMode;
+
+TEST(Topics, EachWriterSatisfiesItsFullReaderAndTheTapInBothTimeModes) {
+  for (const qos::Topic& topic : qos::kTopics)
+    for (const TimeMode mode : {TimeMode::kRealTime, TimeMode::kLockstep}) {
+      const qos::Profile& writer = qos::profile_in(topic, mode);
+      EXPECT_TRUE(qos::matches(writer, qos::profile_in(topic, mode))) << topic.path;
+      EXPECT_TRUE(qos::matches(writer, qos::profile(ProfileId::kTap))) << topic.path;
+    }
+}
+
+TEST(Topics, HaveDistinctNames) {
+  std::set<std::string> names;
+  for (const qos::Topic& topic : qos::kTopics) EXPECT_TRUE(names.insert(qos::dds_name(topic, "haptic")).second) << topic.path;
+}
+
+TEST(Topics, CarryTheNamesThatRosToolsExpect) {
+  EXPECT_EQ(qos::dds_name(qos::kDeviceState, "haptic"), "rt/haptic/device/state");
+  EXPECT_EQ(qos::dds_name(qos::kTf, "haptic"), "rt/tf");
+  EXPECT_EQ(msg::Type<msg::DeviceState>::dds_name, "voxtouch_msgs::msg::dds_::DeviceState_");
+  EXPECT_STREQ(msg::Type<msg::DeviceState>::descriptor->m_typename, "voxtouch_msgs::msg::dds_::DeviceState_");
+}
+
+TEST(Topics, StreamsLoseNothingInLockstep) {
+  for (const qos::Topic& topic : {qos::kDeviceState, qos::kContactState, qos::kForceCommand, qos::kValidation}) {
+    const qos::Profile& p = qos::profile_in(topic, TimeMode::kLockstep);
+    EXPECT_TRUE(p.reliable && p.keep_all && p.blocks_for_ever) << topic.path;
+    EXPECT_EQ(p.deadline_periods, 0.0) << topic.path;
+  }
+}
+
+TEST(Profiles, HaveNoLatencyBudgetAndNoLifespan) {
+  for (const qos::Profile& p : qos::kProfiles)
+    for (const Endpoint endpoint : {Endpoint::kWriter, Endpoint::kReader}) {
+      const qos::Qos q = qos::make_qos(p, endpoint, 1e-3);
+      dds_duration_t budget = 0, lifespan = 0;
+      EXPECT_TRUE(!dds_qget_latency_budget(q.get(), &budget) || budget == 0) << p.name;
+      EXPECT_TRUE(!dds_qget_lifespan(q.get(), &lifespan) || lifespan == DDS_INFINITY) << p.name;
+    }
+}
+
+TEST(Profiles, KeepTheStreamDeadlineAtThreePeriods) {
+  for (const Endpoint endpoint : {Endpoint::kWriter, Endpoint::kReader}) {
+    const qos::Qos q = qos::make_qos(qos::profile(ProfileId::kStream), endpoint, 1e-3);
+    dds_duration_t deadline = 0;
+    ASSERT_TRUE(dds_qget_deadline(q.get(), &deadline));
+    EXPECT_EQ(deadline, DDS_MSECS(3));
+  }
+}
+
+/// The prediction is held against what Cyclone DDS does, for every pair.
+TEST(Profiles, MatchOverRealDdsExactlyWhereTheTableSaysSo) {
+  const bus::Participant participant({71, "lo", "qos_test"});
+  struct Pair {
+    const qos::Profile *offered, *requested;
+    bus::Writer<msg::DeviceState> writer;
+    bus::Reader<msg::DeviceState> reader;
+  };
+  std::vector<Pair> pairs;
+  std::deque<std::string> names;
+  for (const qos::Profile& offered : qos::kProfiles)
+    for (const qos::Profile& requested : qos::kProfiles) {
+      names.push_back(std::string(offered.name) + "_" + std::string(requested.name));
+      const qos::Topic topic{names.back(), "voxtouch_msgs/msg/DeviceState", offered.id, 1000};
+      pairs.push_back({&offered, &requested, {participant, topic, "pairs", offered}, {participant, topic, "pairs", requested}});
+    }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  for (const Pair& pair : pairs)
+    EXPECT_EQ(pair.writer.matched_count() == 1, qos::matches(*pair.offered, *pair.requested))
+        << pair.offered->name << " -> " << pair.requested->name;
+}
+
+TEST(Bus, RefusesATypeThatTheTableDoesNotGiveTheTopic) {
+  const bus::Participant participant({71, "lo", "qos_test"});
+  EXPECT_THROW((bus::Writer<msg::ForceCommand>(participant, qos::kDeviceState, "r", qos::profile(ProfileId::kStream))), bus::Error);
+}
+
+TEST(Bus, NamesTheInterfaceThatDoesNotExist) {
+  try {
+    const bus::Participant participant({72, "no_such_if0", "qos_test"});
+    FAIL() << "a participant was made on an interface that does not exist";
+  } catch (const bus::Error& error) {
+    EXPECT_NE(std::string(error.what()).find("no_such_if0"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Bus, GivesALatchedValueToALateReader) {
+  const bus::Participant participant({71, "lo", "qos_test"});
+  const auto& latched = qos::profile(ProfileId::kLatched);
+  bus::Writer<msg::DeviceDescription> writer(participant, qos::kDeviceDescription, "late", latched);
+  msg::DeviceDescription sample{};
+  char model[] = "sim-phantom";
+  sample.model = model;
+  sample.max_force_n = 8.5;
+  ASSERT_TRUE(writer.write(sample));
+  bus::Reader<msg::DeviceDescription> reader(participant, qos::kDeviceDescription, "late", latched);
+  std::string got;
+  for (int i = 0; i < 100 && got.empty(); ++i) {
+    reader.take_each([&](const msg::DeviceDescription& d) { got = d.model; });
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(got, "sim-phantom");
+}
+
+}  // namespace
+}  // namespace voxtouch
