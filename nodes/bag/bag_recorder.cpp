@@ -8,11 +8,12 @@ namespace voxtouch::bag {
 
 namespace {
 constexpr std::size_t kMaxErrors = 64;  // each different sentence once; a broken disk must not fill the memory with them
+constexpr std::chrono::milliseconds kTickPeriod{20};  // a sink asks for ten a second
 }
 
 BagRecorder::BagRecorder(std::unique_ptr<BagSink> sink, const RecorderOptions& options)
     : options_(options), sink_(std::move(sink)), queue_(options.queue_bytes, options.queue_messages), counts_(options.max_topics),
-      last_report_(std::chrono::steady_clock::now()) {
+      last_report_(std::chrono::steady_clock::now()), last_tick_(last_report_) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -69,10 +70,25 @@ void BagRecorder::add_new_topics() {
       const std::scoped_lock lock(table_mutex_);
       topic = topics_[sink_topics_.size()];
     }
-    const auto added = sink_->add_topic(topic);
-    if (!added) note(added.error());
-    sink_topics_.push_back(added ? std::optional<TopicId>(*added) : std::nullopt);
+    sink_topics_.push_back(place(topic));
     unplaced_.push_back(0);
+  }
+}
+
+std::optional<TopicId> BagRecorder::place(const TopicInfo& topic) {
+  const auto added = sink_->add_topic(topic);
+  if (added) return *added;
+  note(added.error());
+  return std::nullopt;
+}
+
+void BagRecorder::place_refused_topics() {
+  for (std::size_t i = 0; i < sink_topics_.size(); ++i) {
+    if (sink_topics_[i]) continue;
+    std::unique_lock lock(table_mutex_);
+    const TopicInfo topic = topics_[i];
+    lock.unlock();
+    sink_topics_[i] = place(topic);
   }
 }
 
@@ -83,18 +99,19 @@ std::size_t BagRecorder::drain() {
     const auto message = queue_.front();
     if (!message) break;
     if (message->topic >= sink_topics_.size()) add_new_topics();
-    if (const auto place = sink_topics_[message->topic]) {
-      if (auto appended = sink_->append(*place, message->time_ns, message->bytes); !appended) note(appended.error());
+    if (const auto topic = sink_topics_[message->topic]) {
+      if (auto appended = sink_->append(*topic, message->time_ns, message->bytes); !appended) note(appended.error());
     } else {
       ++unplaced_[message->topic];
     }
     queue_.pop();
-    if (written % 256 == 255) housekeeping(false);
+    if (std::chrono::steady_clock::now() - last_tick_ >= kTickPeriod) housekeeping(false);
   }
   return written;
 }
 
 void BagRecorder::housekeeping(bool closing) {
+  const auto now = last_tick_ = std::chrono::steady_clock::now();
   auto ticked = closing ? sink_->close() : sink_->tick();
   if (!ticked) note(ticked.error());
   std::vector<TopicReport> in_sink(sink_topics_.size());  // in the sink's order, which leaves refused topics out
@@ -108,9 +125,9 @@ void BagRecorder::housekeeping(bool closing) {
     }
     closed_ = closed_ || closing;
   }
-  const auto now = std::chrono::steady_clock::now();
   if (!closing && now - last_report_ < options_.report_period) return;
   last_report_ = now;
+  if (!closing) place_refused_topics();
   if (auto reported = sink_->report(report()); !reported) note(reported.error());
 }
 

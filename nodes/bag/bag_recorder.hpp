@@ -58,6 +58,8 @@ class BagRecorder {
   void run();
   std::size_t drain();
   void add_new_topics();
+  void place_refused_topics();  // a disk that was full may have room again
+  std::optional<TopicId> place(const TopicInfo& topic);
   void housekeeping(bool closing);
   void note(const BagError& error);
 
@@ -78,7 +80,7 @@ class BagRecorder {
   // The disk thread's own.
   std::vector<std::optional<TopicId>> sink_topics_;
   std::vector<std::uint64_t> unplaced_;  // messages of topics that the sink refused
-  std::chrono::steady_clock::time_point last_report_;
+  std::chrono::steady_clock::time_point last_report_, last_tick_;
   std::mutex stop_mutex_;
   std::thread thread_;
 };

@@ -20,7 +20,7 @@ struct DiscoveredWriter {
   std::string type_name;  ///< DDS name, e.g. "voxtouch_msgs::msg::dds_::DeviceState_"
   EndpointQos qos;
   std::string user_data;  ///< as announced, e.g. "typehash=RIHS01_...;" from ROS 2
-  bool has_type_information = false;  ///< XTypes; false for ROS 2 writers
+  bool has_type_information = false;  ///< XTypes; false for ROS 2 writers, and for those of this process
   bool keyed = false;     ///< an opaque reader never matches it
 };
 
