@@ -1,0 +1,99 @@
+#include "nodes/bag/bag_metadata.hpp"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+namespace voxtouch::bag {
+namespace {
+
+template <class T>
+void emit_time(YAML::Emitter& out, const char* name, const char* unit, T value) {
+  out << YAML::Key << name << YAML::Value << YAML::BeginMap << YAML::Key << unit << YAML::Value << value << YAML::EndMap;
+}
+
+void emit_topics(YAML::Emitter& out, const std::vector<TopicInfo>& topics) {
+  out << YAML::Key << "topics_with_message_count" << YAML::Value << YAML::BeginSeq;
+  for (const auto& topic : topics) {
+    out << YAML::BeginMap << YAML::Key << "topic_metadata" << YAML::Value << YAML::BeginMap;
+    out << YAML::Key << "name" << YAML::Value << topic.name << YAML::Key << "type" << YAML::Value << topic.type;
+    out << YAML::Key << "serialization_format" << YAML::Value << topic.serialization_format;
+    out << YAML::Key << "offered_qos_profiles" << YAML::Value << YAML::DoubleQuoted << topic.offered_qos << YAML::EndMap;
+    out << YAML::Key << "message_count" << YAML::Value << topic.message_count << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
+void emit_files(YAML::Emitter& out, const BagMetadata& metadata) {
+  out << YAML::Key << "relative_file_paths" << YAML::Value << YAML::BeginSeq;
+  for (const auto& file : metadata.files) out << file;
+  out << YAML::EndSeq << YAML::Key << "files" << YAML::Value << YAML::BeginSeq;
+  for (const auto& file : metadata.files) {
+    out << YAML::BeginMap << YAML::Key << "path" << YAML::Value << file;
+    emit_time(out, "starting_time", "nanoseconds_since_epoch", metadata.starting_time_ns);
+    emit_time(out, "duration", "nanoseconds", metadata.duration_ns);
+    out << YAML::Key << "message_count" << YAML::Value << metadata.message_count << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
+void emit_body(YAML::Emitter& out, const BagMetadata& metadata) {
+  out << YAML::BeginMap << YAML::Key << "version" << YAML::Value << 5;
+  out << YAML::Key << "storage_identifier" << YAML::Value << metadata.storage_identifier;
+  emit_time(out, "duration", "nanoseconds", metadata.duration_ns);
+  emit_time(out, "starting_time", "nanoseconds_since_epoch", metadata.starting_time_ns);
+  out << YAML::Key << "message_count" << YAML::Value << metadata.message_count;
+  emit_topics(out, metadata.topics);
+  out << YAML::Key << "compression_format" << YAML::Value << YAML::DoubleQuoted << "";
+  out << YAML::Key << "compression_mode" << YAML::Value << YAML::DoubleQuoted << "";
+  emit_files(out, metadata);
+  out << YAML::EndMap;
+}
+
+TopicInfo parse_topic(const YAML::Node& node) {
+  TopicInfo topic;
+  const YAML::Node inner = node["topic_metadata"];
+  topic.name = inner["name"].as<std::string>();
+  topic.type = inner["type"].as<std::string>();
+  topic.serialization_format = inner["serialization_format"].as<std::string>();
+  if (const YAML::Node qos = inner["offered_qos_profiles"])
+    topic.offered_qos = qos.IsScalar() ? qos.Scalar() : YAML::Dump(qos);
+  topic.message_count = node["message_count"].as<std::uint64_t>();
+  return topic;
+}
+
+BagMetadata parse(const YAML::Node& node) {
+  BagMetadata metadata;
+  metadata.version = node["version"].as<int>();
+  metadata.storage_identifier = node["storage_identifier"].as<std::string>();
+  metadata.duration_ns = node["duration"]["nanoseconds"].as<std::int64_t>();
+  metadata.starting_time_ns = node["starting_time"]["nanoseconds_since_epoch"].as<std::int64_t>();
+  metadata.message_count = node["message_count"].as<std::uint64_t>();
+  for (const auto& topic : node["topics_with_message_count"]) metadata.topics.push_back(parse_topic(topic));
+  metadata.files = node["relative_file_paths"].as<std::vector<std::string>>();
+  if (const YAML::Node mode = node["compression_mode"]) metadata.compression_mode = mode.as<std::string>();
+  return metadata;
+}
+
+}  // namespace
+
+std::string metadata_yaml(const BagMetadata& metadata, bool with_root) {
+  YAML::Emitter out;
+  if (with_root) out << YAML::BeginMap << YAML::Key << "rosbag2_bagfile_information" << YAML::Value;
+  emit_body(out, metadata);
+  if (with_root) out << YAML::EndMap;
+  return std::string(out.c_str()) + "\n";
+}
+
+Result<BagMetadata> read_metadata(const std::filesystem::path& file) {
+  try {
+    return parse(YAML::LoadFile(file.string())["rosbag2_bagfile_information"]);
+  } catch (const YAML::BadFile&) {
+    return std::unexpected(BagError{BagFault::kDisk, fmt::format("'{}' cannot be read. Name a folder that holds a bag.", file.string())});
+  } catch (const YAML::Exception& error) {
+    return std::unexpected(BagError{BagFault::kFormat, fmt::format("'{}' is not the metadata of a bag: {}. Record it again, or "
+                                                                   "remove the file to read the .db3 beside it without it.",
+                                                                   file.string(), error.what())});
+  }
+}
+
+}  // namespace voxtouch::bag

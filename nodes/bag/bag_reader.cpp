@@ -1,0 +1,161 @@
+#include "nodes/bag/bag_reader.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <system_error>
+
+namespace voxtouch::bag {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::unexpected<BagError> format_error(std::string sentence) {
+  return std::unexpected(BagError{BagFault::kFormat, std::move(sentence)});
+}
+
+// bag_2.db3 before bag_10.db3: by length, then by letters, which is by number where the names differ in the number only.
+std::vector<fs::path> databases_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (it->path().extension() == ".db3") found.push_back(it->path());
+  std::ranges::sort(found, {}, [](const fs::path& path) { return std::pair(path.string().size(), path.string()); });
+  return found;
+}
+
+// The files that metadata names; if one is not there, what the folder holds.
+std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<BagMetadata>& metadata, std::vector<std::string>& warnings) {
+  std::vector<fs::path> named;
+  if (metadata)
+    for (const auto& file : metadata->files) named.push_back(folder / file);
+  const bool all_there = std::ranges::all_of(named, [](const fs::path& path) {
+    std::error_code error;
+    return fs::exists(path, error);
+  });
+  if (!named.empty() && all_there) return named;
+  if (metadata) warnings.push_back(fmt::format("'{}' names files that are not there; the folder's .db3 files are read.", folder.string()));
+  return databases_in(folder);
+}
+
+}  // namespace
+
+Result<BagReader> BagReader::open(const fs::path& path) {
+  BagReader reader;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  std::vector<fs::path> files;
+  if (fs::is_directory(status)) {
+    auto metadata = read_metadata(path / "metadata.yaml");
+    if (metadata) {
+      if (!metadata->compression_mode.empty() && metadata->compression_mode != "NONE" && metadata->compression_mode != "none")
+        return format_error(fmt::format("The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.", path.string(),
+                                        metadata->compression_mode));
+      if (metadata->storage_identifier != "sqlite3")
+        return format_error(fmt::format("The bag '{}' is stored as {}, and only sqlite3 is read. Convert it with ros2 bag convert.",
+                                        path.string(), metadata->storage_identifier));
+      reader.metadata_ = std::move(*metadata);
+    } else {
+      reader.warnings_.push_back(metadata.error().sentence);
+    }
+    files = databases_of(path, reader.metadata_, reader.warnings_);
+    if (files.empty()) return format_error(fmt::format("'{}' holds no .db3 file. Name a folder that holds a bag.", path.string()));
+  } else if (fs::is_regular_file(status)) {
+    files = {path};
+  } else {
+    return std::unexpected(BagError{BagFault::kDisk, fmt::format("'{}' is not there. Name a folder that holds a bag.", path.string())});
+  }
+  for (const auto& file : files)
+    if (auto added = reader.add_file(file); !added) return std::unexpected(added.error());
+  return reader;
+}
+
+Result<void> BagReader::add_file(const fs::path& path) {
+  auto opened = Database::open(path, Database::Mode::kReadOnly);
+  if (!opened) return std::unexpected(opened.error());
+  File file{std::move(*opened), {}};
+  const auto has_qos = file.database.value("SELECT count(*) FROM pragma_table_info('topics') WHERE name='offered_qos_profiles'");
+  if (!has_qos) return std::unexpected(has_qos.error());
+  const std::string qos = *has_qos == "1" ? "offered_qos_profiles" : "''";  // schema 1 has none
+  auto rows = file.database.prepare("SELECT id, name, type, serialization_format, " + qos + " FROM topics ORDER BY id");
+  if (!rows) return std::unexpected(BagError{BagFault::kFormat, rows.error().sentence});
+  int code = rows->step();
+  for (; code == SQLITE_ROW; code = rows->step()) {
+    auto index = find_topic(rows->text(1));
+    if (!index) {
+      index = topics_.size();
+      topics_.push_back({rows->text(1), rows->text(2), rows->text(3), rows->text(4), 0});
+    }
+    file.topics.emplace_back(rows->integer(0), *index);
+  }
+  if (code != SQLITE_DONE) return std::unexpected(file.database.error("read the topics of"));
+  if (auto counted = count_messages(file); !counted) return counted;
+  files_.push_back(std::move(file));
+  return {};
+}
+
+Result<void> BagReader::count_messages(const File& file) {
+  auto rows = file.database.prepare("SELECT topic_id, count(*) FROM messages GROUP BY topic_id");
+  if (!rows) return std::unexpected(BagError{BagFault::kFormat, rows.error().sentence});
+  int code = rows->step();
+  for (; code == SQLITE_ROW; code = rows->step())
+    if (const auto index = file.index_of(rows->integer(0))) topics_[*index].message_count += static_cast<std::uint64_t>(rows->integer(1));
+  if (code != SQLITE_DONE) return std::unexpected(file.database.error("count the messages of"));
+  return {};
+}
+
+std::optional<std::size_t> BagReader::File::index_of(std::int64_t row) const noexcept {
+  const auto found = std::ranges::find(topics, row, &std::pair<std::int64_t, std::size_t>::first);
+  if (found == topics.end()) return std::nullopt;
+  return found->second;
+}
+
+std::optional<std::size_t> BagReader::find_topic(std::string_view name) const noexcept {
+  const auto found = std::ranges::find(topics_, name, &TopicInfo::name);
+  if (found == topics_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - topics_.begin());
+}
+
+std::uint64_t BagReader::message_count() const noexcept {
+  std::uint64_t count = 0;
+  for (const auto& topic : topics_) count += topic.message_count;
+  return count;
+}
+
+Result<void> BagReader::for_each(const std::function<bool(const BagMessage&)>& f, std::optional<std::size_t> topic, Order order) const {
+  for (const auto& file : files_) {
+    auto rows = file.database.prepare(order == Order::kTime ? "SELECT topic_id, timestamp, id, data FROM messages ORDER BY timestamp, id"
+                                                            : "SELECT topic_id, timestamp, id, data FROM messages ORDER BY id");
+    if (!rows) return std::unexpected(rows.error());
+    int code = rows->step();
+    for (; code == SQLITE_ROW; code = rows->step()) {
+      const auto index = file.index_of(rows->integer(0));
+      if (!index || (topic && *index != *topic)) continue;
+      if (!f({*index, rows->integer(1), rows->integer(2), rows->blob(3)})) return {};
+    }
+    if (code != SQLITE_DONE) return std::unexpected(file.database.error("read the messages of"));
+  }
+  return {};
+}
+
+Result<std::vector<StoredMessage>> BagReader::read_topic(std::string_view name, Order order) const {
+  const auto topic = find_topic(name);
+  if (!topic) return std::unexpected(no_such_topic(name));
+  std::vector<StoredMessage> messages;
+  messages.reserve(topics_[*topic].message_count);
+  const auto store = [&](const BagMessage& message) {
+    messages.push_back({message.time_ns, {message.bytes.begin(), message.bytes.end()}});
+    return true;
+  };
+  if (auto read = for_each(store, topic, order); !read) return std::unexpected(read.error());
+  return messages;
+}
+
+BagError BagReader::no_such_topic(std::string_view name) const {
+  std::vector<std::string> names;
+  for (const auto& topic : topics_) names.push_back(topic.name);
+  return {BagFault::kNoSuchTopic, fmt::format("The bag has no topic '{}'. It has: {}.", name, fmt::join(names, ", "))};
+}
+
+}  // namespace voxtouch::bag

@@ -1,0 +1,71 @@
+#pragma once
+/// Reads rosbag2 folders (sqlite3, uncompressed, metadata versions 1 to 9), voxtouch's own and those of `ros2 bag record`,
+/// also after a kill and with a metadata.yaml that is missing or stale: what stands in the database counts.
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "nodes/bag/bag_metadata.hpp"
+#include "nodes/bag/sqlite.hpp"
+
+namespace voxtouch::bag {
+
+/// A message inside the reader, until the callback returns.
+struct BagMessage {
+  std::size_t topic = 0;           ///< index into topics()
+  std::int64_t time_ns = 0;
+  std::int64_t id = 0;             ///< order of arrival within one file
+  std::span<const std::byte> bytes;  ///< CDR with its 4-byte encapsulation header
+};
+
+/// A message on its own.
+struct StoredMessage {
+  std::int64_t time_ns = 0;
+  std::vector<std::byte> bytes;
+};
+
+class BagReader {
+ public:
+  /// `path`: the folder, or one .db3. Errors: kDisk, kFormat (compressed, mcap, no database at all).
+  static Result<BagReader> open(const std::filesystem::path& path);
+
+  /// Topics of all files, by name; message_count as counted in the database.
+  const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
+  std::optional<std::size_t> find_topic(std::string_view name) const noexcept;
+  std::uint64_t message_count() const noexcept;
+  /// metadata.yaml as it stands; nothing if it is missing or unreadable. It may be up to a second behind after a kill.
+  const std::optional<BagMetadata>& metadata() const noexcept { return metadata_; }
+  /// What was not as it should be, and was read all the same. One sentence each.
+  const std::vector<std::string>& warnings() const noexcept { return warnings_; }
+
+  enum class Order : std::uint8_t { kTime, kArrival };  ///< time, then id; or id alone
+  /// Calls f for every message, of `topic` only if given, file by file; f returns false to stop. Errors: a damaged database.
+  Result<void> for_each(const std::function<bool(const BagMessage&)>& f, std::optional<std::size_t> topic = {},
+                        Order order = Order::kTime) const;
+  /// All messages of a topic. Error: kNoSuchTopic names what there is.
+  Result<std::vector<StoredMessage>> read_topic(std::string_view name, Order order = Order::kTime) const;
+
+  BagError no_such_topic(std::string_view name) const;
+
+ private:
+  struct File {
+    Database database;
+    std::vector<std::pair<std::int64_t, std::size_t>> topics;  // row in this file, index into topics_
+    std::optional<std::size_t> index_of(std::int64_t row) const noexcept;
+  };
+  Result<void> count_messages(const File& file);
+  Result<void> add_file(const std::filesystem::path& file);
+
+  std::vector<File> files_;
+  std::vector<TopicInfo> topics_;
+  std::optional<BagMetadata> metadata_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace voxtouch::bag

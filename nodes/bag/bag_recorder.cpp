@@ -1,0 +1,172 @@
+#include "nodes/bag/bag_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace voxtouch::bag {
+
+namespace {
+constexpr std::size_t kMaxErrors = 64;  // each different sentence once; a broken disk must not fill the memory with them
+constexpr std::chrono::milliseconds kTickPeriod{20};  // a sink asks for ten a second
+}
+
+BagRecorder::BagRecorder(std::unique_ptr<BagSink> sink, const RecorderOptions& options)
+    : options_(options), sink_(std::move(sink)), queue_(options.queue_bytes, options.queue_messages), counts_(options.max_topics),
+      last_report_(std::chrono::steady_clock::now()), last_tick_(last_report_) {
+  thread_ = std::thread([this] { run(); });
+}
+
+BagRecorder::~BagRecorder() { (void)stop(); }
+
+Result<TopicId> BagRecorder::add_topic(const TopicInfo& topic) {
+  const std::scoped_lock lock(table_mutex_);
+  if (topics_.size() >= counts_.size())
+    return std::unexpected(BagError{BagFault::kNoSuchTopic, fmt::format("'{}' is topic number {} and the recorder was made for {}. Raise "
+                                                                        "max_topics.", topic.name, topics_.size() + 1, counts_.size())});
+  topics_.push_back(topic);
+  disk_counts_.push_back({.name = topic.name});
+  const auto id = static_cast<TopicId>(topics_.size() - 1);
+  topic_count_.store(id + 1, std::memory_order_release);
+  return id;
+}
+
+PushResult BagRecorder::push(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) noexcept {
+  if (topic >= topic_count_.load(std::memory_order_acquire)) return PushResult::kUnknownTopic;
+  Counts& counts = counts_[topic];
+  counts.received.fetch_add(1, std::memory_order_relaxed);
+  // stop() first forbids, then waits until nobody is between these two lines: what was accepted is in the queue before the last drain.
+  pushing_.fetch_add(1, std::memory_order_seq_cst);
+  PushResult result = PushResult::kStopped;
+  while (accepting_.load(std::memory_order_seq_cst)) {
+    const std::uint64_t seen = queue_.pops();
+    const auto pushed = queue_.push(topic, time_ns, bytes);
+    if (pushed == MessageQueue::Push::kQueued) result = PushResult::kQueued;
+    if (pushed == MessageQueue::Push::kTooLarge) result = PushResult::kTooLarge;
+    if (pushed == MessageQueue::Push::kFull) {
+      if (options_.lockstep) {
+        queue_.wait_for_pop(seen);
+        continue;
+      }
+      result = PushResult::kDropped;
+    }
+    break;
+  }
+  pushing_.fetch_sub(1, std::memory_order_seq_cst);
+  if (result != PushResult::kQueued) counts.dropped.fetch_add(1, std::memory_order_relaxed);
+  return result;
+}
+
+void BagRecorder::note(const BagError& error) {
+  const std::scoped_lock lock(table_mutex_);
+  if (errors_.size() < kMaxErrors && std::ranges::find(errors_, error.sentence) == errors_.end()) errors_.push_back(error.sentence);
+}
+
+void BagRecorder::add_new_topics() {
+  const std::uint32_t known = topic_count_.load(std::memory_order_acquire);
+  while (sink_topics_.size() < known) {
+    TopicInfo topic;
+    {
+      const std::scoped_lock lock(table_mutex_);
+      topic = topics_[sink_topics_.size()];
+    }
+    sink_topics_.push_back(place(topic));
+    unplaced_.push_back(0);
+  }
+}
+
+std::optional<TopicId> BagRecorder::place(const TopicInfo& topic) {
+  const auto added = sink_->add_topic(topic);
+  if (added) return *added;
+  note(added.error());
+  return std::nullopt;
+}
+
+void BagRecorder::place_refused_topics() {
+  for (std::size_t i = 0; i < sink_topics_.size(); ++i) {
+    if (sink_topics_[i]) continue;
+    std::unique_lock lock(table_mutex_);
+    const TopicInfo topic = topics_[i];
+    lock.unlock();
+    sink_topics_[i] = place(topic);
+  }
+}
+
+// At most one queue's length at a time, so that a flood does not keep the bag from being committed.
+std::size_t BagRecorder::drain() {
+  std::size_t written = 0;
+  for (; written < options_.queue_messages; ++written) {
+    const auto message = queue_.front();
+    if (!message) break;
+    if (message->topic >= sink_topics_.size()) add_new_topics();
+    if (const auto topic = sink_topics_[message->topic]) {
+      if (auto appended = sink_->append(*topic, message->time_ns, message->bytes); !appended) note(appended.error());
+    } else {
+      ++unplaced_[message->topic];
+    }
+    queue_.pop();
+    if (std::chrono::steady_clock::now() - last_tick_ >= kTickPeriod) housekeeping(false);
+  }
+  return written;
+}
+
+void BagRecorder::housekeeping(bool closing) {
+  const auto now = last_tick_ = std::chrono::steady_clock::now();
+  auto ticked = closing ? sink_->close() : sink_->tick();
+  if (!ticked) note(ticked.error());
+  std::vector<TopicReport> in_sink(sink_topics_.size());  // in the sink's order, which leaves refused topics out
+  sink_->fill_counts(in_sink);
+  {
+    const std::scoped_lock lock(table_mutex_);
+    for (std::size_t i = 0; i < sink_topics_.size(); ++i) {
+      const TopicReport counted = sink_topics_[i] ? in_sink[*sink_topics_[i]] : TopicReport{};
+      disk_counts_[i].written = counted.written;
+      disk_counts_[i].lost = counted.lost + unplaced_[i];
+    }
+    closed_ = closed_ || closing;
+  }
+  if (!closing && now - last_report_ < options_.report_period) return;
+  last_report_ = now;
+  if (!closing) place_refused_topics();
+  if (auto reported = sink_->report(report()); !reported) note(reported.error());
+}
+
+void BagRecorder::run() {
+  while (true) {
+    const bool last = stopping_.load(std::memory_order_acquire);
+    add_new_topics();
+    const std::size_t written = drain();
+    if (last && written == 0) break;
+    housekeeping(false);
+    if (written == 0) std::this_thread::sleep_for(options_.poll_period);
+  }
+  housekeeping(true);
+}
+
+RecordingReport BagRecorder::report() const {
+  RecordingReport report;
+  report.lockstep = options_.lockstep;
+  const std::scoped_lock lock(table_mutex_);
+  report.closed = closed_;
+  report.errors = errors_;
+  report.topics = disk_counts_;
+  for (std::size_t i = 0; i < report.topics.size(); ++i) {
+    // Dropped before received, so that a report never shows more dropped than received.
+    report.topics[i].dropped = counts_[i].dropped.load(std::memory_order_acquire);
+    report.topics[i].received = counts_[i].received.load(std::memory_order_acquire);
+  }
+  return report;
+}
+
+RecordingReport BagRecorder::stop() {
+  const std::scoped_lock lock(stop_mutex_);
+  if (thread_.joinable()) {
+    accepting_.store(false, std::memory_order_seq_cst);
+    while (pushing_.load(std::memory_order_seq_cst) > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    stopping_.store(true, std::memory_order_release);
+    thread_.join();
+  }
+  return report();
+}
+
+}  // namespace voxtouch::bag

@@ -1,0 +1,88 @@
+#pragma once
+/// Records without making anybody wait: reception threads push into a bounded queue, a thread of its own feeds the disk.
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "nodes/bag/bag_sink.hpp"
+#include "nodes/bag/message_queue.hpp"
+
+namespace voxtouch::bag {
+
+struct RecorderOptions {
+  std::size_t queue_bytes = std::size_t{32} << 20;  ///< the ring's five topics need 1 to 2 MB a second
+  std::size_t queue_messages = 65536;
+  std::size_t max_topics = 1024;
+  bool lockstep = false;  ///< push waits for room instead of dropping: nothing is lost, wall time does not matter
+  std::chrono::milliseconds poll_period{5};     ///< how long the disk thread sleeps when there is nothing to write
+  std::chrono::milliseconds report_period{500};
+};
+
+enum class PushResult : std::uint8_t {
+  kQueued,
+  kDropped,       ///< no room and not lockstep; counted
+  kTooLarge,      ///< larger than the whole queue; counted as dropped
+  kUnknownTopic,  ///< never added; not counted
+  kStopped,       ///< after stop(); counted as dropped
+};
+
+class BagRecorder {
+ public:
+  /// Starts the disk thread, which owns `sink` from now on.
+  BagRecorder(std::unique_ptr<BagSink> sink, const RecorderOptions& options = {});
+  BagRecorder(const BagRecorder&) = delete;
+  BagRecorder& operator=(const BagRecorder&) = delete;
+  ~BagRecorder();  ///< stop()
+
+  /// Announces a topic; the disk thread adds it to the bag. Never waits for the disk. Error: more than max_topics.
+  Result<TopicId> add_topic(const TopicInfo& topic);
+
+  /// Any thread, also a DDS listener. In real time it never waits for the disk and allocates nothing; in lockstep it blocks until
+  /// there is room. time_ns becomes the bag's time: reception time, or simulated time in lockstep.
+  PushResult push(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) noexcept;
+
+  /// Counts up to now. Does not wait for the disk. With `closed` set they add up.
+  RecordingReport report() const;
+
+  /// Writes out what is queued, closes the bag, ends the thread. Waits for the disk. The report is final.
+  RecordingReport stop();
+
+ private:
+  struct Counts {
+    std::atomic<std::uint64_t> received{0}, dropped{0};
+  };
+  void run();
+  std::size_t drain();
+  void add_new_topics();
+  void place_refused_topics();  // a disk that was full may have room again
+  std::optional<TopicId> place(const TopicInfo& topic);
+  void housekeeping(bool closing);
+  void note(const BagError& error);
+
+  const RecorderOptions options_;
+  std::unique_ptr<BagSink> sink_;  // the disk thread's alone
+  MessageQueue queue_;
+  std::vector<Counts> counts_;     // by topic, sized once
+  std::atomic<std::uint32_t> topic_count_{0};
+  std::atomic<bool> accepting_{true}, stopping_{false};
+  std::atomic<std::uint32_t> pushing_{0};  // pushes between their first and last look at accepting_
+
+  mutable std::mutex table_mutex_;  // names, disk counts, errors: never held while the disk is used
+  std::vector<TopicInfo> topics_;
+  std::vector<TopicReport> disk_counts_;
+  std::vector<std::string> errors_;
+  bool closed_ = false;
+
+  // The disk thread's own.
+  std::vector<std::optional<TopicId>> sink_topics_;
+  std::vector<std::uint64_t> unplaced_;  // messages of topics that the sink refused
+  std::chrono::steady_clock::time_point last_report_, last_tick_;
+  std::mutex stop_mutex_;
+  std::thread thread_;
+};
+
+}  // namespace voxtouch::bag

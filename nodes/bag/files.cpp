@@ -1,0 +1,45 @@
+#include "nodes/bag/files.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace voxtouch::bag {
+namespace {
+
+bool write_all(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t n = ::write(file, text.data(), text.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<void> write_atomically(const std::filesystem::path& path, std::string_view text) {
+  const std::string temporary = path.string() + ".tmp";
+  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  bool good = file >= 0 && write_all(file, text) && ::fsync(file) == 0;
+  int error = errno;  // of the first call that failed
+  if (file >= 0 && ::close(file) != 0 && good) {
+    good = false;
+    error = errno;
+  }
+  if (good && ::rename(temporary.c_str(), path.c_str()) != 0) {
+    good = false;
+    error = errno;
+  }
+  if (good) return {};
+  ::unlink(temporary.c_str());
+  return std::unexpected(
+      BagError{BagFault::kDisk, fmt::format("'{}' cannot be written: {}. Make room or choose another folder.", path.string(),
+                                            std::strerror(error))});
+}
+
+}  // namespace voxtouch::bag

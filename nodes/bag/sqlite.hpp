@@ -1,0 +1,62 @@
+#pragma once
+/// sqlite3 as move-only handles that return what went wrong.
+#include <sqlite3.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "nodes/bag/error.hpp"
+
+namespace voxtouch::bag {
+
+/// A prepared statement. Column and parameter numbers as sqlite counts them: columns from 0, parameters from 1.
+class Statement {
+ public:
+  void bind(int index, std::int64_t value) noexcept;
+  void bind(int index, std::string_view text) noexcept;                 ///< copied
+  void bind(int index, std::span<const std::byte> bytes) noexcept;      ///< not copied: lives until step() returns
+  /// SQLITE_ROW, SQLITE_DONE or an error code.
+  int step() noexcept;
+  void reset() noexcept;
+  std::int64_t integer(int column) const noexcept;
+  std::string text(int column) const;
+  std::span<const std::byte> blob(int column) const noexcept;           ///< valid until the next step() or reset()
+
+ private:
+  friend class Database;
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const noexcept { sqlite3_finalize(statement); }
+  };
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+};
+
+class Database {
+ public:
+  enum class Mode : std::uint8_t { kReadOnly, kCreate };
+  static Result<Database> open(const std::filesystem::path& file, Mode mode);
+
+  Result<Statement> prepare(std::string_view sql) const;
+  /// One or more statements without result.
+  Result<void> run(const std::string& sql) const;
+  /// First column of the first row as text; empty without a row.
+  Result<std::string> value(std::string_view sql) const;
+  /// No transaction open: sqlite undid it by itself, or none was begun.
+  bool autocommit() const noexcept { return sqlite3_get_autocommit(handle_.get()) != 0; }
+  std::int64_t last_row() const noexcept { return sqlite3_last_insert_rowid(handle_.get()); }
+  /// The error of the last call, as a sentence about this file.
+  BagError error(std::string_view doing) const;
+
+ private:
+  struct Close {
+    void operator()(sqlite3* handle) const noexcept { sqlite3_close_v2(handle); }
+  };
+  std::filesystem::path file_;
+  std::unique_ptr<sqlite3, Close> handle_;
+};
+
+}  // namespace voxtouch::bag

@@ -1,0 +1,112 @@
+#pragma once
+/// DDS for tests: on loopback only, on a domain of this process's own, with two participants that meet over the wire.
+#include <dds/dds.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "tests/unit/bag/support.hpp"
+
+namespace voxtouch::bag::test {
+
+/// Cyclone DDS delivers within a domain of one process without the network. Two domain objects with the same number on the wire
+/// make two participants that only meet through UDP on `lo`.
+class TwoHosts {
+ public:
+  TwoHosts() {
+    // Away from domain 0; within what the port mapping allows; different for tests that run at the same time.
+    const auto wire = 70 + static_cast<dds_domainid_t>(getpid()) % 150;
+    const std::string config = R"(<General><Interfaces><NetworkInterface name="lo" multicast="true"/></Interfaces>
+      <AllowMulticast>spdp</AllowMulticast></General><Discovery><ExternalDomainId>)" + std::to_string(wire) +
+                               R"(</ExternalDomainId><SPDPInterval>100 ms</SPDPInterval></Discovery>)";
+    for (dds_domainid_t i = 0; i < 2; ++i) {
+      domains_[i] = dds_create_domain(wire + i, config.c_str());
+      participants_[i] = dds_create_participant(wire + i, nullptr, nullptr);
+      if (participants_[i] < 0) throw std::runtime_error(std::string("no participant on lo: ") + dds_strretcode(participants_[i]));
+    }
+  }
+  TwoHosts(const TwoHosts&) = delete;
+  TwoHosts& operator=(const TwoHosts&) = delete;
+  ~TwoHosts() {
+    for (const dds_entity_t domain : domains_) dds_delete(domain);
+  }
+  dds_entity_t here() const { return participants_[0]; }
+  dds_entity_t there() const { return participants_[1]; }
+
+ private:
+  dds_entity_t domains_[2]{}, participants_[2]{};
+};
+
+/// A topic name that no other running test uses.
+inline std::string topic_name(const char* base) { return "rt/bag_test_" + std::to_string(getpid()) + "/" + base; }
+
+/// Waits up to 10 s for what usually takes milliseconds.
+inline bool eventually(const std::function<bool()>& happened) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (!happened()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+inline bool matched(dds_entity_t reader_or_writer) {
+  dds_publication_matched_status_t publication{};
+  dds_subscription_matched_status_t subscription{};
+  if (dds_get_publication_matched_status(reader_or_writer, &publication) == DDS_RETCODE_OK) return publication.current_count > 0;
+  return dds_get_subscription_matched_status(reader_or_writer, &subscription) == DDS_RETCODE_OK && subscription.current_count > 0;
+}
+
+/// A typed endpoint as a node makes it: reliable, keep all, transient local if asked for.
+inline dds_entity_t typed_endpoint(bool writer, dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& name,
+                                   bool latched = false) {
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(10));
+  dds_qset_history(qos, latched ? DDS_HISTORY_KEEP_LAST : DDS_HISTORY_KEEP_ALL, 1);
+  if (latched) {
+    dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+    dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST, 1, -1, -1, -1);
+  }
+  const dds_entity_t topic = dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr);
+  const dds_entity_t endpoint = writer ? dds_create_writer(participant, topic, qos, nullptr) : dds_create_reader(participant, topic, qos, nullptr);
+  dds_delete_qos(qos);
+  EXPECT_GT(endpoint, 0) << dds_strretcode(endpoint);
+  return endpoint;
+}
+
+/// CDR by hand, after the standard (XCDR1): the tests' own idea of what the wire looks like.
+class CdrBuilder {
+ public:
+  explicit CdrBuilder(bool little = true) : little_(little), bytes_{std::byte{0}, little ? std::byte{1} : std::byte{0}, {}, {}} {}
+  template <class T>
+  CdrBuilder& add(T value) {
+    while ((bytes_.size() - 4) % sizeof(T) != 0) bytes_.push_back({});
+    std::byte raw[sizeof(T)];
+    std::memcpy(raw, &value, sizeof(T));
+    for (std::size_t i = 0; i < sizeof(T); ++i) bytes_.push_back(raw[little_ ? i : sizeof(T) - 1 - i]);
+    return *this;
+  }
+  CdrBuilder& add_text(const std::string& text) {
+    add(static_cast<std::uint32_t>(text.size() + 1));
+    for (const char c : text) bytes_.push_back(static_cast<std::byte>(c));
+    bytes_.push_back({});
+    return *this;
+  }
+  /// The protocol sends multiples of 4; Cyclone DDS says in the header's last bits how many bytes that added.
+  std::vector<std::byte> padded() const {
+    auto bytes = bytes_;
+    while (bytes.size() % 4 != 0) bytes.push_back({});
+    bytes[3] = static_cast<std::byte>(bytes.size() - bytes_.size());
+    return bytes;
+  }
+  const std::vector<std::byte>& bytes() const { return bytes_; }
+
+ private:
+  bool little_;
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace voxtouch::bag::test
