@@ -40,8 +40,9 @@ ForceGuard::ForceGuard(const GuardConfig& config)
 Wrench ForceGuard::pass(const std::optional<GuardInput>& command, std::int64_t now_ns) noexcept {
   const std::int64_t dt_ns = elapsed_ns(now_ns);
   if (phase_ == Phase::kStopped) return {};
-  age(dt_ns, now_ns);
+  const bool faded_out = age(dt_ns, now_ns);
   if (command) take(*command, now_ns);
+  if (faded_out) return output_;  // the way to zero was this period's slew; a new command sets out from there in the next
   lead(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
   return output_;
 }
@@ -56,8 +57,8 @@ std::int64_t ForceGuard::elapsed_ns(std::int64_t now_ns) noexcept {
   return gap_ns(*last, now_ns);
 }
 
-void ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
-  if (phase_ == Phase::kIdle) return;
+bool ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
+  if (phase_ == Phase::kIdle) return false;
   age_ns_ = std::min(age_ns_ + dt_ns, kLongestGapNs);
   std::int64_t over_ns = age_ns_ - hold_ns_;
   if (now_ns > valid_until_ns_) over_ns = std::max(over_ns, gap_ns(valid_until_ns_, now_ns));
@@ -67,12 +68,16 @@ void ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
     fade_ = 1.0;
     ++counts_.faded;
   }
-  if (phase_ == Phase::kLive) return raise(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
+  if (phase_ == Phase::kLive) {
+    raise(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
+    return false;
+  }
   fade_ = std::min(fade_, 1.0 - static_cast<double>(over_ns) * kSecondsPerNs / config_.fade_s);
-  if (fade_ > 0.0) return;
+  if (fade_ > 0.0) return false;
   phase_ = Phase::kIdle;
   output_ = {};
   fraction_ = 0.0;
+  return true;
 }
 
 void ForceGuard::raise(double dt_s) noexcept {

@@ -58,6 +58,7 @@ double growth(const LinearCase& c, double k, double run_s) {
   const int periods = static_cast<int>(run_s / c.period);
   for (int i = 0; i < periods; ++i) {
     const double x = device.read(microseconds(0))->pose.position.x();
+    if (std::abs(x) > 100.0) return kInf;  // before the device's limits end the linear loop
     if (i > periods / 4 && i <= periods / 2) middle = std::max(middle, std::abs(x));
     if (i > 3 * periods / 4) late = std::max(late, std::abs(x));
     (void)device.write({Vec3((i == 0 ? 1.0 : 0.0) - filter.step(k * x), 0, 0), Vec3::Zero()});

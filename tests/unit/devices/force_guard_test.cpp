@@ -262,7 +262,7 @@ TEST(Guard, OutputIsFiniteAndWithinLimitsWhateverComesIn) {
     for (int i = 0; i < 5000; ++i) {
       const std::int64_t step = random() % 1000 ? any(steps) : static_cast<std::int64_t>(random());
       const std::int64_t next = static_cast<std::int64_t>(static_cast<std::uint64_t>(now) + static_cast<std::uint64_t>(step));
-      const double dt_s = i > 0 && next > now ? 1e-9 * (static_cast<double>(next) - static_cast<double>(now)) : 1e-3;
+      const double dt_s = i > 0 && next > now ? 1e-9 * static_cast<double>(static_cast<std::uint64_t>(next) - static_cast<std::uint64_t>(now)) : 1e-3;
       now = next;
       std::optional<GuardInput> in;
       if (random() % 4) {
