@@ -1,0 +1,109 @@
+#pragma once
+/// The last stop before any device: whatever comes in, what goes out is finite, within the limits, and fades when nobody
+/// speaks any more.
+#include <cstdint>
+#include <optional>
+
+#include "devices/command_gate.hpp"
+#include "devices/driver.hpp"
+
+namespace voxtouch {
+
+/// What the guard keeps to. "No slew limit" is infinity.
+struct GuardConfig {
+  double period_s = 1e-3;
+  double max_force_n = 0.0;            ///< (0, finite)
+  double max_torque_nm = 0.0;          ///< [0, finite); 0: the device gives no torque, so torque is left out
+  double max_force_rate_n_per_s = 0.0;   ///< at least max_force_n / fade_s, so that a fade never breaks it
+  double max_torque_rate_nm_per_s = 0.0; ///< likewise; not used where max_torque_nm is 0
+  double hold_periods = 3.0;           ///< a command is held this long at most, [1, 1000]
+  double fade_s = 0.02;                ///< then it is zero after this, (0, 1]
+  double start_ramp_s = 0.5;           ///< at the start full force is reached after this, [0, 10]
+  double return_ramp_s = 0.1;          ///< likewise after a fade, [0, 10]
+
+  /// Throws std::runtime_error that names field, value and rule.
+  void validate() const;
+};
+
+/// The guard that fits a device, with the times above.
+GuardConfig guard_config(const DeviceDescription& device) noexcept;
+
+/// A new command, in frame D.
+struct GuardInput {
+  Wrench wrench;
+  std::int64_t valid_until_ns = 0;  ///< the device's clock; from then on the command fades
+};
+
+struct GuardCounts {
+  std::uint64_t passed = 0;              ///< commands taken, clamped ones among them
+  std::uint64_t refused_not_finite = 0;
+  std::uint64_t refused_stale = 0;       ///< were over before they came
+  std::uint64_t refused_writer = 0;      ///< this and the next two are the gate's
+  std::uint64_t refused_session = 0;
+  std::uint64_t refused_sequence = 0;
+  std::uint64_t clamped_force = 0;       ///< commands
+  std::uint64_t clamped_torque = 0;
+  std::uint64_t clamped_slew = 0;        ///< periods
+  std::uint64_t faded = 0;               ///< fades begun
+  std::uint64_t clock_faults = 0;        ///< periods whose time stood still or went back
+
+  std::uint64_t refused() const noexcept {
+    return refused_not_finite + refused_stale + refused_writer + refused_session + refused_sequence;
+  }
+  std::uint64_t clamped() const noexcept { return clamped_force + clamped_torque + clamped_slew; }
+};
+
+/// Pure: no clock, no thread; time comes in. Call `pass` once a period with the command that has come since, if any.
+/// `pass` and all the rest but the constructor are real-time safe.
+///
+/// The output is fraction * command, led to by the slew limit. The fraction rises from 0 to 1 over the ramp while commands
+/// come, so that a start inside a contact does not kick; it falls to 0 over the fade once the last command is older than
+/// `hold_periods` or than its valid-until, and a command that comes during the fade takes it up from where it is.
+class ForceGuard {
+ public:
+  /// Throws as GuardConfig::validate does.
+  explicit ForceGuard(const GuardConfig& config);
+
+  /// What the device is to push with. `now_ns` is the device's clock. A time that stands still or goes back counts as one
+  /// nominal period, so that a broken clock cannot hold a force for ever; a gap opens the slew limit by no more than the
+  /// hold time. A refused command is as no command: the one before it is held, then faded.
+  Wrench pass(const std::optional<GuardInput>& command, std::int64_t now_ns) noexcept;
+
+  /// Adds what the gate refused to the counts.
+  void count(GateVerdict verdict) noexcept;
+
+  /// Zero, at once and until `restart`; commands are ignored.
+  void stop() noexcept;
+  /// As new, but for the counts: the next command ramps in over `start_ramp_s`.
+  void restart() noexcept;
+
+  const GuardConfig& config() const noexcept { return config_; }
+  const GuardCounts& counts() const noexcept { return counts_; }
+  double fraction() const noexcept;  ///< of the command that may pass now, [0, 1]
+  bool ramping() const noexcept { return phase_ == Phase::kLive && fraction_ < 1.0; }
+  bool fading() const noexcept { return phase_ == Phase::kFading; }
+  bool stopped() const noexcept { return phase_ == Phase::kStopped; }
+
+ private:
+  enum class Phase : std::uint8_t { kIdle, kLive, kFading, kStopped };
+  std::int64_t elapsed_ns(std::int64_t now_ns) noexcept;
+  bool age(std::int64_t dt_ns, std::int64_t now_ns) noexcept;  // true: faded out in this very period
+  void raise(double dt_s) noexcept;
+  void take(const GuardInput& command, std::int64_t now_ns) noexcept;
+  void lead(double dt_s) noexcept;
+
+  GuardConfig config_;
+  std::int64_t period_ns_, hold_ns_;
+  GuardCounts counts_;
+  Phase phase_ = Phase::kIdle;
+  std::optional<std::int64_t> last_ns_;
+  std::int64_t age_ns_ = 0;          // of the command, by elapsed time rather than by stamps: the clock may jump
+  std::int64_t valid_until_ns_ = 0;
+  Wrench command_, output_;
+  Wrench fade_from_;                 // the output when the fade began
+  double fraction_ = 0.0;            // while fading: the fraction when the fade began
+  double fade_ = 0.0;                // 1 to 0 while fading
+  bool ramped_once_ = false;
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,29 @@
+#pragma once
+/// What makes one simulated device differ from another.
+#include "devices/driver.hpp"
+#include "devices/sim/operator.hpp"
+
+namespace voxtouch {
+
+/// A plant whose mass is the same in every pose and diagonal in D. What the device tells about itself (limits, damping,
+/// friction, resolution, delay, force lag) is what it is simulated with.
+struct SimParameters {
+  DeviceDescription description;
+  Vec3 mass_kg = Vec3::Ones();               ///< along the axes of D
+  double inertia_kg_m2 = 1e-3;               ///< about any axis
+  double damping_nms_per_rad = 0.0;
+  double coulomb_friction_nm = 0.0;
+  double orientation_resolution_rad = 0.0;   ///< 0: not quantised; likewise description.position_resolution_m
+  double velocity_filter_hz = 50.0;          ///< first-order low-pass of the reported twist
+  OperatorConfig hand;                       ///< how such a device is usually held
+
+  /// Throws std::runtime_error that names field, value and rule.
+  void validate() const;
+};
+
+/// A Phantom Premium 1.5 with an encoder gimbal: six sensed, three driven degrees of freedom. Held like a pen.
+SimParameters sim_phantom();
+/// A light-weight robot used as hand controller under torque control: six driven degrees of freedom. Held by an arm.
+SimParameters sim_lwr();
+
+}  // namespace voxtouch

@@ -1,0 +1,91 @@
+#include "devices/sim/plant.hpp"
+
+#include <utility>
+
+namespace voxtouch {
+namespace {
+
+/// End velocity of a frictionless step, and how much force changes it by one unit.
+struct FreeStep {
+  Vec3 velocity, force_per_velocity;
+};
+
+FreeStep free_step(const Mobility& m, const Vec3& pull, const Vec3& target_velocity, const Vec3& force, double dt_s,
+                   const Vec3& velocity) noexcept {
+  const double half = 0.5 * dt_s;
+  const Vec3 stiffened =
+      m.mass + Vec3::Constant(half * (m.damping + m.hand_damping) + half * half * m.hand_stiffness);
+  const Vec3 drive = force + m.hand_damping * target_velocity + m.hand_stiffness * pull;
+  const Vec3 mean = (m.mass.cwiseProduct(velocity) + half * drive).cwiseQuotient(stiffened);
+  return {2.0 * mean - velocity, stiffened / dt_s};
+}
+
+}  // namespace
+
+Vec3 step_mobility(const Mobility& m, const Vec3& pull, const Vec3& target_velocity, const Vec3& force, double dt_s,
+                   Vec3& velocity) noexcept {
+  FreeStep free = free_step(m, pull, target_velocity, force, dt_s, velocity);
+  if (m.friction > 0.0) {
+    Vec3 needed = free.velocity.cwiseProduct(free.force_per_velocity);  // to end the step at rest
+    if (needed.dot(velocity) < 0.0) {
+      velocity.setZero();
+      free = free_step(m, pull, target_velocity, force, dt_s, velocity);
+      needed = free.velocity.cwiseProduct(free.force_per_velocity);
+    }
+    const double most = needed.norm();
+    if (!(most > m.friction)) {
+      velocity.setZero();
+      return Vec3::Zero();
+    }
+    free.velocity *= 1.0 - m.friction / most;
+  }
+  const Vec3 mean = 0.5 * (velocity + free.velocity);
+  velocity = free.velocity;
+  return mean;
+}
+
+SimPlant::SimPlant(const SimParameters& p, const OperatorConfig& hand, Motion motion)
+    : hand_(hand), motion_(std::move(motion)) {
+  free_move_ = {p.mass_kg, p.description.damping_ns_per_m, p.description.coulomb_friction_n, 0.0, 0.0};
+  free_turn_ = {Vec3::Constant(p.inertia_kg_m2), p.damping_nms_per_rad, p.coulomb_friction_nm, 0.0, 0.0};
+  held_move_ = free_move_;
+  held_move_.mass += Vec3::Constant(hand.mass_kg);
+  held_move_.hand_damping = hand.damping_ns_per_m;
+  held_move_.hand_stiffness = hand.stiffness_n_per_m;
+  held_turn_ = free_turn_;
+  held_turn_.mass += Vec3::Constant(hand.inertia_kg_m2);
+  held_turn_.hand_damping = hand.damping_nms_per_rad;
+  held_turn_.hand_stiffness = hand.stiffness_nm_per_rad;
+  pose_ = {motion_at(motion_, 0.0).position, motion_.orientation};
+}
+
+void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept {
+  const bool held = held_at(time_s);
+  const MotionPoint target = motion_at(motion_, time_s + 0.5 * dt_s);
+  const Vec3 force = held ? Vec3(push.force + tremor) : push.force;
+  pose_.position += dt_s * step_mobility(held ? held_move_ : free_move_, target.position - pose_.position, target.velocity,
+                                         force, dt_s, twist_.linear);
+  const Vec3 rate = step_mobility(held ? held_turn_ : free_turn_, turn_to_target(), Vec3::Zero(), push.torque, dt_s,
+                                  twist_.angular);
+  if (rate.isZero(0.0)) return;  // nothing to renormalise: a tool that does not turn keeps its bits
+  const Vec3 half_turn = (0.5 * dt_s) * rate;  // the Cayley map: a rotation by 2 atan(|rate| dt / 2)
+  pose_.orientation = (Quat(1.0, half_turn.x(), half_turn.y(), half_turn.z()) * pose_.orientation).normalized();
+}
+
+Vec3 SimPlant::turn_to_target() const noexcept {
+  const Quat turn = motion_.orientation * pose_.orientation.conjugate();
+  return (turn.w() < 0.0 ? -2.0 : 2.0) * turn.vec();
+}
+
+double SimPlant::energy(double time_s) const noexcept {
+  const bool held = held_at(time_s);
+  const Mobility& move = held ? held_move_ : free_move_;
+  const Mobility& turn = held ? held_turn_ : free_turn_;
+  const Vec3 off = motion_at(motion_, time_s).position - pose_.position;
+  const double cosine = std::abs((motion_.orientation * pose_.orientation.conjugate()).w());
+  return 0.5 * (move.mass.dot(twist_.linear.cwiseAbs2()) + turn.mass.dot(twist_.angular.cwiseAbs2()) +
+                move.hand_stiffness * off.squaredNorm()) +
+         turn.hand_stiffness * 4.0 * (1.0 - cosine);
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,77 @@
+#include "devices/sim/simulated_device.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "devices/limits.hpp"
+
+namespace voxtouch {
+namespace {
+
+const SimParameters& checked(const SimParameters& parameters, const OperatorConfig& hand) {
+  parameters.validate();
+  hand.validate();
+  return parameters;
+}
+
+Motion checked(Motion motion) {
+  if (motion.path.empty()) throw std::runtime_error("simulated device: the motion has no way point; give it at least one");
+  for (const Vec3& point : motion.path)
+    if (!point.allFinite()) throw std::runtime_error("simulated device: a way point of the motion is not finite");
+  if (!(motion.speed_m_per_s > 0.0 && std::isfinite(motion.speed_m_per_s)))
+    throw std::runtime_error("simulated device: the motion's speed has to be over 0 and finite");
+  if (!(motion.hold_s >= 0.0 && std::isfinite(motion.hold_s)))
+    throw std::runtime_error("simulated device: the motion's hold has to be 0 or more and finite");
+  if (motion.repeat_from && *motion.repeat_from >= motion.path.size())
+    throw std::runtime_error("simulated device: the motion repeats from a way point that it has not got");
+  if (!normalise_within(motion.orientation, 1e-3, 1e3))
+    throw std::runtime_error("simulated device: the motion's orientation is no rotation");
+  return motion;
+}
+
+double substep_s(const DeviceDescription& d) { return 1.0 / (d.rate_hz * kSubsteps); }
+
+}  // namespace
+
+SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& hand, Motion motion, std::uint64_t seed)
+    : description_(checked(p, hand).description),
+      period_ns_(std::llround(1e9 / p.description.rate_hz)),
+      plant_(p, hand, checked(std::move(motion))),
+      encoder_(p.description.position_resolution_m, p.orientation_resolution_rad, p.velocity_filter_hz,
+               1.0 / p.description.rate_hz),
+      force_path_(p.description, substep_s(p.description)),
+      tremor_(hand.tremor_n, hand.tremor_bandwidth_hz, 1.0 / p.description.rate_hz, seed) {
+  encoder_.sample(plant_.pose());
+}
+
+DeviceResult<DeviceSample> SimulatedDevice::read(std::chrono::microseconds) noexcept {
+  if (!std::exchange(answered_, false)) advance({});
+  return DeviceSample{time_ns(), encoder_.pose(), encoder_.twist(), 0, true};
+}
+
+DeviceResult<void> SimulatedDevice::write(const Wrench& command) noexcept {
+  const DeviceResult<void> verdict = check_command(command, description_);
+  advance(verdict ? command : Wrench{});
+  answered_ = true;
+  return verdict;
+}
+
+void SimulatedDevice::advance(const Wrench& command) noexcept {
+  const double dt_s = substep_s(description_);
+  const Vec3 tremor = tremor_.next();
+  for (int i = 0; i < kSubsteps; ++i) {
+    applied_ = force_path_.step(command);
+    // From a counter, not summed up: no drift, and any run of the same length ends at the same time.
+    plant_.step(applied_, tremor, static_cast<double>(period_ * kSubsteps + i) * dt_s, dt_s);
+  }
+  ++period_;
+  encoder_.sample(plant_.pose());
+}
+
+void SimulatedDevice::stop() noexcept {
+  force_path_.clear();
+  applied_ = {};
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,48 @@
+#pragma once
+/// A device that exists in arithmetic only: plant, encoder, force path, and the hand that holds it.
+#include <cstdint>
+
+#include "core/types/motion.hpp"
+#include "devices/driver.hpp"
+#include "devices/sim/encoder.hpp"
+#include "devices/sim/force_path.hpp"
+#include "devices/sim/parameters.hpp"
+#include "devices/sim/plant.hpp"
+#include "devices/sim/tremor.hpp"
+
+namespace voxtouch {
+
+/// Time moves by one period (eight substeps) with each `write`; the first sample is at time 0. A `read` that follows a
+/// `read` first lets one period pass without force, as a device does that is not answered. A refused command costs its
+/// period too, at zero force. No clock: the same calls give the same bits.
+class SimulatedDevice final : public Driver {
+ public:
+  /// `motion`: where the hand wants the tool to be, in D; the tool starts there, at rest. `hand` replaces the one of the
+  /// parameters. Throws std::runtime_error where parameters, hand or motion cannot be simulated.
+  SimulatedDevice(const SimParameters& parameters, const OperatorConfig& hand, Motion motion, std::uint64_t seed = 0);
+
+  const DeviceDescription& description() const noexcept override { return description_; }
+  DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept override;
+  DeviceResult<void> write(const Wrench& command) noexcept override;
+  void stop() noexcept override;
+  bool simulated() const noexcept override { return true; }
+
+  /// What no real device tells: the state before the encoder, and the wrench that the motors gave in the last substep.
+  const SimPlant& plant() const noexcept { return plant_; }
+  const Wrench& applied() const noexcept { return applied_; }
+  std::int64_t time_ns() const noexcept { return period_ * period_ns_; }
+
+ private:
+  void advance(const Wrench& command) noexcept;
+
+  DeviceDescription description_;
+  std::int64_t period_ns_, period_ = 0;  // period_: how many have passed
+  SimPlant plant_;
+  Encoder encoder_;
+  ForcePath force_path_;
+  Tremor tremor_;
+  Wrench applied_;
+  bool answered_ = true;  // a write, or the start, since the last read
+};
+
+}  // namespace voxtouch

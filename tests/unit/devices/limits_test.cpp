@@ -1,0 +1,77 @@
+#include "devices/limits.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <random>
+
+namespace voxtouch {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kHuge = std::numeric_limits<double>::max();
+
+TEST(Limits, LengthSurvivesSquaresThatOverflowOrVanish) {
+  EXPECT_DOUBLE_EQ(length_of(Vec3(3e200, 4e200, 0)), 5e200);
+  EXPECT_DOUBLE_EQ(length_of(Vec3(3e-200, 0, 4e-200)), 5e-200);
+  EXPECT_EQ(length_of(Vec3::Zero()), 0.0);
+}
+
+TEST(Limits, ClampKeepsDirectionAndNeverRoundsOverTheLimit) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> component(-1.0, 1.0);
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 wanted(component(random), component(random), component(random));
+    const double limit = 0.5 * (component(random) + 1.0) * length_of(wanted);
+    Vec3 v = wanted;
+    ASSERT_TRUE(clamp_length(v, limit));
+    ASSERT_LE(length_of(v), limit);
+    ASSERT_LE(v.norm(), limit);
+    ASSERT_NEAR(v.norm(), limit, 1e-14 * limit);
+    ASSERT_LE(v.cross(wanted).norm(), 1e-14 * v.norm() * wanted.norm() + 1e-300);
+    ASSERT_GE(v.dot(wanted), 0.0);
+  }
+}
+
+TEST(Limits, ClampLeavesWhatFitsUntouched) {
+  Vec3 v(3, 4, 0);
+  EXPECT_FALSE(clamp_length(v, 5.0));
+  EXPECT_EQ(v, Vec3(3, 4, 0));
+  EXPECT_FALSE(clamp_length(v, kInf));
+}
+
+TEST(Limits, ClampMakesAnythingFinite) {
+  for (Vec3 v : {Vec3(kHuge, kHuge, -kHuge), Vec3(kNan, 1, 1), Vec3(kInf, 0, 0), Vec3(-kInf, kInf, kNan)}) {
+    EXPECT_TRUE(clamp_length(v, 2.0));
+    EXPECT_TRUE(v.allFinite());
+    EXPECT_LE(length_of(v), 2.0);
+  }
+  Vec3 v(kHuge, kHuge, -kHuge);
+  clamp_length(v, 2.0);
+  EXPECT_NEAR(v.norm(), 2.0, 1e-12);  // overflow on the way must not cost the force
+}
+
+TEST(Limits, CheckRefusesEachFieldThatIsNotFiniteOrOverItsLimit) {
+  DeviceDescription device;
+  device.max_force_n = 8.5;
+  device.max_torque_nm = 0.5;
+  EXPECT_TRUE(check_command({Vec3(0, 8.5, 0), Vec3(0.5, 0, 0)}, device));
+  for (double bad : {kNan, kInf, -kInf})
+    for (int axis = 0; axis < 6; ++axis) {
+      Wrench command;
+      (axis < 3 ? command.force : command.torque)[axis % 3] = bad;
+      ASSERT_EQ(check_command(command, device).error(), DeviceError::kNotFinite);
+    }
+  EXPECT_EQ(check_command({Vec3(6.1, 6.1, 0), Vec3::Zero()}, device).error(), DeviceError::kLimit);
+  EXPECT_EQ(check_command({Vec3::Zero(), Vec3(0.4, 0, 0.4)}, device).error(), DeviceError::kLimit);
+}
+
+TEST(Limits, EveryErrorHasItsOwnName) {
+  EXPECT_EQ(name_of(DeviceError::kTimeout), "timeout");
+  EXPECT_EQ(name_of(DeviceError::kFault), "fault");
+  EXPECT_NE(name_of(DeviceError::kLimit), name_of(DeviceError::kNotFinite));
+}
+
+}  // namespace
+}  // namespace voxtouch
