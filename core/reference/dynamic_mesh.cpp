@@ -1,0 +1,78 @@
+#include "core/reference/dynamic_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace voxtouch {
+namespace {
+
+MeshSpec without_primitives(MeshSpec spec) {
+  spec.primitives.clear();
+  return spec;
+}
+
+}  // namespace
+
+DynamicMesh::DynamicMesh(const MeshSpec& spec)
+    : body_(without_primitives(spec)) {}
+
+GapResult DynamicMesh::gap(const std::vector<PosedMesh>& statics, const Pose& tool_in_world) const {
+  GapResult best = against(statics.front(), tool_in_world);
+  for (std::size_t i = 1; i < statics.size(); ++i) {
+    GapResult other = against(statics[i], tool_in_world);
+    const double error = std::max(best.self_error_m, other.self_error_m), buried = std::max(best.buried_m, other.buried_m);
+    const bool check = best.self_check && other.self_check;
+    if (other.gap_m < best.gap_m) best = other;
+    best.self_error_m = error, best.self_check = check, best.buried_m = buried;
+  }
+  return best;
+}
+
+bool DynamicMesh::one_swallows_other(const PosedMesh& object, const Pose& mine_in_its) const {
+  const Pose its_in_mine = mine_in_its.inverse();
+  const auto inside_it = [&](const Vec3& corner) { return object.inside(object.pose() * (mine_in_its * corner)); };
+  const auto inside_me = [&](const Vec3& corner) { return body_.inside(body_.pose() * (its_in_mine * corner)); };
+  const std::vector<Vec3>&mine = body_.one_of_each_part(), &its = object.one_of_each_part();
+  return std::any_of(mine.begin(), mine.end(), inside_it) || std::any_of(its.begin(), its.end(), inside_me);
+}
+
+GapResult DynamicMesh::against(const PosedMesh& object, const Pose& tool_in_world) const {
+  const Pose mine_in_world = tool_in_world * body_.pose();
+  const Pose mine_in_its = object.pose().inverse() * mine_in_world;
+  const NearestPair pair = object.distance().to(body_.distance(), mine_in_its);
+  if (pair.distance_m <= 0 || one_swallows_other(object, mine_in_its)) return overlap(object, mine_in_world, pair.distance_m);
+  GapResult gap;
+  gap.method = GapMethod::kMeshMesh;
+  gap.gap_m = pair.distance_m;
+  gap.nearest_static = object.pose() * pair.mine;
+  gap.nearest_dynamic = object.pose() * pair.other;
+  gap.direction = (gap.nearest_dynamic - gap.nearest_static).normalized();
+  gap.depth_exact = true;
+  // Second way: the point that FCL says is mine must lie on me, and must be that far from the static mesh by the point test.
+  const double mine_off = body_.distance().nearest(mine_in_its.inverse() * pair.other).distance_m;
+  const double differ = std::abs(object.distance().nearest(pair.other).distance_m - pair.distance_m);
+  const double allowed = object.distance().second_way_error_m() + body_.distance().second_way_error_m();
+  gap.self_error_m = std::max(0.0, std::max(mine_off, differ) - allowed);
+  gap.self_check = gap.self_error_m <= 0.0;
+  return gap;
+}
+
+GapResult DynamicMesh::overlap(const PosedMesh& object, const Pose& mine_in_world, double surfaces_apart_m) const {
+  GapResult gap;
+  gap.method = GapMethod::kVertexDepth;
+  gap.self_error_m = 0.0;
+  gap.self_check = true;
+  for (const Vec3& corner : body_.mesh().vertices) {
+    const Vec3 x = mine_in_world * corner;
+    if (!object.inside(x)) continue;
+    const SignedPoint at = object.mesh_signed_distance(x);
+    if (-at.distance_m <= gap.buried_m) continue;
+    gap.buried_m = -at.distance_m;
+    gap.nearest_static = at.nearest, gap.nearest_dynamic = x;
+    gap.direction = (at.nearest - x).normalized();
+  }
+  gap.gap_m = -std::max(gap.buried_m, surfaces_apart_m);
+  return gap;
+}
+
+}  // namespace voxtouch

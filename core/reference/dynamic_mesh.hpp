@@ -1,0 +1,25 @@
+#pragma once
+/// The dynamic object where it is no declared sphere: a mesh against meshes, as far as that can be known.
+#include <vector>
+
+#include "core/reference/gap.hpp"
+#include "core/reference/posed_mesh.hpp"
+
+namespace voxtouch {
+
+class DynamicMesh {
+ public:
+  explicit DynamicMesh(const MeshSpec& spec);
+
+  /// Gap against the union of `statics`, at least one, with the tool at `tool_in_world`.
+  GapResult gap(const std::vector<PosedMesh>& statics, const Pose& tool_in_world) const;
+
+ private:
+  GapResult against(const PosedMesh& object, const Pose& tool_in_world) const;
+  bool one_swallows_other(const PosedMesh& object, const Pose& mine_in_its) const;
+  GapResult overlap(const PosedMesh& object, const Pose& mine_in_world, double surfaces_apart_m) const;
+
+  PosedMesh body_;  ///< with the mesh's pose in T
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,186 @@
+#include "core/reference/judgement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <numbers>
+#include <stdexcept>
+#include <string_view>
+
+namespace voxtouch {
+namespace {
+
+constexpr double kDiagonal = std::numbers::sqrt3;            ///< of a voxel, in edges
+constexpr double kDepthTolerance = 1.0;                      ///< in edges
+constexpr double kDirectionTolerance = std::numbers::pi / 9; ///< 20 degrees
+constexpr double kWrongSide = std::numbers::pi / 2;
+constexpr double kDirectionFromDepth = 0.25;                 ///< in edges
+constexpr double kSignFromGap = 0.5;                         ///< in edges
+constexpr std::uint32_t kDirectionFromHits = 4;
+constexpr double kDirectionFromCoherence = 0.5;
+constexpr int kFrozenSamples = 3;
+constexpr double kFrozenGap = 0.25;                          ///< in edges
+
+double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
+double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+void require(bool ok, std::string_view field, double value, std::string_view rule) {
+  if (!ok) throw std::invalid_argument(fmt::format("{} = {:g} must be {}", field, value, rule));
+}
+
+/// Sentences carry lengths in millimetres.
+double mm(double metres) { return 1e3 * metres; }
+
+}  // namespace
+
+void JudgeSettings::validate() const {
+  require(std::isfinite(edge_m) && edge_m > 0, "edge_m", edge_m, "finite and above 0");
+  require(std::isfinite(chord_error_m) && chord_error_m >= 0, "chord_error_m", chord_error_m, "finite and 0 or more");
+  require(std::isfinite(shell_gap_m) && shell_gap_m >= 0, "shell_gap_m", shell_gap_m, "finite and 0 or more");
+  require(std::isfinite(shell_offset_m) && shell_offset_m >= 0, "shell_offset_m", shell_offset_m, "finite and 0 or more");
+}
+
+Judge::Judge(const JudgeSettings& settings) : settings_(settings) { settings_.validate(); }
+
+void Judge::reset() noexcept { counts_ = {}, run_ = {}; }
+
+double Judge::free_limit_m() const noexcept {
+  return kDiagonal * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
+}
+
+double Judge::buried_limit_m() const noexcept {
+  return 0.5 * kDiagonal * settings_.edge_m + settings_.shell_gap_m + settings_.chord_error_m + settings_.shell_offset_m;
+}
+
+Judgement Judge::judge(const GapResult& gap, const ReportedContact& report) {
+  Judgement out;
+  out.explanation = not_usable(report);
+  if (!out.explanation.empty()) {
+    out.verdict = Verdict::kDisagree, out.cause = Cause::kRendering;
+  } else if (gap.method == GapMethod::kNone || !std::isfinite(gap.gap_m)) {
+    out.cause = Cause::kReference, out.explanation = "the reference has no gap for this pose";
+  } else {
+    follow(gap, report);
+    out.explanation = breach(gap, report, out);
+    if (!out.explanation.empty()) {
+      out.verdict = Verdict::kDisagree, out.cause = gap.self_check ? Cause::kRendering : Cause::kReference;
+    } else if (!gap.self_check) {
+      out.cause = Cause::kReference;
+      out.explanation = "nothing is wrong with the contact, but the reference's own cross-check fails";
+    } else if (out.decided) {
+      out.verdict = Verdict::kAgree;
+    }
+    if (!gap.self_check) {
+      out.decided = false;
+      out.explanation += fmt::format(" (two ways to the same distance differ by {:.3g} mm)", mm(gap.self_error_m));
+    }
+  }
+  count(out);
+  return out;
+}
+
+void Judge::count(const Judgement& judgement) noexcept {
+  ++counts_.checked;
+  if (judgement.decided) ++counts_.decided;
+  if (judgement.verdict == Verdict::kAgree) ++counts_.agree;
+  if (judgement.verdict == Verdict::kInBand) ++counts_.in_band;
+  if (judgement.verdict != Verdict::kDisagree) return;
+  ++counts_.disagree;
+  ++(judgement.cause == Cause::kReference ? counts_.reference : counts_.rendering);
+}
+
+void Judge::follow(const GapResult& gap, const ReportedContact& report) {
+  const bool same = run_.samples > 0 && report.wrench.force == run_.wrench.force && report.wrench.torque == run_.wrench.torque;
+  if (report.wrench.zero() || report.held) {
+    run_ = {};
+  } else if (same) {
+    ++run_.samples;
+    run_.least_gap_m = std::min(run_.least_gap_m, gap.gap_m);
+    run_.largest_gap_m = std::max(run_.largest_gap_m, gap.gap_m);
+  } else {
+    run_ = {report.wrench, 1, gap.gap_m, gap.gap_m};
+  }
+}
+
+std::string Judge::not_usable(const ReportedContact& report) const {
+  const bool finite = report.tool_in_world.finite() && report.wrench.finite() && report.mean_normal.allFinite() &&
+                      std::isfinite(report.deepest_depth_m) && std::isfinite(report.coherence);
+  return finite ? "" : "the contact carries a value that is not a finite number";
+}
+
+std::string Judge::breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
+  std::string found = hits_breach(gap, report, out);
+  if (found.empty()) found = force_breach(report);
+  if (std::string other = depth_breach(gap, report, out); found.empty()) found = std::move(other);
+  if (std::string other = direction_breach(gap, report, out); found.empty()) found = std::move(other);
+  return found;
+}
+
+std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
+  const std::uint32_t interior = gap.inside_known ? report.interior_hits : 0;
+  if (gap.gap_m > free_limit_m()) {
+    out.decided = true;
+    if (report.surface_hits > 0 || interior > 0 || !report.wrench.zero())
+      return fmt::format("in free space, {:.3g} mm from the surface (free from {:.3g} mm): {} surface and {} interior hits and "
+                         "a force of {:.3g} N", mm(gap.gap_m), mm(free_limit_m()), report.surface_hits, interior,
+                         report.wrench.force.norm());
+    return "";
+  }
+  if (gap.buried_m > buried_limit_m()) {
+    out.decided = true;
+    if (report.surface_hits == 0 && report.interior_hits == 0)
+      return fmt::format("no hit, though the tool is buried by {:.3g} mm (must collide from {:.3g} mm)", mm(gap.buried_m),
+                         mm(buried_limit_m()));
+  }
+  if (interior > 0 && gap.gap_m > settings_.chord_error_m + settings_.shell_offset_m)
+    return fmt::format("{} interior hits, though the tool is {:.3g} mm outside the surface", interior, mm(gap.gap_m));
+  return "";
+}
+
+std::string Judge::force_breach(const ReportedContact& report) const {
+  const bool force = !report.wrench.zero();
+  if (force && report.surface_hits == 0 && report.interior_hits == 0)
+    return fmt::format("a force of {:.3g} N without a hit", report.wrench.force.norm());
+  const bool deep = report.deepest_depth_m > kDirectionFromDepth * settings_.edge_m;
+  if (!force && deep && !report.fallback && report.coherence >= kDirectionFromCoherence)
+    return fmt::format("no force at a reported depth of {:.3g} mm", mm(report.deepest_depth_m));
+  if (run_.samples >= kFrozenSamples && run_.largest_gap_m - run_.least_gap_m > kFrozenGap * settings_.edge_m)
+    return fmt::format("a frozen force: the same bits in {} checked samples while the gap went over {:.3g} mm", run_.samples,
+                       mm(run_.largest_gap_m - run_.least_gap_m));
+  return "";
+}
+
+std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
+  if (!gap.depth_exact || report.held || gap.gap_m > free_limit_m()) return "";
+  const double e = settings_.edge_m, g = settings_.shell_gap_m, radius = gap.sphere_radius_m;
+  const double sag = radius > 0 ? std::min(g, g * g / (2.0 * radius)) : g;
+  const double layer = 0.5 * e * (gap.direction.isZero() ? kDiagonal : gap.direction.lpNorm<1>());
+  const double tolerance =
+      std::max(kDepthTolerance * e, layer + sag) + settings_.chord_error_m + settings_.shell_offset_m;
+  const double depth = std::max(0.0, -gap.gap_m), error = report.deepest_depth_m - depth;
+  const bool saturated = report.interior_hits > 0;
+  if (!saturated || error > 0) out.depth_error_m = error;
+  if (error > tolerance || (error < -tolerance && !saturated))
+    return fmt::format("reported depth {:.3g} mm, reference {:.3g} mm: {:.3g} mm apart, more than {:.3g} mm",
+                       mm(report.deepest_depth_m), mm(depth), mm(std::abs(error)), mm(tolerance));
+  return "";
+}
+
+std::string Judge::direction_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
+  const double e = settings_.edge_m;
+  const bool coherent = report.coherence >= kDirectionFromCoherence;
+  if (!gap.unique_face || gap.direction.isZero() || report.fallback || !(coherent || report.held)) return "";
+  if (gap.gap_m >= kSignFromGap * e || report.surface_hits + report.interior_hits == 0) return "";
+  for (const Vec3& reported : {report.wrench.force, report.mean_normal})
+    if (!reported.isZero(0.0))
+      out.direction_error_rad = std::fmax(out.direction_error_rad, angle_between(reported, gap.direction));
+  const bool to_angle = -gap.gap_m >= kDirectionFromDepth * e && report.surface_hits >= kDirectionFromHits &&
+                        report.interior_hits == 0 && !report.held;
+  const double limit = to_angle ? kDirectionTolerance : kWrongSide;
+  if (!(out.direction_error_rad > limit)) return "";
+  return fmt::format("the direction is {:.3g} degrees off, more than {:.3g}", degrees(out.direction_error_rad), degrees(limit));
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,135 @@
+#pragma once
+/// Judges a reported contact by the reference's gap. Pure arithmetic: no FCL, no files, no clock.
+///
+/// Symbols: e voxel edge; s gap (gap.hpp), t = max(0, -s); c chord error; g shell gap; o shell offset.
+///
+/// Two hard rules, each a proof. A sample that one of them applies to is decided.
+///  - s > sqrt(3) e + c + o: a colliding shell point shares a closed voxel with a static triangle, so it is at most the
+///    voxel's diagonal away from it. None may collide and no force may act.
+///  - buried > sqrt(3)/2 e + g + c + o: some shell point lies within g of the deepest point of the dynamic surface, hence
+///    inside the static mesh, hence in a surface or an interior voxel. Some must collide. (`buried` and not -s: a sphere may
+///    have sunk 5 mm into a plate of 1 mm, and its lowest point is then in the air again. sqrt(3)/2 e is a safety margin for
+///    the exact shell.)
+///
+/// Between them lies the band, where these are checked; each breach is a disagreement.
+///  - An interior voxel is wholly inside the static mesh: interior hits need s <= c + o.
+///  - Wherever there is no hit there is no force; and where a depth beyond e/4 is reported, a force.
+///  - Depth to e. A colliding point x measures d = m.(c_v - x) to the tangent plane through its voxel's centre c_v, and not to
+///    the surface. The surface passes through the same voxel, so both planes are at most h = e/2 (|m_x|+|m_y|+|m_z|) <=
+///    sqrt(3)/2 e apart, either way; and the lowest shell point may be missing from the sphere's pole by at most g, which
+///    costs sag = g^2 / (2 R) of depth (g, where no sphere is declared). So |d - t| <= h + sag, which is below e on all but
+///    coarse shells: the tolerance is max(e, h + sag) + c + o. From above it always holds. From below it holds only while no
+///    point has gone through: behind the layer (at 1 to 1.5 e) points give no depth, and d stays behind t by as much as one
+///    likes. Interior hits tell when that is so. With no hit at all d = 0, so a missing contact shows from t = e on, before the
+///    hard rule sees it: a grid that is shifted away by 2 e is caught here, one that is shifted closer by the first rule.
+///    Not compared: where the static object is too thin or too split for depth and gap to mean the same (depth_exact), and
+///    while the rendering says that it holds an old depth.
+///  - Direction to 20 degrees, of the force and of the mean normal, where the nearest face is unique, t >= e/4, at least 4
+///    points collide with a coherence of 1/2 or more, none has gone through and the model is not in its fallback. Points that
+///    touch while s > 0 do so by the accident of one voxel's corner, and a sphere of 10 e has normals 34 degrees off there;
+///    in these frames, in held ones and in those with interior hits only the sign counts: neither may point more than 90
+///    degrees away (s < e/2). Force laws with a tangential part (friction) keep within 20 degrees up to a coefficient of 0.3.
+///  - A frozen force: the wrench is not zero, not flagged as held, and bit for bit the same in 3 or more checked samples
+///    during which the gap has changed by more than e/4. Any real law answers a change of depth with other bits; sliding
+///    along a face aligned with the grid may not, which is why the gap counts and not the tool's path.
+///
+/// A breach is the rendering's fault where the reference's own cross-checks hold (GapResult::self_check), else the
+/// reference's. Without a breach a failed cross-check leaves the sample undecided, and the explanation says so.
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "core/reference/gap.hpp"
+#include "core/types/geometry.hpp"
+
+namespace voxtouch {
+
+/// Values of ValidationReport.verdict and .cause.
+enum class Verdict : std::uint32_t { kAgree = 0, kInBand = 1, kDisagree = 2 };
+enum class Cause : std::uint32_t { kNone = 0, kRendering = 1, kReference = 2 };
+
+/// What the rules need to know of the scene. Lengths [m].
+struct JudgeSettings {
+  double edge_m = 0.0;          ///< voxel edge e, > 0
+  double chord_error_m = 0.0;   ///< ReferenceScene::chord_error_m
+  /// Every point of the dynamic surface has a shell point this near. The largest distance between shell points of
+  /// neighbouring voxels is a good measure; sqrt(3) e always holds for an exact shell (surface and point share a voxel).
+  double shell_gap_m = 0.0;
+  double shell_offset_m = 0.0;  ///< shell points off the surface: 0 for exact shells, sqrt(3)/2 e for voxel centres
+  /// Throws std::invalid_argument naming field, value and rule.
+  void validate() const;
+};
+
+/// The contact under judgement, as ContactState reports it. World frame.
+struct ReportedContact {
+  Pose tool_in_world;
+  Wrench wrench;
+  Vec3 mean_normal = Vec3::Zero();
+  double deepest_depth_m = 0.0;
+  double coherence = 0.0;
+  std::uint32_t surface_hits = 0, interior_hits = 0;
+  bool held = false;      ///< FLAG_HELD
+  bool fallback = false;  ///< FLAG_FALLBACK
+};
+
+struct Judgement {
+  Verdict verdict = Verdict::kInBand;
+  Cause cause = Cause::kNone;
+  bool decided = false;             ///< one of the two hard rules applied
+  double depth_error_m = std::numeric_limits<double>::quiet_NaN();        ///< reported - t; NaN: not compared
+  double direction_error_rad = std::numeric_limits<double>::quiet_NaN();  ///< the larger of force and normal; NaN: not compared
+  std::string explanation;          ///< empty unless something is wrong
+};
+
+struct JudgeCounts {
+  std::uint64_t checked = 0, decided = 0, agree = 0, in_band = 0, disagree = 0;
+  std::uint64_t rendering = 0, reference = 0;  ///< the disagreements by cause
+  /// Share of decided samples; 0 before the first.
+  double decided_share() const noexcept { return checked > 0 ? static_cast<double>(decided) / static_cast<double>(checked) : 0.0; }
+};
+
+/// At least this share of the checked samples should be decided, or the run says little.
+inline constexpr double kMinDecidedShare = 0.2;
+
+/// Which samples are checked: every n-th by sequence number, so that the choice does not depend on timing.
+constexpr bool is_checked(std::uint64_t sequence_number, std::uint64_t every) noexcept {
+  return every > 0 && sequence_number % every == 0;
+}
+
+/// Keeps the counts and the last wrench; samples must come in the order of their sequence numbers. Not real-time (sentences).
+class Judge {
+ public:
+  /// Throws what JudgeSettings::validate throws.
+  explicit Judge(const JudgeSettings& settings);
+
+  Judgement judge(const GapResult& gap, const ReportedContact& report);
+
+  const JudgeCounts& counts() const noexcept { return counts_; }
+  /// A new session: counts and memory begin anew.
+  void reset() noexcept;
+
+  double free_limit_m() const noexcept;    ///< a gap above it is free
+  double buried_limit_m() const noexcept;  ///< a depth above it must collide
+
+ private:
+  /// Checked samples in a row with the same bits in the wrench.
+  struct Run {
+    Wrench wrench;
+    int samples = 0;
+    double least_gap_m = 0.0, largest_gap_m = 0.0;
+  };
+  void follow(const GapResult& gap, const ReportedContact& report);
+  std::string not_usable(const ReportedContact& report) const;
+  std::string breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const;
+  std::string hits_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const;
+  std::string force_breach(const ReportedContact& report) const;
+  std::string depth_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const;
+  std::string direction_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const;
+  void count(const Judgement& judgement) noexcept;
+
+  JudgeSettings settings_;
+  JudgeCounts counts_;
+  Run run_;
+};
+
+}  // namespace voxtouch

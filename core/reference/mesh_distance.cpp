@@ -1,0 +1,93 @@
+#include "core/reference/mesh_distance.hpp"
+
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/distance.h>
+
+#include <cmath>
+
+namespace voxtouch {
+namespace {
+
+using Bvh = fcl::BVHModel<fcl::OBBRSSd>;
+constexpr double kProbeShare = 1e-9;    ///< size of the second way's triangle over the mesh's size
+constexpr double kRoundingShare = 1e-9; ///< rounding of FCL's projections over the mesh's size
+
+std::unique_ptr<Bvh> make_bvh(const ReferenceMesh& mesh) {
+  std::vector<fcl::Triangle> triangles;
+  triangles.reserve(mesh.triangles.size());
+  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  auto bvh = std::make_unique<Bvh>();
+  bvh->beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size()));
+  bvh->addSubModel(mesh.vertices, triangles);
+  bvh->endModel();
+  return bvh;
+}
+
+double size_of(const ReferenceMesh& mesh) {
+  double size = 0.0;
+  for (const Vec3& v : mesh.vertices) size = std::max(size, (v - mesh.vertices.front()).norm());
+  return size;
+}
+
+ReferenceMesh probe_triangle(double size) {
+  ReferenceMesh mesh;
+  mesh.vertices = {size * Vec3(1, 0, 0), size * Vec3(-0.5, 0.8, 0.1), size * Vec3(-0.5, -0.8, -0.1)};
+  mesh.triangles = {{0, 1, 2}};
+  return mesh;
+}
+
+fcl::Transform3d at(const Vec3& x) {
+  fcl::Transform3d pose = fcl::Transform3d::Identity();
+  pose.translation() = x;
+  return pose;
+}
+
+}  // namespace
+
+struct MeshDistance::Model {
+  double size;
+  std::unique_ptr<Bvh> bvh, probe;
+};
+
+MeshDistance::MeshDistance(const ReferenceMesh& mesh) : model_(std::make_unique<Model>()) {
+  model_->size = size_of(mesh);
+  model_->bvh = make_bvh(mesh);
+  model_->probe = make_bvh(probe_triangle(kProbeShare * model_->size));
+}
+MeshDistance::~MeshDistance() = default;
+MeshDistance::MeshDistance(MeshDistance&&) noexcept = default;
+MeshDistance& MeshDistance::operator=(MeshDistance&&) noexcept = default;
+
+double MeshDistance::second_way_error_m() const noexcept { return (kProbeShare + kRoundingShare) * model_->size; }
+
+NearestPoint MeshDistance::nearest(const Vec3& x) const {
+  const fcl::DistanceRequestd request(true);
+  fcl::DistanceResultd result;
+  const fcl::Sphered point(0.0);
+  fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), &point, at(x), request, result);
+  const Vec3 found = result.nearest_points[0];
+  const double length = (x - found).norm();
+  if (std::isfinite(length) && std::abs(length - result.min_distance) <= kRoundingShare * (model_->size + length))
+    return {length, found};
+  return {second_way(x), x};
+}
+
+double MeshDistance::second_way(const Vec3& x) const {
+  const fcl::DistanceRequestd request(true);
+  fcl::DistanceResultd result;
+  fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), model_->probe.get(), at(x), request, result);
+  return std::max(0.0, result.min_distance);
+}
+
+NearestPair MeshDistance::to(const MeshDistance& other, const Pose& other_in_mine) const {
+  const fcl::DistanceRequestd request(true);
+  fcl::DistanceResultd result;
+  fcl::Transform3d pose = at(other_in_mine.position);
+  pose.linear() = other_in_mine.orientation.toRotationMatrix();
+  fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), other.model_->bvh.get(), pose, request, result);
+  if (!(result.min_distance > 0)) return {};
+  return {result.min_distance, result.nearest_points[0], result.nearest_points[1]};
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,49 @@
+#pragma once
+/// One mesh of a scene, static or dynamic, with everything the reference can ask it. Lengths in metres, points in W (T for the dynamic one).
+#include <vector>
+
+#include "core/reference/closed_forms.hpp"
+#include "core/reference/inside_test.hpp"
+#include "core/reference/mesh_distance.hpp"
+
+namespace voxtouch {
+
+/// Arithmetic runs in the mesh's own frame, so that an object far from the world's origin loses no digits.
+class PosedMesh {
+ public:
+  explicit PosedMesh(const MeshSpec& spec);
+
+  /// Signed distance and what the cross-check of it says.
+  struct Answer {
+    SignedPoint signed_point;      ///< nearest point in W
+    bool closed_form = false;      ///< from declared primitives
+    double check_error_m = 0.0;    ///< by how much two ways differ beyond what they may
+  };
+  Answer signed_distance(const Vec3& x) const;
+  /// By the triangles alone.
+  SignedPoint mesh_signed_distance(const Vec3& x) const;
+  /// Unsigned, by primitives outside of them, else by the triangles: for points on the side that is already known.
+  Vec3 nearest(const Vec3& x) const;
+  bool inside(const Vec3& x) const noexcept;
+
+  bool closed() const noexcept { return mesh_.closed; }
+  double chord_error_m() const noexcept { return chord_error_m_; }
+  const ReferenceMesh& mesh() const noexcept { return mesh_; }
+  const MeshDistance& distance() const noexcept { return distance_; }
+  const Pose& pose() const noexcept { return pose_; }
+  /// One corner of each connected part, in the mesh's frame: where surfaces do not meet, a part is inside or outside as a whole.
+  const std::vector<Vec3>& one_of_each_part() const noexcept { return one_of_each_part_; }
+
+ private:
+  SignedPoint local_mesh(const Vec3& local) const;
+
+  Pose pose_;
+  ReferenceMesh mesh_;
+  InsideTest inside_;
+  MeshDistance distance_;
+  std::vector<Primitive> primitives_;
+  std::vector<Vec3> one_of_each_part_;
+  double chord_error_m_ = 0.0;
+};
+
+}  // namespace voxtouch

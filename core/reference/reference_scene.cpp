@@ -1,0 +1,134 @@
+#include "core/reference/reference_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "core/reference/chord_error.hpp"
+#include "core/reference/dynamic_mesh.hpp"
+#include "core/reference/posed_mesh.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr double kUniqueAngleRad = 5.0 * std::numbers::pi / 180.0;  ///< the patch's mean direction against its middle's
+constexpr double kThickShare = 0.25;  ///< of an edge: how much less buried than deep still counts as one thick face
+constexpr double kKeepSide = 0.9;     ///< of the centre's distance: a smaller step cannot cross the surface
+
+/// The static objects as one.
+struct Union {
+  const std::vector<PosedMesh>& objects;
+
+  SignedPoint mesh_signed_distance(const Vec3& x) const {
+    SignedPoint best = objects.front().mesh_signed_distance(x);
+    for (std::size_t i = 1; i < objects.size(); ++i)
+      if (const SignedPoint other = objects[i].mesh_signed_distance(x); other.distance_m < best.distance_m) best = other;
+    return best;
+  }
+  /// Unit vector from the nearest surface point to `x`, reversed if `inside`.
+  Vec3 direction(const Vec3& x, bool inside) const {
+    Vec3 arm = x - objects.front().nearest(x);
+    for (std::size_t i = 1; i < objects.size(); ++i)
+      if (const Vec3 other = x - objects[i].nearest(x); other.squaredNorm() < arm.squaredNorm()) arm = other;
+    return (inside ? -1.0 : 1.0) * arm.normalized();
+  }
+};
+
+double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+/// See ReferenceScene: does `up`, found at `centre`, stand for the whole patch?
+bool stands_for_patch(const Union& all, const Vec3& centre, double distance, const Vec3& up, double reach, double lift) {
+  const bool inside = distance < 0;
+  const double limit = kKeepSide * std::abs(distance);
+  const Vec3 side = up.unitOrthogonal(), other = up.cross(side);
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& step : {side, Vec3(-side), other, Vec3(-other)})
+    mean += all.direction(centre + std::min(reach, limit) * step, inside);
+  if (angle_between(mean, up) > kUniqueAngleRad) return false;
+  return angle_between(all.direction(centre + std::min(lift, limit) * up, inside), up) <= kUniqueAngleRad;
+}
+
+}  // namespace
+
+struct ReferenceScene::Parts {
+  double edge = 0.0, chord = 0.0;
+  bool all_closed = true;
+  std::vector<PosedMesh> statics;
+  std::optional<SpherePrimitive> sphere;  ///< in T
+  std::optional<DynamicMesh> mesh;
+
+  GapResult sphere_gap(const Vec3& centre) const;
+  void add_depth(const SignedPoint& at_centre, const Vec3& centre, GapResult& gap) const;
+};
+
+ReferenceScene::ReferenceScene(const Scene& scene) : parts_(std::make_unique<Parts>()) {
+  Parts& p = *parts_;
+  if (scene.static_meshes.empty() || !(scene.voxel_size_m > 0))
+    throw std::runtime_error(scene.file.string() + ": the reference needs a static mesh and a voxel size above zero");
+  p.edge = scene.voxel_size_m;
+  double static_chord = 0.0;
+  for (const MeshSpec& spec : scene.static_meshes) {
+    p.statics.emplace_back(spec);
+    p.all_closed = p.all_closed && p.statics.back().closed();
+    static_chord = std::max(static_chord, p.statics.back().chord_error_m());
+  }
+  const MeshSpec& tool = scene.dynamic_mesh;
+  const auto* declared = tool.primitives.size() == 1 ? std::get_if<SpherePrimitive>(&tool.primitives.front()) : nullptr;
+  if (declared != nullptr) {
+    const ReferenceMesh mesh = read_reference_mesh(tool);
+    p.chord = static_chord + chord_error(mesh, MeshDistance(mesh), tool.primitives).value_m();
+    p.sphere = SpherePrimitive{tool.pose * declared->centre, declared->radius_m};
+  } else {
+    p.chord = static_chord;
+    p.mesh.emplace(tool);
+  }
+}
+ReferenceScene::~ReferenceScene() = default;
+ReferenceScene::ReferenceScene(ReferenceScene&&) noexcept = default;
+ReferenceScene& ReferenceScene::operator=(ReferenceScene&&) noexcept = default;
+
+double ReferenceScene::chord_error_m() const noexcept { return parts_->chord; }
+
+GapResult ReferenceScene::gap(const Pose& tool_in_world) const {
+  if (!tool_in_world.finite()) return {};
+  const Parts& p = *parts_;
+  GapResult gap = p.sphere ? p.sphere_gap(tool_in_world * p.sphere->centre) : p.mesh->gap(p.statics, tool_in_world);
+  gap.inside_known = p.all_closed;
+  return gap;
+}
+
+GapResult ReferenceScene::Parts::sphere_gap(const Vec3& centre) const {
+  GapResult gap;
+  gap.sphere_radius_m = sphere->radius_m;
+  gap.self_error_m = 0.0;
+  std::optional<PosedMesh::Answer> best;
+  for (const PosedMesh& object : statics) {
+    const PosedMesh::Answer answer = object.signed_distance(centre);
+    gap.self_error_m = std::max(gap.self_error_m, answer.check_error_m);
+    if (!best || answer.signed_point.distance_m < best->signed_point.distance_m) best = answer;
+  }
+  gap.self_check = gap.self_error_m <= 0.0;
+  gap.method = best->closed_form ? GapMethod::kClosedForm : GapMethod::kSphereMesh;
+  gap.gap_m = best->signed_point.distance_m - sphere->radius_m;
+  gap.nearest_static = best->signed_point.nearest;
+  add_depth(best->signed_point, centre, gap);
+  return gap;
+}
+
+void ReferenceScene::Parts::add_depth(const SignedPoint& at_centre, const Vec3& centre, GapResult& gap) const {
+  const double distance = at_centre.distance_m, depth = std::max(0.0, -gap.gap_m);
+  gap.nearest_dynamic = centre;
+  if (std::abs(distance) < kThickShare * edge) return;  // the centre lies on the surface: no direction can be told
+  const Union all{statics};
+  gap.direction = (distance < 0 ? -1.0 : 1.0) * (centre - at_centre.nearest).normalized();
+  gap.nearest_dynamic = centre - sphere->radius_m * gap.direction;
+  if (depth > 0) gap.buried_m = std::clamp(-all.mesh_signed_distance(gap.nearest_dynamic).distance_m, 0.0, depth);
+  gap.depth_exact = depth - gap.buried_m <= kThickShare * edge + chord;
+  const double layer = std::sqrt(3.0) * edge + depth;  // points up to this far above the sphere's lowest one may collide
+  gap.unique_face = layer > 0 && stands_for_patch(all, centre, distance, gap.direction,
+                                                  std::sqrt(2.0 * sphere->radius_m * layer), 0.5 * layer + kThickShare * edge);
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,46 @@
+#pragma once
+/// A scene as the reference sees it: gap between tool and static objects at any pose, found without any rendering code.
+#include <memory>
+
+#include "core/reference/gap.hpp"
+#include "core/scene/scene.hpp"
+#include "core/types/geometry.hpp"
+
+namespace voxtouch {
+
+/// Reads the scene's mesh files itself. Queries are const, hold no state between calls and may run at once; they allocate and
+/// are not for the 1 kHz loop.
+///
+/// Dynamic object a declared sphere: s = signed distance of its centre - radius. The distance is the declared primitives'
+/// closed form, checked against FCL's distance to the mesh; without primitives it is FCL's, found in two ways, with the sign
+/// by the winding number. `unique_face`: the push directions met when the centre is moved to the rim of the contact patch
+/// (and off the face, which finds an opposite wall) average to the direction in its middle to within 5 degrees. That holds
+/// on planes and on round things, and fails where the patch hangs over an edge or reaches a second wall; there a mean of
+/// normals has no one true direction to agree with.
+///
+/// Any other dynamic object: FCL's mesh-mesh distance while apart (and neither inside the other); once they overlap, the
+/// depth of the deepest corner of the dynamic mesh, a lower bound (`depth_exact` false). FCL's mesh-mesh penetration depths
+/// and normals are not used: they are those of single triangle pairs. `unique_face` stays false.
+///
+/// Several static meshes count as their union: the nearest one answers.
+class ReferenceScene {
+ public:
+  /// Throws std::runtime_error naming the file if a mesh cannot be read, or if the scene has no static mesh or voxel size.
+  explicit ReferenceScene(const Scene& scene);
+  ~ReferenceScene();
+  ReferenceScene(ReferenceScene&&) noexcept;
+  ReferenceScene& operator=(ReferenceScene&&) noexcept;
+
+  /// The gap with the tool at `tool_in_world`. A pose that is not finite gives method kNone.
+  GapResult gap(const Pose& tool_in_world) const;
+
+  /// Largest difference between declared primitives and meshes that a gap may carry: the dynamic object's plus the largest
+  /// of the static ones [m]. What a Judge wants to know.
+  double chord_error_m() const noexcept;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace voxtouch

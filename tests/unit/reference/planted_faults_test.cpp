@@ -1,0 +1,157 @@
+/// End to end without any rendering code: reports from closed-form geometry are judged by the reference on the mesh files.
+/// Faultless ones raise no alarm, also over edges and corners; each planted fault is caught.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/reference/reference_scene.hpp"
+#include "synthetic_contact.hpp"
+#include "test_scenes.hpp"
+
+namespace voxtouch {
+namespace {
+
+using namespace test_scenes;
+using synthetic::Fault;
+using synthetic::Rendering;
+
+/// A path towards the static object, along it while pressed, and back. `up` points out of it.
+std::vector<Vec3> press_and_slide(const Vec3& touch, const Vec3& up, const Vec3& along, double deepest_in_edges) {
+  std::vector<Vec3> path;
+  const auto add = [&](double gap_in_edges, double slid_in_edges) {
+    path.push_back(touch + kEdge * (gap_in_edges * up + slid_in_edges * along));
+  };
+  for (double g = 5; g > -deepest_in_edges; g -= 0.0631) add(g, 0.1 * (5 - g));
+  for (double s = 0; s < 4; s += 0.0713) add(-0.6 - 0.05 * std::sin(s), s);
+  for (double g = -0.6; g < 5; g += 0.0631) add(g, 4);
+  return path;
+}
+
+struct Ground {
+  ReferenceScene reference;
+  Rendering rendering;
+  std::vector<Vec3> path;
+  Vec3 up;
+
+  JudgeSettings settings() const { return {kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0}; }
+};
+
+Ground tilted_plane() {
+  const Scene world = scene(mesh("slab_tilted.obj"));
+  ReferenceScene reference(world);
+  const Vec3 low(-0.9384765625, -1.0849609375, -0.0673828125), x(1.035888671875, -0.932373046875, -0.3466796875);
+  const Vec3 y(-0.95654296875, 0.720703125, 0.792724609375);
+  const Vec3 up = (x - low).cross(y - low).normalized();
+  const Vec3 touch = 0.5 * (x + y) + (kSphereRadius + up.dot(low - 0.5 * (x + y))) * up;
+  Rendering rendering(synthetic::half_space(up, up.dot(low)), kEdge, Vec3(-1.4, -1.4, -1.1), kSphereRadius);
+  return {std::move(reference), std::move(rendering), press_and_slide(touch, up, up.unitOrthogonal(), 4.0), up};
+}
+
+Ground cylinder() {
+  MeshSpec spec = mesh("cylinder.obj");
+  spec.primitives = {cylinder_primitive()};
+  ReferenceScene reference(scene(spec));
+  const Vec3 up = Vec3(0.6, 0.0, 0.8);
+  const Vec3 touch = kCylinderCentre + (0.5 + kSphereRadius) * up;
+  Rendering rendering(synthetic::cylinder_along_y(kCylinderCentre.x(), kCylinderCentre.z(), 0.5), kEdge,
+                      Vec3(-0.72, -1.01, -0.87), kSphereRadius);
+  return {std::move(reference), std::move(rendering),
+          press_and_slide(touch, up, Vec3(-0.4, 0.86, 0.3).normalized(), 4.0), up};
+}
+
+/// Judges the whole path; `tamper` may change a report, given its place in the path.
+template <class Tamper>
+Judge judged(const Ground& ground, const Fault& fault, Tamper tamper, std::string* first_sentence = nullptr) {
+  Judge judge(ground.settings());
+  for (std::size_t i = 0; i < ground.path.size(); ++i) {
+    ReportedContact report = ground.rendering.at(ground.path[i], fault);
+    tamper(i, report);
+    report.tool_in_world = at(ground.path[i]);
+    const GapResult gap = ground.reference.gap(report.tool_in_world);
+    const Judgement found = judge.judge(gap, report);
+    if (found.verdict == Verdict::kDisagree && first_sentence != nullptr && first_sentence->empty())
+      *first_sentence = found.explanation + " [sample " + std::to_string(i) + ", gap " + std::to_string(gap.gap_m / kEdge) + " e]";
+  }
+  return judge;
+}
+
+Judge judged(const Ground& ground, const Fault& fault = {}, std::string* first_sentence = nullptr) {
+  return judged(ground, fault, [](std::size_t, ReportedContact&) {}, first_sentence);
+}
+
+void expect_caught(const Judge& judge, const std::string& what) {
+  EXPECT_GT(judge.counts().disagree, 0U) << what;
+  std::printf("%s: %lu of %lu\n", what.c_str(), judge.counts().disagree, judge.counts().checked);
+  EXPECT_EQ(judge.counts().reference, 0U) << what << ": the fault is the rendering's";
+}
+
+class PlantedFaults : public testing::TestWithParam<Ground (*)()> {};
+INSTANTIATE_TEST_SUITE_P(Grounds, PlantedFaults, testing::Values(&tilted_plane, &cylinder));
+
+TEST_P(PlantedFaults, NoneMeansNoAlarmAndAFifthDecided) {
+  std::string sentence;
+  const Judge judge = judged(GetParam()(), {}, &sentence);
+  EXPECT_EQ(judge.counts().disagree, 0U) << sentence;
+  EXPECT_GT(judge.counts().decided_share(), kMinDecidedShare);
+  EXPECT_EQ(judge.counts().checked, judge.counts().agree + judge.counts().in_band);
+}
+
+TEST_P(PlantedFaults, GridShiftedByTwoEdgesIsCaughtInEveryDirectionThatMatters) {
+  const Ground ground = GetParam()();
+  expect_caught(judged(ground, {2 * kEdge * ground.up, false}), "closer");
+  expect_caught(judged(ground, {-2 * kEdge * ground.up, false}), "away");
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-2.0, 2.0}) {
+      const Vec3 shift = sign * kEdge * Vec3::Unit(axis);
+      if (std::abs(shift.dot(ground.up)) > 1.5 * kEdge) expect_caught(judged(ground, {shift, false}), "axis " + std::to_string(axis));
+    }
+}
+
+TEST_P(PlantedFaults, FlippedNormalsAreCaught) { expect_caught(judged(GetParam()(), {Vec3::Zero(), true}), "flipped"); }
+
+TEST_P(PlantedFaults, AnOnlyForceWithTheWrongSignIsCaught) {
+  expect_caught(judged(GetParam()(), {}, [](std::size_t, ReportedContact& r) { r.wrench.force *= -1.0; }), "pull");
+}
+
+TEST_P(PlantedFaults, AHeldForceIsCaughtInFreeSpaceAndInContact) {
+  const Ground ground = GetParam()();
+  for (const double stuck_at_gap : {0.5, -0.2, -1.0}) {
+    const auto stuck = static_cast<std::size_t>((5 - stuck_at_gap) / 0.0631);
+    const ReportedContact frozen = ground.rendering.at(ground.path[stuck]);
+    ASSERT_FALSE(frozen.wrench.zero());
+    // All of the message stands still until the hand is back in free space.
+    expect_caught(judged(ground, {}, [&](std::size_t i, ReportedContact& r) { if (i >= stuck) r = frozen; }), "to the end");
+    // Only the force stands still, and only while the tool sinks by one edge: the free rule never sees it.
+    expect_caught(judged(ground, {}, [&](std::size_t i, ReportedContact& r) {
+      if (i >= stuck && i < stuck + 16) r.wrench = frozen.wrench;
+    }), "in contact");
+  }
+}
+
+TEST_P(PlantedFaults, NoContactAndNoForceAreCaught) {
+  const Ground ground = GetParam()();
+  expect_caught(judged(ground, {}, [](std::size_t, ReportedContact& r) { r = {}; }), "never a hit");
+  expect_caught(judged(ground, {}, [](std::size_t, ReportedContact& r) { r.wrench = {}; }), "never a force");
+}
+
+TEST(FaultlessReports, RaiseNoAlarmOverFacesEdgesAndCornersOfABox) {
+  MeshSpec spec = mesh("aligned_box.obj");
+  std::mt19937 random(20240607);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (const bool declared : {true, false}) {
+    spec.primitives = declared ? std::vector<Primitive>{box_primitive()} : std::vector<Primitive>{};
+    const ReferenceScene reference(scene(spec));
+    const Rendering rendering(synthetic::box(Vec3(-0.375, -0.25, -0.25), Vec3(0.375, 0.25, 0.25)), kEdge,
+                              Vec3(-0.611, -0.523, -0.507), kSphereRadius);
+    Judge judge({kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0});
+    for (int i = 0; i < 1500; ++i) {
+      const Vec3 surface = Vec3(0.375, 0.25, 0.25).cwiseProduct(Vec3(unit(random), unit(random), unit(random)) * 1.5);
+      const Vec3 centre = surface + (kSphereRadius + kEdge * 2 * unit(random)) * Vec3(unit(random), unit(random), unit(random)).normalized();
+      const Judgement found = judge.judge(reference.gap(at(centre)), rendering.at(centre));
+      EXPECT_NE(found.verdict, Verdict::kDisagree) << found.explanation << " at " << centre.transpose();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch
