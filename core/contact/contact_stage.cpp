@@ -39,7 +39,7 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain)
   if (hits.surface.empty() && hits.interior.empty()) {
     shared_.setZero();
   } else {
-    update_shared_direction(hits, plain);
+    update_shared_direction(hits);
     frame.mean = plain.mean_normal;
     if (config_.model != ContactModelKind::kOriginal)
       frame.mean_share = limits::smoothstep(limits::kBlendFrom, limits::kBlendTo, plain.coherence);
@@ -58,9 +58,15 @@ double ContactStage::motion_bound(const Pose& pose) const noexcept {
   return (pose.position - last_pose_.position).norm() + 2.0 * half_sine * config_.reach_m;
 }
 
-void ContactStage::update_shared_direction(const HitList& hits, const ContactResult& plain) noexcept {
-  const Vec3& mean = plain.mean_normal;
-  double share = hits.surface.empty() ? 0.0 : limits::smoothstep(limits::kBlendFrom, limits::kBlendTo, plain.coherence);
+void ContactStage::update_shared_direction(const HitList& hits) noexcept {
+  // Over the points gone through as well: the rim alone is few points and turns over beyond the tool's equator.
+  Vec3 mean = Vec3::Zero();
+  for (const Hit& hit : hits.surface) mean += hit.normal;
+  for (const Hit& hit : hits.interior) mean += hit.normal;
+  const double length = mean.norm();
+  const double coherence = length / static_cast<double>(hits.surface.size() + hits.interior.size());
+  double share = hits.surface.empty() ? 0.0 : limits::smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
+  if (share > 0.0) mean /= length;
   // While points hang on g, it may be led but not turned over.
   if (shared_points_ > 0) share *= limits::smoothstep(limits::kAgreeFrom, limits::kAgreeTo, mean.dot(shared_));
   if (share >= 1.0) shared_ = mean;

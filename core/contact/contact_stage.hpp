@@ -31,9 +31,10 @@ struct StageConfig {
 ///
 /// Hold. Each point remembers the depth it last pushed with. In an interior voxel it goes on pushing with that depth (at
 /// least e/4); one that was in no surface voxel the frame before pushes with e along its own normal. The direction is chosen
-/// when the point goes through: the shared held direction g or the point's own normal. g is the last coherent mean (s = 1);
-/// it follows the present mean as far as that is coherent and agrees with g, so that it goes round a curved wall, but does
-/// not turn over when the tool is deeper than its equator. A point whose own normal opposes g and that moved along g to get
+/// when the point goes through: the shared held direction g or the point's own normal. g is the last coherent mean normal of
+/// all points in contact, those gone through included, while there are surface hits (without any gone through: m). It follows
+/// the present mean as far as that is coherent and agrees with g: round a curved wall it turns, beyond the tool's equator
+/// it does not turn over. A point whose own normal opposes g and that moved along g to get
 /// inside (the far wall of a slot) takes its own normal, since g would push it deeper.
 ///
 /// Way back. A point that returns to the surface layer pushes with max(plain depth, remembered depth), and the remembered
@@ -62,7 +63,7 @@ class ContactStage {
   struct Frame;
 
   double motion_bound(const Pose& pose) const noexcept;
-  void update_shared_direction(const HitList& hits, const ContactResult& plain) noexcept;
+  void update_shared_direction(const HitList& hits) noexcept;
   Vec3 surface_direction(const Frame& frame, const Hit& hit) const noexcept;
   Vec3 held_direction(Push push, const Hit& hit) const noexcept;
   Push choose_direction(const HitList& hits, const Hit& hit) const noexcept;
