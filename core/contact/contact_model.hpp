@@ -1,13 +1,11 @@
 #pragma once
-/// One interface for all rungs of accuracy: pose in, wrench out.
+/// One interface for all rungs of accuracy: the hits of a pose in, wrench out.
 #include <cstdint>
 #include <memory>
 #include <string_view>
 #include <vector>
 
-#include "core/pointshell/pointshell.hpp"
 #include "core/types/geometry.hpp"
-#include "core/voxmap/voxmap.hpp"
 
 namespace voxtouch {
 
@@ -16,6 +14,13 @@ enum class ContactModelKind : std::uint8_t { kOriginal = 1, kAdapted = 2, kClust
 /// "original", "adapted", ... ; and back (false where the word is unknown).
 std::string_view name_of(ContactModelKind kind) noexcept;
 bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept;
+
+/// Whether a pose could be looked up at all. Anything but kUsable comes with no hits and no force.
+enum class PoseStatus : std::uint8_t {
+  kUsable = 0,
+  kNotAPose = 1,    ///< NaN, Inf, or a quaternion norm outside [1e-3, 1e3]
+  kOutOfRange = 2,  ///< so far from the grid that voxel indices leave int32
+};
 
 /// What one pose gives. All in W; torque about the tool's origin.
 struct ContactResult {
@@ -26,33 +31,43 @@ struct ContactResult {
   std::uint32_t interior_hits = 0;      ///< shell points in interior voxels (gone through)
   Vec3 deepest_point = Vec3::Zero();    ///< the point with the largest depth [m]; zero without contact
   double deepest_depth_m = 0.0;         ///< [m]
-  double stiffness_bound_n_per_m = 0.0; ///< sum of the stiffnesses of all points that push: what a coupling must stand
-  bool fallback = false;                ///< normals face each other: `original` was used for this frame
+  /// K times the number of points that push. Bounds the spectral norm of dF/dx, x the tool's position: while the colliding
+  /// set stays, normals and directions u_i do not depend on x, so -dF/dx = K sum u_i u_i^T over the points with d > 0, a sum
+  /// of that many matrices of norm K (all equal for `adapted`, so there the bound is reached). Not bounded: the step when a
+  /// point crosses a voxel border, and the stiffness against rotation.
+  double stiffness_bound_n_per_m = 0.0;
+  bool fallback = false;                ///< normals face each other (coherence <= 0.3): `original` was used for this frame
+  PoseStatus pose_status = PoseStatus::kUsable;
   std::uint32_t points_tested = 0;      ///< points that culling left to test
 };
 
 /// One colliding point of a frame.
 struct Hit {
-  std::uint32_t point = 0;  ///< index into the pointshell's arrays
-  Vec3 arm = Vec3::Zero();      ///< from the tool's origin to the point, W axes [m]
-  Vec3 normal = Vec3::Zero();   ///< inward normal, W axes
-  Vec3 to_centre = Vec3::Zero();///< from the point to its voxel's centre, W axes [m]
+  std::uint32_t point = 0;        ///< index into the pointshell's arrays
+  Vec3 arm = Vec3::Zero();        ///< from the tool's origin to the point, W axes [m]
+  Vec3 normal = Vec3::Zero();     ///< inward normal, W axes
+  Vec3 to_centre = Vec3::Zero();  ///< from the point to its voxel's centre, W axes [m]
 };
 
-/// Reserved once for the whole shell: filling it never allocates.
+/// The hits of one frame, in the shell's order. Reserved once for the whole shell: filling it never allocates.
 struct HitList {
-  std::vector<Hit> surface;
-  std::uint32_t interior = 0;
-  std::uint32_t tested = 0;
-  void reserve(std::size_t points) { surface.reserve(points); }
-  void clear() noexcept { surface.clear(), interior = 0, tested = 0; }
+  std::vector<Hit> surface;   ///< points in surface voxels: the set S
+  std::vector<Hit> interior;  ///< points in interior voxels: gone through
+  Pose pose;                  ///< the pose looked up, T in W, its quaternion brought to unit norm
+  PoseStatus pose_status = PoseStatus::kUsable;
+  std::uint32_t tested = 0;   ///< points that culling left to test
+
+  void reserve(std::size_t points) { surface.reserve(points), interior.reserve(points); }
+  void clear() noexcept { surface.clear(), interior.clear(), pose = {}, pose_status = PoseStatus::kUsable, tested = 0; }
 };
 
-/// Turns the hits of one frame into a wrench. Memoryless. Real-time safe: no allocation, no lock, no throw.
+/// Turns the hits of one frame into a wrench. Memoryless; interior voxels give no force. Sums run over the hits in their
+/// order, in double, so that a list gives the same bits whenever it is evaluated. Real-time safe: no allocation, lock, throw.
 class ContactModel {
  public:
   virtual ~ContactModel() = default;
   virtual ContactModelKind kind() const noexcept = 0;
+  /// Overwrites all of `result`.
   virtual void evaluate(const HitList& hits, ContactResult& result) const noexcept = 0;
 };
 
@@ -61,7 +76,8 @@ struct ContactParameters {
   double stiffness_n_per_m = 1.0;  ///< K of each shell point (original, adapted), > 0
 };
 
-/// The model for `kind`. Throws std::invalid_argument for a rung that is not built yet, naming the ones that are.
+/// The model for `kind`. Throws std::invalid_argument for a rung that is not built yet, naming the ones that are, and for a
+/// stiffness that is not finite and positive.
 std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters);
 
 }  // namespace voxtouch

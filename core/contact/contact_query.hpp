@@ -2,24 +2,35 @@
 /// Finds the shell points that lie in surface or interior voxels, culling whole parts of the shell that are far from them.
 #include "core/contact/contact_model.hpp"
 #include "core/contact/sphere_tree.hpp"
+#include "core/pointshell/pointshell.hpp"
+#include "core/voxmap/voxmap.hpp"
 
 namespace voxtouch {
 
 /// Holds the shell and its tree; the voxmap must outlive it. Construction allocates; `find` does not.
 class ContactQuery {
  public:
+  /// Throws std::invalid_argument where the shell's arrays differ in length or hold a number that is not finite.
   ContactQuery(const Voxmap& voxmap, Pointshell shell);
+  ContactQuery(Voxmap&&, Pointshell) = delete;
 
   /// All hits at `tool_in_world`, in a fixed order (the shell's), so that sums give the same bits on every run.
-  /// Real-time safe once `hits.reserve(shell().size())` has been called.
+  /// Arithmetic is local to the grid: the grid's origin is taken off the pose first, so a scene at 1e6 m gives what it gives
+  /// at 0. The quaternion is brought to unit norm. A pose that cannot be looked up gives no hits and says so in
+  /// `hits.pose_status`. Real-time safe once `hits.reserve(shell().size())` has been called.
   void find(const Pose& tool_in_world, HitList& hits) const noexcept;
 
   const Pointshell& shell() const noexcept { return shell_; }
+  const Voxmap& voxmap() const noexcept { return voxmap_; }
+  const SphereTree& tree() const noexcept { return tree_; }
+  /// Largest distance of a shell point from the tool's origin [m].
+  double reach_m() const noexcept { return reach_m_; }
 
  private:
   const Voxmap& voxmap_;
   Pointshell shell_;
   SphereTree tree_;
+  double reach_m_ = 0.0;
 };
 
 }  // namespace voxtouch

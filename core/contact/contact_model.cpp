@@ -1,0 +1,127 @@
+#include "core/contact/contact_model.hpp"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "core/contact/limits.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr std::array<std::string_view, 4> kNames = {"original", "adapted", "clustered", "field"};
+
+/// What both laws report in the same way: counts, mean normal, coherence. True if the points agree well enough on it.
+bool summarise(const HitList& hits, ContactResult& result) noexcept {
+  result = {};
+  result.surface_hits = static_cast<std::uint32_t>(hits.surface.size());
+  result.interior_hits = static_cast<std::uint32_t>(hits.interior.size());
+  result.points_tested = hits.tested;
+  result.pose_status = hits.pose_status;
+  if (hits.surface.empty()) return true;
+  Vec3 sum = Vec3::Zero();
+  for (const Hit& hit : hits.surface) sum += hit.normal;
+  const double length = sum.norm();
+  result.coherence = length / static_cast<double>(hits.surface.size());
+  if (length > 0.0) result.mean_normal = sum / length;
+  return result.coherence > contact_limits::kFallbackCoherence;
+}
+
+/// Counts a point that pushes and remembers the deepest; the first of equals wins.
+void note_depth(const HitList& hits, const Hit& hit, double depth, double stiffness, ContactResult& result) noexcept {
+  if (depth > 0.0) result.stiffness_bound_n_per_m += stiffness;
+  if (depth > result.deepest_depth_m) {
+    result.deepest_depth_m = depth;
+    result.deepest_point = hits.pose.position + hit.arm;
+  }
+}
+
+/// McNeely 1999: F = K sum d_i n_i, d_i = max(0, n_i . (c_i - x_i)).
+void push_along_own_normals(const HitList& hits, double stiffness, ContactResult& result) noexcept {
+  for (const Hit& hit : hits.surface) {
+    const double depth = std::max(0.0, hit.normal.dot(hit.to_centre));
+    const Vec3 force = (stiffness * depth) * hit.normal;
+    result.wrench.force += force;
+    result.wrench.torque += hit.arm.cross(force);
+    note_depth(hits, hit, depth, stiffness, result);
+  }
+}
+
+/// Paper, section 2.2: F = K m sum d_i, d_i = max(0, m . (c_i - x_i)), m the mean normal.
+void push_along_mean_normal(const HitList& hits, double stiffness, ContactResult& result) noexcept {
+  const Vec3 mean = result.mean_normal;
+  double depths = 0.0;
+  Vec3 moment = Vec3::Zero();
+  for (const Hit& hit : hits.surface) {
+    const double depth = std::max(0.0, mean.dot(hit.to_centre));
+    depths += depth;
+    moment += depth * hit.arm;
+    note_depth(hits, hit, depth, stiffness, result);
+  }
+  result.wrench.force = (stiffness * depths) * mean;
+  result.wrench.torque = moment.cross(stiffness * mean);
+}
+
+class OriginalModel final : public ContactModel {
+ public:
+  explicit OriginalModel(double stiffness) : stiffness_(stiffness) {}
+  ContactModelKind kind() const noexcept override { return ContactModelKind::kOriginal; }
+  void evaluate(const HitList& hits, ContactResult& result) const noexcept override {
+    summarise(hits, result);
+    push_along_own_normals(hits, stiffness_, result);
+  }
+
+ private:
+  double stiffness_;
+};
+
+class AdaptedModel final : public ContactModel {
+ public:
+  explicit AdaptedModel(double stiffness) : stiffness_(stiffness) {}
+  ContactModelKind kind() const noexcept override { return ContactModelKind::kAdapted; }
+  void evaluate(const HitList& hits, ContactResult& result) const noexcept override {
+    if (summarise(hits, result)) {
+      push_along_mean_normal(hits, stiffness_, result);
+    } else {
+      push_along_own_normals(hits, stiffness_, result);
+      result.fallback = true;
+    }
+  }
+
+ private:
+  double stiffness_;
+};
+
+}  // namespace
+
+std::string_view name_of(ContactModelKind kind) noexcept {
+  const auto index = static_cast<std::size_t>(kind) - 1;
+  return index < kNames.size() ? kNames[index] : std::string_view("unknown");
+}
+
+bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept {
+  for (std::size_t index = 0; index < kNames.size(); ++index) {
+    if (word != kNames[index]) continue;
+    kind = static_cast<ContactModelKind>(index + 1);
+    return true;
+  }
+  return false;
+}
+
+std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters) {
+  const double stiffness = parameters.stiffness_n_per_m;
+  if (!(stiffness > 0.0) || !std::isfinite(stiffness))
+    throw std::invalid_argument("contact: stiffness_n_per_m is " + std::to_string(stiffness) +
+                                "; it must be finite and greater than 0");
+  switch (kind) {
+    case ContactModelKind::kOriginal: return std::make_unique<OriginalModel>(stiffness);
+    case ContactModelKind::kAdapted: return std::make_unique<AdaptedModel>(stiffness);
+    case ContactModelKind::kClustered:
+    case ContactModelKind::kField: break;
+  }
+  throw std::invalid_argument("contact: the model '" + std::string(name_of(kind)) +
+                              "' does not exist; choose 'original' or 'adapted'");
+}
+
+}  // namespace voxtouch

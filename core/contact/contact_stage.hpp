@@ -1,0 +1,84 @@
+#pragma once
+/// The stage that follows the contact model in the ring: it remembers the last frame, which the models may not.
+#include <cstdint>
+#include <vector>
+
+#include "core/contact/contact_model.hpp"
+
+namespace voxtouch {
+
+/// One frame of the ring.
+struct StageResult {
+  ContactResult contact;  ///< the model's result, with blended directions and the held points' push added
+  bool held = false;      ///< points have gone through (or just came back): remembered depths push
+  bool fast = false;      ///< some point may have moved more than half a voxel since the last pose: a contact may be missed
+};
+
+/// How a stage is set up.
+struct StageConfig {
+  std::size_t points = 0;          ///< size of the shell
+  double reach_m = 0.0;            ///< largest distance of a shell point from the tool's origin
+  double edge_m = 0.0;             ///< voxel edge e of the static grid
+  double stiffness_n_per_m = 0.0;  ///< K of each point
+  ContactModelKind model = ContactModelKind::kAdapted;
+};
+
+/// Blend, hold, and the fast flag. Let rho = |sum_S n_i| / |S|, m the mean normal, s = smoothstep(rho; 0.2, 0.5).
+///
+/// Blend (`adapted` only). A surface point pushes along u_i = s m + (1 - s) n_i, brought to unit length, with its depth along
+/// u_i. s = 1 gives the model's own bits, s = 0 those of `original`. Where u_i all but vanishes (n_i = -m at s = 1/2) it is
+/// divided by 0.1 instead of its length: the point's push fades through zero, never 0/0, and F stays continuous in rho, n_i.
+///
+/// Hold. Each point remembers the depth it last pushed with. In an interior voxel it goes on pushing with that depth (at
+/// least e/4); one that was in no surface voxel the frame before pushes with e along its own normal. The direction is chosen
+/// when the point goes through: the shared held direction g or the point's own normal. g is the last coherent mean normal of
+/// all points in contact, those gone through included, while there are surface hits (without any gone through: m). It follows
+/// the present mean as far as that is coherent and agrees with g: round a curved wall it turns, beyond the tool's equator
+/// it does not turn over. A point whose own normal opposes g and that moved along g to get
+/// inside (the far wall of a slot) takes its own normal, since g would push it deeper.
+///
+/// Way back. A point that returns to the surface layer pushes with max(plain depth, remembered depth), and the remembered
+/// depth shrinks by 1 m for each metre the tool moved (the bound used for `fast`). So a returning point weakens its push by at most K times
+/// that way (and by the turn from g to u_i), and strengthens it by at most K sqrt(3)/2 e, which is the step of the plain law
+/// at any voxel border. A point that reaches free space forgets; without any contact the stage forgets all.
+///
+/// All memory is taken at construction; `apply` and `reset` are real-time safe. Not safe to share between threads.
+class ContactStage {
+ public:
+  explicit ContactStage(const StageConfig& config);
+
+  /// `plain` is what the model gave for `hits`. A pose that could not be looked up passes through and leaves the memory alone.
+  StageResult apply(const HitList& hits, const ContactResult& plain) noexcept;
+
+  /// Forgets everything, also the last pose.
+  void reset() noexcept;
+
+ private:
+  enum class Push : std::uint8_t { kPlain, kShared, kOwn };  ///< surface law; held along g; held along the own normal
+  struct Memory {
+    double depth_m = 0.0;
+    std::uint64_t frame = 0;  ///< when it was last a hit; any but the last frame: forgotten
+    Push push = Push::kPlain;
+  };
+  struct Frame;
+
+  double motion_bound(const Pose& pose) const noexcept;
+  void update_shared_direction(const HitList& hits) noexcept;
+  Vec3 surface_direction(const Frame& frame, const Hit& hit) const noexcept;
+  Vec3 held_direction(Push push, const Hit& hit) const noexcept;
+  Push choose_direction(const HitList& hits, const Hit& hit) const noexcept;
+  void surface_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
+  void interior_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
+  void push(const HitList& hits, const Hit& hit, double depth, const Vec3& direction, ContactResult& result) const noexcept;
+
+  StageConfig config_;
+  std::vector<Memory> memory_;
+  std::uint64_t frame_ = 1;       ///< of the frame in work; memory of frame_ - 1 is alive
+  Pose last_pose_;
+  bool has_last_pose_ = false;
+  Vec3 shared_ = Vec3::Zero();    ///< last good direction; zero: none yet
+  Vec3 shared_now_ = Vec3::Zero();///< g of this frame
+  std::uint32_t shared_points_ = 0;  ///< points that pushed along g in the last frame
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,52 @@
+#pragma once
+/// Every threshold of the contact room, named in one place. Lengths are in voxel edges of the static grid.
+namespace voxtouch::contact_limits {
+
+/// `adapted` becomes `original` for the frame where |sum n| / |S| is at most this: the points face each other.
+inline constexpr double kFallbackCoherence = 0.3;
+
+/// The stateful stage replaces that switch by a smoothstep of the coherence between these two values.
+inline constexpr double kBlendFrom = 0.2;  ///< own normals up to here
+inline constexpr double kBlendTo = 0.5;    ///< mean normal from here on
+
+/// A blended direction shorter than this is not brought to unit length: where mean and own normal oppose each other the
+/// point's push fades through zero instead of turning round at full strength.
+inline constexpr double kShortestDirection = 0.1;
+
+/// A held point pushes with at least this depth: its last surface voxel may have had its centre in front of it.
+inline constexpr double kHeldDepthFloorEdges = 0.25;
+
+/// Depth of a point that turns up in the interior without having been seen in the surface layer.
+inline constexpr double kUnseenDepthEdges = 1.0;
+
+/// A remembered depth shrinks by this much for each metre that the tool moves once its point is back in the surface layer.
+/// 1 is the slope of the plain law on the way out, so that a straight way in and out gives no energy away.
+inline constexpr double kFadePerMetre = 1.0;
+
+/// The shared held direction follows the present mean fully where their cosine is at least `kAgreeTo`, not at all below
+/// `kAgreeFrom`: beyond a sphere's equator the rim's normals point down into the wall.
+inline constexpr double kAgreeFrom = 0.0;
+inline constexpr double kAgreeTo = 0.5;
+
+/// A point that moved more than this between two poses may have jumped the surface layer's force zone.
+inline constexpr double kFastEdges = 0.5;
+
+/// Added to every radius of the culling tree: covers the rounding of u up to 2^31 voxels (about 1e-5) with room to spare.
+inline constexpr double kCullSafetyVoxels = 1e-3;
+
+/// Grid coordinates beyond this do not fit int32 any more.
+inline constexpr double kMaxGridCoordinate = 2147483000.0;
+
+/// Quaternion norms that the query accepts and brings to one. What a device may send is judged before, and more strictly.
+inline constexpr double kMinQuaternionNorm = 1e-3;
+inline constexpr double kMaxQuaternionNorm = 1e3;
+
+/// 0 up to `from`, 1 from `to` on, 3t^2 - 2t^3 between: continuous with its first derivative. NaN gives 0.
+inline constexpr double smoothstep(double from, double to, double x) noexcept {
+  const double t = (x - from) / (to - from);
+  if (!(t > 0.0)) return 0.0;
+  if (t >= 1.0) return 1.0;
+  return t * t * (3.0 - 2.0 * t);
+}
+
+}  // namespace voxtouch::contact_limits

@@ -1,0 +1,223 @@
+// The culling tree may only skip points that are free.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "fixtures.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+struct BruteForce {
+  std::vector<std::uint32_t> surface, interior;
+};
+
+/// Every point, one by one, with the same arithmetic but no tree.
+BruteForce brute_force(const Voxmap& voxmap, const Pointshell& shell, const Pose& pose) {
+  BruteForce out;
+  const Mat3 rotation = pose.orientation.toRotationMatrix();
+  const Vec3 t = pose.position - voxmap.grid().origin;
+  for (std::uint32_t p = 0; p < shell.size(); ++p) {
+    Vec3 u;
+    for (int a = 0; a < 3; ++a)
+      u[a] = (rotation(a, 0) * shell.x[p] + rotation(a, 1) * shell.y[p] + rotation(a, 2) * shell.z[p] + t[a]) /
+             voxmap.grid().edge;
+    const VoxelKind kind = voxmap.at(Grid::voxel_of(u));
+    if (kind == VoxelKind::kSurface) out.surface.push_back(p);
+    if (kind == VoxelKind::kInterior) out.interior.push_back(p);
+  }
+  return out;
+}
+
+std::vector<std::uint32_t> points(const std::vector<Hit>& hits) {
+  std::vector<std::uint32_t> out;
+  for (const Hit& hit : hits) out.push_back(hit.point);
+  return out;
+}
+
+/// A cup-like scene: a floor, a wall, and a lone voxel in the far corner of the table.
+Voxmap scene(const Grid& grid) {
+  Voxmap voxmap(grid, {0, 0, 0}, {63, 63, 63});
+  add_block(voxmap, {0, 0, 0}, {63, 63, 6});
+  add_block(voxmap, {0, 0, 0}, {5, 63, 40});
+  voxmap.set({63, 63, 63}, VoxelKind::kSurface);
+  voxmap.finish();
+  return voxmap;
+}
+
+TEST(SphereTree, EnclosesItsPoints) {
+  const Pointshell shell = sphere_shell(0.03, 0.001);
+  const SphereTree tree(shell);
+  std::size_t span = SphereTree::kLeafPoints;
+  for (const auto& level : tree.levels()) {
+    for (std::size_t node = 0; node < level.size(); ++node)
+      for (std::size_t p = node * span; p < std::min(shell.size(), (node + 1) * span); ++p) {
+        const Vec3 centre(level[node].x, level[node].y, level[node].z);
+        ASSERT_LE((shell.point(p) - centre).norm(), level[node].radius);
+      }
+    span *= SphereTree::kFanOut;
+  }
+  EXPECT_EQ(tree.levels().back().size(), 1U);
+}
+
+TEST(SphereTree, VisitsEveryPointOnceAndInOrderWhereNothingIsCulled) {
+  for (const std::size_t count : {0U, 1U, 31U, 32U, 33U, 512U, 513U, 8193U}) {
+    std::vector<std::pair<Vec3, Vec3>> list(count, {Vec3(1, 2, 3), Vec3::UnitX()});
+    const SphereTree tree(shell_of(list, 1.0));
+    std::uint32_t next = 0;
+    tree.visit([](const SphereTree::Sphere&) { return false; },
+               [&](std::uint32_t begin, std::uint32_t end) {
+                 EXPECT_EQ(begin, next);
+                 next = end;
+               });
+    EXPECT_EQ(next, count);
+  }
+}
+
+TEST(Culling, NeverDropsAHitInThousandsOfRandomPoses) {
+  std::mt19937_64 random(20010101);
+  const double e = 0.003;  // no power of two
+  const Grid grid{Vec3(-0.7, 0.31, 0.123), e};
+  const Voxmap voxmap = scene(grid);
+  const Pointshell ball = sphere_shell(9.3 * e, e);
+  std::vector<std::pair<Vec3, Vec3>> scattered;  // a shell whose order means nothing: the tree may be slow, not wrong
+  for (int n = 0; n < 700; ++n)
+    scattered.emplace_back(e * Vec3(uniform(random, -9, 9), uniform(random, -9, 9), uniform(random, -9, 9)), Vec3::UnitZ());
+  std::size_t touched = 0, heavy = 0, culled = 0, poses = 0;
+  for (const Pointshell& shell : {ball, shell_of(scattered, e)}) {
+    const ContactQuery query(voxmap, shell);
+    HitList hits;
+    hits.reserve(shell.size());
+    for (int n = 0; n < 4000; ++n, ++poses) {
+      // Everywhere in and beyond the table, its border, close to the floor, and far outside.
+      const double spread = n % 4 == 3 ? 4000.0 : 100.0;
+      Vec3 u(uniform(random, -0.5, 1.0) * spread, uniform(random, -0.5, 1.0) * spread, uniform(random, -0.5, 1.0) * spread);
+      if (n % 4 == 0) u.z() = uniform(random, 0.0, 20.0);
+      if (n % 4 == 1) u[n % 3] = (n % 8 < 4 ? -8.0 : 80.0) + uniform(random, -0.01, 0.01);
+      const Pose pose{grid.origin + e * u, random_rotation(random)};
+      query.find(pose, hits);
+      // The query brings the quaternion to unit norm; take its rotation so that the last bit is the same.
+      const BruteForce all = brute_force(voxmap, shell, hits.pose);
+      ASSERT_EQ(points(hits.surface), all.surface) << "pose " << n << " u " << u.transpose();
+      ASSERT_EQ(points(hits.interior), all.interior) << "pose " << n << " u " << u.transpose();
+      ASSERT_EQ(hits.pose_status, PoseStatus::kUsable);
+      touched += !all.surface.empty();
+      heavy += all.surface.size() + all.interior.size() > shell.size() / 4;
+      culled += hits.tested < shell.size();
+    }
+  }
+  EXPECT_GT(touched, poses / 10);
+  EXPECT_GT(heavy, poses / 40);
+  EXPECT_GT(culled, poses / 4);
+}
+
+TEST(Culling, TestsFewPointsPerPointThatIsNotFreeInLightContact) {
+  // A ball that touches a floor with about one point in a hundred, sampled more and more densely.
+  const double e = 0.0005;
+  const Grid grid{Vec3::Zero(), e};
+  const Voxmap voxmap = block(grid, {0, 0, 0}, {255, 255, 15});
+  std::mt19937_64 random(3);
+  const double radius = 50.0;
+  struct Case { double pitch, limit; };
+  for (const auto& [pitch, limit] : {Case{1.772, 23.0}, Case{1.0, 17.0}, Case{0.5605, 9.0}, Case{0.17725, 6.0}}) {
+    const Pointshell shell = sphere_shell(radius * e, pitch * e);
+    const ContactQuery query(voxmap, shell);
+    HitList hits;
+    hits.reserve(shell.size());
+    std::size_t tested = 0, not_free = 0;
+    for (int n = 0; n < 50; ++n) {
+      const Vec3 u(128 + uniform(random, -8, 8), 128 + uniform(random, -8, 8), 16 + radius * 0.98);
+      query.find({e * u, random_rotation(random)}, hits);
+      tested += hits.tested;
+      not_free += hits.surface.size() + hits.interior.size();
+    }
+    const double ratio = static_cast<double>(tested) / static_cast<double>(not_free);
+    const double share = static_cast<double>(not_free) / 50.0 / static_cast<double>(shell.size());
+    std::printf("light contact: %zu points, %.2f %% not free, %.1f points tested per point that is not free\n", shell.size(),
+                100 * share, ratio);
+    EXPECT_NEAR(share, 0.01, 0.005);
+    EXPECT_LE(ratio, limit);
+  }
+}
+
+TEST(Query, RefusesPosesThatAreNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const Voxmap voxmap = scene({Vec3::Zero(), 0.01});
+  ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), ContactModelKind::kAdapted, {1.0});
+  const Pose touching{Vec3(0.3, 0.3, 0.11), Quat::Identity()};
+  ASSERT_GT(renderer.probe(touching).surface_hits, 0U);
+  std::vector<Pose> bad;
+  for (const double value : {nan, inf, -inf})
+    for (int n = 0; n < 7; ++n) {
+      Pose pose = touching;
+      (n < 3 ? pose.position[n] : pose.orientation.coeffs()[n - 3]) = value;
+      bad.push_back(pose);
+    }
+  bad.push_back({touching.position, Quat(0, 0, 0, 0)});
+  bad.push_back({touching.position, Quat(5e-324, 0, 0, 0)});
+  bad.push_back({touching.position, Quat(1e200, 1e200, 0, 0)});
+  for (const Pose& pose : bad) {
+    const ContactResult r = renderer.probe(pose);
+    EXPECT_EQ(r.pose_status, PoseStatus::kNotAPose);
+    EXPECT_EQ(r.surface_hits + r.interior_hits + r.points_tested, 0U);
+    EXPECT_TRUE(r.wrench.zero());
+  }
+}
+
+TEST(Query, SaysThatAPoseIsTooFarForInt32InsteadOfWrapping) {
+  const Voxmap voxmap = scene({Vec3::Zero(), 0.01});
+  ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), ContactModelKind::kAdapted, {1.0});
+  for (const double far : {2.2e7, -2.2e7, 1e300, -1e300, 1.7e308}) {
+    const ContactResult r = renderer.probe({Vec3(0.3, far, 0.11), Quat::Identity()});
+    EXPECT_EQ(r.pose_status, PoseStatus::kOutOfRange) << far;
+    EXPECT_EQ(r.surface_hits + r.interior_hits, 0U);
+  }
+  const ContactResult inside = renderer.probe({Vec3(0.3, 2.1e7, 0.11), Quat::Identity()});
+  EXPECT_EQ(inside.pose_status, PoseStatus::kUsable);
+  EXPECT_EQ(inside.surface_hits, 0U);
+}
+
+TEST(Query, TakesAnyQuaternionNormBetweenAThousandthAndAThousand) {
+  const Voxmap voxmap = scene({Vec3::Zero(), 0.01});
+  ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), ContactModelKind::kAdapted, {1.0});
+  Pose pose{Vec3(0.3, 0.3, 0.11), Quat(0.5, 0.5, 0.5, 0.5)};
+  const ContactResult one = renderer.probe(pose);
+  ASSERT_GT(one.wrench.force.norm(), 0.0);
+  for (const double norm : {0.0078125, 512.0}) {
+    pose.orientation = Quat(0.5 * norm, 0.5 * norm, 0.5 * norm, 0.5 * norm);
+    EXPECT_TRUE(same_bits(renderer.probe(pose).wrench, one.wrench));
+  }
+}
+
+TEST(Query, PutsAPointOnABorderOrCornerIntoOneVoxelOnly) {
+  const Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
+  ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}}, 0.125), ContactModelKind::kOriginal, {1.0});
+  const auto hits = [&](double x, double y, double z) {
+    const ContactResult r = renderer.probe({0.125 * Vec3(x, y, z), Quat::Identity()});
+    return std::pair(r.surface_hits, r.interior_hits);
+  };
+  EXPECT_EQ(hits(0, 0, 0), std::pair(1U, 0U));   // the low corner belongs to the block,
+  EXPECT_EQ(hits(8, 8, 8), std::pair(0U, 0U));   // the high corner to the free voxel beyond it,
+  EXPECT_EQ(hits(1, 1, 1), std::pair(0U, 1U));   // an inner border to the voxel above it
+  EXPECT_EQ(hits(7, 4, 4), std::pair(1U, 0U));
+}
+
+TEST(Query, RefusesAShellThatIsBroken) {
+  const Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
+  Pointshell uneven = sphere_shell(0.5, 0.125);
+  uneven.nz.pop_back();
+  EXPECT_THROW(ContactQuery(voxmap, uneven), std::invalid_argument);
+  Pointshell nan = sphere_shell(0.5, 0.125);
+  nan.y[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(ContactQuery(voxmap, nan), std::invalid_argument);
+}
+
+TEST(Query, FindsNothingForAnEmptyShell) {
+  const Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
+  ContactRenderer renderer(voxmap, Pointshell{}, ContactModelKind::kAdapted, {1.0});
+  EXPECT_TRUE(renderer.render({Vec3(0.5, 0.5, 0.5), Quat::Identity()}).contact.wrench.zero());
+}
+
+}  // namespace
+}  // namespace voxtouch::test

@@ -1,0 +1,152 @@
+// The blend between mean and own normals, on hits made by hand and on contacts from poses.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/contact/limits.hpp"
+#include "fixtures.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+constexpr double kEdge = 0.001;
+const Grid kGrid{Vec3::Zero(), kEdge};
+
+struct Laws {
+  std::unique_ptr<ContactModel> original = make_contact_model(ContactModelKind::kOriginal, {1.0});
+  std::unique_ptr<ContactModel> adapted = make_contact_model(ContactModelKind::kAdapted, {1.0});
+  ContactStage stage{{64, 0.01, kEdge, 1.0, ContactModelKind::kAdapted}};
+
+  ContactResult plain(const HitList& hits, const ContactModel& model) const {
+    ContactResult result;
+    model.evaluate(hits, result);
+    return result;
+  }
+  StageResult staged(const HitList& hits) { return stage.apply(hits, plain(hits, *adapted)); }
+};
+
+HitList hits_of(const std::vector<Vec3>& normals) {
+  HitList hits;
+  for (std::uint32_t p = 0; p < normals.size(); ++p) {
+    Hit hit;
+    hit.point = p;
+    hit.arm = kEdge * Vec3(p, 1.0, 2.0);
+    hit.normal = normals[p].normalized();
+    hit.to_centre = kEdge * Vec3(0.11 + 0.02 * p, -0.07, 0.31 - 0.01 * p);
+    hits.surface.push_back(hit);
+  }
+  return hits;
+}
+
+/// Two normals that open by `angle` on either side of z: coherence = cos(angle).
+HitList wedge(double angle) {
+  return hits_of({Vec3(std::sin(angle), 0, std::cos(angle)), Vec3(-std::sin(angle), 0, std::cos(angle))});
+}
+
+TEST(Blend, IsExactlyAdaptedWhereNormalsAgree) {
+  Laws laws;
+  for (const double angle : {0.0, 0.3, 1.0, 1.047}) {
+    const HitList hits = wedge(angle);
+    EXPECT_TRUE(same_bits(laws.staged(hits).contact.wrench, laws.plain(hits, *laws.adapted).wrench)) << angle;
+  }
+}
+
+TEST(Blend, IsExactlyOriginalWhereNormalsFaceEachOther) {
+  Laws laws;
+  for (const double angle : {1.3695, 1.5, std::numbers::pi / 2}) {
+    const HitList hits = wedge(angle);
+    EXPECT_TRUE(same_bits(laws.staged(hits).contact.wrench, laws.plain(hits, *laws.original).wrench)) << angle;
+  }
+}
+
+TEST(Blend, HasNoStepWhereTheMemorylessLawSwitches) {
+  Laws laws;
+  const double step = 1e-4;
+  Wrench last = laws.staged(wedge(0.8)).contact.wrench;
+  Wrench last_plain = laws.plain(wedge(0.8), *laws.adapted).wrench;
+  double worst = 0.0, worst_plain = 0.0;
+  for (double angle = 0.8 + step; angle < 1.57; angle += step) {
+    const Wrench now = laws.staged(wedge(angle)).contact.wrench;
+    const Wrench plain = laws.plain(wedge(angle), *laws.adapted).wrench;
+    worst = std::max(worst, (now.force - last.force).norm());
+    worst_plain = std::max(worst_plain, (plain.force - last_plain.force).norm());
+    last = now, last_plain = plain;
+  }
+  EXPECT_LE(worst, 20.0 * kEdge * step);        // Lipschitz in the angle
+  EXPECT_GE(worst_plain, 0.1 * kEdge);          // the switch at 0.3 that it replaces
+}
+
+TEST(Blend, StaysFiniteAndContinuousWhereMeanAndOwnNormalCancel) {
+  // Three hits: two that set the mean, and one that turns through the exact opposite of it, over all coherences around 0.35.
+  Laws laws;
+  const double step = 1e-4;
+  int inside = 0;
+  for (double open = 0.6; open < 1.2; open += 0.005) {
+    Wrench last;
+    for (double turn = -0.05; turn <= 0.05; turn += step) {
+      HitList hits = hits_of({Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
+                              Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
+                              Vec3(std::sin(turn), 0, -std::cos(turn))});
+      const StageResult r = laws.staged(hits);
+      ASSERT_TRUE(r.contact.wrench.finite());
+      const double s = contact_limits::smoothstep(0.2, 0.5, r.contact.coherence);
+      inside += std::abs(s - 0.5) < 0.02;
+      if (turn > -0.05 + step / 2) {
+        EXPECT_LE((r.contact.wrench.force - last.force).norm(), 100.0 * kEdge * step);
+      }
+      last = r.contact.wrench;
+    }
+  }
+  EXPECT_GT(inside, 100);  // the sweep did pass through s = 1/2
+}
+
+TEST(Blend, NeverTouchesTheModelOriginal) {
+  ContactStage stage({64, 0.01, kEdge, 1.0, ContactModelKind::kOriginal});
+  Laws laws;
+  for (const double angle : {0.0, 1.2, 1.5}) {
+    const HitList hits = wedge(angle);
+    const ContactResult plain = laws.plain(hits, *laws.original);
+    EXPECT_TRUE(same_bits(stage.apply(hits, plain).contact.wrench, plain.wrench));
+  }
+}
+
+TEST(Blend, GivesTheModelsBitsInPlainContactFromPoses) {
+  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {60, 60, 30});
+  const Pointshell shell = sphere_shell(10 * kEdge, kEdge);
+  std::mt19937_64 random(21);
+  for (const auto kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted}) {
+    ContactRenderer renderer(voxmap, shell, kind, {100.0});
+    int contacts = 0;
+    for (int n = 0; n < 300; ++n) {
+      const Pose pose{kEdge * Vec3(uniform(random, 20, 40), uniform(random, 20, 40), uniform(random, 40.0, 41.3)),
+                      random_rotation(random)};
+      const ContactResult plain = renderer.probe(pose);
+      if (plain.interior_hits > 0) continue;
+      const StageResult r = renderer.render(pose);
+      contacts += plain.surface_hits > 0;
+      EXPECT_TRUE(same_bits(r.contact.wrench, plain.wrench));
+      EXPECT_FALSE(r.held);
+    }
+    EXPECT_GT(contacts, 100);
+  }
+}
+
+TEST(Blend, KeepsTheStiffnessBoundBetweenItsEnds) {
+  Laws laws;
+  const HitList hits = wedge(1.2);  // coherence 0.36
+  const StageResult r = laws.staged(hits);
+  EXPECT_GT(r.contact.stiffness_bound_n_per_m, 0.0);
+  EXPECT_LE(r.contact.stiffness_bound_n_per_m, 2.0);
+  const double step = 1e-9;
+  Mat3 stiffness;
+  for (int axis = 0; axis < 3; ++axis) {
+    HitList moved = hits;
+    for (Hit& hit : moved.surface) hit.to_centre[axis] -= step;
+    stiffness.col(axis) = (r.contact.wrench.force - laws.staged(moved).contact.wrench.force) / step;
+  }
+  EXPECT_LE(stiffness.jacobiSvd().singularValues()[0], r.contact.stiffness_bound_n_per_m * (1 + 1e-5));
+}
+
+}  // namespace
+}  // namespace voxtouch::test
