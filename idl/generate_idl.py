@@ -15,6 +15,7 @@ PRIMITIVES = {  # .msg name -> (idl name, bytes in CDR and in C)
     "int16": ("int16", 2), "uint16": ("uint16", 2), "int32": ("int32", 4), "uint32": ("uint32", 4),
     "int64": ("int64", 8), "uint64": ("uint64", 8), "float32": ("float", 4), "float64": ("double", 8),
 }
+CONSTANT_TYPES = {"byte": "std::uint8_t", **{f"{u}int{n}": f"std::{u}int{n}_t" for u in ("", "u") for n in (8, 16, 32, 64)}}
 # Types that walk round the ring a thousand times a second: fixed size, no padding (padding bytes would reach the wire).
 RING = ("DeviceState", "ContactState", "ForceCommand")
 FIELD = re.compile(r"^(?P<type>[\w/]+)(?P<array>\[(?P<bound><=)?(?P<size>\d*)\])?\s+(?P<name>\w+)\s*(?P<const>=\s*(?P<value>\S+))?$")
@@ -99,10 +100,11 @@ def header_text(messages, own):
                 f"  static constexpr const dds_topic_descriptor_t* descriptor = &{c_name}_desc;",
                 f'  static constexpr std::string_view ros_name = "{package}/msg/{name}";',
                 f'  static constexpr std::string_view dds_name = "{package}::msg::dds_::{name}_";', "};"]
-        constants = messages[package, name][1]
-        if constants and package == own:
-            out.append(f"namespace {name.lower() if name.islower() else re.sub(r'(?<!^)(?=[A-Z])', '_', name).lower()} {{")
-            out += [f"inline constexpr std::{kind}_t k{''.join(w.capitalize() for w in constant.split('_'))} = {value};"
+        constants = [c for c in messages[package, name][1] if c[0] in CONSTANT_TYPES]
+        if constants:
+            snake = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+            out.append(f"namespace {snake if package == own else f'{package}_{name}_constants'} {{")
+            out += [f"inline constexpr {CONSTANT_TYPES[kind]} k{''.join(w.capitalize() for w in constant.split('_'))} = {value};"
                     for kind, constant, value in constants]
             out.append("}")
     out.append("")

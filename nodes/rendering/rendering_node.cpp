@@ -7,6 +7,7 @@
 #include "core/scene/scene_file.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/rendering/plan_message.hpp"
+#include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
@@ -26,7 +27,7 @@ class RenderingNode {
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
-        wait_set_(participant_) {
+        ros_(participant_, options.rig, scene), wait_set_(participant_) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
     links_ = {{[this] { return descriptions_.matched(); }, {"device"}},
@@ -97,6 +98,7 @@ class RenderingNode {
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
     contacts_.write(m);
+    ros_.show({state.sample_time_ns, mapping_.tool().pose, c.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
     samples_.fetch_add(1, kRelaxed);
     if (!c.wrench.zero()) contact_samples_.fetch_add(1, kRelaxed);
     if (result_.fast) fast_.fetch_add(1, kRelaxed);
@@ -130,6 +132,7 @@ class RenderingNode {
   bus::Reader<msg::DeviceState> states_;
   bus::Writer<msg::ContactState> contacts_;
   bus::Writer<msg::ScenePlan> plans_;
+  RosOutputs ros_;
   bus::WaitSet wait_set_;
   std::vector<runtime::Link> links_;
   const std::atomic<bool>* stop_ = nullptr;

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cstring>
 
+#include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::runtime {
 
 StatusWriter::StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig)
-    : writer_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)) {
+    : writer_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)),
+      diagnostics_(participant, qos::kDiagnostics, rig, qos::profile(qos::kDiagnostics.profile)), full_name_(rig + "/" + node) {
   char host[256] = {};
   gethostname(host, sizeof host - 1);
   own_.node = std::move(node);
@@ -20,7 +22,7 @@ StatusWriter::StatusWriter(const bus::Participant& participant, std::string node
 }
 
 void StatusWriter::publish(const NodeReport& report) {
-  std::vector<diagnostic_msgs_msg_dds__KeyValue_> values;
+  std::vector<msg::diagnostic_msgs_KeyValue> values;
   for (const auto& [key, value] : report.values) values.push_back({lend(key), lend(value)});
   msg::NodeStatus sample{};
   sample.node = lend(own_.node);
@@ -33,6 +35,25 @@ void StatusWriter::publish(const NodeReport& report) {
   sample.values._buffer = values.data();
   sample.values._length = sample.values._maximum = static_cast<std::uint32_t>(values.size());
   writer_.write(sample);
+  if (diagnostics_.matched_count() > 0) publish_diagnostics(report, values);
+}
+
+void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue>& values) {
+  namespace level = msg::diagnostic_msgs_DiagnosticStatus_constants;
+  msg::diagnostic_msgs_DiagnosticStatus status{};
+  status.level = report.state == NodeState::kFailed ? level::kError : report.state == NodeState::kStarting ? level::kWarn : level::kOk;
+  status.name = lend(full_name_);
+  status.message = lend(report.message);
+  status.hardware_id = lend(own_.host);
+  status.values._buffer = values.data();
+  status.values._length = status.values._maximum = static_cast<std::uint32_t>(values.size());
+  const std::int64_t now = realtime_ns();
+  msg::diagnostic_msgs_DiagnosticArray array{};
+  array.header.stamp = {static_cast<std::int32_t>(now / 1'000'000'000), static_cast<std::uint32_t>(now % 1'000'000'000)};
+  array.header.frame_id = const_cast<char*>("");
+  array.status._buffer = &status;
+  array.status._length = array.status._maximum = 1;
+  diagnostics_.write(array);
 }
 
 void StatusWriter::flush() noexcept { writer_.wait_for_acknowledgments(DDS_SECS(1)); }

@@ -31,7 +31,7 @@ struct NodeReport {
   std::map<std::string, std::string> values;
 };
 
-/// Publishes this node's report. Not for the loop: allocates.
+/// Publishes this node's report, and the same as /diagnostics while somebody reads that. Not for the loop: allocates.
 class StatusWriter {
  public:
   StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig);
@@ -40,7 +40,10 @@ class StatusWriter {
   void flush() noexcept;
 
  private:
+  void publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue>& values);
   bus::Writer<msg::NodeStatus> writer_;
+  bus::Writer<msg::diagnostic_msgs_DiagnosticArray> diagnostics_;
+  std::string full_name_;  // "haptic/device"
   NodeReport own_;
 };
 

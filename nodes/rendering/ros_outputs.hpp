@@ -1,0 +1,52 @@
+#pragma once
+/// What RViz, rqt and rosbag users look at: /tf, pose, wrench, markers. Written only while somebody reads them.
+#include <atomic>
+#include <string>
+#include <thread>
+
+#include "core/scene/scene.hpp"
+#include "nodes/bus/writer.hpp"
+#include "nodes/runtime/latest_value.hpp"
+
+namespace voxtouch::rendering {
+
+/// One frame of the ring, as the outputs show it.
+struct Shown {
+  std::int64_t time_ns = 0;
+  Pose tool;                           ///< T in W
+  Wrench wrench;                       ///< W axes
+  Vec3 deepest_point = Vec3::Zero();
+  bool contact = false;
+};
+
+/// Frames: `world` = W, `<rig>/device` = D, `<rig>/tool` = T.
+class RosOutputs {
+ public:
+  RosOutputs(const bus::Participant& participant, const std::string& rig, const Scene& scene);
+  ~RosOutputs();
+  RosOutputs(const RosOutputs&) = delete;
+  RosOutputs& operator=(const RosOutputs&) = delete;
+
+  /// From the loop; real-time safe.
+  void show(const Shown& shown) noexcept { latest_.write(shown); }
+
+ private:
+  void turn(std::uint64_t count);
+  void write_pose(const Shown& shown);
+  void write_wrench(const Shown& shown);
+  void write_tf(const Shown& shown);
+  void write_markers(const Shown& shown);
+
+  std::string device_frame_, tool_frame_;
+  Pose device_in_world_;
+  std::vector<MeshSpec> static_meshes_;
+  bus::Writer<msg::tf2_msgs_TFMessage> tf_;
+  bus::Writer<msg::geometry_msgs_PoseStamped> pose_;
+  bus::Writer<msg::geometry_msgs_WrenchStamped> wrench_;
+  bus::Writer<msg::visualization_msgs_MarkerArray> markers_;
+  runtime::LatestValue<Shown> latest_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace voxtouch::rendering
