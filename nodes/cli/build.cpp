@@ -1,0 +1,94 @@
+#include <filesystem>
+#include <fstream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/mesh/import.hpp"
+#include "core/pointshell/export.hpp"
+#include "core/voxmap/voxelise.hpp"
+#include "nodes/cli/verbs.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+struct BuildOptions {
+  std::filesystem::path mesh, out;
+  double voxel_m = 0.0, scale = 1.0;
+  std::vector<double> origin;
+  bool json = false;
+};
+
+/// Writes to a new name first, so that a full disk leaves no half file under the real one.
+template <class Write>
+void write_file(const std::filesystem::path& file, Write&& write) {
+  const std::filesystem::path fresh = file.string() + ".part";
+  std::ofstream out(fresh, std::ios::binary);
+  write(out);
+  out.close();
+  if (!out) throw std::runtime_error(fmt::format("{} could not be written: is there room, and may you write there?", fresh.string()));
+  std::filesystem::rename(fresh, file);
+}
+
+int build(const BuildOptions& o) {
+  const auto say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  say("reading " + o.mesh.string());
+  const ImportedMesh imported = import_mesh(o.mesh, {.scale = o.scale, .voxel_size_m = o.voxel_m});
+  std::vector<std::string> warnings = imported.warnings;
+  for (const std::string& sentence : imported.report.sentences()) warnings.push_back(sentence);
+  for (const std::string& warning : warnings) say("warning: " + warning);
+
+  Grid grid = default_grid(imported.mesh, o.voxel_m);
+  if (!o.origin.empty()) grid.origin = Vec3(o.origin[0], o.origin[1], o.origin[2]);
+  say(fmt::format("voxmap of {} triangles at {} m", imported.mesh.triangles.size(), o.voxel_m));
+  const Voxmap voxmap = voxelise(imported.mesh, grid, serial_for());
+  say(fmt::format("pointshell of {} surface voxels", voxmap.surface_count()));
+  const std::vector<ShellPoint> points = shell_points(imported.mesh, grid, serial_for());
+
+  std::filesystem::create_directories(o.out);
+  const std::string stem = o.mesh.stem().string();
+  const auto surface = o.out / (stem + "_surface.csv"), interior = o.out / (stem + "_interior.csv"), ply = o.out / (stem + "_shell.ply");
+  write_file(surface, [&](std::ostream& out) { write_surface_csv(out, points); });
+  write_file(interior, [&](std::ostream& out) { write_interior_csv(out, voxmap); });
+  write_file(ply, [&](std::ostream& out) { write_shell_ply(out, points); });
+
+  if (o.json) {
+    nlohmann::ordered_json j;
+    j["mesh"] = o.mesh.string();
+    j["triangles"] = imported.mesh.triangles.size();
+    j["closed"] = imported.report.closed;
+    j["voxel_size_m"] = o.voxel_m;
+    j["origin_m"] = {grid.origin.x(), grid.origin.y(), grid.origin.z()};
+    j["surface_voxels"] = voxmap.surface_count();
+    j["interior_voxels"] = voxmap.interior_count();
+    j["voxmap_bytes"] = voxmap.bytes();
+    j["largest_gap_m"] = largest_gap_m(points);
+    j["files"] = {surface.string(), interior.string(), ply.string()};
+    j["warnings"] = warnings;
+    fmt::print("{}\n", j.dump(2));
+  } else {
+    fmt::print("{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n", voxmap.surface_count(),
+               voxmap.interior_count(), voxmap.bytes() / 1024, grid.origin.x(), grid.origin.y(), grid.origin.z(), surface.string(),
+               interior.string(), ply.string());
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_build(CLI::App& app, Action& action) {
+  auto o = std::make_shared<BuildOptions>();
+  CLI::App* verb = app.add_subcommand(
+      "build", "Voxels and pointshell of a mesh as files: <mesh>_surface.csv, <mesh>_interior.csv, <mesh>_shell.ply (points with\n"
+               "normals and areas, for MeshLab or CloudCompare)");
+  verb->add_option("MESH", o->mesh, "OBJ, STL, PLY, glTF/GLB or COLLADA")->required();
+  verb->add_option("--voxel", o->voxel_m, "Voxel edge [m]")->required()->check(CLI::PositiveNumber);
+  verb->add_option("--origin", o->origin, "Origin of the grid X,Y,Z [m]; default: one voxel before the mesh")->delimiter(',')->expected(3);
+  verb->add_option("--scale", o->scale, "Metres for one unit of the file, such as 0.001 for millimetres")->capture_default_str()->check(CLI::PositiveNumber);
+  verb->add_option("--out", o->out, "Folder for the files")->required();
+  verb->add_flag("--json", o->json, "Result as one JSON object on stdout");
+  verb->callback([o, &action] { action = [o] { return build(*o); }; });
+}
+
+}  // namespace voxtouch::cli

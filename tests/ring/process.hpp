@@ -1,0 +1,57 @@
+#pragma once
+/// Programs under test as child processes; a test ends only what it started.
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace voxtouch::test {
+
+struct Finished {
+  int status = -1;  ///< exit status; 128 + signal number if a signal ended it
+  std::string out, err;
+};
+
+class Process {
+ public:
+  /// Starts `arguments[0]` with further environment variables; throws if it cannot be started.
+  explicit Process(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {});
+  ~Process();  ///< ends it by force if it still runs
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  pid_t pid() const noexcept { return pid_; }
+  void signal(int number) const;
+  bool running();
+  /// Waits for its end; ends it by force after `patience` (status 128 + 9 then).
+  Finished wait(std::chrono::seconds patience = std::chrono::seconds(60));
+  std::string err() const;  ///< what it has said so far
+
+ private:
+  pid_t pid_ = 0;
+  std::optional<int> status_;
+  std::filesystem::path folder_;
+};
+
+/// A folder of its own, removed at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A DDS domain that no other test of this machine is likely to use at the same time.
+std::string fresh_domain();
+/// Pids of the living children of `parent`.
+std::vector<pid_t> children_of(pid_t parent);
+
+}  // namespace voxtouch::test

@@ -1,0 +1,41 @@
+#pragma once
+/// `voxtouch up` as a test sees it.
+#include <nlohmann/json.hpp>
+
+#include "nodes/bag/bag_reader.hpp"
+#include "tests/ring/process.hpp"
+#include "voxtouch_msgs/messages.hpp"
+
+namespace voxtouch::test {
+
+/// Arguments of `voxtouch up --json` on a domain of its own, with `more` behind.
+std::vector<std::string> up_arguments(const std::string& scene, const std::vector<std::string>& more);
+
+struct RingResult {
+  Finished process;
+  nlohmann::json summary;  ///< null if stdout held no JSON object
+};
+RingResult run_ring(const std::string& scene, const std::vector<std::string>& more);
+nlohmann::json parse_summary(const std::string& out);
+
+/// All messages of one of the ring's fixed-size topics, in order of arrival. They hold no padding, so the CDR is the struct.
+template <class T>
+std::vector<T> read_ring_topic(const std::filesystem::path& folder, const std::string& topic) {
+  std::vector<T> all;
+  const auto bag = bag::BagReader::open(folder);
+  if (!bag) throw std::runtime_error(bag.error().sentence);
+  const auto messages = bag->read_topic(topic, bag::BagReader::Order::kArrival);
+  if (!messages) throw std::runtime_error(messages.error().sentence);
+  for (const auto& message : *messages) {
+    if (message.bytes.size() != sizeof(T) + 4) throw std::runtime_error(topic + ": a message has an unexpected size");
+    T value;
+    std::memcpy(&value, message.bytes.data() + 4, sizeof value);
+    all.push_back(value);
+  }
+  return all;
+}
+
+/// deploy/scenes/<name>.yaml
+std::string shipped_scene(const std::string& name);
+
+}  // namespace voxtouch::test

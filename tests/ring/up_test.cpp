@@ -1,0 +1,225 @@
+// `voxtouch up` in real time: the five nodes as processes or as one, over real DDS on loopback.
+#include <gtest/gtest.h>
+
+#include <signal.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <fstream>
+#include <thread>
+
+#include "nodes/bus/reader.hpp"
+#include "nodes/bus/writer.hpp"
+#include "tests/ring/ring_run.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+bool wait_until(const std::function<bool()>& holds, seconds patience) {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > until) return false;
+    std::this_thread::sleep_for(milliseconds(20));
+  }
+  return true;
+}
+
+bool runs(const Process& up) { return up.err().find(" samples  force") != std::string::npos; }
+
+void expect_a_good_touch(const RingResult& r, double duration_s, double limit_n) {
+  ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
+  ASSERT_TRUE(r.summary.is_object()) << r.process.out;
+  EXPECT_EQ(r.summary["samples"], static_cast<std::uint64_t>(duration_s * 1000));
+  EXPECT_GT(r.summary["contact_samples"], 100);
+  EXPECT_GT(r.summary["max_force_n"], 0.05);
+  EXPECT_LE(r.summary["max_force_n"], limit_n);
+  EXPECT_GT(r.summary["ring_latency_us"]["p50"], 0.0);
+  EXPECT_EQ(r.summary["validator"]["disagree"], 0) << r.process.err;
+  EXPECT_GE(r.summary["validator"]["decided"], 0.2 * r.summary["validator"]["checked"].get<double>());
+  EXPECT_EQ(r.summary["recording"]["dropped"], 0);
+}
+
+struct Rig {
+  std::string device;
+  double limit_n;
+  bool one_process;
+};
+
+class UpTouchesTheCup : public testing::TestWithParam<Rig> {};
+
+TEST_P(UpTouchesTheCup, AndTheHandFeelsIt) {
+  const TemporaryFolder folder;
+  std::vector<std::string> more = {"--device", GetParam().device, "--motion", "slide", "--duration", "5", "--record", (folder / "bag").string()};
+  if (GetParam().one_process) more.push_back("--one-process");
+  const RingResult r = run_ring(shipped_scene("cup"), more);
+  expect_a_good_touch(r, 5.0, GetParam().limit_n);
+  const auto bag = bag::BagReader::open(folder / "bag");
+  ASSERT_TRUE(bag) << bag.error().sentence;
+  for (const char* topic : {"/haptic/device/state", "/haptic/rendering/contact", "/haptic/coupling/command", "/haptic/device/description",
+                            "/haptic/rendering/plan", "/haptic/coupling/design", "/haptic/validation", "/haptic/node_status"}) {
+    const auto index = bag->find_topic(topic);
+    ASSERT_TRUE(index) << topic;
+    EXPECT_GT(bag->topics()[*index].message_count, 0U) << topic;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, UpTouchesTheCup,
+                         testing::Values(Rig{"sim-phantom", 8.5, false}, Rig{"sim-lwr", 150.0, false}, Rig{"sim-phantom", 8.5, true}),
+                         [](const auto& info) {
+                           std::string name = info.param.device + (info.param.one_process ? "_in_one_process" : "");
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST(Up, RefusesARigThatIsInUse) {
+  Process first(up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record"}));
+  ASSERT_TRUE(wait_until([&] { return runs(first); }, seconds(30))) << first.err();
+  Process second(up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record", "--duration", "1"}));
+  const Finished refused = second.wait();
+  EXPECT_NE(refused.status, 0);
+  EXPECT_NE(refused.err.find("rig 'haptic' is in use"), std::string::npos) << refused.err;
+  first.signal(SIGINT);
+  EXPECT_EQ(first.wait().status, 0);
+}
+
+TEST(Up, StopsInOrderOnCtrlCAndSaysThatTheRunWasCutShort) {
+  const TemporaryFolder folder;
+  Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
+  ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
+  const std::vector<pid_t> nodes = children_of(up.pid());
+  EXPECT_EQ(nodes.size(), 5U);
+  up.signal(SIGINT);
+  const Finished end = up.wait();
+  EXPECT_EQ(end.status, 1) << end.err;
+  const auto summary = parse_summary(end.out);
+  ASSERT_TRUE(summary.is_object()) << end.out;
+  EXPECT_NE(summary["problems"][0].get<std::string>().find("stopped before"), std::string::npos);
+  EXPECT_TRUE(bag::BagReader::open(folder / "bag"));
+  for (const pid_t node : nodes) EXPECT_NE(::kill(node, 0), 0) << "node " << node << " is still there";
+}
+
+TEST(Up, TakesItsNodesWithItWhenItIsKilled) {
+  Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--no-record"}));
+  ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
+  const std::vector<pid_t> nodes = children_of(up.pid());
+  ASSERT_EQ(nodes.size(), 4U);
+  up.signal(SIGKILL);
+  EXPECT_TRUE(wait_until([&] { return std::all_of(nodes.begin(), nodes.end(), [](pid_t p) { return ::kill(p, 0) != 0; }); }, seconds(10)));
+}
+
+TEST(Up, SaysWhichNodeDiedAndLeavesABagThatOpens) {
+  const TemporaryFolder folder;
+  Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
+  ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
+  for (const pid_t node : children_of(up.pid())) {
+    std::ifstream command("/proc/" + std::to_string(node) + "/cmdline");
+    std::string program;
+    std::getline(command, program, '\0');
+    if (program.ends_with("voxtouch_rendering")) ::kill(node, SIGKILL);  // a child of ours' child
+  }
+  const Finished end = up.wait();
+  EXPECT_EQ(end.status, 1);
+  EXPECT_NE(end.out.find("rendering was ended by signal 9"), std::string::npos) << end.out << end.err;
+  EXPECT_TRUE(bag::BagReader::open(folder / "bag"));
+}
+
+TEST(Up, NeverOverwritesABag) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "bag");
+  std::ofstream(folder / "bag" / "precious") << "mine";
+  const RingResult r = run_ring(shipped_scene("plane"), {"--motion", "free", "--duration", "1", "--record", (folder / "bag").string()});
+  EXPECT_NE(r.process.status, 0);
+  EXPECT_NE(r.process.err.find((folder / "bag").string()), std::string::npos) << r.process.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "bag" / "precious"));
+}
+
+TEST(Up, FollowsOneCommandWriterAndNamesTheOther) {
+  Process up(up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "6", "--no-record"}));
+  ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
+  const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "intruder"});
+  const auto& stream = qos::profile(qos::ProfileId::kStream);
+  bus::Writer<msg::ForceCommand> intruder(participant, qos::kForceCommand, "haptic", stream);
+  bus::Reader<msg::DeviceState> states(participant, qos::kDeviceState, "haptic", qos::profile(qos::ProfileId::kTap));
+  msg::DeviceState newest{};
+  ASSERT_TRUE(wait_until([&] { return states.take(newest); }, seconds(10)));
+  for (int i = 0; i < 1000; ++i) {
+    while (states.take(newest)) {
+    }
+    msg::ForceCommand command{};
+    command.session_id = newest.session_id;
+    command.sequence_number = newest.sequence_number;
+    command.sample_time_ns = newest.sample_time_ns;
+    command.valid_until_ns = newest.sample_time_ns + 10'000'000;
+    command.wrench.force.x = 5.0;
+    intruder.write(command);
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  const Finished end = up.wait();
+  const auto summary = parse_summary(end.out);
+  ASSERT_TRUE(summary.is_object()) << end.out << end.err;
+  EXPECT_EQ(end.status, 1);
+  EXPECT_NE(end.out.find("second"), std::string::npos) << end.out;
+  EXPECT_GT(summary["guard"]["refused"], 100);
+  EXPECT_LT(summary["max_force_n"], 1.0) << "the intruder's 5 N reached the device";
+}
+
+TEST(Up, RefusesWhatItCannotDoWithASentence) {
+  const auto refusal = [](const std::string& scene, std::vector<std::string> more) {
+    more.insert(more.end(), {"--duration", "1", "--no-record"});
+    const RingResult r = run_ring(scene, more);
+    EXPECT_NE(r.process.status, 0);
+    EXPECT_TRUE(r.process.out.empty()) << r.process.out;
+    return r.process.err;
+  };
+  const std::string plane = shipped_scene("plane");
+  EXPECT_NE(refusal(plane, {"--motion", "moonwalk"}).find("there is no motion 'moonwalk'"), std::string::npos);
+  EXPECT_NE(refusal(plane, {"--device", "sim-omni"}).find("sim-phantom"), std::string::npos);
+  EXPECT_NE(refusal(plane, {"--device", "phantom"}).find("sim-phantom"), std::string::npos);
+  EXPECT_NE(refusal(plane, {"--interface", "no_such_if0"}).find("no_such_if0"), std::string::npos);
+  EXPECT_NE(refusal("/nowhere/scene.yaml", {}).find("/nowhere/scene.yaml"), std::string::npos);
+}
+
+TEST(Up, SaysFileLineAndColumnOfASceneError) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "bad.yaml") << "scene: bad\nvoxel_size: 0.002\nstatik: []\n";
+  const RingResult r = run_ring((folder / "bad.yaml").string(), {"--duration", "1", "--no-record"});
+  EXPECT_NE(r.process.status, 0);
+  EXPECT_NE(r.process.err.find("bad.yaml:3:1:"), std::string::npos) << r.process.err;
+}
+
+TEST(Nodes, MayStartInAnyOrder) {
+  const std::string scene = shipped_scene("plane"), domain = fresh_domain();
+  const auto node = [&](const std::string& name, std::vector<std::string> more = {}) {
+    std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch_" + name, "--scene", scene, "--domain", domain};
+    a.insert(a.end(), more.begin(), more.end());
+    return std::make_unique<Process>(a);
+  };
+  const auto device = node("device", {"--motion", "slide", "--duration", "8"});  // first, with nobody to answer it
+  std::this_thread::sleep_for(seconds(1));
+  const auto coupling = node("coupling");
+  std::this_thread::sleep_for(milliseconds(500));
+  const auto rendering = node("rendering");
+  const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(domain)), "lo", "listener"});
+  bus::Reader<msg::ForceCommand> commands(participant, qos::kForceCommand, "haptic", qos::profile(qos::ProfileId::kTap));
+  double largest = 0.0;
+  msg::ForceCommand command;
+  while (device->running()) {
+    while (commands.take(command)) largest = std::max(largest, std::hypot(command.wrench.force.x, command.wrench.force.y, command.wrench.force.z));
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_EQ(device->wait().status, 0);
+  EXPECT_GT(largest, 0.05);
+  for (const auto& other : {coupling.get(), rendering.get()}) {
+    EXPECT_TRUE(other->running()) << "a node must outlive its device and wait for the next";
+    other->signal(SIGTERM);
+    EXPECT_EQ(other->wait().status, 0);
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch::test
