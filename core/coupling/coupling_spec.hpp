@@ -18,8 +18,8 @@ struct CouplingSpec {
   double damping_ns_per_m = 2.0;              ///< spring-damper: r, >= 0
 };
 
-/// What the device can give, said in the units of W: its own limit divided by the scene's force scale. Infinity = no limit;
-/// 0 = the device gives none of it.
+/// What the device can give, said in the units of W: its force limit / force_scale, its torque limit * position_scale /
+/// force_scale (see core/scene/device_mapping.hpp). Infinity = no limit; 0 = the device gives none of it.
 struct CouplingLimits {
   double max_force_n = std::numeric_limits<double>::infinity();
   double max_torque_nm = std::numeric_limits<double>::infinity();

@@ -59,6 +59,7 @@ struct Scene {
   CouplingSpec coupling;
   DeviceSpec device;
   std::map<std::string, Motion> motions;  ///< in W
+  std::vector<std::string> warnings;      ///< doubtful, not wrong: `file:line:column: sentence` each
 };
 
 }  // namespace voxtouch
