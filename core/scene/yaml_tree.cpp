@@ -139,7 +139,7 @@ void check_text(const std::string& text, const std::filesystem::path& file) {
 }  // namespace
 
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file) {
-  check_text(text, file);
+  if (text.empty()) check_text(text, file);
   // Without the last line's end: at it, this parser takes a quote that is never closed for closed.
   const std::size_t last = text.find_last_not_of(" \t\r\n");
   std::istringstream stream(text.substr(0, last == std::string::npos ? 0 : last + 1));
@@ -163,7 +163,9 @@ std::string describe(const YamlNode& node) {
     case YamlNode::Kind::kMap: return "a map";
     case YamlNode::Kind::kScalar: break;
   }
-  const std::string shown = node.text.size() > 40 ? node.text.substr(0, 37) + "..." : node.text;
+  std::size_t cut = 37;  // not within a character: messages go into JSON, which must be UTF-8
+  while (cut < node.text.size() && (static_cast<unsigned char>(node.text[cut]) & 0xC0U) == 0x80U) --cut;
+  const std::string shown = node.text.size() > 40 ? node.text.substr(0, cut) + "..." : node.text;
   return fmt::format("{} '{}'", node.quoted ? "the text" : "the word", shown);
 }
 

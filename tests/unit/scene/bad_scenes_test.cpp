@@ -42,6 +42,7 @@ const std::vector<Bad> kBad = {
     {"scene: full", "scene: ^''", "'scene' is empty"},
     {"2.0e-3", "^two", "'voxel_size' must be a number, but here is the word 'two'"},
     {"2.0e-3", "^'0.002'", "must be a number, but here is the text '0.002'"},
+    {"2.0e-3", "^aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaä123456789", "the word 'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa...'."},
     {"2.0e-3", "^0,002", "must be a number"},
     {"2.0e-3", "^0x10", "must be a number"},
     {"2.0e-3", "^1_000", "must be a number"},
@@ -188,6 +189,13 @@ TEST_F(BadScene, BombsDoNotGoOff) {
   for (const int depth : {40, 1000, 10'000, 500'000}) {
     EXPECT_THROW(parse(std::string(static_cast<std::size_t>(depth), '[')), SceneError) << depth;
     EXPECT_THROW(parse("scene: " + std::string(static_cast<std::size_t>(depth), '{')), SceneError) << depth;
+  }
+  try {
+    parse("effects: " + std::string(40, '[') + std::string(40, ']'));
+    ADD_FAILURE() << "forty levels were accepted";
+  } catch (const SceneError& error) {
+    EXPECT_STREQ(error.sentence().c_str(), "The scene is nested more than 32 levels deep.");
+    EXPECT_EQ(error.place().column, 41);
   }
   std::string deep;
   for (int k = 0; k < 500; ++k) deep.append(static_cast<std::size_t>(k), ' ').append("a:\n");
