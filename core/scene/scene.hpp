@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/coupling/coupling_spec.hpp"
 #include "core/types/geometry.hpp"
 #include "core/types/motion.hpp"
 
@@ -35,12 +36,6 @@ struct ContactSpec {
   double stiffness_n_per_m3 = 0.0;     ///< per area, clustered and field
 };
 
-struct CouplingSpec {
-  std::string kind = "shaping_filter"; ///< shaping_filter | spring_damper | direct
-  double cutoff_hz = 100.0, damping_ratio = 0.7071067811865476, gain = 1.0;       ///< shaping filter
-  double stiffness_n_per_m = 500.0, damping_ns_per_m = 2.0;                       ///< spring-damper
-};
-
 /// How the device moves the tool in the world: T in W = device_in_world * scaled(T in D) * tool_offset.
 struct DeviceSpec {
   double position_scale = 1.0;  ///< metres in W for one metre of the device
@@ -64,6 +59,7 @@ struct Scene {
   CouplingSpec coupling;
   DeviceSpec device;
   std::map<std::string, Motion> motions;  ///< in W
+  std::vector<std::string> warnings;      ///< doubtful, not wrong: `file:line:column: sentence` each
 };
 
 }  // namespace voxtouch

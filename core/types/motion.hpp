@@ -1,5 +1,6 @@
 #pragma once
 /// Where an operator's hand wants the tool to be: a value that scenes name and simulated devices follow.
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -9,22 +10,36 @@ namespace voxtouch {
 
 /// Straight pieces between way points, each walked with a minimum-jerk profile whose peak speed is `speed_m_per_s`.
 /// `repeat_from`: after the last point the hand walks back and forth between points repeat_from..last for ever; absent: it
-/// holds the last point. Circle: after the way points the hand goes round `centre` for ever (start of the circle = last point).
+/// holds the last point. Circle: after the way points the hand goes round `circle_centre` for ever (start of the circle =
+/// last point; its speed grows from rest over the first quarter turn). A circle wins over `repeat_from`.
 struct Motion {
   std::vector<Vec3> path;               ///< [m], at least one
-  double speed_m_per_s = 0.05;          ///< peak speed, > 0
-  double hold_s = 0.0;                  ///< rest at each way point
+  double speed_m_per_s = 0.05;          ///< peak speed of a straight piece, speed on the circle; > 0
+  double hold_s = 0.0;                  ///< rest at each way point, also at the first and the last; >= 0
   std::optional<std::size_t> repeat_from;
-  std::optional<Vec3> circle_centre;    ///< [m]
-  Vec3 circle_axis = Vec3::UnitZ();     ///< unit
+  std::optional<Vec3> circle_centre;    ///< [m]; only its distance from the last point across the axis counts
+  Vec3 circle_axis = Vec3::UnitZ();     ///< unit; right-handed turn about it
   Quat orientation = Quat::Identity();  ///< kept throughout
 };
 
-/// Position and velocity of the hand's target at `time_s` >= 0. Closed form, no state: any time may be asked.
-struct MotionPoint { Vec3 position = Vec3::Zero(), velocity = Vec3::Zero(); };
+/// Peak speed of a minimum-jerk profile over its mean speed: the derivative of 10 s^3 - 15 s^4 + 6 s^5 at s = 1/2.
+inline constexpr double kMinimumJerkPeak = 1.875;
+
+/// Position [m] and velocity [m/s] of the hand's target, in the motion's frame.
+struct MotionPoint {
+  Vec3 position = Vec3::Zero(), velocity = Vec3::Zero();
+};
+
+/// The target at `time_s`. Closed form, no state: any time may be asked, in any order. Time below zero or NaN counts as
+/// zero, time beyond 1e15 s as 1e15 s; an empty path gives the frame's origin, a speed that is not above zero the first
+/// point. Linear in the number of way points. Real-time safe.
 MotionPoint motion_at(const Motion& motion, double time_s) noexcept;
 
-/// The same motion seen from another frame: x' = pose.inverse() * x / scale.
+/// Seconds until the last way point's rest is over: from then on the motion holds, repeats or circles.
+double approach_duration(const Motion& motion) noexcept;
+
+/// The tool's motion in W as the motion of the device's tip in D that brings it about: the inverse of
+/// `T in W = device_in_world * scaled(tip in D) * tool_offset`. `position_scale` > 0: metres in W for one metre of the device.
 Motion motion_in_device(const Motion& in_world, const Pose& device_in_world, const Pose& tool_offset, double position_scale);
 
 }  // namespace voxtouch

@@ -1,0 +1,116 @@
+#include "core/coupling/coupling.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/coupling/direct.hpp"
+#include "core/coupling/shaping_filter.hpp"
+#include "core/coupling/spring_damper.hpp"
+
+namespace voxtouch {
+namespace {
+
+class Findings {
+ public:
+  explicit Findings(std::vector<CouplingIssue>& out) : out_(out) {}
+  bool positive(const char* field, double value) { return rule(field, value, value > 0.0 && std::isfinite(value), "above 0"); }
+  bool not_negative(const char* field, double value) {
+    return rule(field, value, value >= 0.0 && std::isfinite(value), "0 or above");
+  }
+  bool limit(const char* field, double value) { return rule(field, value, value >= 0.0, "0 or above, infinity for no limit"); }
+
+ private:
+  bool rule(const char* field, double value, bool kept, const char* text) {
+    if (!kept) out_.push_back({field, fmt::format("{} is {}; it must be {}.", field, value, text), true});
+    return kept;
+  }
+  std::vector<CouplingIssue>& out_;
+};
+
+void validate_cutoff(const CouplingSpec& spec, double sample_time_s, std::vector<CouplingIssue>& out) {
+  const double turn = cutoff_rad_per_s(spec) * sample_time_s;
+  const auto sentence = [&](const char* rule) {
+    return fmt::format("cutoff_hz is {}, so w0*T is {:.3g} at a sample time of {:g} s; {}.", spec.cutoff_hz, turn,
+                       sample_time_s, rule);
+  };
+  if (turn >= std::numbers::pi) {
+    out.push_back({"cutoff_hz", sentence("it must be below pi, or the filter rings at the sample rate"), true});
+  } else if (turn > kWarnCutoffRad) {
+    out.push_back({"cutoff_hz", sentence("above 0.6 the sampled filter's cut-off is noticeably lower than asked"), false});
+  }
+}
+
+}  // namespace
+
+std::string_view name_of(CouplingKind kind) noexcept {
+  switch (kind) {
+    case CouplingKind::kDirect: return "direct";
+    case CouplingKind::kShapingFilter: return "shaping_filter";
+    case CouplingKind::kSpringDamper: return "spring_damper";
+  }
+  return "unknown";
+}
+
+bool parse_coupling(std::string_view word, CouplingKind& kind) noexcept {
+  for (const auto k : {CouplingKind::kDirect, CouplingKind::kShapingFilter, CouplingKind::kSpringDamper})
+    if (word == name_of(k)) return kind = k, true;
+  return false;
+}
+
+double cutoff_rad_per_s(const CouplingSpec& spec) noexcept { return 2.0 * std::numbers::pi * spec.cutoff_hz; }
+
+double lag_s(const CouplingSpec& spec) noexcept {
+  return spec.kind == name_of(CouplingKind::kShapingFilter) ? 2.0 * spec.damping_ratio / cutoff_rad_per_s(spec) : 0.0;
+}
+
+double displayed_stiffness_n_per_m(const CouplingSpec& spec, double contact_n_per_m) noexcept {
+  if (spec.kind == name_of(CouplingKind::kShapingFilter)) return spec.gain * contact_n_per_m;
+  if (spec.kind == name_of(CouplingKind::kSpringDamper))
+    return spec.stiffness_n_per_m * (contact_n_per_m / (spec.stiffness_n_per_m + contact_n_per_m));
+  return contact_n_per_m;
+}
+
+std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s) {
+  std::vector<CouplingIssue> out;
+  Findings find(out);
+  CouplingKind kind{};
+  if (!parse_coupling(spec.kind, kind)) {
+    out.push_back({"kind",
+                   fmt::format("kind is '{}'; it must be shaping_filter, spring_damper or direct.", spec.kind), true});
+    return out;
+  }
+  const bool period = find.positive("sample_time_s", sample_time_s);
+  find.limit("max_force_n", limits.max_force_n);
+  find.limit("max_torque_nm", limits.max_torque_nm);
+  if (kind == CouplingKind::kShapingFilter) {
+    const bool cutoff = find.positive("cutoff_hz", spec.cutoff_hz);
+    find.positive("damping_ratio", spec.damping_ratio);
+    find.not_negative("gain", spec.gain);
+    if (cutoff && period) validate_cutoff(spec, sample_time_s, out);
+  } else if (kind == CouplingKind::kSpringDamper) {
+    find.positive("stiffness_n_per_m", spec.stiffness_n_per_m);
+    find.not_negative("damping_ns_per_m", spec.damping_ns_per_m);
+  }
+  return out;
+}
+
+std::unique_ptr<Coupling> make_coupling(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
+                                        double ramp_s) {
+  for (const CouplingIssue& issue : validate(spec, limits, sample_time_s))
+    if (issue.refuse) throw std::invalid_argument("Coupling: " + issue.sentence);
+  if (!(ramp_s >= 0.0 && std::isfinite(ramp_s)))
+    throw std::invalid_argument(fmt::format("Coupling: ramp_s is {}; it must be 0 or above.", ramp_s));
+  CouplingKind kind{};
+  parse_coupling(spec.kind, kind);
+  switch (kind) {
+    case CouplingKind::kShapingFilter: return std::make_unique<ShapingFilter>(spec, limits, sample_time_s, ramp_s);
+    case CouplingKind::kSpringDamper: return std::make_unique<SpringDamper>(spec, limits, sample_time_s, ramp_s);
+    case CouplingKind::kDirect: break;
+  }
+  return std::make_unique<DirectCoupling>(limits, sample_time_s, ramp_s);
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,49 @@
+#pragma once
+/// Which coupling is asked for, and what is wrong with the asking.
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace voxtouch {
+
+/// A coupling and its parameters; those of the other kinds are ignored.
+struct CouplingSpec {
+  std::string kind = "shaping_filter"; ///< shaping_filter | spring_damper | direct
+  /// Shaping filter. `cutoff_hz` = w0 / (2 pi): where the phase passes -90 degrees and the gain is K/(2 d). It is the -3 dB
+  /// frequency only for d = 1/sqrt(2); with d = 1 the filter is down 3 dB at 0.644 of it already.
+  double cutoff_hz = 100.0;
+  double damping_ratio = 0.7071067811865476;  ///< d, > 0
+  double gain = 1.0;                          ///< K, dimensionless (force in, force out), > 0 in a scene, >= 0 at run time
+  double stiffness_n_per_m = 500.0;           ///< spring-damper: c, > 0
+  double damping_ns_per_m = 2.0;              ///< spring-damper: r, >= 0
+};
+
+/// What the device can give, said in the units of W: its force limit / force_scale, its torque limit * position_scale /
+/// force_scale (see core/scene/device_mapping.hpp). Infinity = no limit; 0 = the device gives none of it.
+struct CouplingLimits {
+  double max_force_n = std::numeric_limits<double>::infinity();
+  double max_torque_nm = std::numeric_limits<double>::infinity();
+};
+
+/// Above this w0 T [rad] the sampled filter rings visibly and its cut-off is off by more than 3 %: warned.
+inline constexpr double kWarnCutoffRad = 0.6;
+
+/// One thing that is wrong, or doubtful, with a spec.
+struct CouplingIssue {
+  std::string field;     ///< member of CouplingSpec, as scenes spell it; or the argument's name
+  std::string sentence;  ///< names field, value and rule
+  bool refuse = true;    ///< false: a warning
+};
+
+/// Checks the parameters of `spec.kind` for a loop with period `sample_time_s` [s]. Empty: all is well.
+std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s);
+
+/// w0 [rad/s] of a shaping filter.
+double cutoff_rad_per_s(const CouplingSpec& spec) noexcept;
+/// Low-frequency lag [s] that the coupling puts into the loop: 2 d / w0 of the shaping filter, 0 of the others (the
+/// spring-damper leads, it does not lag).
+double lag_s(const CouplingSpec& spec) noexcept;
+/// Stiffness that reaches the hand where the contact has `contact_n_per_m`: K k, c k / (c + k), or k. At rest, in W.
+double displayed_stiffness_n_per_m(const CouplingSpec& spec, double contact_n_per_m) noexcept;
+
+}  // namespace voxtouch

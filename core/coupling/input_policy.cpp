@@ -1,0 +1,74 @@
+#include "core/coupling/input_policy.hpp"
+
+#include <cmath>
+
+namespace voxtouch {
+namespace {
+
+bool usable(const Vec3& v) noexcept { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kLargestInput; }
+bool usable(const CouplingInput& in) noexcept {
+  return usable(in.contact.force) && usable(in.contact.torque) && in.contact_stiffness_n_per_m >= 0.0 &&
+         in.contact_stiffness_n_per_m <= kLargestInput;
+}
+
+}  // namespace
+
+bool clamp_length(Vec3& v, double limit) noexcept {
+  if (!(limit > 0.0)) return v.setZero(), false;
+  const double length = v.norm();
+  if (!(length > limit)) return false;
+  v *= limit / length;
+  return true;
+}
+
+Wrench InputPolicy::restart(const Wrench& held) noexcept {
+  Wrench start = held.finite() ? held : Wrench{};
+  clamp_length(start.force, limits_.max_force_n);
+  clamp_length(start.torque, limits_.max_torque_nm);
+  start_ = start.zero() ? Start::kFadeIfInContact : Start::kFade;
+  last_ = {};
+  return start;
+}
+
+PolicedInput InputPolicy::take(const CouplingInput& input, double dt_s, double gain) noexcept {
+  status_ = {};
+  PolicedInput out;
+  const bool good_period = dt_s >= nominal_s_ / kPeriodBand && dt_s <= nominal_s_ * kPeriodBand;  // false for NaN
+  out.dt_s = good_period ? dt_s : nominal_s_;
+  if (!good_period) ++bad_periods_;
+  out.gap = dt_s > nominal_s_ * kGapPeriods;
+  if (out.gap) start_ = Start::kFade;
+
+  const bool good_input = usable(input);
+  if (good_input) {
+    last_ = input;
+  } else {
+    ++bad_inputs_;
+    status_.held_input = true;
+  }
+  out.contact = last_.contact;
+  out.stiffness_n_per_m = last_.contact_stiffness_n_per_m;
+  if (gain > 0.0) {
+    status_.clamped |= clamp_length(out.contact.force, limits_.max_force_n / gain);
+    status_.clamped |= clamp_length(out.contact.torque, limits_.max_torque_nm / gain);
+  } else {
+    out.contact = {};  // gives zero anyhow, and an uncut input must not wait in the law's state for the gain to come back
+  }
+  out.weight = weight_after(out.dt_s, good_input, !last_.contact.zero() || out.stiffness_n_per_m > 0.0);
+  status_.ramping = out.weight < 1.0;
+  return out;
+}
+
+double InputPolicy::weight_after(double dt_s, bool usable, bool in_contact) noexcept {
+  if (start_ != Start::kRunning) {
+    if (start_ == Start::kFade || (usable && in_contact)) elapsed_s_ = 0.0;
+    else if (usable) elapsed_s_ = ramp_s_;  // started in free space: nothing to fade
+    else return 0.0;                        // nothing known yet
+    start_ = Start::kRunning;
+  }
+  if (elapsed_s_ >= ramp_s_) return 1.0;
+  elapsed_s_ += dt_s;
+  return elapsed_s_ < ramp_s_ ? elapsed_s_ / ramp_s_ : 1.0;
+}
+
+}  // namespace voxtouch

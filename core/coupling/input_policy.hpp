@@ -1,0 +1,59 @@
+#pragma once
+/// What every coupling does with a sample before its own law sees it: mend the period, refuse what is not a number, cut what
+/// the device cannot give, fade in what would otherwise be a step.
+#include <cstdint>
+
+#include "core/coupling/coupling.hpp"
+
+namespace voxtouch {
+
+/// Periods within [T/5, 5T] are used as measured; beyond 10 T the loop has stood still.
+inline constexpr double kPeriodBand = 5.0, kGapPeriods = 10.0;
+/// A component beyond this [N, Nm, N/m] is no force but a fault, and is treated as NaN is.
+inline constexpr double kLargestInput = 1e12;
+
+/// A sample that a law can take as it is.
+struct PolicedInput {
+  Wrench contact;                 ///< finite, within the limits
+  double stiffness_n_per_m = 0;   ///< finite, >= 0
+  double dt_s = 0;                ///< within the band
+  double weight = 1;              ///< share of `contact`; the rest belongs to the force that was held at the start
+  bool gap = false;               ///< the loop stood still: start again at the force given last
+};
+
+/// Scales `v` down to length `limit`, keeping its direction; true where it was longer. A limit of zero gives zero and false:
+/// a device without torque is no event. Real-time safe.
+bool clamp_length(Vec3& v, double limit) noexcept;
+
+/// Real-time safe; one per coupling.
+class InputPolicy {
+ public:
+  InputPolicy(const CouplingLimits& limits, double nominal_s, double ramp_s) noexcept
+      : limits_(limits), nominal_s_(nominal_s), ramp_s_(ramp_s) {}
+
+  /// `gain` is what the law will multiply by: the input is cut at limit / gain, so that the law's state never winds up on a
+  /// peak that the device cannot give.
+  PolicedInput take(const CouplingInput& input, double dt_s, double gain) noexcept;
+  /// Forgets the last input; the next samples are faded in from `held`, or, where that is zero, only if the first good one is
+  /// in contact. Gives back `held` as far as the limits allow; zero where it is not finite.
+  Wrench restart(const Wrench& held) noexcept;
+
+  std::uint64_t faults() const noexcept { return bad_periods_ + bad_inputs_; }
+  std::uint64_t bad_periods() const noexcept { return bad_periods_; }
+  std::uint64_t bad_inputs() const noexcept { return bad_inputs_; }
+  const CouplingStatus& status() const noexcept { return status_; }
+  double nominal_period_s() const noexcept { return nominal_s_; }
+
+ private:
+  enum class Start : std::uint8_t { kRunning, kFadeIfInContact, kFade };
+  double weight_after(double dt_s, bool usable, bool in_contact) noexcept;
+
+  CouplingLimits limits_;
+  double nominal_s_, ramp_s_, elapsed_s_ = 0;
+  Start start_ = Start::kFadeIfInContact;
+  CouplingInput last_;
+  CouplingStatus status_;
+  std::uint64_t bad_periods_ = 0, bad_inputs_ = 0;
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,77 @@
+#pragma once
+/// The second-order low-pass of the paper's section 3 for one number: H(s) = K w0^2 / (s^2 + 2 d w0 s + w0^2), sampled with
+/// the Tustin rule s = (2/T) (z - 1)/(z + 1).
+///
+/// Realisation: the trapezoid rule on the states y and v = y'/w0, solved for the step's increments. It has the printed
+/// H_f(z) exactly, but its state is physical: (y - K u)^2 + v^2 never grows for a constant input, whatever w0, d and T do from
+/// sample to sample, so parameters may change at any time and from rest |y| <= 2 |K| max|u|. A direct form has neither: its
+/// error grows with 1/(w0 T)^2 and it can blow up where T changes.
+#include <cmath>
+
+namespace voxtouch {
+
+/// What one step needs, shared by all components that are filtered alike.
+struct Pt2Coefficients {
+  double g = 0;   ///< w0 T / 2
+  double c = 0;   ///< 2 (2 d + g)
+  double gd = 0;  ///< g / (1 + 2 d g + g^2)
+
+  static Pt2Coefficients of(double w0_rad_per_s, double damping_ratio, double period_s) noexcept {
+    const double g = 0.5 * w0_rad_per_s * period_s, damped = 2.0 * damping_ratio + g;
+    return {g, 2.0 * damped, g / (1.0 + g * damped)};
+  }
+};
+
+/// State of one component.
+struct Pt2State {
+  double y = 0;       ///< output
+  double v = 0;       ///< y' / w0
+  double u_last = 0;  ///< last input
+
+  /// Below this, without input, the state is set to zero: left alone it would decay into denormal numbers, which cost twenty
+  /// times the time, and would stick there.
+  static constexpr double kRest = 1e-12;
+
+  double advance(const Pt2Coefficients& k, double gain, double u) noexcept {
+    const double e = gain * (u + u_last) - 2.0 * y;
+    const double dv = k.gd * (e - k.c * v);
+    y += k.g * (2.0 * v + dv);
+    v += dv;
+    u_last = u;
+    if (u == 0.0 && std::abs(y) + std::abs(v) < kRest) y = v = 0.0;
+    return y;
+  }
+  /// At rest at `y0`; the input that keeps it there is y0 / gain.
+  void reset(double y0, double gain) noexcept { y = y0, v = 0.0, u_last = gain == 0.0 ? 0.0 : y0 / gain; }
+};
+
+/// The filter for one number. Real-time safe.
+class Pt2 {
+ public:
+  Pt2() = default;
+  Pt2(double w0_rad_per_s, double damping_ratio, double gain) noexcept { design(w0_rad_per_s, damping_ratio, gain); }
+
+  /// New parameters, at any time, without touching the state. Any finite gain, also negative; any finite w0 > 0, d > 0, also
+  /// beyond the Nyquist frequency. False, and nothing changed, otherwise.
+  bool design(double w0_rad_per_s, double damping_ratio, double gain) noexcept {
+    const bool usable = w0_rad_per_s > 0.0 && damping_ratio > 0.0 && std::isfinite(w0_rad_per_s) &&
+                        std::isfinite(damping_ratio) && std::isfinite(gain);
+    if (usable) w0_ = w0_rad_per_s, d_ = damping_ratio, gain_ = gain, period_ = 0.0;
+    return usable;
+  }
+  /// One sample of a finite input over a finite period > 0 [s]: callers that cannot promise that go through ShapingFilter.
+  double step(double u, double period_s) noexcept {
+    if (period_s != period_) k_ = Pt2Coefficients::of(w0_, d_, period_s), period_ = period_s;
+    return state_.advance(k_, gain_, u);
+  }
+  /// At rest at `y0`: the next step with input y0 / K gives y0 again.
+  void reset(double y0 = 0.0) noexcept { state_.reset(y0, gain_); }
+  const Pt2State& state() const noexcept { return state_; }
+
+ private:
+  double w0_ = 1.0, d_ = 1.0, gain_ = 1.0, period_ = 0.0;
+  Pt2Coefficients k_;
+  Pt2State state_;
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,50 @@
+#pragma once
+/// The spring-damper coupling that the paper compares its filter with.
+#include "core/coupling/input_policy.hpp"
+
+namespace voxtouch {
+
+/// One vector's share of the spring-damper's law: a massless object hangs on the device by a spring c and a damper r, and is
+/// pushed out of the static scene.
+///
+/// Let delta be how far the object stands off the device's pose. The contact is computed at the device's pose, where it
+/// pushes with f; an object that gives way by delta feels less, to first order f - k delta, with k the contact's stiffness
+/// bound. It has no mass, so what pushes it is what pulls it back: f - k delta = c delta + r delta'. With the backward
+/// difference delta' = (delta - delta_prev)/T, which needs no smaller step for a stiff contact,
+///
+///     delta = (f + r delta_prev / T) / (k + c + r / T),     F = c delta + r (delta - delta_prev) / T = f - k delta.
+///
+/// At rest F = c/(c + k) f: two springs in a row. The law holds along f. Across f there is nothing to push with, and the
+/// object swings back to the device by spring and damper alone; likewise along f once the object has left the surface
+/// (F would pull), and in free space. F is never against f and never longer than f.
+struct UnilateralSpringDamper {
+  Vec3 delta = Vec3::Zero();
+  Vec3 step(const Vec3& f, double k, double c, double r, double dt_s) noexcept;
+};
+
+/// Forces and torques take the same law with the same c, r and k: the torque is the sum of (arm x force) over the contact's
+/// points, and a law that is linear in the forces acts on that sum as on each of them. The torque thus keeps its proportion
+/// to the force, with no rotational stiffness to be tuned.
+class SpringDamper final : public Coupling {
+ public:
+  SpringDamper(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
+               double ramp_s = kDefaultRampS) noexcept
+      : policy_(limits, sample_time_s, ramp_s), c_(spec.stiffness_n_per_m), r_(spec.damping_ns_per_m) {}
+
+  CouplingKind kind() const noexcept override { return CouplingKind::kSpringDamper; }
+  Wrench step(const CouplingInput& input, double dt_s) noexcept override;
+  void reset(const Wrench& held) noexcept override;
+  std::uint64_t faults() const noexcept override { return policy_.faults(); }
+  CouplingStatus status() const noexcept override { return policy_.status(); }
+  const Vec3& object_offset() const noexcept { return force_.delta; }  ///< object relative to the device [m], W
+
+ private:
+  void rest_at(const Wrench& held) noexcept;
+
+  InputPolicy policy_;
+  double c_, r_;
+  UnilateralSpringDamper force_, torque_;
+  Wrench held_, given_;
+};
+
+}  // namespace voxtouch

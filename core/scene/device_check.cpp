@@ -1,0 +1,39 @@
+#include "core/scene/device_check.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "core/coupling/coupling_spec.hpp"
+
+namespace voxtouch {
+
+double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept {
+  return displayed_stiffness_n_per_m(scene.coupling, stiffness_bound_n_per_m) * scene.device.position_scale *
+         scene.device.force_scale;
+}
+
+DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m) {
+  DeviceCheck out;
+  if (!(stiffness_bound_n_per_m >= 0.0) || !std::isfinite(stiffness_bound_n_per_m)) {
+    out.errors.push_back(fmt::format("The scene's stiffness bound is {} N/m, which is no stiffness.", stiffness_bound_n_per_m));
+    return out;
+  }
+  if (!(device.max_stiffness_n_per_m > 0.0))
+    out.errors.push_back(fmt::format("The device gives a largest stiffness of {} N/m; it must be above 0.",
+                                     device.max_stiffness_n_per_m));
+  const double felt = stiffness_at_hand_n_per_m(scene, stiffness_bound_n_per_m);
+  // Written so that NaN does not pass.
+  if (device.max_stiffness_n_per_m > 0.0 && !(felt <= device.max_stiffness_n_per_m))
+    out.errors.push_back(fmt::format("All points together push with up to {:.4g} N/m, which is {:.4g} N/m at the hand; the "
+                                     "device can show {:.4g} N/m. Lower contact.stiffness_n_per_m below {:.4g}, or the "
+                                     "coupling's gain, or a scale of the device.",
+                                     stiffness_bound_n_per_m, felt, device.max_stiffness_n_per_m,
+                                     scene.contact.stiffness_n_per_m * device.max_stiffness_n_per_m / felt));
+  const CouplingLimits limits{device.max_force_n / scene.device.force_scale, std::numeric_limits<double>::infinity()};
+  for (const CouplingIssue& issue : validate(scene.coupling, limits, device.sample_time_s))
+    (issue.refuse ? out.errors : out.warnings).push_back("Coupling: " + issue.sentence);
+  return out;
+}
+
+}  // namespace voxtouch

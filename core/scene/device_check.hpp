@@ -1,0 +1,30 @@
+#pragma once
+/// Does the scene fit the device? Asked where the device is known, which the scene file is not.
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+
+namespace voxtouch {
+
+/// What the check needs from a device and from the built scene.
+struct DeviceFacts {
+  double max_stiffness_n_per_m = 0.0;  ///< what the device can show; infinity = no limit
+  double sample_time_s = 1e-3;
+  double max_force_n = 0.0;            ///< infinity = no limit
+};
+
+/// Sentences for people; a scene with errors must not run on this device.
+struct DeviceCheck {
+  std::vector<std::string> errors, warnings;
+  bool fits() const noexcept { return errors.empty(); }
+};
+
+/// Stiffness [N/m] at the hand for a contact of `stiffness_bound_n_per_m` in W: what the coupling shows of it, times both
+/// scales of the device (a metre of the hand is position_scale metres in W, a newton in W is force_scale newtons there).
+double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept;
+
+/// `stiffness_bound_n_per_m`: of all points that can push at once, not of one: the total is what the loop must stand.
+DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m);
+
+}  // namespace voxtouch

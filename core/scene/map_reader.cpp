@@ -1,0 +1,176 @@
+#include "core/scene/map_reader.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+namespace voxtouch {
+namespace {
+
+/// Edits (insert, delete, replace) between two words.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0U : 1U)});
+      diagonal = above;
+    }
+  }
+  return row.back();
+}
+
+[[noreturn]] void mistyped(const SceneSource& source, const YamlNode& node, std::string_view what, std::string_view wanted) {
+  source.fail(node.place, fmt::format("'{}' must be {}, but here is {}.", what, wanted, describe(node)));
+}
+
+bool is_word(const YamlNode& node) { return node.kind == YamlNode::Kind::kScalar && !node.quoted; }
+
+bool is_not_finite_word(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (!text.empty() && (text[0] == '+' || text[0] == '-')) text.erase(0, 1);
+  if (!text.empty() && text[0] == '.') text.erase(0, 1);
+  return text == "inf" || text == "infinity" || text == "nan";
+}
+
+}  // namespace
+
+std::string_view nearest_word(std::string_view word, const std::vector<std::string_view>& allowed) {
+  std::string_view best;
+  std::size_t best_edits = std::min<std::size_t>(3, (word.size() + 2) / 3) + 1;
+  if (word.size() > 64) return best;
+  for (const std::string_view candidate : allowed) {
+    std::size_t edits = edit_distance(word, candidate);
+    // A unit left off or put on is the commonest slip: stiffness for stiffness_n_per_m, voxel_size_m for voxel_size.
+    const auto [shorter, longer] = word.size() < candidate.size() ? std::pair{word, candidate} : std::pair{candidate, word};
+    if (shorter.size() >= 4 && longer.starts_with(shorter) && longer[shorter.size()] == '_') edits = 1;
+    if (edits < best_edits) best = candidate, best_edits = edits;
+  }
+  return best;
+}
+
+std::string suggestion(std::string_view word, const std::vector<std::string_view>& allowed) {
+  const std::string_view near = nearest_word(word, allowed);
+  return near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near);
+}
+
+std::string listed(const std::vector<std::string_view>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+
+double read_number(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  if (!is_word(node)) mistyped(source, node, what, "a number");
+  if (is_not_finite_word(node.text)) mistyped(source, node, what, "a finite number");
+  // from_chars knows no locale, where strtod and streams would read 0,5 for 0.5 in some.
+  const char* first = node.text.data();
+  const char* const last = first + node.text.size();
+  if (last - first > 1 && *first == '+' && first[1] != '-' && first[1] != '+') ++first;
+  double value = 0;
+  const auto [end, fault] = std::from_chars(first, last, value);
+  if (fault == std::errc::result_out_of_range && end == last)
+    mistyped(source, node, what, "a finite number within the range of a double");
+  if (fault != std::errc() || end != last) mistyped(source, node, what, "a number");
+  return value;
+}
+
+double read_positive(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  const double value = read_number(source, node, what);
+  if (!(value > 0.0)) source.fail(node.place, fmt::format("'{}' is {}; it must be above 0.", what, value));
+  return value;
+}
+
+double read_not_negative(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  const double value = read_number(source, node, what);
+  if (value < 0.0) source.fail(node.place, fmt::format("'{}' is {}; it must be 0 or above.", what, value));
+  return value;
+}
+
+std::uint64_t read_count(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  if (!is_word(node)) mistyped(source, node, what, "a whole number from 0");
+  std::uint64_t value = 0;
+  const char* const last = node.text.data() + node.text.size();
+  const auto [end, fault] = std::from_chars(node.text.data(), last, value);
+  if (fault != std::errc() || end != last) mistyped(source, node, what, "a whole number from 0");
+  return value;
+}
+
+std::string read_text(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  if (node.kind != YamlNode::Kind::kScalar) mistyped(source, node, what, "a text");
+  if (node.text.empty()) source.fail(node.place, fmt::format("'{}' is empty.", what));
+  return node.text;
+}
+
+Vec3 read_vec3(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  if (node.kind != YamlNode::Kind::kSequence || node.items.size() != 3)
+    mistyped(source, node, what, "a list of 3 numbers [x, y, z]");
+  return {read_number(source, node.items[0], what), read_number(source, node.items[1], what),
+          read_number(source, node.items[2], what)};
+}
+
+Quat read_quat(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  if (node.kind != YamlNode::Kind::kSequence || node.items.size() != 4)
+    mistyped(source, node, what, "a unit quaternion [w, x, y, z]");
+  const auto number = [&](std::size_t i) { return read_number(source, node.items[i], what); };
+  Quat q(number(0), number(1), number(2), number(3));
+  if (!normalise_within(q, 1.0 - 1e-3, 1.0 + 1e-3))
+    source.fail(node.place, fmt::format("'{}' is a quaternion of norm {:.6g}; it must be within 0.001 of 1 (order w, x, y, z).",
+                                        what, q.norm()));
+  return q;
+}
+
+std::size_t read_choice(const SceneSource& source, const YamlNode& node, std::string_view what,
+                        const std::vector<std::string_view>& allowed) {
+  if (node.kind != YamlNode::Kind::kScalar) mistyped(source, node, what, fmt::format("one of: {}", listed(allowed)));
+  const auto found = std::find(allowed.begin(), allowed.end(), node.text);
+  if (found == allowed.end())
+    source.fail(node.place, fmt::format("'{}' must be one of: {}; here is {}{}", what, listed(allowed), describe(node),
+                                        nearest_word(node.text, allowed).empty() ? "." : suggestion(node.text, allowed)));
+  return static_cast<std::size_t>(found - allowed.begin());
+}
+
+const std::vector<YamlNode>& read_list(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  if (node.kind != YamlNode::Kind::kSequence) mistyped(source, node, what, "a list");
+  return node.items;
+}
+
+MapReader::MapReader(const SceneSource& source, const YamlNode& node, std::string_view what,
+                     std::vector<std::string_view> allowed)
+    : source_(source), node_(node), what_(what), allowed_(std::move(allowed)) {
+  if (node.kind != YamlNode::Kind::kMap)
+    mistyped(source, node, what, fmt::format("a map with the keys: {}", listed(allowed_)));
+  for (const YamlEntry& entry : node.entries) {
+    if (std::find(allowed_.begin(), allowed_.end(), entry.key) != allowed_.end()) continue;
+    const std::string hint = suggestion(entry.key, allowed_);
+    source.fail(entry.key_place, fmt::format("'{}' is no key of '{}'{} Allowed: {}.", entry.key, what_,
+                                             hint.empty() ? "." : hint, listed(allowed_)));
+  }
+}
+
+const YamlNode* MapReader::find(std::string_view key) const {
+  for (const YamlEntry& entry : node_.entries)
+    if (entry.key == key) return &entry.value;
+  return nullptr;
+}
+
+const YamlNode& MapReader::require(std::string_view key) const {
+  if (const YamlNode* value = find(key)) return *value;
+  source_.fail(node_.place, fmt::format("'{}' is missing in '{}'.", key, what_));
+}
+
+void MapReader::refuse(std::string_view key, std::string_view why) const {
+  if (has(key)) source_.fail(place_of(key), fmt::format("'{}' {}", key, why));
+}
+
+SourcePlace MapReader::place_of(std::string_view key) const {
+  for (const YamlEntry& entry : node_.entries)
+    if (entry.key == key) return entry.key_place;
+  return node_.place;
+}
+
+}  // namespace voxtouch

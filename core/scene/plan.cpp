@@ -1,0 +1,103 @@
+#include "core/scene/plan.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "core/coupling/coupling_spec.hpp"
+
+namespace voxtouch {
+namespace {
+
+std::string counted(std::uint64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+
+std::string bytes_text(std::uint64_t bytes) {
+  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
+  if (bytes < 10'000'000) return fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1e3);
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+std::string coupling_sentence(const CouplingSpec& c) {
+  if (c.kind == "shaping_filter")
+    return fmt::format("Coupling: shaping filter, w0/(2 pi) = {:g} Hz, damping ratio {:g}, gain {:g}; it lags by {:.3g} ms.",
+                       c.cutoff_hz, c.damping_ratio, c.gain, 1e3 * lag_s(c));
+  if (c.kind == "spring_damper")
+    return fmt::format("Coupling: spring-damper of {:g} N/m and {:g} Ns/m to a massless object.", c.stiffness_n_per_m,
+                       c.damping_ns_per_m);
+  return "Coupling: none; the contact goes straight to the device.";
+}
+
+void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
+  const std::size_t meshes = scene.static_meshes.size();
+  plan.built.push_back(fmt::format("Voxmap of {} ({}) at {:g} m: {}, {}, {}; every contact model asks it.",
+                                   counted(meshes, "static mesh", "static meshes"),
+                                   counted(n.static_triangles, "triangle", "triangles"), scene.voxel_size_m,
+                                   counted(n.surface_voxels, "surface voxel", "surface voxels"),
+                                   counted(n.interior_voxels, "interior voxel", "interior voxels"), bytes_text(n.voxmap_bytes)));
+  plan.built.push_back(fmt::format("{} pointshell of the dynamic mesh ({}): {}, {}; the scene asks for shell: {}.",
+                                   scene.shell == ShellKind::kExact ? "Exact" : "Naive",
+                                   counted(n.dynamic_triangles, "triangle", "triangles"),
+                                   counted(n.shell_points, "point", "points"), bytes_text(n.shell_bytes),
+                                   scene.shell == ShellKind::kExact ? "exact" : "naive"));
+  plan.built.push_back(fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
+                                   scene.contact.stiffness_n_per_m));
+  plan.built.push_back(coupling_sentence(scene.coupling));
+  std::size_t parts = 0;
+  for (const MeshSpec& mesh : scene.static_meshes) parts += mesh.primitives.size();
+  parts += scene.dynamic_mesh.primitives.size();
+  if (parts > 0)
+    plan.built.push_back(fmt::format("Reference from {} for the validator.", counted(parts, "closed form", "closed forms")));
+}
+
+void say_left_out(const Scene& scene, const BuildCounts& n, Plan& plan) {
+  plan.left_out.push_back("Signed distance field: only the contact model 'field' would ask for it.");
+  plan.left_out.push_back("Proximity and inner depth layers: no effect asks for them.");
+  if (scene.effects.empty()) plan.left_out.push_back("Effects: the scene names none.");
+  if (n.interior_voxels == 0)
+    plan.left_out.push_back(n.closed ? "Interior: no voxel lies wholly inside at this voxel size."
+                                     : "Interior: a static mesh is open and so has none.");
+  if (!scene.device.clutch_button) plan.left_out.push_back("Clutch: the scene names no button.");
+}
+
+void say_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
+  plan.warnings = scene.warnings;
+  plan.warnings.insert(plan.warnings.end(), n.mesh_warnings.begin(), n.mesh_warnings.end());
+  if (n.surface_voxels == 0) plan.warnings.push_back("The voxmap is empty: nothing can be touched.");
+  if (n.shell_points == 0) plan.warnings.push_back("The pointshell is empty: nothing can touch.");
+  if (plan.expected_ns_per_frame > 1e6)
+    plan.warnings.push_back(fmt::format("A frame with every point looked up takes about {:.1f} ms, longer than a period of 1 ms.",
+                                        plan.expected_ns_per_frame / 1e6));
+}
+
+}  // namespace
+
+Plan make_plan(const Scene& scene, const BuildCounts& counts) {
+  Plan plan;
+  plan.scene = scene.name, plan.scene_hash = scene.hash, plan.contact_model = scene.contact.model;
+  plan.voxel_size_m = scene.voxel_size_m;
+  plan.shell_points = counts.shell_points;
+  plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
+  plan.bytes = counts.voxmap_bytes + counts.shell_bytes;
+  plan.expected_ns_per_frame = kNsPerFrame + kNsPerPoint * static_cast<double>(counts.shell_points);
+  say_built(scene, counts, plan);
+  say_left_out(scene, counts, plan);
+  say_warnings(scene, counts, plan);
+  return plan;
+}
+
+std::string to_text(const Plan& plan) {
+  std::string text = fmt::format("Scene {} ({})\n", plan.scene, plan.scene_hash);
+  const auto section = [&](const char* title, const std::vector<std::string>& lines) {
+    if (lines.empty()) return;
+    text += fmt::format("{}:\n", title);
+    for (const std::string& line : lines) text += fmt::format("  - {}\n", line);
+  };
+  section("Built", plan.built);
+  section("Left out", plan.left_out);
+  section("Warnings", plan.warnings);
+  text += fmt::format("Memory: {}. Expected: at most about {:.1f} us a frame.\n", bytes_text(plan.bytes),
+                      plan.expected_ns_per_frame / 1e3);
+  return text;
+}
+
+}  // namespace voxtouch

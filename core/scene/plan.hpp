@@ -1,0 +1,39 @@
+#pragma once
+/// What is built for a scene and why, what is left out and why, and what it costs: for people and for the plan message.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+
+namespace voxtouch {
+
+/// What the builders counted, as plain numbers: the plan knows no voxmap and no pointshell.
+struct BuildCounts {
+  std::uint64_t static_triangles = 0, dynamic_triangles = 0;
+  std::uint64_t surface_voxels = 0, interior_voxels = 0;
+  std::uint64_t shell_points = 0;
+  std::uint64_t voxmap_bytes = 0, shell_bytes = 0;
+  bool closed = true;                       ///< all static meshes are closed; an open one has no interior
+  std::vector<std::string> mesh_warnings;   ///< what is wrong with the meshes, as sentences
+};
+
+struct Plan {
+  std::string scene, scene_hash, contact_model;
+  double voxel_size_m = 0.0;
+  std::uint64_t shell_points = 0, surface_voxels = 0, interior_voxels = 0, bytes = 0;
+  double expected_ns_per_frame = 0.0;       ///< from counts, not measured
+  std::vector<std::string> built, left_out, warnings;  ///< one sentence each
+};
+
+/// Cost of one shell point in a frame where most points must be looked up, and of a frame beside its points [ns]: a desktop
+/// processor of the 2020s, one thread, no vector instructions, voxmap within the caches. Culling makes most frames cheaper.
+inline constexpr double kNsPerPoint = 3.0, kNsPerFrame = 500.0;
+
+/// The plan for `scene`, given what its builders counted.
+Plan make_plan(const Scene& scene, const BuildCounts& counts);
+
+/// The plan as lines for a terminal.
+std::string to_text(const Plan& plan);
+
+}  // namespace voxtouch

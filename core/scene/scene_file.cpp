@@ -1,0 +1,68 @@
+#include "core/scene/scene_file.hpp"
+
+#include <fmt/core.h>
+
+#include <fstream>
+
+#include "core/scene/scene_hash.hpp"
+#include "core/scene/scene_sections.hpp"
+
+namespace voxtouch {
+namespace {
+
+std::string read_text_file(const std::filesystem::path& file) {
+  std::error_code fault;
+  const auto status = std::filesystem::status(file, fault);
+  if (!std::filesystem::exists(status)) throw SceneError(file, {}, "There is no such scene file.");
+  if (std::filesystem::is_directory(status)) throw SceneError(file, {}, "This is a folder; name the scene file in it.");
+  if (!std::filesystem::is_regular_file(status)) throw SceneError(file, {}, "This is no regular file.");
+  std::ifstream in(file, std::ios::binary);
+  std::string text(kLargestSceneFile + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad() || (in.fail() && !in.eof())) throw SceneError(file, {}, "The scene file cannot be read.");
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() > kLargestSceneFile)
+    throw SceneError(file, {}, fmt::format("The file is larger than {} bytes; that is no scene.", kLargestSceneFile));
+  return text;
+}
+
+std::string hash_of(const std::string& text, const SceneSource& source, const MapReader& map, const Scene& scene) {
+  SceneHash hash;
+  hash.add(text);
+  const auto add = [&](const MeshSpec& mesh, std::string_view key) {
+    if (!hash.add_file(mesh.path))
+      source.fail(map.require(key).place, fmt::format("The mesh file '{}' cannot be read.", mesh.path.string()));
+  };
+  for (const MeshSpec& mesh : scene.static_meshes) add(mesh, "static");
+  add(scene.dynamic_mesh, "dynamic");
+  return hash.hex();
+}
+
+}  // namespace
+
+Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
+  SceneSource source{file, {}};
+  const YamlNode root = parse_yaml(text, file);
+  if (root.kind == YamlNode::Kind::kNull)
+    source.fail({1, 1}, "The scene is empty; it needs at least the keys scene, voxel_size, static, dynamic and contact.");
+  const MapReader map(source, root, "scene file",
+                      {"scene", "voxel_size", "static", "dynamic", "contact", "effects", "coupling", "device", "motions"});
+  Scene scene;
+  scene.file = file;
+  scene.name = read_text(source, map.require("scene"), "scene");
+  scene.voxel_size_m = read_positive(source, map.require("voxel_size"), "voxel_size");
+  scene.static_meshes = read_static_meshes(source, map.require("static"), scene.grid_origin);
+  scene.dynamic_mesh = read_dynamic_mesh(source, map.require("dynamic"), scene.shell);
+  scene.contact = read_contact(source, map.require("contact"));
+  if (const YamlNode* node = map.find("effects")) scene.effects = read_effects(source, *node);
+  if (const YamlNode* node = map.find("coupling")) scene.coupling = read_coupling(source, *node);
+  if (const YamlNode* node = map.find("device")) scene.device = read_device(source, *node);
+  if (const YamlNode* node = map.find("motions")) scene.motions = read_motions(source, *node);
+  scene.hash = hash_of(text, source, map, scene);
+  scene.warnings = std::move(source.warnings);
+  return scene;
+}
+
+Scene load_scene(const std::filesystem::path& file) { return parse_scene(read_text_file(file), file); }
+
+}  // namespace voxtouch

@@ -1,0 +1,17 @@
+#pragma once
+/// The sections of a scene file, one function each. All throw SceneError; see scene_file.hpp for the keys.
+#include "core/scene/map_reader.hpp"
+#include "core/scene/scene.hpp"
+
+namespace voxtouch {
+
+/// Entries of `static`; sets `origin` where one entry gives the grid's.
+std::vector<MeshSpec> read_static_meshes(SceneSource& source, const YamlNode& node, std::optional<Vec3>& origin);
+MeshSpec read_dynamic_mesh(SceneSource& source, const YamlNode& node, ShellKind& shell);
+ContactSpec read_contact(SceneSource& source, const YamlNode& node);
+std::vector<std::string> read_effects(SceneSource& source, const YamlNode& node);
+CouplingSpec read_coupling(SceneSource& source, const YamlNode& node);
+DeviceSpec read_device(SceneSource& source, const YamlNode& node);
+std::map<std::string, Motion> read_motions(SceneSource& source, const YamlNode& node);
+
+}  // namespace voxtouch

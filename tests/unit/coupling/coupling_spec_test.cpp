@@ -1,0 +1,106 @@
+#include "core/coupling/coupling_spec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/coupling/coupling.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr double kT = 1e-3;
+const double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+
+/// The field that the one refusal names, or "" / "many".
+std::string refused(const CouplingSpec& spec, const CouplingLimits& limits = {}, double t = kT) {
+  std::string field;
+  for (const CouplingIssue& issue : validate(spec, limits, t)) {
+    if (!issue.refuse) continue;
+    if (!field.empty()) return "many";
+    field = issue.field;
+    EXPECT_NE(issue.sentence.find(issue.field), std::string::npos);
+    EXPECT_EQ(issue.sentence.back(), '.');
+    EXPECT_THROW(make_coupling(spec, limits, t), std::invalid_argument);
+  }
+  return field;
+}
+
+CouplingSpec with(double CouplingSpec::* member, double value, const char* kind = "shaping_filter") {
+  CouplingSpec spec;
+  spec.cutoff_hz = 20, spec.kind = kind, spec.*member = value;
+  return spec;
+}
+
+TEST(CouplingSpec, NamesTheFieldThatIsWrong) {
+  for (const double bad : {kNan, kInf, -1.0, 0.0}) {
+    EXPECT_EQ(refused(with(&CouplingSpec::cutoff_hz, bad)), "cutoff_hz");
+    EXPECT_EQ(refused(with(&CouplingSpec::damping_ratio, bad)), "damping_ratio");
+    EXPECT_EQ(refused(with(&CouplingSpec::stiffness_n_per_m, bad, "spring_damper")), "stiffness_n_per_m");
+    EXPECT_EQ(refused(with(&CouplingSpec::gain, 1), {}, bad), "sample_time_s");
+  }
+  for (const double bad : {kNan, kInf, -1.0}) {
+    EXPECT_EQ(refused(with(&CouplingSpec::gain, bad)), "gain");
+    EXPECT_EQ(refused(with(&CouplingSpec::damping_ns_per_m, bad, "spring_damper")), "damping_ns_per_m");
+  }
+  EXPECT_EQ(refused(with(&CouplingSpec::gain, 0.0)), "");
+  EXPECT_EQ(refused(with(&CouplingSpec::damping_ns_per_m, 0.0, "spring_damper")), "");
+  EXPECT_EQ(refused(with(&CouplingSpec::gain, 1), {kNan, 1}), "max_force_n");
+  EXPECT_EQ(refused(with(&CouplingSpec::gain, 1), {1, -1}), "max_torque_nm");
+  EXPECT_EQ(refused(with(&CouplingSpec::gain, 1, "spring")), "kind");
+}
+
+TEST(CouplingSpec, IgnoresTheParametersOfOtherKinds) {
+  EXPECT_EQ(refused(with(&CouplingSpec::cutoff_hz, kNan, "spring_damper")), "");
+  EXPECT_EQ(refused(with(&CouplingSpec::cutoff_hz, kNan, "direct")), "");
+  EXPECT_EQ(refused(with(&CouplingSpec::stiffness_n_per_m, -1)), "");
+}
+
+TEST(CouplingSpec, RefusesACutoffBeyondTheSampleRateAndWarnsBefore) {
+  EXPECT_EQ(refused(with(&CouplingSpec::cutoff_hz, 500)), "cutoff_hz");
+  EXPECT_EQ(refused(with(&CouplingSpec::cutoff_hz, 499)), "");
+  EXPECT_EQ(refused(with(&CouplingSpec::cutoff_hz, 250), {}, 2e-3), "cutoff_hz") << "the same filter at half the rate";
+  const auto warnings = validate(with(&CouplingSpec::cutoff_hz, 100), {}, kT);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_FALSE(warnings[0].refuse);
+  EXPECT_TRUE(validate(with(&CouplingSpec::cutoff_hz, 95), {}, kT).empty());
+  EXPECT_NE(make_coupling(with(&CouplingSpec::cutoff_hz, 100), {}, kT), nullptr) << "a warning refuses nothing";
+}
+
+TEST(CouplingSpec, CutoffIsTheNaturalFrequencyOverTwoPi) {
+  CouplingSpec spec = with(&CouplingSpec::cutoff_hz, 5);
+  spec.damping_ratio = 1;
+  EXPECT_DOUBLE_EQ(cutoff_rad_per_s(spec), 10 * std::numbers::pi);
+  EXPECT_DOUBLE_EQ(lag_s(spec), 0.2 / std::numbers::pi);
+  spec.kind = "direct";
+  EXPECT_EQ(lag_s(spec), 0.0);
+}
+
+TEST(CouplingSpec, TellsTheStiffnessThatReachesTheHand) {
+  EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(with(&CouplingSpec::gain, 0.5), 800), 400);
+  EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(with(&CouplingSpec::stiffness_n_per_m, 500, "spring_damper"), 500), 250);
+  EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(with(&CouplingSpec::gain, 0.5, "direct"), 800), 800);
+}
+
+TEST(CouplingSpec, KindsHaveNamesThatAreReadBack) {
+  for (const auto kind : {CouplingKind::kDirect, CouplingKind::kShapingFilter, CouplingKind::kSpringDamper}) {
+    CouplingKind back{};
+    EXPECT_TRUE(parse_coupling(name_of(kind), back));
+    EXPECT_EQ(back, kind);
+  }
+  CouplingKind kind = CouplingKind::kSpringDamper;
+  EXPECT_FALSE(parse_coupling("Direct", kind));
+  EXPECT_FALSE(parse_coupling("", kind));
+  EXPECT_EQ(kind, CouplingKind::kSpringDamper);
+}
+
+TEST(CouplingSpec, RefusesARampThatIsNone) {
+  for (const double bad : {-1.0, kNan, kInf}) EXPECT_THROW(make_coupling({}, {}, kT, bad), std::invalid_argument);
+  EXPECT_NE(make_coupling({}, {}, kT, 0.0), nullptr);
+}
+
+}  // namespace
+}  // namespace voxtouch

@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <vector>
+
+#include "tests/unit/scene/scene_fixture.hpp"
+
+namespace voxtouch {
+namespace {
+
+using BadScene = SceneFolder;
+
+/// One change to a good scene, and the words of the error that it must bring. A '^' in `to` marks the place that the error
+/// must name; it is taken out before the text is read.
+struct Bad {
+  const char* from;  ///< in kFull; "" = `to` is the whole scene
+  const char* to;
+  const char* says;
+};
+
+const std::vector<Bad> kBad = {
+    // keys
+    {"scene: full", "^scen: full", "'scen' is no key of 'scene file'; did you mean 'scene'?"},
+    {"voxel_size:", "^voxel_size_m:", "did you mean 'voxel_size'?"},
+    {"effects: []", "^gravity: 9.81", "'gravity' is no key of 'scene file'. Allowed: scene, voxel_size,"},
+    {"scene: full\n", "^", "'scene' is missing in 'scene file'."},
+    {"", "# no contact\n^scene: x\nvoxel_size: 1\nstatic: [{mesh: a.obj}]\ndynamic: {mesh: b.obj}\n", "'contact' is missing"},
+    {"stiffness_n_per_m: 12.5", "^stiffness: 12.5", "did you mean 'stiffness_n_per_m'?"},
+    {"{model: original, stiffness_n_per_m: 12.5}", "^{model: original}", "'stiffness_n_per_m' is missing in 'contact'."},
+    {"effects: []", "^voxel_size: 3", "The key 'voxel_size' is here twice; the first is in line 3."},
+    {"scale: 0.01, shell", "scale: 0.01, ^scale: 1, shell", "'scale' is here twice"},
+    {"  round-1:", "  ^slide:", "'slide' is here twice"},
+    {"gain: 0.5", "^gane: 0.5", "did you mean 'gain'?"},
+    {"clutch_button: 1", "^clutch: 1", "did you mean 'clutch_button'?"},
+    {"- mesh: b.obj", "- ^scale: 1", "'mesh' is missing in 'static'."},
+    {"shell: naive", "^origin: [0, 0, 0]", "'origin' is no key of 'dynamic'"},
+    {"sphere: {centre", "^ball: {centre", "'ball' is no key of 'parts'. Allowed: sphere, box, cylinder."},
+    {"radius: 0.04", "^diameter: 0.04", "'diameter' is no key of 'sphere'"},
+    {"  slide:", "  ^sl/ide:", "may hold letters, digits"},
+    {"scene: full", "^[1]: full", "A key must be a plain word"},
+    {"scene: full", "^: full", "A key is missing before the colon"},
+    // types
+    {"scene: full", "^scene:", "'scene' must be a text, but here is nothing"},
+    {"scene: full", "scene: ^''", "'scene' is empty"},
+    {"2.0e-3", "^two", "'voxel_size' must be a number, but here is the word 'two'"},
+    {"2.0e-3", "^'0.002'", "must be a number, but here is the text '0.002'"},
+    {"2.0e-3", "^aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaä123456789", "the word 'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa...'."},
+    {"2.0e-3", "^0,002", "must be a number"},
+    {"2.0e-3", "^0x10", "must be a number"},
+    {"2.0e-3", "^1_000", "must be a number"},
+    {"2.0e-3", "^2 mm", "must be a number"},
+    {"2.0e-3", "^[0.002]", "must be a number, but here is a list of 1"},
+    {"position: [1, 2, 3]", "position: ^[1, 2]", "'position' must be a list of 3 numbers [x, y, z], but here is a list of 2"},
+    {"position: [1, 2, 3]", "position: [1, 2, ^{}]", "must be a number, but here is a map"},
+    {"position: [1, 2, 3]", "position: ^1", "must be a list of 3 numbers"},
+    {"[0.7071068, 0.7071068, 0, 0]", "^[1, 0, 0]", "must be a unit quaternion [w, x, y, z]"},
+    {"clutch_button: 1", "clutch_button: ^-1", "must be a whole number from 0"},
+    {"clutch_button: 1", "clutch_button: ^1.5", "must be a whole number from 0"},
+    {"contact: {model: original, stiffness_n_per_m: 12.5}", "contact: ^adapted", "'contact' must be a map with the keys: model,"},
+    {"effects: []", "effects: ^none", "'effects' must be a list, but here is the word 'none'"},
+    {"circle: {centre: [0, 0, 0], axis: [0, 0, 2]}", "circle: ^1", "'circle' must be a map with the keys: centre, axis"},
+    {"parts: [{sphere: {radius: 1}}]", "parts: ^{sphere: {radius: 1}}", "'parts' must be a list, but here is a map"},
+    {"", "scene: x\nvoxel_size: 1\nstatic: [{mesh: a.obj}]\ndynamic: {mesh: b.obj}\ncontact: {stiffness_n_per_m: 1}\nmotions: ^[1]\n", "'motions' must be a map of names to motions"},
+    // numbers
+    {"2.0e-3", "^.nan", "must be a finite number"},
+    {"2.0e-3", "^-.Inf", "must be a finite number"},
+    {"2.0e-3", "^infinity", "must be a finite number"},
+    {"2.0e-3", "^nan", "must be a finite number"},
+    {"2.0e-3", "^1e999", "must be a finite number within the range of a double"},
+    {"2.0e-3", "^0", "'voxel_size' is 0; it must be above 0."},
+    {"2.0e-3", "^-0.002", "'voxel_size' is -0.002; it must be above 0."},
+    {"[1, 2, 3]", "[1, ^.nan, 3]", "must be a finite number"},
+    {"scale: 0.5", "scale: ^0", "'scale' is 0; it must be above 0."},
+    {"stiffness_n_per_m: 12.5", "stiffness_n_per_m: ^-1", "must be above 0"},
+    {"[0.7071068, 0.7071068, 0, 0]", "^[0.5, 0, 0, 0]", "a quaternion of norm 0.5; it must be within 0.001 of 1"},
+    {"[0, 0, 0, -1]", "^[0, 0, 0, 0]", "a quaternion of norm 0;"},
+    {"size: [1, 2, 3]", "size: ^[1, 0, 3]", "'size' must be above 0 along each axis"},
+    {"length: 2", "length: ^-2", "'length' is -2"},
+    {"force_scale: 0.25", "force_scale: ^0", "'force_scale' is 0"},
+    {"clutch_button: 1", "clutch_button: ^32", "buttons count from 0 to 31"},
+    {"hold_s: 0.25", "hold_s: ^-1", "'hold_s' is -1; it must be 0 or above."},
+    {"speed_m_per_s: 0.1,", "speed_m_per_s: ^0,", "'speed_m_per_s' is 0"},
+    {"repeat_from: 1", "repeat_from: ^2", "'repeat_from' is 2; it must be below 2, the last point"},
+    {"repeat_from: 1", "repeat_from: ^18446744073709551615", "it must be below 2"},
+    // meaning
+    {"mesh: a.obj", "mesh: ^nothere.obj", "There is no mesh file 'nothere.obj'"},
+    {"mesh: a.obj", "mesh: ^.", "There is no mesh file '.'"},
+    {"  - mesh: b.obj", "  - {mesh: b.obj, ^origin: [0, 0, 0]}", "'origin' is given twice"},
+    {"shell: naive", "shell: ^rough", "'shell' must be one of: exact, naive; here is the word 'rough'."},
+    {"model: original", "model: ^adpated", "did you mean 'adapted'?"},
+    {"model: original", "model: ^clustered", "'clustered' is not built yet; this version has original and adapted."},
+    {"model: original", "model: ^field", "'field' is not built yet"},
+    {"stiffness_n_per_m: 12.5", "^stiffness_n_per_m3: 12.5", "'stiffness_n_per_m3' goes with clustered and field;"},
+    {"effects: []", "effects: [^{friction: {coulomb: 0.3}}]", "There is no effect 'friction': no effects exist yet"},
+    {"effects: []", "effects: [^viscosity]", "There is no effect 'viscosity'"},
+    {"kind: shaping_filter", "kind: ^shaping", "did you mean 'shaping_filter'?"},
+    {"kind: shaping_filter, cutoff_hz", "kind: direct, ^cutoff_hz", "'cutoff_hz' goes with kind: shaping_filter, not with direct."},
+    {"gain: 0.5", "^damping_ns_per_m: 1", "goes with kind: spring_damper, not with shaping_filter"},
+    {"coupling: {kind: shaping_filter, cutoff_hz: 5, damping_ratio: 1, gain: 0.5}", "coupling: {^design: auto}", "'design' is not there yet"},
+    {"cutoff_hz: 5", "cutoff_hz: ^500", "w0*T is 3.14 at a sample time of 0.001 s; it must be below pi"},
+    {"damping_ratio: 1", "damping_ratio: ^0", "'damping_ratio' is 0; it must be above 0."},
+    {"gain: 0.5", "gain: ^0", "'gain' is 0; it must be above 0."},
+    {"axis: [0, 0, 2]", "^axis: [0, 0, 0]", "'axis' is the zero vector"},
+    {"centre: [0, 0, 0], axis", "^centre: [0.1, 0, 5], axis", "the circle would have no radius"},
+    {"path: [[0.1, 0, 0]], circle", "path: ^[], circle", "'path' needs at least one point"},
+    {"path: [[0.1, 0, 0]], circle", "path: [[0.1, 0, 0], [0, 1, 0]], repeat_from: 0, ^circle", "'circle' does not go with 'repeat_from'"},
+    {"{sphere: {radius: 1}}", "^{sphere: {radius: 1}, box: {size: [1, 1, 1]}}", "A part is exactly one of"},
+    // whole files
+    {"", "^", "The scene is empty"},
+    {"", "^# only a comment\n", "The scene is empty"},
+    {"", "^just words", "'scene file' must be a map with the keys: scene,"},
+    {"", "^- a\n- b\n", "'scene file' must be a map"},
+    {"", "scene: a\n^scene: b\n", "The key 'scene' is here twice; the first is in line 1."},
+    {"", "scene: [a\nvoxel_size^: 1\n", "This is no YAML"},
+    {"", "scene: 'a^\n", "This is no YAML"},
+    {"", "\tscene^: a\n", "This is no YAML"},
+    {"", "scene: a\n---\n^scene: b\n", "There is a second YAML document"},
+    {"", "scene: ^!!str a\n", "Scenes have no tags"},
+    {"", "scene: ^&a b\n", "Scenes have no anchors"},
+    {"", "sc^\xff" "ene: a\n", "The byte 0xff is no text"},
+    {"", "scene: a\nvo^\x01xel: 1\n", "The byte 0x01 is no text"},
+    {"", "static: ^[]\nscene: a\nvoxel_size: 1\ndynamic: {mesh: a.obj}\ncontact: {stiffness_n_per_m: 1}\n", "'static' needs at least one mesh."},
+};
+
+SourcePlace place_at(const std::string& text, std::size_t at) {
+  SourcePlace place{1, 1};
+  for (std::size_t i = 0; i < at; ++i) {
+    ++place.column;
+    if (text[i] == '\n') ++place.line, place.column = 1;
+  }
+  return place;
+}
+
+TEST_F(BadScene, SaysWhereAndWhat) {
+  for (const Bad& bad : kBad) {
+    std::string text = bad.to;
+    if (*bad.from != '\0') {
+      text = kFull;
+      const std::size_t at = text.find(bad.from);
+      ASSERT_NE(at, std::string::npos) << bad.from;
+      text.replace(at, std::string(bad.from).size(), bad.to);
+    }
+    const std::size_t mark = text.find('^');
+    ASSERT_NE(mark, std::string::npos) << bad.to;
+    text.erase(mark, 1);
+    const SourcePlace place = place_at(text, mark);
+    try {
+      parse(text);
+      ADD_FAILURE() << "was accepted: " << bad.to;
+    } catch (const SceneError& error) {
+      const std::string head = at_place(folder_ / "s.yaml", place, "");
+      EXPECT_TRUE(std::string(error.what()).starts_with(head)) << bad.to << "\n  wanted " << head << "\n  got    " << error.what();
+      EXPECT_NE(error.sentence().find(bad.says), std::string::npos) << bad.to << "\n  " << error.what();
+      EXPECT_TRUE(error.sentence().ends_with('.') || error.sentence().ends_with('?')) << error.what();
+      EXPECT_TRUE(error.place().line == place.line && error.place().column == place.column);
+    }
+  }
+  EXPECT_GE(kBad.size(), 90U);
+}
+
+TEST_F(BadScene, FilesThatAreNone) {
+  const auto refusal = [](const std::filesystem::path& file) -> std::string {
+    try {
+      load_scene(file);
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal(folder_ / "no.yaml"), (folder_ / "no.yaml").string() + ": There is no such scene file.");
+  EXPECT_NE(refusal(folder_).find("This is a folder"), std::string::npos);
+  EXPECT_NE(refusal("/dev/null").find("no regular file"), std::string::npos);
+  EXPECT_NE(refusal("").find("no such scene file"), std::string::npos);
+  EXPECT_NE(refusal(write("big.yaml", std::string((1 << 20) + 1, '#'))).find("larger than 1048576 bytes"), std::string::npos);
+  EXPECT_NE(refusal(write("edge.yaml", std::string(1 << 20, '#'))).find("The scene is empty"), std::string::npos);
+  EXPECT_NE(refusal(write("empty.yaml", "")).find("The scene is empty"), std::string::npos);
+  EXPECT_NE(refusal(write("nul.yaml", std::string(100, '\0'))).find(":1:1: The byte 0x00 is no text"), std::string::npos);
+  std::string elf = "\x7f" "ELF\x02\x01\x01";
+  EXPECT_NE(refusal(write("elf.yaml", elf)).find("is no text"), std::string::npos);
+}
+
+/// Small files that stand for huge or endless ones are refused early.
+TEST_F(BadScene, BombsDoNotGoOff) {
+  std::string bomb = "a: &a [x,x,x,x,x,x,x,x,x]\n";
+  for (char c = 'b'; c < 'j'; ++c) {
+    bomb.append(1, c).append(": &").append(1, c).append(" [");
+    for (int k = 0; k < 9; ++k) bomb.append(k ? ",*" : "*").append(1, static_cast<char>(c - 1));
+    bomb.append("]\n");
+  }
+  EXPECT_THROW(parse(bomb), SceneError);
+  for (const int depth : {40, 1000, 10'000, 500'000}) {
+    EXPECT_THROW(parse(std::string(static_cast<std::size_t>(depth), '[')), SceneError) << depth;
+    EXPECT_THROW(parse("scene: " + std::string(static_cast<std::size_t>(depth), '{')), SceneError) << depth;
+  }
+  try {
+    parse("effects: " + std::string(40, '[') + std::string(40, ']'));
+    ADD_FAILURE() << "forty levels were accepted";
+  } catch (const SceneError& error) {
+    EXPECT_STREQ(error.sentence().c_str(), "The scene is nested more than 32 levels deep.");
+    EXPECT_EQ(error.place().column, 41);
+  }
+  std::string deep;
+  for (int k = 0; k < 500; ++k) deep.append(static_cast<std::size_t>(k), ' ').append("a:\n");
+  EXPECT_THROW(parse(deep), SceneError);
+  std::string dashes;
+  for (int k = 0; k < 3000; ++k) dashes += "- ";
+  EXPECT_THROW(parse(dashes), SceneError);
+  EXPECT_THROW(parse(std::string(300'000, '-')), SceneError);
+  std::string many = "effects: [";
+  for (int k = 0; k < 300'000; ++k) many += "1,";
+  EXPECT_THROW(parse(many + "]"), SceneError);
+  std::string keys;
+  for (int k = 0; k < 20'000; ++k) keys.append("k").append(std::to_string(k)).append(": 1\n");
+  EXPECT_THROW(parse(keys), SceneError);
+}
+
+TEST_F(BadScene, UnreadableMeshesAreNamed) {
+  std::filesystem::create_directory(folder_ / "dir.obj");
+  EXPECT_THROW(parse("scene: x\nvoxel_size: 1\nstatic: [{mesh: dir.obj}]\ndynamic: {mesh: b.obj}\ncontact: {stiffness_n_per_m: 1}\n"),
+               SceneError);
+}
+
+}  // namespace
+}  // namespace voxtouch

@@ -1,0 +1,96 @@
+#include "core/scene/plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace voxtouch {
+namespace {
+
+Scene cup() {
+  Scene s;
+  s.name = "cup", s.hash = "0123456789abcdef", s.voxel_size_m = 0.002;
+  s.static_meshes.resize(1);
+  s.contact.stiffness_n_per_m = 10;
+  return s;
+}
+BuildCounts counts() {
+  BuildCounts n;
+  n.static_triangles = 1000, n.dynamic_triangles = 1;
+  n.surface_voxels = 40'000, n.interior_voxels = 9'000;
+  n.shell_points = 1500, n.voxmap_bytes = 2'500'000, n.shell_bytes = 96'000;
+  return n;
+}
+bool any_has(const std::vector<std::string>& lines, const char* text) {
+  return std::any_of(lines.begin(), lines.end(), [&](const std::string& s) { return s.find(text) != std::string::npos; });
+}
+
+TEST(Plan, SaysWhatIsBuiltAndForWhat) {
+  const Plan p = make_plan(cup(), counts());
+  EXPECT_EQ(p.scene, "cup");
+  EXPECT_EQ(p.scene_hash, "0123456789abcdef");
+  EXPECT_EQ(p.contact_model, "adapted");
+  EXPECT_EQ(p.voxel_size_m, 0.002);
+  EXPECT_EQ(p.shell_points, 1500U);
+  EXPECT_EQ(p.surface_voxels, 40'000U);
+  EXPECT_EQ(p.interior_voxels, 9'000U);
+  EXPECT_EQ(p.bytes, 2'596'000U);
+  EXPECT_DOUBLE_EQ(p.expected_ns_per_frame, 500 + 3.0 * 1500);
+  EXPECT_TRUE(any_has(p.built, "Voxmap of 1 static mesh (1000 triangles) at 0.002 m: 40000 surface voxels"));
+  EXPECT_TRUE(any_has(p.built, "Exact pointshell of the dynamic mesh (1 triangle): 1500 points, 96.0 kB"));
+  EXPECT_TRUE(any_has(p.built, "'adapted' with 10 N/m"));
+  EXPECT_TRUE(any_has(p.built, "shaping filter"));
+  EXPECT_FALSE(any_has(p.built, "Reference"));
+  EXPECT_TRUE(p.warnings.empty());
+}
+
+TEST(Plan, SaysWhatIsLeftOutAndWhy) {
+  const Plan p = make_plan(cup(), counts());
+  for (const char* what : {"Signed distance field", "Proximity", "Effects", "Clutch"}) EXPECT_TRUE(any_has(p.left_out, what)) << what;
+  EXPECT_FALSE(any_has(p.left_out, "Interior"));
+  BuildCounts open = counts();
+  open.interior_voxels = 0, open.closed = false;
+  EXPECT_TRUE(any_has(make_plan(cup(), open).left_out, "open"));
+  open.closed = true;
+  EXPECT_TRUE(any_has(make_plan(cup(), open).left_out, "no voxel lies wholly inside"));
+  Scene s = cup();
+  s.device.clutch_button = 0;
+  EXPECT_FALSE(any_has(make_plan(s, counts()).left_out, "Clutch"));
+}
+
+TEST(Plan, PassesWarningsOnAndAddsItsOwn) {
+  Scene s = cup();
+  s.warnings = {"scene.yaml:1:1: doubtful."};
+  BuildCounts n = counts();
+  n.mesh_warnings = {"3 triangles have no area."};
+  n.shell_points = 1'000'000;
+  Plan p = make_plan(s, n);
+  EXPECT_TRUE(any_has(p.warnings, "doubtful"));
+  EXPECT_TRUE(any_has(p.warnings, "no area"));
+  EXPECT_TRUE(any_has(p.warnings, "3.0 ms, longer than a period"));
+  n.shell_points = 0, n.surface_voxels = 0;
+  p = make_plan(s, n);
+  EXPECT_TRUE(any_has(p.warnings, "nothing can touch."));
+  EXPECT_TRUE(any_has(p.warnings, "nothing can be touched."));
+}
+
+TEST(Plan, NamesTheOtherCouplingsAndTheReference) {
+  Scene s = cup();
+  s.coupling.kind = "spring_damper";
+  s.dynamic_mesh.primitives.push_back(SpherePrimitive{Vec3::Zero(), 0.01});
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built, "spring-damper of 500 N/m"));
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built, "Reference from 1 closed form "));
+  s.coupling.kind = "direct";
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built, "straight to the device"));
+}
+
+TEST(Plan, TextHoldsEverySentence) {
+  const Plan p = make_plan(cup(), counts());
+  const std::string text = to_text(p);
+  for (const auto* lines : {&p.built, &p.left_out})
+    for (const std::string& line : *lines) EXPECT_NE(text.find(line), std::string::npos);
+  EXPECT_NE(text.find("Memory: 2596.0 kB. Expected: at most about 5.0 us a frame."), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace voxtouch
