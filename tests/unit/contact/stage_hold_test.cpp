@@ -190,6 +190,66 @@ TEST(Hold, FadesWithTheWayMovedWhenAPointComesBackElsewhere) {
   EXPECT_TRUE(at(0.65, 58.9).contact.wrench.zero());
 }
 
+TEST(Hold, ForgetsAPointThatReachesFreeSpaceWhileOthersStay) {
+  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  // The second point lies in the top layer all the while and pushes sideways only.
+  ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}, {kEdge * Vec3(20, 0, 0.5), Vec3::UnitX()}}, kEdge),
+                           ContactModelKind::kOriginal, {kStiffness});
+  const auto at = [&](double x, double z) { return renderer.render({kEdge * Vec3(x, 30.4, z), Quat::Identity()}); };
+  const auto up = [](const StageResult& r) { return r.contact.wrench.force.z() / kUnit; };
+  at(-1.0, 59.2);  // free
+  EXPECT_NEAR(up(at(5.2, 59.2)), 0.3, 1e-12);
+  at(5.2, 58.8);
+  EXPECT_NEAR(up(at(-0.8, 58.8)), 0.0, 1e-12);  // out to the side, where only the other point is in contact
+  EXPECT_NEAR(up(at(0.2, 58.8)), 0.0, 1e-12);   // back in a layer: the plain law, which has nothing here
+  EXPECT_NEAR(up(at(-0.8, 58.8)), 0.0, 1e-12);
+  EXPECT_NEAR(up(at(5.2, 58.8)), 1.0, 1e-12);   // straight inside: as if never seen
+}
+
+/// Hits made by hand, at a pose of choice.
+struct Frame {
+  std::vector<Vec3> surface, interior;  ///< normals; points are numbered surface first unless `first_interior` says else
+  Vec3 position = Vec3::Zero();
+  std::uint32_t first_interior = 0;
+};
+
+Vec3 staged_force(ContactStage& stage, const Frame& frame) {
+  HitList hits;
+  hits.pose.position = frame.position;
+  for (std::uint32_t p = 0; p < frame.surface.size(); ++p)
+    hits.surface.push_back({p, Vec3::Zero(), frame.surface[p].normalized(), 0.4 * kEdge * frame.surface[p].normalized()});
+  for (std::uint32_t p = 0; p < frame.interior.size(); ++p)
+    hits.interior.push_back({frame.first_interior + p, Vec3::Zero(), frame.interior[p].normalized(), Vec3::Zero()});
+  ContactResult plain;
+  make_contact_model(ContactModelKind::kAdapted, {1.0})->evaluate(hits, plain);
+  return stage.apply(hits, plain).contact.wrench.force / kEdge;
+}
+
+TEST(Hold, DropsTheSharedDirectionWithTheContactAndOnReset) {
+  const Vec3 slanted(1, 0, 1), left(1, 0, 0), right(-1, 0, 0);
+  for (const bool by_reset : {false, true}) {
+    ContactStage stage({8, 0.01, kEdge, 1.0, ContactModelKind::kAdapted});
+    staged_force(stage, {{slanted}, {}, {}, 0});
+    if (by_reset) {
+      stage.reset();
+    } else {
+      staged_force(stage, {});
+    }
+    staged_force(stage, {{left, right}, {}, {}, 0});  // a slot: no coherent mean, so no shared direction
+    const Vec3 force = staged_force(stage, {{}, {left, right}, Vec3(0, 0, -1e-4), 0});
+    EXPECT_NEAR(force.norm(), 0.0, 1e-12) << force.transpose();
+  }
+}
+
+TEST(Hold, DoesNotTurnOverWhenOpposedSurfaceHitsOutnumberTheHeldPoints) {
+  const Vec3 up(0, 0, 1), down(0, 0, -1);
+  ContactStage stage({8, 0.01, kEdge, 1.0, ContactModelKind::kAdapted});
+  staged_force(stage, {{up, up, up, up, up, up, up, up}, {}, {}, 0});
+  EXPECT_NEAR(staged_force(stage, {{}, {up}, Vec3(0, 0, -1e-4), 7}).z(), 0.4, 1e-12);
+  const Frame opposed{{down, down, down, down, down, down, down}, {up}, Vec3(0, 0, -2e-4), 7};
+  EXPECT_NEAR(staged_force(stage, opposed).z(), -7 * 0.4 + 0.4, 1e-12);  // seven plain pushes down, the held one still up
+}
+
 TEST(Hold, ChangesThePushOfAReturningPointByNoMoreThanStated) {
   // One point that walks at random in and out of a block: down by at most K times the way, up by at most a voxel step.
   const Voxmap voxmap = block(kGrid, {0, 0, 0}, {9, 9, 9});
