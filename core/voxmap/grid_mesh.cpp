@@ -60,15 +60,15 @@ std::string in_metres(double metres) {
 
 double power_of_two_above(double cells) { return std::exp2(std::ceil(std::log2(std::max(cells, 1.0)))); }
 
-/// Bricks that a surface of this mesh is expected to touch: a plane patch of area A meets about 1.5 A + 3 sqrt(A) + 1 unit
-/// cells; small triangles share theirs, so the constant is spent once a sheet and not once a triangle.
-double expected_bricks(const TriangleMesh& mesh, double brick_m) {
+/// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2 cells an A / edge^2, and its
+/// rim some more; small triangles share their cells, so only long ones pay for a rim.
+double expected_cells(const TriangleMesh& mesh, double edge_m) {
   double sum = 8.0;
   for (const auto& t : mesh.triangles) {
-    const Vec3 side = mesh.vertices[t[1]] - mesh.vertices[t[0]], other = mesh.vertices[t[2]] - mesh.vertices[t[0]];
-    const double area = 0.5 * (side / brick_m).cross(other / brick_m).norm();
-    const double length = (side.norm() + other.norm()) / brick_m;
-    sum += 3.0 * area + (length > 1.0 ? 3.0 * length : 0.0);
+    const Vec3 side = (mesh.vertices[t[1]] - mesh.vertices[t[0]]) / edge_m;
+    const Vec3 other = (mesh.vertices[t[2]] - mesh.vertices[t[0]]) / edge_m;
+    const double length = side.norm() + other.norm();
+    sum += 1.0 * side.cross(other).norm() + (length > 4.0 ? 1.5 * length : 0.0);
   }
   return sum;
 }
@@ -110,7 +110,8 @@ VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid) {
   }
   estimate.table_cells = power_of_two_above(cells[0]) * power_of_two_above(cells[1]) * cells[2];
   const double all = cells[0] * cells[1] * cells[2];
-  const double bricks = std::min(expected_bricks(mesh, grid.edge * Voxmap::kBrickEdge), all);
+  const double bricks = std::min(expected_cells(mesh, grid.edge * Voxmap::kBrickEdge), all);
+  estimate.surface_voxels = std::min(expected_cells(mesh, grid.edge), estimate.voxels);
   // Table 4 bytes a cell, 8 bytes of free distance a cell; building adds an index and a label a cell, and three masks a brick.
   estimate.bytes = 4.0 * estimate.table_cells + 8.0 * all + sizeof(Voxmap::Brick) * bricks;
   estimate.build_bytes = estimate.bytes + 8.0 * all + 4.0 * 64.0 * bricks +

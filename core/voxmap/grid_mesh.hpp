@@ -24,6 +24,7 @@ struct VoxelEstimate {
   std::array<double, 3> first{}, last{};  ///< voxel box, inclusive; whole numbers, perhaps beyond int32
   double extent_m = 0.0;                  ///< longest side of the mesh's box [m]
   double voxels = 0.0;                    ///< voxels in the box
+  double surface_voxels = 0.0;            ///< expected
   double table_cells = 0.0;               ///< entries of the voxmap's table, strides padded to powers of two
   double bytes = 0.0;                     ///< of the finished voxmap: exact for table and distances, expected for the bricks
   double build_bytes = 0.0;               ///< peak while it is built

@@ -11,6 +11,8 @@
 namespace voxtouch {
 namespace {
 
+constexpr double kBuildBytesPerBrick = sizeof(Voxmap::Brick) + 4.0 * sizeof(BrickMask);  // finished, marked, two pieces, spare
+
 /// The bricks of one slab: cells along y and z, filled on first touch.
 struct SlabBits {
   std::vector<std::int32_t> brick_of;
@@ -48,16 +50,20 @@ SlabBits mark_slab(const GridMesh& mesh, const Slabs& slabs, std::size_t slab, c
   return bits;
 }
 
-SurfaceBits mark_surface(const GridMesh& mesh, const Slabs& slabs, const Voxmap& map, const ParallelFor& parallel_for) {
+/// Throws VoxelBudgetError where scattered triangles touch more bricks than the estimate foresaw.
+SurfaceBits mark_surface(const GridMesh& mesh, const Slabs& slabs, const Voxmap& map, const ParallelFor& parallel_for,
+                         VoxelEstimate estimate, std::uint64_t memory_limit_bytes) {
   SurfaceBits surface{map.base(), map.cells(), {}, {}};
   std::vector<SlabBits> parts(slabs.size());
   parallel_for(slabs.size(), [&](std::size_t s) {
     if (!slabs.triangles(s).empty()) parts[s] = mark_slab(mesh, slabs, s, surface.base, surface.cells);
   });
-  const auto layer = static_cast<std::size_t>(surface.cells[1] * surface.cells[2]);
-  surface.brick_of.assign(layer * slabs.size(), -1);
   std::size_t count = 0;
   for (const SlabBits& part : parts) count += part.bricks.size();
+  const auto layer = static_cast<std::size_t>(surface.cells[1] * surface.cells[2]);
+  surface.brick_of.assign(layer * slabs.size(), -1);
+  estimate.build_bytes = std::max(estimate.build_bytes, static_cast<double>(map.bytes()) + kBuildBytesPerBrick * double(count));
+  require_affordable(estimate, map.grid(), memory_limit_bytes);
   surface.bricks.reserve(count);
   for (std::size_t s = 0; s < parts.size(); ++s) {
     const auto offset = static_cast<std::int32_t>(surface.bricks.size());
@@ -112,7 +118,7 @@ Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& p
   Voxmap map(grid, corner(estimate.first), corner(estimate.last));
   const GridMesh in_grid(mesh, grid);
   const Slabs slabs(in_grid, map.base().i, static_cast<std::size_t>(map.cells()[0]));
-  const SurfaceBits surface = mark_surface(in_grid, slabs, map, parallel_for);
+  const SurfaceBits surface = mark_surface(in_grid, slabs, map, parallel_for, estimate, memory_limit_bytes);
 
   const std::vector<std::uint32_t> welded = weld_vertices(in_grid);
   const std::vector<TriangleState> state = judge_triangles(in_grid, welded);
