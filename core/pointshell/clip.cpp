@@ -6,6 +6,10 @@
 namespace voxtouch {
 namespace {
 
+/// A foot this near a side, relative to the lengths involved, is left to the search along the sides, which is right there: so
+/// a sliver's sides, all "inside" by rounding, cannot make a point beyond its end pass.
+constexpr double kOnSide = 1e-14;
+
 /// Keeps the part with side * x[axis] <= limit.
 void cut(VoxelPolygon& polygon, int axis, double side, double limit) noexcept {
   bool all_inside = true;
@@ -55,26 +59,27 @@ double area(const VoxelPolygon& polygon) noexcept {
   return 0.5 * sum.norm();
 }
 
-Vec3 nearest_to_centre(const VoxelPolygon& polygon, const Vec3& normal) noexcept {
-  const auto clamped = [](const Vec3& x) { return Vec3(x.cwiseMax(-0.5).cwiseMin(0.5)); };
-  bool foot_inside = polygon.size >= 3 && !normal.isZero(0.0);
+Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal, const VoxelPolygon& polygon) noexcept {
+  // The triangle and the cube are asked, not the polygon: its short sides have no direction worth asking.
+  const Vec3 foot = normal * normal.dot(triangle[0]);
+  bool inside = foot.cwiseAbs().maxCoeff() <= 0.5 && !normal.isZero(0.0);
+  for (std::size_t n = 0; n < 3 && inside; ++n) {
+    const Vec3 side = triangle[(n + 1) % 3] - triangle[n], to_foot = foot - triangle[n];
+    inside = normal.dot(side.cross(to_foot)) > kOnSide * side.norm() * (1.0 + to_foot.norm());
+  }
+  if (inside) return foot;
+
   Vec3 best = polygon.corner[0];
   double best_square = best.squaredNorm();
   for (int n = 0; n < polygon.size; ++n) {
     const Vec3& from = polygon.corner[n];
     const Vec3 along = polygon.corner[n + 1 == polygon.size ? 0 : n + 1] - from;
-    // The foot of the origin lies left of this side of the polygon; equal is inside, but a side without length says nothing.
-    foot_inside = foot_inside && normal.dot(along.cross(-from)) >= 0.0;
     const double square = along.squaredNorm();
     const double t = square > 0.0 ? std::clamp(-from.dot(along) / square, 0.0, 1.0) : 0.0;
     const Vec3 x = from + t * along;
     if (const double distance = x.squaredNorm(); distance < best_square) best = x, best_square = distance;
   }
-  if (foot_inside) {
-    const Vec3 foot = normal * normal.dot(polygon.corner[0]);
-    if (foot.squaredNorm() <= best_square) best = foot;  // a sliver's sides may all say "left" by rounding
-  }
-  return clamped(best);
+  return best.cwiseMax(-0.5).cwiseMin(0.5);
 }
 
 }  // namespace voxtouch

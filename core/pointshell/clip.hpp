@@ -20,7 +20,8 @@ VoxelPolygon clip_to_voxel(const Vec3& a, const Vec3& b, const Vec3& c) noexcept
 /// Area [voxel faces].
 double area(const VoxelPolygon& polygon) noexcept;
 
-/// The polygon's point nearest to the origin, within the cube. `normal`: the triangle's unit normal, zero for a zero-area one.
-Vec3 nearest_to_centre(const VoxelPolygon& polygon, const Vec3& normal) noexcept;
+/// The point nearest to the origin of what is common to triangle and cube; lies in the cube. `normal`: the triangle's unit
+/// normal, zero for a zero-area one. `polygon`: triangle and cube, from `clip_to_voxel`.
+Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal, const VoxelPolygon& polygon) noexcept;
 
 }  // namespace voxtouch

@@ -23,6 +23,13 @@ struct Pair {
   bool open;
 };
 
+/// A triangle's contribution to a voxel. Grid units, origin at the voxel's centre.
+struct Piece {
+  std::uint32_t triangle = 0;
+  Vec3 nearest = Vec3::Zero();
+  double distance = 0.0;
+};
+
 /// What every voxel of the mesh needs to know.
 struct ShellBuilder {
   const GridMesh& mesh;
@@ -30,14 +37,8 @@ struct ShellBuilder {
   std::vector<TriangleState> state;
   std::vector<Vec3> normal;  ///< unit, outward; zero where the triangle has no area
 
-  ShellPoint point_of(const VoxelIndex& voxel, const Pair* first, const Pair* last) const;
-};
-
-/// A triangle's contribution to a voxel. Grid units, origin at the voxel's centre.
-struct Piece {
-  std::uint32_t triangle = 0;
-  Vec3 nearest = Vec3::Zero();
-  double distance = 0.0;
+  /// `pieces` is scratch memory.
+  ShellPoint point_of(const VoxelIndex& voxel, const Pair* first, const Pair* last, std::vector<Piece>& pieces) const;
 };
 
 /// Sums over the triangles of a voxel that have an area.
@@ -80,10 +81,10 @@ void set_normals(const NormalSums& sums, const Vec3& face, const Vec3& to_centre
   }
 }
 
-ShellPoint ShellBuilder::point_of(const VoxelIndex& voxel, const Pair* first, const Pair* last) const {
+ShellPoint ShellBuilder::point_of(const VoxelIndex& voxel, const Pair* first, const Pair* last,
+                                  std::vector<Piece>& pieces) const {
   const Vec3 centre(voxel.i + 0.5, voxel.j + 0.5, voxel.k + 0.5);
   NormalSums sums;
-  thread_local std::vector<Piece> pieces;
   pieces.clear();
   ShellPoint point;
   point.voxel = voxel;
@@ -93,8 +94,9 @@ ShellPoint ShellBuilder::point_of(const VoxelIndex& voxel, const Pair* first, co
     point.open = point.open || pair->open;
     if (state[t] == TriangleState::kDuplicate) continue;
     const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
-    const VoxelPolygon polygon = clip_to_voxel(a - centre, b - centre, c - centre);
-    const Vec3 nearest = nearest_to_centre(polygon, normal[t]);
+    const std::array<Vec3, 3> triangle{a - centre, b - centre, c - centre};
+    const VoxelPolygon polygon = clip_to_voxel(triangle[0], triangle[1], triangle[2]);
+    const Vec3 nearest = nearest_to_centre(triangle, normal[t], polygon);
     pieces.push_back({t, nearest, nearest.norm()});
     least = std::min(least, pieces.back().distance);
     if (state[t] == TriangleState::kZeroArea) continue;
@@ -177,6 +179,7 @@ std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid,
   const Slabs slabs(in_grid, base.i, count(0) / 8 + 1);
   std::vector<std::vector<ShellPoint>> parts(slabs.size());
   parallel_for(slabs.size(), [&](std::size_t s) {
+    std::vector<Piece> pieces;
     const std::vector<Pair> pairs = pairs_of(in_grid, slabs, s, base, rows, columns);
     for (std::size_t at = 0; at < pairs.size();) {
       std::size_t end = at;
@@ -185,7 +188,7 @@ std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid,
       const VoxelIndex voxel{slabs.first(s) + static_cast<std::int32_t>(n / (rows * columns)),
                              base.j + static_cast<std::int32_t>(n / columns % rows),
                              base.k + static_cast<std::int32_t>(n % columns)};
-      parts[s].push_back(builder.point_of(voxel, &pairs[at], pairs.data() + end));
+      parts[s].push_back(builder.point_of(voxel, &pairs[at], pairs.data() + end, pieces));
       at = end;
     }
   });
