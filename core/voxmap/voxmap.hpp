@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/voxmap/brick_bits.hpp"
 #include "core/voxmap/grid.hpp"
 
 namespace voxtouch {
@@ -24,7 +25,7 @@ class Voxmap {
 
   Voxmap() = default;
   /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error if the table would need more
-  /// than `kMaxTableCells` cells: callers estimate first (voxelise.hpp) and say it better.
+  /// than `kMaxTableCells` cells or indices beyond +-2^30: callers estimate first (grid_mesh.hpp) and say it better.
   Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last);
 
   const Grid& grid() const noexcept { return grid_; }
@@ -40,14 +41,19 @@ class Voxmap {
 
   /// Sets one voxel; the voxel must lie within the room given at construction. Not real-time safe.
   void set(const VoxelIndex& v, VoxelKind kind);
-  /// Sets the whole 8-voxel cell that holds `v` to free or interior by pointing at the shared brick.
+  /// Sets the whole 8-voxel cell that holds `v` to one kind; free and interior by pointing at the shared brick.
   void fill_cell(const VoxelIndex& v, VoxelKind kind);
+  /// Sets the whole 8-voxel cell that holds `v` from bits; surface wins over interior, what is in neither is free.
+  void set_cell(const VoxelIndex& v, const BrickMask& surface, const BrickMask& interior);
+  /// Room for that many bricks of their own, so that filling them neither copies nor leaves spare memory.
+  void reserve_bricks(std::size_t count) { bricks_.reserve(count + 2); }
 
-  /// Computes the free-distance bytes; call once after the last `set`.
+  /// Counts voxels and computes the free-distance bytes; call after the last change.
   void finish();
 
   /// Lower bound of the distance [voxels] from anywhere in the 4-voxel cell of `u` (grid coordinates) to the nearest voxel
-  /// that is not free; 0 where unknown or near. Outside the table: the distance to the table at least. Real-time safe.
+  /// that is not free; 0 where unknown (before `finish`, NaN) or near. Outside the table: the distance to the table at least.
+  /// Real-time safe.
   double free_distance_voxels(const Vec3& u) const noexcept;
 
   /// Surface and interior voxels, counted.
@@ -70,7 +76,12 @@ class Voxmap {
   std::size_t table_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
     return static_cast<std::size_t>(x + (y << shift_y_) + (z << shift_z_));
   }
+  std::size_t near_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
+    return static_cast<std::size_t>((x * near_cells_[1] + y) * near_cells_[2] + z);
+  }
   Brick& own_brick(std::size_t index);
+  void count_brick(std::int64_t x, std::int64_t y, std::int64_t z);
+  void spread_near();
 
   Grid grid_;
   VoxelIndex base_;                       ///< first voxel of the table, a multiple of 8

@@ -1,0 +1,267 @@
+#include "core/voxmap/closed_shells.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <numeric>
+#include <span>
+#include <tuple>
+
+#include "core/voxmap/exact_sign.hpp"
+
+namespace voxtouch {
+namespace {
+
+using Corners = std::array<std::uint32_t, 3>;
+
+std::uint64_t mix(const Vec3& u) noexcept {
+  std::uint64_t h = 0x9e3779b97f4a7c15ULL;
+  for (int axis = 0; axis < 3; ++axis) {
+    h ^= std::bit_cast<std::uint64_t>(u[axis]);
+    h *= 0xbf58476d1ce4e5b9ULL;
+    h ^= h >> 29;
+  }
+  return h;
+}
+
+Corners welded_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& welded, std::uint32_t t) {
+  const Corners& c = (*mesh.triangles)[t];
+  return {welded[c[0]], welded[c[1]], welded[c[2]]};
+}
+
+/// Whether `c` is an even permutation of its sorted self.
+bool even(const Corners& c) noexcept { return ((c[0] < c[1]) + (c[1] < c[2]) + (c[2] < c[0])) == 2; }
+
+/// Triangles grouped by their three corners, first of a group first: sorted by (lowest, middle, highest corner, triangle).
+std::vector<std::pair<Corners, std::uint32_t>> sorted_by_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
+                                                                 const std::vector<std::uint32_t>& triangles) {
+  std::vector<std::pair<Corners, std::uint32_t>> keyed(triangles.size());
+  std::vector<std::uint32_t> start(welded.size() + 1, 0);
+  const auto key = [&](std::uint32_t t) {
+    Corners c = welded_corners(mesh, welded, t);
+    std::sort(c.begin(), c.end());
+    return c;
+  };
+  for (const std::uint32_t t : triangles) ++start[key(t)[0] + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<std::uint32_t> fill(start.begin(), start.end() - 1);
+  for (const std::uint32_t t : triangles) {
+    const Corners c = key(t);
+    keyed[fill[c[0]]++] = {c, t};
+  }
+  for (std::size_t v = 0; v + 1 < start.size(); ++v)
+    if (start[v + 1] - start[v] > 1) std::sort(keyed.begin() + start[v], keyed.begin() + start[v + 1]);
+  return keyed;
+}
+
+/// Union-find whose links carry one bit: whether two triangles agree in orientation.
+class Orientation {
+ public:
+  explicit Orientation(std::size_t count) : parent_(count), turned_(count, 0) {
+    std::iota(parent_.begin(), parent_.end(), 0U);
+  }
+  std::uint32_t root(std::uint32_t t) {
+    std::uint8_t turn = 0;
+    std::uint32_t r = t;
+    for (; parent_[r] != r; r = parent_[r]) turn ^= turned_[r];
+    while (parent_[t] != r && t != r) {  // path compression keeps the bit relative to the root
+      const std::uint32_t next = parent_[t];
+      const std::uint8_t own = turned_[t];
+      parent_[t] = r, turned_[t] = turn;
+      turn ^= own;
+      t = next;
+    }
+    return r;
+  }
+  bool turned(std::uint32_t t) { return root(t) != t && turned_[t]; }
+  void join(std::uint32_t a, std::uint32_t b, bool opposite) {
+    const std::uint32_t ra = root(a), rb = root(b);
+    const bool turn = turned(a) ^ turned(b) ^ opposite;
+    if (ra == rb) return;  // a contradiction (a Moebius band) shows later as an edge that does not balance
+    const auto [low, high] = std::minmax(ra, rb);
+    parent_[high] = low, turned_[high] = turn;
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint8_t> turned_;
+};
+
+struct Edge {
+  std::uint32_t far, slot;  ///< higher vertex; position in the list of triangles
+  bool forward;             ///< walked from the lower vertex to the higher
+};
+
+/// Every edge of the listed triangles, grouped by (lower, higher vertex); `visit(group)` gets a span of `Edge`.
+template <class Visit>
+void for_each_edge(const GridMesh& mesh, const std::vector<std::uint32_t>& welded, const std::vector<std::uint32_t>& triangles,
+                   Visit&& visit) {
+  std::vector<std::uint32_t> start(welded.size() + 1, 0);
+  const auto edges_of = [&](std::size_t slot, auto&& f) {
+    const Corners c = welded_corners(mesh, welded, triangles[slot]);
+    for (std::size_t n = 0; n < 3; ++n) {
+      const std::uint32_t a = c[n], b = c[(n + 1) % 3];
+      if (a != b) f(std::min(a, b), Edge{std::max(a, b), static_cast<std::uint32_t>(slot), a < b});
+    }
+  };
+  for (std::size_t s = 0; s < triangles.size(); ++s) edges_of(s, [&](std::uint32_t near, const Edge&) { ++start[near + 1]; });
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<Edge> edges(start.back());
+  std::vector<std::uint32_t> fill(start.begin(), start.end() - 1);
+  for (std::size_t s = 0; s < triangles.size(); ++s)
+    edges_of(s, [&](std::uint32_t near, const Edge& edge) { edges[fill[near]++] = edge; });
+  for (std::size_t v = 0; v + 1 < start.size(); ++v) {
+    const auto first = edges.begin() + start[v], last = edges.begin() + start[v + 1];
+    std::sort(first, last, [](const Edge& a, const Edge& b) { return std::tie(a.far, a.slot) < std::tie(b.far, b.slot); });
+    for (auto at = first; at != last;) {
+      auto end = at;
+      while (end != last && end->far == at->far) ++end;
+      visit(std::span<const Edge>(at, end));
+      at = end;
+    }
+  }
+}
+
+double twice_area(const GridMesh& mesh, std::uint32_t t) {
+  return area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).stableNorm();
+}
+
+double six_volumes(const GridMesh& mesh, std::uint32_t t) {
+  const Vec3& at = mesh.u[(*mesh.triangles)[0][0]];  // near the mesh, so that little cancels
+  return (mesh.corner(t, 0) - at).dot((mesh.corner(t, 1) - at).cross(mesh.corner(t, 2) - at));
+}
+
+/// One attempt: the parts that the listed triangles form; closed parts get their roles, the triangles of open ones are returned.
+std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
+                                        const std::vector<std::uint32_t>& triangles, ClosedShells& shells,
+                                        std::size_t& open_parts) {
+  const std::size_t count = triangles.size();
+  Orientation part(count), patch(count);
+  std::vector<std::uint8_t> open(count, 0), unbalanced(count, 0);
+  for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
+    for (const Edge& edge : group.subspan(1)) part.join(group[0].slot, edge.slot, false);
+    if (group.size() == 2) patch.join(group[0].slot, group[1].slot, group[0].forward == group[1].forward);
+    if (group.size() % 2 != 0) open[group[0].slot] = 1;
+  });
+  std::vector<double> kept_area(count, 0.0), turned_area(count, 0.0);
+  for (std::uint32_t s = 0; s < count; ++s) {
+    if (open[s]) open[part.root(s)] = 1;
+    (patch.turned(s) ? turned_area : kept_area)[patch.root(s)] += twice_area(mesh, triangles[s]);
+  }
+  const auto turn = [&](std::uint32_t s) {
+    const std::uint32_t root = patch.root(s);
+    return patch.turned(s) != (turned_area[root] > kept_area[root]);
+  };
+  for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
+    int balance = 0;
+    for (const Edge& edge : group) balance += edge.forward != turn(edge.slot) ? 1 : -1;
+    if (balance != 0) unbalanced[part.root(group[0].slot)] = 1;
+  });
+  std::vector<std::uint32_t> left;
+  open_parts = 0;
+  for (std::uint32_t s = 0; s < count; ++s) {
+    const std::uint32_t root = part.root(s), t = triangles[s];
+    if (open[root]) {
+      open_parts += root == s;
+      left.push_back(t);
+      continue;
+    }
+    shells.closed_parts += root == s;
+    shells.unoriented_parts += root == s && unbalanced[root];
+    shells.role[t] = unbalanced[root] ? ShellRole::kParity : turn(s) ? ShellRole::kTurned : ShellRole::kKept;
+    if (unbalanced[root]) continue;
+    shells.turned_triangles += turn(s);
+    shells.signed_volume += (turn(s) ? -1.0 : 1.0) * six_volumes(mesh, t) / 6.0;
+  }
+  return left;
+}
+
+/// Of each set of triangles with the same corners, as many as there are more one way round than the other, at most one.
+std::vector<std::uint32_t> cancelled(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
+                                     const std::vector<std::uint32_t>& triangles) {
+  const auto keyed = sorted_by_corners(mesh, welded, triangles);
+  std::vector<std::uint32_t> kept;
+  for (std::size_t at = 0; at < keyed.size();) {
+    std::size_t end = at;
+    int balance = 0;
+    for (; end < keyed.size() && keyed[end].first == keyed[at].first; ++end)
+      balance += even(welded_corners(mesh, welded, keyed[end].second)) ? 1 : -1;
+    for (std::size_t n = at; n < end && balance != 0; ++n)
+      if (even(welded_corners(mesh, welded, keyed[n].second)) == (balance > 0)) {
+        kept.push_back(keyed[n].second);
+        break;
+      }
+    at = end;
+  }
+  std::sort(kept.begin(), kept.end());
+  return kept;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> weld_vertices(const GridMesh& mesh) {
+  const std::size_t slots = std::bit_ceil(2 * mesh.u.size() + 2);
+  constexpr std::uint32_t kEmpty = 0xffffffffU;
+  std::vector<std::uint32_t> table(slots, kEmpty), welded(mesh.u.size());
+  for (std::uint32_t v = 0; v < mesh.u.size(); ++v) {
+    std::size_t slot = mix(mesh.u[v]) & (slots - 1);
+    while (table[slot] != kEmpty && mesh.u[table[slot]] != mesh.u[v]) slot = (slot + 1) & (slots - 1);
+    if (table[slot] == kEmpty) table[slot] = v;
+    welded[v] = table[slot];
+  }
+  return welded;
+}
+
+std::vector<TriangleState> judge_triangles(const GridMesh& mesh, const std::vector<std::uint32_t>& welded) {
+  std::vector<TriangleState> state(mesh.size(), TriangleState::kSound);
+  std::vector<std::uint32_t> all(mesh.size());
+  std::iota(all.begin(), all.end(), 0U);
+  for (const std::uint32_t t : all)
+    if (area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).isZero(0.0)) state[t] = TriangleState::kZeroArea;
+  const auto keyed = sorted_by_corners(mesh, welded, all);
+  for (std::size_t n = 1; n < keyed.size(); ++n)
+    if (keyed[n].first == keyed[n - 1].first && state[keyed[n].second] == TriangleState::kSound)
+      state[keyed[n].second] = TriangleState::kDuplicate;
+  return state;
+}
+
+ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
+                                const std::vector<TriangleState>& state) {
+  ClosedShells shells;
+  shells.role.assign(mesh.size(), ShellRole::kNone);
+  std::vector<std::uint32_t> sound;
+  for (std::uint32_t t = 0; t < mesh.size(); ++t)
+    if (state[t] == TriangleState::kSound) sound.push_back(t);
+  std::vector<std::uint32_t> left = settle_parts(mesh, welded, sound, shells, shells.open_parts);
+  if (left.empty()) return shells;
+
+  // What did not close so far gets two more chances, each with the triangles it lacked.
+  const auto with = [&](TriangleState extra) {
+    std::vector<std::uint8_t> touched(welded.size(), 0);
+    for (const std::uint32_t t : left)
+      for (const std::uint32_t v : welded_corners(mesh, welded, t)) touched[v] = 1;
+    std::vector<std::uint32_t> candidates = left;
+    for (std::uint32_t t = 0; t < mesh.size(); ++t) {
+      const Corners c = welded_corners(mesh, welded, t);
+      if (state[t] == extra && c[0] != c[1] && c[1] != c[2] && c[2] != c[0] && touched[c[0]] && touched[c[1]] && touched[c[2]])
+        candidates.push_back(t);
+    }
+    std::sort(candidates.begin(), candidates.end());
+    return candidates;
+  };
+  std::size_t still_open = 0;
+  for (const TriangleState extra : {TriangleState::kDuplicate, TriangleState::kZeroArea}) {
+    std::vector<std::uint32_t> candidates = with(extra);
+    if (candidates.size() == left.size()) continue;
+    if (extra == TriangleState::kDuplicate) candidates = cancelled(mesh, welded, candidates);
+    std::vector<std::uint32_t> rest = settle_parts(mesh, welded, candidates, shells, still_open);
+    if (rest.size() == candidates.size()) continue;
+    shells.open_parts = still_open;
+    std::erase_if(rest, [&](std::uint32_t t) { return state[t] != TriangleState::kSound; });
+    left = std::move(rest);
+    if (left.empty()) break;
+  }
+  return shells;
+}
+
+}  // namespace voxtouch

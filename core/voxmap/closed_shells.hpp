@@ -1,0 +1,40 @@
+#pragma once
+/// What of a mesh encloses space: triangles judged one by one, then the parts they form.
+///
+/// Rules. Vertices are one where their grid coordinates are equal. A triangle is zero-area (exactly) or a duplicate (same three
+/// corners as an earlier one, either way round). A part is what hangs together by edges. A part closes if each edge is used an even
+/// number of times; tried are, in this order: without zero-area triangles and with one triangle of each set of duplicates;
+/// the same with opposite duplicates cancelled (the shared wall of two stacked boxes, a two-sided fin); the first with zero-area
+/// triangles (which may close a T-junction). Within a closed part, triangles that disagree with their neighbours are turned round,
+/// the smaller area giving way; a part that cannot be oriented is judged by parity.
+#include <cstdint>
+#include <vector>
+
+#include "core/voxmap/grid_mesh.hpp"
+
+namespace voxtouch {
+
+enum class TriangleState : std::uint8_t { kSound, kZeroArea, kDuplicate };
+
+/// Lowest-numbered vertex with the same grid coordinates, for each vertex.
+std::vector<std::uint32_t> weld_vertices(const GridMesh& mesh);
+
+/// State of each triangle; of duplicates the first is sound, the later ones are not.
+std::vector<TriangleState> judge_triangles(const GridMesh& mesh, const std::vector<std::uint32_t>& welded);
+
+/// How a triangle counts for "inside".
+enum class ShellRole : std::int8_t { kNone = 0, kKept = 1, kTurned = -1, kParity = 2 };
+
+struct ClosedShells {
+  std::vector<ShellRole> role;       ///< of each triangle
+  std::size_t closed_parts = 0;      ///< parts that enclose space
+  std::size_t open_parts = 0;        ///< parts that do not: they have a surface, but no interior
+  std::size_t unoriented_parts = 0;  ///< closed parts judged by parity (a Klein bottle)
+  std::size_t turned_triangles = 0;  ///< triangles that disagreed with their neighbours
+  double signed_volume = 0.0;        ///< of the oriented closed parts [voxels]; negative: the mesh is inside out
+};
+
+ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
+                                const std::vector<TriangleState>& state);
+
+}  // namespace voxtouch

@@ -1,0 +1,145 @@
+#include "core/voxmap/grid_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "core/voxmap/voxmap.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr double kTiny = 0x1p-300;
+
+void check_edge(double edge) {
+  if (!(edge > 0.0) || !std::isfinite(edge))
+    throw std::runtime_error("voxel size must be a positive number of metres, got " + std::to_string(edge));
+}
+
+struct Bounds {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+};
+
+/// Bounds over the vertices that triangles use; says which vertex or triangle is unusable.
+void add_bounds(const TriangleMesh& mesh, Bounds& bounds) {
+  if (mesh.empty()) throw std::runtime_error("the mesh has no triangles: nothing to make voxels of");
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      if (v >= mesh.vertices.size())
+        throw std::runtime_error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + " of " +
+                                 std::to_string(mesh.vertices.size()));
+      const Vec3& x = mesh.vertices[v];
+      if (!x.allFinite())
+        throw std::runtime_error("vertex " + std::to_string(v) + " of triangle " + std::to_string(t) +
+                                 " is not finite: repair the mesh");
+      bounds.low = bounds.low.cwiseMin(x);
+      bounds.high = bounds.high.cwiseMax(x);
+    }
+}
+
+std::string in_units(double bytes) {
+  static constexpr const char* kUnits[] = {"bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
+  int unit = 0;
+  for (; bytes >= 1024.0 && unit < 6; ++unit) bytes /= 1024.0;
+  char text[48];
+  std::snprintf(text, sizeof text, "%.3g %s", bytes, kUnits[unit]);
+  for (char* c = text; *c; ++c)
+    if (*c == ',') *c = '.';  // whatever the locale's decimal point
+  return text;
+}
+
+std::string in_metres(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", metres);
+  for (char* c = text; *c; ++c)
+    if (*c == ',') *c = '.';
+  return std::string(text) + " m";
+}
+
+double power_of_two_above(double cells) { return std::exp2(std::ceil(std::log2(std::max(cells, 1.0)))); }
+
+/// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2 cells an A / edge^2, and its
+/// rim some more; small triangles share their cells, so only long ones pay for a rim.
+double expected_cells(const TriangleMesh& mesh, double edge_m) {
+  double sum = 8.0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 side = (mesh.vertices[t[1]] - mesh.vertices[t[0]]) / edge_m;
+    const Vec3 other = (mesh.vertices[t[2]] - mesh.vertices[t[0]]) / edge_m;
+    const double length = side.norm() + other.norm();
+    sum += 1.0 * side.cross(other).norm() + (length > 4.0 ? 1.5 * length : 0.0);
+  }
+  return sum;
+}
+
+}  // namespace
+
+Grid default_grid(std::span<const TriangleMesh* const> meshes, double edge) {
+  check_edge(edge);
+  Bounds bounds;
+  for (const TriangleMesh* mesh : meshes) add_bounds(*mesh, bounds);
+  if (meshes.empty()) throw std::runtime_error("no mesh was given: nothing to lay a grid around");
+  Grid grid;
+  grid.edge = edge;
+  for (int axis = 0; axis < 3; ++axis) grid.origin[axis] = edge * (std::floor(bounds.low[axis] / edge) - 1.0);
+  return grid;
+}
+
+Grid default_grid(const TriangleMesh& mesh, double edge) {
+  const TriangleMesh* const one[] = {&mesh};
+  return default_grid(one, edge);
+}
+
+VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid) {
+  check_edge(grid.edge);
+  if (!grid.origin.allFinite()) throw std::runtime_error("the grid's origin is not finite");
+  Bounds bounds;
+  add_bounds(mesh, bounds);
+  VoxelEstimate estimate;
+  estimate.extent_m = (bounds.high - bounds.low).maxCoeff();
+  const Vec3 low = grid.to_grid(bounds.low), high = grid.to_grid(bounds.high);
+  estimate.voxels = 1.0;
+  std::array<double, 3> cells{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    estimate.first[axis] = std::ceil(low[a]) - 1.0;  // closed voxels: a vertex on a border lies in both
+    estimate.last[axis] = std::floor(high[a]);
+    estimate.voxels *= estimate.last[axis] - estimate.first[axis] + 1.0;
+    cells[axis] = std::floor((estimate.last[axis] - estimate.first[axis]) / Voxmap::kBrickEdge) + 4.0;
+  }
+  estimate.table_cells = power_of_two_above(cells[0]) * power_of_two_above(cells[1]) * cells[2];
+  const double all = cells[0] * cells[1] * cells[2];
+  const double bricks = std::min(expected_cells(mesh, grid.edge * Voxmap::kBrickEdge), all);
+  estimate.surface_voxels = std::min(expected_cells(mesh, grid.edge), estimate.voxels);
+  // Table 4 bytes a cell, 8 bytes of free distance a cell; building adds an index and a label a cell, and three masks a brick.
+  estimate.bytes = 4.0 * estimate.table_cells + 8.0 * all + sizeof(Voxmap::Brick) * bricks;
+  estimate.build_bytes = estimate.bytes + 8.0 * all + 4.0 * 64.0 * bricks +
+                         static_cast<double>(mesh.vertices.size()) * 28.0 + static_cast<double>(mesh.triangles.size()) * 60.0;
+  return estimate;
+}
+
+void require_affordable(const VoxelEstimate& estimate, const Grid& grid, std::uint64_t limit_bytes) {
+  const std::string what = "a mesh " + in_metres(estimate.extent_m) + " long at a voxel size of " + in_metres(grid.edge) +
+                           " needs about " + in_units(estimate.build_bytes);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (!(estimate.first[axis] > -kMaxVoxelIndex && estimate.last[axis] < kMaxVoxelIndex))
+      throw VoxelBudgetError(what + " and voxel indices beyond 2^30: use a larger voxel size, or a grid origin near the mesh");
+  if (!(estimate.build_bytes <= static_cast<double>(limit_bytes)))
+    throw VoxelBudgetError(what + ", more than the limit of " + in_units(static_cast<double>(limit_bytes)) +
+                           ": use a larger voxel size or raise the limit");
+  if (!(estimate.table_cells <= static_cast<double>(Voxmap::kMaxTableCells)))
+    throw VoxelBudgetError(what + " and a table of more than 2^28 bricks: use a larger voxel size");
+}
+
+GridMesh::GridMesh(const TriangleMesh& mesh, const Grid& grid) : triangles(&mesh.triangles) {
+  u.reserve(mesh.vertices.size());
+  for (const Vec3& x : mesh.vertices) {
+    Vec3 v = grid.to_grid(x);
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::abs(v[axis]) < kTiny) v[axis] = 0.0;  // also turns -0 into 0
+    u.push_back(v);
+  }
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,82 @@
+#pragma once
+/// Which voxels a triangle meets: the separating-axis test of triangle and closed cube (13 axes), exact in grid coordinates.
+///
+/// Each axis is a linear form in the voxel's index, so the voxels of one row that pass all of them are an interval: rows are
+/// solved, not walked. Rounding only ever makes a row's ends uncertain, and an uncertain end is decided with `exact_sign`.
+/// Zero-area triangles are segments or points and go through the same tests.
+#include <array>
+#include <cstdint>
+
+#include "core/types/geometry.hpp"
+#include "core/voxmap/grid.hpp"
+
+namespace voxtouch {
+
+/// How a triangle meets a voxel: not at all, at the closed cube's border only, or in the open cube.
+enum class Meeting : std::uint8_t { kNone, kTouch, kOpen };
+
+class TriangleVoxels {
+ public:
+  /// Corners in grid coordinates, within +-2^30.
+  TriangleVoxels(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
+
+  /// Box of the closed voxels that the triangle's box meets, inclusive.
+  const std::array<std::int32_t, 3>& first() const noexcept { return first_; }
+  const std::array<std::int32_t, 3>& last() const noexcept { return last_; }
+
+  /// Exact, for any voxel.
+  Meeting meeting(const VoxelIndex& v) const noexcept;
+
+  /// Axis along which the runs of `for_each_run` lie: 1 (j) or 2 (k).
+  int run_axis() const noexcept { return run_; }
+  /// Calls f(i, row, run_first, run_last) for every row of voxels met with i in [i_first, i_last]; `row` is the index along the
+  /// axis 3 - run_axis().
+  template <class F>
+  void for_each_run(std::int32_t i_first, std::int32_t i_last, F&& f) const;
+
+ private:
+  /// value(v) = slope . (v - first) + constant >= 0 where the voxel passes; good to +- error.
+  struct Form {
+    std::array<double, 3> slope{};
+    double constant = 0.0, error = 0.0;
+    int kind = 0;  ///< edge forms: 4 * dropped axis + edge, plane: 16; negative: the other side
+  };
+  struct Range { std::int32_t first, last; };
+
+  void add_edge_forms(int dropped) noexcept;
+  void add_plane_forms() noexcept;
+  void add(int kind, double side, const std::array<double, 3>& gradient, double at_zero, double magnitude) noexcept;
+  double exact_value(const Form& form, const VoxelIndex& v) const noexcept;
+  /// Rows (along the axis 3 - run_) that the slab i holds, perhaps one too many.
+  Range rows_in_slab(std::int32_t i) const noexcept;
+  /// The run of one row; false if it is empty.
+  bool solve_row(std::int32_t i, std::int32_t row, Range& run) const noexcept;
+  VoxelIndex voxel(std::int32_t i, std::int32_t row, std::int32_t run) const noexcept {
+    return run_ == 2 ? VoxelIndex{i, row, run} : VoxelIndex{i, run, row};
+  }
+
+  std::array<Vec3, 3> corner_;
+  Vec3 normal_;  ///< twice the area vector, zero only for zero area
+  std::array<std::int32_t, 3> first_{}, last_{};
+  int run_ = 2;
+  bool boxed_ = false;  ///< the box has one voxel across two axes and no corner lies on a border: all of it is met
+  int forms_ = 0;
+  std::array<Form, 20> form_;
+};
+
+template <class F>
+void TriangleVoxels::for_each_run(std::int32_t i_first, std::int32_t i_last, F&& f) const {
+  const auto row_axis = static_cast<std::size_t>(3 - run_), run_axis = static_cast<std::size_t>(run_);
+  const std::int32_t from = i_first > first_[0] ? i_first : first_[0], to = i_last < last_[0] ? i_last : last_[0];
+  for (std::int32_t i = from; i <= to; ++i) {
+    if (boxed_) {
+      for (std::int32_t row = first_[row_axis]; row <= last_[row_axis]; ++row) f(i, row, first_[run_axis], last_[run_axis]);
+      continue;
+    }
+    const Range rows = rows_in_slab(i);
+    for (std::int32_t row = rows.first; row <= rows.last; ++row)
+      if (Range run{}; solve_row(i, row, run)) f(i, row, run.first, run.last);
+  }
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,43 @@
+#pragma once
+/// The voxels that are not surface, grouped by common faces: whole bricks at once where they are empty.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/types/parallel.hpp"
+#include "core/voxmap/brick_bits.hpp"
+#include "core/voxmap/grid.hpp"
+
+namespace voxtouch {
+
+/// Surface voxels as bits, in the cells of a voxmap. The cells of the border hold none.
+struct SurfaceBits {
+  VoxelIndex base;                     ///< first voxel, a multiple of 8
+  std::array<std::int64_t, 3> cells{};
+  std::vector<std::int32_t> brick_of;  ///< of each cell, (x * cells[1] + y) * cells[2] + z; -1: no surface voxel
+  std::vector<BrickMask> bricks;
+
+  VoxelIndex first_voxel(std::size_t cell) const noexcept {
+    const auto c = static_cast<std::int64_t>(cell);
+    return {static_cast<std::int32_t>(base.i + 8 * (c / (cells[1] * cells[2]))),
+            static_cast<std::int32_t>(base.j + 8 * (c / cells[2] % cells[1])),
+            static_cast<std::int32_t>(base.k + 8 * (c % cells[2]))};
+  }
+};
+
+/// A piece of a group within one brick that also holds surface.
+struct GroupPiece {
+  std::size_t cell;
+  BrickMask voxels;
+};
+
+struct VoxelGroups {
+  std::vector<GroupPiece> pieces;
+  std::vector<std::uint32_t> first_piece;  ///< of each brick, one more at the end
+  std::vector<std::uint32_t> group;        ///< of each cell (cells with surface: unused), then of each piece; 0 is outside
+  std::vector<VoxelIndex> member;          ///< one voxel of each group
+};
+
+VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel_for);
+
+}  // namespace voxtouch

@@ -1,0 +1,78 @@
+#include "core/pointshell/export.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <locale>
+
+#include "core/voxmap/voxelise.hpp"
+#include "tests/unit/voxmap/vectors.hpp"
+
+namespace voxtouch {
+namespace {
+
+using namespace test;
+
+/// A locale that writes 1.234,5: whatever is written must not care.
+struct Commas : std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+template <class Write>
+std::string written(Write&& write) {
+  std::ostringstream out;
+  out.imbue(std::locale(std::locale::classic(), new Commas));
+  write(out);
+  return out.str();
+}
+
+TEST(Export, InteriorFilesAreByteForByteThoseOfTheVectors) {
+  for (const std::string& name : vector_meshes()) {
+    const Voxmap map = voxelise(read_obj(name), vector_grid(name), serial_for());
+    std::stringstream expected;
+    expected << open_vector("voxels/" + name + "_interior.csv").rdbuf();
+    EXPECT_EQ(written([&](std::ostream& out) { write_interior_csv(out, map); }), expected.str()) << name;
+  }
+}
+
+TEST(Export, SurfaceFilesReadBackExactly) {
+  const auto points = shell_points(read_obj("cylinder"), vector_grid("cylinder"), serial_for());
+  std::istringstream text(written([&](std::ostream& out) { write_surface_csv(out, points); }));
+  std::string header, expected_header;
+  std::ifstream vector = open_vector("voxels/cylinder_surface.csv");
+  std::getline(vector, expected_header);
+  std::getline(text, header);
+  EXPECT_EQ(header, expected_header);
+  text.seekg(0);
+  const auto rows = read_csv(text);
+  ASSERT_EQ(rows.size(), points.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    EXPECT_EQ(rows[n].at("k"), points[n].voxel.k);
+    EXPECT_EQ(rows[n].at("px"), points[n].point.x());
+    EXPECT_EQ(rows[n].at("nz"), points[n].normal.z());
+    EXPECT_EQ(rows[n].at("my"), points[n].plain_normal.y());
+    EXPECT_EQ(rows[n].at("dist"), points[n].distance_m);
+    EXPECT_EQ(rows[n].at("fallback"), static_cast<int>(points[n].rule));
+  }
+}
+
+TEST(Export, PlyHoldsSevenDoublesAPoint) {
+  const auto points = shell_points(sphere(Vec3::Zero(), 1.0, 30), {Vec3::Constant(-2), 0.05}, serial_for());
+  ASSERT_GT(points.size(), 1000U);
+  const std::string ply = written([&](std::ostream& out) { write_shell_ply(out, points); });
+  EXPECT_EQ(ply.rfind("ply\nformat binary_little_endian 1.0\n", 0), 0U);
+  EXPECT_NE(ply.find("element vertex " + std::to_string(points.size()) + "\n"), std::string::npos);
+  const std::string end = "end_header\n";
+  const std::size_t body = ply.find(end) + end.size();
+  ASSERT_EQ(ply.size() - body, points.size() * 56);
+  std::array<double, 7> last{};
+  std::memcpy(last.data(), ply.data() + ply.size() - 56, 56);
+  EXPECT_EQ(last[0], points.back().point.x());
+  EXPECT_EQ(last[5], points.back().normal.z());
+  EXPECT_EQ(last[6], points.back().area_m2);
+}
+
+}  // namespace
+}  // namespace voxtouch

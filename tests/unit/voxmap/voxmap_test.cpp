@@ -1,0 +1,189 @@
+#include "core/voxmap/voxmap.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+#include <set>
+
+#include "core/voxmap/brick_bits.hpp"
+
+namespace voxtouch {
+namespace {
+
+VoxelIndex random_voxel(std::mt19937& random, int low, int high) {
+  std::uniform_int_distribution<int> pick(low, high);
+  return {pick(random), pick(random), pick(random)};
+}
+
+TEST(Voxmap, KeepsWhatWasSetAlsoAtNegativeIndices) {
+  std::mt19937 random(3);
+  Voxmap map({}, {-37, -8, -1}, {20, 9, 31});
+  std::map<VoxelIndex, VoxelKind> expected;
+  for (int n = 0; n < 3000; ++n) {
+    VoxelIndex v = random_voxel(random, -37, 31);
+    v = {std::min(v.i, 20), std::clamp(v.j, -8, 9), std::max(v.k, -1)};
+    const auto kind = static_cast<VoxelKind>(random() % 3);
+    map.set(v, kind);
+    expected[v] = kind;
+  }
+  for (int i = -50; i < 40; ++i)
+    for (int j = -25; j < 30; ++j)
+      for (int k = -20; k < 50; ++k) {
+        const auto found = expected.find({i, j, k});
+        ASSERT_EQ(map.at({i, j, k}), found == expected.end() ? VoxelKind::kFree : found->second);
+      }
+  EXPECT_EQ(map.at({INT32_MIN, INT32_MIN, INT32_MIN}), VoxelKind::kFree);
+  EXPECT_EQ(map.at({INT32_MAX, INT32_MAX, INT32_MAX}), VoxelKind::kFree);
+}
+
+TEST(Voxmap, VisitsOccupiedVoxelsInOrderAndCountsThem) {
+  std::mt19937 random(4);
+  Voxmap map({}, {-20, -20, -20}, {20, 20, 20});
+  map.fill_cell({-3, 5, 7}, VoxelKind::kInterior);
+  map.fill_cell({9, 9, 9}, VoxelKind::kSurface);
+  std::set<VoxelIndex> expected;
+  for (int x = 0; x < 8; ++x)
+    for (int y = 0; y < 8; ++y)
+      for (int z = 0; z < 8; ++z) expected.insert({-8 + x, y, z}), expected.insert({8 + x, 8 + y, 8 + z});
+  for (int n = 0; n < 500; ++n) {
+    const VoxelIndex v = random_voxel(random, -20, 20);
+    map.set(v, VoxelKind::kSurface);
+    expected.insert(v);
+  }
+  map.finish();
+  std::vector<VoxelIndex> visited;
+  std::size_t surface = 0;
+  map.for_each_occupied([&](const VoxelIndex& v, VoxelKind kind) {
+    visited.push_back(v);
+    surface += kind == VoxelKind::kSurface;
+  });
+  EXPECT_EQ(visited, std::vector<VoxelIndex>(expected.begin(), expected.end()));
+  EXPECT_EQ(map.surface_count(), surface);
+  EXPECT_EQ(map.surface_count() + map.interior_count(), expected.size());
+  map.fill_cell({9, 9, 9}, VoxelKind::kFree);
+  EXPECT_EQ(map.at({8, 15, 12}), VoxelKind::kFree);
+}
+
+TEST(Voxmap, SetsACellFromBitsWithSurfaceOverInterior) {
+  std::mt19937_64 random(5);
+  BrickMask surface, interior;
+  for (std::size_t z = 0; z < 8; ++z) surface[z] = random() & random(), interior[z] = random();
+  Voxmap map({}, {0, 0, 0}, {20, 20, 20});
+  map.set_cell({8, 8, 8}, surface, interior);
+  for (int x = 0; x < 8; ++x)
+    for (int y = 0; y < 8; ++y)
+      for (int z = 0; z < 8; ++z) {
+        const auto bit = [&](const BrickMask& m) { return (m[static_cast<std::size_t>(z)] >> (x + 8 * y)) & 1; };
+        const VoxelKind expected =
+            bit(surface) ? VoxelKind::kSurface : bit(interior) ? VoxelKind::kInterior : VoxelKind::kFree;
+        ASSERT_EQ(map.at({8 + x, 8 + y, 8 + z}), expected);
+      }
+}
+
+/// Distance from a point to the nearest point of a closed voxel.
+double distance_to(const VoxelIndex& v, const Vec3& u) {
+  const Vec3 low(v.i, v.j, v.k);
+  return (u - u.cwiseMax(low).cwiseMin(low + Vec3::Ones())).norm();
+}
+
+TEST(Voxmap, FreeDistanceIsALowerBoundEverywhere) {
+  std::mt19937 random(6);
+  for (const int count : {1, 2, 5, 60}) {
+    Voxmap map({}, {-30, -30, -30}, {90, 40, 35});
+    std::vector<VoxelIndex> occupied;
+    for (int n = 0; n < count; ++n) {
+      occupied.push_back(random_voxel(random, -30, 35));
+      map.set(occupied.back(), n % 2 ? VoxelKind::kSurface : VoxelKind::kInterior);
+    }
+    map.finish();
+    std::uniform_real_distribution<double> pick(-80.0, 130.0);
+    double closest = 1e9, tightest = 1e9;
+    for (int n = 0; n < 20000; ++n) {
+      const Vec3 u(pick(random), pick(random), pick(random));
+      double nearest = 1e9;
+      for (const VoxelIndex& v : occupied) nearest = std::min(nearest, distance_to(v, u));
+      const double bound = map.free_distance_voxels(u);
+      ASSERT_LE(bound, nearest) << u.transpose();
+      closest = std::min(closest, nearest - bound);
+      // Not a feeble one: the true chessboard distance is less than three cells more within the table.
+      if ((u.array() > -39.0).all() && (u.array() < 40.0).all()) tightest = std::min(tightest, bound - nearest / 1.7320508 + 12.0);
+    }
+    EXPECT_GE(tightest, 0.0);
+    for (const VoxelIndex& v : occupied) EXPECT_EQ(map.free_distance_voxels(Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5)), 0.0);
+  }
+}
+
+TEST(Voxmap, FreeDistanceHoldsForTheWholeCellOfThePoint) {
+  Voxmap map({}, {0, 0, 0}, {60, 60, 60});
+  map.set({32, 0, 0}, VoxelKind::kSurface);
+  map.finish();
+  const double bound = map.free_distance_voxels(Vec3(8.1, 0, 0));
+  EXPECT_LE(bound, 32.0 - 12.0);
+  EXPECT_GE(bound, 16.0);
+}
+
+TEST(Voxmap, FreeDistanceIsZeroWhereNothingIsKnown) {
+  EXPECT_EQ(Voxmap().free_distance_voxels(Vec3(1, 2, 3)), 0.0);
+  Voxmap map({}, {0, 0, 0}, {60, 60, 60});
+  map.set({32, 0, 0}, VoxelKind::kSurface);
+  EXPECT_EQ(map.free_distance_voxels(Vec3(1, 50, 50)), 0.0);
+  map.finish();
+  EXPECT_EQ(map.free_distance_voxels(Vec3(1, NAN, 3)), 0.0);
+  EXPECT_TRUE(map.free_distance_voxels(Vec3(1e300, 0, 0)) >= 1e299);
+}
+
+TEST(Voxmap, RefusesATableThatCannotBe) {
+  EXPECT_THROW(Voxmap({}, {0, 0, 0}, {100000, 100000, 100000}), std::length_error);
+  EXPECT_THROW(Voxmap({}, {INT32_MIN, 0, 0}, {0, 0, 0}), std::length_error);
+}
+
+TEST(BrickBits, GrowFollowsFacesOnly) {
+  std::mt19937_64 random(8);
+  for (int n = 0; n < 200; ++n) {
+    BrickMask room;
+    for (auto& word : room) word = random() | random();
+    BrickMask seed{};
+    seed[3] = room[3] & (~room[3] + 1);
+    std::set<int> reached, open;
+    for (int v = 0; v < 512; ++v)
+      if ((seed[static_cast<std::size_t>(v / 64)] >> (v % 64)) & 1) open.insert(v);
+    while (!open.empty()) {
+      const int v = *open.begin();
+      open.erase(open.begin());
+      if (!reached.insert(v).second) continue;
+      const int x = v & 7, y = (v >> 3) & 7, z = v >> 6;
+      for (const auto& [nx, ny, nz] : std::vector<std::array<int, 3>>{
+               {x - 1, y, z}, {x + 1, y, z}, {x, y - 1, z}, {x, y + 1, z}, {x, y, z - 1}, {x, y, z + 1}})
+        if (nx >= 0 && nx < 8 && ny >= 0 && ny < 8 && nz >= 0 && nz < 8 &&
+            ((room[static_cast<std::size_t>(nz)] >> (nx + 8 * ny)) & 1))
+          open.insert(nx + 8 * ny + 64 * nz);
+    }
+    const BrickMask grown = grow(seed, room);
+    for (int v = 0; v < 512; ++v)
+      ASSERT_EQ(reached.contains(v), ((grown[static_cast<std::size_t>(v / 64)] >> (v % 64)) & 1) != 0);
+  }
+}
+
+TEST(BrickBits, FacesOfNeighboursUseTheSameBits) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b) {
+        const auto one = [&](int depth) {
+          std::array<int, 3> at{};
+          at[static_cast<std::size_t>(axis)] = depth;
+          at[static_cast<std::size_t>((axis + 1) % 3)] = a;
+          at[static_cast<std::size_t>((axis + 2) % 3)] = b;
+          BrickMask m{};
+          m[static_cast<std::size_t>(at[2])] = std::uint64_t{1} << (at[0] + 8 * at[1]);
+          return m;
+        };
+        EXPECT_EQ(face(one(7), axis, 1), face(one(0), axis, 0));
+        EXPECT_NE(face(one(7), axis, 1), 0U);
+        EXPECT_EQ(face(one(6), axis, 1), 0U);
+        EXPECT_EQ(face(one(1), axis, 0), 0U);
+      }
+}
+
+}  // namespace
+}  // namespace voxtouch
