@@ -10,6 +10,16 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+
+namespace Assimp {
+/// Stands in front of the library's own, which ends the process: distributions ship assimp with its assertions on, and some of
+/// them check what a file says rather than what assimp did. Thrown inside ReadFile, it comes back as a message.
+void aiAssertViolation(const char* expression, const char* file, int line);
+void aiAssertViolation(const char* expression, const char*, int) {
+  throw std::runtime_error(std::string("it contradicts itself: not ").append(expression));
+}
+}  // namespace Assimp
 
 namespace voxtouch::import {
 namespace {
@@ -158,9 +168,7 @@ const aiScene& parse(const MeshFile& file, Assimp::Importer& importer) {
   if (scene == nullptr || scene->mRootNode == nullptr) {
     std::string reason = importer.GetErrorString();
     if (reason.empty()) reason = "no reason given";
-    if (reason.size() > 200) reason.resize(200);
-    for (char& c : reason) c = (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) ? '?' : c;
-    refuse(file.path, "cannot be read (" + reason + ")", "check that it is a whole ." + file.extension + " file, or export it again");
+    refuse(file.path, "cannot be read (" + printable(reason.substr(0, 200)) + ")", "check that it is a whole ." + file.extension + " file, or export it again");
   }
   return *scene;
 }

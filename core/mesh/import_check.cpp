@@ -79,6 +79,12 @@ std::string_view next_word(std::string_view text, std::size_t& position) {
   return text.substr(first, position - first);
 }
 
+std::string printable(std::string_view text) {
+  std::string plain(text);
+  for (char& c : plain) c = (c >= ' ' && c <= '~') ? c : '?';
+  return plain;
+}
+
 std::optional<std::uint64_t> whole_number(std::string_view word) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -139,7 +145,7 @@ MeshFile open_mesh_file(const std::filesystem::path& path, const ImportOptions& 
   const bool known = file.extension == "obj" || file.extension == "stl" || file.extension == "ply" ||
                      file.extension == "gltf" || file.extension == "glb" || file.extension == "dae";
   if (!known) {
-    refuse(path, "the format '" + file.extension + "' is not known",
+    refuse(path, "the format '" + printable(file.extension) + "' is not known",
            "export it as .obj, .stl, .ply, .gltf, .glb or .dae");
   }
   file.bytes = read_bytes(path);

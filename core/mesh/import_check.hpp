@@ -36,6 +36,8 @@ void check_collada(MeshFile& file);
 
 /// Splits at white space. `position` moves behind the word; empty at the end.
 std::string_view next_word(std::string_view text, std::size_t& position);
+/// The text with '?' for everything that is no plain character, for messages.
+std::string printable(std::string_view text);
 /// A whole number without sign; nothing else.
 std::optional<std::uint64_t> whole_number(std::string_view word);
 

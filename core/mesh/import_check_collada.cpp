@@ -72,8 +72,8 @@ std::uint64_t number(const MeshFile& file, const Tag& tag, std::string_view name
   if (text.empty()) return fallback;
   const auto value = whole_number(text);
   if (!value || *value > file.bytes.size()) {
-    refuse_truncated(file, "<" + std::string(tag.name.substr(0, 40)) + "> says " + std::string(name) + "=\"" +
-                     std::string(text.substr(0, 40)) + "\" in a file of " + std::to_string(file.bytes.size()) + " bytes");
+    refuse_truncated(file, "<" + printable(tag.name.substr(0, 40)) + "> says " + std::string(name) + "=\"" +
+                     printable(text.substr(0, 40)) + "\" in a file of " + std::to_string(file.bytes.size()) + " bytes");
   }
   return *value;
 }
@@ -115,6 +115,37 @@ void blank_the_rest(MeshFile& file) {
   if (skinned) file.warnings.push_back("skinned or morphed parts are left out: export them as plain geometry to feel them");
 }
 
+/// The words between this tag and the next.
+std::string_view text_behind(const MeshFile& file, const Tag& tag) {
+  const std::size_t end = std::min(file.bytes.find('<', tag.end), file.bytes.size());
+  return std::string_view(file.bytes).substr(tag.end, tag.closes ? 0 : end - tag.end);
+}
+
+/// Corners of polygons: assimp makes room for their sum before it looks for them.
+void check_corner_counts(const MeshFile& file, std::string_view text) {
+  std::uint64_t sum = 0;
+  for (std::size_t p = 0;;) {
+    const std::string_view word = next_word(text, p);
+    if (word.empty()) return;
+    const auto corners = whole_number(word);
+    if (!corners || *corners > file.bytes.size() || (sum += *corners) > file.bytes.size()) {
+      refuse_truncated(file, "its polygons have more corners than the file has bytes");
+    }
+  }
+}
+
+/// assimp stands still in front of a word that is no number, and fills memory.
+std::uint64_t count_numbers(const MeshFile& file, std::string_view text, bool whole) {
+  std::uint64_t words = 0;
+  for (std::size_t p = 0;; ++words) {
+    const std::string_view word = next_word(text, p);
+    if (word.empty()) return words;
+    const bool good = whole ? whole_number(word).has_value()
+                            : word.find_first_not_of("0123456789+-.eEnaifNAIF") == std::string_view::npos;
+    if (!good) refuse_truncated(file, std::string("'").append(printable(word.substr(0, 40))).append("' stands where a number should"));
+  }
+}
+
 struct Accessor { std::string source; std::uint64_t offset = 0, count = 0, stride = 1, params = 0; };
 
 void check_numbers(const MeshFile& file) {
@@ -127,14 +158,16 @@ void check_numbers(const MeshFile& file) {
     if (tag.name == "input" && number(file, tag, "offset", 0) > 63) refuse_collada(file, "an input's offset is above 63");
     if (tag.name == "float_array") {
       const std::uint64_t count = number(file, tag, "count", 0);
-      const std::size_t end = std::min(file.bytes.find('<', tag.end), file.bytes.size());
-      const std::string_view text = std::string_view(file.bytes).substr(tag.end, tag.closes ? 0 : end - tag.end);
-      std::uint64_t words = 0;
-      for (std::size_t p = 0; !next_word(text, p).empty();) ++words;
+      const std::string_view text = text_behind(file, tag);
+      const std::uint64_t words = count_numbers(file, text, false);
       if (words < count) {
         refuse_truncated(file, "an array speaks of " + std::to_string(count) + " numbers and has " + std::to_string(words));
       }
       if (!arrays.emplace(attribute(tag, "id"), count).second) refuse_collada(file, "two arrays have one id");
+    } else if (tag.name == "vcount") {
+      check_corner_counts(file, text_behind(file, tag));
+    } else if (tag.name == "p") {
+      count_numbers(file, text_behind(file, tag), true);
     } else if (tag.name == "accessor") {
       std::string_view source = attribute(tag, "source");
       if (source.starts_with('#')) source.remove_prefix(1);
@@ -146,11 +179,13 @@ void check_numbers(const MeshFile& file) {
   }
   for (const Accessor& a : accessors) {
     const auto array = arrays.find(a.source);
-    if (array == arrays.end()) refuse_collada(file, "an accessor names the array '" + a.source.substr(0, 40) + "', which is not there");
+    if (array == arrays.end()) {
+      refuse_collada(file, "an accessor names the array '" + printable(a.source.substr(0, 40)) + "', which is not there");
+    }
     const std::uint64_t last = std::max(a.count, std::uint64_t{1}) - 1;
     if (a.offset + last * a.stride + std::max({a.params, a.stride, std::uint64_t{1}}) > array->second) {
       refuse_truncated(file, "an accessor reads beyond the " + std::to_string(array->second) + " numbers of its array '" +
-                       a.source.substr(0, 40) + "'");
+                       printable(a.source.substr(0, 40)) + "'");
     }
   }
 }
@@ -193,7 +228,7 @@ class NodeLibrary {
   std::uint64_t expansion(const std::string& name, int depth) {
     const auto found = instances_.find(name);
     if (found == instances_.end()) {
-      refuse_collada(file_, "instance_node names '" + name.substr(0, 40) + "', which is no node of library_nodes");
+      refuse_collada(file_, "instance_node names '" + printable(name.substr(0, 40)) + "', which is no node of library_nodes");
     }
     if (depth > kDeepest) refuse_collada(file_, "a node instances itself");
     if (const auto known = known_.find(name); known != known_.end()) return known->second;

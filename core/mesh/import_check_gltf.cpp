@@ -172,6 +172,7 @@ std::uint64_t check_primitive(const MeshFile& file, const Json& doc, const Json&
     corners = check_accessor(file, doc, number(file, primitive, "indices", accessors), false);
   }
   const std::uint64_t mode = primitive.contains("mode") ? number(file, primitive, "mode", 7) : 4;
+  if (mode == 4 && corners % 3 != 0) refuse_truncated(file, std::to_string(corners) + " corners are no whole triangles");
   return mode < 4 ? 0 : mode == 4 ? corners / 3 : corners < 3 ? 0 : corners - 2;
 }
 

@@ -43,7 +43,7 @@ std::size_t type_bytes(const MeshFile& file, std::string_view type) {
       {"int", 4}, {"uint", 4}, {"int32", 4}, {"uint32", 4}, {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
   const auto found = kBytes.find(type);
   if (found == kBytes.end()) {
-    refuse(file.path, "the PLY header has the unknown type '" + std::string(type.substr(0, 40)) + "'", "export it again");
+    refuse(file.path, "the PLY header has the unknown type '" + printable(type.substr(0, 40)) + "'", "export it again");
   }
   return found->second;
 }
@@ -58,6 +58,16 @@ Property read_property(const MeshFile& file, std::string_view line, std::size_t&
   Property p{type_bytes(file, length), !length.starts_with('u'), 0};
   p.item_bytes = type_bytes(file, next_word(line, at));
   return p;
+}
+
+/// Plain characters and no more words than belong: assimp never comes back from some headers that have others.
+void check_line(const MeshFile& file, std::string_view line, std::string_view word, std::size_t used) {
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  const bool free_text = word == "comment" || word == "obj_info";
+  const bool plain = free_text || std::all_of(line.begin(), line.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\t'; });
+  if (!plain || (!free_text && !next_word(line, used).empty())) {
+    refuse(file.path, "the PLY header has a line that is not understood: '" + printable(line.substr(0, 60)) + "'", "export it again");
+  }
 }
 
 Header read_header(const MeshFile& file) {
@@ -77,7 +87,7 @@ Header read_header(const MeshFile& file) {
       const std::string_view kind = next_word(line, p);
       header.text = kind == "ascii";
       header.big_endian = kind == "binary_big_endian";
-      format = header.text || header.big_endian || kind == "binary_little_endian";
+      format = (header.text || header.big_endian || kind == "binary_little_endian") && next_word(line, p) == "1.0";
     } else if (word == "element") {
       const std::string_view name = next_word(line, p);
       const auto count = whole_number(next_word(line, p));
@@ -86,17 +96,22 @@ Header read_header(const MeshFile& file) {
     } else if (word == "property") {
       if (header.elements.empty()) refuse(file.path, "the PLY header has a property of no element", "export it again");
       header.elements.back().properties.push_back(read_property(file, line, p));
+      if (next_word(line, p).empty()) refuse(file.path, "the PLY header has a property without a name", "export it again");
     } else if (word == "end_header") {
       if (!format) refuse(file.path, "the PLY header has no format that is known", "export it as ascii or binary PLY");
+      check_line(file, line, word, p);
       header.end = at;
       return header;
+    } else if (word != "ply" && word != "comment" && word != "obj_info") {
+      refuse(file.path, "the PLY header has the unknown line '" + printable(line.substr(0, 60)) + "'", "export it again");
     }
+    check_line(file, line, word, p);
   }
   refuse_truncated(file, "a PLY header without its end");
 }
 
 [[noreturn]] void refuse_rows(const MeshFile& file, const Element& e, std::uint64_t rows) {
-  refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements '" + e.name.substr(0, 40) +
+  refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements '" + printable(e.name.substr(0, 40)) +
                    "', and after " + std::to_string(rows) + " of them the file ends");
 }
 
@@ -109,7 +124,7 @@ void walk_text(const MeshFile& file, const Header& header) {
         if (word.empty()) refuse_rows(file, e, row);
         if (p.count_bytes == 0) continue;
         const auto items = whole_number(word);
-        if (!items) refuse_truncated(file, "a list of the element '" + e.name.substr(0, 40) + "' has no length");
+        if (!items) refuse_truncated(file, "a list of the element '" + printable(e.name.substr(0, 40)) + "' has no length");
         for (std::uint64_t k = 0; k < *items; ++k) {
           if (next_word(file.bytes, at).empty()) refuse_rows(file, e, row);
         }
@@ -159,7 +174,7 @@ void check_ply(MeshFile& file, const ImportOptions& options) {
   for (const Element& e : header.elements) {
     if (e.properties.empty() && e.count > 0) refuse(file.path, "a PLY element has no properties", "export it again");
     if (e.count > room / e.least_bytes(header.text) + 1) {
-      refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements '" + e.name.substr(0, 40) +
+      refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements '" + printable(e.name.substr(0, 40)) +
                        "', and " + std::to_string(room) + " bytes follow");
     }
     vertices = vertices || (e.name == "vertex" && e.count > 0);

@@ -105,10 +105,10 @@ std::string counted(const Finding& f, const char* one, const char* many, const c
   text.imbue(std::locale::classic());
   const std::string noun(where);
   text << f.count << ' ' << (f.count == 1 ? one : many) << " (";
-  if (f.count == 1) text << noun << ' ';
-  if (f.count > 1) text << (noun == "vertex" ? "vertices" : noun + 's') << ' ';
+  if (f.examples.size() == 1) text << noun << ' ';
+  if (f.examples.size() > 1) text << (noun == "vertex" ? "vertices" : noun + 's') << ' ';
   for (std::size_t k = 0; k < f.examples.size(); ++k) text << (k ? ", " : "") << f.examples[k];
-  if (f.count > f.examples.size()) text << ", ...";
+  if (f.examples.size() == Finding::kExamples && f.count > f.examples.size()) text << ", ...";
   text << ')';
   return text.str();
 }

@@ -12,11 +12,11 @@ namespace voxtouch {
 struct Finding {
   static constexpr std::size_t kExamples = 5;
   std::size_t count = 0;
-  std::vector<std::uint32_t> examples;  ///< the first few, ascending; indices of what the finding is about
+  std::vector<std::uint32_t> examples;  ///< the first few, ascending, each once; indices of what the finding is about
 
   void add(std::uint32_t index) {
     ++count;
-    if (examples.size() < kExamples) examples.push_back(index);
+    if (examples.size() < kExamples && (examples.empty() || examples.back() != index)) examples.push_back(index);
   }
 };
 
