@@ -1,0 +1,60 @@
+#include "core/mesh/import.hpp"
+
+#include <cmath>
+
+#include "core/mesh/import_assimp.hpp"
+#include "core/mesh/import_units.hpp"
+#include "core/mesh/weld.hpp"
+
+namespace voxtouch {
+namespace {
+
+/// The options with a unit quaternion.
+ImportOptions checked(const std::filesystem::path& path, ImportOptions options) {
+  if (!(options.scale > 0.0) || !std::isfinite(options.scale)) {
+    import::refuse(path, "the scale is " + std::to_string(options.scale), "give one above 0 (0.001 for millimetres)");
+  }
+  if (!options.pose.finite() || !normalise_within(options.pose.orientation, 0.999, 1.001)) {
+    import::refuse(path, "its pose is not finite or its quaternion not of length one", "give a unit quaternion w x y z");
+  }
+  if (!(options.voxel_size_m >= 0.0) || !std::isfinite(options.voxel_size_m)) {
+    import::refuse(path, "the voxel size is " + std::to_string(options.voxel_size_m), "give one above 0, in metres");
+  }
+  return options;
+}
+
+std::string left_out(std::uint64_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? " is" : "s are") + " left out: only faces can be felt";
+}
+
+}  // namespace
+
+ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& given) {
+  const ImportOptions options = checked(path, given);
+  import::MeshFile file = import::open_mesh_file(path, options);
+  const import::Triangles read = import::read_triangles(file, options);
+  import::check_precision(file, read, options);
+
+  ImportedMesh result;
+  result.warnings = std::move(file.warnings);
+  if (read.points > 0) result.warnings.push_back(left_out(read.points, "point"));
+  if (read.lines > 0) result.warnings.push_back(left_out(read.lines, "line"));
+  if (read.uncut > 0) {
+    result.warnings.push_back("polygons that cross themselves could not be cut: " + std::to_string(read.uncut) +
+                              " triangles are missing; triangulate on export");
+  }
+  // Welded before scaling: the file's own numbers say what coincides.
+  const TriangleMesh welded = weld(read.mesh);
+  const Eigen::AlignedBox3d box = bounds(welded);
+  const std::string unit = import::unit_warning(file, options.scale * box.sizes().maxCoeff(), options);
+  if (!unit.empty()) result.warnings.push_back(unit);
+  result.mesh = transform(welded, options.scale, options.pose);
+  result.report = inspect(result.mesh);
+  if (result.report.not_finite_vertices.count > 0) {
+    import::refuse(path, "vertex " + std::to_string(result.report.not_finite_vertices.examples.front()) +
+                   " is not finite after scale and pose", "give a smaller scale");
+  }
+  return result;
+}
+
+}  // namespace voxtouch

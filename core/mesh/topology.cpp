@@ -1,0 +1,140 @@
+#include "core/mesh/topology.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+namespace voxtouch {
+namespace {
+
+/// Corners count as collinear where twice the area is below what rounding alone can make of it: of the coordinates (largest
+/// |coordinate| times eps, once per difference) and of the products.
+bool zero_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
+  const Vec3 u = b - a, v = c - a;
+  const double largest = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+  const double lu = u.norm(), lv = v.norm();
+  return u.cross(v).norm() <= kRounding * (lu * lv + largest * (lu + lv));
+}
+
+struct Corners {
+  std::array<std::uint32_t, 3> sorted{};
+  std::uint32_t triangle = 0;
+  bool even = true;  ///< the triangle is an even permutation of its sorted corners
+};
+
+Corners corners_of(const std::array<std::uint32_t, 3>& t, std::uint32_t triangle) {
+  Corners c{t, triangle, true};
+  const auto order = [&](std::size_t i, std::size_t j) {
+    if (c.sorted[j] < c.sorted[i]) std::swap(c.sorted[i], c.sorted[j]), c.even = !c.even;
+  };
+  order(0, 1), order(1, 2), order(0, 1);
+  return c;
+}
+
+std::array<std::uint32_t, 3> standing(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands, std::size_t t) {
+  const auto& c = mesh.triangles[t];
+  return {stands[c[0]], stands[c[1]], stands[c[2]]};
+}
+
+}  // namespace
+
+std::vector<TriangleKind> triangle_kinds(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands) {
+  std::vector<TriangleKind> kinds(mesh.triangles.size(), TriangleKind::kSound);
+  std::vector<Corners> corners;
+  corners.reserve(kinds.size());
+  for (std::uint32_t t = 0; t < kinds.size(); ++t) {
+    const auto s = standing(mesh, stands, t);
+    const Vec3 &a = mesh.vertices[s[0]], &b = mesh.vertices[s[1]], &c = mesh.vertices[s[2]];
+    if (!a.allFinite() || !b.allFinite() || !c.allFinite()) {
+      kinds[t] = TriangleKind::kNotFinite;
+    } else if (s[0] == s[1] || s[1] == s[2] || s[2] == s[0] || zero_area(a, b, c)) {
+      kinds[t] = TriangleKind::kZeroArea;
+    } else {
+      corners.push_back(corners_of(s, t));
+    }
+  }
+  std::sort(corners.begin(), corners.end(), [](const Corners& a, const Corners& b) {
+    return std::tie(a.sorted, a.triangle) < std::tie(b.sorted, b.triangle);
+  });
+  for (std::size_t k = 1, first = 0; k < corners.size(); ++k) {
+    if (corners[k].sorted != corners[first].sorted) {
+      first = k;
+    } else {
+      kinds[corners[k].triangle] =
+          corners[k].even == corners[first].even ? TriangleKind::kDuplicate : TriangleKind::kOppositeDuplicate;
+    }
+  }
+  return kinds;
+}
+
+std::vector<Side> sorted_sides(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands,
+                               const std::vector<std::uint32_t>& which) {
+  std::vector<Side> sides;
+  sides.reserve(3 * which.size());
+  for (const std::uint32_t t : which) {
+    const auto s = standing(mesh, stands, t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = s[k], to = s[(k + 1) % 3];
+      if (from != to) sides.push_back({std::min(from, to), std::max(from, to), t, from < to});
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  return sides;
+}
+
+Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std::uint32_t>& which, std::size_t triangles) {
+  struct Neighbour {
+    std::uint32_t triangle;
+    bool turned;  ///< both triangles walk the edge the same way, so one of them is the wrong way round
+  };
+  constexpr Neighbour kNone{~std::uint32_t{0}, false};
+  std::vector<std::array<Neighbour, 3>> neighbours(triangles, {kNone, kNone, kNone});
+  const auto add = [&](std::uint32_t t, Neighbour n) {
+    for (Neighbour& free : neighbours[t]) {
+      if (free.triangle == kNone.triangle) return void(free = n);
+    }
+  };
+  for_edges(sides, [&](std::size_t first, std::size_t last) {
+    if (last - first != 2) return;
+    const Side &a = sides[first], &b = sides[first + 1];
+    add(a.triangle, {b.triangle, a.forward == b.forward});
+    add(b.triangle, {a.triangle, a.forward == b.forward});
+  });
+
+  Orientation result;
+  constexpr std::uint32_t kNoPart = ~std::uint32_t{0};
+  std::vector<std::uint32_t> part(triangles, kNoPart), walk;
+  std::vector<std::uint8_t> turned(triangles, 0);
+  for (const std::uint32_t seed : which) {
+    if (part[seed] != kNoPart) continue;
+    const auto number = static_cast<std::uint32_t>(result.parts++);
+    part[seed] = number;
+    walk.assign(1, seed);
+    std::size_t against = 0;
+    for (std::size_t head = 0; head < walk.size(); ++head) {
+      const std::uint32_t t = walk[head];
+      against += turned[t];
+      for (const Neighbour& n : neighbours[t]) {
+        if (n.triangle == kNone.triangle) continue;
+        const auto expected = static_cast<std::uint8_t>(turned[t] ^ static_cast<std::uint8_t>(n.turned));
+        if (part[n.triangle] == kNoPart) {
+          part[n.triangle] = number;
+          turned[n.triangle] = expected;
+          walk.push_back(n.triangle);
+        } else if (turned[n.triangle] != expected) {
+          result.orientable = false;
+        }
+      }
+    }
+    if (2 * against > walk.size()) {  // most are against the seed: then the seed is the one that is wrong
+      for (const std::uint32_t t : walk) turned[t] ^= 1;
+    }
+  }
+  for (const std::uint32_t t : which) result.part.push_back(part[t]), result.against.push_back(turned[t]);
+  return result;
+}
+
+}  // namespace voxtouch
