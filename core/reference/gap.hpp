@@ -24,11 +24,15 @@ struct GapResult {
   /// most -gap_m; less where the static object is thinner than the sphere has sunk. A lower bound, so "some shell point must
   /// collide" can be proved from it.
   double buried_m = 0.0;
+  /// Depth that all of the sphere's cap within sqrt(3) e of its deepest point has at least (seen at the pole and at six points
+  /// of the rim); 0 where some of it is outside, and for meshes. An exact shell has a point in every such cap.
+  double cap_buried_m = 0.0;
   Vec3 nearest_static = Vec3::Zero();   ///< on the static surface
   Vec3 nearest_dynamic = Vec3::Zero();  ///< on the dynamic surface
   Vec3 direction = Vec3::Zero();        ///< unit; the way the static object pushes the dynamic one. Zero if unknown
   double sphere_radius_m = 0.0;         ///< radius of the dynamic sphere; 0 where the dynamic object is a mesh
-  bool unique_face = false;             ///< `direction` stands for the whole contact patch, not for one of several faces
+  /// `direction` stands for the whole contact patch, not for one of several faces. False where no contact is possible.
+  bool unique_face = false;
   bool depth_exact = false;             ///< depth and gap are the same thing here: one face, thick enough
   bool inside_known = true;             ///< false: the static mesh is open or inconsistent; it has no inside to be in
   GapMethod method = GapMethod::kNone;

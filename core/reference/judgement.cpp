@@ -20,6 +20,7 @@ constexpr double kDirectionFromDepth = 0.25;                 ///< in edges
 constexpr double kSignFromGap = 0.5;                         ///< in edges
 constexpr std::uint32_t kDirectionFromHits = 4;
 constexpr double kDirectionFromCoherence = 0.5;
+constexpr double kCapSlack = 0.25;                           ///< in edges
 constexpr int kFrozenSamples = 3;
 constexpr double kFrozenGap = 0.25;                          ///< in edges
 
@@ -134,6 +135,11 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
       return fmt::format("no hit, though the tool is buried by {:.3g} mm (must collide from {:.3g} mm)", mm(gap.buried_m),
                          mm(buried_limit_m()));
   }
+  const double cap_limit = kCapSlack * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
+  const bool cap_holds_a_point = settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
+  if (report.surface_hits == 0 && report.interior_hits == 0 && cap_holds_a_point && gap.cap_buried_m > cap_limit)
+    return fmt::format("no hit, though all of the tool round its deepest point is at least {:.3g} mm inside",
+                       mm(gap.cap_buried_m));
   if (interior > 0 && gap.gap_m > settings_.chord_error_m + settings_.shell_offset_m)
     return fmt::format("{} interior hits, though the tool is {:.3g} mm outside the surface", interior, mm(gap.gap_m));
   return "";

@@ -1,0 +1,264 @@
+/// Each rule of the Judge, on both sides of its limit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/reference/judgement.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr double kE = 0.002;
+const JudgeSettings kSettings{kE, 0.1 * kE, 1.2 * kE, 0.0};
+constexpr double kFree = (1.7320508075688772 + 0.1) * kE;
+constexpr double kMust = (0.8660254037844386 + 1.2 + 0.1) * kE;
+
+/// A sphere of ten edges over a level plane.
+GapResult gap_of(double gap_m) {
+  GapResult gap;
+  gap.gap_m = gap_m;
+  gap.buried_m = std::max(0.0, -gap_m);
+  gap.direction = Vec3::UnitZ();
+  gap.sphere_radius_m = 10 * kE;
+  gap.unique_face = gap.depth_exact = gap.self_check = true;
+  gap.method = GapMethod::kClosedForm;
+  gap.self_error_m = 0;
+  return gap;
+}
+
+Vec3 tilted(double degrees) {
+  const double angle = degrees * std::numbers::pi / 180;
+  return {std::sin(angle), 0, std::cos(angle)};
+}
+
+/// A contact as it should be at that depth; `seed` makes its bits its own.
+ReportedContact contact(double depth_m, double seed = 0.0, double degrees_off = 0.0) {
+  ReportedContact report;
+  report.surface_hits = 20;
+  report.coherence = 0.95;
+  report.deepest_depth_m = depth_m;
+  report.mean_normal = tilted(degrees_off);
+  report.wrench.force = (1.0 + seed) * tilted(degrees_off);
+  return report;
+}
+
+Judgement once(const GapResult& gap, const ReportedContact& report) { return Judge(kSettings).judge(gap, report); }
+Verdict verdict(const GapResult& gap, const ReportedContact& report) { return once(gap, report).verdict; }
+
+TEST(Judge, DecidesThatNothingCollidesBeyondTheVoxelsDiagonal) {
+  const Judgement free = once(gap_of(kFree + 1e-9), {});
+  EXPECT_EQ(free.verdict, Verdict::kAgree);
+  EXPECT_TRUE(free.decided);
+  EXPECT_TRUE(free.explanation.empty());
+  ReportedContact one_hit;
+  one_hit.surface_hits = 1;
+  const Judgement hit = once(gap_of(kFree + 1e-9), one_hit);
+  EXPECT_EQ(hit.verdict, Verdict::kDisagree);
+  EXPECT_EQ(hit.cause, Cause::kRendering);
+  EXPECT_TRUE(hit.decided);
+  EXPECT_NE(hit.explanation.find("free space"), std::string::npos);
+  EXPECT_EQ(verdict(gap_of(kFree - 1e-9), one_hit), Verdict::kInBand);
+}
+
+TEST(Judge, DecidesThatNoForceActsInFreeSpaceHeldOrNot) {
+  ReportedContact pushed;
+  pushed.held = true;
+  pushed.wrench.torque.x() = 1e-12;
+  EXPECT_EQ(verdict(gap_of(kFree + 1e-9), pushed), Verdict::kDisagree);
+}
+
+TEST(Judge, DecidesThatSomethingCollidesWhenBuriedDeepEnough) {
+  const Judgement missed = once(gap_of(-kMust - 1e-9), {});
+  EXPECT_EQ(missed.verdict, Verdict::kDisagree);
+  EXPECT_TRUE(missed.decided);
+  ReportedContact through;
+  through.interior_hits = 5;
+  EXPECT_EQ(verdict(gap_of(-kMust - 1e-9), through), Verdict::kAgree);
+  EXPECT_FALSE(once(gap_of(-kMust + 1e-9), through).decided);
+}
+
+TEST(Judge, DoesNotDemandAHitWhereThePlateIsThin) {
+  GapResult thin = gap_of(-3 * kE);
+  thin.buried_m = 0;
+  thin.depth_exact = false;
+  EXPECT_EQ(verdict(thin, {}), Verdict::kInBand);
+}
+
+TEST(Judge, DemandsAHitOnceAWholeCapIsInside) {
+  GapResult shallow = gap_of(-0.8 * kE);
+  shallow.cap_buried_m = 0.36 * kE;
+  EXPECT_EQ(verdict(shallow, {}), Verdict::kDisagree);
+  shallow.cap_buried_m = 0.34 * kE;
+  EXPECT_EQ(verdict(shallow, {}), Verdict::kInBand);
+  JudgeSettings coarse = kSettings;
+  coarse.shell_gap_m = 1.8 * kE;
+  shallow.cap_buried_m = 0.7 * kE;
+  EXPECT_EQ(Judge(coarse).judge(shallow, {}).verdict, Verdict::kInBand) << "a coarse shell may miss the cap";
+}
+
+TEST(Judge, AllowsInteriorHitsOnlyInside) {
+  ReportedContact through = contact(0.2 * kE);
+  through.interior_hits = 1;
+  EXPECT_EQ(verdict(gap_of(0.05 * kE), through), Verdict::kInBand);
+  EXPECT_EQ(verdict(gap_of(0.15 * kE), through), Verdict::kDisagree);
+  GapResult open = gap_of(0.15 * kE);
+  open.inside_known = false;
+  EXPECT_EQ(verdict(open, through), Verdict::kInBand);
+}
+
+TEST(Judge, WantsForceAndHitsTogether) {
+  ReportedContact ghost;
+  ghost.wrench.force.z() = 0.1;
+  EXPECT_EQ(verdict(gap_of(0), ghost), Verdict::kDisagree);
+  ReportedContact limp = contact(0.3 * kE);
+  limp.wrench = {};
+  EXPECT_EQ(verdict(gap_of(-0.3 * kE), limp), Verdict::kDisagree);
+  limp.deepest_depth_m = 0.2 * kE;
+  EXPECT_EQ(verdict(gap_of(-0.3 * kE), limp), Verdict::kInBand);
+}
+
+TEST(Judge, ComparesDepthToOneEdgeFromBelowOnlyUntilPointsHaveGoneThrough) {
+  EXPECT_EQ(verdict(gap_of(-1.5 * kE), contact(0.45 * kE)), Verdict::kInBand);
+  const Judgement shallow = once(gap_of(-1.5 * kE), contact(0.35 * kE));
+  EXPECT_EQ(shallow.verdict, Verdict::kDisagree);
+  EXPECT_NEAR(shallow.depth_error_m, -1.15 * kE, 1e-12);
+  ReportedContact through = contact(0.35 * kE);
+  through.interior_hits = 3;
+  const Judgement saturated = once(gap_of(-1.5 * kE), through);
+  EXPECT_EQ(saturated.verdict, Verdict::kInBand);
+  EXPECT_TRUE(std::isnan(saturated.depth_error_m));
+}
+
+TEST(Judge, ComparesDepthFromAboveAlways) {
+  EXPECT_EQ(verdict(gap_of(-0.5 * kE), contact(1.55 * kE)), Verdict::kInBand);
+  EXPECT_EQ(verdict(gap_of(-0.5 * kE), contact(1.65 * kE)), Verdict::kDisagree);
+  ReportedContact through = contact(1.65 * kE);
+  through.interior_hits = 3;
+  EXPECT_EQ(verdict(gap_of(-0.5 * kE), through), Verdict::kDisagree);
+  through.held = true;
+  EXPECT_EQ(verdict(gap_of(-0.5 * kE), through), Verdict::kInBand) << "an old depth is not compared";
+}
+
+TEST(Judge, ComparesDirectionToTwentyDegreesWhereItMeansSomething) {
+  EXPECT_EQ(verdict(gap_of(-0.5 * kE), contact(0.5 * kE, 0, 19)), Verdict::kInBand);
+  const Judgement off = once(gap_of(-0.5 * kE), contact(0.5 * kE, 0, 21));
+  EXPECT_EQ(off.verdict, Verdict::kDisagree);
+  EXPECT_NEAR(off.direction_error_rad, 21 * std::numbers::pi / 180, 1e-12);
+  GapResult edge = gap_of(-0.5 * kE);
+  edge.unique_face = false;
+  EXPECT_EQ(verdict(edge, contact(0.5 * kE, 0, 60)), Verdict::kInBand);
+  ReportedContact fallback = contact(0.5 * kE, 0, 60);
+  fallback.fallback = true;
+  EXPECT_EQ(verdict(gap_of(-0.5 * kE), fallback), Verdict::kInBand);
+}
+
+TEST(Judge, SeesAForceOrANormalAloneThatIsOff) {
+  ReportedContact force = contact(0.5 * kE);
+  force.wrench.force = tilted(25);
+  EXPECT_EQ(verdict(gap_of(-0.5 * kE), force), Verdict::kDisagree);
+  ReportedContact normal = contact(0.2 * kE);
+  normal.wrench = {}, normal.mean_normal = tilted(25);
+  EXPECT_EQ(verdict(gap_of(-0.5 * kE), normal), Verdict::kDisagree);
+}
+
+TEST(Judge, WantsOnlyTheSignOfFirstTouchHeldAndSaturatedFrames) {
+  EXPECT_EQ(verdict(gap_of(0.3 * kE), contact(0.1 * kE, 0, 40)), Verdict::kInBand);
+  EXPECT_EQ(verdict(gap_of(0.3 * kE), contact(0.1 * kE, 0, 100)), Verdict::kDisagree);
+  ReportedContact held = contact(0.5 * kE, 0, 60);
+  held.held = true, held.interior_hits = 9;
+  EXPECT_EQ(verdict(gap_of(-kE), held), Verdict::kInBand);
+  held.wrench.force *= -1;
+  EXPECT_EQ(verdict(gap_of(-kE), held), Verdict::kDisagree);
+}
+
+TEST(Judge, FindsAFrozenForceByTheGapThatMovesOn) {
+  Judge judge(kSettings);
+  const ReportedContact frozen = contact(0.5 * kE);
+  EXPECT_EQ(judge.judge(gap_of(-0.3 * kE), frozen).verdict, Verdict::kInBand);
+  EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), frozen).verdict, Verdict::kInBand) << "two samples are not enough";
+  EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), frozen).verdict, Verdict::kDisagree);
+  EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), contact(0.5 * kE, 1e-15)).verdict, Verdict::kInBand) << "other bits";
+}
+
+TEST(Judge, LetsTheSameForceStandWhileTheGapDoes) {
+  Judge judge(kSettings);
+  for (int i = 0; i < 100; ++i)
+    EXPECT_EQ(judge.judge(gap_of(-0.5 * kE + 0.001 * kE * (i % 7)), contact(0.5 * kE)).verdict, Verdict::kInBand);
+}
+
+TEST(Judge, LetsAFlaggedHeldForceStandInContact) {
+  Judge judge(kSettings);
+  ReportedContact held = contact(0.5 * kE);
+  held.held = true, held.interior_hits = 4;
+  for (int i = 0; i < 20; ++i) EXPECT_NE(judge.judge(gap_of(-0.1 * kE * i), held).verdict, Verdict::kDisagree);
+}
+
+TEST(Judge, BlamesItselfWhereItsOwnCrossCheckFails) {
+  GapResult doubtful = gap_of(kFree + kE);
+  doubtful.self_check = false;
+  doubtful.self_error_m = 0.5 * kE;
+  Judge judge(kSettings);
+  const Judgement fault = judge.judge(doubtful, contact(0.5 * kE));
+  EXPECT_EQ(fault.verdict, Verdict::kDisagree);
+  EXPECT_EQ(fault.cause, Cause::kReference);
+  EXPECT_FALSE(fault.decided);
+  const Judgement quiet = judge.judge(doubtful, {});
+  EXPECT_EQ(quiet.verdict, Verdict::kInBand);
+  EXPECT_FALSE(quiet.explanation.empty());
+  EXPECT_EQ(judge.counts().reference, 1U);
+  EXPECT_EQ(judge.counts().rendering, 0U);
+}
+
+TEST(Judge, TakesNoValueThatIsNotFinite) {
+  ReportedContact report = contact(0.5 * kE);
+  report.wrench.torque.y() = NAN;
+  EXPECT_EQ(verdict(gap_of(-0.5 * kE), report), Verdict::kDisagree);
+  const Judgement nothing = once(GapResult{}, {});
+  EXPECT_EQ(nothing.verdict, Verdict::kInBand);
+  EXPECT_EQ(nothing.cause, Cause::kReference);
+}
+
+TEST(Judge, CountsWhatItSaid) {
+  Judge judge(kSettings);
+  judge.judge(gap_of(2 * kFree), {});
+  judge.judge(gap_of(2 * kFree), contact(0.5 * kE));
+  judge.judge(gap_of(-0.5 * kE), contact(0.5 * kE));
+  judge.judge(gap_of(-0.5 * kE), contact(0.5 * kE, 0.1, 50));
+  const JudgeCounts& counts = judge.counts();
+  EXPECT_EQ(counts.checked, 4U);
+  EXPECT_EQ(counts.decided, 2U);
+  EXPECT_EQ(counts.agree, 1U);
+  EXPECT_EQ(counts.in_band, 1U);
+  EXPECT_EQ(counts.disagree, 2U);
+  EXPECT_EQ(counts.rendering, 2U);
+  EXPECT_EQ(counts.decided_share(), 0.5);
+  judge.reset();
+  EXPECT_EQ(judge.counts().checked, 0U);
+  EXPECT_EQ(judge.counts().decided_share(), 0.0);
+}
+
+TEST(Judge, WidensItsLimitsForShellsOffTheSurface) {
+  JudgeSettings naive = kSettings;
+  naive.shell_offset_m = 0.866 * kE;
+  ReportedContact hit;
+  hit.surface_hits = 1;
+  EXPECT_EQ(Judge(naive).judge(gap_of(kFree + 0.8 * kE), hit).verdict, Verdict::kInBand);
+  EXPECT_EQ(Judge(naive).judge(gap_of(-kMust - 0.8 * kE), {}).decided, false);
+}
+
+TEST(Judge, RefusesSettingsThatMakeNoSense) {
+  for (const JudgeSettings& bad : {JudgeSettings{}, JudgeSettings{kE, -1, 0, 0}, JudgeSettings{kE, 0, NAN, 0},
+                                   JudgeSettings{kE, 0, 0, INFINITY}})
+    EXPECT_THROW(Judge{bad}, std::invalid_argument);
+}
+
+TEST(Judge, ChecksEveryNthSampleBySequence) {
+  EXPECT_TRUE(is_checked(0, 50));
+  EXPECT_TRUE(is_checked(150, 50));
+  EXPECT_FALSE(is_checked(151, 50));
+  EXPECT_FALSE(is_checked(0, 0));
+}
+
+}  // namespace
+}  // namespace voxtouch

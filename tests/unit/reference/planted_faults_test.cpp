@@ -81,7 +81,6 @@ Judge judged(const Ground& ground, const Fault& fault = {}, std::string* first_s
 
 void expect_caught(const Judge& judge, const std::string& what) {
   EXPECT_GT(judge.counts().disagree, 0U) << what;
-  std::printf("%s: %lu of %lu\n", what.c_str(), judge.counts().disagree, judge.counts().checked);
   EXPECT_EQ(judge.counts().reference, 0U) << what << ": the fault is the rendering's";
 }
 
