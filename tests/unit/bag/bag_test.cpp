@@ -2,6 +2,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <fstream>
 #include <thread>
@@ -123,6 +124,27 @@ TEST(Bag, HasMetadataFromTheStartAndRefreshesIt) {
   EXPECT_GOOD(writer.tick());
   EXPECT_EQ(expect_value(read_metadata(folder / "run/metadata.yaml")).message_count, 1u);
   EXPECT_EQ(expect_value(BagReader::open(folder / "run")).message_count(), 1u);  // read while it is recorded
+}
+
+TEST(Bag, HasWholeMetadataAtEveryInstant) {
+  const TemporaryFolder folder;
+  auto writer = expect_value(BagWriter::create(folder / "run"));
+  for (int i = 0; i < 50; ++i) (void)expect_value(writer.add_topic(kState));
+  EXPECT_GOOD(writer.refresh());
+  std::atomic<bool> done{false};
+  std::uint64_t reads = 0, whole = 0;
+  std::thread reader([&] {
+    while (!done) {
+      const auto metadata = read_metadata(folder / "run/metadata.yaml");
+      ++reads;
+      whole += metadata && metadata->topics.size() == 50;
+    }
+  });
+  for (int i = 0; i < 40; ++i) EXPECT_GOOD(writer.refresh());
+  done = true;
+  reader.join();
+  EXPECT_GT(reads, 5u);
+  EXPECT_EQ(whole, reads);
 }
 
 TEST(Bag, TellsWhyAFolderCannotBeMade) {
