@@ -15,15 +15,15 @@ enum class GateVerdict : std::uint8_t {
 };
 std::string_view name_of(GateVerdict verdict) noexcept;
 
-/// One device session follows one writer, the first whose command is good, and takes each answer once and in order.
-/// Real-time safe.
+/// One device session follows one writer, the first whose command is good, and takes each answer once and in
+/// order. Real-time safe.
 class CommandGate {
  public:
   /// `session`: the device's own session id.
   explicit CommandGate(std::uint64_t session) noexcept : session_(session) {}
 
-  /// `writer`: whatever identifies the sender (a publication handle). `newest_sample`: the last sequence number that the
-  /// device has given out. A refused command changes nothing.
+  /// `writer`: whatever identifies the sender (a publication handle). `newest_sample`: the last sequence
+  /// number that the device has given out. A refused command changes nothing.
   GateVerdict accept(std::uint64_t writer, std::uint64_t session, std::uint64_t sequence,
                      std::uint64_t newest_sample) noexcept;
 

@@ -33,7 +33,7 @@ struct DeviceOpenError : std::runtime_error {
 
 /// One sample, in frame D, at the tool's origin.
 struct DeviceSample {
-  std::int64_t time_ns = 0;   ///< the device's clock, growing from sample to sample; simulated time in a simulated device
+  std::int64_t time_ns = 0;   ///< the device's clock, growing; simulated time in a simulated device
   Pose pose;                  ///< T in D
   Twist twist;                ///< D axes; filtered by the device, so it lags the pose
   std::uint32_t buttons = 0;  ///< bit 0 = first button
@@ -60,30 +60,35 @@ struct DeviceDescription {
 
 /// An open device. It exists only while connected; destruction and every error path end in zero force.
 ///
-/// One thread owns a driver: `read`, then one `write`, once a period. All three calls below are real-time safe: no
-/// allocation, no lock that a slower thread holds, no log, no throw.
+/// One thread owns a driver: `read`, then one `write`, once a period. All three calls below are real-time
+/// safe: no allocation, no lock that a slower thread holds, no log, no throw.
 ///
-/// Who paces the loop: a real device does, and `read` blocks until its next sample, so the caller does not sleep.
-///  - FRI: `read` waits for the next measurement packet. The controller wants an answer to each one within its period, so
-///    the `write` that follows is due even where the command is zero; leaving it out costs connection quality.
-///  - HDAPI: the vendor's servo thread runs a callback every tick. The callback puts the sample into a lock-free slot,
-///    wakes `read`, and sets the force that the last `write` left, once: a tick that finds no new command sets none, which
-///    that interface turns into zero. A command thus reaches the motors one tick after the sample that it answers; that
-///    tick is part of `description().delay_s`.
+/// Who paces the loop: a real device does, and `read` blocks until its next sample, so the caller does not
+/// sleep.
+///  - FRI: `read` waits for the next measurement packet. The controller wants an answer to each one within
+///    its period, so the `write` that follows is due even where the command is zero; leaving it out costs
+///    connection quality.
+///  - HDAPI: the vendor's servo thread runs a callback every tick. The callback puts the sample into a
+///    lock-free slot, wakes `read`, and sets the force that the last `write` left, once: a tick that finds no
+///    new command sets none, which that interface turns into zero. A command thus reaches the motors one tick
+///    after the sample that it answers; that tick is part of `description().delay_s`.
 /// A simulated device answers at once; the caller paces it, or drives it in lockstep.
 class Driver {
  public:
   virtual ~Driver() = default;
   virtual const DeviceDescription& description() const noexcept = 0;
-  /// The next sample that has not been given out yet, the newest if several have come; waits at most `timeout` for it.
+  /// The next sample that has not been given out yet, the newest if several have come; waits at most
+  /// `timeout` for it.
   virtual DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept = 0;
-  /// Force and torque in D, applied for one period. Refuses non-finite and over-limit commands (the last check before the
-  /// wire, beside the guard's; see limits.hpp): a refused command is zero force for that period, not the one before it.
+  /// Force and torque in D, applied for one period. Refuses non-finite and over-limit commands (the last
+  /// check before the wire, beside the guard's; see limits.hpp): a refused command is zero force for that
+  /// period, not the one before it.
   virtual DeviceResult<void> write(const Wrench& command) noexcept = 0;
-  /// Zero force, now; what is still under way to the motors is dropped. Safe to call twice. The next accepted `write`
-  /// pushes again: whoever has to stay at zero keeps its guard stopped.
+  /// Zero force, now; what is still under way to the motors is dropped. Safe to call twice. The next accepted
+  /// `write` pushes again: whoever has to stay at zero keeps its guard stopped.
   virtual void stop() noexcept = 0;
-  /// True where `write` advances simulated time by one period and `read` needs no waiting (lockstep can drive it).
+  /// True where `write` advances simulated time by one period and `read` needs no waiting (lockstep can drive
+  /// it).
   virtual bool simulated() const noexcept = 0;
 
  protected:

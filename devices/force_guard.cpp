@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -14,9 +13,11 @@ namespace voxtouch {
 namespace {
 
 constexpr double kSecondsPerNs = 1e-9;
-constexpr std::int64_t kLongestGapNs = 3'600'000'000'000;  // an hour: everything is over by then, and sums cannot overflow
+// An hour: everything is over by then, and sums cannot overflow.
+constexpr std::int64_t kLongestGapNs = 3'600'000'000'000;
 
-/// From `earlier` to `later`, an hour at most. Unsigned: the difference of two far stamps does not fit the signed type.
+/// From `earlier` to `later`, an hour at most. Unsigned: the difference of two far stamps does not fit the
+/// signed type.
 std::int64_t gap_ns(std::int64_t earlier, std::int64_t later) noexcept {
   const std::uint64_t gap = static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
   return static_cast<std::int64_t>(std::min(gap, static_cast<std::uint64_t>(kLongestGapNs)));
@@ -42,7 +43,8 @@ Wrench ForceGuard::pass(const std::optional<GuardInput>& command, std::int64_t n
   if (phase_ == Phase::kStopped) return {};
   const bool faded_out = age(dt_ns, now_ns);
   if (command) take(*command, now_ns);
-  if (faded_out) return output_;  // the way to zero was this period's slew; a new command sets out from there in the next
+  // The way to zero was this period's slew; a new command sets out from there in the next.
+  if (faded_out) return output_;
   lead(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
   return output_;
 }
@@ -69,7 +71,7 @@ bool ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
     ++counts_.faded;
   }
   if (phase_ == Phase::kLive) {
-    raise(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
+    raise(static_cast<double>(dt_ns) * kSecondsPerNs);  // no gap: a longer one than the hold is a fade
     return false;
   }
   fade_ = std::min(fade_, 1.0 - static_cast<double>(over_ns) * kSecondsPerNs / config_.fade_s);
@@ -113,16 +115,18 @@ void ForceGuard::take(const GuardInput& command, std::int64_t now_ns) noexcept {
 void ForceGuard::lead(double dt_s) noexcept {
   if (phase_ == Phase::kIdle) return;
   if (phase_ == Phase::kFading) {
-    // Starts at the output and is never steeper than limit / fade_s, which `validate` holds under the slew limit.
+    // Starts at the output and is never steeper than limit / fade_s, which `validate` holds under the slew
+    // limit.
     output_ = {fade_from_.force * fade_, fade_from_.torque * fade_};
   } else {
-    const bool force_cut = slew(output_.force, command_.force * fraction_, config_.max_force_rate_n_per_s * dt_s);
-    const bool torque_cut =
-        slew(output_.torque, command_.torque * fraction_,
-             config_.max_torque_nm > 0.0 ? config_.max_torque_rate_nm_per_s * dt_s : std::numeric_limits<double>::infinity());
+    const double force_step = config_.max_force_rate_n_per_s * dt_s;
+    const double torque_step = config_.max_torque_rate_nm_per_s * dt_s;
+    const bool force_cut = slew(output_.force, command_.force * fraction_, force_step);
+    const bool torque_cut = slew(output_.torque, command_.torque * fraction_, torque_step);
     if (force_cut || torque_cut) ++counts_.clamped_slew;
   }
-  // Both ends of a slew lie in the ball of the limit, and so does what is between, up to rounding: this takes the rounding.
+  // Both ends of a slew lie in the ball of the limit, and so does what is between, up to rounding: this takes
+  // the rounding.
   clamp_length(output_.force, config_.max_force_n);
   clamp_length(output_.torque, config_.max_torque_nm);
 }
@@ -172,17 +176,18 @@ void GuardConfig::validate() const {
   const auto in = [](double value, double low, double high) { return value >= low && value <= high; };
   constexpr double kMost = 1e9;  // of anything a device could push with
   require(in(period_s, 1e-6, 1.0), "period_s", period_s, "in [1e-6, 1] s");
-  require(max_force_n > 0.0 && max_force_n <= kMost, "max_force_n", max_force_n, "over 0 and finite: a guard without a limit guards nothing");
+  require(max_force_n > 0.0 && max_force_n <= kMost, "max_force_n", max_force_n,
+          "over 0 and finite: a guard without a limit guards nothing");
   require(in(max_torque_nm, 0.0, kMost), "max_torque_nm", max_torque_nm, "0 (no torque) or more, and finite");
   require(in(hold_periods, 1.0, 1000.0), "hold_periods", hold_periods, "in [1, 1000]");
   require(fade_s > 0.0 && fade_s <= 1.0, "fade_s", fade_s, "over 0 and at most 1 s");
   require(in(start_ramp_s, 0.0, 10.0), "start_ramp_s", start_ramp_s, "in [0, 10] s");
   require(in(return_ramp_s, 0.0, 10.0), "return_ramp_s", return_ramp_s, "in [0, 10] s");
-  require(max_force_rate_n_per_s >= max_force_n / fade_s, "max_force_rate_n_per_s", max_force_rate_n_per_s,
-          fmt::format("at least max_force_n / fade_s = {}, or the fade could not keep to it", max_force_n / fade_s));
-  require(max_torque_nm == 0.0 || max_torque_rate_nm_per_s >= max_torque_nm / fade_s, "max_torque_rate_nm_per_s",
-          max_torque_rate_nm_per_s,
-          fmt::format("at least max_torque_nm / fade_s = {}, or the fade could not keep to it", max_torque_nm / fade_s));
+  const double force_fade = max_force_n / fade_s, torque_fade = max_torque_nm / fade_s;
+  require(max_force_rate_n_per_s >= force_fade, "max_force_rate_n_per_s", max_force_rate_n_per_s,
+          fmt::format("at least max_force_n / fade_s = {}, or a fade could not keep to it", force_fade));
+  require(max_torque_rate_nm_per_s >= torque_fade, "max_torque_rate_nm_per_s", max_torque_rate_nm_per_s,
+          fmt::format("at least max_torque_nm / fade_s = {}, or a fade could not keep to it", torque_fade));
 }
 
 }  // namespace voxtouch

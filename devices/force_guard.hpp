@@ -1,6 +1,6 @@
 #pragma once
-/// The last stop before any device: whatever comes in, what goes out is finite, within the limits, and fades when nobody
-/// speaks any more.
+/// The last stop before any device: whatever comes in, what goes out is finite, within the limits, and fades
+/// when nobody speaks any more.
 #include <cstdint>
 #include <optional>
 
@@ -15,7 +15,7 @@ struct GuardConfig {
   double max_force_n = 0.0;            ///< (0, finite)
   double max_torque_nm = 0.0;          ///< [0, finite); 0: the device gives no torque, so torque is left out
   double max_force_rate_n_per_s = 0.0;   ///< at least max_force_n / fade_s, so that a fade never breaks it
-  double max_torque_rate_nm_per_s = 0.0; ///< likewise; not used where max_torque_nm is 0
+  double max_torque_rate_nm_per_s = 0.0; ///< likewise
   double hold_periods = 3.0;           ///< a command is held this long at most, [1, 1000]
   double fade_s = 0.02;                ///< then it is zero after this, (0, 1]
   double start_ramp_s = 0.5;           ///< at the start full force is reached after this, [0, 10]
@@ -53,20 +53,22 @@ struct GuardCounts {
   std::uint64_t clamped() const noexcept { return clamped_force + clamped_torque + clamped_slew; }
 };
 
-/// Pure: no clock, no thread; time comes in. Call `pass` once a period with the command that has come since, if any.
-/// `pass` and all the rest but the constructor are real-time safe.
+/// Pure: no clock, no thread; time comes in. Call `pass` once a period with the command that has come since,
+/// if any. `pass` and all the rest but the constructor are real-time safe.
 ///
-/// The output is fraction * command, led to by the slew limit. The fraction rises from 0 to 1 over the ramp while commands
-/// come, so that a start inside a contact does not kick; it falls to 0 over the fade once the last command is older than
-/// `hold_periods` or than its valid-until, and a command that comes during the fade takes it up from where it is.
+/// The output is fraction * command, led to by the slew limit. The fraction rises from 0 to 1 over the ramp
+/// while commands come, so that a start inside a contact does not kick; it falls to 0 over the fade once the
+/// last command is older than `hold_periods` or than its valid-until, and a command that comes during the
+/// fade takes it up from where it is.
 class ForceGuard {
  public:
   /// Throws as GuardConfig::validate does.
   explicit ForceGuard(const GuardConfig& config);
 
-  /// What the device is to push with. `now_ns` is the device's clock. A time that stands still or goes back counts as one
-  /// nominal period, so that a broken clock cannot hold a force for ever; a gap opens the slew limit by no more than the
-  /// hold time. A refused command is as no command: the one before it is held, then faded.
+  /// What the device is to push with. `now_ns` is the device's clock. A time that stands still or goes back
+  /// counts as one nominal period, so that a broken clock cannot hold a force for ever; a gap opens the slew
+  /// limit by no more than the hold time. A refused command is as no command: the one before it is held, then
+  /// faded.
   Wrench pass(const std::optional<GuardInput>& command, std::int64_t now_ns) noexcept;
 
   /// Adds what the gate refused to the counts.

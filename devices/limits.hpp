@@ -1,5 +1,6 @@
 #pragma once
-/// Lengths and limits of commands, used by the guard and, once more, by every driver directly before the wire.
+/// Lengths and limits of commands, used by the guard and, once more, by every driver directly before the
+/// wire.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,14 +9,16 @@
 
 namespace voxtouch {
 
-/// Length of `v`, also where the squares of its components would overflow or vanish; Inf if it is over the largest double.
+/// Length of `v`, also where the squares of its components would overflow or vanish; Inf if it is over the
+/// largest double.
 inline double length_of(const Vec3& v) noexcept {
   const double largest = v.cwiseAbs().maxCoeff();
   return largest > 0.0 && std::isfinite(largest) ? largest * (v / largest).norm() : largest;
 }
 
-/// Cuts `v` to a length of at most `limit` (>= 0, may be infinite) and keeps its direction; true if it had to. A vector that
-/// is not finite becomes zero. The result's `length_of` is never over the limit, not even by rounding.
+/// Cuts `v` to a length of at most `limit` (>= 0, may be infinite) and keeps its direction; true if it had
+/// to. A vector that is not finite becomes zero. The result's `length_of` is never over the limit, not even
+/// by rounding.
 inline bool clamp_length(Vec3& v, double limit) noexcept {
   if (!v.allFinite()) {
     v.setZero();

@@ -35,8 +35,6 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
   try {
     return std::make_unique<SimulatedDevice>(parameters, options.hand.value_or(parameters.hand),
                                              options.motion.value_or(stay_at_origin()), options.seed);
-  } catch (const DeviceOpenError&) {
-    throw;
   } catch (const std::runtime_error& error) {
     throw DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", name, error.what()));
   }

@@ -23,8 +23,8 @@ struct DeviceOptions {
 /// Names that open_device knows, those that it refuses among them.
 const std::vector<std::string>& device_names();
 
-/// Opens a device. Throws DeviceOpenError: an unknown name (the sentence lists the known ones), a device that this version
-/// has no driver for (it says what to use instead), or options that cannot be simulated.
+/// Opens a device. Throws DeviceOpenError: an unknown name (the sentence lists the known ones), a device that
+/// this version has no driver for (it says what to use instead), or options that cannot be simulated.
 std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& options = {});
 
 /// The device's numbers, without opening it. Throws like open_device.

@@ -15,7 +15,8 @@ Vec3 quantise(const Vec3& position, double resolution) noexcept {
 
 Quat quantise(const Quat& orientation, double resolution_rad) noexcept {
   if (!(resolution_rad > 0.0)) return orientation;
-  // The largest component is found from the other three: it is at least a half, so its own rounding error stays small.
+  // The largest component is found from the other three: it is at least a half, so its own rounding error
+  // stays small.
   Eigen::Index largest = 0;
   const Eigen::Vector4d exact = orientation.coeffs();
   exact.cwiseAbs().maxCoeff(&largest);

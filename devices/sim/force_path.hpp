@@ -10,8 +10,8 @@ namespace voxtouch {
 /// Steps of the plant in one sample period.
 inline constexpr int kSubsteps = 8;
 
-/// A motor with its electronics. The command is cut to the device's limits (direction kept), comes out a whole number of
-/// substeps later, and is followed with a first-order lag. Real-time safe.
+/// A motor with its electronics. The command is cut to the device's limits (direction kept), comes out a
+/// whole number of substeps later, and is followed with a first-order lag. Real-time safe.
 class ForcePath {
  public:
   static constexpr int kMaxDelayPeriods = 32;

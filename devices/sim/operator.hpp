@@ -1,5 +1,6 @@
 #pragma once
-/// The person at a simulated device: a mass that the hand adds, held by a spring and a damper to where it wants to be.
+/// The person at a simulated device: a mass that the hand adds, held by a spring and a damper to where it
+/// wants to be.
 #include <limits>
 
 namespace voxtouch {

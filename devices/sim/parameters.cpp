@@ -23,8 +23,8 @@ void require_in(double value, double low, double high, std::string_view field) {
 
 }  // namespace
 
-// Where each number comes from: "confirmed" = read in a published source, "derived" = computed from confirmed values,
-// "assumed" = no source found; a default to be set, not a fact about the hardware.
+// Where each number comes from: "confirmed" = read in a published source, "derived" = computed from confirmed
+// values, "assumed" = no source found; a default to be set, not a fact about the hardware.
 
 SimParameters sim_phantom() {
   SimParameters p;
@@ -35,8 +35,9 @@ SimParameters sim_phantom() {
   d.max_torque_nm = 0.0;               // confirmed: three motors
   d.max_force_rate_n_per_s = 2000.0;   // assumed: a wall of 800 N/m struck at 2.5 m/s
   d.max_torque_rate_nm_per_s = 0.0;
-  d.max_stiffness_n_per_m = 800.0;     // confirmed in CHAI3D's table; stable walls were measured at 300 to 900 N/m. The 3500
-                                       // N/m of data sheets is the structure's stiffness and assumed
+  // Confirmed in CHAI3D's table; stable walls were measured at 300 to 900 N/m. The 3500 N/m of data sheets is the
+  // stiffness of the structure, and assumed.
+  d.max_stiffness_n_per_m = 800.0;
   d.mass_min_kg = 0.035;               // derived from a published link model over the workspace
   d.mass_max_kg = 0.08;
   d.damping_ns_per_m = 0.005;          // assumed: hardly any

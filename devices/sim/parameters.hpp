@@ -5,8 +5,8 @@
 
 namespace voxtouch {
 
-/// A plant whose mass is the same in every pose and diagonal in D. What the device tells about itself (limits, damping,
-/// friction, resolution, delay, force lag) is what it is simulated with.
+/// A plant whose mass is the same in every pose and diagonal in D. What the device tells about itself
+/// (limits, damping, friction, resolution, delay, force lag) is what it is simulated with.
 struct SimParameters {
   DeviceDescription description;
   Vec3 mass_kg = Vec3::Ones();               ///< along the axes of D
@@ -21,9 +21,11 @@ struct SimParameters {
   void validate() const;
 };
 
-/// A Phantom Premium 1.5 with an encoder gimbal: six sensed, three driven degrees of freedom. Held like a pen.
+/// A Phantom Premium 1.5 with an encoder gimbal: six sensed, three driven degrees of freedom. Held like a
+/// pen.
 SimParameters sim_phantom();
-/// A light-weight robot used as hand controller under torque control: six driven degrees of freedom. Held by an arm.
+/// A light-weight robot used as hand controller under torque control: six driven degrees of freedom. Held by
+/// an arm.
 SimParameters sim_lwr();
 
 }  // namespace voxtouch

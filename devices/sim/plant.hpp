@@ -1,5 +1,6 @@
 #pragma once
-/// The mechanics of a simulated device in somebody's hand, in continuous quantities: nothing is quantised here.
+/// The mechanics of a simulated device in somebody's hand, in continuous quantities: nothing is quantised
+/// here.
 #include "core/types/motion.hpp"
 #include "devices/sim/parameters.hpp"
 
@@ -14,13 +15,14 @@ struct Mobility {
   double hand_stiffness = 0.0; ///< towards the target
 };
 
-/// One step of `dt_s` by the implicit midpoint rule: any step length is stable, an undamped spring keeps its energy, and no
-/// library function is called. `pull`: from the body to the target's position in the middle of the step; `target_velocity`
-/// likewise. Updates `velocity`, returns the mean velocity over the step.
+/// One step of `dt_s` by the implicit midpoint rule: any step length is stable, an undamped spring keeps its
+/// energy, and no library function is called. `pull`: from the body to the target's position in the middle of
+/// the step; `target_velocity` likewise. Updates `velocity`, returns the mean velocity over the step.
 ///
-/// Friction takes at most what brings the end velocity to zero, against that velocity, so it never drives: a body at rest
-/// under less than the friction limit stays exactly where it is. One that comes to a stop within the step loses the last
-/// bit of its way, and one that is turned round passes through rest; both only take energy.
+/// Friction takes at most what brings the end velocity to zero, against that velocity, so it never drives: a
+/// body at rest under less than the friction limit stays exactly where it is. One that comes to a stop within
+/// the step loses the last bit of its way, and one that is turned round passes through rest; both only take
+/// energy.
 Vec3 step_mobility(const Mobility& mobility, const Vec3& pull, const Vec3& target_velocity, const Vec3& force, double dt_s,
                    Vec3& velocity) noexcept;
 
@@ -42,8 +44,9 @@ class SimPlant {
   void set_state(const Pose& pose, const Twist& twist) noexcept { pose_ = pose, twist_ = twist; }
 
  private:
-  /// From the tool's orientation to the target's: 2 sin(angle / 2) along the axis, in D. The torque of a spring whose energy
-  /// is 4 k (1 - cos(angle / 2)); within 0.2 % of the angle up to 12 degrees, and free of inverse functions.
+  /// From the tool's orientation to the target's: 2 sin(angle / 2) along the axis, in D. The torque of a
+  /// spring whose energy is 4 k (1 - cos(angle / 2)); within 0.2 % of the angle up to 12 degrees, and free of
+  /// inverse functions.
   Vec3 turn_to_target() const noexcept;
 
   OperatorConfig hand_;

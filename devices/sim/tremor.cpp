@@ -11,8 +11,8 @@ Tremor::Tremor(double sigma_n, double bandwidth_hz, double period_s, std::uint64
   gain_ = sigma_n * std::sqrt(1.0 - keep_ * keep_);  // so that the variance is that of sigma_n whatever the bandwidth
 }
 
-/// Twelve uniforms less six: variance one and close to normal. std::normal_distribution differs between libraries, and
-/// the usual transforms call a logarithm.
+/// Twelve uniforms less six: variance one and close to normal. std::normal_distribution differs between
+/// libraries, and the usual transforms call a logarithm.
 double Tremor::normal() noexcept {
   double sum = -6.0;
   for (int i = 0; i < 12; ++i) sum += static_cast<double>(random_() >> 11) * 0x1p-53;

@@ -7,7 +7,8 @@
 
 namespace voxtouch {
 
-/// A force of given standard deviation on each axis through a first-order low-pass; it starts at zero. Real-time safe.
+/// A force of given standard deviation on each axis through a first-order low-pass; it starts at zero.
+/// Real-time safe.
 class Tremor {
  public:
   /// `sigma_n` 0: no force, and no random number is drawn.

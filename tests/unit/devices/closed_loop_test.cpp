@@ -1,4 +1,5 @@
-/// Does the simulated device behave in a loop as theory says? The filter is written here: no rendering code takes part.
+/// Does the simulated device behave in a loop as theory says? The filter is written here: no rendering code
+/// takes part.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,9 +30,10 @@ struct Pt2 {
   }
 };
 
-// ---------------------------------------------------------------------------------------------------------------------
-// Linear loops whose limit stiffness is known from the eigenvalues of the exact sampled system (50 digits): the simulation
-// must decay just below it and grow just above. This checks mass, damping, hand, delay, lag and hold at once.
+// -----------------------------------------------------------------------------------------------------------
+// Linear loops whose limit stiffness is known from the eigenvalues of the exact sampled system (50 digits):
+// the simulation must decay just below it and grow just above. This checks mass, damping, hand, delay, lag
+// and hold at once.
 
 struct LinearCase {
   const char* what;
@@ -84,9 +86,9 @@ TEST(ClosedLoop, LimitStiffnessIsThatOfTheExactSampledModel) {
   }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
-// A wall, a filter, the guard and the whole device: quantised, with friction, saturating. The hand goes into the wall and
-// stays there.
+// -----------------------------------------------------------------------------------------------------------
+// A wall, a filter, the guard and the whole device: quantised, with friction, saturating. The hand goes into
+// the wall and stays there.
 
 struct WallResult {
   double ripple_n = 0.0;  ///< peak to peak of the force in the last second

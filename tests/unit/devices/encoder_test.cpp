@@ -101,7 +101,8 @@ TEST(Tremor, IsTheSameForTheSameSeedAndAbsentByDefault) {
   EXPECT_TRUE(differs);
 }
 
-/// Computed by a separate implementation of the generator and the mapping: another library has to draw the same numbers.
+/// Computed by a separate implementation of the generator and the mapping: another library has to draw the
+/// same numbers.
 TEST(Tremor, DrawsTheRecordedNumbers) {
   Tremor tremor(1.0, 10.0, 1e-3, 42);
   const Vec3 first = tremor.next();

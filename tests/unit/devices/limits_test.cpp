@@ -61,10 +61,10 @@ TEST(Limits, CheckRefusesEachFieldThatIsNotFiniteOrOverItsLimit) {
     for (int axis = 0; axis < 6; ++axis) {
       Wrench command;
       (axis < 3 ? command.force : command.torque)[axis % 3] = bad;
-      ASSERT_EQ(check_command(command, device).error(), DeviceError::kNotFinite);
+      ASSERT_TRUE(check_command(command, device) == std::unexpected(DeviceError::kNotFinite));
     }
-  EXPECT_EQ(check_command({Vec3(6.1, 6.1, 0), Vec3::Zero()}, device).error(), DeviceError::kLimit);
-  EXPECT_EQ(check_command({Vec3::Zero(), Vec3(0.4, 0, 0.4)}, device).error(), DeviceError::kLimit);
+  EXPECT_TRUE(check_command({Vec3(6.1, 6.1, 0), Vec3::Zero()}, device) == std::unexpected(DeviceError::kLimit));
+  EXPECT_TRUE(check_command({Vec3::Zero(), Vec3(0.4, 0, 0.4)}, device) == std::unexpected(DeviceError::kLimit));
 }
 
 TEST(Limits, EveryErrorHasItsOwnName) {
