@@ -82,7 +82,7 @@ struct Judgement {
   Cause cause = Cause::kNone;
   bool decided = false;             ///< one of the two hard rules applied
   double depth_error_m = std::numeric_limits<double>::quiet_NaN();        ///< reported - t; NaN: not compared
-  double direction_error_rad = std::numeric_limits<double>::quiet_NaN();  ///< the larger of force and normal; NaN: not compared
+  double direction_error_rad = std::numeric_limits<double>::quiet_NaN();  ///< larger of force and normal; NaN: not compared
   std::string explanation;          ///< empty unless something is wrong
 };
 
@@ -90,7 +90,9 @@ struct JudgeCounts {
   std::uint64_t checked = 0, decided = 0, agree = 0, in_band = 0, disagree = 0;
   std::uint64_t rendering = 0, reference = 0;  ///< the disagreements by cause
   /// Share of decided samples; 0 before the first.
-  double decided_share() const noexcept { return checked > 0 ? static_cast<double>(decided) / static_cast<double>(checked) : 0.0; }
+  double decided_share() const noexcept {
+    return checked > 0 ? static_cast<double>(decided) / static_cast<double>(checked) : 0.0;
+  }
 };
 
 /// At least this share of the checked samples should be decided, or the run says little.
