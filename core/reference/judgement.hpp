@@ -15,8 +15,8 @@
 ///  - An interior voxel is wholly inside the static mesh: interior hits need s <= c + o.
 ///  - A sphere's cap within sqrt(3) e of its deepest point holds a shell point (if g <= sqrt(3) e). If all of that cap is more
 ///    than e/4 + c + o inside, some point must collide. e/4 is for the cap's rim between the six places where it is seen:
-///    they span a hexagon, and what lies outside of it is at most (1 - cos 30 deg) sqrt(3) e = 0.23 e from it. This finds a
-///    missing contact from about t = e/2 on.
+///    they span a hexagon, and what lies outside of it is at most (1 - cos 30 deg) sqrt(3) e = 0.23 e from it. On flat
+///    faces this finds a missing contact from about t = e/2 on.
 ///  - Wherever there is no hit there is no force; and where a depth beyond e/4 is reported, a force.
 ///  - Depth to e. A colliding point x measures d = m.(c_v - x) to the tangent plane through its voxel's centre c_v, and not to
 ///    the surface. The surface passes through the same voxel, so both planes are at most h = e/2 (|m_x|+|m_y|+|m_z|) <=
@@ -24,9 +24,9 @@
 ///    costs sag = g^2 / (2 R) of depth (g, where no sphere is declared). So |d - t| <= h + sag, which is below e on all but
 ///    coarse shells: the tolerance is max(e, h + sag) + c + o. From above it always holds. From below it holds only while no
 ///    point has gone through: behind the layer (at 1 to 1.5 e) points give no depth, and d stays behind t by as much as one
-///    likes. Interior hits tell when that is so. A grid that is shifted away by 2 e
-///    is caught by this rule and the one on caps, one that is shifted closer by the first hard rule. A shift of which less than
-///    1.5 e is along the face's normal may stay unseen on that face.
+///    likes. Interior hits tell when that is so. A grid that is shifted away by 2 e is caught by this rule and the one on
+///    caps, one that is shifted closer by the first hard rule. A shift of which less than 1.5 e is along the face's normal may
+///    stay unseen on that face.
 ///    Not compared: where the static object is too thin or too split for depth and gap to mean the same (depth_exact), and
 ///    while the rendering says that it holds an old depth.
 ///  - Direction to 20 degrees, of the force and of the mean normal, where the nearest face is unique, t >= e/4, at least 4
@@ -82,7 +82,7 @@ struct Judgement {
   Cause cause = Cause::kNone;
   bool decided = false;             ///< one of the two hard rules applied
   double depth_error_m = std::numeric_limits<double>::quiet_NaN();        ///< reported - t; NaN: not compared
-  double direction_error_rad = std::numeric_limits<double>::quiet_NaN();  ///< the larger of force and normal; NaN: not compared
+  double direction_error_rad = std::numeric_limits<double>::quiet_NaN();  ///< larger of force and normal; NaN: not compared
   std::string explanation;          ///< empty unless something is wrong
 };
 
@@ -90,7 +90,9 @@ struct JudgeCounts {
   std::uint64_t checked = 0, decided = 0, agree = 0, in_band = 0, disagree = 0;
   std::uint64_t rendering = 0, reference = 0;  ///< the disagreements by cause
   /// Share of decided samples; 0 before the first.
-  double decided_share() const noexcept { return checked > 0 ? static_cast<double>(decided) / static_cast<double>(checked) : 0.0; }
+  double decided_share() const noexcept {
+    return checked > 0 ? static_cast<double>(decided) / static_cast<double>(checked) : 0.0;
+  }
 };
 
 /// At least this share of the checked samples should be decided, or the run says little.

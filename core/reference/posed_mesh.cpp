@@ -26,6 +26,7 @@ std::vector<Vec3> corner_of_each_part(const ReferenceMesh& mesh) {
     if (const std::uint32_t part = find(t[0]); !taken[part]) taken[part] = true, corners.push_back(mesh.vertices[t[0]]);
   return corners;
 }
+
 }  // namespace
 
 PosedMesh::PosedMesh(const MeshSpec& spec)

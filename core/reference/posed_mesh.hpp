@@ -1,5 +1,6 @@
 #pragma once
-/// One mesh of a scene, static or dynamic, with everything the reference can ask it. Lengths in metres, points in W (T for the dynamic one).
+/// One mesh of a scene, static or dynamic, with everything the reference can ask it. Lengths in metres, points in W (T for
+/// the dynamic one).
 #include <vector>
 
 #include "core/reference/closed_forms.hpp"
@@ -31,7 +32,8 @@ class PosedMesh {
   const ReferenceMesh& mesh() const noexcept { return mesh_; }
   const MeshDistance& distance() const noexcept { return distance_; }
   const Pose& pose() const noexcept { return pose_; }
-  /// One corner of each connected part, in the mesh's frame: where surfaces do not meet, a part is inside or outside as a whole.
+  /// One corner of each connected part, in the mesh's frame: where surfaces do not meet, a part is inside or outside as a
+  /// whole.
   const std::vector<Vec3>& one_of_each_part() const noexcept { return one_of_each_part_; }
 
  private:

@@ -70,7 +70,7 @@ Judge judged(const Ground& ground, const Fault& fault, Tamper tamper, std::strin
     const GapResult gap = ground.reference.gap(report.tool_in_world);
     const Judgement found = judge.judge(gap, report);
     if (found.verdict == Verdict::kDisagree && first_sentence != nullptr && first_sentence->empty())
-      *first_sentence = found.explanation + " [sample " + std::to_string(i) + ", gap " + std::to_string(gap.gap_m / kEdge) + " e]";
+      *first_sentence = found.explanation + " at a gap of " + std::to_string(gap.gap_m / kEdge) + " e";
   }
   return judge;
 }
@@ -102,7 +102,8 @@ TEST_P(PlantedFaults, GridShiftedByTwoEdgesIsCaughtInEveryDirectionThatMatters) 
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-2.0, 2.0}) {
       const Vec3 shift = sign * kEdge * Vec3::Unit(axis);
-      if (std::abs(shift.dot(ground.up)) > 1.5 * kEdge) expect_caught(judged(ground, {shift, false}), "axis " + std::to_string(axis));
+      if (std::abs(shift.dot(ground.up)) > 1.5 * kEdge)
+        expect_caught(judged(ground, {shift, false}), "axis " + std::to_string(axis));
     }
 }
 
@@ -145,7 +146,8 @@ TEST(FaultlessReports, RaiseNoAlarmOverFacesEdgesAndCornersOfABox) {
     Judge judge({kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0});
     for (int i = 0; i < 1500; ++i) {
       const Vec3 surface = Vec3(0.375, 0.25, 0.25).cwiseProduct(Vec3(unit(random), unit(random), unit(random)) * 1.5);
-      const Vec3 centre = surface + (kSphereRadius + kEdge * 2 * unit(random)) * Vec3(unit(random), unit(random), unit(random)).normalized();
+      const Vec3 out = Vec3(unit(random), unit(random), unit(random)).normalized();
+      const Vec3 centre = surface + (kSphereRadius + kEdge * 2 * unit(random)) * out;
       const Judgement found = judge.judge(reference.gap(at(centre)), rendering.at(centre));
       EXPECT_NE(found.verdict, Verdict::kDisagree) << found.explanation << " at " << centre.transpose();
     }
