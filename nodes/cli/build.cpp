@@ -34,7 +34,10 @@ void write_file(const std::filesystem::path& file, Write&& write) {
 int build(const BuildOptions& o) {
   const auto say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
   say("reading " + o.mesh.string());
-  const ImportedMesh imported = import_mesh(o.mesh, {.scale = o.scale, .voxel_size_m = o.voxel_m});
+  ImportOptions options;
+  options.scale = o.scale;
+  options.voxel_size_m = o.voxel_m;
+  const ImportedMesh imported = import_mesh(o.mesh, options);
   std::vector<std::string> warnings = imported.warnings;
   for (const std::string& sentence : imported.report.sentences()) warnings.push_back(sentence);
   for (const std::string& warning : warnings) say("warning: " + warning);

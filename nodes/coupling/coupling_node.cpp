@@ -61,8 +61,8 @@ class CouplingNode {
  private:
   void start_session(const msg::DeviceDescription& device) {
     period_s_ = 1.0 / device.rate_hz;
-    const double scale = scene_.device.force_scale;
-    coupling_ = make_coupling(scene_.coupling, {device.max_force_n / scale, device.max_torque_nm / scale}, period_s_);
+    const double force = scene_.device.force_scale, lever = scene_.device.position_scale;
+    coupling_ = make_coupling(scene_.coupling, {device.max_force_n / force, device.max_torque_nm * lever / force}, period_s_);
     coupling_->reset({});
     session_in_loop_ = device.session_id;
     last_time_ns_.reset();

@@ -22,7 +22,11 @@ using runtime::NodeState;
 
 /// The hand's motion in the device's frame, as the scene gives it.
 Motion choose_motion(const Scene& scene, const std::string& name) {
-  if (scene.motions.empty()) return Motion{.path = {Vec3::Zero()}};
+  if (scene.motions.empty()) {
+    Motion rest;
+    rest.path = {Vec3::Zero()};
+    return rest;
+  }
   if (name.empty()) {
     Motion rest = scene.motions.begin()->second;
     rest.path.resize(1);
@@ -137,7 +141,10 @@ class DeviceNode {
   std::unique_ptr<Driver> open_driver(const Scene& scene) const {
     const Motion motion = motion_in_device(choose_motion(scene, options_.motion), scene.device.device_in_world,
                                            scene.device.tool_offset, scene.device.position_scale);
-    return open_device(options_.device, {.seed = options_.seed, .motion = motion});
+    DeviceOptions device;
+    device.seed = options_.seed;
+    device.motion = motion;
+    return open_device(options_.device, device);
   }
 
   DeviceLoop::Settings settings() const {
