@@ -15,7 +15,7 @@
 ///       - sphere: {centre: [0, 0, 0], radius: 0.01}
 ///       - box: {size: [1, 1, 1], position: [0, 0, 0], orientation: [1, 0, 0, 0]}
 ///       - cylinder: {radius: 1, length: 1, position: [0, 0, 0], orientation: [1, 0, 0, 0]}
-/// dynamic: {mesh: ../meshes/sphere.obj, scale: 0.01, shell: exact}   # required; keys of static without origin; shell: exact | naive
+/// dynamic: {mesh: ../meshes/sphere.obj, scale: 0.01, shell: exact}   # required; shell: exact | naive; static's keys but origin
 /// contact: {model: adapted, stiffness_n_per_m: 10}   # required; model: original | adapted; per shell point
 /// effects: []
 /// coupling: {kind: shaping_filter, cutoff_hz: 100, damping_ratio: 0.707, gain: 1}

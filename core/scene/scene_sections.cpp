@@ -95,7 +95,8 @@ Motion read_motion(const SceneSource& source, const YamlEntry& entry) {
     map.refuse("circle", "does not go with 'repeat_from': the hand either goes back and forth or round.");
     motion.repeat_from = read_count(source, *from, "repeat_from");
     if (*motion.repeat_from >= motion.path.size() - 1)
-      source.fail(from->place, fmt::format("'repeat_from' is {}; it must be below {}, the last point of the path (points count from 0).",
+      source.fail(from->place, fmt::format("'repeat_from' is {}; it must be below {}, the last point of the path (points "
+                                           "count from 0).",
                                            *motion.repeat_from, motion.path.size() - 1));
   }
   if (const YamlNode* circle = map.find("circle")) read_circle(source, *circle, motion);

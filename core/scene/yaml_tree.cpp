@@ -30,7 +30,8 @@ class TreeBuilder final : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, const std::string& value) override {
     scalar(mark, tag, anchor, YamlNode::Kind::kScalar, value);
   }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
     open(mark, tag, anchor, YamlNode::Kind::kSequence);
   }
   void OnSequenceEnd() override { close(); }
@@ -116,7 +117,10 @@ std::size_t utf8_length(const std::string& s, std::size_t i) {
   const auto byte = [&](std::size_t k) -> unsigned { return k < s.size() ? static_cast<unsigned char>(s[k]) : 0U; };
   const unsigned lead = byte(i);
   if (lead < 0x80) return 1;
-  const std::size_t length = lead >= 0xF0 && lead <= 0xF4 ? 4 : lead >= 0xE0 && lead < 0xF0 ? 3 : lead >= 0xC2 && lead < 0xE0 ? 2 : 0;
+  std::size_t length = 0;
+  if (lead >= 0xC2 && lead < 0xE0) length = 2;
+  if (lead >= 0xE0 && lead < 0xF0) length = 3;
+  if (lead >= 0xF0 && lead <= 0xF4) length = 4;
   for (std::size_t k = 1; k < length; ++k)
     if ((byte(i + k) & 0xC0U) != 0x80U) return 0;
   return length;
@@ -139,7 +143,7 @@ void check_text(const std::string& text, const std::filesystem::path& file) {
 }  // namespace
 
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file) {
-  if (text.empty()) check_text(text, file);
+  check_text(text, file);
   // Without the last line's end: at it, this parser takes a quote that is never closed for closed.
   const std::size_t last = text.find_last_not_of(" \t\r\n");
   std::istringstream stream(text.substr(0, last == std::string::npos ? 0 : last + 1));
