@@ -78,27 +78,29 @@ TEST(Blend, HasNoStepWhereTheMemorylessLawSwitches) {
 }
 
 TEST(Blend, StaysFiniteAndContinuousWhereMeanAndOwnNormalCancel) {
-  // Three hits: two that set the mean, and one that turns through the exact opposite of it, over all coherences around 0.35.
+  // Four hits that set the mean and one that turns through the exact opposite of it, for coherences around 0.35 (s = 1/2).
   Laws laws;
   const double step = 1e-4;
-  int inside = 0;
-  for (double open = 0.6; open < 1.2; open += 0.005) {
+  const double half = std::acos(0.6875);  // (4 cos(open) - 1) / 5 = 0.35: here the blended direction vanishes at turn = 0
+  for (const double open : {0.7, half - 1e-2, half - 1e-3, half - 1e-6, half, half + 1e-6, half + 1e-3, half + 1e-2, 0.9}) {
     Wrench last;
-    for (double turn = -0.05; turn <= 0.05; turn += step) {
-      HitList hits = hits_of({Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
-                              Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
-                              Vec3(std::sin(turn), 0, -std::cos(turn))});
-      const StageResult r = laws.staged(hits);
+    for (int n = -500; n <= 500; ++n) {
+      const double turn = n * step;
+      const StageResult r = laws.staged(
+          hits_of({Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
+                   Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
+                   Vec3(std::sin(turn), 0, -std::cos(turn))}));
       ASSERT_TRUE(r.contact.wrench.finite());
-      const double s = contact_limits::smoothstep(0.2, 0.5, r.contact.coherence);
-      inside += std::abs(s - 0.5) < 0.02;
-      if (turn > -0.05 + step / 2) {
-        EXPECT_LE((r.contact.wrench.force - last.force).norm(), 100.0 * kEdge * step);
+      if (n > -500) {
+        EXPECT_LE((r.contact.wrench.force - last.force).norm(), 10.0 * kEdge * step) << open << " " << turn;
       }
       last = r.contact.wrench;
+      if (n == 0 && open == half) {
+        EXPECT_NEAR(contact_limits::smoothstep(contact_limits::kBlendFrom, contact_limits::kBlendTo, r.contact.coherence),
+                    0.5, 1e-9);
+      }
     }
   }
-  EXPECT_GT(inside, 100);  // the sweep did pass through s = 1/2
 }
 
 TEST(Blend, NeverTouchesTheModelOriginal) {
