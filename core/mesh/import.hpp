@@ -33,7 +33,7 @@ struct MeshError : std::runtime_error {
 
 struct ImportOptions {
   double scale = 1.0;         ///< metres for one unit of the file, > 0; for COLLADA and glTF on top of their own unit
-  Pose pose;                  ///< after scaling: x -> pose * (scale * x); norm of the quaternion within 1e-3 of one
+  Pose pose = Pose();         ///< after scaling: x -> pose * (scale * x); norm of the quaternion within 1e-3 of one
   double voxel_size_m = 0.0;  ///< voxel edge e the mesh will be used with, for precision and unit checks; 0: not known
   std::size_t max_triangles = 4'000'000;
   std::uintmax_t max_file_bytes = std::uintmax_t{512} << 20;

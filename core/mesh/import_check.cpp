@@ -113,6 +113,35 @@ void check_obj(MeshFile& file) {
   }
 }
 
+namespace {
+
+/// Every facet with its three vertices and its end: assimp passes over what is missing.
+void check_stl_text(MeshFile& file, const ImportOptions& options) {
+  if (file.bytes.find('\0') != std::string::npos) refuse_truncated(file, "zero bytes in an STL text");
+  std::uint64_t facets = 0, vertices = 0, ends = 0;
+  std::string_view last;
+  bool named = false;  // what follows 'solid' or 'endsolid' on its line is a name
+  for (std::size_t at = 0;;) {
+    const std::size_t before = at;
+    const std::string_view word = next_word(file.bytes, at);
+    if (word.empty()) break;
+    const bool new_line = std::string_view(file.bytes).substr(before, at - before).find_first_of("\r\n") != std::string_view::npos;
+    if (named && !new_line) continue;
+    named = word == "solid" || word == "endsolid";
+    facets += word == "facet", vertices += word == "vertex", ends += word == "endfacet";
+    if (named || word == "facet") last = word;
+  }
+  if (last != "endsolid") refuse_truncated(file, "an STL text without its 'endsolid'");
+  if (ends != facets || vertices != 3 * facets) {
+    refuse_truncated(file, std::to_string(facets) + " facets begin, " + std::to_string(ends) + " end, and they have " +
+                     std::to_string(vertices) + " vertices");
+  }
+  if (facets > options.max_triangles) refuse_size(file, facets, options);
+  file.faces = facets;
+}
+
+}  // namespace
+
 void check_stl(MeshFile& file, const ImportOptions& options) {
   constexpr std::size_t kHeader = 84, kTriangle = 50;
   const std::string_view bytes = file.bytes;
@@ -122,14 +151,7 @@ void check_stl(MeshFile& file, const ImportOptions& options) {
   const bool text = start.substr(start.find_first_not_of(" \t\r\n") == std::string_view::npos
                                      ? 0 : start.find_first_not_of(" \t\r\n")).starts_with("solid") &&
                     start.find('\0') == std::string_view::npos;
-  if (text && !binary_size) {
-    if (bytes.find('\0') != std::string_view::npos) refuse_truncated(file, "zero bytes in an STL text");
-    const std::size_t last = bytes.rfind("endsolid"), facet = bytes.rfind("endfacet");
-    if (last == std::string_view::npos || (facet != std::string_view::npos && facet > last)) {
-      refuse_truncated(file, "an STL text without its 'endsolid'");
-    }
-    return;
-  }
+  if (text && !binary_size) return check_stl_text(file, options);
   if (bytes.size() < kHeader) refuse_truncated(file, std::to_string(bytes.size()) + " bytes are no STL file");
   if (!binary_size) {
     refuse_truncated(file, "the header speaks of " + std::to_string(count) + " triangles, which need " +

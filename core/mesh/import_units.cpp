@@ -1,5 +1,6 @@
 #include "core/mesh/import_units.hpp"
 
+#include <cmath>
 #include <locale>
 #include <sstream>
 
@@ -31,7 +32,7 @@ std::string unit_warning(const MeshFile& file, double extent_m, const ImportOpti
   const bool unitless = file.extension == "obj" || file.extension == "stl" || file.extension == "ply";
   const bool small = extent_m < kFewestVoxels * e;
   std::string text = "the mesh is " + text_of(extent_m) + " m long at scale " + text_of(options.scale) + ", " +
-                     (small ? "only " : "") + text_of(extent_m / e) + " voxels of " + text_of(e) + " m";
+                     (small ? "only " : "") + (small ? text_of(extent_m / e) : std::to_string(std::llround(extent_m / e))) + " voxels of " + text_of(e) + " m";
   if (unitless) text += " (." + file.extension + " carries no unit; its numbers are taken as metres)";
   if (!small) return text + ": is the file in millimetres? Then use scale " + text_of(0.001 * options.scale);
   if (1000.0 * extent_m >= kFewestVoxels * e && options.scale < 1.0) {

@@ -1,0 +1,200 @@
+#include "core/mesh/report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/mesh/weld.hpp"
+#include "samples.hpp"
+
+using namespace voxtouch;
+using samples::box;
+using samples::joined;
+using samples::tetrahedron;
+using samples::turned_round;
+
+namespace {
+
+bool says(const MeshReport& report, const std::string& part) {
+  for (const std::string& s : report.sentences()) {
+    if (s.find(part) != std::string::npos) return true;
+  }
+  return false;
+}
+
+using Indices = std::vector<std::uint32_t>;
+
+TEST(MeshReport, HasNothingToSayOfACleanMesh) {
+  const MeshReport r = inspect(box({0, 0, 0}, {1, 2, 3}));
+  EXPECT_TRUE(r.clean());
+  EXPECT_TRUE(r.closed);
+  EXPECT_FALSE(r.inverted);
+  EXPECT_EQ(r.vertices, 8u);
+  EXPECT_EQ(r.points, 8u);
+  EXPECT_EQ(r.edges, 18u);
+  EXPECT_EQ(r.triangles, 12u);
+  EXPECT_EQ(r.parts, 1u);
+  EXPECT_EQ(r.euler_characteristic, 2);
+  EXPECT_NEAR(r.signed_volume_m3, 6.0, 1e-12);
+  EXPECT_EQ(r.max, Vec3(1, 2, 3));
+}
+
+TEST(MeshReport, SeesThroughVerticesThatEachTriangleHasForItself) {
+  const MeshReport r = inspect(samples::soup(tetrahedron()));
+  EXPECT_TRUE(r.closed);
+  EXPECT_EQ(r.vertices, 12u);
+  EXPECT_EQ(r.points, 4u);
+}
+
+TEST(MeshReport, CountsOpenEdgesAndSaysThatThereIsNoInterior) {
+  TriangleMesh mesh = tetrahedron();
+  mesh.triangles.pop_back();
+  const MeshReport r = inspect(mesh);
+  EXPECT_FALSE(r.closed);
+  EXPECT_EQ(r.open_edges.count, 3u);
+  EXPECT_EQ(r.open_edges.examples, (Indices{0, 1, 2}));
+  EXPECT_TRUE(says(r, "3 open edges (at triangles 0, 1, 2): the mesh has no interior"));
+  EXPECT_TRUE(says(r, "not pushed back"));
+}
+
+TEST(MeshReport, NeverCallsAnOpenMeshInverted) {
+  TriangleMesh mesh = turned_round(tetrahedron());
+  mesh.triangles.pop_back();
+  EXPECT_FALSE(inspect(mesh).inverted);
+}
+
+TEST(MeshReport, FindsAMeshThatFacesInward) {
+  const MeshReport r = inspect(turned_round(tetrahedron()));
+  EXPECT_TRUE(r.closed);
+  EXPECT_TRUE(r.inverted);
+  EXPECT_EQ(r.flipped.count, 0u);
+  EXPECT_LT(r.signed_volume_m3, 0.0);
+  EXPECT_TRUE(says(r, "faces inward"));
+}
+
+TEST(MeshReport, NamesTheFlippedTriangleAndNotItsNeighbours) {
+  for (std::uint32_t t = 0; t < 12; ++t) {
+    TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
+    std::swap(mesh.triangles[t][0], mesh.triangles[t][1]);
+    const MeshReport r = inspect(mesh);
+    EXPECT_EQ(r.flipped.examples, Indices{t});
+    EXPECT_EQ(r.flipped.count, 1u);
+    EXPECT_TRUE(r.closed);
+    EXPECT_TRUE(r.orientable);
+  }
+}
+
+TEST(MeshReport, TellsDuplicatesFromTrianglesTurnedRound) {
+  TriangleMesh mesh = tetrahedron();
+  mesh.triangles.push_back({2, 1, 0});  // triangle 0, other first corner
+  mesh.triangles.push_back({3, 2, 1});  // triangle 3, turned round
+  const MeshReport r = inspect(mesh);
+  EXPECT_EQ(r.duplicates.examples, Indices{4});
+  EXPECT_EQ(r.opposite_duplicates.examples, Indices{5});
+  EXPECT_TRUE(r.closed);
+  EXPECT_EQ(r.non_manifold_edges.count, 0u);
+  EXPECT_EQ(sound_triangles(mesh), (Indices{0, 1, 2, 3}));
+}
+
+TEST(MeshReport, JudgesClosednessWithoutZeroAreaTriangles) {
+  TriangleMesh mesh = tetrahedron();
+  mesh.vertices.emplace_back(0, 0, 0);         // same place as vertex 0
+  mesh.vertices.emplace_back(0.5, 0, 0);       // on the edge 0-1
+  mesh.triangles.push_back({0, 0, 1});
+  mesh.triangles.push_back({0, 4, 2});
+  mesh.triangles.push_back({0, 5, 1});
+  const MeshReport r = inspect(mesh);
+  EXPECT_EQ(r.zero_area.examples, (Indices{4, 5, 6}));
+  EXPECT_TRUE(r.closed);
+  EXPECT_EQ(r.triangles, 7u);
+  EXPECT_EQ(sound_triangles(mesh).size(), 4u);
+}
+
+TEST(MeshReport, LetsAZeroAreaTriangleFillTheGapAlongALongEdge) {
+  // The face on edge 0-1 of one side is split at vertex 4, the other is not; a collinear triangle stands between them.
+  const TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}},
+                          {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 1}}};
+  const MeshReport r = inspect(mesh);
+  EXPECT_EQ(r.zero_area.count, 1u);
+  EXPECT_TRUE(r.closed);
+  EXPECT_EQ(r.open_edges.count, 0u);
+  TriangleMesh without = mesh;
+  without.triangles.pop_back();
+  EXPECT_EQ(inspect(without).open_edges.count, 3u);
+}
+
+TEST(MeshReport, FindsCollinearCornersAtAnyScaleAndPlace) {
+  const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  for (const double scale : {1e-6, 1.0, 1e3}) {
+    for (const double offset : {0.0, 1e6}) {
+      TriangleMesh mesh{{{0, 0, 0}, {0.1, 0.2, 0.3}, {0.7, 1.4, 2.1}, {0, 1, 0}}, {{0, 1, 2}, {0, 1, 3}}};
+      mesh = transform(mesh, scale, Pose{{offset, offset, -offset}, turn});
+      const MeshReport r = inspect(mesh);
+      EXPECT_EQ(r.zero_area.examples, Indices{0}) << scale << ' ' << offset;
+    }
+  }
+}
+
+TEST(MeshReport, FindsEdgesWhereSheetsMeet) {
+  // Two boxes that share one edge: four triangles there.
+  const TriangleMesh mesh = weld(joined(box({0, 0, 0}, {1, 1, 1}), box({1, 1, 0}, {2, 2, 1})));
+  const MeshReport r = inspect(mesh);
+  EXPECT_EQ(r.non_manifold_edges.count, 1u);
+  EXPECT_TRUE(r.closed);
+  EXPECT_NEAR(r.signed_volume_m3, 2.0, 1e-12);
+}
+
+TEST(MeshReport, NamesPartsThatFaceInwardAmongOthers) {
+  const TriangleMesh mesh = joined(box({0, 0, 0}, {3, 3, 3}), turned_round(box({1, 1, 1}, {2, 2, 2})));
+  const MeshReport r = inspect(mesh);
+  EXPECT_EQ(r.parts, 2u);
+  EXPECT_EQ(r.inward_parts.examples, Indices{12});
+  EXPECT_FALSE(r.inverted);
+  EXPECT_TRUE(r.closed);
+  EXPECT_NEAR(r.signed_volume_m3, 26.0, 1e-12);
+}
+
+TEST(MeshReport, SaysThatAMoebiusStripHasOneSide) {
+  TriangleMesh strip{{}, {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}, {3, 5, 4}, {4, 5, 1}, {5, 0, 1}}};
+  for (int k = 0; k < 3; ++k) {
+    const double a = 2 * M_PI * k / 3;
+    strip.vertices.emplace_back(std::cos(a), std::sin(a), 0.1 * k);
+    strip.vertices.emplace_back(2 * std::cos(a + 0.1), 2 * std::sin(a + 0.1), 1.0);
+  }
+  EXPECT_FALSE(inspect(strip).orientable);
+}
+
+TEST(MeshReport, CountsVerticesThatAreNotFiniteOrNotUsed) {
+  TriangleMesh mesh = tetrahedron();
+  mesh.vertices.emplace_back(9, 9, 9);
+  mesh.vertices[3].z() = std::numeric_limits<double>::quiet_NaN();
+  const MeshReport r = inspect(mesh);
+  EXPECT_EQ(r.not_finite_vertices.examples, Indices{3});
+  EXPECT_EQ(r.unused_vertices.examples, Indices{4});
+  EXPECT_FALSE(r.closed);
+  EXPECT_EQ(r.max, Vec3(1, 1, 0));
+  EXPECT_TRUE(std::isfinite(r.signed_volume_m3));
+  EXPECT_EQ(sound_triangles(mesh), Indices{0});
+}
+
+TEST(MeshReport, ListsOnlyTheFirstFew) {
+  TriangleMesh mesh = tetrahedron();
+  for (int k = 0; k < 9; ++k) mesh.triangles.push_back({0, 0, 1});
+  const MeshReport r = inspect(mesh);
+  EXPECT_EQ(r.zero_area.count, 9u);
+  EXPECT_EQ(r.zero_area.examples, (Indices{4, 5, 6, 7, 8}));
+  EXPECT_TRUE(says(r, "9 triangles have no area (triangles 4, 5, 6, 7, 8, ...)"));
+}
+
+TEST(MeshReport, SurvivesAnEmptyMesh) {
+  const MeshReport r = inspect({});
+  EXPECT_FALSE(r.closed);
+  EXPECT_EQ(r.triangles, 0u);
+}
+
+TEST(MeshReport, KeepsTheVolumeFarFromTheOrigin) {
+  const MeshReport r = inspect(transform(tetrahedron(), 1e-3, Pose{{1e3, -1e3, 1e3}, Quat::Identity()}));
+  EXPECT_NEAR(r.signed_volume_m3 / (1e-9 / 6), 1.0, 1e-8);
+}
+
+}  // namespace
