@@ -1,10 +1,10 @@
 #include "nodes/bag/bag_hash.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstring>
+
+#include "nodes/bag/refuse.hpp"
 
 namespace voxtouch::bag {
 namespace {
@@ -31,7 +31,8 @@ std::optional<std::uint64_t> ring_sequence_number(std::span<const std::byte> byt
   if (bytes.size() < kAt + 8) return std::nullopt;
   std::uint64_t value = 0;
   std::memcpy(&value, bytes.data() + kAt, 8);
-  const bool little = (bytes[1] & std::byte{1}) != std::byte{0};  // representation identifier: odd is little-endian
+  // representation identifier: odd is little-endian
+  const bool little = (bytes[1] & std::byte{1}) != std::byte{0};
   return little == (std::endian::native == std::endian::little) ? value : __builtin_bswap64(value);
 }
 
@@ -43,8 +44,10 @@ Result<TopicHash> hash_topic(const BagReader& bag, std::string_view topic, const
   for (const auto& message : *messages) {
     const auto place = key ? key(message.bytes) : std::optional<std::uint64_t>(0);
     if (!place)
-      return std::unexpected(BagError{BagFault::kBadMessage, fmt::format("Message {} of '{}' ({} bytes) holds no sequence number; hash the "
-                                                                         "topic in order of arrival.", order.size(), topic, message.bytes.size())});
+      return refuse(BagFault::kBadMessage,
+                    "Message {} of '{}' ({} bytes) holds no sequence number; hash the topic in order of "
+                    "arrival.",
+                    order.size(), topic, message.bytes.size());
     order.emplace_back(*place, &message);
   }
   std::ranges::stable_sort(order, {}, &decltype(order)::value_type::first);

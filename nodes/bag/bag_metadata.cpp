@@ -1,23 +1,27 @@
 #include "nodes/bag/bag_metadata.hpp"
 
-#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
+
+#include "nodes/bag/refuse.hpp"
 
 namespace voxtouch::bag {
 namespace {
 
 template <class T>
 void emit_time(YAML::Emitter& out, const char* name, const char* unit, T value) {
-  out << YAML::Key << name << YAML::Value << YAML::BeginMap << YAML::Key << unit << YAML::Value << value << YAML::EndMap;
+  out << YAML::Key << name << YAML::Value << YAML::BeginMap << YAML::Key << unit << YAML::Value << value
+      << YAML::EndMap;
 }
 
 void emit_topics(YAML::Emitter& out, const std::vector<TopicInfo>& topics) {
   out << YAML::Key << "topics_with_message_count" << YAML::Value << YAML::BeginSeq;
   for (const auto& topic : topics) {
     out << YAML::BeginMap << YAML::Key << "topic_metadata" << YAML::Value << YAML::BeginMap;
-    out << YAML::Key << "name" << YAML::Value << topic.name << YAML::Key << "type" << YAML::Value << topic.type;
+    out << YAML::Key << "name" << YAML::Value << topic.name << YAML::Key << "type" << YAML::Value
+        << topic.type;
     out << YAML::Key << "serialization_format" << YAML::Value << topic.serialization_format;
-    out << YAML::Key << "offered_qos_profiles" << YAML::Value << YAML::DoubleQuoted << topic.offered_qos << YAML::EndMap;
+    out << YAML::Key << "offered_qos_profiles" << YAML::Value << YAML::DoubleQuoted << topic.offered_qos
+        << YAML::EndMap;
     out << YAML::Key << "message_count" << YAML::Value << topic.message_count << YAML::EndMap;
   }
   out << YAML::EndSeq;
@@ -88,11 +92,12 @@ Result<BagMetadata> read_metadata(const std::filesystem::path& file) {
   try {
     return parse(YAML::LoadFile(file.string())["rosbag2_bagfile_information"]);
   } catch (const YAML::BadFile&) {
-    return std::unexpected(BagError{BagFault::kDisk, fmt::format("'{}' cannot be read. Name a folder that holds a bag.", file.string())});
+    return refuse(BagFault::kDisk, "'{}' cannot be read. Name a folder that holds a bag.", file.string());
   } catch (const YAML::Exception& error) {
-    return std::unexpected(BagError{BagFault::kFormat, fmt::format("'{}' is not the metadata of a bag: {}. Record it again, or "
-                                                                   "remove the file to read the .db3 beside it without it.",
-                                                                   file.string(), error.what())});
+    return refuse(BagFault::kFormat,
+                  "'{}' is not the metadata of a bag: {}. Record it again, or remove the file to read the "
+                  ".db3 beside it without it.",
+                  file.string(), error.what());
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// metadata.yaml of a rosbag2 folder: written as version 5, which Humble writes and Jazzy reads; read in versions 1 to 9.
+/// metadata.yaml of a rosbag2 folder: written as version 5, which Humble writes and Jazzy reads; read in
+/// versions 1 to 9.
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -15,7 +16,8 @@ struct TopicInfo {
   std::string name;                        ///< "/haptic/device/state"
   std::string type;                        ///< "voxtouch_msgs/msg/DeviceState"
   std::string serialization_format = "cdr";
-  std::string offered_qos;                 ///< see offered_qos_text(); version 9's list is kept as its YAML text
+  /// see offered_qos_text(); version 9's list is kept as its YAML text
+  std::string offered_qos;
   std::uint64_t message_count = 0;
 };
 
@@ -30,8 +32,8 @@ struct BagMetadata {
   std::string compression_mode;            ///< empty: none
 };
 
-/// The text of metadata.yaml (version 5, one file). With `with_root` false the inner part alone, which the database's own
-/// metadata table holds: without that row Jazzy takes the QoS text for its newest form.
+/// The text of metadata.yaml (version 5, one file). With `with_root` false the inner part alone, which the
+/// database's own metadata table holds: without that row Jazzy takes the QoS text for its newest form.
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root = true);
 
 /// Reads metadata.yaml. Errors: kDisk if there is none, kFormat if it is not one.

@@ -6,27 +6,28 @@
 #include <algorithm>
 #include <system_error>
 
+#include "nodes/bag/refuse.hpp"
+
 namespace voxtouch::bag {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::unexpected<BagError> format_error(std::string sentence) {
-  return std::unexpected(BagError{BagFault::kFormat, std::move(sentence)});
-}
-
-// bag_2.db3 before bag_10.db3: by length, then by letters, which is by number where the names differ in the number only.
+// bag_2.db3 before bag_10.db3: by length, then by letters, which is by number where the names differ in the
+// number only.
 std::vector<fs::path> databases_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     if (it->path().extension() == ".db3") found.push_back(it->path());
-  std::ranges::sort(found, {}, [](const fs::path& path) { return std::pair(path.string().size(), path.string()); });
+  std::ranges::sort(found, {},
+                    [](const fs::path& path) { return std::pair(path.string().size(), path.string()); });
   return found;
 }
 
 // The files that metadata names; if one is not there, what the folder holds.
-std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<BagMetadata>& metadata, std::vector<std::string>& warnings) {
+std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<BagMetadata>& metadata,
+                                   std::vector<std::string>& warnings) {
   std::vector<fs::path> named;
   if (metadata)
     for (const auto& file : metadata->files) named.push_back(folder / file);
@@ -35,7 +36,9 @@ std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<B
     return fs::exists(path, error);
   });
   if (!named.empty() && all_there) return named;
-  if (metadata) warnings.push_back(fmt::format("'{}' names files that are not there; the folder's .db3 files are read.", folder.string()));
+  if (metadata)
+    warnings.push_back(fmt::format("'{}' names files that are not there; the folder's .db3 files are read.",
+                                   folder.string()));
   return databases_in(folder);
 }
 
@@ -49,22 +52,28 @@ Result<BagReader> BagReader::open(const fs::path& path) {
   if (fs::is_directory(status)) {
     auto metadata = read_metadata(path / "metadata.yaml");
     if (metadata) {
-      if (!metadata->compression_mode.empty() && metadata->compression_mode != "NONE" && metadata->compression_mode != "none")
-        return format_error(fmt::format("The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.", path.string(),
-                                        metadata->compression_mode));
+      if (!metadata->compression_mode.empty() && metadata->compression_mode != "NONE" &&
+          metadata->compression_mode != "none")
+        return refuse(BagFault::kFormat,
+                      "The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.", path.string(),
+                      metadata->compression_mode);
       if (metadata->storage_identifier != "sqlite3")
-        return format_error(fmt::format("The bag '{}' is stored as {}, and only sqlite3 is read. Convert it with ros2 bag convert.",
-                                        path.string(), metadata->storage_identifier));
+        return refuse(BagFault::kFormat,
+                      "The bag '{}' is stored as {}, and only sqlite3 is read. Convert it with ros2 bag "
+                      "convert.",
+                      path.string(), metadata->storage_identifier);
       reader.metadata_ = std::move(*metadata);
     } else {
       reader.warnings_.push_back(metadata.error().sentence);
     }
     files = databases_of(path, reader.metadata_, reader.warnings_);
-    if (files.empty()) return format_error(fmt::format("'{}' holds no .db3 file. Name a folder that holds a bag.", path.string()));
+    if (files.empty())
+      return refuse(BagFault::kFormat, "'{}' holds no .db3 file. Name a folder that holds a bag.",
+                    path.string());
   } else if (fs::is_regular_file(status)) {
     files = {path};
   } else {
-    return std::unexpected(BagError{BagFault::kDisk, fmt::format("'{}' is not there. Name a folder that holds a bag.", path.string())});
+    return refuse(BagFault::kDisk, "'{}' is not there. Name a folder that holds a bag.", path.string());
   }
   for (const auto& file : files)
     if (auto added = reader.add_file(file); !added) return std::unexpected(added.error());
@@ -75,10 +84,12 @@ Result<void> BagReader::add_file(const fs::path& path) {
   auto opened = Database::open(path, Database::Mode::kReadOnly);
   if (!opened) return std::unexpected(opened.error());
   File file{std::move(*opened), {}};
-  const auto has_qos = file.database.value("SELECT count(*) FROM pragma_table_info('topics') WHERE name='offered_qos_profiles'");
+  const auto has_qos = file.database.value(
+      "SELECT count(*) FROM pragma_table_info('topics') WHERE name='offered_qos_profiles'");
   if (!has_qos) return std::unexpected(has_qos.error());
   const std::string qos = *has_qos == "1" ? "offered_qos_profiles" : "''";  // schema 1 has none
-  auto rows = file.database.prepare("SELECT id, name, type, serialization_format, " + qos + " FROM topics ORDER BY id");
+  auto rows = file.database.prepare("SELECT id, name, type, serialization_format, " + qos +
+                                    " FROM topics ORDER BY id");
   if (!rows) return std::unexpected(BagError{BagFault::kFormat, rows.error().sentence});
   int code = rows->step();
   for (; code == SQLITE_ROW; code = rows->step()) {
@@ -100,7 +111,8 @@ Result<void> BagReader::count_messages(const File& file) {
   if (!rows) return std::unexpected(BagError{BagFault::kFormat, rows.error().sentence});
   int code = rows->step();
   for (; code == SQLITE_ROW; code = rows->step())
-    if (const auto index = file.index_of(rows->integer(0))) topics_[*index].message_count += static_cast<std::uint64_t>(rows->integer(1));
+    if (const auto index = file.index_of(rows->integer(0)))
+      topics_[*index].message_count += static_cast<std::uint64_t>(rows->integer(1));
   if (code != SQLITE_DONE) return std::unexpected(file.database.error("count the messages of"));
   return {};
 }
@@ -123,10 +135,11 @@ std::uint64_t BagReader::message_count() const noexcept {
   return count;
 }
 
-Result<void> BagReader::for_each(const std::function<bool(const BagMessage&)>& f, std::optional<std::size_t> topic, Order order) const {
+Result<void> BagReader::for_each(const std::function<bool(const BagMessage&)>& f,
+                                 std::optional<std::size_t> topic, Order order) const {
   for (const auto& file : files_) {
-    auto rows = file.database.prepare(order == Order::kTime ? "SELECT topic_id, timestamp, id, data FROM messages ORDER BY timestamp, id"
-                                                            : "SELECT topic_id, timestamp, id, data FROM messages ORDER BY id");
+    const std::string by = order == Order::kTime ? "timestamp, id" : "id";
+    auto rows = file.database.prepare("SELECT topic_id, timestamp, id, data FROM messages ORDER BY " + by);
     if (!rows) return std::unexpected(rows.error());
     int code = rows->step();
     for (; code == SQLITE_ROW; code = rows->step()) {
@@ -155,7 +168,8 @@ Result<std::vector<StoredMessage>> BagReader::read_topic(std::string_view name, 
 BagError BagReader::no_such_topic(std::string_view name) const {
   std::vector<std::string> names;
   for (const auto& topic : topics_) names.push_back(topic.name);
-  return {BagFault::kNoSuchTopic, fmt::format("The bag has no topic '{}'. It has: {}.", name, fmt::join(names, ", "))};
+  return {BagFault::kNoSuchTopic,
+          fmt::format("The bag has no topic '{}'. It has: {}.", name, fmt::join(names, ", "))};
 }
 
 }  // namespace voxtouch::bag

@@ -1,6 +1,7 @@
 #pragma once
-/// Reads rosbag2 folders (sqlite3, uncompressed, metadata versions 1 to 9), voxtouch's own and those of `ros2 bag record`,
-/// also after a kill and with a metadata.yaml that is missing or stale: what stands in the database counts.
+/// Reads rosbag2 folders (sqlite3, uncompressed, metadata versions 1 to 9), voxtouch's own and those of `ros2
+/// bag record`, also after a kill and with a metadata.yaml that is missing or stale: what stands in the
+/// database counts.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -39,14 +40,17 @@ class BagReader {
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
   std::optional<std::size_t> find_topic(std::string_view name) const noexcept;
   std::uint64_t message_count() const noexcept;
-  /// metadata.yaml as it stands; nothing if it is missing or unreadable. It may be up to a second behind after a kill.
+  /// metadata.yaml as it stands; nothing if it is missing or unreadable. It may be up to a second behind
+  /// after a kill.
   const std::optional<BagMetadata>& metadata() const noexcept { return metadata_; }
   /// What was not as it should be, and was read all the same. One sentence each.
   const std::vector<std::string>& warnings() const noexcept { return warnings_; }
 
   enum class Order : std::uint8_t { kTime, kArrival };  ///< time, then id; or id alone
-  /// Calls f for every message, of `topic` only if given, file by file; f returns false to stop. Errors: a damaged database.
-  Result<void> for_each(const std::function<bool(const BagMessage&)>& f, std::optional<std::size_t> topic = {},
+  /// Calls f for every message, of `topic` only if given, file by file; f returns false to stop. Errors: a
+  /// damaged database.
+  Result<void> for_each(const std::function<bool(const BagMessage&)>& f,
+                        std::optional<std::size_t> topic = {},
                         Order order = Order::kTime) const;
   /// All messages of a topic. Error: kNoSuchTopic names what there is.
   Result<std::vector<StoredMessage>> read_topic(std::string_view name, Order order = Order::kTime) const;

@@ -1,18 +1,20 @@
 #include "nodes/bag/bag_recorder.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include "nodes/bag/refuse.hpp"
 
 namespace voxtouch::bag {
 
 namespace {
-constexpr std::size_t kMaxErrors = 64;  // each different sentence once; a broken disk must not fill the memory with them
+// each different sentence once; a broken disk must not fill the memory with them
+constexpr std::size_t kMaxErrors = 64;
 constexpr std::chrono::milliseconds kTickPeriod{20};  // a sink asks for ten a second
 }
 
 BagRecorder::BagRecorder(std::unique_ptr<BagSink> sink, const RecorderOptions& options)
-    : options_(options), sink_(std::move(sink)), queue_(options.queue_bytes, options.queue_messages), counts_(options.max_topics),
+    : options_(options), sink_(std::move(sink)), queue_(options.queue_bytes, options.queue_messages),
+      counts_(options.max_topics),
       last_report_(std::chrono::steady_clock::now()), last_tick_(last_report_) {
   thread_ = std::thread([this] { run(); });
 }
@@ -22,8 +24,9 @@ BagRecorder::~BagRecorder() { (void)stop(); }
 Result<TopicId> BagRecorder::add_topic(const TopicInfo& topic) {
   const std::scoped_lock lock(table_mutex_);
   if (topics_.size() >= counts_.size())
-    return std::unexpected(BagError{BagFault::kNoSuchTopic, fmt::format("'{}' is topic number {} and the recorder was made for {}. Raise "
-                                                                        "max_topics.", topic.name, topics_.size() + 1, counts_.size())});
+    return refuse(BagFault::kNoSuchTopic,
+                  "'{}' is topic number {} and the recorder was made for {}. Raise max_topics.", topic.name,
+                  topics_.size() + 1, counts_.size());
   topics_.push_back(topic);
   disk_counts_.push_back({.name = topic.name});
   const auto id = static_cast<TopicId>(topics_.size() - 1);
@@ -35,7 +38,8 @@ PushResult BagRecorder::push(TopicId topic, std::int64_t time_ns, std::span<cons
   if (topic >= topic_count_.load(std::memory_order_acquire)) return PushResult::kUnknownTopic;
   Counts& counts = counts_[topic];
   counts.received.fetch_add(1, std::memory_order_relaxed);
-  // stop() first forbids, then waits until nobody is between these two lines: what was accepted is in the queue before the last drain.
+  // stop() first forbids, then waits until nobody is between these two lines: what was accepted is in the
+  // queue before the last drain.
   pushing_.fetch_add(1, std::memory_order_seq_cst);
   PushResult result = PushResult::kStopped;
   while (accepting_.load(std::memory_order_seq_cst)) {
@@ -59,7 +63,8 @@ PushResult BagRecorder::push(TopicId topic, std::int64_t time_ns, std::span<cons
 
 void BagRecorder::note(const BagError& error) {
   const std::scoped_lock lock(table_mutex_);
-  if (errors_.size() < kMaxErrors && std::ranges::find(errors_, error.sentence) == errors_.end()) errors_.push_back(error.sentence);
+  if (errors_.size() < kMaxErrors && std::ranges::find(errors_, error.sentence) == errors_.end())
+    errors_.push_back(error.sentence);
 }
 
 void BagRecorder::add_new_topics() {
@@ -100,7 +105,8 @@ std::size_t BagRecorder::drain() {
     if (!message) break;
     if (message->topic >= sink_topics_.size()) add_new_topics();
     if (const auto topic = sink_topics_[message->topic]) {
-      if (auto appended = sink_->append(*topic, message->time_ns, message->bytes); !appended) note(appended.error());
+      if (auto appended = sink_->append(*topic, message->time_ns, message->bytes); !appended)
+        note(appended.error());
     } else {
       ++unplaced_[message->topic];
     }
@@ -114,7 +120,8 @@ void BagRecorder::housekeeping(bool closing) {
   const auto now = last_tick_ = std::chrono::steady_clock::now();
   auto ticked = closing ? sink_->close() : sink_->tick();
   if (!ticked) note(ticked.error());
-  std::vector<TopicReport> in_sink(sink_topics_.size());  // in the sink's order, which leaves refused topics out
+  // in the sink's order, which leaves refused topics out
+  std::vector<TopicReport> in_sink(sink_topics_.size());
   sink_->fill_counts(in_sink);
   {
     const std::scoped_lock lock(table_mutex_);
@@ -162,7 +169,8 @@ RecordingReport BagRecorder::stop() {
   const std::scoped_lock lock(stop_mutex_);
   if (thread_.joinable()) {
     accepting_.store(false, std::memory_order_seq_cst);
-    while (pushing_.load(std::memory_order_seq_cst) > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (pushing_.load(std::memory_order_seq_cst) > 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     stopping_.store(true, std::memory_order_release);
     thread_.join();
   }

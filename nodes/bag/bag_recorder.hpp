@@ -1,5 +1,6 @@
 #pragma once
-/// Records without making anybody wait: reception threads push into a bounded queue, a thread of its own feeds the disk.
+/// Records without making anybody wait: reception threads push into a bounded queue, a thread of its own
+/// feeds the disk.
 #include <atomic>
 #include <chrono>
 #include <deque>
@@ -17,8 +18,10 @@ struct RecorderOptions {
   std::size_t queue_bytes = std::size_t{32} << 20;  ///< the ring's five topics need 1 to 2 MB a second
   std::size_t queue_messages = 65536;
   std::size_t max_topics = 1024;
-  bool lockstep = false;  ///< push waits for room instead of dropping: nothing is lost, wall time does not matter
-  std::chrono::milliseconds poll_period{5};     ///< how long the disk thread sleeps when there is nothing to write
+  /// push waits for room instead of dropping: nothing is lost, wall time does not matter
+  bool lockstep = false;
+  /// how long the disk thread sleeps when there is nothing to write
+  std::chrono::milliseconds poll_period{5};
   std::chrono::milliseconds report_period{500};
 };
 
@@ -38,11 +41,13 @@ class BagRecorder {
   BagRecorder& operator=(const BagRecorder&) = delete;
   ~BagRecorder();  ///< stop()
 
-  /// Announces a topic; the disk thread adds it to the bag. Never waits for the disk. Error: more than max_topics.
+  /// Announces a topic; the disk thread adds it to the bag. Never waits for the disk. Error: more than
+  /// max_topics.
   Result<TopicId> add_topic(const TopicInfo& topic);
 
-  /// Any thread, also a DDS listener. In real time it never waits for the disk and allocates nothing; in lockstep it blocks until
-  /// there is room. time_ns becomes the bag's time: reception time, or simulated time in lockstep.
+  /// Any thread, also a DDS listener. In real time it never waits for the disk and allocates nothing; in
+  /// lockstep it blocks until there is room. time_ns becomes the bag's time: reception time, or simulated
+  /// time in lockstep.
   PushResult push(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) noexcept;
 
   /// Counts up to now. Does not wait for the disk. With `closed` set they add up.

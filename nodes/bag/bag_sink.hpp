@@ -34,8 +34,8 @@ struct RecordingReport {
   }
 };
 
-/// All calls come from one thread at a time and may block. After an error the next calls are still made: a disk that has room
-/// again is used again.
+/// All calls come from one thread at a time and may block. After an error the next calls are still made: a
+/// disk that has room again is used again.
 class BagSink {
  public:
   virtual ~BagSink() = default;

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "nodes/bag/files.hpp"
+#include "nodes/bag/refuse.hpp"
 
 namespace voxtouch::bag {
 namespace {
@@ -20,32 +21,39 @@ constexpr const char* kSchema = R"(
 BEGIN;
 CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);
 CREATE TABLE metadata(id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL, metadata TEXT NOT NULL);
-CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format TEXT NOT NULL,
+CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
+                    serialization_format TEXT NOT NULL,
                     offered_qos_profiles TEXT NOT NULL);
-CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB NOT NULL);
+CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL,
+                      data BLOB NOT NULL);
 CREATE INDEX timestamp_idx ON messages (timestamp ASC);
 INSERT INTO schema VALUES (3, 'humble');
 COMMIT;
 )";
 
-std::unexpected<BagError> disk(std::string sentence) { return std::unexpected(BagError{BagFault::kDisk, std::move(sentence)}); }
-
-// One call decides who owns the folder: of two recorders that race for it one makes it and the other is refused.
+// One call decides who owns the folder: of two recorders that race for it one makes it and the other is
+// refused.
 Result<void> make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   if (folder.has_parent_path()) std::filesystem::create_directories(folder.parent_path(), error);
-  if (error) return disk(fmt::format("'{}' cannot be made: {}. Choose another folder.", folder.parent_path().string(), error.message()));
+  if (error)
+    return refuse(BagFault::kDisk, "'{}' cannot be made: {}. Choose another folder.",
+                  folder.parent_path().string(), error.message());
   const bool made = std::filesystem::create_directory(folder, error);
   if (made) return {};
   if (!error || error == std::errc::file_exists)
-    return std::unexpected(BagError{BagFault::kExists, fmt::format("'{}' exists already and a bag is never written over another one. "
-                                                                   "Choose another folder or remove it.", folder.string())});
-  return disk(fmt::format("'{}' cannot be made: {}. Choose another folder.", folder.string(), error.message()));
+    return refuse(BagFault::kExists,
+                  "'{}' exists already and a bag is never written over another one. Choose another folder or "
+                  "remove it.",
+                  folder.string());
+  return refuse(BagFault::kDisk, "'{}' cannot be made: {}. Choose another folder.", folder.string(),
+                error.message());
 }
 
 }  // namespace
 
-Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given, const WriterOptions& options) {
+Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given,
+                                    const WriterOptions& options) {
   // "bags/run/" and "." have no last name; the absolute, normal form has.
   std::filesystem::path folder = std::filesystem::absolute(folder_as_given).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
@@ -61,12 +69,15 @@ Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given
   writer.insert_.reset();
   writer.database_.reset();
   std::error_code ignored;
-  std::filesystem::remove_all(folder, ignored);  // made above by this call; half a bag would only stand in the next one's way
+  // made above by this call; half a bag would only stand in the next one's way
+  std::filesystem::remove_all(folder, ignored);
   return std::unexpected(made.error());
 }
 
 BagWriter::BagWriter(std::filesystem::path folder, const WriterOptions& options, Database database)
-    : folder_(std::move(folder)), options_(options), database_(std::make_unique<Database>(std::move(database))), pending_first_ns_(kNoFirst), pending_last_ns_(0),
+    : folder_(std::move(folder)), options_(options),
+      database_(std::make_unique<Database>(std::move(database))), pending_first_ns_(kNoFirst),
+      pending_last_ns_(0),
       last_commit_(Clock::now()), last_refresh_(Clock::now()) {}
 
 BagWriter::~BagWriter() {
@@ -77,8 +88,10 @@ Result<void> BagWriter::create_tables() {
   auto mode = database_->value("PRAGMA journal_mode=WAL");
   if (!mode) return std::unexpected(mode.error());
   if (*mode != "wal")
-    return disk(fmt::format("The file system of '{}' cannot share a write-ahead log (journal mode stays {}). Record to a local disk.",
-                            folder_.string(), *mode));
+    return refuse(BagFault::kDisk,
+                  "The file system of '{}' cannot share a write-ahead log (journal mode stays {}). Record to "
+                  "a local disk.",
+                  folder_.string(), *mode);
   if (auto set = database_->run("PRAGMA synchronous=NORMAL"); !set) return set;
   if (options_.max_bytes > 0) {
     const auto pages = std::max<std::int64_t>(static_cast<std::int64_t>(options_.max_bytes) / kPageBytes, 1);
@@ -92,10 +105,11 @@ Result<void> BagWriter::create_tables() {
 }
 
 Result<TopicId> BagWriter::add_topic(const TopicInfo& topic) {
-  if (!database_) return disk("The bag is closed.");
+  if (!database_) return refuse(BagFault::kDisk, "The bag is closed.");
   // Out of the open transaction: a message that does not fit must not take its topic with it.
   if (auto committed = commit(); !committed) return std::unexpected(committed.error());
-  auto insert = database_->prepare("INSERT INTO topics (name, type, serialization_format, offered_qos_profiles) VALUES (?, ?, ?, ?)");
+  auto insert = database_->prepare(
+      "INSERT INTO topics (name, type, serialization_format, offered_qos_profiles) VALUES (?, ?, ?, ?)");
   if (!insert) return std::unexpected(insert.error());
   insert->bind(1, topic.name);
   insert->bind(2, topic.type);
@@ -116,15 +130,15 @@ Result<void> BagWriter::begin() {
 }
 
 Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const std::byte> bytes) {
-  if (!database_) return disk("The bag is closed.");
+  if (!database_) return refuse(BagFault::kDisk, "The bag is closed.");
   if (id >= topics_.size())
-    return std::unexpected(BagError{BagFault::kNoSuchTopic, fmt::format("Topic number {} was never added to the bag.", id)});
+    return refuse(BagFault::kNoSuchTopic, "Topic number {} was never added to the bag.", id);
   Topic& topic = topics_[id];
   if (time_ns < 0) {  // rosbag2 reads its times as unsigned and would refuse the whole bag
     ++topic.lost;
-    return std::unexpected(BagError{BagFault::kBadMessage,
-                                    fmt::format("A message on '{}' has the time {} ns; a bag holds none before 1970.",
-                                                metadata_.topics[id].name, time_ns)});
+    return refuse(BagFault::kBadMessage,
+                  "A message on '{}' has the time {} ns; a bag holds none before 1970.",
+                  metadata_.topics[id].name, time_ns);
   }
   if (auto begun = begin(); !begun) {
     ++topic.lost;
@@ -163,11 +177,13 @@ Result<void> BagWriter::commit() {
 }
 
 void BagWriter::commit_counts() {
-  for (std::size_t i = 0; i < topics_.size(); ++i) metadata_.topics[i].message_count += std::exchange(topics_[i].pending, 0);
+  for (std::size_t i = 0; i < topics_.size(); ++i)
+    metadata_.topics[i].message_count += std::exchange(topics_[i].pending, 0);
   if (pending_ > 0) {
     const bool first = metadata_.message_count == 0;
-    const std::int64_t begin = first ? pending_first_ns_ : std::min(metadata_.starting_time_ns, pending_first_ns_);
-    const std::int64_t end = first ? pending_last_ns_ : std::max(metadata_.starting_time_ns + metadata_.duration_ns, pending_last_ns_);
+    const std::int64_t first_ns = metadata_.starting_time_ns, last_ns = first_ns + metadata_.duration_ns;
+    const std::int64_t begin = first ? pending_first_ns_ : std::min(first_ns, pending_first_ns_);
+    const std::int64_t end = first ? pending_last_ns_ : std::max(last_ns, pending_last_ns_);
     metadata_.starting_time_ns = begin;
     metadata_.duration_ns = end - begin;
     metadata_.message_count += pending_;
@@ -187,7 +203,8 @@ void BagWriter::lose_pending() {
 }
 
 Result<void> BagWriter::write_metadata_row() {
-  auto insert = database_->prepare("INSERT OR REPLACE INTO metadata (id, metadata_version, metadata) VALUES (1, 5, ?)");
+  auto insert = database_->prepare(
+      "INSERT OR REPLACE INTO metadata (id, metadata_version, metadata) VALUES (1, 5, ?)");
   if (!insert) return std::unexpected(insert.error());
   insert->bind(1, metadata_yaml(metadata_, false));
   if (insert->step() != SQLITE_DONE) return std::unexpected(database_->error("write the metadata of"));
@@ -197,7 +214,8 @@ Result<void> BagWriter::write_metadata_row() {
 Result<void> BagWriter::refresh() {
   last_refresh_ = Clock::now();
   if (!database_) return {};
-  // Each step is tried whatever became of the one before: metadata.yaml tells the truth also when the database is full.
+  // Each step is tried whatever became of the one before: metadata.yaml tells the truth also when the
+  // database is full.
   const auto committed = commit();
   const auto row = write_metadata_row();
   const auto checkpoint = database_->run("PRAGMA wal_checkpoint(PASSIVE)");
@@ -231,7 +249,8 @@ Result<void> BagWriter::report(const RecordingReport& report) {
     json["topics"].push_back({{"name", topic.name}, {"received", topic.received}, {"written", topic.written},
                               {"dropped", topic.dropped}, {"lost", topic.lost}});
   json["errors"] = report.errors;
-  return write_atomically(folder_ / "voxtouch_recording.json", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  return write_atomically(folder_ / "voxtouch_recording.json",
+                          json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 Result<void> BagWriter::close() {
@@ -241,8 +260,10 @@ Result<void> BagWriter::close() {
   const auto mode = database_->value("PRAGMA journal_mode=DELETE");
   if (!mode && result) result = std::unexpected(mode.error());
   if (mode && *mode != "delete" && result)
-    result = disk(fmt::format("The bag '{}' is complete, but another program has it open, so its -wal file stays; keep the two together.",
-                              folder_.string()));
+    result = refuse(BagFault::kDisk,
+                    "The bag '{}' is complete, but another program has it open, so its -wal file stays; keep "
+                    "the two together.",
+                    folder_.string());
   database_.reset();
   return result;
 }

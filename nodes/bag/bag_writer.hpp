@@ -1,11 +1,14 @@
 #pragma once
-/// Writes a rosbag2 folder: metadata.yaml (version 5) and <name>_0.db3 (sqlite3, schema 3), readable by Humble and Jazzy.
+/// Writes a rosbag2 folder: metadata.yaml (version 5) and <name>_0.db3 (sqlite3, schema 3), readable by
+/// Humble and Jazzy.
 ///
-/// Journal: write-ahead log while recording, as rosbag2's own resilient profile has it. Reason: rosbag2 opens bags read-only, and
-/// a read-only connection cannot undo the rollback journal that a kill in the middle of a transaction leaves behind (of 25 killed
-/// writers each, journal mode DELETE left 4 that opened, TRUNCATE 2, WAL 25), but it reads a write-ahead log. So after a kill the folder holds <name>_0.db3-wal (and -shm) besides the .db3: keep them
-/// together; the .db3 alone lacks what was committed since the last checkpoint (`refresh_period`). Closing folds the log in and
-/// turns the journal back, so that a closed bag is one file that opens on read-only media too.
+/// Journal: write-ahead log while recording, as rosbag2's own resilient profile has it. Reason: rosbag2 opens
+/// bags read-only, and a read-only connection cannot undo the rollback journal that a kill in the middle of a
+/// transaction leaves behind (of 25 killed writers each, journal mode DELETE left 4 that opened, TRUNCATE 2,
+/// WAL 25), but it reads a write-ahead log. So after a kill the folder holds <name>_0.db3-wal (and -shm)
+/// besides the .db3: keep them together; the .db3 alone lacks what was committed since the last checkpoint
+/// (`refresh_period`). Closing folds the log in and turns the journal back, so that a closed bag is one file
+/// that opens on read-only media too.
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -19,14 +22,15 @@ namespace voxtouch::bag {
 struct WriterOptions {
   std::chrono::milliseconds commit_period{200};   ///< a kill loses at most what came since
   std::chrono::milliseconds refresh_period{500};  ///< metadata.yaml, checkpoint
-  std::uint64_t max_bytes = 0;                    ///< of the .db3; beyond it messages are lost as on a full disk; 0: no limit
+  /// of the .db3; beyond it messages are lost as on a full disk; 0: no limit
+  std::uint64_t max_bytes = 0;
 };
 
 /// Not thread-safe. Blocks for the disk: never call it from a DDS listener; BagRecorder is for that.
 class BagWriter final : public BagSink {
  public:
-  /// Makes `folder` (parents as well), the empty bag and its metadata. Errors: kExists if anything is there already, which is
-  /// then untouched; kDisk.
+  /// Makes `folder` (parents as well), the empty bag and its metadata. Errors: kExists if anything is there
+  /// already, which is then untouched; kDisk.
   static Result<BagWriter> create(const std::filesystem::path& folder, const WriterOptions& options = {});
   BagWriter(BagWriter&&) = default;
   BagWriter& operator=(BagWriter&&) = delete;

@@ -1,11 +1,12 @@
 #include "nodes/bag/files.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+
+#include "nodes/bag/refuse.hpp"
 
 namespace voxtouch::bag {
 namespace {
@@ -37,9 +38,8 @@ Result<void> write_atomically(const std::filesystem::path& path, std::string_vie
   }
   if (good) return {};
   ::unlink(temporary.c_str());
-  return std::unexpected(
-      BagError{BagFault::kDisk, fmt::format("'{}' cannot be written: {}. Make room or choose another folder.", path.string(),
-                                            std::strerror(error))});
+  return refuse(BagFault::kDisk, "'{}' cannot be written: {}. Make room or choose another folder.",
+                path.string(), std::strerror(error));
 }
 
 }  // namespace voxtouch::bag

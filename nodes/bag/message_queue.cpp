@@ -8,14 +8,16 @@ namespace voxtouch::bag {
 MessageQueue::MessageQueue(std::size_t bytes, std::size_t messages)
     : bytes_(std::max<std::size_t>(bytes, 1)), slots_(std::max<std::size_t>(messages, 1)) {}
 
-MessageQueue::Push MessageQueue::push(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) noexcept {
+MessageQueue::Push MessageQueue::push(TopicId topic, std::int64_t time_ns,
+                                      std::span<const std::byte> bytes) noexcept {
   const std::uint64_t capacity = bytes_.size();
   if (bytes.size() > capacity) return Push::kTooLarge;
   const std::scoped_lock lock(push_mutex_);
   const std::uint64_t count = pushed_.load(std::memory_order_relaxed);
   const std::uint64_t popped = popped_.load(std::memory_order_acquire);
   if (count - popped >= slots_.size()) return Push::kFull;
-  // A message stands in one piece: one that would reach over the end starts at the front, and the rest of the end stays unused.
+  // A message stands in one piece: one that would reach over the end starts at the front, and the rest of the
+  // end stays unused.
   std::uint64_t begin = next_byte_;
   if (begin % capacity + bytes.size() > capacity) begin += capacity - begin % capacity;
   const std::uint64_t end = begin + bytes.size();

@@ -4,7 +4,9 @@
 
 namespace voxtouch::bag {
 
-void Statement::bind(int index, std::int64_t value) noexcept { sqlite3_bind_int64(statement_.get(), index, value); }
+void Statement::bind(int index, std::int64_t value) noexcept {
+  sqlite3_bind_int64(statement_.get(), index, value);
+}
 
 void Statement::bind(int index, std::string_view text) noexcept {
   sqlite3_bind_text64(statement_.get(), index, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
@@ -12,18 +14,21 @@ void Statement::bind(int index, std::string_view text) noexcept {
 
 void Statement::bind(int index, std::span<const std::byte> bytes) noexcept {
   // A null pointer would bind NULL, which the schema forbids, instead of a blob of no bytes.
-  sqlite3_bind_blob64(statement_.get(), index, bytes.empty() ? reinterpret_cast<const std::byte*>("") : bytes.data(), bytes.size(),
-                      SQLITE_STATIC);
+  const void* data = bytes.empty() ? "" : static_cast<const void*>(bytes.data());
+  sqlite3_bind_blob64(statement_.get(), index, data, bytes.size(), SQLITE_STATIC);
 }
 
 int Statement::step() noexcept { return sqlite3_step(statement_.get()); }
 void Statement::reset() noexcept { sqlite3_reset(statement_.get()); }
 
-std::int64_t Statement::integer(int column) const noexcept { return sqlite3_column_int64(statement_.get(), column); }
+std::int64_t Statement::integer(int column) const noexcept {
+  return sqlite3_column_int64(statement_.get(), column);
+}
 
 std::string Statement::text(int column) const {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
-  return text == nullptr ? std::string() : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column)));
+  if (text == nullptr) return {};
+  return {text, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
 }
 
 std::span<const std::byte> Statement::blob(int column) const noexcept {
@@ -35,7 +40,8 @@ Result<Database> Database::open(const std::filesystem::path& file, Mode mode) {
   Database database;
   database.file_ = file;
   sqlite3* handle = nullptr;
-  const int flags = mode == Mode::kReadOnly ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  constexpr int kCreateFlags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const int flags = mode == Mode::kReadOnly ? SQLITE_OPEN_READONLY : kCreateFlags;
   const int code = sqlite3_open_v2(file.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   database.handle_.reset(handle);
   if (code != SQLITE_OK) return std::unexpected(database.error("open"));
@@ -53,7 +59,8 @@ Result<Statement> Database::prepare(std::string_view sql) const {
 }
 
 Result<void> Database::run(const std::string& sql) const {
-  if (sqlite3_exec(handle_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) return std::unexpected(error("write"));
+  if (sqlite3_exec(handle_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK)
+    return std::unexpected(error("write"));
   return {};
 }
 
@@ -71,10 +78,13 @@ BagError Database::error(std::string_view doing) const {
   const char* text = handle_ ? sqlite3_errmsg(handle_.get()) : "out of memory";
   std::string_view advice = "Check that the file is there and not damaged.";
   if ((code & 0xff) == SQLITE_FULL || (code & 0xff) == SQLITE_IOERR) advice = "Make room on the disk.";
-  if ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_PERM) advice = "Check the rights on the folder.";
+  if ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_PERM)
+    advice = "Check the rights on the folder.";
   if ((code & 0xff) == SQLITE_BUSY) advice = "Close the program that has it open.";
-  const BagFault fault = (code & 0xff) == SQLITE_NOTADB || (code & 0xff) == SQLITE_CORRUPT ? BagFault::kFormat : BagFault::kDisk;
-  return {fault, fmt::format("sqlite cannot {} '{}': {} (code {}). {}", doing, file_.string(), text, code, advice)};
+  const bool damaged = (code & 0xff) == SQLITE_NOTADB || (code & 0xff) == SQLITE_CORRUPT;
+  const BagFault fault = damaged ? BagFault::kFormat : BagFault::kDisk;
+  return {fault, fmt::format("sqlite cannot {} '{}': {} (code {}). {}", doing, file_.string(), text, code,
+                             advice)};
 }
 
 }  // namespace voxtouch::bag

@@ -14,18 +14,21 @@
 
 namespace voxtouch::bag {
 
-/// A prepared statement. Column and parameter numbers as sqlite counts them: columns from 0, parameters from 1.
+/// A prepared statement. Column and parameter numbers as sqlite counts them: columns from 0, parameters from
+/// 1.
 class Statement {
  public:
   void bind(int index, std::int64_t value) noexcept;
   void bind(int index, std::string_view text) noexcept;                 ///< copied
-  void bind(int index, std::span<const std::byte> bytes) noexcept;      ///< not copied: lives until step() returns
+  /// not copied: lives until step() returns
+  void bind(int index, std::span<const std::byte> bytes) noexcept;
   /// SQLITE_ROW, SQLITE_DONE or an error code.
   int step() noexcept;
   void reset() noexcept;
   std::int64_t integer(int column) const noexcept;
   std::string text(int column) const;
-  std::span<const std::byte> blob(int column) const noexcept;           ///< valid until the next step() or reset()
+  /// valid until the next step() or reset()
+  std::span<const std::byte> blob(int column) const noexcept;
 
  private:
   friend class Database;

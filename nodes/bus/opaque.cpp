@@ -37,8 +37,8 @@ dds_liveliness_kind_t to_dds(Liveliness liveliness) {
 
 QosPointer make_qos(const EndpointQos& value, bool writer) {
   QosPointer qos(dds_create_qos());
-  dds_qset_reliability(qos.get(),
-                       value.reliability == Reliability::kReliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+  const bool reliable = value.reliability == Reliability::kReliable;
+  dds_qset_reliability(qos.get(), reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
                        value.max_blocking_ns);
   dds_qset_durability(qos.get(), to_dds(value.durability));
   const auto history = value.history == History::kKeepAll ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST;
@@ -50,7 +50,8 @@ QosPointer make_qos(const EndpointQos& value, bool writer) {
   if (writer) {
     dds_qset_lifespan(qos.get(), value.lifespan_ns);
     dds_qset_writer_data_lifecycle(qos.get(), false);
-    if (value.durability != Durability::kVolatile)  // what is kept for late readers has its own history setting
+    // what is kept for late readers has its own history setting
+    if (value.durability != Durability::kVolatile)
       dds_qset_durability_service(qos.get(), 0, history, value.depth, value.max_samples, DDS_LENGTH_UNLIMITED,
                                   DDS_LENGTH_UNLIMITED);
   }
@@ -81,9 +82,11 @@ RawSample to_raw(const ddsi_serdata* serdata, const dds_sample_info_t& info) {
 
 }  // namespace
 
-OpaqueResult<OpaqueTopic> OpaqueTopic::create(dds_entity_t participant, const std::string& name, const std::string& type_name) {
+OpaqueResult<OpaqueTopic> OpaqueTopic::create(dds_entity_t participant, const std::string& name,
+                                              const std::string& type_name) {
   ddsi_sertype* type = make_opaque_sertype(type_name.c_str());
-  const dds_entity_t topic = dds_create_topic_sertype(participant, name.c_str(), &type, nullptr, nullptr, nullptr);
+  const dds_entity_t topic =
+      dds_create_topic_sertype(participant, name.c_str(), &type, nullptr, nullptr, nullptr);
   if (topic < 0) {
     ddsi_sertype_unref(type);  // only a topic that exists takes it over
     return refused(topic, fmt::format("DDS does not make topic '{}' of type '{}'", name, type_name));
@@ -91,7 +94,8 @@ OpaqueResult<OpaqueTopic> OpaqueTopic::create(dds_entity_t participant, const st
   return OpaqueTopic(participant, OwnedEntity(topic), name, type_name);
 }
 
-OpaqueResult<OpaqueReader> OpaqueReader::create(const OpaqueTopic& topic, const EndpointQos& qos, const dds_listener_t* listener) {
+OpaqueResult<OpaqueReader> OpaqueReader::create(const OpaqueTopic& topic, const EndpointQos& qos,
+                                                const dds_listener_t* listener) {
   const QosPointer dds_qos = make_qos(qos, false);
   const dds_entity_t reader = dds_create_reader(topic.participant(), topic.handle(), dds_qos.get(), listener);
   if (reader < 0) return refused(reader, fmt::format("DDS does not make a reader on '{}'", topic.name()));
@@ -119,7 +123,8 @@ OpaqueResult<std::size_t> OpaqueReader::take_each(Each each, void* context, std:
 
 std::size_t OpaqueReader::matched_writers() const noexcept {
   dds_subscription_matched_status_t status{};
-  return dds_get_subscription_matched_status(entity_.get(), &status) == DDS_RETCODE_OK ? status.current_count : 0;
+  if (dds_get_subscription_matched_status(entity_.get(), &status) != DDS_RETCODE_OK) return 0;
+  return status.current_count;
 }
 
 OpaqueResult<OpaqueWriter> OpaqueWriter::create(const OpaqueTopic& topic, const EndpointQos& qos) {
@@ -132,16 +137,21 @@ OpaqueResult<OpaqueWriter> OpaqueWriter::create(const OpaqueTopic& topic, const 
 OpaqueResult<void> OpaqueWriter::write(std::span<const std::byte> bytes, std::int64_t source_time_ns) {
   if (bytes.size() < 4)
     return refused(DDS_RETCODE_BAD_PARAMETER,
-                   fmt::format("A message of {} bytes for '{}' has no encapsulation header and is not written", bytes.size(), topic_));
+                   fmt::format(
+                       "A message of {} bytes for '{}' has no encapsulation header and is not written",
+                       bytes.size(), topic_));
   const OpaqueBytes sample = bytes;  // what from_sample expects behind the pointer
   const dds_return_t code = dds_write_ts(entity_.get(), &sample, source_time_ns);
-  if (code < 0) return refused(code, fmt::format("DDS does not write a message of {} bytes on '{}'", bytes.size(), topic_));
+  if (code < 0)
+    return refused(code, fmt::format("DDS does not write a message of {} bytes on '{}'", bytes.size(),
+                                     topic_));
   return {};
 }
 
 std::size_t OpaqueWriter::matched_readers() const noexcept {
   dds_publication_matched_status_t status{};
-  return dds_get_publication_matched_status(entity_.get(), &status) == DDS_RETCODE_OK ? status.current_count : 0;
+  if (dds_get_publication_matched_status(entity_.get(), &status) != DDS_RETCODE_OK) return 0;
+  return status.current_count;
 }
 
 }  // namespace voxtouch::bus

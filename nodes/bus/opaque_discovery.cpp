@@ -38,7 +38,8 @@ EndpointQos to_qos(const dds_qos_t* dds) {
   dds_reliability_kind_t reliability{};
   dds_duration_t time = 0;
   if (dds_qget_reliability(dds, &reliability, &time)) {
-    qos.reliability = reliability == DDS_RELIABILITY_RELIABLE ? Reliability::kReliable : Reliability::kBestEffort;
+    const bool reliable = reliability == DDS_RELIABILITY_RELIABLE;
+    qos.reliability = reliable ? Reliability::kReliable : Reliability::kBestEffort;
     qos.max_blocking_ns = time;
   }
   dds_durability_kind_t durability{};
@@ -70,8 +71,13 @@ std::string user_data_of(const dds_qos_t* qos) {
   return text;
 }
 
-// The last byte of a GUID is the entity kind: user writer with key 0x02, without 0x03 (DDSI-RTPS, entity kinds).
+// The last byte of a GUID is the entity kind: user writer with key 0x02, without 0x03 (DDSI-RTPS, entity
+// kinds).
 bool is_keyed(const Guid& guid) { return (guid[15] & 0x3fU) == 0x02U; }
+
+std::unexpected<OpaqueError> refused(dds_return_t code, fmt::format_string<const char*> sentence) {
+  return std::unexpected(OpaqueError{code, fmt::format(sentence, dds_strretcode(code))});
+}
 
 void describe(dds_builtintopic_endpoint_t& endpoint, DiscoveredWriter& writer) {
   writer.participant = to_guid(endpoint.participant_key);
@@ -83,15 +89,18 @@ void describe(dds_builtintopic_endpoint_t& endpoint, DiscoveredWriter& writer) {
   }
   const dds_typeinfo_t* type_information = nullptr;  // stays the endpoint's
   writer.has_type_information =
-      dds_builtintopic_get_endpoint_type_info(&endpoint, &type_information) == DDS_RETCODE_OK && type_information != nullptr;
+      dds_builtintopic_get_endpoint_type_info(&endpoint, &type_information) == DDS_RETCODE_OK &&
+          type_information != nullptr;
 }
 
 }  // namespace
 
-OpaqueResult<WriterDiscovery> WriterDiscovery::create(dds_entity_t participant, const dds_listener_t* listener) {
-  const dds_entity_t reader = dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, listener);
+OpaqueResult<WriterDiscovery> WriterDiscovery::create(dds_entity_t participant,
+                                                      const dds_listener_t* listener) {
+  const dds_entity_t reader =
+      dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, listener);
   if (reader < 0)
-    return std::unexpected(OpaqueError{reader, fmt::format("DDS does not tell of the writers on the network: {}.", dds_strretcode(reader))});
+    return refused(reader, "DDS does not tell of the writers on the network: {}.");
   return WriterDiscovery(OwnedEntity(reader));
 }
 
@@ -103,7 +112,7 @@ OpaqueResult<std::size_t> WriterDiscovery::take(const std::function<void(const D
     std::array<dds_sample_info_t, kBatch> info{};
     const dds_return_t n = dds_take(entity_.get(), samples.data(), info.data(), kBatch, kBatch);
     if (n < 0)
-      return std::unexpected(OpaqueError{n, fmt::format("DDS does not hand over the list of writers: {}.", dds_strretcode(n))});
+      return refused(n, "DDS does not hand over the list of writers: {}.");
     if (n == 0) return taken;
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
       auto& endpoint = *static_cast<dds_builtintopic_endpoint_t*>(samples[i]);

@@ -27,7 +27,8 @@ struct DiscoveredWriter {
 /// Reports each writer that appears, changes or goes, also those of the participant itself.
 class WriterDiscovery {
  public:
-  static OpaqueResult<WriterDiscovery> create(dds_entity_t participant, const dds_listener_t* listener = nullptr);
+  static OpaqueResult<WriterDiscovery> create(dds_entity_t participant,
+                                              const dds_listener_t* listener = nullptr);
 
   /// Calls `f` for every change since the last call. Does not block. Returns how many.
   OpaqueResult<std::size_t> take(const std::function<void(const DiscoveredWriter&)>& f);

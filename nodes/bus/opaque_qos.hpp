@@ -1,6 +1,6 @@
 #pragma once
-/// QoS of one endpoint as a plain value: what discovery tells of a writer, what a bag stores, what an opaque endpoint asks for.
-/// No DDS header here, so that the bag knows it without knowing DDS.
+/// QoS of one endpoint as a plain value: what discovery tells of a writer, what a bag stores, what an opaque
+/// endpoint asks for. No DDS header here, so that the bag knows it without knowing DDS.
 #include <cstdint>
 #include <limits>
 
@@ -15,8 +15,8 @@ enum class Liveliness : std::uint8_t { kAutomatic, kManualByParticipant, kManual
 /// Durations in ns; this value means for ever.
 inline constexpr std::int64_t kInfiniteNs = std::numeric_limits<std::int64_t>::max();
 
-/// The policies of an endpoint that decide whether two match and what is kept. Defaults: a best-effort, volatile, keep-last-1
-/// endpoint without deadline, which as a reader matches every writer.
+/// The policies of an endpoint that decide whether two match and what is kept. Defaults: a best-effort,
+/// volatile, keep-last-1 endpoint without deadline, which as a reader matches every writer.
 struct EndpointQos {
   Reliability reliability = Reliability::kBestEffort;
   Durability durability = Durability::kVolatile;
@@ -31,9 +31,10 @@ struct EndpointQos {
   bool operator==(const EndpointQos&) const = default;
 };
 
-/// What a recorder asks for to get everything that `writer` offers: the same reliability and durability (a reader that does not
-/// ask for transient local gets nothing of what is latched), no deadline and no lease (those would report faults that are the
-/// ring's business), the last `depth` samples so that a slow recorder never blocks a reliable writer.
+/// What a recorder asks for to get everything that `writer` offers: the same reliability and durability (a
+/// reader that does not ask for transient local gets nothing of what is latched), no deadline and no lease
+/// (those would report faults that are the ring's business), the last `depth` samples so that a slow recorder
+/// never blocks a reliable writer.
 EndpointQos recorder_qos(const EndpointQos& writer, std::int32_t depth = 1024) noexcept;
 
 }  // namespace voxtouch::bus

@@ -16,7 +16,8 @@ constexpr std::size_t kHeaderBytes = 4;  // encapsulation: representation identi
 
 std::size_t padded(std::size_t size) noexcept { return (size + 3) & ~std::size_t{3}; }
 
-// One allocation: the struct, then the bytes, then zeros up to a multiple of 4, which the protocol may read and send.
+// One allocation: the struct, then the bytes, then zeros up to a multiple of 4, which the protocol may read
+// and send.
 OpaqueSerdata* allocate(const ddsi_sertype* type, ddsi_serdata_kind kind, std::size_t size) noexcept {
   void* memory = ::operator new(sizeof(OpaqueSerdata) + padded(size), std::nothrow);
   if (memory == nullptr) return nullptr;
@@ -30,14 +31,17 @@ OpaqueSerdata* allocate(const ddsi_sertype* type, ddsi_serdata_kind kind, std::s
   return serdata;
 }
 
-const OpaqueSerdata* self(const ddsi_serdata* serdata) noexcept { return static_cast<const OpaqueSerdata*>(serdata); }
+const OpaqueSerdata* self(const ddsi_serdata* serdata) noexcept {
+  return static_cast<const OpaqueSerdata*>(serdata);
+}
 
 bool eqkey(const ddsi_serdata*, const ddsi_serdata*) { return true; }
 
 std::uint32_t get_size(const ddsi_serdata* serdata) { return self(serdata)->byte_count; }
 
 // Fragments may overlap: `have` bytes stand already, of each fragment only what lies beyond is taken.
-ddsi_serdata* from_ser(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* fragment, std::size_t size) {
+ddsi_serdata* from_ser(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* fragment,
+                       std::size_t size) {
   if (kind != SDK_DATA) return allocate(type, kind, 0);
   if (size < kHeaderBytes) return nullptr;
   OpaqueSerdata* serdata = allocate(type, kind, size);
@@ -72,7 +76,9 @@ ddsi_serdata* from_ser_iov(const ddsi_sertype* type, ddsi_serdata_kind kind, dds
   return nullptr;
 }
 
-ddsi_serdata* from_keyhash(const ddsi_sertype* type, const ddsi_keyhash*) { return allocate(type, SDK_KEY, 0); }
+ddsi_serdata* from_keyhash(const ddsi_sertype* type, const ddsi_keyhash*) {
+  return allocate(type, SDK_KEY, 0);
+}
 
 ddsi_serdata* from_sample(const ddsi_sertype* type, ddsi_serdata_kind kind, const void* sample) {
   if (kind != SDK_DATA) return allocate(type, kind, 0);
@@ -87,7 +93,8 @@ void to_ser(const ddsi_serdata* serdata, std::size_t offset, std::size_t size, v
   std::memcpy(out, self(serdata)->data + offset, size);
 }
 
-ddsi_serdata* to_ser_ref(const ddsi_serdata* serdata, std::size_t offset, std::size_t size, ddsrt_iovec_t* out) {
+ddsi_serdata* to_ser_ref(const ddsi_serdata* serdata, std::size_t offset, std::size_t size,
+                         ddsrt_iovec_t* out) {
   out->iov_base = self(serdata)->data + offset;
   out->iov_len = size;
   return ddsi_serdata_ref(serdata);
@@ -95,7 +102,8 @@ ddsi_serdata* to_ser_ref(const ddsi_serdata* serdata, std::size_t offset, std::s
 
 void to_ser_unref(ddsi_serdata* serdata, const ddsrt_iovec_t*) { ddsi_serdata_unref(serdata); }
 
-// The C read calls would want a sample; the opaque reader only uses takecdr, and invalid samples carry nothing.
+// The C read calls would want a sample; the opaque reader only uses takecdr, and invalid samples carry
+// nothing.
 bool to_sample(const ddsi_serdata*, void*, void**, void*) { return false; }
 bool untyped_to_sample(const ddsi_sertype*, const ddsi_serdata*, void*, void**, void*) { return true; }
 
@@ -115,7 +123,9 @@ std::size_t print(const ddsi_sertype*, const ddsi_serdata* serdata, char* out, s
   return static_cast<std::size_t>(std::snprintf(out, size, "opaque(%u bytes)", self(serdata)->byte_count));
 }
 
-void get_keyhash(const ddsi_serdata*, ddsi_keyhash* out, bool) { std::memset(out->value, 0, sizeof(out->value)); }
+void get_keyhash(const ddsi_serdata*, ddsi_keyhash* out, bool) {
+  std::memset(out->value, 0, sizeof(out->value));
+}
 
 constexpr ddsi_serdata_ops make_serdata_ops() {
   ddsi_serdata_ops ops{};
@@ -146,10 +156,12 @@ void free_sertype(ddsi_sertype* type) {
 void zero_samples(const ddsi_sertype*, void*, std::size_t) {}
 void realloc_samples(void**, const ddsi_sertype*, void*, std::size_t, std::size_t) {}
 void free_samples(const ddsi_sertype*, void**, std::size_t, dds_free_op_t) {}
-bool equal(const ddsi_sertype*, const ddsi_sertype*) { return true; }  // same ops and same name: the same type
+// same ops and same name: the same type
+bool equal(const ddsi_sertype*, const ddsi_sertype*) { return true; }
 std::uint32_t hash(const ddsi_sertype*) { return 0; }
 
-// No type id, map or information: matching falls back to the type's name, against writers with and without them.
+// No type id, map or information: matching falls back to the type's name, against writers with and without
+// them.
 ddsi_sertype_ops make_sertype_ops() {
   ddsi_sertype_ops ops{};
   ops.version = ddsi_sertype_v0;

@@ -1,5 +1,6 @@
-/// make_bag FOLDER closed|killed: 500 messages of the size and fields of DeviceState and one latched text, through the recorder
-/// as the logger uses it. `killed` ends itself by SIGKILL once everything is committed, with the write-ahead log beside the bag.
+/// make_bag FOLDER closed|killed: 500 messages of the size and fields of DeviceState and one latched text,
+/// through the recorder as the logger uses it. `killed` ends itself by SIGKILL once everything is committed,
+/// with the write-ahead log beside the bag.
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -41,20 +42,24 @@ int main(int argc, char** argv) {
   bag::BagRecorder recorder(std::make_unique<bag::BagWriter>(std::move(*writer)));
   bus::EndpointQos stream;
   stream.deadline_ns = 3'000'000;
-  bus::EndpointQos latched{.reliability = bus::Reliability::kReliable, .durability = bus::Durability::kTransientLocal};
+  bus::EndpointQos latched{.reliability = bus::Reliability::kReliable,
+                           .durability = bus::Durability::kTransientLocal};
   const auto state = recorder.add_topic({bag::ros_topic_name("rt/haptic/device/state"),
                                          bag::ros_type_name("voxtouch_msgs::msg::dds_::DeviceState_"), "cdr",
                                          bag::offered_qos_text({&stream, 1}), 0});
-  const auto text = recorder.add_topic({bag::ros_topic_name("rt/haptic/note"), bag::ros_type_name("std_msgs::msg::dds_::String_"),
+  const auto text = recorder.add_topic(
+      {bag::ros_topic_name("rt/haptic/note"), bag::ros_type_name("std_msgs::msg::dds_::String_"),
                                         "cdr", bag::offered_qos_text({&latched, 1}), 0});
   if (!state || !text) return fail("a topic was refused");
-  const char hello[] = "\0\1\0\1\6\0\0\0hello\0\0";  // header (1 byte of padding is said there), length 6, "hello", padding
+  // header (1 byte of padding is said there), length 6, "hello", padding
+  const char hello[] = "\0\1\0\1\6\0\0\0hello\0\0";
   recorder.push(*text, 1'700'000'000'000'000'000, std::as_bytes(std::span(hello, 16)));
   for (std::uint64_t i = 0; i < 500; ++i) {
     const double x = 0.001 * static_cast<double>(i);
     const auto time = static_cast<std::int64_t>(1'700'000'000'000'000'000 + 1'000'000 * i);
     // session, sequence, time, position, quaternion, linear, angular; buttons and flags as one field
-    const auto bytes = cdr(std::uint64_t{77}, i, static_cast<std::int64_t>(1'000'000 * i), x, -x, 2 * x, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0,
+    const auto bytes = cdr(std::uint64_t{77}, i, static_cast<std::int64_t>(1'000'000 * i), x, -x, 2 * x, 0.0,
+                           0.0, 0.0, 1.0, 1.0, 0.0, 0.0,
                            0.0, 0.0, 0.0, std::uint64_t{5} << 32 | 1U);
     recorder.push(*state, time, bytes);
   }

@@ -16,7 +16,8 @@ namespace {
 
 using namespace test;
 
-const TopicInfo kState{"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", "- history: 1\n  depth: 1", 0};
+const TopicInfo kState{"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr",
+                       "- history: 1\n  depth: 1", 0};
 const TopicInfo kPlan{"/haptic/rendering/plan", "voxtouch_msgs/msg/ScenePlan", "cdr", "", 0};
 
 std::string text_of(const std::filesystem::path& path) {
@@ -27,7 +28,8 @@ std::string text_of(const std::filesystem::path& path) {
 void write_bag(const std::filesystem::path& folder, std::uint64_t count) {
   auto writer = expect_value(BagWriter::create(folder));
   const TopicId state = expect_value(writer.add_topic(kState)), plan = expect_value(writer.add_topic(kPlan));
-  for (std::uint64_t i = 0; i < count; ++i) EXPECT_GOOD(writer.append(state, static_cast<std::int64_t>(1000 + i), ring_message(9, i)));
+  for (std::uint64_t i = 0; i < count; ++i)
+    EXPECT_GOOD(writer.append(state, static_cast<std::int64_t>(1000 + i), ring_message(9, i)));
   EXPECT_GOOD(writer.append(plan, 500, ring_message(9, 0, 1)));
   EXPECT_GOOD(writer.close());
 }
@@ -60,7 +62,8 @@ TEST(Bag, ClosedIsTwoFilesWithTrueMetadata) {
   const TemporaryFolder folder;
   write_bag(folder / "run", 10);
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "run")) names.push_back(entry.path().filename());
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "run"))
+    names.push_back(entry.path().filename());
   std::ranges::sort(names);
   EXPECT_EQ(names, (std::vector<std::string>{"metadata.yaml", "run_0.db3"}));
   const auto metadata = expect_value(read_metadata(folder / "run" / "metadata.yaml"));
@@ -115,8 +118,9 @@ TEST(Bag, IsNamedByItsFolderAlsoWithATrailingSlash) {
 
 TEST(Bag, HasMetadataFromTheStartAndRefreshesIt) {
   const TemporaryFolder folder;
-  auto writer = expect_value(BagWriter::create(folder / "run", {.commit_period = std::chrono::milliseconds(5),
-                                                                .refresh_period = std::chrono::milliseconds(20)}));
+  auto writer = expect_value(BagWriter::create(
+      folder / "run",
+      {.commit_period = std::chrono::milliseconds(5), .refresh_period = std::chrono::milliseconds(20)}));
   EXPECT_EQ(expect_value(read_metadata(folder / "run/metadata.yaml")).message_count, 0u);
   const TopicId state = expect_value(writer.add_topic(kState));
   EXPECT_GOOD(writer.append(state, 7, ring_message(1, 0)));
@@ -191,7 +195,8 @@ TEST(Bag, CountsWhatAFullDiskRefusesAndStaysReadable) {
   EXPECT_EQ(bag.metadata()->message_count, counts[0].written);
 }
 
-// The operating system refuses to let any file grow: what a disk that runs full looks like, for metadata.yaml too.
+// The operating system refuses to let any file grow: what a disk that runs full looks like, for metadata.yaml
+// too.
 TEST(Bag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
   const TemporaryFolder folder;
   const pid_t child = fork();
@@ -205,21 +210,24 @@ TEST(Bag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
     const rlim_t soft = limit.rlim_cur;
     std::uint64_t time = 0;
     const auto write_100 = [&] {
-      for (int i = 0; i < 100; ++i, ++time) (void)writer->append(*state, static_cast<std::int64_t>(time), ring_message(1, time, 1000));
+      for (int i = 0; i < 100; ++i, ++time)
+        (void)writer->append(*state, static_cast<std::int64_t>(time), ring_message(1, time, 1000));
       return writer->refresh().has_value();
     };
     const bool before = write_100();
     limit.rlim_cur = 300'000;
     setrlimit(RLIMIT_FSIZE, &limit);
     bool during = true;
-    for (int i = 0; i < 6; ++i) during = write_100();  // the log takes some more before it is at its limit too
+    // the log takes some more before it is at its limit too
+    for (int i = 0; i < 6; ++i) during = write_100();
     limit.rlim_cur = soft;
     setrlimit(RLIMIT_FSIZE, &limit);
     const bool after = write_100();
     const bool closed = writer->close().has_value();
     std::vector<TopicReport> counts(1);
     writer->fill_counts(counts);
-    const bool adds_up = counts[0].lost > 0 && counts[0].written + counts[0].lost == time && counts[0].written >= 200;
+    const bool adds_up = counts[0].lost > 0 && counts[0].written + counts[0].lost == time &&
+        counts[0].written >= 200;
     _exit((before ? 0 : 1) | (during ? 2 : 0) | (after ? 0 : 4) | (closed ? 0 : 8) | (adds_up ? 0 : 16));
   }
   int status = 0;
@@ -235,7 +243,8 @@ TEST(BagReader, FindsTheDatabaseWhenMetadataIsStaleMissingOrBroken) {
   const TemporaryFolder folder;
   write_bag(folder / "run", 10);
   std::filesystem::rename(folder / "run", folder / "moved");
-  EXPECT_TRUE(expect_value(BagReader::open(folder / "moved")).warnings().empty());  // the name of the folder does not matter
+  // the name of the folder does not matter
+  EXPECT_TRUE(expect_value(BagReader::open(folder / "moved")).warnings().empty());
   std::filesystem::rename(folder / "moved/run_0.db3", folder / "moved/other_0.db3");
   const auto stale = expect_value(BagReader::open(folder / "moved"));
   EXPECT_EQ(stale.message_count(), 11u);
@@ -271,15 +280,21 @@ TEST(BagReader, ReadsABagOfJazzyInTwoFiles) {
     const auto database = expect_value(Database::open(file, Database::Mode::kCreate));
     EXPECT_GOOD(database.run(
         "CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);"
-        "CREATE TABLE metadata(id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL, metadata TEXT NOT NULL);"
-        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format TEXT NOT NULL,"
+        "CREATE TABLE metadata(id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL,"
+        " metadata TEXT NOT NULL);"
+        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,"
+        " serialization_format TEXT NOT NULL,"
         " offered_qos_profiles TEXT NOT NULL, type_description_hash TEXT NOT NULL);"
-        "CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL, encoding TEXT NOT NULL,"
+        "CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL,"
+        " encoding TEXT NOT NULL,"
         " encoded_message_definition TEXT NOT NULL, type_description_hash TEXT NOT NULL);"
-        "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB NOT NULL);"
+        "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL,"
+        " data BLOB NOT NULL);"
         "CREATE INDEX timestamp_idx ON messages (timestamp ASC); INSERT INTO schema VALUES (4, 'jazzy');"
-        "INSERT INTO topics VALUES (" + std::to_string(part + 1) + ", '/chatter', 'std_msgs/msg/String', 'cdr', '', 'RIHS01_0');"
-        "INSERT INTO messages VALUES (1, " + std::to_string(part + 1) + ", " + std::to_string(100 + part) + ", x'00010000');"));
+        "INSERT INTO topics VALUES (" + std::to_string(part + 1) +
+            ", '/chatter', 'std_msgs/msg/String', 'cdr', '', 'RIHS01_0');"
+        "INSERT INTO messages VALUES (1, " + std::to_string(part + 1) + ", " + std::to_string(100 + part) +
+            ", x'00010000');"));
   }
   std::ofstream(folder / "jazzy/metadata.yaml") << R"(rosbag2_bagfile_information:
   version: 9

@@ -1,5 +1,6 @@
 #pragma once
-/// DDS for tests: on loopback only, on a domain of this process's own, with two participants that meet over the wire.
+/// DDS for tests: on loopback only, on a domain of this process's own, with two participants that meet over
+/// the wire.
 #include <dds/dds.h>
 #include <unistd.h>
 
@@ -12,20 +13,22 @@
 
 namespace voxtouch::bag::test {
 
-/// Cyclone DDS delivers within a domain of one process without the network. Two domain objects with the same number on the wire
-/// make two participants that only meet through UDP on `lo`.
+/// Cyclone DDS delivers within a domain of one process without the network. Two domain objects with the same
+/// number on the wire make two participants that only meet through UDP on `lo`.
 class TwoHosts {
  public:
   TwoHosts() {
     // Away from domain 0; within what the port mapping allows; different for tests that run at the same time.
     const auto wire = 70 + static_cast<dds_domainid_t>(getpid()) % 150;
-    const std::string config = R"(<General><Interfaces><NetworkInterface name="lo" multicast="true"/></Interfaces>
+    const std::string config =
+        R"(<General><Interfaces><NetworkInterface name="lo" multicast="true"/></Interfaces>
       <AllowMulticast>spdp</AllowMulticast></General><Discovery><ExternalDomainId>)" + std::to_string(wire) +
                                R"(</ExternalDomainId><SPDPInterval>100 ms</SPDPInterval></Discovery>)";
     for (dds_domainid_t i = 0; i < 2; ++i) {
       domains_[i] = dds_create_domain(wire + i, config.c_str());
       participants_[i] = dds_create_participant(wire + i, nullptr, nullptr);
-      if (participants_[i] < 0) throw std::runtime_error(std::string("no participant on lo: ") + dds_strretcode(participants_[i]));
+      if (participants_[i] < 0)
+        throw std::runtime_error(std::string("no participant on lo: ") + dds_strretcode(participants_[i]));
     }
   }
   TwoHosts(const TwoHosts&) = delete;
@@ -41,7 +44,9 @@ class TwoHosts {
 };
 
 /// A topic name that no other running test uses.
-inline std::string topic_name(const char* base) { return "rt/bag_test_" + std::to_string(getpid()) + "/" + base; }
+inline std::string topic_name(const char* base) {
+  return "rt/bag_test_" + std::to_string(getpid()) + "/" + base;
+}
 
 /// Waits up to 10 s for what usually takes milliseconds.
 inline bool eventually(const std::function<bool()>& happened) {
@@ -56,12 +61,15 @@ inline bool eventually(const std::function<bool()>& happened) {
 inline bool matched(dds_entity_t reader_or_writer) {
   dds_publication_matched_status_t publication{};
   dds_subscription_matched_status_t subscription{};
-  if (dds_get_publication_matched_status(reader_or_writer, &publication) == DDS_RETCODE_OK) return publication.current_count > 0;
-  return dds_get_subscription_matched_status(reader_or_writer, &subscription) == DDS_RETCODE_OK && subscription.current_count > 0;
+  if (dds_get_publication_matched_status(reader_or_writer, &publication) == DDS_RETCODE_OK)
+    return publication.current_count > 0;
+  return dds_get_subscription_matched_status(reader_or_writer, &subscription) == DDS_RETCODE_OK &&
+      subscription.current_count > 0;
 }
 
 /// A typed endpoint as a node makes it: reliable, keep all, transient local if asked for.
-inline dds_entity_t typed_endpoint(bool writer, dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& name,
+inline dds_entity_t typed_endpoint(bool writer, dds_entity_t participant, const dds_topic_descriptor_t& type,
+                                   const std::string& name,
                                    bool latched = false) {
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(10));
@@ -71,7 +79,8 @@ inline dds_entity_t typed_endpoint(bool writer, dds_entity_t participant, const 
     dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST, 1, -1, -1, -1);
   }
   const dds_entity_t topic = dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr);
-  const dds_entity_t endpoint = writer ? dds_create_writer(participant, topic, qos, nullptr) : dds_create_reader(participant, topic, qos, nullptr);
+  const dds_entity_t endpoint = writer ? dds_create_writer(participant, topic, qos, nullptr)
+      : dds_create_reader(participant, topic, qos, nullptr);
   dds_delete_qos(qos);
   EXPECT_GT(endpoint, 0) << dds_strretcode(endpoint);
   return endpoint;
@@ -80,7 +89,8 @@ inline dds_entity_t typed_endpoint(bool writer, dds_entity_t participant, const 
 /// CDR by hand, after the standard (XCDR1): the tests' own idea of what the wire looks like.
 class CdrBuilder {
  public:
-  explicit CdrBuilder(bool little = true) : little_(little), bytes_{std::byte{0}, little ? std::byte{1} : std::byte{0}, {}, {}} {}
+  explicit CdrBuilder(bool little = true) : little_(little),
+      bytes_{std::byte{0}, little ? std::byte{1} : std::byte{0}, {}, {}} {}
   template <class T>
   CdrBuilder& add(T value) {
     while ((bytes_.size() - 4) % sizeof(T) != 0) bytes_.push_back({});

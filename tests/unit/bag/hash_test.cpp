@@ -9,7 +9,8 @@ namespace {
 using namespace test;
 
 // One topic "/t" with these messages, stored in this order.
-Result<TopicHash> hash_of(const std::vector<std::vector<std::byte>>& messages, const KeyOf& key, std::int64_t first_time = 0) {
+Result<TopicHash> hash_of(const std::vector<std::vector<std::byte>>& messages, const KeyOf& key,
+                          std::int64_t first_time = 0) {
   const TemporaryFolder folder;
   auto writer = expect_value(BagWriter::create(folder / "run"));
   const TopicId topic = expect_value(writer.add_topic({"/t", "p/msg/T", "cdr", "", 0}));
@@ -39,7 +40,8 @@ TEST(TopicHash, ChangesWithOneBitALostMessageOrAnotherSplit) {
 }
 
 TEST(TopicHash, IsTheSameNumberForEver) {
-  // FNV-1a over eight zero bytes of length is a constant of the format, worked out by hand with another program.
+  // FNV-1a over eight zero bytes of length is a constant of the format, worked out by hand with another
+  // program.
   EXPECT_EQ(expect_value(hash_of({}, {})).hash, 0xcbf29ce484222325U);
   EXPECT_EQ(expect_value(hash_of({{}}, {})).hash, 0xa8c7f832281a39c5U);
 }
@@ -59,7 +61,8 @@ TEST(TopicHash, SaysWhenThereIsNoSequenceNumberOrNoTopic) {
   EXPECT_EQ(short_one.error().fault, BagFault::kBadMessage);
   const TemporaryFolder folder;
   EXPECT_GOOD(expect_value(BagWriter::create(folder / "run")).close());
-  EXPECT_EQ(hash_topic(expect_value(BagReader::open(folder / "run")), "/t").error().fault, BagFault::kNoSuchTopic);
+  EXPECT_EQ(hash_topic(expect_value(BagReader::open(folder / "run")), "/t").error().fault,
+            BagFault::kNoSuchTopic);
 }
 
 }  // namespace

@@ -17,7 +17,10 @@ namespace {
 using namespace test;
 using namespace std::chrono_literals;
 
-std::int64_t now_ns() { return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 /// What child and parent both see.
 struct Shared {
@@ -30,7 +33,8 @@ struct Shared {
   auto writer = BagWriter::create(folder);
   if (!writer) _exit(1);
   BagRecorder recorder(std::make_unique<BagWriter>(std::move(*writer)));
-  const auto topic = recorder.add_topic({"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", "", 0});
+  const auto topic = recorder.add_topic(
+      {"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", "", 0});
   for (std::uint64_t i = 0;; ++i) {
     const std::int64_t time = now_ns();
     if (recorder.push(*topic, time, ring_message(1, i, 200)) != PushResult::kQueued) _exit(2);
@@ -60,21 +64,27 @@ TEST_P(KilledRecorder, LeavesABagThatOpensAndLacksAtMostASecond) {
   const auto bag = expect_value(BagReader::open(folder / "run"));
   const auto messages = expect_value(bag.read_topic("/haptic/device/state"));
   ASSERT_FALSE(messages.empty());
-  for (std::size_t i = 0; i < messages.size(); ++i) ASSERT_EQ(messages[i].bytes, ring_message(1, i, 200)) << i;  // no gap, no half message
+  // no gap, no half message
+  for (std::size_t i = 0; i < messages.size(); ++i)
+    ASSERT_EQ(messages[i].bytes, ring_message(1, i, 200)) << i;
   const std::int64_t lacking_ns = shared.last_time_ns - messages.back().time_ns;
   EXPECT_LE(lacking_ns, 1'000'000'000) << messages.size() << " of " << shared.pushed;
   ASSERT_TRUE(bag.metadata());
   EXPECT_LE(bag.metadata()->message_count, messages.size());
-  // metadata.yaml is a second behind at most, and names at least what a checkpoint has moved into the .db3 itself.
+  // metadata.yaml is a second behind at most, and names at least what a checkpoint has moved into the .db3
+  // itself.
   const std::int64_t described_ns = bag.metadata()->starting_time_ns + bag.metadata()->duration_ns;
   EXPECT_LE(shared.last_time_ns - described_ns, 1'000'000'000);
   std::filesystem::create_directory(folder / "alone");
   std::filesystem::copy_file(folder / "run/run_0.db3", folder / "alone/run_0.db3");
-  const auto alone = expect_value(BagReader::open(folder / "alone/run_0.db3")).read_topic("/haptic/device/state");
+  const auto alone = expect_value(BagReader::open(folder / "alone/run_0.db3")).read_topic(
+      "/haptic/device/state");
   ASSERT_TRUE(alone && !alone->empty());
-  EXPECT_LE(shared.last_time_ns - alone->back().time_ns, 1'500'000'000);  // without its -wal file it lacks more
+  // without its -wal file it lacks more
+  EXPECT_LE(shared.last_time_ns - alone->back().time_ns, 1'500'000'000);
   RecordProperty("lacking_ms", static_cast<int>(lacking_ns / 1'000'000));
-  std::printf("pushed %llu, in the bag %zu, lacking %.0f ms, .db3 alone %zu\n", static_cast<unsigned long long>(shared.pushed),
+  std::printf("pushed %llu, in the bag %zu, lacking %.0f ms, .db3 alone %zu\n",
+              static_cast<unsigned long long>(shared.pushed),
               messages.size(), static_cast<double>(lacking_ns) * 1e-6, alone->size());
   munmap(memory, sizeof(Shared));
 }

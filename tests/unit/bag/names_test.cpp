@@ -26,9 +26,11 @@ TEST(BagNames, QosTextIsWhatHumbleWrites) {
   qos.deadline_ns = 3'000'000;
   const std::vector<bus::EndpointQos> writers{qos};
   EXPECT_EQ(offered_qos_text(writers),
-            "- history: 1\n  depth: 7\n  reliability: 1\n  durability: 1\n  deadline:\n    sec: 0\n    nsec: 3000000\n"
+            "- history: 1\n  depth: 7\n  reliability: 1\n  durability: 1\n"
+            "  deadline:\n    sec: 0\n    nsec: 3000000\n"
             "  lifespan:\n    sec: 9223372036\n    nsec: 854775807\n  liveliness: 1\n"
-            "  liveliness_lease_duration:\n    sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false");
+            "  liveliness_lease_duration:\n    sec: 9223372036\n    nsec: 854775807\n"
+            "  avoid_ros_namespace_conventions: false");
   EXPECT_EQ(offered_qos_text({}), "");
 }
 

@@ -34,9 +34,11 @@ TEST_P(DiscoveryTest, ReportsNameTypeQosAndEndOfEachWriter) {
   const dds_entity_t looking = GetParam() ? hosts_.there() : hosts_.here();
   auto discovery = expect_value(WriterDiscovery::create(looking));
   const std::string typed = topic_name("typed"), raw = topic_name("raw");
-  const dds_entity_t typed_writer = typed_endpoint(true, hosts_.here(), bag_test_msg_dds__Typed__desc, typed, true);
+  const dds_entity_t typed_writer =
+      typed_endpoint(true, hosts_.here(), bag_test_msg_dds__Typed__desc, typed, true);
   const auto topic = expect_value(OpaqueTopic::create(hosts_.here(), raw, "bag_test::msg::dds_::Plain_"));
-  const EndpointQos offered{.deadline_ns = 3'000'000, .lifespan_ns = 5'000'000'000, .liveliness = Liveliness::kManualByTopic,
+  const EndpointQos offered{.deadline_ns = 3'000'000, .lifespan_ns = 5'000'000'000,
+                            .liveliness = Liveliness::kManualByTopic,
                             .lease_ns = 100'000'000};
   auto raw_writer = std::optional(expect_value(OpaqueWriter::create(topic, offered)));
   ASSERT_TRUE(update(discovery, [&] { return find(typed) != nullptr && find(raw) != nullptr; }));
@@ -69,14 +71,18 @@ TEST_P(DiscoveryTest, ReportsNameTypeQosAndEndOfEachWriter) {
   EXPECT_TRUE(update(discovery, [&] { return !known_[first.guid].alive && !known_[second.guid].alive; }));
 }
 
-// A writer with a deadline, a lease and reliability: what recorder_qos asks for must match it, and best effort without anything.
+// A writer with a deadline, a lease and reliability: what recorder_qos asks for must match it, and best
+// effort without anything.
 TEST_P(DiscoveryTest, WhatARecorderAsksForMatchesWhatIsOffered) {
   const dds_entity_t reading = GetParam() ? hosts_.there() : hosts_.here();
   const std::string type = "bag_test::msg::dds_::Plain_";
   for (const EndpointQos& offered : {EndpointQos{.deadline_ns = 3'000'000},
-                                     EndpointQos{.reliability = Reliability::kReliable, .durability = Durability::kTransientLocal},
-                                     EndpointQos{.reliability = Reliability::kReliable, .history = History::kKeepAll,
-                                                 .liveliness = Liveliness::kManualByTopic, .lease_ns = 100'000'000}}) {
+                                     EndpointQos{.reliability = Reliability::kReliable,
+                                                 .durability = Durability::kTransientLocal},
+                                     EndpointQos{.reliability = Reliability::kReliable,
+                                                 .history = History::kKeepAll,
+                                                 .liveliness = Liveliness::kManualByTopic,
+                                                     .lease_ns = 100'000'000}}) {
     const std::string name = topic_name("offered");
     const auto write_topic = expect_value(OpaqueTopic::create(hosts_.here(), name, type));
     const auto read_topic = expect_value(OpaqueTopic::create(reading, name, type));

@@ -54,7 +54,8 @@ std::vector<Taken> take(OpaqueReader& reader, std::size_t count) {
   eventually([&] {
     EXPECT_GOOD(reader.take([&](const RawSample& sample) {
       if (sample.valid)
-        taken.push_back({{sample.bytes.begin(), sample.bytes.end()}, sample.source_time_ns, sample.reception_time_ns});
+        taken.push_back({{sample.bytes.begin(), sample.bytes.end()}, sample.source_time_ns,
+                         sample.reception_time_ns});
     }));
     return taken.size() >= count;
   });
@@ -99,12 +100,14 @@ TEST_P(OpaqueReading, TakesEverySampleOfAWriterWithTypeInformationByteForByte) {
   for (int i = 0; i < kSamples; ++i) {
     const Plain p = plain_sample(i);
     std::string text = note(i);
-    const Typed sample{p.session_id, p.sequence_number, p.sample_time_ns, {p.position[0], p.position[1], p.position[2]}, text.data()};
+    const Typed sample{p.session_id, p.sequence_number, p.sample_time_ns,
+                       {p.position[0], p.position[1], p.position[2]}, text.data()};
     ASSERT_EQ(dds_write(writer, &sample), DDS_RETCODE_OK);
   }
   const auto taken = take(reader, kSamples);
   ASSERT_EQ(taken.size(), static_cast<std::size_t>(kSamples));
-  for (int i = 0; i < kSamples; ++i) ASSERT_EQ(taken[static_cast<std::size_t>(i)].bytes, typed_cdr(i).padded()) << i;
+  for (int i = 0; i < kSamples; ++i)
+    ASSERT_EQ(taken[static_cast<std::size_t>(i)].bytes, typed_cdr(i).padded()) << i;
 }
 
 TEST_P(OpaqueReading, GetsALatchedSampleWrittenBeforeItCameOnlyIfItAsks) {
@@ -158,7 +161,8 @@ TEST_P(OpaqueReading, PutsAMessageOfManyPacketsTogether) {
   const auto taken = take(reader, 1);
   ASSERT_EQ(taken.size(), 1u);
   CdrBuilder cdr;
-  cdr.add(std::uint64_t{1}).add(std::uint64_t{2}).add(std::int64_t{3}).add(4.0).add(5.0).add(6.0).add_text(text);
+  cdr.add(std::uint64_t{1}).add(std::uint64_t{2}).add(std::int64_t{3}).add(4.0).add(5.0).add(6.0).add_text(
+      text);
   EXPECT_EQ(taken[0].bytes, cdr.padded());
 }
 
@@ -212,8 +216,10 @@ TEST_P(OpaqueWriting, ReachesAnOpaqueReaderUnchanged) {
   EXPECT_EQ(taken[0].bytes, bytes);
 }
 
-INSTANTIATE_TEST_SUITE_P(Sides, OpaqueWriting, testing::Combine(testing::Bool(), testing::Bool()), [](const auto& side) {
-  return std::string(std::get<0>(side.param) ? "OverTheWire" : "InOneParticipant") + (std::get<1>(side.param) ? "Little" : "Big");
+INSTANTIATE_TEST_SUITE_P(Sides, OpaqueWriting, testing::Combine(testing::Bool(), testing::Bool()),
+                         [](const auto& side) {
+  return std::string(std::get<0>(side.param) ? "OverTheWire" : "InOneParticipant") +
+      (std::get<1>(side.param) ? "Little" : "Big");
 });
 
 TEST(Opaque, SaysWhatDdsRefuses) {

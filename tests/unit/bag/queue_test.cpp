@@ -89,7 +89,8 @@ TEST(MessageQueue, KeepsEachPushersOrderAcrossThreads) {
       continue;
     }
     const std::uint64_t i = next[message->topic]++;
-    right = right && message->time_ns == static_cast<std::int64_t>(i) && std::ranges::equal(message->bytes, block(1 + i % 50, i));
+    right = right && message->time_ns == static_cast<std::int64_t>(i) &&
+        std::ranges::equal(message->bytes, block(1 + i % 50, i));
     queue.pop();
   }
   first.join();

@@ -35,7 +35,8 @@ class TemporaryFolder {
 };
 
 /// Little-endian CDR: header, session, sequence number, then `fill` bytes that depend on the sequence number.
-inline std::vector<std::byte> ring_message(std::uint64_t session, std::uint64_t sequence, std::size_t fill = 32) {
+inline std::vector<std::byte> ring_message(std::uint64_t session, std::uint64_t sequence,
+                                           std::size_t fill = 32) {
   std::vector<std::byte> bytes(4 + 16 + fill);
   bytes[1] = std::byte{1};
   std::memcpy(bytes.data() + 4, &session, 8);
