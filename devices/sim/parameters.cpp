@@ -59,6 +59,7 @@ SimParameters sim_phantom() {
   p.hand.inertia_kg_m2 = 1e-4;         // this and the next two: assumed
   p.hand.damping_nms_per_rad = 0.01;
   p.hand.stiffness_nm_per_rad = 0.5;
+  p.hand.carries_tool = true;
   return p;
 }
 
@@ -93,6 +94,7 @@ SimParameters sim_lwr() {
   p.hand.inertia_kg_m2 = 0.01;           // this and the next two: assumed
   p.hand.damping_nms_per_rad = 0.3;
   p.hand.stiffness_nm_per_rad = 5.0;
+  p.hand.carries_tool = true;
   return p;
 }
 

@@ -1,5 +1,6 @@
 #include "devices/sim/plant.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace voxtouch {
@@ -62,7 +63,7 @@ SimPlant::SimPlant(const SimParameters& p, const OperatorConfig& hand, Motion mo
 void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept {
   const bool held = held_at(time_s);
   const MotionPoint target = motion_at(motion_, time_s + 0.5 * dt_s);
-  const Vec3 force = held ? Vec3(push.force + tremor) : push.force;
+  const Vec3 force = held ? Vec3(push.force + tremor + carrying_force(target.velocity)) : push.force;
   pose_.position += dt_s * step_mobility(held ? held_move_ : free_move_, target.position - pose_.position, target.velocity,
                                          force, dt_s, twist_.linear);
   const Vec3 rate = step_mobility(held ? held_turn_ : free_turn_, turn_to_target(), Vec3::Zero(), push.torque, dt_s,
@@ -70,6 +71,13 @@ void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, doubl
   if (rate.isZero(0.0)) return;  // nothing to renormalise: a tool that does not turn keeps its bits
   const Vec3 half_turn = (0.5 * dt_s) * rate;  // the Cayley map: a rotation by 2 atan(|rate| dt / 2)
   pose_.orientation = (Quat(1.0, half_turn.x(), half_turn.y(), half_turn.z()) * pose_.orientation).normalized();
+}
+
+Vec3 SimPlant::carrying_force(const Vec3& target_velocity) const noexcept {
+  if (!hand_.carries_tool) return Vec3::Zero();
+  // Friction is met in full above 1 mm/s and in proportion below, so that the force has no step where the target sets off.
+  const double share = free_move_.friction / std::max(target_velocity.norm(), 1e-3);
+  return (free_move_.damping + share) * target_velocity;
 }
 
 Vec3 SimPlant::turn_to_target() const noexcept {

@@ -48,6 +48,8 @@ class SimPlant {
   /// spring whose energy is 4 k (1 - cos(angle / 2)); within 0.2 % of the angle up to 12 degrees, and free of
   /// inverse functions.
   Vec3 turn_to_target() const noexcept;
+  /// What a hand that carries the tool adds against the device's drag at the target's velocity [N].
+  Vec3 carrying_force(const Vec3& target_velocity) const noexcept;
 
   OperatorConfig hand_;
   Motion motion_;

@@ -37,11 +37,11 @@ class CouplingNode {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
     wait_set_.attach(contacts_.condition());
-    links_ = {{[this] { return descriptions_.matched(); }, {"device"}},
-              {[this] { return states_.matched(); }, {"device"}},
-              {[this] { return contacts_.matched(); }, {"rendering"}},
-              {[this] { return commands_.matched(); }, {"device", "logger"}},
-              {[this] { return designs_.matched(); }, {"logger"}}};
+    links_ = {{"device/description", [this] { return descriptions_.matched(); }, {"device"}},
+              {"device/state", [this] { return states_.matched(); }, {"device"}},
+              {"rendering/contact", [this] { return contacts_.matched(); }, {"rendering"}},
+              {"coupling/command", [this] { return commands_.matched(); }, {"device", "logger"}},
+              {"coupling/design", [this] { return designs_.matched(); }, {"logger"}}};
   }
 
   int run(const std::atomic<bool>& stop) {
@@ -125,13 +125,14 @@ class CouplingNode {
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
     const std::uint64_t session = session_.load(std::memory_order_acquire);
-    const bool ready = session != 0 && runtime::all_linked(options_, roster, links_);
+    const std::string missing = session ? runtime::missing_links(options_, roster, links_) : "a device";
+    const bool ready = missing.empty();
     report.session_id = ready ? session : 0;
     report.state = stopped_.load() ? NodeState::kStopped : ready ? (samples_.load() ? NodeState::kRunning : NodeState::kReady) : NodeState::kStarting;
     // The device's limit is held against the total stiffness of the contact, not against one point's.
     const double displayed = stiffness_at_hand_n_per_m(scene_, stiffness_.load());
     report.message = stopped_.load() ? "stopped"
-                     : !ready ? "waiting for a device"
+                     : !ready ? "waiting for " + missing
                      : displayed > max_stiffness_.load()
                          ? fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower contact.stiffness_n_per_m or coupling.gain",
                                        displayed, max_stiffness_.load())

@@ -115,9 +115,9 @@ class DeviceNode {
     commands_ = {participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())};
     wait_set_.emplace(participant_);
     wait_set_->attach(commands_.condition());
-    links_ = {{[this] { return states_.matched(); }, {"rendering", "coupling", "logger", "validator"}},
-              {[this] { return descriptions_.matched(); }, {"rendering", "coupling", "logger", "validator"}},
-              {[this] { return commands_.matched(); }, {"coupling"}}};
+    links_ = {{"device/state", [this] { return states_.matched(); }, {"rendering", "coupling", "logger"}},
+              {"device/description", [this] { return descriptions_.matched(); }, {"rendering", "coupling", "logger"}},
+              {"coupling/command", [this] { return commands_.matched(); }, {"coupling"}}};
     publish_description(descriptions_, driver_->description(), session_, driver_->simulated(), options.lockstep);
   }
 
@@ -184,19 +184,22 @@ class DeviceNode {
                    : end == End::kStopped || end == End::kFinished ? NodeState::kStopped : NodeState::kFailed;
     report.message = end != End::kNone ? end_sentence(end)
                      : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
-                     : running ? "running" : "waiting for the nodes that take part";
+                     : running ? "running" : "waiting for " + waiting_for_;
     fill(report.values);
   }
 
   void watch_peers(runtime::Roster& roster) {
     if (!options_.lockstep) return;
     const std::vector<std::string> peers = runtime::taking_part(options_, {"rendering", "coupling", "logger", "validator"});
-    bool ready = runtime::all_linked(options_, roster, links_);
+    waiting_for_ = runtime::missing_links(options_, roster, links_);
+    bool ready = waiting_for_.empty();
     for (const std::string& peer : peers) {
       const auto report = roster.find(peer);
       if (peers_ready_.load() && (!report || report->state == NodeState::kFailed)) requests_.peer_gone.store(true);
-      ready = ready && report && report->session_id == session_ &&
-              (report->state == NodeState::kReady || report->state == NodeState::kRunning);
+      const bool answered = report && report->session_id == session_ &&
+                            (report->state == NodeState::kReady || report->state == NodeState::kRunning);
+      if (!answered) waiting_for_ += (waiting_for_.empty() ? "" : ", ") + peer + " to be ready";
+      ready = ready && answered;
     }
     if (ready) peers_ready_.store(true, std::memory_order_release);
   }
@@ -247,7 +250,7 @@ class DeviceNode {
   Requests requests_;
   std::atomic<bool> peers_ready_{false};
   std::atomic<bool> peers_late_{false};
-  std::string foreign_;
+  std::string foreign_, waiting_for_;
 };
 
 }  // namespace

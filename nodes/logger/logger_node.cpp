@@ -65,7 +65,7 @@ class LoggerNode {
     const bool finished = finished_.load(std::memory_order_acquire);
     const bag::RecordingReport now = finished ? final_ : recorder_.report();
     const std::uint64_t session = session_.load();
-    const bool ready = session != 0 && runtime::all_linked(options_, roster, links_);
+    const bool ready = session != 0 && runtime::missing_links(options_, roster, links_).empty();
     const std::uint64_t lost = now.total(&bag::TopicReport::dropped) + now.total(&bag::TopicReport::lost);
     report.session_id = ready ? session : 0;
     report.state = finished ? NodeState::kStopped : ready ? NodeState::kRunning : NodeState::kStarting;

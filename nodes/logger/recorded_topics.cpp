@@ -128,7 +128,7 @@ std::vector<runtime::Link> RecordedTopics::links() const {
     if (const auto writer = kWriters.find(row.path); writer != kWriters.end())
       for (const Entry& entry : entries_)
         if (entry.name == qos::dds_name(row, options_.rig))
-          links.push_back({[handle = entry.reader.handle()] { return bus::matched_writers(handle); }, {writer->second}});
+          links.push_back({std::string(row.path), [handle = entry.reader.handle()] { return bus::matched_writers(handle); }, {writer->second}});
   return links;
 }
 

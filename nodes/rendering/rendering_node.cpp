@@ -30,10 +30,10 @@ class RenderingNode {
         ros_(participant_, options.rig, scene), wait_set_(participant_) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
-    links_ = {{[this] { return descriptions_.matched(); }, {"device"}},
-              {[this] { return states_.matched(); }, {"device"}},
-              {[this] { return contacts_.matched(); }, {"coupling", "logger", "validator"}},
-              {[this] { return plans_.matched(); }, {"logger", "validator"}}};
+    links_ = {{"device/description", [this] { return descriptions_.matched(); }, {"device"}},
+              {"device/state", [this] { return states_.matched(); }, {"device"}},
+              {"rendering/contact", [this] { return contacts_.matched(); }, {"coupling", "logger", "validator"}},
+              {"rendering/plan", [this] { return plans_.matched(); }, {"logger", "validator"}}};
   }
 
   int run(const std::atomic<bool>& stop) {
@@ -108,10 +108,11 @@ class RenderingNode {
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
     const std::uint64_t session = session_.load(std::memory_order_acquire);
-    const bool ready = session != 0 && runtime::all_linked(options_, roster, links_);
+    const std::string missing = session ? runtime::missing_links(options_, roster, links_) : "a device";
+    const bool ready = missing.empty();
     report.session_id = ready ? session : 0;
     report.state = stopped_.load() ? NodeState::kStopped : ready ? (samples_.load() ? NodeState::kRunning : NodeState::kReady) : NodeState::kStarting;
-    report.message = stopped_.load() ? "stopped" : ready ? "scene '" + scene_.name + "' is built" : "scene '" + scene_.name + "' is built; waiting for a device";
+    report.message = stopped_.load() ? "stopped" : ready ? "scene '" + scene_.name + "' is built" : "scene '" + scene_.name + "' is built; waiting for " + missing;
     report.values = {{"samples", fmt::to_string(samples_.load())},
                      {"contact_samples", fmt::to_string(contact_samples_.load())},
                      {"refused_samples", fmt::to_string(refused_.load())},

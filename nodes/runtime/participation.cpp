@@ -9,11 +9,15 @@ std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std
   return nodes;
 }
 
-bool all_linked(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links) {
-  if (!options.lockstep) return true;
-  return std::all_of(links.begin(), links.end(), [&](const Link& link) {
-    return has_matched(roster, link.matched(), taking_part(options, link.nodes));
-  });
+std::string missing_links(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links) {
+  std::string missing;
+  if (!options.lockstep) return missing;
+  for (const Link& link : links) {
+    const std::vector<bus::Guid> matched = link.matched();
+    for (const std::string& node : taking_part(options, link.nodes))
+      if (!has_matched(roster, matched, {node})) missing += (missing.empty() ? "" : ", ") + node + " on " + link.what;
+  }
+  return missing;
 }
 
 }  // namespace voxtouch::runtime

@@ -11,6 +11,7 @@ namespace voxtouch::runtime {
 
 /// One endpoint of this node and the nodes that must be at its other end.
 struct Link {
+  std::string what;  ///< the topic, for people
   std::function<std::vector<bus::Guid>()> matched;
   std::vector<std::string> nodes;
 };
@@ -18,7 +19,8 @@ struct Link {
 /// Keeps only the nodes that take part in this run ("device" always does).
 std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std::string> nodes);
 
-/// True when every link has matched all its nodes. In real time nobody is waited for: always true.
-bool all_linked(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links);
+/// What is still missing, for people: "validator on rendering/contact". Empty when every link has matched all its nodes; in real
+/// time nobody is waited for, so it is always empty there.
+std::string missing_links(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links);
 
 }  // namespace voxtouch::runtime

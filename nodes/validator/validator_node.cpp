@@ -52,7 +52,7 @@ class ValidatorNode {
         reports_(participant_, qos::kValidation, options.rig, qos::profile_in(qos::kValidation, options.mode())),
         wait_set_(participant_) {
     for (const dds_entity_t condition : {plans_.condition(), contacts_.condition()}) wait_set_.attach(condition);
-    links_ = {{[this] { return contacts_.matched(); }, {"rendering"}}, {[this] { return reports_.matched(); }, {"logger"}}};
+    links_ = {{"rendering/contact", [this] { return contacts_.matched(); }, {"rendering"}}, {"validation", [this] { return reports_.matched(); }, {"logger"}}};
   }
 
   int run(const std::atomic<bool>& stop) {
@@ -131,11 +131,12 @@ class ValidatorNode {
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
     const std::uint64_t session = session_.load(std::memory_order_acquire);
-    const bool ready = session != 0 && runtime::all_linked(options_, roster, links_);
+    const std::string missing = session ? runtime::missing_links(options_, roster, links_) : "the rendering";
+    const bool ready = missing.empty();
     const std::lock_guard lock(mutex_);
     report.session_id = ready ? session : 0;
     report.state = stopped_.load() ? NodeState::kStopped : ready ? (counts_.checked ? NodeState::kRunning : NodeState::kReady) : NodeState::kStarting;
-    report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_ : ready ? "no disagreement" : "waiting for the rendering";
+    report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_ : ready ? "no disagreement" : "waiting for " + missing;
     report.values = {{"checked", fmt::to_string(counts_.checked)}, {"decided", fmt::to_string(counts_.decided)},
                      {"agree", fmt::to_string(counts_.agree)},     {"in_band", fmt::to_string(counts_.in_band)},
                      {"disagree", fmt::to_string(counts_.disagree)}, {"by_rendering", fmt::to_string(counts_.rendering)},
