@@ -138,7 +138,11 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
   const std::size_t count = triangles.size();
   Orientation part(count), patch(count);
   std::vector<std::uint8_t> open(count, 0), unbalanced(count, 0);
+  bool tidy = true;  // every edge that may close is walked as often one way as the other: nothing will have to turn
   for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
+    int balance = 0;
+    for (const Edge& edge : group) balance += edge.forward ? 1 : -1;
+    tidy = tidy && (balance == 0 || group.size() % 2 != 0);
     for (const Edge& edge : group.subspan(1)) part.join(group[0].slot, edge.slot, false);
     if (group.size() == 2) patch.join(group[0].slot, group[1].slot, group[0].forward == group[1].forward);
     if (group.size() % 2 != 0) open[group[0].slot] = 1;
@@ -146,17 +150,18 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
   std::vector<double> kept_area(count, 0.0), turned_area(count, 0.0);
   for (std::uint32_t s = 0; s < count; ++s) {
     if (open[s]) open[part.root(s)] = 1;
-    (patch.turned(s) ? turned_area : kept_area)[patch.root(s)] += twice_area(mesh, triangles[s]);
+    if (!tidy) (patch.turned(s) ? turned_area : kept_area)[patch.root(s)] += twice_area(mesh, triangles[s]);
   }
   const auto turn = [&](std::uint32_t s) {
     const std::uint32_t root = patch.root(s);
     return patch.turned(s) != (turned_area[root] > kept_area[root]);
   };
-  for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
-    int balance = 0;
-    for (const Edge& edge : group) balance += edge.forward != turn(edge.slot) ? 1 : -1;
-    if (balance != 0) unbalanced[part.root(group[0].slot)] = 1;
-  });
+  if (!tidy)
+    for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
+      int balance = 0;
+      for (const Edge& edge : group) balance += edge.forward != turn(edge.slot) ? 1 : -1;
+      if (balance != 0) unbalanced[part.root(group[0].slot)] = 1;
+    });
   std::vector<std::uint32_t> left;
   open_parts = 0;
   for (std::uint32_t s = 0; s < count; ++s) {

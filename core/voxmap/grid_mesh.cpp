@@ -58,8 +58,6 @@ std::string in_metres(double metres) {
   return std::string(text) + " m";
 }
 
-double power_of_two_above(double cells) { return std::exp2(std::ceil(std::log2(std::max(cells, 1.0)))); }
-
 /// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2 cells an A / edge^2, and its
 /// rim some more; small triangles share their cells, so only long ones pay for a rim.
 double expected_cells(const TriangleMesh& mesh, double edge_m) {
@@ -108,12 +106,11 @@ VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid) {
     estimate.voxels *= estimate.last[axis] - estimate.first[axis] + 1.0;
     cells[axis] = std::floor((estimate.last[axis] - estimate.first[axis]) / Voxmap::kBrickEdge) + 4.0;
   }
-  estimate.table_cells = power_of_two_above(cells[0]) * power_of_two_above(cells[1]) * cells[2];
-  const double all = cells[0] * cells[1] * cells[2];
+  const double all = estimate.table_cells = cells[0] * cells[1] * cells[2];
   const double bricks = std::min(expected_cells(mesh, grid.edge * Voxmap::kBrickEdge), all);
   estimate.surface_voxels = std::min(expected_cells(mesh, grid.edge), estimate.voxels);
   // Table 4 bytes a cell, 8 bytes of free distance a cell; building adds an index and a label a cell, and three masks a brick.
-  estimate.bytes = 4.0 * estimate.table_cells + 8.0 * all + sizeof(Voxmap::Brick) * bricks;
+  estimate.bytes = 12.0 * all + sizeof(Voxmap::Brick) * bricks;
   estimate.build_bytes = estimate.bytes + 8.0 * all + 4.0 * 64.0 * bricks +
                          static_cast<double>(mesh.vertices.size()) * 28.0 + static_cast<double>(mesh.triangles.size()) * 60.0;
   return estimate;

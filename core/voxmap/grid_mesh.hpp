@@ -25,7 +25,7 @@ struct VoxelEstimate {
   double extent_m = 0.0;                  ///< longest side of the mesh's box [m]
   double voxels = 0.0;                    ///< voxels in the box
   double surface_voxels = 0.0;            ///< expected
-  double table_cells = 0.0;               ///< entries of the voxmap's table, strides padded to powers of two
+  double table_cells = 0.0;               ///< entries of the voxmap's table, one a brick of 8x8x8
   double bytes = 0.0;                     ///< of the finished voxmap: exact for table and distances, expected for the bricks
   double build_bytes = 0.0;               ///< peak while it is built
 };

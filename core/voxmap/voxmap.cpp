@@ -37,11 +37,10 @@ Voxmap::Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last
            floor_to_brick(std::int64_t{first.k} - kBrickEdge)};
   const auto count = [](std::int64_t base, std::int64_t end) { return ((end - base) >> 3) + 2; };
   cells_ = {count(base_.i, last.i), count(base_.j, last.j), count(base_.k, last.k)};
-  shift_y_ = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(cells_[0] - 1)));
-  shift_z_ = shift_y_ + static_cast<int>(std::bit_width(static_cast<std::uint64_t>(cells_[1] - 1)));
-  if (shift_z_ > 40 || (cells_[2] << shift_z_) > kMaxTableCells)
+  // Each count is below 2^29, so the product of two fits int64 and the third is compared by division.
+  if (cells_[0] * cells_[1] > kMaxTableCells / cells_[2])
     throw std::length_error("voxmap: the table would need more than 2^28 bricks; use a larger voxel size");
-  table_.assign(static_cast<std::size_t>(cells_[2] << shift_z_), kFreeBrick);
+  table_.assign(static_cast<std::size_t>(cells_[0] * cells_[1] * cells_[2]), kFreeBrick);
   bricks_.resize(2);
   bricks_[kFreeBrick].fill(all_of(VoxelKind::kFree));
   bricks_[kInteriorBrick].fill(all_of(VoxelKind::kInterior));

@@ -1,9 +1,9 @@
 #pragma once
 /// The static scene as a voxmap: surface, interior, free (paper, section 1), in bricks behind a top table.
 ///
-/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick; an int32 top table with power-of-two strides names the
-/// brick of each 8-voxel cell, with shared bricks for "all free" and "all interior". One border cell of free bricks surrounds
-/// the object. Beside it, one byte for each 4x4x4-voxel cell says how far, in cells, the nearest surface or interior is
+/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick; an int32 top table names the brick of each 8-voxel
+/// cell, with shared bricks for "all free" and "all interior". One border cell of free bricks surrounds the object. The table's
+/// strides are exact: rounded up to powers of two they would save a multiplication and cost up to four times the table. Beside it, one byte for each 4x4x4-voxel cell says how far, in cells, the nearest surface or interior is
 /// at least: what the culling tree asks.
 #include <array>
 #include <cstddef>
@@ -74,7 +74,7 @@ class Voxmap {
  private:
   static constexpr std::int32_t kFreeBrick = 0, kInteriorBrick = 1;
   std::size_t table_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
-    return static_cast<std::size_t>(x + (y << shift_y_) + (z << shift_z_));
+    return static_cast<std::size_t>(x + cells_[0] * (y + cells_[1] * z));
   }
   std::size_t near_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
     return static_cast<std::size_t>((x * near_cells_[1] + y) * near_cells_[2] + z);
@@ -86,7 +86,6 @@ class Voxmap {
   Grid grid_;
   VoxelIndex base_;                       ///< first voxel of the table, a multiple of 8
   std::array<std::int64_t, 3> cells_{};   ///< table size in bricks
-  int shift_y_ = 0, shift_z_ = 0;         ///< power-of-two strides
   std::vector<std::int32_t> table_;
   std::vector<Brick> bricks_;
   std::array<std::int64_t, 3> near_cells_{};

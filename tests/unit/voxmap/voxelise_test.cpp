@@ -220,12 +220,34 @@ TEST(Voxelise, AZeroAreaTriangleMayCloseATJunction) {
   EXPECT_EQ(got.report.open_parts, 0U);
 }
 
+/// A Klein bottle as a figure of eight swept round with half a turn: closed, but no side is the outside.
+TriangleMesh klein_bottle(int n) {
+  TriangleMesh mesh;
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b) {
+      const double u = 2 * std::numbers::pi * a / n, v = 2 * std::numbers::pi * (b + 0.5) / n;
+      const double out = std::cos(u / 2) * std::sin(v) - std::sin(u / 2) * std::sin(2 * v);
+      const double up = std::sin(u / 2) * std::sin(v) + std::cos(u / 2) * std::sin(2 * v);
+      mesh.vertices.push_back({(3 + out) * std::cos(u), (3 + out) * std::sin(u), up});
+    }
+  const auto at = [n](int a, int b) {
+    const int row = a == n ? n - 1 - b % n : b % n;  // after one round v has become -v
+    return static_cast<std::uint32_t>((a % n) * n + row);
+  };
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b) {
+      mesh.triangles.push_back({at(a, b), at(a + 1, b), at(a + 1, b + 1)});
+      mesh.triangles.push_back({at(a, b), at(a + 1, b + 1), at(a, b + 1)});
+    }
+  return mesh;
+}
+
 TEST(Voxelise, AShellThatCannotBeOrientedGoesByParity) {
-  // A closed strip of squares whose ends meet with a twist would need four dimensions; three boxes with an edge in common where
-  // one box is turned inside out cannot be balanced by turning whole patches, but each still encloses its inside.
-  TriangleMesh mesh = joined(box(Vec3::Zero(), Vec3::Ones()), turned(box(Vec3(1, 1, 0), Vec3(2, 2, 1))));
-  const Voxels got = voxels(mesh, default_grid(mesh, 0.11));
-  EXPECT_FALSE(got.interior.empty());
+  const TriangleMesh mesh = klein_bottle(40);
+  const Voxels got = voxels(mesh, default_grid(mesh, 0.1));
+  EXPECT_EQ(got.report.closed_parts, 1U);
+  EXPECT_EQ(got.report.unoriented_parts, 1U);
+  EXPECT_GT(got.interior.size(), 1000U);
   EXPECT_FALSE(has_hole(got));
 }
 
