@@ -58,15 +58,15 @@ std::string in_metres(double metres) {
   return std::string(text) + " m";
 }
 
-/// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2 cells an A / edge^2, and its
-/// rim some more; small triangles share their cells, so only long ones pay for a rim.
+/// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2 cells an A / edge^2, a
+/// slender one as many as its length says; triangles smaller than a cell share theirs.
 double expected_cells(const TriangleMesh& mesh, double edge_m) {
   double sum = 8.0;
   for (const auto& t : mesh.triangles) {
     const Vec3 side = (mesh.vertices[t[1]] - mesh.vertices[t[0]]) / edge_m;
     const Vec3 other = (mesh.vertices[t[2]] - mesh.vertices[t[0]]) / edge_m;
     const double length = side.norm() + other.norm();
-    sum += 1.0 * side.cross(other).norm() + (length > 4.0 ? 1.5 * length : 0.0);
+    sum += std::max(side.cross(other).norm(), length > 4.0 ? 1.5 * length : 0.0);
   }
   return sum;
 }
