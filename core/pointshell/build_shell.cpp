@@ -59,8 +59,8 @@ Pointshell arrange(const std::vector<ShellPoint>& points, const Grid& grid, Posi
   return shell;
 }
 
-/// Calls f(p, q) for every two points whose voxels share a face. One pass: each neighbour is sought ahead of its voxel by a
-/// pointer that only moves forward.
+/// Calls f(p, q) for every two points whose voxels share a face. One pass: each neighbour is sought ahead of
+/// its voxel by a pointer that only moves forward.
 template <class F>
 void for_each_neighbours(const std::vector<ShellPoint>& points, F&& f) {
   std::array<std::size_t, 3> ahead{};

@@ -6,8 +6,8 @@
 namespace voxtouch {
 namespace {
 
-/// A foot this near a side, relative to the lengths involved, is left to the search along the sides, which is right there: so
-/// a sliver's sides, all "inside" by rounding, cannot make a point beyond its end pass.
+/// A foot this near a side, relative to the lengths involved, is left to the search along the sides, which is
+/// right there: so a sliver's sides, all "inside" by rounding, cannot make a point beyond its end pass.
 constexpr double kOnSide = 1e-14;
 
 /// Keeps the part with side * x[axis] <= limit.

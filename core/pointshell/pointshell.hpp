@@ -1,5 +1,6 @@
 #pragma once
-/// The dynamic object as the contact models see it: points on its surface with inward normals (paper, section 2.1).
+/// The dynamic object as the contact models see it: points on its surface with inward normals (paper, section
+/// 2.1).
 #include <cstdint>
 #include <vector>
 
@@ -7,8 +8,9 @@
 
 namespace voxtouch {
 
-/// Structure of arrays in Morton order of the voxel that each point came from, so that neighbours in space are neighbours in
-/// memory. All in frame T. `id` is the point's rank among the surface voxels sorted by (i, j, k): the order of files and reports.
+/// Structure of arrays in Morton order of the voxel that each point came from, so that neighbours in space
+/// are neighbours in memory. All in frame T. `id` is the point's rank among the surface voxels sorted by (i,
+/// j, k): the order of files and reports.
 struct Pointshell {
   std::vector<double> x, y, z;         ///< position [m]
   std::vector<double> nx, ny, nz;      ///< unit normal, pointing INTO the dynamic object

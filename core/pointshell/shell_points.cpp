@@ -58,9 +58,11 @@ bool lies_in_face(const Vec3& a, const Vec3& b, const Vec3& c, const VoxelIndex&
   return false;
 }
 
-/// The normal rule; see the header. `face`: outward normal of the triangle that holds the point, zero if it has no area.
+/// The normal rule; see the header. `face`: outward normal of the triangle that holds the point, zero if it
+/// has no area.
 void set_normals(const NormalSums& sums, const Vec3& face, const Vec3& to_centre, ShellPoint& point) noexcept {
-  // A voxel that only zero-area triangles meet has no normal; any unit vector is as good, and its weight is zero.
+  // A voxel that only zero-area triangles meet has no normal; any unit vector is as good, and its weight is
+  // zero.
   Vec3 alone = to_centre.stableNormalized();
   if (!(alone.squaredNorm() > 0.5)) alone = Vec3::UnitZ();
   const Vec3 own = face.isZero(0.0) ? alone : Vec3(-face);

@@ -32,7 +32,8 @@ Corners welded_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& w
 /// Whether `c` is an even permutation of its sorted self.
 bool even(const Corners& c) noexcept { return ((c[0] < c[1]) + (c[1] < c[2]) + (c[2] < c[0])) == 2; }
 
-/// Triangles grouped by their three corners, first of a group first: sorted by (lowest, middle, highest corner, triangle).
+/// Triangles grouped by their three corners, first of a group first: sorted by (lowest, middle, highest
+/// corner, triangle).
 std::vector<std::pair<Corners, std::uint32_t>> sorted_by_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
                                                                  const std::vector<std::uint32_t>& triangles) {
   std::vector<std::pair<Corners, std::uint32_t>> keyed(triangles.size());
@@ -92,7 +93,8 @@ struct Edge {
   bool forward;             ///< walked from the lower vertex to the higher
 };
 
-/// Every edge of the listed triangles, grouped by (lower, higher vertex); `visit(group)` gets a span of `Edge`.
+/// Every edge of the listed triangles, grouped by (lower, higher vertex); `visit(group)` gets a span of
+/// `Edge`.
 template <class Visit>
 void for_each_edge(const GridMesh& mesh, const std::vector<std::uint32_t>& welded, const std::vector<std::uint32_t>& triangles,
                    Visit&& visit) {
@@ -131,7 +133,8 @@ double six_volumes(const GridMesh& mesh, std::uint32_t t) {
   return (mesh.corner(t, 0) - at).dot((mesh.corner(t, 1) - at).cross(mesh.corner(t, 2) - at));
 }
 
-/// One attempt: the parts that the listed triangles form; closed parts get their roles, the triangles of open ones are returned.
+/// One attempt: the parts that the listed triangles form; closed parts get their roles, the triangles of open
+/// ones are returned.
 std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
                                         const std::vector<std::uint32_t>& triangles, ClosedShells& shells,
                                         std::size_t& open_parts) {
@@ -181,7 +184,8 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
   return left;
 }
 
-/// Of each set of triangles with the same corners, as many as there are more one way round than the other, at most one.
+/// Of each set of triangles with the same corners, as many as there are more one way round than the other, at
+/// most one.
 std::vector<std::uint32_t> cancelled(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
                                      const std::vector<std::uint32_t>& triangles) {
   const auto keyed = sorted_by_corners(mesh, welded, triangles);

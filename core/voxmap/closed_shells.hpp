@@ -1,12 +1,13 @@
 #pragma once
 /// What of a mesh encloses space: triangles judged one by one, then the parts they form.
 ///
-/// Rules. Vertices are one where their grid coordinates are equal. A triangle is zero-area (exactly) or a duplicate (same three
-/// corners as an earlier one, either way round). A part is what hangs together by edges. A part closes if each edge is used an even
-/// number of times; tried are, in this order: without zero-area triangles and with one triangle of each set of duplicates;
-/// the same with opposite duplicates cancelled (the shared wall of two stacked boxes, a two-sided fin); the first with zero-area
-/// triangles (which may close a T-junction). Within a closed part, triangles that disagree with their neighbours are turned round,
-/// the smaller area giving way; a part that cannot be oriented is judged by parity.
+/// Rules. Vertices are one where their grid coordinates are equal. A triangle is zero-area (exactly) or a
+/// duplicate (same three corners as an earlier one, either way round). A part is what hangs together by
+/// edges. A part closes if each edge is used an even number of times; tried are, in this order: without
+/// zero-area triangles and with one triangle of each set of duplicates; the same with opposite duplicates
+/// cancelled (the shared wall of two stacked boxes, a two-sided fin); the first with zero-area triangles
+/// (which may close a T-junction). Within a closed part, triangles that disagree with their neighbours are
+/// turned round, the smaller area giving way; a part that cannot be oriented is judged by parity.
 #include <cstdint>
 #include <vector>
 

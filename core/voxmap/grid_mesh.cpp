@@ -58,8 +58,8 @@ std::string in_metres(double metres) {
   return std::string(text) + " m";
 }
 
-/// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2 cells an A / edge^2, a
-/// slender one as many as its length says; triangles smaller than a cell share theirs.
+/// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2 cells an A /
+/// edge^2, a slender one as many as its length says; triangles smaller than a cell share theirs.
 double expected_cells(const TriangleMesh& mesh, double edge_m) {
   double sum = 8.0;
   for (const auto& t : mesh.triangles) {
@@ -109,7 +109,8 @@ VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid) {
   const double all = estimate.table_cells = cells[0] * cells[1] * cells[2];
   const double bricks = std::min(expected_cells(mesh, grid.edge * Voxmap::kBrickEdge), all);
   estimate.surface_voxels = std::min(expected_cells(mesh, grid.edge), estimate.voxels);
-  // Table 4 bytes a cell, 8 bytes of free distance a cell; building adds an index and a label a cell, and three masks a brick.
+  // Table 4 bytes a cell, 8 bytes of free distance a cell; building adds an index and a label a cell, and
+  // three masks a brick.
   estimate.bytes = 12.0 * all + sizeof(Voxmap::Brick) * bricks;
   estimate.build_bytes = estimate.bytes + 8.0 * all + 4.0 * 64.0 * bricks +
                          static_cast<double>(mesh.vertices.size()) * 28.0 + static_cast<double>(mesh.triangles.size()) * 60.0;

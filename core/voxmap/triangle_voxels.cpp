@@ -46,8 +46,9 @@ void TriangleVoxels::add(int kind, double side, const std::array<double, 3>& gra
   form.error = kFilter * magnitude;
 }
 
-/// The cube's shadow along one axis against the triangle's: one form an edge, on the side where the third corner lies; both
-/// sides where the triangle is seen edge-on. Edges that shrink to a point say nothing.
+/// The cube's shadow along one axis against the triangle's: one form an edge, on the side where the third
+/// corner lies. Seen edge-on, the edges run both ways along one line, and so bound it from both sides. Edges
+/// that shrink to a point say nothing.
 void TriangleVoxels::add_edge_forms(int dropped) noexcept {
   const int p = (dropped + 1) % 3, q = (dropped + 2) % 3;
   const auto sp = static_cast<std::size_t>(p), sq = static_cast<std::size_t>(q);
@@ -64,8 +65,7 @@ void TriangleVoxels::add_edge_forms(int dropped) noexcept {
     const double magnitude = std::abs(fp) * width_q + std::abs(fq) * width_p;
     const int kind = 4 * dropped + edge;
     const double seen = normal_[dropped];  // orientation of the shadow; its sign is exact
-    if (seen >= 0.0) add(kind, 1.0, gradient, at_first, magnitude);
-    if (seen <= 0.0) add(kind, -1.0, gradient, at_first, magnitude);
+    add(kind, seen >= 0.0 ? 1.0 : -1.0, gradient, at_first, magnitude);
   }
 }
 

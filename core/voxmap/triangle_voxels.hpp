@@ -1,9 +1,11 @@
 #pragma once
-/// Which voxels a triangle meets: the separating-axis test of triangle and closed cube (13 axes), exact in grid coordinates.
+/// Which voxels a triangle meets: the separating-axis test of triangle and closed cube (13 axes), exact in
+/// grid coordinates.
 ///
-/// Each axis is a linear form in the voxel's index, so the voxels of one row that pass all of them are an interval: rows are
-/// solved, not walked. Rounding only ever makes a row's ends uncertain, and an uncertain end is decided with `exact_sign`.
-/// Zero-area triangles are segments or points and go through the same tests.
+/// Each axis is a linear form in the voxel's index, so the voxels of one row that pass all of them are an
+/// interval: rows are solved, not walked. Rounding only ever makes a row's ends uncertain, and an uncertain
+/// end is decided with `exact_sign`. Zero-area triangles are segments or points and go through the same
+/// tests.
 #include <array>
 #include <cstdint>
 
@@ -29,8 +31,8 @@ class TriangleVoxels {
 
   /// Axis along which the runs of `for_each_run` lie: 1 (j) or 2 (k).
   int run_axis() const noexcept { return run_; }
-  /// Calls f(i, row, run_first, run_last) for every row of voxels met with i in [i_first, i_last]; `row` is the index along the
-  /// axis 3 - run_axis().
+  /// Calls f(i, row, run_first, run_last) for every row of voxels met with i in [i_first, i_last]; `row` is
+  /// the index along the axis 3 - run_axis().
   template <class F>
   void for_each_run(std::int32_t i_first, std::int32_t i_last, F&& f) const;
 
@@ -61,7 +63,7 @@ class TriangleVoxels {
   int run_ = 2;
   bool boxed_ = false;  ///< the box has one voxel across two axes and no corner lies on a border: all of it is met
   int forms_ = 0;
-  std::array<Form, 20> form_;
+  std::array<Form, 11> form_;  ///< nine edges seen along three axes, and both sides of the plane
 };
 
 template <class F>

@@ -101,14 +101,16 @@ void Voxmap::count_brick(std::int64_t x, std::int64_t y, std::int64_t z) {
   for (std::size_t word = 0; word < brick.size(); ++word) {
     surface_count_ += static_cast<std::size_t>(std::popcount(brick[word] & kLowBits));
     interior_count_ += static_cast<std::size_t>(std::popcount(brick[word] & ~kLowBits));
-    // A word is half a slice: 8 voxels along x, 4 along y. Its low and high half bytes belong to different 4-voxel cells.
+    // A word is half a slice: 8 voxels along x, 4 along y. Its low and high half bytes belong to different
+    // 4-voxel cells.
     const auto half_y = static_cast<std::int64_t>(word & 1), half_z = static_cast<std::int64_t>(word >> 3);
     if ((brick[word] & kLowX4) != 0) near_[near_index(2 * x, 2 * y + half_y, 2 * z + half_z)] = 0;
     if ((brick[word] & ~kLowX4) != 0) near_[near_index(2 * x + 1, 2 * y + half_y, 2 * z + half_z)] = 0;
   }
 }
 
-/// Chessboard distance in cells: one sweep forward and one back over the 26 neighbours is exact for this metric.
+/// Chessboard distance in cells: one sweep forward and one back over the 26 neighbours is exact for this
+/// metric.
 void Voxmap::spread_near() {
   const auto line = static_cast<std::size_t>(near_cells_[2]);
   std::vector<std::uint8_t> best(line + 2, kFarthest);  // over the neighbours in lines already swept; one cell of margin each end
@@ -147,8 +149,8 @@ double Voxmap::free_distance_voxels(const Vec3& u) const noexcept {
     cell[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(std::clamp(local[axis], 0.0, size - 1.0)) >> 2;
   }
   const std::uint8_t distance = near_[near_index(cell[0], cell[1], cell[2])];
-  // A cell whose nearest occupied cell is n cells away is at least (n - 1) * 4 voxels from anything in it. A point outside the
-  // table is no nearer to anything in the table than its projection onto the table is.
+  // A cell whose nearest occupied cell is n cells away is at least (n - 1) * 4 voxels from anything in it. A
+  // point outside the table is no nearer to anything in the table than its projection onto the table is.
   return std::max(outside, distance == 0 ? 0.0 : (distance - 1) * static_cast<double>(kCellEdge));
 }
 

@@ -1,10 +1,11 @@
 #pragma once
 /// The static scene as a voxmap: surface, interior, free (paper, section 1), in bricks behind a top table.
 ///
-/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick; an int32 top table names the brick of each 8-voxel
-/// cell, with shared bricks for "all free" and "all interior". One border cell of free bricks surrounds the object. The table's
-/// strides are exact: rounded up to powers of two they would save a multiplication and cost up to four times the table. Beside it, one byte for each 4x4x4-voxel cell says how far, in cells, the nearest surface or interior is
-/// at least: what the culling tree asks.
+/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick; an int32 top table names the brick of
+/// each 8-voxel cell, with shared bricks for "all free" and "all interior". One border cell of free bricks
+/// surrounds the object. The table's strides are exact: rounded up to powers of two they would save a
+/// multiplication and cost up to four times the table. Beside it, one byte for each 4x4x4-voxel cell says how
+/// far, in cells, the nearest surface or interior is at least: what the culling tree asks.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,8 +25,9 @@ class Voxmap {
   using Brick = std::array<std::uint64_t, 16>;  ///< 512 voxels x 2 bits; voxel (x,y,z) at bit 2*(x + 8*(y + 8*z))
 
   Voxmap() = default;
-  /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error if the table would need more
-  /// than `kMaxTableCells` cells or indices beyond +-2^30: callers estimate first (grid_mesh.hpp) and say it better.
+  /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error if the table
+  /// would need more than `kMaxTableCells` cells or indices beyond +-2^30: callers estimate first
+  /// (grid_mesh.hpp) and say it better.
   Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last);
 
   const Grid& grid() const noexcept { return grid_; }
@@ -41,9 +43,11 @@ class Voxmap {
 
   /// Sets one voxel; the voxel must lie within the room given at construction. Not real-time safe.
   void set(const VoxelIndex& v, VoxelKind kind);
-  /// Sets the whole 8-voxel cell that holds `v` to one kind; free and interior by pointing at the shared brick.
+  /// Sets the whole 8-voxel cell that holds `v` to one kind; free and interior by pointing at the shared
+  /// brick.
   void fill_cell(const VoxelIndex& v, VoxelKind kind);
-  /// Sets the whole 8-voxel cell that holds `v` from bits; surface wins over interior, what is in neither is free.
+  /// Sets the whole 8-voxel cell that holds `v` from bits; surface wins over interior, what is in neither is
+  /// free.
   void set_cell(const VoxelIndex& v, const BrickMask& surface, const BrickMask& interior);
   /// Room for that many bricks of their own, so that filling them neither copies nor leaves spare memory.
   void reserve_bricks(std::size_t count) { bricks_.reserve(count + 2); }
@@ -51,9 +55,9 @@ class Voxmap {
   /// Counts voxels and computes the free-distance bytes; call after the last change.
   void finish();
 
-  /// Lower bound of the distance [voxels] from anywhere in the 4-voxel cell of `u` (grid coordinates) to the nearest voxel
-  /// that is not free; 0 where unknown (before `finish`, NaN) or near. Outside the table: the distance to the table at least.
-  /// Real-time safe.
+  /// Lower bound of the distance [voxels] from anywhere in the 4-voxel cell of `u` (grid coordinates) to the
+  /// nearest voxel that is not free; 0 where unknown (before `finish`, NaN) or near. Outside the table: the
+  /// distance to the table at least. Real-time safe.
   double free_distance_voxels(const Vec3& u) const noexcept;
 
   /// Surface and interior voxels, counted.
