@@ -33,7 +33,8 @@ struct ShellPoint {
   std::uint32_t triangle = 0;        ///< lowest-numbered triangle that holds the point
   Vec3 point = Vec3::Zero();         ///< [m], frame of the mesh
   Vec3 normal = Vec3::UnitZ();       ///< unit, inward, by the rule above
-  Vec3 plain_normal = Vec3::UnitZ(); ///< unit, inward: unweighted mean over all triangles that meet the closed voxel
+  /// unit, inward: unweighted mean over all triangles that meet the closed voxel
+  Vec3 plain_normal = Vec3::UnitZ();
   double distance_m = 0.0;           ///< from the voxel's centre
   double area_m2 = 0.0;              ///< the point's share of the surface
   double coherence = 0.0;            ///< |sum A n| / sum A
@@ -44,7 +45,8 @@ struct ShellPoint {
 
 /// One point a surface voxel, sorted by (i, j, k): a point's rank is its id. Throws like `voxelise`. Same
 /// bits whatever the loop does.
-std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid,
+                                     const ParallelFor& parallel_for,
                                      std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
 
 /// The largest distance between the points of two surface voxels that share a face [m]. `points` sorted by

@@ -23,6 +23,7 @@ double area(const VoxelPolygon& polygon) noexcept;
 
 /// The point nearest to the origin of what is common to triangle and cube; lies in the cube. `normal`: the
 /// triangle's unit normal, zero for a zero-area one. `polygon`: triangle and cube, from `clip_to_voxel`.
-Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal, const VoxelPolygon& polygon) noexcept;
+Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal,
+                       const VoxelPolygon& polygon) noexcept;
 
 }  // namespace voxtouch

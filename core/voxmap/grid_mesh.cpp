@@ -28,8 +28,8 @@ void add_bounds(const TriangleMesh& mesh, Bounds& bounds) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (v >= mesh.vertices.size())
-        throw std::runtime_error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + " of " +
-                                 std::to_string(mesh.vertices.size()));
+        throw std::runtime_error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
+                                 " of " + std::to_string(mesh.vertices.size()));
       const Vec3& x = mesh.vertices[v];
       if (!x.allFinite())
         throw std::runtime_error("vertex " + std::to_string(v) + " of triangle " + std::to_string(t) +
@@ -113,16 +113,18 @@ VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid) {
   // three masks a brick.
   estimate.bytes = 12.0 * all + sizeof(Voxmap::Brick) * bricks;
   estimate.build_bytes = estimate.bytes + 8.0 * all + 4.0 * 64.0 * bricks +
-                         static_cast<double>(mesh.vertices.size()) * 28.0 + static_cast<double>(mesh.triangles.size()) * 60.0;
+                         static_cast<double>(mesh.vertices.size()) * 28.0 +
+                             static_cast<double>(mesh.triangles.size()) * 60.0;
   return estimate;
 }
 
 void require_affordable(const VoxelEstimate& estimate, const Grid& grid, std::uint64_t limit_bytes) {
-  const std::string what = "a mesh " + in_metres(estimate.extent_m) + " long at a voxel size of " + in_metres(grid.edge) +
-                           " needs about " + in_units(estimate.build_bytes);
+  const std::string what = "a mesh " + in_metres(estimate.extent_m) + " long at a voxel size of " +
+                           in_metres(grid.edge) + " needs about " + in_units(estimate.build_bytes);
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!(estimate.first[axis] > -kMaxVoxelIndex && estimate.last[axis] < kMaxVoxelIndex))
-      throw VoxelBudgetError(what + " and voxel indices beyond 2^30: use a larger voxel size, or a grid origin near the mesh");
+      throw VoxelBudgetError(what + " and voxel indices beyond 2^30: use a larger voxel size, or a grid "
+                                    "origin near the mesh");
   if (!(estimate.build_bytes <= static_cast<double>(limit_bytes)))
     throw VoxelBudgetError(what + ", more than the limit of " + in_units(static_cast<double>(limit_bytes)) +
                            ": use a larger voxel size or raise the limit");

@@ -27,7 +27,8 @@ struct VoxelEstimate {
   double voxels = 0.0;                    ///< voxels in the box
   double surface_voxels = 0.0;            ///< expected
   double table_cells = 0.0;               ///< entries of the voxmap's table, one a brick of 8x8x8
-  double bytes = 0.0;                     ///< of the finished voxmap: exact for table and distances, expected for the bricks
+  /// of the finished voxmap: exact for table and distances, expected for the bricks
+  double bytes = 0.0;
   double build_bytes = 0.0;               ///< peak while it is built
 };
 
@@ -45,13 +46,15 @@ Grid default_grid(std::span<const TriangleMesh* const> meshes, double edge);
 VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid);
 /// Throws VoxelBudgetError where the estimate exceeds `limit_bytes`, the int32 range, or the table of a
 /// voxmap.
-void require_affordable(const VoxelEstimate& estimate, const Grid& grid, std::uint64_t limit_bytes = kVoxelMemoryLimit);
+void require_affordable(const VoxelEstimate& estimate, const Grid& grid,
+                        std::uint64_t limit_bytes = kVoxelMemoryLimit);
 
 /// Vertices in grid coordinates u = (x - origin) / e, computed once: every later decision is exact in these
 /// doubles. A |u| below 2^-300 counts as 0, so that no product of three coordinates underflows.
 struct GridMesh {
   std::vector<Vec3> u;
-  const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;  ///< the mesh's own; it must outlive this
+  /// the mesh's own; it must outlive this
+  const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
 
   GridMesh(const TriangleMesh& mesh, const Grid& grid);
   std::size_t size() const noexcept { return triangles->size(); }

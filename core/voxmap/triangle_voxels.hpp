@@ -47,7 +47,8 @@ class TriangleVoxels {
 
   void add_edge_forms(int dropped) noexcept;
   void add_plane_forms() noexcept;
-  void add(int kind, double side, const std::array<double, 3>& gradient, double at_zero, double magnitude) noexcept;
+  void add(int kind, double side, const std::array<double, 3>& gradient, double at_zero,
+           double magnitude) noexcept;
   double exact_value(const Form& form, const VoxelIndex& v) const noexcept;
   /// Rows (along the axis 3 - run_) that the slab i holds, perhaps one too many.
   Range rows_in_slab(std::int32_t i) const noexcept;
@@ -61,7 +62,8 @@ class TriangleVoxels {
   Vec3 normal_;  ///< twice the area vector, zero only for zero area
   std::array<std::int32_t, 3> first_{}, last_{};
   int run_ = 2;
-  bool boxed_ = false;  ///< the box has one voxel across two axes and no corner lies on a border: all of it is met
+  /// the box has one voxel across two axes and no corner lies on a border: all of it is met
+  bool boxed_ = false;
   int forms_ = 0;
   std::array<Form, 11> form_;  ///< nine edges seen along three axes, and both sides of the plane
 };
@@ -69,10 +71,12 @@ class TriangleVoxels {
 template <class F>
 void TriangleVoxels::for_each_run(std::int32_t i_first, std::int32_t i_last, F&& f) const {
   const auto row_axis = static_cast<std::size_t>(3 - run_), run_axis = static_cast<std::size_t>(run_);
-  const std::int32_t from = i_first > first_[0] ? i_first : first_[0], to = i_last < last_[0] ? i_last : last_[0];
+  const std::int32_t from = i_first > first_[0] ? i_first : first_[0];
+  const std::int32_t to = i_last < last_[0] ? i_last : last_[0];
   for (std::int32_t i = from; i <= to; ++i) {
     if (boxed_) {
-      for (std::int32_t row = first_[row_axis]; row <= last_[row_axis]; ++row) f(i, row, first_[run_axis], last_[run_axis]);
+      for (std::int32_t row = first_[row_axis]; row <= last_[row_axis]; ++row)
+        f(i, row, first_[run_axis], last_[run_axis]);
       continue;
     }
     const Range rows = rows_in_slab(i);

@@ -20,10 +20,13 @@ namespace voxtouch {
 struct VoxeliseReport {
   std::size_t triangles = 0, zero_area = 0, duplicates = 0;
   std::size_t closed_parts = 0, open_parts = 0, unoriented_parts = 0;
-  std::size_t turned_triangles = 0;  ///< disagreed with their neighbours; counted as turned round for "inside"
-  std::size_t enclosed_groups = 0;   ///< groups of voxels that the surface cuts off from outside, inside or not
+  /// disagreed with their neighbours; counted as turned round for "inside"
+  std::size_t turned_triangles = 0;
+  /// groups of voxels that the surface cuts off from outside, inside or not
+  std::size_t enclosed_groups = 0;
   bool inside_out = false;           ///< the closed parts' signed volume is negative
-  bool has_interior = false;         ///< false: open mesh, or everything inside is thinner than the surface layer
+  /// false: open mesh, or everything inside is thinner than the surface layer
+  bool has_interior = false;
 
   /// One sentence a finding, empty where there is nothing to say.
   std::string warnings() const;
@@ -32,7 +35,8 @@ struct VoxeliseReport {
 /// Throws std::runtime_error for a mesh that cannot be used and VoxelBudgetError for one that would not fit;
 /// both before memory is spent. Several static meshes: concatenate them; surface wins over interior. Same
 /// bits whatever `parallel_for` does.
-Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for, VoxeliseReport* report = nullptr,
+Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+                VoxeliseReport* report = nullptr,
                 std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
 
 }  // namespace voxtouch

@@ -22,7 +22,8 @@ class Voxmap {
  public:
   static constexpr int kBrickEdge = 8;      ///< voxels
   static constexpr int kCellEdge = 4;       ///< voxels, of the free-distance cells
-  using Brick = std::array<std::uint64_t, 16>;  ///< 512 voxels x 2 bits; voxel (x,y,z) at bit 2*(x + 8*(y + 8*z))
+  /// 512 voxels x 2 bits; voxel (x,y,z) at bit 2*(x + 8*(y + 8*z))
+  using Brick = std::array<std::uint64_t, 16>;
 
   Voxmap() = default;
   /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error if the table
@@ -34,8 +35,9 @@ class Voxmap {
 
   /// Kind of a voxel; everything outside the table is free. Real-time safe.
   VoxelKind at(const VoxelIndex& v) const noexcept {
-    const std::int64_t x = std::int64_t{v.i} - base_.i, y = std::int64_t{v.j} - base_.j, z = std::int64_t{v.k} - base_.k;
-    if ((x | y | z) < 0 || (x >> 3) >= cells_[0] || (y >> 3) >= cells_[1] || (z >> 3) >= cells_[2]) return VoxelKind::kFree;
+    const auto [x, y, z] = local(v);
+    if ((x | y | z) < 0 || (x >> 3) >= cells_[0] || (y >> 3) >= cells_[1] || (z >> 3) >= cells_[2])
+      return VoxelKind::kFree;
     const auto brick = static_cast<std::size_t>(table_[table_index(x >> 3, y >> 3, z >> 3)]);
     const unsigned bit = static_cast<unsigned>(2 * ((x & 7) + 8 * ((y & 7) + 8 * (z & 7))));
     return static_cast<VoxelKind>((bricks_[brick][bit >> 6] >> (bit & 63)) & 3U);
@@ -77,6 +79,10 @@ class Voxmap {
 
  private:
   static constexpr std::int32_t kFreeBrick = 0, kInteriorBrick = 1;
+  /// Voxel counted from the first of the table.
+  std::array<std::int64_t, 3> local(const VoxelIndex& v) const noexcept {
+    return {std::int64_t{v.i} - base_.i, std::int64_t{v.j} - base_.j, std::int64_t{v.k} - base_.k};
+  }
   std::size_t table_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
     return static_cast<std::size_t>(x + cells_[0] * (y + cells_[1] * z));
   }

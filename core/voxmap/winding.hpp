@@ -12,6 +12,7 @@ namespace voxtouch {
 /// inside out, or two shells that overlap, have the same inside as ever, and a cavity whose wall faces inward
 /// is outside), or the number of crossings with some unoriented shell is odd. No rounding: ties are broken
 /// alike for both triangles of an edge.
-bool inside_shells(const GridMesh& mesh, const ClosedShells& shells, std::span<const std::uint32_t> triangles, const Vec3& at);
+bool inside_shells(const GridMesh& mesh, const ClosedShells& shells,
+                   std::span<const std::uint32_t> triangles, const Vec3& at);
 
 }  // namespace voxtouch
