@@ -19,7 +19,9 @@ std::uint64_t every_third_bit(std::uint64_t n) noexcept {
 /// Ranks of the points in Morton order of their voxels, counted from the lowest index along each axis.
 std::vector<std::uint32_t> morton_order(const std::vector<ShellPoint>& points) {
   std::array<std::int64_t, 3> low{INT64_MAX, INT64_MAX, INT64_MAX}, high{INT64_MIN, INT64_MIN, INT64_MIN};
-  const auto index = [](const ShellPoint& p) { return std::array<std::int64_t, 3>{p.voxel.i, p.voxel.j, p.voxel.k}; };
+  const auto index = [](const ShellPoint& p) {
+    return std::array<std::int64_t, 3>{p.voxel.i, p.voxel.j, p.voxel.k};
+  };
   for (const ShellPoint& p : points)
     for (std::size_t axis = 0; axis < 3; ++axis) {
       low[axis] = std::min(low[axis], index(p)[axis]);
@@ -27,13 +29,17 @@ std::vector<std::uint32_t> morton_order(const std::vector<ShellPoint>& points) {
     }
   // An object longer than 2^21 voxels is ordered by coarser cells; within one, by rank.
   int shift = 0;
-  for (std::size_t axis = 0; axis < 3 && !points.empty(); ++axis)
-    shift = std::max(shift, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(high[axis] - low[axis]))) - 21);
+  for (std::size_t axis = 0; axis < 3 && !points.empty(); ++axis) {
+    const auto length = static_cast<std::uint64_t>(high[axis] - low[axis]);
+    shift = std::max(shift, static_cast<int>(std::bit_width(length)) - 21);
+  }
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(points.size());
   for (std::uint32_t rank = 0; rank < points.size(); ++rank) {
     std::uint64_t key = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      key |= every_third_bit(static_cast<std::uint64_t>(index(points[rank])[axis] - low[axis]) >> shift) << axis;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto offset = static_cast<std::uint64_t>(index(points[rank])[axis] - low[axis]);
+      key |= every_third_bit(offset >> shift) << axis;
+    }
     keyed[rank] = {key, rank};
   }
   std::sort(keyed.begin(), keyed.end());
@@ -47,7 +53,8 @@ Pointshell arrange(const std::vector<ShellPoint>& points, const Grid& grid, Posi
   Pointshell shell;
   shell.edge = grid.edge;
   shell.id = morton_order(points);
-  for (auto* column : {&shell.x, &shell.y, &shell.z, &shell.nx, &shell.ny, &shell.nz, &shell.area_m2, &shell.coherence})
+  for (auto* column : {&shell.x, &shell.y, &shell.z, &shell.nx, &shell.ny, &shell.nz, &shell.area_m2,
+                       &shell.coherence})
     column->reserve(points.size());
   for (const std::uint32_t rank : shell.id) {
     const ShellPoint& p = points[rank];
@@ -59,8 +66,8 @@ Pointshell arrange(const std::vector<ShellPoint>& points, const Grid& grid, Posi
   return shell;
 }
 
-/// Calls f(p, q) for every two points whose voxels share a face. One pass: each neighbour is sought ahead of its voxel by a
-/// pointer that only moves forward.
+/// Calls f(p, q) for every two points whose voxels share a face. One pass: each neighbour is sought ahead of
+/// its voxel by a pointer that only moves forward.
 template <class F>
 void for_each_neighbours(const std::vector<ShellPoint>& points, F&& f) {
   std::array<std::size_t, 3> ahead{};
@@ -88,7 +95,8 @@ double largest_gap_m(const std::vector<ShellPoint>& points) {
 Pointshell make_exact_shell(const std::vector<ShellPoint>& points, const Grid& grid) {
   Pointshell shell = arrange(points, grid, [](const ShellPoint& p) { return p.point; });
   shell.largest_gap_m = largest_gap_m(points);
-  for (const ShellPoint& p : points) shell.largest_centre_distance_m = std::max(shell.largest_centre_distance_m, p.distance_m);
+  for (const ShellPoint& p : points)
+    shell.largest_centre_distance_m = std::max(shell.largest_centre_distance_m, p.distance_m);
   return shell;
 }
 

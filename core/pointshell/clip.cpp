@@ -6,8 +6,8 @@
 namespace voxtouch {
 namespace {
 
-/// A foot this near a side, relative to the lengths involved, is left to the search along the sides, which is right there: so
-/// a sliver's sides, all "inside" by rounding, cannot make a point beyond its end pass.
+/// A foot this near a side, relative to the lengths involved, is left to the search along the sides, which is
+/// right there: so a sliver's sides, all "inside" by rounding, cannot make a point beyond its end pass.
 constexpr double kOnSide = 1e-14;
 
 /// Keeps the part with side * x[axis] <= limit.
@@ -47,8 +47,10 @@ VoxelPolygon clip(const Vec3& a, const Vec3& b, const Vec3& c, double limit) noe
 
 VoxelPolygon clip_to_voxel(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
   VoxelPolygon polygon = clip(a, b, c, 0.5);
-  const double size = std::max({1.0, a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
-  for (double tolerance = 0x1p-53 * size; polygon.size == 0; tolerance *= 4.0) polygon = clip(a, b, c, 0.5 + tolerance);
+  const double size = std::max({1.0, a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(),
+                                c.cwiseAbs().maxCoeff()});
+  for (double tolerance = 0x1p-53 * size; polygon.size == 0; tolerance *= 4.0)
+    polygon = clip(a, b, c, 0.5 + tolerance);
   return polygon;
 }
 
@@ -59,7 +61,8 @@ double area(const VoxelPolygon& polygon) noexcept {
   return 0.5 * sum.norm();
 }
 
-Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal, const VoxelPolygon& polygon) noexcept {
+Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal,
+                       const VoxelPolygon& polygon) noexcept {
   // The triangle and the cube are asked, not the polygon: its short sides have no direction worth asking.
   const Vec3 foot = normal * normal.dot(triangle[0]);
   bool inside = foot.cwiseAbs().maxCoeff() <= 0.5 && !normal.isZero(0.0);

@@ -42,7 +42,8 @@ void write_surface_csv(std::ostream& out, const std::vector<ShellPoint>& points)
   for (const ShellPoint& p : points) {
     row.add(p.voxel.i).add(p.voxel.j).add(p.voxel.k).add(int{p.open});
     row.add(p.point).add(p.normal).add(p.plain_normal);
-    row.add(p.triangle).add(p.distance_m).add(p.coherence).add(int{p.tie}).add(static_cast<int>(p.rule)).write(out);
+    row.add(p.triangle).add(p.distance_m).add(p.coherence).add(int{p.tie}).add(static_cast<int>(p.rule));
+    row.write(out);
   }
 }
 
@@ -56,7 +57,8 @@ void write_interior_csv(std::ostream& out, const Voxmap& map) {
     running = false;
   };
   map.for_each_occupied([&](const VoxelIndex& v, VoxelKind kind) {
-    if (running && !(kind == VoxelKind::kInterior && v.i == last.i && v.j == last.j && v.k == last.k + 1)) finish_run();
+    if (running && !(kind == VoxelKind::kInterior && v.i == last.i && v.j == last.j && v.k == last.k + 1))
+      finish_run();
     if (kind != VoxelKind::kInterior) return;
     if (!running) first = v;
     running = true;
@@ -66,14 +68,17 @@ void write_interior_csv(std::ostream& out, const Voxmap& map) {
 }
 
 void write_shell_ply(std::ostream& out, const std::vector<ShellPoint>& points) {
-  out << "ply\nformat binary_little_endian 1.0\ncomment pointshell; x y z [m], n inward unit normal, area [m^2]\n"
+  out << "ply\nformat binary_little_endian 1.0\n"
+      << "comment pointshell; x y z [m], n inward unit normal, area [m^2]\n"
       << "element vertex " << std::to_string(points.size()) << '\n';
-  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "area"}) out << "property double " << name << '\n';
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "area"})
+    out << "property double " << name << '\n';
   out << "end_header\n";
   std::string bytes;
   for (const ShellPoint& p : points) {
     bytes.clear();
-    for (const double value : {p.point.x(), p.point.y(), p.point.z(), p.normal.x(), p.normal.y(), p.normal.z(), p.area_m2})
+    for (const double value : {p.point.x(), p.point.y(), p.point.z(), p.normal.x(), p.normal.y(),
+                               p.normal.z(), p.area_m2})
       put_double(bytes, value);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   }

@@ -14,7 +14,8 @@ void write_surface_csv(std::ostream& out, const std::vector<ShellPoint>& points)
 /// `<mesh>_interior.csv`: i,j,k_first,k_last, runs along k, sorted.
 void write_interior_csv(std::ostream& out, const Voxmap& map);
 
-/// PLY, binary little-endian, doubles x y z nx ny nz area: opens in MeshLab and CloudCompare. Vertex number = point id.
+/// PLY, binary little-endian, doubles x y z nx ny nz area: opens in MeshLab and CloudCompare. Vertex number =
+/// point id.
 void write_shell_ply(std::ostream& out, const std::vector<ShellPoint>& points);
 
 }  // namespace voxtouch

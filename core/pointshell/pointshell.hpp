@@ -1,5 +1,6 @@
 #pragma once
-/// The dynamic object as the contact models see it: points on its surface with inward normals (paper, section 2.1).
+/// The dynamic object as the contact models see it: points on its surface with inward normals (paper, section
+/// 2.1).
 #include <cstdint>
 #include <vector>
 
@@ -7,16 +8,20 @@
 
 namespace voxtouch {
 
-/// Structure of arrays in Morton order of the voxel that each point came from, so that neighbours in space are neighbours in
-/// memory. All in frame T. `id` is the point's rank among the surface voxels sorted by (i, j, k): the order of files and reports.
+/// Structure of arrays in Morton order of the voxel that each point came from, so that neighbours in space
+/// are neighbours in memory. All in frame T. `id` is the point's rank among the surface voxels sorted by (i,
+/// j, k): the order of files and reports.
 struct Pointshell {
   std::vector<double> x, y, z;         ///< position [m]
   std::vector<double> nx, ny, nz;      ///< unit normal, pointing INTO the dynamic object
-  std::vector<double> area_m2;         ///< the point's share of the surface, its weight [m^2]; all of them sum to the mesh's area
-  std::vector<double> coherence;       ///< |sum A n| / sum A over the voxel's triangles; 1 = flat, 0 = normals cancel
+  /// the point's share of the surface, its weight [m^2]; all of them sum to the mesh's area
+  std::vector<double> area_m2;
+  /// |sum A n| / sum A over the voxel's triangles; 1 = flat, 0 = normals cancel
+  std::vector<double> coherence;
   std::vector<std::uint32_t> id;       ///< rank among the sorted surface voxels
   double edge = 0.0;                   ///< voxel edge the shell was built with [m]
-  double largest_gap_m = 0.0;          ///< largest distance between points of surface voxels that share a face [m]
+  /// largest distance between points of surface voxels that share a face [m]
+  double largest_gap_m = 0.0;
   double largest_centre_distance_m = 0.0;  ///< largest distance of a point from the centre of its voxel [m]
 
   std::size_t size() const noexcept { return x.size(); }

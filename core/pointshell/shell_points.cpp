@@ -38,7 +38,8 @@ struct ShellBuilder {
   std::vector<Vec3> normal;  ///< unit, outward; zero where the triangle has no area
 
   /// `pieces` is scratch memory.
-  ShellPoint point_of(const VoxelIndex& voxel, const Pair* first, const Pair* last, std::vector<Piece>& pieces) const;
+  ShellPoint point_of(const VoxelIndex& voxel, const Pair* first, const Pair* last,
+                      std::vector<Piece>& pieces) const;
 };
 
 /// Sums over the triangles of a voxel that have an area.
@@ -58,9 +59,12 @@ bool lies_in_face(const Vec3& a, const Vec3& b, const Vec3& c, const VoxelIndex&
   return false;
 }
 
-/// The normal rule; see the header. `face`: outward normal of the triangle that holds the point, zero if it has no area.
-void set_normals(const NormalSums& sums, const Vec3& face, const Vec3& to_centre, ShellPoint& point) noexcept {
-  // A voxel that only zero-area triangles meet has no normal; any unit vector is as good, and its weight is zero.
+/// The normal rule; see the header. `face`: outward normal of the triangle that holds the point, zero if it
+/// has no area.
+void set_normals(const NormalSums& sums, const Vec3& face, const Vec3& to_centre,
+                 ShellPoint& point) noexcept {
+  // A voxel that only zero-area triangles meet has no normal; any unit vector is as good, and its weight is
+  // zero.
   Vec3 alone = to_centre.stableNormalized();
   if (!(alone.squaredNorm() > 0.5)) alone = Vec3::UnitZ();
   const Vec3 own = face.isZero(0.0) ? alone : Vec3(-face);
@@ -107,7 +111,8 @@ ShellPoint ShellBuilder::point_of(const VoxelIndex& voxel, const Pair* first, co
     sums.share += lies_in_face(a, b, c, voxel) ? 0.5 * size : size;
     ++sums.count;
   }
-  const Piece& best = *std::find_if(pieces.begin(), pieces.end(), [&](const Piece& p) { return p.distance == least; });
+  const Piece& best = *std::find_if(pieces.begin(), pieces.end(),
+                                    [&](const Piece& p) { return p.distance == least; });
   const Piece* holder = nullptr;  // lowest-numbered triangle that holds the point, to rounding
   const Piece* face = nullptr;    // the same among those with an area; if none holds it, the nearest of them
   double face_distance = INFINITY;
@@ -116,7 +121,8 @@ ShellPoint ShellBuilder::point_of(const VoxelIndex& voxel, const Pair* first, co
     if (holds && !holder) holder = &piece;
     if (!holds && piece.distance <= least + kTie) point.tie = true;
     const double distance = holds ? -1.0 : piece.distance;
-    if (state[piece.triangle] == TriangleState::kSound && distance < face_distance) face = &piece, face_distance = distance;
+    if (state[piece.triangle] == TriangleState::kSound && distance < face_distance)
+      face = &piece, face_distance = distance;
   }
   point.triangle = holder->triangle;
   point.point = grid.from_grid(centre + holder->nearest);
@@ -127,20 +133,23 @@ ShellPoint ShellBuilder::point_of(const VoxelIndex& voxel, const Pair* first, co
 }
 
 /// All pairs of one slab, sorted by voxel and triangle.
-std::vector<Pair> pairs_of(const GridMesh& mesh, const Slabs& slabs, std::size_t slab, const VoxelIndex& base, std::uint64_t rows,
+std::vector<Pair> pairs_of(const GridMesh& mesh, const Slabs& slabs, std::size_t slab,
+                           const VoxelIndex& base, std::uint64_t rows,
                            std::uint64_t columns) {
   std::vector<Pair> pairs;
   for (const std::uint32_t t : slabs.triangles(slab)) {
     const TriangleVoxels triangle(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
     const bool along_k = triangle.run_axis() == 2;
     const auto add = [&](std::int32_t i, std::int32_t j, std::int32_t k) {
-      const auto number = (static_cast<std::uint64_t>(i - slabs.first(slab)) * rows + static_cast<std::uint64_t>(j - base.j)) *
+      const auto number = (static_cast<std::uint64_t>(i - slabs.first(slab)) * rows +
+                           static_cast<std::uint64_t>(j - base.j)) *
                               columns + static_cast<std::uint64_t>(k - base.k);
       pairs.push_back({number, t, triangle.meeting({i, j, k}) == Meeting::kOpen});
     };
     triangle.for_each_run(slabs.first(slab), slabs.last(slab),
                           [&](std::int32_t i, std::int32_t row, std::int32_t first, std::int32_t last) {
-                            for (std::int32_t n = first; n <= last; ++n) along_k ? add(i, row, n) : add(i, n, row);
+                            for (std::int32_t n = first; n <= last; ++n)
+                              along_k ? add(i, row, n) : add(i, n, row);
                           });
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
@@ -155,26 +164,34 @@ VoxelEstimate shell_estimate(const TriangleMesh& mesh, const Grid& grid) {
   estimate.table_cells = 0.0;
   estimate.bytes = estimate.surface_voxels * sizeof(ShellPoint);
   estimate.build_bytes = estimate.surface_voxels * (2.0 * sizeof(ShellPoint) + 3.0 * sizeof(Pair)) +
-                         static_cast<double>(mesh.triangles.size()) * 80.0 + static_cast<double>(mesh.vertices.size()) * 28.0;
+                         static_cast<double>(mesh.triangles.size()) * 80.0 +
+                             static_cast<double>(mesh.vertices.size()) * 28.0;
   return estimate;
 }
 
 }  // namespace
 
-std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid,
+                                     const ParallelFor& parallel_for,
                                      std::uint64_t memory_limit_bytes) {
   const VoxelEstimate estimate = shell_estimate(mesh, grid);
   require_affordable(estimate, grid, memory_limit_bytes);
   const GridMesh in_grid(mesh, grid);
-  ShellBuilder builder{in_grid, grid, judge_triangles(in_grid, weld_vertices(in_grid)), std::vector<Vec3>(mesh.triangles.size())};
+  ShellBuilder builder{in_grid, grid, judge_triangles(in_grid, weld_vertices(in_grid)),
+                       std::vector<Vec3>(mesh.triangles.size())};
   parallel_for((mesh.triangles.size() + kTrianglesPerJob - 1) / kTrianglesPerJob, [&](std::size_t job) {
-    for (std::size_t t = job * kTrianglesPerJob; t < std::min((job + 1) * kTrianglesPerJob, mesh.triangles.size()); ++t)
-      builder.normal[t] = area_vector(in_grid.corner(t, 0), in_grid.corner(t, 1), in_grid.corner(t, 2)).stableNormalized();
+    for (std::size_t t = job * kTrianglesPerJob;
+         t < std::min((job + 1) * kTrianglesPerJob, mesh.triangles.size()); ++t)
+      builder.normal[t] = area_vector(in_grid.corner(t, 0), in_grid.corner(t, 1),
+                                      in_grid.corner(t, 2)).stableNormalized();
   });
 
-  const VoxelIndex base{static_cast<std::int32_t>(estimate.first[0]), static_cast<std::int32_t>(estimate.first[1]),
+  const VoxelIndex base{static_cast<std::int32_t>(estimate.first[0]),
+                        static_cast<std::int32_t>(estimate.first[1]),
                         static_cast<std::int32_t>(estimate.first[2])};
-  const auto count = [&](std::size_t axis) { return static_cast<std::uint64_t>(estimate.last[axis] - estimate.first[axis]) + 1; };
+  const auto count = [&](std::size_t axis) {
+    return static_cast<std::uint64_t>(estimate.last[axis] - estimate.first[axis]) + 1;
+  };
   const std::uint64_t rows = count(1), columns = count(2);
   const Slabs slabs(in_grid, base.i, count(0) / 8 + 1);
   std::vector<std::vector<ShellPoint>> parts(slabs.size());

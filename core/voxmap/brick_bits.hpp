@@ -1,5 +1,6 @@
 #pragma once
-/// One bit a voxel in bricks of 8x8x8: the shape in which voxels are collected and filled, eight words at a time.
+/// One bit a voxel in bricks of 8x8x8: the shape in which voxels are collected and filled, eight words at a
+/// time.
 #include <array>
 #include <cstdint>
 
@@ -34,7 +35,8 @@ inline BrickMask grow(BrickMask seed, const BrickMask& room) noexcept {
   }
 }
 
-/// The voxels on the low (side 0) or high (side 1) face across `axis`, as one word whose bits face each other.
+/// The voxels on the low (side 0) or high (side 1) face across `axis`, as one word whose bits face each
+/// other.
 inline std::uint64_t face(const BrickMask& m, int axis, int side) noexcept {
   if (axis == 2) return m[side ? 7 : 0];
   std::uint64_t bits = 0;

@@ -13,6 +13,7 @@ namespace voxtouch {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
+using KeyedTriangle = std::pair<Corners, std::uint32_t>;  // sorted corners, number
 
 std::uint64_t mix(const Vec3& u) noexcept {
   std::uint64_t h = 0x9e3779b97f4a7c15ULL;
@@ -29,13 +30,11 @@ Corners welded_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& w
   return {welded[c[0]], welded[c[1]], welded[c[2]]};
 }
 
-/// Whether `c` is an even permutation of its sorted self.
-bool even(const Corners& c) noexcept { return ((c[0] < c[1]) + (c[1] < c[2]) + (c[2] < c[0])) == 2; }
-
-/// Triangles grouped by their three corners, first of a group first: sorted by (lowest, middle, highest corner, triangle).
-std::vector<std::pair<Corners, std::uint32_t>> sorted_by_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
-                                                                 const std::vector<std::uint32_t>& triangles) {
-  std::vector<std::pair<Corners, std::uint32_t>> keyed(triangles.size());
+/// Triangles grouped by their three corners, first of a group first: sorted by (lowest, middle, highest
+/// corner, triangle).
+std::vector<KeyedTriangle> sorted_by_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
+                                             const std::vector<std::uint32_t>& triangles) {
+  std::vector<KeyedTriangle> keyed(triangles.size());
   std::vector<std::uint32_t> start(welded.size() + 1, 0);
   const auto key = [&](std::uint32_t t) {
     Corners c = welded_corners(mesh, welded, t);
@@ -92,9 +91,11 @@ struct Edge {
   bool forward;             ///< walked from the lower vertex to the higher
 };
 
-/// Every edge of the listed triangles, grouped by (lower, higher vertex); `visit(group)` gets a span of `Edge`.
+/// Every edge of the listed triangles, grouped by (lower, higher vertex); `visit(group)` gets a span of
+/// `Edge`.
 template <class Visit>
-void for_each_edge(const GridMesh& mesh, const std::vector<std::uint32_t>& welded, const std::vector<std::uint32_t>& triangles,
+void for_each_edge(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
+                   const std::vector<std::uint32_t>& triangles,
                    Visit&& visit) {
   std::vector<std::uint32_t> start(welded.size() + 1, 0);
   const auto edges_of = [&](std::size_t slot, auto&& f) {
@@ -104,7 +105,8 @@ void for_each_edge(const GridMesh& mesh, const std::vector<std::uint32_t>& welde
       if (a != b) f(std::min(a, b), Edge{std::max(a, b), static_cast<std::uint32_t>(slot), a < b});
     }
   };
-  for (std::size_t s = 0; s < triangles.size(); ++s) edges_of(s, [&](std::uint32_t near, const Edge&) { ++start[near + 1]; });
+  for (std::size_t s = 0; s < triangles.size(); ++s)
+    edges_of(s, [&](std::uint32_t near, const Edge&) { ++start[near + 1]; });
   std::partial_sum(start.begin(), start.end(), start.begin());
   std::vector<Edge> edges(start.back());
   std::vector<std::uint32_t> fill(start.begin(), start.end() - 1);
@@ -112,7 +114,8 @@ void for_each_edge(const GridMesh& mesh, const std::vector<std::uint32_t>& welde
     edges_of(s, [&](std::uint32_t near, const Edge& edge) { edges[fill[near]++] = edge; });
   for (std::size_t v = 0; v + 1 < start.size(); ++v) {
     const auto first = edges.begin() + start[v], last = edges.begin() + start[v + 1];
-    std::sort(first, last, [](const Edge& a, const Edge& b) { return std::tie(a.far, a.slot) < std::tie(b.far, b.slot); });
+    std::sort(first, last,
+              [](const Edge& a, const Edge& b) { return std::tie(a.far, a.slot) < std::tie(b.far, b.slot); });
     for (auto at = first; at != last;) {
       auto end = at;
       while (end != last && end->far == at->far) ++end;
@@ -131,14 +134,20 @@ double six_volumes(const GridMesh& mesh, std::uint32_t t) {
   return (mesh.corner(t, 0) - at).dot((mesh.corner(t, 1) - at).cross(mesh.corner(t, 2) - at));
 }
 
-/// One attempt: the parts that the listed triangles form; closed parts get their roles, the triangles of open ones are returned.
+/// One attempt: the parts that the listed triangles form; closed parts get their roles, the triangles of open
+/// ones are returned.
 std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
                                         const std::vector<std::uint32_t>& triangles, ClosedShells& shells,
                                         std::size_t& open_parts) {
   const std::size_t count = triangles.size();
   Orientation part(count), patch(count);
   std::vector<std::uint8_t> open(count, 0), unbalanced(count, 0);
+  // every edge that may close is walked as often one way as the other: nothing will have to turn
+  bool tidy = true;
   for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
+    int balance = 0;
+    for (const Edge& edge : group) balance += edge.forward ? 1 : -1;
+    tidy = tidy && (balance == 0 || group.size() % 2 != 0);
     for (const Edge& edge : group.subspan(1)) part.join(group[0].slot, edge.slot, false);
     if (group.size() == 2) patch.join(group[0].slot, group[1].slot, group[0].forward == group[1].forward);
     if (group.size() % 2 != 0) open[group[0].slot] = 1;
@@ -146,17 +155,18 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
   std::vector<double> kept_area(count, 0.0), turned_area(count, 0.0);
   for (std::uint32_t s = 0; s < count; ++s) {
     if (open[s]) open[part.root(s)] = 1;
-    (patch.turned(s) ? turned_area : kept_area)[patch.root(s)] += twice_area(mesh, triangles[s]);
+    if (!tidy) (patch.turned(s) ? turned_area : kept_area)[patch.root(s)] += twice_area(mesh, triangles[s]);
   }
   const auto turn = [&](std::uint32_t s) {
     const std::uint32_t root = patch.root(s);
     return patch.turned(s) != (turned_area[root] > kept_area[root]);
   };
-  for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
-    int balance = 0;
-    for (const Edge& edge : group) balance += edge.forward != turn(edge.slot) ? 1 : -1;
-    if (balance != 0) unbalanced[part.root(group[0].slot)] = 1;
-  });
+  if (!tidy)
+    for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
+      int balance = 0;
+      for (const Edge& edge : group) balance += edge.forward != turn(edge.slot) ? 1 : -1;
+      if (balance != 0) unbalanced[part.root(group[0].slot)] = 1;
+    });
   std::vector<std::uint32_t> left;
   open_parts = 0;
   for (std::uint32_t s = 0; s < count; ++s) {
@@ -174,27 +184,6 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
     shells.signed_volume += (turn(s) ? -1.0 : 1.0) * six_volumes(mesh, t) / 6.0;
   }
   return left;
-}
-
-/// Of each set of triangles with the same corners, as many as there are more one way round than the other, at most one.
-std::vector<std::uint32_t> cancelled(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
-                                     const std::vector<std::uint32_t>& triangles) {
-  const auto keyed = sorted_by_corners(mesh, welded, triangles);
-  std::vector<std::uint32_t> kept;
-  for (std::size_t at = 0; at < keyed.size();) {
-    std::size_t end = at;
-    int balance = 0;
-    for (; end < keyed.size() && keyed[end].first == keyed[at].first; ++end)
-      balance += even(welded_corners(mesh, welded, keyed[end].second)) ? 1 : -1;
-    for (std::size_t n = at; n < end && balance != 0; ++n)
-      if (even(welded_corners(mesh, welded, keyed[n].second)) == (balance > 0)) {
-        kept.push_back(keyed[n].second);
-        break;
-      }
-    at = end;
-  }
-  std::sort(kept.begin(), kept.end());
-  return kept;
 }
 
 }  // namespace
@@ -217,7 +206,8 @@ std::vector<TriangleState> judge_triangles(const GridMesh& mesh, const std::vect
   std::vector<std::uint32_t> all(mesh.size());
   std::iota(all.begin(), all.end(), 0U);
   for (const std::uint32_t t : all)
-    if (area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).isZero(0.0)) state[t] = TriangleState::kZeroArea;
+    if (area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).isZero(0.0))
+      state[t] = TriangleState::kZeroArea;
   const auto keyed = sorted_by_corners(mesh, welded, all);
   for (std::size_t n = 1; n < keyed.size(); ++n)
     if (keyed[n].first == keyed[n - 1].first && state[keyed[n].second] == TriangleState::kSound)
@@ -243,7 +233,8 @@ ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uin
     std::vector<std::uint32_t> candidates = left;
     for (std::uint32_t t = 0; t < mesh.size(); ++t) {
       const Corners c = welded_corners(mesh, welded, t);
-      if (state[t] == extra && c[0] != c[1] && c[1] != c[2] && c[2] != c[0] && touched[c[0]] && touched[c[1]] && touched[c[2]])
+      if (state[t] == extra && c[0] != c[1] && c[1] != c[2] && c[2] != c[0] && touched[c[0]] &&
+          touched[c[1]] && touched[c[2]])
         candidates.push_back(t);
     }
     std::sort(candidates.begin(), candidates.end());
@@ -251,9 +242,8 @@ ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uin
   };
   std::size_t still_open = 0;
   for (const TriangleState extra : {TriangleState::kDuplicate, TriangleState::kZeroArea}) {
-    std::vector<std::uint32_t> candidates = with(extra);
+    const std::vector<std::uint32_t> candidates = with(extra);
     if (candidates.size() == left.size()) continue;
-    if (extra == TriangleState::kDuplicate) candidates = cancelled(mesh, welded, candidates);
     std::vector<std::uint32_t> rest = settle_parts(mesh, welded, candidates, shells, still_open);
     if (rest.size() == candidates.size()) continue;
     shells.open_parts = still_open;

@@ -120,7 +120,8 @@ double accurate2d(double ax, double ay, double bx, double by, double px, double 
 }  // namespace
 
 Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
-  return {accurate2d(a.y(), a.z(), b.y(), b.z(), c.y(), c.z()), accurate2d(a.z(), a.x(), b.z(), b.x(), c.z(), c.x()),
+  return {accurate2d(a.y(), a.z(), b.y(), b.z(), c.y(), c.z()),
+          accurate2d(a.z(), a.x(), b.z(), b.x(), c.z(), c.x()),
           accurate2d(a.x(), a.y(), b.x(), b.y(), c.x(), c.y())};
 }
 

@@ -28,8 +28,8 @@ void add_bounds(const TriangleMesh& mesh, Bounds& bounds) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (v >= mesh.vertices.size())
-        throw std::runtime_error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + " of " +
-                                 std::to_string(mesh.vertices.size()));
+        throw std::runtime_error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
+                                 " of " + std::to_string(mesh.vertices.size()));
       const Vec3& x = mesh.vertices[v];
       if (!x.allFinite())
         throw std::runtime_error("vertex " + std::to_string(v) + " of triangle " + std::to_string(t) +
@@ -58,17 +58,15 @@ std::string in_metres(double metres) {
   return std::string(text) + " m";
 }
 
-double power_of_two_above(double cells) { return std::exp2(std::ceil(std::log2(std::max(cells, 1.0)))); }
-
-/// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2 cells an A / edge^2, and its
-/// rim some more; small triangles share their cells, so only long ones pay for a rim.
+/// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2 cells an A /
+/// edge^2, a slender one as many as its length says; triangles smaller than a cell share theirs.
 double expected_cells(const TriangleMesh& mesh, double edge_m) {
   double sum = 8.0;
   for (const auto& t : mesh.triangles) {
     const Vec3 side = (mesh.vertices[t[1]] - mesh.vertices[t[0]]) / edge_m;
     const Vec3 other = (mesh.vertices[t[2]] - mesh.vertices[t[0]]) / edge_m;
     const double length = side.norm() + other.norm();
-    sum += 1.0 * side.cross(other).norm() + (length > 4.0 ? 1.5 * length : 0.0);
+    sum += std::max(side.cross(other).norm(), length > 4.0 ? 1.5 * length : 0.0);
   }
   return sum;
 }
@@ -108,23 +106,25 @@ VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid) {
     estimate.voxels *= estimate.last[axis] - estimate.first[axis] + 1.0;
     cells[axis] = std::floor((estimate.last[axis] - estimate.first[axis]) / Voxmap::kBrickEdge) + 4.0;
   }
-  estimate.table_cells = power_of_two_above(cells[0]) * power_of_two_above(cells[1]) * cells[2];
-  const double all = cells[0] * cells[1] * cells[2];
+  const double all = estimate.table_cells = cells[0] * cells[1] * cells[2];
   const double bricks = std::min(expected_cells(mesh, grid.edge * Voxmap::kBrickEdge), all);
   estimate.surface_voxels = std::min(expected_cells(mesh, grid.edge), estimate.voxels);
-  // Table 4 bytes a cell, 8 bytes of free distance a cell; building adds an index and a label a cell, and three masks a brick.
-  estimate.bytes = 4.0 * estimate.table_cells + 8.0 * all + sizeof(Voxmap::Brick) * bricks;
+  // Table 4 bytes a cell, 8 bytes of free distance a cell; building adds an index and a label a cell, and
+  // three masks a brick.
+  estimate.bytes = 12.0 * all + sizeof(Voxmap::Brick) * bricks;
   estimate.build_bytes = estimate.bytes + 8.0 * all + 4.0 * 64.0 * bricks +
-                         static_cast<double>(mesh.vertices.size()) * 28.0 + static_cast<double>(mesh.triangles.size()) * 60.0;
+                         static_cast<double>(mesh.vertices.size()) * 28.0 +
+                             static_cast<double>(mesh.triangles.size()) * 60.0;
   return estimate;
 }
 
 void require_affordable(const VoxelEstimate& estimate, const Grid& grid, std::uint64_t limit_bytes) {
-  const std::string what = "a mesh " + in_metres(estimate.extent_m) + " long at a voxel size of " + in_metres(grid.edge) +
-                           " needs about " + in_units(estimate.build_bytes);
+  const std::string what = "a mesh " + in_metres(estimate.extent_m) + " long at a voxel size of " +
+                           in_metres(grid.edge) + " needs about " + in_units(estimate.build_bytes);
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!(estimate.first[axis] > -kMaxVoxelIndex && estimate.last[axis] < kMaxVoxelIndex))
-      throw VoxelBudgetError(what + " and voxel indices beyond 2^30: use a larger voxel size, or a grid origin near the mesh");
+      throw VoxelBudgetError(what + " and voxel indices beyond 2^30: use a larger voxel size, or a grid "
+                                    "origin near the mesh");
   if (!(estimate.build_bytes <= static_cast<double>(limit_bytes)))
     throw VoxelBudgetError(what + ", more than the limit of " + in_units(static_cast<double>(limit_bytes)) +
                            ": use a larger voxel size or raise the limit");

@@ -1,5 +1,6 @@
 #pragma once
-/// A mesh in grid coordinates, and what its voxels would cost: everything that is asked before memory is spent.
+/// A mesh in grid coordinates, and what its voxels would cost: everything that is asked before memory is
+/// spent.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -12,8 +13,8 @@
 
 namespace voxtouch {
 
-/// The voxels of a mesh would not fit: more memory than the limit, or indices beyond what int32 holds. The sentence names
-/// extent, voxel size and memory.
+/// The voxels of a mesh would not fit: more memory than the limit, or indices beyond what int32 holds. The
+/// sentence names extent, voxel size and memory.
 class VoxelBudgetError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -25,8 +26,9 @@ struct VoxelEstimate {
   double extent_m = 0.0;                  ///< longest side of the mesh's box [m]
   double voxels = 0.0;                    ///< voxels in the box
   double surface_voxels = 0.0;            ///< expected
-  double table_cells = 0.0;               ///< entries of the voxmap's table, strides padded to powers of two
-  double bytes = 0.0;                     ///< of the finished voxmap: exact for table and distances, expected for the bricks
+  double table_cells = 0.0;               ///< entries of the voxmap's table, one a brick of 8x8x8
+  /// of the finished voxmap: exact for table and distances, expected for the bricks
+  double bytes = 0.0;
   double build_bytes = 0.0;               ///< peak while it is built
 };
 
@@ -34,21 +36,25 @@ inline constexpr std::uint64_t kVoxelMemoryLimit = std::uint64_t{4} << 30;  ///<
 /// Voxel indices stay within +-2^30, so that borders and differences fit int32.
 inline constexpr double kMaxVoxelIndex = 1073741824.0;
 
-/// e * (floor(min / e) - 1) an axis over the used vertices of one or several meshes: one layer of free voxels before them.
-/// Throws std::runtime_error for no triangles, a vertex that is not finite, a bad index, or an edge that is not a positive number.
+/// e * (floor(min / e) - 1) an axis over the used vertices of one or several meshes: one layer of free voxels
+/// before them. Throws std::runtime_error for no triangles, a vertex that is not finite, a bad index, or an
+/// edge that is not a positive number.
 Grid default_grid(const TriangleMesh& mesh, double edge);
 Grid default_grid(std::span<const TriangleMesh* const> meshes, double edge);
 
 /// Throws std::runtime_error like `default_grid`; else never refuses.
 VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid);
-/// Throws VoxelBudgetError where the estimate exceeds `limit_bytes`, the int32 range, or the table of a voxmap.
-void require_affordable(const VoxelEstimate& estimate, const Grid& grid, std::uint64_t limit_bytes = kVoxelMemoryLimit);
+/// Throws VoxelBudgetError where the estimate exceeds `limit_bytes`, the int32 range, or the table of a
+/// voxmap.
+void require_affordable(const VoxelEstimate& estimate, const Grid& grid,
+                        std::uint64_t limit_bytes = kVoxelMemoryLimit);
 
-/// Vertices in grid coordinates u = (x - origin) / e, computed once: every later decision is exact in these doubles.
-/// A |u| below 2^-300 counts as 0, so that no product of three coordinates underflows.
+/// Vertices in grid coordinates u = (x - origin) / e, computed once: every later decision is exact in these
+/// doubles. A |u| below 2^-300 counts as 0, so that no product of three coordinates underflows.
 struct GridMesh {
   std::vector<Vec3> u;
-  const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;  ///< the mesh's own; it must outlive this
+  /// the mesh's own; it must outlive this
+  const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
 
   GridMesh(const TriangleMesh& mesh, const Grid& grid);
   std::size_t size() const noexcept { return triangles->size(); }

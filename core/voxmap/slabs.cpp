@@ -8,7 +8,8 @@ namespace voxtouch {
 
 Slabs::Slabs(const GridMesh& mesh, std::int32_t base, std::size_t count) : base_(base), start_(count + 1, 0) {
   const auto range = [&](std::size_t t) {
-    const auto [low, high] = std::minmax({mesh.corner(t, 0).x(), mesh.corner(t, 1).x(), mesh.corner(t, 2).x()});
+    const auto [low, high] =
+        std::minmax({mesh.corner(t, 0).x(), mesh.corner(t, 1).x(), mesh.corner(t, 2).x()});
     const auto slab = [&](double i) {
       return static_cast<std::size_t>(std::clamp((static_cast<std::int64_t>(i) - base) >> 3, std::int64_t{0},
                                                  static_cast<std::int64_t>(count) - 1));

@@ -1,6 +1,6 @@
 #pragma once
-/// Triangles sorted into slabs of 8 voxels along i: the unit of parallel work. Slabs share nothing, so no result depends on the
-/// order in which they are done.
+/// Triangles sorted into slabs of 8 voxels along i: the unit of parallel work. Slabs share nothing, so no
+/// result depends on the order in which they are done.
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -28,7 +28,8 @@ TriangleVoxels::TriangleVoxels(const Vec3& a, const Vec3& b, const Vec3& c) noex
   boxed_ = !on_border && wide <= 1;
   if (boxed_) return;
   normal_ = area_vector(a, b, c);
-  run_ = std::abs(normal_.y()) < std::abs(normal_.z()) ? 1 : 2;  // runs are long along the axis the triangle lies along
+  // runs are long along the axis the triangle lies along
+  run_ = std::abs(normal_.y()) < std::abs(normal_.z()) ? 1 : 2;
   for (int dropped = 0; dropped < 3; ++dropped) add_edge_forms(dropped);
   if (!normal_.isZero(0.0)) add_plane_forms();
 }
@@ -46,8 +47,9 @@ void TriangleVoxels::add(int kind, double side, const std::array<double, 3>& gra
   form.error = kFilter * magnitude;
 }
 
-/// The cube's shadow along one axis against the triangle's: one form an edge, on the side where the third corner lies; both
-/// sides where the triangle is seen edge-on. Edges that shrink to a point say nothing.
+/// The cube's shadow along one axis against the triangle's: one form an edge, on the side where the third
+/// corner lies. Seen edge-on, the edges run both ways along one line, and so bound it from both sides. Edges
+/// that shrink to a point say nothing.
 void TriangleVoxels::add_edge_forms(int dropped) noexcept {
   const int p = (dropped + 1) % 3, q = (dropped + 2) % 3;
   const auto sp = static_cast<std::size_t>(p), sq = static_cast<std::size_t>(q);
@@ -64,8 +66,7 @@ void TriangleVoxels::add_edge_forms(int dropped) noexcept {
     const double magnitude = std::abs(fp) * width_q + std::abs(fq) * width_p;
     const int kind = 4 * dropped + edge;
     const double seen = normal_[dropped];  // orientation of the shadow; its sign is exact
-    if (seen >= 0.0) add(kind, 1.0, gradient, at_first, magnitude);
-    if (seen <= 0.0) add(kind, -1.0, gradient, at_first, magnitude);
+    add(kind, seen >= 0.0 ? 1.0 : -1.0, gradient, at_first, magnitude);
   }
 }
 
@@ -79,7 +80,8 @@ void TriangleVoxels::add_plane_forms() noexcept {
     gradient[s] = normal_[axis];
     at_first += normal_[axis] * (first_[s] - corner_[0][axis]);
     // 2^-37 relative is what `area_vector` promises of a component; the products are where that comes from.
-    magnitude += (side[p] * other[q] + side[q] * other[p] + std::abs(normal_[axis]) * 0x1p10) * (last_[s] - first_[s] + 2.0);
+    magnitude += (side[p] * other[q] + side[q] * other[p] +
+                  std::abs(normal_[axis]) * 0x1p10) * (last_[s] - first_[s] + 2.0);
   }
   add(kPlane, 1.0, gradient, at_first, magnitude);
   add(kPlane, -1.0, gradient, at_first, magnitude);
@@ -168,7 +170,8 @@ bool TriangleVoxels::solve_row(std::int32_t i, std::int32_t row, Range& run) con
     }
     if (low > high) return false;
   }
-  run = {first_[run_axis] + static_cast<std::int32_t>(low), first_[run_axis] + static_cast<std::int32_t>(high)};
+  run = {first_[run_axis] + static_cast<std::int32_t>(low),
+         first_[run_axis] + static_cast<std::int32_t>(high)};
   if (certain) return true;
   while (run.first <= run.last && meeting(voxel(i, row, run.first)) == Meeting::kNone) ++run.first;
   while (run.last > run.first && meeting(voxel(i, row, run.last)) == Meeting::kNone) --run.last;

@@ -1,9 +1,11 @@
 #pragma once
-/// Which voxels a triangle meets: the separating-axis test of triangle and closed cube (13 axes), exact in grid coordinates.
+/// Which voxels a triangle meets: the separating-axis test of triangle and closed cube (13 axes), exact in
+/// grid coordinates.
 ///
-/// Each axis is a linear form in the voxel's index, so the voxels of one row that pass all of them are an interval: rows are
-/// solved, not walked. Rounding only ever makes a row's ends uncertain, and an uncertain end is decided with `exact_sign`.
-/// Zero-area triangles are segments or points and go through the same tests.
+/// Each axis is a linear form in the voxel's index, so the voxels of one row that pass all of them are an
+/// interval: rows are solved, not walked. Rounding only ever makes a row's ends uncertain, and an uncertain
+/// end is decided with `exact_sign`. Zero-area triangles are segments or points and go through the same
+/// tests.
 #include <array>
 #include <cstdint>
 
@@ -29,8 +31,8 @@ class TriangleVoxels {
 
   /// Axis along which the runs of `for_each_run` lie: 1 (j) or 2 (k).
   int run_axis() const noexcept { return run_; }
-  /// Calls f(i, row, run_first, run_last) for every row of voxels met with i in [i_first, i_last]; `row` is the index along the
-  /// axis 3 - run_axis().
+  /// Calls f(i, row, run_first, run_last) for every row of voxels met with i in [i_first, i_last]; `row` is
+  /// the index along the axis 3 - run_axis().
   template <class F>
   void for_each_run(std::int32_t i_first, std::int32_t i_last, F&& f) const;
 
@@ -45,7 +47,8 @@ class TriangleVoxels {
 
   void add_edge_forms(int dropped) noexcept;
   void add_plane_forms() noexcept;
-  void add(int kind, double side, const std::array<double, 3>& gradient, double at_zero, double magnitude) noexcept;
+  void add(int kind, double side, const std::array<double, 3>& gradient, double at_zero,
+           double magnitude) noexcept;
   double exact_value(const Form& form, const VoxelIndex& v) const noexcept;
   /// Rows (along the axis 3 - run_) that the slab i holds, perhaps one too many.
   Range rows_in_slab(std::int32_t i) const noexcept;
@@ -59,18 +62,21 @@ class TriangleVoxels {
   Vec3 normal_;  ///< twice the area vector, zero only for zero area
   std::array<std::int32_t, 3> first_{}, last_{};
   int run_ = 2;
-  bool boxed_ = false;  ///< the box has one voxel across two axes and no corner lies on a border: all of it is met
+  /// the box has one voxel across two axes and no corner lies on a border: all of it is met
+  bool boxed_ = false;
   int forms_ = 0;
-  std::array<Form, 20> form_;
+  std::array<Form, 11> form_;  ///< nine edges seen along three axes, and both sides of the plane
 };
 
 template <class F>
 void TriangleVoxels::for_each_run(std::int32_t i_first, std::int32_t i_last, F&& f) const {
   const auto row_axis = static_cast<std::size_t>(3 - run_), run_axis = static_cast<std::size_t>(run_);
-  const std::int32_t from = i_first > first_[0] ? i_first : first_[0], to = i_last < last_[0] ? i_last : last_[0];
+  const std::int32_t from = i_first > first_[0] ? i_first : first_[0];
+  const std::int32_t to = i_last < last_[0] ? i_last : last_[0];
   for (std::int32_t i = from; i <= to; ++i) {
     if (boxed_) {
-      for (std::int32_t row = first_[row_axis]; row <= last_[row_axis]; ++row) f(i, row, first_[run_axis], last_[run_axis]);
+      for (std::int32_t row = first_[row_axis]; row <= last_[row_axis]; ++row)
+        f(i, row, first_[run_axis], last_[run_axis]);
       continue;
     }
     const Range rows = rows_in_slab(i);

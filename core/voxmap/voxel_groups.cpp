@@ -58,7 +58,8 @@ void split_bricks(const SurfaceBits& surface, const ParallelFor& parallel_for, V
   std::vector<std::vector<GroupPiece>> found(jobs);
   std::vector<std::uint32_t> count(surface.bricks.size() + 1, 0);
   parallel_for(jobs, [&](std::size_t job) {
-    for (std::size_t b = job * kBricksPerJob; b < std::min((job + 1) * kBricksPerJob, surface.bricks.size()); ++b) {
+    for (std::size_t b = job * kBricksPerJob;
+         b < std::min((job + 1) * kBricksPerJob, surface.bricks.size()); ++b) {
       for (const BrickMask& piece : split(surface.bricks[b])) {
         found[job].push_back({cell_of[b], piece});
         ++count[b + 1];
@@ -120,7 +121,8 @@ VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel
       continue;
     }
     groups.group[node] = static_cast<std::uint32_t>(groups.member.size());
-    groups.member.push_back(node < cells ? surface.first_voxel(node) : first_of(groups.pieces[node - cells], surface));
+    groups.member.push_back(node < cells ? surface.first_voxel(node)
+                                         : first_of(groups.pieces[node - cells], surface));
   }
   return groups;
 }

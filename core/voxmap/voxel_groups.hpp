@@ -14,7 +14,8 @@ namespace voxtouch {
 struct SurfaceBits {
   VoxelIndex base;                     ///< first voxel, a multiple of 8
   std::array<std::int64_t, 3> cells{};
-  std::vector<std::int32_t> brick_of;  ///< of each cell, (x * cells[1] + y) * cells[2] + z; -1: no surface voxel
+  /// of each cell, (x * cells[1] + y) * cells[2] + z; -1: no surface voxel
+  std::vector<std::int32_t> brick_of;
   std::vector<BrickMask> bricks;
 
   VoxelIndex first_voxel(std::size_t cell) const noexcept {
@@ -34,7 +35,8 @@ struct GroupPiece {
 struct VoxelGroups {
   std::vector<GroupPiece> pieces;
   std::vector<std::uint32_t> first_piece;  ///< of each brick, one more at the end
-  std::vector<std::uint32_t> group;        ///< of each cell (cells with surface: unused), then of each piece; 0 is outside
+  /// of each cell (cells with surface: unused), then of each piece; 0 is outside
+  std::vector<std::uint32_t> group;
   std::vector<VoxelIndex> member;          ///< one voxel of each group
 };
 

@@ -11,7 +11,8 @@
 namespace voxtouch {
 namespace {
 
-constexpr double kBuildBytesPerBrick = sizeof(Voxmap::Brick) + 4.0 * sizeof(BrickMask);  // finished, marked, two pieces, spare
+// finished, marked, two pieces, spare
+constexpr double kBuildBytesPerBrick = sizeof(Voxmap::Brick) + 4.0 * sizeof(BrickMask);
 
 /// The bricks of one slab: cells along y and z, filled on first touch.
 struct SlabBits {
@@ -44,14 +45,16 @@ SlabBits mark_slab(const GridMesh& mesh, const Slabs& slabs, std::size_t slab, c
     const bool along_k = triangle.run_axis() == 2;
     triangle.for_each_run(slabs.first(slab), slabs.last(slab),
                           [&](std::int32_t i, std::int32_t row, std::int32_t first, std::int32_t last) {
-                            for (std::int32_t n = first; n <= last; ++n) along_k ? mark(i, row, n) : mark(i, n, row);
+                            for (std::int32_t n = first; n <= last; ++n)
+                              along_k ? mark(i, row, n) : mark(i, n, row);
                           });
   }
   return bits;
 }
 
 /// Throws VoxelBudgetError where scattered triangles touch more bricks than the estimate foresaw.
-SurfaceBits mark_surface(const GridMesh& mesh, const Slabs& slabs, const Voxmap& map, const ParallelFor& parallel_for,
+SurfaceBits mark_surface(const GridMesh& mesh, const Slabs& slabs, const Voxmap& map,
+                         const ParallelFor& parallel_for,
                          VoxelEstimate estimate, std::uint64_t memory_limit_bytes) {
   SurfaceBits surface{map.base(), map.cells(), {}, {}};
   std::vector<SlabBits> parts(slabs.size());
@@ -62,7 +65,8 @@ SurfaceBits mark_surface(const GridMesh& mesh, const Slabs& slabs, const Voxmap&
   for (const SlabBits& part : parts) count += part.bricks.size();
   const auto layer = static_cast<std::size_t>(surface.cells[1] * surface.cells[2]);
   surface.brick_of.assign(layer * slabs.size(), -1);
-  estimate.build_bytes = std::max(estimate.build_bytes, static_cast<double>(map.bytes()) + kBuildBytesPerBrick * double(count));
+  estimate.build_bytes =
+      std::max(estimate.build_bytes, static_cast<double>(map.bytes()) + kBuildBytesPerBrick * double(count));
   require_affordable(estimate, map.grid(), memory_limit_bytes);
   surface.bricks.reserve(count);
   for (std::size_t s = 0; s < parts.size(); ++s) {
@@ -88,7 +92,8 @@ std::vector<std::uint8_t> judge_groups(const GridMesh& mesh, const Slabs& slabs,
   return inside;
 }
 
-void write_map(const SurfaceBits& surface, const VoxelGroups& groups, const std::vector<std::uint8_t>& inside, Voxmap& map) {
+void write_map(const SurfaceBits& surface, const VoxelGroups& groups,
+               const std::vector<std::uint8_t>& inside, Voxmap& map) {
   map.reserve_bricks(surface.bricks.size());
   for (std::size_t cell = 0; cell < surface.brick_of.size(); ++cell) {
     const std::int32_t brick = surface.brick_of[cell];
@@ -108,12 +113,14 @@ void write_map(const SurfaceBits& surface, const VoxelGroups& groups, const std:
 
 }  // namespace
 
-Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for, VoxeliseReport* report,
+Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+                VoxeliseReport* report,
                 std::uint64_t memory_limit_bytes) {
   const VoxelEstimate estimate = estimate_voxels(mesh, grid);
   require_affordable(estimate, grid, memory_limit_bytes);
   const auto corner = [](const std::array<double, 3>& v) {
-    return VoxelIndex{static_cast<std::int32_t>(v[0]), static_cast<std::int32_t>(v[1]), static_cast<std::int32_t>(v[2])};
+    return VoxelIndex{static_cast<std::int32_t>(v[0]), static_cast<std::int32_t>(v[1]),
+                      static_cast<std::int32_t>(v[2])};
   };
   Voxmap map(grid, corner(estimate.first), corner(estimate.last));
   const GridMesh in_grid(mesh, grid);
@@ -127,7 +134,9 @@ Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& p
   write_map(surface, groups, judge_groups(in_grid, slabs, shells, groups, parallel_for), map);
 
   if (report) {
-    const auto count = [&](TriangleState s) { return static_cast<std::size_t>(std::count(state.begin(), state.end(), s)); };
+    const auto count = [&](TriangleState s) {
+      return static_cast<std::size_t>(std::count(state.begin(), state.end(), s));
+    };
     *report = {.triangles = mesh.triangles.size(),
                .zero_area = count(TriangleState::kZeroArea),
                .duplicates = count(TriangleState::kDuplicate),
@@ -153,7 +162,8 @@ std::string VoxeliseReport::warnings() const {
   say(turned_triangles, " triangles face the other way than their neighbours.\n");
   say(unoriented_parts, " closed parts cannot be oriented; inside them was judged by parity.\n");
   if (inside_out) text += "The mesh is inside out: its triangles run clockwise seen from outside.\n";
-  if (closed_parts > 0 && !has_interior) text += "No voxel lies inside: the mesh is thinner than its surface layer.\n";
+  if (closed_parts > 0 && !has_interior)
+    text += "No voxel lies inside: the mesh is thinner than its surface layer.\n";
   return text;
 }
 

@@ -1,12 +1,13 @@
 #pragma once
 /// A mesh as a voxmap: surface and interior voxels of the static side (paper, section 1).
 ///
-/// *surface*: a triangle meets the closed voxel; separating-axis test, exact in grid coordinates u = (x - origin) / e for any
-/// doubles u. u itself is rounded once: vertices, origin and e that are multiples of a power of two (and short enough) make
-/// it exact; any others move a vertex by at most 2^-52 |u| voxels, alike for all triangles that share it, so no hole can open.
-/// *interior*: not surface and inside the mesh's closed parts (`closed_shells.hpp`). Voxels that are not surface are grouped by
-/// common faces; a group's winding number is one number, found exactly for one voxel centre. So nested shells, overlapping
-/// shells, cavities and inverted meshes come out as the winding number says, and an open part has a surface but no interior.
+/// *surface*: a triangle meets the closed voxel; separating-axis test, exact in grid coordinates u = (x -
+/// origin) / e for any doubles u. u itself is rounded once: vertices, origin and e that are multiples of a
+/// power of two (and short enough) make it exact; any others move a vertex by at most 2^-52 |u| voxels, alike
+/// for all triangles that share it, so no hole can open. *interior*: not surface and inside the mesh's closed
+/// parts (`closed_shells.hpp`). Voxels that are not surface are grouped by common faces; a group's winding
+/// number is one number, found exactly for one voxel centre. So nested shells, overlapping shells, cavities
+/// and inverted meshes come out as the winding number says, and an open part has a surface but no interior.
 #include <string>
 
 #include "core/types/parallel.hpp"
@@ -19,18 +20,23 @@ namespace voxtouch {
 struct VoxeliseReport {
   std::size_t triangles = 0, zero_area = 0, duplicates = 0;
   std::size_t closed_parts = 0, open_parts = 0, unoriented_parts = 0;
-  std::size_t turned_triangles = 0;  ///< disagreed with their neighbours; counted as turned round for "inside"
-  std::size_t enclosed_groups = 0;   ///< groups of voxels that the surface cuts off from outside, inside or not
+  /// disagreed with their neighbours; counted as turned round for "inside"
+  std::size_t turned_triangles = 0;
+  /// groups of voxels that the surface cuts off from outside, inside or not
+  std::size_t enclosed_groups = 0;
   bool inside_out = false;           ///< the closed parts' signed volume is negative
-  bool has_interior = false;         ///< false: open mesh, or everything inside is thinner than the surface layer
+  /// false: open mesh, or everything inside is thinner than the surface layer
+  bool has_interior = false;
 
   /// One sentence a finding, empty where there is nothing to say.
   std::string warnings() const;
 };
 
-/// Throws std::runtime_error for a mesh that cannot be used and VoxelBudgetError for one that would not fit; both before
-/// memory is spent. Several static meshes: concatenate them; surface wins over interior. Same bits whatever `parallel_for` does.
-Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for, VoxeliseReport* report = nullptr,
+/// Throws std::runtime_error for a mesh that cannot be used and VoxelBudgetError for one that would not fit;
+/// both before memory is spent. Several static meshes: concatenate them; surface wins over interior. Same
+/// bits whatever `parallel_for` does.
+Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+                VoxeliseReport* report = nullptr,
                 std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
 
 }  // namespace voxtouch

@@ -33,15 +33,15 @@ Voxmap::Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last
     if (n < -kMaxIndex || n > kMaxIndex)
       throw std::length_error("voxmap: voxel indices beyond 2^30; put the grid's origin near the mesh");
   // One brick of border on every side, so that a point beside the object still finds a free brick.
-  base_ = {floor_to_brick(std::int64_t{first.i} - kBrickEdge), floor_to_brick(std::int64_t{first.j} - kBrickEdge),
+  base_ = {floor_to_brick(std::int64_t{first.i} - kBrickEdge),
+           floor_to_brick(std::int64_t{first.j} - kBrickEdge),
            floor_to_brick(std::int64_t{first.k} - kBrickEdge)};
   const auto count = [](std::int64_t base, std::int64_t end) { return ((end - base) >> 3) + 2; };
   cells_ = {count(base_.i, last.i), count(base_.j, last.j), count(base_.k, last.k)};
-  shift_y_ = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(cells_[0] - 1)));
-  shift_z_ = shift_y_ + static_cast<int>(std::bit_width(static_cast<std::uint64_t>(cells_[1] - 1)));
-  if (shift_z_ > 40 || (cells_[2] << shift_z_) > kMaxTableCells)
+  // Each count is below 2^29, so the product of two fits int64 and the third is compared by division.
+  if (cells_[0] * cells_[1] > kMaxTableCells / cells_[2])
     throw std::length_error("voxmap: the table would need more than 2^28 bricks; use a larger voxel size");
-  table_.assign(static_cast<std::size_t>(cells_[2] << shift_z_), kFreeBrick);
+  table_.assign(static_cast<std::size_t>(cells_[0] * cells_[1] * cells_[2]), kFreeBrick);
   bricks_.resize(2);
   bricks_[kFreeBrick].fill(all_of(VoxelKind::kFree));
   bricks_[kInteriorBrick].fill(all_of(VoxelKind::kInterior));
@@ -57,7 +57,7 @@ Voxmap::Brick& Voxmap::own_brick(std::size_t index) {
 }
 
 void Voxmap::set(const VoxelIndex& v, VoxelKind kind) {
-  const std::int64_t x = std::int64_t{v.i} - base_.i, y = std::int64_t{v.j} - base_.j, z = std::int64_t{v.k} - base_.k;
+  const auto [x, y, z] = local(v);
   Brick& brick = own_brick(table_index(x >> 3, y >> 3, z >> 3));
   const unsigned bit = static_cast<unsigned>(2 * ((x & 7) + 8 * ((y & 7) + 8 * (z & 7))));
   std::uint64_t& word = brick[bit >> 6];
@@ -65,7 +65,7 @@ void Voxmap::set(const VoxelIndex& v, VoxelKind kind) {
 }
 
 void Voxmap::fill_cell(const VoxelIndex& v, VoxelKind kind) {
-  const std::int64_t x = std::int64_t{v.i} - base_.i, y = std::int64_t{v.j} - base_.j, z = std::int64_t{v.k} - base_.k;
+  const auto [x, y, z] = local(v);
   const std::size_t index = table_index(x >> 3, y >> 3, z >> 3);
   const bool shared = table_[index] == kFreeBrick || table_[index] == kInteriorBrick;
   if (shared && kind != VoxelKind::kSurface)
@@ -75,7 +75,7 @@ void Voxmap::fill_cell(const VoxelIndex& v, VoxelKind kind) {
 }
 
 void Voxmap::set_cell(const VoxelIndex& v, const BrickMask& surface, const BrickMask& interior) {
-  const std::int64_t x = std::int64_t{v.i} - base_.i, y = std::int64_t{v.j} - base_.j, z = std::int64_t{v.k} - base_.k;
+  const auto [x, y, z] = local(v);
   Brick& brick = own_brick(table_index(x >> 3, y >> 3, z >> 3));
   for (std::size_t slice = 0; slice < 8; ++slice)
     for (std::size_t half = 0; half < 2; ++half) {
@@ -102,17 +102,20 @@ void Voxmap::count_brick(std::int64_t x, std::int64_t y, std::int64_t z) {
   for (std::size_t word = 0; word < brick.size(); ++word) {
     surface_count_ += static_cast<std::size_t>(std::popcount(brick[word] & kLowBits));
     interior_count_ += static_cast<std::size_t>(std::popcount(brick[word] & ~kLowBits));
-    // A word is half a slice: 8 voxels along x, 4 along y. Its low and high half bytes belong to different 4-voxel cells.
+    // A word is half a slice: 8 voxels along x, 4 along y. Its low and high half bytes belong to different
+    // 4-voxel cells.
     const auto half_y = static_cast<std::int64_t>(word & 1), half_z = static_cast<std::int64_t>(word >> 3);
     if ((brick[word] & kLowX4) != 0) near_[near_index(2 * x, 2 * y + half_y, 2 * z + half_z)] = 0;
     if ((brick[word] & ~kLowX4) != 0) near_[near_index(2 * x + 1, 2 * y + half_y, 2 * z + half_z)] = 0;
   }
 }
 
-/// Chessboard distance in cells: one sweep forward and one back over the 26 neighbours is exact for this metric.
+/// Chessboard distance in cells: one sweep forward and one back over the 26 neighbours is exact for this
+/// metric.
 void Voxmap::spread_near() {
   const auto line = static_cast<std::size_t>(near_cells_[2]);
-  std::vector<std::uint8_t> best(line + 2, kFarthest);  // over the neighbours in lines already swept; one cell of margin each end
+  // over the neighbours in lines already swept; one cell of margin each end
+  std::vector<std::uint8_t> best(line + 2, kFarthest);
   const auto sweep_line = [&](std::int64_t x, std::int64_t y, int step) {
     std::fill(best.begin(), best.end(), kFarthest);
     const auto take = [&](std::int64_t nx, std::int64_t ny) {
@@ -145,11 +148,12 @@ double Voxmap::free_distance_voxels(const Vec3& u) const noexcept {
   for (int axis = 0; axis < 3; ++axis) {
     const double size = static_cast<double>(cells_[static_cast<std::size_t>(axis)] * kBrickEdge);
     outside = std::max({outside, -local[axis], local[axis] - size});
-    cell[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(std::clamp(local[axis], 0.0, size - 1.0)) >> 2;
+    cell[static_cast<std::size_t>(axis)] =
+        static_cast<std::int64_t>(std::clamp(local[axis], 0.0, size - 1.0)) >> 2;
   }
   const std::uint8_t distance = near_[near_index(cell[0], cell[1], cell[2])];
-  // A cell whose nearest occupied cell is n cells away is at least (n - 1) * 4 voxels from anything in it. A point outside the
-  // table is no nearer to anything in the table than its projection onto the table is.
+  // A cell whose nearest occupied cell is n cells away is at least (n - 1) * 4 voxels from anything in it. A
+  // point outside the table is no nearer to anything in the table than its projection onto the table is.
   return std::max(outside, distance == 0 ? 0.0 : (distance - 1) * static_cast<double>(kCellEdge));
 }
 

@@ -1,10 +1,11 @@
 #pragma once
 /// The static scene as a voxmap: surface, interior, free (paper, section 1), in bricks behind a top table.
 ///
-/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick; an int32 top table with power-of-two strides names the
-/// brick of each 8-voxel cell, with shared bricks for "all free" and "all interior". One border cell of free bricks surrounds
-/// the object. Beside it, one byte for each 4x4x4-voxel cell says how far, in cells, the nearest surface or interior is
-/// at least: what the culling tree asks.
+/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick; an int32 top table names the brick of
+/// each 8-voxel cell, with shared bricks for "all free" and "all interior". One border cell of free bricks
+/// surrounds the object. The table's strides are exact: rounded up to powers of two they would save a
+/// multiplication and cost up to four times the table. Beside it, one byte for each 4x4x4-voxel cell says how
+/// far, in cells, the nearest surface or interior is at least: what the culling tree asks.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,19 +22,22 @@ class Voxmap {
  public:
   static constexpr int kBrickEdge = 8;      ///< voxels
   static constexpr int kCellEdge = 4;       ///< voxels, of the free-distance cells
-  using Brick = std::array<std::uint64_t, 16>;  ///< 512 voxels x 2 bits; voxel (x,y,z) at bit 2*(x + 8*(y + 8*z))
+  /// 512 voxels x 2 bits; voxel (x,y,z) at bit 2*(x + 8*(y + 8*z))
+  using Brick = std::array<std::uint64_t, 16>;
 
   Voxmap() = default;
-  /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error if the table would need more
-  /// than `kMaxTableCells` cells or indices beyond +-2^30: callers estimate first (grid_mesh.hpp) and say it better.
+  /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error if the table
+  /// would need more than `kMaxTableCells` cells or indices beyond +-2^30: callers estimate first
+  /// (grid_mesh.hpp) and say it better.
   Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last);
 
   const Grid& grid() const noexcept { return grid_; }
 
   /// Kind of a voxel; everything outside the table is free. Real-time safe.
   VoxelKind at(const VoxelIndex& v) const noexcept {
-    const std::int64_t x = std::int64_t{v.i} - base_.i, y = std::int64_t{v.j} - base_.j, z = std::int64_t{v.k} - base_.k;
-    if ((x | y | z) < 0 || (x >> 3) >= cells_[0] || (y >> 3) >= cells_[1] || (z >> 3) >= cells_[2]) return VoxelKind::kFree;
+    const auto [x, y, z] = local(v);
+    if ((x | y | z) < 0 || (x >> 3) >= cells_[0] || (y >> 3) >= cells_[1] || (z >> 3) >= cells_[2])
+      return VoxelKind::kFree;
     const auto brick = static_cast<std::size_t>(table_[table_index(x >> 3, y >> 3, z >> 3)]);
     const unsigned bit = static_cast<unsigned>(2 * ((x & 7) + 8 * ((y & 7) + 8 * (z & 7))));
     return static_cast<VoxelKind>((bricks_[brick][bit >> 6] >> (bit & 63)) & 3U);
@@ -41,9 +45,11 @@ class Voxmap {
 
   /// Sets one voxel; the voxel must lie within the room given at construction. Not real-time safe.
   void set(const VoxelIndex& v, VoxelKind kind);
-  /// Sets the whole 8-voxel cell that holds `v` to one kind; free and interior by pointing at the shared brick.
+  /// Sets the whole 8-voxel cell that holds `v` to one kind; free and interior by pointing at the shared
+  /// brick.
   void fill_cell(const VoxelIndex& v, VoxelKind kind);
-  /// Sets the whole 8-voxel cell that holds `v` from bits; surface wins over interior, what is in neither is free.
+  /// Sets the whole 8-voxel cell that holds `v` from bits; surface wins over interior, what is in neither is
+  /// free.
   void set_cell(const VoxelIndex& v, const BrickMask& surface, const BrickMask& interior);
   /// Room for that many bricks of their own, so that filling them neither copies nor leaves spare memory.
   void reserve_bricks(std::size_t count) { bricks_.reserve(count + 2); }
@@ -51,9 +57,9 @@ class Voxmap {
   /// Counts voxels and computes the free-distance bytes; call after the last change.
   void finish();
 
-  /// Lower bound of the distance [voxels] from anywhere in the 4-voxel cell of `u` (grid coordinates) to the nearest voxel
-  /// that is not free; 0 where unknown (before `finish`, NaN) or near. Outside the table: the distance to the table at least.
-  /// Real-time safe.
+  /// Lower bound of the distance [voxels] from anywhere in the 4-voxel cell of `u` (grid coordinates) to the
+  /// nearest voxel that is not free; 0 where unknown (before `finish`, NaN) or near. Outside the table: the
+  /// distance to the table at least. Real-time safe.
   double free_distance_voxels(const Vec3& u) const noexcept;
 
   /// Surface and interior voxels, counted.
@@ -73,8 +79,12 @@ class Voxmap {
 
  private:
   static constexpr std::int32_t kFreeBrick = 0, kInteriorBrick = 1;
+  /// Voxel counted from the first of the table.
+  std::array<std::int64_t, 3> local(const VoxelIndex& v) const noexcept {
+    return {std::int64_t{v.i} - base_.i, std::int64_t{v.j} - base_.j, std::int64_t{v.k} - base_.k};
+  }
   std::size_t table_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
-    return static_cast<std::size_t>(x + (y << shift_y_) + (z << shift_z_));
+    return static_cast<std::size_t>(x + cells_[0] * (y + cells_[1] * z));
   }
   std::size_t near_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
     return static_cast<std::size_t>((x * near_cells_[1] + y) * near_cells_[2] + z);
@@ -86,7 +96,6 @@ class Voxmap {
   Grid grid_;
   VoxelIndex base_;                       ///< first voxel of the table, a multiple of 8
   std::array<std::int64_t, 3> cells_{};   ///< table size in bricks
-  int shift_y_ = 0, shift_z_ = 0;         ///< power-of-two strides
   std::vector<std::int32_t> table_;
   std::vector<Brick> bricks_;
   std::array<std::int64_t, 3> near_cells_{};

@@ -24,7 +24,8 @@ int shadow_winding(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& at) 
 
 }  // namespace
 
-bool inside_shells(const GridMesh& mesh, const ClosedShells& shells, std::span<const std::uint32_t> triangles, const Vec3& at) {
+bool inside_shells(const GridMesh& mesh, const ClosedShells& shells,
+                   std::span<const std::uint32_t> triangles, const Vec3& at) {
   int winding = 0, parity = 0;
   for (const std::uint32_t t : triangles) {
     const ShellRole role = shells.role[t];

@@ -37,6 +37,16 @@ TEST(Export, InteriorFilesAreByteForByteThoseOfTheVectors) {
   }
 }
 
+TEST(Export, ARunEndsAtAGapAndAtARowsEnd) {
+  Voxmap map({}, {-9, 0, -9}, {9, 9, 9});
+  for (const VoxelIndex& v : {VoxelIndex{-9, 0, -9}, {-9, 0, -8}, {-9, 0, -6}, {-9, 1, -5}, {0, 1, -4}})
+    map.set(v, VoxelKind::kInterior);
+  map.set({0, 1, -3}, VoxelKind::kSurface);
+  map.set({0, 1, -2}, VoxelKind::kInterior);
+  EXPECT_EQ(written([&](std::ostream& out) { write_interior_csv(out, map); }),
+            "i,j,k_first,k_last\n-9,0,-9,-8\n-9,0,-6,-6\n-9,1,-5,-5\n0,1,-4,-4\n0,1,-2,-2\n");
+}
+
 TEST(Export, SurfaceFilesReadBackExactly) {
   const auto points = shell_points(read_obj("cylinder"), vector_grid("cylinder"), serial_for());
   std::istringstream text(written([&](std::ostream& out) { write_surface_csv(out, points); }));

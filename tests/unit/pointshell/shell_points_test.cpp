@@ -32,7 +32,8 @@ void expect_sane(const std::vector<ShellPoint>& points, const Grid& grid) {
     ASSERT_NEAR(p.normal.norm(), 1.0, 1e-12);
     ASSERT_NEAR(p.plain_normal.norm(), 1.0, 1e-12);
     ASSERT_TRUE(p.point.allFinite());
-    ASSERT_LE((grid.to_grid(p.point) - Vec3(p.voxel.i + 0.5, p.voxel.j + 0.5, p.voxel.k + 0.5)).cwiseAbs().maxCoeff(), 0.5 + 1e-12);
+    const Vec3 centre(p.voxel.i + 0.5, p.voxel.j + 0.5, p.voxel.k + 0.5);
+    ASSERT_LE((grid.to_grid(p.point) - centre).cwiseAbs().maxCoeff(), 0.5 + 1e-12);
     ASSERT_GE(p.area_m2, 0.0);
     ASSERT_GE(p.coherence, 0.0);
     ASSERT_LE(p.coherence, 1.0 + 1e-12);
@@ -70,7 +71,8 @@ TEST(ShellPoints, ScaleByPowersOfTwoExactly) {
   const Grid grid = vector_grid("lshape");
   const auto at_one = shell_points(mesh, grid, serial_for());
   for (const double scale : {0x1p-20, 0x1p20}) {
-    auto scaled = shell_points(moved(mesh, Vec3::Zero(), scale), {grid.origin * scale, grid.edge * scale}, serial_for());
+    auto scaled = shell_points(moved(mesh, Vec3::Zero(), scale), {grid.origin * scale, grid.edge * scale},
+                               serial_for());
     for (ShellPoint& p : scaled) p.point /= scale, p.distance_m /= scale, p.area_m2 /= scale * scale;
     EXPECT_TRUE(same_bits(scaled, at_one));
   }
@@ -93,7 +95,8 @@ TEST(ShellPoints, AFarPoseMovesThePointsAndNothingElse) {
 TEST(ShellPoints, LitterOnTheSurfaceChangesNothing) {
   for (const std::string& name : vector_meshes()) {
     const Grid grid = vector_grid(name);
-    const auto clean = shell_points(read_obj(name), grid, serial_for()), dirty = shell_points(littered(read_obj(name), 5), grid, serial_for());
+    const auto clean = shell_points(read_obj(name), grid, serial_for());
+    const auto dirty = shell_points(littered(read_obj(name), 5), grid, serial_for());
     expect_sane(dirty, grid);
     ASSERT_EQ(clean.size(), dirty.size()) << name;
     for (std::size_t n = 0; n < clean.size(); ++n) {
@@ -118,7 +121,8 @@ TEST(ShellPoints, HaveUnitNormalsWhereTheNormalsCancel) {
   EXPECT_GT(cancelling, 0U);
   TriangleMesh cone;
   cone.vertices.push_back(Vec3(0.5, 0.5, 30));
-  for (int n = 0; n < 16; ++n) cone.vertices.push_back(Vec3(0.5 + std::cos(n * 0.3926990817), 0.5 + std::sin(n * 0.3926990817), 0));
+  for (int n = 0; n < 16; ++n)
+    cone.vertices.push_back(Vec3(0.5 + std::cos(n * 0.3926990817), 0.5 + std::sin(n * 0.3926990817), 0));
   for (std::uint32_t n = 0; n < 16; ++n) cone.triangles.push_back({0, 1 + n, 1 + (n + 1) % 16});
   expect_sane(shell_points(cone, grid, serial_for()), grid);
   TriangleMesh segment;
@@ -146,12 +150,14 @@ TEST(Pointshell, IsInMortonOrderAndKnowsItsRanks) {
   const TriangleMesh mesh = read_obj("cylinder");
   const Grid grid = vector_grid("cylinder");
   const auto points = shell_points(mesh, grid, serial_for());
-  const Pointshell exact = build_exact_shell(mesh, grid, serial_for()), naive = build_naive_shell(mesh, grid, scrambled_for());
+  const Pointshell exact = build_exact_shell(mesh, grid, serial_for());
+  const Pointshell naive = build_naive_shell(mesh, grid, scrambled_for());
   ASSERT_EQ(exact.size(), points.size());
   EXPECT_EQ(exact.id, naive.id);
   EXPECT_EQ(std::set<std::uint32_t>(exact.id.begin(), exact.id.end()).size(), points.size());
   VoxelIndex low = points[0].voxel;
-  for (const ShellPoint& p : points) low = {std::min(low.i, p.voxel.i), std::min(low.j, p.voxel.j), std::min(low.k, p.voxel.k)};
+  for (const ShellPoint& p : points)
+    low = {std::min(low.i, p.voxel.i), std::min(low.j, p.voxel.j), std::min(low.k, p.voxel.k)};
   std::uint64_t last = 0;
   for (std::size_t n = 0; n < exact.size(); ++n) {
     const ShellPoint& p = points[exact.id[n]];
@@ -163,7 +169,8 @@ TEST(Pointshell, IsInMortonOrderAndKnowsItsRanks) {
     EXPECT_EQ(naive.normal(n), p.normal);
     std::uint64_t key = 0;
     for (int bit = 0; bit < 10; ++bit)
-      key |= (((p.voxel.i - low.i) >> bit) & 1ULL) << (3 * bit) | (((p.voxel.j - low.j) >> bit) & 1ULL) << (3 * bit + 1) |
+      key |= (((p.voxel.i - low.i) >> bit) & 1ULL) << (3 * bit) |
+             (((p.voxel.j - low.j) >> bit) & 1ULL) << (3 * bit + 1) |
              (((p.voxel.k - low.k) >> bit) & 1ULL) << (3 * bit + 2);
     EXPECT_TRUE(n == 0 || key > last);
     last = key;
@@ -173,7 +180,8 @@ TEST(Pointshell, IsInMortonOrderAndKnowsItsRanks) {
   double gap = 0.0;
   for (const ShellPoint& p : points)
     for (const ShellPoint& q : points)
-      if (std::abs(p.voxel.i - q.voxel.i) + std::abs(p.voxel.j - q.voxel.j) + std::abs(p.voxel.k - q.voxel.k) == 1)
+      if (std::abs(p.voxel.i - q.voxel.i) + std::abs(p.voxel.j - q.voxel.j) +
+          std::abs(p.voxel.k - q.voxel.k) == 1)
         gap = std::max(gap, (p.point - q.point).norm());
   EXPECT_EQ(exact.largest_gap_m, gap);
 }

@@ -11,7 +11,9 @@ namespace {
 using namespace test;
 using Row = std::map<std::string, double>;
 
-Vec3 vec(const Row& row, const std::string& name) { return {row.at(name + "x"), row.at(name + "y"), row.at(name + "z")}; }
+Vec3 vec(const Row& row, const std::string& name) {
+  return {row.at(name + "x"), row.at(name + "y"), row.at(name + "z")};
+}
 
 /// Largest differences over all rows, printed so that a reader sees how close it is.
 struct Largest {
@@ -50,15 +52,18 @@ TEST_P(ShellVectors, EqualsTheReference) {
     largest.normal = std::max(largest.normal, (p.normal - vec(row, "n")).norm());
     EXPECT_LT((p.normal - vec(row, "n")).norm(), 1e-9);
   }
-  std::printf("%s: point %.2g, dist %.2g, n %.2g, m %.2g, coh %.2g over %zu rows\n", name.c_str(), largest.point,
+  std::printf("%s: point %.2g, dist %.2g, n %.2g, m %.2g, coh %.2g over %zu rows\n", name.c_str(),
+              largest.point,
               largest.distance, largest.normal, largest.plain, largest.coherence, rows.size());
   const auto& said = vector_index().at("meshes").at(name).at("pointshell");
   const Pointshell shell = make_exact_shell(points, grid);
   EXPECT_NEAR(shell.largest_gap_m / grid.edge, said.at("max_gap_face_neighbours_in_e").get<double>(), 1e-9);
-  EXPECT_NEAR(shell.largest_centre_distance_m / grid.edge, said.at("max_centre_distance_in_e").get<double>(), 1e-9);
+  EXPECT_NEAR(shell.largest_centre_distance_m / grid.edge,
+              said.at("max_centre_distance_in_e").get<double>(), 1e-9);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ShellVectors, testing::ValuesIn(vector_meshes()), [](const auto& mesh) { return mesh.param; });
+INSTANTIATE_TEST_SUITE_P(All, ShellVectors, testing::ValuesIn(vector_meshes()),
+                         [](const auto& mesh) { return mesh.param; });
 
 }  // namespace
 }  // namespace voxtouch

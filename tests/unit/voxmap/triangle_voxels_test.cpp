@@ -18,7 +18,8 @@ Meeting plain_meeting(const std::array<IntVec, 3>& triangle, const VoxelIndex& v
   std::vector<std::array<Int, 3>> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   std::array<std::array<Int, 3>, 3> edge{};
   for (std::size_t n = 0; n < 3; ++n)
-    for (std::size_t axis = 0; axis < 3; ++axis) edge[n][axis] = triangle[(n + 1) % 3][axis] - triangle[n][axis];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      edge[n][axis] = triangle[(n + 1) % 3][axis] - triangle[n][axis];
   const auto cross = [](const auto& a, const auto& b) {
     return std::array<Int, 3>{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
   };
@@ -60,9 +61,11 @@ void compare_with_plain_test(std::mt19937& random, std::int64_t unit, std::int64
 
   const TriangleVoxels triangle(u[0], u[1], u[2]);
   std::set<VoxelIndex> runs;
-  triangle.for_each_run(-1000, 1000, [&](std::int32_t i, std::int32_t row, std::int32_t first, std::int32_t last) {
+  triangle.for_each_run(-1000, 1000,
+                        [&](std::int32_t i, std::int32_t row, std::int32_t first, std::int32_t last) {
     for (std::int32_t n = first; n <= last; ++n)
-      ASSERT_TRUE(runs.insert(triangle.run_axis() == 2 ? VoxelIndex{i, row, n} : VoxelIndex{i, n, row}).second);
+      ASSERT_TRUE(
+          runs.insert(triangle.run_axis() == 2 ? VoxelIndex{i, row, n} : VoxelIndex{i, n, row}).second);
   });
   std::size_t met = 0;
   const auto &first = triangle.first(), &last = triangle.last();
@@ -72,7 +75,8 @@ void compare_with_plain_test(std::mt19937& random, std::int64_t unit, std::int64
         const VoxelIndex v{i, j, k};
         const Meeting expected = plain_meeting(whole, v, unit);
         ASSERT_EQ(triangle.meeting(v), expected) << i << ' ' << j << ' ' << k << " unit " << unit;
-        ASSERT_EQ(runs.contains(v), expected != Meeting::kNone) << i << ' ' << j << ' ' << k << " unit " << unit;
+        ASSERT_EQ(runs.contains(v), expected != Meeting::kNone) << i << ' ' << j << ' ' << k << " unit " <<
+            unit;
         met += expected != Meeting::kNone;
       }
   ASSERT_EQ(met, runs.size());
@@ -81,10 +85,12 @@ void compare_with_plain_test(std::mt19937& random, std::int64_t unit, std::int64
 TEST(TriangleVoxels, EqualsThePlainTestInIntegers) {
   std::mt19937 random(1);
   for (int n = 0; n < 4000; ++n) compare_with_plain_test(random, 256, 700, 1);     // anywhere
-  for (int n = 0; n < 4000; ++n) compare_with_plain_test(random, 256, 6, 128);     // corners on borders and halves
+  // corners on borders and halves
+  for (int n = 0; n < 4000; ++n) compare_with_plain_test(random, 256, 6, 128);
   for (int n = 0; n < 3000; ++n) compare_with_plain_test(random, 256, 3, 256);     // corners on voxel corners
   for (int n = 0; n < 300; ++n) compare_with_plain_test(random, 1 << 20, 9 << 20, 1);
-  for (int n = 0; n < 3000; ++n) compare_with_plain_test(random, 1 << 20, 1 << 18, 1);  // smaller than a voxel
+  // smaller than a voxel
+  for (int n = 0; n < 3000; ++n) compare_with_plain_test(random, 1 << 20, 1 << 18, 1);
 }
 
 TEST(TriangleVoxels, DecidesOneUlpAwayFromABorder) {
@@ -99,7 +105,8 @@ TEST(TriangleVoxels, DecidesOneUlpAwayFromABorder) {
   EXPECT_EQ(meets(above, {0, 0, 0}), Meeting::kNone);
   // A plane through the far corner (1,1,1) of voxel 0, and the same plane one ulp further out.
   const auto slanted = [](double shift) {
-    return TriangleVoxels(Vec3(3 + shift, 0, 0), Vec3(0, 3 + shift, 0), Vec3(0, 0, 3 + shift)).meeting({0, 0, 0});
+    return TriangleVoxels(Vec3(3 + shift, 0, 0), Vec3(0, 3 + shift, 0),
+                          Vec3(0, 0, 3 + shift)).meeting({0, 0, 0});
   };
   EXPECT_EQ(slanted(0.0), Meeting::kTouch);
   EXPECT_EQ(slanted(-0x1p-51), Meeting::kOpen);

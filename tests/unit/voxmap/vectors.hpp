@@ -18,7 +18,8 @@
 namespace voxtouch::test {
 
 inline const std::vector<std::string>& vector_meshes() {
-  static const std::vector<std::string> names{"sphere", "slab_tilted", "cylinder", "lshape", "aligned_box", "degenerate_tris"};
+  static const std::vector<std::string> names{"sphere", "slab_tilted", "cylinder", "lshape", "aligned_box",
+                                              "degenerate_tris"};
   return names;
 }
 
@@ -98,7 +99,8 @@ inline ParallelFor scrambled_for() {
 inline TriangleMesh box(const Vec3& low, const Vec3& high) {
   TriangleMesh mesh;
   for (int n = 0; n < 8; ++n)
-    mesh.vertices.push_back({n & 1 ? high.x() : low.x(), n & 2 ? high.y() : low.y(), n & 4 ? high.z() : low.z()});
+    mesh.vertices.push_back({n & 1 ? high.x() : low.x(), n & 2 ? high.y() : low.y(),
+                             n & 4 ? high.z() : low.z()});
   mesh.triangles = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
   return mesh;
@@ -111,7 +113,9 @@ inline TriangleMesh sphere(const Vec3& centre, double radius, int n) {
   for (int a = 1; a < n; ++a)
     for (int b = 0; b < n; ++b) {
       const double polar = std::numbers::pi * a / n, turn = 2 * std::numbers::pi * b / n;
-      mesh.vertices.push_back(centre + radius * Vec3(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)));
+      mesh.vertices.push_back(centre +
+                              radius * Vec3(std::sin(polar) * std::cos(turn),
+                                            std::sin(polar) * std::sin(turn), std::cos(polar)));
     }
   mesh.vertices.push_back(centre - Vec3(0, 0, radius));
   const auto at = [n](int a, int b) { return static_cast<std::uint32_t>(1 + (a - 1) * n + b % n); };

@@ -15,7 +15,9 @@ using namespace test;
 struct Voxels {
   std::vector<VoxelIndex> surface, interior;
   VoxeliseReport report;
-  bool operator==(const Voxels& other) const { return surface == other.surface && interior == other.interior; }
+  bool operator==(const Voxels& other) const {
+    return surface == other.surface && interior == other.interior;
+  }
 };
 
 Voxels voxels(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& loop = serial_for()) {
@@ -30,7 +32,8 @@ Voxels voxels(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& loo
 
 /// Voxels that a walk over faces reaches from outside without crossing surface must not be interior: no hole.
 bool has_hole(const Voxels& v) {
-  const std::set<VoxelIndex> interior(v.interior.begin(), v.interior.end()), surface(v.surface.begin(), v.surface.end());
+  const std::set<VoxelIndex> interior(v.interior.begin(), v.interior.end()),
+      surface(v.surface.begin(), v.surface.end());
   for (const VoxelIndex& at : v.interior)
     for (const auto& [di, dj, dk] :
          std::vector<std::array<int, 3>>{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
@@ -49,7 +52,8 @@ TEST(Voxelise, EqualsEveryReferenceVector) {
     for (auto& row : read_csv(surface_file)) surface.push_back({int(row["i"]), int(row["j"]), int(row["k"])});
     std::ifstream interior_file = open_vector("voxels/" + name + "_interior.csv");
     for (auto& row : read_csv(interior_file))
-      for (int k = int(row["k_first"]); k <= int(row["k_last"]); ++k) interior.push_back({int(row["i"]), int(row["j"]), k});
+      for (int k = int(row["k_first"]); k <= int(row["k_last"]); ++k)
+        interior.push_back({int(row["i"]), int(row["j"]), k});
     EXPECT_EQ(got.surface, surface);
     EXPECT_EQ(got.interior, interior);
     EXPECT_EQ(got.report.open_parts, 0U);
@@ -63,7 +67,8 @@ TEST(Voxelise, TheDefaultGridStartsOneLayerBeforeTheUsedVertices) {
     const TriangleMesh mesh = read_obj(name);
     const double e = vector_grid(name).edge;
     const Vec3 origin = default_grid(mesh, e).origin;
-    EXPECT_EQ(origin, vector_grid(name).origin + Vec3::Constant(e)) << name << ": the vectors leave two layers";
+    EXPECT_EQ(origin, vector_grid(name).origin + Vec3::Constant(e)) << name <<
+        ": the vectors leave two layers";
     const TriangleMesh other = moved(mesh, Vec3(-1, 2, -3));
     const TriangleMesh* const both[] = {&mesh, &other};
     EXPECT_EQ(default_grid(both, e).origin, origin + Vec3(-1, 0, -3));
@@ -159,7 +164,8 @@ TEST(Voxelise, SomeTurnedTrianglesChangeNothing) {
 
 TEST(Voxelise, NestedAndOverlappingShellsGoByWindingNumber) {
   const Grid grid{Vec3::Constant(-2.03), 0.1};
-  const TriangleMesh outer = box(Vec3::Constant(-1.5), Vec3::Constant(1.5)), inner = box(Vec3::Constant(-0.7), Vec3::Constant(0.7));
+  const TriangleMesh outer = box(Vec3::Constant(-1.5), Vec3::Constant(1.5));
+  const TriangleMesh inner = box(Vec3::Constant(-0.7), Vec3::Constant(0.7));
   const auto centre = [&](const TriangleMesh& mesh) {
     return voxelise(mesh, grid, serial_for()).at(Grid::voxel_of(grid.to_grid(Vec3::Zero())));
   };
@@ -168,7 +174,8 @@ TEST(Voxelise, NestedAndOverlappingShellsGoByWindingNumber) {
   EXPECT_EQ(centre(joined(outer, inner)), VoxelKind::kInterior) << "a body in a body";
   EXPECT_EQ(centre(joined(joined(outer, turned(inner)), box(Vec3::Constant(-0.3), Vec3::Constant(0.3)))),
             VoxelKind::kInterior) << "a body in a cavity";
-  const TriangleMesh overlap = joined(box(Vec3(-1.5, -1, -1), Vec3(0.5, 1, 1)), box(Vec3(-0.5, -0.9, -0.9), Vec3(1.5, 0.9, 0.9)));
+  const TriangleMesh overlap =
+      joined(box(Vec3(-1.5, -1, -1), Vec3(0.5, 1, 1)), box(Vec3(-0.5, -0.9, -0.9), Vec3(1.5, 0.9, 0.9)));
   EXPECT_EQ(centre(overlap), VoxelKind::kInterior);
   EXPECT_EQ(centre(joined(outer, outer)), VoxelKind::kInterior) << "the same mesh twice";
 }
@@ -198,6 +205,18 @@ TEST(Voxelise, StackedBoxesThatShareAWallStayClosed) {
   EXPECT_FALSE(has_hole(got));
 }
 
+TEST(Voxelise, ATwoSidedFinTakesNothingFromABody) {
+  TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
+  const Grid grid{Vec3::Constant(-1.02), 0.11};
+  const std::vector<VoxelIndex> without = voxels(mesh, grid).interior;
+  mesh.vertices.push_back(Vec3(2, 2, 1));
+  mesh.triangles.push_back({5, 7, 8});
+  mesh.triangles.push_back({5, 8, 7});
+  EXPECT_EQ(voxels(mesh, grid).interior, without);
+  mesh.triangles.pop_back();
+  EXPECT_TRUE(voxels(mesh, grid).interior.empty()) << "one-sided, the fin leaves its part open";
+}
+
 TEST(Voxelise, TwoCubesThatShareAnEdgeAreSolid) {
   const TriangleMesh both = joined(box(Vec3::Zero(), Vec3::Ones()), box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
   const Voxels got = voxels(both, default_grid(both, 0.11));
@@ -220,17 +239,40 @@ TEST(Voxelise, AZeroAreaTriangleMayCloseATJunction) {
   EXPECT_EQ(got.report.open_parts, 0U);
 }
 
+/// A Klein bottle as a figure of eight swept round with half a turn: closed, but no side is the outside.
+TriangleMesh klein_bottle(int n) {
+  TriangleMesh mesh;
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b) {
+      const double u = 2 * std::numbers::pi * a / n, v = 2 * std::numbers::pi * (b + 0.5) / n;
+      const double out = std::cos(u / 2) * std::sin(v) - std::sin(u / 2) * std::sin(2 * v);
+      const double up = std::sin(u / 2) * std::sin(v) + std::cos(u / 2) * std::sin(2 * v);
+      mesh.vertices.push_back({(3 + out) * std::cos(u), (3 + out) * std::sin(u), up});
+    }
+  const auto at = [n](int a, int b) {
+    const int row = a == n ? n - 1 - b % n : b % n;  // after one round v has become -v
+    return static_cast<std::uint32_t>((a % n) * n + row);
+  };
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b) {
+      mesh.triangles.push_back({at(a, b), at(a + 1, b), at(a + 1, b + 1)});
+      mesh.triangles.push_back({at(a, b), at(a + 1, b + 1), at(a, b + 1)});
+    }
+  return mesh;
+}
+
 TEST(Voxelise, AShellThatCannotBeOrientedGoesByParity) {
-  // A closed strip of squares whose ends meet with a twist would need four dimensions; three boxes with an edge in common where
-  // one box is turned inside out cannot be balanced by turning whole patches, but each still encloses its inside.
-  TriangleMesh mesh = joined(box(Vec3::Zero(), Vec3::Ones()), turned(box(Vec3(1, 1, 0), Vec3(2, 2, 1))));
-  const Voxels got = voxels(mesh, default_grid(mesh, 0.11));
-  EXPECT_FALSE(got.interior.empty());
+  const TriangleMesh mesh = klein_bottle(40);
+  const Voxels got = voxels(mesh, default_grid(mesh, 0.1));
+  EXPECT_EQ(got.report.closed_parts, 1U);
+  EXPECT_EQ(got.report.unoriented_parts, 1U);
+  EXPECT_GT(got.interior.size(), 1000U);
   EXPECT_FALSE(has_hole(got));
 }
 
 TEST(Voxelise, InteriorEqualsTheWindingNumberOfEveryVoxel) {
-  const TriangleMesh mesh = joined(sphere(Vec3(0.1, 0, 0), 1.0, 12), turned(sphere(Vec3(0.1, 0, 0.2), 0.5, 9)));
+  const TriangleMesh mesh =
+      joined(sphere(Vec3(0.1, 0, 0), 1.0, 12), turned(sphere(Vec3(0.1, 0, 0.2), 0.5, 9)));
   const Grid grid = default_grid(mesh, 0.13);
   const Voxmap map = voxelise(mesh, grid, serial_for());
   std::size_t inside = 0;
@@ -254,9 +296,11 @@ TEST(Voxelise, InteriorEqualsTheWindingNumberOfEveryVoxel) {
 
 TEST(Voxelise, TheOrderOfTheLoopChangesNothing) {
   for (const std::string& name : vector_meshes())
-    EXPECT_TRUE(voxels(read_obj(name), vector_grid(name)) == voxels(read_obj(name), vector_grid(name), scrambled_for()));
+    EXPECT_TRUE(voxels(read_obj(name), vector_grid(name)) ==
+                voxels(read_obj(name), vector_grid(name), scrambled_for()));
   const TriangleMesh fine = sphere(Vec3(0.01, 0.02, 0.03), 1.0, 40);
-  EXPECT_TRUE(voxels(fine, default_grid(fine, 0.021)) == voxels(fine, default_grid(fine, 0.021), scrambled_for()));
+  EXPECT_TRUE(voxels(fine, default_grid(fine, 0.021)) ==
+              voxels(fine, default_grid(fine, 0.021), scrambled_for()));
 }
 
 TEST(VoxelBudget, RefusesAtOnceWhatCannotBeHad) {

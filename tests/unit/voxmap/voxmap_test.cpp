@@ -74,7 +74,9 @@ TEST(Voxmap, SetsACellFromBitsWithSurfaceOverInterior) {
   for (int x = 0; x < 8; ++x)
     for (int y = 0; y < 8; ++y)
       for (int z = 0; z < 8; ++z) {
-        const auto bit = [&](const BrickMask& m) { return (m[static_cast<std::size_t>(z)] >> (x + 8 * y)) & 1; };
+        const auto bit = [&](const BrickMask& m) {
+          return (m[static_cast<std::size_t>(z)] >> (x + 8 * y)) & 1;
+        };
         const VoxelKind expected =
             bit(surface) ? VoxelKind::kSurface : bit(interior) ? VoxelKind::kInterior : VoxelKind::kFree;
         ASSERT_EQ(map.at({8 + x, 8 + y, 8 + z}), expected);
@@ -107,10 +109,12 @@ TEST(Voxmap, FreeDistanceIsALowerBoundEverywhere) {
       ASSERT_LE(bound, nearest) << u.transpose();
       closest = std::min(closest, nearest - bound);
       // Not a feeble one: the true chessboard distance is less than three cells more within the table.
-      if ((u.array() > -39.0).all() && (u.array() < 40.0).all()) tightest = std::min(tightest, bound - nearest / 1.7320508 + 12.0);
+      if ((u.array() > -39.0).all() && (u.array() < 40.0).all())
+        tightest = std::min(tightest, bound - nearest / 1.7320508 + 12.0);
     }
     EXPECT_GE(tightest, 0.0);
-    for (const VoxelIndex& v : occupied) EXPECT_EQ(map.free_distance_voxels(Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5)), 0.0);
+    for (const VoxelIndex& v : occupied)
+      EXPECT_EQ(map.free_distance_voxels(Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5)), 0.0);
   }
 }
 
