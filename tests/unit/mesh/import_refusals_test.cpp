@@ -201,14 +201,15 @@ TEST_F(Refusal, OfColladaThatWouldOverrunTheReader) {
   Collada word;
   word.p = "0 2$1 0 1 3 0 3 2 1 2 3";
   expect_refused("word.dae", word.xml(), "stands where a number should");
+  Collada corners;
+  corners.kind = "polylist", corners.faces = "2", corners.p = "0 2 1</p><vcount>3 2000000000</vcount><p>0";
+  expect_refused("corners.dae", corners.xml(), "more corners than the file has bytes");
 }
 
 TEST_F(Refusal, OfWhatOneOfAssimpsAssertionsWouldEndTheProcessFor) {
   Collada contradiction;
-  contradiction.p = "";
-  expect_refused("t.dae", contradiction.xml(), "");
-  contradiction.p = ">0 2 1 0 1 3 0 3 2 1 2 3";
-  expect_refused("u.dae", contradiction.xml(), "");
+  contradiction.kind = "polygons", contradiction.faces = "5";  // and one <p>, which is one polygon
+  expect_refused("t.dae", contradiction.xml(), "it contradicts itself");
 }
 
 TEST_F(Refusal, OfNumbersInTheFileThatAreTooLargeForTheirVoxels) {

@@ -76,6 +76,11 @@ TEST(Import, KeepsFileOrderAcrossGroupsObjectsAndMaterials) {
                                  "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no A\nusemtl x\nf 1 3 2\n"
                                  "g B extra\nusemtl y\nf 1 2 4\no A\n usemtl x\ns 1\nf 1 4 3\ng B \\\nextra\nf 2 3 4\n");
   expect_same_triangles(import_mesh(path).mesh, samples::tetrahedron());
+  // Back to an object that was there before: assimp alone gives triangle 2 before triangle 1.
+  const auto back = folder.write("back.obj",
+                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no A\nusemtl x\nf 1 3 2\no B\nusemtl y\nf 1 2 4\n"
+                                 "o A\nusemtl x\nf 1 4 3\no B\nf 2 3 4\n");
+  expect_same_triangles(import_mesh(back).mesh, samples::tetrahedron());
 }
 
 TEST(Import, CutsPolygonsInPlace) {

@@ -148,6 +148,7 @@ struct Collada {
   std::string up = "Y_UP";
   std::string count = "12";
   std::string stride = "3";
+  std::string kind = "triangles", faces = "4";
   std::string p = "0 2 1 0 1 3 0 3 2 1 2 3";
   std::string library;
   std::string nodes = R"(<node id="n"><instance_geometry url="#g"/></node>)";
@@ -159,8 +160,8 @@ struct Collada {
            R"(<accessor source="#a" count="4" stride=")" + stride +
            R"("><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>)" +
            R"(</technique_common></source><vertices id="v"><input semantic="POSITION" source="#s"/></vertices>)" +
-           R"(<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>)" + p +
-           "</p></triangles></mesh></geometry></library_geometries>" + library +
+           "<" + kind + " count=\"" + faces + R"("><input semantic="VERTEX" source="#v" offset="0"/><p>)" + p + "</p></" + kind +
+           "></mesh></geometry></library_geometries>" + library +
            R"(<library_visual_scenes><visual_scene id="w">)" + nodes +
            R"(</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>)";
   }
