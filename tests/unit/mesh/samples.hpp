@@ -24,7 +24,8 @@ inline TriangleMesh tetrahedron() {
 inline TriangleMesh box(const Vec3& low, const Vec3& high) {
   TriangleMesh mesh;
   for (int k = 0; k < 8; ++k) {
-    mesh.vertices.emplace_back(k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(), k & 4 ? high.z() : low.z());
+    mesh.vertices.emplace_back(k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(), k & 4 ? high.z()
+        : low.z());
   }
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
@@ -77,7 +78,8 @@ class Folder {
 template <class T>
 std::string little(std::initializer_list<T> values) {
   std::string bytes;
-  for (const T value : values) bytes.append(reinterpret_cast<const char*>(&value), sizeof value);  // both are little-endian
+  for (const T value : values) bytes.append(reinterpret_cast<const char*>(&value),
+      sizeof value);  // both are little-endian
   return bytes;
 }
 
