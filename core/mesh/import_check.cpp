@@ -10,8 +10,6 @@
 namespace voxtouch::import {
 namespace {
 
-bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-
 std::string lower_extension(const std::filesystem::path& path) {
   std::string e = path.extension().string();
   if (!e.empty()) e.erase(0, 1);

@@ -35,6 +35,8 @@ void check_ply(MeshFile& file, const ImportOptions& options);
 void check_gltf(MeshFile& file, const ImportOptions& options);
 void check_collada(MeshFile& file);
 
+/// White space of the C locale, whatever the process's locale is.
+inline bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 /// Splits at white space. `position` moves behind the word; empty at the end.
 std::string_view next_word(std::string_view text, std::size_t& position);
 /// Four bytes at `at`, lowest first; they must be there.

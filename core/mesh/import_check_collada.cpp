@@ -48,7 +48,7 @@ bool next_tag(const MeshFile& file, std::size_t at, Tag& tag) {
   if (inside.starts_with('/')) tag.opens = false, tag.closes = true, inside.remove_prefix(1);
   if (inside.ends_with('/')) tag.closes = true, inside.remove_suffix(1);
   std::size_t p = 0;
-  if (!inside.empty() && !std::isspace(static_cast<unsigned char>(inside.front()))) {
+  if (!inside.empty() && !is_space(inside.front())) {
     tag.name = next_word(inside, p);
   }
   if (tag.name.empty()) refuse_collada(file, "it has a tag without a name");
@@ -60,8 +60,8 @@ std::string_view attribute(const Tag& tag, std::string_view name) {
   const std::string_view a = tag.attributes;
   for (std::size_t at = 0; (at = a.find(name, at)) != std::string_view::npos; at += name.size()) {
     std::size_t p = at + name.size();
-    while (p < a.size() && std::isspace(static_cast<unsigned char>(a[p]))) ++p;
-    if (at == 0 || !std::isspace(static_cast<unsigned char>(a[at - 1])) || p >= a.size() || a[p] != '=') {
+    while (p < a.size() && is_space(a[p])) ++p;
+    if (at == 0 || !is_space(a[at - 1]) || p >= a.size() || a[p] != '=') {
       continue;
     }
     p = a.find_first_of("\"'", p);

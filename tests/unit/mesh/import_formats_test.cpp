@@ -1,6 +1,8 @@
 /// One tetrahedron in every format; units, axes and nodes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/mesh/import.hpp"
 #include "samples.hpp"
 

@@ -4,7 +4,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <functional>
+#include <array>
+#include <cmath>
 #include <random>
 
 #include "core/mesh/import.hpp"

@@ -1,6 +1,7 @@
 /// The meshes of deploy/meshes: what their scenes take for granted.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
