@@ -269,7 +269,11 @@ class NodeLibrary {
 }  // namespace
 
 void check_collada(MeshFile& file) {
-  if (file.bytes.find('\0') != std::string::npos) refuse_truncated(file, "zero bytes in an XML text");
+  // XML has no others; assimp takes a vertical tab for the beginning of a number, and stands still in front of it.
+  const auto control = [](char c) { return c >= '\0' && c < ' ' && c != '\t' && c != '\n' && c != '\r'; };
+  if (std::any_of(file.bytes.begin(), file.bytes.end(), control)) {
+    refuse_truncated(file, "control characters in an XML text");
+  }
   blank_the_rest(file);
   check_numbers(file);
   NodeLibrary(file).check();

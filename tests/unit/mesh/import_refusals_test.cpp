@@ -213,6 +213,8 @@ TEST_F(Refusal, OfColladaThatWouldOverrunTheReader) {
   Collada word;
   word.p = "0 2$1 0 1 3 0 3 2 1 2 3";
   expect_refused("word.dae", word.xml(), "stands where a number should");
+  word.p = "0 2 \v 1 0 1 3 0 3 2 1 2 3";
+  expect_refused("tab.dae", word.xml(), "control characters");
   Collada corners;
   corners.kind = "polylist", corners.faces = "2", corners.p = "0 2 1</p><vcount>3 2000000000</vcount><p>0";
   expect_refused("corners.dae", corners.xml(), "more corners than the file has bytes");
