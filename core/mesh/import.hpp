@@ -1,20 +1,23 @@
 #pragma once
-/// Meshes from files: OBJ, STL (text, binary), PLY (text, binary), glTF 2.0 (.gltf, .glb) and COLLADA (.dae), read by assimp.
+/// Meshes from files: OBJ, STL (text, binary), PLY (text, binary), glTF 2.0 (.gltf, .glb) and COLLADA (.dae),
+/// read by assimp.
 ///
 /// What comes through
-///   Triangle k of the result is triangle k of the file: faces in file order (for glTF and COLLADA node by node, depth first),
-///   polygons cut into triangles in place, nothing dropped, zero-area triangles kept. Groups, materials, normals, textures,
-///   skins and animations are not looked at. Vertices are the file's numbers rounded to single precision (assimp holds no
-///   more), then double throughout; vertices at one position become one (weld()).
+///   Triangle k of the result is triangle k of the file: faces in file order (for glTF and COLLADA node by
+///   node, depth first), polygons cut into triangles in place, nothing dropped, zero-area triangles kept.
+///   Groups, materials, normals, textures, skins and animations are not looked at. Vertices are the file's
+///   numbers rounded to single precision (assimp holds no more), then double throughout; vertices at one
+///   position become one (weld()).
 /// Units and axes
 ///   OBJ, STL, PLY carry no unit: the numbers are taken as metres unless `scale` says otherwise.
-///   glTF is in metres. COLLADA declares its unit; assimp turns it into metres (with the single-precision factor, so 1 mm is
-///   0.001 m to about 5e-8).
-///   No axes are exchanged: glTF's +Y up stays +Y, and COLLADA's <up_axis> is ignored (assimp would turn Z_UP and X_UP files
-///   to Y up; that is switched off), so that coordinates read as the modelling tool shows them. Turn the mesh with `pose`.
+///   glTF is in metres. COLLADA declares its unit; assimp turns it into metres (with the single-precision
+///   factor, so 1 mm is 0.001 m to about 5e-8).
+///   No axes are exchanged: glTF's +Y up stays +Y, and COLLADA's <up_axis> is ignored (assimp would turn Z_UP
+///   and X_UP files to Y up; that is switched off), so that coordinates read as the modelling tool shows them.
+///   Turn the mesh with `pose`.
 ///   A node that mirrors (negative determinant) keeps its triangles facing outward.
-/// Files are not trusted: counts and nesting are checked before assimp sees the bytes, and assimp reads nothing but the mesh
-/// file and, for .gltf, the buffers it names.
+/// Files are not trusted: counts and nesting are checked before assimp sees the bytes, and assimp reads
+/// nothing but the mesh file and, for .gltf, the buffers it names.
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
@@ -32,9 +35,9 @@ struct MeshError : std::runtime_error {
 };
 
 struct ImportOptions {
-  double scale = 1.0;         ///< metres for one unit of the file, > 0; for COLLADA and glTF on top of their own unit
-  Pose pose = Pose();         ///< after scaling: x -> pose * (scale * x); norm of the quaternion within 1e-3 of one
-  double voxel_size_m = 0.0;  ///< voxel edge e the mesh will be used with, for precision and unit checks; 0: not known
+  double scale = 1.0;         ///< metres for one unit of the file, > 0; on top of the unit COLLADA declares
+  Pose pose = Pose();         ///< after scaling: x -> pose * (scale * x); quaternion within 1e-3 of unit
+  double voxel_size_m = 0.0;  ///< voxel edge e, for precision and unit checks; 0: not known
   std::size_t max_triangles = 4'000'000;
   std::uintmax_t max_file_bytes = std::uintmax_t{512} << 20;
 };
@@ -42,7 +45,7 @@ struct ImportOptions {
 struct ImportedMesh {
   TriangleMesh mesh;                  ///< scaled and posed [m], welded
   MeshReport report;                  ///< of `mesh`; its sentences() say what is wrong with the surface
-  std::vector<std::string> warnings;  ///< what was odd about the file: things left out, a unit that looks wrong
+  std::vector<std::string> warnings;  ///< odd about the file: things left out, a doubtful unit
 };
 
 /// Reads a mesh. Throws MeshError; allocates; not for the loop. Same file and options give the same bits.

@@ -10,8 +10,6 @@
 namespace voxtouch::import {
 namespace {
 
-bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-
 std::string lower_extension(const std::filesystem::path& path) {
   std::string e = path.extension().string();
   if (!e.empty()) e.erase(0, 1);
@@ -25,14 +23,21 @@ void check_place(const std::filesystem::path& path, const ImportOptions& options
   if (status.type() == std::filesystem::file_type::not_found) {
     refuse(path, "there is no such file", "check the path; a scene's paths start at the scene file's folder");
   }
-  if (status.type() == std::filesystem::file_type::directory) refuse(path, "is a directory", "name the mesh file in it");
-  if (status.type() == std::filesystem::file_type::none) refuse(path, error.message(), "check the rights on its folders");
-  if (status.type() != std::filesystem::file_type::regular) refuse(path, "is not a regular file", "name a mesh file");
+  if (status.type() == std::filesystem::file_type::directory) {
+    refuse(path, "is a directory", "name the mesh file in it");
+  }
+  if (status.type() == std::filesystem::file_type::none) {
+    refuse(path, error.message(), "check the rights on its folders");
+  }
+  if (status.type() != std::filesystem::file_type::regular) {
+    refuse(path, "is not a regular file", "name a mesh file");
+  }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) refuse(path, error.message(), "check the file");
   if (size == 0) refuse(path, "is empty", "export the mesh again");
   if (size > options.max_file_bytes) {
-    refuse(path, "has " + std::to_string(size) + " bytes, and at most " + std::to_string(options.max_file_bytes) + " are read",
+    refuse(path, "has " + std::to_string(size) + " bytes, and at most " +
+        std::to_string(options.max_file_bytes) + " are read",
            "reduce the mesh, or raise max_file_bytes");
   }
 }
@@ -40,21 +45,20 @@ void check_place(const std::filesystem::path& path, const ImportOptions& options
 std::string read_bytes(const std::filesystem::path& path) {
   errno = 0;
   std::ifstream in(path, std::ios::binary);
-  if (!in) refuse(path, std::string("cannot be opened (") + std::strerror(errno) + ")", "give yourself the right to read it");
+  if (!in) {
+    refuse(path, std::string("cannot be opened (") + std::strerror(errno) + ")",
+        "give yourself the right to read it");
+  }
   std::string bytes(std::filesystem::file_size(path), '\0');
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<std::size_t>(in.gcount()) != bytes.size()) refuse(path, "could not be read to its end", "try again");
+  if (static_cast<std::size_t>(in.gcount()) != bytes.size()) {
+    refuse(path, "could not be read to its end", "try again");
+  }
   return bytes;
 }
 
 bool starts_with_word(std::string_view line, std::string_view word) {
   return line.starts_with(word) && (line.size() == word.size() || is_space(line[word.size()]));
-}
-
-std::uint32_t little_u32(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t k = 0; k < 4; ++k) value |= std::uint32_t{static_cast<unsigned char>(bytes[at + k])} << (8 * k);
-  return value;
 }
 
 }  // namespace
@@ -79,6 +83,14 @@ std::string_view next_word(std::string_view text, std::size_t& position) {
   return text.substr(first, position - first);
 }
 
+std::uint32_t little_u32(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    value |= std::uint32_t{static_cast<unsigned char>(bytes[at + k])} << (8 * k);
+  }
+  return value;
+}
+
 std::string printable(std::string_view text) {
   std::string plain(text);
   for (char& c : plain) c = (c >= ' ' && c <= '~') ? c : '?';
@@ -92,7 +104,8 @@ std::optional<std::uint64_t> whole_number(std::string_view word) {
   return value;
 }
 
-/// Objects, groups, materials and smoothing would make assimp sort the faces; as comments they leave the file's order alone.
+/// Objects, groups, materials and smoothing would make assimp sort the faces; as comments they leave the
+/// file's order alone.
 void check_obj(MeshFile& file) {
   bool continued = false;
   for (std::size_t first = 0; first < file.bytes.size();) {
@@ -109,7 +122,8 @@ void check_obj(MeshFile& file) {
     first = end + 1;
   }
   if (file.bytes.find('\0') != std::string::npos) {
-    refuse(file.path, "is no OBJ text: it holds zero bytes", "export it as OBJ again, or give it the ending of its format");
+    refuse(file.path, "is no OBJ text: it holds zero bytes",
+        "export it as OBJ again, or give it the ending of its format");
   }
 }
 
@@ -125,7 +139,8 @@ void check_stl_text(MeshFile& file, const ImportOptions& options) {
     const std::size_t before = at;
     const std::string_view word = next_word(file.bytes, at);
     if (word.empty()) break;
-    const bool new_line = std::string_view(file.bytes).substr(before, at - before).find_first_of("\r\n") != std::string_view::npos;
+    const std::string_view passed = std::string_view(file.bytes).substr(before, at - before);
+    const bool new_line = passed.find_first_of("\r\n") != std::string_view::npos;
     if (named && !new_line) continue;
     named = word == "solid" || word == "endsolid";
     facets += word == "facet", vertices += word == "vertex", ends += word == "endfacet";
@@ -133,7 +148,8 @@ void check_stl_text(MeshFile& file, const ImportOptions& options) {
   }
   if (last != "endsolid") refuse_truncated(file, "an STL text without its 'endsolid'");
   if (ends != facets || vertices != 3 * facets) {
-    refuse_truncated(file, std::to_string(facets) + " facets begin, " + std::to_string(ends) + " end, and they have " +
+    refuse_truncated(file, std::to_string(facets) + " facets begin, " + std::to_string(ends) +
+        " end, and they have " +
                      std::to_string(vertices) + " vertices");
   }
   if (facets > options.max_triangles) refuse_size(file, facets, options);
@@ -155,7 +171,8 @@ void check_stl(MeshFile& file, const ImportOptions& options) {
   if (bytes.size() < kHeader) refuse_truncated(file, std::to_string(bytes.size()) + " bytes are no STL file");
   if (!binary_size) {
     refuse_truncated(file, "the header speaks of " + std::to_string(count) + " triangles, which need " +
-                     std::to_string(kHeader + kTriangle * count) + " bytes, and there are " + std::to_string(bytes.size()));
+                     std::to_string(kHeader + kTriangle * count) + " bytes, and there are " +
+                         std::to_string(bytes.size()));
   }
   if (count > options.max_triangles) refuse_size(file, count, options);
   file.faces = count;

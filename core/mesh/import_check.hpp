@@ -1,6 +1,6 @@
 #pragma once
-/// What is made sure of before assimp sees a file: assimp 5.2 trusts counts, strides and nesting, and reads past its buffers or
-/// overruns the stack where they lie. Private to the import.
+/// What is made sure of before assimp sees a file: assimp 5.2 trusts counts, strides and nesting, and reads
+/// past its buffers or overruns the stack where they lie. Private to the import.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -21,7 +21,8 @@ struct MeshFile {
 };
 
 /// Throws MeshError("<path>: <reason>; <remedy>").
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason, const std::string& remedy);
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason,
+    const std::string& remedy);
 [[noreturn]] void refuse_size(const MeshFile& file, std::uint64_t triangles, const ImportOptions& options);
 [[noreturn]] void refuse_truncated(const MeshFile& file, const std::string& found);
 
@@ -34,8 +35,12 @@ void check_ply(MeshFile& file, const ImportOptions& options);
 void check_gltf(MeshFile& file, const ImportOptions& options);
 void check_collada(MeshFile& file);
 
+/// White space of the C locale, whatever the process's locale is.
+inline bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 /// Splits at white space. `position` moves behind the word; empty at the end.
 std::string_view next_word(std::string_view text, std::size_t& position);
+/// Four bytes at `at`, lowest first; they must be there.
+std::uint32_t little_u32(std::string_view bytes, std::size_t at);
 /// The text with '?' for everything that is no plain character, for messages.
 std::string printable(std::string_view text);
 /// A whole number without sign; nothing else.

@@ -1,5 +1,6 @@
-/// COLLADA: everything but geometry and the nodes that place it is blanked out, and what remains must hold as many numbers as
-/// it says. assimp does not check an accessor against its array, and follows nodes that name themselves.
+/// COLLADA: everything but geometry and the nodes that place it is blanked out, and what remains must hold as
+/// many numbers as it says. assimp does not check an accessor against its array, and follows nodes that name
+/// themselves.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -19,7 +20,8 @@ struct Tag {
   refuse(file.path, "is not a COLLADA file as the format has it: " + reason, "export it again");
 }
 
-/// The next tag at or after `at`; comments, declarations and CDATA are passed over. False at the end of the text.
+/// The next tag at or after `at`; comments, declarations and CDATA are passed over. False at the end of the
+/// text.
 bool next_tag(const MeshFile& file, std::size_t at, Tag& tag) {
   const std::string_view text = file.bytes;
   for (;;) {
@@ -46,7 +48,9 @@ bool next_tag(const MeshFile& file, std::size_t at, Tag& tag) {
   if (inside.starts_with('/')) tag.opens = false, tag.closes = true, inside.remove_prefix(1);
   if (inside.ends_with('/')) tag.closes = true, inside.remove_suffix(1);
   std::size_t p = 0;
-  if (!inside.empty() && !std::isspace(static_cast<unsigned char>(inside.front()))) tag.name = next_word(inside, p);
+  if (!inside.empty() && !is_space(inside.front())) {
+    tag.name = next_word(inside, p);
+  }
   if (tag.name.empty()) refuse_collada(file, "it has a tag without a name");
   tag.attributes = inside.substr(p);
   return true;
@@ -56,8 +60,10 @@ std::string_view attribute(const Tag& tag, std::string_view name) {
   const std::string_view a = tag.attributes;
   for (std::size_t at = 0; (at = a.find(name, at)) != std::string_view::npos; at += name.size()) {
     std::size_t p = at + name.size();
-    while (p < a.size() && std::isspace(static_cast<unsigned char>(a[p]))) ++p;
-    if (at == 0 || !std::isspace(static_cast<unsigned char>(a[at - 1])) || p >= a.size() || a[p] != '=') continue;
+    while (p < a.size() && is_space(a[p])) ++p;
+    if (at == 0 || !is_space(a[at - 1]) || p >= a.size() || a[p] != '=') {
+      continue;
+    }
     p = a.find_first_of("\"'", p);
     if (p == std::string_view::npos) return {};
     const std::size_t end = a.find(a[p], p + 1);
@@ -73,7 +79,8 @@ std::uint64_t number(const MeshFile& file, const Tag& tag, std::string_view name
   const auto value = whole_number(text);
   if (!value || *value > file.bytes.size()) {
     refuse_truncated(file, "<" + printable(tag.name.substr(0, 40)) + "> says " + std::string(name) + "=\"" +
-                     printable(text.substr(0, 40)) + "\" in a file of " + std::to_string(file.bytes.size()) + " bytes");
+                     printable(text.substr(0, 40)) + "\" in a file of " + std::to_string(file.bytes.size()) +
+                         " bytes");
   }
   return *value;
 }
@@ -82,7 +89,8 @@ bool plays_no_part(std::string_view name) {
   static constexpr std::array<std::string_view, 3> kParts = {"library_geometries", "library_nodes",
                                                              "library_visual_scenes"};
   if (name.starts_with("library_")) return std::find(kParts.begin(), kParts.end(), name) == kParts.end();
-  return name == "extra" || name == "instance_controller" || name == "instance_camera" || name == "instance_light" ||
+  return name == "extra" || name == "instance_controller" || name == "instance_camera" ||
+      name == "instance_light" ||
          name == "bind_material";
 }
 
@@ -99,7 +107,9 @@ void blank_the_rest(MeshFile& file) {
     if (tag.opens) {
       skinned = skinned || tag.name == "instance_controller";
       open.emplace_back(tag.name);
-      if (open.size() > kDeepest) refuse_collada(file, "it is nested more than " + std::to_string(kDeepest) + " deep");
+      if (open.size() > kDeepest) {
+        refuse_collada(file, "it is nested more than " + std::to_string(kDeepest) + " deep");
+      }
       if (blank_depth == 0 && plays_no_part(tag.name)) blank_from = tag.begin, blank_depth = open.size();
     }
     if (!tag.closes) continue;
@@ -112,7 +122,9 @@ void blank_the_rest(MeshFile& file) {
     open.pop_back();
   }
   if (!open.empty() || !root) refuse_truncated(file, "its XML does not end");
-  if (skinned) file.warnings.push_back("skinned or morphed parts are left out: export them as plain geometry to feel them");
+  if (skinned) {
+    file.warnings.push_back("skinned or morphed parts are left out: export them as plain geometry");
+  }
 }
 
 /// The words between this tag and the next.
@@ -142,7 +154,10 @@ std::uint64_t count_numbers(const MeshFile& file, std::string_view text, bool wh
     if (word.empty()) return words;
     const bool good = whole ? whole_number(word).has_value()
                             : word.find_first_not_of("0123456789+-.eEnaifNAIF") == std::string_view::npos;
-    if (!good) refuse_truncated(file, std::string("'").append(printable(word.substr(0, 40))).append("' stands where a number should"));
+    if (!good) {
+      const std::string shown = printable(word.substr(0, 40));
+      refuse_truncated(file, std::string("'").append(shown).append("' stands where a number should"));
+    }
   }
 }
 
@@ -155,13 +170,16 @@ void check_numbers(const MeshFile& file) {
   for (std::size_t at = 0; next_tag(file, at, tag); at = tag.end) {
     if (!tag.opens) continue;
     for (const char* name : {"count", "stride", "offset"}) number(file, tag, name, 0);
-    if (tag.name == "input" && number(file, tag, "offset", 0) > 63) refuse_collada(file, "an input's offset is above 63");
+    if (tag.name == "input" && number(file, tag, "offset", 0) > 63) {
+      refuse_collada(file, "an input's offset is above 63");
+    }
     if (tag.name == "float_array") {
       const std::uint64_t count = number(file, tag, "count", 0);
       const std::string_view text = text_behind(file, tag);
       const std::uint64_t words = count_numbers(file, text, false);
       if (words < count) {
-        refuse_truncated(file, "an array speaks of " + std::to_string(count) + " numbers and has " + std::to_string(words));
+        refuse_truncated(file, "an array speaks of " + std::to_string(count) + " numbers and has " +
+            std::to_string(words));
       }
       if (!arrays.emplace(attribute(tag, "id"), count).second) refuse_collada(file, "two arrays have one id");
     } else if (tag.name == "vcount") {
@@ -180,11 +198,13 @@ void check_numbers(const MeshFile& file) {
   for (const Accessor& a : accessors) {
     const auto array = arrays.find(a.source);
     if (array == arrays.end()) {
-      refuse_collada(file, "an accessor names the array '" + printable(a.source.substr(0, 40)) + "', which is not there");
+      refuse_collada(file, "an accessor names the array '" + printable(a.source.substr(0, 40)) +
+          "', which is not there");
     }
     const std::uint64_t last = std::max(a.count, std::uint64_t{1}) - 1;
     if (a.offset + last * a.stride + std::max({a.params, a.stride, std::uint64_t{1}}) > array->second) {
-      refuse_truncated(file, "an accessor reads beyond the " + std::to_string(array->second) + " numbers of its array '" +
+      refuse_truncated(file, "an accessor reads beyond the " + std::to_string(array->second) +
+          " numbers of its array '" +
                        printable(a.source.substr(0, 40)) + "'");
     }
   }
@@ -218,7 +238,9 @@ class NodeLibrary {
     std::uint64_t total = 0;
     for (const std::string& url : roots_) total += expansion(url, 0);
     for (const auto& [name, unused] : instances_) expansion(name, 0);
-    if (total > kMost) refuse_collada(file_, "its nodes come to more than " + std::to_string(kMost) + " instances");
+    if (total > kMost) {
+      refuse_collada(file_, "its nodes come to more than " + std::to_string(kMost) + " instances");
+    }
   }
 
  private:
@@ -228,7 +250,8 @@ class NodeLibrary {
   std::uint64_t expansion(const std::string& name, int depth) {
     const auto found = instances_.find(name);
     if (found == instances_.end()) {
-      refuse_collada(file_, "instance_node names '" + printable(name.substr(0, 40)) + "', which is no node of library_nodes");
+      refuse_collada(file_, "instance_node names '" + printable(name.substr(0, 40)) +
+          "', which is no node of library_nodes");
     }
     if (depth > kDeepest) refuse_collada(file_, "a node instances itself");
     if (const auto known = known_.find(name); known != known_.end()) return known->second;
@@ -246,7 +269,11 @@ class NodeLibrary {
 }  // namespace
 
 void check_collada(MeshFile& file) {
-  if (file.bytes.find('\0') != std::string::npos) refuse_truncated(file, "zero bytes in an XML text");
+  // XML has no others; assimp takes a vertical tab for the beginning of a number, and stands still in front of it.
+  const auto control = [](char c) { return c >= '\0' && c < ' ' && c != '\t' && c != '\n' && c != '\r'; };
+  if (std::any_of(file.bytes.begin(), file.bytes.end(), control)) {
+    refuse_truncated(file, "control characters in an XML text");
+  }
   blank_the_rest(file);
   check_numbers(file);
   NodeLibrary(file).check();

@@ -1,4 +1,5 @@
-/// glTF: assimp sees a file that holds nothing but nodes, meshes and the numbers they stand on, each index checked.
+/// glTF: assimp sees a file that holds nothing but nodes, meshes and the numbers they stand on, each index
+/// checked.
 #include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -14,13 +15,7 @@ using Json = nlohmann::json;
   refuse(file.path, "is not a glTF 2.0 file as the format has it: " + reason, "export it again");
 }
 
-std::uint32_t little_u32(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t k = 0; k < 4; ++k) value |= std::uint32_t{static_cast<unsigned char>(bytes[at + k])} << (8 * k);
-  return value;
-}
-
-std::string little_u32(std::size_t value) {
+std::string bytes_of_u32(std::size_t value) {
   std::string bytes(4, '\0');
   for (std::size_t k = 0; k < 4; ++k) bytes[k] = static_cast<char>((value >> (8 * k)) & 0xff);
   return bytes;
@@ -38,9 +33,13 @@ Chunks chunks_of_glb(const MeshFile& file) {
     refuse_truncated(file, "the header speaks of " + std::to_string(total) + " bytes, and there are " +
                      std::to_string(bytes.size()));
   }
-  if (bytes.substr(16, 4) != "JSON" || json > total - 20) refuse_truncated(file, "the JSON chunk does not fit");
+  if (bytes.substr(16, 4) != "JSON" || json > total - 20) {
+    refuse_truncated(file, "the JSON chunk does not fit");
+  }
   std::string_view rest = bytes.substr(20 + json, total - 20 - json);
-  if (rest.size() >= 8 && little_u32(rest, 0) > rest.size() - 8) refuse_truncated(file, "the binary chunk does not fit");
+  if (rest.size() >= 8 && little_u32(rest, 0) > rest.size() - 8) {
+    refuse_truncated(file, "the binary chunk does not fit");
+  }
   if (rest.size() < 8) rest = {};
   return {bytes.substr(20, json), rest};
 }
@@ -57,7 +56,9 @@ void check_nesting(const MeshFile& file, std::string_view json) {
     } else if (json[k] == '"') {
       in_string = true;
     } else if (json[k] == '[' || json[k] == '{') {
-      if (++depth > kDeepest) refuse_gltf(file, "its JSON is nested more than " + std::to_string(kDeepest) + " deep");
+      if (++depth > kDeepest) {
+        refuse_gltf(file, "its JSON is nested more than " + std::to_string(kDeepest) + " deep");
+      }
     } else if (json[k] == ']' || json[k] == '}') {
       --depth;
     }
@@ -99,10 +100,14 @@ void check_numbers(const MeshFile& file, const Json& node, const char* key, std:
   if (found == node.end()) return;
   bool good = found->is_array() && found->size() == size;
   for (const Json& value : *found) good = good && value.is_number();
-  if (!good) refuse_gltf(file, std::string("a node's '") + key + "' is not a list of " + std::to_string(size) + " numbers");
+  if (!good) {
+    refuse_gltf(file, std::string("a node's '") + key + "' is not a list of " + std::to_string(size) +
+        " numbers");
+  }
 }
 
-/// Every node hangs from at most one other, as the format demands: then no cycle and no explosion can be reached from a root.
+/// Every node hangs from at most one other, as the format demands: then no cycle and no explosion can be
+/// reached from a root.
 Json checked_nodes(const MeshFile& file, const Json& doc) {
   constexpr int kDeepest = 128;
   const Json& all = list(file, doc, "nodes");
@@ -111,7 +116,9 @@ Json checked_nodes(const MeshFile& file, const Json& doc) {
   for (std::size_t n = 0; n < all.size(); ++n) {
     if (!all[n].is_object()) refuse_gltf(file, "a node is no object");
     for (const Json& child : list(file, all[n], "children")) {
-      if (!child.is_number_unsigned() || child.get<std::uint64_t>() >= all.size()) refuse_gltf(file, "a child is no node");
+      if (!child.is_number_unsigned() || child.get<std::uint64_t>() >= all.size()) {
+        refuse_gltf(file, "a child is no node");
+      }
       std::size_t& its = parent[child.get<std::size_t>()];
       if (its != all.size()) refuse_gltf(file, "a node hangs from two others");
       its = n;
@@ -126,7 +133,9 @@ Json checked_nodes(const MeshFile& file, const Json& doc) {
   for (std::size_t n = 0; n < all.size(); ++n) {
     int depth = 0;
     for (std::size_t p = n; p != all.size(); p = parent[p]) {
-      if (++depth > kDeepest) refuse_gltf(file, "its nodes hang in a ring, or more than " + std::to_string(kDeepest) + " deep");
+      if (++depth > kDeepest) {
+        refuse_gltf(file, "its nodes hang in a ring, or more than " + std::to_string(kDeepest) + " deep");
+      }
     }
   }
   return kept;
@@ -136,18 +145,25 @@ Json checked_nodes(const MeshFile& file, const Json& doc) {
 std::uint64_t check_accessor(const MeshFile& file, const Json& doc, std::uint64_t index, bool positions) {
   constexpr std::uint64_t kHuge = std::uint64_t{1} << 32;
   const Json& accessor = list(file, doc, "accessors")[index];
-  const std::uint64_t count = number(file, accessor, "count", kHuge), type = number(file, accessor, "componentType", 10000);
-  if (accessor.contains("sparse")) refuse(file.path, "uses sparse accessors, which are not read", "export without them");
-  const std::uint64_t bytes = positions ? (type == 5126 ? 12 : 0) : type == 5121 ? 1 : type == 5123 ? 2 : type == 5125 ? 4 : 0;
+  const std::uint64_t count = number(file, accessor, "count", kHuge);
+  const std::uint64_t type = number(file, accessor, "componentType", 10000);
+  if (accessor.contains("sparse")) {
+    refuse(file.path, "uses sparse accessors, which are not read", "export without them");
+  }
+  const std::uint64_t index_bytes = type == 5121 ? 1 : type == 5123 ? 2 : type == 5125 ? 4 : 0;
+  const std::uint64_t bytes = positions ? (type == 5126 ? 12 : 0) : index_bytes;
   if (bytes == 0 || accessor.value("type", Json()) != Json(positions ? "VEC3" : "SCALAR")) {
-    refuse(file.path, "has positions or indices in a form that is not read", "export positions as 32-bit floats");
+    refuse(file.path, "has positions or indices in a form that is not read",
+        "export positions as 32-bit floats");
   }
   const std::uint64_t at = number(file, accessor, "bufferView", list(file, doc, "bufferViews").size());
   const Json& view = list(file, doc, "bufferViews")[at];
   const std::uint64_t length = number(file, view, "byteLength", kHuge);
-  const std::uint64_t offset = accessor.contains("byteOffset") ? number(file, accessor, "byteOffset", kHuge) : 0;
+  const bool moved = accessor.contains("byteOffset");
+  const std::uint64_t offset = moved ? number(file, accessor, "byteOffset", kHuge) : 0;
   const std::uint64_t stride = view.contains("byteStride") ? number(file, view, "byteStride", kHuge) : bytes;
-  if (stride < bytes || (!positions && stride != bytes) || count == 0 || offset + (count - 1) * stride + bytes > length) {
+  const bool fits = count > 0 && offset + (count - 1) * stride + bytes <= length;
+  if (stride < bytes || (!positions && stride != bytes) || !fits) {
     refuse_truncated(file, "accessor " + std::to_string(index) + " speaks of " + std::to_string(count) +
                      " entries, and its buffer view holds " + std::to_string(length) + " bytes");
   }
@@ -163,7 +179,9 @@ std::uint64_t check_accessor(const MeshFile& file, const Json& doc, std::uint64_
 std::uint64_t check_primitive(const MeshFile& file, const Json& doc, const Json& primitive, Json& kept) {
   const std::size_t accessors = list(file, doc, "accessors").size();
   const auto attributes = primitive.find("attributes");
-  if (attributes == primitive.end() || !attributes->is_object()) refuse_gltf(file, "a primitive has no attributes");
+  if (attributes == primitive.end() || !attributes->is_object()) {
+    refuse_gltf(file, "a primitive has no attributes");
+  }
   const std::uint64_t position = number(file, *attributes, "POSITION", accessors);
   std::uint64_t corners = check_accessor(file, doc, position, true);
   kept = keep(primitive, {"indices", "mode"});
@@ -172,7 +190,9 @@ std::uint64_t check_primitive(const MeshFile& file, const Json& doc, const Json&
     corners = check_accessor(file, doc, number(file, primitive, "indices", accessors), false);
   }
   const std::uint64_t mode = primitive.contains("mode") ? number(file, primitive, "mode", 7) : 4;
-  if (mode == 4 && corners % 3 != 0) refuse_truncated(file, std::to_string(corners) + " corners are no whole triangles");
+  if (mode == 4 && corners % 3 != 0) {
+    refuse_truncated(file, std::to_string(corners) + " corners are no whole triangles");
+  }
   return mode < 4 ? 0 : mode == 4 ? corners / 3 : corners < 3 ? 0 : corners - 2;
 }
 
@@ -197,8 +217,11 @@ void check_extensions(const MeshFile& file, const Json& doc) {
   const auto required = doc.find("extensionsRequired");
   if (required == doc.end() || !required->is_array()) return;
   for (const Json& name : *required) {
-    for (const char* geometry : {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization"}) {
-      if (name == Json(geometry)) refuse(file.path, std::string("needs ") + geometry, "export without compression");
+    for (const char* geometry : {"KHR_draco_mesh_compression", "EXT_meshopt_compression",
+        "KHR_mesh_quantization"}) {
+      if (name == Json(geometry)) {
+        refuse(file.path, std::string("needs ") + geometry, "export without compression");
+      }
     }
   }
 }
@@ -206,7 +229,9 @@ void check_extensions(const MeshFile& file, const Json& doc) {
 Json scene_only(MeshFile& file, const Json& doc, const ImportOptions& options) {
   const auto asset = doc.find("asset");
   const Json version = asset != doc.end() && asset->is_object() ? asset->value("version", Json()) : Json();
-  if (!version.is_string() || !version.get<std::string>().starts_with("2.")) refuse_gltf(file, "the version is not 2.x");
+  if (!version.is_string() || !version.get<std::string>().starts_with("2.")) {
+    refuse_gltf(file, "the version is not 2.x");
+  }
   check_extensions(file, doc);
   Json kept = {{"asset", {{"version", "2.0"}}}};
   kept["nodes"] = checked_nodes(file, doc);
@@ -241,7 +266,8 @@ void check_gltf(MeshFile& file, const ImportOptions& options) {
     return;
   }
   json.resize((json.size() + 3) / 4 * 4, ' ');
-  std::string glb = "glTF" + little_u32(2) + little_u32(20 + json.size() + chunks.rest.size()) + little_u32(json.size());
+  std::string glb = "glTF" + bytes_of_u32(2) + bytes_of_u32(20 + json.size() + chunks.rest.size()) +
+      bytes_of_u32(json.size());
   glb.append("JSON").append(json).append(chunks.rest);
   file.bytes = std::move(glb);
 }

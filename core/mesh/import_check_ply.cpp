@@ -21,7 +21,8 @@ struct Element {
   std::vector<Property> properties;
 
   bool has_list() const {
-    return std::any_of(properties.begin(), properties.end(), [](const Property& p) { return p.count_bytes > 0; });
+    return std::any_of(properties.begin(), properties.end(),
+        [](const Property& p) { return p.count_bytes > 0; });
   }
   /// Fewest bytes a row takes: as text a digit and a blank each.
   std::uint64_t least_bytes(bool text) const {
@@ -39,11 +40,13 @@ struct Header {
 
 std::size_t type_bytes(const MeshFile& file, std::string_view type) {
   static const std::map<std::string_view, std::size_t> kBytes = {
-      {"char", 1}, {"uchar", 1}, {"int8", 1}, {"uint8", 1}, {"short", 2}, {"ushort", 2}, {"int16", 2}, {"uint16", 2},
-      {"int", 4}, {"uint", 4}, {"int32", 4}, {"uint32", 4}, {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
+      {"char", 1},  {"uchar", 1},  {"int8", 1},  {"uint8", 1},  {"short", 2}, {"ushort", 2},
+      {"int16", 2}, {"uint16", 2}, {"int", 4},   {"uint", 4},   {"int32", 4}, {"uint32", 4},
+      {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
   const auto found = kBytes.find(type);
   if (found == kBytes.end()) {
-    refuse(file.path, "the PLY header has the unknown type '" + printable(type.substr(0, 40)) + "'", "export it again");
+    refuse(file.path, "the PLY header has the unknown type '" + printable(type.substr(0, 40)) + "'",
+        "export it again");
   }
   return found->second;
 }
@@ -60,13 +63,16 @@ Property read_property(const MeshFile& file, std::string_view line, std::size_t&
   return p;
 }
 
-/// Plain characters and no more words than belong: assimp never comes back from some headers that have others.
+/// Plain characters and no more words than belong: assimp never comes back from some headers that have
+/// others.
 void check_line(const MeshFile& file, std::string_view line, std::string_view word, std::size_t used) {
   if (line.ends_with('\r')) line.remove_suffix(1);
   const bool free_text = word == "comment" || word == "obj_info";
-  const bool plain = free_text || std::all_of(line.begin(), line.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\t'; });
+  const bool plain = free_text || std::all_of(line.begin(), line.end(),
+      [](char c) { return (c >= ' ' && c <= '~') || c == '\t'; });
   if (!plain || (!free_text && !next_word(line, used).empty())) {
-    refuse(file.path, "the PLY header has a line that is not understood: '" + printable(line.substr(0, 60)) + "'", "export it again");
+    refuse(file.path, "the PLY header has a line that is not understood: '" + printable(line.substr(0, 60)) +
+        "'", "export it again");
   }
 }
 
@@ -82,28 +88,38 @@ Header read_header(const MeshFile& file) {
     at = end + 1;
     std::size_t p = 0;
     const std::string_view word = next_word(line, p);
-    if (number == 0 && word != "ply") refuse(file.path, "does not begin with 'ply'", "give it the ending of its format");
+    if (number == 0 && word != "ply") {
+      refuse(file.path, "does not begin with 'ply'", "give it the ending of its format");
+    }
     if (word == "format") {
       const std::string_view kind = next_word(line, p);
       header.text = kind == "ascii";
       header.big_endian = kind == "binary_big_endian";
-      format = (header.text || header.big_endian || kind == "binary_little_endian") && next_word(line, p) == "1.0";
+      format = (header.text || header.big_endian || kind == "binary_little_endian") &&
+          next_word(line, p) == "1.0";
     } else if (word == "element") {
       const std::string_view name = next_word(line, p);
       const auto count = whole_number(next_word(line, p));
       if (!count) refuse(file.path, "the PLY header has an element without a count", "export it again");
       header.elements.push_back({std::string(name), *count, {}});
     } else if (word == "property") {
-      if (header.elements.empty()) refuse(file.path, "the PLY header has a property of no element", "export it again");
+      if (header.elements.empty()) {
+        refuse(file.path, "the PLY header has a property of no element", "export it again");
+      }
       header.elements.back().properties.push_back(read_property(file, line, p));
-      if (next_word(line, p).empty()) refuse(file.path, "the PLY header has a property without a name", "export it again");
+      if (next_word(line, p).empty()) {
+        refuse(file.path, "the PLY header has a property without a name", "export it again");
+      }
     } else if (word == "end_header") {
-      if (!format) refuse(file.path, "the PLY header has no format that is known", "export it as ascii or binary PLY");
+      if (!format) {
+        refuse(file.path, "the PLY header has no format that is known", "export it as ascii or binary PLY");
+      }
       check_line(file, line, word, p);
       header.end = at;
       return header;
     } else if (word != "ply" && word != "comment" && word != "obj_info") {
-      refuse(file.path, "the PLY header has the unknown line '" + printable(line.substr(0, 60)) + "'", "export it again");
+      refuse(file.path, "the PLY header has the unknown line '" + printable(line.substr(0, 60)) + "'",
+          "export it again");
     }
     check_line(file, line, word, p);
   }
@@ -111,7 +127,8 @@ Header read_header(const MeshFile& file) {
 }
 
 [[noreturn]] void refuse_rows(const MeshFile& file, const Element& e, std::uint64_t rows) {
-  refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements '" + printable(e.name.substr(0, 40)) +
+  refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements '" +
+      printable(e.name.substr(0, 40)) +
                    "', and after " + std::to_string(rows) + " of them the file ends");
 }
 
@@ -124,7 +141,10 @@ void walk_text(const MeshFile& file, const Header& header) {
         if (word.empty()) refuse_rows(file, e, row);
         if (p.count_bytes == 0) continue;
         const auto items = whole_number(word);
-        if (!items) refuse_truncated(file, "a list of the element '" + printable(e.name.substr(0, 40)) + "' has no length");
+        if (!items) {
+          refuse_truncated(file, "a list of the element '" + printable(e.name.substr(0, 40)) +
+              "' has no length");
+        }
         for (std::uint64_t k = 0; k < *items; ++k) {
           if (next_word(file.bytes, at).empty()) refuse_rows(file, e, row);
         }
@@ -139,7 +159,9 @@ std::uint64_t list_length(const MeshFile& file, const Header& header, const Prop
     const std::size_t shift = 8 * (header.big_endian ? p.count_bytes - 1 - k : k);
     value |= std::uint64_t{static_cast<unsigned char>(file.bytes[at + k])} << shift;
   }
-  if (p.count_signed && (value >> (8 * p.count_bytes - 1)) != 0) refuse_truncated(file, "a list has a negative length");
+  if (p.count_signed && (value >> (8 * p.count_bytes - 1)) != 0) {
+    refuse_truncated(file, "a list has a negative length");
+  }
   return value;
 }
 
@@ -155,7 +177,9 @@ void walk_binary(const MeshFile& file, const Header& header) {
         break;
       }
       for (const Property& p : e.properties) {
-        if (size - at < std::max(p.count_bytes, p.item_bytes * (p.count_bytes == 0))) refuse_rows(file, e, row);
+        if (size - at < std::max(p.count_bytes, p.item_bytes * (p.count_bytes == 0))) {
+          refuse_rows(file, e, row);
+        }
         const std::uint64_t items = p.count_bytes > 0 ? list_length(file, header, p, at) : 1;
         at += p.count_bytes;
         if ((size - at) / p.item_bytes < items) refuse_rows(file, e, row);
@@ -172,9 +196,12 @@ void check_ply(MeshFile& file, const ImportOptions& options) {
   const std::uint64_t room = file.bytes.size() - header.end;
   bool vertices = false;
   for (const Element& e : header.elements) {
-    if (e.properties.empty() && e.count > 0) refuse(file.path, "a PLY element has no properties", "export it again");
+    if (e.properties.empty() && e.count > 0) {
+      refuse(file.path, "a PLY element has no properties", "export it again");
+    }
     if (e.count > room / e.least_bytes(header.text) + 1) {
-      refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements '" + printable(e.name.substr(0, 40)) +
+      refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements '" +
+          printable(e.name.substr(0, 40)) +
                        "', and " + std::to_string(room) + " bytes follow");
     }
     vertices = vertices || (e.name == "vertex" && e.count > 0);

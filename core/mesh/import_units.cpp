@@ -20,9 +20,10 @@ std::string text_of(double value) {
 void check_precision(const MeshFile& file, const Triangles& triangles, const ImportOptions& options) {
   const double e = options.voxel_size_m, spacing = triangles.spacing * options.scale;
   if (e <= 0.0 || spacing <= kMostSpacingPerVoxel * e) return;
-  refuse(file.path, "its largest coordinate is " + text_of(triangles.largest * options.scale) + " m, where single precision, "
-         "which the reader holds vertices in, has steps of " + text_of(spacing) + " m; a voxel of " + text_of(e) +
-         " m needs steps of at most " + text_of(kMostSpacingPerVoxel * e) + " m",
+  refuse(file.path,
+         "its largest coordinate is " + text_of(triangles.largest * options.scale) +
+             " m, where single precision, which the reader holds vertices in, has steps of " + text_of(spacing) +
+             " m; a voxel of " + text_of(e) + " m needs steps of at most " + text_of(kMostSpacingPerVoxel * e) + " m",
          "move the mesh to the origin in the file and give its place as the scene's pose, or take larger voxels");
 }
 
@@ -31,12 +32,15 @@ std::string unit_warning(const MeshFile& file, double extent_m, const ImportOpti
   if (e <= 0.0 || (extent_m >= kFewestVoxels * e && extent_m <= kMostVoxels * e)) return {};
   const bool unitless = file.extension == "obj" || file.extension == "stl" || file.extension == "ply";
   const bool small = extent_m < kFewestVoxels * e;
+  const double voxels = extent_m / e;
   std::string text = "the mesh is " + text_of(extent_m) + " m long at scale " + text_of(options.scale) + ", " +
-                     (small ? "only " : "") + (small ? text_of(extent_m / e) : std::to_string(std::llround(extent_m / e))) + " voxels of " + text_of(e) + " m";
+                     (small ? "only " + text_of(voxels) : std::to_string(std::llround(voxels))) + " voxels of " +
+                     text_of(e) + " m";
   if (unitless) text += " (." + file.extension + " carries no unit; its numbers are taken as metres)";
   if (!small) return text + ": is the file in millimetres? Then use scale " + text_of(0.001 * options.scale);
   if (1000.0 * extent_m >= kFewestVoxels * e && options.scale < 1.0) {
-    return text + ": is the file in metres, and not in millimetres? Then use scale " + text_of(1000.0 * options.scale);
+    return text + ": is the file in metres, and not in millimetres? Then use scale " +
+        text_of(1000.0 * options.scale);
   }
   return text + ": is the unit right, or are the voxels too large for it? Its shape is lost";
 }

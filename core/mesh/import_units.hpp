@@ -1,17 +1,19 @@
 #pragma once
-/// Whether a file's numbers are fine enough, and of a size that makes sense, for a voxel size. Private to the import.
+/// Whether a file's numbers are fine enough, and of a size that makes sense, for a voxel size. Private to the
+/// import.
 #include "core/mesh/import_assimp.hpp"
 
 namespace voxtouch::import {
 
-/// Largest step of single precision against the voxel edge. At a hundredth, rounding moves a shell point by less than what
-/// one of 100 steps through a voxel does.
+/// Largest step of single precision against the voxel edge. At a hundredth, rounding moves a shell point by
+/// less than what one of 100 steps through a voxel does.
 inline constexpr double kMostSpacingPerVoxel = 0.01;
-/// Voxels along the longest side of a mesh: fewer than the first, and its shape is lost; more than the second, and the unit is
-/// rarely meant.
+/// Voxels along the longest side of a mesh: fewer than the first, and its shape is lost; more than the
+/// second, and the unit is rarely meant.
 inline constexpr double kFewestVoxels = 4.0, kMostVoxels = 2000.0;
 
-/// Throws MeshError if single precision is too coarse for `options.voxel_size_m` where the file's coordinates lie.
+/// Throws MeshError if single precision is too coarse for `options.voxel_size_m` where the file's coordinates
+/// lie.
 void check_precision(const MeshFile& file, const Triangles& triangles, const ImportOptions& options);
 
 /// A warning that names extent and voxel size where their ratio is odd, else empty. `extent_m`: longest side.

@@ -18,7 +18,9 @@ double six_volumes(const TriangleMesh& mesh, std::uint32_t t, const Vec3& about)
 std::vector<std::uint32_t> of_kind(const std::vector<TriangleKind>& kinds, bool with_zero_area) {
   std::vector<std::uint32_t> which;
   for (std::uint32_t t = 0; t < kinds.size(); ++t) {
-    if (kinds[t] == TriangleKind::kSound || (with_zero_area && kinds[t] == TriangleKind::kZeroArea)) which.push_back(t);
+    if (kinds[t] == TriangleKind::kSound || (with_zero_area && kinds[t] == TriangleKind::kZeroArea)) {
+      which.push_back(t);
+    }
   }
   return which;
 }
@@ -74,7 +76,8 @@ void count_edges(const std::vector<Side>& sides, MeshReport& report) {
   for (const std::uint32_t t : crowded) report.non_manifold_edges.add(t);
 }
 
-void judge_orientation(const TriangleMesh& mesh, const std::vector<Side>& sides, const std::vector<std::uint32_t>& sound,
+void judge_orientation(const TriangleMesh& mesh, const std::vector<Side>& sides,
+    const std::vector<std::uint32_t>& sound,
                        MeshReport& report) {
   const Orientation o = orientation_of(sides, sound, mesh.triangles.size());
   report.parts = o.parts;
@@ -92,7 +95,8 @@ void judge_orientation(const TriangleMesh& mesh, const std::vector<Side>& sides,
   }
   report.signed_volume_m3 = volume;
   report.inverted = report.closed && volume < 0.0;
-  // Where more than two triangles meet at an edge a part may have a border there, and its volume says nothing.
+  // Where more than two triangles meet at an edge a part may have a border there, and its volume says
+  // nothing.
   if (!report.closed || report.inverted || report.non_manifold_edges.count > 0) return;
   for (std::size_t p = 0; p < o.parts; ++p) {
     if (part_volume[p] < 0.0) report.inward_parts.add(lowest[p]);
@@ -137,14 +141,16 @@ MeshReport inspect(const TriangleMesh& mesh) {
   }
   report.closed = !sound.empty() && report.open_edges.count == 0 && report.not_finite_vertices.count == 0;
   report.euler_characteristic =
-      count_points(sides, mesh.vertices.size()) - static_cast<long>(report.edges) + static_cast<long>(sound.size());
+      count_points(sides, mesh.vertices.size()) - static_cast<long>(report.edges) +
+          static_cast<long>(sound.size());
   judge_orientation(mesh, sides, sound, report);
   return report;
 }
 
 std::vector<std::string> MeshReport::sentences() const {
   std::vector<std::string> all;
-  const auto say = [&](const Finding& f, const char* one, const char* many, const char* where, const char* cost) {
+  const auto say = [&](const Finding& f, const char* one, const char* many, const char* where,
+      const char* cost) {
     if (f.count > 0) all.push_back(counted(f, one, many, where) + cost);
   };
   say(not_finite_vertices, "vertex is not finite", "vertices are not finite", "vertex",
@@ -155,7 +161,8 @@ std::vector<std::string> MeshReport::sentences() const {
     all.push_back("the whole mesh faces inward (its signed volume is negative): every force points the wrong way and pulls "
                   "the tool in; turn all triangles round");
   }
-  say(flipped, "triangle is flipped against its neighbours", "triangles are flipped against their neighbours", "triangle",
+  say(flipped, "triangle is flipped against its neighbours",
+      "triangles are flipped against their neighbours", "triangle",
       ": normals there point the wrong way, so the force drops or turns round as the tool passes");
   say(inward_parts, "closed part faces inward", "closed parts face inward", "beginning at triangle",
       ": right for a cavity inside another part; a part of its own would pull the tool in");
@@ -163,7 +170,8 @@ std::vector<std::string> MeshReport::sentences() const {
     all.push_back("the surface has one side only (a band with a twist): its normals turn round somewhere, and with them the "
                   "force");
   }
-  say(non_manifold_edges, "edge has more than two triangles", "edges have more than two triangles", "at triangle",
+  say(non_manifold_edges, "edge has more than two triangles", "edges have more than two triangles",
+      "at triangle",
       ": sheets meet there, so shell points on it mix the normals of more than one sheet");
   say(zero_area, "triangle has no area", "triangles have no area", "triangle",
       ": kept, but without normal and weight; shell points that only such a triangle holds add nothing where points weigh "

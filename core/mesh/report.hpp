@@ -16,11 +16,14 @@ struct Finding {
 
   void add(std::uint32_t index) {
     ++count;
-    if (examples.size() < kExamples && (examples.empty() || examples.back() != index)) examples.push_back(index);
+    if (examples.size() < kExamples && (examples.empty() || examples.back() != index)) {
+      examples.push_back(index);
+    }
   }
 };
 
-/// Vertices at exactly one position count as one point here; weld() first if a file's seams do not match to the bit.
+/// Vertices at exactly one position count as one point here; weld() first if a file's seams do not match to
+/// the bit.
 struct MeshReport {
   std::size_t vertices = 0, triangles = 0;
   std::size_t points = 0;            ///< distinct positions among the used vertices
@@ -37,8 +40,8 @@ struct MeshReport {
   Finding inward_parts;              ///< lowest triangle of each closed part that faces inward, if others face outward
   bool orientable = true;            ///< false: a part has only one side
   bool inverted = false;             ///< closed, and the signed volume is negative: the whole mesh faces inward
-  /// No edge is open, judged without zero-area and duplicate triangles; zero-area ones are let in where they fill the gap
-  /// between a long edge and the short ones along it. Only a closed mesh has an interior.
+  /// No edge is open, judged without zero-area and duplicate triangles; zero-area ones are let in where they
+  /// fill the gap between a long edge and the short ones along it. Only a closed mesh has an interior.
   bool closed = false;
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< box of the used vertices [m]
   double signed_volume_m3 = 0.0;     ///< of the sound triangles as they are; has a meaning for a closed mesh only
@@ -50,11 +53,12 @@ struct MeshReport {
   std::vector<std::string> sentences() const;
 };
 
-/// Looks at every triangle and edge; O(n log n). Throws std::runtime_error if a triangle names a vertex that is not there.
+/// Looks at every triangle and edge; O(n log n). Throws std::runtime_error if a triangle names a vertex that
+/// is not there.
 MeshReport inspect(const TriangleMesh& mesh);
 
-/// The triangles that say what is inside: without zero-area ones, without repetitions of an earlier triangle (in either
-/// orientation), without those that have a corner that is not finite. Ascending.
+/// The triangles that say what is inside: without zero-area ones, without repetitions of an earlier triangle
+/// (in either orientation), without those that have a corner that is not finite. Ascending.
 std::vector<std::uint32_t> sound_triangles(const TriangleMesh& mesh);
 
 }  // namespace voxtouch

@@ -7,12 +7,12 @@
 namespace voxtouch {
 namespace {
 
-/// Corners count as collinear where twice the area is below what rounding alone can make of it: of the coordinates (largest
-/// |coordinate| times eps, once per difference) and of the products.
+/// Corners count as collinear where twice the area is below what rounding alone can make of it: of the
+/// coordinates (largest |coordinate| times eps, once per difference) and of the products.
 bool zero_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
   const Vec3 u = b - a, v = c - a;
-  const double largest = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+  const double largest = a.cwiseAbs().cwiseMax(b.cwiseAbs()).cwiseMax(c.cwiseAbs()).maxCoeff();
   const double lu = u.norm(), lv = v.norm();
   return u.cross(v).norm() <= kRounding * (lu * lv + largest * (lu + lv));
 }
@@ -32,7 +32,8 @@ Corners corners_of(const std::array<std::uint32_t, 3>& t, std::uint32_t triangle
   return c;
 }
 
-std::array<std::uint32_t, 3> standing(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands, std::size_t t) {
+std::array<std::uint32_t, 3> standing(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands,
+    std::size_t t) {
   const auto& c = mesh.triangles[t];
   return {stands[c[0]], stands[c[1]], stands[c[2]]};
 }
@@ -61,8 +62,8 @@ std::vector<TriangleKind> triangle_kinds(const TriangleMesh& mesh, const std::ve
     if (corners[k].sorted != corners[first].sorted) {
       first = k;
     } else {
-      kinds[corners[k].triangle] =
-          corners[k].even == corners[first].even ? TriangleKind::kDuplicate : TriangleKind::kOppositeDuplicate;
+      const bool same_way = corners[k].even == corners[first].even;
+      kinds[corners[k].triangle] = same_way ? TriangleKind::kDuplicate : TriangleKind::kOppositeDuplicate;
     }
   }
   return kinds;
@@ -85,7 +86,8 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh, const std::vector<std::
   return sides;
 }
 
-Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std::uint32_t>& which, std::size_t triangles) {
+Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std::uint32_t>& which,
+    std::size_t triangles) {
   struct Neighbour {
     std::uint32_t triangle;
     bool turned;  ///< both triangles walk the edge the same way, so one of them is the wrong way round

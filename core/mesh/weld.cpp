@@ -16,12 +16,15 @@ using Cell = std::array<std::int64_t, 3>;
 struct CellHash {
   std::size_t operator()(const Cell& c) const noexcept {
     std::uint64_t h = 0x9e3779b97f4a7c15u;
-    for (const std::int64_t k : c) h = (h ^ static_cast<std::uint64_t>(k)) * 0xff51afd7ed558ccdu, h ^= h >> 32;
+    for (const std::int64_t k : c) {
+      h = (h ^ static_cast<std::uint64_t>(k)) * 0xff51afd7ed558ccdu, h ^= h >> 32;
+    }
     return static_cast<std::size_t>(h);
   }
 };
 
-/// Standing vertices by cell. A cell is much wider than the tolerance, so that nearly every look-up opens one cell only.
+/// Standing vertices by cell. A cell is much wider than the tolerance, so that nearly every look-up opens one
+/// cell only.
 class StandingVertices {
  public:
   StandingVertices(const std::vector<Vec3>& vertices, double tolerance)
@@ -76,7 +79,8 @@ std::vector<std::uint8_t> used_vertices(const TriangleMesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (v >= used.size()) {
-        throw std::runtime_error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + " of " +
+        throw std::runtime_error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
+            " of " +
                                  std::to_string(used.size()) + ": the mesh is not complete, build it again");
       }
       used[v] = 1;

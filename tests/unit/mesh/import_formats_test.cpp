@@ -1,6 +1,8 @@
 /// One tetrahedron in every format; units, axes and nodes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/mesh/import.hpp"
 #include "samples.hpp"
 
@@ -18,7 +20,8 @@ void expect_tetrahedron(const ImportedMesh& got, double scale = 1.0, const Vec3&
   for (std::size_t f = 0; f < 4; ++f) {
     for (int k = 0; k < 3; ++k) {
       const Vec3 expected = scale * t.corner(f, k) + shift;
-      EXPECT_LE((got.mesh.corner(f, k) - expected).cwiseAbs().maxCoeff(), scale == 1.0 ? 0.0 : 1e-7 * scale) << f << ' ' << k;
+      EXPECT_LE((got.mesh.corner(f, k) - expected).cwiseAbs().maxCoeff(), scale == 1.0 ? 0.0 : 1e-7 * scale)
+          << f << ' ' << k;
     }
   }
   EXPECT_TRUE(got.report.clean());
@@ -26,7 +29,8 @@ void expect_tetrahedron(const ImportedMesh& got, double scale = 1.0, const Vec3&
 }
 
 std::string ply_header(const std::string& format) {
-  return "ply\nformat " + format + " 1.0\ncomment made by hand\nelement vertex 4\nproperty float x\nproperty float y\n"
+  return "ply\nformat " + format +
+      " 1.0\ncomment made by hand\nelement vertex 4\nproperty float x\nproperty float y\n"
          "property float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
@@ -45,7 +49,8 @@ TEST(ImportFormats, ReadStlAsTextAndBinary) {
   expect_tetrahedron(import_mesh(folder.write("misleading.stl", misleading)));
   TriangleMesh first = tetrahedron(), second = tetrahedron();
   first.triangles.resize(2), second.triangles.erase(second.triangles.begin(), second.triangles.begin() + 2);
-  expect_tetrahedron(import_mesh(folder.write("two.stl", samples::text_stl(first) + samples::text_stl(second))));
+  expect_tetrahedron(import_mesh(folder.write("two.stl", samples::text_stl(first) +
+      samples::text_stl(second))));
 }
 
 TEST(ImportFormats, ReadPlyAsTextAndInBothByteOrders) {
@@ -74,7 +79,8 @@ TEST(ImportFormats, ReadPlyWithAnUnusedVertex) {
   std::string text = ply_header("ascii");
   text.replace(text.find("vertex 4"), 8, "vertex 5");
   const ImportedMesh got =
-      import_mesh(folder.write("t.ply", text + "0 0 0\n1 0 0\n0 1 0\n0 0 1\n9 9 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"));
+      import_mesh(folder.write("t.ply", text +
+          "0 0 0\n1 0 0\n0 1 0\n0 0 1\n9 9 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"));
   EXPECT_EQ(got.report.unused_vertices.count, 1u);
   EXPECT_EQ(got.report.max, Vec3(1, 1, 1));
   EXPECT_TRUE(got.report.closed);
@@ -134,7 +140,8 @@ TEST(ImportFormats, ColladaNodesAndTheirInstancesAreApplied) {
 TEST(ImportFormats, ColladaMaterialsAnimationsAndExtrasAreNotLookedAt) {
   const Folder folder;
   Collada file;
-  file.library = "<library_animations><animation><source id='x'><float_array id='x' count='9'>1</float_array></source>"
+  file.library =
+      "<library_animations><animation><source id='x'><float_array id='x' count='9'>1</float_array></source>"
                  "</animation></library_animations><library_controllers/><!-- a > b --><extra><technique>?</technique></extra>";
   expect_tetrahedron(import_mesh(folder.write("t.dae", file.xml())));
 }

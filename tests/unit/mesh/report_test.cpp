@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "core/mesh/weld.hpp"
@@ -111,7 +112,8 @@ TEST(MeshReport, JudgesClosednessWithoutZeroAreaTriangles) {
 }
 
 TEST(MeshReport, LetsAZeroAreaTriangleFillTheGapAlongALongEdge) {
-  // The face on edge 0-1 of one side is split at vertex 4, the other is not; a collinear triangle stands between them.
+  // The face on edge 0-1 of one side is split at vertex 4, the other is not; a collinear triangle stands
+  // between them.
   const TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}},
                           {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 1}}};
   const MeshReport r = inspect(mesh);

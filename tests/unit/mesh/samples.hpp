@@ -24,7 +24,8 @@ inline TriangleMesh tetrahedron() {
 inline TriangleMesh box(const Vec3& low, const Vec3& high) {
   TriangleMesh mesh;
   for (int k = 0; k < 8; ++k) {
-    mesh.vertices.emplace_back(k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(), k & 4 ? high.z() : low.z());
+    mesh.vertices.emplace_back(k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(), k & 4 ? high.z()
+        : low.z());
   }
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
@@ -77,7 +78,8 @@ class Folder {
 template <class T>
 std::string little(std::initializer_list<T> values) {
   std::string bytes;
-  for (const T value : values) bytes.append(reinterpret_cast<const char*>(&value), sizeof value);  // both are little-endian
+  for (const T value : values) bytes.append(reinterpret_cast<const char*>(&value),
+      sizeof value);  // both are little-endian
   return bytes;
 }
 
@@ -148,6 +150,7 @@ struct Collada {
   std::string up = "Y_UP";
   std::string count = "12";
   std::string stride = "3";
+  std::string kind = "triangles", faces = "4";
   std::string p = "0 2 1 0 1 3 0 3 2 1 2 3";
   std::string library;
   std::string nodes = R"(<node id="n"><instance_geometry url="#g"/></node>)";
@@ -159,8 +162,8 @@ struct Collada {
            R"(<accessor source="#a" count="4" stride=")" + stride +
            R"("><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>)" +
            R"(</technique_common></source><vertices id="v"><input semantic="POSITION" source="#s"/></vertices>)" +
-           R"(<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>)" + p +
-           "</p></triangles></mesh></geometry></library_geometries>" + library +
+           "<" + kind + " count=\"" + faces + R"("><input semantic="VERTEX" source="#v" offset="0"/><p>)" + p + "</p></" + kind +
+           "></mesh></geometry></library_geometries>" + library +
            R"(<library_visual_scenes><visual_scene id="w">)" + nodes +
            R"(</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>)";
   }

@@ -1,6 +1,7 @@
 /// The meshes of deploy/meshes: what their scenes take for granted.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -38,11 +39,13 @@ const double kSlab = 0.24 * 0.24 * 0.02, kBall = 4.0 / 3.0 * M_PI;
 // Of the cup without its handle, with square edges: pi (R^2 h - r^2 (h - bottom)).
 const double kCup = M_PI * (0.04 * 0.04 * 0.09 - 0.035 * 0.035 * 0.084);
 INSTANTIATE_TEST_SUITE_P(ShippedMeshes, EveryShippedMesh,
-                         ::testing::Values(Shipped{"plane.obj", 1, 2, kSlab, 1e-6}, Shipped{"tilted_plane.obj", 1, 2, kSlab, 1e-6},
+                         ::testing::Values(Shipped{"plane.obj", 1, 2, kSlab, 1e-6},
+                             Shipped{"tilted_plane.obj", 1, 2, kSlab, 1e-6},
                                            Shipped{"cylinder.obj", 1, 2, M_PI * 0.04 * 0.04 * 0.2, 1e-3},
                                            Shipped{"sphere.obj", 1, 2, kBall, 0.01},
                                            Shipped{"sphere_mm.stl", 1e-3, 2, kBall * 1e-6, 0.01},
-                                           Shipped{"cup.obj", 1, 0, kCup, 0.08}, Shipped{"cup_mm.stl", 1e-3, 0, kCup, 0.08}));
+                                           Shipped{"cup.obj", 1, 0, kCup, 0.08},
+                                               Shipped{"cup_mm.stl", 1e-3, 0, kCup, 0.08}));
 
 TEST(ShippedMeshes, AreWhatTheirScriptWrites) {
   const std::string command = "python3 '" + (kMeshes / "make_meshes.py").string() + "' --check";
@@ -67,7 +70,8 @@ TEST(ShippedMeshes, StandWhereTheirScenesExpectThem) {
 TEST(ShippedMeshes, TiltedPlaneFollowsNoAxis) {
   const TriangleMesh mesh = import_mesh(kMeshes / "tilted_plane.obj").mesh;
   const double a = 20 * M_PI / 180, b = 25 * M_PI / 180;
-  const Mat3 turn = (Eigen::AngleAxisd(b, Vec3::UnitY()) * Eigen::AngleAxisd(a, Vec3::UnitX())).toRotationMatrix();
+  const Mat3 turn = (Eigen::AngleAxisd(b, Vec3::UnitY()) * Eigen::AngleAxisd(a,
+      Vec3::UnitX())).toRotationMatrix();
   const TriangleMesh flat = import_mesh(kMeshes / "plane.obj").mesh;
   for (std::size_t v = 0; v < 8; ++v) EXPECT_LT((turn * flat.vertices[v] - mesh.vertices[v]).norm(), 2e-8);
 }
@@ -91,7 +95,8 @@ bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const V
   const double dp = n.dot(p - a), dq = n.dot(q - a);
   if ((dp > 0) == (dq > 0)) return false;
   const Vec3 x = p + (q - p) * (dp / (dp - dq));
-  return n.dot((b - a).cross(x - a)) >= 0 && n.dot((c - b).cross(x - b)) >= 0 && n.dot((a - c).cross(x - c)) >= 0;
+  return n.dot((b - a).cross(x - a)) >= 0 && n.dot((c - b).cross(x - b)) >= 0 &&
+      n.dot((a - c).cross(x - c)) >= 0;
 }
 
 bool share_a_corner(const std::array<std::uint32_t, 3>& s, const std::array<std::uint32_t, 3>& t) {
@@ -101,13 +106,15 @@ bool share_a_corner(const std::array<std::uint32_t, 3>& s, const std::array<std:
   return false;
 }
 
-/// Pairs without a common corner: no side of one goes through the other. Neighbours: not folded onto each other.
+/// Pairs without a common corner: no side of one goes through the other. Neighbours: not folded onto each
+/// other.
 std::size_t self_intersections(const TriangleMesh& mesh) {
   std::vector<Eigen::AlignedBox3d> boxes(mesh.triangles.size());
   std::vector<Vec3> normals;
   for (std::size_t t = 0; t < boxes.size(); ++t) {
     for (int k = 0; k < 3; ++k) boxes[t].extend(mesh.corner(t, k));
-    normals.push_back((mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).normalized());
+    normals.push_back((mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t,
+        0)).normalized());
   }
   std::size_t count = 0;
   for (std::size_t s = 0; s < boxes.size(); ++s) {
@@ -115,12 +122,15 @@ std::size_t self_intersections(const TriangleMesh& mesh) {
       if (s == t || !boxes[s].intersects(boxes[t])) continue;
       if (share_a_corner(mesh.triangles[s], mesh.triangles[t])) {
         int common = 0;
-        for (const auto i : mesh.triangles[s]) common += std::count(mesh.triangles[t].begin(), mesh.triangles[t].end(), i) > 0;
+        for (const auto i : mesh.triangles[s]) {
+          common += std::count(mesh.triangles[t].begin(), mesh.triangles[t].end(), i) > 0;
+        }
         count += common == 2 && normals[s].dot(normals[t]) < -0.5;
         continue;
       }
       for (int k = 0; k < 3; ++k) {
-        count += pierces(mesh.corner(s, k), mesh.corner(s, (k + 1) % 3), mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
+        count += pierces(mesh.corner(s, k), mesh.corner(s, (k + 1) % 3), mesh.corner(t, 0),
+            mesh.corner(t, 1), mesh.corner(t, 2));
       }
     }
   }
@@ -132,7 +142,8 @@ TEST(ShippedMeshes, CupRunsThroughItselfNowhere) {
 }
 
 TEST(ShippedMeshes, TheTestForSelfIntersectionsFindsThem) {
-  EXPECT_GT(self_intersections(samples::joined(samples::box({0, 0, 0}, {1, 1, 1}), samples::box({0.4, 0.45, 0.5}, {2, 2, 2}))), 0u);
+  EXPECT_GT(self_intersections(samples::joined(samples::box({0, 0, 0}, {1, 1, 1}),
+      samples::box({0.4, 0.45, 0.5}, {2, 2, 2}))), 0u);
 }
 
 /// The hand's way through: a finger's width of air between wall and handle, and china around it.

@@ -69,14 +69,16 @@ TEST(Weld, FindsNeighboursAcrossEveryCellBorder) {
 
 TEST(Weld, PrefersTheLowestNumberedOfSeveralNeighbours) {
   const double near = 0.8 * kWeldTolerance;
-  const TriangleMesh mesh{{{1, 0, 0}, {1 + 2 * near, 0, 0}, {1 + near, 0, 0}, {0, 1, 0}}, {{0, 1, 3}, {1, 2, 3}}};
+  const TriangleMesh mesh{{{1, 0, 0}, {1 + 2 * near, 0, 0}, {1 + near, 0, 0}, {0, 1, 0}},
+      {{0, 1, 3}, {1, 2, 3}}};
   const auto stands = standing_vertices(mesh, kWeldTolerance);
   EXPECT_EQ(stands, (std::vector<std::uint32_t>{0, 1, 0, 3}));
 }
 
 TEST(Weld, LeavesVerticesThatAreNotFiniteAlone) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  const TriangleMesh mesh{{{nan, 0, 0}, {nan, 0, 0}, {inf, 0, 0}, {1, 0, 0}, {1, 0, 0}}, {{0, 1, 2}, {2, 3, 4}}};
+  const TriangleMesh mesh{{{nan, 0, 0}, {nan, 0, 0}, {inf, 0, 0}, {1, 0, 0}, {1, 0, 0}},
+      {{0, 1, 2}, {2, 3, 4}}};
   EXPECT_EQ(weld(mesh).vertices.size(), 4u);
 }
 
