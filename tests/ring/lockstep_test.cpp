@@ -9,6 +9,7 @@
 #include <fstream>
 #include <thread>
 
+#include "core/types/geometry.hpp"
 #include "nodes/bag/bag_hash.hpp"
 #include "tests/ring/ring_run.hpp"
 
@@ -149,8 +150,8 @@ std::vector<Case> all_cases() {
   return cases;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::ValuesIn(all_cases()), [](const auto& info) {
-  return info.param.scene + (info.param.device == "sim-lwr" ? "_lwr" : "_phantom");
+INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::ValuesIn(all_cases()), [](const auto& rig) {
+  return rig.param.scene + (rig.param.device == "sim-lwr" ? "_lwr" : "_phantom");
 });
 
 }  // namespace

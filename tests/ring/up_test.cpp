@@ -70,8 +70,8 @@ TEST_P(UpTouchesTheCup, AndTheHandFeelsIt) {
 
 INSTANTIATE_TEST_SUITE_P(Rigs, UpTouchesTheCup,
                          testing::Values(Rig{"sim-phantom", 8.5, false}, Rig{"sim-lwr", 150.0, false}, Rig{"sim-phantom", 8.5, true}),
-                         [](const auto& info) {
-                           std::string name = info.param.device + (info.param.one_process ? "_in_one_process" : "");
+                         [](const auto& rig) {
+                           std::string name = rig.param.device + (rig.param.one_process ? "_in_one_process" : "");
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
