@@ -74,6 +74,7 @@ def main():
     bottom.plot(*cut(depth), color="tab:green", lw=0.8, label="depth at the deepest point (rendering)")
     bottom.plot(*cut(gap), color="black", lw=1.0, ls="--", label="gap (validator)")
     bottom.axhline(0, color="0.7", lw=0.6)
+    bottom.set_ylim(-8, 8)
     bottom.set_ylabel("[mm]")
     bottom.set_xlabel("time [s]")
     bottom.legend(loc="upper right", frameon=False)

@@ -68,11 +68,12 @@ class ProcessMember final : public Member {
 class ThreadMember final : public Member {
  public:
   using Run = std::function<int(const std::atomic<bool>&)>;
-  ThreadMember(std::string name, const runtime::RealtimeOptions& realtime, Run run)
-      : name_(std::move(name)), thread_([this, realtime, run = std::move(run)] {
+  ThreadMember(std::string name, runtime::NodeOptions& options, Run run)
+      : name_(std::move(name)), thread_([this, &options, run = std::move(run)] {
           int status = 1;
           try {
-            for (const std::string& warning : runtime::enter_realtime(realtime)) fmt::print(stderr, "warning: {}: {}\n", name_, warning);
+            options.warnings = runtime::enter_realtime(options.realtime);
+            for (const std::string& warning : options.warnings) fmt::print(stderr, "warning: {}: {}\n", name_, warning);
             status = run(stop_);
           } catch (const std::exception& error) {
             fmt::print(stderr, "error: {}: {}\n", name_, error.what());
@@ -134,21 +135,22 @@ int Member::join(std::chrono::milliseconds patience) {
   return *ended();
 }
 
-std::vector<std::unique_ptr<Member>> start_crew(const CrewOptions& o) {
+std::vector<std::unique_ptr<Member>> start_crew(CrewOptions& o) {
   std::vector<std::unique_ptr<Member>> crew;
-  const auto start = [&](const std::string& name, auto arguments, ThreadMember::Run run) {
+  const auto start = [&](const std::string& name, runtime::NodeOptions& options, auto arguments, ThreadMember::Run run) {
     if (o.one_process)
-      crew.push_back(std::make_unique<ThreadMember>(name, o.device.realtime, std::move(run)));
+      crew.push_back(std::make_unique<ThreadMember>(name, options, std::move(run)));
     else
       crew.push_back(std::make_unique<ProcessMember>(name, arguments()));
   };
   using Stop = const std::atomic<bool>&;
+  o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps
   if (o.record)
-    start("logger", [&] { return logger_arguments(o.logger); }, [&o](Stop stop) { return logger::run(o.logger, stop); });
-  start("validator", [&] { return validator_arguments(o.validator); }, [&o](Stop stop) { return validator::run(o.validator, stop); });
-  start("coupling", [&] { return runtime::to_arguments(o.coupling, true); }, [&o](Stop stop) { return coupling::run(o.coupling, stop); });
-  start("rendering", [&] { return runtime::to_arguments(o.rendering, true); }, [&o](Stop stop) { return rendering::run(o.rendering, stop); });
-  start("device", [&] { return device_arguments(o.device); }, [&o](Stop stop) { return device::run(o.device, stop); });
+    start("logger", o.logger, [&] { return logger_arguments(o.logger); }, [&o](Stop stop) { return logger::run(o.logger, stop); });
+  start("validator", o.validator, [&] { return validator_arguments(o.validator); }, [&o](Stop stop) { return validator::run(o.validator, stop); });
+  start("coupling", o.coupling, [&] { return runtime::to_arguments(o.coupling, true); }, [&o](Stop stop) { return coupling::run(o.coupling, stop); });
+  start("rendering", o.rendering, [&] { return runtime::to_arguments(o.rendering, true); }, [&o](Stop stop) { return rendering::run(o.rendering, stop); });
+  start("device", o.device, [&] { return device_arguments(o.device); }, [&o](Stop stop) { return device::run(o.device, stop); });
   return crew;
 }
 

@@ -43,7 +43,7 @@ struct CrewOptions {
 };
 
 /// Starts logger, validator, coupling, rendering, device. Order does not matter to them; this is the order of the returned list.
-/// Throws std::runtime_error if a program cannot be started.
-std::vector<std::unique_ptr<Member>> start_crew(const CrewOptions& options);
+/// `options` must outlive the members. Throws std::runtime_error if a program cannot be started.
+std::vector<std::unique_ptr<Member>> start_crew(CrewOptions& options);
 
 }  // namespace voxtouch::cli

@@ -55,8 +55,8 @@ class Run {
 
   RunSummary go() {
     require_free_rig();
-    const CrewOptions crew_options = crew();
-    crew_ = start_crew(crew_options);
+    crew_options_ = crew();
+    crew_ = start_crew(crew_options_);
     watch();
     stop_all();
     judge();
@@ -171,7 +171,8 @@ class Run {
   const UpOptions& options_;
   bus::Participant participant_;
   runtime::Roster roster_;
-  std::vector<std::unique_ptr<Member>> crew_;
+  CrewOptions crew_options_;
+  std::vector<std::unique_ptr<Member>> crew_;  // goes before its options
   RunSummary summary_;
 };
 

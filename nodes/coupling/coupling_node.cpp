@@ -46,7 +46,7 @@ class CouplingNode {
 
   int run(const std::atomic<bool>& stop) {
     runtime::flush_denormals();
-    runtime::Housekeeping housekeeping(participant_, "coupling", options_.rig,
+    runtime::Housekeeping housekeeping(participant_, "coupling", options_,
                                        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
     while (!stop.load(kRelaxed)) {
       wait_set_.wait(50'000'000);
@@ -140,8 +140,7 @@ class CouplingNode {
     report.values = {{"samples", fmt::to_string(samples_.load())},
                      {"clamped_inputs", fmt::to_string(clamped_.load())},
                      {"faults", fmt::to_string(faults_.load())},
-                     {"stiffness_bound_max_n_per_m", fmt::format("{:.6g}", stiffness_.load())},
-                     {"deadline_misses", fmt::to_string(contacts_.deadlines_missed())}};
+                     {"stiffness_bound_max_n_per_m", fmt::format("{:.6g}", stiffness_.load())}};
   }
 
   /// Two periods for the way round the ring, three that a device holds a command for.

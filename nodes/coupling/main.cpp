@@ -5,8 +5,9 @@ int main(int argc, char** argv) {
   voxtouch::coupling::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
-      "voxtouch coupling node: shapes the contact wrench so that device, hand and contact stay stable together, and commands the\n"
+      {.about = "voxtouch coupling node: shapes the contact wrench so that device, hand and contact stay stable together, and commands the\n"
       "device.",
-      options, true, [](CLI::App&) {},
+       .with_scene = true, .in_ring = true},
+      options, [](CLI::App&) {},
       [&](const std::atomic<bool>& stop) { return voxtouch::coupling::run(options, stop); });
 }

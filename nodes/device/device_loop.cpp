@@ -30,6 +30,7 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   while (end == End::kNone) end = turn(stop);
   guard_.stop();
   driver_.stop();
+  progress_.deadline_misses.store(commands_.deadlines_missed(), kRelaxed);
   progress_.force_n.store(0.0, kRelaxed);
   progress_.ended_ns.store(runtime::monotonic_ns(), kRelaxed);
   progress_.end.store(end, std::memory_order_release);

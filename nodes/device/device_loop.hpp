@@ -19,6 +19,7 @@ enum class End : std::uint32_t { kNone, kStopped, kFinished, kPeerSilent, kPeerG
 /// What other threads may read while the loop runs.
 struct Progress {
   std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, clamped{0}, faded{0}, foreign_commands{0};
+  std::atomic<std::uint64_t> deadline_misses{0};  ///< set at the end: a reader goes on counting once nobody writes any more
   std::atomic<std::uint64_t> foreign_writer{0};  ///< publication handle of the last writer that was ignored
   std::atomic<std::uint64_t> followed_writer{0}; ///< publication handle of the writer that is followed; 0: none yet
   std::atomic<double> max_force_n{0.0}, force_n{0.0};

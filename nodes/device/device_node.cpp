@@ -125,7 +125,7 @@ class DeviceNode {
     DeviceLoop loop(settings(), *driver_, states_, commands_, *wait_set_, progress_, requests_);
     End end = End::kNone;
     {
-      runtime::Housekeeping housekeeping(participant_, "device", options_.rig,
+      runtime::Housekeeping housekeeping(participant_, "device", options_,
                                          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
       end = wait_for_peers(stop);
       if (end == End::kNone) end = loop.run(stop);
@@ -228,7 +228,7 @@ class DeviceNode {
     values["latency_max_us"] = fmt::format("{:.0f}", timed ? progress_.latency.max_us() : 0.0);
     values["answered"] = fmt::to_string(progress_.latency.count());
     values["overruns"] = fmt::to_string(progress_.overruns.load());
-    values["deadline_misses"] = fmt::to_string(commands_.deadlines_missed());
+    values["deadline_misses"] = fmt::to_string(ended ? progress_.deadline_misses.load() : commands_.deadlines_missed());
     values["max_force_n"] = fmt::format("{:.6g}", progress_.max_force_n.load());
     values["force_n"] = fmt::format("{:.6g}", progress_.force_n.load());
     values["refused"] = fmt::to_string(progress_.refused.load());

@@ -5,9 +5,10 @@ int main(int argc, char** argv) {
   voxtouch::device::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
-      "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its state, and gives it the\n"
+      {.about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its state, and gives it the\n"
       "commanded force through the force guard. Ends with the device at zero force.",
-      options, true,
+       .with_scene = true, .in_ring = true},
+      options,
       [&](CLI::App& app) {
         app.add_option("--device", options.device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
         app.add_option("--motion", options.motion, "What the simulated operator's hand does (a motion of the scene)");

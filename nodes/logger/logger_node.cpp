@@ -31,7 +31,7 @@ class LoggerNode {
 
   int run(const std::atomic<bool>& stop) {
     {
-      runtime::Housekeeping housekeeping(participant_, "logger", options_.rig,
+      runtime::Housekeeping housekeeping(participant_, "logger", options_,
                                          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
       std::int64_t last_discovery = 0;
       while (!stop.load(std::memory_order_relaxed)) {

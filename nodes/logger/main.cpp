@@ -5,9 +5,10 @@ int main(int argc, char** argv) {
   voxtouch::logger::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
-      "voxtouch logger node: records every topic of the rig, and others by name, into a rosbag2 bag (sqlite3) without knowing\n"
+      {.about = "voxtouch logger node: records every topic of the rig, and others by name, into a rosbag2 bag (sqlite3) without knowing\n"
       "their types. A slow disk never slows the ring: what does not fit is dropped, counted and said.",
-      options, false,
+       .with_scene = false, .in_ring = false},
+      options,
       [&](CLI::App& app) {
         app.add_option("--bag", options.bag, "Folder of the bag; it must not exist")->required();
         app.add_option("--topic", options.topics, "A further DDS topic, such as rt/joint_states; rt/* for all");

@@ -39,7 +39,7 @@ class RenderingNode {
   int run(const std::atomic<bool>& stop) {
     runtime::flush_denormals();
     stop_ = &stop;
-    runtime::Housekeeping housekeeping(participant_, "rendering", options_.rig,
+    runtime::Housekeeping housekeeping(participant_, "rendering", options_,
                                        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
     while (!stop.load(kRelaxed)) {
       wait_set_.wait(50'000'000);
@@ -119,7 +119,6 @@ class RenderingNode {
                      {"fast_samples", fmt::to_string(fast_.load())},
                      {"held_samples", fmt::to_string(held_.load())},
                      {"longest_frame_us", fmt::format("{:.0f}", options_.lockstep ? 0.0 : static_cast<double>(longest_ns_.load()) * 1e-3)},
-                     {"deadline_misses", fmt::to_string(states_.deadlines_missed())},
                      {"warnings", fmt::to_string(built_.plan().warnings.size())}};
   }
 

@@ -8,9 +8,9 @@
 
 namespace voxtouch::runtime {
 
-Housekeeping::Housekeeping(const bus::Participant& participant, std::string node, const std::string& rig,
+Housekeeping::Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
                            std::function<void(Roster&, NodeReport&)> look)
-    : writer_(participant, std::move(node), rig), roster_(participant, rig), look_(std::move(look)) {
+    : options_(options), writer_(participant, std::move(node), options.rig), roster_(participant, options.rig), look_(std::move(look)) {
   turn();
   thread_ = std::thread([this] {
     const sched_param ordinary{};
@@ -34,6 +34,7 @@ void Housekeeping::turn() {
   roster_.update();
   NodeReport report = last_;
   look_(roster_, report);
+  for (std::size_t i = 0; i < options_.warnings.size(); ++i) report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   const std::int64_t now = monotonic_ns();
   const bool changed = report.state != last_.state || report.session_id != last_.session_id || report.message != last_.message;
   if (!changed && last_publish_ns_ != 0 && now - last_publish_ns_ < 1'000'000'000) return;

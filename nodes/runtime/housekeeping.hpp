@@ -5,6 +5,7 @@
 #include <mutex>
 #include <thread>
 
+#include "nodes/runtime/options.hpp"
 #include "nodes/runtime/roster.hpp"
 
 namespace voxtouch::runtime {
@@ -13,7 +14,7 @@ class Housekeeping {
  public:
   /// `look` is called about every 20 ms: it fills the report (state, session, message, values) from the loop's atomics. The report
   /// is published when state, session or message change, and once a second.
-  Housekeeping(const bus::Participant& participant, std::string node, const std::string& rig,
+  Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
                std::function<void(Roster&, NodeReport&)> look);
   /// Publishes a last report (`look` is asked once more) and waits until readers have it.
   ~Housekeeping();
@@ -23,6 +24,7 @@ class Housekeeping {
  private:
   void turn();
 
+  const NodeOptions& options_;
   StatusWriter writer_;
   Roster roster_;
   std::function<void(Roster&, NodeReport&)> look_;

@@ -9,10 +9,10 @@
 
 namespace voxtouch::runtime {
 
-int node_main(int argc, char** argv, const std::string& about, NodeOptions& options, bool with_scene,
+int node_main(int argc, char** argv, const Program& program, NodeOptions& options,
               const std::function<void(CLI::App&)>& configure, const std::function<int(const std::atomic<bool>& stop)>& run) {
-  CLI::App app(about);
-  add_node_options(app, options, with_scene);
+  CLI::App app(program.about);
+  add_node_options(app, options, program.with_scene);
   bool child = false;
   app.add_flag("--with-parent", child, "Stop when the parent process dies (voxtouch up sets this)");
   configure(app);
@@ -20,7 +20,9 @@ int node_main(int argc, char** argv, const std::string& about, NodeOptions& opti
   if (child) die_with_parent();
   catch_signals();
   try {
-    for (const std::string& warning : enter_realtime(options.realtime)) fmt::print(stderr, "warning: {}\n", warning);
+    if (!program.in_ring) options.realtime.mode = Realtime::kOff;
+    options.warnings = enter_realtime(options.realtime);
+    for (const std::string& warning : options.warnings) fmt::print(stderr, "warning: {}\n", warning);
     return run(stop_requested());
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());

@@ -29,7 +29,8 @@ void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
   app.add_option("--peers", o.peers, "Lockstep: nodes that take part, beside the device")->delimiter(',')->check(
       CLI::IsMember({"rendering", "coupling", "logger", "validator"}));
   app.add_option("--realtime", o.realtime.mode, "What to do where real-time scheduling is refused: ignore (warn) or enforce (fail)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Realtime>{{"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}));
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Realtime>{{"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}))
+      ->option_text("ignore|enforce");
   app.add_option("--cpu", o.realtime.cpu, "Pin to this CPU");
 }
 

@@ -29,6 +29,7 @@ int lock_memory() {
 
 std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
   std::vector<std::string> refused;
+  if (options.mode == Realtime::kOff) return refused;
   sched_param parameters{};
   parameters.sched_priority = options.priority;
   if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)

@@ -7,6 +7,7 @@
 namespace voxtouch::runtime {
 
 enum class Realtime {
+  kOff,      ///< do not ask: a tap must never take time from the ring
   kIgnore,   ///< try; what was refused becomes a recorded warning
   kEnforce,  ///< try; what was refused is an error
 };
@@ -18,7 +19,7 @@ struct RealtimeOptions {
 };
 
 /// SCHED_FIFO, affinity, locked memory for the calling thread and all it starts (Cyclone DDS's threads inherit): call before the
-/// participant is made. Returns one sentence for each thing refused, with what would allow it. Throws std::runtime_error under
+/// participant is made. Not for taps (logger, validator). Returns one sentence for each thing refused, with what would allow it. Throws std::runtime_error under
 /// kEnforce.
 std::vector<std::string> enter_realtime(const RealtimeOptions& options);
 

@@ -5,9 +5,10 @@ int main(int argc, char** argv) {
   voxtouch::validator::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
-      "voxtouch validator node: checks every n-th contact against exact distances (FCL and closed forms) that share no code with\n"
+      {.about = "voxtouch validator node: checks every n-th contact against exact distances (FCL and closed forms) that share no code with\n"
       "the rendering, and says whose fault a disagreement is.",
-      options, true,
+       .with_scene = true, .in_ring = false},
+      options,
       [&](CLI::App& app) {
         app.add_option("--every", options.every, "Check samples whose sequence number is a multiple of this")->capture_default_str()->check(
             CLI::PositiveNumber);

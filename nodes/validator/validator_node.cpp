@@ -57,7 +57,7 @@ class ValidatorNode {
 
   int run(const std::atomic<bool>& stop) {
     runtime::flush_denormals();
-    runtime::Housekeeping housekeeping(participant_, "validator", options_.rig,
+    runtime::Housekeeping housekeeping(participant_, "validator", options_,
                                        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
     bool leave = false;
     while (!leave) {
