@@ -92,6 +92,8 @@ struct Case {
   double max_force_n;
 };
 
+void PrintTo(const Case& c, std::ostream* out) { *out << c.scene << ", " << c.device; }
+
 class ShippedScene : public testing::TestWithParam<Case> {};
 
 double magnitude(const msg::ForceCommand& c) { return std::hypot(c.wrench.force.x, c.wrench.force.y, c.wrench.force.z); }

@@ -50,6 +50,8 @@ struct Rig {
   bool one_process;
 };
 
+void PrintTo(const Rig& rig, std::ostream* out) { *out << rig.device << (rig.one_process ? ", one process" : ""); }
+
 class UpTouchesTheCup : public testing::TestWithParam<Rig> {};
 
 TEST_P(UpTouchesTheCup, AndTheHandFeelsIt) {
