@@ -36,7 +36,7 @@ struct Fault {
   ContactRenderer* renderer = nullptr;  ///< takes the place of the scene's own
   /// Changes the report of frame `n`; a fresh one for each walk, since it may remember.
   using Tamper = std::function<void(std::size_t n, ReportedContact& report)>;
-  std::function<Tamper()> tamper;
+  std::function<Tamper()> tamper = {};
 };
 
 struct Outcome {
