@@ -184,7 +184,7 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
   for (const Vec3& reported : {report.wrench.force, report.mean_normal})
     if (!reported.isZero(0.0))
       out.direction_error_rad = std::fmax(out.direction_error_rad, angle_between(reported, gap.direction));
-  const bool to_angle = -gap.gap_m >= kDirectionFromDepth * e && report.surface_hits >= kDirectionFromHits &&
+  const bool to_angle = -gap.gap_m >= kDirectionFromDepth * e + settings_.shell_offset_m && report.surface_hits >= kDirectionFromHits &&
                         report.interior_hits == 0 && !report.held;
   const double limit = to_angle ? kDirectionTolerance : kWrongSide;
   if (!(out.direction_error_rad > limit)) return "";

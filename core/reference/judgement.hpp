@@ -29,7 +29,7 @@
 ///    stay unseen on that face.
 ///    Not compared: where the static object is too thin or too split for depth and gap to mean the same (depth_exact), and
 ///    while the rendering says that it holds an old depth.
-///  - Direction to 20 degrees, of the force and of the mean normal, where the nearest face is unique, t >= e/4, at least 4
+///  - Direction to 20 degrees, of the force and of the mean normal, where the nearest face is unique, t >= e/4 + o, at least 4
 ///    points collide with a coherence of 1/2 or more, none has gone through and the model is not in its fallback. Points that
 ///    touch while s > 0 do so by the accident of one voxel's corner, and a sphere of 10 e has normals 34 degrees off there;
 ///    in these frames, in held ones and in those with interior hits only the sign counts: neither may point more than 90

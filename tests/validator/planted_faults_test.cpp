@@ -13,6 +13,9 @@
 namespace voxtouch::test {
 namespace {
 
+/// Direction of the handle on which the sphere is put where the torque matters: askew to all faces of the scenes.
+const Vec3 kHandle(0.6, -0.5, 0.6245);
+
 class RealRendering : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(ShippedScenes, RealRendering, testing::ValuesIn(shipped_scene_names()), [](const auto& test) { return test.param; });
 
@@ -32,6 +35,21 @@ TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
   }
 }
 
+
+/// What else a scene file may choose: the other model, the other shell; also with the force on a lever.
+TEST_P(RealRendering, OfTheOtherModelAndShellIsNeverDisagreedWith) {
+  for (const bool original : {false, true})
+    for (const ShellKind shell : {ShellKind::kExact, ShellKind::kNaive})
+      for (const double handle_in_edges : {0.0, 15.0}) {
+        Scene scene = shipped_scene(GetParam());
+        scene.contact.model = original ? "original" : "adapted";
+        scene.shell = shell;
+        const Ground ground(scene, handle_in_edges * scene.voxel_size_m * kHandle);
+        const Outcome outcome = ground.judged(ground.walks(), {});
+        EXPECT_EQ(outcome.counts.disagree, 0U) << scene.contact.model << (shell == ShellKind::kNaive ? ", naive: " : ", exact: ")
+                                               << outcome.first;
+      }
+}
 
 /// What the planted faults are judged on: the scene's own motions and nothing else.
 std::vector<Walk> own_motions(const Ground& ground) {
@@ -144,7 +162,7 @@ TEST_P(RealRendering, WithTheTorquesSignOrPointOfReferenceWrongIsCaughtWhereTheF
   const Fault missing = tampered("no torque", [](ReportedContact& r) { r.wrench.torque.setZero(); });
   const Ground centred(shipped_scene(GetParam()));
   EXPECT_EQ(centred.judged(own_motions(centred), sign).counts.disagree, 0U);
-  const Ground handle(shipped_scene(GetParam()), 15 * centred.scene().voxel_size_m * Vec3(0.6, -0.5, 0.6245));
+  const Ground handle(shipped_scene(GetParam()), 15 * centred.scene().voxel_size_m * kHandle);
   for (const Walk& walk : handle.walks()) {
     const Outcome clean = handle.judged(walk);
     EXPECT_EQ(clean.counts.disagree, 0U) << clean.first;
