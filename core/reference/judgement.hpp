@@ -33,7 +33,9 @@
 ///    points collide with a coherence of 1/2 or more, none has gone through and the model is not in its fallback. Points that
 ///    touch while s > 0 do so by the accident of one voxel's corner, and a sphere of 10 e has normals 34 degrees off there;
 ///    in these frames, in held ones and in those with interior hits only the sign counts: neither may point more than 90
-///    degrees away (s < e/2). Force laws with a tangential part (friction) keep within 20 degrees up to a coefficient of 0.3.
+///    degrees away (s < e/2). The o: voxel centres collide deeper or sooner than the surface does, and a law with own
+///    normals pushes askew with them. Force laws with a tangential part (friction) keep within 20 degrees up to a coefficient
+///    of 0.3.
 ///  - Torque to the sphere's size: every push acts at a shell point, at most R + o + c from the sphere's centre. Where all
 ///    pushes share one direction, the line the force acts along passes the centre at no more than that:
 ///    |torque - r x force| <= (R + o + c) |force|, r from the tool's origin to the centre. Asked where the mean normal is

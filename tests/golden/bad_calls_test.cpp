@@ -57,11 +57,13 @@ TEST_F(BadCall, OfProbeWithAModelThatIsNotThere) {
 }
 
 TEST_F(BadCall, OfProbeWithPosesThatAreNone) {
-  for (const char* row : {"nan,0,0,0,0,0,0", "1,0,0,0,0,0,nan", "1,0,0,0,inf,0,0", "1,0,0,0,1e999,0,0", "0,0,0,0,0,0,0", "1e-4,0,0,0,0,0,0",
-                          "1e4,0,0,0,0,0,0", "1,0,0,0,0,0", "1,0,0,0,0,0,one", "1,0,0,0,0,0,0x1p3", "1,0,0,0,0,0,1;2"})
+  for (const char* row : {"nan,0,0,0,0,0,0", "1,0,0,0,0,0,nan", "1,0,0,0,inf,0,0", "1,0,0,0,1e999,0,0",
+                          "0,0,0,0,0,0,0", "1e-4,0,0,0,0,0,0", "1e4,0,0,0,0,0,0", "1,0,0,0,0,0", "1,0,0,0,0,0,one",
+                          "1,0,0,0,0,0,0x1p3", "1,0,0,0,0,0,1;2"})
     expect_refused({"probe", kScene, "--poses", poses(row)}, "poses.csv:2");
   for (const char* model : {"original", "reference"})
-    expect_refused({"probe", kScene, "--model", model, "--poses", poses("1,0,0,0,0,0,0\nnan,0,0,0,0,0,0")}, "poses.csv:3");
+    expect_refused({"probe", kScene, "--model", model, "--poses", poses("1,0,0,0,0,0,0\nnan,0,0,0,0,0,0")},
+                   "poses.csv:3");
   expect_refused({"probe", kScene, "--poses", file("empty.csv", "")}, "empty.csv");
   expect_refused({"probe", kScene, "--poses", file("other.csv", "x,y,z\n1,2,3\n")}, "'qw'");
 }
@@ -77,9 +79,9 @@ TEST_F(BadCall, OfBuild) {
   expect_refused({"build", "no_such.obj", "--voxel", "0.1", "--out", out}, "no_such.obj");
   expect_refused({"build", kMesh, "--out", out}, "--voxel");
   expect_refused({"build", kMesh, "--voxel", "0.1"}, "--out");
-  for (const char* voxel : {"0", "-0.1", "one"}) expect_refused({"build", kMesh, "--voxel", voxel, "--out", out}, "--voxel");
+  for (const char* voxel : {"0", "-0.1", "one", "inf"})
+    expect_refused({"build", kMesh, "--voxel", voxel, "--out", out}, "--voxel");
   expect_refused({"build", kMesh, "--voxel", "nan", "--out", out}, "voxel size");
-  expect_refused({"build", kMesh, "--voxel", "inf", "--out", out}, "--voxel");
   expect_refused({"build", kMesh, "--voxel", "0.1", "--scale", "-1", "--out", out}, "--scale");
   expect_refused({"build", kMesh, "--voxel", "0.1", "--origin", "0,0", "--out", out}, "--origin");
   expect_refused({"build", kMesh, "--voxel", "0.1", "--origin", "nan,0,0", "--out", out}, "origin");

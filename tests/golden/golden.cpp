@@ -42,7 +42,8 @@ Table Table::parse(const std::string& text) {
   for (std::size_t c = 0; c < table.header_.size(); ++c) table.column_[table.header_[c]] = c;
   while (std::getline(in, line)) {
     table.rows_.push_back(cells_of(line));
-    if (table.rows_.back().size() != table.header_.size()) throw std::runtime_error("a row of another length: " + line);
+    if (table.rows_.back().size() != table.header_.size())
+      throw std::runtime_error("a row of another length: " + line);
   }
   return table;
 }

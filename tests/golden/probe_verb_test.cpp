@@ -1,5 +1,5 @@
-/// `voxtouch probe` on scene files against the vectors' pose files: counts, sets, forces and torques through the whole
-/// program, from the mesh file to the printed digits.
+/// `voxtouch probe` on scene files against the vectors' pose files: counts, sets, forces and torques through the
+/// whole program, from the mesh file to the printed digits.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,6 +19,7 @@ struct Case {
   std::filesystem::path scene() const { return kData / "scenes" / (name + ".yaml"); }
   std::filesystem::path poses() const { return kVectors / "poses" / (name + ".csv"); }
 };
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name << ", " << c.model; }
 
 std::vector<Case> cases() {
   std::vector<Case> all;
@@ -35,7 +36,8 @@ INSTANTIATE_TEST_SUITE_P(PoseFiles, ProbeVerb, testing::ValuesIn(cases()),
 
 TEST_P(ProbeVerb, PrintsTheVectorsCountsSetsForcesAndTorques) {
   const Case& c = GetParam();
-  const Finished run = voxtouch({"probe", c.scene().string(), "--poses", c.poses().string(), "--model", c.model, "--points"});
+  const Finished run =
+      voxtouch({"probe", c.scene().string(), "--poses", c.poses().string(), "--model", c.model, "--points"});
   ASSERT_EQ(run.status, 0) << run.err;
   const Table ours = Table::parse(run.out), theirs = Table::read(c.poses());
   EXPECT_EQ(ours.header(), (std::vector<std::string>{"nS", "nI", "coh", "fx", "fy", "fz", "tx", "ty", "tz", "S"}));
@@ -45,7 +47,8 @@ TEST_P(ProbeVerb, PrintsTheVectorsCountsSetsForcesAndTorques) {
   std::size_t touching = 0;
   for (std::size_t row = 0; row < ours.size(); ++row) {
     SCOPED_TRACE("row " + std::to_string(row));
-    for (const char* column : {"nS", "nI", "S"}) EXPECT_EQ(ours.text(row, column), theirs.text(row, column)) << column;
+    for (const char* column : {"nS", "nI", "S"})
+      EXPECT_EQ(ours.text(row, column), theirs.text(row, column)) << column;
     EXPECT_EQ(fmt::format("{:.5f}", ours.number(row, "coh")), theirs.text(row, "coh"));
     touching += ours.text(row, "nS") != "0";
     for (const char axis : {'x', 'y', 'z'})
@@ -56,8 +59,8 @@ TEST_P(ProbeVerb, PrintsTheVectorsCountsSetsForcesAndTorques) {
       }
   }
   EXPECT_GT(touching, ours.size() / 2);
-  std::printf("%s, %s: %zu poses, %zu with contact, largest difference %.1e\n", c.name.c_str(), c.model.c_str(), ours.size(), touching,
-              largest);
+  std::printf("%s, %s: %zu poses, %zu with contact, largest difference %.1e\n", c.name.c_str(), c.model.c_str(),
+              ours.size(), touching, largest);
 }
 
 const Case kOne{"sphere__cylinder__exact", "adapted"};
@@ -82,7 +85,8 @@ TEST(Probe, ReadsPosesFromStandardInput) {
 }
 
 TEST(Probe, PrintsTheSameBytesOnEveryRunAndInEveryLocale) {
-  const std::string call = fmt::format("\"$VOXTOUCH\" probe '{}' --points --poses '{}'", kOne.scene().string(), kOne.poses().string());
+  const std::string call =
+      fmt::format("\"$VOXTOUCH\" probe '{}' --points --poses '{}'", kOne.scene().string(), kOne.poses().string());
   const std::string once = shell(call).out;
   EXPECT_EQ(once, shell(call).out);
   EXPECT_EQ(once, shell("LC_ALL=de_DE.UTF-8 " + call).out);
@@ -91,8 +95,8 @@ TEST(Probe, PrintsTheSameBytesOnEveryRunAndInEveryLocale) {
 TEST(Probe, ReferencePrintsTheGapToDeclaredPrimitives) {
   const std::filesystem::path scene = std::filesystem::path(VOXTOUCH_DEPLOY) / "scenes/plane.yaml";
   const Finished run = shell(fmt::format(
-      "printf 'tx,ty,tz,qw,qx,qy,qz\\n0,0,0.05,1,0,0,0\\n0.01,-0.02,0.0085,2,0,0,0\\n' | \"$VOXTOUCH\" probe '{}' --model reference --poses -",
-      scene.string()));
+      "printf 'tx,ty,tz,qw,qx,qy,qz\\n0,0,0.05,1,0,0,0\\n0.01,-0.02,0.0085,2,0,0,0\\n' | "
+      "\"$VOXTOUCH\" probe '{}' --model reference --poses -", scene.string()));
   ASSERT_EQ(run.status, 0) << run.err;
   const Table gaps = Table::parse(run.out);
   ASSERT_EQ(gaps.size(), 2U);

@@ -1,4 +1,4 @@
-/// Scenes that cannot be built: each is refused with a sentence that names the file, by the library and by the command line.
+/// Scenes that cannot be built: each is refused with a sentence, by the library and by the command line.
 #include <gtest/gtest.h>
 
 #include <sys/stat.h>
@@ -22,10 +22,11 @@ const std::filesystem::path kMeshes = std::filesystem::path(VOXTOUCH_DEPLOY) / "
 class RefusedScene : public testing::Test {
  protected:
   /// A scene file of the sphere over a static mesh; `more` are further keys of that.
-  std::filesystem::path scene(const std::string& mesh, const std::string& more = "", double voxel_size_m = 0.002) const {
+  std::filesystem::path scene(const std::string& mesh, const std::string& more = "", double voxel_m = 0.002) const {
     std::ofstream(folder_ / "scene.yaml") << fmt::format(
         "scene: refused\nvoxel_size: {}\nstatic:\n  - {{mesh: {}{}}}\ndynamic: {{mesh: {}, scale: 0.01}}\n"
-        "contact: {{model: adapted, stiffness_n_per_m: 10}}\n", voxel_size_m, mesh, more, (kMeshes / "sphere.obj").string());
+        "contact: {{model: adapted, stiffness_n_per_m: 10}}\n",
+        voxel_m, mesh, more, (kMeshes / "sphere.obj").string());
     return folder_ / "scene.yaml";
   }
   /// What is thrown on the way from the file to a built scene; empty if nothing is.
@@ -39,8 +40,8 @@ class RefusedScene : public testing::Test {
   }
   /// The same through `voxtouch probe`, with the address space limited to 1 GB.
   Finished probed(const std::filesystem::path& file) const {
-    return shell(fmt::format("ulimit -v 1000000; printf 'qw,qx,qy,qz,tx,ty,tz\\n1,0,0,0,0,0,0\\n' | \"$VOXTOUCH\" probe '{}' --poses -",
-                             file.string()));
+    return shell(fmt::format("ulimit -v 1000000; printf 'qw,qx,qy,qz,tx,ty,tz\\n1,0,0,0,0,0,0\\n' | "
+                             "\"$VOXTOUCH\" probe '{}' --poses -", file.string()));
   }
   void expect_refused(const std::filesystem::path& file, const std::string& says) const {
     const std::string sentence = refusal(file);
@@ -70,7 +71,7 @@ TEST_F(RefusedScene, HasAMeshFileWithoutReadPermission) {
 }
 
 TEST_F(RefusedScene, HasAMeshFileThatOpensButCannotBeRead) {
-  const std::filesystem::path unreadable = "/proc/self/mem";  // its first page is mapped nowhere: reading fails, also for root
+  const std::filesystem::path unreadable = "/proc/self/mem";  // at its start nothing is mapped: fails for root as well
   if (!std::filesystem::exists(unreadable)) GTEST_SKIP() << "there is no /proc on this machine";
   std::filesystem::create_symlink(unreadable, folder_ / "broken.obj");
   expect_refused(scene("broken.obj"), "broken.obj");

@@ -1,5 +1,5 @@
-/// The rendering as shipped, judged by the reference on the shipped scenes: without a fault no disagreement and enough
-/// decided; each planted fault is caught.
+/// The rendering as shipped, judged by the reference on the shipped scenes: without a fault no disagreement and
+/// enough decided; each planted fault is caught.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,11 +13,12 @@
 namespace voxtouch::test {
 namespace {
 
-/// Direction of the handle on which the sphere is put where the torque matters: askew to all faces of the scenes.
+/// Where the torque matters the sphere is put on a handle along this: askew to all faces of the scenes.
 const Vec3 kHandle(0.6, -0.5, 0.6245);
 
 class RealRendering : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(ShippedScenes, RealRendering, testing::ValuesIn(shipped_scene_names()), [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(ShippedScenes, RealRendering, testing::ValuesIn(shipped_scene_names()),
+                         [](const auto& test) { return test.param; });
 
 TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
   const Ground ground(shipped_scene(GetParam()));
@@ -30,8 +31,9 @@ TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
     if (walk.name.find(',') == std::string::npos) {
       EXPECT_GE(c.decided_share(), kMinDecidedShare) << walk.name;
     }
-    std::printf("%-12s %-18s %4zu checked, %4zu in contact, %3.0f %% decided, %zu disagree\n", GetParam().c_str(), walk.name.c_str(),
-                walk.gaps.size(), walk.contacts(), 100 * c.decided_share(), static_cast<std::size_t>(c.disagree));
+    std::printf("%-12s %-18s %4zu checked, %4zu in contact, %3.0f %% decided, %zu disagree\n", GetParam().c_str(),
+                walk.name.c_str(), walk.gaps.size(), walk.contacts(), 100 * c.decided_share(),
+                static_cast<std::size_t>(c.disagree));
   }
 }
 
@@ -46,8 +48,8 @@ TEST_P(RealRendering, OfTheOtherModelAndShellIsNeverDisagreedWith) {
         scene.shell = shell;
         const Ground ground(scene, handle_in_edges * scene.voxel_size_m * kHandle);
         const Outcome outcome = ground.judged(ground.walks(), {});
-        EXPECT_EQ(outcome.counts.disagree, 0U) << scene.contact.model << (shell == ShellKind::kNaive ? ", naive: " : ", exact: ")
-                                               << outcome.first;
+        EXPECT_EQ(outcome.counts.disagree, 0U)
+            << scene.contact.model << (shell == ShellKind::kNaive ? ", naive: " : ", exact: ") << outcome.first;
       }
 }
 
@@ -59,23 +61,27 @@ std::vector<Walk> own_motions(const Ground& ground) {
 }
 
 void expect_caught(const std::string& scene, const std::string& fault, const Outcome& outcome) {
-  std::printf("%-12s %-28s %4zu disagree: %s\n", scene.c_str(), fault.c_str(), static_cast<std::size_t>(outcome.counts.disagree),
-              outcome.first.c_str());
+  std::printf("%-12s %-28s %4zu disagree: %s\n", scene.c_str(), fault.c_str(),
+              static_cast<std::size_t>(outcome.counts.disagree), outcome.first.c_str());
   EXPECT_GT(outcome.counts.disagree, 0U) << fault;
   EXPECT_EQ(outcome.counts.reference, 0U) << fault << ": is the rendering's";
 }
 
 Fault tampered(const std::string& name, std::function<void(ReportedContact&)> change) {
-  return {.name = name, .tamper = [change] { return [change](std::size_t, ReportedContact& report) { change(report); }; }};
+  return {.name = name,
+          .tamper = [change] { return [change](std::size_t, ReportedContact& report) { change(report); }; }};
 }
 
-/// Directions a shift of the grid cannot be told along, and why. A shift counts by its part along the normals of the faces
-/// that are touched; below 1.5 e it hides in the rules' tolerances (judgement.hpp), at 0 there is nothing to see at all.
+/// Axes a shift of the grid cannot be told along, and why. A shift counts by its part along the normals of the
+/// faces that are touched; below 1.5 e it may hide in the rules' tolerances (judgement.hpp), at 0 there is nothing
+/// to see at all.
 const std::map<std::string, std::string> kBlindAxes = {
-    {"cup", "z"}, {"cup_mm", "z"}, {"cup_metre", "z"},  // the motions touch the walls, which are the same all along z
-    {"cylinder", "y"},                                  // its axis; the motions stay away from its ends
-    {"plane", "xy"},                                    // it lies in x and y; the motions stay away from its borders
-    {"tilted_plane", "xy"},                             // its normal is (0.40, -0.34, 0.85): 0.8 e and 0.7 e of 2 e
+    {"cup", "z"},            // the motions touch the walls, which are the same all along z
+    {"cup_mm", "z"},         // likewise
+    {"cup_metre", "z"},      // likewise
+    {"cylinder", "y"},       // its axis; the motions stay away from its ends
+    {"plane", "xy"},         // it lies in x and y; the motions stay away from its borders
+    {"tilted_plane", "xy"},  // its normal is (0.40, -0.34, 0.85): 0.8 e and 0.7 e of 2 e; some are caught all the same
 };
 
 TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell) {
@@ -92,12 +98,13 @@ TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell)
     if (most < 1.5 * e) blind += letter;
     for (const double sign : {-1.0, 1.0}) {
       const std::string name = std::string("grid shifted along ") + (sign < 0 ? '-' : '+') + letter;
-      const Outcome outcome = ground.judged(walks, {.name = name, .grid_shift = sign * 2 * e * Vec3::Unit(axis)});
+      const Fault shift{.name = name, .grid_shift = sign * 2 * e * Vec3::Unit(axis)};
+      const Outcome outcome = ground.judged(walks, shift);
       if (most >= 1.5 * e) {
         expect_caught(GetParam(), name, outcome);
       } else {
-        std::printf("%-12s %-28s %4zu disagree, at most %.2f e along a touched face's normal\n", GetParam().c_str(), name.c_str(),
-                    static_cast<std::size_t>(outcome.counts.disagree), most / e);
+        std::printf("%-12s %-28s %4zu disagree, at most %.2f e along a touched face's normal\n", GetParam().c_str(),
+                    name.c_str(), static_cast<std::size_t>(outcome.counts.disagree), most / e);
         if (most < 1e-3 * e) {
           EXPECT_EQ(outcome.counts.disagree, 0U) << name << ": nothing that is touched has changed";
         }
@@ -115,14 +122,14 @@ TEST_P(RealRendering, WithFlippedNormalsOrAPullInsteadOfAPushIsCaught) {
   ContactRenderer& right = ground.built().renderer();
   ContactRenderer turned(ground.built().voxmap(), flipped(right.query().shell()), right.model(),
                          {.stiffness_n_per_m = ground.scene().contact.stiffness_n_per_m});
-  for (const Walk& walk : own_motions(ground)) {
-    expect_caught(GetParam(), "flipped normals, " + walk.name, ground.judged(walk, {.renderer = &turned}));
-    expect_caught(GetParam(), "force's sign, " + walk.name,
-                  ground.judged(walk, tampered("sign", [](ReportedContact& r) { r.wrench.force *= -1.0; })));
-    expect_caught(GetParam(), "force and torque's, " + walk.name, ground.judged(walk, tampered("signs", [](ReportedContact& r) {
-      r.wrench.force *= -1.0, r.wrench.torque *= -1.0;
-    })));
-  }
+  const Fault flip{.name = "flipped normals", .renderer = &turned};
+  const Fault pull = tampered("force's sign", [](ReportedContact& r) { r.wrench.force *= -1.0; });
+  const Fault both = tampered("force's and torque's sign", [](ReportedContact& r) {
+    r.wrench.force *= -1.0, r.wrench.torque *= -1.0;
+  });
+  for (const Walk& walk : own_motions(ground))
+    for (const Fault& fault : {flip, pull, both})
+      expect_caught(GetParam(), fault.name + ", " + walk.name, ground.judged(walk, fault));
 }
 
 /// From the n-th frame with a force on the wrench stands still, or all of the report.
@@ -152,8 +159,9 @@ TEST_P(RealRendering, WithAForceThatIsHeldFromSomeContactOnIsCaught) {
     }
 }
 
-/// Of a sphere about the tool's origin the torque is nothing but the noise of its shell, with either sign: no reference can
-/// tell it. So the same scenes are walked with the sphere on a handle of 15 edges, where the force has a lever.
+/// Of a sphere about the tool's origin the torque is nothing but the noise of its shell, with either sign: no
+/// reference can tell it. So the same scenes are walked with the sphere on a handle of 15 edges, where the force has
+/// a lever.
 TEST_P(RealRendering, WithTheTorquesSignOrPointOfReferenceWrongIsCaughtWhereTheForceHasALever) {
   const Fault sign = tampered("torque's sign", [](ReportedContact& r) { r.wrench.torque *= -1.0; });
   const Fault about_world = tampered("torque about W's origin", [](ReportedContact& r) {
@@ -167,7 +175,8 @@ TEST_P(RealRendering, WithTheTorquesSignOrPointOfReferenceWrongIsCaughtWhereTheF
     const Outcome clean = handle.judged(walk);
     EXPECT_EQ(clean.counts.disagree, 0U) << clean.first;
   }
-  for (const Fault& fault : {sign, about_world, missing}) expect_caught(GetParam(), fault.name, handle.judged(own_motions(handle), fault));
+  for (const Fault& fault : {sign, about_world, missing})
+    expect_caught(GetParam(), fault.name, handle.judged(own_motions(handle), fault));
 }
 
 /// A file in millimetres taken for one in metres, or the other way round, on either side.
@@ -178,7 +187,8 @@ TEST_P(RealRendering, OfAMeshAThousandTimesTooLargeOrTooSmallIsRefusedOrCaught) 
     for (const double factor : {1e-3, 1e3}) {
       Scene wrong = ground.scene();
       (dynamic ? wrong.dynamic_mesh : wrong.static_meshes.front()).scale *= factor;
-      const std::string name = std::string(dynamic ? "tool" : "world") + (factor > 1 ? " 1000 times too large" : " 1000 times too small");
+      const std::string size = factor > 1 ? "large" : "small";
+      const std::string name = (dynamic ? "tool 1000 times too " : "world 1000 times too ") + size;
       std::unique_ptr<BuiltScene> built;
       try {
         built = build_scene(wrong, serial_for());

@@ -20,14 +20,19 @@ double uniform(std::mt19937_64& random, double low, double high) {
 
 Quat random_rotation(std::mt19937_64& random) {
   for (;;) {
-    const Quat q(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+    const auto any = [&] { return uniform(random, -1, 1); };
+    Quat q;
+    for (double& c : q.coeffs()) c = any();
     if (q.norm() > 0.1 && q.norm() < 1.0) return q.normalized();
   }
 }
 
 Perturbation random_perturbation(std::mt19937_64& random, double edge_m) {
   const double reach = kOffsetInEdges * edge_m;
-  return {Vec3(uniform(random, -reach, reach), uniform(random, -reach, reach), uniform(random, -reach, reach)), random_rotation(random)};
+  Perturbation out;
+  for (double& x : out.offset) x = uniform(random, -reach, reach);
+  out.turn = random_rotation(random);
+  return out;
 }
 
 /// As the rendering node publishes a frame and the validator reads it.
@@ -60,23 +65,24 @@ std::size_t Walk::contacts() const {
 }
 
 Outcome& Outcome::operator+=(const Outcome& other) {
-  counts.checked += other.counts.checked, counts.decided += other.counts.decided, counts.agree += other.counts.agree;
-  counts.in_band += other.counts.in_band, counts.disagree += other.counts.disagree;
-  counts.rendering += other.counts.rendering, counts.reference += other.counts.reference;
+  const JudgeCounts& more = other.counts;
+  counts.checked += more.checked, counts.decided += more.decided, counts.agree += more.agree;
+  counts.in_band += more.in_band, counts.disagree += more.disagree;
+  counts.rendering += more.rendering, counts.reference += more.reference;
   if (first.empty()) first = other.first;
   return *this;
 }
 
 Ground::Ground(Scene scene, const Vec3& tool_to_sphere)
-    : scene_(on_handle(std::move(scene), tool_to_sphere)), tool_to_sphere_(tool_to_sphere), built_(build_scene(scene_, serial_for())),
-      reference_(scene_) {}
+    : scene_(on_handle(std::move(scene), tool_to_sphere)), tool_to_sphere_(tool_to_sphere),
+      built_(build_scene(scene_, serial_for())), reference_(scene_) {}
 
 JudgeSettings Ground::settings() const {
   JudgeSettings settings;
-  settings.edge_m = scene_.voxel_size_m;
+  const double e = settings.edge_m = scene_.voxel_size_m;
   settings.chord_error_m = reference_.chord_error_m();
-  settings.shell_gap_m = std::min(built_->largest_shell_gap_m(), std::sqrt(3.0) * scene_.voxel_size_m);
-  settings.shell_offset_m = scene_.shell == ShellKind::kNaive ? std::sqrt(3.0) / 2 * scene_.voxel_size_m : 0.0;
+  settings.shell_gap_m = std::min(built_->largest_shell_gap_m(), std::sqrt(3.0) * e);
+  settings.shell_offset_m = scene_.shell == ShellKind::kNaive ? std::sqrt(3.0) / 2 * e : 0.0;
   return settings;
 }
 
@@ -85,14 +91,16 @@ Pose Ground::tool_for(const Vec3& sphere_centre, const Quat& orientation) const 
 }
 
 void Ground::add_gaps(Walk& walk) const {
-  for (std::size_t n = 0; n < walk.poses.size(); n += walk.every) walk.gaps.push_back(reference_.gap(walk.poses[n]));
+  for (std::size_t n = 0; n < walk.poses.size(); n += walk.every)
+    walk.gaps.push_back(reference_.gap(walk.poses[n]));
 }
 
 Walk Ground::motion(const std::string& name, const Perturbation& perturbation) const {
   const Motion& motion = scene_.motions.at(name);
   Walk walk{name, {}, 20, false, {}};
+  const Quat orientation = perturbation.turn * motion.orientation;
   for (int n = 0; n < static_cast<int>(kDurationS / kSampleTimeS); ++n)
-    walk.poses.push_back(tool_for(motion_at(motion, n * kSampleTimeS).position + perturbation.offset, perturbation.turn * motion.orientation));
+    walk.poses.push_back(tool_for(motion_at(motion, n * kSampleTimeS).position + perturbation.offset, orientation));
   add_gaps(walk);
   return walk;
 }
@@ -136,11 +144,12 @@ Outcome Ground::judged(const Walk& walk, const Fault& fault) const {
     ReportedContact report = to_report(renderer.render(seen), walk.poses[n]);
     tamper(n, report);
     if (n % walk.every != 0) continue;
-    const Judgement found = judge.judge(walk.gaps[n / walk.every], report);
-    if (found.verdict == Verdict::kDisagree && outcome.first.empty())
-      outcome.first = fmt::format("{}, pose {} ({}): {}; the gap is {:.3f} e", walk.name, n,
-                                  found.cause == Cause::kReference ? "reference" : "rendering", found.explanation,
-                                  walk.gaps[n / walk.every].gap_m / scene_.voxel_size_m);
+    const GapResult& gap = walk.gaps[n / walk.every];
+    const Judgement found = judge.judge(gap, report);
+    if (found.verdict != Verdict::kDisagree || !outcome.first.empty()) continue;
+    const char* const whose = found.cause == Cause::kReference ? "reference" : "rendering";
+    outcome.first = fmt::format("{}, pose {} ({}): {}; the gap is {:.3f} e", walk.name, n, whose, found.explanation,
+                                gap.gap_m / scene_.voxel_size_m);
   }
   outcome.counts = judge.counts();
   return outcome;

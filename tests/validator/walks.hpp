@@ -1,5 +1,5 @@
 #pragma once
-/// The rendering walks a scene's motions at 1 kHz and a Judge checks every 20th frame, as the ring's validator does.
+/// The rendering walks a scene's motions at 1 kHz and a Judge checks every 20th frame, as the validator node does.
 #include <functional>
 #include <memory>
 #include <string>
@@ -23,7 +23,7 @@ struct Walk {
   std::size_t contacts() const;
 };
 
-/// Seeded displacement of a motion: up to 1.5 voxel edges (3 mm in a scene of 2 mm) an axis, and a turn of any size.
+/// Displacement of a motion: up to 1.5 voxel edges an axis (3 mm at an edge of 2 mm), and any turn.
 struct Perturbation {
   Vec3 offset = Vec3::Zero();
   Quat turn = Quat::Identity();
@@ -49,8 +49,8 @@ struct Outcome {
 /// One scene with its rendering, its reference and its walks.
 class Ground {
  public:
-  /// `scene` is what the reference sees. `tool_to_sphere` is added to the dynamic mesh's place in T: a sphere on a handle.
-  /// The tool's poses are such that the sphere walks as the motions say.
+  /// `scene` is what the reference sees. `tool_to_sphere` is added to the dynamic mesh's place in T: a sphere on a
+  /// handle. The tool's poses are such that the sphere walks as the motions say.
   explicit Ground(Scene scene, const Vec3& tool_to_sphere = Vec3::Zero());
 
   const Scene& scene() const noexcept { return scene_; }
