@@ -62,7 +62,7 @@ Difference difference(const std::vector<ContactResult>& a, const std::vector<Con
 
 TEST(SceneInMillimetres, GivesTheForcesOfTheSceneInMetres) {
   const Scene metres = shipped("cup"), millimetres = shipped("cup_mm");
-  ASSERT_EQ(metres.contact.stiffness_n_per_m);
+  ASSERT_EQ(metres.contact.stiffness_n_per_m, kStiffness);
   const std::vector<Pose> poses = poses_of(metres);
   const Difference off = difference(probed(metres, poses), probed(millimetres, poses));
   EXPECT_GT(off.contacts, poses.size() / 4);
@@ -74,7 +74,7 @@ TEST(SceneInMillimetres, GivesTheForcesOfTheSceneInMetres) {
 
 TEST(SceneTenTimesAsLarge, GivesTenTimesTheForces) {
   const Scene cup = shipped("cup"), large = shipped("cup_metre");
-  ASSERT_EQ(large.contact.stiffness_n_per_m);
+  ASSERT_EQ(large.contact.stiffness_n_per_m, kStiffness);
   std::vector<Pose> poses = poses_of(cup), far = poses;
   for (Pose& pose : far) pose.position *= 10.0;
   const Difference off = difference(probed(cup, poses), probed(large, far), 10.0, 100.0);
