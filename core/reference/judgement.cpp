@@ -21,6 +21,7 @@ constexpr double kSignFromGap = 0.5;                         ///< in edges
 constexpr std::uint32_t kDirectionFromHits = 4;
 constexpr double kDirectionFromCoherence = 0.5;
 constexpr double kCapSlack = 0.25;                           ///< in edges
+constexpr double kLeverSlack = 1e-3;                         ///< in edges, for rounding
 constexpr int kFrozenSamples = 3;
 constexpr double kFrozenGap = 0.25;                          ///< in edges
 
@@ -116,6 +117,7 @@ std::string Judge::breach(const GapResult& gap, const ReportedContact& report, J
   if (found.empty()) found = force_breach(report);
   if (std::string other = depth_breach(gap, report, out); found.empty()) found = std::move(other);
   if (std::string other = direction_breach(gap, report, out); found.empty()) found = std::move(other);
+  if (found.empty()) found = torque_breach(gap, report);
   return found;
 }
 
@@ -182,11 +184,26 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
   for (const Vec3& reported : {report.wrench.force, report.mean_normal})
     if (!reported.isZero(0.0))
       out.direction_error_rad = std::fmax(out.direction_error_rad, angle_between(reported, gap.direction));
-  const bool to_angle = -gap.gap_m >= kDirectionFromDepth * e && report.surface_hits >= kDirectionFromHits &&
+  const double from_depth = kDirectionFromDepth * e + settings_.shell_offset_m;
+  const bool to_angle = -gap.gap_m >= from_depth && report.surface_hits >= kDirectionFromHits &&
                         report.interior_hits == 0 && !report.held;
   const double limit = to_angle ? kDirectionTolerance : kWrongSide;
   if (!(out.direction_error_rad > limit)) return "";
   return fmt::format("the direction is {:.3g} degrees off, more than {:.3g}", degrees(out.direction_error_rad), degrees(limit));
+}
+
+std::string Judge::torque_breach(const GapResult& gap, const ReportedContact& report) const {
+  if (!(gap.sphere_radius_m > 0) || gap.direction.isZero()) return "";
+  if (report.held || report.fallback || report.interior_hits > 0) return "";
+  if (report.coherence < kDirectionFromCoherence) return "";
+  const Vec3 centre = gap.nearest_dynamic + gap.sphere_radius_m * gap.direction;
+  const Vec3 lever = centre - report.tool_in_world.position;
+  const double off_sphere = settings_.shell_offset_m + settings_.chord_error_m + kLeverSlack * settings_.edge_m;
+  const double limit = gap.sphere_radius_m + off_sphere;
+  const double off = (report.wrench.torque - lever.cross(report.wrench.force)).norm();
+  if (off <= limit * report.wrench.force.norm()) return "";
+  return fmt::format("force and torque together act along a line {:.3g} mm from the centre of the tool's sphere, more than "
+                     "{:.3g} mm", mm(off / report.wrench.force.norm()), mm(limit));
 }
 
 }  // namespace voxtouch

@@ -29,11 +29,19 @@
 ///    stay unseen on that face.
 ///    Not compared: where the static object is too thin or too split for depth and gap to mean the same (depth_exact), and
 ///    while the rendering says that it holds an old depth.
-///  - Direction to 20 degrees, of the force and of the mean normal, where the nearest face is unique, t >= e/4, at least 4
+///  - Direction to 20 degrees, of the force and of the mean normal, where the nearest face is unique, t >= e/4 + o, at least 4
 ///    points collide with a coherence of 1/2 or more, none has gone through and the model is not in its fallback. Points that
 ///    touch while s > 0 do so by the accident of one voxel's corner, and a sphere of 10 e has normals 34 degrees off there;
 ///    in these frames, in held ones and in those with interior hits only the sign counts: neither may point more than 90
-///    degrees away (s < e/2). Force laws with a tangential part (friction) keep within 20 degrees up to a coefficient of 0.3.
+///    degrees away (s < e/2). The o: voxel centres collide deeper or sooner than the surface does, and a law with own
+///    normals pushes askew with them. Force laws with a tangential part (friction) keep within 20 degrees up to a coefficient
+///    of 0.3.
+///  - Torque to the sphere's size: every push acts at a shell point, at most R + o + c from the sphere's centre. Where all
+///    pushes share one direction, the line the force acts along passes the centre at no more than that:
+///    |torque - r x force| <= (R + o + c) |force|, r from the tool's origin to the centre. Asked where the mean normal is
+///    coherent, none has gone through, and the model is not in its fallback; of a law with own normals the pushes are almost
+///    radial there, and keep to it with room. A sphere about the tool's origin (r = 0) shows no sign of the torque: all of it
+///    is the shell's noise. On a handle a wrong sign or a wrong point of reference shows.
 ///  - A frozen force: the wrench is not zero, not flagged as held, and bit for bit the same in 3 or more checked samples
 ///    during which the gap has changed by more than e/4. Any real law answers a change of depth with other bits; sliding
 ///    along a face aligned with the grid may not, which is why the gap counts and not the tool's path.
@@ -132,6 +140,7 @@ class Judge {
   std::string force_breach(const ReportedContact& report) const;
   std::string depth_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const;
   std::string direction_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const;
+  std::string torque_breach(const GapResult& gap, const ReportedContact& report) const;
   void count(const Judgement& judgement) noexcept;
 
   JudgeSettings settings_;

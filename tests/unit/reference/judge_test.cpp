@@ -249,6 +249,9 @@ TEST(Judge, WidensItsLimitsForShellsOffTheSurface) {
   hit.surface_hits = 1;
   EXPECT_EQ(Judge(naive).judge(gap_of(kFree + 0.8 * kE), hit).verdict, Verdict::kInBand);
   EXPECT_EQ(Judge(naive).judge(gap_of(-kMust - 0.8 * kE), {}).decided, false);
+  // Voxel centres with own normals push askew where few are below the surface.
+  EXPECT_EQ(Judge(naive).judge(gap_of(-1.1 * kE), contact(1.1 * kE, 0, 30)).verdict, Verdict::kInBand);
+  EXPECT_EQ(Judge(naive).judge(gap_of(-1.12 * kE), contact(1.12 * kE, 0, 30)).verdict, Verdict::kDisagree);
 }
 
 TEST(Judge, RefusesSettingsThatMakeNoSense) {
@@ -262,6 +265,50 @@ TEST(Judge, ChecksEveryNthSampleBySequence) {
   EXPECT_TRUE(is_checked(150, 50));
   EXPECT_FALSE(is_checked(151, 50));
   EXPECT_FALSE(is_checked(0, 0));
+}
+
+/// The sphere of gap_of on a handle of 40 edges along x, pressed down on the plane by e/2.
+GapResult on_handle() {
+  GapResult gap = gap_of(-0.5 * kE);
+  gap.nearest_dynamic = Vec3(40 * kE, 0, -10 * kE);
+  return gap;
+}
+
+TEST(Judge, HoldsTheForcesLineOfActionToTheToolsSphere) {
+  ReportedContact report = contact(0.5 * kE);
+  const Vec3 force = report.wrench.force;
+  const double radius = (10 + 0.1) * kE;
+  const auto torque_for = [&](double off) { return Vec3(40 * kE + off, 0, 0).cross(force); };
+  for (const double off : {0.0, 0.99 * radius, -0.99 * radius}) {
+    report.wrench.torque = torque_for(off);
+    EXPECT_EQ(verdict(on_handle(), report), Verdict::kInBand) << off;
+  }
+  for (const double off : {1.01 * radius, -1.01 * radius}) {
+    report.wrench.torque = torque_for(off);
+    EXPECT_EQ(verdict(on_handle(), report), Verdict::kDisagree) << off;
+  }
+  report.wrench.torque = -torque_for(0.0);
+  const Judgement wrong = once(on_handle(), report);
+  EXPECT_EQ(wrong.cause, Cause::kRendering);
+  EXPECT_NE(wrong.explanation.find("160 mm from the centre"), std::string::npos) << wrong.explanation;
+}
+
+TEST(Judge, AsksNothingOfTheTorqueWherePushesNeedNotAgree) {
+  ReportedContact wrong = contact(0.5 * kE);
+  wrong.wrench.torque = -Vec3(40 * kE, 0, 0).cross(wrong.wrench.force);
+  ASSERT_EQ(verdict(on_handle(), wrong), Verdict::kDisagree);
+  const auto with = [&](auto change) {
+    ReportedContact report = wrong;
+    change(report);
+    return verdict(on_handle(), report);
+  };
+  EXPECT_EQ(with([](ReportedContact& r) { r.held = true; }), Verdict::kInBand);
+  EXPECT_EQ(with([](ReportedContact& r) { r.fallback = true; }), Verdict::kInBand);
+  EXPECT_EQ(with([](ReportedContact& r) { r.interior_hits = 1; }), Verdict::kInBand);
+  EXPECT_EQ(with([](ReportedContact& r) { r.coherence = 0.49; }), Verdict::kInBand);
+  GapResult mesh = on_handle();
+  mesh.sphere_radius_m = 0;  // a dynamic mesh of any shape
+  EXPECT_EQ(verdict(mesh, wrong), Verdict::kInBand);
 }
 
 }  // namespace

@@ -1,0 +1,95 @@
+/// Calls that cannot be answered: a status that is not 0, a sentence on standard error, nothing on standard output.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/golden/golden.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+const std::string kScene = (kData / "scenes/sphere__cylinder__exact.yaml").string();
+const std::string kPoses = (kVectors / "poses/sphere__cylinder__exact.csv").string();
+const std::string kMesh = (kVectors / "meshes/sphere.obj").string();
+
+/// `says`: what the sentence must hold, so that a person knows which of the arguments was wrong.
+void expect_refused(const std::vector<std::string>& arguments, const std::string& says) {
+  const Finished run = voxtouch(arguments);
+  std::string call;
+  for (const std::string& argument : arguments) call += " " + argument;
+  SCOPED_TRACE("voxtouch" + call + "\n" + run.err);
+  EXPECT_NE(run.status, 0);
+  EXPECT_LT(run.status, 128) << "a signal ended it";
+  EXPECT_EQ(run.out, "");
+  EXPECT_NE(run.err.find(says), std::string::npos) << "expected: " << says;
+  EXPECT_EQ(run.err.find("terminate called"), std::string::npos);
+}
+
+class BadCall : public testing::Test {
+ protected:
+  std::string file(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  std::string poses(const std::string& row) const { return file("poses.csv", "qw,qx,qy,qz,tx,ty,tz\n" + row + "\n"); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(BadCall, OfNoVerbOrAnUnknownOne) {
+  expect_refused({}, "subcommand");
+  expect_refused({"sing"}, "subcommand");
+}
+
+TEST_F(BadCall, OfProbeWithoutItsFiles) {
+  expect_refused({"probe", "no_such.yaml", "--poses", kPoses}, "no_such.yaml");
+  expect_refused({"probe", kScene, "--poses", "no_such.csv"}, "no_such.csv");
+  expect_refused({"probe", kScene}, "--poses");
+  expect_refused({"probe", kScene, "--poses", folder_.path().string()}, folder_.path().string());
+  expect_refused({"probe", kMesh, "--poses", kPoses}, "sphere.obj");
+  expect_refused({"probe", kScene, "--poses", kPoses, "--no-such"}, "--no-such");
+}
+
+TEST_F(BadCall, OfProbeWithAModelThatIsNotThere) {
+  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "best"}, "'best'");
+  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "clustered"}, "'clustered'");
+  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "field"}, "'field'");
+}
+
+TEST_F(BadCall, OfProbeWithPosesThatAreNone) {
+  for (const char* row : {"nan,0,0,0,0,0,0", "1,0,0,0,0,0,nan", "1,0,0,0,inf,0,0", "1,0,0,0,1e999,0,0",
+                          "0,0,0,0,0,0,0", "1e-4,0,0,0,0,0,0", "1e4,0,0,0,0,0,0", "1,0,0,0,0,0", "1,0,0,0,0,0,one",
+                          "1,0,0,0,0,0,0x1p3", "1,0,0,0,0,0,1;2"})
+    expect_refused({"probe", kScene, "--poses", poses(row)}, "poses.csv:2");
+  for (const char* model : {"original", "reference"})
+    expect_refused({"probe", kScene, "--model", model, "--poses", poses("1,0,0,0,0,0,0\nnan,0,0,0,0,0,0")},
+                   "poses.csv:3");
+  expect_refused({"probe", kScene, "--poses", file("empty.csv", "")}, "empty.csv");
+  expect_refused({"probe", kScene, "--poses", file("other.csv", "x,y,z\n1,2,3\n")}, "'qw'");
+}
+
+TEST_F(BadCall, OfProbeWithAPoseFarOutsideAnyGridIsAnsweredWithNoContact) {
+  const Finished run = voxtouch({"probe", kScene, "--poses", poses("1,0,0,0,1e300,0,0\n1,0,0,0,-1e12,1e12,0")});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.out, "nS,nI,coh,fx,fy,fz,tx,ty,tz\n0,0,0,0,0,0,0,0,0\n0,0,0,0,0,0,0,0,0\n");
+}
+
+TEST_F(BadCall, OfBuild) {
+  const std::string out = (folder_ / "out").string();
+  expect_refused({"build", "no_such.obj", "--voxel", "0.1", "--out", out}, "no_such.obj");
+  expect_refused({"build", kMesh, "--out", out}, "--voxel");
+  expect_refused({"build", kMesh, "--voxel", "0.1"}, "--out");
+  for (const char* voxel : {"0", "-0.1", "one", "inf"})
+    expect_refused({"build", kMesh, "--voxel", voxel, "--out", out}, "--voxel");
+  expect_refused({"build", kMesh, "--voxel", "nan", "--out", out}, "voxel size");
+  expect_refused({"build", kMesh, "--voxel", "0.1", "--scale", "-1", "--out", out}, "--scale");
+  expect_refused({"build", kMesh, "--voxel", "0.1", "--origin", "0,0", "--out", out}, "--origin");
+  expect_refused({"build", kMesh, "--voxel", "0.1", "--origin", "nan,0,0", "--out", out}, "origin");
+  expect_refused({"build", file("mesh.xyz", "0 0 0\n"), "--voxel", "0.1", "--out", out}, "xyz");
+  expect_refused({"build", file("empty.obj", ""), "--voxel", "0.1", "--out", out}, "empty.obj");
+  expect_refused({"build", kMesh, "--voxel", "0.1", "--out", file("is_a_file", "")}, "is_a_file");
+  EXPECT_FALSE(std::filesystem::exists(out)) << "a call that was refused leaves nothing behind";
+}
+
+}  // namespace
+}  // namespace voxtouch::test

@@ -1,0 +1,205 @@
+/// The rendering as shipped, judged by the reference on the shipped scenes: without a fault no disagreement and
+/// enough decided; each planted fault is caught.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "core/voxmap/grid_mesh.hpp"
+#include "tests/validator/shipped_scenes.hpp"
+#include "tests/validator/walks.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+/// Where the torque matters the sphere is put on a handle along this: askew to all faces of the scenes.
+const Vec3 kHandle(0.6, -0.5, 0.6245);
+
+class RealRendering : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(ShippedScenes, RealRendering, testing::ValuesIn(shipped_scene_names()),
+                         [](const auto& test) { return test.param; });
+
+TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
+  const Ground ground(shipped_scene(GetParam()));
+  for (const Walk& walk : ground.walks()) {
+    const Outcome outcome = ground.judged(walk);
+    const JudgeCounts& c = outcome.counts;
+    EXPECT_EQ(c.disagree, 0U) << outcome.first;
+    EXPECT_EQ(c.checked, walk.gaps.size());
+    EXPECT_EQ(c.checked, c.agree + c.in_band);
+    if (walk.name.find(',') == std::string::npos) {
+      EXPECT_GE(c.decided_share(), kMinDecidedShare) << walk.name;
+    }
+    std::printf("%-12s %-18s %4zu checked, %4zu in contact, %3.0f %% decided, %zu disagree\n", GetParam().c_str(),
+                walk.name.c_str(), walk.gaps.size(), walk.contacts(), 100 * c.decided_share(),
+                static_cast<std::size_t>(c.disagree));
+  }
+}
+
+
+/// What else a scene file may choose: the other model, the other shell; also with the force on a lever.
+TEST_P(RealRendering, OfTheOtherModelAndShellIsNeverDisagreedWith) {
+  for (const bool original : {false, true})
+    for (const ShellKind shell : {ShellKind::kExact, ShellKind::kNaive})
+      for (const double handle_in_edges : {0.0, 15.0}) {
+        Scene scene = shipped_scene(GetParam());
+        scene.contact.model = original ? "original" : "adapted";
+        scene.shell = shell;
+        const Ground ground(scene, handle_in_edges * scene.voxel_size_m * kHandle);
+        const Outcome outcome = ground.judged(ground.walks(), {});
+        EXPECT_EQ(outcome.counts.disagree, 0U)
+            << scene.contact.model << (shell == ShellKind::kNaive ? ", naive: " : ", exact: ") << outcome.first;
+      }
+}
+
+/// What the planted faults are judged on: the scene's own motions and nothing else.
+std::vector<Walk> own_motions(const Ground& ground) {
+  std::vector<Walk> walks;
+  for (const char* name : {"hit", "slide", "circle"}) walks.push_back(ground.motion(name));
+  return walks;
+}
+
+void expect_caught(const std::string& scene, const std::string& fault, const Outcome& outcome) {
+  std::printf("%-12s %-28s %4zu disagree: %s\n", scene.c_str(), fault.c_str(),
+              static_cast<std::size_t>(outcome.counts.disagree), outcome.first.c_str());
+  EXPECT_GT(outcome.counts.disagree, 0U) << fault;
+  EXPECT_EQ(outcome.counts.reference, 0U) << fault << ": is the rendering's";
+}
+
+Fault tampered(const std::string& name, std::function<void(ReportedContact&)> change) {
+  return {.name = name,
+          .tamper = [change] { return [change](std::size_t, ReportedContact& report) { change(report); }; }};
+}
+
+/// Axes a shift of the grid cannot be told along, and why. A shift counts by its part along the normals of the
+/// faces that are touched; below 1.5 e it may hide in the rules' tolerances (judgement.hpp), at 0 there is nothing
+/// to see at all.
+const std::map<std::string, std::string> kBlindAxes = {
+    {"cup", "z"},            // the motions touch the walls, which are the same all along z
+    {"cup_mm", "z"},         // likewise
+    {"cup_metre", "z"},      // likewise
+    {"cylinder", "y"},       // its axis; the motions stay away from its ends
+    {"plane", "xy"},         // it lies in x and y; the motions stay away from its borders
+    {"tilted_plane", "xy"},  // its normal is (0.40, -0.34, 0.85): 0.8 e and 0.7 e of 2 e; some are caught all the same
+};
+
+TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell) {
+  const Ground ground(shipped_scene(GetParam()));
+  const std::vector<Walk> walks = own_motions(ground);
+  const double e = ground.scene().voxel_size_m;
+  std::string blind;
+  for (int axis = 0; axis < 3; ++axis) {
+    const char letter = "xyz"[axis];
+    double most = 0.0;  // largest part of the shift along a touched face's normal
+    for (const Walk& walk : walks)
+      for (const GapResult& gap : walk.gaps)
+        if (gap.gap_m < 0) most = std::max(most, 2 * e * std::abs(gap.direction[axis]));
+    if (most < 1.5 * e) blind += letter;
+    for (const double sign : {-1.0, 1.0}) {
+      const std::string name = std::string("grid shifted along ") + (sign < 0 ? '-' : '+') + letter;
+      const Fault shift{.name = name, .grid_shift = sign * 2 * e * Vec3::Unit(axis)};
+      const Outcome outcome = ground.judged(walks, shift);
+      if (most >= 1.5 * e) {
+        expect_caught(GetParam(), name, outcome);
+      } else {
+        std::printf("%-12s %-28s %4zu disagree, at most %.2f e along a touched face's normal\n", GetParam().c_str(),
+                    name.c_str(), static_cast<std::size_t>(outcome.counts.disagree), most / e);
+        if (most < 1e-3 * e) {
+          EXPECT_EQ(outcome.counts.disagree, 0U) << name << ": nothing that is touched has changed";
+        }
+      }
+    }
+  }
+  if (const auto known = kBlindAxes.find(GetParam()); known != kBlindAxes.end()) {
+    EXPECT_EQ(blind, known->second);
+  }
+  EXPECT_LT(blind.size(), 3U) << "a scene whose motions tell no shift at all";
+}
+
+TEST_P(RealRendering, WithFlippedNormalsOrAPullInsteadOfAPushIsCaught) {
+  Ground ground(shipped_scene(GetParam()));
+  ContactRenderer& right = ground.built().renderer();
+  ContactRenderer turned(ground.built().voxmap(), flipped(right.query().shell()), right.model(),
+                         {.stiffness_n_per_m = ground.scene().contact.stiffness_n_per_m});
+  const Fault flip{.name = "flipped normals", .renderer = &turned};
+  const Fault pull = tampered("force's sign", [](ReportedContact& r) { r.wrench.force *= -1.0; });
+  const Fault both = tampered("force's and torque's sign", [](ReportedContact& r) {
+    r.wrench.force *= -1.0, r.wrench.torque *= -1.0;
+  });
+  for (const Walk& walk : own_motions(ground))
+    for (const Fault& fault : {flip, pull, both})
+      expect_caught(GetParam(), fault.name + ", " + walk.name, ground.judged(walk, fault));
+}
+
+/// From the n-th frame with a force on the wrench stands still, or all of the report.
+Fault stuck(std::size_t onset, bool whole_report) {
+  return {.tamper = [=] {
+    return [=, contacts = std::size_t{0}, kept = ReportedContact{}](std::size_t, ReportedContact& report) mutable {
+      if (contacts < onset) {
+        if (!report.wrench.zero()) ++contacts, kept = report;
+      } else if (whole_report) {
+        const Pose tool = report.tool_in_world;
+        report = kept;
+        report.tool_in_world = tool;
+      } else {
+        report.wrench = kept.wrench;
+      }
+    };
+  }};
+}
+
+TEST_P(RealRendering, WithAForceThatIsHeldFromSomeContactOnIsCaught) {
+  const Ground ground(shipped_scene(GetParam()));
+  for (const Walk& walk : own_motions(ground))
+    for (const std::size_t onset : {1U, 100U, 1000U}) {
+      const std::string name = "from contact " + std::to_string(onset) + ", " + walk.name;
+      expect_caught(GetParam(), "held " + name, ground.judged(walk, stuck(onset, false)));
+      expect_caught(GetParam(), "frozen " + name, ground.judged(walk, stuck(onset, true)));
+    }
+}
+
+/// Of a sphere about the tool's origin the torque is nothing but the noise of its shell, with either sign: no
+/// reference can tell it. So the same scenes are walked with the sphere on a handle of 15 edges, where the force has
+/// a lever.
+TEST_P(RealRendering, WithTheTorquesSignOrPointOfReferenceWrongIsCaughtWhereTheForceHasALever) {
+  const Fault sign = tampered("torque's sign", [](ReportedContact& r) { r.wrench.torque *= -1.0; });
+  const Fault about_world = tampered("torque about W's origin", [](ReportedContact& r) {
+    r.wrench.torque += r.tool_in_world.position.cross(r.wrench.force);
+  });
+  const Fault missing = tampered("no torque", [](ReportedContact& r) { r.wrench.torque.setZero(); });
+  const Ground centred(shipped_scene(GetParam()));
+  EXPECT_EQ(centred.judged(own_motions(centred), sign).counts.disagree, 0U);
+  const Ground handle(shipped_scene(GetParam()), 15 * centred.scene().voxel_size_m * kHandle);
+  for (const Walk& walk : handle.walks()) {
+    const Outcome clean = handle.judged(walk);
+    EXPECT_EQ(clean.counts.disagree, 0U) << clean.first;
+  }
+  for (const Fault& fault : {sign, about_world, missing})
+    expect_caught(GetParam(), fault.name, handle.judged(own_motions(handle), fault));
+}
+
+/// A file in millimetres taken for one in metres, or the other way round, on either side.
+TEST_P(RealRendering, OfAMeshAThousandTimesTooLargeOrTooSmallIsRefusedOrCaught) {
+  const Ground ground(shipped_scene(GetParam()));
+  const std::vector<Walk> walks = own_motions(ground);
+  for (const bool dynamic : {false, true})
+    for (const double factor : {1e-3, 1e3}) {
+      Scene wrong = ground.scene();
+      (dynamic ? wrong.dynamic_mesh : wrong.static_meshes.front()).scale *= factor;
+      const std::string size = factor > 1 ? "large" : "small";
+      const std::string name = (dynamic ? "tool 1000 times too " : "world 1000 times too ") + size;
+      std::unique_ptr<BuiltScene> built;
+      try {
+        built = build_scene(wrong, serial_for());
+      } catch (const VoxelBudgetError& refusal) {
+        std::printf("%-12s %-28s refused: %s\n", GetParam().c_str(), name.c_str(), refusal.what());
+        EXPECT_GT(factor, 1.0);
+        continue;
+      }
+      expect_caught(GetParam(), name, ground.judged(walks, {.name = name, .renderer = &built->renderer()}));
+    }
+}
+
+}  // namespace
+}  // namespace voxtouch::test

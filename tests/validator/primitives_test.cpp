@@ -1,0 +1,69 @@
+/// Every primitive that a shipped scene declares stands for its mesh, and one that does not would be refused.
+#include <gtest/gtest.h>
+
+#include "core/reference/chord_error.hpp"
+#include "tests/validator/shipped_scenes.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+std::vector<MeshSpec> meshes_of(const Scene& scene) {
+  std::vector<MeshSpec> meshes = scene.static_meshes;
+  meshes.push_back(scene.dynamic_mesh);
+  return meshes;
+}
+
+/// The lengths of a primitive, and where it is.
+std::vector<double*> lengths(SpherePrimitive& p) { return {&p.radius_m}; }
+std::vector<double*> lengths(BoxPrimitive& p) { return {&p.size_m[0], &p.size_m[1], &p.size_m[2]}; }
+std::vector<double*> lengths(CylinderPrimitive& p) { return {&p.radius_m, &p.length_m}; }
+Vec3& place(SpherePrimitive& p) { return p.centre; }
+Vec3& place(BoxPrimitive& p) { return p.pose.position; }
+Vec3& place(CylinderPrimitive& p) { return p.pose.position; }
+
+/// The ways to be wrong that must be seen: a length 10 % off, or the whole shifted by one edge along an axis.
+std::vector<Primitive> wrong(const Primitive& right, double edge_m) {
+  std::vector<Primitive> all;
+  const auto add = [&](auto change) {
+    all.push_back(right);
+    std::visit(change, all.back());
+  };
+  const std::size_t count = std::visit([](auto p) { return lengths(p).size(); }, right);
+  for (std::size_t n = 0; n < count; ++n)
+    for (const double factor : {0.9, 1.1}) add([&](auto& p) { *lengths(p)[n] *= factor; });
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) add([&](auto& p) { place(p)[axis] += sign * edge_m; });
+  return all;
+}
+
+TEST(ShippedPrimitives, StandForTheirMeshes) {
+  std::size_t checked = 0;
+  for (const std::string& name : shipped_scene_names()) {
+    const Scene scene = shipped_scene(name);
+    for (const MeshSpec& mesh : meshes_of(scene)) {
+      const std::optional<std::string> problem = primitives_problem(mesh, scene.voxel_size_m);
+      EXPECT_EQ(problem, std::nullopt) << name << ": " << problem.value_or("");
+      checked += mesh.primitives.size();
+    }
+  }
+  EXPECT_GE(checked, 9U) << "six spheres, two boxes, one cylinder";
+}
+
+TEST(ShippedPrimitives, WouldBeRefusedIfTheyWereATenthOffOrAnEdgeAway) {
+  for (const std::string& name : shipped_scene_names()) {
+    const Scene scene = shipped_scene(name);
+    for (MeshSpec mesh : meshes_of(scene)) {
+      if (mesh.primitives.empty()) continue;
+      ASSERT_EQ(mesh.primitives.size(), 1U) << "of several parts, one that is wrong may hide behind another";
+      for (const Primitive& one : wrong(mesh.primitives.front(), scene.voxel_size_m)) {
+        mesh.primitives = {one};
+        const std::optional<std::string> problem = primitives_problem(mesh, scene.voxel_size_m);
+        ASSERT_TRUE(problem.has_value()) << name << ": " << mesh.path;
+        EXPECT_NE(problem->find(mesh.path.filename().string()), std::string::npos) << *problem;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch::test

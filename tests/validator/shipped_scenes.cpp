@@ -1,0 +1,25 @@
+#include "tests/validator/shipped_scenes.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/scene/scene_file.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+const std::filesystem::path kScenes = std::filesystem::path(VOXTOUCH_DEPLOY) / "scenes";
+
+}  // namespace
+
+std::vector<std::string> shipped_scene_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(kScenes))
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Scene shipped_scene(const std::string& name) { return load_scene(kScenes / (name + ".yaml")); }
+
+}  // namespace voxtouch::test

@@ -1,0 +1,14 @@
+#pragma once
+/// The scenes of deploy/scenes, by name.
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+
+namespace voxtouch::test {
+
+/// Names without `.yaml`, sorted; all that is in the folder, so that a new scene takes part by itself.
+std::vector<std::string> shipped_scene_names();
+Scene shipped_scene(const std::string& name);
+
+}  // namespace voxtouch::test

@@ -1,0 +1,83 @@
+#pragma once
+/// The rendering walks a scene's motions at 1 kHz and a Judge checks every 20th frame, as the validator node does.
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/reference/judgement.hpp"
+#include "core/reference/reference_scene.hpp"
+#include "core/scene/build.hpp"
+
+namespace voxtouch::test {
+
+/// Poses of the tool in W in a row, and what the reference says of those that are checked.
+struct Walk {
+  std::string name;
+  std::vector<Pose> poses;
+  std::size_t every = 20;    ///< which poses are checked
+  bool jumps = false;        ///< the poses are no motion: the rendering forgets the last one before each
+  std::vector<GapResult> gaps;  ///< of poses 0, every, 2 every, ...
+
+  /// Checked poses that are in contact by the reference's word.
+  std::size_t contacts() const;
+};
+
+/// Displacement of a motion: up to 1.5 voxel edges an axis (3 mm at an edge of 2 mm), and any turn.
+struct Perturbation {
+  Vec3 offset = Vec3::Zero();
+  Quat turn = Quat::Identity();
+};
+
+/// What is wrong with a rendering; nothing, as it stands.
+struct Fault {
+  std::string name = "none";
+  Vec3 grid_shift = Vec3::Zero();       ///< the voxmap lies here from where it should [m]
+  ContactRenderer* renderer = nullptr;  ///< takes the place of the scene's own
+  /// Changes the report of frame `n`; a fresh one for each walk, since it may remember.
+  using Tamper = std::function<void(std::size_t n, ReportedContact& report)>;
+  std::function<Tamper()> tamper = {};
+};
+
+struct Outcome {
+  JudgeCounts counts;
+  std::string first;  ///< the first disagreement, for people
+
+  Outcome& operator+=(const Outcome& other);
+};
+
+/// One scene with its rendering, its reference and its walks.
+class Ground {
+ public:
+  /// `scene` is what the reference sees. `tool_to_sphere` is added to the dynamic mesh's place in T: a sphere on a
+  /// handle. The tool's poses are such that the sphere walks as the motions say.
+  explicit Ground(Scene scene, const Vec3& tool_to_sphere = Vec3::Zero());
+
+  const Scene& scene() const noexcept { return scene_; }
+  BuiltScene& built() noexcept { return *built_; }
+  JudgeSettings settings() const;
+
+  /// The scene's own motion `name` for 10 s, displaced where `perturbation` says so.
+  Walk motion(const std::string& name, const Perturbation& perturbation = {}) const;
+  /// `count` poses near those of the motion, in no order.
+  Walk scattered(const std::string& name, std::size_t count, unsigned seed) const;
+  /// The motions hit, slide and circle, each as it stands, displaced, and scattered; and free.
+  std::vector<Walk> walks() const;
+
+  Outcome judged(const Walk& walk, const Fault& fault = {}) const;
+  Outcome judged(const std::vector<Walk>& walks, const Fault& fault) const;
+
+ private:
+  Pose tool_for(const Vec3& sphere_centre, const Quat& orientation) const;
+  void add_gaps(Walk& walk) const;
+
+  Scene scene_;
+  Vec3 tool_to_sphere_;
+  std::unique_ptr<BuiltScene> built_;
+  ReferenceScene reference_;
+};
+
+/// The shell with all normals turned round.
+Pointshell flipped(const Pointshell& shell);
+
+}  // namespace voxtouch::test
