@@ -65,7 +65,8 @@ TEST_F(Refusal, NamesAFileThatIsNoRegularFile) {
 TEST_F(Refusal, NamesAFileThatMayNotBeRead) {
   const auto path = folder_.write("secret.obj", samples::obj_text(tetrahedron()));
   std::filesystem::permissions(path, std::filesystem::perms::none);
-  std::filesystem::permissions(folder_.path(), std::filesystem::perms::others_exec, std::filesystem::perm_options::add);
+  std::filesystem::permissions(folder_.path(), std::filesystem::perms::others_exec | std::filesystem::perms::group_exec,
+                               std::filesystem::perm_options::add);
   const uid_t me = geteuid();
   ASSERT_EQ(seteuid(me == 0 ? 65534 : me), 0);  // root may read everything: be nobody for this line
   const std::string text = refusal(path);
