@@ -9,6 +9,7 @@
 #include "core/pointshell/export.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -86,9 +87,9 @@ void add_build(CLI::App& app, Action& action) {
       "build", "Voxels and pointshell of a mesh as files: <mesh>_surface.csv, <mesh>_interior.csv, <mesh>_shell.ply (points with\n"
                "normals and areas, for MeshLab or CloudCompare)");
   verb->add_option("MESH", o->mesh, "OBJ, STL, PLY, glTF/GLB or COLLADA")->required();
-  verb->add_option("--voxel", o->voxel_m, "Voxel edge [m]")->required()->check(CLI::PositiveNumber);
+  verb->add_option("--voxel", o->voxel_m, "Voxel edge [m]")->required()->check(runtime::require_positive);
   verb->add_option("--origin", o->origin, "Origin of the grid X,Y,Z [m]; default: one voxel before the mesh")->delimiter(',')->expected(3);
-  verb->add_option("--scale", o->scale, "Metres for one unit of the file, such as 0.001 for millimetres")->capture_default_str()->check(CLI::PositiveNumber);
+  verb->add_option("--scale", o->scale, "Metres for one unit of the file, such as 0.001 for millimetres")->capture_default_str()->check(runtime::require_positive);
   verb->add_option("--out", o->out, "Folder for the files")->required();
   verb->add_flag("--json", o->json, "Result as one JSON object on stdout");
   verb->callback([o, &action] { action = [o] { return build(*o); }; });

@@ -40,17 +40,21 @@ int probe_reference(const Scene& scene, const std::vector<Pose>& poses) {
   return 0;
 }
 
+/// Absent: the scene's own, or the reference. Throws for a model that is not there, before anything is read or built.
+std::optional<ContactModelKind> chosen_model(const std::string& word) {
+  if (word.empty() || word == "reference") return std::nullopt;
+  ContactModelKind kind{};
+  if (!parse_contact_model(word, kind))
+    throw std::runtime_error(fmt::format("there is no contact model '{}'; --model takes original, adapted or reference", word));
+  make_contact_model(kind, {});  // says so where a rung has a name but is not built yet
+  return kind;
+}
+
 int probe(const ProbeOptions& o) {
+  const std::optional<ContactModelKind> model = chosen_model(o.model);
   const Scene scene = load_scene(o.scene);
   const std::vector<Pose> poses = read_poses(o.poses);
   if (o.model == "reference") return probe_reference(scene, poses);
-  std::optional<ContactModelKind> model;
-  if (!o.model.empty()) {
-    ContactModelKind kind{};
-    if (!parse_contact_model(o.model, kind))
-      throw std::runtime_error(fmt::format("there is no contact model '{}'; known are original, adapted, clustered, field and reference", o.model));
-    model = kind;
-  }
   const auto built = build_scene(scene, serial_for(), model, [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
   for (const std::string& warning : built->plan().warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
@@ -73,7 +77,7 @@ void add_probe(CLI::App& app, Action& action) {
                "origin). Memoryless: neither blend nor hold. --model reference prints gap and push direction instead");
   verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
   verb->add_option("--poses", o->poses, "CSV with the columns qw,qx,qy,qz,tx,ty,tz: tool in world; - for standard input")->required();
-  verb->add_option("--model", o->model, "original, adapted, clustered, field or reference; default: the scene's");
+  verb->add_option("--model", o->model, "original, adapted or reference; default: the scene's");
   verb->add_flag("--points", o->points, "Adds a column with the ids of the colliding points");
   verb->callback([o, &action] { action = [o] { return probe(*o); }; });
 }

@@ -1,13 +1,37 @@
 #include "nodes/runtime/options.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <map>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 namespace voxtouch::runtime {
+
+namespace {
+
+std::optional<double> finite_number(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+std::string require_positive(const std::string& text) {
+  const auto value = finite_number(text);
+  return value && *value > 0.0 ? "" : "'" + text + "' is not a finite number over 0";
+}
+
+std::string require_not_negative(const std::string& text) {
+  const auto value = finite_number(text);
+  return value && *value >= 0.0 ? "" : "'" + text + "' is not a finite number of 0 or more";
+}
 
 bool NodeOptions::has_peer(std::string_view node) const {
   return std::find(peers.begin(), peers.end(), node) != peers.end();

@@ -33,6 +33,10 @@ struct NodeOptions {
   bool has_peer(std::string_view node) const;
 };
 
+/// For numbers on a command line: a check with a message that a person can read.
+std::string require_positive(const std::string& text);
+std::string require_not_negative(const std::string& text);
+
 /// Adds the options above to a command line: --scene (where `with_scene`), --rig, --domain, --interface, --lockstep, ...
 void add_node_options(CLI::App& app, NodeOptions& options, bool with_scene);
 

@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
       options,
       [&](CLI::App& app) {
         app.add_option("--every", options.every, "Check samples whose sequence number is a multiple of this")->capture_default_str()->check(
-            CLI::PositiveNumber);
+            voxtouch::runtime::require_positive);
       },
       [&](const std::atomic<bool>& stop) { return voxtouch::validator::run(options, stop); });
 }
