@@ -3,9 +3,10 @@
 
 usage: plot_forces.py BAG PICTURE.png [--rig haptic] [--from S] [--to S]
 
-Thin line: collision force that the rendering computed. Thick line: force that the coupling returned to the hand (device axes,
-here turned back only by their magnitude). Below: how deep the deepest shell point is in its voxel's tangent plane, and the
-validator's gap. Needs python3-matplotlib; reads the bag with the standard library alone.
+Red: magnitude of the collision force that the rendering computed. Blue: of the force that the coupling returned to the hand.
+Below: how deep the deepest shell point is in its voxel's tangent plane (one layer at most), and the validator's gap, which is
+negative where the objects overlap. Times count from the first contact message in the bag. Needs
+python3-matplotlib; reads the bag with the standard library alone.
 """
 import argparse
 import pathlib
@@ -46,13 +47,15 @@ def read(bag, rig):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("bag")
-    parser.add_argument("picture")
-    parser.add_argument("--rig", default="haptic")
-    parser.add_argument("--from", dest="begin", type=float, default=0.0)
-    parser.add_argument("--to", dest="end", type=float, default=1e18)
-    parser.add_argument("--title", default="")
+    parser.add_argument("bag", help="folder of the bag")
+    parser.add_argument("picture", help="file to write; its ending says the format: png, pdf, svg")
+    parser.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
+    parser.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="first second shown")
+    parser.add_argument("--to", dest="end", type=float, default=float("inf"), metavar="S", help="last second shown")
+    parser.add_argument("--title", help="default: the bag's name")
     a = parser.parse_args()
+    if not any(pathlib.Path(a.bag).glob("*.db3")):
+        sys.exit(f"{a.bag}: there is no bag here; name the folder that holds metadata.yaml and a .db3 file.")
     try:
         import matplotlib
     except ImportError:
@@ -60,25 +63,34 @@ def main():
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    raw, returned, depth, gap = read(a.bag, a.rig)
+    try:
+        raw, returned, depth, gap = read(a.bag, a.rig)
+    except sqlite3.Error as error:
+        sys.exit(f"{a.bag}: the bag cannot be read ({error}); is it whole?")
     if not raw:
         sys.exit(f"{a.bag}: no messages on /{a.rig}/rendering/contact; is this a voxtouch bag, and --rig right?")
-    start = raw[0][0]
+    start, length = raw[0][0], raw[-1][0] - raw[0][0]
+    if not any(a.begin <= t - start <= a.end for t, _ in raw):
+        sys.exit(f"{a.bag}: nothing between --from {a.begin:g} and --to {a.end:g}; the recording lasts {length:.3g} s.")
     cut = lambda s: zip(*[(t - start, v) for t, v in s if a.begin <= t - start <= a.end]) if s else ((), ())
     figure, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(10, 5.6), height_ratios=(2, 1), constrained_layout=True)
-    top.plot(*cut(raw), color="tab:red", lw=0.6, label="collision force (rendering)")
+    top.plot(*cut(raw), color="tab:red", lw=0.6, zorder=3, label="collision force (rendering)")
     top.plot(*cut(returned), color="tab:blue", lw=1.6, label="returned force (coupling)")
     top.set_ylabel("force [N]")
-    top.set_title(a.title)
-    top.legend(loc="upper right", frameon=False)
-    bottom.plot(*cut(depth), color="tab:green", lw=0.8, label="depth at the deepest point (rendering)")
-    bottom.plot(*cut(gap), color="black", lw=1.0, ls="--", label="gap (validator)")
+    top.set_title(pathlib.Path(a.bag).resolve().name if a.title is None else a.title)
+    top.legend(loc="upper right", frameon=False, ncols=2)
+    top.margins(y=0.15)  # room for the legend
+    bottom.plot(*cut(depth), color="tab:green", lw=0.8, label="depth of the deepest point (rendering)")
+    bottom.plot(*cut(gap), color="black", lw=1.0, ls="--", label="gap, < 0: overlap (validator)")
     bottom.axhline(0, color="0.7", lw=0.6)
-    bottom.set_ylim(-8, 8)
+    bottom.set_ylim(-8, 12)
     bottom.set_ylabel("[mm]")
     bottom.set_xlabel("time [s]")
-    bottom.legend(loc="upper right", frameon=False)
-    figure.savefig(a.picture, dpi=110)
+    bottom.legend(loc="upper right", ncols=2, framealpha=0.9, edgecolor="none")
+    try:
+        figure.savefig(a.picture, dpi=110)
+    except (OSError, ValueError) as error:
+        sys.exit(f"{a.picture} could not be written: {error}")
 
 
 if __name__ == "__main__":
