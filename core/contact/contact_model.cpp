@@ -121,7 +121,7 @@ std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const Co
     case ContactModelKind::kField: break;
   }
   throw std::invalid_argument("contact: the model '" + std::string(name_of(kind)) +
-                              "' does not exist; choose 'original' or 'adapted'");
+                              "' is not built yet; this version has 'original' and 'adapted'");
 }
 
 }  // namespace voxtouch

@@ -124,6 +124,8 @@ std::string Judge::breach(const GapResult& gap, const ReportedContact& report, J
 std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
   const std::uint32_t interior = gap.inside_known ? report.interior_hits : 0;
   if (gap.gap_m > free_limit_m()) {
+    // Where the reference knows no inside, a tool that is wholly inside looks free to it: nothing to say about that.
+    if (!gap.inside_known && report.interior_hits > 0 && report.surface_hits == 0) return "";
     out.decided = true;
     if (report.surface_hits > 0 || interior > 0 || !report.wrench.zero())
       return fmt::format("in free space, {:.3g} mm from the surface (free from {:.3g} mm): {} surface and {} interior hits and "

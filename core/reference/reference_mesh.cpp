@@ -49,11 +49,50 @@ void walk(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& paren
     walk(scene, *node.mChildren[c], to_file, scale, vertices, triangles);
 }
 
-struct LessPosition {
-  bool operator()(const Vec3& a, const Vec3& b) const {
-    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+/// Joins positions that are the same but for the rounding of a single-precision file: within a few float steps of the largest
+/// coordinate. A seam that does not join would leave the mesh open, and an open mesh has no inside to judge by.
+class Joiner {
+ public:
+  explicit Joiner(double largest_coordinate) : step_(kSteps * largest_coordinate) {}
+
+  /// The index of the first vertex at `position`; adds one to `vertices` where there is none.
+  std::uint32_t id_of(const Vec3& position, std::vector<Vec3>& vertices) {
+    const Cell cell = cell_of(position);
+    for (std::int64_t x = -1; x <= 1; ++x)
+      for (std::int64_t y = -1; y <= 1; ++y)
+        for (std::int64_t z = -1; z <= 1; ++z) {
+          const auto [first, last] = cells_.equal_range({cell[0] + x, cell[1] + y, cell[2] + z});
+          for (auto entry = first; entry != last; ++entry)
+            if ((vertices[entry->second] - position).cwiseAbs().maxCoeff() <= step_) return entry->second;
+        }
+    const auto id = static_cast<std::uint32_t>(vertices.size());
+    vertices.push_back(position);
+    cells_.emplace(cell, id);
+    return id;
   }
+
+ private:
+  using Cell = std::array<std::int64_t, 3>;
+  static constexpr double kSteps = 4.0 / (1 << 23);
+  Cell cell_of(const Vec3& p) const {
+    const auto index = [this](double x) { return step_ > 0 ? static_cast<std::int64_t>(std::floor(x / step_)) : 0; };
+    return {index(p.x()), index(p.y()), index(p.z())};
+  }
+  double step_;
+  std::multimap<Cell, std::uint32_t> cells_;
 };
+
+/// Largest absolute coordinate. Throws where one is not finite.
+double largest_coordinate(const std::vector<Vec3>& vertices, const Triangles& triangles, const std::string& name) {
+  double largest = 0.0;
+  for (const auto& t : triangles)
+    for (const std::uint32_t vertex : t) {
+      if (!vertices.at(vertex).allFinite())
+        throw std::runtime_error(name + ": a vertex has a coordinate that is not a finite number; repair the mesh");
+      largest = std::max(largest, vertices[vertex].cwiseAbs().maxCoeff());
+    }
+  return largest;
+}
 
 /// The same triangle, whichever corner it starts with.
 std::array<std::uint32_t, 3> canonical(std::array<std::uint32_t, 3> t) {
@@ -77,22 +116,15 @@ bool balanced(const Triangles& triangles) {
 
 ReferenceMesh make_reference_mesh(const std::vector<Vec3>& vertices, const Triangles& triangles, const std::string& name) {
   ReferenceMesh out;
-  std::map<Vec3, std::uint32_t, LessPosition> ids;
-  std::vector<std::uint32_t> joined(vertices.size(), 0);
+  Joiner joiner(largest_coordinate(vertices, triangles, name));
   std::set<std::array<std::uint32_t, 3>> seen;
-  const auto id_of = [&](std::uint32_t vertex) {
-    const Vec3 position = vertices.at(vertex) + Vec3::Zero();  // -0 becomes 0: they are the same place
-    if (!position.allFinite())
-      throw std::runtime_error(name + ": a vertex has a coordinate that is not a finite number; repair the mesh");
-    const auto [entry, fresh] = ids.try_emplace(position, static_cast<std::uint32_t>(out.vertices.size()));
-    if (fresh) out.vertices.push_back(position);
-    return entry->second;
-  };
+  const auto id_of = [&](std::uint32_t vertex) { return joiner.id_of(vertices[vertex], out.vertices); };
   for (const auto& t : triangles) {
     const std::array<std::uint32_t, 3> welded = canonical({id_of(t[0]), id_of(t[1]), id_of(t[2])});
     const Vec3& a = out.vertices[welded[0]];
     const double doubled_area = (out.vertices[welded[1]] - a).cross(out.vertices[welded[2]] - a).norm();
-    if (!(doubled_area > 0) || !seen.insert(welded).second)
+    const bool collapsed = welded[0] == welded[1] || welded[1] == welded[2] || welded[0] == welded[2];
+    if (collapsed || !(doubled_area > 0) || !seen.insert(welded).second)
       ++out.dropped;
     else
       out.triangles.push_back(welded);

@@ -25,7 +25,7 @@ struct ReferenceMesh {
 /// coordinate that is not finite, or if the scale is not a positive number.
 ReferenceMesh read_reference_mesh(const MeshSpec& spec);
 
-/// The same clean-up for triangles that are already in memory: joins equal positions, drops what counts for nothing, sets
+/// The same clean-up for triangles that are already in memory: joins positions that are equal to a few single-precision steps, drops what counts for nothing, sets
 /// `closed`. Throws std::runtime_error (beginning with `name`) as above.
 ReferenceMesh make_reference_mesh(const std::vector<Vec3>& vertices,
                                   const std::vector<std::array<std::uint32_t, 3>>& triangles, const std::string& name);

@@ -94,6 +94,8 @@ ReferenceScene& ReferenceScene::operator=(ReferenceScene&&) noexcept = default;
 
 double ReferenceScene::chord_error_m() const noexcept { return parts_->chord; }
 
+bool ReferenceScene::inside_known() const noexcept { return parts_->all_closed; }
+
 GapResult ReferenceScene::gap(const Pose& tool_in_world) const {
   if (!tool_in_world.finite()) return {};
   const Parts& p = *parts_;

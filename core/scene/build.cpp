@@ -19,7 +19,7 @@ ImportedMesh import(const MeshSpec& spec, double voxel_size_m) {
 
 void warn(BuildCounts& counts, const MeshSpec& spec, const ImportedMesh& imported) {
   const std::string name = spec.path.filename().string();
-  for (const std::string& sentence : imported.warnings) counts.mesh_warnings.push_back(sentence);
+  for (const std::string& sentence : imported.warnings) counts.mesh_warnings.push_back(name + ": " + sentence);
   for (const std::string& sentence : imported.report.sentences()) counts.mesh_warnings.push_back(name + ": " + sentence);
 }
 
@@ -40,6 +40,18 @@ TriangleMesh import_static(const Scene& scene, BuildCounts& counts) {
   }
   counts.static_triangles = all.triangles.size();
   return all;
+}
+
+/// What is known about the meshes so far belongs to the reason why they do not fit.
+template <class Build>
+auto with_hints(const BuildCounts& counts, Build&& build) {
+  try {
+    return build();
+  } catch (const VoxelBudgetError& error) {
+    std::string text = error.what();
+    for (const std::string& hint : counts.mesh_warnings) text += ". " + hint;
+    throw VoxelBudgetError(text);
+  }
 }
 
 std::uint64_t shell_bytes(const Pointshell& shell) { return shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t)); }
@@ -67,7 +79,7 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   step("voxmap of " + std::to_string(fixed.triangles.size()) + " triangles");
   Grid grid = default_grid(fixed, scene.voxel_size_m);
   if (scene.grid_origin) grid.origin = *scene.grid_origin;
-  Voxmap voxmap = voxelise(fixed, grid, parallel_for);
+  Voxmap voxmap = with_hints(counts, [&] { return voxelise(fixed, grid, parallel_for); });
   counts.surface_voxels = voxmap.surface_count();
   counts.interior_voxels = voxmap.interior_count();
   counts.voxmap_bytes = voxmap.bytes();
@@ -78,7 +90,7 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   counts.dynamic_triangles = moving.mesh.triangles.size();
   step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
   const Grid shell_grid = default_grid(moving.mesh, scene.voxel_size_m);
-  const std::vector<ShellPoint> points = shell_points(moving.mesh, shell_grid, parallel_for);
+  const std::vector<ShellPoint> points = with_hints(counts, [&] { return shell_points(moving.mesh, shell_grid, parallel_for); });
   Pointshell shell = scene.shell == ShellKind::kExact ? make_exact_shell(points, shell_grid) : make_naive_shell(points, shell_grid);
   counts.shell_points = shell.size();
   counts.shell_bytes = shell_bytes(shell);

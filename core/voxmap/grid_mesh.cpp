@@ -127,7 +127,7 @@ void require_affordable(const VoxelEstimate& estimate, const Grid& grid, std::ui
                                     "origin near the mesh");
   if (!(estimate.build_bytes <= static_cast<double>(limit_bytes)))
     throw VoxelBudgetError(what + ", more than the limit of " + in_units(static_cast<double>(limit_bytes)) +
-                           ": use a larger voxel size or raise the limit");
+                           ": use a larger voxel size, or check the mesh's scale (is the file in millimetres?)");
   if (!(estimate.table_cells <= static_cast<double>(Voxmap::kMaxTableCells)))
     throw VoxelBudgetError(what + " and a table of more than 2^28 bricks: use a larger voxel size");
 }

@@ -86,6 +86,22 @@ TEST(ReferenceMesh, DropsWhatHasNoAreaAndWhatIsRepeated) {
   EXPECT_EQ(twice.dropped, 1U);
 }
 
+TEST(ReferenceMesh, JoinsSeamsThatDifferByTheRoundingOfAFile) {
+  // A tetrahedron whose triangles each bring their own corners, a few 1e-18 m apart, as exporters of round shapes write poles.
+  const Vec3 corners[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const std::array<std::uint32_t, 3> faces[] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  std::vector<Vec3> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (const auto& face : faces) {
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (const std::uint32_t corner : face) vertices.push_back(corners[corner] + Vec3::Constant(1e-18 * static_cast<double>(vertices.size())));
+    triangles.push_back({first, first + 1, first + 2});
+  }
+  const ReferenceMesh mesh = make_reference_mesh(vertices, triangles, "tetrahedron");
+  EXPECT_EQ(mesh.vertices.size(), 4U);
+  EXPECT_TRUE(mesh.closed);
+}
+
 TEST(ReferenceMesh, TellsOpenFromClosed) {
   ReferenceMesh box = read_reference_mesh(mesh("aligned_box.obj"));
   EXPECT_TRUE(box.closed);
