@@ -2,6 +2,7 @@
 #include <chrono>
 #include <csignal>
 #include <ctime>
+#include <set>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -106,6 +107,12 @@ class Run {
         summary_.reports[report.node] = report;
   }
 
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& member : crew_) all.push_back(member->name());
+    return all;
+  }
+
   Member* find(const std::string& name) {
     for (const auto& member : crew_)
       if (member->name() == name) return member.get();
@@ -118,7 +125,7 @@ class Run {
     while (!runtime::stop_requested().load()) {
       listen();
       if (runtime::monotonic_ns() >= next_line) {
-        fmt::print(stderr, "{}\n", status_line(summary_.reports));
+        fmt::print(stderr, "{}\n", status_line(summary_.reports, names()));
         next_line += 1'000'000'000;
       }
       bool over = false;
@@ -140,11 +147,10 @@ class Run {
     for (const char* name : {"device", "rendering", "coupling", "validator", "logger"}) {
       Member* member = find(name);
       if (!member) continue;
-      const bool was_running = !member->ended();
       member->request_stop();
       const int status = member->join(milliseconds(name == std::string("logger") ? 20'000 : 8'000));
       listen();
-      if (was_running && status != 0 && !was_cut_short(name, status)) note_end(name, status);
+      if (status != 0 && !was_cut_short(name, status)) note_end(name, status);
     }
   }
 
@@ -154,6 +160,7 @@ class Run {
   }
 
   void note_end(const std::string& name, int status) {
+    if (!noted_.insert(name).second) return;
     if (std::string sentence = summary_.reports[name].message; summary_.reports[name].state == runtime::NodeState::kFailed)
       summary_.problems.push_back(name + ": " + sentence);
     else if (status > 128 && name == "device")
@@ -186,6 +193,7 @@ class Run {
   runtime::Roster roster_;
   CrewOptions crew_options_;
   std::vector<std::unique_ptr<Member>> crew_;
+  std::set<std::string> noted_;  ///< members whose end is among the problems
   RunSummary summary_;
 };
 

@@ -5,7 +5,8 @@ int main(int argc, char** argv) {
   voxtouch::device::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
-      {.about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its state, and gives it the\n"
+      {.name = "device",
+       .about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its state, and gives it the\n"
       "commanded force through the force guard. Ends with the device at zero force.",
        .with_scene = true, .in_ring = true},
       options,

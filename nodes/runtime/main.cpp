@@ -22,10 +22,10 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   try {
     if (!program.in_ring) options.realtime.mode = Realtime::kOff;
     options.warnings = enter_realtime(options.realtime);
-    for (const std::string& warning : options.warnings) fmt::print(stderr, "warning: {}\n", warning);
+    for (const std::string& warning : options.warnings) fmt::print(stderr, "warning: {}: {}\n", program.name, warning);
     return run(stop_requested());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    fmt::print(stderr, "error: {}: {}\n", program.name, error.what());
     return 1;
   }
 }
