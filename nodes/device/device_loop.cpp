@@ -49,6 +49,7 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
     runtime::sleep_until(deadline_ns_);  // a device that fails at once must not make the loop spin
     return after(sample.error());
   }
+  if (!driver_.simulated()) deadline_ns_ = runtime::monotonic_ns() - period_ns_ / 4;  // its clock paces: the command is due before its next sample
   if (!publish(*sample)) return End::kWriteBlocked;
 
   End end = End::kNone;
@@ -132,11 +133,11 @@ std::optional<GuardInput> DeviceLoop::wait_in_real_time() noexcept {
   std::optional<GuardInput> newest;
   next_period();
   for (std::int64_t left; (left = deadline_ns_ - runtime::monotonic_ns()) > 0;) {
-    if (gate_.last_sequence() == sequence_) break;  // answered: nothing more to wait for but the deadline
+    if (gate_.last_sequence() == sequence_) break;  // answered: nothing more to wait for
     if (!wait_set_.wait(left)) break;
     if (const auto command = take_commands()) newest = command;
   }
-  runtime::sleep_until(deadline_ns_);
+  if (driver_.simulated()) runtime::sleep_until(deadline_ns_);
   return newest;
 }
 

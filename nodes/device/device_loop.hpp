@@ -1,5 +1,6 @@
 #pragma once
-/// One turn a sample: read, publish, wait for the command, guard, write. Real-time safe after construction.
+/// One turn a sample: read, publish, wait for the command, guard, write. Real-time safe after construction. A simulated device is paced
+/// here, at absolute deadlines; a real one paces by its own clock, in `read`, and gets its command as soon as it is there.
 #include <array>
 #include <atomic>
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -22,6 +23,9 @@ class FaultyDevice final : public Driver {
   std::vector<double> pushed;    ///< force after each read [N]; 0 where it failed
   double force = 0.0;
   int stops = 0;
+  bool paces = false;            ///< as a real device: `read` waits for the tick of a clock that is not ours
+  std::vector<double> delays_ms; ///< from a tick to the write that answers it
+  int skipped_ticks = 0;
 
   FaultyDevice() {
     description_.model = "faulty";
@@ -34,6 +38,7 @@ class FaultyDevice final : public Driver {
   DeviceResult<DeviceSample> read(std::chrono::microseconds) noexcept override {
     pushed.push_back(force);
     ++reads_;
+    if (paces) wait_for_tick();
     if (const auto fault = read_faults.find(reads_); fault != read_faults.end()) return std::unexpected(fault->second);
     const auto time_ns = static_cast<std::int64_t>(reads_) * 1'000'000;
     if (const auto odd = odd_samples.find(reads_); odd != odd_samples.end()) {
@@ -52,13 +57,25 @@ class FaultyDevice final : public Driver {
       return std::unexpected(fault->second);
     }
     force = command.force.norm();
+    if (paces) delays_ms.push_back(static_cast<double>(runtime::monotonic_ns() - tick_ns_) * 1e-6);
     return {};
   }
   void stop() noexcept override { force = 0.0, ++stops; }
-  bool simulated() const noexcept override { return true; }
+  bool simulated() const noexcept override { return !paces; }
   std::uint64_t reads() const { return reads_; }
 
+  void set_rate(double rate_hz) { description_.rate_hz = rate_hz; }
+
  private:
+  void wait_for_tick() {
+    constexpr std::int64_t kTickNs = 4'150'000;  // it says 4 ms, and its quartz is off
+    if (tick_ns_ == 0) tick_ns_ = runtime::monotonic_ns();
+    const auto next = runtime::next_deadline(tick_ns_, runtime::monotonic_ns(), kTickNs);
+    skipped_ticks += static_cast<int>(next.skipped);
+    runtime::sleep_until(tick_ns_ = next.at_ns);
+  }
+
+  std::int64_t tick_ns_ = 0;
   DeviceDescription description_;
   std::uint64_t reads_ = 0;
 };
@@ -183,6 +200,15 @@ TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
     flagged += held;
   }
   EXPECT_GT(flagged, 50);
+}
+
+TEST_F(DeviceLoopRun, AnswersARealDeviceAtItsOwnPaceAndAtOnce) {
+  device.paces = true;
+  device.set_rate(250.0);
+  EXPECT_EQ(run(300), End::kFinished);
+  std::sort(device.delays_ms.begin(), device.delays_ms.end());
+  EXPECT_LT(device.delays_ms[device.delays_ms.size() / 2], 1.5) << "half of the commands waited for a deadline of ours";
+  EXPECT_LT(device.skipped_ticks, 30) << "ticks went by while the loop slept";
 }
 
 TEST_F(DeviceLoopRun, YieldsTheRigAtZeroForce) {
