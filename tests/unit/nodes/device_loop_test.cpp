@@ -100,6 +100,11 @@ class DeviceLoopRun : public testing::Test {
     return end;
   }
 
+  /// Of the forces after these reads. The machine may stall in between, so that single ones say little.
+  double largest(std::ptrdiff_t first, std::ptrdiff_t last) const {
+    return *std::max_element(device.pushed.begin() + first, device.pushed.begin() + last);
+  }
+
   FaultyDevice device;
   Progress progress;
   Requests requests;
@@ -137,7 +142,7 @@ class DeviceLoopRun : public testing::Test {
 
 TEST_F(DeviceLoopRun, PushesAsCommandedAndEndsAtZero) {
   EXPECT_EQ(run(), End::kFinished);
-  EXPECT_GT(device.pushed.back(), 1.5) << "without a force the other cases show nothing";
+  EXPECT_GT(largest(1000, 1200), 1.5) << "without a force the other cases show nothing";
   EXPECT_EQ(device.force, 0.0);
   EXPECT_EQ(progress.hiccups.load(), 0U);
 }
@@ -147,11 +152,11 @@ TEST_F(DeviceLoopRun, TakesAMissedSampleForAHiccupNotForTheEnd) {
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_EQ(progress.samples.load(), 1200U);
   EXPECT_EQ(progress.hiccups.load(), 3U);
-  EXPECT_GT(device.pushed[899], 1.5) << "the force before the hiccup";
+  EXPECT_GT(largest(700, 900), 1.5) << "the force before the hiccup";
   EXPECT_EQ(device.pushed[900], 0.0) << "zero force at once";
   EXPECT_EQ(device.pushed[902], 0.0);
   EXPECT_LT(device.pushed[920], 0.5) << "the force comes back in a ramp";
-  EXPECT_GT(device.pushed.back(), 0.5);
+  EXPECT_GT(largest(1000, 1200), 0.5);
   EXPECT_FALSE(progress.in_trouble.load());
 }
 
@@ -161,7 +166,7 @@ TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {
   EXPECT_EQ(progress.hiccups.load(), 10U);
   EXPECT_EQ(device.pushed[809], 0.0);
   EXPECT_LT(device.pushed[830], 0.5);
-  EXPECT_GT(device.pushed.back(), 0.5);
+  EXPECT_GT(largest(1000, 1200), 0.5);
 }
 
 TEST_F(DeviceLoopRun, DoesNotSpinOnADeviceThatFailsAtOnce) {

@@ -11,7 +11,6 @@
 #include "nodes/device/device_node.hpp"
 #include "nodes/rendering/rendering_node.hpp"
 #include "nodes/runtime/roster.hpp"
-#include "nodes/validator/validator_node.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {
