@@ -24,11 +24,17 @@ Guid to_guid(const dds_builtintopic_guid_t& key) {
 /// Both directions ask in the same way; `List` and `Data` are the two DDS calls.
 template <class List, class Data>
 std::vector<Guid> matched(dds_entity_t endpoint, List list, Data data) {
-  dds_instance_handle_t handles[128];
-  const auto count = list(endpoint, handles, std::size(handles));
+  // The call says how many there are, also where that is more than it was given room for.
+  std::vector<dds_instance_handle_t> handles(64);
+  auto count = list(endpoint, handles.data(), handles.size());
+  while (count > static_cast<dds_return_t>(handles.size())) {
+    handles.resize(static_cast<std::size_t>(count));
+    count = list(endpoint, handles.data(), handles.size());
+  }
+  handles.resize(static_cast<std::size_t>(std::max(count, 0)));
   std::vector<Guid> guids;
-  for (dds_return_t i = 0; i < std::min<dds_return_t>(std::max(count, 0), static_cast<dds_return_t>(std::size(handles))); ++i)
-    if (dds_builtintopic_endpoint_t* peer = data(endpoint, handles[i])) {
+  for (const dds_instance_handle_t handle : handles)
+    if (dds_builtintopic_endpoint_t* peer = data(endpoint, handle)) {
       guids.push_back(to_guid(peer->participant_key));
       dds_builtintopic_free_endpoint(peer);
     }
@@ -77,10 +83,9 @@ Guid participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer) {
 }
 
 bool writer_is_matched(dds_entity_t reader, dds_instance_handle_t writer) {
-  dds_instance_handle_t handles[128];
-  const auto count = dds_get_matched_publications(reader, handles, std::size(handles));
-  const auto known = std::min<dds_return_t>(std::max(count, 0), static_cast<dds_return_t>(std::size(handles)));
-  return std::find(handles, handles + known, writer) != handles + known;
+  dds_builtintopic_endpoint_t* peer = dds_get_matched_publication_data(reader, writer);
+  if (peer) dds_builtintopic_free_endpoint(peer);
+  return peer != nullptr;
 }
 
 std::uint32_t matched_reader_count(dds_entity_t writer) noexcept {

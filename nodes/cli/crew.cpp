@@ -5,6 +5,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -19,20 +21,27 @@ extern char** environ;
 namespace voxtouch::cli {
 namespace {
 
+constexpr std::chrono::milliseconds kFarewell{8'000};
+
 class ProcessMember final : public Member {
  public:
   ProcessMember(std::string name, const std::vector<std::string>& arguments) : name_(std::move(name)) {
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / ("voxtouch_" + name_);
     std::vector<std::string> texts = {program.string()};
     texts.insert(texts.end(), arguments.begin(), arguments.end());
-    texts.push_back("--with-parent");
+    texts.insert(texts.end(), {"--with-parent", fmt::to_string(getpid())});
     std::vector<char*> argv;
     for (std::string& text : texts) argv.push_back(text.data());
     argv.push_back(nullptr);
     // Its own process group: Ctrl-C reaches `up` alone, which stops the nodes in order. stdout goes to stderr: `up --json` owns it.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    // SIGTERM waits until the node can act on it: a stop during the start is a stop, not a death.
+    sigset_t blocked;
+    sigemptyset(&blocked);
+    sigaddset(&blocked, SIGTERM);
+    posix_spawnattr_setsigmask(&attributes, &blocked);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
@@ -45,7 +54,8 @@ class ProcessMember final : public Member {
                                            std::strerror(error)));
   }
   ~ProcessMember() override {
-    if (!ended()) join(std::chrono::milliseconds(0));
+    request_stop();
+    join(kFarewell);  // an exception got us here: the device still has to reach zero by itself
   }
   const std::string& name() const noexcept override { return name_; }
   void request_stop() override {
@@ -82,6 +92,13 @@ class ThreadMember final : public Member {
         }) {}
   ~ThreadMember() override {
     stop_.store(true);
+    join(kFarewell);
+    if (!ended()) {
+      // A thread cannot be ended by force, and nothing may be destroyed under it: the process goes instead.
+      fmt::print(stderr, "error: {} did not stop; the process ends without it\n", name_);
+      std::fflush(nullptr);
+      std::_Exit(1);
+    }
     thread_.join();
   }
   const std::string& name() const noexcept override { return name_; }
@@ -93,7 +110,7 @@ class ThreadMember final : public Member {
   std::uint32_t pid() const noexcept override { return static_cast<std::uint32_t>(getpid()); }
 
  private:
-  void kill() override { stop_.store(true); }  // a thread cannot be ended by force; its destructor waits
+  void kill() override { stop_.store(true); }  // by force only in the destructor, with the process
   std::string name_;
   std::atomic<bool> stop_{false};
   std::atomic<int> status_{-1};

@@ -75,13 +75,13 @@ std::string to_text(const RunSummary& s) {
   return text;
 }
 
-std::string status_line(const Reports& r) {
+std::string status_line(const Reports& r, const std::vector<std::string>& nodes) {
   const auto device = r.find("device");
   if (device == r.end() || device->second.state == runtime::NodeState::kStarting) {
     std::string waiting;
-    for (const char* node : {"device", "rendering", "coupling", "validator", "logger"})
+    for (const std::string& node : nodes)
       if (const auto report = r.find(node); report == r.end() || report->second.session_id == 0)
-        waiting += (waiting.empty() ? "" : ", ") + std::string(node);
+        waiting += (waiting.empty() ? "" : ", ") + node;
     return "starting: waiting for " + waiting;
   }
   return fmt::format("{:>7} samples  force {:6.2f} N  latency p50 {:>4.0f} us p99 {:>5.0f} us  overruns {}  contacts {}  validator {}/{} agree",

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <csignal>
 #include <ctime>
+#include <set>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -53,10 +54,17 @@ class Run {
     if (!options.no_record) summary_.bag = options.bag.empty() ? default_bag(scene.name).string() : options.bag.string();
   }
 
+  /// Also after an exception: the device goes first.
+  ~Run() {
+    while (!crew_.empty()) crew_.pop_back();
+  }
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
   RunSummary go() {
     require_free_rig();
     crew_options_ = crew();
-    crew_ = start_crew(crew_options_);
+    if (!runtime::stop_requested().load()) crew_ = start_crew(crew_options_);
     watch();
     stop_all();
     judge();
@@ -65,15 +73,10 @@ class Run {
 
  private:
   void require_free_rig() {
-    const std::int64_t until = runtime::monotonic_ns() + 500'000'000;
-    while (runtime::monotonic_ns() < until) {
-      roster_.update();
-      if (const auto reports = roster_.reports(); !reports.empty())
-        throw std::runtime_error(fmt::format(
-            "rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or choose another --rig or --domain",
-            options_.node.rig, options_.node.domain, reports.front().node, reports.front().pid, reports.front().host));
-      std::this_thread::sleep_for(milliseconds(20));
-    }
+    if (const auto other = runtime::look_for_others(roster_, "", milliseconds(500)))
+      throw std::runtime_error(fmt::format(
+          "rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or choose another --rig or --domain",
+          options_.node.rig, options_.node.domain, other->node, other->pid, other->host));
   }
 
   CrewOptions crew() const {
@@ -104,6 +107,12 @@ class Run {
         summary_.reports[report.node] = report;
   }
 
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& member : crew_) all.push_back(member->name());
+    return all;
+  }
+
   Member* find(const std::string& name) {
     for (const auto& member : crew_)
       if (member->name() == name) return member.get();
@@ -116,14 +125,16 @@ class Run {
     while (!runtime::stop_requested().load()) {
       listen();
       if (runtime::monotonic_ns() >= next_line) {
-        fmt::print(stderr, "{}\n", status_line(summary_.reports));
+        fmt::print(stderr, "{}\n", status_line(summary_.reports, names()));
         next_line += 1'000'000'000;
       }
+      bool over = false;
       for (const auto& member : crew_)
         if (const auto status = member->ended()) {
           if (member->name() != "device" || *status != 0) note_end(member->name(), *status);
-          return;
+          over = true;
         }
+      if (over) return;
       std::this_thread::sleep_for(milliseconds(20));
     }
     fmt::print(stderr, "stopping\n");
@@ -136,17 +147,25 @@ class Run {
     for (const char* name : {"device", "rendering", "coupling", "validator", "logger"}) {
       Member* member = find(name);
       if (!member) continue;
-      const bool was_running = !member->ended();
       member->request_stop();
       const int status = member->join(milliseconds(name == std::string("logger") ? 20'000 : 8'000));
       listen();
-      if (was_running && status != 0) note_end(name, status);
+      if (status != 0 && !was_cut_short(name, status)) note_end(name, status);
     }
   }
 
+  /// A device that is stopped before its duration is over says so by its status; why it was stopped is known here already.
+  bool was_cut_short(const std::string& name, int status) {
+    return name == "device" && status == 1 && options_.duration_s > 0 && summary_.reports[name].state != runtime::NodeState::kFailed;
+  }
+
   void note_end(const std::string& name, int status) {
+    if (!noted_.insert(name).second) return;
     if (std::string sentence = summary_.reports[name].message; summary_.reports[name].state == runtime::NodeState::kFailed)
       summary_.problems.push_back(name + ": " + sentence);
+    else if (status > 128 && name == "device")
+      summary_.problems.push_back(fmt::format("device was ended by signal {} and could not command zero force any more: a real device has only its "
+                                              "own watchdog then; see that it is at rest before the next start", status - 128));
     else if (status > 128)
       summary_.problems.push_back(fmt::format("{} was ended by signal {}; the device went to zero force", name, status - 128));
     else if (status != 0)
@@ -161,7 +180,8 @@ class Run {
       summary_.problems.push_back(fmt::format("the validator disagrees with {} samples: {}", disagree, summary_.reports["validator"].message));
     if (const std::string foreign = value("device", "foreign_commands"); !foreign.empty() && foreign != "0")
       summary_.problems.push_back(fmt::format("{} commands of a second writer were ignored ({})", foreign, summary_.reports["device"].message));
-    if (options_.duration_s > 0 && value("device", "samples") == "0") summary_.problems.push_back("the device gave no sample");
+    if (const std::string samples = value("device", "samples"); summary_.problems.empty() && (samples.empty() || samples == "0"))
+      summary_.problems.push_back("the device gave no sample");
     std::vector<std::string> unique;
     for (std::string& p : summary_.problems)
       if (std::find(unique.begin(), unique.end(), p) == unique.end()) unique.push_back(std::move(p));
@@ -172,7 +192,8 @@ class Run {
   bus::Participant participant_;
   runtime::Roster roster_;
   CrewOptions crew_options_;
-  std::vector<std::unique_ptr<Member>> crew_;  // goes before its options
+  std::vector<std::unique_ptr<Member>> crew_;
+  std::set<std::string> noted_;  ///< members whose end is among the problems
   RunSummary summary_;
 };
 
@@ -180,16 +201,12 @@ int up(const UpOptions& options) {
   runtime::catch_signals();
   const Scene scene = load_scene(options.node.scene);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
-  describe_device(options.device);  // an unknown device is said before anything starts
-  if (!options.motion.empty() && !scene.motions.contains(options.motion)) {
-    std::string known;
-    for (const auto& [name, motion] : scene.motions) known += (known.empty() ? "" : ", ") + name;
-    throw std::runtime_error(fmt::format("{}: there is no motion '{}'; this scene has {}", scene.file.string(), options.motion, known));
-  }
+  describe_device(options.device);  // an unknown device or motion is said before anything starts
+  device::choose_motion(scene, options.motion);
   Run run(options, scene);
   const RunSummary summary = run.go();
   if (options.json)
-    fmt::print("{}\n", to_json(summary).dump(2));
+    fmt::print("{}\n", to_json(summary).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
   else
     fmt::print("{}", to_text(summary));
   return summary.problems.empty() ? 0 : 1;
@@ -206,7 +223,7 @@ void add_up(CLI::App& app, Action& action) {
   verb->remove_option(verb->get_option("--peers"));
   verb->add_option("--device", options->device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
   verb->add_option("--motion", options->motion, "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
-  verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")->capture_default_str()->check(runtime::require_not_negative);
+  verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")->capture_default_str()->check(runtime::require_not_negative)->check(CLI::Range(0.0, device::kLongestDurationS));
   verb->add_option("--record", options->bag, "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
   verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states");
   verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")->capture_default_str()->check(runtime::require_positive);

@@ -21,7 +21,6 @@
 namespace voxtouch::coupling {
 namespace {
 
-using runtime::NodeState;
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
 class CouplingNode {
@@ -54,7 +53,7 @@ class CouplingNode {
       while (turn()) {
       }
     }
-    stopped_.store(true);
+    session_.stop();
     return 0;
   }
 
@@ -68,9 +67,11 @@ class CouplingNode {
     last_time_ns_.reset();
     pending_.reset();
     clutched_ = false;
+    recent_ = {}, newest_ = {};  // sequence numbers begin again
+    stiffness_.store(0.0, kRelaxed);
     publish_design(designs_, scene_.coupling, device.session_id, period_s_);
     max_stiffness_.store(device.max_stiffness_n_per_m, kRelaxed);
-    session_.store(device.session_id, std::memory_order_release);
+    session_.begin(device.session_id);
   }
 
   /// Joins one contact with its device sample by sequence number. In real time the newest sample must do if its own was lost.
@@ -124,23 +125,19 @@ class CouplingNode {
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
-    const std::uint64_t session = session_.load(std::memory_order_acquire);
-    const std::string missing = session ? runtime::missing_links(options_, roster, links_) : "a device";
-    const bool ready = missing.empty();
-    report.session_id = ready ? session : 0;
-    report.state = stopped_.load() ? NodeState::kStopped : ready ? (samples_.load() ? NodeState::kRunning : NodeState::kReady) : NodeState::kStarting;
-    // The device's limit is held against the total stiffness of the contact, not against one point's.
-    const double displayed = stiffness_at_hand_n_per_m(scene_, stiffness_.load());
-    report.message = stopped_.load() ? "stopped"
-                     : !ready ? "waiting for " + missing
-                     : displayed > max_stiffness_.load()
-                         ? fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower contact.stiffness_n_per_m or coupling.gain",
-                                       displayed, max_stiffness_.load())
-                         : fmt::format("{} runs", scene_.coupling.kind);
     report.values = {{"samples", fmt::to_string(samples_.load())},
                      {"clamped_inputs", fmt::to_string(clamped_.load())},
                      {"faults", fmt::to_string(faults_.load())},
                      {"stiffness_bound_max_n_per_m", fmt::format("{:.6g}", stiffness_.load())}};
+    const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
+    // The device's limit is held against the total stiffness of the contact, not against one point's.
+    const double displayed = stiffness_at_hand_n_per_m(scene_, stiffness_.load());
+    report.message = session_.stopped() ? "stopped"
+                     : !missing.empty() ? "waiting for " + missing
+                     : displayed > max_stiffness_.load()
+                         ? fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower contact.stiffness_n_per_m or coupling.gain",
+                                       displayed, max_stiffness_.load())
+                         : fmt::format("{} runs", scene_.coupling.kind);
   }
 
   /// Two periods for the way round the ring, three that a device holds a command for.
@@ -163,9 +160,9 @@ class CouplingNode {
   std::optional<msg::ContactState> pending_;
   std::optional<std::int64_t> last_time_ns_;
   bool clutched_ = false;
-  std::atomic<std::uint64_t> session_{0}, samples_{0}, clamped_{0}, faults_{0};
+  std::atomic<std::uint64_t> samples_{0}, clamped_{0}, faults_{0};
   std::atomic<double> stiffness_{0.0}, max_stiffness_{0.0};
-  std::atomic<bool> stopped_{false};
+  runtime::Session session_;
 };
 
 }  // namespace

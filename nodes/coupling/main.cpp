@@ -5,7 +5,8 @@ int main(int argc, char** argv) {
   voxtouch::coupling::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
-      {.about = "voxtouch coupling node: shapes the contact wrench so that device, hand and contact stay stable together, and commands the\n"
+      {.name = "coupling",
+       .about = "voxtouch coupling node: shapes the contact wrench so that device, hand and contact stay stable together, and commands the\n"
       "device.",
        .with_scene = true, .in_ring = true},
       options, [](CLI::App&) {},

@@ -40,10 +40,16 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
 End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
   if (stop.load(kRelaxed)) return End::kStopped;
   if (settings_.max_samples && sequence_ == settings_.max_samples) return End::kFinished;
+  if (requests_.rig_taken.load(kRelaxed)) return End::kRigTaken;
   if (settings_.lockstep && requests_.peer_gone.load(kRelaxed)) return End::kPeerGone;
 
   const auto sample = driver_.read(std::chrono::microseconds(10 * period_ns_ / 1000));
-  if (!sample) return sample.error() == DeviceError::kDisconnected ? End::kDeviceGone : End::kDeviceFault;
+  if (!sample) {
+    next_period();
+    runtime::sleep_until(deadline_ns_);  // a device that fails at once must not make the loop spin
+    return after(sample.error());
+  }
+  if (!driver_.simulated()) deadline_ns_ = runtime::monotonic_ns() - period_ns_ / 4;  // its clock paces: the command is due before its next sample
   if (!publish(*sample)) return End::kWriteBlocked;
 
   End end = End::kNone;
@@ -52,11 +58,22 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
 
   const Wrench force = guard_.pass(command, sample->time_ns + settings_.epoch_ns);
   const auto written = driver_.write(force);
-  note(force);
-  if (!written && (written.error() == DeviceError::kDisconnected)) return End::kDeviceGone;
-  if (!written && (written.error() == DeviceError::kFault)) return End::kDeviceFault;
+  note(written ? force : Wrench{});
+  progress_.in_trouble.store(!written, kRelaxed);
   ++sequence_;
   progress_.samples.store(sequence_, kRelaxed);
+  return written ? End::kNone : after(written.error());
+}
+
+/// Only a device that has gone or needs a person ends the session. All else costs force, not the session: zero now, ramped in anew.
+End DeviceLoop::after(DeviceError error) noexcept {
+  if (error == DeviceError::kDisconnected) return End::kDeviceGone;
+  if (error == DeviceError::kFault) return End::kDeviceFault;
+  driver_.stop();
+  guard_.restart();
+  progress_.force_n.store(0.0, kRelaxed);
+  progress_.hiccups.fetch_add(1, kRelaxed);
+  progress_.in_trouble.store(true, kRelaxed);
   return End::kNone;
 }
 
@@ -65,13 +82,15 @@ bool DeviceLoop::publish(const DeviceSample& sample) noexcept {
   state.session_id = settings_.session_id;
   state.sequence_number = sequence_;
   state.sample_time_ns = sample.time_ns + settings_.epoch_ns;
-  if (sample.pose_valid) last_pose_ = sample.pose;
+  const bool trusted = sample.pose_valid && sample.pose.finite();
+  if (trusted) last_pose_ = sample.pose;
+  else progress_.held_poses.fetch_add(1, kRelaxed);
   state.pose = runtime::to_msg(last_pose_);
   state.twist = runtime::to_msg(sample.twist);
   state.buttons = sample.buttons;
   state.flags = (driver_.simulated() ? msg::device_state::kFlagSimulated : 0U) |
                 (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
-                (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U);
+                (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) | (trusted ? 0U : msg::device_state::kFlagPoseHeld);
   published_ns_[sequence_ % published_ns_.size()] = runtime::monotonic_ns();
   return states_.write(state) || !settings_.lockstep;  // best effort: a full socket is a lost sample, not an end
 }
@@ -112,18 +131,20 @@ std::optional<GuardInput> DeviceLoop::wait_in_lockstep(const std::atomic<bool>& 
 
 std::optional<GuardInput> DeviceLoop::wait_in_real_time() noexcept {
   std::optional<GuardInput> newest;
-  const auto next = runtime::next_deadline(deadline_ns_, runtime::monotonic_ns(), period_ns_);
-  deadline_ns_ = next.at_ns;
-  progress_.overruns.fetch_add(next.skipped, kRelaxed);
+  next_period();
   for (std::int64_t left; (left = deadline_ns_ - runtime::monotonic_ns()) > 0;) {
-    if (gate_.last_sequence() == sequence_) {  // answered: nothing more to wait for but the deadline
-      runtime::sleep_until(deadline_ns_);
-      break;
-    }
+    if (gate_.last_sequence() == sequence_) break;  // answered: nothing more to wait for
     if (!wait_set_.wait(left)) break;
     if (const auto command = take_commands()) newest = command;
   }
+  if (driver_.simulated()) runtime::sleep_until(deadline_ns_);
   return newest;
+}
+
+void DeviceLoop::next_period() noexcept {
+  const auto next = runtime::next_deadline(deadline_ns_, runtime::monotonic_ns(), period_ns_);
+  deadline_ns_ = next.at_ns;
+  progress_.overruns.fetch_add(next.skipped, kRelaxed);
 }
 
 void DeviceLoop::note(const Wrench& force) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
-/// One turn a sample: read, publish, wait for the command, guard, write. Real-time safe after construction.
+/// One turn a sample: read, publish, wait for the command, guard, write. Real-time safe after construction. A simulated device is paced
+/// here, at absolute deadlines; a real one paces by its own clock, in `read`, and gets its command as soon as it is there.
 #include <array>
 #include <atomic>
 
@@ -14,11 +15,14 @@
 namespace voxtouch::device {
 
 /// Why the loop ended.
-enum class End : std::uint32_t { kNone, kStopped, kFinished, kPeerSilent, kPeerGone, kDeviceGone, kDeviceFault, kWriteBlocked };
+enum class End : std::uint32_t { kNone, kStopped, kFinished, kPeerSilent, kPeerGone, kDeviceGone, kDeviceFault, kWriteBlocked, kRigTaken };
 
 /// What other threads may read while the loop runs.
 struct Progress {
   std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, clamped{0}, faded{0}, foreign_commands{0};
+  std::atomic<std::uint64_t> hiccups{0};      ///< reads and writes that failed without ending the session; each is zero force
+  std::atomic<std::uint64_t> held_poses{0};   ///< samples whose pose was not to be trusted
+  std::atomic<bool> in_trouble{false};        ///< the last read or write failed: the device is at zero force
   std::atomic<std::uint64_t> deadline_misses{0};  ///< set at the end: a reader goes on counting once nobody writes any more
   std::atomic<std::uint64_t> foreign_writer{0};  ///< publication handle of the last writer that was ignored
   std::atomic<std::uint64_t> followed_writer{0}; ///< publication handle of the writer that is followed; 0: none yet
@@ -32,6 +36,7 @@ struct Progress {
 struct Requests {
   std::atomic<bool> release_writer{false};  ///< the followed writer has gone
   std::atomic<bool> peer_gone{false};       ///< lockstep: a node that takes part has gone
+  std::atomic<bool> rig_taken{false};       ///< another device of this rig was there first
 };
 
 class DeviceLoop {
@@ -51,6 +56,8 @@ class DeviceLoop {
 
  private:
   End turn(const std::atomic<bool>& stop) noexcept;
+  End after(DeviceError error) noexcept;
+  void next_period() noexcept;
   bool publish(const DeviceSample& sample) noexcept;
   std::optional<GuardInput> wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept;
   std::optional<GuardInput> wait_in_real_time() noexcept;

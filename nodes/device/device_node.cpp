@@ -20,32 +20,13 @@ namespace {
 
 using runtime::NodeState;
 
-/// The hand's motion in the device's frame, as the scene gives it.
-Motion choose_motion(const Scene& scene, const std::string& name) {
-  if (scene.motions.empty()) {
-    Motion rest;
-    rest.path = {Vec3::Zero()};
-    return rest;
-  }
-  if (name.empty()) {
-    Motion rest = scene.motions.begin()->second;
-    rest.path.resize(1);
-    rest.repeat_from.reset();
-    rest.circle_centre.reset();
-    return rest;
-  }
-  const auto found = scene.motions.find(name);
-  if (found != scene.motions.end()) return found->second;
-  std::string known;
-  for (const auto& [key, motion] : scene.motions) known += (known.empty() ? "" : ", ") + key;
-  throw std::runtime_error(fmt::format("{}: there is no motion '{}'; this scene has {}", scene.file.string(), name, known));
-}
-
-/// New at each start; the same for the same run in lockstep, where recordings must not differ by a bit.
-std::uint64_t make_session_id(const Options& options, const Scene& scene) {
+/// New at each start. In lockstep the same for the same run, since recordings must not differ by a bit, but for a device that is
+/// started anew among nodes that keep running: `sessions` is how many these have seen.
+std::uint64_t make_session_id(const Options& options, const Scene& scene, std::uint64_t sessions) {
   if (!options.lockstep) return static_cast<std::uint64_t>(runtime::realtime_ns());
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
-  for (const char c : fmt::format("{}/{}/{}/{}", scene.hash, options.device, options.motion, options.seed))
+  const std::string anew = sessions ? fmt::format("/{}", sessions) : "";
+  for (const char c : fmt::format("{}/{}/{}/{}{}", scene.hash, options.device, options.motion, options.seed, anew))
     hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
   return hash;
 }
@@ -82,34 +63,33 @@ std::string sentence(End end, const Driver& driver) {
     case End::kFinished: return "finished; the device is at zero force";
     case End::kPeerSilent: return "no command came for 5 s: is the coupling node alive? The device is at zero force";
     case End::kPeerGone: return "a node that takes part has gone; the device is at zero force";
-    case End::kDeviceGone: return driver.description().model + " does not answer any more: check its cable and power";
-    case End::kDeviceFault: return driver.description().model + " reported a fault and needs a person";
+    case End::kDeviceGone: return driver.description().model + " does not answer any more, zero force was its last command: check its cable and power";
+    case End::kDeviceFault: return driver.description().model + " reported a fault and needs a person; it was told to give zero force";
+    case End::kRigTaken: return "another device runs in this rig and was there first; this one is at zero force. Choose another --rig or --domain";
     case End::kWriteBlocked: return "a sample could not be handed to DDS; the device is at zero force";
   }
   return "unknown";
 }
 
-/// Refuses to be the second device of a rig: two would fight over the same namespace.
-void require_free_rig(const bus::Participant& participant, const Options& options) {
+/// Refuses to be the second device of a rig: two would fight over the same namespace. Returns how many sessions the other nodes
+/// have seen.
+std::uint64_t require_free_rig(const bus::Participant& participant, const Options& options) {
   runtime::Roster roster(participant, options.rig);
-  const std::int64_t until = runtime::monotonic_ns() + 400'000'000;
-  while (runtime::monotonic_ns() < until) {
-    roster.update();
-    if (const auto other = roster.find("device"))
-      throw std::runtime_error(fmt::format(
-          "a device already runs in rig '{}' on domain {} (process {} on {}). Stop it, or choose another --rig or --domain",
-          options.rig, options.domain, other->pid, other->host));
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
+  if (const auto other = runtime::look_for_others(roster, "device", std::chrono::milliseconds(400)))
+    throw std::runtime_error(fmt::format(
+        "a device already runs in rig '{}' on domain {} (process {} on {}). Stop it, or choose another --rig or --domain",
+        options.rig, options.domain, other->pid, other->host));
+  return runtime::sessions_seen(roster);
 }
 
 /// All of the node: endpoints, driver, loop; the housekeeping thread looks in from beside.
 class DeviceNode {
  public:
   DeviceNode(const Options& options, const Scene& scene)
-      : options_(options), participant_(options.participant("device")), session_(make_session_id(options, scene)) {
-    require_free_rig(participant_, options);
-    driver_ = open_driver(scene);
+      : options_(options), participant_(options.participant("device")),
+        session_(make_session_id(options, scene, require_free_rig(participant_, options))), driver_(open_driver(scene)) {
+    if (options.lockstep && !driver_->simulated())
+      throw std::runtime_error(driver_->description().model + " lives in real time: --lockstep needs a simulated device");
     states_ = {participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())};
     descriptions_ = {participant_, qos::kDeviceDescription, options.rig, qos::profile_in(qos::kDeviceDescription, options.mode())};
     commands_ = {participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())};
@@ -152,7 +132,7 @@ class DeviceNode {
     s.session_id = session_;
     s.lockstep = options_.lockstep;
     s.epoch_ns = options_.lockstep ? 0 : runtime::realtime_ns();
-    s.max_samples = static_cast<std::uint64_t>(std::llround(options_.duration_s * driver_->description().rate_hz));
+    s.max_samples = static_cast<std::uint64_t>(std::ceil(options_.duration_s * driver_->description().rate_hz - 1e-6));  // 0 only for 0
     return s;
   }
 
@@ -161,6 +141,7 @@ class DeviceNode {
     const std::int64_t give_up = runtime::monotonic_ns() + 60'000'000'000;
     while (options_.lockstep && !peers_ready_.load(std::memory_order_acquire)) {
       if (stop.load()) return End::kStopped;
+      if (requests_.rig_taken.load()) return End::kRigTaken;
       if (runtime::monotonic_ns() > give_up) {
         peers_late_ = true;
         return End::kPeerSilent;
@@ -178,11 +159,13 @@ class DeviceNode {
     const End end = progress_.end.load(std::memory_order_acquire);
     watch_peers(roster);
     watch_writers(roster);
+    watch_rig(roster);
     report.session_id = session_;
     const bool running = progress_.started_ns.load() != 0;
     report.state = end == End::kNone ? (running ? NodeState::kRunning : NodeState::kReady)
                    : end == End::kStopped || end == End::kFinished ? NodeState::kStopped : NodeState::kFailed;
     report.message = end != End::kNone ? end_sentence(end)
+                     : progress_.in_trouble.load() ? driver_->description().model + " misses samples or refuses commands: zero force until it answers again"
                      : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
                      : running ? "running" : "waiting for " + waiting_for_;
     fill(report.values);
@@ -202,6 +185,15 @@ class DeviceNode {
       ready = ready && answered;
     }
     if (ready) peers_ready_.store(true, std::memory_order_release);
+  }
+
+  /// Two that start at the same time see nobody there. The older session stays; in lockstep, where sessions have no age, the smaller id.
+  void watch_rig(const runtime::Roster& roster) {
+    for (const runtime::NodeReport& other : roster.reports()) {
+      if (other.node != "device" || other.participant == participant_.guid()) continue;
+      const bool theirs = other.session_id != session_ ? other.session_id < session_ : other.participant < participant_.guid();
+      if (theirs) requests_.rig_taken.store(true);
+    }
   }
 
   /// The device's rule for takeover: the followed writer keeps its place until it has gone.
@@ -233,6 +225,8 @@ class DeviceNode {
     values["force_n"] = fmt::format("{:.6g}", progress_.force_n.load());
     values["refused"] = fmt::to_string(progress_.refused.load());
     values["clamped"] = fmt::to_string(progress_.clamped.load());
+    values["hiccups"] = fmt::to_string(progress_.hiccups.load());
+    values["held_poses"] = fmt::to_string(progress_.held_poses.load());
     values["faded"] = fmt::to_string(progress_.faded.load());
     values["foreign_commands"] = fmt::to_string(progress_.foreign_commands.load());
   }
@@ -254,6 +248,26 @@ class DeviceNode {
 };
 
 }  // namespace
+
+Motion choose_motion(const Scene& scene, const std::string& name) {
+  if (scene.motions.empty()) {
+    Motion rest;
+    rest.path = {Vec3::Zero()};
+    return rest;
+  }
+  if (name.empty()) {
+    Motion rest = scene.motions.begin()->second;
+    rest.path.resize(1);
+    rest.repeat_from.reset();
+    rest.circle_centre.reset();
+    return rest;
+  }
+  const auto found = scene.motions.find(name);
+  if (found != scene.motions.end()) return found->second;
+  std::string known;
+  for (const auto& [key, motion] : scene.motions) known += (known.empty() ? "" : ", ") + key;
+  throw std::runtime_error(fmt::format("{}: there is no motion '{}'; this scene has {}", scene.file.string(), name, known));
+}
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const Scene scene = load_scene(options.scene);

@@ -3,15 +3,22 @@
 #include <atomic>
 #include <string>
 
+#include "core/scene/scene.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::device {
+
+inline constexpr double kLongestDurationS = 1e8;  ///< three years; samples are counted in whole numbers
 
 struct Options : runtime::NodeOptions {
   std::string device = "sim-phantom";
   std::string motion;        ///< of the scene; empty: the hand rests where the first motion starts
   double duration_s = 0.0;   ///< of the device's time; 0: until stopped
 };
+
+/// The hand's motion, in W, as the scene gives it; rest at the first way point where `name` is empty. Throws where the scene has no such
+/// motion, naming those it has.
+Motion choose_motion(const Scene& scene, const std::string& name);
 
 /// Runs until `stop`, the duration's end or a fault; the device is at zero force when this returns. 0 if all went well. Throws
 /// while starting only.

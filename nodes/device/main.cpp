@@ -5,7 +5,8 @@ int main(int argc, char** argv) {
   voxtouch::device::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
-      {.about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its state, and gives it the\n"
+      {.name = "device",
+       .about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its state, and gives it the\n"
       "commanded force through the force guard. Ends with the device at zero force.",
        .with_scene = true, .in_ring = true},
       options,
@@ -13,7 +14,7 @@ int main(int argc, char** argv) {
         app.add_option("--device", options.device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
         app.add_option("--motion", options.motion, "What the simulated operator's hand does (a motion of the scene)");
         app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")->capture_default_str()->check(
-            voxtouch::runtime::require_not_negative);
+            voxtouch::runtime::require_not_negative)->check(CLI::Range(0.0, voxtouch::device::kLongestDurationS));
       },
       [&](const std::atomic<bool>& stop) { return voxtouch::device::run(options, stop); });
 }

@@ -11,7 +11,7 @@
 namespace voxtouch::logger {
 namespace {
 
-using runtime::NodeState;
+constexpr std::int64_t kLongestFarewellNs = 1'000'000'000;
 
 std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder) {
   auto writer = bag::BagWriter::create(folder);
@@ -36,7 +36,7 @@ class LoggerNode {
       std::int64_t last_discovery = 0;
       while (!stop.load(std::memory_order_relaxed)) {
         wait_set_.wait(20'000'000);
-        descriptions_.take_each([this](const msg::DeviceDescription& d) { session_.store(d.session_id); });
+        descriptions_.take_each([this](const msg::DeviceDescription& d) { session_.begin(d.session_id); });
         topics_.drain();
         if (const std::int64_t now = runtime::monotonic_ns(); now - last_discovery > 50'000'000) {
           last_discovery = now;
@@ -44,12 +44,14 @@ class LoggerNode {
         }
       }
       // Whatever the others wrote before they stopped has been acknowledged by our readers: it is here, or on its way (best effort).
-      const std::int64_t quiet_until = runtime::monotonic_ns() + 100'000'000;
+      // Not for ever: others may go on writing, a ring that this logger only listens to or a robot whose topics it was told.
+      const std::int64_t now = runtime::monotonic_ns(), quiet_until = now + 100'000'000, end = now + kLongestFarewellNs;
       do {
+        descriptions_.take_each([](const msg::DeviceDescription&) {});
         topics_.drain();
-      } while (wait_set_.wait(20'000'000) || runtime::monotonic_ns() < quiet_until);
+      } while (runtime::monotonic_ns() < end && (wait_set_.wait(20'000'000) || runtime::monotonic_ns() < quiet_until));
       final_ = recorder_.stop();
-      finished_.store(true, std::memory_order_release);
+      session_.stop();  // what is final is in place
     }
     const std::uint64_t lost = final_.total(&bag::TopicReport::dropped) + final_.total(&bag::TopicReport::lost);
     for (const std::string& error : final_.errors) fmt::print(stderr, "error: logger: {}\n", error);
@@ -62,13 +64,9 @@ class LoggerNode {
 
  private:
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
-    const bool finished = finished_.load(std::memory_order_acquire);
+    const bool finished = session_.stopped();
     const bag::RecordingReport now = finished ? final_ : recorder_.report();
-    const std::uint64_t session = session_.load();
-    const bool ready = session != 0 && runtime::missing_links(options_, roster, links_).empty();
     const std::uint64_t lost = now.total(&bag::TopicReport::dropped) + now.total(&bag::TopicReport::lost);
-    report.session_id = ready ? session : 0;
-    report.state = finished ? NodeState::kStopped : ready ? NodeState::kRunning : NodeState::kStarting;
     report.message = !now.errors.empty() ? now.errors.front()
                      : lost ? "the disk is too slow: messages are being dropped"
                      : finished ? "the bag is closed" : "recording";
@@ -77,6 +75,7 @@ class LoggerNode {
                      {"written", fmt::to_string(now.total(&bag::TopicReport::written))},
                      {"dropped", fmt::to_string(lost)},
                      {"topics", fmt::to_string(now.topics.size())}};
+    session_.report_to(report, options_, roster, links_, "a device", true);
   }
 
   const Options& options_;
@@ -87,8 +86,7 @@ class LoggerNode {
   RecordedTopics topics_;
   std::vector<runtime::Link> links_;
   bag::RecordingReport final_;
-  std::atomic<std::uint64_t> session_{0};
-  std::atomic<bool> finished_{false};
+  runtime::Session session_;
 };
 
 }  // namespace

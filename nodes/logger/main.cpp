@@ -5,7 +5,8 @@ int main(int argc, char** argv) {
   voxtouch::logger::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
-      {.about = "voxtouch logger node: records every topic of the rig, and others by name, into a rosbag2 bag (sqlite3) without knowing\n"
+      {.name = "logger",
+       .about = "voxtouch logger node: records every topic of the rig, and others by name, into a rosbag2 bag (sqlite3) without knowing\n"
       "their types. A slow disk never slows the ring: what does not fit is dropped, counted and said.",
        .with_scene = false, .in_ring = false},
       options,

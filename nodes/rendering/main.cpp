@@ -5,7 +5,8 @@ int main(int argc, char** argv) {
   voxtouch::rendering::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
-      {.about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers every device sample with the contact wrench.",
+      {.name = "rendering",
+       .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers every device sample with the contact wrench.",
        .with_scene = true, .in_ring = true},
       options, [](CLI::App&) {},
       [&](const std::atomic<bool>& stop) { return voxtouch::rendering::run(options, stop); });

@@ -16,7 +16,6 @@
 namespace voxtouch::rendering {
 namespace {
 
-using runtime::NodeState;
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
 class RenderingNode {
@@ -47,7 +46,7 @@ class RenderingNode {
       msg::DeviceState state;
       while (states_.take(state) && !stop.load(kRelaxed)) answer(state);
     }
-    stopped_.store(true);
+    session_.stop();
     return 0;
   }
 
@@ -55,19 +54,21 @@ class RenderingNode {
   void start_session(std::uint64_t session) {
     built_.renderer().reset();
     mapping_.reset();
+    result_ = {};  // what is held for a refused sample must not come from another session
+    refused_in_a_row_ = 0;
     session_in_loop_ = session;
     publish_plan(plans_, built_.plan(), built_.largest_shell_gap_m(), session);
-    session_.store(session, std::memory_order_release);
+    session_.begin(session);
   }
 
   /// A sample that cannot be used is answered with the last good pose's contact for as long as a device holds a command.
   void answer(const msg::DeviceState& state) noexcept {
     const std::int64_t begin = runtime::monotonic_ns();
     if (state.session_id != session_in_loop_) return;  // its description, which is reliable, is on the way
-    const ToolState& tool = mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons);
-    const bool good = !tool.refused;
+    const bool good = !(state.flags & msg::device_state::kFlagPoseHeld) &&
+                      !mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons).refused;
     if (good) {
-      result_ = built_.renderer().render(tool.pose);
+      result_ = built_.renderer().render(mapping_.tool().pose);
       refused_in_a_row_ = 0;
     } else {
       refused_.fetch_add(1, kRelaxed);
@@ -107,12 +108,6 @@ class RenderingNode {
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
-    const std::uint64_t session = session_.load(std::memory_order_acquire);
-    const std::string missing = session ? runtime::missing_links(options_, roster, links_) : "a device";
-    const bool ready = missing.empty();
-    report.session_id = ready ? session : 0;
-    report.state = stopped_.load() ? NodeState::kStopped : ready ? (samples_.load() ? NodeState::kRunning : NodeState::kReady) : NodeState::kStarting;
-    report.message = stopped_.load() ? "stopped" : ready ? "scene '" + scene_.name + "' is built" : "scene '" + scene_.name + "' is built; waiting for " + missing;
     report.values = {{"samples", fmt::to_string(samples_.load())},
                      {"contact_samples", fmt::to_string(contact_samples_.load())},
                      {"refused_samples", fmt::to_string(refused_.load())},
@@ -120,6 +115,8 @@ class RenderingNode {
                      {"held_samples", fmt::to_string(held_.load())},
                      {"longest_frame_us", fmt::format("{:.0f}", options_.lockstep ? 0.0 : static_cast<double>(longest_ns_.load()) * 1e-3)},
                      {"warnings", fmt::to_string(built_.plan().warnings.size())}};
+    const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
+    report.message = session_.stopped() ? "stopped" : "scene '" + scene_.name + "' is built" + (missing.empty() ? "" : "; waiting for " + missing);
   }
 
   static constexpr int kHoldSamples = 3;
@@ -137,12 +134,11 @@ class RenderingNode {
   std::vector<runtime::Link> links_;
   const std::atomic<bool>* stop_ = nullptr;
   std::uint64_t session_in_loop_ = 0;
-  std::atomic<std::uint64_t> session_{0};
+  runtime::Session session_;
   StageResult result_;
   int refused_in_a_row_ = 0;
   std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0};
   std::atomic<std::int64_t> longest_ns_{0};
-  std::atomic<bool> stopped_{false};
 };
 
 }  // namespace

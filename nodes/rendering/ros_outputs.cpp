@@ -50,7 +50,11 @@ RosOutputs::RosOutputs(const bus::Participant& participant, const std::string& r
         const sched_param ordinary{};
         sched_setscheduler(0, SCHED_OTHER, &ordinary);
         for (std::uint64_t count = 0; !stop_.load(std::memory_order_acquire); ++count) {
-          turn(count);
+          try {
+            turn(count);
+          } catch (const std::exception&) {
+            // What people look at must not end what they feel: this picture is left out.
+          }
           std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
       }) {}

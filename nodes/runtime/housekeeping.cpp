@@ -16,7 +16,7 @@ Housekeeping::Housekeeping(const bus::Participant& participant, std::string node
     const sched_param ordinary{};
     sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the creator may run under SCHED_FIFO
     while (!stop_.load(std::memory_order_acquire)) {
-      turn();
+      turn_or_skip();
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
   });
@@ -26,8 +26,16 @@ Housekeeping::~Housekeeping() {
   stop_.store(true, std::memory_order_release);
   thread_.join();
   last_publish_ns_ = 0;
-  turn();
+  turn_or_skip();
   writer_.flush();
+}
+
+void Housekeeping::turn_or_skip() noexcept {
+  try {
+    turn();
+  } catch (const std::exception&) {
+    // Out of memory, say. A report is lost; an exception that left this thread would end the process, and the device with it.
+  }
 }
 
 void Housekeeping::turn() {

@@ -23,6 +23,7 @@ class Housekeeping {
 
  private:
   void turn();
+  void turn_or_skip() noexcept;
 
   const NodeOptions& options_;
   StatusWriter writer_;

@@ -12,6 +12,7 @@ namespace voxtouch::runtime {
 
 /// What kind of node a program is.
 struct Program {
+  std::string name;         ///< in front of what it says on stderr
   std::string about;        ///< for --help
   bool with_scene = true;   ///< takes --scene
   bool in_ring = true;      ///< asks for real-time scheduling; a tap does not

@@ -1,5 +1,6 @@
 #pragma once
 /// Lockstep: who must have matched whom before sample 0, and who is still there.
+#include <atomic>
 #include <functional>
 #include <string>
 #include <vector>
@@ -22,5 +23,26 @@ std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std
 /// What is still missing, for people: "validator on rendering/contact". Empty when every link has matched all its nodes; in real
 /// time nobody is waited for, so it is always empty there.
 std::string missing_links(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links);
+
+/// A device session as one node sees it. The loop writes, the housekeeping reads.
+class Session {
+ public:
+  /// From the loop, once everything is reset and what is latched has been published.
+  void begin(std::uint64_t id) noexcept {
+    count_.fetch_add(1, std::memory_order_relaxed);
+    id_.store(id, std::memory_order_release);
+  }
+  void stop() noexcept { stopped_.store(true, std::memory_order_release); }
+
+  /// What all nodes but the device report alike: session, state, count of sessions. Ready once a session has begun and every link has
+  /// matched; running once `busy`. Returns what it waits for (`first` before any session), empty when ready.
+  std::string report_to(NodeReport& report, const NodeOptions& options, const Roster& roster, const std::vector<Link>& links,
+                        std::string_view first, bool busy) const;
+  bool stopped() const noexcept { return stopped_.load(std::memory_order_acquire); }
+
+ private:
+  std::atomic<std::uint64_t> id_{0}, count_{0};
+  std::atomic<bool> stopped_{false};
+};
 
 }  // namespace voxtouch::runtime

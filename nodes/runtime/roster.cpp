@@ -3,7 +3,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <thread>
 
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/strings.hpp"
@@ -90,6 +92,24 @@ std::string Roster::name_of(const bus::Guid& guid) const {
   const auto known = reports_.find(guid);
   if (known == reports_.end()) return "a participant that gives no name";
   return known->second.node + " (process " + std::to_string(known->second.pid) + " on " + known->second.host + ")";
+}
+
+std::optional<NodeReport> look_for_others(Roster& roster, std::string_view node, std::chrono::milliseconds patience) {
+  const std::int64_t until = monotonic_ns() + std::chrono::nanoseconds(patience).count();
+  for (; monotonic_ns() < until; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+    roster.update();
+    for (NodeReport& report : roster.reports())
+      if (node.empty() || report.node == node) return std::move(report);
+  }
+  return std::nullopt;
+}
+
+std::uint64_t sessions_seen(const Roster& roster) {
+  std::uint64_t most = 0;
+  for (const NodeReport& report : roster.reports())
+    if (const auto seen = report.values.find(kSessions); seen != report.values.end())
+      most = std::max<std::uint64_t>(most, std::strtoull(seen->second.c_str(), nullptr, 10));
+  return most;
 }
 
 bool has_matched(const Roster& roster, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes) {

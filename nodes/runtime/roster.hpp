@@ -1,5 +1,6 @@
 #pragma once
 /// Who runs in this rig: each node publishes its own status and reads everybody's.
+#include <chrono>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -18,6 +19,9 @@ enum class NodeState : std::uint32_t {
   kStopped = msg::node_status::kStateStopped,
   kFailed = msg::node_status::kStateFailed,
 };
+
+/// Key of a report's values: how many device sessions the node has seen.
+inline constexpr char kSessions[] = "sessions";
 
 /// One node's status as a value.
 struct NodeReport {
@@ -64,6 +68,12 @@ class Roster {
   bus::Reader<msg::NodeStatus> reader_;
   std::map<bus::Guid, NodeReport> reports_;
 };
+
+/// Looks for `patience`: the first report of `node` (of any node where that is empty), if one comes.
+std::optional<NodeReport> look_for_others(Roster& roster, std::string_view node, std::chrono::milliseconds patience);
+
+/// How many device sessions the nodes of the roster have seen: the most that one of them reports.
+std::uint64_t sessions_seen(const Roster& roster);
 
 /// Whether `matched` holds the participant of every node of `nodes` that the roster knows; false where one is not known yet.
 bool has_matched(const Roster& roster, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes);

@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <sys/prctl.h>
+#include <unistd.h>
 
 namespace voxtouch::runtime {
 
@@ -14,11 +15,19 @@ void catch_signals() {
   stop_requested();  // made before a handler can need it
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested().store(true, std::memory_order_relaxed); };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  sigset_t ours;
+  sigemptyset(&ours);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+    sigaction(number, &action, nullptr);
+    sigaddset(&ours, number);
+  }
   signal(SIGPIPE, SIG_IGN);
+  pthread_sigmask(SIG_UNBLOCK, &ours, nullptr);
 }
 
-void die_with_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM); }
+void die_with_parent(int parent) {
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) raise(SIGTERM);  // it went before the kernel had been asked
+}
 
 }  // namespace voxtouch::runtime

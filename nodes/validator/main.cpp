@@ -5,7 +5,8 @@ int main(int argc, char** argv) {
   voxtouch::validator::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
-      {.about = "voxtouch validator node: checks every n-th contact against exact distances (FCL and closed forms) that share no code with\n"
+      {.name = "validator",
+       .about = "voxtouch validator node: checks every n-th contact against exact distances (FCL and closed forms) that share no code with\n"
       "the rendering, and says whose fault a disagreement is.",
        .with_scene = true, .in_ring = false},
       options,

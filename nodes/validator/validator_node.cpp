@@ -22,7 +22,6 @@
 namespace voxtouch::validator {
 namespace {
 
-using runtime::NodeState;
 
 /// In real time the validator only taps; in lockstep nothing it has to check may be lost.
 const qos::Profile& contact_profile(const Options& options) {
@@ -68,7 +67,7 @@ class ValidatorNode {
       while (contacts_.take(contact)) check(contact);
     }
     if (options_.lockstep) reports_.wait_for_acknowledgments(DDS_SECS(5));
-    stopped_.store(true);
+    session_.stop();
     return 0;
   }
 
@@ -83,9 +82,10 @@ class ValidatorNode {
     settings.shell_gap_m = std::min(plan.largest_shell_gap_m, std::sqrt(3.0) * scene_.voxel_size_m);
     settings.shell_offset_m = scene_.shell == ShellKind::kNaive ? std::sqrt(3.0) / 2 * scene_.voxel_size_m : 0.0;
     judge_ = std::make_unique<Judge>(settings);
+    forget_disagreement();
     session_in_loop_ = plan.session_id;
     publish_counts();
-    session_.store(plan.session_id, std::memory_order_release);
+    session_.begin(plan.session_id);
   }
 
   void check(const msg::ContactState& contact) {
@@ -124,23 +124,25 @@ class ValidatorNode {
                                         judgement.explanation);
   }
 
+  void forget_disagreement() {
+    const std::lock_guard lock(mutex_);
+    first_disagreement_.clear();
+  }
+
   void publish_counts() {
     const std::lock_guard lock(mutex_);
     counts_ = judge_->counts();
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
-    const std::uint64_t session = session_.load(std::memory_order_acquire);
-    const std::string missing = session ? runtime::missing_links(options_, roster, links_) : "the rendering";
-    const bool ready = missing.empty();
     const std::lock_guard lock(mutex_);
-    report.session_id = ready ? session : 0;
-    report.state = stopped_.load() ? NodeState::kStopped : ready ? (counts_.checked ? NodeState::kRunning : NodeState::kReady) : NodeState::kStarting;
-    report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_ : ready ? "no disagreement" : "waiting for " + missing;
     report.values = {{"checked", fmt::to_string(counts_.checked)}, {"decided", fmt::to_string(counts_.decided)},
                      {"agree", fmt::to_string(counts_.agree)},     {"in_band", fmt::to_string(counts_.in_band)},
                      {"disagree", fmt::to_string(counts_.disagree)}, {"by_rendering", fmt::to_string(counts_.rendering)},
                      {"by_reference", fmt::to_string(counts_.reference)}};
+    const std::string missing = session_.report_to(report, options_, roster, links_, "the rendering", counts_.checked > 0);
+    report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_
+                     : missing.empty() ? "no disagreement" : "waiting for " + missing;
   }
 
   const Options& options_;
@@ -154,8 +156,7 @@ class ValidatorNode {
   std::vector<runtime::Link> links_;
   std::unique_ptr<Judge> judge_;
   std::uint64_t session_in_loop_ = 0;
-  std::atomic<std::uint64_t> session_{0};
-  std::atomic<bool> stopped_{false};
+  runtime::Session session_;
   std::mutex mutex_;
   JudgeCounts counts_;
   std::string first_disagreement_;

@@ -1,0 +1,226 @@
+// The device's loop over a device that can fail in every way a driver may, commanded over real DDS.
+#include "nodes/device/device_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "nodes/runtime/clock.hpp"
+#include "tests/unit/nodes/node_thread.hpp"
+
+namespace voxtouch::device {
+namespace {
+
+/// Fails at the samples it is told to; remembers every force it was given.
+class FaultyDevice final : public Driver {
+ public:
+  std::map<std::uint64_t, DeviceError> read_faults, write_faults;  ///< by the number of the read
+  std::map<std::uint64_t, DeviceSample> odd_samples;
+  std::vector<double> pushed;    ///< force after each read [N]; 0 where it failed
+  double force = 0.0;
+  int stops = 0;
+  bool paces = false;            ///< as a real device: `read` waits for the tick of a clock that is not ours
+  std::vector<double> delays_ms; ///< from a tick to the write that answers it
+  int skipped_ticks = 0;
+
+  FaultyDevice() {
+    description_.model = "faulty";
+    description_.max_force_n = 8.5;
+    description_.max_torque_nm = 0.5;
+    description_.max_force_rate_n_per_s = 5'000.0;
+    description_.max_torque_rate_nm_per_s = 500.0;
+  }
+  const DeviceDescription& description() const noexcept override { return description_; }
+  DeviceResult<DeviceSample> read(std::chrono::microseconds) noexcept override {
+    pushed.push_back(force);
+    ++reads_;
+    if (paces) wait_for_tick();
+    if (const auto fault = read_faults.find(reads_); fault != read_faults.end()) return std::unexpected(fault->second);
+    const auto time_ns = static_cast<std::int64_t>(reads_) * 1'000'000;
+    if (const auto odd = odd_samples.find(reads_); odd != odd_samples.end()) {
+      DeviceSample sample = odd->second;
+      sample.time_ns = time_ns;
+      return sample;
+    }
+    DeviceSample sample;
+    sample.time_ns = time_ns;
+    sample.pose.position = {0.0, 0.0, 0.5};
+    return sample;
+  }
+  DeviceResult<void> write(const Wrench& command) noexcept override {
+    if (const auto fault = write_faults.find(reads_); fault != write_faults.end()) {
+      force = 0.0;
+      return std::unexpected(fault->second);
+    }
+    force = command.force.norm();
+    if (paces) delays_ms.push_back(static_cast<double>(runtime::monotonic_ns() - tick_ns_) * 1e-6);
+    return {};
+  }
+  void stop() noexcept override { force = 0.0, ++stops; }
+  bool simulated() const noexcept override { return !paces; }
+  std::uint64_t reads() const { return reads_; }
+
+  void set_rate(double rate_hz) { description_.rate_hz = rate_hz; }
+
+ private:
+  void wait_for_tick() {
+    constexpr std::int64_t kTickNs = 4'150'000;  // it says 4 ms, and its quartz is off
+    if (tick_ns_ == 0) tick_ns_ = runtime::monotonic_ns();
+    const auto next = runtime::next_deadline(tick_ns_, runtime::monotonic_ns(), kTickNs);
+    skipped_ticks += static_cast<int>(next.skipped);
+    runtime::sleep_until(tick_ns_ = next.at_ns);
+  }
+
+  std::int64_t tick_ns_ = 0;
+  DeviceDescription description_;
+  std::uint64_t reads_ = 0;
+};
+
+/// A loop of 1200 samples, each answered with 2 N.
+class DeviceLoopRun : public testing::Test {
+ protected:
+  DeviceLoopRun() : participant_({test::kDomain, "lo", "device_loop_test"}), rig_(test::own_rig()) { device.pushed.reserve(4'000); }
+
+  End run(std::uint64_t samples = 1200) {
+    const auto& stream = qos::profile(qos::ProfileId::kStream);
+    bus::Writer<msg::DeviceState> states(participant_, qos::kDeviceState, rig_, stream);
+    bus::Reader<msg::ForceCommand> commands(participant_, qos::kForceCommand, rig_, stream);
+    bus::WaitSet wait_set(participant_);
+    wait_set.attach(commands.condition());
+    test::NodeThread coupling([this](const std::atomic<bool>& enough) { return answer(enough); });
+    DeviceLoop loop({.session_id = 7, .max_samples = samples}, device, states, commands, wait_set, progress, requests);
+    test::wait_until([&] { return commands.matched_count() == 1 && states.matched_count() == 1; });
+    const std::int64_t begin = runtime::monotonic_ns();
+    const End end = loop.run(stop);
+    took_s = static_cast<double>(runtime::monotonic_ns() - begin) * 1e-9;
+    return end;
+  }
+
+  /// Of the forces after these reads. The machine may stall in between, so that single ones say little.
+  double largest(std::ptrdiff_t first, std::ptrdiff_t last) const {
+    return *std::max_element(device.pushed.begin() + first, device.pushed.begin() + last);
+  }
+
+  FaultyDevice device;
+  Progress progress;
+  Requests requests;
+  std::atomic<bool> stop{false};
+  std::vector<msg::DeviceState> seen;
+  double took_s = 0.0;
+
+ private:
+  int answer(const std::atomic<bool>& enough) {
+    const bus::Participant participant({test::kDomain, "lo", "fake_coupling"});
+    bus::Reader<msg::DeviceState> states(participant, qos::kDeviceState, rig_, qos::profile(qos::ProfileId::kStream));
+    bus::Writer<msg::ForceCommand> commands(participant, qos::kForceCommand, rig_, qos::profile(qos::ProfileId::kStream));
+    bus::WaitSet wait_set(participant);
+    wait_set.attach(states.condition());
+    while (!enough.load()) {
+      wait_set.wait(10'000'000);
+      msg::DeviceState state;
+      while (states.take(state)) {
+        seen.push_back(state);
+        msg::ForceCommand command{};
+        command.session_id = state.session_id;
+        command.sequence_number = state.sequence_number;
+        command.sample_time_ns = state.sample_time_ns;
+        command.valid_until_ns = state.sample_time_ns + 5'000'000;
+        command.wrench.force.x = 2.0;
+        commands.write(command);
+      }
+    }
+    return 0;
+  }
+
+  bus::Participant participant_;
+  std::string rig_;
+};
+
+TEST_F(DeviceLoopRun, PushesAsCommandedAndEndsAtZero) {
+  EXPECT_EQ(run(), End::kFinished);
+  EXPECT_GT(largest(1000, 1200), 1.5) << "without a force the other cases show nothing";
+  EXPECT_EQ(device.force, 0.0);
+  EXPECT_EQ(progress.hiccups.load(), 0U);
+}
+
+TEST_F(DeviceLoopRun, TakesAMissedSampleForAHiccupNotForTheEnd) {
+  device.read_faults = {{900, DeviceError::kTimeout}, {901, DeviceError::kProtocol}, {902, DeviceError::kRecoverable}};
+  EXPECT_EQ(run(), End::kFinished);
+  EXPECT_EQ(progress.samples.load(), 1200U);
+  EXPECT_EQ(progress.hiccups.load(), 3U);
+  EXPECT_GT(largest(700, 900), 1.5) << "the force before the hiccup";
+  EXPECT_EQ(device.pushed[900], 0.0) << "zero force at once";
+  EXPECT_EQ(device.pushed[902], 0.0);
+  EXPECT_LT(device.pushed[920], 0.5) << "the force comes back in a ramp";
+  EXPECT_GT(largest(1000, 1200), 0.5);
+  EXPECT_FALSE(progress.in_trouble.load());
+}
+
+TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {
+  for (std::uint64_t i = 800; i < 810; ++i) device.write_faults[i] = DeviceError::kRecoverable;
+  EXPECT_EQ(run(), End::kFinished);
+  EXPECT_EQ(progress.hiccups.load(), 10U);
+  EXPECT_EQ(device.pushed[809], 0.0);
+  EXPECT_LT(device.pushed[830], 0.5);
+  EXPECT_GT(largest(1000, 1200), 0.5);
+}
+
+TEST_F(DeviceLoopRun, DoesNotSpinOnADeviceThatFailsAtOnce) {
+  for (std::uint64_t i = 100; i < 400; ++i) device.read_faults[i] = DeviceError::kRecoverable;
+  EXPECT_EQ(run(500), End::kFinished);
+  EXPECT_GT(took_s, 0.7) << "500 good and 300 failed samples at 1 kHz";
+}
+
+TEST_F(DeviceLoopRun, EndsAtZeroForceWhenTheDeviceHasGoneOrNeedsAPerson) {
+  device.read_faults = {{900, DeviceError::kDisconnected}};
+  EXPECT_EQ(run(), End::kDeviceGone);
+  EXPECT_EQ(device.force, 0.0);
+  EXPECT_GE(device.stops, 1);
+}
+
+TEST_F(DeviceLoopRun, EndsAtZeroForceWhenAWriteFindsAFault) {
+  device.write_faults = {{900, DeviceError::kFault}};
+  EXPECT_EQ(run(), End::kDeviceFault);
+  EXPECT_EQ(device.force, 0.0);
+  EXPECT_GE(device.stops, 1);
+}
+
+TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
+  DeviceSample marked, not_a_number;
+  marked.pose.position = {9.0, 9.0, 9.0};
+  marked.pose_valid = false;
+  not_a_number.pose.position.x() = std::numeric_limits<double>::quiet_NaN();
+  for (std::uint64_t i = 200; i < 300; ++i) device.odd_samples[i] = i % 2 ? marked : not_a_number;
+  EXPECT_EQ(run(500), End::kFinished);
+  EXPECT_EQ(progress.held_poses.load(), 100U);
+  int flagged = 0;
+  for (const msg::DeviceState& state : seen) {
+    EXPECT_EQ(state.pose.position.z, 0.5) << "sample " << state.sequence_number;
+    const bool held = (state.flags & msg::device_state::kFlagPoseHeld) != 0;
+    EXPECT_EQ(held, state.sequence_number >= 199 && state.sequence_number < 299) << "sample " << state.sequence_number;
+    flagged += held;
+  }
+  EXPECT_GT(flagged, 50);
+}
+
+TEST_F(DeviceLoopRun, AnswersARealDeviceAtItsOwnPaceAndAtOnce) {
+  device.paces = true;
+  device.set_rate(250.0);
+  EXPECT_EQ(run(300), End::kFinished);
+  std::sort(device.delays_ms.begin(), device.delays_ms.end());
+  EXPECT_LT(device.delays_ms[device.delays_ms.size() / 2], 1.5) << "half of the commands waited for a deadline of ours";
+  EXPECT_LT(device.skipped_ticks, 30) << "ticks went by while the loop slept";
+}
+
+TEST_F(DeviceLoopRun, YieldsTheRigAtZeroForce) {
+  requests.rig_taken.store(true);
+  EXPECT_EQ(run(), End::kRigTaken);
+  EXPECT_EQ(device.force, 0.0);
+}
+
+}  // namespace
+}  // namespace voxtouch::device

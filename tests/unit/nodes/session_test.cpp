@@ -1,0 +1,300 @@
+// Sessions: what a device that is started anew, a second rig or a second device does to nodes that keep running.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "nodes/bus/reader.hpp"
+#include "nodes/bus/writer.hpp"
+#include "nodes/coupling/coupling_node.hpp"
+#include "nodes/device/device_node.hpp"
+#include "nodes/rendering/rendering_node.hpp"
+#include "nodes/runtime/roster.hpp"
+#include "tests/unit/nodes/node_thread.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+template <class T>
+double force(const T& m) { return std::hypot(m.wrench.force.x, m.wrench.force.y, m.wrench.force.z); }
+
+/// Everything that a bystander sees of one rig.
+class Bystander {
+ public:
+  explicit Bystander(const std::string& rig)
+      : participant({kDomain, "lo", "bystander"}), roster(participant, rig),
+        descriptions(participant, qos::kDeviceDescription, rig, latched()), plans(participant, qos::kScenePlan, rig, latched()),
+        designs(participant, qos::kCouplingDesign, rig, latched()), states(participant, qos::kDeviceState, rig, tap()),
+        contacts(participant, qos::kContactState, rig, tap()), commands(participant, qos::kForceCommand, rig, tap()) {}
+  void look() {
+    roster.update();
+    descriptions.take_each([this](const auto& m) { described.push_back(m.session_id); });
+    plans.take_each([this](const auto& m) { planned.push_back(m.session_id); });
+    designs.take_each([this](const auto& m) { designed.push_back(m.session_id); });
+    msg::DeviceState state;
+    while (states.take(state)) newest = state;
+    msg::ContactState contact;
+    while (contacts.take(contact)) touched.insert(contact.session_id);
+    msg::ForceCommand command;
+    while (commands.take(command)) {
+      commanded.insert(command.session_id);
+      last_command = command;
+      if (command.session_id != over && command.sequence_number < 5) first_force = std::max(first_force, force(command));
+    }
+  }
+  bool sees(const std::function<bool()>& holds) {
+    return wait_until([&] { look(); return holds(); });
+  }
+  static const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
+  static const qos::Profile& tap() { return qos::profile(qos::ProfileId::kTap); }
+
+  bus::Participant participant;
+  runtime::Roster roster;
+  bus::Reader<msg::DeviceDescription> descriptions;
+  bus::Reader<msg::ScenePlan> plans;
+  bus::Reader<msg::CouplingDesign> designs;
+  bus::Reader<msg::DeviceState> states;
+  bus::Reader<msg::ContactState> contacts;
+  bus::Reader<msg::ForceCommand> commands;
+  std::vector<std::uint64_t> described, planned, designed;
+  std::set<std::uint64_t> touched, commanded;
+  msg::DeviceState newest{};
+  msg::ForceCommand last_command{};
+  double first_force = 0.0;
+  std::uint64_t over = 0;  ///< session that has ended
+};
+
+/// Options live as long as the thread that uses them.
+template <class Options>
+struct Node {
+  Node(Options o, int (*run)(const Options&, const std::atomic<bool>&))
+      : options(std::move(o)), thread([this, run](const std::atomic<bool>& stop) { return run(options, stop); }) {}
+  Options options;
+  NodeThread thread;
+};
+
+device::Options device_options(const std::string& rig, double duration_s) {
+  auto options = node_options<device::Options>(rig, "plane");
+  options.motion = "hit";
+  options.duration_s = duration_s;
+  return options;
+}
+
+TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
+  const std::string rig = own_rig();
+  Bystander bystander(rig);
+  Node rendering(node_options<rendering::Options>(rig, "plane"), rendering::run);
+  Node coupling(node_options<coupling::Options>(rig, "plane"), coupling::run);
+  std::uint64_t old_session = 0;
+  msg::ForceCommand old_command{};
+  {
+    Node device(device_options(rig, 2.0), device::run);
+    ASSERT_TRUE(bystander.sees([&] { return device.thread.status() >= 0; })) << device.thread.error();
+    EXPECT_EQ(device.thread.status(), 0);
+    old_session = bystander.newest.session_id;
+    old_command = bystander.last_command;
+    ASSERT_NE(old_session, 0U);
+    EXPECT_EQ(bystander.commanded, (std::set<std::uint64_t>{old_session}));
+  }
+  bystander.touched.clear(), bystander.commanded.clear(), bystander.first_force = 0.0, bystander.over = old_session;
+  Node device(device_options(rig, 2.0), device::run);
+  ASSERT_TRUE(bystander.sees([&] { return !bystander.commanded.empty(); })) << device.thread.error();
+  // Somebody repeats a command of the old session: refused and counted, and it does not take the coupling's place.
+  bus::Writer<msg::ForceCommand> repeater(bystander.participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kStream));
+  ASSERT_TRUE(wait_until([&] { return repeater.matched_count() >= 1; }));
+  for (int i = 0; i < 200; ++i) {
+    old_command.sequence_number = bystander.newest.sequence_number;
+    old_command.valid_until_ns = std::numeric_limits<std::int64_t>::max();
+    old_command.wrench.force.x = 8.0;
+    repeater.write(old_command);
+    bystander.look();
+    std::this_thread::sleep_for(milliseconds(2));
+  }
+  std::string refused, foreign;
+  double largest = 0.0;
+  ASSERT_TRUE(bystander.sees([&] {
+    if (const auto report = bystander.roster.find("device")) {
+      refused = report->values.at("refused"), foreign = report->values.at("foreign_commands");
+      largest = std::stod(report->values.at("max_force_n"));
+    }
+    return device.thread.status() >= 0;
+  }));
+  EXPECT_EQ(device.thread.status(), 0);
+  EXPECT_GT(std::stoul(refused), 20U);
+  EXPECT_EQ(foreign, "0");
+  EXPECT_LT(largest, 2.0) << "the old session's 8 N reached the device";
+  ASSERT_EQ(bystander.described.size(), 2U);
+  const std::uint64_t new_session = bystander.described[1];
+  EXPECT_NE(new_session, old_session);
+  EXPECT_EQ(bystander.planned, bystander.described);
+  EXPECT_EQ(bystander.designed, bystander.described);
+  EXPECT_EQ(bystander.touched, (std::set<std::uint64_t>{new_session}));
+  EXPECT_EQ(bystander.commanded, (std::set<std::uint64_t>{new_session, old_session})) << "the repeater's and the coupling's";
+  EXPECT_EQ(bystander.first_force, 0.0) << "a new session begins at rest";
+  EXPECT_EQ(coupling.thread.end(), 0);
+  EXPECT_EQ(rendering.thread.end(), 0);
+}
+
+TEST(Session, IsNewInLockstepTooWhenTheNodesHaveSeenTheSameRunBefore) {
+  const std::string rig = own_rig();
+  Bystander bystander(rig);
+  const auto lockstep = [](auto options) {
+    options.lockstep = true;
+    options.peers = {"rendering", "coupling"};
+    return options;
+  };
+  Node rendering(lockstep(node_options<rendering::Options>(rig, "plane")), rendering::run);
+  Node coupling(lockstep(node_options<coupling::Options>(rig, "plane")), coupling::run);
+  for (int i = 0; i < 2; ++i) {
+    Node device(lockstep(device_options(rig, 0.5)), device::run);
+    ASSERT_TRUE(bystander.sees([&] { return device.thread.status() >= 0; })) << device.thread.error();
+    EXPECT_EQ(device.thread.status(), 0);
+    ASSERT_TRUE(bystander.sees([&] { return !bystander.roster.find("device"); }));
+  }
+  ASSERT_EQ(bystander.described.size(), 2U);
+  EXPECT_NE(bystander.described[0], bystander.described[1]);
+  EXPECT_EQ(bystander.planned, bystander.described);
+  EXPECT_EQ(bystander.commanded, (std::set<std::uint64_t>{bystander.described[0], bystander.described[1]}));
+}
+
+/// What a device says, without one.
+class FakeDevice {
+ public:
+  FakeDevice(const std::string& rig)
+      : participant({kDomain, "lo", "fake_device"}), descriptions(participant, qos::kDeviceDescription, rig, Bystander::latched()),
+        states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)) {}
+  void describe(std::uint64_t session) {
+    static char model[] = "fake";
+    msg::DeviceDescription m{};
+    m.session_id = session;
+    m.model = model;
+    m.rate_hz = 1000.0;
+    m.max_force_n = 8.5;
+    m.max_stiffness_n_per_m = 1000.0;
+    descriptions.write(m);
+  }
+  void sample(std::uint64_t session, std::uint64_t sequence, double height, std::uint32_t flags = 0) {
+    msg::DeviceState m{};
+    m.session_id = session;
+    m.sequence_number = sequence;
+    m.sample_time_ns = static_cast<std::int64_t>(sequence) * 1'000'000;
+    m.pose.position = {0.003, 0.002, height};
+    m.pose.orientation.w = 1.0;
+    m.flags = flags;
+    states.write(m);
+  }
+  bus::Participant participant;
+  bus::Writer<msg::DeviceDescription> descriptions;
+  bus::Writer<msg::DeviceState> states;
+};
+
+class RenderingAlone : public testing::Test {
+ protected:
+  RenderingAlone()
+      : rig(own_rig()), device(rig), contacts(device.participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kTap)),
+        plans(device.participant, qos::kScenePlan, rig, Bystander::latched()),
+        rendering(node_options<rendering::Options>(rig, "plane"), rendering::run) {}
+  void begin(std::uint64_t session) {
+    device.describe(session);
+    ASSERT_TRUE(wait_until([&] {
+      bool planned = false;
+      plans.take_each([&](const msg::ScenePlan& plan) { planned |= plan.session_id == session; });
+      return planned && device.states.matched_count() == 1 && contacts.matched_count() == 1;
+    }));
+  }
+  msg::ContactState contact_of(std::uint64_t session, std::uint64_t sequence, double height, std::uint32_t flags = 0) {
+    msg::ContactState contact{};
+    EXPECT_TRUE(wait_until([&] {
+      device.sample(session, sequence, height, flags);
+      std::this_thread::sleep_for(milliseconds(2));
+      while (contacts.take(contact))
+        if (contact.session_id == session && contact.sequence_number == sequence) return true;
+      return false;
+    }));
+    std::this_thread::sleep_for(milliseconds(5));
+    msg::ContactState repeated{};
+    while (contacts.take(repeated)) {
+    }
+    return contact;
+  }
+  std::string rig;
+  FakeDevice device;
+  bus::Reader<msg::ContactState> contacts;
+  bus::Reader<msg::ScenePlan> plans;
+  Node<rendering::Options> rendering;
+};
+
+constexpr double kInContact = 0.009, kNotANumber = std::numeric_limits<double>::quiet_NaN();
+
+TEST_F(RenderingAlone, HoldsAContactForThreeRefusedSamplesAndThenLetsGo) {
+  begin(1);
+  const double good = force(contact_of(1, 0, kInContact));
+  ASSERT_GT(good, 0.01);
+  std::vector<double> held;
+  for (std::uint64_t i = 1; i <= 6; ++i) {
+    const msg::ContactState c = contact_of(1, i, kNotANumber);
+    EXPECT_NE(c.flags & msg::contact_state::kFlagRefusedSample, 0U);
+    held.push_back(force(c));
+  }
+  EXPECT_EQ(held.front(), good);
+  EXPECT_EQ(held.back(), 0.0);
+  EXPECT_EQ(force(contact_of(1, 7, kInContact)), good);
+}
+
+TEST_F(RenderingAlone, RefusesAPoseThatTheDeviceDoesNotTrust) {
+  begin(1);
+  ASSERT_GT(force(contact_of(1, 0, kInContact)), 0.01);
+  msg::ContactState c{};
+  for (std::uint64_t i = 1; i <= 6; ++i) c = contact_of(1, i, kInContact, msg::device_state::kFlagPoseHeld);
+  EXPECT_NE(c.flags & msg::contact_state::kFlagRefusedSample, 0U);
+  EXPECT_EQ(force(c), 0.0) << "the last good pose would push for ever";
+}
+
+TEST_F(RenderingAlone, HoldsNoContactOfAnotherSession) {
+  begin(1);
+  ASSERT_GT(force(contact_of(1, 0, kInContact)), 0.01);
+  begin(2);
+  EXPECT_EQ(force(contact_of(2, 0, kNotANumber)), 0.0);
+}
+
+TEST(Rigs, OnOneDomainDoNotMix) {
+  const std::string left = own_rig("left"), right = own_rig("right");
+  Bystander at_left(left), at_right(right);
+  Node left_rendering(node_options<rendering::Options>(left, "plane"), rendering::run);
+  Node right_rendering(node_options<rendering::Options>(right, "plane"), rendering::run);
+  Node left_coupling(node_options<coupling::Options>(left, "plane"), coupling::run);
+  Node right_coupling(node_options<coupling::Options>(right, "plane"), coupling::run);
+  Node left_device(device_options(left, 1.5), device::run);
+  Node right_device(device_options(right, 1.5), device::run);
+  ASSERT_TRUE(wait_until([&] {
+    at_left.look(), at_right.look();
+    return left_device.thread.status() >= 0 && right_device.thread.status() >= 0;
+  }));
+  EXPECT_EQ(left_device.thread.status(), 0) << left_device.thread.error();
+  EXPECT_EQ(right_device.thread.status(), 0) << right_device.thread.error();
+  ASSERT_EQ(at_left.described.size(), 1U);
+  ASSERT_EQ(at_right.described.size(), 1U);
+  EXPECT_NE(at_left.described[0], at_right.described[0]);
+  for (const Bystander* side : {&at_left, &at_right}) {
+    const std::set<std::uint64_t> own{side->described[0]};
+    EXPECT_EQ(side->touched, own);
+    EXPECT_EQ(side->commanded, own);
+    EXPECT_EQ(side->planned, side->described);
+    EXPECT_EQ(side->designed, side->described);
+  }
+}
+
+TEST(Rigs, KeepOneOfTwoDevicesThatStartAtTheSameTime) {
+  const std::string rig = own_rig();
+  Node first(device_options(rig, 3.0), device::run);
+  Node second(device_options(rig, 3.0), device::run);
+  const int a = first.thread.wait(), b = second.thread.wait();
+  EXPECT_EQ(std::min(a, b), 0) << first.thread.error() << second.thread.error();
+  EXPECT_EQ(std::max(a, b), 1);
+}
+
+}  // namespace
+}  // namespace voxtouch::test
