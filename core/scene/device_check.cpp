@@ -25,7 +25,7 @@ DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double s
   const double felt = stiffness_at_hand_n_per_m(scene, stiffness_bound_n_per_m);
   // Written so that NaN does not pass.
   if (device.max_stiffness_n_per_m > 0.0 && !(felt <= device.max_stiffness_n_per_m))
-    out.errors.push_back(fmt::format("All points together push with up to {:.4g} N/m, which is {:.4g} N/m at the hand; the "
+    out.errors.push_back(fmt::format("The contact's {:.4g} N/m are {:.4g} N/m at the hand; the "
                                      "device can show {:.4g} N/m. Lower contact.stiffness_n_per_m below {:.4g}, or the "
                                      "coupling's gain, or a scale of the device.",
                                      stiffness_bound_n_per_m, felt, device.max_stiffness_n_per_m,

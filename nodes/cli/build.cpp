@@ -50,7 +50,9 @@ int build(const BuildOptions& o) {
   say(fmt::format("pointshell of {} surface voxels", voxmap.surface_count()));
   const std::vector<ShellPoint> points = shell_points(imported.mesh, grid, serial_for());
 
-  std::filesystem::create_directories(o.out);
+  std::error_code refused;
+  std::filesystem::create_directories(o.out, refused);
+  if (refused) throw std::runtime_error(fmt::format("{} could not be made ({}); choose another folder with --out", o.out.string(), refused.message()));
   const std::string stem = o.mesh.stem().string();
   const auto surface = o.out / (stem + "_surface.csv"), interior = o.out / (stem + "_interior.csv"), ply = o.out / (stem + "_shell.ply");
   write_file(surface, [&](std::ostream& out) { write_surface_csv(out, points); });

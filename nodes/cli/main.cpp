@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -18,7 +19,9 @@ int main(int argc, char** argv) {
   voxtouch::cli::add_probe(app, action);
   CLI11_PARSE(app, argc, argv);
   try {
-    return action();
+    const int status = action();
+    if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw std::runtime_error("standard output could not be written: is the disk full?");
+    return status;
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return 1;

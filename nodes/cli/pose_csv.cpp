@@ -61,6 +61,7 @@ Pose parse_row(const std::vector<std::string_view>& fields, const std::array<std
 std::vector<Pose> read_poses(std::istream& in, const std::string& name) {
   std::string line;
   if (!std::getline(in, line)) throw std::runtime_error(name + ": is empty; the first line must name qw,qx,qy,qz,tx,ty,tz");
+  if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // the mark that spreadsheets put in front
   const auto columns = find_columns(line, name);
   std::vector<Pose> poses;
   for (std::size_t number = 2; std::getline(in, line); ++number)
@@ -71,6 +72,7 @@ std::vector<Pose> read_poses(std::istream& in, const std::string& name) {
 
 std::vector<Pose> read_poses(const std::filesystem::path& file) {
   if (file == "-") return read_poses(std::cin, "standard input");
+  if (std::filesystem::is_directory(file)) throw std::runtime_error(file.string() + ": is a folder; name a CSV file of poses");
   std::ifstream in(file);
   if (!in) throw std::runtime_error(file.string() + ": cannot be read; is the name right?");
   return read_poses(in, file.string());

@@ -40,9 +40,12 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["ring_latency_us"] = {{"p50", number(r, "device", "latency_p50_us")},
                           {"p99", number(r, "device", "latency_p99_us")},
                           {"max", number(r, "device", "latency_max_us")}};
+  j["answered"] = count(r, "device", "answered");
   j["overruns"] = count(r, "device", "overruns");
   j["deadline_misses"] = count(r, "device", "deadline_misses");
   j["contact_samples"] = count(r, "rendering", "contact_samples");
+  j["held_samples"] = count(r, "rendering", "held_samples");
+  j["fast_samples"] = count(r, "rendering", "fast_samples");
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["guard"] = {{"refused", count(r, "device", "refused")}, {"clamped", count(r, "device", "clamped")}};
   nlohmann::ordered_json validator;
@@ -51,10 +54,13 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["recording"] = {{"written", count(r, "logger", "written")}, {"dropped", count(r, "logger", "dropped")}};
   j["bag"] = s.bag.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(s.bag);
   j["problems"] = s.problems;
+  j["notes"] = s.notes;
   return j;
 }
 
-std::string to_text(const RunSummary& s) {
+namespace {
+
+std::string figures(const RunSummary& s) {
   const Reports& r = s.reports;
   std::string text = fmt::format(
       "\n  device      {} samples at {:.1f} Hz, {} overruns, largest force {:.2f} N\n"
@@ -70,6 +76,14 @@ std::string to_text(const RunSummary& s) {
       count(r, "validator", "agree"), count(r, "validator", "in_band"), count(r, "validator", "disagree"));
   if (!s.bag.empty())
     text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag, count(r, "logger", "written"), count(r, "logger", "dropped"));
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const RunSummary& s) {
+  std::string text = count(s.reports, "device", "samples") > 0 ? figures(s) : "\n";
+  for (const std::string& note : s.notes) text += "  NOTE        " + note + "\n";
   for (const std::string& problem : s.problems) text += "  PROBLEM     " + problem + "\n";
   text += s.problems.empty() ? "  All is well.\n" : "";
   return text;

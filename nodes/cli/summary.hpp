@@ -16,6 +16,7 @@ struct RunSummary {
   std::uint64_t seed = 0;
   std::map<std::string, runtime::NodeReport> reports;  ///< last report of each node
   std::vector<std::string> problems;                   ///< sentences; empty: all is well
+  std::vector<std::string> notes;                      ///< sentences that spoil nothing
 };
 
 nlohmann::ordered_json to_json(const RunSummary& summary);

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/scene/scene_file.hpp"
-#include "devices/registry.hpp"
 #include "nodes/cli/crew.hpp"
 #include "nodes/cli/summary.hpp"
+#include "nodes/cli/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/signals.hpp"
@@ -67,7 +67,7 @@ class Run {
     if (!runtime::stop_requested().load()) crew_ = start_crew(crew_options_);
     watch();
     stop_all();
-    judge();
+    judge(summary_);
     return std::move(summary_);
   }
 
@@ -174,20 +174,6 @@ class Run {
       summary_.problems.push_back(fmt::format("{} ended before the device did", name));
   }
 
-  void judge() {
-    const auto value = [&](const std::string& node, const std::string& key) { return summary_.reports[node].values[key]; };
-    if (const std::string disagree = value("validator", "disagree"); !disagree.empty() && disagree != "0")
-      summary_.problems.push_back(fmt::format("the validator disagrees with {} samples: {}", disagree, summary_.reports["validator"].message));
-    if (const std::string foreign = value("device", "foreign_commands"); !foreign.empty() && foreign != "0")
-      summary_.problems.push_back(fmt::format("{} commands of a second writer were ignored ({})", foreign, summary_.reports["device"].message));
-    if (const std::string samples = value("device", "samples"); summary_.problems.empty() && (samples.empty() || samples == "0"))
-      summary_.problems.push_back("the device gave no sample");
-    std::vector<std::string> unique;
-    for (std::string& p : summary_.problems)
-      if (std::find(unique.begin(), unique.end(), p) == unique.end()) unique.push_back(std::move(p));
-    summary_.problems = std::move(unique);
-  }
-
   const UpOptions& options_;
   bus::Participant participant_;
   runtime::Roster roster_;
@@ -197,19 +183,31 @@ class Run {
   RunSummary summary_;
 };
 
-int up(const UpOptions& options) {
+RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
   const Scene scene = load_scene(options.node.scene);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
-  describe_device(options.device);  // an unknown device or motion is said before anything starts
-  device::choose_motion(scene, options.motion);
-  Run run(options, scene);
-  const RunSummary summary = run.go();
-  if (options.json)
-    fmt::print("{}\n", to_json(summary).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
-  else
-    fmt::print("{}", to_text(summary));
-  return summary.problems.empty() ? 0 : 1;
+  for (const std::string& note : check_before_start(scene, options.device, options.motion, options.no_record ? "" : options.bag))
+    fmt::print(stderr, "note: {}\n", note);
+  return Run(options, scene).go();
+}
+
+void print_json(const nlohmann::ordered_json& json) {
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
+}
+
+int up(const UpOptions& options) {
+  try {
+    const RunSummary summary = run_up(options);
+    if (options.json)
+      print_json(to_json(summary));
+    else
+      fmt::print("{}", to_text(summary));
+    return summary.problems.empty() ? 0 : 1;
+  } catch (const std::exception& error) {
+    if (options.json) print_json({{"ok", false}, {"problems", {error.what()}}});
+    throw;
+  }
 }
 
 }  // namespace

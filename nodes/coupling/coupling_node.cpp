@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <optional>
 
 #include <fmt/format.h>
@@ -21,6 +22,7 @@
 namespace voxtouch::coupling {
 namespace {
 
+using runtime::NodeState;
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
 class CouplingNode {
@@ -60,6 +62,15 @@ class CouplingNode {
  private:
   void start_session(const msg::DeviceDescription& device) {
     period_s_ = 1.0 / device.rate_hz;
+    // One point alone is the least that any contact shows: a scene that is too stiff even so is refused at once.
+    const DeviceFacts facts{device.max_stiffness_n_per_m, period_s_, device.max_force_n};
+    const DeviceCheck check = check_device(scene_, facts, scene_.contact.stiffness_n_per_m);
+    if (!check.fits()) {
+      const std::lock_guard lock(refusal_mutex_);
+      refusal_ = check.errors.front();
+      coupling_.reset();
+      return;
+    }
     const double force = scene_.device.force_scale, lever = scene_.device.position_scale;
     coupling_ = make_coupling(scene_.coupling, {device.max_force_n / force, device.max_torque_nm * lever / force}, period_s_);
     coupling_->reset({});
@@ -125,10 +136,13 @@ class CouplingNode {
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
-    report.values = {{"samples", fmt::to_string(samples_.load())},
+    report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash},
+                     {"samples", fmt::to_string(samples_.load())},
                      {"clamped_inputs", fmt::to_string(clamped_.load())},
                      {"faults", fmt::to_string(faults_.load())},
-                     {"stiffness_bound_max_n_per_m", fmt::format("{:.6g}", stiffness_.load())}};
+                     {"stiffness_bound_max_n_per_m", fmt::format("{:.6g}", stiffness_.load())},
+                     {"stiffness_at_hand_n_per_m", fmt::format("{:.6g}", stiffness_at_hand_n_per_m(scene_, stiffness_.load()))},
+                     {"device_max_stiffness_n_per_m", fmt::format("{:.6g}", max_stiffness_.load())}};
     const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
     // The device's limit is held against the total stiffness of the contact, not against one point's.
     const double displayed = stiffness_at_hand_n_per_m(scene_, stiffness_.load());
@@ -138,6 +152,10 @@ class CouplingNode {
                          ? fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower contact.stiffness_n_per_m or coupling.gain",
                                        displayed, max_stiffness_.load())
                          : fmt::format("{} runs", scene_.coupling.kind);
+    const std::lock_guard lock(refusal_mutex_);
+    if (refusal_.empty()) return;
+    report.state = NodeState::kFailed;
+    report.message = refusal_ + " No force is commanded.";
   }
 
   /// Two periods for the way round the ring, three that a device holds a command for.
@@ -152,7 +170,9 @@ class CouplingNode {
   bus::Writer<msg::CouplingDesign> designs_;
   bus::WaitSet wait_set_;
   std::vector<runtime::Link> links_;
-  std::unique_ptr<Coupling> coupling_;
+  std::unique_ptr<Coupling> coupling_;  ///< none while the scene does not fit the device
+  std::mutex refusal_mutex_;
+  std::string refusal_;
   double period_s_ = 1e-3;
   std::uint64_t session_in_loop_ = 0;
   std::array<msg::DeviceState, 64> recent_{};

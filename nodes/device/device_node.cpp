@@ -86,7 +86,7 @@ std::uint64_t require_free_rig(const bus::Participant& participant, const Option
 class DeviceNode {
  public:
   DeviceNode(const Options& options, const Scene& scene)
-      : options_(options), participant_(options.participant("device")),
+      : options_(options), scene_(scene), participant_(options.participant("device")),
         session_(make_session_id(options, scene, require_free_rig(participant_, options))), driver_(open_driver(scene)) {
     if (options.lockstep && !driver_->simulated())
       throw std::runtime_error(driver_->description().model + " lives in real time: --lockstep needs a simulated device");
@@ -152,7 +152,7 @@ class DeviceNode {
   }
 
   std::string end_sentence(End end) const {
-    return peers_late_ ? "not every node that takes part was ready within 60 s; `--peers` names them" : sentence(end, *driver_);
+    return peers_late_ ? "not every node that takes part was ready within 60 s; missing: " + waiting_for_ : sentence(end, *driver_);
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
@@ -212,6 +212,8 @@ class DeviceNode {
     const std::int64_t started = progress_.started_ns.load(), ended = progress_.ended_ns.load();
     const double elapsed_s = started ? static_cast<double>((ended ? ended : runtime::monotonic_ns()) - started) * 1e-9 : 0.0;
     const auto samples = progress_.samples.load();
+    values["scene"] = scene_.name;
+    values["scene_hash"] = scene_.hash;
     values["device"] = driver_->description().model;
     values["samples"] = fmt::to_string(samples);
     values["rate_hz"] = fmt::format("{:.1f}", timed && elapsed_s > 0 ? static_cast<double>(samples) / elapsed_s : driver_->description().rate_hz);
@@ -232,6 +234,7 @@ class DeviceNode {
   }
 
   const Options& options_;
+  const Scene& scene_;
   bus::Participant participant_;
   std::uint64_t session_;
   std::unique_ptr<Driver> driver_;
@@ -250,6 +253,8 @@ class DeviceNode {
 }  // namespace
 
 Motion choose_motion(const Scene& scene, const std::string& name) {
+  if (scene.motions.empty() && !name.empty())
+    throw std::runtime_error(fmt::format("{}: the scene has no motions, so there is no '{}'; add it under `motions:`", scene.file.string(), name));
   if (scene.motions.empty()) {
     Motion rest;
     rest.path = {Vec3::Zero()};

@@ -101,17 +101,21 @@ class RenderingNode {
     contacts_.write(m);
     ros_.show({state.sample_time_ns, mapping_.tool().pose, c.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
     samples_.fetch_add(1, kRelaxed);
-    if (!c.wrench.zero()) contact_samples_.fetch_add(1, kRelaxed);
+    const bool touches = c.surface_hits + c.interior_hits > 0, pushes = c.wrench.force.norm() > kDustN;
+    if (pushes) contact_samples_.fetch_add(1, kRelaxed);
+    if (touches && !pushes && c.interior_hits > c.surface_hits) buried_.fetch_add(1, kRelaxed);
     if (result_.fast) fast_.fetch_add(1, kRelaxed);
     if (result_.held) held_.fetch_add(1, kRelaxed);
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
-    report.values = {{"samples", fmt::to_string(samples_.load())},
+    report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash},
+                     {"samples", fmt::to_string(samples_.load())},
                      {"contact_samples", fmt::to_string(contact_samples_.load())},
                      {"refused_samples", fmt::to_string(refused_.load())},
                      {"fast_samples", fmt::to_string(fast_.load())},
+                     {"buried_samples", fmt::to_string(buried_.load())},
                      {"held_samples", fmt::to_string(held_.load())},
                      {"longest_frame_us", fmt::format("{:.0f}", options_.lockstep ? 0.0 : static_cast<double>(longest_ns_.load()) * 1e-3)},
                      {"warnings", fmt::to_string(built_.plan().warnings.size())}};
@@ -120,6 +124,7 @@ class RenderingNode {
   }
 
   static constexpr int kHoldSamples = 3;
+  static constexpr double kDustN = 1e-9;  ///< below this a sum of forces that cancel is rounding, not force
   const Options& options_;
   const Scene& scene_;
   BuiltScene& built_;
@@ -137,7 +142,7 @@ class RenderingNode {
   runtime::Session session_;
   StageResult result_;
   int refused_in_a_row_ = 0;
-  std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0};
+  std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0}, buried_{0};
   std::atomic<std::int64_t> longest_ns_{0};
 };
 

@@ -23,9 +23,11 @@ class Housekeeping {
 
  private:
   void turn();
+  void compare_scenes(NodeReport& report) const;
   void turn_or_skip() noexcept;
 
   const NodeOptions& options_;
+  std::string node_;
   StatusWriter writer_;
   Roster roster_;
   std::function<void(Roster&, NodeReport&)> look_;

@@ -19,6 +19,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   CLI11_PARSE(app, argc, argv);
   catch_signals();
   if (parent) die_with_parent(parent);
+  options.announce = parent == 0;
   try {
     if (!program.in_ring) options.realtime.mode = Realtime::kOff;
     options.warnings = enter_realtime(options.realtime);

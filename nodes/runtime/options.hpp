@@ -24,6 +24,7 @@ struct NodeOptions {
   std::vector<std::string> peers;  ///< lockstep: the nodes that take part, the device aside
   std::uint64_t seed = 1;
   RealtimeOptions realtime;
+  bool announce = false;              ///< say on stderr what changes; for nodes that are started by hand
   std::vector<std::string> warnings;  ///< of the start-up; each node keeps them in its reports
 
   qos::TimeMode mode() const noexcept { return lockstep ? qos::TimeMode::kLockstep : qos::TimeMode::kRealTime; }

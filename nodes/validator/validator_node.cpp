@@ -136,7 +136,8 @@ class ValidatorNode {
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
     const std::lock_guard lock(mutex_);
-    report.values = {{"checked", fmt::to_string(counts_.checked)}, {"decided", fmt::to_string(counts_.decided)},
+    report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash},
+                     {"checked", fmt::to_string(counts_.checked)}, {"decided", fmt::to_string(counts_.decided)},
                      {"agree", fmt::to_string(counts_.agree)},     {"in_band", fmt::to_string(counts_.in_band)},
                      {"disagree", fmt::to_string(counts_.disagree)}, {"by_rendering", fmt::to_string(counts_.rendering)},
                      {"by_reference", fmt::to_string(counts_.reference)}};

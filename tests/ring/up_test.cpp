@@ -175,7 +175,8 @@ TEST(Up, RefusesWhatItCannotDoWithASentence) {
     more.insert(more.end(), {"--duration", "1", "--no-record"});
     const RingResult r = run_ring(scene, more);
     EXPECT_NE(r.process.status, 0);
-    EXPECT_TRUE(r.process.out.empty()) << r.process.out;
+    EXPECT_EQ(r.summary["ok"], false) << r.process.out;
+    EXPECT_EQ(r.summary["problems"].size(), 1U) << r.process.out;
     return r.process.err;
   };
   const std::string plane = shipped_scene("plane");
@@ -184,6 +185,32 @@ TEST(Up, RefusesWhatItCannotDoWithASentence) {
   EXPECT_NE(refusal(plane, {"--device", "phantom"}).find("sim-phantom"), std::string::npos);
   EXPECT_NE(refusal(plane, {"--interface", "no_such_if0"}).find("no_such_if0"), std::string::npos);
   EXPECT_NE(refusal("/nowhere/scene.yaml", {}).find("/nowhere/scene.yaml"), std::string::npos);
+}
+
+/// The plane with another stiffness of each point.
+std::filesystem::path stiff_plane(const TemporaryFolder& folder, double stiffness_n_per_m) {
+  std::ifstream in(shipped_scene("plane"));
+  std::ofstream out(folder / "stiff.yaml");
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("contact:")) line = "contact: {model: adapted, stiffness_n_per_m: " + std::to_string(stiffness_n_per_m) + "}";
+    if (const auto at = line.find("../meshes"); at != std::string::npos) line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
+    out << line << "\n";
+  }
+  return folder / "stiff.yaml";
+}
+
+TEST(Up, RefusesASceneThatIsTooStiffForTheDeviceWithOnePointAlone) {
+  const TemporaryFolder folder;
+  const RingResult r = run_ring(stiff_plane(folder, 2000.0).string(), {"--motion", "hit", "--duration", "1", "--no-record"});
+  EXPECT_NE(r.process.status, 0);
+  EXPECT_NE(r.process.err.find("too stiff for sim-phantom"), std::string::npos) << r.process.err;
+}
+
+TEST(Up, SaysThatAllPointsTogetherWereTooStiff) {
+  const TemporaryFolder folder;
+  const RingResult r = run_ring(stiff_plane(folder, 100.0).string(), {"--motion", "slide", "--duration", "3", "--no-record", "--lockstep"});
+  EXPECT_EQ(r.process.status, 1);
+  EXPECT_NE(r.process.out.find("all points in contact together showed"), std::string::npos) << r.process.out;
 }
 
 TEST(Up, SaysFileLineAndColumnOfASceneError) {

@@ -25,6 +25,10 @@ TEST(PoseCsv, FindsItsColumnsByNameAndNormalises) {
   EXPECT_EQ(poses[0].orientation.z(), 1.0);
 }
 
+TEST(PoseCsv, LooksOverTheMarkThatSpreadsheetsPutInFront) {
+  EXPECT_EQ(refusal("\xEF\xBB\xBFqw,qx,qy,qz,tx,ty,tz\n1,0,0,0,0,0,0\n"), "");
+}
+
 TEST(PoseCsv, SaysFileLineAndColumnOfWhatItCannotRead) {
   EXPECT_NE(refusal("qw,qx,qy,qz,tx,ty\n").find("poses.csv:1: there is no column 'tz'"), std::string::npos);
   EXPECT_NE(refusal("qw,qx,qy,qz,tx,ty,tz\n1,0,0,0,0,0,nan\n").find("poses.csv:2: column 'tz' holds 'nan'"), std::string::npos);
