@@ -221,7 +221,7 @@ void add_up(CLI::App& app, Action& action) {
   verb->remove_option(verb->get_option("--peers"));
   verb->add_option("--device", options->device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
   verb->add_option("--motion", options->motion, "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
-  verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")->capture_default_str()->check(runtime::require_not_negative)->check(CLI::Range(0.0, device::kLongestDurationS));
+  verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")->capture_default_str()->check(device::check_duration);
   verb->add_option("--record", options->bag, "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
   verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states");
   verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")->capture_default_str()->check(runtime::require_positive);

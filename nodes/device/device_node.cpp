@@ -1,7 +1,8 @@
 #include "nodes/device/device_node.hpp"
 
-#include <cmath>
 #include <chrono>
+#include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <thread>
 
@@ -251,6 +252,13 @@ class DeviceNode {
 };
 
 }  // namespace
+
+std::string check_duration(const std::string& text) {
+  char* end = nullptr;
+  const double seconds = std::strtod(text.c_str(), &end);
+  const bool good = end != text.c_str() && *end == '\0' && seconds >= 0.0 && seconds <= 1e8;  // NaN is neither
+  return good ? std::string() : "'" + text + "' is no duration: seconds from 0 (no end) to 1e8";
+}
 
 Motion choose_motion(const Scene& scene, const std::string& name) {
   if (scene.motions.empty() && !name.empty())

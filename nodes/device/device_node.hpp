@@ -8,13 +8,14 @@
 
 namespace voxtouch::device {
 
-inline constexpr double kLongestDurationS = 1e8;  ///< three years; samples are counted in whole numbers
-
 struct Options : runtime::NodeOptions {
   std::string device = "sim-phantom";
   std::string motion;        ///< of the scene; empty: the hand rests where the first motion starts
   double duration_s = 0.0;   ///< of the device's time; 0: until stopped
 };
+
+/// What is wrong with a duration as typed [s]; empty if nothing: 0 to 1e8 (three years), for samples are counted in whole numbers.
+std::string check_duration(const std::string& text);
 
 /// The hand's motion, in W, as the scene gives it; rest at the first way point where `name` is empty. Throws where the scene has no such
 /// motion, naming those it has.

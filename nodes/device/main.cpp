@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
         app.add_option("--device", options.device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
         app.add_option("--motion", options.motion, "What the simulated operator's hand does (a motion of the scene)");
         app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")->capture_default_str()->check(
-            voxtouch::runtime::require_not_negative)->check(CLI::Range(0.0, voxtouch::device::kLongestDurationS));
+            voxtouch::device::check_duration);
       },
       [&](const std::atomic<bool>& stop) { return voxtouch::device::run(options, stop); });
 }
