@@ -61,6 +61,7 @@ int build(const BuildOptions& o) {
 
   if (o.json) {
     nlohmann::ordered_json j;
+    j["ok"] = true;
     j["mesh"] = o.mesh.string();
     j["triangles"] = imported.mesh.triangles.size();
     j["closed"] = imported.report.closed;
@@ -94,7 +95,16 @@ void add_build(CLI::App& app, Action& action) {
   verb->add_option("--scale", o->scale, "Metres for one unit of the file, such as 0.001 for millimetres")->capture_default_str()->check(runtime::require_positive);
   verb->add_option("--out", o->out, "Folder for the files")->required();
   verb->add_flag("--json", o->json, "Result as one JSON object on stdout");
-  verb->callback([o, &action] { action = [o] { return build(*o); }; });
+  verb->callback([o, &action] {
+    action = [o] {
+      try {
+        return build(*o);
+      } catch (const std::exception& error) {
+        if (o->json) fmt::print("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+        throw;
+      }
+    };
+  });
 }
 
 }  // namespace voxtouch::cli
