@@ -20,7 +20,8 @@ ImportedMesh import(const MeshSpec& spec, double voxel_size_m) {
 void warn(BuildCounts& counts, const MeshSpec& spec, const ImportedMesh& imported) {
   const std::string name = spec.path.filename().string();
   for (const std::string& sentence : imported.warnings) counts.mesh_warnings.push_back(name + ": " + sentence);
-  for (const std::string& sentence : imported.report.sentences()) counts.mesh_warnings.push_back(name + ": " + sentence);
+  for (const std::string& sentence : imported.report.sentences())
+    counts.mesh_warnings.push_back(name + ": " + sentence);
 }
 
 void append(TriangleMesh& all, const TriangleMesh& mesh) {
@@ -54,17 +55,20 @@ auto with_hints(const BuildCounts& counts, Build&& build) {
   }
 }
 
-std::uint64_t shell_bytes(const Pointshell& shell) { return shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t)); }
+std::uint64_t shell_bytes(const Pointshell& shell) {
+  return shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
+}
 
 }  // namespace
 
-BuiltScene::BuiltScene(Voxmap voxmap, Pointshell shell, const Scene& scene, ContactModelKind model, Plan plan, double largest_shell_gap_m)
-    : voxmap_(std::move(voxmap)),
-      renderer_(voxmap_, std::move(shell), model, ContactParameters{.stiffness_n_per_m = scene.contact.stiffness_n_per_m}),
+BuiltScene::BuiltScene(Voxmap voxmap, Pointshell shell, const Scene& scene, ContactModelKind model, Plan plan,
+                       double largest_shell_gap_m)
+    : voxmap_(std::move(voxmap)), renderer_(voxmap_, std::move(shell), model,
+                                            ContactParameters{.stiffness_n_per_m = scene.contact.stiffness_n_per_m}),
       plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
 
-std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for, std::optional<ContactModelKind> model,
-                                        const Progress& progress) {
+std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
+                                        std::optional<ContactModelKind> model, const Progress& progress) {
   const auto step = [&](const std::string& text) {
     if (progress) progress(text);
   };
@@ -90,11 +94,14 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   counts.dynamic_triangles = moving.mesh.triangles.size();
   step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
   const Grid shell_grid = default_grid(moving.mesh, scene.voxel_size_m);
-  const std::vector<ShellPoint> points = with_hints(counts, [&] { return shell_points(moving.mesh, shell_grid, parallel_for); });
-  Pointshell shell = scene.shell == ShellKind::kExact ? make_exact_shell(points, shell_grid) : make_naive_shell(points, shell_grid);
+  const std::vector<ShellPoint> points =
+      with_hints(counts, [&] { return shell_points(moving.mesh, shell_grid, parallel_for); });
+  Pointshell shell =
+      scene.shell == ShellKind::kExact ? make_exact_shell(points, shell_grid) : make_naive_shell(points, shell_grid);
   counts.shell_points = shell.size();
   counts.shell_bytes = shell_bytes(shell);
-  return std::make_unique<BuiltScene>(std::move(voxmap), std::move(shell), scene, kind, make_plan(scene, counts), largest_gap_m(points));
+  return std::make_unique<BuiltScene>(std::move(voxmap), std::move(shell), scene, kind, make_plan(scene, counts),
+                                      largest_gap_m(points));
 }
 
 }  // namespace voxtouch

@@ -17,8 +17,7 @@ void emit_topics(YAML::Emitter& out, const std::vector<TopicInfo>& topics) {
   out << YAML::Key << "topics_with_message_count" << YAML::Value << YAML::BeginSeq;
   for (const auto& topic : topics) {
     out << YAML::BeginMap << YAML::Key << "topic_metadata" << YAML::Value << YAML::BeginMap;
-    out << YAML::Key << "name" << YAML::Value << topic.name << YAML::Key << "type" << YAML::Value
-        << topic.type;
+    out << YAML::Key << "name" << YAML::Value << topic.name << YAML::Key << "type" << YAML::Value << topic.type;
     out << YAML::Key << "serialization_format" << YAML::Value << topic.serialization_format;
     out << YAML::Key << "offered_qos_profiles" << YAML::Value << YAML::DoubleQuoted << topic.offered_qos
         << YAML::EndMap;

@@ -13,8 +13,8 @@ namespace voxtouch::bag {
 
 /// A topic as bag and metadata name it: ROS names.
 struct TopicInfo {
-  std::string name;                        ///< "/haptic/device/state"
-  std::string type;                        ///< "voxtouch_msgs/msg/DeviceState"
+  std::string name;  ///< "/haptic/device/state"
+  std::string type;  ///< "voxtouch_msgs/msg/DeviceState"
   std::string serialization_format = "cdr";
   /// see offered_qos_text(); version 9's list is kept as its YAML text
   std::string offered_qos;
@@ -24,12 +24,12 @@ struct TopicInfo {
 struct BagMetadata {
   int version = 5;
   std::string storage_identifier = "sqlite3";
-  std::int64_t starting_time_ns = 0;       ///< of the first message; 0 without messages
-  std::int64_t duration_ns = 0;            ///< last minus first
+  std::int64_t starting_time_ns = 0;  ///< of the first message; 0 without messages
+  std::int64_t duration_ns = 0;       ///< last minus first
   std::uint64_t message_count = 0;
   std::vector<TopicInfo> topics;
-  std::vector<std::string> files;          ///< relative to the folder
-  std::string compression_mode;            ///< empty: none
+  std::vector<std::string> files;  ///< relative to the folder
+  std::string compression_mode;    ///< empty: none
 };
 
 /// The text of metadata.yaml (version 5, one file). With `with_root` false the inner part alone, which the

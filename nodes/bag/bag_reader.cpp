@@ -20,8 +20,7 @@ std::vector<fs::path> databases_in(const fs::path& folder) {
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     if (it->path().extension() == ".db3") found.push_back(it->path());
-  std::ranges::sort(found, {},
-                    [](const fs::path& path) { return std::pair(path.string().size(), path.string()); });
+  std::ranges::sort(found, {}, [](const fs::path& path) { return std::pair(path.string().size(), path.string()); });
   return found;
 }
 
@@ -37,8 +36,8 @@ std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<B
   });
   if (!named.empty() && all_there) return named;
   if (metadata)
-    warnings.push_back(fmt::format("'{}' names files that are not there; the folder's .db3 files are read.",
-                                   folder.string()));
+    warnings.push_back(
+        fmt::format("'{}' names files that are not there; the folder's .db3 files are read.", folder.string()));
   return databases_in(folder);
 }
 
@@ -54,9 +53,8 @@ Result<BagReader> BagReader::open(const fs::path& path) {
     if (metadata) {
       if (!metadata->compression_mode.empty() && metadata->compression_mode != "NONE" &&
           metadata->compression_mode != "none")
-        return refuse(BagFault::kFormat,
-                      "The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.", path.string(),
-                      metadata->compression_mode);
+        return refuse(BagFault::kFormat, "The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.",
+                      path.string(), metadata->compression_mode);
       if (metadata->storage_identifier != "sqlite3")
         return refuse(BagFault::kFormat,
                       "The bag '{}' is stored as {}, and only sqlite3 is read. Convert it with ros2 bag "
@@ -68,8 +66,7 @@ Result<BagReader> BagReader::open(const fs::path& path) {
     }
     files = databases_of(path, reader.metadata_, reader.warnings_);
     if (files.empty())
-      return refuse(BagFault::kFormat, "'{}' holds no .db3 file. Name a folder that holds a bag.",
-                    path.string());
+      return refuse(BagFault::kFormat, "'{}' holds no .db3 file. Name a folder that holds a bag.", path.string());
   } else if (fs::is_regular_file(status)) {
     files = {path};
   } else {
@@ -84,12 +81,11 @@ Result<void> BagReader::add_file(const fs::path& path) {
   auto opened = Database::open(path, Database::Mode::kReadOnly);
   if (!opened) return std::unexpected(opened.error());
   File file{std::move(*opened), {}};
-  const auto has_qos = file.database.value(
-      "SELECT count(*) FROM pragma_table_info('topics') WHERE name='offered_qos_profiles'");
+  const auto has_qos =
+      file.database.value("SELECT count(*) FROM pragma_table_info('topics') WHERE name='offered_qos_profiles'");
   if (!has_qos) return std::unexpected(has_qos.error());
   const std::string qos = *has_qos == "1" ? "offered_qos_profiles" : "''";  // schema 1 has none
-  auto rows = file.database.prepare("SELECT id, name, type, serialization_format, " + qos +
-                                    " FROM topics ORDER BY id");
+  auto rows = file.database.prepare("SELECT id, name, type, serialization_format, " + qos + " FROM topics ORDER BY id");
   if (!rows) return std::unexpected(BagError{BagFault::kFormat, rows.error().sentence});
   int code = rows->step();
   for (; code == SQLITE_ROW; code = rows->step()) {
@@ -135,8 +131,8 @@ std::uint64_t BagReader::message_count() const noexcept {
   return count;
 }
 
-Result<void> BagReader::for_each(const std::function<bool(const BagMessage&)>& f,
-                                 std::optional<std::size_t> topic, Order order) const {
+Result<void> BagReader::for_each(const std::function<bool(const BagMessage&)>& f, std::optional<std::size_t> topic,
+                                 Order order) const {
   for (const auto& file : files_) {
     const std::string by = order == Order::kTime ? "timestamp, id" : "id";
     auto rows = file.database.prepare("SELECT topic_id, timestamp, id, data FROM messages ORDER BY " + by);
@@ -168,8 +164,7 @@ Result<std::vector<StoredMessage>> BagReader::read_topic(std::string_view name, 
 BagError BagReader::no_such_topic(std::string_view name) const {
   std::vector<std::string> names;
   for (const auto& topic : topics_) names.push_back(topic.name);
-  return {BagFault::kNoSuchTopic,
-          fmt::format("The bag has no topic '{}'. It has: {}.", name, fmt::join(names, ", "))};
+  return {BagFault::kNoSuchTopic, fmt::format("The bag has no topic '{}'. It has: {}.", name, fmt::join(names, ", "))};
 }
 
 }  // namespace voxtouch::bag

@@ -19,9 +19,9 @@ namespace voxtouch::bag {
 
 /// A message inside the reader, until the callback returns.
 struct BagMessage {
-  std::size_t topic = 0;           ///< index into topics()
+  std::size_t topic = 0;  ///< index into topics()
   std::int64_t time_ns = 0;
-  std::int64_t id = 0;             ///< order of arrival within one file
+  std::int64_t id = 0;               ///< order of arrival within one file
   std::span<const std::byte> bytes;  ///< CDR with its 4-byte encapsulation header
 };
 
@@ -49,8 +49,7 @@ class BagReader {
   enum class Order : std::uint8_t { kTime, kArrival };  ///< time, then id; or id alone
   /// Calls f for every message, of `topic` only if given, file by file; f returns false to stop. Errors: a
   /// damaged database.
-  Result<void> for_each(const std::function<bool(const BagMessage&)>& f,
-                        std::optional<std::size_t> topic = {},
+  Result<void> for_each(const std::function<bool(const BagMessage&)>& f, std::optional<std::size_t> topic = {},
                         Order order = Order::kTime) const;
   /// All messages of a topic. Error: kNoSuchTopic names what there is.
   Result<std::vector<StoredMessage>> read_topic(std::string_view name, Order order = Order::kTime) const;

@@ -10,12 +10,11 @@ namespace {
 // each different sentence once; a broken disk must not fill the memory with them
 constexpr std::size_t kMaxErrors = 64;
 constexpr std::chrono::milliseconds kTickPeriod{20};  // a sink asks for ten a second
-}
+}  // namespace
 
 BagRecorder::BagRecorder(std::unique_ptr<BagSink> sink, const RecorderOptions& options)
     : options_(options), sink_(std::move(sink)), queue_(options.queue_bytes, options.queue_messages),
-      counts_(options.max_topics),
-      last_report_(std::chrono::steady_clock::now()), last_tick_(last_report_) {
+      counts_(options.max_topics), last_report_(std::chrono::steady_clock::now()), last_tick_(last_report_) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -24,9 +23,8 @@ BagRecorder::~BagRecorder() { (void)stop(); }
 Result<TopicId> BagRecorder::add_topic(const TopicInfo& topic) {
   const std::scoped_lock lock(table_mutex_);
   if (topics_.size() >= counts_.size())
-    return refuse(BagFault::kNoSuchTopic,
-                  "'{}' is topic number {} and the recorder was made for {}. Raise max_topics.", topic.name,
-                  topics_.size() + 1, counts_.size());
+    return refuse(BagFault::kNoSuchTopic, "'{}' is topic number {} and the recorder was made for {}. Raise max_topics.",
+                  topic.name, topics_.size() + 1, counts_.size());
   topics_.push_back(topic);
   disk_counts_.push_back({.name = topic.name});
   const auto id = static_cast<TopicId>(topics_.size() - 1);
@@ -105,8 +103,7 @@ std::size_t BagRecorder::drain() {
     if (!message) break;
     if (message->topic >= sink_topics_.size()) add_new_topics();
     if (const auto topic = sink_topics_[message->topic]) {
-      if (auto appended = sink_->append(*topic, message->time_ns, message->bytes); !appended)
-        note(appended.error());
+      if (auto appended = sink_->append(*topic, message->time_ns, message->bytes); !appended) note(appended.error());
     } else {
       ++unplaced_[message->topic];
     }
@@ -169,8 +166,7 @@ RecordingReport BagRecorder::stop() {
   const std::scoped_lock lock(stop_mutex_);
   if (thread_.joinable()) {
     accepting_.store(false, std::memory_order_seq_cst);
-    while (pushing_.load(std::memory_order_seq_cst) > 0)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (pushing_.load(std::memory_order_seq_cst) > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     stopping_.store(true, std::memory_order_release);
     thread_.join();
   }

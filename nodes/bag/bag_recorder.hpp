@@ -71,7 +71,7 @@ class BagRecorder {
   const RecorderOptions options_;
   std::unique_ptr<BagSink> sink_;  // the disk thread's alone
   MessageQueue queue_;
-  std::vector<Counts> counts_;     // by topic, sized once
+  std::vector<Counts> counts_;  // by topic, sized once
   std::atomic<std::uint32_t> topic_count_{0};
   std::atomic<bool> accepting_{true}, stopping_{false};
   std::atomic<std::uint32_t> pushing_{0};  // pushes between their first and last look at accepting_

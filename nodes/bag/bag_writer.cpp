@@ -37,8 +37,8 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   if (folder.has_parent_path()) std::filesystem::create_directories(folder.parent_path(), error);
   if (error)
-    return refuse(BagFault::kDisk, "'{}' cannot be made: {}. Choose another folder.",
-                  folder.parent_path().string(), error.message());
+    return refuse(BagFault::kDisk, "'{}' cannot be made: {}. Choose another folder.", folder.parent_path().string(),
+                  error.message());
   const bool made = std::filesystem::create_directory(folder, error);
   if (made) return {};
   if (!error || error == std::errc::file_exists)
@@ -46,14 +46,12 @@ Result<void> make_folder(const std::filesystem::path& folder) {
                   "'{}' exists already and a bag is never written over another one. Choose another folder or "
                   "remove it.",
                   folder.string());
-  return refuse(BagFault::kDisk, "'{}' cannot be made: {}. Choose another folder.", folder.string(),
-                error.message());
+  return refuse(BagFault::kDisk, "'{}' cannot be made: {}. Choose another folder.", folder.string(), error.message());
 }
 
 }  // namespace
 
-Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given,
-                                    const WriterOptions& options) {
+Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given, const WriterOptions& options) {
   // "bags/run/" and "." have no last name; the absolute, normal form has.
   std::filesystem::path folder = std::filesystem::absolute(folder_as_given).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
@@ -75,10 +73,8 @@ Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given
 }
 
 BagWriter::BagWriter(std::filesystem::path folder, const WriterOptions& options, Database database)
-    : folder_(std::move(folder)), options_(options),
-      database_(std::make_unique<Database>(std::move(database))), pending_first_ns_(kNoFirst),
-      pending_last_ns_(0),
-      last_commit_(Clock::now()), last_refresh_(Clock::now()) {}
+    : folder_(std::move(folder)), options_(options), database_(std::make_unique<Database>(std::move(database))),
+      pending_first_ns_(kNoFirst), pending_last_ns_(0), last_commit_(Clock::now()), last_refresh_(Clock::now()) {}
 
 BagWriter::~BagWriter() {
   if (database_) (void)close();
@@ -131,13 +127,11 @@ Result<void> BagWriter::begin() {
 
 Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const std::byte> bytes) {
   if (!database_) return refuse(BagFault::kDisk, "The bag is closed.");
-  if (id >= topics_.size())
-    return refuse(BagFault::kNoSuchTopic, "Topic number {} was never added to the bag.", id);
+  if (id >= topics_.size()) return refuse(BagFault::kNoSuchTopic, "Topic number {} was never added to the bag.", id);
   Topic& topic = topics_[id];
   if (time_ns < 0) {  // rosbag2 reads its times as unsigned and would refuse the whole bag
     ++topic.lost;
-    return refuse(BagFault::kBadMessage,
-                  "A message on '{}' has the time {} ns; a bag holds none before 1970.",
+    return refuse(BagFault::kBadMessage, "A message on '{}' has the time {} ns; a bag holds none before 1970.",
                   metadata_.topics[id].name, time_ns);
   }
   if (auto begun = begin(); !begun) {
@@ -203,8 +197,7 @@ void BagWriter::lose_pending() {
 }
 
 Result<void> BagWriter::write_metadata_row() {
-  auto insert = database_->prepare(
-      "INSERT OR REPLACE INTO metadata (id, metadata_version, metadata) VALUES (1, 5, ?)");
+  auto insert = database_->prepare("INSERT OR REPLACE INTO metadata (id, metadata_version, metadata) VALUES (1, 5, ?)");
   if (!insert) return std::unexpected(insert.error());
   insert->bind(1, metadata_yaml(metadata_, false));
   if (insert->step() != SQLITE_DONE) return std::unexpected(database_->error("write the metadata of"));
@@ -246,8 +239,11 @@ Result<void> BagWriter::report(const RecordingReport& report) {
   json["lockstep"] = report.lockstep;
   json["topics"] = nlohmann::ordered_json::array();
   for (const auto& topic : report.topics)
-    json["topics"].push_back({{"name", topic.name}, {"received", topic.received}, {"written", topic.written},
-                              {"dropped", topic.dropped}, {"lost", topic.lost}});
+    json["topics"].push_back({{"name", topic.name},
+                              {"received", topic.received},
+                              {"written", topic.written},
+                              {"dropped", topic.dropped},
+                              {"lost", topic.lost}});
   json["errors"] = report.errors;
   return write_atomically(folder_ / "voxtouch_recording.json",
                           json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");

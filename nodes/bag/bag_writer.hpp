@@ -43,8 +43,8 @@ class BagWriter final : public BagSink {
   Result<void> report(const RecordingReport& report) override;
   Result<void> close() override;
 
-  Result<void> commit();   ///< at once
-  Result<void> refresh();  ///< commit, checkpoint, metadata.yaml, at once
+  Result<void> commit();                                              ///< at once
+  Result<void> refresh();                                             ///< commit, checkpoint, metadata.yaml, at once
   const BagMetadata& metadata() const noexcept { return metadata_; }  ///< of what is committed
 
  private:

@@ -7,11 +7,11 @@
 namespace voxtouch::bag {
 
 enum class BagFault : std::uint8_t {
-  kExists,       ///< the folder is there already; nothing was touched
-  kDisk,         ///< unwritable, full, unreadable: the operating system or sqlite says no
-  kFormat,       ///< not a bag, or one of a kind that is not read here
+  kExists,  ///< the folder is there already; nothing was touched
+  kDisk,    ///< unwritable, full, unreadable: the operating system or sqlite says no
+  kFormat,  ///< not a bag, or one of a kind that is not read here
   kNoSuchTopic,
-  kBadMessage,   ///< the message cannot be stored or has no key
+  kBadMessage,  ///< the message cannot be stored or has no key
 };
 
 /// One sentence for a person: what happened, where, what to do.

@@ -8,8 +8,7 @@ namespace voxtouch::bag {
 MessageQueue::MessageQueue(std::size_t bytes, std::size_t messages)
     : bytes_(std::max<std::size_t>(bytes, 1)), slots_(std::max<std::size_t>(messages, 1)) {}
 
-MessageQueue::Push MessageQueue::push(TopicId topic, std::int64_t time_ns,
-                                      std::span<const std::byte> bytes) noexcept {
+MessageQueue::Push MessageQueue::push(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) noexcept {
   const std::uint64_t capacity = bytes_.size();
   if (bytes.size() > capacity) return Push::kTooLarge;
   const std::scoped_lock lock(push_mutex_);

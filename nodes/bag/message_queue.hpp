@@ -52,8 +52,8 @@ class MessageQueue {
   std::vector<std::byte> bytes_;
   std::vector<Slot> slots_;
   std::mutex push_mutex_;
-  std::uint64_t next_byte_ = 0;                // under push_mutex_
-  std::atomic<std::uint64_t> pushed_{0};       // messages
+  std::uint64_t next_byte_ = 0;           // under push_mutex_
+  std::atomic<std::uint64_t> pushed_{0};  // messages
   std::atomic<std::uint64_t> popped_{0};
   std::atomic<std::uint64_t> freed_bytes_{0};  // end of the last popped message
 };

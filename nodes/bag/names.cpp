@@ -14,9 +14,7 @@ std::string replaced(std::string text, std::string_view from, std::string_view t
 // rmw's enumerations (rmw/types.h). kTransient and kPersistent have none; to a late reader they look like
 // transient local.
 int rmw_history(bus::History history) { return history == bus::History::kKeepAll ? 2 : 1; }
-int rmw_reliability(bus::Reliability reliability) {
-  return reliability == bus::Reliability::kReliable ? 1 : 2;
-}
+int rmw_reliability(bus::Reliability reliability) { return reliability == bus::Reliability::kReliable ? 1 : 2; }
 int rmw_durability(bus::Durability durability) { return durability == bus::Durability::kVolatile ? 2 : 1; }
 int rmw_liveliness(bus::Liveliness liveliness) {
   switch (liveliness) {
@@ -61,15 +59,12 @@ std::string dds_type_name(std::string_view ros_name) {
 std::string offered_qos_text(std::span<const bus::EndpointQos> writers) {
   std::string text;
   for (const auto& qos : writers) {
-    text += fmt::format("- history: {}\n  depth: {}\n  reliability: {}\n  durability: {}\n",
-                        rmw_history(qos.history),
-                        qos.history == bus::History::kKeepAll ? 0 : qos.depth,
-                        rmw_reliability(qos.reliability),
+    text += fmt::format("- history: {}\n  depth: {}\n  reliability: {}\n  durability: {}\n", rmw_history(qos.history),
+                        qos.history == bus::History::kKeepAll ? 0 : qos.depth, rmw_reliability(qos.reliability),
                         rmw_durability(qos.durability));
     text += rmw_duration("deadline", qos.deadline_ns) + rmw_duration("lifespan", qos.lifespan_ns);
     text += fmt::format("  liveliness: {}\n", rmw_liveliness(qos.liveliness));
-    text += rmw_duration("liveliness_lease_duration", qos.lease_ns) +
-            "  avoid_ros_namespace_conventions: false\n";
+    text += rmw_duration("liveliness_lease_duration", qos.lease_ns) + "  avoid_ros_namespace_conventions: false\n";
   }
   if (!text.empty()) text.pop_back();
   return text;

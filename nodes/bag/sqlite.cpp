@@ -4,9 +4,7 @@
 
 namespace voxtouch::bag {
 
-void Statement::bind(int index, std::int64_t value) noexcept {
-  sqlite3_bind_int64(statement_.get(), index, value);
-}
+void Statement::bind(int index, std::int64_t value) noexcept { sqlite3_bind_int64(statement_.get(), index, value); }
 
 void Statement::bind(int index, std::string_view text) noexcept {
   sqlite3_bind_text64(statement_.get(), index, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
@@ -21,9 +19,7 @@ void Statement::bind(int index, std::span<const std::byte> bytes) noexcept {
 int Statement::step() noexcept { return sqlite3_step(statement_.get()); }
 void Statement::reset() noexcept { sqlite3_reset(statement_.get()); }
 
-std::int64_t Statement::integer(int column) const noexcept {
-  return sqlite3_column_int64(statement_.get(), column);
-}
+std::int64_t Statement::integer(int column) const noexcept { return sqlite3_column_int64(statement_.get(), column); }
 
 std::string Statement::text(int column) const {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
@@ -78,13 +74,11 @@ BagError Database::error(std::string_view doing) const {
   const char* text = handle_ ? sqlite3_errmsg(handle_.get()) : "out of memory";
   std::string_view advice = "Check that the file is there and not damaged.";
   if ((code & 0xff) == SQLITE_FULL || (code & 0xff) == SQLITE_IOERR) advice = "Make room on the disk.";
-  if ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_PERM)
-    advice = "Check the rights on the folder.";
+  if ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_PERM) advice = "Check the rights on the folder.";
   if ((code & 0xff) == SQLITE_BUSY) advice = "Close the program that has it open.";
   const bool damaged = (code & 0xff) == SQLITE_NOTADB || (code & 0xff) == SQLITE_CORRUPT;
   const BagFault fault = damaged ? BagFault::kFormat : BagFault::kDisk;
-  return {fault, fmt::format("sqlite cannot {} '{}': {} (code {}). {}", doing, file_.string(), text, code,
-                             advice)};
+  return {fault, fmt::format("sqlite cannot {} '{}': {} (code {}). {}", doing, file_.string(), text, code, advice)};
 }
 
 }  // namespace voxtouch::bag

@@ -19,7 +19,7 @@ namespace voxtouch::bag {
 class Statement {
  public:
   void bind(int index, std::int64_t value) noexcept;
-  void bind(int index, std::string_view text) noexcept;                 ///< copied
+  void bind(int index, std::string_view text) noexcept;  ///< copied
   /// not copied: lives until step() returns
   void bind(int index, std::span<const std::byte> bytes) noexcept;
   /// SQLITE_ROW, SQLITE_DONE or an error code.

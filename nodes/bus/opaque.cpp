@@ -85,8 +85,7 @@ RawSample to_raw(const ddsi_serdata* serdata, const dds_sample_info_t& info) {
 OpaqueResult<OpaqueTopic> OpaqueTopic::create(dds_entity_t participant, const std::string& name,
                                               const std::string& type_name) {
   ddsi_sertype* type = make_opaque_sertype(type_name.c_str());
-  const dds_entity_t topic =
-      dds_create_topic_sertype(participant, name.c_str(), &type, nullptr, nullptr, nullptr);
+  const dds_entity_t topic = dds_create_topic_sertype(participant, name.c_str(), &type, nullptr, nullptr, nullptr);
   if (topic < 0) {
     ddsi_sertype_unref(type);  // only a topic that exists takes it over
     return refused(topic, fmt::format("DDS does not make topic '{}' of type '{}'", name, type_name));
@@ -137,14 +136,12 @@ OpaqueResult<OpaqueWriter> OpaqueWriter::create(const OpaqueTopic& topic, const 
 OpaqueResult<void> OpaqueWriter::write(std::span<const std::byte> bytes, std::int64_t source_time_ns) {
   if (bytes.size() < 4)
     return refused(DDS_RETCODE_BAD_PARAMETER,
-                   fmt::format(
-                       "A message of {} bytes for '{}' has no encapsulation header and is not written",
-                       bytes.size(), topic_));
+                   fmt::format("A message of {} bytes for '{}' has no encapsulation header and is not written",
+                               bytes.size(), topic_));
   const OpaqueBytes sample = bytes;  // what from_sample expects behind the pointer
   const dds_return_t code = dds_write_ts(entity_.get(), &sample, source_time_ns);
   if (code < 0)
-    return refused(code, fmt::format("DDS does not write a message of {} bytes on '{}'", bytes.size(),
-                                     topic_));
+    return refused(code, fmt::format("DDS does not write a message of {} bytes on '{}'", bytes.size(), topic_));
   return {};
 }
 

@@ -72,13 +72,13 @@ enum class InstanceState : std::uint8_t { kAlive, kDisposed, kNoWriters };
 
 /// One sample as it came. `bytes` live until the callback returns.
 struct RawSample {
-  std::span<const std::byte> bytes;         ///< encapsulation header and CDR; empty if not `valid`
-  std::int64_t source_time_ns = 0;          ///< the writer's stamp, its clock
+  std::span<const std::byte> bytes;  ///< encapsulation header and CDR; empty if not `valid`
+  std::int64_t source_time_ns = 0;   ///< the writer's stamp, its clock
   /// wall clock of this host when the sample reached the reader's cache
   std::int64_t reception_time_ns = 0;
-  std::uint64_t publication_handle = 0;     ///< DDS instance handle of the writer
+  std::uint64_t publication_handle = 0;  ///< DDS instance handle of the writer
   InstanceState state = InstanceState::kAlive;
-  bool valid = false;                       ///< false: only `state` has news (the writers are gone)
+  bool valid = false;  ///< false: only `state` has news (the writers are gone)
 };
 
 class OpaqueReader {
@@ -91,9 +91,7 @@ class OpaqueReader {
   template <class F>
   OpaqueResult<std::size_t> take(F&& f, std::size_t max = std::numeric_limits<std::size_t>::max()) {
     using Callback = std::remove_reference_t<F>;
-    const Each each = [](void* context, const RawSample& sample) {
-      (*static_cast<Callback*>(context))(sample);
-    };
+    const Each each = [](void* context, const RawSample& sample) { (*static_cast<Callback*>(context))(sample); };
     return take_each(each, const_cast<void*>(static_cast<const void*>(std::addressof(f))), max);
   }
 
@@ -123,8 +121,7 @@ class OpaqueWriter {
   dds_entity_t handle() const noexcept { return entity_.get(); }
 
  private:
-  OpaqueWriter(OwnedEntity entity, std::string topic)
-      : entity_(std::move(entity)), topic_(std::move(topic)) {}
+  OpaqueWriter(OwnedEntity entity, std::string topic) : entity_(std::move(entity)), topic_(std::move(topic)) {}
   OwnedEntity entity_;
   std::string topic_;
 };

@@ -90,17 +90,14 @@ void describe(dds_builtintopic_endpoint_t& endpoint, DiscoveredWriter& writer) {
   const dds_typeinfo_t* type_information = nullptr;  // stays the endpoint's
   writer.has_type_information =
       dds_builtintopic_get_endpoint_type_info(&endpoint, &type_information) == DDS_RETCODE_OK &&
-          type_information != nullptr;
+      type_information != nullptr;
 }
 
 }  // namespace
 
-OpaqueResult<WriterDiscovery> WriterDiscovery::create(dds_entity_t participant,
-                                                      const dds_listener_t* listener) {
-  const dds_entity_t reader =
-      dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, listener);
-  if (reader < 0)
-    return refused(reader, "DDS does not tell of the writers on the network: {}.");
+OpaqueResult<WriterDiscovery> WriterDiscovery::create(dds_entity_t participant, const dds_listener_t* listener) {
+  const dds_entity_t reader = dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, listener);
+  if (reader < 0) return refused(reader, "DDS does not tell of the writers on the network: {}.");
   return WriterDiscovery(OwnedEntity(reader));
 }
 
@@ -111,8 +108,7 @@ OpaqueResult<std::size_t> WriterDiscovery::take(const std::function<void(const D
     std::array<void*, kBatch> samples{};  // null: DDS lends its own
     std::array<dds_sample_info_t, kBatch> info{};
     const dds_return_t n = dds_take(entity_.get(), samples.data(), info.data(), kBatch, kBatch);
-    if (n < 0)
-      return refused(n, "DDS does not hand over the list of writers: {}.");
+    if (n < 0) return refused(n, "DDS does not hand over the list of writers: {}.");
     if (n == 0) return taken;
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
       auto& endpoint = *static_cast<dds_builtintopic_endpoint_t*>(samples[i]);

@@ -19,16 +19,15 @@ struct DiscoveredWriter {
   std::string topic;      ///< DDS name, e.g. "rt/haptic/device/state"
   std::string type_name;  ///< DDS name, e.g. "voxtouch_msgs::msg::dds_::DeviceState_"
   EndpointQos qos;
-  std::string user_data;  ///< as announced, e.g. "typehash=RIHS01_...;" from ROS 2
+  std::string user_data;              ///< as announced, e.g. "typehash=RIHS01_...;" from ROS 2
   bool has_type_information = false;  ///< XTypes; false for ROS 2 writers, and for those of this process
-  bool keyed = false;     ///< an opaque reader never matches it
+  bool keyed = false;                 ///< an opaque reader never matches it
 };
 
 /// Reports each writer that appears, changes or goes, also those of the participant itself.
 class WriterDiscovery {
  public:
-  static OpaqueResult<WriterDiscovery> create(dds_entity_t participant,
-                                              const dds_listener_t* listener = nullptr);
+  static OpaqueResult<WriterDiscovery> create(dds_entity_t participant, const dds_listener_t* listener = nullptr);
 
   /// Calls `f` for every change since the last call. Does not block. Returns how many.
   OpaqueResult<std::size_t> take(const std::function<void(const DiscoveredWriter&)>& f);

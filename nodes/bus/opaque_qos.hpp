@@ -21,8 +21,8 @@ struct EndpointQos {
   Reliability reliability = Reliability::kBestEffort;
   Durability durability = Durability::kVolatile;
   History history = History::kKeepLast;
-  std::int32_t depth = 1;                  ///< kept samples with kKeepLast, >= 1; ignored with kKeepAll
-  std::int32_t max_samples = -1;           ///< bound of kKeepAll; -1: none
+  std::int32_t depth = 1;                      ///< kept samples with kKeepLast, >= 1; ignored with kKeepAll
+  std::int32_t max_samples = -1;               ///< bound of kKeepAll; -1: none
   std::int64_t max_blocking_ns = 100'000'000;  ///< how long a reliable write may wait for room
   std::int64_t deadline_ns = kInfiniteNs;
   std::int64_t lifespan_ns = kInfiniteNs;  ///< writers only

@@ -31,17 +31,14 @@ OpaqueSerdata* allocate(const ddsi_sertype* type, ddsi_serdata_kind kind, std::s
   return serdata;
 }
 
-const OpaqueSerdata* self(const ddsi_serdata* serdata) noexcept {
-  return static_cast<const OpaqueSerdata*>(serdata);
-}
+const OpaqueSerdata* self(const ddsi_serdata* serdata) noexcept { return static_cast<const OpaqueSerdata*>(serdata); }
 
 bool eqkey(const ddsi_serdata*, const ddsi_serdata*) { return true; }
 
 std::uint32_t get_size(const ddsi_serdata* serdata) { return self(serdata)->byte_count; }
 
 // Fragments may overlap: `have` bytes stand already, of each fragment only what lies beyond is taken.
-ddsi_serdata* from_ser(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* fragment,
-                       std::size_t size) {
+ddsi_serdata* from_ser(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* fragment, std::size_t size) {
   if (kind != SDK_DATA) return allocate(type, kind, 0);
   if (size < kHeaderBytes) return nullptr;
   OpaqueSerdata* serdata = allocate(type, kind, size);
@@ -76,9 +73,7 @@ ddsi_serdata* from_ser_iov(const ddsi_sertype* type, ddsi_serdata_kind kind, dds
   return nullptr;
 }
 
-ddsi_serdata* from_keyhash(const ddsi_sertype* type, const ddsi_keyhash*) {
-  return allocate(type, SDK_KEY, 0);
-}
+ddsi_serdata* from_keyhash(const ddsi_sertype* type, const ddsi_keyhash*) { return allocate(type, SDK_KEY, 0); }
 
 ddsi_serdata* from_sample(const ddsi_sertype* type, ddsi_serdata_kind kind, const void* sample) {
   if (kind != SDK_DATA) return allocate(type, kind, 0);
@@ -93,8 +88,7 @@ void to_ser(const ddsi_serdata* serdata, std::size_t offset, std::size_t size, v
   std::memcpy(out, self(serdata)->data + offset, size);
 }
 
-ddsi_serdata* to_ser_ref(const ddsi_serdata* serdata, std::size_t offset, std::size_t size,
-                         ddsrt_iovec_t* out) {
+ddsi_serdata* to_ser_ref(const ddsi_serdata* serdata, std::size_t offset, std::size_t size, ddsrt_iovec_t* out) {
   out->iov_base = self(serdata)->data + offset;
   out->iov_len = size;
   return ddsi_serdata_ref(serdata);
@@ -123,9 +117,7 @@ std::size_t print(const ddsi_sertype*, const ddsi_serdata* serdata, char* out, s
   return static_cast<std::size_t>(std::snprintf(out, size, "opaque(%u bytes)", self(serdata)->byte_count));
 }
 
-void get_keyhash(const ddsi_serdata*, ddsi_keyhash* out, bool) {
-  std::memset(out->value, 0, sizeof(out->value));
-}
+void get_keyhash(const ddsi_serdata*, ddsi_keyhash* out, bool) { std::memset(out->value, 0, sizeof(out->value)); }
 
 constexpr ddsi_serdata_ops make_serdata_ops() {
   ddsi_serdata_ops ops{};

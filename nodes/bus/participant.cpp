@@ -29,7 +29,8 @@ void configure_domain(const ParticipantOptions& options) {
   const dds_entity_t domain = dds_create_domain(options.domain, xml.c_str());
   if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET)
     throw Error("DDS domain " + std::to_string(options.domain) + " could not be set up on interface '" +
-                options.network_interface + "' (DDS says: " + dds_strretcode(-domain) + "); `ip link` lists the interfaces");
+                options.network_interface + "' (DDS says: " + dds_strretcode(-domain) +
+                "); `ip link` lists the interfaces");
   configured[options.domain] = options.network_interface;
 }
 

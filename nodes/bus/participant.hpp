@@ -12,9 +12,9 @@ namespace voxtouch::bus {
 using Guid = std::array<std::uint8_t, 16>;
 
 struct ParticipantOptions {
-  std::uint32_t domain = 0;        ///< as ROS_DOMAIN_ID
+  std::uint32_t domain = 0;              ///< as ROS_DOMAIN_ID
   std::string network_interface = "lo";  ///< ignored where CYCLONEDDS_URI is set: then that configuration holds
-  std::string name = "voxtouch";   ///< seen by DDS tools
+  std::string name = "voxtouch";         ///< seen by DDS tools
 };
 
 /// Announces itself as ROS 2 does (USER_DATA "enclave=/;"). Threads of Cyclone DDS inherit the caller's scheduling: set it first.

@@ -11,7 +11,8 @@ class Reader {
   Reader() = default;
   Reader(const Participant& participant, const qos::Topic& row, std::string_view rig, const qos::Profile& profile)
       : entities_(make_reader(participant, row, rig, profile, msg::Type<T>::descriptor, msg::Type<T>::ros_name)),
-        unread_(dds_create_readcondition(entities_.endpoint.get(), DDS_ANY_STATE), "a read condition could not be made") {}
+        unread_(dds_create_readcondition(entities_.endpoint.get(), DDS_ANY_STATE),
+                "a read condition could not be made") {}
 
   /// Takes the oldest waiting sample, if there is one, into `sample`; `writer` (if given) gets the handle of its writer. Only for
   /// fixed-size types. Real-time safe apart from what DDS itself does.

@@ -1,8 +1,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/mesh/import.hpp"
@@ -28,7 +28,9 @@ void write_file(const std::filesystem::path& file, Write&& write) {
   std::ofstream out(fresh, std::ios::binary);
   write(out);
   out.close();
-  if (!out) throw std::runtime_error(fmt::format("{} could not be written: is there room, and may you write there?", fresh.string()));
+  if (!out)
+    throw std::runtime_error(
+        fmt::format("{} could not be written: is there room, and may you write there?", fresh.string()));
   std::filesystem::rename(fresh, file);
 }
 
@@ -52,9 +54,12 @@ int build(const BuildOptions& o) {
 
   std::error_code refused;
   std::filesystem::create_directories(o.out, refused);
-  if (refused) throw std::runtime_error(fmt::format("{} could not be made ({}); choose another folder with --out", o.out.string(), refused.message()));
+  if (refused)
+    throw std::runtime_error(
+        fmt::format("{} could not be made ({}); choose another folder with --out", o.out.string(), refused.message()));
   const std::string stem = o.mesh.stem().string();
-  const auto surface = o.out / (stem + "_surface.csv"), interior = o.out / (stem + "_interior.csv"), ply = o.out / (stem + "_shell.ply");
+  const auto surface = o.out / (stem + "_surface.csv"), interior = o.out / (stem + "_interior.csv"),
+             ply = o.out / (stem + "_shell.ply");
   write_file(surface, [&](std::ostream& out) { write_surface_csv(out, points); });
   write_file(interior, [&](std::ostream& out) { write_interior_csv(out, voxmap); });
   write_file(ply, [&](std::ostream& out) { write_shell_ply(out, points); });
@@ -75,9 +80,9 @@ int build(const BuildOptions& o) {
     j["warnings"] = warnings;
     fmt::print("{}\n", j.dump(2));
   } else {
-    fmt::print("{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n", voxmap.surface_count(),
-               voxmap.interior_count(), voxmap.bytes() / 1024, grid.origin.x(), grid.origin.y(), grid.origin.z(), surface.string(),
-               interior.string(), ply.string());
+    fmt::print("{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n",
+               voxmap.surface_count(), voxmap.interior_count(), voxmap.bytes() / 1024, grid.origin.x(), grid.origin.y(),
+               grid.origin.z(), surface.string(), interior.string(), ply.string());
   }
   return 0;
 }
@@ -86,13 +91,18 @@ int build(const BuildOptions& o) {
 
 void add_build(CLI::App& app, Action& action) {
   auto o = std::make_shared<BuildOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "build", "Voxels and pointshell of a mesh as files: <mesh>_surface.csv, <mesh>_interior.csv, <mesh>_shell.ply (points with\n"
-               "normals and areas, for MeshLab or CloudCompare)");
+  CLI::App* verb = app.add_subcommand("build",
+                                      "Voxels and pointshell of a mesh as files: <mesh>_surface.csv, "
+                                      "<mesh>_interior.csv, <mesh>_shell.ply (points with\n"
+                                      "normals and areas, for MeshLab or CloudCompare)");
   verb->add_option("MESH", o->mesh, "OBJ, STL, PLY, glTF/GLB or COLLADA")->required();
   verb->add_option("--voxel", o->voxel_m, "Voxel edge [m]")->required()->check(runtime::require_positive);
-  verb->add_option("--origin", o->origin, "Origin of the grid X,Y,Z [m]; default: one voxel before the mesh")->delimiter(',')->expected(3);
-  verb->add_option("--scale", o->scale, "Metres for one unit of the file, such as 0.001 for millimetres")->capture_default_str()->check(runtime::require_positive);
+  verb->add_option("--origin", o->origin, "Origin of the grid X,Y,Z [m]; default: one voxel before the mesh")
+      ->delimiter(',')
+      ->expected(3);
+  verb->add_option("--scale", o->scale, "Metres for one unit of the file, such as 0.001 for millimetres")
+      ->capture_default_str()
+      ->check(runtime::require_positive);
   verb->add_option("--out", o->out, "Folder for the files")->required();
   verb->add_flag("--json", o->json, "Result as one JSON object on stdout");
   verb->callback([o, &action] {

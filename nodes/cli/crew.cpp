@@ -26,7 +26,8 @@ constexpr std::chrono::milliseconds kFarewell{8'000};
 class ProcessMember final : public Member {
  public:
   ProcessMember(std::string name, const std::vector<std::string>& arguments) : name_(std::move(name)) {
-    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / ("voxtouch_" + name_);
+    const std::filesystem::path program =
+        std::filesystem::read_symlink("/proc/self/exe").parent_path() / ("voxtouch_" + name_);
     std::vector<std::string> texts = {program.string()};
     texts.insert(texts.end(), arguments.begin(), arguments.end());
     texts.insert(texts.end(), {"--with-parent", fmt::to_string(getpid())});
@@ -50,8 +51,8 @@ class ProcessMember final : public Member {
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
     if (error != 0)
-      throw std::runtime_error(fmt::format("{} could not be started ({}); it should stand beside voxtouch", program.string(),
-                                           std::strerror(error)));
+      throw std::runtime_error(fmt::format("{} could not be started ({}); it should stand beside voxtouch",
+                                           program.string(), std::strerror(error)));
   }
   ~ProcessMember() override {
     request_stop();
@@ -63,7 +64,8 @@ class ProcessMember final : public Member {
   }
   std::optional<int> ended() override {
     int raw = 0;
-    if (!status_ && waitpid(pid_, &raw, WNOHANG) == pid_) status_ = WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
+    if (!status_ && waitpid(pid_, &raw, WNOHANG) == pid_)
+      status_ = WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
     return status_;
   }
   std::uint32_t pid() const noexcept override { return static_cast<std::uint32_t>(pid_); }
@@ -154,7 +156,8 @@ int Member::join(std::chrono::milliseconds patience) {
 
 std::vector<std::unique_ptr<Member>> start_crew(CrewOptions& o) {
   std::vector<std::unique_ptr<Member>> crew;
-  const auto start = [&](const std::string& name, runtime::NodeOptions& options, auto arguments, ThreadMember::Run run) {
+  const auto start = [&](const std::string& name, runtime::NodeOptions& options, auto arguments,
+                         ThreadMember::Run run) {
     if (o.one_process)
       crew.push_back(std::make_unique<ThreadMember>(name, options, std::move(run)));
     else
@@ -163,11 +166,21 @@ std::vector<std::unique_ptr<Member>> start_crew(CrewOptions& o) {
   using Stop = const std::atomic<bool>&;
   o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps
   if (o.record)
-    start("logger", o.logger, [&] { return logger_arguments(o.logger); }, [&o](Stop stop) { return logger::run(o.logger, stop); });
-  start("validator", o.validator, [&] { return validator_arguments(o.validator); }, [&o](Stop stop) { return validator::run(o.validator, stop); });
-  start("coupling", o.coupling, [&] { return runtime::to_arguments(o.coupling, true); }, [&o](Stop stop) { return coupling::run(o.coupling, stop); });
-  start("rendering", o.rendering, [&] { return runtime::to_arguments(o.rendering, true); }, [&o](Stop stop) { return rendering::run(o.rendering, stop); });
-  start("device", o.device, [&] { return device_arguments(o.device); }, [&o](Stop stop) { return device::run(o.device, stop); });
+    start(
+        "logger", o.logger, [&] { return logger_arguments(o.logger); },
+        [&o](Stop stop) { return logger::run(o.logger, stop); });
+  start(
+      "validator", o.validator, [&] { return validator_arguments(o.validator); },
+      [&o](Stop stop) { return validator::run(o.validator, stop); });
+  start(
+      "coupling", o.coupling, [&] { return runtime::to_arguments(o.coupling, true); },
+      [&o](Stop stop) { return coupling::run(o.coupling, stop); });
+  start(
+      "rendering", o.rendering, [&] { return runtime::to_arguments(o.rendering, true); },
+      [&o](Stop stop) { return rendering::run(o.rendering, stop); });
+  start(
+      "device", o.device, [&] { return device_arguments(o.device); },
+      [&o](Stop stop) { return device::run(o.device, stop); });
   return crew;
 }
 

@@ -2,8 +2,8 @@
 #include <exception>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "nodes/cli/verbs.hpp"
 
@@ -20,7 +20,8 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     const int status = action();
-    if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw std::runtime_error("standard output could not be written: is the disk full?");
+    if (std::fflush(stdout) != 0 || std::ferror(stdout))
+      throw std::runtime_error("standard output could not be written: is the disk full?");
     return status;
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());

@@ -1,6 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 
 #include "core/reference/reference_scene.hpp"
 #include "core/scene/build.hpp"
@@ -35,7 +35,8 @@ int probe_reference(const Scene& scene, const std::vector<Pose>& poses) {
   fmt::print("gap_m,dx,dy,dz,unique_face,self_check\n");
   for (const Pose& pose : poses) {
     const GapResult g = reference.gap(pose);
-    fmt::print("{},{},{},{},{},{}\n", g.gap_m, g.direction.x(), g.direction.y(), g.direction.z(), int{g.unique_face}, int{g.self_check});
+    fmt::print("{},{},{},{},{},{}\n", g.gap_m, g.direction.x(), g.direction.y(), g.direction.z(), int{g.unique_face},
+               int{g.self_check});
   }
   return 0;
 }
@@ -45,7 +46,8 @@ std::optional<ContactModelKind> chosen_model(const std::string& word) {
   if (word.empty() || word == "reference") return std::nullopt;
   ContactModelKind kind{};
   if (!parse_contact_model(word, kind))
-    throw std::runtime_error(fmt::format("there is no contact model '{}'; --model takes original, adapted or reference", word));
+    throw std::runtime_error(
+        fmt::format("there is no contact model '{}'; --model takes original, adapted or reference", word));
   make_contact_model(kind, {});  // says so where a rung has a name but is not built yet
   return kind;
 }
@@ -55,14 +57,16 @@ int probe(const ProbeOptions& o) {
   const Scene scene = load_scene(o.scene);
   const std::vector<Pose> poses = read_poses(o.poses);
   if (o.model == "reference") return probe_reference(scene, poses);
-  const auto built = build_scene(scene, serial_for(), model, [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
+  const auto built =
+      build_scene(scene, serial_for(), model, [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
   for (const std::string& warning : built->plan().warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
   std::vector<std::uint32_t> ids;
   for (const Pose& pose : poses) {
     const ContactResult r = built->renderer().probe(pose, ids);
     const Vec3 &f = r.wrench.force, &t = r.wrench.torque;
-    fmt::print("{},{},{},{},{},{},{},{},{}", r.surface_hits, r.interior_hits, r.coherence, f.x(), f.y(), f.z(), t.x(), t.y(), t.z());
+    fmt::print("{},{},{},{},{},{},{},{},{}", r.surface_hits, r.interior_hits, r.coherence, f.x(), f.y(), f.z(), t.x(),
+               t.y(), t.z());
     fmt::print("{}\n", o.points ? "," + ranges(ids) : "");
   }
   return 0;
@@ -73,10 +77,14 @@ int probe(const ProbeOptions& o) {
 void add_probe(CLI::App& app, Action& action) {
   auto o = std::make_shared<ProbeOptions>();
   CLI::App* verb = app.add_subcommand(
-      "probe", "Wrenches for a list of poses, one CSV row each: nS,nI,coh,fx,fy,fz,tx,ty,tz (world axes, torque about the tool's\n"
-               "origin). Memoryless: neither blend nor hold. --model reference prints gap and push direction instead");
+      "probe",
+      "Wrenches for a list of poses, one CSV row each: nS,nI,coh,fx,fy,fz,tx,ty,tz (world axes, torque about the "
+      "tool's\n"
+      "origin). Memoryless: neither blend nor hold. --model reference prints gap and push direction instead");
   verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
-  verb->add_option("--poses", o->poses, "CSV with the columns qw,qx,qy,qz,tx,ty,tz: tool in world; - for standard input")->required();
+  verb->add_option("--poses", o->poses,
+                   "CSV with the columns qw,qx,qy,qz,tx,ty,tz: tool in world; - for standard input")
+      ->required();
   verb->add_option("--model", o->model, "original, adapted or reference; default: the scene's");
   verb->add_flag("--points", o->points, "Adds a column with the ids of the colliding points");
   verb->callback([o, &action] { action = [o] { return probe(*o); }; });

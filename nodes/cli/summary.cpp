@@ -49,7 +49,8 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["guard"] = {{"refused", count(r, "device", "refused")}, {"clamped", count(r, "device", "clamped")}};
   nlohmann::ordered_json validator;
-  for (const char* key : {"checked", "decided", "agree", "in_band", "disagree"}) validator[key] = count(r, "validator", key);
+  for (const char* key : {"checked", "decided", "agree", "in_band", "disagree"})
+    validator[key] = count(r, "validator", key);
   j["validator"] = validator;
   j["recording"] = {{"written", count(r, "logger", "written")}, {"dropped", count(r, "logger", "dropped")}};
   j["bag"] = s.bag.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(s.bag);
@@ -68,14 +69,16 @@ std::string figures(const RunSummary& s) {
       "  contact     {} samples with force, {} held, {} faster than half a voxel a sample\n"
       "  guard       {} commands refused, {} clamped\n"
       "  validator   {} checked: {} decided, {} agree, {} in band, {} disagree\n",
-      count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"), number(r, "device", "max_force_n"),
-      count(r, "device", "answered"), number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
-      number(r, "device", "latency_max_us"), count(r, "device", "deadline_misses"), count(r, "rendering", "contact_samples"),
+      count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
+      number(r, "device", "max_force_n"), count(r, "device", "answered"), number(r, "device", "latency_p50_us"),
+      number(r, "device", "latency_p99_us"), number(r, "device", "latency_max_us"),
+      count(r, "device", "deadline_misses"), count(r, "rendering", "contact_samples"),
       count(r, "rendering", "held_samples"), count(r, "rendering", "fast_samples"), count(r, "device", "refused"),
       count(r, "device", "clamped"), count(r, "validator", "checked"), count(r, "validator", "decided"),
       count(r, "validator", "agree"), count(r, "validator", "in_band"), count(r, "validator", "disagree"));
   if (!s.bag.empty())
-    text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag, count(r, "logger", "written"), count(r, "logger", "dropped"));
+    text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag, count(r, "logger", "written"),
+                        count(r, "logger", "dropped"));
   return text;
 }
 
@@ -98,10 +101,12 @@ std::string status_line(const Reports& r, const std::vector<std::string>& nodes)
         waiting += (waiting.empty() ? "" : ", ") + node;
     return "starting: waiting for " + waiting;
   }
-  return fmt::format("{:>7} samples  force {:6.2f} N  latency p50 {:>4.0f} us p99 {:>5.0f} us  overruns {}  contacts {}  validator {}/{} agree",
-                     count(r, "device", "samples"), number(r, "device", "force_n"), number(r, "device", "latency_p50_us"),
-                     number(r, "device", "latency_p99_us"), count(r, "device", "overruns"), count(r, "rendering", "contact_samples"),
-                     count(r, "validator", "agree"), count(r, "validator", "decided"));
+  return fmt::format(
+      "{:>7} samples  force {:6.2f} N  latency p50 {:>4.0f} us p99 {:>5.0f} us  overruns {}  contacts {}  validator "
+      "{}/{} agree",
+      count(r, "device", "samples"), number(r, "device", "force_n"), number(r, "device", "latency_p50_us"),
+      number(r, "device", "latency_p99_us"), count(r, "device", "overruns"), count(r, "rendering", "contact_samples"),
+      count(r, "validator", "agree"), count(r, "validator", "decided"));
 }
 
 }  // namespace voxtouch::cli

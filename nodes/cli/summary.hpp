@@ -22,6 +22,7 @@ struct RunSummary {
 nlohmann::ordered_json to_json(const RunSummary& summary);
 std::string to_text(const RunSummary& summary);
 /// One line while the ring runs; `nodes` are those that take part.
-std::string status_line(const std::map<std::string, runtime::NodeReport>& reports, const std::vector<std::string>& nodes);
+std::string status_line(const std::map<std::string, runtime::NodeReport>& reports,
+                        const std::vector<std::string>& nodes);
 
 }  // namespace voxtouch::cli

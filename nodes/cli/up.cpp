@@ -5,8 +5,8 @@
 #include <set>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/scene/scene_file.hpp"
@@ -51,7 +51,8 @@ class Run {
     summary_.motion = options.motion;
     summary_.mode = options.node.lockstep ? "lockstep" : "real time";
     summary_.seed = options.node.seed;
-    if (!options.no_record) summary_.bag = options.bag.empty() ? default_bag(scene.name).string() : options.bag.string();
+    if (!options.no_record)
+      summary_.bag = options.bag.empty() ? default_bag(scene.name).string() : options.bag.string();
   }
 
   /// Also after an exception: the device goes first.
@@ -74,9 +75,10 @@ class Run {
  private:
   void require_free_rig() {
     if (const auto other = runtime::look_for_others(roster_, "", milliseconds(500)))
-      throw std::runtime_error(fmt::format(
-          "rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or choose another --rig or --domain",
-          options_.node.rig, options_.node.domain, other->node, other->pid, other->host));
+      throw std::runtime_error(
+          fmt::format("rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or "
+                      "choose another --rig or --domain",
+                      options_.node.rig, options_.node.domain, other->node, other->pid, other->host));
   }
 
   CrewOptions crew() const {
@@ -103,7 +105,8 @@ class Run {
   void listen() {
     roster_.update(true);
     for (const runtime::NodeReport& report : roster_.reports())
-      if (std::any_of(crew_.begin(), crew_.end(), [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; }))
+      if (std::any_of(crew_.begin(), crew_.end(),
+                      [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; }))
         summary_.reports[report.node] = report;
   }
 
@@ -156,18 +159,23 @@ class Run {
 
   /// A device that is stopped before its duration is over says so by its status; why it was stopped is known here already.
   bool was_cut_short(const std::string& name, int status) {
-    return name == "device" && status == 1 && options_.duration_s > 0 && summary_.reports[name].state != runtime::NodeState::kFailed;
+    return name == "device" && status == 1 && options_.duration_s > 0 &&
+           summary_.reports[name].state != runtime::NodeState::kFailed;
   }
 
   void note_end(const std::string& name, int status) {
     if (!noted_.insert(name).second) return;
-    if (std::string sentence = summary_.reports[name].message; summary_.reports[name].state == runtime::NodeState::kFailed)
+    if (std::string sentence = summary_.reports[name].message;
+        summary_.reports[name].state == runtime::NodeState::kFailed)
       summary_.problems.push_back(name + ": " + sentence);
     else if (status > 128 && name == "device")
-      summary_.problems.push_back(fmt::format("device was ended by signal {} and could not command zero force any more: a real device has only its "
-                                              "own watchdog then; see that it is at rest before the next start", status - 128));
+      summary_.problems.push_back(fmt::format(
+          "device was ended by signal {} and could not command zero force any more: a real device has only its "
+          "own watchdog then; see that it is at rest before the next start",
+          status - 128));
     else if (status > 128)
-      summary_.problems.push_back(fmt::format("{} was ended by signal {}; the device went to zero force", name, status - 128));
+      summary_.problems.push_back(
+          fmt::format("{} was ended by signal {}; the device went to zero force", name, status - 128));
     else if (status != 0)
       summary_.problems.push_back(fmt::format("{} ended with status {}; its message stands above", name, status));
     else
@@ -187,13 +195,15 @@ RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
   const Scene scene = load_scene(options.node.scene);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
-  for (const std::string& note : check_before_start(scene, options.device, options.motion, options.no_record ? "" : options.bag))
+  for (const std::string& note :
+       check_before_start(scene, options.device, options.motion, options.no_record ? "" : options.bag))
     fmt::print(stderr, "note: {}\n", note);
   return Run(options, scene).go();
 }
 
 void print_json(const nlohmann::ordered_json& json) {
-  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
+  fmt::print("{}\n",
+             json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
 }
 
 int up(const UpOptions& options) {
@@ -215,16 +225,25 @@ int up(const UpOptions& options) {
 void add_up(CLI::App& app, Action& action) {
   auto options = std::make_shared<UpOptions>();
   CLI::App* verb = app.add_subcommand(
-      "up", "Start the whole ring (device, rendering, coupling, logger, validator), watch it, stop it on Ctrl-C, sum it up");
-  verb->add_option("SCENE", options->node.scene, "Scene file (YAML); deploy/scenes has some")->required()->check(CLI::ExistingFile);
+      "up",
+      "Start the whole ring (device, rendering, coupling, logger, validator), watch it, stop it on Ctrl-C, sum it up");
+  verb->add_option("SCENE", options->node.scene, "Scene file (YAML); deploy/scenes has some")
+      ->required()
+      ->check(CLI::ExistingFile);
   runtime::add_node_options(*verb, options->node, false);
   verb->remove_option(verb->get_option("--peers"));
   verb->add_option("--device", options->device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
-  verb->add_option("--motion", options->motion, "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
-  verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")->capture_default_str()->check(device::check_duration);
-  verb->add_option("--record", options->bag, "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
+  verb->add_option("--motion", options->motion,
+                   "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
+  verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")
+      ->capture_default_str()
+      ->check(device::check_duration);
+  verb->add_option("--record", options->bag,
+                   "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
   verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states");
-  verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")->capture_default_str()->check(runtime::require_positive);
+  verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")
+      ->capture_default_str()
+      ->check(runtime::require_positive);
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
   verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");

@@ -21,12 +21,14 @@ void check_bag(const std::filesystem::path& bag) {
   if (bag.empty()) return;
   std::error_code ignored;
   if (std::filesystem::exists(bag, ignored))
-    throw std::runtime_error(fmt::format("the bag folder {} exists already and is left as it is; choose another with --record", bag.string()));
+    throw std::runtime_error(fmt::format(
+        "the bag folder {} exists already and is left as it is; choose another with --record", bag.string()));
   std::filesystem::path parent = std::filesystem::absolute(bag).parent_path();
   while (!std::filesystem::exists(parent, ignored) && parent.has_relative_path()) parent = parent.parent_path();
   if (::access(parent.c_str(), W_OK | X_OK) != 0)
-    throw std::runtime_error(fmt::format("no bag can be made in {} ({}); choose another folder with --record, or --no-record", parent.string(),
-                                         std::strerror(errno)));
+    throw std::runtime_error(
+        fmt::format("no bag can be made in {} ({}); choose another folder with --record, or --no-record",
+                    parent.string(), std::strerror(errno)));
 }
 
 double number(const RunSummary& summary, const std::string& node, const std::string& key) {
@@ -34,7 +36,8 @@ double number(const RunSummary& summary, const std::string& node, const std::str
   if (report == summary.reports.end()) return 0.0;
   const auto value = report->second.values.find(key);
   double out = 0.0;
-  if (value != report->second.values.end()) std::from_chars(value->second.data(), value->second.data() + value->second.size(), out);
+  if (value != report->second.values.end())
+    std::from_chars(value->second.data(), value->second.data() + value->second.size(), out);
   return out;
 }
 
@@ -49,9 +52,11 @@ std::vector<std::string> check_before_start(const Scene& scene, const std::strin
   const DeviceFacts facts{description.max_stiffness_n_per_m, 1.0 / description.rate_hz, description.max_force_n};
   const DeviceCheck check = check_device(scene, facts, scene.contact.stiffness_n_per_m);
   if (!check.fits())
-    throw std::runtime_error(fmt::format("{} is too stiff for {} with a single point in contact: {}", scene.file.string(), device, check.errors.front()));
+    throw std::runtime_error(fmt::format("{} is too stiff for {} with a single point in contact: {}",
+                                         scene.file.string(), device, check.errors.front()));
   std::vector<std::string> notes = check.warnings;
-  if (motion.empty()) notes.push_back("no --motion is given: the simulated hand rests where the scene's first motion starts");
+  if (motion.empty())
+    notes.push_back("no --motion is given: the simulated hand rests where the scene's first motion starts");
   return notes;
 }
 
@@ -61,16 +66,23 @@ void judge(RunSummary& s) {
     s.problems.push_back(fmt::format("the validator disagrees with {} samples: {}", n, message("validator")));
   if (const double n = number(s, "device", "foreign_commands"); n > 0)
     s.problems.push_back(fmt::format("{} commands of a second writer were ignored ({})", n, message("device")));
-  const double felt = number(s, "coupling", "stiffness_at_hand_n_per_m"), most = number(s, "coupling", "device_max_stiffness_n_per_m");
+  const double felt = number(s, "coupling", "stiffness_at_hand_n_per_m"),
+               most = number(s, "coupling", "device_max_stiffness_n_per_m");
   if (most > 0 && felt > most)
-    s.problems.push_back(fmt::format("all points in contact together showed {:.0f} N/m at the hand, more than the {:.0f} N/m that {} can show "
-                                     "stably: lower contact.stiffness_n_per_m, the coupling's gain or a scale of the device", felt, most, s.device));
+    s.problems.push_back(fmt::format(
+        "all points in contact together showed {:.0f} N/m at the hand, more than the {:.0f} N/m that {} can show "
+        "stably: lower contact.stiffness_n_per_m, the coupling's gain or a scale of the device",
+        felt, most, s.device));
   if (s.problems.empty() && number(s, "device", "samples") == 0) s.problems.push_back("the device gave no sample");
   if (const double n = number(s, "device", "clamped"); n > 0)
-    s.notes.push_back(fmt::format("the guard cut {} commands to what the device allows: the scene asks for more than that", n));
+    s.notes.push_back(
+        fmt::format("the guard cut {} commands to what the device allows: the scene asks for more than that", n));
   if (const double n = number(s, "rendering", "buried_samples"); n > 100)
-    s.notes.push_back(fmt::format("in {} samples the tool was wholly inside a static object, where there is no direction to push: does the motion "
-                                  "start inside?", n));
+    s.notes.push_back(
+        fmt::format("in {} samples the tool was wholly inside a static object, where there is no direction to push: "
+                    "does the motion "
+                    "start inside?",
+                    n));
   std::vector<std::string> unique;
   for (std::string& p : s.problems)
     if (std::find(unique.begin(), unique.end(), p) == unique.end()) unique.push_back(std::move(p));

@@ -29,11 +29,13 @@ class CouplingNode {
  public:
   CouplingNode(const Options& options, const Scene& scene)
       : options_(options), scene_(scene), participant_(options.participant("coupling")),
-        descriptions_(participant_, qos::kDeviceDescription, options.rig, qos::profile_in(qos::kDeviceDescription, options.mode())),
+        descriptions_(participant_, qos::kDeviceDescription, options.rig,
+                      qos::profile_in(qos::kDeviceDescription, options.mode())),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         commands_(participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())),
-        designs_(participant_, qos::kCouplingDesign, options.rig, qos::profile_in(qos::kCouplingDesign, options.mode())),
+        designs_(participant_, qos::kCouplingDesign, options.rig,
+                 qos::profile_in(qos::kCouplingDesign, options.mode())),
         wait_set_(participant_) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
@@ -47,8 +49,9 @@ class CouplingNode {
 
   int run(const std::atomic<bool>& stop) {
     runtime::flush_denormals();
-    runtime::Housekeeping housekeeping(participant_, "coupling", options_,
-                                       [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+    runtime::Housekeeping housekeeping(
+        participant_, "coupling", options_,
+        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
     while (!stop.load(kRelaxed)) {
       wait_set_.wait(50'000'000);
       descriptions_.take_each([this](const msg::DeviceDescription& d) { start_session(d); });
@@ -72,7 +75,8 @@ class CouplingNode {
       return;
     }
     const double force = scene_.device.force_scale, lever = scene_.device.position_scale;
-    coupling_ = make_coupling(scene_.coupling, {device.max_force_n / force, device.max_torque_nm * lever / force}, period_s_);
+    coupling_ =
+        make_coupling(scene_.coupling, {device.max_force_n / force, device.max_torque_nm * lever / force}, period_s_);
     coupling_->reset({});
     session_in_loop_ = device.session_id;
     last_time_ns_.reset();
@@ -109,7 +113,9 @@ class CouplingNode {
     last_time_ns_ = contact.sample_time_ns;
     follow_clutch(state.buttons);
     const Wrench in_world = coupling_->step({runtime::from_msg(contact.wrench), contact.stiffness_bound_n_per_m}, dt_s);
-    const Wrench in_device = clutched_ ? Wrench{} : wrench_to_device(scene_.device, in_world, runtime::from_msg(contact.tool_pose).orientation);
+    const Wrench in_device =
+        clutched_ ? Wrench{}
+                  : wrench_to_device(scene_.device, in_world, runtime::from_msg(contact.tool_pose).orientation);
     const CouplingStatus status = coupling_->status();
 
     msg::ForceCommand m{};
@@ -125,7 +131,8 @@ class CouplingNode {
     samples_.fetch_add(1, kRelaxed);
     if (status.clamped) clamped_.fetch_add(1, kRelaxed);
     faults_.store(coupling_->faults(), kRelaxed);
-    if (contact.stiffness_bound_n_per_m > stiffness_.load(kRelaxed)) stiffness_.store(contact.stiffness_bound_n_per_m, kRelaxed);
+    if (contact.stiffness_bound_n_per_m > stiffness_.load(kRelaxed))
+      stiffness_.store(contact.stiffness_bound_n_per_m, kRelaxed);
   }
 
   /// While the clutch is pressed the tool stays and the device moves free: no force; the contact fades in again afterwards.
@@ -136,21 +143,25 @@ class CouplingNode {
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
-    report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash},
-                     {"samples", fmt::to_string(samples_.load())},
-                     {"clamped_inputs", fmt::to_string(clamped_.load())},
-                     {"faults", fmt::to_string(faults_.load())},
-                     {"stiffness_bound_max_n_per_m", fmt::format("{:.6g}", stiffness_.load())},
-                     {"stiffness_at_hand_n_per_m", fmt::format("{:.6g}", stiffness_at_hand_n_per_m(scene_, stiffness_.load()))},
-                     {"device_max_stiffness_n_per_m", fmt::format("{:.6g}", max_stiffness_.load())}};
+    report.values = {
+        {"scene", scene_.name},
+        {"scene_hash", scene_.hash},
+        {"samples", fmt::to_string(samples_.load())},
+        {"clamped_inputs", fmt::to_string(clamped_.load())},
+        {"faults", fmt::to_string(faults_.load())},
+        {"stiffness_bound_max_n_per_m", fmt::format("{:.6g}", stiffness_.load())},
+        {"stiffness_at_hand_n_per_m", fmt::format("{:.6g}", stiffness_at_hand_n_per_m(scene_, stiffness_.load()))},
+        {"device_max_stiffness_n_per_m", fmt::format("{:.6g}", max_stiffness_.load())}};
     const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
     // The device's limit is held against the total stiffness of the contact, not against one point's.
     const double displayed = stiffness_at_hand_n_per_m(scene_, stiffness_.load());
     report.message = session_.stopped() ? "stopped"
                      : !missing.empty() ? "waiting for " + missing
                      : displayed > max_stiffness_.load()
-                         ? fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower contact.stiffness_n_per_m or coupling.gain",
-                                       displayed, max_stiffness_.load())
+                         ? fmt::format(
+                               "the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower "
+                               "contact.stiffness_n_per_m or coupling.gain",
+                               displayed, max_stiffness_.load())
                          : fmt::format("{} runs", scene_.coupling.kind);
     const std::lock_guard lock(refusal_mutex_);
     if (refusal_.empty()) return;

@@ -4,7 +4,8 @@
 
 namespace voxtouch::coupling {
 
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const CouplingSpec& spec, std::uint64_t session, double sample_time_s) {
+void publish_design(bus::Writer<msg::CouplingDesign>& writer, const CouplingSpec& spec, std::uint64_t session,
+                    double sample_time_s) {
   const bool filter = spec.kind == "shaping_filter", spring = spec.kind == "spring_damper";
   const std::string status = "configured";
   std::vector<std::string> notes = {"set by hand in the scene; nothing was designed or certified for this device"};

@@ -5,6 +5,7 @@
 
 namespace voxtouch::coupling {
 
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const CouplingSpec& spec, std::uint64_t session, double sample_time_s);
+void publish_design(bus::Writer<msg::CouplingDesign>& writer, const CouplingSpec& spec, std::uint64_t session,
+                    double sample_time_s);
 
 }  // namespace voxtouch::coupling

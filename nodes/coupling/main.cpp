@@ -1,14 +1,15 @@
-#include "nodes/coupling/coupling_node.hpp"
 #include "nodes/runtime/main.hpp"
+#include "nodes/coupling/coupling_node.hpp"
 
 int main(int argc, char** argv) {
   voxtouch::coupling::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "coupling",
-       .about = "voxtouch coupling node: shapes the contact wrench so that device, hand and contact stay stable together, and commands the\n"
-      "device.",
-       .with_scene = true, .in_ring = true},
-      options, [](CLI::App&) {},
-      [&](const std::atomic<bool>& stop) { return voxtouch::coupling::run(options, stop); });
+       .about = "voxtouch coupling node: shapes the contact wrench so that device, hand and contact stay stable "
+                "together, and commands the\n"
+                "device.",
+       .with_scene = true,
+       .in_ring = true},
+      options, [](CLI::App&) {}, [&](const std::atomic<bool>& stop) { return voxtouch::coupling::run(options, stop); });
 }

@@ -1,8 +1,8 @@
 #include "nodes/device/device_loop.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <chrono>
+#include <cmath>
 
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
@@ -17,9 +17,10 @@ constexpr std::int64_t kPollNs = 50'000'000;
 }  // namespace
 
 DeviceLoop::DeviceLoop(const Settings& settings, Driver& driver, bus::Writer<msg::DeviceState>& states,
-                       bus::Reader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests)
-    : settings_(settings), driver_(driver), states_(states), commands_(commands), wait_set_(wait_set), progress_(progress),
-      requests_(requests), guard_(guard_config(driver.description())), gate_(settings.session_id),
+                       bus::Reader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress,
+                       Requests& requests)
+    : settings_(settings), driver_(driver), states_(states), commands_(commands), wait_set_(wait_set),
+      progress_(progress), requests_(requests), guard_(guard_config(driver.description())), gate_(settings.session_id),
       period_ns_(std::llround(1e9 / driver.description().rate_hz)) {}
 
 End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
@@ -49,7 +50,9 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
     runtime::sleep_until(deadline_ns_);  // a device that fails at once must not make the loop spin
     return after(sample.error());
   }
-  if (!driver_.simulated()) deadline_ns_ = runtime::monotonic_ns() - period_ns_ / 4;  // its clock paces: the command is due before its next sample
+  if (!driver_.simulated())
+    deadline_ns_ =
+        runtime::monotonic_ns() - period_ns_ / 4;  // its clock paces: the command is due before its next sample
   if (!publish(*sample)) return End::kWriteBlocked;
 
   End end = End::kNone;
@@ -83,14 +86,17 @@ bool DeviceLoop::publish(const DeviceSample& sample) noexcept {
   state.sequence_number = sequence_;
   state.sample_time_ns = sample.time_ns + settings_.epoch_ns;
   const bool trusted = sample.pose_valid && sample.pose.finite();
-  if (trusted) last_pose_ = sample.pose;
-  else progress_.held_poses.fetch_add(1, kRelaxed);
+  if (trusted)
+    last_pose_ = sample.pose;
+  else
+    progress_.held_poses.fetch_add(1, kRelaxed);
   state.pose = runtime::to_msg(last_pose_);
   state.twist = runtime::to_msg(sample.twist);
   state.buttons = sample.buttons;
   state.flags = (driver_.simulated() ? msg::device_state::kFlagSimulated : 0U) |
                 (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
-                (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) | (trusted ? 0U : msg::device_state::kFlagPoseHeld);
+                (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) |
+                (trusted ? 0U : msg::device_state::kFlagPoseHeld);
   published_ns_[sequence_ % published_ns_.size()] = runtime::monotonic_ns();
   return states_.write(state) || !settings_.lockstep;  // best effort: a full socket is a lost sample, not an end
 }

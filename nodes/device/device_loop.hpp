@@ -15,17 +15,29 @@
 namespace voxtouch::device {
 
 /// Why the loop ended.
-enum class End : std::uint32_t { kNone, kStopped, kFinished, kPeerSilent, kPeerGone, kDeviceGone, kDeviceFault, kWriteBlocked, kRigTaken };
+enum class End : std::uint32_t {
+  kNone,
+  kStopped,
+  kFinished,
+  kPeerSilent,
+  kPeerGone,
+  kDeviceGone,
+  kDeviceFault,
+  kWriteBlocked,
+  kRigTaken
+};
 
 /// What other threads may read while the loop runs.
 struct Progress {
   std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, clamped{0}, faded{0}, foreign_commands{0};
-  std::atomic<std::uint64_t> hiccups{0};      ///< reads and writes that failed without ending the session; each is zero force
-  std::atomic<std::uint64_t> held_poses{0};   ///< samples whose pose was not to be trusted
-  std::atomic<bool> in_trouble{false};        ///< the last read or write failed: the device is at zero force
-  std::atomic<std::uint64_t> deadline_misses{0};  ///< set at the end: a reader goes on counting once nobody writes any more
-  std::atomic<std::uint64_t> foreign_writer{0};  ///< publication handle of the last writer that was ignored
-  std::atomic<std::uint64_t> followed_writer{0}; ///< publication handle of the writer that is followed; 0: none yet
+  std::atomic<std::uint64_t> hiccups{
+      0};  ///< reads and writes that failed without ending the session; each is zero force
+  std::atomic<std::uint64_t> held_poses{0};  ///< samples whose pose was not to be trusted
+  std::atomic<bool> in_trouble{false};       ///< the last read or write failed: the device is at zero force
+  std::atomic<std::uint64_t> deadline_misses{
+      0};  ///< set at the end: a reader goes on counting once nobody writes any more
+  std::atomic<std::uint64_t> foreign_writer{0};   ///< publication handle of the last writer that was ignored
+  std::atomic<std::uint64_t> followed_writer{0};  ///< publication handle of the writer that is followed; 0: none yet
   std::atomic<double> max_force_n{0.0}, force_n{0.0};
   std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic
   std::atomic<End> end{End::kNone};
@@ -44,8 +56,8 @@ class DeviceLoop {
   struct Settings {
     std::uint64_t session_id = 0;
     bool lockstep = false;
-    std::int64_t epoch_ns = 0;        ///< added to the driver's clock: stamps are absolute in real time, from 0 in lockstep
-    std::uint64_t max_samples = 0;    ///< 0: no end
+    std::int64_t epoch_ns = 0;  ///< added to the driver's clock: stamps are absolute in real time, from 0 in lockstep
+    std::uint64_t max_samples = 0;  ///< 0: no end
     std::int64_t peer_timeout_ns = 5'000'000'000;
   };
   DeviceLoop(const Settings& settings, Driver& driver, bus::Writer<msg::DeviceState>& states,

@@ -64,9 +64,14 @@ std::string sentence(End end, const Driver& driver) {
     case End::kFinished: return "finished; the device is at zero force";
     case End::kPeerSilent: return "no command came for 5 s: is the coupling node alive? The device is at zero force";
     case End::kPeerGone: return "a node that takes part has gone; the device is at zero force";
-    case End::kDeviceGone: return driver.description().model + " does not answer any more, zero force was its last command: check its cable and power";
-    case End::kDeviceFault: return driver.description().model + " reported a fault and needs a person; it was told to give zero force";
-    case End::kRigTaken: return "another device runs in this rig and was there first; this one is at zero force. Choose another --rig or --domain";
+    case End::kDeviceGone:
+      return driver.description().model +
+             " does not answer any more, zero force was its last command: check its cable and power";
+    case End::kDeviceFault:
+      return driver.description().model + " reported a fault and needs a person; it was told to give zero force";
+    case End::kRigTaken:
+      return "another device runs in this rig and was there first; this one is at zero force. Choose another --rig or "
+             "--domain";
     case End::kWriteBlocked: return "a sample could not be handed to DDS; the device is at zero force";
   }
   return "unknown";
@@ -77,9 +82,10 @@ std::string sentence(End end, const Driver& driver) {
 std::uint64_t require_free_rig(const bus::Participant& participant, const Options& options) {
   runtime::Roster roster(participant, options.rig);
   if (const auto other = runtime::look_for_others(roster, "device", std::chrono::milliseconds(400)))
-    throw std::runtime_error(fmt::format(
-        "a device already runs in rig '{}' on domain {} (process {} on {}). Stop it, or choose another --rig or --domain",
-        options.rig, options.domain, other->pid, other->host));
+    throw std::runtime_error(
+        fmt::format("a device already runs in rig '{}' on domain {} (process {} on {}). Stop it, or choose another "
+                    "--rig or --domain",
+                    options.rig, options.domain, other->pid, other->host));
   return runtime::sessions_seen(roster);
 }
 
@@ -88,11 +94,14 @@ class DeviceNode {
  public:
   DeviceNode(const Options& options, const Scene& scene)
       : options_(options), scene_(scene), participant_(options.participant("device")),
-        session_(make_session_id(options, scene, require_free_rig(participant_, options))), driver_(open_driver(scene)) {
+        session_(make_session_id(options, scene, require_free_rig(participant_, options))),
+        driver_(open_driver(scene)) {
     if (options.lockstep && !driver_->simulated())
-      throw std::runtime_error(driver_->description().model + " lives in real time: --lockstep needs a simulated device");
+      throw std::runtime_error(driver_->description().model +
+                               " lives in real time: --lockstep needs a simulated device");
     states_ = {participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())};
-    descriptions_ = {participant_, qos::kDeviceDescription, options.rig, qos::profile_in(qos::kDeviceDescription, options.mode())};
+    descriptions_ = {participant_, qos::kDeviceDescription, options.rig,
+                     qos::profile_in(qos::kDeviceDescription, options.mode())};
     commands_ = {participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())};
     wait_set_.emplace(participant_);
     wait_set_->attach(commands_.condition());
@@ -106,8 +115,9 @@ class DeviceNode {
     DeviceLoop loop(settings(), *driver_, states_, commands_, *wait_set_, progress_, requests_);
     End end = End::kNone;
     {
-      runtime::Housekeeping housekeeping(participant_, "device", options_,
-                                         [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+      runtime::Housekeeping housekeeping(
+          participant_, "device", options_,
+          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
       end = wait_for_peers(stop);
       if (end == End::kNone) end = loop.run(stop);
       progress_.end.store(end, std::memory_order_release);
@@ -133,7 +143,8 @@ class DeviceNode {
     s.session_id = session_;
     s.lockstep = options_.lockstep;
     s.epoch_ns = options_.lockstep ? 0 : runtime::realtime_ns();
-    s.max_samples = static_cast<std::uint64_t>(std::ceil(options_.duration_s * driver_->description().rate_hz - 1e-6));  // 0 only for 0
+    s.max_samples = static_cast<std::uint64_t>(
+        std::ceil(options_.duration_s * driver_->description().rate_hz - 1e-6));  // 0 only for 0
     return s;
   }
 
@@ -153,7 +164,8 @@ class DeviceNode {
   }
 
   std::string end_sentence(End end) const {
-    return peers_late_ ? "not every node that takes part was ready within 60 s; missing: " + waiting_for_ : sentence(end, *driver_);
+    return peers_late_ ? "not every node that takes part was ready within 60 s; missing: " + waiting_for_
+                       : sentence(end, *driver_);
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
@@ -163,18 +175,23 @@ class DeviceNode {
     watch_rig(roster);
     report.session_id = session_;
     const bool running = progress_.started_ns.load() != 0;
-    report.state = end == End::kNone ? (running ? NodeState::kRunning : NodeState::kReady)
-                   : end == End::kStopped || end == End::kFinished ? NodeState::kStopped : NodeState::kFailed;
-    report.message = end != End::kNone ? end_sentence(end)
-                     : progress_.in_trouble.load() ? driver_->description().model + " misses samples or refuses commands: zero force until it answers again"
-                     : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
-                     : running ? "running" : "waiting for " + waiting_for_;
+    report.state = end == End::kNone                               ? (running ? NodeState::kRunning : NodeState::kReady)
+                   : end == End::kStopped || end == End::kFinished ? NodeState::kStopped
+                                                                   : NodeState::kFailed;
+    report.message =
+        end != End::kNone ? end_sentence(end)
+        : progress_.in_trouble.load()
+            ? driver_->description().model + " misses samples or refuses commands: zero force until it answers again"
+        : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
+        : running           ? "running"
+                            : "waiting for " + waiting_for_;
     fill(report.values);
   }
 
   void watch_peers(runtime::Roster& roster) {
     if (!options_.lockstep) return;
-    const std::vector<std::string> peers = runtime::taking_part(options_, {"rendering", "coupling", "logger", "validator"});
+    const std::vector<std::string> peers =
+        runtime::taking_part(options_, {"rendering", "coupling", "logger", "validator"});
     waiting_for_ = runtime::missing_links(options_, roster, links_);
     bool ready = waiting_for_.empty();
     for (const std::string& peer : peers) {
@@ -192,7 +209,8 @@ class DeviceNode {
   void watch_rig(const runtime::Roster& roster) {
     for (const runtime::NodeReport& other : roster.reports()) {
       if (other.node != "device" || other.participant == participant_.guid()) continue;
-      const bool theirs = other.session_id != session_ ? other.session_id < session_ : other.participant < participant_.guid();
+      const bool theirs =
+          other.session_id != session_ ? other.session_id < session_ : other.participant < participant_.guid();
       if (theirs) requests_.rig_taken.store(true);
     }
   }
@@ -205,19 +223,22 @@ class DeviceNode {
       requests_.release_writer.store(true);
     }
     const std::uint64_t foreign = progress_.foreign_writer.load();
-    if (foreign != 0 && foreign_.empty()) foreign_ = roster.name_of(bus::participant_of_writer(commands_.get(), foreign));
+    if (foreign != 0 && foreign_.empty())
+      foreign_ = roster.name_of(bus::participant_of_writer(commands_.get(), foreign));
   }
 
   void fill(std::map<std::string, std::string>& values) const {
     const bool timed = !options_.lockstep;
     const std::int64_t started = progress_.started_ns.load(), ended = progress_.ended_ns.load();
-    const double elapsed_s = started ? static_cast<double>((ended ? ended : runtime::monotonic_ns()) - started) * 1e-9 : 0.0;
+    const double elapsed_s =
+        started ? static_cast<double>((ended ? ended : runtime::monotonic_ns()) - started) * 1e-9 : 0.0;
     const auto samples = progress_.samples.load();
     values["scene"] = scene_.name;
     values["scene_hash"] = scene_.hash;
     values["device"] = driver_->description().model;
     values["samples"] = fmt::to_string(samples);
-    values["rate_hz"] = fmt::format("{:.1f}", timed && elapsed_s > 0 ? static_cast<double>(samples) / elapsed_s : driver_->description().rate_hz);
+    values["rate_hz"] = fmt::format(
+        "{:.1f}", timed && elapsed_s > 0 ? static_cast<double>(samples) / elapsed_s : driver_->description().rate_hz);
     values["latency_p50_us"] = fmt::format("{:.0f}", timed ? progress_.latency.quantile_us(0.5) : 0.0);
     values["latency_p99_us"] = fmt::format("{:.0f}", timed ? progress_.latency.quantile_us(0.99) : 0.0);
     values["latency_max_us"] = fmt::format("{:.0f}", timed ? progress_.latency.max_us() : 0.0);
@@ -262,7 +283,8 @@ std::string check_duration(const std::string& text) {
 
 Motion choose_motion(const Scene& scene, const std::string& name) {
   if (scene.motions.empty() && !name.empty())
-    throw std::runtime_error(fmt::format("{}: the scene has no motions, so there is no '{}'; add it under `motions:`", scene.file.string(), name));
+    throw std::runtime_error(fmt::format("{}: the scene has no motions, so there is no '{}'; add it under `motions:`",
+                                         scene.file.string(), name));
   if (scene.motions.empty()) {
     Motion rest;
     rest.path = {Vec3::Zero()};
@@ -279,7 +301,8 @@ Motion choose_motion(const Scene& scene, const std::string& name) {
   if (found != scene.motions.end()) return found->second;
   std::string known;
   for (const auto& [key, motion] : scene.motions) known += (known.empty() ? "" : ", ") + key;
-  throw std::runtime_error(fmt::format("{}: there is no motion '{}'; this scene has {}", scene.file.string(), name, known));
+  throw std::runtime_error(
+      fmt::format("{}: there is no motion '{}'; this scene has {}", scene.file.string(), name, known));
 }
 
 int run(const Options& options, const std::atomic<bool>& stop) {

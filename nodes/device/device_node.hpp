@@ -10,8 +10,8 @@ namespace voxtouch::device {
 
 struct Options : runtime::NodeOptions {
   std::string device = "sim-phantom";
-  std::string motion;        ///< of the scene; empty: the hand rests where the first motion starts
-  double duration_s = 0.0;   ///< of the device's time; 0: until stopped
+  std::string motion;       ///< of the scene; empty: the hand rests where the first motion starts
+  double duration_s = 0.0;  ///< of the device's time; 0: until stopped
 };
 
 /// What is wrong with a duration as typed [s]; empty if nothing: 0 to 1e8 (three years), for samples are counted in whole numbers.

@@ -1,20 +1,23 @@
-#include "nodes/device/device_node.hpp"
 #include "nodes/runtime/main.hpp"
+#include "nodes/device/device_node.hpp"
 
 int main(int argc, char** argv) {
   voxtouch::device::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "device",
-       .about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its state, and gives it the\n"
-      "commanded force through the force guard. Ends with the device at zero force.",
-       .with_scene = true, .in_ring = true},
+       .about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its "
+                "state, and gives it the\n"
+                "commanded force through the force guard. Ends with the device at zero force.",
+       .with_scene = true,
+       .in_ring = true},
       options,
       [&](CLI::App& app) {
         app.add_option("--device", options.device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
         app.add_option("--motion", options.motion, "What the simulated operator's hand does (a motion of the scene)");
-        app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")->capture_default_str()->check(
-            voxtouch::device::check_duration);
+        app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")
+            ->capture_default_str()
+            ->check(voxtouch::device::check_duration);
       },
       [&](const std::atomic<bool>& stop) { return voxtouch::device::run(options, stop); });
 }

@@ -23,7 +23,8 @@ class LoggerNode {
  public:
   explicit LoggerNode(const Options& options)
       : options_(options), participant_(options.participant("logger")),
-        descriptions_(participant_, qos::kDeviceDescription, options.rig, qos::profile_in(qos::kDeviceDescription, options.mode())),
+        descriptions_(participant_, qos::kDeviceDescription, options.rig,
+                      qos::profile_in(qos::kDeviceDescription, options.mode())),
         wait_set_(participant_), recorder_(open_bag(options.bag), {.lockstep = options.lockstep}),
         topics_(participant_, options, options.topics, recorder_, wait_set_), links_(topics_.links()) {
     wait_set_.attach(descriptions_.condition());
@@ -31,8 +32,9 @@ class LoggerNode {
 
   int run(const std::atomic<bool>& stop) {
     {
-      runtime::Housekeeping housekeeping(participant_, "logger", options_,
-                                         [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+      runtime::Housekeeping housekeeping(
+          participant_, "logger", options_,
+          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
       std::int64_t last_discovery = 0;
       while (!stop.load(std::memory_order_relaxed)) {
         wait_set_.wait(20'000'000);
@@ -57,7 +59,8 @@ class LoggerNode {
     for (const std::string& error : final_.errors) fmt::print(stderr, "error: logger: {}\n", error);
     for (const bag::TopicReport& t : final_.topics)
       if (t.dropped + t.lost > 0)
-        fmt::print(stderr, "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or full\n",
+        fmt::print(stderr,
+                   "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or full\n",
                    t.dropped + t.lost, t.received, t.name);
     return lost == 0 && final_.errors.empty() ? 0 : 1;
   }
@@ -68,8 +71,9 @@ class LoggerNode {
     const bag::RecordingReport now = finished ? final_ : recorder_.report();
     const std::uint64_t lost = now.total(&bag::TopicReport::dropped) + now.total(&bag::TopicReport::lost);
     report.message = !now.errors.empty() ? now.errors.front()
-                     : lost ? "the disk is too slow: messages are being dropped"
-                     : finished ? "the bag is closed" : "recording";
+                     : lost              ? "the disk is too slow: messages are being dropped"
+                     : finished          ? "the bag is closed"
+                                         : "recording";
     report.values = {{"bag", options_.bag.string()},
                      {"received", fmt::to_string(now.total(&bag::TopicReport::received))},
                      {"written", fmt::to_string(now.total(&bag::TopicReport::written))},

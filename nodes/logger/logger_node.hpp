@@ -10,8 +10,8 @@
 namespace voxtouch::logger {
 
 struct Options : runtime::NodeOptions {
-  std::filesystem::path bag;           ///< folder to make; it must not exist
-  std::vector<std::string> topics;     ///< further DDS topics, "rt/..."; "rt/*" for all
+  std::filesystem::path bag;        ///< folder to make; it must not exist
+  std::vector<std::string> topics;  ///< further DDS topics, "rt/..."; "rt/*" for all
 };
 
 /// Records until `stop`, then writes out what is queued. 0 if nothing was lost. Throws while starting only.

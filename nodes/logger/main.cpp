@@ -1,14 +1,16 @@
-#include "nodes/logger/logger_node.hpp"
 #include "nodes/runtime/main.hpp"
+#include "nodes/logger/logger_node.hpp"
 
 int main(int argc, char** argv) {
   voxtouch::logger::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "logger",
-       .about = "voxtouch logger node: records every topic of the rig, and others by name, into a rosbag2 bag (sqlite3) without knowing\n"
-      "their types. A slow disk never slows the ring: what does not fit is dropped, counted and said.",
-       .with_scene = false, .in_ring = false},
+       .about = "voxtouch logger node: records every topic of the rig, and others by name, into a rosbag2 bag "
+                "(sqlite3) without knowing\n"
+                "their types. A slow disk never slows the ring: what does not fit is dropped, counted and said.",
+       .with_scene = false,
+       .in_ring = false},
       options,
       [&](CLI::App& app) {
         app.add_option("--bag", options.bag, "Folder of the bag; it must not exist")->required();

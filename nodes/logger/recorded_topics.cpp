@@ -44,15 +44,17 @@ bus::EndpointQos recording(const qos::Profile& p, const bus::EndpointQos& offere
 
 RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options,
                                std::vector<std::string> wanted, bag::BagRecorder& recorder, bus::WaitSet& wait_set)
-    : participant_(participant), options_(options), wanted_(std::move(wanted)), recorder_(recorder), wait_set_(wait_set),
-      discovery_(value_or_throw(bus::WriterDiscovery::create(participant.get()))) {
+    : participant_(participant), options_(options), wanted_(std::move(wanted)), recorder_(recorder),
+      wait_set_(wait_set), discovery_(value_or_throw(bus::WriterDiscovery::create(participant.get()))) {
   for (const qos::Topic& row : qos::kTopics) {
     if (!row.recorded) continue;
     const qos::Profile& profile = qos::profile_in(row, options.mode());
     const bus::EndpointQos offered = offered_by(profile, row.rate_hz);
     const bool flows = row.profile == qos::ProfileId::kStream || row.profile == qos::ProfileId::kEvent;
     add(qos::dds_name(row, options.rig), bag::dds_type_name(row.type), recording(profile, offered), offered,
-        flows ? Stamp::kSampleTime : row.profile == qos::ProfileId::kStatus ? Stamp::kNewest : Stamp::kZero);
+        flows                                    ? Stamp::kSampleTime
+        : row.profile == qos::ProfileId::kStatus ? Stamp::kNewest
+                                                 : Stamp::kZero);
   }
 }
 
@@ -61,8 +63,9 @@ void RecordedTopics::add(const std::string& name, const std::string& type, const
   auto topic = value_or_throw(bus::OpaqueTopic::create(participant_.get(), name, type));
   auto reader = value_or_throw(bus::OpaqueReader::create(topic, qos));
   bus::Entity unread(dds_create_readcondition(reader.handle(), DDS_ANY_STATE), "a read condition could not be made");
-  const auto id = recorder_.add_topic(
-      {.name = bag::ros_topic_name(name), .type = bag::ros_type_name(type), .offered_qos = bag::offered_qos_text({&offered, 1})});
+  const auto id = recorder_.add_topic({.name = bag::ros_topic_name(name),
+                                       .type = bag::ros_type_name(type),
+                                       .offered_qos = bag::offered_qos_text({&offered, 1})});
   if (!id) throw bus::Error(id.error().sentence);
   wait_set_.attach(unread.get());
   entries_.push_back({name, std::move(topic), std::move(reader), std::move(unread), *id, stamp});
@@ -78,10 +81,12 @@ bool RecordedTopics::wants(const std::string& topic) const {
 std::vector<std::string> RecordedTopics::discover() {
   std::vector<std::string> sentences;
   const auto seen = discovery_.take([&](const bus::DiscoveredWriter& writer) {
-    if (!writer.alive || !writer.topic.starts_with("rt/") || known_.contains(writer.topic) || !wants(writer.topic)) return;
+    if (!writer.alive || !writer.topic.starts_with("rt/") || known_.contains(writer.topic) || !wants(writer.topic))
+      return;
     known_.insert(writer.topic);
     if (writer.keyed) {
-      sentences.push_back(fmt::format("topic {} has a key and cannot be recorded; ROS 2 topics have none", writer.topic));
+      sentences.push_back(
+          fmt::format("topic {} has a key and cannot be recorded; ROS 2 topics have none", writer.topic));
       return;
     }
     try {
@@ -98,7 +103,8 @@ std::int64_t RecordedTopics::time_of(const Entry& entry, const bus::RawSample& s
   if (!options_.lockstep) return sample.reception_time_ns;
   if (entry.stamp == Stamp::kSampleTime && sample.bytes.size() >= kSampleTimeOffset + 8) {
     std::int64_t time_ns = 0;
-    std::memcpy(&time_ns, sample.bytes.data() + kSampleTimeOffset, sizeof time_ns);  // our own writers: this machine's order
+    std::memcpy(&time_ns, sample.bytes.data() + kSampleTimeOffset,
+                sizeof time_ns);  // our own writers: this machine's order
     newest_ns_ = std::max(newest_ns_, time_ns);
     return time_ns;
   }
@@ -120,15 +126,18 @@ std::size_t RecordedTopics::drain() {
 
 std::vector<runtime::Link> RecordedTopics::links() const {
   static const std::map<std::string_view, std::string> kWriters = {
-      {qos::kDeviceState.path, "device"},      {qos::kDeviceDescription.path, "device"}, {qos::kContactState.path, "rendering"},
-      {qos::kScenePlan.path, "rendering"},     {qos::kForceCommand.path, "coupling"},    {qos::kCouplingDesign.path, "coupling"},
+      {qos::kDeviceState.path, "device"},     {qos::kDeviceDescription.path, "device"},
+      {qos::kContactState.path, "rendering"}, {qos::kScenePlan.path, "rendering"},
+      {qos::kForceCommand.path, "coupling"},  {qos::kCouplingDesign.path, "coupling"},
       {qos::kValidation.path, "validator"}};
   std::vector<runtime::Link> links;
   for (const qos::Topic& row : qos::kTopics)
     if (const auto writer = kWriters.find(row.path); writer != kWriters.end())
       for (const Entry& entry : entries_)
         if (entry.name == qos::dds_name(row, options_.rig))
-          links.push_back({std::string(row.path), [handle = entry.reader.handle()] { return bus::matched_writers(handle); }, {writer->second}});
+          links.push_back({std::string(row.path),
+                           [handle = entry.reader.handle()] { return bus::matched_writers(handle); },
+                           {writer->second}});
   return links;
 }
 

@@ -19,8 +19,8 @@ namespace voxtouch::logger {
 class RecordedTopics {
  public:
   /// Makes readers for every row of the table that is recorded. Throws bus::Error.
-  RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options, std::vector<std::string> wanted,
-                 bag::BagRecorder& recorder, bus::WaitSet& wait_set);
+  RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options,
+                 std::vector<std::string> wanted, bag::BagRecorder& recorder, bus::WaitSet& wait_set);
 
   /// Makes readers for wanted topics whose writers have appeared since. Returns sentences about what cannot be recorded.
   std::vector<std::string> discover();
@@ -41,7 +41,8 @@ class RecordedTopics {
     bag::TopicId id;
     Stamp stamp;
   };
-  void add(const std::string& name, const std::string& type, const bus::EndpointQos& qos, const bus::EndpointQos& offered, Stamp stamp);
+  void add(const std::string& name, const std::string& type, const bus::EndpointQos& qos,
+           const bus::EndpointQos& offered, Stamp stamp);
   bool wants(const std::string& topic) const;
   std::int64_t time_of(const Entry& entry, const bus::RawSample& sample);
 

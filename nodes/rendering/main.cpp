@@ -1,13 +1,15 @@
-#include "nodes/rendering/rendering_node.hpp"
 #include "nodes/runtime/main.hpp"
+#include "nodes/rendering/rendering_node.hpp"
 
 int main(int argc, char** argv) {
   voxtouch::rendering::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "rendering",
-       .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers every device sample with the contact wrench.",
-       .with_scene = true, .in_ring = true},
+       .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers every device sample "
+                "with the contact wrench.",
+       .with_scene = true,
+       .in_ring = true},
       options, [](CLI::App&) {},
       [&](const std::atomic<bool>& stop) { return voxtouch::rendering::run(options, stop); });
 }

@@ -4,7 +4,8 @@
 
 namespace voxtouch::rendering {
 
-void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Plan& plan, double largest_shell_gap_m, std::uint64_t session) {
+void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Plan& plan, double largest_shell_gap_m,
+                  std::uint64_t session) {
   runtime::LentStrings built(plan.built), left_out(plan.left_out), warnings(plan.warnings);
   msg::ScenePlan m{};
   m.session_id = session;

@@ -5,6 +5,7 @@
 
 namespace voxtouch::rendering {
 
-void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Plan& plan, double largest_shell_gap_m, std::uint64_t session);
+void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Plan& plan, double largest_shell_gap_m,
+                  std::uint64_t session);
 
 }  // namespace voxtouch::rendering

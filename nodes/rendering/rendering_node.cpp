@@ -21,8 +21,10 @@ constexpr auto kRelaxed = std::memory_order_relaxed;
 class RenderingNode {
  public:
   RenderingNode(const Options& options, const Scene& scene, BuiltScene& built)
-      : options_(options), scene_(scene), built_(built), mapping_(scene.device), participant_(options.participant("rendering")),
-        descriptions_(participant_, qos::kDeviceDescription, options.rig, qos::profile_in(qos::kDeviceDescription, options.mode())),
+      : options_(options), scene_(scene), built_(built), mapping_(scene.device),
+        participant_(options.participant("rendering")),
+        descriptions_(participant_, qos::kDeviceDescription, options.rig,
+                      qos::profile_in(qos::kDeviceDescription, options.mode())),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
@@ -38,8 +40,9 @@ class RenderingNode {
   int run(const std::atomic<bool>& stop) {
     runtime::flush_denormals();
     stop_ = &stop;
-    runtime::Housekeeping housekeeping(participant_, "rendering", options_,
-                                       [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+    runtime::Housekeeping housekeeping(
+        participant_, "rendering", options_,
+        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
     while (!stop.load(kRelaxed)) {
       wait_set_.wait(50'000'000);
       descriptions_.take_each([this](const msg::DeviceDescription& d) { start_session(d.session_id); });
@@ -65,8 +68,9 @@ class RenderingNode {
   void answer(const msg::DeviceState& state) noexcept {
     const std::int64_t begin = runtime::monotonic_ns();
     if (state.session_id != session_in_loop_) return;  // its description, which is reliable, is on the way
-    const bool good = !(state.flags & msg::device_state::kFlagPoseHeld) &&
-                      !mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons).refused;
+    const bool good =
+        !(state.flags & msg::device_state::kFlagPoseHeld) &&
+        !mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons).refused;
     if (good) {
       result_ = built_.renderer().render(mapping_.tool().pose);
       refused_in_a_row_ = 0;
@@ -94,12 +98,14 @@ class RenderingNode {
     m.interior_hits = c.interior_hits;
     m.points_tested = c.points_tested;
     m.model = static_cast<std::uint32_t>(built_.renderer().model());
-    m.flags = (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (result_.held ? msg::contact_state::kFlagHeld : 0U) |
-              (result_.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample);
+    m.flags =
+        (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (result_.held ? msg::contact_state::kFlagHeld : 0U) |
+        (result_.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample);
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
     contacts_.write(m);
-    ros_.show({state.sample_time_ns, mapping_.tool().pose, c.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
+    ros_.show(
+        {state.sample_time_ns, mapping_.tool().pose, c.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
     samples_.fetch_add(1, kRelaxed);
     const bool touches = c.surface_hits + c.interior_hits > 0, pushes = c.wrench.force.norm() > kDustN;
     if (pushes) contact_samples_.fetch_add(1, kRelaxed);
@@ -110,17 +116,21 @@ class RenderingNode {
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
-    report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash},
+    report.values = {{"scene", scene_.name},
+                     {"scene_hash", scene_.hash},
                      {"samples", fmt::to_string(samples_.load())},
                      {"contact_samples", fmt::to_string(contact_samples_.load())},
                      {"refused_samples", fmt::to_string(refused_.load())},
                      {"fast_samples", fmt::to_string(fast_.load())},
                      {"buried_samples", fmt::to_string(buried_.load())},
                      {"held_samples", fmt::to_string(held_.load())},
-                     {"longest_frame_us", fmt::format("{:.0f}", options_.lockstep ? 0.0 : static_cast<double>(longest_ns_.load()) * 1e-3)},
+                     {"longest_frame_us",
+                      fmt::format("{:.0f}", options_.lockstep ? 0.0 : static_cast<double>(longest_ns_.load()) * 1e-3)},
                      {"warnings", fmt::to_string(built_.plan().warnings.size())}};
     const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
-    report.message = session_.stopped() ? "stopped" : "scene '" + scene_.name + "' is built" + (missing.empty() ? "" : "; waiting for " + missing);
+    report.message = session_.stopped()
+                         ? "stopped"
+                         : "scene '" + scene_.name + "' is built" + (missing.empty() ? "" : "; waiting for " + missing);
   }
 
   static constexpr int kHoldSamples = 3;

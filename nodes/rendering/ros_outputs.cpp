@@ -24,8 +24,8 @@ msg::geometry_msgs_TransformStamped transform(std::int64_t time_ns, const std::s
 }
 
 /// A marker with what every marker needs; `empty` outlives the write.
-msg::visualization_msgs_Marker marker(std::int64_t time_ns, const std::string& name_space, std::int32_t id, std::int32_t type,
-                                      const std::string& empty) {
+msg::visualization_msgs_Marker marker(std::int64_t time_ns, const std::string& name_space, std::int32_t id,
+                                      std::int32_t type, const std::string& empty) {
   msg::visualization_msgs_Marker m{};
   m.header = header(time_ns, kWorld);
   m.ns = runtime::lend(name_space);
@@ -34,7 +34,8 @@ msg::visualization_msgs_Marker marker(std::int64_t time_ns, const std::string& n
   m.pose.orientation.w = 1.0;
   m.scale = {1.0, 1.0, 1.0};
   m.color = {0.6F, 0.6F, 0.6F, 1.0F};
-  for (char** text : {&m.texture_resource, &m.text, &m.mesh_resource, &m.mesh_file.filename, &m.texture.header.frame_id, &m.texture.format})
+  for (char** text : {&m.texture_resource, &m.text, &m.mesh_resource, &m.mesh_file.filename, &m.texture.header.frame_id,
+                      &m.texture.format})
     *text = runtime::lend(empty);
   return m;
 }
@@ -73,12 +74,15 @@ void RosOutputs::turn(std::uint64_t count) {
   if (count % 10 == 0 && markers_.matched_count()) write_markers(shown);
 }
 
-void RosOutputs::write_pose(const Shown& shown) { pose_.write({header(shown.time_ns, kWorld), runtime::to_msg(shown.tool)}); }
+void RosOutputs::write_pose(const Shown& shown) {
+  pose_.write({header(shown.time_ns, kWorld), runtime::to_msg(shown.tool)});
+}
 
 void RosOutputs::write_wrench(const Shown& shown) {
   // ROS shows a wrench in the frame that its header names: T here, so the arrow starts at the tool.
   const Quat back = shown.tool.orientation.conjugate();
-  wrench_.write({header(shown.time_ns, tool_frame_), runtime::to_msg(Wrench{back * shown.wrench.force, back * shown.wrench.torque})});
+  wrench_.write({header(shown.time_ns, tool_frame_),
+                 runtime::to_msg(Wrench{back * shown.wrench.force, back * shown.wrench.torque})});
 }
 
 void RosOutputs::write_tf(const Shown& shown) {
@@ -109,7 +113,8 @@ void RosOutputs::write_markers(const Shown& shown) {
   resources.reserve(static_meshes_.size());
   for (const MeshSpec& mesh : static_meshes_) {
     resources.push_back("file://" + mesh.path.string());
-    all.push_back(marker(shown.time_ns, meshes, static_cast<std::int32_t>(resources.size()), kind::kMeshResource, empty));
+    all.push_back(
+        marker(shown.time_ns, meshes, static_cast<std::int32_t>(resources.size()), kind::kMeshResource, empty));
     all.back().mesh_resource = runtime::lend(resources.back());
     all.back().pose = runtime::to_msg(mesh.pose);
     all.back().scale = {mesh.scale, mesh.scale, mesh.scale};

@@ -13,8 +13,8 @@ namespace voxtouch::rendering {
 /// One frame of the ring, as the outputs show it.
 struct Shown {
   std::int64_t time_ns = 0;
-  Pose tool;                           ///< T in W
-  Wrench wrench;                       ///< W axes
+  Pose tool;      ///< T in W
+  Wrench wrench;  ///< W axes
   Vec3 deepest_point = Vec3::Zero();
   bool contact = false;
 };

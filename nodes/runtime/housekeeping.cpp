@@ -12,7 +12,8 @@ namespace voxtouch::runtime {
 
 Housekeeping::Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
                            std::function<void(Roster&, NodeReport&)> look)
-    : options_(options), node_(node), writer_(participant, std::move(node), options.rig), roster_(participant, options.rig), look_(std::move(look)) {
+    : options_(options), node_(node), writer_(participant, std::move(node), options.rig),
+      roster_(participant, options.rig), look_(std::move(look)) {
   turn();
   thread_ = std::thread([this] {
     const sched_param ordinary{};
@@ -48,9 +49,10 @@ void Housekeeping::compare_scenes(NodeReport& report) const {
     const auto its = other.values.find("scene_hash");
     if (its == other.values.end() || its->second == own->second) continue;
     const auto name = other.values.find("scene");
-    report.message = fmt::format("warning: this node runs scene '{}' ({}), but {} on {} runs '{}' ({}): give both the same file",
-                                 report.values["scene"], own->second, other.node, other.host,
-                                 name == other.values.end() ? "?" : name->second, its->second);
+    report.message =
+        fmt::format("warning: this node runs scene '{}' ({}), but {} on {} runs '{}' ({}): give both the same file",
+                    report.values["scene"], own->second, other.node, other.host,
+                    name == other.values.end() ? "?" : name->second, its->second);
     return;
   }
 }
@@ -59,11 +61,13 @@ void Housekeeping::turn() {
   roster_.update();
   NodeReport report = last_;
   look_(roster_, report);
-  for (std::size_t i = 0; i < options_.warnings.size(); ++i) report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
+  for (std::size_t i = 0; i < options_.warnings.size(); ++i)
+    report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   compare_scenes(report);
   if (options_.announce && report.message != last_.message) fmt::print(stderr, "{}: {}\n", node_, report.message);
   const std::int64_t now = monotonic_ns();
-  const bool changed = report.state != last_.state || report.session_id != last_.session_id || report.message != last_.message;
+  const bool changed =
+      report.state != last_.state || report.session_id != last_.session_id || report.message != last_.message;
   if (!changed && last_publish_ns_ != 0 && now - last_publish_ns_ < 1'000'000'000) return;
   writer_.publish(report);
   last_ = std::move(report);

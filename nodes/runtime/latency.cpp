@@ -7,8 +7,8 @@ namespace voxtouch::runtime {
 
 void LatencyHistogram::record(std::int64_t latency_ns) noexcept {
   const std::int64_t us = std::max<std::int64_t>(latency_ns, 0) / 1000;
-  const std::size_t step = us < static_cast<std::int64_t>(kFine) ? static_cast<std::size_t>(us)
-                                                                 : kFine + static_cast<std::size_t>(us / 100);
+  const std::size_t step =
+      us < static_cast<std::int64_t>(kFine) ? static_cast<std::size_t>(us) : kFine + static_cast<std::size_t>(us / 100);
   steps_[std::min(step, steps_.size() - 1)].fetch_add(1, std::memory_order_relaxed);
   count_.fetch_add(1, std::memory_order_relaxed);
   if (latency_ns > max_ns_.load(std::memory_order_relaxed)) max_ns_.store(latency_ns, std::memory_order_relaxed);

@@ -10,7 +10,8 @@
 namespace voxtouch::runtime {
 
 int node_main(int argc, char** argv, const Program& program, NodeOptions& options,
-              const std::function<void(CLI::App&)>& configure, const std::function<int(const std::atomic<bool>& stop)>& run) {
+              const std::function<void(CLI::App&)>& configure,
+              const std::function<int(const std::atomic<bool>& stop)>& run) {
   CLI::App app(program.about);
   add_node_options(app, options, program.with_scene);
   int parent = 0;

@@ -6,9 +6,9 @@
 #include <map>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 
 namespace voxtouch::runtime {
 
@@ -39,21 +39,29 @@ bool NodeOptions::has_peer(std::string_view node) const {
 
 void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
   if (with_scene) app.add_option("--scene", o.scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
-  app.add_option("--rig", o.rig, "Rig name: the namespace of all topics")->capture_default_str()->check(
-      [](const std::string& name) {
-        const bool good = !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) &&
-                          std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+  app.add_option("--rig", o.rig, "Rig name: the namespace of all topics")
+      ->capture_default_str()
+      ->check([](const std::string& name) {
+        const bool good =
+            !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) &&
+            std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
         return good ? std::string() : "'" + name + "' is not a ROS name: letters, digits and _, a letter first";
       });
-  app.add_option("--domain", o.domain, "DDS domain, as ROS_DOMAIN_ID")->capture_default_str()->envname("ROS_DOMAIN_ID")->check(
-      CLI::Range(0, 232));
-  app.add_option("--interface", o.network_interface, "Network interface (CYCLONEDDS_URI overrides)")->capture_default_str();
+  app.add_option("--domain", o.domain, "DDS domain, as ROS_DOMAIN_ID")
+      ->capture_default_str()
+      ->envname("ROS_DOMAIN_ID")
+      ->check(CLI::Range(0, 232));
+  app.add_option("--interface", o.network_interface, "Network interface (CYCLONEDDS_URI overrides)")
+      ->capture_default_str();
   app.add_option("--seed", o.seed, "Seed of everything random")->capture_default_str();
   app.add_flag("--lockstep", o.lockstep, "Simulated time: every sample waits for its command; same bits on every run");
-  app.add_option("--peers", o.peers, "Lockstep: nodes that take part, beside the device")->delimiter(',')->check(
-      CLI::IsMember({"rendering", "coupling", "logger", "validator"}));
-  app.add_option("--realtime", o.realtime.mode, "What to do where real-time scheduling is refused: ignore (warn) or enforce (fail)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Realtime>{{"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}))
+  app.add_option("--peers", o.peers, "Lockstep: nodes that take part, beside the device")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"rendering", "coupling", "logger", "validator"}));
+  app.add_option("--realtime", o.realtime.mode,
+                 "What to do where real-time scheduling is refused: ignore (warn) or enforce (fail)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Realtime>{{"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}))
       ->option_text("ignore|enforce");
   app.add_option("--cpu", o.realtime.cpu, "Pin to this CPU");
 }

@@ -20,13 +20,16 @@ std::string missing_links(const NodeOptions& options, const Roster& roster, cons
   return missing;
 }
 
-std::string Session::report_to(NodeReport& report, const NodeOptions& options, const Roster& roster, const std::vector<Link>& links,
-                               std::string_view first, bool busy) const {
+std::string Session::report_to(NodeReport& report, const NodeOptions& options, const Roster& roster,
+                               const std::vector<Link>& links, std::string_view first, bool busy) const {
   const std::uint64_t id = id_.load(std::memory_order_acquire);
   std::string missing = id ? missing_links(options, roster, links) : std::string(first);
   const bool ready = missing.empty();
   report.session_id = ready ? id : 0;
-  report.state = stopped() ? NodeState::kStopped : !ready ? NodeState::kStarting : busy ? NodeState::kRunning : NodeState::kReady;
+  report.state = stopped() ? NodeState::kStopped
+                 : !ready  ? NodeState::kStarting
+                 : busy    ? NodeState::kRunning
+                           : NodeState::kReady;
   report.values[kSessions] = std::to_string(count_.load(std::memory_order_relaxed));
   return missing;
 }

@@ -36,8 +36,8 @@ class Session {
 
   /// What all nodes but the device report alike: session, state, count of sessions. Ready once a session has begun and every link has
   /// matched; running once `busy`. Returns what it waits for (`first` before any session), empty when ready.
-  std::string report_to(NodeReport& report, const NodeOptions& options, const Roster& roster, const std::vector<Link>& links,
-                        std::string_view first, bool busy) const;
+  std::string report_to(NodeReport& report, const NodeOptions& options, const Roster& roster,
+                        const std::vector<Link>& links, std::string_view first, bool busy) const;
   bool stopped() const noexcept { return stopped_.load(std::memory_order_acquire); }
 
  private:

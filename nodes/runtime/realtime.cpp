@@ -33,9 +33,11 @@ std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
   sched_param parameters{};
   parameters.sched_priority = options.priority;
   if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
-    refused.push_back(fmt::format(
-        "SCHED_FIFO priority {} was refused ({}): expect late samples under load. 'rtprio' in /etc/security/limits.d allows it "
-        "(deploy/services/99-voxtouch-realtime.conf).", options.priority, std::strerror(errno)));
+    refused.push_back(
+        fmt::format("SCHED_FIFO priority {} was refused ({}): expect late samples under load. 'rtprio' in "
+                    "/etc/security/limits.d allows it "
+                    "(deploy/services/99-voxtouch-realtime.conf).",
+                    options.priority, std::strerror(errno)));
   if (options.cpu) {
     cpu_set_t set;
     CPU_ZERO(&set);
@@ -45,9 +47,11 @@ std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
                                     std::strerror(errno)));
   }
   if (const int error = lock_memory(); error != 0)
-    refused.push_back(fmt::format(
-        "memory could not be locked ({}): a page fault may delay a sample. 'memlock' in /etc/security/limits.d allows it "
-        "(deploy/services/99-voxtouch-realtime.conf).", std::strerror(error)));
+    refused.push_back(
+        fmt::format("memory could not be locked ({}): a page fault may delay a sample. 'memlock' in "
+                    "/etc/security/limits.d allows it "
+                    "(deploy/services/99-voxtouch-realtime.conf).",
+                    std::strerror(error)));
   if (options.mode == Realtime::kEnforce && !refused.empty())
     throw std::runtime_error("--realtime enforce: " + refused.front());
   return refused;

@@ -14,8 +14,8 @@ enum class Realtime {
 
 struct RealtimeOptions {
   Realtime mode = Realtime::kIgnore;
-  int priority = 50;           ///< SCHED_FIFO
-  std::optional<int> cpu;      ///< pins the process; absent: the kernel chooses
+  int priority = 50;       ///< SCHED_FIFO
+  std::optional<int> cpu;  ///< pins the process; absent: the kernel chooses
 };
 
 /// SCHED_FIFO, affinity, locked memory for the calling thread and all it starts (Cyclone DDS's threads inherit): call before the

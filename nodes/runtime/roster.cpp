@@ -14,7 +14,8 @@ namespace voxtouch::runtime {
 
 StatusWriter::StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig)
     : writer_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)),
-      diagnostics_(participant, qos::kDiagnostics, rig, qos::profile(qos::kDiagnostics.profile)), full_name_(rig + "/" + node) {
+      diagnostics_(participant, qos::kDiagnostics, rig, qos::profile(qos::kDiagnostics.profile)),
+      full_name_(rig + "/" + node) {
   char host[256] = {};
   gethostname(host, sizeof host - 1);
   own_.node = std::move(node);
@@ -43,7 +44,9 @@ void StatusWriter::publish(const NodeReport& report) {
 void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue>& values) {
   namespace level = msg::diagnostic_msgs_DiagnosticStatus_constants;
   msg::diagnostic_msgs_DiagnosticStatus status{};
-  status.level = report.state == NodeState::kFailed ? level::kError : report.state == NodeState::kStarting ? level::kWarn : level::kOk;
+  status.level = report.state == NodeState::kFailed     ? level::kError
+                 : report.state == NodeState::kStarting ? level::kWarn
+                                                        : level::kOk;
   status.name = lend(full_name_);
   status.message = lend(report.message);
   status.hardware_id = lend(own_.host);
@@ -51,7 +54,8 @@ void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg
   status.values._length = status.values._maximum = static_cast<std::uint32_t>(values.size());
   const std::int64_t now = realtime_ns();
   msg::diagnostic_msgs_DiagnosticArray array{};
-  array.header.stamp = {static_cast<std::int32_t>(now / 1'000'000'000), static_cast<std::uint32_t>(now % 1'000'000'000)};
+  array.header.stamp = {static_cast<std::int32_t>(now / 1'000'000'000),
+                        static_cast<std::uint32_t>(now % 1'000'000'000)};
   array.header.frame_id = const_cast<char*>("");
   array.status._buffer = &status;
   array.status._length = array.status._maximum = 1;
@@ -67,12 +71,14 @@ void Roster::update(bool keep_gone) {
   reader_.take_each([this](const msg::NodeStatus& s) {
     NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}};
     std::memcpy(report.participant.data(), s.participant, report.participant.size());
-    for (std::uint32_t i = 0; i < s.values._length; ++i) report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
+    for (std::uint32_t i = 0; i < s.values._length; ++i)
+      report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
     reports_[report.participant] = std::move(report);
   });
   if (keep_gone) return;
   const std::vector<bus::Guid> here = reader_.matched();
-  std::erase_if(reports_, [&](const auto& entry) { return std::find(here.begin(), here.end(), entry.first) == here.end(); });
+  std::erase_if(reports_,
+                [&](const auto& entry) { return std::find(here.begin(), here.end(), entry.first) == here.end(); });
 }
 
 std::vector<NodeReport> Roster::reports() const {

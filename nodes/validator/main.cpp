@@ -6,13 +6,16 @@ int main(int argc, char** argv) {
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "validator",
-       .about = "voxtouch validator node: checks every n-th contact against exact distances (FCL and closed forms) that share no code with\n"
-      "the rendering, and says whose fault a disagreement is.",
-       .with_scene = true, .in_ring = false},
+       .about = "voxtouch validator node: checks every n-th contact against exact distances (FCL and closed forms) "
+                "that share no code with\n"
+                "the rendering, and says whose fault a disagreement is.",
+       .with_scene = true,
+       .in_ring = false},
       options,
       [&](CLI::App& app) {
-        app.add_option("--every", options.every, "Check samples whose sequence number is a multiple of this")->capture_default_str()->check(
-            voxtouch::runtime::require_positive);
+        app.add_option("--every", options.every, "Check samples whose sequence number is a multiple of this")
+            ->capture_default_str()
+            ->check(voxtouch::runtime::require_positive);
       },
       [&](const std::atomic<bool>& stop) { return voxtouch::validator::run(options, stop); });
 }

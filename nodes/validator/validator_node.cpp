@@ -22,7 +22,6 @@
 namespace voxtouch::validator {
 namespace {
 
-
 /// In real time the validator only taps; in lockstep nothing it has to check may be lost.
 const qos::Profile& contact_profile(const Options& options) {
   return options.lockstep ? qos::profile(qos::ProfileId::kLockstep) : qos::profile(qos::ProfileId::kTap);
@@ -51,13 +50,15 @@ class ValidatorNode {
         reports_(participant_, qos::kValidation, options.rig, qos::profile_in(qos::kValidation, options.mode())),
         wait_set_(participant_) {
     for (const dds_entity_t condition : {plans_.condition(), contacts_.condition()}) wait_set_.attach(condition);
-    links_ = {{"rendering/contact", [this] { return contacts_.matched(); }, {"rendering"}}, {"validation", [this] { return reports_.matched(); }, {"logger"}}};
+    links_ = {{"rendering/contact", [this] { return contacts_.matched(); }, {"rendering"}},
+              {"validation", [this] { return reports_.matched(); }, {"logger"}}};
   }
 
   int run(const std::atomic<bool>& stop) {
     runtime::flush_denormals();
-    runtime::Housekeeping housekeeping(participant_, "validator", options_,
-                                       [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+    runtime::Housekeeping housekeeping(
+        participant_, "validator", options_,
+        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
     bool leave = false;
     while (!leave) {
       leave = stop.load(std::memory_order_relaxed);  // one more turn after the stop: what came before it is judged too
@@ -75,7 +76,8 @@ class ValidatorNode {
   /// The plan says what the rendering built: another scene file, or another grid, is a disagreement before the first sample.
   void start_session(const msg::ScenePlan& plan) {
     if (plan.scene_hash != scene_.hash)
-      fmt::print(stderr, "warning: validator: the rendering runs another version of scene '{}' than {}\n", plan.scene, scene_.file.string());
+      fmt::print(stderr, "warning: validator: the rendering runs another version of scene '{}' than {}\n", plan.scene,
+                 scene_.file.string());
     JudgeSettings settings;
     settings.edge_m = scene_.voxel_size_m;
     settings.chord_error_m = reference_.chord_error_m();
@@ -89,7 +91,8 @@ class ValidatorNode {
   }
 
   void check(const msg::ContactState& contact) {
-    if (!judge_ || contact.session_id != session_in_loop_ || !is_checked(contact.sequence_number, options_.every)) return;
+    if (!judge_ || contact.session_id != session_in_loop_ || !is_checked(contact.sequence_number, options_.every))
+      return;
     const ReportedContact report = to_report(contact);
     const GapResult gap = reference_.gap(report.tool_in_world);
     const Judgement judgement = judge_->judge(gap, report);
@@ -120,8 +123,10 @@ class ValidatorNode {
   void note(std::uint64_t sequence, const Judgement& judgement) {
     const std::lock_guard lock(mutex_);
     if (first_disagreement_.empty())
-      first_disagreement_ = fmt::format("sample {} ({}): {}", sequence, judgement.cause == Cause::kReference ? "the reference's fault" : "the rendering's fault",
-                                        judgement.explanation);
+      first_disagreement_ =
+          fmt::format("sample {} ({}): {}", sequence,
+                      judgement.cause == Cause::kReference ? "the reference's fault" : "the rendering's fault",
+                      judgement.explanation);
   }
 
   void forget_disagreement() {
@@ -136,14 +141,20 @@ class ValidatorNode {
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
     const std::lock_guard lock(mutex_);
-    report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash},
-                     {"checked", fmt::to_string(counts_.checked)}, {"decided", fmt::to_string(counts_.decided)},
-                     {"agree", fmt::to_string(counts_.agree)},     {"in_band", fmt::to_string(counts_.in_band)},
-                     {"disagree", fmt::to_string(counts_.disagree)}, {"by_rendering", fmt::to_string(counts_.rendering)},
+    report.values = {{"scene", scene_.name},
+                     {"scene_hash", scene_.hash},
+                     {"checked", fmt::to_string(counts_.checked)},
+                     {"decided", fmt::to_string(counts_.decided)},
+                     {"agree", fmt::to_string(counts_.agree)},
+                     {"in_band", fmt::to_string(counts_.in_band)},
+                     {"disagree", fmt::to_string(counts_.disagree)},
+                     {"by_rendering", fmt::to_string(counts_.rendering)},
                      {"by_reference", fmt::to_string(counts_.reference)}};
-    const std::string missing = session_.report_to(report, options_, roster, links_, "the rendering", counts_.checked > 0);
+    const std::string missing =
+        session_.report_to(report, options_, roster, links_, "the rendering", counts_.checked > 0);
     report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_
-                     : missing.empty() ? "no disagreement" : "waiting for " + missing;
+                     : missing.empty()            ? "no disagreement"
+                                                  : "waiting for " + missing;
   }
 
   const Options& options_;

@@ -28,10 +28,11 @@ TEST(Allocation, OursIsZeroInDeviceRenderingAndCouplingLoops) {
   const auto node = [&](const std::string& name, std::vector<std::string> more) {
     std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch_" + name, "--scene", scene, "--domain", domain};
     a.insert(a.end(), more.begin(), more.end());
-    return std::make_unique<Process>(a, std::map<std::string, std::string>{{"LD_PRELOAD", VOXTOUCH_COUNTER},
-                                                                           {"VOXTOUCH_COUNT_FILE", (folder / name).string()},
-                                                                           {"VOXTOUCH_COUNT_FROM_S", "4"},
-                                                                           {"VOXTOUCH_COUNT_TO_S", "8"}});
+    return std::make_unique<Process>(
+        a, std::map<std::string, std::string>{{"LD_PRELOAD", VOXTOUCH_COUNTER},
+                                              {"VOXTOUCH_COUNT_FILE", (folder / name).string()},
+                                              {"VOXTOUCH_COUNT_FROM_S", "4"},
+                                              {"VOXTOUCH_COUNT_TO_S", "8"}});
   };
   const auto rendering = node("rendering", {}), coupling = node("coupling", {});
   const auto device = node("device", {"--motion", "slide", "--duration", "10"});

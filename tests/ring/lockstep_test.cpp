@@ -23,16 +23,19 @@ std::map<std::string, bag::TopicHash> hashes(const std::filesystem::path& folder
   std::map<std::string, bag::TopicHash> all;
   for (const char* topic : {"device/state", "rendering/contact", "coupling/command", "validation", "device/description",
                             "rendering/plan", "coupling/design"}) {
-    const bool latched = std::string(topic).find("description") != std::string::npos || std::string(topic).find("plan") != std::string::npos ||
+    const bool latched = std::string(topic).find("description") != std::string::npos ||
+                         std::string(topic).find("plan") != std::string::npos ||
                          std::string(topic).find("design") != std::string::npos;
-    const auto hash = bag::hash_topic(*bag, std::string("/haptic/") + topic, latched ? bag::KeyOf{} : bag::ring_sequence_number);
+    const auto hash =
+        bag::hash_topic(*bag, std::string("/haptic/") + topic, latched ? bag::KeyOf{} : bag::ring_sequence_number);
     if (!hash) throw std::runtime_error(hash.error().sentence);
     all[topic] = *hash;
   }
   return all;
 }
 
-std::map<std::string, bag::TopicHash> lockstep_run(const TemporaryFolder& folder, const std::string& name, std::vector<std::string> more) {
+std::map<std::string, bag::TopicHash> lockstep_run(const TemporaryFolder& folder, const std::string& name,
+                                                   std::vector<std::string> more) {
   more.insert(more.end(), {"--lockstep", "--motion", "slide", "--duration", "4", "--record", (folder / name).string()});
   const RingResult r = run_ring(shipped_scene("cup"), more);
   EXPECT_EQ(r.process.status, 0) << r.process.err << r.process.out;
@@ -59,7 +62,8 @@ TEST(Lockstep, GivesTheSameBitsAloneBesideABurnerAndInOneProcess) {
     EXPECT_TRUE(hash == beside.at(topic)) << topic << " differs beside a CPU burner";
     EXPECT_TRUE(hash == together.at(topic)) << topic << " differs in one process";
   }
-  for (const char* topic : {"device/state", "rendering/contact", "coupling/command"}) EXPECT_EQ(alone.at(topic).messages, 4000U) << topic;
+  for (const char* topic : {"device/state", "rendering/contact", "coupling/command"})
+    EXPECT_EQ(alone.at(topic).messages, 4000U) << topic;
 }
 
 TEST(Lockstep, OfAnotherSceneOrDeviceGivesOtherBits) {
@@ -69,8 +73,10 @@ TEST(Lockstep, OfAnotherSceneOrDeviceGivesOtherBits) {
 }
 
 TEST(Lockstep, EndsWithZeroForceAndANonZeroStatusWhenAPeerFallsSilent) {
-  Process up(up_arguments(shipped_scene("plane"), {"--lockstep", "--motion", "slide", "--duration", "3000", "--no-record"}));
-  for (int i = 0; i < 1500 && up.err().find(" samples  force") == std::string::npos; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  Process up(
+      up_arguments(shipped_scene("plane"), {"--lockstep", "--motion", "slide", "--duration", "3000", "--no-record"}));
+  for (int i = 0; i < 1500 && up.err().find(" samples  force") == std::string::npos; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   pid_t coupling = 0;
   for (const pid_t node : children_of(up.pid())) {
     std::ifstream command("/proc/" + std::to_string(node) + "/cmdline");
@@ -84,7 +90,9 @@ TEST(Lockstep, EndsWithZeroForceAndANonZeroStatusWhenAPeerFallsSilent) {
   ::kill(coupling, SIGCONT);
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1);
-  EXPECT_TRUE(end.out.find("no command came for 5 s") != std::string::npos || end.out.find("has gone") != std::string::npos) << end.out << end.err;
+  EXPECT_TRUE(end.out.find("no command came for 5 s") != std::string::npos ||
+              end.out.find("has gone") != std::string::npos)
+      << end.out << end.err;
 }
 
 struct Case {
@@ -96,7 +104,9 @@ void PrintTo(const Case& c, std::ostream* out) { *out << c.scene << ", " << c.de
 
 class ShippedScene : public testing::TestWithParam<Case> {};
 
-double magnitude(const msg::ForceCommand& c) { return std::hypot(c.wrench.force.x, c.wrench.force.y, c.wrench.force.z); }
+double magnitude(const msg::ForceCommand& c) {
+  return std::hypot(c.wrench.force.x, c.wrench.force.y, c.wrench.force.z);
+}
 
 /// Largest difference between any two forces of the window, over the axes.
 double peak_to_peak(const std::vector<msg::ForceCommand>& commands, std::size_t first, std::size_t last) {
@@ -111,14 +121,16 @@ double peak_to_peak(const std::vector<msg::ForceCommand>& commands, std::size_t 
 
 TEST_P(ShippedScene, IsStableWhileHeldStillInContactForTwoSeconds) {
   const TemporaryFolder folder;
-  const RingResult r = run_ring(shipped_scene(GetParam().scene), {"--lockstep", "--device", GetParam().device, "--motion", "hit", "--duration", "6",
-                                                                  "--record", (folder / "bag").string()});
+  const RingResult r =
+      run_ring(shipped_scene(GetParam().scene), {"--lockstep", "--device", GetParam().device, "--motion", "hit",
+                                                 "--duration", "6", "--record", (folder / "bag").string()});
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   const auto commands = read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command");
   const auto touched = std::find_if(commands.begin(), commands.end(), [](const auto& c) { return magnitude(c) > 0.0; });
   const auto settled = static_cast<std::size_t>(touched - commands.begin()) + 400;  // the hand has come to rest
   ASSERT_LE(settled + 2000, commands.size());
-  for (std::size_t i = settled; i < settled + 2000; ++i) ASSERT_GT(magnitude(commands[i]), 0.02) << "the hand must stay in contact";
+  for (std::size_t i = settled; i < settled + 2000; ++i)
+    ASSERT_GT(magnitude(commands[i]), 0.02) << "the hand must stay in contact";
   const double p2p = peak_to_peak(commands, settled, settled + 2000);
   RecordProperty("peak_to_peak_n", std::to_string(p2p));
   EXPECT_LE(p2p, 0.05 * GetParam().max_force_n);
@@ -126,17 +138,20 @@ TEST_P(ShippedScene, IsStableWhileHeldStillInContactForTwoSeconds) {
 
 TEST_P(ShippedScene, GivesNoForceInFreeSpaceAndAfterIt) {
   const TemporaryFolder folder;
-  const RingResult r = run_ring(shipped_scene(GetParam().scene), {"--lockstep", "--device", GetParam().device, "--motion", "free", "--duration", "2",
-                                                                  "--record", (folder / "bag").string()});
+  const RingResult r =
+      run_ring(shipped_scene(GetParam().scene), {"--lockstep", "--device", GetParam().device, "--motion", "free",
+                                                 "--duration", "2", "--record", (folder / "bag").string()});
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
-  for (const auto& command : read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command")) ASSERT_EQ(magnitude(command), 0.0);
+  for (const auto& command : read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command"))
+    ASSERT_EQ(magnitude(command), 0.0);
   EXPECT_EQ(r.summary["contact_samples"], 0);
 }
 
 TEST_P(ShippedScene, TouchesInEveryMotionThatShouldAndTheValidatorAgrees) {
   for (const char* motion : {"hit", "slide", "circle"}) {
-    const RingResult r = run_ring(shipped_scene(GetParam().scene),
-                                  {"--lockstep", "--device", GetParam().device, "--motion", motion, "--duration", "10", "--no-record"});
+    const RingResult r =
+        run_ring(shipped_scene(GetParam().scene),
+                 {"--lockstep", "--device", GetParam().device, "--motion", motion, "--duration", "10", "--no-record"});
     ASSERT_EQ(r.process.status, 0) << motion << r.process.err << r.process.out;
     EXPECT_GT(r.summary["contact_samples"], 500) << motion;
     EXPECT_EQ(r.summary["validator"]["disagree"], 0) << motion;
@@ -148,7 +163,8 @@ TEST_P(ShippedScene, TouchesInEveryMotionThatShouldAndTheValidatorAgrees) {
 std::vector<Case> all_cases() {
   std::vector<Case> cases;
   for (const char* scene : {"plane", "tilted_plane", "cylinder", "cup"})
-    for (const auto& [device, limit] : {std::pair{"sim-phantom", 8.5}, std::pair{"sim-lwr", 150.0}}) cases.push_back({scene, device, limit});
+    for (const auto& [device, limit] : {std::pair{"sim-phantom", 8.5}, std::pair{"sim-lwr", 150.0}})
+      cases.push_back({scene, device, limit});
   return cases;
 }
 

@@ -30,19 +30,27 @@ TEST(RosOutputs, ShowPoseWrenchFramesMarkersAndDiagnosticsToWhoeverReads) {
   Process up(up_arguments(shipped_scene("cup"), {"--motion", "hit", "--no-record"}));
   wait_until_it_runs(up);
   const bus::Participant participant({domain(), "lo", "rviz"});
-  bus::Reader<msg::geometry_msgs_PoseStamped> poses(participant, qos::kPose, "haptic", qos::profile(qos::ProfileId::kSensor));
-  bus::Reader<msg::geometry_msgs_WrenchStamped> wrenches(participant, qos::kWrench, "haptic", qos::profile(qos::ProfileId::kSensor));
+  bus::Reader<msg::geometry_msgs_PoseStamped> poses(participant, qos::kPose, "haptic",
+                                                    qos::profile(qos::ProfileId::kSensor));
+  bus::Reader<msg::geometry_msgs_WrenchStamped> wrenches(participant, qos::kWrench, "haptic",
+                                                         qos::profile(qos::ProfileId::kSensor));
   bus::Reader<msg::tf2_msgs_TFMessage> frames(participant, qos::kTf, "haptic", qos::profile(qos::ProfileId::kState));
-  bus::Reader<msg::visualization_msgs_MarkerArray> markers(participant, qos::kMarkers, "haptic", qos::profile(qos::ProfileId::kState));
-  bus::Reader<msg::diagnostic_msgs_DiagnosticArray> diagnostics(participant, qos::kDiagnostics, "haptic", qos::profile(qos::ProfileId::kState));
+  bus::Reader<msg::visualization_msgs_MarkerArray> markers(participant, qos::kMarkers, "haptic",
+                                                           qos::profile(qos::ProfileId::kState));
+  bus::Reader<msg::diagnostic_msgs_DiagnosticArray> diagnostics(participant, qos::kDiagnostics, "haptic",
+                                                                qos::profile(qos::ProfileId::kState));
   int pose_count = 0, wrench_count = 0, frame_count = 0, marker_count = 0;
   std::set<std::string> diagnosed, frame_names;
   double height = -1.0;
   for (int i = 0; i < 300; ++i) {
-    pose_count += poses.take_each([&](const auto& p) { height = p.pose.position.z; EXPECT_STREQ(p.header.frame_id, "world"); });
+    pose_count += poses.take_each([&](const auto& p) {
+      height = p.pose.position.z;
+      EXPECT_STREQ(p.header.frame_id, "world");
+    });
     wrench_count += wrenches.take_each([&](const auto& w) { EXPECT_STREQ(w.header.frame_id, "haptic/tool"); });
     frame_count += frames.take_each([&](const auto& t) {
-      for (std::uint32_t k = 0; k < t.transforms._length; ++k) frame_names.insert(t.transforms._buffer[k].child_frame_id);
+      for (std::uint32_t k = 0; k < t.transforms._length; ++k)
+        frame_names.insert(t.transforms._buffer[k].child_frame_id);
     });
     marker_count += markers.take_each([&](const auto& m) { EXPECT_EQ(m.markers._length, 3U); });
     diagnostics.take_each([&](const auto& d) {
@@ -56,15 +64,17 @@ TEST(RosOutputs, ShowPoseWrenchFramesMarkersAndDiagnosticsToWhoeverReads) {
   EXPECT_GT(marker_count, 10);
   EXPECT_NEAR(height, 0.05, 0.005) << "the hand of `hit` stays at half the cup's height";
   EXPECT_EQ(frame_names, (std::set<std::string>{"haptic/device", "haptic/tool"}));
-  EXPECT_EQ(diagnosed, (std::set<std::string>{"haptic/device", "haptic/rendering", "haptic/coupling", "haptic/validator"}));
+  EXPECT_EQ(diagnosed,
+            (std::set<std::string>{"haptic/device", "haptic/rendering", "haptic/coupling", "haptic/validator"}));
   up.signal(SIGINT);
   EXPECT_EQ(up.wait().status, 0);
 }
 
 TEST(Logger, RecordsAnotherTopicThatItIsTold) {
   const TemporaryFolder folder;
-  const RingResult r = run_ring(shipped_scene("plane"), {"--motion", "slide", "--duration", "3", "--record", (folder / "bag").string(),
-                                                         "--topic", "rt/haptic/pose", "--topic", "rt/t*"});
+  const RingResult r =
+      run_ring(shipped_scene("plane"), {"--motion", "slide", "--duration", "3", "--record", (folder / "bag").string(),
+                                        "--topic", "rt/haptic/pose", "--topic", "rt/t*"});
   ASSERT_EQ(r.process.status, 0) << r.process.err;
   const auto bag = bag::BagReader::open(folder / "bag");
   ASSERT_TRUE(bag);
@@ -78,7 +88,8 @@ TEST(Logger, RecordsAnotherTopicThatItIsTold) {
 
 TEST(Logger, LeavesABagThatOpensAndLacksAtMostASecondWhenItIsKilled) {
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
+  Process up(up_arguments(shipped_scene("plane"),
+                          {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
   wait_until_it_runs(up);
   std::this_thread::sleep_for(std::chrono::seconds(3));
   for (const pid_t node : children_of(up.pid())) {
@@ -93,14 +104,17 @@ TEST(Logger, LeavesABagThatOpensAndLacksAtMostASecondWhenItIsKilled) {
   const auto states = read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state");
   const auto summary = parse_summary(end.out);
   ASSERT_TRUE(summary.is_object());
-  EXPECT_GT(static_cast<double>(states.size()) + 1500.0, summary["samples"].get<double>()) << "more than a second is missing (half a second is the stop's)";
+  EXPECT_GT(static_cast<double>(states.size()) + 1500.0, summary["samples"].get<double>())
+      << "more than a second is missing (half a second is the stop's)";
 }
 
 /// A scene of the plane whose hand starts 2 mm inside it.
 std::filesystem::path pressed_scene(const TemporaryFolder& folder) {
-  const std::filesystem::path file = folder / "pressed.yaml", meshes = std::filesystem::path(VOXTOUCH_DEPLOY) / "meshes";
-  std::ofstream(file) << "scene: pressed\nvoxel_size: 0.002\nstatic: [{mesh: " << (meshes / "plane.obj").string() << "}]\ndynamic: {mesh: "
-                      << (meshes / "sphere.obj").string() << ", scale: 0.01, parts: [{sphere: {centre: [0, 0, 0], radius: 0.01}}]}\n"
+  const std::filesystem::path file = folder / "pressed.yaml",
+                              meshes = std::filesystem::path(VOXTOUCH_DEPLOY) / "meshes";
+  std::ofstream(file) << "scene: pressed\nvoxel_size: 0.002\nstatic: [{mesh: " << (meshes / "plane.obj").string()
+                      << "}]\ndynamic: {mesh: " << (meshes / "sphere.obj").string()
+                      << ", scale: 0.01, parts: [{sphere: {centre: [0, 0, 0], radius: 0.01}}]}\n"
                       << "contact: {model: adapted, stiffness_n_per_m: 10}\neffects: []\n"
                       << "coupling: {kind: shaping_filter, cutoff_hz: 90, damping_ratio: 0.7071, gain: 1}\ndevice: {}\n"
                       << "motions: {press: {path: [[0, 0, 0.007]], speed_m_per_s: 0.1}}\n";
@@ -109,7 +123,8 @@ std::filesystem::path pressed_scene(const TemporaryFolder& folder) {
 
 TEST(Ring, RampsTheForceInWhenItStartsInsideAContact) {
   const TemporaryFolder folder;
-  const RingResult r = run_ring(pressed_scene(folder).string(), {"--lockstep", "--motion", "press", "--duration", "2", "--record", (folder / "bag").string()});
+  const RingResult r = run_ring(pressed_scene(folder).string(), {"--lockstep", "--motion", "press", "--duration", "2",
+                                                                 "--record", (folder / "bag").string()});
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   const auto commands = read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command");
   const auto states = read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state");
@@ -126,7 +141,8 @@ TEST(Ring, RampsTheForceInWhenItStartsInsideAContact) {
 
 TEST(Ring, IsBackAtExactlyZeroForceAfterEachContact) {
   const TemporaryFolder folder;
-  const RingResult r = run_ring(shipped_scene("cup"), {"--lockstep", "--motion", "slide", "--duration", "6", "--record", (folder / "bag").string()});
+  const RingResult r = run_ring(shipped_scene("cup"), {"--lockstep", "--motion", "slide", "--duration", "6", "--record",
+                                                       (folder / "bag").string()});
   ASSERT_EQ(r.process.status, 0) << r.process.err;
   const auto contacts = read_ring_topic<msg::ContactState>(folder / "bag", "/haptic/rendering/contact");
   const auto commands = read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command");

@@ -64,13 +64,15 @@ void Process::signal(int number) const {
 
 bool Process::running() {
   int raw = 0;
-  if (!status_ && waitpid(pid_, &raw, WNOHANG) == pid_) status_ = WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
+  if (!status_ && waitpid(pid_, &raw, WNOHANG) == pid_)
+    status_ = WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
   return !status_;
 }
 
 Finished Process::wait(std::chrono::seconds patience) {
   const auto until = std::chrono::steady_clock::now() + patience;
-  while (running() && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  while (running() && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   if (running()) {
     ::kill(pid_, SIGKILL);
     while (running()) std::this_thread::sleep_for(std::chrono::milliseconds(10));

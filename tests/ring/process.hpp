@@ -19,7 +19,8 @@ struct Finished {
 class Process {
  public:
   /// Starts `arguments[0]` with further environment variables; throws if it cannot be started.
-  explicit Process(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {});
+  explicit Process(const std::vector<std::string>& arguments,
+                   const std::map<std::string, std::string>& environment = {});
   ~Process();  ///< ends it by force if it still runs
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;

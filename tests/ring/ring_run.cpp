@@ -17,6 +17,8 @@ RingResult run_ring(const std::string& scene, const std::vector<std::string>& mo
   return result;
 }
 
-std::string shipped_scene(const std::string& name) { return std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml"; }
+std::string shipped_scene(const std::string& name) {
+  return std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml";
+}
 
 }  // namespace voxtouch::test

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <memory>
-#include <fstream>
 #include <thread>
 
 #include "nodes/bus/reader.hpp"
@@ -56,14 +56,16 @@ class UpTouchesTheCup : public testing::TestWithParam<Rig> {};
 
 TEST_P(UpTouchesTheCup, AndTheHandFeelsIt) {
   const TemporaryFolder folder;
-  std::vector<std::string> more = {"--device", GetParam().device, "--motion", "slide", "--duration", "5", "--record", (folder / "bag").string()};
+  std::vector<std::string> more = {"--device", GetParam().device,        "--motion", "slide", "--duration", "5",
+                                   "--record", (folder / "bag").string()};
   if (GetParam().one_process) more.push_back("--one-process");
   const RingResult r = run_ring(shipped_scene("cup"), more);
   expect_a_good_touch(r, 5.0, GetParam().limit_n);
   const auto bag = bag::BagReader::open(folder / "bag");
   ASSERT_TRUE(bag) << bag.error().sentence;
-  for (const char* topic : {"/haptic/device/state", "/haptic/rendering/contact", "/haptic/coupling/command", "/haptic/device/description",
-                            "/haptic/rendering/plan", "/haptic/coupling/design", "/haptic/validation", "/haptic/node_status"}) {
+  for (const char* topic :
+       {"/haptic/device/state", "/haptic/rendering/contact", "/haptic/coupling/command", "/haptic/device/description",
+        "/haptic/rendering/plan", "/haptic/coupling/design", "/haptic/validation", "/haptic/node_status"}) {
     const auto index = bag->find_topic(topic);
     ASSERT_TRUE(index) << topic;
     EXPECT_GT(bag->topics()[*index].message_count, 0U) << topic;
@@ -71,7 +73,8 @@ TEST_P(UpTouchesTheCup, AndTheHandFeelsIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rigs, UpTouchesTheCup,
-                         testing::Values(Rig{"sim-phantom", 8.5, false}, Rig{"sim-lwr", 150.0, false}, Rig{"sim-phantom", 8.5, true}),
+                         testing::Values(Rig{"sim-phantom", 8.5, false}, Rig{"sim-lwr", 150.0, false},
+                                         Rig{"sim-phantom", 8.5, true}),
                          [](const auto& rig) {
                            std::string name = rig.param.device + (rig.param.one_process ? "_in_one_process" : "");
                            std::replace(name.begin(), name.end(), '-', '_');
@@ -91,7 +94,8 @@ TEST(Up, RefusesARigThatIsInUse) {
 
 TEST(Up, StopsInOrderOnCtrlCAndSaysThatTheRunWasCutShort) {
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
+  Process up(up_arguments(shipped_scene("plane"),
+                          {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
   const std::vector<pid_t> nodes = children_of(up.pid());
   EXPECT_EQ(nodes.size(), 5U);
@@ -111,12 +115,14 @@ TEST(Up, TakesItsNodesWithItWhenItIsKilled) {
   const std::vector<pid_t> nodes = children_of(up.pid());
   ASSERT_EQ(nodes.size(), 4U);
   up.signal(SIGKILL);
-  EXPECT_TRUE(wait_until([&] { return std::all_of(nodes.begin(), nodes.end(), [](pid_t p) { return ::kill(p, 0) != 0; }); }, seconds(10)));
+  EXPECT_TRUE(wait_until(
+      [&] { return std::all_of(nodes.begin(), nodes.end(), [](pid_t p) { return ::kill(p, 0) != 0; }); }, seconds(10)));
 }
 
 TEST(Up, SaysWhichNodeDiedAndLeavesABagThatOpens) {
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
+  Process up(up_arguments(shipped_scene("plane"),
+                          {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
   for (const pid_t node : children_of(up.pid())) {
     std::ifstream command("/proc/" + std::to_string(node) + "/cmdline");
@@ -134,7 +140,8 @@ TEST(Up, NeverOverwritesABag) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "bag");
   std::ofstream(folder / "bag" / "precious") << "mine";
-  const RingResult r = run_ring(shipped_scene("plane"), {"--motion", "free", "--duration", "1", "--record", (folder / "bag").string()});
+  const RingResult r =
+      run_ring(shipped_scene("plane"), {"--motion", "free", "--duration", "1", "--record", (folder / "bag").string()});
   EXPECT_NE(r.process.status, 0);
   EXPECT_NE(r.process.err.find((folder / "bag").string()), std::string::npos) << r.process.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "bag" / "precious"));
@@ -175,7 +182,8 @@ TEST(Up, RefusesWhatItCannotDoWithASentence) {
     more.insert(more.end(), {"--duration", "1", "--no-record"});
     const RingResult r = run_ring(scene, more);
     EXPECT_NE(r.process.status, 0);
-    EXPECT_TRUE(r.summary.is_object() && r.summary["ok"] == false && r.summary["problems"].size() == 1) << r.process.out;
+    EXPECT_TRUE(r.summary.is_object() && r.summary["ok"] == false && r.summary["problems"].size() == 1)
+        << r.process.out;
     return r.process.err;
   };
   const std::string plane = shipped_scene("plane");
@@ -193,8 +201,10 @@ std::filesystem::path stiff_plane(const TemporaryFolder& folder, double stiffnes
   std::ifstream in(shipped_scene("plane"));
   std::ofstream out(folder / "stiff.yaml");
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("contact:")) line = "contact: {model: adapted, stiffness_n_per_m: " + std::to_string(stiffness_n_per_m) + "}";
-    if (const auto at = line.find("../meshes"); at != std::string::npos) line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
+    if (line.starts_with("contact:"))
+      line = "contact: {model: adapted, stiffness_n_per_m: " + std::to_string(stiffness_n_per_m) + "}";
+    if (const auto at = line.find("../meshes"); at != std::string::npos)
+      line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
     out << line << "\n";
   }
   return folder / "stiff.yaml";
@@ -202,14 +212,16 @@ std::filesystem::path stiff_plane(const TemporaryFolder& folder, double stiffnes
 
 TEST(Up, RefusesASceneThatIsTooStiffForTheDeviceWithOnePointAlone) {
   const TemporaryFolder folder;
-  const RingResult r = run_ring(stiff_plane(folder, 2000.0).string(), {"--motion", "hit", "--duration", "1", "--no-record"});
+  const RingResult r =
+      run_ring(stiff_plane(folder, 2000.0).string(), {"--motion", "hit", "--duration", "1", "--no-record"});
   EXPECT_NE(r.process.status, 0);
   EXPECT_NE(r.process.err.find("too stiff for sim-phantom"), std::string::npos) << r.process.err;
 }
 
 TEST(Up, SaysThatAllPointsTogetherWereTooStiff) {
   const TemporaryFolder folder;
-  const RingResult r = run_ring(stiff_plane(folder, 100.0).string(), {"--motion", "slide", "--duration", "3", "--no-record", "--lockstep"});
+  const RingResult r = run_ring(stiff_plane(folder, 100.0).string(),
+                                {"--motion", "slide", "--duration", "3", "--no-record", "--lockstep"});
   EXPECT_EQ(r.process.status, 1);
   EXPECT_NE(r.process.out.find("all points in contact together showed"), std::string::npos) << r.process.out;
 }
@@ -235,11 +247,13 @@ TEST(Nodes, MayStartInAnyOrder) {
   std::this_thread::sleep_for(milliseconds(500));
   const auto rendering = node("rendering");
   const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(domain)), "lo", "listener"});
-  bus::Reader<msg::ForceCommand> commands(participant, qos::kForceCommand, "haptic", qos::profile(qos::ProfileId::kTap));
+  bus::Reader<msg::ForceCommand> commands(participant, qos::kForceCommand, "haptic",
+                                          qos::profile(qos::ProfileId::kTap));
   double largest = 0.0;
   msg::ForceCommand command;
   while (device->running()) {
-    while (commands.take(command)) largest = std::max(largest, std::hypot(command.wrench.force.x, command.wrench.force.y, command.wrench.force.z));
+    while (commands.take(command))
+      largest = std::max(largest, std::hypot(command.wrench.force.x, command.wrench.force.y, command.wrench.force.z));
     std::this_thread::sleep_for(milliseconds(5));
   }
   EXPECT_EQ(device->wait().status, 0);
