@@ -46,7 +46,10 @@ std::filesystem::path read_mesh_path(const SceneSource& source, const YamlNode& 
   const std::filesystem::path given = read_text(source, node, "mesh");
   std::error_code fault;
   auto path = std::filesystem::absolute(source.file.parent_path() / given, fault).lexically_normal();
-  if (fault || !std::filesystem::is_regular_file(path, fault))
+  const bool there = !fault && std::filesystem::is_regular_file(path, fault);
+  if (fault == std::errc::permission_denied)
+    source.fail(node.place, fmt::format("The mesh file '{}' cannot be reached: check the rights on its folders.", given.string()));
+  if (!there)
     source.fail(node.place, fmt::format("There is no mesh file '{}' (seen from the scene file's folder).", given.string()));
   return path;
 }

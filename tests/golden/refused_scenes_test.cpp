@@ -67,7 +67,11 @@ TEST_F(RefusedScene, HasAMeshFileWithoutReadPermission) {
   std::filesystem::copy_file(kMeshes / "cup.obj", folder_ / "locked.obj");
   chmod((folder_ / "locked.obj").c_str(), 0);
   std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
-  const std::filesystem::path locked = scene("locked.obj");
+  // Nobody may not even reach the project's own folder: all that the scene names stands in the test's.
+  std::filesystem::copy_file(kMeshes / "sphere.obj", folder_ / "sphere.obj");
+  const std::filesystem::path locked = folder_ / "locked.yaml";
+  std::ofstream(locked) << "scene: locked\nvoxel_size: 0.002\nstatic: [{mesh: locked.obj}]\ndynamic: {mesh: sphere.obj, scale: 0.01}\n"
+                           "contact: {model: adapted, stiffness_n_per_m: 10}\n";
   const uid_t me = geteuid();
   ASSERT_EQ(seteuid(me == 0 ? 65534 : me), 0);  // root may read everything: be nobody for this line
   const std::string sentence = refusal(locked);
