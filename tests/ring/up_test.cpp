@@ -234,6 +234,17 @@ TEST(Up, SaysFileLineAndColumnOfASceneError) {
   EXPECT_NE(r.process.err.find("bad.yaml:3:1:"), std::string::npos) << r.process.err;
 }
 
+TEST(Nodes, SayThatTheyRunDifferentScenes) {
+  const std::string domain = fresh_domain();
+  Process rendering({VOXTOUCH_BIN "/voxtouch_rendering", "--scene", shipped_scene("cup"), "--domain", domain});
+  Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("plane"), "--domain", domain, "--duration", "3"});
+  EXPECT_EQ(device.wait().status, 0);
+  rendering.signal(SIGTERM);
+  const std::string said = rendering.wait().err;
+  EXPECT_NE(said.find("this node runs scene 'cup'"), std::string::npos) << said;
+  EXPECT_NE(said.find("runs 'plane'"), std::string::npos) << said;
+}
+
 TEST(Nodes, MayStartInAnyOrder) {
   const std::string scene = shipped_scene("plane"), domain = fresh_domain();
   const auto node = [&](const std::string& name, std::vector<std::string> more = {}) {
