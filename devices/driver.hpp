@@ -54,7 +54,15 @@ struct DeviceDescription {
   double coulomb_friction_n = 0.0;
   double position_resolution_m = 0.0;
   double delay_s = 0.0;                     ///< from command to force, beside the sample period
-  double force_bandwidth_hz = 0.0;          ///< first-order lag of the force; infinity if none
+  double force_bandwidth_hz = 0.0;          ///< first-order lag of the force and the torque; infinity if none
+  double inertia_min_kg_m2 = 0.0, inertia_max_kg_m2 = 0.0;  ///< about any axis at the tool; 0 without torque
+  double damping_nms_per_rad = 0.0;
+  double coulomb_friction_nm = 0.0;
+  double orientation_resolution_rad = 0.0;
+  double max_stiffness_nm_per_rad = 0.0;    ///< 0 without torque
+  double jitter = 0.2;                      ///< the longest sample period is (1 + jitter) / rate_hz
+  std::uint32_t lost_in_a_row = 1;          ///< samples or commands that may be lost one after the other
+  std::string grip = "pen";                 ///< how it is usually held: "pen" or "arm"
   std::uint32_t input_dof = 6, output_dof = 3;
 };
 

@@ -36,6 +36,9 @@ struct ContactResult {
   /// of that many matrices of norm K (all equal for `adapted`, so there the bound is reached). Not bounded: the step when a
   /// point crosses a voxel border, and the stiffness against rotation.
   double stiffness_bound_n_per_m = 0.0;
+  /// K sum J_i' J_i over the same points, J_i = [u_i', (arm_i x u_i)']: stiffness against translation and rotation, W axes, about the
+  /// tool's origin; symmetric, positive semidefinite.
+  Mat6 stiffness = Mat6::Zero();
   bool fallback = false;                ///< normals face each other (coherence <= 0.3): `original` was used for this frame
   PoseStatus pose_status = PoseStatus::kUsable;
   std::uint32_t points_tested = 0;      ///< points that culling left to test

@@ -16,8 +16,11 @@ bool parse_coupling(std::string_view word, CouplingKind& kind) noexcept;
 
 /// One sample's input: what the contact gives at the device's pose.
 struct CouplingInput {
-  Wrench contact;                        ///< W axes
+  Wrench contact;                        ///< W axes, torque about the tool's origin
   double contact_stiffness_n_per_m = 0;  ///< stiffness bound of this contact; 0 in free space
+  /// -d(wrench)/d(pose) of this contact, W axes, about the tool's origin: symmetric, positive semidefinite, [N/m, N, Nm/rad].
+  Mat6 contact_stiffness = Mat6::Zero();
+  Pose tool = {};                        ///< T in W at this sample
 };
 
 /// What happened in the last step, for the command's status bits.

@@ -16,6 +16,15 @@ struct CouplingSpec {
   double gain = 1.0;                          ///< K, dimensionless (force in, force out), > 0 in a scene, >= 0 at run time
   double stiffness_n_per_m = 500.0;           ///< spring-damper: c, > 0
   double damping_ns_per_m = 2.0;              ///< spring-damper: r, >= 0
+  /// All kinds. The contact's wrench is scaled down so that its stiffness, as a matrix, stays below both caps (coupling.md F3):
+  /// a few points keep what they have, many share the cap. Infinity: no cap.
+  double stiffness_cap_n_per_m = std::numeric_limits<double>::infinity();
+  double stiffness_cap_nm_per_rad = std::numeric_limits<double>::infinity();
+  /// All kinds. Damping against the tool's motion while in contact, along the directions that the contact pushes in, never
+  /// pulling; the velocity is a first-order filtered difference. >= 0.
+  double injected_damping_ns_per_m = 0.0;
+  double injected_damping_nms_per_rad = 0.0;
+  double velocity_filter_hz = 100.0;          ///< > 0
 };
 
 /// What the device can give, said in the units of W: its force limit / force_scale, its torque limit * position_scale /

@@ -16,6 +16,8 @@ namespace voxtouch {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
+using Vec6 = Eigen::Matrix<double, 6, 1>;  ///< translation first, then rotation
+using Mat6 = Eigen::Matrix<double, 6, 6>;  ///< likewise
 using Quat = Eigen::Quaterniond;
 
 /// Position [m] and orientation (unit quaternion) of one frame in another.

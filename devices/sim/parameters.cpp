@@ -45,6 +45,8 @@ SimParameters sim_phantom() {
   d.position_resolution_m = 0.03e-3;   // assumed (data sheet)
   d.delay_s = 0.001;                   // derived: one servo tick
   d.force_bandwidth_hz = kInfinity;    // assumed: faster than the servo loop
+  d.orientation_resolution_rad = 1e-3; // assumed, of the gimbal
+  d.grip = "pen";
   d.input_dof = 6;
   d.output_dof = 3;
   p.mass_kg = Vec3::Constant(0.075);   // derived: upper end of the range, sideways at the reset pose
@@ -80,6 +82,13 @@ SimParameters sim_lwr() {
   d.position_resolution_m = 20e-6;       // assumed
   d.delay_s = 0.002;                     // assumed, like the lag
   d.force_bandwidth_hz = 1.0 / (2.0 * std::numbers::pi * 0.003);
+  d.inertia_min_kg_m2 = 0.1;             // derived from assumed motor inertia of the wrist, divided by four
+  d.inertia_max_kg_m2 = 0.1;
+  d.damping_nms_per_rad = 0.3;           // confirmed as a published model's value of joint 6
+  d.coulomb_friction_nm = 0.1;           // likewise
+  d.orientation_resolution_rad = 1e-4;   // assumed
+  d.max_stiffness_nm_per_rad = 300.0;    // assumed: cap of the rotational stiffness in published drivers
+  d.grip = "arm";
   d.input_dof = 6;
   d.output_dof = 6;
   p.mass_kg = Vec3(6.0, 3.9, 5.5);       // derived: elbow bent, orientation free, motor inertia divided by four

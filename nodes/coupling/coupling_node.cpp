@@ -112,7 +112,11 @@ class CouplingNode {
     const double dt_s = last_time_ns_ ? static_cast<double>(contact.sample_time_ns - *last_time_ns_) * 1e-9 : period_s_;
     last_time_ns_ = contact.sample_time_ns;
     follow_clutch(state.buttons);
-    const Wrench in_world = coupling_->step({runtime::from_msg(contact.wrench), contact.stiffness_bound_n_per_m}, dt_s);
+    CouplingInput input;
+    input.contact = runtime::from_msg(contact.wrench);
+    input.contact_stiffness_n_per_m = contact.stiffness_bound_n_per_m;
+    input.tool = runtime::from_msg(contact.tool_pose);
+    const Wrench in_world = coupling_->step(input, dt_s);
     const Wrench in_device =
         clutched_ ? Wrench{}
                   : wrench_to_device(scene_.device, in_world, runtime::from_msg(contact.tool_pose).orientation);

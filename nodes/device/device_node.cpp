@@ -50,6 +50,15 @@ void publish_description(bus::Writer<msg::DeviceDescription>& writer, const Devi
   m.position_resolution_m = d.position_resolution_m;
   m.delay_s = d.delay_s;
   m.force_bandwidth_hz = d.force_bandwidth_hz;
+  m.inertia_min_kg_m2 = d.inertia_min_kg_m2;
+  m.inertia_max_kg_m2 = d.inertia_max_kg_m2;
+  m.damping_nms_per_rad = d.damping_nms_per_rad;
+  m.coulomb_friction_nm = d.coulomb_friction_nm;
+  m.orientation_resolution_rad = d.orientation_resolution_rad;
+  m.max_stiffness_nm_per_rad = d.max_stiffness_nm_per_rad;
+  m.jitter = d.jitter;
+  m.lost_in_a_row = d.lost_in_a_row;
+  m.grip = runtime::lend(d.grip);
   m.input_dof = d.input_dof;
   m.output_dof = d.output_dof;
   m.simulated = simulated;

@@ -1,0 +1,74 @@
+#pragma once
+/// The virtual coupling that fits a device, a hand and a contact, with margins; or what it would take.
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/coupling/coupling_spec.hpp"
+#include "core/coupling/design/loop_parts.hpp"
+#include "core/coupling/design/sampled_loop.hpp"
+
+namespace voxtouch {
+
+/// What is wished; the designer gives up as little of it as it can.
+struct DesignWishes {
+  std::string kind = "auto";          ///< auto | shaping_filter | spring_damper | direct
+  double cutoff_hz = 5.0;             ///< w0 / (2 pi), the paper's
+  double max_cutoff_hz = 200.0;
+  double gain_margin = 2.0;           ///< >= 1
+  double useful_stiffness_n_per_m = 50.0;     ///< below it the result is called infeasible
+  double useful_stiffness_nm_per_rad = 0.05;  ///< likewise for rotation
+  double max_injected_damping_effort = 0.0;   ///< noise of the injected damping at the hand [N]; 0: 0.05 N or 0.5 % of the device's force, the larger
+  double force_layer_depth_m = 0.0;   ///< depth over which the contact's force grows; for the approach speed. 0: not asked
+  bool allow_injected_damping = true;
+  bool free_cap = false;              ///< the designer may cap the contact's total stiffness instead of scaling all of it
+};
+
+struct DesignRequest {
+  DeviceModel device;
+  OperatorRange hand;
+  ContactRange contact;               ///< translation, at the hand [N/m]
+  ContactRange contact_rotation;      ///< about the tool's origin [Nm/rad]; used if the device gives torque
+  DesignWishes wishes;
+};
+
+enum class DesignStatus : std::uint8_t { kAsRequested, kBandwidthRaised, kDampingAdded, kStiffnessReduced, kInfeasible };
+/// "as_requested", "bandwidth_raised", "damping_added", "stiffness_reduced", "infeasible".
+std::string_view name_of(DesignStatus status) noexcept;
+
+/// One kind of motion, translation or rotation, of a finished design.
+struct AxisDesign {
+  double injected_damping = 0.0, velocity_filter_hz = 0.0;   ///< while in contact
+  double wanted_stiffness = 0.0;      ///< min(contact's total, the device's limit)
+  double shown_stiffness = 0.0;       ///< K k that is certified with the margin; <= wanted
+  double critical_stiffness = 0.0;    ///< K k at which the worst case becomes unstable
+  double gain_margin = 0.0;           ///< critical / shown
+  LoopPlant worst_case;               ///< where that is
+  std::string worst_case_text;        ///< "released, 0.2 kg", for a person
+  bool passive = false;               ///< rule P holds: stable with any passive hand, not only with the range given
+  double passive_stiffness = 0.0;     ///< K k that rule P would allow
+  double spectral_radius = 0.0;       ///< at margin * shown, over all cases; < 1
+  double limit_cycle_bound = 0.0;     ///< peak to peak of what quantisation may leave [m] or [rad]; 0: friction removes it
+  double damping_required = 0.0;      ///< device damping with which the wish would be passive as it is
+};
+
+struct Design {
+  DesignStatus status = DesignStatus::kInfeasible;
+  CouplingSpec spec;                  ///< what to run: kind, cut-off, damping ratio, gain, cap, injected damping
+  AxisDesign translation, rotation;   ///< rotation is all zero for a device without torque
+  double lag_s = 0.0;                 ///< 2 d / w0
+  double max_approach_m_per_s = 0.0;  ///< fastest approach that stays within the force layer; 0: not asked
+  std::vector<std::string> reasons;   ///< what limits, one sentence each
+  std::vector<std::string> remedies;  ///< what it would take to have the wish as it is: damping, delay, cap; empty if it is met
+};
+
+/// Pure arithmetic, some milliseconds to some tens; not for the loop. The same request gives the same bits. Throws
+/// std::invalid_argument with the first sentence of `check` for numbers that cannot be designed for.
+Design design_coupling(const DesignRequest& request);
+
+/// The design's judgement of parameters that somebody else chose: same certificates, nothing changed. `status` is kAsRequested
+/// where they hold and kInfeasible where not; `reasons` says why.
+Design judge_coupling(const DesignRequest& request, const CouplingSpec& spec);
+
+}  // namespace voxtouch

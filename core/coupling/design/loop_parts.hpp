@@ -1,0 +1,62 @@
+#pragma once
+/// The parts of the closed haptic loop as the designer sees them: device, operator, contact.
+///
+/// Translation and rotation are the same arithmetic in other units, so one struct serves both. "Effort" is a force [N] or a
+/// torque [Nm]; inertia [kg] or [kg m^2]; damping [Ns/m] or [Nms/rad]; stiffness [N/m] or [Nm/rad]; resolution [m] or [rad].
+/// Everything is at the hand, in the device's units: scales of the scene are already in it.
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace voxtouch {
+
+/// How a device moves along (or about) any of its axes.
+struct AxisModel {
+  double inertia_min = 0.0, inertia_max = 0.0;  ///< over the workspace, > 0
+  double damping = 0.0;             ///< viscous, the least over the workspace, >= 0
+  double coulomb_friction = 0.0;    ///< dry friction, >= 0
+  double resolution = 0.0;          ///< step of the encoder, >= 0
+  double max_effort = 0.0;          ///< > 0
+  double max_stiffness = std::numeric_limits<double>::infinity();  ///< what the device can show, > 0
+  double effort_bandwidth_hz = std::numeric_limits<double>::infinity();  ///< first-order lag of the effort
+};
+
+/// When things happen in the loop.
+struct LoopTiming {
+  double period_s = 1e-3;     ///< T, nominal
+  double delay_s = 0.0;       ///< from the sample to the effort, beside the hold: network, computation and device together
+  double jitter = 0.2;        ///< the longest period is (1 + jitter) T
+  int lost_in_a_row = 1;      ///< samples that may be lost one after the other; their input is held
+};
+
+struct DeviceModel {
+  std::string name;
+  AxisModel translation, rotation;
+  bool gives_torque = false;  ///< false: `rotation` is not used
+  LoopTiming timing;
+};
+
+/// What may hold the device. The ranges are used only where `any_passive` is false.
+struct HandRange {
+  bool any_passive = false;   ///< every hand that creates no energy, of whatever stiffness and mass
+  bool may_release = true;    ///< nobody holding it is one of the cases
+  double mass_min = 0.0, mass_max = 0.0;
+  double damping_min = 0.0, damping_max = 0.0;
+  double stiffness_min = 0.0, stiffness_max = 0.0;
+};
+
+struct OperatorRange {
+  HandRange translation, rotation;
+};
+
+/// Stiffness that the scene can put before the coupling: of one point alone, and of all that may push at once (the cap is
+/// already in it, where there is one).
+struct ContactRange {
+  double one_point = 0.0, all_points = 0.0;
+};
+
+/// Everything that is wrong with the numbers, as sentences; empty: they can be designed for.
+std::vector<std::string> check(const DeviceModel& device);
+std::vector<std::string> check(const HandRange& hand);
+
+}  // namespace voxtouch
