@@ -20,6 +20,7 @@ class Findings {
   bool not_negative(const char* field, double value) {
     return rule(field, value, value >= 0.0 && std::isfinite(value), "0 or above");
   }
+  bool cap(const char* field, double value) { return rule(field, value, value > 0.0, "above 0, infinity for no cap"); }
   bool limit(const char* field, double value) { return rule(field, value, value >= 0.0, "0 or above, infinity for no limit"); }
 
  private:
@@ -67,6 +68,7 @@ double lag_s(const CouplingSpec& spec) noexcept {
 }
 
 double displayed_stiffness_n_per_m(const CouplingSpec& spec, double contact_n_per_m) noexcept {
+  if (contact_n_per_m > spec.stiffness_cap_n_per_m) contact_n_per_m = spec.stiffness_cap_n_per_m;
   if (spec.kind == name_of(CouplingKind::kShapingFilter)) return spec.gain * contact_n_per_m;
   if (spec.kind == name_of(CouplingKind::kSpringDamper))
     return spec.stiffness_n_per_m * (contact_n_per_m / (spec.stiffness_n_per_m + contact_n_per_m));
@@ -94,6 +96,13 @@ std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimi
     find.positive("stiffness_n_per_m", spec.stiffness_n_per_m);
     find.not_negative("damping_ns_per_m", spec.damping_ns_per_m);
   }
+  find.cap("stiffness_cap_n_per_m", spec.stiffness_cap_n_per_m);
+  find.cap("stiffness_cap_nm_per_rad", spec.stiffness_cap_nm_per_rad);
+  find.not_negative("injected_damping_ns_per_m", spec.injected_damping_ns_per_m);
+  find.not_negative("injected_damping_nms_per_rad", spec.injected_damping_nms_per_rad);
+  find.positive("velocity_filter_hz", spec.velocity_filter_hz);
+  find.not_negative("passivity_damping_limit_ns_per_m", spec.passivity_damping_limit_ns_per_m);
+  find.not_negative("passivity_damping_limit_nms_per_rad", spec.passivity_damping_limit_nms_per_rad);
   return out;
 }
 

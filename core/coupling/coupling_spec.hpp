@@ -25,6 +25,8 @@ struct CouplingSpec {
   double injected_damping_ns_per_m = 0.0;
   double injected_damping_nms_per_rad = 0.0;
   double velocity_filter_hz = 100.0;          ///< > 0
+  double passivity_damping_limit_ns_per_m = 0.0;      ///< most that the passivity controller may add; 0: it only observes
+  double passivity_damping_limit_nms_per_rad = 0.0;
 };
 
 /// What the device can give, said in the units of W: its force limit / force_scale, its torque limit * position_scale /
@@ -52,7 +54,8 @@ double cutoff_rad_per_s(const CouplingSpec& spec) noexcept;
 /// Low-frequency lag [s] that the coupling puts into the loop: 2 d / w0 of the shaping filter, 0 of the others (the
 /// spring-damper leads, it does not lag).
 double lag_s(const CouplingSpec& spec) noexcept;
-/// Stiffness that reaches the hand where the contact has `contact_n_per_m`: K k, c k / (c + k), or k. At rest, in W.
+/// Stiffness that reaches the hand where the contact has `contact_n_per_m`: with k the smaller of it and the cap, K k,
+/// c k / (c + k), or k. At rest, in W.
 double displayed_stiffness_n_per_m(const CouplingSpec& spec, double contact_n_per_m) noexcept;
 
 }  // namespace voxtouch

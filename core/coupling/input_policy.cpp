@@ -1,23 +1,29 @@
 #include "core/coupling/input_policy.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace voxtouch {
 namespace {
 
 bool usable(const Vec3& v) noexcept { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kLargestInput; }
-bool usable(const CouplingInput& in) noexcept {
-  return usable(in.contact.force) && usable(in.contact.torque) && in.contact_stiffness_n_per_m >= 0.0 &&
-         in.contact_stiffness_n_per_m <= kLargestInput;
-}
+
+/// The last operation's rounding may not lift a cut vector above its limit.
+constexpr double kBelow = 1.0 - 4e-15;
 
 }  // namespace
+
+bool usable(const CouplingInput& in) noexcept {
+  return usable(in.contact.force) && usable(in.contact.torque) && in.contact_stiffness_n_per_m >= 0.0 &&
+         in.contact_stiffness_n_per_m <= kLargestInput && in.contact_stiffness.allFinite() &&
+         in.contact_stiffness.cwiseAbs().maxCoeff() <= kLargestInput;
+}
 
 bool clamp_length(Vec3& v, double limit) noexcept {
   if (!(limit > 0.0)) return v.setZero(), false;
   const double length = v.norm();
   if (!(length > limit)) return false;
-  v *= limit / length;
+  v *= limit / length * kBelow;
   return true;
 }
 
@@ -27,6 +33,7 @@ Wrench InputPolicy::restart(const Wrench& held) noexcept {
   clamp_length(start.torque, limits_.max_torque_nm);
   start_ = start.zero() ? Start::kFadeIfInContact : Start::kFade;
   last_ = {};
+  held_s_ = 0.0, lost_ = false;
   return start;
 }
 
@@ -36,10 +43,11 @@ PolicedInput InputPolicy::take(const CouplingInput& input, double dt_s, double g
   const bool good_period = dt_s >= nominal_s_ / kPeriodBand && dt_s <= nominal_s_ * kPeriodBand;  // false for NaN
   out.dt_s = good_period ? dt_s : nominal_s_;
   if (!good_period) ++bad_periods_;
+  const bool good_input = usable(input);
   out.gap = dt_s > nominal_s_ * kGapPeriods;
+  out.gap |= hold_or_lose(good_input, out.dt_s);
   if (out.gap) start_ = Start::kFade;
 
-  const bool good_input = usable(input);
   if (good_input) {
     last_ = input;
   } else {
@@ -57,6 +65,17 @@ PolicedInput InputPolicy::take(const CouplingInput& input, double dt_s, double g
   out.weight = weight_after(out.dt_s, good_input, !last_.contact.zero() || out.stiffness_n_per_m > 0.0);
   status_.ramping = out.weight < 1.0;
   return out;
+}
+
+bool InputPolicy::hold_or_lose(bool good, double dt_s) noexcept {
+  if (good) {
+    held_s_ = 0.0;
+    return std::exchange(lost_, false);
+  }
+  held_s_ += dt_s;
+  if (lost_ || start_ != Start::kRunning || held_s_ <= nominal_s_ * kGapPeriods) return false;
+  last_ = {};
+  return lost_ = true;
 }
 
 double InputPolicy::weight_after(double dt_s, bool usable, bool in_contact) noexcept {

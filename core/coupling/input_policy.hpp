@@ -21,11 +21,16 @@ struct PolicedInput {
   bool gap = false;               ///< the loop stood still: start again at the force given last
 };
 
-/// Scales `v` down to length `limit`, keeping its direction; true where it was longer. A limit of zero gives zero and false:
+/// Scales `v` down to at most `limit`, keeping its direction; true where it was longer. A limit of zero gives zero and false:
 /// a device without torque is no event. Real-time safe.
 bool clamp_length(Vec3& v, double limit) noexcept;
 
-/// Real-time safe; one per coupling.
+/// Whether contact, bound and stiffness matrix are numbers that a law can take. The pose is not asked. Real-time safe.
+bool usable(const CouplingInput& input) noexcept;
+
+/// Real-time safe; one per coupling. An input that is not usable is replaced by the last good one for at most kGapPeriods
+/// periods: a force that no longer follows the hand can be pumped for energy. Then, as after a gap of time, the coupling starts
+/// again at the force given last and fades, first to no contact and, when good inputs are back, to theirs.
 class InputPolicy {
  public:
   InputPolicy(const CouplingLimits& limits, double nominal_s, double ramp_s) noexcept
@@ -46,10 +51,12 @@ class InputPolicy {
 
  private:
   enum class Start : std::uint8_t { kRunning, kFadeIfInContact, kFade };
+  bool hold_or_lose(bool good, double dt_s) noexcept;
   double weight_after(double dt_s, bool usable, bool in_contact) noexcept;
 
   CouplingLimits limits_;
-  double nominal_s_, ramp_s_, elapsed_s_ = 0;
+  double nominal_s_, ramp_s_, elapsed_s_ = 0, held_s_ = 0;
+  bool lost_ = false;
   Start start_ = Start::kFadeIfInContact;
   CouplingInput last_;
   CouplingStatus status_;

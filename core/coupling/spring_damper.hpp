@@ -1,6 +1,7 @@
 #pragma once
 /// The spring-damper coupling that the paper compares its filter with.
 #include "core/coupling/input_policy.hpp"
+#include "core/coupling/ramp.hpp"
 
 namespace voxtouch {
 
@@ -31,6 +32,10 @@ class SpringDamper final : public Coupling {
                double ramp_s = kDefaultRampS) noexcept
       : policy_(limits, sample_time_s, ramp_s), c_(spec.stiffness_n_per_m), r_(spec.damping_ns_per_m) {}
 
+  /// New parameters while running; both go there in a straight line over kDefaultRampS. False, and nothing changed, for NaN,
+  /// Inf, c <= 0, r < 0. Real-time safe.
+  bool set(double stiffness_n_per_m, double damping_ns_per_m) noexcept;
+
   CouplingKind kind() const noexcept override { return CouplingKind::kSpringDamper; }
   Wrench step(const CouplingInput& input, double dt_s) noexcept override;
   void reset(const Wrench& held) noexcept override;
@@ -42,7 +47,7 @@ class SpringDamper final : public Coupling {
   void rest_at(const Wrench& held) noexcept;
 
   InputPolicy policy_;
-  double c_, r_;
+  Ramp c_, r_;
   UnilateralSpringDamper force_, torque_;
   Wrench held_, given_;
 };

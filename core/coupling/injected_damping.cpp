@@ -1,0 +1,40 @@
+#include "core/coupling/injected_damping.hpp"
+
+#include "core/coupling/stiffness_cap.hpp"
+
+namespace voxtouch {
+namespace {
+
+/// Below this a stiffness is none: its inverse would overflow.
+constexpr double kNoStiffness = 1e-200;
+
+}  // namespace
+
+Mat3 pushing_directions(const Mat3& stiffness, const Vec3& push) noexcept {
+  if (const double most = largest_eigenvalue(stiffness); most > kNoStiffness)
+    return (0.5 / most) * (stiffness + stiffness.transpose());
+  const double size = push.stableNorm();
+  if (!(size > kNoStiffness)) return Mat3::Zero();
+  const Vec3 along = push / size;
+  return along * along.transpose();
+}
+
+void never_pull(Vec3& sum, const Vec3& push) noexcept {
+  const double size = push.stableNorm();
+  if (!(size > kNoStiffness)) return;
+  const Vec3 along = push / size;
+  if (const double pull = along.dot(sum); pull < 0.0) sum -= pull * along;
+}
+
+Wrench InjectedDamping::of(const CouplingInput& contact, const Twist& velocity) const noexcept {
+  Wrench out;
+  const Mat6& k = contact.contact_stiffness;
+  if (linear_.now() > 0.0)
+    out.force = -linear_.now() * (pushing_directions(k.topLeftCorner<3, 3>(), contact.contact.force) * velocity.linear);
+  if (angular_.now() > 0.0)
+    out.torque =
+        -angular_.now() * (pushing_directions(k.bottomRightCorner<3, 3>(), contact.contact.torque) * velocity.angular);
+  return out;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,35 @@
+#pragma once
+/// Damping that the coupling adds while the tool touches, and the rule that no addition may turn a push into a pull.
+#include "core/coupling/coupling.hpp"
+#include "core/coupling/ramp.hpp"
+
+namespace voxtouch {
+
+/// Where a contact pushes: P = K / lambda_max(K) of one 3x3 block of its stiffness matrix, symmetric with 0 <= P <= I. Across
+/// the pushing directions P is zero, so sliding over a plane stays free; a corner is damped both ways. Where the matrix is
+/// zero, P is the projector on `push`; where that is zero too, P is zero. Finite inputs. Real-time safe.
+Mat3 pushing_directions(const Mat3& stiffness, const Vec3& push) noexcept;
+
+/// Takes the part of `sum` that is against `push` out of it: afterwards push . sum >= 0. Two walls of a corner push as one
+/// here; only their common force is kept from pulling. `push` zero: nothing is done. Real-time safe.
+void never_pull(Vec3& sum, const Vec3& push) noexcept;
+
+/// The damping coefficients, which change without a step. The force is -B P v: as the tool touches it begins with up to B v
+/// against the motion, and as the tool leaves it ends from what `never_pull` has left of it.
+class InjectedDamping {
+ public:
+  explicit InjectedDamping(const CouplingSpec& spec) noexcept
+      : linear_(spec.injected_damping_ns_per_m), angular_(spec.injected_damping_nms_per_rad) {}
+  void redesign(const CouplingSpec& spec, double over_s) noexcept {
+    linear_.head_for(spec.injected_damping_ns_per_m, over_s);
+    angular_.head_for(spec.injected_damping_nms_per_rad, over_s);
+  }
+  void advance(double dt_s) noexcept { linear_.advance(dt_s), angular_.advance(dt_s); }
+  /// What to add for `contact`, at velocity v^. Real-time safe.
+  Wrench of(const CouplingInput& contact, const Twist& velocity) const noexcept;
+
+ private:
+  Ramp linear_, angular_;
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,86 @@
+#pragma once
+/// Passivity observer and controller in the time domain (Hannaford and Ryu 2002), with accounts along the contact.
+///
+/// Observer. A force that is held over a period does exactly force . way, so
+///
+///     E[n] = E[n-1] - f[n-1] . (x[n] - x[n-1])
+///
+/// is what the hand has put into the coupling, whatever it did in between; E < 0 says that the coupling has given more than it
+/// took. f is all that was commanded, the damping of the controller itself too. The device's own damping is not known here
+/// and not counted, so the k T/2 of every sampled spring shows as a small debt.
+///
+/// Accounts. One for the force along the contact's push (normal), one for what is across it (tangential), one for rotation;
+/// the first two add up to the whole. World axes would not do: a tool that slides once round a frictionless cylinder of
+/// radius R under the force F puts F R/2 sin^2 into one axis and takes as much out of the other, 20 mJ for 2 N and 20 mm, and
+/// a controller of single axes would brake a contact that loses and gains nothing. Along the contact nothing is exchanged
+/// there. One account for all would not do either: drag across the contact would earn a credit that hides an oscillation
+/// along it.
+///
+/// When the contact has ended for kContactEndS its credit is forgotten, so that it cannot hide a later instability; a debt
+/// stays for kDebtS, so that a tool that bounces off, with more energy each time, meets a controller that remembers.
+///
+/// Controller. Where an account is below zero, add -alpha v^, alpha = min(alpha_max, -E / (T v^^2)): at the same velocity that
+/// pays the debt back in one period. Its force is never above sqrt(alpha_max |E| / T). It acts along v^ only while the last
+/// way is not against it: a velocity that turns late must not push.
+///
+/// Bound. Let W be the most that the limited force can do over the longest way of one period. The sum of forces never pulls;
+/// so while the tool moves out with v^ of the right sign and alpha_max does not cut in, a debt D leaves max(0, f - D/(T v^)) of
+/// the law's force f, and E[n+1] >= -f max(T v^, way) >= -W. A change from in to out costs one period more: E >= -2 W.
+/// alpha_max >= -E / (T v^2) is asked for that. Otherwise the controller only slows the debt down: a law that acts like a
+/// damping of -b (-b = K k times the lag, for the filter) loses (b - alpha_max) v^2 each second, and never more than the force
+/// limit times the way out of the contact. An encoder step q makes v 0 or q/T; v^ of a tool that creeps by single steps has
+/// decayed before the next one, so up to f q a step stays unpaid there. The noise of one step is alpha_max (1 - a) q/T. The
+/// observer's E is that of the encoder; it differs from the hand's by at most q/2 times the sum of the force's changes.
+#include "core/coupling/tool_motion.hpp"
+#include "core/types/geometry.hpp"
+
+namespace voxtouch {
+
+/// A contact has ended when it does not push and the command has been under kRestShare of its largest for this long [s].
+inline constexpr double kContactEndS = 0.005, kRestShare = 1e-3;
+/// A debt is forgotten when the tool has been free for this long [s].
+inline constexpr double kDebtS = 1.0;
+
+struct EnergyAccounts {
+  double normal_j = 0.0, tangential_j = 0.0, rotation_j = 0.0;
+  double translation_j() const noexcept { return normal_j + tangential_j; }
+};
+
+/// Most damping that the controller may add; 0: it only observes.
+struct PassivityLimits {
+  double linear_ns_per_m = 0.0, angular_nms_per_rad = 0.0;
+};
+
+/// What the controller adds now.
+struct PassivityDamping {
+  Vec3 normal = Vec3::Zero(), tangential = Vec3::Zero();    ///< forces [N], W axes
+  Vec3 torque = Vec3::Zero();                               ///< [Nm]
+  double linear_ns_per_m = 0.0, angular_nms_per_rad = 0.0;  ///< largest alpha of each kind; 0: it rests
+};
+
+/// Real-time safe.
+class Passivity {
+ public:
+  explicit Passivity(double nominal_s) noexcept : nominal_s_(nominal_s) {}
+
+  /// Books what the last command did over `way`, and closes the accounts of a contact that has ended.
+  void observe(const ToolStep& way, bool in_contact, double dt_s) noexcept;
+  /// `push`: the contact's force of this sample, for the normal; where it is zero the last normal stays.
+  PassivityDamping control(const Vec3& push, const ToolStep& way, const Twist& velocity,
+                           const PassivityLimits& limits) noexcept;
+  /// The command of this sample, to be booked with the next way.
+  void command(const Wrench& applied) noexcept { applied_ = applied; }
+  void reset() noexcept;
+
+  const EnergyAccounts& energy() const noexcept { return energy_; }
+
+ private:
+  bool rests(bool in_contact) noexcept;
+
+  double nominal_s_, rested_s_ = 0.0, most_force_n_ = 0.0, most_torque_nm_ = 0.0;
+  Wrench applied_;
+  Vec3 normal_ = Vec3::Zero();
+  EnergyAccounts energy_;
+};
+
+}  // namespace voxtouch

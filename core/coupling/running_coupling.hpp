@@ -1,0 +1,102 @@
+#pragma once
+/// All that stands between contact and device at run time, in one step a sample.
+///
+///   contact -> stiffness cap -> law -> + injected damping -> + passivity controller -> never pulling -> limits -> command
+///
+/// The law is one of the couplings; it brings the input policies (period, hold, clamp, fade) with it.
+#include <cstdint>
+
+#include "core/coupling/direct.hpp"
+#include "core/coupling/injected_damping.hpp"
+#include "core/coupling/passivity.hpp"
+#include "core/coupling/shaping_filter.hpp"
+#include "core/coupling/spring_damper.hpp"
+#include "core/coupling/stiffness_cap.hpp"
+#include "core/coupling/tool_motion.hpp"
+
+namespace voxtouch {
+
+/// One sample's answer, W axes. The bools are the command's status bits.
+struct CouplingOutput {
+  Wrench wrench;            ///< finite and within the limits, whatever came in
+  bool ramping = false;     ///< the input is still being faded in
+  bool held_input = false;  ///< the input was not usable; the last good one was held
+  bool clamped = false;     ///< input or command was over the device's range and was cut
+  bool capped = false;      ///< the contact was stiffer than the cap: its wrench was scaled
+  bool passivity = false;   ///< the passivity controller adds damping
+  double scale = 1.0;       ///< s of the stiffness cap
+  double energy_j = 0.0;    ///< translation: what the hand has put in, net, since this contact began; see passivity.hpp
+  double energy_rotation_j = 0.0;
+  double damping_ns_per_m = 0.0;  ///< what the passivity controller adds now; 0: it rests
+  double damping_nms_per_rad = 0.0;
+};
+
+/// Since construction, for diagnostics.
+struct CouplingCounters {
+  std::uint64_t samples = 0;
+  std::uint64_t faults = 0;  ///< bad periods and bad inputs, of all laws so far
+  std::uint64_t held = 0;    ///< samples answered with a held input
+  std::uint64_t clamped = 0, capped = 0;
+  std::uint64_t controlled = 0;  ///< samples in which the passivity controller added damping
+  std::uint64_t pose_jumps = 0;
+  std::uint64_t not_finite = 0;  ///< commands that no longer were numbers; the law was started again
+  double lowest_energy_j = 0.0;  ///< of any single account of translation
+  double lowest_energy_rotation_j = 0.0;
+  double most_damping_ns_per_m = 0.0;  ///< that the controller has added
+};
+
+/// One device's coupling. Steps are real-time safe: no allocation, no lock, no throw.
+class RunningCoupling {
+ public:
+  /// Throws std::invalid_argument with the first refusal of `validate`, or for a ramp or speed limit that is none.
+  RunningCoupling(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
+                  double ramp_s = kDefaultRampS, const ToolSpeedLimits& speeds = {});
+  RunningCoupling(const RunningCoupling&) = delete;  ///< `law_` points into it
+  RunningCoupling& operator=(const RunningCoupling&) = delete;
+
+  /// Periods, bad inputs and gaps as Coupling::step has them. Without contact nothing is added to the law's force, and where
+  /// the law gives nothing the command is zero.
+  CouplingOutput step(const CouplingInput& input, double dt_s) noexcept;
+  /// As Coupling::reset; velocity and energy begin again too. For a new session, a clutch, a jump that is meant.
+  void reset(const Wrench& held) noexcept;
+
+  /// Other parameters while running, also in contact, without a jump: cut-off and damping ratio at once (the filter's state
+  /// cannot grow by it), the gain at kGainSlewPerS, the spring-damper's c and r over kDefaultRampS, caps and injected damping
+  /// over `ramp_behind_filter_s`, velocity filter and controller limits at once. Another kind starts at the force that the old
+  /// law gave and fades to its own. False, and nothing changed, where `validate` refuses. Between two steps of the loop:
+  /// allocates only to word what validate finds.
+  bool redesign(const CouplingSpec& spec);
+
+  CouplingKind kind() const noexcept { return law_->kind(); }
+  const CouplingCounters& counters() const noexcept { return counters_; }
+  const EnergyAccounts& energy() const noexcept { return passivity_.energy(); }
+  const Twist& velocity() const noexcept { return motion_.velocity(); }  ///< v^ of the tool, W axes
+
+ private:
+  Coupling* start_law(const CouplingSpec& spec) noexcept;
+  Wrench run_law(const CouplingInput& input, double dt_s, double used_dt_s, CouplingOutput& out) noexcept;
+  void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
+  void finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
+  void count(const CouplingOutput& out) noexcept;
+
+  CouplingLimits limits_;
+  double nominal_s_, ramp_s_;
+  ShapingFilter filter_;
+  SpringDamper spring_;
+  DirectCoupling direct_;
+  Coupling* law_;
+  StiffnessCap cap_;
+  ToolMotion motion_;
+  ToolStep way_;
+  InjectedDamping injected_;
+  Passivity passivity_;
+  PassivityLimits passivity_limits_;
+  CouplingInput contact_;  ///< the last usable one, capped
+  Wrench given_;           ///< by the law
+  bool in_contact_ = false;
+  double held_s_ = 0.0;
+  std::uint64_t faults_before_ = 0;  ///< of laws that no longer run
+  CouplingCounters counters_;
+};
+
+}  // namespace voxtouch
