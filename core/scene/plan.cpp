@@ -41,6 +41,10 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
                                    scene.shell == ShellKind::kExact ? "exact" : "naive"));
   plan.built.push_back(fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
                                    scene.contact.stiffness_n_per_m));
+  plan.built.push_back(fmt::format("Contact stiffness in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin by one "
+                                   "point, {:.6g} N/m and {:.6g} Nm/rad by all points.",
+                                   n.contact_n_per_m.one_point, n.contact_nm_per_rad.one_point,
+                                   n.contact_n_per_m.all_points, n.contact_nm_per_rad.all_points));
   plan.built.push_back(coupling_sentence(scene.coupling));
   std::size_t parts = 0;
   for (const MeshSpec& mesh : scene.static_meshes) parts += mesh.primitives.size();
@@ -77,6 +81,7 @@ Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   plan.voxel_size_m = scene.voxel_size_m;
   plan.shell_points = counts.shell_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
+  plan.contact_n_per_m = counts.contact_n_per_m, plan.contact_nm_per_rad = counts.contact_nm_per_rad;
   plan.bytes = counts.voxmap_bytes + counts.shell_bytes;
   plan.expected_ns_per_frame = kNsPerFrame + kNsPerPoint * static_cast<double>(counts.shell_points);
   say_built(scene, counts, plan);

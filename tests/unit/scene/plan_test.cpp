@@ -18,6 +18,7 @@ BuildCounts counts() {
   BuildCounts n;
   n.static_triangles = 1000, n.dynamic_triangles = 1;
   n.surface_voxels = 40'000, n.interior_voxels = 9'000;
+  n.contact_n_per_m = {10, 15'000}, n.contact_nm_per_rad = {0.001, 0.5};
   n.shell_points = 1500, n.voxmap_bytes = 2'500'000, n.shell_bytes = 96'000;
   return n;
 }
@@ -39,6 +40,11 @@ TEST(Plan, SaysWhatIsBuiltAndForWhat) {
   EXPECT_TRUE(any_has(p.built, "Voxmap of 1 static mesh (1000 triangles) at 0.002 m: 40000 surface voxels"));
   EXPECT_TRUE(any_has(p.built, "Exact pointshell of the dynamic mesh (1 triangle): 1500 points, 96.0 kB"));
   EXPECT_TRUE(any_has(p.built, "'adapted' with 10 N/m"));
+  EXPECT_EQ(p.contact_n_per_m.one_point, 10);
+  EXPECT_EQ(p.contact_n_per_m.all_points, 15'000);
+  EXPECT_EQ(p.contact_nm_per_rad.one_point, 0.001);
+  EXPECT_EQ(p.contact_nm_per_rad.all_points, 0.5);
+  EXPECT_TRUE(any_has(p.built, "at most: 10 N/m and 0.001 Nm/rad about the tool's origin by one point, 15000 N/m and 0.5 Nm/rad by"));
   EXPECT_TRUE(any_has(p.built, "shaping filter"));
   EXPECT_FALSE(any_has(p.built, "Reference"));
   EXPECT_TRUE(p.warnings.empty());
