@@ -90,6 +90,24 @@ TEST(Plan, NamesTheOtherCouplingsAndTheReference) {
   EXPECT_TRUE(any_has(make_plan(s, counts()).built, "straight to the device"));
 }
 
+TEST(Plan, NamesWhatACouplingAddsAndWhatADesignIsAskedFor) {
+  Scene s = cup();
+  EXPECT_FALSE(any_has(make_plan(s, counts()).built, "capped"));
+  s.coupling.stiffness_cap_n_per_m = 800, s.coupling.stiffness_cap_nm_per_rad = 2, s.coupling.injected_damping_ns_per_m = 3;
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built, "stiffness is capped at 800 N/m."));
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built, "rotation is capped at 2 Nm/rad."));
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built, "damps with 3 Ns/m and 0 Nms/rad."));
+  s.design = DesignAsk{};
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built,
+                      "Coupling: designed when the device is known; kind auto, wished cut-off 5 Hz, gain margin 2, hand: as the "
+                      "device is held, and it may be let go."));
+  EXPECT_FALSE(any_has(make_plan(s, counts()).built, "shaping filter"));
+  s.design->stiffness_cap_n_per_m = 700, s.design->released = false, s.design->hand = HandAsk::kArm;
+  s.design->kind = "spring_damper", s.design->inject_damping = false;
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built,
+                      "kind spring_damper, gain margin 2, hand: arm, but it is never let go, stiffness capped at 700 N/m, no injected damping."));
+}
+
 TEST(Plan, TextHoldsEverySentence) {
   const Plan p = make_plan(cup(), counts());
   const std::string text = to_text(p);
