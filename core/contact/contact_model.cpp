@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/contact/limits.hpp"
+#include "core/contact/stiffness_sum.hpp"
 
 namespace voxtouch {
 namespace {
@@ -39,13 +40,16 @@ void note_depth(const HitList& hits, const Hit& hit, double depth, double stiffn
 
 /// McNeely 1999: F = K sum d_i n_i, d_i = max(0, n_i . (c_i - x_i)).
 void push_along_own_normals(const HitList& hits, double stiffness, ContactResult& result) noexcept {
+  StiffnessSum sum;
   for (const Hit& hit : hits.surface) {
     const double depth = std::max(0.0, hit.normal.dot(hit.to_centre));
     const Vec3 force = (stiffness * depth) * hit.normal;
     result.wrench.force += force;
     result.wrench.torque += hit.arm.cross(force);
     note_depth(hits, hit, depth, stiffness, result);
+    if (depth > 0.0) sum.add(hit.arm, hit.normal);
   }
+  if (sum.any()) sum.add_to(stiffness, result.stiffness);
 }
 
 /// Paper, section 2.2: F = K m sum d_i, d_i = max(0, m . (c_i - x_i)), m the mean normal.
@@ -53,14 +57,17 @@ void push_along_mean_normal(const HitList& hits, double stiffness, ContactResult
   const Vec3 mean = result.mean_normal;
   double depths = 0.0;
   Vec3 moment = Vec3::Zero();
+  CommonDirectionSum sum;
   for (const Hit& hit : hits.surface) {
     const double depth = std::max(0.0, mean.dot(hit.to_centre));
     depths += depth;
     moment += depth * hit.arm;
     note_depth(hits, hit, depth, stiffness, result);
+    if (depth > 0.0) sum.add(hit.arm);
   }
   result.wrench.force = (stiffness * depths) * mean;
   result.wrench.torque = moment.cross(stiffness * mean);
+  result.stiffness = sum.matrix(stiffness, mean);
 }
 
 class OriginalModel final : public ContactModel {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/contact/limits.hpp"
+#include "core/contact/stiffness_sum.hpp"
 
 namespace voxtouch {
 
@@ -15,6 +16,8 @@ struct ContactStage::Frame {
   double mean_share = 0.0;          ///< s of the surface law: 0 own normals, 1 mean normal
   Vec3 mean = Vec3::Zero();
   std::uint32_t shared_points = 0;  ///< that push along g in this frame
+  StiffnessSum stiffness;           ///< of the points that the model has not summed ...
+  CommonDirectionSum shared;        ///< ... and of those that push along g
 };
 
 ContactStage::ContactStage(const StageConfig& config) : config_(config), memory_(config.points) {}
@@ -45,6 +48,8 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain)
       frame.mean_share = limits::smoothstep(limits::kBlendFrom, limits::kBlendTo, plain.coherence);
     surface_points(hits, frame, result);
     interior_points(hits, frame, result);
+    if (frame.stiffness.any()) frame.stiffness.add_to(config_.stiffness_n_per_m, result.contact.stiffness);
+    if (frame.shared.any()) result.contact.stiffness += frame.shared.matrix(config_.stiffness_n_per_m, shared_now_);
   }
   shared_points_ = frame.shared_points;
   last_pose_ = hits.pose;
@@ -110,6 +115,15 @@ void ContactStage::push(const HitList& hits, const Hit& hit, double depth, const
   }
 }
 
+void ContactStage::count_held(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept {
+  result.stiffness_bound_n_per_m += config_.stiffness_n_per_m;
+  if (push == Push::kShared) {
+    frame.shared.add(hit.arm);
+  } else {
+    frame.stiffness.add(hit.arm, hit.normal);
+  }
+}
+
 void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
   // At both ends of the blend the model has already summed exactly this; only in between is the sum made anew.
   const bool blended = frame.mean_share > 0.0 && frame.mean_share < 1.0;
@@ -118,20 +132,24 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult
     result.contact.deepest_depth_m = 0.0;
     result.contact.deepest_point.setZero();
     result.contact.stiffness_bound_n_per_m = 0.0;
+    result.contact.stiffness.setZero();
   }
   for (const Hit& hit : hits.surface) {
     const Vec3 direction = surface_direction(frame, hit);
     const double depth = std::max(0.0, direction.dot(hit.to_centre));
     if (blended) {
       push(hits, hit, depth, direction, result.contact);
-      if (depth > 0.0) result.contact.stiffness_bound_n_per_m += config_.stiffness_n_per_m;
+      if (depth > 0.0) {
+        result.contact.stiffness_bound_n_per_m += config_.stiffness_n_per_m;
+        frame.stiffness.add(hit.arm, direction);
+      }
     }
     Memory& memory = memory_[hit.point];
     const bool returns = memory.frame + 1 == frame_ && memory.push != Push::kPlain;
     const double remembered = returns ? memory.depth_m - limits::kFadePerMetre * frame.moved_m : 0.0;
     if (remembered > depth) {
       push(hits, hit, remembered - depth, held_direction(memory.push, hit), result.contact);
-      if (!(depth > 0.0)) result.contact.stiffness_bound_n_per_m += config_.stiffness_n_per_m;
+      if (!(depth > 0.0)) count_held(memory.push, hit, frame, result.contact);
       frame.shared_points += memory.push == Push::kShared;
       result.held = true;
       memory = {remembered, frame_, memory.push};
@@ -151,7 +169,7 @@ void ContactStage::interior_points(const HitList& hits, Frame& frame, StageResul
       memory = {std::max(memory.depth_m, limits::kHeldDepthFloorEdges * config_.edge_m), frame_, kind};
     }
     push(hits, hit, memory.depth_m, held_direction(memory.push, hit), result.contact);
-    result.contact.stiffness_bound_n_per_m += config_.stiffness_n_per_m;
+    count_held(memory.push, hit, frame, result.contact);
     frame.shared_points += memory.push == Push::kShared;
     result.held = true;
   }

@@ -70,6 +70,7 @@ class ContactStage {
   void surface_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
   void interior_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
   void push(const HitList& hits, const Hit& hit, double depth, const Vec3& direction, ContactResult& result) const noexcept;
+  void count_held(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept;
 
   StageConfig config_;
   std::vector<Memory> memory_;

@@ -4,6 +4,7 @@
 
 #include "core/mesh/import.hpp"
 #include "core/pointshell/build_shell.hpp"
+#include "core/scene/contact_range.hpp"
 #include "core/voxmap/voxelise.hpp"
 
 namespace voxtouch {
@@ -100,6 +101,8 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
       scene.shell == ShellKind::kExact ? make_exact_shell(points, shell_grid) : make_naive_shell(points, shell_grid);
   counts.shell_points = shell.size();
   counts.shell_bytes = shell_bytes(shell);
+  const ContactStiffness contact = contact_stiffness(shell, scene.contact.stiffness_n_per_m);
+  counts.contact_n_per_m = contact.translation, counts.contact_nm_per_rad = contact.rotation;
   return std::make_unique<BuiltScene>(std::move(voxmap), std::move(shell), scene, kind, make_plan(scene, counts),
                                       largest_gap_m(points));
 }

@@ -2,15 +2,18 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/coupling/coupling_spec.hpp"
+#include "core/scene/design_request.hpp"
 
 namespace voxtouch {
 
 double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept {
-  return displayed_stiffness_n_per_m(scene.coupling, stiffness_bound_n_per_m) * scene.device.position_scale *
-         scene.device.force_scale;
+  const double capped = std::min(stiffness_bound_n_per_m, scene.coupling.stiffness_cap_n_per_m);
+  return displayed_stiffness_n_per_m(scene.coupling, capped) * hand_scales(scene.device).translation;
 }
 
 DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m) {
@@ -30,7 +33,8 @@ DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double s
                                      "coupling's gain, or a scale of the device.",
                                      stiffness_bound_n_per_m, felt, device.max_stiffness_n_per_m,
                                      scene.contact.stiffness_n_per_m * device.max_stiffness_n_per_m / felt));
-  const CouplingLimits limits{device.max_force_n / scene.device.force_scale, std::numeric_limits<double>::infinity()};
+  const CouplingLimits limits =
+      limits_in_world(scene.device, device.max_force_n, std::numeric_limits<double>::infinity());
   for (const CouplingIssue& issue : validate(scene.coupling, limits, device.sample_time_s))
     (issue.refuse ? out.errors : out.warnings).push_back("Coupling: " + issue.sentence);
   return out;

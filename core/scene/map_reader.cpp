@@ -100,6 +100,20 @@ std::uint64_t read_count(const SceneSource& source, const YamlNode& node, std::s
   return value;
 }
 
+bool read_flag(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  if (!is_word(node) || (node.text != "true" && node.text != "false")) mistyped(source, node, what, "true or false");
+  return node.text == "true";
+}
+
+std::array<double, 2> read_range(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  if (node.kind != YamlNode::Kind::kSequence || node.items.size() != 2)
+    mistyped(source, node, what, "a range [low, high]");
+  const std::array range = {read_not_negative(source, node.items[0], what), read_not_negative(source, node.items[1], what)};
+  if (range[0] > range[1])
+    source.fail(node.place, fmt::format("'{}' goes from {} to {}; the lower end comes first.", what, range[0], range[1]));
+  return range;
+}
+
 std::string read_text(const SceneSource& source, const YamlNode& node, std::string_view what) {
   if (node.kind != YamlNode::Kind::kScalar) mistyped(source, node, what, "a text");
   if (node.text.empty()) source.fail(node.place, fmt::format("'{}' is empty.", what));

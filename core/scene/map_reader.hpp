@@ -1,5 +1,6 @@
 #pragma once
 /// Reads one map of a scene strictly: it names the keys that it allows, and everything else is an error with its place.
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
@@ -32,6 +33,9 @@ double read_number(const SceneSource& source, const YamlNode& node, std::string_
 double read_positive(const SceneSource& source, const YamlNode& node, std::string_view what);
 double read_not_negative(const SceneSource& source, const YamlNode& node, std::string_view what);
 std::uint64_t read_count(const SceneSource& source, const YamlNode& node, std::string_view what);  ///< 0, 1, 2, ...
+bool read_flag(const SceneSource& source, const YamlNode& node, std::string_view what);            ///< true or false
+/// [low, high] with 0 <= low <= high.
+std::array<double, 2> read_range(const SceneSource& source, const YamlNode& node, std::string_view what);
 std::string read_text(const SceneSource& source, const YamlNode& node, std::string_view what);     ///< not empty
 Vec3 read_vec3(const SceneSource& source, const YamlNode& node, std::string_view what);
 /// [w, x, y, z] with a norm within 1e-3 of 1, normalised.

@@ -17,7 +17,7 @@ std::string bytes_text(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-std::string coupling_sentence(const CouplingSpec& c) {
+std::string law_sentence(const CouplingSpec& c) {
   if (c.kind == "shaping_filter")
     return fmt::format("Coupling: shaping filter, w0/(2 pi) = {:g} Hz, damping ratio {:g}, gain {:g}; it lags by {:.3g} ms.",
                        c.cutoff_hz, c.damping_ratio, c.gain, 1e3 * lag_s(c));
@@ -25,6 +25,29 @@ std::string coupling_sentence(const CouplingSpec& c) {
     return fmt::format("Coupling: spring-damper of {:g} N/m and {:g} Ns/m to a massless object.", c.stiffness_n_per_m,
                        c.damping_ns_per_m);
   return "Coupling: none; the contact goes straight to the device.";
+}
+
+std::string coupling_sentence(const CouplingSpec& c) {
+  std::string text = law_sentence(c);
+  if (std::isfinite(c.stiffness_cap_n_per_m))
+    text += fmt::format(" The contact's stiffness is capped at {:g} N/m.", c.stiffness_cap_n_per_m);
+  if (std::isfinite(c.stiffness_cap_nm_per_rad))
+    text += fmt::format(" The contact's stiffness against rotation is capped at {:g} Nm/rad.", c.stiffness_cap_nm_per_rad);
+  if (c.injected_damping_ns_per_m > 0.0 || c.injected_damping_nms_per_rad > 0.0)
+    text += fmt::format(" In contact it damps with {:g} Ns/m and {:g} Nms/rad.", c.injected_damping_ns_per_m,
+                        c.injected_damping_nms_per_rad);
+  return text;
+}
+
+std::string design_sentence(const DesignAsk& ask) {
+  std::string text = fmt::format("Coupling: designed when the device is known; kind {}, ", ask.kind);
+  if (ask.kind == "auto" || ask.kind == "shaping_filter") text += fmt::format("wished cut-off {:g} Hz, ", ask.cutoff_hz);
+  text += fmt::format("gain margin {:g}, hand: {}, {}", ask.gain_margin, name_of(ask.hand),
+                      ask.released ? "and it may be let go" : "but it is never let go");
+  if (ask.stiffness_cap_n_per_m) text += fmt::format(", stiffness capped at {:g} N/m", *ask.stiffness_cap_n_per_m);
+  if (ask.stiffness_cap_nm_per_rad) text += fmt::format(", capped at {:g} Nm/rad", *ask.stiffness_cap_nm_per_rad);
+  if (!ask.inject_damping) text += ", no injected damping";
+  return text + ".";
 }
 
 void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
@@ -41,7 +64,11 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
                                    scene.shell == ShellKind::kExact ? "exact" : "naive"));
   plan.built.push_back(fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
                                    scene.contact.stiffness_n_per_m));
-  plan.built.push_back(coupling_sentence(scene.coupling));
+  plan.built.push_back(fmt::format("Contact stiffness in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin by one "
+                                   "point, {:.6g} N/m and {:.6g} Nm/rad by all points.",
+                                   n.contact_n_per_m.one_point, n.contact_nm_per_rad.one_point,
+                                   n.contact_n_per_m.all_points, n.contact_nm_per_rad.all_points));
+  plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
   std::size_t parts = 0;
   for (const MeshSpec& mesh : scene.static_meshes) parts += mesh.primitives.size();
   parts += scene.dynamic_mesh.primitives.size();
@@ -77,6 +104,7 @@ Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   plan.voxel_size_m = scene.voxel_size_m;
   plan.shell_points = counts.shell_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
+  plan.contact_n_per_m = counts.contact_n_per_m, plan.contact_nm_per_rad = counts.contact_nm_per_rad;
   plan.bytes = counts.voxmap_bytes + counts.shell_bytes;
   plan.expected_ns_per_frame = kNsPerFrame + kNsPerPoint * static_cast<double>(counts.shell_points);
   say_built(scene, counts, plan);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/coupling/design/loop_parts.hpp"
 #include "core/scene/scene.hpp"
 
 namespace voxtouch {
@@ -14,6 +15,7 @@ struct BuildCounts {
   std::uint64_t surface_voxels = 0, interior_voxels = 0;
   std::uint64_t shell_points = 0;
   std::uint64_t voxmap_bytes = 0, shell_bytes = 0;
+  ContactRange contact_n_per_m, contact_nm_per_rad;  ///< in W, see contact_range.hpp
   bool closed = true;                       ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;   ///< what is wrong with the meshes, as sentences
 };
@@ -23,6 +25,8 @@ struct Plan {
   double voxel_size_m = 0.0;
   std::uint64_t shell_points = 0, surface_voxels = 0, interior_voxels = 0, bytes = 0;
   double expected_ns_per_frame = 0.0;       ///< from counts, not measured
+  /// What the contact can show at most, in W before the coupling: translation, and rotation about the tool's origin.
+  ContactRange contact_n_per_m, contact_nm_per_rad;
   std::vector<std::string> built, left_out, warnings;  ///< one sentence each
 };
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/coupling/coupling_spec.hpp"
+#include "core/scene/design_ask.hpp"
 #include "core/types/geometry.hpp"
 #include "core/types/motion.hpp"
 
@@ -56,7 +57,8 @@ struct Scene {
   ShellKind shell = ShellKind::kExact;
   ContactSpec contact;
   std::vector<std::string> effects; ///< names of the effects asked for; none exist yet
-  CouplingSpec coupling;
+  CouplingSpec coupling;            ///< as set by hand; not to be used where `design` is asked for
+  std::optional<DesignAsk> design;  ///< the coupling is to be designed for the device, this scene and the hand
   DeviceSpec device;
   std::map<std::string, Motion> motions;  ///< in W
   std::vector<std::string> warnings;      ///< doubtful, not wrong: `file:line:column: sentence` each

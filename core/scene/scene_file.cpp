@@ -55,7 +55,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   scene.dynamic_mesh = read_dynamic_mesh(source, map.require("dynamic"), scene.shell);
   scene.contact = read_contact(source, map.require("contact"));
   if (const YamlNode* node = map.find("effects")) scene.effects = read_effects(source, *node);
-  if (const YamlNode* node = map.find("coupling")) scene.coupling = read_coupling(source, *node);
+  if (const YamlNode* node = map.find("coupling")) scene.coupling = read_coupling(source, *node, scene.design);
   if (const YamlNode* node = map.find("device")) scene.device = read_device(source, *node);
   if (const YamlNode* node = map.find("motions")) scene.motions = read_motions(source, *node);
   scene.hash = hash_of(text, source, map, scene);

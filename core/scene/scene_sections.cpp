@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "core/coupling/coupling_spec.hpp"
-#include "core/scene/scene_file.hpp"
 
 namespace voxtouch {
 namespace {
@@ -153,34 +151,6 @@ std::vector<std::string> read_effects(SceneSource& source, const YamlNode& node)
                                         named ? item.entries.front().key : item.text));
   }
   return {};
-}
-
-CouplingSpec read_coupling(SceneSource& source, const YamlNode& node) {
-  const MapReader map(source, node, "coupling", {"kind", "cutoff_hz", "damping_ratio", "gain", "stiffness_n_per_m",
-                                                 "damping_ns_per_m", "design"});
-  map.refuse("design", "is not there yet; choose kind, cutoff_hz, damping_ratio and gain yourself.");
-  CouplingSpec spec;
-  if (const YamlNode* kind = map.find("kind")) {
-    const std::vector<std::string_view> kinds{"shaping_filter", "spring_damper", "direct"};
-    spec.kind = kinds[read_choice(source, *kind, "kind", kinds)];
-  }
-  const auto belongs = [&](std::string_view key, std::string_view kind) {
-    if (spec.kind != kind) map.refuse(key, fmt::format("goes with kind: {}, not with {}.", kind, spec.kind));
-  };
-  for (const auto key : {"cutoff_hz", "damping_ratio", "gain"}) belongs(key, "shaping_filter");
-  for (const auto key : {"stiffness_n_per_m", "damping_ns_per_m"}) belongs(key, "spring_damper");
-  map.optional("cutoff_hz", spec.cutoff_hz, read_positive);
-  map.optional("damping_ratio", spec.damping_ratio, read_positive);
-  map.optional("gain", spec.gain, read_positive);
-  map.optional("stiffness_n_per_m", spec.stiffness_n_per_m, read_positive);
-  map.optional("damping_ns_per_m", spec.damping_ns_per_m, read_not_negative);
-  for (const CouplingIssue& issue : validate(spec, {}, kSceneSampleTimeS)) {
-    const YamlNode* value = map.find(issue.field);
-    const SourcePlace place = value ? value->place : node.place;
-    if (issue.refuse) source.fail(place, issue.sentence);
-    source.warn(place, issue.sentence);
-  }
-  return spec;
 }
 
 DeviceSpec read_device(SceneSource& source, const YamlNode& node) {

@@ -10,7 +10,8 @@ std::vector<MeshSpec> read_static_meshes(SceneSource& source, const YamlNode& no
 MeshSpec read_dynamic_mesh(SceneSource& source, const YamlNode& node, ShellKind& shell);
 ContactSpec read_contact(SceneSource& source, const YamlNode& node);
 std::vector<std::string> read_effects(SceneSource& source, const YamlNode& node);
-CouplingSpec read_coupling(SceneSource& source, const YamlNode& node);
+/// The coupling as set by hand, or, where it is to be designed, `design` and a spec of defaults. In coupling_section.cpp.
+CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignAsk>& design);
 DeviceSpec read_device(SceneSource& source, const YamlNode& node);
 std::map<std::string, Motion> read_motions(SceneSource& source, const YamlNode& node);
 

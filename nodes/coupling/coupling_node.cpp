@@ -115,6 +115,7 @@ class CouplingNode {
     CouplingInput input;
     input.contact = runtime::from_msg(contact.wrench);
     input.contact_stiffness_n_per_m = contact.stiffness_bound_n_per_m;
+    input.contact_stiffness = runtime::from_msg(contact.stiffness);
     input.tool = runtime::from_msg(contact.tool_pose);
     const Wrench in_world = coupling_->step(input, dt_s);
     const Wrench in_device =

@@ -19,6 +19,10 @@ void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Plan& plan, double 
   m.bytes = plan.bytes;
   m.largest_shell_gap_m = largest_shell_gap_m;
   m.expected_ns_per_frame = plan.expected_ns_per_frame;
+  m.one_point_stiffness_n_per_m = plan.contact_n_per_m.one_point;
+  m.all_points_stiffness_n_per_m = plan.contact_n_per_m.all_points;
+  m.one_point_stiffness_nm_per_rad = plan.contact_nm_per_rad.one_point;
+  m.all_points_stiffness_nm_per_rad = plan.contact_nm_per_rad.all_points;
   built.into(m.built);
   left_out.into(m.left_out);
   warnings.into(m.warnings);

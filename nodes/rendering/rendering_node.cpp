@@ -94,6 +94,7 @@ class RenderingNode {
     m.deepest_depth_m = c.deepest_depth_m;
     m.coherence = c.coherence;
     m.stiffness_bound_n_per_m = c.stiffness_bound_n_per_m;
+    runtime::to_msg(c.stiffness, m.stiffness);
     m.surface_hits = c.surface_hits;
     m.interior_hits = c.interior_hits;
     m.points_tested = c.points_tested;

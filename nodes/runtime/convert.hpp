@@ -21,4 +21,18 @@ inline msg::geometry_msgs_Pose to_msg(const Pose& p) noexcept {
 inline msg::geometry_msgs_Twist to_msg(const Twist& t) noexcept { return {to_vector(t.linear), to_vector(t.angular)}; }
 inline msg::geometry_msgs_Wrench to_msg(const Wrench& w) noexcept { return {to_vector(w.force), to_vector(w.torque)}; }
 
+/// A symmetric matrix as the 21 numbers of its upper triangle, by rows; what stands below the diagonal is not read.
+inline void to_msg(const Mat6& symmetric, double (&upper)[21]) noexcept {
+  std::size_t n = 0;
+  for (Eigen::Index row = 0; row < 6; ++row)
+    for (Eigen::Index column = row; column < 6; ++column) upper[n++] = symmetric(row, column);
+}
+inline Mat6 from_msg(const double (&upper)[21]) noexcept {
+  Mat6 symmetric;
+  std::size_t n = 0;
+  for (Eigen::Index row = 0; row < 6; ++row)
+    for (Eigen::Index column = row; column < 6; ++column) symmetric(row, column) = symmetric(column, row) = upper[n++];
+  return symmetric;
+}
+
 }  // namespace voxtouch::runtime

@@ -36,6 +36,17 @@ TEST(DeviceCheck, CountsTheScalesAndTheCoupling) {
   EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s, 600), 1200);
 }
 
+TEST(DeviceCheck, CountsTheCouplingsCap) {
+  Scene s = scene_with();
+  s.coupling.stiffness_cap_n_per_m = 900;
+  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s, 5000), 900);
+  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s, 500), 500);
+  EXPECT_TRUE(check_device(s, phantom(), 5000).fits());
+  s.coupling.stiffness_cap_n_per_m = 1100;
+  EXPECT_FALSE(check_device(s, phantom(), 5000).fits());
+  EXPECT_FALSE(check_device(s, phantom(), std::numeric_limits<double>::quiet_NaN()).fits());
+}
+
 TEST(DeviceCheck, JudgesTheFilterForTheDevicesOwnPeriod) {
   DeviceFacts slow = phantom();
   slow.sample_time_s = 5e-3;

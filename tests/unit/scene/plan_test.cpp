@@ -18,6 +18,7 @@ BuildCounts counts() {
   BuildCounts n;
   n.static_triangles = 1000, n.dynamic_triangles = 1;
   n.surface_voxels = 40'000, n.interior_voxels = 9'000;
+  n.contact_n_per_m = {10, 15'000}, n.contact_nm_per_rad = {0.001, 0.5};
   n.shell_points = 1500, n.voxmap_bytes = 2'500'000, n.shell_bytes = 96'000;
   return n;
 }
@@ -39,6 +40,11 @@ TEST(Plan, SaysWhatIsBuiltAndForWhat) {
   EXPECT_TRUE(any_has(p.built, "Voxmap of 1 static mesh (1000 triangles) at 0.002 m: 40000 surface voxels"));
   EXPECT_TRUE(any_has(p.built, "Exact pointshell of the dynamic mesh (1 triangle): 1500 points, 96.0 kB"));
   EXPECT_TRUE(any_has(p.built, "'adapted' with 10 N/m"));
+  EXPECT_EQ(p.contact_n_per_m.one_point, 10);
+  EXPECT_EQ(p.contact_n_per_m.all_points, 15'000);
+  EXPECT_EQ(p.contact_nm_per_rad.one_point, 0.001);
+  EXPECT_EQ(p.contact_nm_per_rad.all_points, 0.5);
+  EXPECT_TRUE(any_has(p.built, "at most: 10 N/m and 0.001 Nm/rad about the tool's origin by one point, 15000 N/m and 0.5 Nm/rad by"));
   EXPECT_TRUE(any_has(p.built, "shaping filter"));
   EXPECT_FALSE(any_has(p.built, "Reference"));
   EXPECT_TRUE(p.warnings.empty());
@@ -82,6 +88,24 @@ TEST(Plan, NamesTheOtherCouplingsAndTheReference) {
   EXPECT_TRUE(any_has(make_plan(s, counts()).built, "Reference from 1 closed form "));
   s.coupling.kind = "direct";
   EXPECT_TRUE(any_has(make_plan(s, counts()).built, "straight to the device"));
+}
+
+TEST(Plan, NamesWhatACouplingAddsAndWhatADesignIsAskedFor) {
+  Scene s = cup();
+  EXPECT_FALSE(any_has(make_plan(s, counts()).built, "capped"));
+  s.coupling.stiffness_cap_n_per_m = 800, s.coupling.stiffness_cap_nm_per_rad = 2, s.coupling.injected_damping_ns_per_m = 3;
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built, "stiffness is capped at 800 N/m."));
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built, "rotation is capped at 2 Nm/rad."));
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built, "damps with 3 Ns/m and 0 Nms/rad."));
+  s.design = DesignAsk{};
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built,
+                      "Coupling: designed when the device is known; kind auto, wished cut-off 5 Hz, gain margin 2, hand: as the "
+                      "device is held, and it may be let go."));
+  EXPECT_FALSE(any_has(make_plan(s, counts()).built, "shaping filter"));
+  s.design->stiffness_cap_n_per_m = 700, s.design->released = false, s.design->hand = HandAsk::kArm;
+  s.design->kind = "spring_damper", s.design->inject_damping = false;
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built,
+                      "kind spring_damper, gain margin 2, hand: arm, but it is never let go, stiffness capped at 700 N/m, no injected damping."));
 }
 
 TEST(Plan, TextHoldsEverySentence) {
