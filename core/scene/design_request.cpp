@@ -26,8 +26,10 @@ CouplingSpec scaled(CouplingSpec spec, const HandScales& scales) noexcept {
   spec.damping_ns_per_m *= scales.translation;
   spec.stiffness_cap_n_per_m *= scales.translation;
   spec.injected_damping_ns_per_m *= scales.translation;
+  spec.passivity_damping_limit_ns_per_m *= scales.translation;
   spec.stiffness_cap_nm_per_rad *= scales.rotation;
   spec.injected_damping_nms_per_rad *= scales.rotation;
+  spec.passivity_damping_limit_nms_per_rad *= scales.rotation;
   return spec;
 }
 

@@ -2,18 +2,18 @@
 
 #include <array>
 #include <cmath>
-#include <memory>
 #include <mutex>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "core/coupling/coupling.hpp"
-#include "core/scene/device_check.hpp"
+#include "core/coupling/running_coupling.hpp"
+#include "core/scene/design_request.hpp"
 #include "core/scene/device_mapping.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/coupling/design_message.hpp"
+#include "nodes/coupling/fitting.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
@@ -31,17 +31,20 @@ class CouplingNode {
       : options_(options), scene_(scene), participant_(options.participant("coupling")),
         descriptions_(participant_, qos::kDeviceDescription, options.rig,
                       qos::profile_in(qos::kDeviceDescription, options.mode())),
+        plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         commands_(participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())),
         designs_(participant_, qos::kCouplingDesign, options.rig,
                  qos::profile_in(qos::kCouplingDesign, options.mode())),
-        wait_set_(participant_) {
+        wait_set_(participant_), fitting_(scene) {
     wait_set_.attach(descriptions_.condition());
+    wait_set_.attach(plans_.condition());
     wait_set_.attach(states_.condition());
     wait_set_.attach(contacts_.condition());
     links_ = {{"device/description", [this] { return descriptions_.matched(); }, {"device"}},
               {"device/state", [this] { return states_.matched(); }, {"device"}},
+              {"rendering/plan", [this] { return plans_.matched(); }, {"rendering"}},
               {"rendering/contact", [this] { return contacts_.matched(); }, {"rendering"}},
               {"coupling/command", [this] { return commands_.matched(); }, {"device", "logger"}},
               {"coupling/design", [this] { return designs_.matched(); }, {"logger"}}};
@@ -54,7 +57,10 @@ class CouplingNode {
         [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
     while (!stop.load(kRelaxed)) {
       wait_set_.wait(50'000'000);
-      descriptions_.take_each([this](const msg::DeviceDescription& d) { start_session(d); });
+      descriptions_.take_each([this](const msg::DeviceDescription& d) { fitting_.take(d); });
+      plans_.take_each([this](const msg::ScenePlan& p) { fitting_.take(p); });
+      if (fitting_.changed() && fitting_.session()) follow_change();
+      if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
       while (turn()) {
       }
     }
@@ -63,30 +69,43 @@ class CouplingNode {
   }
 
  private:
-  void start_session(const msg::DeviceDescription& device) {
-    period_s_ = 1.0 / device.rate_hz;
-    // One point alone is the least that any contact shows: a scene that is too stiff even so is refused at once.
-    const DeviceFacts facts{device.max_stiffness_n_per_m, period_s_, device.max_force_n};
-    const DeviceCheck check = check_device(scene_, facts, scene_.contact.stiffness_n_per_m);
-    if (!check.fits()) {
-      const std::lock_guard lock(refusal_mutex_);
-      refusal_ = check.errors.front();
-      coupling_.reset();
-      return;
-    }
-    const double force = scene_.device.force_scale, lever = scene_.device.position_scale;
-    coupling_ =
-        make_coupling(scene_.coupling, {device.max_force_n / force, device.max_torque_nm * lever / force}, period_s_);
-    coupling_->reset({});
-    session_in_loop_ = device.session_id;
+  /// A new session starts with its own fit. A change within one is fitted beside the loop, but for lockstep, where the sample from
+  /// which it holds must not depend on how fast the fit is.
+  void follow_change() {
+    if (fitting_.session() != session_in_loop_)
+      start_session();
+    else if (options_.lockstep)
+      adopt(fitting_.fit());
+    else
+      fitting_.begin();
+  }
+
+  void start_session() {
+    const std::uint64_t session = *fitting_.session();
+    period_s_ = fitting_.device().timing.period_s;
+    coupling_.reset();
+    session_in_loop_ = session;
     last_time_ns_.reset();
     pending_.reset();
     clutched_ = false;
     recent_ = {}, newest_ = {};  // sequence numbers begin again
     stiffness_.store(0.0, kRelaxed);
-    publish_design(designs_, scene_.coupling, device.session_id, period_s_);
-    max_stiffness_.store(device.max_stiffness_n_per_m, kRelaxed);
-    session_.begin(device.session_id);
+    adopt(fitting_.fit());
+    if (coupling_) session_.begin(session);
+  }
+
+  /// From here on this coupling runs. One that must not run leaves the device without commands, which fades its force.
+  void adopt(FittedCoupling fitted) {
+    publish_design(designs_, fitted, session_in_loop_, period_s_);
+    if (!fitted.refusal.empty() || (coupling_ && !coupling_->redesign(fitted.spec))) {
+      coupling_.reset();
+    } else if (!coupling_) {
+      const AxisModel& translation = fitting_.device().translation;
+      const double max_torque_nm = fitting_.device().gives_torque ? fitting_.device().rotation.max_effort : 0.0;
+      coupling_.emplace(fitted.spec, limits_in_world(scene_.device, translation.max_effort, max_torque_nm), period_s_);
+    }
+    const std::lock_guard lock(running_mutex_);
+    running_ = {std::move(fitted), fitting_.device().translation.max_stiffness, running_.made + 1};
   }
 
   /// Joins one contact with its device sample by sequence number. In real time the newest sample must do if its own was lost.
@@ -117,11 +136,9 @@ class CouplingNode {
     input.contact_stiffness_n_per_m = contact.stiffness_bound_n_per_m;
     input.contact_stiffness = runtime::from_msg(contact.stiffness);
     input.tool = runtime::from_msg(contact.tool_pose);
-    const Wrench in_world = coupling_->step(input, dt_s);
+    const CouplingOutput out = coupling_->step(input, dt_s);
     const Wrench in_device =
-        clutched_ ? Wrench{}
-                  : wrench_to_device(scene_.device, in_world, runtime::from_msg(contact.tool_pose).orientation);
-    const CouplingStatus status = coupling_->status();
+        clutched_ ? Wrench{} : wrench_to_device(scene_.device, out.wrench, input.tool.orientation);
 
     msg::ForceCommand m{};
     m.session_id = contact.session_id;
@@ -129,15 +146,32 @@ class CouplingNode {
     m.sample_time_ns = contact.sample_time_ns;
     m.valid_until_ns = contact.sample_time_ns + std::llround(kValidPeriods * period_s_ * 1e9);
     m.wrench = runtime::to_msg(in_device);
-    m.status = (status.ramping ? msg::force_command::kStatusRamping : 0U) |
-               (status.held_input ? msg::force_command::kStatusHeldInput : 0U) |
-               (status.clamped ? msg::force_command::kStatusClamped : 0U);
+    m.energy_j = out.energy_j;
+    m.energy_rotation_j = out.energy_rotation_j;
+    m.damping_ns_per_m = out.damping_ns_per_m;
+    m.status = status_bits(out);
     commands_.write(m);
+    note(contact.stiffness_bound_n_per_m);
+  }
+
+  static std::uint32_t status_bits(const CouplingOutput& out) noexcept {
+    using namespace msg::force_command;
+    return (out.ramping ? kStatusRamping : 0U) | (out.held_input ? kStatusHeldInput : 0U) |
+           (out.clamped ? kStatusClamped : 0U) | (out.capped ? kStatusCapped : 0U) |
+           (out.passivity ? kStatusPassivity : 0U);
+  }
+
+  void note(double stiffness_n_per_m) noexcept {
+    const CouplingCounters& c = coupling_->counters();
     samples_.fetch_add(1, kRelaxed);
-    if (status.clamped) clamped_.fetch_add(1, kRelaxed);
-    faults_.store(coupling_->faults(), kRelaxed);
-    if (contact.stiffness_bound_n_per_m > stiffness_.load(kRelaxed))
-      stiffness_.store(contact.stiffness_bound_n_per_m, kRelaxed);
+    clamped_.store(c.clamped, kRelaxed);
+    capped_.store(c.capped, kRelaxed);
+    controlled_.store(c.controlled, kRelaxed);
+    faults_.store(c.faults, kRelaxed);
+    lowest_energy_.store(c.lowest_energy_j, kRelaxed);
+    lowest_energy_rotation_.store(c.lowest_energy_rotation_j, kRelaxed);
+    most_damping_.store(c.most_damping_ns_per_m, kRelaxed);
+    if (stiffness_n_per_m > stiffness_.load(kRelaxed)) stiffness_.store(stiffness_n_per_m, kRelaxed);
   }
 
   /// While the clutch is pressed the tool stays and the device moves free: no force; the contact fades in again afterwards.
@@ -148,30 +182,53 @@ class CouplingNode {
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
-    report.values = {
-        {"scene", scene_.name},
-        {"scene_hash", scene_.hash},
-        {"samples", fmt::to_string(samples_.load())},
-        {"clamped_inputs", fmt::to_string(clamped_.load())},
-        {"faults", fmt::to_string(faults_.load())},
-        {"stiffness_bound_max_n_per_m", fmt::format("{:.6g}", stiffness_.load())},
-        {"stiffness_at_hand_n_per_m", fmt::format("{:.6g}", stiffness_at_hand_n_per_m(scene_, stiffness_.load()))},
-        {"device_max_stiffness_n_per_m", fmt::format("{:.6g}", max_stiffness_.load())}};
-    const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
+    const std::lock_guard lock(running_mutex_);
+    const Design& design = running_.fitted.design;
+    const double displayed = stiffness_at_hand_n_per_m(running_.fitted, scene_.device, stiffness_.load());
+    const auto number = [](double value) { return fmt::format("{:.6g}", value); };
+    report.values = {{"scene", scene_.name},
+                     {"scene_hash", scene_.hash},
+                     {"samples", fmt::to_string(samples_.load())},
+                     {"clamped_inputs", fmt::to_string(clamped_.load())},
+                     {"capped_samples", fmt::to_string(capped_.load())},
+                     {"passivity_samples", fmt::to_string(controlled_.load())},
+                     {"passivity_most_damping_ns_per_m", number(most_damping_.load())},
+                     {"lowest_energy_j", number(lowest_energy_.load())},
+                     {"lowest_energy_rotation_j", number(lowest_energy_rotation_.load())},
+                     {"faults", fmt::to_string(faults_.load())},
+                     {"stiffness_bound_max_n_per_m", number(stiffness_.load())},
+                     {"stiffness_at_hand_n_per_m", number(displayed)},
+                     {"device_max_stiffness_n_per_m", number(running_.device_max_stiffness_n_per_m)}};
+    if (running_.made > 0) describe(design, report);
+    const std::string missing = session_.report_to(report, options_, roster, links_, "a device and its scene's plan",
+                                                   samples_.load() > 0);
     // The device's limit is held against the total stiffness of the contact, not against one point's.
-    const double displayed = stiffness_at_hand_n_per_m(scene_, stiffness_.load());
     report.message = session_.stopped() ? "stopped"
                      : !missing.empty() ? "waiting for " + missing
-                     : displayed > max_stiffness_.load()
-                         ? fmt::format(
-                               "the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower "
-                               "contact.stiffness_n_per_m or coupling.gain",
-                               displayed, max_stiffness_.load())
-                         : fmt::format("{} runs", scene_.coupling.kind);
-    const std::lock_guard lock(refusal_mutex_);
-    if (refusal_.empty()) return;
+                     : displayed > running_.device_max_stiffness_n_per_m
+                         ? fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower "
+                                       "contact.stiffness_n_per_m or coupling.gain, or let it be designed "
+                                       "(coupling: {{design: auto}})",
+                                       displayed, running_.device_max_stiffness_n_per_m)
+                         : fmt::format("{} runs, {}", running_.fitted.spec.kind, status_word(running_.fitted));
+    if (running_.made == 0 || running_.fitted.refusal.empty()) return;
     report.state = NodeState::kFailed;
-    report.message = refusal_ + " No force is commanded.";
+    report.message = running_.fitted.refusal + " No force is commanded.";
+  }
+
+  void describe(const Design& design, runtime::NodeReport& report) const {
+    const CouplingSpec& spec = running_.fitted.spec;
+    const auto number = [](double value) { return fmt::format("{:.6g}", value); };
+    report.values["designs"] = fmt::to_string(running_.made);
+    report.values["design_status"] = status_word(running_.fitted);
+    report.values["design_kind"] = spec.kind;
+    report.values["design_cutoff_hz"] = number(spec.kind == "shaping_filter" ? spec.cutoff_hz : 0.0);
+    report.values["design_gain"] = number(spec.gain);
+    report.values["design_injected_damping_ns_per_m"] = number(spec.injected_damping_ns_per_m);
+    report.values["design_shown_n_per_m"] = number(design.translation.shown_stiffness);
+    report.values["design_critical_n_per_m"] = number(design.translation.critical_stiffness);
+    report.values["design_gain_margin"] = number(design.translation.gain_margin);
+    report.values["design_worst_case"] = design.translation.worst_case_text;
   }
 
   /// Two periods for the way round the ring, three that a device holds a command for.
@@ -180,15 +237,22 @@ class CouplingNode {
   const Scene& scene_;
   bus::Participant participant_;
   bus::Reader<msg::DeviceDescription> descriptions_;
+  bus::Reader<msg::ScenePlan> plans_;
   bus::Reader<msg::DeviceState> states_;
   bus::Reader<msg::ContactState> contacts_;
   bus::Writer<msg::ForceCommand> commands_;
   bus::Writer<msg::CouplingDesign> designs_;
   bus::WaitSet wait_set_;
   std::vector<runtime::Link> links_;
-  std::unique_ptr<Coupling> coupling_;  ///< none while the scene does not fit the device
-  std::mutex refusal_mutex_;
-  std::string refusal_;
+  Fitting fitting_;
+  std::optional<RunningCoupling> coupling_;  ///< none before the first fit and while what was found must not run
+  /// What other threads may ask about; the loop takes the lock only where a fit is adopted.
+  struct Running {
+    FittedCoupling fitted;
+    double device_max_stiffness_n_per_m = 0.0;
+    std::uint64_t made = 0;
+  } running_;
+  std::mutex running_mutex_;
   double period_s_ = 1e-3;
   std::uint64_t session_in_loop_ = 0;
   std::array<msg::DeviceState, 64> recent_{};
@@ -196,8 +260,8 @@ class CouplingNode {
   std::optional<msg::ContactState> pending_;
   std::optional<std::int64_t> last_time_ns_;
   bool clutched_ = false;
-  std::atomic<std::uint64_t> samples_{0}, clamped_{0}, faults_{0};
-  std::atomic<double> stiffness_{0.0}, max_stiffness_{0.0};
+  std::atomic<std::uint64_t> samples_{0}, clamped_{0}, capped_{0}, controlled_{0}, faults_{0};
+  std::atomic<double> stiffness_{0.0}, lowest_energy_{0.0}, lowest_energy_rotation_{0.0}, most_damping_{0.0};
   runtime::Session session_;
 };
 

@@ -3,26 +3,62 @@
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::coupling {
+namespace {
 
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const CouplingSpec& spec, std::uint64_t session,
+std::vector<std::string> notes_on(const FittedCoupling& fitted, double sample_time_s) {
+  std::vector<std::string> notes;
+  if (!fitted.designed)
+    notes.push_back(fitted.design.status == DesignStatus::kInfeasible
+                        ? "set by hand in the scene; the designer does not vouch for it: the reasons say why"
+                        : "set by hand in the scene; the designer's certificates hold for it");
+  if (!fitted.refusal.empty()) notes.push_back(fitted.refusal);
+  for (const CouplingIssue& issue : validate(fitted.spec, {}, sample_time_s)) notes.push_back(issue.sentence);
+  return notes;
+}
+
+}  // namespace
+
+std::string status_word(const FittedCoupling& fitted) {
+  return fitted.designed ? std::string(name_of(fitted.design.status)) : "configured";
+}
+
+void publish_design(bus::Writer<msg::CouplingDesign>& writer, const FittedCoupling& fitted, std::uint64_t session,
                     double sample_time_s) {
+  const CouplingSpec& spec = fitted.spec;
+  const Design& design = fitted.design;
   const bool filter = spec.kind == "shaping_filter", spring = spec.kind == "spring_damper";
-  const std::string status = "configured";
-  std::vector<std::string> notes = {"set by hand in the scene; nothing was designed or certified for this device"};
-  for (const CouplingIssue& issue : validate(spec, {}, sample_time_s)) notes.push_back(issue.sentence);
-  runtime::LentStrings lent(notes);
+  const std::string status = status_word(fitted);
+  const std::vector<std::string> notes = notes_on(fitted, sample_time_s);
+  runtime::LentStrings lent_notes(notes), reasons(design.reasons), remedies(design.remedies);
   msg::CouplingDesign m{};
   m.session_id = session;
   m.kind = runtime::lend(spec.kind);
   m.status = runtime::lend(status);
   m.cutoff_hz = filter ? spec.cutoff_hz : 0.0;
   m.damping_ratio = filter ? spec.damping_ratio : 0.0;
-  m.gain = filter ? spec.gain : 1.0;
+  m.gain = spring ? 1.0 : spec.gain;
   m.stiffness_n_per_m = spring ? spec.stiffness_n_per_m : 0.0;
   m.damping_ns_per_m = spring ? spec.damping_ns_per_m : 0.0;
+  m.stiffness_cap_n_per_m = spec.stiffness_cap_n_per_m;
+  m.stiffness_cap_nm_per_rad = spec.stiffness_cap_nm_per_rad;
+  m.injected_damping_ns_per_m = spec.injected_damping_ns_per_m;
+  m.injected_damping_nms_per_rad = spec.injected_damping_nms_per_rad;
+  m.velocity_filter_hz = spec.velocity_filter_hz;
   m.lag_s = lag_s(spec);
   m.sample_time_s = sample_time_s;
-  lent.into(m.notes);
+  m.wanted_stiffness_n_per_m = design.translation.wanted_stiffness;
+  m.shown_stiffness_n_per_m = design.translation.shown_stiffness;
+  m.critical_stiffness_n_per_m = design.translation.critical_stiffness;
+  m.gain_margin = design.translation.gain_margin;
+  m.limit_cycle_m = design.translation.limit_cycle_bound;
+  m.shown_stiffness_nm_per_rad = design.rotation.shown_stiffness;
+  m.critical_stiffness_nm_per_rad = design.rotation.critical_stiffness;
+  m.max_approach_m_per_s = design.max_approach_m_per_s;
+  m.passive = design.translation.passive;
+  m.worst_case = runtime::lend(design.translation.worst_case_text);
+  reasons.into(m.reasons);
+  remedies.into(m.remedies);
+  lent_notes.into(m.notes);
   writer.write(m);
 }
 

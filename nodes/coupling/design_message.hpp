@@ -1,11 +1,14 @@
 #pragma once
-/// The coupling that runs, as a latched message.
-#include "core/coupling/coupling_spec.hpp"
+/// The coupling that runs, and what vouches for it, as a latched message.
+#include "core/scene/fit_coupling.hpp"
 #include "nodes/bus/writer.hpp"
 
 namespace voxtouch::coupling {
 
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const CouplingSpec& spec, std::uint64_t session,
+/// "configured" for a coupling that is set by hand, else the designer's word.
+std::string status_word(const FittedCoupling& fitted);
+
+void publish_design(bus::Writer<msg::CouplingDesign>& writer, const FittedCoupling& fitted, std::uint64_t session,
                     double sample_time_s);
 
 }  // namespace voxtouch::coupling

@@ -1,0 +1,44 @@
+#pragma once
+/// Which coupling runs: fitted to device, scene and contact when a session begins, and again when device or contact change.
+#include <cstdint>
+#include <future>
+#include <optional>
+#include <utility>
+
+#include "core/scene/fit_coupling.hpp"
+#include "voxtouch_msgs/messages.hpp"
+
+namespace voxtouch::coupling {
+
+/// Collects from the latched messages what a fit needs, and makes it. One thread owns it.
+class Fitting {
+ public:
+  explicit Fitting(const Scene& scene) : scene_(scene) {}
+
+  void take(const msg::DeviceDescription& device);
+  void take(const msg::ScenePlan& plan);
+  /// The device's session, once device and rendering both have spoken of it.
+  std::optional<std::uint64_t> session() const noexcept;
+  /// True once after either message changed within the session.
+  bool changed() noexcept { return std::exchange(changed_, false); }
+
+  /// Takes up to some tenths of a second.
+  FittedCoupling fit() const;
+  /// The same in a thread of ordinary priority, while the ring runs. A request that comes during a fit is made after it.
+  void begin();
+  /// The result of `begin`, once; never waits.
+  std::optional<FittedCoupling> poll();
+
+  const DeviceModel& device() const noexcept { return device_; }
+
+ private:
+  const Scene& scene_;
+  DeviceModel device_;
+  Grip grip_ = Grip::kPen;
+  ContactRange translation_, rotation_;  ///< in W
+  std::optional<std::uint64_t> device_session_, plan_session_;
+  bool changed_ = false, again_ = false;
+  std::future<FittedCoupling> under_way_;
+};
+
+}  // namespace voxtouch::coupling
