@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/coupling/design/certificates.hpp"
+#include "core/coupling/design/filter_search.hpp"
 #include "core/coupling/design/limit_cycle.hpp"
 
 namespace voxtouch {
@@ -40,7 +41,7 @@ LoopController scaled(LoopController law, double scale) {
 /// Critical stiffness, margin and where.
 void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const LoopController& law, const ShownStiffness& at,
                  AxisDesign& out) {
-  if (problem.hand.any_passive) out.worst_case_text = "any hand that creates no energy";
+  if (problem.hand.any_passive) out.worst_case_text = "some passive hand";
   const double limit = passive_limit(problem, law);
   WorstCase worst;
   if (law.law == Law::kSpringDamper) {
@@ -135,9 +136,7 @@ AxisVerdict judge_axis(const DesignRequest& request, const AxisProblem& problem,
   } else {
     const bool filtered = law.law == Law::kShapingFilter;
     out.damping_required = passive_damping_required(problem, filtered ? request.wishes.cutoff_hz : kInfinity);
-    const double highest = std::max(request.wishes.cutoff_hz,
-                                    std::min(request.wishes.max_cutoff_hz,
-                                             kWarnCutoffRad / (2.0 * std::numbers::pi * problem.timing.period_s)));
+    const double highest = filter_settings(request).back().cutoff_hz;
     out.damping_required_any_cutoff = passive_damping_required(problem, filtered ? highest : kInfinity);
   }
   return verdict;

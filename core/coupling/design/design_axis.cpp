@@ -15,11 +15,16 @@ using Law = LoopController::Law;
 
 /// Noise that is hardly felt [N], and the share of a strong device's force that is not either.
 constexpr double kQuietForce = 0.05, kQuietShare = 0.005;
+/// Torque in place of a force [m], where device limits do not say how one stands to the other.
+constexpr double kHandsArm = 0.05;
 
-double noise_limit(const DesignRequest& request) {
-  const double force = request.device.translation.max_effort;
+double noise_limit(const DesignRequest& request, bool rotation) {
+  const double force = request.device.translation.max_effort, torque = request.device.rotation.max_effort;
   const double asked = request.wishes.max_injected_damping_effort;
-  return asked > 0.0 ? asked : std::max(kQuietForce, kQuietShare * force);
+  const double of_force = asked > 0.0 ? asked : std::max(kQuietForce, std::isfinite(force) ? kQuietShare * force : 0.0);
+  if (!rotation) return of_force;
+  // A torque may be noisy to the same share of the device's range as a force.
+  return of_force * (std::isfinite(force) && std::isfinite(torque) ? torque / force : kHandsArm);
 }
 
 AxisProblem problem(const DesignRequest& request, bool rotation) {
@@ -33,8 +38,7 @@ AxisProblem problem(const DesignRequest& request, bool rotation) {
   out.margin = request.wishes.gain_margin;
   out.wanted = std::min(out.contact.all_points, out.model.max_stiffness);
   out.useful = rotation ? request.wishes.useful_stiffness_nm_per_rad : request.wishes.useful_stiffness_n_per_m;
-  // A torque may be noisy to the same share of the device's range as a force.
-  out.noise_limit = noise_limit(request) * (rotation ? out.model.max_effort / request.device.translation.max_effort : 1.0);
+  out.noise_limit = noise_limit(request, rotation);
   return out;
 }
 

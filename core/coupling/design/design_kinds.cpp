@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/coupling/design/axis_verdict.hpp"
 
@@ -36,7 +37,7 @@ std::vector<double> fitting(const std::vector<AxisProblem>& problems, const Filt
 }  // namespace
 
 Proposal propose_filter(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
-  const FilterChoice choice = search_filter(problems, filter_shapes(request), request.wishes.allow_injected_damping);
+  const FilterChoice choice = search_filter(problems, filter_settings(request), request.wishes.allow_injected_damping);
   const std::vector<double> fits = fitting(problems, choice);
   Proposal out{{}, choice.status};
   out.spec.kind = "shaping_filter";

@@ -18,8 +18,8 @@ Proposal propose_filter(const DesignRequest& request, const std::vector<AxisProb
 Proposal propose_direct(const DesignRequest& request, const std::vector<AxisProblem>& problems);
 
 /// The stiffer of two pairs (c, r): the discrete Llewellyn optimum, good for any passive hand and world; and, where the range
-/// of hands is known, the stiffest that holds on all its cases for a contact of any stiffness. c stays below what the device
-/// can show. As requested where the series shows nine tenths of the target.
+/// of hands is known, the stiffest that holds on all its cases for a contact of any stiffness. What is shown
+/// stays below the device's limit. As requested where the series shows nine tenths of the target.
 Proposal propose_spring_damper(const DesignRequest& request, const std::vector<AxisProblem>& problems);
 
 }  // namespace voxtouch

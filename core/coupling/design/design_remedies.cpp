@@ -7,6 +7,7 @@
 
 #include "core/coupling/design/axis_verdict.hpp"
 #include "core/coupling/design/design_text.hpp"
+#include "core/coupling/design/filter_search.hpp"
 
 namespace voxtouch {
 namespace {
@@ -39,7 +40,7 @@ Trial trial_of(const DesignRequest& request, const std::vector<AxisProblem>& pro
     }
     return trial;
   }
-  for (const FilterShape& shape : filter_shapes(request))
+  for (const FilterSetting& shape : filter_settings(request))
     if (shape.cutoff_hz == request.wishes.cutoff_hz)
       trial.laws.emplace_back(problems.size(), law_of(shape));
   return trial;
@@ -53,6 +54,7 @@ class Remedies {
 
   std::vector<std::string> all() {
     damping();
+    injection();
     if (design_.spec.kind != "spring_damper") {  // its certificate is another; its stiffness is its own
       delay();
       cap();
@@ -83,6 +85,24 @@ class Remedies {
         sentence += fmt::format("; {:.3g} with the cut-off as high as it may be", d.damping_required_any_cutoff);
       out_.push_back(sentence + ".");
     }
+  }
+
+  void injection() {
+    if (request_.wishes.allow_injected_damping || design_.spec.kind != "shaping_filter") return;
+    const FilterChoice choice = search_filter(problems_, filter_settings(request_), true);
+    std::string allowed, shown;
+    bool helps = false;
+    for (std::size_t a = 0; a < problems_.size(); ++a) {
+      const AxisProblem& p = problems_[a];
+      LoopController law = law_of(choice.shape);
+      law.injected_damping = choice.damping[a];
+      law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * choice.velocity_filter_hz;
+      helps = helps || choice.damping[a] > 0.0;
+      allowed += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ", choice.damping[a], p.units->damping);
+      shown += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ", std::min(p.target, certified_stiffness(p, law)),
+                           p.units->stiffness);
+    }
+    if (helps) out_.push_back(fmt::format("Allowing {} of injected damping would show {}.", allowed, shown));
   }
 
   void delay() {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "core/coupling/design/axis_verdict.hpp"
 #include "core/coupling/design/design_check.hpp"

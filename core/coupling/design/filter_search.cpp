@@ -16,6 +16,7 @@ namespace {
 using Law = LoopController::Law;
 constexpr std::array kFactors{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 40.0};
 constexpr std::array kVelocityFilters{50.0, 100.0, 200.0};
+constexpr std::size_t kUnused = 1;   ///< of these, where nothing is injected: the spec's default
 constexpr std::size_t kLevels = 11;  ///< 0, 10, ... 100 % of what is allowed
 /// The table is good to about a percent: what lies that little below the target is still worth an exact look.
 constexpr double kTableDoubt = 0.985;
@@ -43,14 +44,14 @@ struct Candidate {
   std::vector<std::size_t> levels;
   double cost = 0.0, second_cost = 0.0;  ///< larger and summed share of injected damping
 
-  auto order(const std::vector<FilterShape>& shapes) const {
+  auto order(const std::vector<FilterSetting>& shapes) const {
     return std::tuple(cost, second_cost, shapes[shape].cutoff_hz, shape, velocity_filter);
   }
 };
 
 class Search {
  public:
-  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterShape>& shapes, bool allow_damping)
+  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping)
       : shapes_(shapes), allow_damping_(allow_damping) {
     for (const AxisProblem& problem : problems) {
       Axis axis{&problem, std::nullopt, {}, 0.0};
@@ -82,12 +83,12 @@ class Search {
     return critical / (problem.margin * problem.target);
   }
   void use(std::size_t shape) {
-    const FilterShape s = shapes_[shape];
+    const FilterSetting s = shapes_[shape];
     const double w0 = 2.0 * std::numbers::pi * s.cutoff_hz;
     for (Axis& axis : axes_)
       if (axis.table)
-        axis.table->use([&](std::complex<double> z, double period) {
-          return std::isinf(s.cutoff_hz) ? 1.0 : filter_at(w0, s.damping_ratio, z, period);
+        axis.table->use([&](const Phasor& at, double period) {
+          return std::isinf(s.cutoff_hz) ? Complex(1.0) : filter_response(0.5 * w0 * period, s.damping_ratio, at);
         });
   }
 
@@ -106,7 +107,8 @@ class Search {
     return out;
   }
   FilterChoice chosen(const Candidate& candidate, DesignStatus status) const {
-    FilterChoice out{shapes_[candidate.shape], kVelocityFilters[candidate.velocity_filter], {}, status};
+    const std::size_t v = candidate.cost > 0.0 ? candidate.velocity_filter : kUnused;
+    FilterChoice out{shapes_[candidate.shape], kVelocityFilters[v], {}, status};
     for (std::size_t a = 0; a < axes_.size(); ++a)
       out.damping.push_back(axes_[a].damping(candidate.velocity_filter, candidate.levels[a]));
     return out;
@@ -116,7 +118,7 @@ class Search {
   std::optional<FilterChoice> without_damping() {
     for (std::size_t s = 0; s < shapes_.size(); ++s) {
       use(s);
-      const Candidate candidate{s, 1, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
+      const Candidate candidate{s, kUnused, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
       bool likely = true;
       for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0) >= kTableDoubt;
       if (!likely || !confirmed(candidate)) continue;
@@ -194,7 +196,7 @@ class Search {
     return chosen(reaching(kAsGood * std::min(best, 1.0)).front(), DesignStatus::kStiffnessReduced);
   }
 
-  const std::vector<FilterShape>& shapes_;
+  const std::vector<FilterSetting>& shapes_;
   bool allow_damping_;
   std::vector<Axis> axes_;
   using Levels = std::array<double, kLevels>;
@@ -203,7 +205,7 @@ class Search {
 
 }  // namespace
 
-LoopController law_of(const FilterShape& shape) {
+LoopController law_of(const FilterSetting& shape) {
   LoopController law;
   const bool none = std::isinf(shape.cutoff_hz);
   law.law = none ? Law::kDirect : Law::kShapingFilter;
@@ -212,12 +214,12 @@ LoopController law_of(const FilterShape& shape) {
   return law;
 }
 
-std::vector<FilterShape> filter_shapes(const DesignRequest& request) {
+std::vector<FilterSetting> filter_settings(const DesignRequest& request) {
   const bool passive = request.hand.translation.any_passive ||
                        (request.device.gives_torque && request.hand.rotation.any_passive);
   std::vector<double> ratios{std::numbers::sqrt2 / 2.0, 0.577, 1.0};
   if (passive) ratios.insert(ratios.begin() + 1, std::numbers::sqrt3 / 2.0);
-  std::vector<FilterShape> shapes;
+  std::vector<FilterSetting> shapes;
   for (const double factor : kFactors) {
     const double cutoff = request.wishes.cutoff_hz * factor;
     const double turn = 2.0 * std::numbers::pi * cutoff * request.device.timing.period_s;
@@ -228,7 +230,7 @@ std::vector<FilterShape> filter_shapes(const DesignRequest& request) {
   return shapes;
 }
 
-FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterShape>& shapes,
+FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
                            bool allow_injected_damping) {
   return Search(problems, shapes, allow_injected_damping).run();
 }

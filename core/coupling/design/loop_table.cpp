@@ -1,57 +1,26 @@
 #include "core/coupling/design/loop_table.hpp"
 
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "core/coupling/design/sampled_plant.hpp"
-
 namespace voxtouch {
 namespace {
 
-using Complex = std::complex<double>;
 constexpr std::size_t kPoints = 320;
 /// Lowest frequency [rad/s]. Loops that become unstable below it have no stiffness worth a design.
 constexpr double kLowest = 0.05;
 
-std::vector<Complex> grid(double period_s) {
-  std::vector<Complex> z(kPoints);
-  const double top = std::numbers::pi / period_s, ratio = std::log(top / kLowest) / (kPoints - 1);
-  for (std::size_t i = 0; i < kPoints; ++i)
-    z[i] = std::polar(1.0, kLowest * std::exp(ratio * static_cast<double>(i)) * period_s);
-  z.back() = -1.0;
-  return z;
-}
-
-SampledPlant sampled(const LoopPlant& p) {
-  return sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, p.period_s, p.delay_s,
-                      p.effort_lag_s);
-}
-
-/// Position for a unit of effort.
-Complex plant_at(const SampledPlant& plant, Complex z) {
-  const Eigen::Matrix3cd left = (z - 1.0) * Eigen::Matrix3cd::Identity() - plant.step_less_one.cast<Complex>();
-  const Eigen::Vector3cd right = plant.newer.cast<Complex>() + plant.older.cast<Complex>() / z;
-  return plant.effort_unit * (left.inverse() * right)[0] * std::pow(z, -plant.whole_delay);
-}
-
-/// A unit of damping on the filtered difference.
-Complex damping_at(double velocity_filter_hz, Complex z, double period_s) {
-  const double a = std::exp(-2.0 * std::numbers::pi * velocity_filter_hz * period_s);
-  return (1.0 - a) / period_s * (1.0 - 1.0 / z) / (1.0 - a / z);
+std::vector<Phasor> grid(double period_s) {
+  std::vector<Phasor> out;
+  const double lowest = kLowest * period_s, ratio = std::log(std::numbers::pi / lowest) / (kPoints - 1);
+  for (std::size_t i = 0; i + 1 < kPoints; ++i) out.emplace_back(lowest * std::exp(ratio * static_cast<double>(i)));
+  out.emplace_back(std::numbers::pi);
+  return out;
 }
 
 }  // namespace
-
-std::complex<double> filter_at(double w0_rad_per_s, double damping_ratio, std::complex<double> z, double period_s) {
-  const double g = 0.5 * w0_rad_per_s * period_s;
-  const Complex s = (z - 1.0) / (g * (z + 1.0));  // s / w0
-  if (std::abs(z + 1.0) < 1e-9) return 0.0;
-  return 1.0 / (s * s + 2.0 * damping_ratio * s + 1.0);
-}
 
 LoopTable::LoopTable(const std::vector<DesignCase>& cases, const std::vector<double>& velocity_filters_hz) {
   for (const DesignCase& one : cases) {
@@ -60,25 +29,28 @@ LoopTable::LoopTable(const std::vector<DesignCase>& cases, const std::vector<dou
     if (timing == timings_.end()) timing = timings_.insert(timing, {period, grid(period)});
     Case entry{static_cast<std::size_t>(timing - timings_.begin()), {}, {}, {}};
     entry.damped.resize(velocity_filters_hz.size());
-    const SampledPlant samples = sampled(one.plant);
-    for (const Complex z : timing->z) {
-      const Complex p = plant_at(samples, z);
-      entry.plant.re.push_back(p.real()), entry.plant.im.push_back(p.imag());
-      for (std::size_t v = 0; v < velocity_filters_hz.size(); ++v) {
-        const Complex damped = p * damping_at(velocity_filters_hz[v], z, period);
-        entry.damped[v].re.push_back(damped.real()), entry.damped[v].im.push_back(damped.imag());
-      }
+    const LoopResponse plant(one.plant, {.law = LoopController::Law::kDirect});
+    for (const Phasor& at : timing->grid) add(entry.plant, plant(at));
+    for (std::size_t v = 0; v < velocity_filters_hz.size(); ++v) {
+      const VelocityResponse velocity(period, 2.0 * std::numbers::pi * velocity_filters_hz[v]);
+      for (std::size_t i = 0; i < kPoints; ++i)
+        add(entry.damped[v], Complex(entry.plant.re[i], entry.plant.im[i]) * velocity(timing->grid[i]));
     }
     entry.loop = entry.plant;
     cases_.push_back(std::move(entry));
   }
 }
 
-void LoopTable::use(const std::function<Complex(Complex, double)>& law) {
+void LoopTable::add(Response& to, const Complex& value) {
+  to.re.push_back(value.real());
+  to.im.push_back(value.imag());
+}
+
+void LoopTable::use(const std::function<Complex(const Phasor&, double)>& law) {
   std::vector<std::vector<Complex>> laws;
   for (const Timing& timing : timings_) {
     laws.emplace_back();
-    for (const Complex z : timing.z) laws.back().push_back(law(z, timing.period_s));
+    for (const Phasor& at : timing.grid) laws.back().push_back(law(at, timing.period_s));
   }
   for (Case& one : cases_)
     for (std::size_t i = 0; i < kPoints; ++i) {

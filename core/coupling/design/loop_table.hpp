@@ -1,11 +1,11 @@
 #pragma once
 /// Frequency responses of all cases, tabulated once, so that thousands of couplings can be compared in some tens of
 /// milliseconds. Interpolated: good to about a percent. It proposes; `critical_stiffness` certifies.
-#include <complex>
 #include <functional>
 #include <vector>
 
 #include "core/coupling/design/design_cases.hpp"
+#include "core/coupling/design/loop_response.hpp"
 
 namespace voxtouch {
 
@@ -14,8 +14,8 @@ class LoopTable {
   /// `velocity_filters_hz`: those that injected damping may have.
   LoopTable(const std::vector<DesignCase>& cases, const std::vector<double>& velocity_filters_hz);
 
-  /// The law for the following questions: effort for a unit of position, at z = exp(j w T), with T [s].
-  void use(const std::function<std::complex<double>(std::complex<double> z, double period_s)>& law);
+  /// The law for the following questions: effort for a unit of position, at a frequency of a loop with period [s].
+  void use(const std::function<Complex(const Phasor& at, double period_s)>& law);
 
   /// Factor on the law at which the worst case becomes unstable (for a law of unit stiffness: K k), with injected damping B
   /// behind the filter of that index. Where a case lies below `enough`, the rest is not looked at. B has to keep the inner
@@ -31,17 +31,15 @@ class LoopTable {
     Response plant, loop;
     std::vector<Response> damped;  ///< plant times a unit of injected damping, for each velocity filter
   };
+  static void add(Response& to, const Complex& value);
   double critical(const Case& one, std::size_t velocity_filter, double injected_damping) const;
 
   struct Timing {
     double period_s;
-    std::vector<std::complex<double>> z;
+    std::vector<Phasor> grid;
   };
   std::vector<Timing> timings_;
   std::vector<Case> cases_;
 };
-
-/// Tustin's filter of unit gain at z; coupling.md, section 1.
-std::complex<double> filter_at(double w0_rad_per_s, double damping_ratio, std::complex<double> z, double period_s);
 
 }  // namespace voxtouch

@@ -18,11 +18,10 @@ constexpr std::array kLeads{0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 
 constexpr std::array kContacts{kInfinity, 10.0, 3.0, 1.0, 0.3, 0.1};
 constexpr double kShrink = 0.97;
 constexpr int kMostShrinks = 24;
-using Complex = std::complex<double>;
 
 /// The law of a unit of stiffness and `lead` of damping, before a contact of `contact` units.
-Complex series_at(double lead_s, double contact, Complex z, double period_s) {
-  const Complex own = 1.0 + lead_s * (1.0 - 1.0 / z) / period_s;
+Complex series_at(double lead_s, double contact, const Phasor& at, double period_s) {
+  const Complex own = 1.0 + lead_s / period_s * at.z_less_one * at.z_inverse;
   return std::isinf(contact) ? own : contact * own / (contact + own);
 }
 
@@ -68,7 +67,7 @@ SpringDamperPair ranged_pair(const DesignRequest& request, const std::vector<Axi
     for (const double contact : kContacts)
       for (std::size_t a = 0; a < problems.size(); ++a) {
         const double unit = problems[a].margin * arm_of(request, a);
-        tables[a].use([&](Complex z, double period) { return series_at(lead_s, contact, z, period); });
+        tables[a].use([&](const Phasor& at, double period) { return series_at(lead_s, contact, at, period); });
         stiffness = std::min(stiffness, tables[a].critical(0, 0.0, unit * best.stiffness) / unit);
         if (stiffness <= best.stiffness) break;
       }
@@ -81,6 +80,16 @@ SpringDamperPair ranged_pair(const DesignRequest& request, const std::vector<Axi
   return {};
 }
 
+/// c with which the contact's stiffest shows as much as the device can: c k / (c + k) at its limit.
+double most_stiffness(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+  double most = kInfinity;
+  for (std::size_t a = 0; a < problems.size(); ++a) {
+    const double k = problems[a].contact.all_points, limit = problems[a].model.max_stiffness;
+    if (k > limit) most = std::min(most, limit * k / (k - limit) / arm_of(request, a));
+  }
+  return most;
+}
+
 }  // namespace
 
 Proposal propose_spring_damper(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
@@ -89,9 +98,7 @@ Proposal propose_spring_damper(const DesignRequest& request, const std::vector<A
     const SpringDamperPair ranged = ranged_pair(request, problems);
     if (ranged.stiffness > pair.stiffness) pair = ranged;
   }
-  double most = kInfinity;  // c that the device can show
-  for (std::size_t a = 0; a < problems.size(); ++a)
-    most = std::min(most, problems[a].model.max_stiffness / arm_of(request, a));
+  const double most = most_stiffness(request, problems);
   if (pair.stiffness > most) pair = {most, pair.damping * most / pair.stiffness};
   Proposal out;
   out.spec.kind = "spring_damper";
