@@ -22,7 +22,8 @@ std::string refusal_by_hand(const Scene& scene, const DeviceModel& device, doubl
 std::string refusal_of(const Design& design, const Scene& scene, const DeviceModel& device) {
   if (design.status != DesignStatus::kInfeasible || scene.design->run_infeasible) return "";
   return fmt::format(
-      "No coupling holds for {} with this scene: {} To have it: {} Or set coupling.run_infeasible: true in the scene to run "
+      "No coupling holds for {} with this scene: {} To have it: {} Or set coupling.run_infeasible: true in the scene "
+      "to run "
       "what was found ({:.3g} N/m).",
       device.name, fmt::join(design.reasons, " "), fmt::join(design.remedies, " "), design.translation.shown_stiffness);
 }
@@ -54,7 +55,8 @@ FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip 
   return out;
 }
 
-double stiffness_at_hand_n_per_m(const FittedCoupling& fitted, const DeviceSpec& device, double bound_n_per_m) noexcept {
+double stiffness_at_hand_n_per_m(const FittedCoupling& fitted, const DeviceSpec& device,
+                                 double bound_n_per_m) noexcept {
   return displayed_stiffness_n_per_m(fitted.spec, bound_n_per_m) * hand_scales(device).translation;
 }
 

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   voxtouch::cli::add_up(app, action);
   voxtouch::cli::add_build(app, action);
   voxtouch::cli::add_probe(app, action);
+  voxtouch::cli::add_design(app, action);
   CLI11_PARSE(app, argc, argv);
   try {
     const int status = action();

@@ -15,11 +15,16 @@ constexpr double kPlotWidth = kWidth - kLeft - kRight, kPlotHeight = kHeight - k
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '"') out += "&quot;";
-    else out += c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
   }
   return out;
 }
@@ -109,8 +114,8 @@ std::string legend(const Chart& c) {
   const double width = 52 + 6.3 * static_cast<double>(longest), height = 10 + 18 * static_cast<double>(named.size());
   const double x = kLeft + 10, y = kTop + 10;
   std::string out = fmt::format(
-      "<rect x=\"{}\" y=\"{}\" width=\"{:.0f}\" height=\"{:.0f}\" fill=\"#fff\" opacity=\"0.88\" stroke=\"#ccc\"/>\n", x, y,
-      width, height);
+      "<rect x=\"{}\" y=\"{}\" width=\"{:.0f}\" height=\"{:.0f}\" fill=\"#fff\" opacity=\"0.88\" stroke=\"#ccc\"/>\n",
+      x, y, width, height);
   for (std::size_t i = 0; i < named.size(); ++i) {
     const double row = y + 18 + 18 * static_cast<double>(i);
     out += fmt::format(
@@ -128,18 +133,20 @@ std::string to_svg(const Chart& c) {
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\">\n"
       "<style>text{{font-family:sans-serif;fill:#222}} .tick{{font-size:12px}} .label{{font-size:13px}} "
-      ".mark{{font-size:12.5px;font-weight:bold}} .title{{font-size:17px;font-weight:bold}} .grid{{stroke:#e3e3e3}}</style>\n"
+      ".mark{{font-size:12.5px;font-weight:bold}} .title{{font-size:17px;font-weight:bold}} "
+      ".grid{{stroke:#e3e3e3}}</style>\n"
       "<clipPath id=\"plane\"><rect x=\"{2}\" y=\"{3}\" width=\"{4}\" height=\"{5}\"/></clipPath>\n"
       "<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
       kWidth, kHeight, kLeft, kTop, kPlotWidth, kPlotHeight);
-  out += fmt::format("<text x=\"{}\" y=\"28\" class=\"title\">{}</text><text x=\"{}\" y=\"50\" class=\"label\">{}</text>\n",
-                     kLeft, escaped(c.title), kLeft, escaped(c.subtitle));
+  out += fmt::format(
+      "<text x=\"{}\" y=\"28\" class=\"title\">{}</text><text x=\"{}\" y=\"50\" class=\"label\">{}</text>\n", kLeft,
+      escaped(c.title), kLeft, escaped(c.subtitle));
   out += grid(c);
   out += "<g clip-path=\"url(#plane)\">\n";
   for (const Curve& line : c.curves) out += curve(c, line);
   out += "</g>\n";
-  out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#555\"/>\n", kLeft, kTop,
-                     kPlotWidth, kPlotHeight);
+  out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#555\"/>\n", kLeft,
+                     kTop, kPlotWidth, kPlotHeight);
   out += legend(c);
   for (const Marker& m : c.markers) out += marker(c, m);
   out += fmt::format(

@@ -14,12 +14,12 @@ struct Axis {
 
 /// A polyline; points that are not finite, or not above 0 on a logarithmic axis, break it. What leaves the plane is cut at its edge.
 struct Curve {
-  std::string label;             ///< in the legend; empty: not there
+  std::string label;  ///< in the legend; empty: not there
   std::vector<double> x, y;
   std::string colour = "#1f4e79";
   double width = 2.0;
   bool dashed = false;
-  bool fill_below = false;       ///< shades what lies under the curve
+  bool fill_below = false;  ///< shades what lies under the curve
 };
 
 /// One point with a label beside it.

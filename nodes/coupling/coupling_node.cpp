@@ -137,8 +137,7 @@ class CouplingNode {
     input.contact_stiffness = runtime::from_msg(contact.stiffness);
     input.tool = runtime::from_msg(contact.tool_pose);
     const CouplingOutput out = coupling_->step(input, dt_s);
-    const Wrench in_device =
-        clutched_ ? Wrench{} : wrench_to_device(scene_.device, out.wrench, input.tool.orientation);
+    const Wrench in_device = clutched_ ? Wrench{} : wrench_to_device(scene_.device, out.wrench, input.tool.orientation);
 
     msg::ForceCommand m{};
     m.session_id = contact.session_id;
@@ -200,16 +199,17 @@ class CouplingNode {
                      {"stiffness_at_hand_n_per_m", number(displayed)},
                      {"device_max_stiffness_n_per_m", number(running_.device_max_stiffness_n_per_m)}};
     if (running_.made > 0) describe(design, report);
-    const std::string missing = session_.report_to(report, options_, roster, links_, "a device and its scene's plan",
-                                                   samples_.load() > 0);
+    const std::string missing =
+        session_.report_to(report, options_, roster, links_, "a device and its scene's plan", samples_.load() > 0);
     // The device's limit is held against the total stiffness of the contact, not against one point's.
     report.message = session_.stopped() ? "stopped"
                      : !missing.empty() ? "waiting for " + missing
                      : displayed > running_.device_max_stiffness_n_per_m
-                         ? fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower "
-                                       "contact.stiffness_n_per_m or coupling.gain, or let it be designed "
-                                       "(coupling: {{design: auto}})",
-                                       displayed, running_.device_max_stiffness_n_per_m)
+                         ? fmt::format(
+                               "the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower "
+                               "contact.stiffness_n_per_m or coupling.gain, or let it be designed "
+                               "(coupling: {{design: auto}})",
+                               displayed, running_.device_max_stiffness_n_per_m)
                          : fmt::format("{} runs, {}", running_.fitted.spec.kind, status_word(running_.fitted));
     if (running_.made == 0 || running_.fitted.refusal.empty()) return;
     report.state = NodeState::kFailed;

@@ -34,12 +34,12 @@ void Fitting::begin() {
     return;
   }
   again_ = false;
-  under_way_ = std::async(std::launch::async, [this, device = device_, grip = grip_, translation = translation_,
-                                               rotation = rotation_] {
-    const sched_param ordinary{};
-    sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the loop, which starts this thread, may run under SCHED_FIFO
-    return fit_coupling(scene_, device, grip, translation, rotation);
-  });
+  under_way_ = std::async(
+      std::launch::async, [this, device = device_, grip = grip_, translation = translation_, rotation = rotation_] {
+        const sched_param ordinary{};
+        sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the loop, which starts this thread, may run under SCHED_FIFO
+        return fit_coupling(scene_, device, grip, translation, rotation);
+      });
 }
 
 std::optional<FittedCoupling> Fitting::poll() {

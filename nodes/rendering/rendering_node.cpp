@@ -55,6 +55,7 @@ class RenderingNode {
 
  private:
   void start_session(std::uint64_t session) {
+    if (session == session_in_loop_) return;  // the device has described itself anew; the scene is the same
     built_.renderer().reset();
     mapping_.reset();
     result_ = {};  // what is held for a refused sample must not come from another session
