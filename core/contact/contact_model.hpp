@@ -36,11 +36,12 @@ struct ContactResult {
   /// of that many matrices of norm K (all equal for `adapted`, so there the bound is reached). Not bounded: the step when a
   /// point crosses a voxel border, and the stiffness against rotation.
   double stiffness_bound_n_per_m = 0.0;
-  /// K sum J_i' J_i over the same points, J_i = [u_i', (arm_i x u_i)']: stiffness against translation and rotation [N/m, N, Nm/rad],
-  /// W axes, about the tool's origin; symmetric, positive semidefinite, the trace of its translational part at most the bound
-  /// above. It is how -wrench changes with the depths while the colliding set stays: for translations that is all; a rotation
-  /// also turns the arms and directions, which adds terms of the size of the wrench itself. A held point, whose push does not
-  /// depend on the pose, counts as one that does, so that the matrix does not fall where points go through.
+  /// K sum J_i' J_i over the same points, J_i = [u_i', (arm_i x u_i)']: stiffness against translation and rotation
+  /// [N/m, N, Nm/rad], W axes, about the tool's origin; symmetric, positive semidefinite, the trace of its translational
+  /// part at most the bound above. It is how -wrench changes with the depths while the colliding set stays: for
+  /// translations that is all; a rotation also turns the arms and directions, which adds terms of the size of the wrench
+  /// itself. A held point, whose push does not depend on the pose, counts as one that does, so that the matrix does not
+  /// fall where points go through.
   Mat6 stiffness = Mat6::Zero();
   bool fallback = false;                ///< normals face each other (coherence <= 0.3): `original` was used for this frame
   PoseStatus pose_status = PoseStatus::kUsable;

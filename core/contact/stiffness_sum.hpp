@@ -1,5 +1,6 @@
 #pragma once
-/// Sums of J' J over the points that push, J = [u', (arm x u)']: the part of -d(wrench)/d(pose) that comes from the depths.
+/// Sums of J' J over the points that push, J = [u', (arm x u)']: the part of -d(wrench)/d(pose) that comes from the
+/// depths.
 #include <array>
 
 #include "core/types/geometry.hpp"
@@ -9,7 +10,8 @@ namespace voxtouch {
 /// For points that push each along its own direction. Adds in the order of the calls; real-time safe.
 class StiffnessSum {
  public:
-  /// A point with depth u . (c - x), pushing along u (at most of unit length); `arm` from the tool's origin, W axes [m].
+  /// A point with depth u . (c - x), pushing along u (at most of unit length); `arm` from the tool's origin [m], W
+  /// axes.
   void add(const Vec3& arm, const Vec3& u) noexcept {
     const Vec3 lever = arm.cross(u);
     const std::array<double, 6> j = {u.x(), u.y(), u.z(), lever.x(), lever.y(), lever.z()};
@@ -34,8 +36,8 @@ class StiffnessSum {
   bool any_ = false;
 };
 
-/// For points that all push along one direction m: arm x m is linear in the arm, so that the arms' own moments will do, which is
-/// half the work a point.
+/// For points that all push along one direction m: arm x m is linear in the arm, so that the arms' own moments will do,
+/// which is half the work a point.
 class CommonDirectionSum {
  public:
   void add(const Vec3& arm) noexcept {

@@ -20,8 +20,9 @@ struct DeviceCheck {
   bool fits() const noexcept { return errors.empty(); }
 };
 
-/// Stiffness [N/m] at the hand for a contact of `stiffness_bound_n_per_m` in W: what the coupling shows of it, up to its cap, times both
-/// scales of the device (a metre of the hand is position_scale metres in W, a newton in W is force_scale newtons there).
+/// Stiffness [N/m] at the hand for a contact of `stiffness_bound_n_per_m` in W: what the coupling shows of it, up to
+/// its cap, times both scales of the device (a metre of the hand is position_scale metres in W, a newton in W is
+/// force_scale newtons there).
 double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept;
 
 /// Judges `scene.coupling` as it is: for a designed coupling put the design's spec (spec_in_world) there first.

@@ -9,8 +9,8 @@
 ///   force_D  = f R^T force_W,    torque_D = (f / s) R^T (torque_W + arm x force_W),   arm = tip -> tool's origin, W axes.
 ///
 /// The torque carries f / s because a lever in W is s times as long as in the hand. With it one rule holds for every motion:
-/// power at the hand = (f / s) * power in W, so a passive scene stays passive through any pair of scales. A stiffness against
-/// translation is felt times s f, one against rotation times f / s: the same contact at levers that are 1 / s as long.
+/// power at the hand = (f / s) * power in W, so a passive scene stays passive through any pair of scales. A stiffness
+/// against translation is felt times s f, one against rotation times f / s: the same contact at levers 1 / s as long.
 #include <cstdint>
 
 #include "core/scene/scene.hpp"

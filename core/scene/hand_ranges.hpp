@@ -13,16 +13,17 @@ enum class Grip : std::uint8_t { kPen, kArm };
 std::string_view name_of(Grip grip) noexcept;
 bool parse_grip(std::string_view word, Grip& grip) noexcept;
 
-/// The range of hands for a grip; letting go is one of its cases. Apparent at the device, so that they add to its own mass,
-/// damping and stiffness.
+/// The range of hands for a grip; letting go is one of its cases. Apparent at the device, so that they add to its own
+/// mass, damping and stiffness.
 ///
-/// Translation: engineering ranges round published fits (arm end points of 0.55 kg, 6.5 Ns/m, 135 N/m and of 1.3 kg; pen grips
-/// of 0.05 to 0.2 kg, 2 to 6 Ns/m, 200 to 1000 N/m), opened towards the light and soft end, which is the hard one.
+/// Translation: engineering ranges. Arm: round published fits of its end point (0.55 kg, 6.5 Ns/m, 135 N/m; 1.3 kg).
+/// Pen: no published coefficients could be confirmed. Both are opened towards the light and soft end, the hard one.
 ///
-/// Rotation: ASSUMPTIONS; no published ranges were found. Each is the translational one times the square of a lever at which the
-/// grip takes hold. Pen: the fingers' mass sits 3 cm from the tool's origin (2e-5 to 2e-4 kg m^2); they hold it at two places, tip
-/// and the fold of the thumb, 5 to 7 cm apart (0.1 to 2 Nm/rad, 2e-3 to 0.03 Nms/rad). Arm: fist and forearm at 8 to 10 cm (2e-3
-/// to 2e-2 kg m^2), held by wrist and elbow through 13 to 16 cm (1 to 15 Nm/rad, 0.05 to 0.6 Nms/rad).
+/// Rotation: ASSUMPTIONS; no published ranges were found. Each is the translational one times the square of a lever at
+/// which the grip takes hold. Pen: the fingers' mass sits 3 cm from the tool's origin (2e-5 to 2e-4 kg m^2); they hold
+/// it at two places, tip and the fold of the thumb, 5 to 7 cm apart (0.1 to 2 Nm/rad, 2e-3 to 0.03 Nms/rad). Arm: fist
+/// and forearm at 8 to 10 cm (2e-3 to 2e-2 kg m^2), held by wrist and elbow through 13 to 16 cm (1 to 15 Nm/rad, 0.05
+/// to 0.6 Nms/rad).
 OperatorRange hand_range(Grip grip) noexcept;
 
 }  // namespace voxtouch

@@ -64,8 +64,8 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
                                    scene.shell == ShellKind::kExact ? "exact" : "naive"));
   plan.built.push_back(fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
                                    scene.contact.stiffness_n_per_m));
-  plan.built.push_back(fmt::format("Contact stiffness in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin by one "
-                                   "point, {:.6g} N/m and {:.6g} Nm/rad by all points.",
+  plan.built.push_back(fmt::format("Contact stiffness in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin "
+                                   "by one point, {:.6g} N/m and {:.6g} Nm/rad by all points.",
                                    n.contact_n_per_m.one_point, n.contact_nm_per_rad.one_point,
                                    n.contact_n_per_m.all_points, n.contact_nm_per_rad.all_points));
   plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));

@@ -2,29 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <fstream>
-
 #include "core/scene/scene_hash.hpp"
 #include "core/scene/scene_sections.hpp"
+#include "core/scene/text_file.hpp"
 
 namespace voxtouch {
 namespace {
-
-std::string read_text_file(const std::filesystem::path& file) {
-  std::error_code fault;
-  const auto status = std::filesystem::status(file, fault);
-  if (!std::filesystem::exists(status)) throw SceneError(file, {}, "There is no such scene file.");
-  if (std::filesystem::is_directory(status)) throw SceneError(file, {}, "This is a folder; name the scene file in it.");
-  if (!std::filesystem::is_regular_file(status)) throw SceneError(file, {}, "This is no regular file.");
-  std::ifstream in(file, std::ios::binary);
-  std::string text(kLargestSceneFile + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.bad() || (in.fail() && !in.eof())) throw SceneError(file, {}, "The scene file cannot be read.");
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > kLargestSceneFile)
-    throw SceneError(file, {}, fmt::format("The file is larger than {} bytes; that is no scene.", kLargestSceneFile));
-  return text;
-}
 
 std::string hash_of(const std::string& text, const SceneSource& source, const MapReader& map, const Scene& scene) {
   SceneHash hash;
@@ -63,6 +46,6 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   return scene;
 }
 
-Scene load_scene(const std::filesystem::path& file) { return parse_scene(read_text_file(file), file); }
+Scene load_scene(const std::filesystem::path& file) { return parse_scene(read_text_file(file, "scene"), file); }
 
 }  // namespace voxtouch

@@ -21,15 +21,16 @@
 /// coupling: {kind: shaping_filter, cutoff_hz: 100, damping_ratio: 0.707, gain: 1}
 /// #         {kind: spring_damper, stiffness_n_per_m: 500, damping_ns_per_m: 2} or {kind: direct}; each may add, in W:
 /// #         {stiffness_cap_n_per_m: 800, stiffness_cap_nm_per_rad: 2}             # what the contact may show at most
-/// #         {injected_damping_ns_per_m: 3, injected_damping_nms_per_rad: 0.01, velocity_filter_hz: 100}   # while in contact
+/// #         {injected_damping_ns_per_m: 3, injected_damping_nms_per_rad: 0.01, velocity_filter_hz: 100}   # in contact
 /// # or let it be designed for the device; all keys but `design` may be left out, these are what they are then:
 /// coupling: {design: auto, kind: auto, cutoff_hz: 5, gain_margin: 2, hand: pen, released: true, inject_damping: true,
 ///            run_infeasible: false}
 /// #         kind: auto | shaping_filter | spring_damper | direct; cutoff_hz is a wish, the designer may raise it
 /// #         stiffness_cap_n_per_m, stiffness_cap_nm_per_rad: fixed, in W; where both are left out the designer may cap
-/// #         hand: pen | arm | any_passive, or {mass_kg: [0.02, 0.2], damping_ns_per_m: [0.5, 8], stiffness_n_per_m: [20, 800]} and
-/// #         with it all or none of inertia_kg_m2, damping_nms_per_rad, stiffness_nm_per_rad; left out: as the device is held
-/// #         released: nobody holding it must be stable too; run_infeasible: run what was found even where the design says no
+/// #         hand: pen | arm | any_passive | {mass_kg: [0.02, 0.2], damping_ns_per_m: [0.5, 8],
+/// #         stiffness_n_per_m: [20, 800]} with all or none of inertia_kg_m2, damping_nms_per_rad, stiffness_nm_per_rad;
+/// #         left out: as the device is held. released: must be stable with nobody holding it too
+/// #         run_infeasible: run what was found even where the design says that it will not do
 /// device: {position_scale: 1, force_scale: 1, pose: {position: [0, 0, 0], orientation: [1, 0, 0, 0]},
 ///          tool: {position: [0, 0, 0], orientation: [1, 0, 0, 0]}, clutch_button: 0}
 /// motions:
@@ -46,8 +47,6 @@
 
 namespace voxtouch {
 
-/// Largest scene file [bytes]; the meshes are files of their own.
-inline constexpr std::uintmax_t kLargestSceneFile = std::uintmax_t{1} << 20;
 /// Period that a scene's coupling is judged for; check_device judges it again for the device's own.
 inline constexpr double kSceneSampleTimeS = 1e-3;
 

@@ -20,7 +20,7 @@ SourcePlace place_of(const YAML::Mark& mark) {
 /// it is complete, so no pointer into a growing vector is kept.
 class TreeBuilder final : public YAML::EventHandler {
  public:
-  explicit TreeBuilder(const std::filesystem::path& file) : file_(file) {}
+  TreeBuilder(const std::filesystem::path& file, std::string_view what) : file_(file), what_(what) {}
   YamlNode take() { return std::move(root_); }
 
   void OnDocumentStart(const YAML::Mark&) override {}
@@ -50,14 +50,14 @@ class TreeBuilder final : public YAML::EventHandler {
 
   [[noreturn]] void fail(SourcePlace place, const std::string& sentence) const { throw SceneError(file_, place, sentence); }
   [[noreturn]] void refuse_alias(const YAML::Mark& mark) const {
-    fail(place_of(mark), "Scenes have no anchors (&) and aliases (*); write the value out.");
+    fail(place_of(mark), fmt::format("A {} has no anchors (&) and aliases (*); write the value out.", what_));
   }
 
   void check(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
     if (anchor != 0) refuse_alias(mark);
     if (!tag.empty() && tag != "?" && tag != "!")
-      fail(place_of(mark), fmt::format("Scenes have no tags; remove '{}'.", tag));
-    if (++nodes_ > kMostNodes) fail(place_of(mark), fmt::format("The scene has more than {} values.", kMostNodes));
+      fail(place_of(mark), fmt::format("A {} has no tags; remove '{}'.", what_, tag));
+    if (++nodes_ > kMostNodes) fail(place_of(mark), fmt::format("The {} has more than {} values.", what_, kMostNodes));
   }
 
   bool expects_key() const {
@@ -86,7 +86,7 @@ class TreeBuilder final : public YAML::EventHandler {
     check(mark, tag, anchor);
     if (expects_key()) fail(place_of(mark), "A key must be a plain word, not a list or a map.");
     if (open_.size() >= kDeepestNesting)
-      fail(place_of(mark), fmt::format("The scene is nested more than {} levels deep.", kDeepestNesting));
+      fail(place_of(mark), fmt::format("The {} is nested more than {} levels deep.", what_, kDeepestNesting));
     open_.emplace_back();
     open_.back().node.kind = kind, open_.back().node.place = place_of(mark);
   }
@@ -107,6 +107,7 @@ class TreeBuilder final : public YAML::EventHandler {
   }
 
   const std::filesystem::path& file_;
+  std::string_view what_;
   YamlNode root_;
   std::vector<Open> open_;
   std::size_t nodes_ = 0;
@@ -127,13 +128,13 @@ std::size_t utf8_length(const std::string& s, std::size_t i) {
 }
 
 /// Refuses bytes that are no text before the parser sees them, with their place.
-void check_text(const std::string& text, const std::filesystem::path& file) {
+void check_text(const std::string& text, const std::filesystem::path& file, std::string_view what) {
   SourcePlace place{1, 1};
   for (std::size_t i = 0; i < text.size();) {
     const auto byte = static_cast<unsigned char>(text[i]);
     const std::size_t length = utf8_length(text, i);
     if (length == 0 || (byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r') || byte == 0x7F)
-      throw SceneError(file, place, fmt::format("The byte 0x{:02x} is no text; a scene is a YAML file in UTF-8.", byte));
+      throw SceneError(file, place, fmt::format("The byte 0x{:02x} is no text; a {} is YAML in UTF-8.", byte, what));
     if (byte == '\n') ++place.line, place.column = 0;
     ++place.column;
     i += length;
@@ -142,18 +143,18 @@ void check_text(const std::string& text, const std::filesystem::path& file) {
 
 }  // namespace
 
-YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file) {
-  check_text(text, file);
+YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file, std::string_view what) {
+  check_text(text, file, what);
   // Without the last line's end: at it, this parser takes a quote that is never closed for closed.
   const std::size_t last = text.find_last_not_of(" \t\r\n");
   std::istringstream stream(text.substr(0, last == std::string::npos ? 0 : last + 1));
-  TreeBuilder builder(file);
+  TreeBuilder builder(file, what);
   try {
     YAML::Parser parser(stream);
     if (!parser.HandleNextDocument(builder)) return {};
-    TreeBuilder second(file);
+    TreeBuilder second(file, what);
     if (parser.HandleNextDocument(second))
-      throw SceneError(file, second.take().place, "There is a second YAML document; a scene is one.");
+      throw SceneError(file, second.take().place, fmt::format("There is a second YAML document; a {} is one.", what));
   } catch (const YAML::Exception& fault) {
     throw SceneError(file, place_of(fault.mark), fmt::format("This is no YAML: {}.", fault.msg));
   }

@@ -1,0 +1,195 @@
+#include "core/scene/device_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+namespace voxtouch {
+namespace {
+
+const std::string kArm = R"(device: third
+rate_hz: 2000
+max_force_n: 150
+max_torque_nm: 15
+max_stiffness_n_per_m: 5000
+mass_kg: [3, 6]
+damping_ns_per_m: 30
+coulomb_friction_n: 2.5
+position_resolution_m: 2e-5
+delay_s: 0.002
+force_bandwidth_hz: 53
+rotation: {inertia_kg_m2: [0.1, 0.2], damping_nms_per_rad: 0.3, coulomb_friction_nm: 0.25, orientation_resolution_rad: 1e-4, max_stiffness_nm_per_rad: 300}
+jitter: 0.4
+lost_in_a_row: 3
+grip: arm
+)";
+
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = kArm;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(DeviceFile, EveryKeyArrivesWhereItBelongs) {
+  const DeviceFile file = parse_device_file(kArm, "arm.yaml");
+  const DeviceModel& m = file.model;
+  EXPECT_EQ(m.name, "third");
+  EXPECT_EQ(file.grip, Grip::kArm);
+  EXPECT_EQ(m.timing.period_s, 0.0005);
+  EXPECT_EQ(m.timing.delay_s, 0.002);
+  EXPECT_EQ(m.timing.jitter, 0.4);
+  EXPECT_EQ(m.timing.lost_in_a_row, 3);
+  EXPECT_EQ(m.translation.max_effort, 150);
+  EXPECT_EQ(m.translation.max_stiffness, 5000);
+  EXPECT_EQ(m.translation.inertia_min, 3);
+  EXPECT_EQ(m.translation.inertia_max, 6);
+  EXPECT_EQ(m.translation.damping, 30);
+  EXPECT_EQ(m.translation.coulomb_friction, 2.5);
+  EXPECT_EQ(m.translation.resolution, 2e-5);
+  EXPECT_EQ(m.translation.effort_bandwidth_hz, 53);
+  EXPECT_TRUE(m.gives_torque);
+  EXPECT_EQ(m.rotation.max_effort, 15);
+  EXPECT_EQ(m.rotation.max_stiffness, 300);
+  EXPECT_EQ(m.rotation.inertia_min, 0.1);
+  EXPECT_EQ(m.rotation.inertia_max, 0.2);
+  EXPECT_EQ(m.rotation.damping, 0.3);
+  EXPECT_EQ(m.rotation.coulomb_friction, 0.25);
+  EXPECT_EQ(m.rotation.resolution, 1e-4);
+  EXPECT_EQ(m.rotation.effort_bandwidth_hz, 53) << "force and torque go through the same motors";
+}
+
+TEST(DeviceFile, MayLeaveTheBandwidthOut) {
+  EXPECT_TRUE(std::isinf(
+      parse_device_file(changed("force_bandwidth_hz: 53\n", ""), "a.yaml").model.translation.effort_bandwidth_hz));
+}
+
+TEST(DeviceFile, OfAllExamplesThatAreShippedIsRead) {
+  int read = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(VOXTOUCH_DEPLOY) / "devices")) {
+    const DeviceFile file = load_device_file(entry.path());
+    EXPECT_FALSE(file.model.name.empty());
+    ++read;
+  }
+  EXPECT_GE(read, 1);
+  const DeviceFile premium = load_device_file(std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml");
+  EXPECT_EQ(premium.model.translation.max_effort, 22);
+  EXPECT_EQ(premium.model.translation.max_stiffness, 1000);
+  EXPECT_FALSE(premium.model.gives_torque);
+  EXPECT_EQ(premium.grip, Grip::kPen);
+}
+
+/// One change to a good file; '^' marks the place that the error must name and is taken out.
+struct Bad {
+  const char* from;
+  const char* to;
+  const char* says;
+};
+
+const std::vector<Bad> kBad = {
+    {"rate_hz: 2000", "^rate: 2000", "did you mean 'rate_hz'?"},
+    {"grip: arm", "grip: arm\n^max_force_rate_n_per_s: 1", "is no key of 'device file'"},
+    {"grip: arm", "grip: arm\n^jitter: 1", "The key 'jitter' is here twice"},
+    {"device: third", "device: ^''", "'device' is empty"},
+    {"2000", "^0", "'rate_hz' is 0; it must be above 0."},
+    {"2000", "^0.5", "'rate_hz' is 0.5; it must be from 1 to 100000."},
+    {"2000", "^2e5", "it must be from 1 to 100000."},
+    {"2000", "^1 kHz", "'rate_hz' must be a number"},
+    {"150", "^0", "'max_force_n' is 0; it must be above 0."},
+    {"150", "^.inf", "must be a finite number"},
+    {"max_torque_nm: 15", "max_torque_nm: ^-1", "'max_torque_nm' is -1"},
+    {"5000", "^0", "'max_stiffness_n_per_m' is 0"},
+    {"[3, 6]", "^[6, 3]", "'mass_kg' goes from 6 to 3; the lower end comes first."},
+    {"[3, 6]", "^[0, 3]", "'mass_kg' begins at 0; it must be above 0."},
+    {"[3, 6]", "^3", "'mass_kg' must be a range [low, high], but here is the word '3'."},
+    {"[3, 6]", "^[3, 4, 6]", "must be a range [low, high]"},
+    {"damping_ns_per_m: 30", "damping_ns_per_m: ^-30", "it must be 0 or above"},
+    {"coulomb_friction_n: 2.5", "coulomb_friction_n: ^-1", "it must be 0 or above"},
+    {"2e-5", "^0.02", "'position_resolution_m' is 0.02; it is in metres and must be at most 0.01."},
+    {"2e-5", "^-1", "it must be 0 or above"},
+    {"delay_s: 0.002", "delay_s: ^2", "'delay_s' is 2; it is in seconds and must be at most 1."},
+    {"delay_s: 0.002", "delay_s: ^-0.001", "it must be 0 or above"},
+    {"force_bandwidth_hz: 53", "force_bandwidth_hz: ^0", "'force_bandwidth_hz' is 0"},
+    {"jitter: 0.4", "jitter: ^20", "'jitter' is 20; it is in parts of the period and must be at most 10."},
+    {"jitter: 0.4", "jitter: ^-0.1", "it must be 0 or above"},
+    {"lost_in_a_row: 3", "lost_in_a_row: ^-1", "must be a whole number from 0"},
+    {"lost_in_a_row: 3", "lost_in_a_row: ^1.5", "must be a whole number from 0"},
+    {"lost_in_a_row: 3", "lost_in_a_row: ^1001", "'lost_in_a_row' is 1001; it must be at most 1000."},
+    {"grip: arm", "grip: ^fist", "'grip' must be one of: pen, arm; here is the word 'fist'"},
+    {"max_torque_nm: 15", "max_torque_nm: 0", "'rotation' does not go with 'max_torque_nm: 0'"},
+    {"rotation: {", "rotation: ^1 #", "'rotation' must be a map with the keys: inertia_kg_m2,"},
+    {"[0.1, 0.2]", "^[0, 0.2]", "'inertia_kg_m2' begins at 0"},
+    {"[0.1, 0.2]", "^[0.3, 0.2]", "'inertia_kg_m2' goes from 0.3 to 0.2"},
+    {"damping_nms_per_rad: 0.3", "damping_nms_per_rad: ^-1", "it must be 0 or above"},
+    {"coulomb_friction_nm: 0.25", "coulomb_friction_nm: ^-1", "it must be 0 or above"},
+    {"orientation_resolution_rad: 1e-4", "orientation_resolution_rad: ^1", "it is in radians and must be at most 0.1."},
+    {"max_stiffness_nm_per_rad: 300", "max_stiffness_nm_per_rad: ^0", "'max_stiffness_nm_per_rad' is 0"},
+    {"max_stiffness_nm_per_rad: 300", "^max_stiffness: 300", "did you mean 'max_stiffness_nm_per_rad'?"},
+    {"rate_hz: 2000", "rate_hz: ^!!int 2000", "A device file has no tags"},
+    {"rate_hz: 2000", "rate_hz: ^&a 2000", "A device file has no anchors"},
+};
+
+/// Names the place of `mark` in `text` as messages do.
+std::string head_at(const std::string& text, std::size_t mark) {
+  SourcePlace place{1, 1};
+  for (std::size_t i = 0; i < mark; ++i) {
+    ++place.column;
+    if (text[i] == '\n') ++place.line, place.column = 1;
+  }
+  return at_place("arm.yaml", place, "");
+}
+
+TEST(DeviceFile, SaysWhereAndWhatIsWrong) {
+  for (const Bad& bad : kBad) {
+    std::string text = changed(bad.from, bad.to);
+    const std::size_t mark = text.find('^');
+    if (mark != std::string::npos) text.erase(mark, 1);
+    const std::string head = head_at(text, mark == std::string::npos ? text.find("rotation") : mark);
+    try {
+      parse_device_file(text, "arm.yaml");
+      ADD_FAILURE() << "was accepted: " << bad.to;
+    } catch (const SceneError& error) {
+      const std::string said = error.what();
+      EXPECT_TRUE(said.starts_with(head)) << bad.to << "\n  wanted " << head << "\n  got    " << said;
+      EXPECT_NE(said.find(bad.says), std::string::npos) << bad.to << "\n  " << said;
+      EXPECT_TRUE(said.ends_with('.') || said.ends_with('?')) << said;
+    }
+  }
+}
+
+TEST(DeviceFile, GuessesNothingThatIsMissing) {
+  for (std::size_t begin = 0; begin < kArm.size();) {
+    const std::size_t end = kArm.find('\n', begin) + 1;
+    const std::string line = kArm.substr(begin, end - begin), key = line.substr(0, line.find(':'));
+    begin = end;
+    if (key == "force_bandwidth_hz") continue;
+    try {
+      parse_device_file(changed(line, ""), "arm.yaml");
+      ADD_FAILURE() << "was accepted without " << key;
+    } catch (const SceneError& error) {
+      EXPECT_EQ(error.sentence(), "'" + key + "' is missing in 'device file'.");
+    }
+  }
+}
+
+TEST(DeviceFile, IsAFileWithADeviceInIt) {
+  const auto refusal = [](const std::filesystem::path& file) -> std::string {
+    try {
+      load_device_file(file);
+    } catch (const SceneError& error) {
+      return error.sentence();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal("/nonexistent/third.yaml"), "There is no such device file.");
+  EXPECT_EQ(refusal(std::filesystem::temp_directory_path()), "This is a folder; name the device file in it.");
+  EXPECT_THROW(parse_device_file("", "a.yaml"), SceneError);
+  EXPECT_THROW(parse_device_file("just words", "a.yaml"), SceneError);
+  EXPECT_THROW(parse_device_file("scene: cup\n", "a.yaml"), SceneError);
+}
+
+}  // namespace
+}  // namespace voxtouch
