@@ -10,6 +10,7 @@
 #include "nodes/coupling/coupling_node.hpp"
 #include "nodes/device/device_node.hpp"
 #include "nodes/rendering/rendering_node.hpp"
+#include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/roster.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
@@ -201,7 +202,12 @@ class RenderingAlone : public testing::Test {
     device.describe(session);
     ASSERT_TRUE(wait_until([&] {
       bool planned = false;
-      plans.take_each([&](const msg::ScenePlan& plan) { planned |= plan.session_id == session; });
+      plans.take_each([&](const msg::ScenePlan& plan) {
+        planned |= plan.session_id == session;
+        most_n_per_m = plan.all_points_stiffness_n_per_m, most_nm_per_rad = plan.all_points_stiffness_nm_per_rad;
+        one_n_per_m = plan.one_point_stiffness_n_per_m, one_nm_per_rad = plan.one_point_stiffness_nm_per_rad;
+        points = plan.shell_points;
+      });
       return planned && device.states.matched_count() == 1 && contacts.matched_count() == 1;
     }));
   }
@@ -225,6 +231,8 @@ class RenderingAlone : public testing::Test {
   bus::Reader<msg::ContactState> contacts;
   bus::Reader<msg::ScenePlan> plans;
   Node<rendering::Options> rendering;
+  double most_n_per_m = 0.0, most_nm_per_rad = 0.0, one_n_per_m = 0.0, one_nm_per_rad = 0.0;  ///< of the last plan
+  std::uint64_t points = 0;
 };
 
 constexpr double kInContact = 0.009, kNotANumber = std::numeric_limits<double>::quiet_NaN();
@@ -242,6 +250,20 @@ TEST_F(RenderingAlone, HoldsAContactForThreeRefusedSamplesAndThenLetsGo) {
   EXPECT_EQ(held.front(), good);
   EXPECT_EQ(held.back(), 0.0);
   EXPECT_EQ(force(contact_of(1, 7, kInContact)), good);
+}
+
+TEST_F(RenderingAlone, SaysHowStiffItsContactIsAndWhatTheSceneCanShowAtMost) {
+  begin(1);
+  EXPECT_EQ(one_n_per_m, 10.0);
+  EXPECT_EQ(most_n_per_m, 10.0 * static_cast<double>(points));
+  EXPECT_NEAR(one_nm_per_rad, 10.0 * 0.01 * 0.01, 1e-4) << "a sphere of 10 mm, 10 N/m a point";
+  EXPECT_NEAR(most_nm_per_rad, static_cast<double>(points) * 2.0 / 3.0 * one_nm_per_rad, 0.1 * most_nm_per_rad);
+  const msg::ContactState contact = contact_of(1, 0, kInContact);
+  const Mat6 stiffness = runtime::from_msg(contact.stiffness);
+  EXPECT_NEAR((stiffness.topLeftCorner<3, 3>().trace()), contact.stiffness_bound_n_per_m, 1e-9);
+  EXPECT_GT(contact.stiffness_bound_n_per_m, 0.0);
+  EXPECT_GT(stiffness(3, 3), 0.0);
+  EXPECT_LE(stiffness(3, 3), most_nm_per_rad);
 }
 
 TEST_F(RenderingAlone, RefusesAPoseThatTheDeviceDoesNotTrust) {
