@@ -151,8 +151,15 @@ double passive_limit(const AxisProblem& problem, const LoopController& law) {
   const double lost = law.injected_damping > 0.0 ? law.injected_damping * stretch(problem.timing) : 0.0;
   const double damping = std::max(0.0, problem.model.damping - lost);
   switch (law.law) {
-    case Law::kShapingFilter:
-      return passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping, problem.timing, lag);
+    case Law::kShapingFilter: {
+      const double jittered =
+          passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping, problem.timing, lag);
+      if (problem.timing.lost_in_a_row > 0) return jittered;
+      // Without room for losses a delay of a fraction of a period may need a little more than rule P's ages say.
+      const double uniform =
+          linear_passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping, problem.timing, lag);
+      return std::min(jittered, uniform);
+    }
     case Law::kDirect: {
       const double jittered = passive_stiffness_filter(kInfinity, 1.0, damping, problem.timing, lag);
       // Rule P holds for any timing within the bounds; Colgate's rule for the slowest, by whole samples. Both are kept.

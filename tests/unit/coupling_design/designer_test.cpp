@@ -193,6 +193,26 @@ TEST(Design, IsStableBetweenTheCasesThatItLookedAt) {
   std::printf("%d loops\n", loops);
 }
 
+TEST(Design, InjectsNoMoreThanTheInnerLoopAndTheNoiseAllow) {
+  Random random(41);
+  int damped = 0;
+  for (int i = 0; i < 60; ++i) {
+    const DesignRequest r = random_request(random);
+    const Design d = designed(r);
+    const double b = d.spec.injected_damping_ns_per_m, w = 2.0 * std::numbers::pi * d.spec.velocity_filter_hz;
+    if (b == 0.0) continue;
+    ++damped;
+    EXPECT_TRUE(r.wishes.allow_injected_damping);
+    for (const LoopPlant& plant : finer_cases(axis_problems(r)[0], random, 30))
+      ASSERT_LE(b, 0.501 * critical_damping(plant, w)) << i;
+    // One step of the encoder, through the filter, at once.
+    const double period = r.device.timing.period_s;
+    const double noise = b * r.device.translation.resolution / period * (1.0 - std::exp(-w * period));
+    EXPECT_LE(noise, std::max(0.05, 0.005 * r.device.translation.max_effort) * (1 + 1e-9));
+  }
+  EXPECT_GT(damped, 10);
+}
+
 TEST(Design, OfForceAndTorqueIsStableBetweenTheCases) {
   Random random(7);
   for (const char* kind : {"shaping_filter", "direct", "spring_damper"}) {
