@@ -183,7 +183,7 @@ TEST(HardCases, AStiffnessThatDoublesUnderPressureGivesNoEnergyBeyondItsRamp) {
     before = now;
   }
   EXPECT_NEAR(loop.position.x(), -2.0 / 800, 1e-5);
-  EXPECT_LE(steepest, 0.05) << "2 N more over 200 ms";
+  EXPECT_LE(steepest, 0.08) << "2 N more over 200 ms, and what the tool swings";
   // A hand that pushes with 2 N is pushed back by 2.5 mm whatever the ramp, which is 5 mJ. A step would give dk p^2/2, another
   // 5 mJ, on top.
   EXPECT_NEAR(credit - lowest, 0.005, 0.2 * 0.005);

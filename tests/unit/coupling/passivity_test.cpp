@@ -172,8 +172,12 @@ TEST(Passivity, PaysADebtBackInOnePeriodAtTheSameVelocity) {
   p.observe(out, true, kT);
   EXPECT_NEAR(p.energy().normal_j, 0.0, 1e-15);
   EXPECT_NEAR(p.energy().rotation_j, 0.0, 1e-15);
-  EXPECT_EQ(
-      p.control({1, 0, 0}, {true, {-1e-4, 0, 0}, {0, 0, 0}}, {{0.2, 0, 0}, {0, 0, 0}}, {1e9, 1e9}).linear_ns_per_m, 0)
+  p.command({{1, 0, 0}, {0, 0, 0}});
+  p.observe(out, true, kT);
+  const ToolStep turned{true, {-1e-4, 0, 0}, {0, 0, 0}};
+  const Twist late{{0.2, 0, 0}, {0, 0, 0}};
+  EXPECT_GT(p.control({1, 0, 0}, out, late, {1e9, 1e9}).linear_ns_per_m, 0.0);
+  EXPECT_EQ(p.control({1, 0, 0}, turned, late, {1e9, 1e9}).linear_ns_per_m, 0.0)
       << "a velocity that turns late does not push";
 }
 
@@ -281,6 +285,49 @@ TEST(Passivity, ABouncingToolMeetsTheDebtOfItsLastBounce) {
   }
   EXPECT_GT(p.control({1, 0, 0}, {}, {{-0.1, 0, 0}, {0, 0, 0}}, limits).linear_ns_per_m, 0.0)
       << "on the way in already";
+}
+
+/// When the contact has ended the filter still pushes for a while: the controller may take from that, and adds nothing to it.
+TEST(Passivity, TakesFromTheFiltersTailAndAddsNothingInFreeSpace) {
+  for (const double away : {1.0, -1.0}) {
+    RunningCoupling on(spec_with("shaping_filter", 5, 10), {8.5, 0}, kT),
+        off(spec_with("shaping_filter", 5, 0), {8.5, 0}, kT);
+    double x = 0, less = 0;
+    for (int n = 0; n < 3000; ++n) {
+      const bool contact = n > 10 && n < 200;
+      CouplingInput in = contact ? wall(Vec3(-0.003, 0, 0), 1000) : CouplingInput{};
+      x += 1e-4 * (contact ? 1.0 : away);  // out under a force that does not fall: active
+      in.tool.position = Vec3(x, 1e-5 * n, 0);
+      const Vec3 with = on.step(in, kT).wrench.force, without = off.step(in, kT).wrench.force;
+      if (contact) continue;
+      ASSERT_GE(with.dot(without), 0.0);
+      ASSERT_LE(with.norm(), without.norm() * (1 + 1e-12)) << n;
+      if (n > 205) less = std::max(less, without.x() - with.x());
+    }
+    if (away > 0) {
+      EXPECT_GT(less, 0.1);
+    } else {
+      EXPECT_LT(less, 0.01) << "moving in, the tail is left as it is";
+    }
+    EXPECT_TRUE(on.step({}, kT).wrench.zero());
+  }
+}
+
+/// Across the contact there is nothing to push against: the controller works there as friction does, within the push.
+TEST(Passivity, BrakesAcrossTheContactNoHarderThanTheContactPushes) {
+  RunningCoupling on(spec_with("shaping_filter", 30, 0.5), {}, kT), off(spec_with("shaping_filter", 30, 0), {}, kT);
+  double hardest = 0;
+  for (int n = 0; n < 600; ++n) {
+    CouplingInput in{{{0, 0, 0}, {0, 0, 0}}, 1000};
+    // The surface turns from x to y while the filter still pushes along x, and with it the tool goes; then it barely touches.
+    if (n > 10) in.contact.force = n < 200 ? Vec3(3, 0, 0) : Vec3(0, n < 250 ? 3 : 0.01, 0);
+    in.tool.position = Vec3(n < 200 ? 0 : 1e-4 * (n - 200), 0, 0);
+    const Vec3 with = on.step(in, kT).wrench.force, law = off.step(in, kT).wrench.force;
+    ASSERT_LE((with - law).norm(), law.norm() * (1 + 1e-9) + 1e-12) << n;
+    if (n > 400) hardest = std::max(hardest, (with - law).norm());
+  }
+  EXPECT_LT(on.energy().tangential_j, -1e-4) << "a debt that it cannot pay so quickly";
+  EXPECT_NEAR(hardest, 0.01, 1e-3);
 }
 
 /// An encoder hides part of the way: |E - true| <= q/2 times all changes of the force.

@@ -78,7 +78,9 @@ TEST(RunningCoupling, HoldsAnUnusableContactForTenPeriodsAndThenLetsGo) {
     double before = steady;
     for (int n = 0; n < 500; ++n) {
       const double now = running.step(push({kNan, 0, 0}), kT).wrench.force.x();
-      if (n < 9) { ASSERT_NEAR(now, steady, 1e-6) << kind << n; }
+      if (n < 9) {
+        ASSERT_NEAR(now, steady, 1e-6) << kind << n;
+      }
       ASSERT_LE(std::abs(now - before), 0.05) << kind << ": faded, not dropped";
       before = now;
     }
@@ -116,8 +118,8 @@ TEST(RunningCoupling, RedesignsWhileInContactWithoutAJump) {
       steepest = std::max(steepest, std::abs(now - before));
       before = now;
     }
-    // 4 N of cap over 20 ms is 0.2 N a period; the filter's overshoot adds a third.
-    EXPECT_LE(steepest, 0.35) << kinds;
+    // 4 N of cap over 200 ms are 20 mN a period, from half-way on another course; the filter's swing does the rest.
+    EXPECT_LE(steepest, kinds ? 0.12 : 0.06) << kinds;
     EXPECT_GT(steepest, 0.005);
   }
 }
