@@ -9,8 +9,11 @@ namespace {
 /// A direction shorter than this is none.
 constexpr double kNoLength = 1e-200;
 
+/// A debt up to here [J] is rounding.
+constexpr double kNoDebt = 1e-12;
+
 double damping_for(double energy_j, double speed, double limit, double period_s) noexcept {
-  if (!(energy_j < 0.0) || !(speed > 0.0)) return 0.0;
+  if (!(energy_j < -kNoDebt) || !(speed > 0.0)) return 0.0;
   return std::min(limit, -energy_j / period_s / speed / speed);  // no speed^2: it would underflow
 }
 

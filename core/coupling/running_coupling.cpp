@@ -135,10 +135,8 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, double dt_s, double 
 
 void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   const Twist& velocity = motion_.velocity();
-  if (in_contact_) {
-    const Wrench damping = injected_.of(contact_, velocity);
-    sum.force += damping.force, sum.torque += damping.torque;
-  }
+  const Wrench damping = injected_.of(contact_, velocity);  // none where the contact does not push
+  sum.force += damping.force, sum.torque += damping.torque;
   PassivityDamping more = passivity_.control(contact_.contact.force, way_, velocity, passivity_limits_);
   // Across the contact it works as friction does: no more than the push, so that it comes and goes with it.
   clamp_length(more.tangential, law.force.stableNorm());

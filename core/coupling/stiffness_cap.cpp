@@ -51,13 +51,19 @@ StiffnessCap::StiffnessCap(const CouplingSpec& spec) noexcept
 
 void StiffnessCap::redesign(const CouplingSpec& spec) noexcept {
   rise_s_ = ramp_s(spec);
-  per_cap_t_.head_for(per(spec.stiffness_cap_n_per_m), rise_s_);
-  per_cap_r_.head_for(per(spec.stiffness_cap_nm_per_rad), rise_s_);
+  per_cap_t_ = per(spec.stiffness_cap_n_per_m);
+  per_cap_r_ = per(spec.stiffness_cap_nm_per_rad);
+  redesigned_ = true;
 }
 
 double StiffnessCap::step(const CouplingInput& input, double dt_s) noexcept {
-  const double per_t = per_cap_t_.advance(dt_s), per_r = per_cap_r_.advance(dt_s);
-  const double allowed = cap_scale(input.contact_stiffness, input.contact_stiffness_n_per_m, per_t, per_r);
+  double allowed = cap_scale(input.contact_stiffness, input.contact_stiffness_n_per_m, per_cap_t_, per_cap_r_);
+  if (redesigned_) {
+    over_ = Ramp(allowed > 0.0 ? std::clamp(scale_ / allowed, 0.0, 1e12) : 1.0);
+    over_.head_for(1.0, std::max(rise_s_, kDefaultRampS));
+    redesigned_ = false;
+  }
+  allowed = std::min(allowed * over_.advance(dt_s), 1.0);
   scale_ = std::min(allowed, scale_ + allowed * dt_s / rise_s_);
   return scale_;
 }

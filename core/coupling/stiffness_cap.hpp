@@ -30,15 +30,19 @@ double cap_scale(const Mat6& stiffness, double bound, double per_cap_t, double p
 class StiffnessCap {
  public:
   explicit StiffnessCap(const CouplingSpec& spec) noexcept;
-  /// New caps; their inverses go there in a straight line, so none and some are a finite way apart.
+  /// New caps. A contact that pushes meanwhile does not jump: from what it shows now the displayed stiffness goes to what the
+  /// new caps let it show in a straight line, over kDefaultRampS or `ramp_behind_filter_s`, whichever is longer, also from or to
+  /// no cap at all. Slower than the rise above, because there nothing has to be let go soon, and a stiffness that rises by dk
+  /// faster than the tool follows gives the hand up to dk p^2 / 2.
   void redesign(const CouplingSpec& spec) noexcept;
   /// s for this sample; `input` as `usable` accepts it.
   double step(const CouplingInput& input, double dt_s) noexcept;
-  void reset() noexcept { scale_ = 1.0; }
+  void reset() noexcept { scale_ = 1.0, over_ = Ramp(1.0); }
 
  private:
-  double rise_s_, scale_ = 1.0;
-  Ramp per_cap_t_, per_cap_r_;
+  double rise_s_, per_cap_t_, per_cap_r_, scale_ = 1.0;
+  bool redesigned_ = false;
+  Ramp over_{1.0};  ///< what is shown, in units of what the new caps allow, on its way to one
 };
 
 }  // namespace voxtouch

@@ -53,6 +53,26 @@ TEST(CouplingSpec, NamesTheFieldThatIsWrong) {
   EXPECT_EQ(refused(with(&CouplingSpec::gain, 1, "spring")), "kind");
 }
 
+TEST(CouplingSpec, NamesWhatAllKindsShare) {
+  for (const char* kind : {"shaping_filter", "spring_damper", "direct"}) {
+    for (const double bad : {kNan, -1.0, 0.0}) {
+      EXPECT_EQ(refused(with(&CouplingSpec::stiffness_cap_n_per_m, bad, kind)), "stiffness_cap_n_per_m");
+      EXPECT_EQ(refused(with(&CouplingSpec::stiffness_cap_nm_per_rad, bad, kind)), "stiffness_cap_nm_per_rad");
+      EXPECT_EQ(refused(with(&CouplingSpec::velocity_filter_hz, bad, kind)), "velocity_filter_hz");
+    }
+    EXPECT_EQ(refused(with(&CouplingSpec::stiffness_cap_n_per_m, kInf, kind)), "");
+    EXPECT_EQ(refused(with(&CouplingSpec::velocity_filter_hz, kInf, kind)), "velocity_filter_hz");
+    for (const double bad : {kNan, kInf, -1.0}) {
+      EXPECT_EQ(refused(with(&CouplingSpec::injected_damping_ns_per_m, bad, kind)), "injected_damping_ns_per_m");
+      EXPECT_EQ(refused(with(&CouplingSpec::injected_damping_nms_per_rad, bad, kind)), "injected_damping_nms_per_rad");
+      EXPECT_EQ(refused(with(&CouplingSpec::passivity_damping_limit_ns_per_m, bad, kind)),
+                "passivity_damping_limit_ns_per_m");
+      EXPECT_EQ(refused(with(&CouplingSpec::passivity_damping_limit_nms_per_rad, bad, kind)),
+                "passivity_damping_limit_nms_per_rad");
+    }
+  }
+}
+
 TEST(CouplingSpec, IgnoresTheParametersOfOtherKinds) {
   EXPECT_EQ(refused(with(&CouplingSpec::cutoff_hz, kNan, "spring_damper")), "");
   EXPECT_EQ(refused(with(&CouplingSpec::cutoff_hz, kNan, "direct")), "");
@@ -83,6 +103,13 @@ TEST(CouplingSpec, TellsTheStiffnessThatReachesTheHand) {
   EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(with(&CouplingSpec::gain, 0.5), 800), 400);
   EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(with(&CouplingSpec::stiffness_n_per_m, 500, "spring_damper"), 500), 250);
   EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(with(&CouplingSpec::gain, 0.5, "direct"), 800), 800);
+  CouplingSpec capped = with(&CouplingSpec::gain, 0.5);
+  capped.stiffness_cap_n_per_m = 500;
+  EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(capped, 1e5), 250) << "10^4 points show what the cap lets through";
+  EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(capped, 100), 50);
+  capped.kind = "spring_damper", capped.stiffness_n_per_m = 500;
+  EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(capped, 1e5), 250);
+  EXPECT_TRUE(std::isnan(displayed_stiffness_n_per_m(capped, kNan))) << "what is no stiffness stays none";
 }
 
 TEST(CouplingSpec, KindsHaveNamesThatAreReadBack) {

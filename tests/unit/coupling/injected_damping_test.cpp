@@ -1,0 +1,206 @@
+#include "core/coupling/injected_damping.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "core/coupling/running_coupling.hpp"
+#include "core/coupling/tool_motion.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr double kT = 1e-3;
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+Pose at(const Vec3& position, const Quat& orientation = Quat::Identity()) { return {position, orientation}; }
+
+TEST(ToolMotion, FiltersDifferencesAsItsFormulaSays) {
+  ToolMotion motion(kT, 100, {});
+  const double a = std::exp(-2 * std::numbers::pi * 100 * kT);
+  motion.step(at(Vec3::Zero()), kT);
+  double wanted = 0, before = 0;
+  for (int n = 1; n < 200; ++n) {
+    const double x = 1e-3 * std::sin(0.05 * n);
+    wanted = a * wanted + (1 - a) * (x - before) / kT;
+    before = x;
+    const ToolStep& step = motion.step(at({x, 0, -x}), kT);
+    EXPECT_TRUE(step.known);
+    EXPECT_NEAR(motion.velocity().linear.x(), wanted, 1e-12);
+    EXPECT_NEAR(motion.velocity().linear.z(), -wanted, 1e-12);
+  }
+}
+
+TEST(ToolMotion, TurnsTheShorterWayWhicheverSignTheQuaternionHas) {
+  const Vec3 axis = Vec3(1, -2, 2) / 3;
+  for (const double rate : {0.5, -30.0}) {
+    ToolMotion motion(kT, 100, {});
+    for (int n = 0; n < 100; ++n) {
+      Quat q(Eigen::AngleAxisd(3.0 + rate * kT * n, axis));
+      if (n % 2) q.coeffs() *= -1.0;
+      const ToolStep& step = motion.step(at(Vec3::Zero(), q), kT);
+      if (n > 0) {
+        EXPECT_LE((step.turn - rate * kT * axis).norm(), 1e-12);
+      }
+    }
+    EXPECT_LE((motion.velocity().angular - rate * axis).norm(), 1e-6 * std::abs(rate));
+  }
+}
+
+/// A hand at 0.2 m/s whose samples come early, late, twice lost or with a clock that is no clock.
+TEST(ToolMotion, UnevenAndBrokenPeriodsMakeNoSpike) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> u(0, 1);
+  ToolMotion motion(kT, 100, {});
+  double x = 0, fastest = 0;
+  for (int n = 0; n < 20'000; ++n) {
+    double way = kT * (0.2 + 9.7 * u(random) * u(random)), said = way;
+    if (u(random) < 0.1) {
+      const double bad[] = {0.0, -1.0, kNan, 1e-9, -kT};
+      way = kT, said = bad[static_cast<std::size_t>(5 * u(random))];
+    } else if (u(random) < 0.01) {
+      way = said = 10.0;  // the loop stood still for ten seconds
+    }
+    x += 0.2 * way;
+    motion.step(at({x, 0, 0}), said);
+    fastest = std::max(fastest, motion.velocity().linear.norm());
+  }
+  EXPECT_LE(fastest, 0.2 * (1 + 1e-9));
+  EXPECT_GT(fastest, 0.19);
+  EXPECT_EQ(motion.jumps(), 0U);
+}
+
+TEST(ToolMotion, ASampleThatIsNoPoseCountsTowardsTheNext) {
+  for (const Pose& bad : {at({kNan, 0, 0}), at({1e13, 0, 0}), at({0, 0, 0}, Quat(0, 0, 0, 0)),
+                          at({0, 0, 0}, Quat(2, 0, 0, 0)), at({0, 0, 0}, Quat(kNan, 0, 0, 0))}) {
+    ToolMotion motion(kT, 100, {});
+    for (int n = 0; n < 100; ++n) motion.step(at({2e-4 * n, 0, 0}), kT);
+    for (int n = 0; n < 3; ++n) EXPECT_FALSE(motion.step(bad, kT).known);
+    EXPECT_TRUE(motion.step(at({2e-4 * 103, 0, 0}), kT).known);
+    EXPECT_NEAR(motion.velocity().linear.x(), 0.2, 1e-9);
+    for (int n = 0; n < 11; ++n) motion.step(bad, kT);
+    EXPECT_TRUE(motion.velocity().linear.isZero(0.0)) << "after ten periods it is not known any more";
+  }
+}
+
+TEST(ToolMotion, AJumpIsNoVelocity) {
+  ToolMotion motion(kT, 100, {});
+  for (int n = 0; n < 100; ++n) motion.step(at({1e-4 * n, 0, 0}), kT);
+  EXPECT_FALSE(motion.step(at({0.5, 0, 0}), kT).known);
+  EXPECT_TRUE(motion.velocity().linear.isZero(0.0));
+  EXPECT_FALSE(motion.step(at({0.5, 0, 0}, Quat(0, 1, 0, 0)), kT).known) << "half a turn in a millisecond";
+  EXPECT_EQ(motion.jumps(), 2U);
+  EXPECT_TRUE(motion.step(at({0.5001, 0, 0}, Quat(0, 1, 0, 0)), kT).known);
+  EXPECT_LT(motion.velocity().linear.x(), 0.1);
+}
+
+TEST(ToolMotion, RestsAtExactlyZero) {
+  ToolMotion motion(kT, 100, {});
+  for (int n = 0; n < 100; ++n) motion.step(at({1e-4 * n, 0, 0}), kT);
+  EXPECT_GT(motion.velocity().linear.x(), 0.09);
+  for (int n = 0; n < 500; ++n) motion.step(at({99e-4, 0, 0}), kT);
+  EXPECT_TRUE(motion.velocity().linear.isZero(0.0));
+}
+
+/// A contact with one or two walls, held at a depth, felt through the direct coupling.
+CouplingInput corner(const Vec3& force, double kx, double ky) {
+  CouplingInput in;
+  in.contact.force = force;
+  in.contact_stiffness_n_per_m = kx + ky;
+  in.contact_stiffness(0, 0) = kx, in.contact_stiffness(1, 1) = ky;
+  return in;
+}
+
+struct Moving {
+  RunningCoupling coupling;
+  Pose pose;
+  CouplingOutput out;
+
+  explicit Moving(double b_linear, double b_angular = 0.0, const CouplingLimits& limits = {})
+      : coupling(spec(b_linear, b_angular), limits, kT) {
+    coupling.step({}, kT);
+  }
+  static CouplingSpec spec(double b_linear, double b_angular) {
+    CouplingSpec s;
+    s.kind = "direct", s.injected_damping_ns_per_m = b_linear, s.injected_damping_nms_per_rad = b_angular;
+    return s;
+  }
+  /// Long enough for v^ to be the velocity.
+  const Wrench& move(CouplingInput in, const Vec3& velocity, const Vec3& turn = Vec3::Zero()) {
+    for (int n = 0; n < 60; ++n) {
+      pose.position += kT * velocity;
+      if (turn.norm() > 0.0)
+        pose.orientation = Quat(Eigen::AngleAxisd(kT * turn.norm(), turn.normalized())) * pose.orientation;
+      in.tool = pose;
+      out = coupling.step(in, kT);
+    }
+    return out.wrench;
+  }
+};
+
+TEST(InjectedDamping, LeavesSlidingOverAPlaneFreeAndDampsACornerBothWays) {
+  Moving m(5);
+  const CouplingInput plane = corner({3, 0, 0}, 1000, 0), both = corner({3, 3, 0}, 1000, 500);
+  EXPECT_LE((m.move(plane, {0, 0.2, -0.1}).force - Vec3(3, 0, 0)).norm(), 1e-12);
+  EXPECT_LE((m.move(plane, {0.1, 0, 0}).force - Vec3(2.5, 0, 0)).norm(), 1e-9);
+  EXPECT_LE((m.move(plane, {-0.1, 0, 0}).force - Vec3(3.5, 0, 0)).norm(), 1e-9);
+  EXPECT_LE((m.move(both, {-0.1, -0.1, 0.1}).force - Vec3(3.5, 3.25, 0)).norm(), 1e-9) << "each as its share is";
+}
+
+TEST(InjectedDamping, DampsTurningAboutTheDirectionsThatResist) {
+  Moving m(0, 0.02);
+  CouplingInput in = corner({0, 0, 1}, 0, 0);
+  in.contact.torque = Vec3(0.05, 0, 0);
+  in.contact_stiffness(2, 2) = 800;
+  in.contact_stiffness(3, 3) = 0.4, in.contact_stiffness(4, 4) = 0.1;
+  EXPECT_LE((m.move(in, Vec3::Zero(), {-1, 0, 0}).torque - Vec3(0.07, 0, 0)).norm(), 1e-6);
+  EXPECT_LE((m.move(in, Vec3::Zero(), {0, 2, 0}).torque - Vec3(0.05, -0.01, 0)).norm(), 1e-6);
+  EXPECT_LE((m.move(in, Vec3::Zero(), {0, 0, 3}).torque - Vec3(0.05, 0, 0)).norm(), 1e-6)
+      << "about the normal it spins free";
+}
+
+TEST(InjectedDamping, NeverPullsHoweverFastTheToolLeaves) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int trial = 0; trial < 200; ++trial) {
+    Moving m(50, 1);
+    const Vec3 force = 2 * Vec3(u(random), u(random), u(random));
+    CouplingInput in = corner(force, 1000, 200);
+    in.contact.torque = 0.1 * Vec3(u(random), u(random), u(random));
+    const Wrench& out =
+        m.move(in, 0.5 * Vec3(u(random), u(random), u(random)), 5 * Vec3(u(random), u(random), u(random)));
+    EXPECT_GE(out.force.dot(force), -1e-12);
+    EXPECT_GE(out.torque.dot(in.contact.torque), -1e-12);
+  }
+  Moving m(50);
+  EXPECT_LE(m.move(corner({1, 0, 0}, 1000, 0), {0.5, 0, 0}).force.norm(), 1e-12);
+}
+
+TEST(InjectedDamping, DoesNothingInFreeSpaceAndUsesTheForceWhereTheMatrixIsMissing) {
+  Moving m(5);
+  EXPECT_TRUE(m.move({}, {0.3, 0.1, 0}).zero());
+  EXPECT_LE((m.move({{{0, 2, 0}, {0, 0, 0}}, 1000}, {0.1, -0.1, 0}).force - Vec3(0, 2.5, 0)).norm(), 1e-9);
+}
+
+/// Jumps, clutch and gaps: the damping begins at rest each time.
+TEST(InjectedDamping, HasNoSpikeAfterAJumpAResetOrAGap) {
+  const CouplingInput plane = corner({3, 0, 0}, 1000, 0);
+  Moving m(20);
+  m.move(plane, {-0.05, 0, 0});
+  CouplingInput in = plane;
+  for (const double x : {0.4, -0.3}) {
+    in.tool.position = Vec3(x, 0, 0);
+    EXPECT_LE((m.coupling.step(in, kT).wrench.force - Vec3(3, 0, 0)).norm(), 1e-9) << "jump";
+  }
+  EXPECT_EQ(m.coupling.counters().pose_jumps, 2U);
+  m.coupling.reset({{3, 0, 0}, {0, 0, 0}});
+  in.tool.position.x() += 0.004;
+  EXPECT_LE((m.coupling.step(in, kT).wrench.force - Vec3(3, 0, 0)).norm(), 1e-9) << "reset";
+  in.tool.position.x() -= 0.1;
+  EXPECT_LE((m.coupling.step(in, 0.5).wrench.force - Vec3(3, 0, 0)).norm(), 1e-9) << "gap";
+}
+
+}  // namespace
+}  // namespace voxtouch

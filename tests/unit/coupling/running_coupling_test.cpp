@@ -1,0 +1,233 @@
+#include "core/coupling/running_coupling.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+#include <memory>
+#include <random>
+
+namespace voxtouch {
+namespace {
+
+constexpr double kT = 1e-3;
+const double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+
+CouplingSpec spec_of(const char* kind) {
+  CouplingSpec spec;
+  spec.kind = kind, spec.cutoff_hz = 50;
+  return spec;
+}
+/// Everything on.
+CouplingSpec full(const char* kind) {
+  CouplingSpec spec = spec_of(kind);
+  spec.stiffness_cap_n_per_m = 800, spec.stiffness_cap_nm_per_rad = 0.5;
+  spec.injected_damping_ns_per_m = 4, spec.injected_damping_nms_per_rad = 0.01;
+  spec.passivity_damping_limit_ns_per_m = 5, spec.passivity_damping_limit_nms_per_rad = 0.02;
+  return spec;
+}
+CouplingInput push(const Vec3& force, const Vec3& torque = Vec3::Zero(), double k = 500) {
+  return {{force, torque}, k};
+}
+constexpr const char* kKinds[] = {"shaping_filter", "spring_damper", "direct"};
+
+/// Without cap, damping and controller the chain is the law, bit for bit.
+TEST(RunningCoupling, IsTheLawAloneWhereNothingElseIsAskedFor) {
+  for (const char* kind : kKinds) {
+    RunningCoupling running(spec_of(kind), {}, kT);
+    const auto law = make_coupling(spec_of(kind), {}, kT);
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> u(-1, 1);
+    for (int n = 0; n < 3000; ++n) {
+      CouplingInput in = push({u(random), u(random), u(random)}, {u(random), 0, u(random)}, 500 + 400 * u(random));
+      if (n % 5 == 0) in = {};
+      if (n % 37 == 0) in.contact.force.x() = kNan;
+      in.contact_stiffness = 300 * Mat6::Identity();
+      in.tool.position = 0.01 * Vec3(u(random), u(random), u(random));
+      const double dt = n % 11 ? kT : kT * 20 * u(random);
+      const CouplingOutput out = running.step(in, dt);
+      const Wrench wanted = law->step(in, dt);
+      ASSERT_EQ(out.wrench.force, wanted.force) << kind << n;
+      ASSERT_EQ(out.wrench.torque, wanted.torque) << kind << n;
+      ASSERT_EQ(out.ramping, law->status().ramping);
+      ASSERT_EQ(out.held_input, law->status().held_input);
+    }
+    EXPECT_EQ(running.counters().faults, law->faults());
+    EXPECT_EQ(running.counters().samples, 3000U);
+    EXPECT_EQ(name_of(running.kind()), kind);
+  }
+}
+
+TEST(RunningCoupling, RefusesWithTheSentenceOfValidate) {
+  CouplingSpec bad = spec_of("direct");
+  bad.injected_damping_ns_per_m = -1;
+  EXPECT_THROW(RunningCoupling(bad, {}, kT), std::invalid_argument);
+  EXPECT_THROW(RunningCoupling(spec_of("direct"), {}, kT, -1), std::invalid_argument);
+  EXPECT_THROW(RunningCoupling(spec_of("direct"), {}, kT, 0.2, {0, 1}), std::invalid_argument);
+  RunningCoupling running(spec_of("shaping_filter"), {}, kT);
+  EXPECT_FALSE(running.redesign(bad));
+  EXPECT_EQ(running.kind(), CouplingKind::kShapingFilter);
+}
+
+TEST(RunningCoupling, HoldsAnUnusableContactForTenPeriodsAndThenLetsGo) {
+  for (const char* kind : kKinds) {
+    RunningCoupling running(spec_of(kind), {}, kT);
+    running.step({}, kT);
+    for (int n = 0; n < 500; ++n) running.step(push({2, 0, 0}), kT);
+    const double steady = running.step(push({2, 0, 0}), kT).wrench.force.x();
+    double before = steady;
+    for (int n = 0; n < 500; ++n) {
+      const double now = running.step(push({kNan, 0, 0}), kT).wrench.force.x();
+      if (n < 9) {
+        ASSERT_NEAR(now, steady, 1e-6) << kind << n;
+      }
+      ASSERT_LE(std::abs(now - before), 0.05) << kind << ": faded, not dropped";
+      before = now;
+    }
+    EXPECT_NEAR(before, 0.0, 1e-6) << kind;
+    for (int n = 0; n < 500; ++n) {
+      const double now = running.step(push({2, 0, 0}), kT).wrench.force.x();
+      ASSERT_LE(std::abs(now - before), 0.05) << kind << ": faded in again";
+      before = now;
+    }
+    EXPECT_NEAR(before, steady, 1e-6);
+  }
+}
+
+/// Pressed at rest, everything is changed at random every 7 ms, the kind too: no step of the force above what the ramps give.
+TEST(RunningCoupling, RedesignsWhileInContactWithoutAJump) {
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> u(0, 1);
+  for (const bool kinds : {false, true}) {
+    RunningCoupling running(full("shaping_filter"), {20, 1}, kT);
+    CouplingInput in = push({4, 0, 0}, {0, 0.1, 0}, 1000);
+    in.contact_stiffness.topLeftCorner<3, 3>() = 1000 * Mat3::Identity();
+    running.step({}, kT);
+    for (int n = 0; n < 1000; ++n) running.step(in, kT);
+    double before = running.step(in, kT).wrench.force.x(), steepest = 0;
+    for (int n = 0; n < 6000; ++n) {
+      if (n % 7 == 0) {
+        CouplingSpec next = full(kinds ? kKinds[static_cast<std::size_t>(3 * u(random))] : "shaping_filter");
+        next.cutoff_hz = 5 + 90 * u(random), next.damping_ratio = 0.5 + u(random), next.gain = 2 * u(random);
+        next.stiffness_n_per_m = 100 + 1e4 * u(random), next.damping_ns_per_m = 5 * u(random);
+        next.stiffness_cap_n_per_m = u(random) < 0.3 ? kInf : 100 + 900 * u(random);
+        next.injected_damping_ns_per_m = 20 * u(random);
+        ASSERT_TRUE(running.redesign(next));
+      }
+      const double now = running.step(in, kT).wrench.force.x();
+      steepest = std::max(steepest, std::abs(now - before));
+      before = now;
+    }
+    // 4 N of cap over 200 ms are 20 mN a period, from half-way on another course; the filter's swing does the rest.
+    EXPECT_LE(steepest, kinds ? 0.12 : 0.06) << kinds;
+    EXPECT_GT(steepest, 0.005);
+  }
+}
+
+TEST(RunningCoupling, GoesToTheNewDesignAndCountsTheOldLawsFaults) {
+  RunningCoupling running(spec_of("shaping_filter"), {20, 1}, kT);
+  running.step({}, kT);
+  running.step(push({kNan, 0, 0}), kT);
+  CouplingSpec next = spec_of("spring_damper");
+  next.stiffness_n_per_m = 500;
+  const CouplingInput in = push({4, 0, 0}, {0, 0, 0}, 500);
+  for (int n = 0; n < 500; ++n) running.step(in, kT);
+  const CouplingOutput before = running.step(in, kT);
+  ASSERT_TRUE(running.redesign(next));
+  EXPECT_NEAR(running.step(in, kT).wrench.force.x(), before.wrench.force.x(), 0.05);
+  for (int n = 0; n < 500; ++n) running.step(in, kT);
+  EXPECT_NEAR(running.step(in, kT).wrench.force.x(), 2, 1e-9);
+  running.step(push({kNan, 0, 0}), kT);
+  EXPECT_EQ(running.counters().faults, 2U);
+  next.stiffness_n_per_m = 1500;
+  ASSERT_TRUE(running.redesign(next));
+  double last = 2;
+  for (int n = 0; n < 1000; ++n) {
+    const double now = running.step(in, kT).wrench.force.x();
+    ASSERT_LE(std::abs(now - last), 0.03) << n;
+    last = now;
+  }
+  EXPECT_NEAR(last, 3, 1e-9);
+}
+
+TEST(RunningCoupling, DampingChangesOverItsRamp) {
+  CouplingSpec spec = spec_of("direct");
+  RunningCoupling running(spec, {}, kT);
+  running.step({}, kT);
+  CouplingInput in = push({4, 0, 0}, {0, 0, 0}, 1000);
+  const auto moving = [&] { return in.tool.position.x() -= 1e-4, running.step(in, kT).wrench.force.x(); };
+  for (int n = 0; n < 100; ++n) moving();
+  spec.injected_damping_ns_per_m = 10;
+  ASSERT_TRUE(running.redesign(spec));
+  for (int n = 1; n <= 40; ++n) EXPECT_NEAR(moving(), 4 + std::min(n / 20.0, 1.0), 1e-6) << n;
+}
+
+/// Any bits in any field: finite and within the limits, for every kind with everything on.
+TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
+  std::mt19937_64 random(77);
+  const double special[] = {kNan,    -kNan, kInf,   -kInf, 0.0, -0.0,  5e-324,
+                            -2e-310, 1e308, -1e308, 1e12,  1.0, -1e-3, 1e-3};
+  const auto any = [&] {
+    const std::uint64_t bits = random();
+    switch (bits % 5) {
+      case 0: return special[(bits >> 8) % std::size(special)];
+      case 1: return std::bit_cast<double>(random());
+      case 2: return static_cast<double>(static_cast<std::int64_t>(random())) * 1e-18;
+      default: return static_cast<double>(static_cast<std::int64_t>(random())) * 1e-16;
+    }
+  };
+  std::uint64_t samples = 0, moved = 0;
+  for (const char* kind : kKinds)
+    for (const CouplingLimits& limits : {CouplingLimits{3.3, 0.1}, CouplingLimits{8.5, 0.0}, CouplingLimits{}}) {
+      CouplingSpec spec = full(kind);
+      if (limits.max_force_n > 1e6) {
+        spec.gain = 1e300, spec.injected_damping_ns_per_m = 1e300;
+        spec.passivity_damping_limit_ns_per_m = 1e300, spec.stiffness_cap_n_per_m = 1e-300;
+      }
+      RunningCoupling running(spec, limits, kT);
+      CouplingInput in;
+      for (int n = 0; n < 23'000; ++n) {
+        // 50 numbers a sample; some samples keep most of the last one, so that states get to run.
+        const bool all = random() % 4 == 0;
+        const auto maybe = [&](double& x) {
+          if (all || random() % 16 == 0) x = any();
+        };
+        for (double& x : in.contact.force) maybe(x);
+        for (double& x : in.contact.torque) maybe(x);
+        for (double& x : in.contact_stiffness.reshaped()) maybe(x);
+        for (double& x : in.tool.position) maybe(x);
+        for (double& x : in.tool.orientation.coeffs()) maybe(x);
+        maybe(in.contact_stiffness_n_per_m);
+        if (random() % 3 == 0)
+          in = push(3 * Vec3::Random(), Vec3::Random(), 500), in.tool.position = 1e-3 * Vec3::Random();
+        const CouplingOutput out = running.step(in, random() % 3 ? kT : any());
+        ASSERT_TRUE(out.wrench.finite()) << kind << " sample " << n;
+        ASSERT_LE(out.wrench.force.norm(), limits.max_force_n);
+        ASSERT_LE(out.wrench.torque.norm(), limits.max_torque_nm);
+        ASSERT_TRUE(std::isfinite(out.energy_j) && std::isfinite(out.energy_rotation_j));
+        ASSERT_TRUE(std::isfinite(out.damping_ns_per_m) && std::isfinite(out.damping_nms_per_rad));
+        ASSERT_TRUE(out.scale >= 0.0 && out.scale <= 1.0);
+        if (random() % 512 == 0) running.reset({Vec3(any(), any(), any()), Vec3(any(), any(), any())});
+        ++samples, moved += !out.wrench.zero();
+      }
+    }
+  EXPECT_GT(samples, 200'000U);  // times 50 numbers
+  EXPECT_GT(moved, samples / 10);
+}
+
+/// Damping and controller on top of a force at the limit: cut, with its direction kept.
+TEST(RunningCoupling, StaysWithinTheLimitsWithDampingOnTop) {
+  CouplingSpec spec = spec_of("direct");
+  spec.injected_damping_ns_per_m = 50;
+  RunningCoupling running(spec, {3.3, 0.1}, kT);
+  running.step({}, kT);
+  CouplingInput in = push({0, 3, 0}, {0, 0, 0}, 1000);
+  CouplingOutput out;
+  for (int n = 0; n < 100; ++n) in.tool.position.y() -= 5e-4, out = running.step(in, kT);
+  EXPECT_TRUE(out.clamped);
+  EXPECT_LE(out.wrench.force.norm(), 3.3);
+  EXPECT_NEAR(out.wrench.force.y(), 3.3, 1e-12);
+}
+
+}  // namespace
+}  // namespace voxtouch
