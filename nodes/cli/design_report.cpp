@@ -64,7 +64,9 @@ std::string axis_lines(const AxisDesign& a, const char* unit) {
   else
     text += "; no stiffness makes it unstable";
   text += a.passive ? "; stable with every hand that creates no energy"
-                    : fmt::format("; with any hand at all only up to {:.3g} {}", a.passive_stiffness, unit);
+          : a.injected_damping > 0.0
+              ? "; holds for the hands above, not for any hand at all"
+              : fmt::format("; with any hand at all only up to {:.3g} {}", a.passive_stiffness, unit);
   return text;
 }
 
@@ -129,12 +131,9 @@ std::string to_text(const DesignReport& r) {
   row("coupling", coupling_lines(d));
   row("stiffness", axis_lines(d.translation, "N/m"));
   if (r.request.device.gives_torque) row("rotation", axis_lines(d.rotation, "Nm/rad"));
-  row("encoder",
-      d.translation.limit_cycle_bound > 0
-          ? fmt::format("its steps may leave up to {:.3g} mm peak to peak; {:.3g} N of friction would stop it",
-                        d.translation.limit_cycle_bound * 1e3,
-                        0.5 * d.translation.shown_stiffness * r.request.device.translation.resolution)
-          : "friction stops what its steps could leave");
+  row("encoder", d.translation.limit_cycle_bound > 0 ? fmt::format("its steps may leave up to {:.3g} mm peak to peak",
+                                                                   d.translation.limit_cycle_bound * 1e3)
+                                                     : "friction stops what its steps could leave");
   if (d.max_approach_m_per_s > 0)
     row("approach",
         fmt::format(
@@ -192,7 +191,7 @@ Chart region_chart(const DesignReport& r) {
 
   Chart chart;
   chart.title = fmt::format("Where the coupling of {} is stable", device.name);
-  chart.subtitle = fmt::format("{}; damping ratio {:.3g}, injected damping {:.3g} Ns/m; worst of all cases", r.hand,
+  chart.subtitle = fmt::format("in the worst of its cases; damping ratio {:.3g}, injected damping {:.3g} Ns/m",
                                chosen.damping_ratio, chosen.injected_damping);
   chart.x = {"cut-off of the shaping filter, w0 / 2 pi [Hz]", 1.0, std::max(20.0, high_hz), true};
   chart.y = {"contact stiffness at the hand, K k [N/m]", 1.0, 1e4, true};
@@ -202,13 +201,9 @@ Chart region_chart(const DesignReport& r) {
   for (const double k : region.critical_undamped)
     if (k > 0) lowest = std::min(lowest, k);
   chart.y.low = std::pow(10.0, std::floor(std::log10(std::clamp(lowest, 0.01, 100.0))));
-  chart.y.high = std::pow(
-      10.0,
-      std::ceil(std::log10(
-          1.2 *
-          std::max({device.translation.max_stiffness < kInfinity ? device.translation.max_stiffness : 0.0,
-                    r.design.translation.critical_stiffness < kInfinity ? r.design.translation.critical_stiffness : 0.0,
-                    100.0}))));
+  const auto known = [](double k) { return k < kInfinity ? k : 0.0; };
+  chart.y.high =
+      2.0 * std::max({known(device.translation.max_stiffness), known(r.design.translation.critical_stiffness), 100.0});
   chart.curves.push_back(
       {.label = "stable below", .x = region.cutoff_hz, .y = region.critical, .colour = "#1f4e79", .fill_below = true});
   chart.curves.push_back({.label = fmt::format("certified below (margin {:.3g})", r.request.wishes.gain_margin),

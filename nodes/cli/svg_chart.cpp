@@ -9,8 +9,8 @@
 namespace voxtouch::cli {
 namespace {
 
-constexpr double kWidth = 820, kHeight = 540, kLeft = 84, kRight = 24, kTop = 66, kBottom = 62;
-constexpr double kPlotWidth = kWidth - kLeft - kRight, kPlotHeight = kHeight - kTop - kBottom;
+constexpr double kWidth = 820, kLeft = 84, kRight = 24, kTop = 66, kPlotHeight = 420, kBottom = 58, kLegendRow = 20;
+constexpr double kPlotWidth = kWidth - kLeft - kRight;
 
 std::string escaped(std::string_view text) {
   std::string out;
@@ -97,34 +97,41 @@ std::string curve(const Chart& c, const Curve& line) {
 std::string marker(const Chart& c, const Marker& m) {
   if (!drawable(c.x, m.x) || !drawable(c.y, m.y)) return "";
   const double x = across(c, m.x), y = down(c, m.y);
-  const bool left = x > kLeft + 0.66 * kPlotWidth;  // the label must stay within the plane
+  const bool left = x > kLeft + 0.66 * kPlotWidth, below = y < kTop + 24;  // the label must stay within the plane
   return fmt::format(
       "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"6\" fill=\"{}\" stroke=\"{}\" stroke-width=\"2.5\"/>"
-      "<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"mark\" text-anchor=\"{}\" fill=\"{}\">{}</text>\n",
-      x, y, m.hollow ? "#fff" : m.colour, m.colour, x + (left ? -11 : 11), y - 9, left ? "end" : "start", m.colour,
-      escaped(m.label));
+      "<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"mark\" text-anchor=\"{}\" style=\"fill:{}\">{}</text>\n",
+      x, y, m.hollow ? "#fff" : m.colour, m.colour, x + (left ? -11 : 11), y + (below ? 20 : -9),
+      left ? "end" : "start", m.colour, escaped(m.label));
 }
 
-std::string legend(const Chart& c) {
-  std::vector<const Curve*> named;
-  std::size_t longest = 0;
+std::vector<const Curve*> named(const Chart& c) {
+  std::vector<const Curve*> out;
   for (const Curve& line : c.curves)
-    if (!line.label.empty()) named.push_back(&line), longest = std::max(longest, line.label.size());
-  if (named.empty()) return "";
-  const double width = 52 + 6.3 * static_cast<double>(longest), height = 10 + 18 * static_cast<double>(named.size());
-  const double x = kLeft + 10, y = kTop + 10;
-  std::string out = fmt::format(
-      "<rect x=\"{}\" y=\"{}\" width=\"{:.0f}\" height=\"{:.0f}\" fill=\"#fff\" opacity=\"0.88\" stroke=\"#ccc\"/>\n",
-      x, y, width, height);
-  for (std::size_t i = 0; i < named.size(); ++i) {
-    const double row = y + 18 + 18 * static_cast<double>(i);
+    if (!line.label.empty()) out.push_back(&line);
+  return out;
+}
+
+/// Below the plane, two a row: inside it would lie on the curves.
+std::string legend(const Chart& c) {
+  std::string out;
+  double column = 0, y = kTop + kPlotHeight + kBottom;
+  for (const Curve* line : named(c)) {
+    const double x = kLeft + column * kPlotWidth / 2;
     out += fmt::format(
-        "<line x1=\"{}\" x2=\"{}\" y1=\"{:.0f}\" y2=\"{:.0f}\" stroke=\"{}\" stroke-width=\"{}\"{}/>"
-        "<text x=\"{}\" y=\"{:.0f}\" class=\"tick\">{}</text>\n",
-        x + 8, x + 36, row - 4, row - 4, named[i]->colour, named[i]->width,
-        named[i]->dashed ? " stroke-dasharray=\"7 5\"" : "", x + 42, row, escaped(named[i]->label));
+        "<line x1=\"{:.0f}\" x2=\"{:.0f}\" y1=\"{:.0f}\" y2=\"{:.0f}\" stroke=\"{}\" stroke-width=\"{}\"{}/>"
+        "<text x=\"{:.0f}\" y=\"{:.0f}\" class=\"tick\">{}</text>\n",
+        x, x + 30, y, y, line->colour, line->width, line->dashed ? " stroke-dasharray=\"7 5\"" : "", x + 38, y + 4,
+        escaped(line->label));
+    column = 1 - column;
+    if (column == 0) y += kLegendRow;
   }
   return out;
+}
+
+double height(const Chart& c) {
+  const auto rows = static_cast<double>((named(c).size() + 1) / 2);
+  return kTop + kPlotHeight + kBottom + rows * kLegendRow;
 }
 
 }  // namespace
@@ -133,11 +140,11 @@ std::string to_svg(const Chart& c) {
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\">\n"
       "<style>text{{font-family:sans-serif;fill:#222}} .tick{{font-size:12px}} .label{{font-size:13px}} "
-      ".mark{{font-size:12.5px;font-weight:bold}} .title{{font-size:17px;font-weight:bold}} "
+      ".mark{{font-size:12.5px;font-weight:bold;paint-order:stroke;stroke:#fff;stroke-width:3px}} .title{{font-size:17px;font-weight:bold}} "
       ".grid{{stroke:#e3e3e3}}</style>\n"
       "<clipPath id=\"plane\"><rect x=\"{2}\" y=\"{3}\" width=\"{4}\" height=\"{5}\"/></clipPath>\n"
       "<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
-      kWidth, kHeight, kLeft, kTop, kPlotWidth, kPlotHeight);
+      kWidth, height(c), kLeft, kTop, kPlotWidth, kPlotHeight);
   out += fmt::format(
       "<text x=\"{}\" y=\"28\" class=\"title\">{}</text><text x=\"{}\" y=\"50\" class=\"label\">{}</text>\n", kLeft,
       escaped(c.title), kLeft, escaped(c.subtitle));
@@ -152,7 +159,7 @@ std::string to_svg(const Chart& c) {
   out += fmt::format(
       "<text x=\"{}\" y=\"{}\" class=\"label\" text-anchor=\"middle\">{}</text>\n"
       "<text transform=\"translate(22 {}) rotate(-90)\" class=\"label\" text-anchor=\"middle\">{}</text>\n</svg>\n",
-      kLeft + kPlotWidth / 2, kHeight - 16, escaped(c.x.label), kTop + kPlotHeight / 2, escaped(c.y.label));
+      kLeft + kPlotWidth / 2, kTop + kPlotHeight + 40, escaped(c.x.label), kTop + kPlotHeight / 2, escaped(c.y.label));
   return out;
 }
 

@@ -102,10 +102,18 @@ class CouplingNode {
     } else if (!coupling_) {
       const AxisModel& translation = fitting_.device().translation;
       const double max_torque_nm = fitting_.device().gives_torque ? fitting_.device().rotation.max_effort : 0.0;
-      coupling_.emplace(fitted.spec, limits_in_world(scene_.device, translation.max_effort, max_torque_nm), period_s_);
+      coupling_.emplace(fitted.spec, limits_in_world(scene_.device, translation.max_effort, max_torque_nm), period_s_,
+                        kDefaultRampS, speed_limits());
     }
     const std::lock_guard lock(running_mutex_);
     running_ = {std::move(fitted), fitting_.device().translation.max_stiffness, running_.made + 1};
+  }
+
+  /// Faster than this no hand moves a device: the pose has jumped (a clutch, a restart), and that is no velocity.
+  ToolSpeedLimits speed_limits() const noexcept {
+    ToolSpeedLimits limits;
+    limits.linear_m_per_s *= scene_.device.position_scale;
+    return limits;
   }
 
   /// Joins one contact with its device sample by sequence number. In real time the newest sample must do if its own was lost.

@@ -19,7 +19,7 @@ namespace {
 /// What the last verification may take off, little by little, before the design counts as not holding.
 constexpr std::array kShrinks{1.0, 0.9999, 0.999, 0.99, 0.97, 0.95, 0.9, 0.8, 0.65, 0.5};
 /// Another kind has to show that much more than the filter, which smooths what the contact does.
-constexpr double kWorthNoFilter = 1.25;
+constexpr double kWorthNoFilter = 1.5;
 
 struct Judged {
   Design design;

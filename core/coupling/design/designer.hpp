@@ -14,7 +14,7 @@ namespace voxtouch {
 /// What is wished; the designer gives up as little of it as it can.
 ///
 /// `auto` takes the shaping filter if it does as wished, and else of all kinds that hold the one that shows most; the filter,
-/// which smooths what the contact does, counts a quarter more: another has to show at least 1.25 times as much.
+/// which smooths the steps of voxels that are crossed, counts half as much again: another has to show at least 1.5 times as much.
 struct DesignWishes {
   std::string kind = "auto";          ///< auto | shaping_filter | spring_damper | direct
   double cutoff_hz = 5.0;             ///< w0 / (2 pi), the paper's
