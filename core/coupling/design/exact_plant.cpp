@@ -31,14 +31,9 @@ double twice_integrated(double y, double exp_minus_y) noexcept {
 }  // namespace
 
 ExactPlant::ExactPlant(const LoopPlant& plant, double coulomb_friction, double push) noexcept
-    : mass_(plant.mass + plant.hand_mass),
-      damping_(plant.damping + plant.hand_damping),
-      stiffness_(plant.hand_stiffness),
-      friction_(coulomb_friction),
-      push_(push),
-      half_rate_(0.5 * damping_ / mass_),
-      w2_(stiffness_ / mass_),
-      discriminant_(half_rate_ * half_rate_ - w2_) {
+    : mass_(plant.mass + plant.hand_mass), damping_(plant.damping + plant.hand_damping),
+      stiffness_(plant.hand_stiffness), friction_(coulomb_friction), push_(push), half_rate_(0.5 * damping_ / mass_),
+      w2_(stiffness_ / mass_), discriminant_(half_rate_ * half_rate_ - w2_) {
   if (!(plant.effort_lag_s > 0.0)) return;
   fade_rate_ = 1.0 / plant.effort_lag_s;
   const auto at = [&](double a) { return a * a - 2.0 * half_rate_ * a + w2_; };
@@ -115,19 +110,29 @@ double ExactPlant::slide_until_rest(double h, double u, double direction) noexce
   const auto pull = [&](const State& s, double fade) {
     return direction * (constant + fading * fade - damping_ * s.v - stiffness_ * s.x);
   };
+  const auto pull_at = [&](double t, const State& s) {
+    return pull(s, fade_rate_ > 0.0 ? std::exp(-fade_rate_ * t) : 0.0);
+  };
   State last = state_at(h);
   double high = h;
   if (direction * last.v > 0.0) {
     // Braked at first and driven at the end: the speed has a least value between, which may be below zero.
-    const double start = pull({x_, v_}, 1.0);
-    const double finish = pull(last, fade_rate_ > 0.0 ? std::exp(-fade_rate_ * h) : 0.0);
-    if (!(start < 0.0 && finish > 0.0)) return slide(h, u, direction * friction_), h;
-    high = h * start / (start - finish);
-    last = state_at(high);
-    if (direction * last.v > 0.0) return slide(h, u, direction * friction_), h;
+    double braked = 0.0, driven = h;
+    bool stops = false;
+    // From rest it is never braked at first; there the sign of the pull is rounding.
+    if (v_ != 0.0 && pull({x_, v_}, 1.0) < 0.0 && pull_at(h, last) > 0.0) {
+      for (int i = 0; i < 40 && !stops && driven - braked > 1e-9 * h; ++i) {
+        high = 0.5 * (braked + driven);
+        last = state_at(high);
+        stops = direction * last.v <= 0.0;
+        (pull_at(high, last) < 0.0 ? braked : driven) = high;
+      }
+    }
+    if (!stops) return slide(h, u, direction * friction_), h;
   }
   double low = 0.0, v_low = direction * v_, v_high = direction * last.v;
-  for (double t = 0.5 * high; v_low <= 0.0 && t > 1e-9 * h; t *= 0.5) {  // it starts from rest: find where it has set off
+  for (double t = 0.5 * high; v_low <= 0.0 && t > 1e-9 * h;
+       t *= 0.5) {  // it starts from rest: find where it has set off
     const double v = direction * state_at(t).v;
     if (v > 0.0) {
       low = t, v_low = v;
@@ -173,7 +178,10 @@ void ExactPlant::advance_with_friction(double h, double u) noexcept {
 void ExactPlant::advance(double h, double u) noexcept {
   if (fade_rate_ <= 0.0) f_ = u;
   if (friction_ > 0.0) {
-    advance_with_friction(h, u);
+    // Short against the plant's own swing, so that the body turns round at most twice in a piece.
+    const double pieces = std::ceil(2.0 * h * std::sqrt(w2_));
+    for (int i = 1; i < static_cast<int>(pieces); ++i) advance_with_friction(h / pieces, u);
+    advance_with_friction(pieces > 1.0 ? h / pieces : h, u);
   } else {
     slide(h, u, 0.0);
   }

@@ -36,10 +36,10 @@ class ExactPlant {
   };
   /// Coefficients of the solution after one length of time.
   struct Flow {
-    double xx, xv, vx, vv;          ///< from position and speed
-    double x_const, v_const;        ///< from a constant effort
-    double x_fading, v_fading;      ///< from an effort exp(-a t)
-    double fade;                    ///< exp(-a h)
+    double xx, xv, vx, vv;      ///< from position and speed
+    double x_const, v_const;    ///< from a constant effort
+    double x_fading, v_fading;  ///< from an effort exp(-a t)
+    double fade;                ///< exp(-a h)
   };
   Flow flow(double h) const noexcept;
   State end(const Flow& c, double constant, double fading) const noexcept;
@@ -50,10 +50,10 @@ class ExactPlant {
   void advance_with_friction(double h, double u) noexcept;
 
   double mass_, damping_, stiffness_, friction_, push_;
-  double half_rate_;        ///< sigma = B / (2 M)
-  double w2_;               ///< k_h / M
-  double discriminant_;     ///< sigma^2 - w2
-  double fade_rate_ = 0.0;  ///< a; 0: no lag
+  double half_rate_;               ///< sigma = B / (2 M)
+  double w2_;                      ///< k_h / M
+  double discriminant_;            ///< sigma^2 - w2
+  double fade_rate_ = 0.0;         ///< a; 0: no lag
   double fade_denominator_ = 1.0;  ///< a^2 - 2 sigma a + w2
   double x_ = 0.0, v_ = 0.0, f_ = 0.0, work_ = 0.0;
 };

@@ -74,6 +74,7 @@ class LoopRun {
   }
   bool ran_away() const noexcept { return !(std::abs(plant_.position()) < kRunaway); }
   double most_work() const noexcept { return most_work_; }
+  double work() const noexcept { return plant_.work(); }
   double position() const noexcept { return plant_.position(); }
   double time() const noexcept { return time_; }
   LoopStatistics statistics() const noexcept {
@@ -136,8 +137,7 @@ class LoopRun {
     out.effort.add(effort);
     statistics_.saturated += law_.saturated() ? 1 : 0;
     statistics_.overtaken += under_way_.send(delay(), effort);
-    const double period =
-        loop_.jitter > 0.0 ? nominal * (1.0 + loop_.jitter * random_.uniform(-1.0, 1.0)) : nominal;
+    const double period = loop_.jitter > 0.0 ? nominal * (1.0 + loop_.jitter * random_.uniform(-1.0, 1.0)) : nominal;
     double now = 0.0;
     while (under_way_.any_within(period)) {
       const EffortsUnderWay::Effort next = under_way_.take();
@@ -204,12 +204,14 @@ class Rest {
 /// Peak to peak of the quarters of a run.
 using Quarters = std::array<Stretch, 4>;
 
+constexpr double kFalls = 0.9;  ///< a quarter this much smaller than the one before it: the run decays
+
 double ratio(const Quarters& q, std::size_t i) { return q[i].position.width() / q[i - 1].position.width(); }
 
 LoopOutcome outcome_at_the_end(const Quarters& q) {
   const double last = ratio(q, 3), before = ratio(q, 2);
   const bool flattens = std::log(last) > 0.5 * std::log(before);  // both below zero while it falls
-  return last < 0.9 && before < 0.9 && !flattens ? LoopOutcome::kDecaying : LoopOutcome::kSustained;
+  return last < kFalls && before < kFalls && !flattens ? LoopOutcome::kDecaying : LoopOutcome::kSustained;
 }
 
 }  // namespace
@@ -223,10 +225,10 @@ NonlinearVerdict simulate(const NonlinearLoop& loop) {
   Rest rest(loop);
   Quarters q;
   for (Stretch& s : q) s = run.run(quarter), rest.seen(s.position.width());
-  bool rose = false;
+  bool was_hopeless = false;
   NonlinearVerdict v;
   for (;;) {
-    const double next_length = 8.0 * static_cast<double>(quarter) * loop.plant.period_s;
+    const double length = 4.0 * static_cast<double>(quarter) * loop.plant.period_s;
     if (run.ran_away()) {
       v.outcome = LoopOutcome::kRunaway;
       break;
@@ -235,12 +237,13 @@ NonlinearVerdict simulate(const NonlinearLoop& loop) {
       v.outcome = LoopOutcome::kRest;
       break;
     }
-    const bool rises = ratio(q, 3) >= 1.0;
-    if ((rises && rose) || next_length > longest * (1.0 + 1e-9)) {
+    // At this rate it will not have fallen by a tenth in a quarter of the longest run either.
+    const bool hopeless = ratio(q, 3) > std::pow(kFalls, longest / length);
+    if ((hopeless && was_hopeless) || 2.0 * length > longest * (1.0 + 1e-9)) {
       v.outcome = outcome_at_the_end(q);
       break;
     }
-    rose = rises;
+    was_hopeless = hopeless;
     q[0].add(q[1]), q[2].add(q[3]);
     q[1] = q[2];
     quarter *= 2;
@@ -250,6 +253,7 @@ NonlinearVerdict simulate(const NonlinearLoop& loop) {
   v.early_amplitude = q[2].position.width(), v.late_amplitude = q[3].position.width();
   v.late_effort = q[3].effort.width();
   v.energy_extracted_j = run.most_work();
+  v.work_j = run.work();
   v.quiet = rest.quiet();
   v.end_position = run.position();
   for (const Stretch& s : q) v.deepest = std::max(v.deepest, s.position.high);
@@ -277,6 +281,25 @@ double quantiser_gain(const NonlinearLoop& loop, double contact_stiffness) {
     if (!(sum < 1e6)) break;
   }
   return 1.0;
+}
+
+double simulated_limit(NonlinearLoop loop, double stable, double highest, double accuracy) {
+  const auto holds = [&](double stiffness) {
+    loop.contact_stiffness = stiffness;
+    return simulate(loop).stable;
+  };
+  if (!holds(stable)) return stable;
+  double low = stable, high = 2.0 * stable;
+  for (; high < highest && holds(high); high *= 2.0) low = high;
+  if (high >= highest) {
+    if (holds(highest)) return highest;
+    high = highest;
+  }
+  while (high > low * (1.0 + accuracy)) {
+    const double middle = std::sqrt(low * high);
+    (holds(middle) ? low : high) = middle;
+  }
+  return low;
 }
 
 double settling_time(const NonlinearLoop& loop) {
