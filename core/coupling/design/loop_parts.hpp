@@ -24,8 +24,8 @@ struct AxisModel {
 /// When things happen in the loop.
 struct LoopTiming {
   double period_s = 1e-3;     ///< T, nominal
-  double delay_s = 0.0;       ///< from the sample to the effort, beside the hold: network, computation and device together
-  double jitter = 0.2;        ///< the longest period is (1 + jitter) T
+  double delay_s = 0.0;       ///< from the sample to the effort, beside the hold: network, computation and device together; >= 0
+  double jitter = 0.2;        ///< the longest period is (1 + jitter) T; >= 0
   int lost_in_a_row = 1;      ///< samples that may be lost one after the other; their input is held
 };
 
@@ -55,7 +55,11 @@ struct ContactRange {
   double one_point = 0.0, all_points = 0.0;
 };
 
-/// Everything that is wrong with the numbers, as sentences; empty: they can be designed for.
+/// Longest delay that can be designed for [periods]: the loop's matrix has a state for each.
+inline constexpr double kMostDelayPeriods = 200.0;
+
+/// Everything that is wrong with the numbers, one sentence each that names field, value and rule; empty: they can be designed
+/// for. `rotation` of a device without torque and the ranges of a hand that may be any passive one are not looked at.
 std::vector<std::string> check(const DeviceModel& device);
 std::vector<std::string> check(const HandRange& hand);
 

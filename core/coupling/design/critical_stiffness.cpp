@@ -1,0 +1,127 @@
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/coupling/design/first_crossing.hpp"
+#include "core/coupling/design/loop_checks.hpp"
+#include "core/coupling/design/loop_response.hpp"
+#include "core/coupling/design/sampled_loop.hpp"
+
+namespace voxtouch {
+namespace {
+
+using Law = LoopController::Law;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double mass_of(const LoopPlant& p) { return p.mass + p.hand_mass; }
+double damping_of(const LoopPlant& p) { return p.damping + p.hand_damping; }
+bool swings_undamped(const LoopPlant& p) { return p.hand_stiffness > 0.0 && damping_of(p) == 0.0; }
+
+/// The hand's resonance on the sampled circle [rad per sample], folded where it is above half the sample rate.
+double resonance_of(const LoopPlant& p) {
+  return std::abs(std::remainder(std::sqrt(p.hand_stiffness / mass_of(p)) * p.period_s, 2.0 * std::numbers::pi));
+}
+
+/// An undamped hand's resonance stands on the unit circle, where L passes through infinity. Moved inside by this share of
+/// critical damping it passes on the side of the eigenvalue that is still stable; whether it is for small gains is asked of
+/// goes_inwards.
+LoopPlant with_a_hair_of_damping(LoopPlant p) {
+  constexpr double kHair = 1e-9;
+  if (swings_undamped(p)) p.hand_damping = 2.0 * kHair * std::sqrt(p.hand_stiffness * mass_of(p));
+  return p;
+}
+
+/// Whether the eigenvalue on the circle at `angle` goes inside for a small gain. Near it L = R/(z - z_n), and it goes to
+/// z_n - gain R: inside if L is in the lower half plane just above it.
+template <class Response>
+bool goes_inwards(const Response& response, double angle) {
+  return response(Phasor(angle * (1.0 + 1e-6))).imag() < 0.0;
+}
+
+double transport(const LoopPlant& p) { return p.period_s + p.delay_s + p.effort_lag_s; }
+
+Crossing inner_crossing(const LoopPlant& bare, double velocity_filter_rad_per_s) {
+  const LoopPlant p = with_a_hair_of_damping(bare);
+  const LoopResponse plant(p, {.law = Law::kDirect});
+  const VelocityResponse velocity(p.period_s, velocity_filter_rad_per_s);
+  const auto response = [&](const Phasor& at) { return plant(at) * velocity(at); };
+  const double resonance = resonance_of(p);
+  if (swings_undamped(bare) && !goes_inwards(response, resonance)) return {0.0, resonance};
+  const double filter = velocity_filter_rad_per_s > 0.0 ? 1.0 / velocity_filter_rad_per_s : 0.0;
+  CrossingSearch search((transport(p) + filter) / p.period_s, plant.plant().whole_delay);
+  search.stop_at(resonance);
+  return search.find(response);
+}
+
+/// Sum of the loop's time constants [s].
+double slowness(const LoopPlant& p, const LoopController& c) {
+  double sum = transport(p);
+  if (p.hand_stiffness > 0.0) {
+    sum += damping_of(p) / p.hand_stiffness + c.injected_damping / p.hand_stiffness + std::sqrt(mass_of(p) / p.hand_stiffness);
+  } else {
+    sum += mass_of(p) / (damping_of(p) + c.injected_damping);
+  }
+  if (c.law == Law::kShapingFilter) sum += (1.0 + 2.0 * c.damping_ratio) / c.w0_rad_per_s;
+  if (c.law == Law::kSpringDamper && c.stiffness > 0.0) sum += c.damping / c.stiffness;
+  if (c.injected_damping > 0.0 && c.velocity_filter_rad_per_s > 0.0) sum += 1.0 / c.velocity_filter_rad_per_s;
+  return sum;
+}
+
+bool pulls_back(const LoopController& c) { return c.law == Law::kSpringDamper ? c.stiffness > 0.0 : c.gain > 0.0; }
+bool acts(const LoopController& c) {
+  return c.law == Law::kSpringDamper ? c.stiffness > 0.0 || c.damping > 0.0 : c.gain != 0.0;
+}
+
+}  // namespace
+
+double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s) {
+  require_loop(plant);
+  require_not_negative("velocity_filter_rad_per_s", velocity_filter_rad_per_s);
+  return inner_crossing(plant, velocity_filter_rad_per_s).gain;
+}
+
+CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c) {
+  require_loop(plant);
+  require_loop(c);
+  const bool held = plant.hand_stiffness > 0.0;
+  // Released, the position's eigenvalue stands at 1 and leaves it inwards for a k > 0 only if the law answers a displacement at
+  // rest and something damps: without, it is a double one, of which any lag pushes one half outside.
+  if (!held && !(pulls_back(c) && damping_of(plant) + c.injected_damping > 0.0)) return {};
+
+  Crossing inner;
+  if (c.injected_damping > 0.0) {
+    inner = inner_crossing(plant, c.velocity_filter_rad_per_s);
+    if (c.injected_damping >= inner.gain) return {};
+  }
+  if (!acts(c)) return {kInfinity, 0.0};
+
+  const LoopPlant p = with_a_hair_of_damping(plant);
+  const LoopResponse response(p, c);
+  const double resonance = resonance_of(p);
+  if (swings_undamped(plant) && c.injected_damping == 0.0 && !goes_inwards(response, resonance)) return {};
+  CrossingSearch search(slowness(p, c) / p.period_s, response.plant().whole_delay);
+  search.stop_at(resonance);
+  search.stop_at(inner.angle);
+  if (c.law == Law::kShapingFilter) search.stop_at(2.0 * std::atan(0.5 * c.w0_rad_per_s * p.period_s));
+  Crossing first = search.find(response);
+  // A pushing contact (K < 0) against the hand's spring gives way at rest.
+  if (c.law != Law::kSpringDamper && c.gain < 0.0 && -plant.hand_stiffness / c.gain < first.gain)
+    first = {-plant.hand_stiffness / c.gain, 0.0};
+  return {first.gain, first.angle / p.period_s};
+}
+
+double routh_stiffness(const LoopPlant& p, const LoopController& c) {
+  require_loop(p);
+  require_loop(c);
+  if (c.law != Law::kShapingFilter || c.injected_damping > 0.0)
+    throw std::invalid_argument("Routh's limit is known for a shaping filter without injected damping only.");
+  require_positive("gain", c.gain);
+  const double m = mass_of(p), b = damping_of(p), k_h = p.hand_stiffness, w0 = c.w0_rad_per_s;
+  const double twice = 2.0 * c.damping_ratio * w0;
+  // (m s^2 + b s + k_h)(s^2 + 2 d w0 s + w0^2) + K k w0^2, from s^4 down.
+  const double a4 = m, a3 = twice * m + b, a2 = m * w0 * w0 + twice * b + k_h, a1 = b * w0 * w0 + twice * k_h;
+  return std::max(0.0, ((a2 - a4 * a1 / a3) * a1 / a3 / (w0 * w0) - k_h) / c.gain);
+}
+
+}  // namespace voxtouch

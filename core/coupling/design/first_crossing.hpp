@@ -1,0 +1,118 @@
+#pragma once
+/// The least gain at which 1 + gain L(z) = 0 has a root on the unit circle. For this folder's own functions.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+#include "core/coupling/design/loop_response.hpp"
+
+namespace voxtouch {
+
+/// Where L crosses the negative real axis furthest out.
+struct Crossing {
+  double gain = std::numeric_limits<double>::infinity();  ///< -1/L there; infinity: it never crosses
+  double angle = 0.0;                                     ///< [rad per sample]
+};
+
+/// Walks up the upper half of the unit circle in steps that grow with the angle, are short against the turns of the delay, and
+/// are halved wherever L turns or grows fast; every step that crosses the negative real axis is narrowed down to rounding.
+class CrossingSearch {
+ public:
+  /// `slow_periods`: sum of the loop's time constants in periods, >= 1. Below a fiftieth of its inverse no factor has turned
+  /// L by more than a fiftieth [rad], and the walk begins there. `whole_delay`: samples of delay.
+  CrossingSearch(double slow_periods, int whole_delay) noexcept
+      : start_(0.02 / slow_periods), longest_step_(0.5 / (whole_delay + 3)) {}
+
+  /// A point that no step may leap over: the top of a resonance, where L turns by pi within a width of no limit, so that two of
+  /// them within one step would look like none. At most kMostStops.
+  void stop_at(double angle) noexcept {
+    if (stops_count_ < kMostStops) stops_[stops_count_++] = angle;
+  }
+
+  template <class Response>
+  Crossing find(const Response& response) {
+    best_ = {};
+    Point from = at(response, start_);
+    while (from.angle < kEnd) {
+      double next = std::min({from.angle * kGrowth, from.angle + longest_step_, kEnd});
+      for (const double stop : stops_)
+        if (stop > from.angle) next = std::min(next, stop);
+      const Point to = at(response, next);
+      look_between(response, from, to, kMostHalvings);
+      from = to;
+    }
+    // At z = -1 everything is real: the loop may begin to swing from sample to sample.
+    const double last = response(Phasor(std::numbers::pi)).real();
+    if (last < 0.0) offer(-1.0 / last, std::numbers::pi);
+    return best_;
+  }
+
+ private:
+  struct Point {
+    double angle;
+    Complex value;
+  };
+
+  static constexpr int kMostStops = 4, kMostHalvings = 60;
+  static constexpr double kGrowth = 1.3;
+  static constexpr double kEnd = std::numbers::pi * (1.0 - 1e-7);
+  static constexpr double kTurn = 0.7;          ///< [rad] L may turn this far in a step that is not halved
+  static constexpr double kSwell = 100.0;       ///< and |L|^2 change by this factor
+  static constexpr double kHopeless = 0.01;     ///< a step whose |L|^2 is this small a share of the best crossing's is passed
+
+  template <class Response>
+  static Point at(const Response& response, double angle) {
+    return {angle, response(Phasor(angle))};
+  }
+
+  template <class Response>
+  void look_between(const Response& response, const Point& a, const Point& b, int halvings) {
+    const double na = std::norm(a.value), nb = std::norm(b.value);
+    if (std::max(na, nb) * best_.gain * best_.gain < kHopeless) return;
+    const Complex turn = b.value * std::conj(a.value);
+    const bool gentle = turn.real() > std::cos(kTurn) * std::sqrt(na * nb) && na < kSwell * nb && nb < kSwell * na;
+    if (!gentle && halvings > 0) {
+      const Point middle = at(response, 0.5 * (a.angle + b.angle));
+      if (middle.angle > a.angle && middle.angle < b.angle) {
+        look_between(response, a, middle, halvings - 1);
+        look_between(response, middle, b, halvings - 1);
+        return;
+      }
+    }
+    if (std::signbit(a.value.imag()) != std::signbit(b.value.imag()) && a.value.real() < 0.0 && b.value.real() < 0.0)
+      narrow(response, a, b);
+  }
+
+  /// Zero of Im L/Re L, by the Illinois rule: secants that never leave the bracket.
+  template <class Response>
+  void narrow(const Response& response, Point a, Point b) {
+    const auto slope = [](const Point& p) { return p.value.imag() / p.value.real(); };
+    double fa = slope(a), fb = slope(b);
+    for (int i = 0; i < 60 && fa != fb; ++i) {
+      const Point c = at(response, b.angle - fb * (b.angle - a.angle) / (fb - fa));
+      const double fc = slope(c), moved = std::abs(c.angle - b.angle);
+      if ((fc < 0.0) != (fb < 0.0)) {
+        a = b, fa = fb;
+      } else {
+        fa *= 0.5;
+      }
+      b = c, fb = fc;
+      if (fc == 0.0 || moved <= 1e-15 * c.angle) break;
+    }
+    offer(-1.0 / b.value.real(), b.angle);
+  }
+
+  void offer(double gain, double angle) noexcept {
+    if (gain < best_.gain) best_ = {gain, angle};
+  }
+
+  double start_, longest_step_;
+  std::array<double, kMostStops> stops_{};  ///< 0: none
+  int stops_count_ = 0;
+  Crossing best_;
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,88 @@
+#include "core/coupling/design/loop_parts.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <string_view>
+
+namespace voxtouch {
+namespace {
+
+/// Collects sentences about fields whose names begin with `prefix`. A comparison with NaN is false, so NaN keeps no rule.
+class Findings {
+ public:
+  Findings(std::string prefix, std::vector<std::string>& out) : prefix_(std::move(prefix)), out_(out) {}
+
+  void positive(std::string_view field, double value) {
+    rule(value > 0.0 && std::isfinite(value), field, value, "finite and above 0");
+  }
+  void not_negative(std::string_view field, double value) {
+    rule(value >= 0.0 && std::isfinite(value), field, value, "finite and 0 or above");
+  }
+  void positive_or_none(std::string_view field, double value) {
+    rule(value > 0.0, field, value, "above 0, infinity for no limit");
+  }
+  void not_below(std::string_view field, double value, std::string_view least_field, double least) {
+    if (value < least)
+      out_.push_back(fmt::format("{0}{1} is {2}; it must not be below {0}{3}, which is {4}.", prefix_, field, value,
+                                 least_field, least));
+  }
+  void rule(bool kept, std::string_view field, double value, std::string_view text) {
+    if (!kept) out_.push_back(fmt::format("{}{} is {}; it must be {}.", prefix_, field, value, text));
+  }
+
+ private:
+  std::string prefix_;
+  std::vector<std::string>& out_;
+};
+
+void check_axis(const AxisModel& axis, const char* prefix, std::vector<std::string>& out) {
+  Findings find(prefix, out);
+  find.positive("inertia_min", axis.inertia_min);
+  find.positive("inertia_max", axis.inertia_max);
+  find.not_below("inertia_max", axis.inertia_max, "inertia_min", axis.inertia_min);
+  find.not_negative("damping", axis.damping);
+  find.not_negative("coulomb_friction", axis.coulomb_friction);
+  find.not_negative("resolution", axis.resolution);
+  find.positive_or_none("max_effort", axis.max_effort);
+  find.positive_or_none("max_stiffness", axis.max_stiffness);
+  find.positive_or_none("effort_bandwidth_hz", axis.effort_bandwidth_hz);
+}
+
+void check_timing(const LoopTiming& timing, std::vector<std::string>& out) {
+  Findings find("timing.", out);
+  find.positive("period_s", timing.period_s);
+  find.not_negative("delay_s", timing.delay_s);
+  find.not_negative("jitter", timing.jitter);
+  find.rule(timing.lost_in_a_row >= 0, "lost_in_a_row", timing.lost_in_a_row, "0 or above");
+  if (timing.period_s > 0.0 && timing.delay_s > kMostDelayPeriods * timing.period_s)
+    out.push_back(fmt::format("timing.delay_s is {}; it must be at most {} periods of {} s.", timing.delay_s,
+                              kMostDelayPeriods, timing.period_s));
+}
+
+}  // namespace
+
+std::vector<std::string> check(const DeviceModel& device) {
+  std::vector<std::string> out;
+  check_axis(device.translation, "translation.", out);
+  if (device.gives_torque) check_axis(device.rotation, "rotation.", out);
+  check_timing(device.timing, out);
+  return out;
+}
+
+std::vector<std::string> check(const HandRange& hand) {
+  std::vector<std::string> out;
+  if (hand.any_passive) return out;
+  Findings find("", out);
+  const auto range = [&](const char* least_field, double least, const char* most_field, double most) {
+    find.not_negative(least_field, least);
+    find.not_negative(most_field, most);
+    find.not_below(most_field, most, least_field, least);
+  };
+  range("mass_min", hand.mass_min, "mass_max", hand.mass_max);
+  range("damping_min", hand.damping_min, "damping_max", hand.damping_max);
+  range("stiffness_min", hand.stiffness_min, "stiffness_max", hand.stiffness_max);
+  return out;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,147 @@
+#include "core/coupling/design/sampled_loop.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/coupling/design/loop_checks.hpp"
+#include "core/coupling/design/sampled_plant.hpp"
+
+namespace voxtouch {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Row = Eigen::RowVectorXd;
+using Law = LoopController::Law;
+
+SampledPlant sample(const LoopPlant& p) {
+  return sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, p.period_s, p.delay_s,
+                      p.effort_lag_s);
+}
+
+/// The loop's matrix, built row by row: every signal of this instant is a row vector over the states, every state's next value
+/// a sum of signals. States: [x, T v, (f)] | commands of the past | controller | velocity filter. Efforts are in m/T^2.
+class LoopMatrix {
+ public:
+  LoopMatrix(const LoopPlant& p, const LoopController& c, double contact_stiffness)
+      : plant_(sample(p)), past_(plant_.whole_delay + (plant_.splits_period() ? 1 : 0)) {
+    const Index law_states = c.law == Law::kShapingFilter ? 2 : c.law == Law::kSpringDamper ? 1 : 0;
+    const Index estimator = c.injected_damping > 0.0 ? 2 : 0;
+    const Index n = plant_.order + past_ + law_states + estimator;
+    next_ = MatrixXd::Zero(n, n);
+    const Index law_at = plant_.order + past_, estimator_at = law_at + law_states;
+    Row command = -law(p, c, contact_stiffness, law_at);
+    if (estimator > 0) command -= damper(p, c, estimator_at);
+    move(command);
+    // The estimator's second state is the last difference of the position, not the last position: a position that only adds
+    // up then stands alone in the matrix (see without_integrators).
+    if (estimator > 0) next_.row(estimator_at + 1) = next_.row(0) - state(0);
+  }
+  const MatrixXd& matrix() const { return next_; }
+
+ private:
+  Row state(Index i) const { return Row::Unit(next_.cols(), i); }
+
+  /// The law's effort now; fills in the next values of its states.
+  Row law(const LoopPlant& p, const LoopController& c, double contact_stiffness, Index at) {
+    const double k = contact_stiffness * plant_.effort_unit;
+    if (c.law == Law::kDirect) return c.gain * k * state(0);
+    if (c.law == Law::kSpringDamper) return spring_damper(p, c, k, at);
+    return shaping_filter(p, c, c.gain * k * state(0), at);
+  }
+
+  /// Trapezoid rule on y' = w0 v, v' = w0 (u - y - 2 d v), u already times K. What is kept is the part of the new y and v that
+  /// is known before the new input: z = (1 + g A) X + g B u, with which X = (1 - g A)^-1 (z + g B u).
+  Row shaping_filter(const LoopPlant& p, const LoopController& c, const Row& u, Index at) {
+    const double g = 0.5 * c.w0_rad_per_s * p.period_s, d2g = 2.0 * c.damping_ratio * g;
+    const double scale = 1.0 / (1.0 + d2g + g * g);
+    const Row ahead = state(at + 1) + g * u;
+    const Row y = scale * ((1.0 + d2g) * state(at) + g * ahead);
+    const Row v = scale * (ahead - g * state(at));
+    next_.row(at) = y + g * v;
+    next_.row(at + 1) = -g * y + (1.0 - d2g) * v + g * u;
+    return y;
+  }
+
+  /// The object's displacement (k x + r/T last)/(k + c + r/T) is the state; the effort is k (x - displacement), written so that
+  /// a stiff contact does not cancel.
+  Row spring_damper(const LoopPlant& p, const LoopController& c, double k, Index at) {
+    const double spring = c.stiffness * plant_.effort_unit, damper = c.damping / p.period_s * plant_.effort_unit;
+    const double all = k + spring + damper;
+    if (!(all > 0.0)) return Row::Zero(next_.cols());
+    next_.row(at) = (k * state(0) + damper * state(at)) / all;
+    return k / all * ((spring + damper) * state(0) - damper * state(at));
+  }
+
+  /// Injected damping's effort now, from the position's last difference (state at + 1) and the last velocity (state at).
+  Row damper(const LoopPlant& p, const LoopController& c, Index at) {
+    const double w = c.velocity_filter_rad_per_s;
+    const double fresh = w > 0.0 ? -std::expm1(-w * p.period_s) : 1.0;
+    next_.row(at) = (1.0 - fresh) * state(at) + fresh * state(at + 1);
+    return c.injected_damping / p.period_s * plant_.effort_unit * next_.row(at);
+  }
+
+  void move(const Row& command) {
+    const Index order = plant_.order, whole = plant_.whole_delay;
+    const auto of_samples_ago = [&](Index ago) { return ago == 0 ? command : state(order + ago - 1); };
+    const Row newer = of_samples_ago(whole);
+    for (Index i = 0; i < order; ++i) {
+      next_.row(i).head(order) = plant_.step_less_one.row(i).head(order);
+      next_(i, i) += 1.0;
+      next_.row(i) += plant_.newer[i] * newer;
+      if (plant_.splits_period()) next_.row(i) += plant_.older[i] * of_samples_ago(whole + 1);
+    }
+    for (Index i = 0; i < past_; ++i) next_.row(order + i) = of_samples_ago(i);
+  }
+
+  SampledPlant plant_;
+  Index past_;
+  MatrixXd next_;
+};
+
+/// Takes off leading states that nothing depends on but they themselves, with weight 1; true if there were any.
+bool without_integrators(MatrixXd& a) {
+  bool any = false;
+  while (a.cols() > 0 && a.col(0) == MatrixXd::Identity(a.rows(), 1)) {
+    a = a.bottomRightCorner(a.rows() - 1, a.cols() - 1).eval();
+    any = true;
+  }
+  return any;
+}
+
+/// Scales the states by powers of two until rows and columns weigh alike (Parlett, Reinsch 1969): Eigen's solver does not, and
+/// a stiff contact or a slow filter sets the states far apart. Exact.
+void balance(MatrixXd& a) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (Index i = 0; i < a.rows(); ++i) {
+      const double column = a.col(i).cwiseAbs().sum() - std::abs(a(i, i)), row = a.row(i).cwiseAbs().sum() - std::abs(a(i, i));
+      if (column == 0.0 || row == 0.0) continue;
+      const int power = static_cast<int>(std::lround(0.5 * std::log2(row / column)));
+      if (power == 0 || std::ldexp(column, power) + std::ldexp(row, -power) > 0.95 * (column + row)) continue;
+      a.col(i) *= std::ldexp(1.0, power);
+      a.row(i) *= std::ldexp(1.0, -power);
+      changed = true;
+    }
+  }
+}
+
+}  // namespace
+
+double spectral_radius(const LoopPlant& plant, const LoopController& controller, double contact_stiffness) {
+  require_loop(plant);
+  require_loop(controller);
+  require_finite("contact stiffness", contact_stiffness);
+  MatrixXd a = LoopMatrix(plant, controller, contact_stiffness).matrix();
+  const double integrators = without_integrators(a) ? 1.0 : 0.0;
+  if (a.size() == 0) return integrators;
+  balance(a);
+  const Eigen::EigenSolver<MatrixXd> solver(a, false);
+  if (solver.info() != Eigen::Success) throw std::runtime_error("The loop's eigenvalues did not converge.");
+  return std::max(integrators, solver.eigenvalues().cwiseAbs().maxCoeff());
+}
+
+}  // namespace voxtouch
