@@ -50,7 +50,8 @@ struct AxisDesign {
   double passive_stiffness = 0.0;     ///< K k that rule P would allow
   double spectral_radius = 0.0;       ///< at margin * shown, over all cases; < 1
   double limit_cycle_bound = 0.0;     ///< peak to peak of what quantisation may leave [m] or [rad]; 0: friction removes it
-  double damping_required = 0.0;      ///< device damping with which the wish would be passive as it is
+  double damping_required = 0.0;      ///< device damping with which the wish would be passive as it is, margin included
+  double damping_required_any_cutoff = 0.0;  ///< the same with the highest cut-off that may be
 };
 
 struct Design {

@@ -1,0 +1,176 @@
+#include "core/coupling/design/design_axis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/coupling/design/certificates.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using Law = LoopController::Law;
+
+/// Noise that is hardly felt [N], and the share of a strong device's force that is not either.
+constexpr double kQuietForce = 0.05, kQuietShare = 0.005;
+/// Torque in place of a force [m], where device limits do not say how one stands to the other.
+constexpr double kHandsArm = 0.05;
+
+double noise_limit(const DesignRequest& request, bool rotation) {
+  const double force = request.device.translation.max_effort, torque = request.device.rotation.max_effort;
+  const double asked = request.wishes.max_injected_damping_effort;
+  const double of_force = asked > 0.0 ? asked : std::max(kQuietForce, std::isfinite(force) ? kQuietShare * force : 0.0);
+  if (!rotation) return of_force;
+  // A torque may be noisy to the same share of the device's range as a force.
+  return of_force * (std::isfinite(force) && std::isfinite(torque) ? torque / force : kHandsArm);
+}
+
+AxisProblem problem(const DesignRequest& request, bool rotation) {
+  AxisProblem out;
+  out.units = rotation ? &kRotationUnits : &kTranslationUnits;
+  out.model = rotation ? request.device.rotation : request.device.translation;
+  out.timing = request.device.timing;
+  out.hand = rotation ? request.hand.rotation : request.hand.translation;
+  out.contact = rotation ? request.contact_rotation : request.contact;
+  out.cases = design_cases(out.model, out.timing, out.hand);
+  out.margin = request.wishes.gain_margin;
+  out.wanted = std::min(out.contact.all_points, out.model.max_stiffness);
+  out.useful = rotation ? request.wishes.useful_stiffness_nm_per_rad : request.wishes.useful_stiffness_n_per_m;
+  out.noise_limit = noise_limit(request, rotation);
+  return out;
+}
+
+/// By how much a late, filtered difference may exceed the speed it is meant to be, in the mean square: a short period's
+/// average may be held for a long one.
+double stretch(const LoopTiming& timing) {
+  if (timing.jitter >= 1.0) return kInfinity;
+  return std::sqrt((1.0 + timing.lost_in_a_row) * (1.0 + timing.jitter) / (1.0 - timing.jitter));
+}
+
+bool stable_for_all(const AxisProblem& problem, const LoopController& law, double scale, double contact, std::size_t& worst) {
+  LoopController scaled = law;
+  scaled.stiffness *= scale, scaled.damping *= scale;
+  for (std::size_t i = 0; i < problem.cases.size(); ++i) {
+    const double here = critical_stiffness(problem.cases[i].plant, scaled).stiffness;
+    if (!(std::isinf(here) || here > scale * contact)) return worst = i, false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<AxisProblem> axis_problems(const DesignRequest& request) {
+  std::vector<AxisProblem> axes{problem(request, false)};
+  if (request.device.gives_torque) axes.push_back(problem(request, true));
+  double gain = 1.0;  // the most that one gain can show on all axes without overreaching the device on one
+  for (const AxisProblem& axis : axes) gain = std::min(gain, axis.wanted / axis.contact.all_points);
+  for (AxisProblem& axis : axes)
+    axis.target = request.wishes.free_cap ? axis.wanted : std::min(axis.wanted, gain * axis.contact.all_points);
+  if (axes.size() > 1) {
+    const double of_force = axes[1].model.damping, of_torque = arm_squared(request) * axes[0].model.damping;
+    const double both = of_force + of_torque;
+    axes[0].series_share = both > 0.0 ? of_force / both : 0.0;
+    axes[1].series_share = both > 0.0 ? of_torque / both : 0.0;
+  }
+  return axes;
+}
+
+double arm_squared(const DesignRequest& request) {
+  if (!request.device.gives_torque) return 0.0;
+  return request.contact_rotation.all_points / request.contact.all_points;
+}
+
+LoopController controller_of(const CouplingSpec& spec, const AxisProblem& problem, double arm_squared_m2) {
+  const bool rotation = problem.units == &kRotationUnits;
+  LoopController law;
+  law.law = spec.kind == "direct" ? Law::kDirect : spec.kind == "spring_damper" ? Law::kSpringDamper : Law::kShapingFilter;
+  law.w0_rad_per_s = cutoff_rad_per_s(spec);
+  law.damping_ratio = spec.damping_ratio;
+  law.gain = 1.0;
+  law.stiffness = spec.stiffness_n_per_m * (rotation ? arm_squared_m2 : 1.0);
+  law.damping = spec.damping_ns_per_m * (rotation ? arm_squared_m2 : 1.0);
+  law.injected_damping = rotation ? spec.injected_damping_nms_per_rad : spec.injected_damping_ns_per_m;
+  law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * spec.velocity_filter_hz;
+  return law;
+}
+
+double critical_damping(const AxisProblem& problem, double velocity_filter_hz) {
+  double least = kInfinity;
+  for (const DesignCase& one : problem.cases)
+    least = std::min(least, critical_damping(one.plant, 2.0 * std::numbers::pi * velocity_filter_hz));
+  return least;
+}
+
+double damping_limit(const AxisProblem& problem, double velocity_filter_hz) {
+  const double stable = 0.5 * critical_damping(problem, velocity_filter_hz);
+  // One step of the encoder makes q/T of speed, of which the filter lets 1 - exp(-wv T) through at once.
+  const double passed = 1.0 - std::exp(-2.0 * std::numbers::pi * velocity_filter_hz * problem.timing.period_s);
+  const double speed = problem.model.resolution / problem.timing.period_s * passed;
+  return speed > 0.0 ? std::min(stable, problem.noise_limit / speed) : stable;
+}
+
+WorstCase critical_case(const AxisProblem& problem, const LoopController& law, double enough) {
+  WorstCase worst{kInfinity, 0};
+  for (std::size_t i = 0; i < problem.cases.size(); ++i) {
+    const double here = critical_stiffness(problem.cases[i].plant, law).stiffness;
+    if (here < worst.stiffness) worst = {here, i};
+    if (worst.stiffness < enough) break;
+  }
+  return worst;
+}
+
+WorstCase critical_scale(const AxisProblem& problem, const LoopController& law, double contact_stiffness) {
+  std::size_t worst = 0;
+  double low = 0.0, high = 1.0;
+  while (high < 1e6 && stable_for_all(problem, law, high, contact_stiffness, worst)) low = high, high *= 2.0;
+  if (high >= 1e6) return {kInfinity, worst};
+  if (low == 0.0) {
+    low = high / 1024.0;
+    if (!stable_for_all(problem, law, low, contact_stiffness, worst)) return {0.0, worst};
+  }
+  while (high - low > 1e-3 * high) {
+    const double middle = 0.5 * (low + high);
+    (stable_for_all(problem, law, middle, contact_stiffness, worst) ? low : high) = middle;
+  }
+  return {low, worst};
+}
+
+int whole_delay(const LoopTiming& timing, double effort_lag_s) {
+  return static_cast<int>(std::ceil((timing.delay_s + effort_lag_s) / timing.period_s - 1e-9));
+}
+
+double passive_limit(const AxisProblem& problem, const LoopController& law) {
+  const double lag = effort_lag_s(problem.model);
+  const LoopTiming slow = slowest(problem.timing);
+  const double lost = law.injected_damping > 0.0 ? law.injected_damping * stretch(problem.timing) : 0.0;
+  const double damping = std::max(0.0, problem.model.damping - lost);
+  switch (law.law) {
+    case Law::kShapingFilter:
+      return passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping, problem.timing, lag);
+    case Law::kDirect: {
+      const double jittered = passive_stiffness_filter(kInfinity, 1.0, damping, problem.timing, lag);
+      // Rule P holds for any timing within the bounds; Colgate's rule for the slowest, by whole samples. Both are kept.
+      return std::min(jittered, colgate_stiffness(damping, 0.0, slow.period_s, whole_delay(slow, lag)));
+    }
+    case Law::kSpringDamper: break;
+  }
+  double needed = 0.0;
+  for (const LoopTiming& when : {problem.timing, slow})
+    needed = std::max(needed, llewellyn_damping(law.stiffness, law.damping, when.period_s, whole_delay(when, lag)));
+  return needed > 0.0 ? problem.series_share * damping / needed : kInfinity;
+}
+
+double certified_stiffness(const AxisProblem& problem, const LoopController& law, double enough) {
+  if (problem.hand.any_passive) return passive_limit(problem, law) / problem.margin;
+  return critical_case(problem, law, problem.margin * enough).stiffness / problem.margin;
+}
+
+double worst_radius(const AxisProblem& problem, const LoopController& law, double contact_stiffness) {
+  double worst = 0.0;
+  for (const DesignCase& one : problem.cases) worst = std::max(worst, spectral_radius(one.plant, law, contact_stiffness));
+  return worst;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,66 @@
+#include "core/coupling/design/design_check.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace voxtouch {
+namespace {
+
+void require(bool kept, std::string_view field, double value, std::string_view rule) {
+  if (!kept) throw std::invalid_argument(fmt::format("Coupling design: {} is {}; it must be {}.", field, value, rule));
+}
+void positive(std::string_view field, double value) { require(value > 0.0 && std::isfinite(value), field, value, "above 0"); }
+void not_negative(std::string_view field, double value) {
+  require(value >= 0.0 && std::isfinite(value), field, value, "0 or above");
+}
+
+void refuse_first(std::string_view whose, const std::vector<std::string>& sentences) {
+  if (!sentences.empty()) throw std::invalid_argument(fmt::format("Coupling design, {}: {}", whose, sentences.front()));
+}
+
+void check_contact(std::string_view name, const ContactRange& contact) {
+  positive(fmt::format("{}.one_point", name), contact.one_point);
+  positive(fmt::format("{}.all_points", name), contact.all_points);
+  require(contact.one_point <= contact.all_points, fmt::format("{}.one_point", name), contact.one_point,
+          fmt::format("at most all_points, {}", contact.all_points));
+}
+
+void check_wishes(const DesignRequest& request) {
+  const DesignWishes& w = request.wishes;
+  constexpr std::array kKinds{"auto", "shaping_filter", "spring_damper", "direct"};
+  bool known = false;
+  for (const std::string_view kind : kKinds) known = known || kind == w.kind;
+  if (!known)
+    throw std::invalid_argument(fmt::format(
+        "Coupling design: kind is '{}'; it must be auto, shaping_filter, spring_damper or direct.", w.kind));
+  positive("cutoff_hz", w.cutoff_hz);
+  positive("max_cutoff_hz", w.max_cutoff_hz);
+  require(w.cutoff_hz <= w.max_cutoff_hz, "cutoff_hz", w.cutoff_hz, fmt::format("at most max_cutoff_hz, {}", w.max_cutoff_hz));
+  const double period = request.device.timing.period_s;
+  require(2.0 * std::numbers::pi * w.cutoff_hz * period < std::numbers::pi, "cutoff_hz", w.cutoff_hz,
+          fmt::format("below half the loop's rate, {:.6g} Hz", 0.5 / period));
+  require(w.gain_margin >= 1.0 && std::isfinite(w.gain_margin), "gain_margin", w.gain_margin, "1 or above");
+  not_negative("useful_stiffness_n_per_m", w.useful_stiffness_n_per_m);
+  not_negative("useful_stiffness_nm_per_rad", w.useful_stiffness_nm_per_rad);
+  not_negative("max_injected_damping_effort", w.max_injected_damping_effort);
+  not_negative("force_layer_depth_m", w.force_layer_depth_m);
+}
+
+}  // namespace
+
+void refuse_impossible(const DesignRequest& request) {
+  refuse_first("device", check(request.device));
+  refuse_first("hand", check(request.hand.translation));
+  if (request.device.gives_torque) refuse_first("hand, rotation", check(request.hand.rotation));
+  check_contact("contact", request.contact);
+  if (request.device.gives_torque) check_contact("contact_rotation", request.contact_rotation);
+  check_wishes(request);
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,74 @@
+#include "core/coupling/design/design_kinds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/coupling/design/axis_verdict.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void set_cap(CouplingSpec& spec, std::size_t axis, double cap) {
+  (axis == 0 ? spec.stiffness_cap_n_per_m : spec.stiffness_cap_nm_per_rad) = cap;
+}
+
+void set_damping(CouplingSpec& spec, const FilterChoice& choice) {
+  spec.velocity_filter_hz = choice.velocity_filter_hz;
+  spec.injected_damping_ns_per_m = choice.damping[0];
+  if (choice.damping.size() > 1) spec.injected_damping_nms_per_rad = choice.damping[1];
+}
+
+/// What each axis may show with the choice, at most its target.
+std::vector<double> fitting(const std::vector<AxisProblem>& problems, const FilterChoice& choice) {
+  std::vector<double> out;
+  for (std::size_t a = 0; a < problems.size(); ++a) {
+    LoopController law = law_of(choice.shape);
+    law.injected_damping = choice.damping[a];
+    law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * choice.velocity_filter_hz;
+    out.push_back(std::min(problems[a].target, certified_stiffness(problems[a], law)));
+  }
+  return out;
+}
+
+}  // namespace
+
+Proposal propose_filter(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+  const FilterChoice choice = search_filter(problems, filter_settings(request), request.wishes.allow_injected_damping);
+  const std::vector<double> fits = fitting(problems, choice);
+  Proposal out{{}, choice.status};
+  out.spec.kind = "shaping_filter";
+  out.spec.cutoff_hz = choice.shape.cutoff_hz;
+  out.spec.damping_ratio = choice.shape.damping_ratio;
+  set_damping(out.spec, choice);
+  const bool free = request.wishes.free_cap;
+  double gain = 1.0;
+  for (std::size_t a = 0; a < problems.size(); ++a)
+    gain = std::min(gain, fits[a] / (free ? problems[a].contact.one_point : problems[a].contact.all_points));
+  out.spec.gain = gain;
+  for (std::size_t a = 0; a < problems.size(); ++a)
+    set_cap(out.spec, a, free && gain > 0.0 ? std::min(fits[a] / gain, problems[a].contact.all_points)
+                                            : problems[a].contact.all_points);
+  return out;
+}
+
+Proposal propose_direct(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+  std::vector<AxisProblem> whole = problems;
+  for (AxisProblem& axis : whole) axis.target = request.wishes.free_cap ? axis.wanted : axis.contact.all_points;
+  const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.wishes.allow_injected_damping);
+  const std::vector<double> fits = fitting(whole, choice);
+  Proposal out{{}, choice.status};
+  out.spec.kind = "direct";
+  set_damping(out.spec, choice);
+  for (std::size_t a = 0; a < whole.size(); ++a) {
+    set_cap(out.spec, a, fits[a]);
+    const bool too_much = fits[a] < whole[a].contact.all_points || whole[a].contact.all_points > whole[a].model.max_stiffness;
+    if (!request.wishes.free_cap && too_much) out.status = DesignStatus::kInfeasible;
+  }
+  return out;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,203 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/coupling/design/axis_verdict.hpp"
+#include "core/coupling/design/design_text.hpp"
+#include "core/coupling/design/filter_search.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr std::array kDelayShares{0.75, 0.5, 0.25, 0.0};
+constexpr std::array kGripShares{0.25, 0.5, 0.75, 1.0};
+
+/// The wish, tried under another circumstance: all axes reach their targets with one of the laws.
+struct Trial {
+  std::vector<std::vector<LoopController>> laws;  ///< [attempt][axis]
+
+  bool holds(const std::vector<AxisProblem>& problems) const {
+    return std::ranges::any_of(laws, [&](const std::vector<LoopController>& of_axis) {
+      for (std::size_t a = 0; a < problems.size(); ++a)
+        if (!(certified_stiffness(problems[a], of_axis[a], problems[a].target) >= problems[a].target)) return false;
+      return true;
+    });
+  }
+};
+
+/// Where stiffness is short, the design's own law is tried; where only the cut-off was raised or damping added, the wish's.
+Trial trial_of(const DesignRequest& request, const std::vector<AxisProblem>& problems, const Design& design, bool short_of) {
+  Trial trial;
+  if (short_of || design.spec.kind != "shaping_filter") {
+    trial.laws.emplace_back();
+    for (const AxisProblem& p : problems) {
+      LoopController law = controller_of(design.spec, p, arm_squared(request));
+      if (!short_of) law.injected_damping = 0.0;
+      trial.laws.back().push_back(law);
+    }
+    return trial;
+  }
+  for (const FilterSetting& shape : filter_settings(request))
+    if (shape.cutoff_hz == request.wishes.cutoff_hz)
+      trial.laws.emplace_back(problems.size(), law_of(shape));
+  return trial;
+}
+
+class Remedies {
+ public:
+  Remedies(const DesignRequest& request, const std::vector<AxisProblem>& problems, const Design& design)
+      : request_(request), problems_(problems), design_(design), short_of_(is_short()),
+        trial_(trial_of(request, problems, design, short_of_)) {}
+
+  std::vector<std::string> all() {
+    damping();
+    injection();
+    if (design_.spec.kind != "spring_damper") {  // its certificate is another; its stiffness is its own
+      delay();
+      cap();
+      grip();
+    }
+    return std::move(out_);
+  }
+
+ private:
+  bool is_short() const {
+    return design_.status == DesignStatus::kStiffnessReduced || design_.status == DesignStatus::kInfeasible;
+  }
+  std::string goal() const {
+    if (short_of_) return "the stiffness wanted would be shown by this coupling";
+    if (design_.spec.kind == "direct") return "no damping would have to be injected";
+    return fmt::format("{:.3g} Hz would do without injected damping", request_.wishes.cutoff_hz);
+  }
+
+  void damping() {
+    for (std::size_t a = 0; a < problems_.size(); ++a) {
+      const AxisProblem& p = problems_[a];
+      const AxisDesign& d = a == 0 ? design_.translation : design_.rotation;
+      if (p.model.damping >= d.damping_required) continue;
+      std::string sentence =
+          fmt::format("{}: a device damping of {:.3g} {} (now {:.3g}) would make the wish stable as it is with every passive hand",
+                      p.units->name, d.damping_required, p.units->damping, p.model.damping);
+      if (d.damping_required_any_cutoff < 0.99 * d.damping_required)
+        sentence += fmt::format("; {:.3g} with the cut-off as high as it may be", d.damping_required_any_cutoff);
+      out_.push_back(sentence + ".");
+    }
+  }
+
+  void injection() {
+    if (request_.wishes.allow_injected_damping || design_.spec.kind != "shaping_filter") return;
+    const FilterChoice choice = search_filter(problems_, filter_settings(request_), true);
+    std::string allowed, shown;
+    bool helps = false;
+    for (std::size_t a = 0; a < problems_.size(); ++a) {
+      const AxisProblem& p = problems_[a];
+      LoopController law = law_of(choice.shape);
+      law.injected_damping = choice.damping[a];
+      law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * choice.velocity_filter_hz;
+      helps = helps || choice.damping[a] > 0.0;
+      allowed += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ", choice.damping[a], p.units->damping);
+      shown += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ", std::min(p.target, certified_stiffness(p, law)),
+                           p.units->stiffness);
+    }
+    if (helps) out_.push_back(fmt::format("Allowing {} of injected damping would show {}.", allowed, shown));
+  }
+
+  void delay() {
+    const double now = request_.device.timing.delay_s;
+    if (now <= 0.0) return;
+    for (const double share : kDelayShares) {
+      DesignRequest other = request_;
+      other.device.timing.delay_s = share * now;
+      if (!trial_.holds(same_targets(other))) continue;
+      out_.push_back(fmt::format("With a delay of {:.3g} ms (now {:.3g}), {}.", 1e3 * share * now, 1e3 * now, goal()));
+      return;
+    }
+  }
+
+  void cap() {
+    if (!short_of_) return cap_for_cutoff();
+    if (request_.wishes.free_cap) return;
+    std::string caps;
+    for (std::size_t a = 0; a < problems_.size(); ++a) {
+      const AxisProblem& p = problems_[a];
+      const double fits = std::min(p.target, certified_stiffness(p, trial_.laws.front()[a]));
+      if (fits < std::min(p.useful, p.target) || fits < p.contact.one_point) return;
+      caps += fmt::format("{}{:.3g} {}", caps.empty() ? "" : " and ", fits, p.units->stiffness);
+    }
+    out_.push_back(fmt::format("A cap of {} on all points together would leave each point its own stiffness (gain 1).", caps));
+  }
+  void cap_for_cutoff() {
+    if (design_.spec.kind != "shaping_filter") return;
+    std::string caps;
+    for (std::size_t a = 0; a < problems_.size(); ++a) {
+      const AxisProblem& p = problems_[a];
+      double fits = 0.0;
+      for (const auto& laws : trial_.laws) fits = std::max(fits, certified_stiffness(p, laws[a], fits));
+      if (fits < p.useful) return;
+      caps += fmt::format("{}{:.3g} {}", caps.empty() ? "" : " and ", std::min(fits, p.target), p.units->stiffness);
+    }
+    out_.push_back(fmt::format("With the contact's stiffness capped at {}, {}.", caps, goal()));
+  }
+
+  void grip() {
+    const bool passive = std::ranges::any_of(problems_, [](const AxisProblem& p) { return p.hand.any_passive; });
+    if (passive) {
+      out_.push_back("Naming the range of hands that hold the device would allow more than any passive hand does.");
+      return;
+    }
+    DesignRequest other = request_;
+    const bool released = request_.hand.translation.may_release || (problems_.size() > 1 && request_.hand.rotation.may_release);
+    other.hand.translation.may_release = other.hand.rotation.may_release = false;
+    if (released && trial_.holds(same_targets(other))) {
+      out_.push_back(fmt::format("If the device is never released in contact, {}.", goal()));
+      return;
+    }
+    for (const double share : kGripShares) {
+      tighten(other.hand.translation, request_.hand.translation, share);
+      tighten(other.hand.rotation, request_.hand.rotation, share);
+      if (!trial_.holds(same_targets(other))) continue;
+      out_.push_back(fmt::format("If the device is never released and always gripped with at least {}, {}.", grips(other), goal()));
+      return;
+    }
+  }
+  static void tighten(HandRange& hand, const HandRange& from, double share) {
+    hand.mass_min = std::lerp(from.mass_min, from.mass_max, share);
+    hand.damping_min = std::lerp(from.damping_min, from.damping_max, share);
+    hand.stiffness_min = std::lerp(from.stiffness_min, from.stiffness_max, share);
+  }
+  std::string grips(const DesignRequest& other) const {
+    std::string out;
+    for (const AxisProblem& p : problems_) {
+      const HandRange& hand = p.units == &kRotationUnits ? other.hand.rotation : other.hand.translation;
+      out += fmt::format("{}{:.3g} {} and {:.3g} {}", out.empty() ? "" : ", ", hand.stiffness_min, p.units->stiffness,
+                         hand.damping_min, p.units->damping);
+    }
+    return out;
+  }
+
+  std::vector<AxisProblem> same_targets(const DesignRequest& other) const {
+    std::vector<AxisProblem> problems = axis_problems(other);
+    for (std::size_t a = 0; a < problems.size(); ++a) problems[a].target = problems_[a].target;
+    return problems;
+  }
+
+  const DesignRequest& request_;
+  const std::vector<AxisProblem>& problems_;
+  const Design& design_;
+  bool short_of_;
+  Trial trial_;
+  std::vector<std::string> out_;
+};
+
+}  // namespace
+
+std::vector<std::string> remedies_of(const DesignRequest& request, const std::vector<AxisProblem>& problems,
+                                     const Design& design) {
+  if (design.status == DesignStatus::kAsRequested) return {};
+  return Remedies(request, problems, design).all();
+}
+
+}  // namespace voxtouch

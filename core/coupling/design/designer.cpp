@@ -1,0 +1,152 @@
+#include "core/coupling/design/designer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "core/coupling/design/axis_verdict.hpp"
+#include "core/coupling/design/design_check.hpp"
+#include "core/coupling/design/design_kinds.hpp"
+#include "core/coupling/design/design_text.hpp"
+
+namespace voxtouch {
+namespace {
+
+/// What the last verification may take off, little by little, before the design counts as not holding.
+constexpr std::array kShrinks{1.0, 0.9999, 0.999, 0.99, 0.97, 0.95, 0.9, 0.8, 0.65, 0.5};
+/// Another kind has to show that much more than the filter, which smooths what the contact does.
+constexpr double kWorthNoFilter = 1.25;
+
+struct Judged {
+  Design design;
+  std::vector<std::string> faults;
+};
+
+/// Certificates and what follows from them; status and sentences are the caller's.
+Judged judged(const DesignRequest& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {
+  Judged out;
+  out.design.spec = spec;
+  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
+  for (std::size_t a = 0; a < problems.size(); ++a) {
+    AxisVerdict verdict = judge_axis(request, problems[a], spec, shown[a]);
+    (a == 0 ? out.design.translation : out.design.rotation) = std::move(verdict.design);
+    out.faults.insert(out.faults.end(), verdict.faults.begin(), verdict.faults.end());
+  }
+  out.design.lag_s = lag_s(spec);
+  out.design.max_approach_m_per_s = max_approach(problems[0], spec, request.wishes.force_layer_depth_m);
+  return out;
+}
+
+/// All that is shown, times a factor.
+CouplingSpec shrunk(const DesignRequest& request, CouplingSpec spec, double factor) {
+  if (spec.kind == "spring_damper") {
+    spec.stiffness_n_per_m *= factor, spec.damping_ns_per_m *= factor;
+  } else if (spec.kind == "direct" || request.wishes.free_cap) {
+    spec.stiffness_cap_n_per_m *= factor, spec.stiffness_cap_nm_per_rad *= factor;
+  } else {
+    spec.gain *= factor;
+  }
+  return spec;
+}
+
+/// What the passivity controller may add: half of what the worst case bears, less what is injected already.
+void allow_passivity_damping(const std::vector<AxisProblem>& problems, CouplingSpec& spec) {
+  const auto left = [&](std::size_t axis, double injected) {
+    return std::max(0.0, 0.5 * critical_damping(problems[axis], spec.velocity_filter_hz) - injected);
+  };
+  spec.passivity_damping_limit_ns_per_m = left(0, spec.injected_damping_ns_per_m);
+  if (problems.size() > 1) spec.passivity_damping_limit_nms_per_rad = left(1, spec.injected_damping_nms_per_rad);
+}
+
+const AxisDesign& axis_of(const Design& design, std::size_t a) { return a == 0 ? design.translation : design.rotation; }
+
+bool too_soft(const std::vector<AxisProblem>& problems, const Design& design) {
+  for (std::size_t a = 0; a < problems.size(); ++a)
+    if (axis_of(design, a).shown_stiffness < std::min(problems[a].useful, 0.999 * problems[a].target)) return true;
+  return false;
+}
+
+/// Steps 5 and 6.
+Design certified(const DesignRequest& request, const std::vector<AxisProblem>& problems, const Proposal& proposal) {
+  Judged result;
+  for (const double factor : kShrinks) {
+    result = judged(request, problems, shrunk(request, proposal.spec, factor));
+    if (result.faults.empty()) break;
+  }
+  Design& design = result.design;
+  design.status = proposal.status;
+  if (!result.faults.empty() || too_soft(problems, design)) design.status = DesignStatus::kInfeasible;
+  allow_passivity_damping(problems, design.spec);
+  design.reasons = reasons_of(request, problems, design);
+  if (!result.faults.empty() && design.reasons.empty()) design.reasons = result.faults;
+  design.remedies = remedies_of(request, problems, design);
+  return design;
+}
+
+/// Shown over wanted, of the axis that is worse off; 0 for what does not hold.
+double worth(const std::vector<AxisProblem>& problems, const Design& design) {
+  if (design.status == DesignStatus::kInfeasible) return 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < problems.size(); ++a)
+    least = std::min(least, axis_of(design, a).shown_stiffness / problems[a].wanted);
+  return least;
+}
+
+Design best_of_all(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+  const Proposal filter = propose_filter(request, problems);
+  Design best = certified(request, problems, filter);
+  if (best.status == DesignStatus::kAsRequested) return best;
+  double to_beat = kWorthNoFilter * worth(problems, best);
+  for (const auto propose : {propose_spring_damper, propose_direct}) {
+    Design other = certified(request, problems, propose(request, problems));
+    const double shows = worth(problems, other);
+    if (shows <= 0.0 || shows < to_beat) continue;
+    other.reasons.insert(other.reasons.begin(),
+                         fmt::format("Without the shaping filter the hand feels {:.3g} % of the stiffness wanted, with it {:.3g} %.",
+                                     100.0 * shows, 100.0 * to_beat / kWorthNoFilter));
+    best = std::move(other);
+    to_beat = shows * (1.0 + 1e-12);
+  }
+  return best;
+}
+
+}  // namespace
+
+std::string_view name_of(DesignStatus status) noexcept {
+  switch (status) {
+    case DesignStatus::kAsRequested: return "as_requested";
+    case DesignStatus::kBandwidthRaised: return "bandwidth_raised";
+    case DesignStatus::kDampingAdded: return "damping_added";
+    case DesignStatus::kStiffnessReduced: return "stiffness_reduced";
+    case DesignStatus::kInfeasible: return "infeasible";
+  }
+  return "unknown";
+}
+
+Design design_coupling(const DesignRequest& request) {
+  refuse_impossible(request);
+  const std::vector<AxisProblem> problems = axis_problems(request);
+  const std::string& kind = request.wishes.kind;
+  if (kind == "shaping_filter") return certified(request, problems, propose_filter(request, problems));
+  if (kind == "spring_damper") return certified(request, problems, propose_spring_damper(request, problems));
+  if (kind == "direct") return certified(request, problems, propose_direct(request, problems));
+  return best_of_all(request, problems);
+}
+
+Design judge_coupling(const DesignRequest& request, const CouplingSpec& spec) {
+  refuse_impossible(request);
+  const std::vector<AxisProblem> problems = axis_problems(request);
+  for (const CouplingIssue& issue : validate(spec, CouplingLimits{}, request.device.timing.period_s))
+    if (issue.refuse) throw std::invalid_argument("Coupling design: " + issue.sentence);
+  Judged result = judged(request, problems, spec);
+  result.design.status = result.faults.empty() ? DesignStatus::kAsRequested : DesignStatus::kInfeasible;
+  result.design.reasons = std::move(result.faults);
+  result.design.remedies = remedies_of(request, problems, result.design);
+  return std::move(result.design);
+}
+
+}  // namespace voxtouch

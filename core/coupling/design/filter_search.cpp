@@ -1,0 +1,238 @@
+#include "core/coupling/design/filter_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <tuple>
+
+#include "core/coupling/design/loop_table.hpp"
+
+namespace voxtouch {
+namespace {
+
+using Law = LoopController::Law;
+constexpr std::array kFactors{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 40.0};
+constexpr std::array kVelocityFilters{50.0, 100.0, 200.0};
+constexpr std::size_t kUnused = 1;   ///< of these, where nothing is injected: the spec's default
+constexpr std::size_t kLevels = 11;  ///< 0, 10, ... 100 % of what is allowed
+/// The table is good to about a percent: what lies that little below the target is still worth an exact look.
+constexpr double kTableDoubt = 0.985;
+/// Of all whose stiffness is within a tenth of the best, the gentlest is taken.
+constexpr double kAsGood = 0.9;
+constexpr std::size_t kMostConfirmations = 24;
+
+struct Axis {
+  const AxisProblem* problem;
+  std::optional<LoopTable> table;                                ///< none where rule P decides
+  std::array<double, kVelocityFilters.size()> most_damping{};
+  double reference_damping = 0.0;                                ///< the most over the velocity filters
+
+  double damping(std::size_t velocity_filter, std::size_t level) const {
+    return most_damping[velocity_filter] * static_cast<double>(level) / (kLevels - 1);
+  }
+  double share(std::size_t velocity_filter, std::size_t level) const {
+    return level == 0 ? 0.0 : damping(velocity_filter, level) / reference_damping;
+  }
+};
+
+/// A point of the search, with what it costs.
+struct Candidate {
+  std::size_t shape = 0, velocity_filter = 1;
+  std::vector<std::size_t> levels;
+  double cost = 0.0, second_cost = 0.0;  ///< larger and summed share of injected damping
+
+  auto order(const std::vector<FilterSetting>& shapes) const {
+    return std::tuple(cost, second_cost, shapes[shape].cutoff_hz, shape, velocity_filter);
+  }
+};
+
+class Search {
+ public:
+  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping)
+      : shapes_(shapes), allow_damping_(allow_damping) {
+    for (const AxisProblem& problem : problems) {
+      Axis axis{&problem, std::nullopt, {}, 0.0};
+      if (!problem.hand.any_passive) axis.table.emplace(problem.cases, velocity_filters());
+      axes_.push_back(std::move(axis));
+    }
+  }
+
+  FilterChoice run() {
+    if (auto found = without_damping()) return *found;
+    if (may_damp()) bound_damping();
+    tabulate();
+    if (may_damp())
+      if (auto found = with_damping()) return *found;
+    return stiffest();
+  }
+
+ private:
+  static std::vector<double> velocity_filters() { return {kVelocityFilters.begin(), kVelocityFilters.end()}; }
+  bool may_damp() const {
+    return allow_damping_ && std::ranges::any_of(axes_, [](const Axis& a) { return a.table.has_value(); });
+  }
+
+  /// Stiffness over target, by the table or by rule P.
+  double ratio(Axis& axis, std::size_t shape, std::size_t velocity_filter, std::size_t level) const {
+    const AxisProblem& problem = *axis.problem;
+    const double critical = axis.table ? axis.table->critical(velocity_filter, axis.damping(velocity_filter, level))
+                                       : passive_limit(problem, law_of(shapes_[shape]));
+    return critical / (problem.margin * problem.target);
+  }
+  void use(std::size_t shape) {
+    const FilterSetting s = shapes_[shape];
+    const double w0 = 2.0 * std::numbers::pi * s.cutoff_hz;
+    for (Axis& axis : axes_)
+      if (axis.table)
+        axis.table->use([&](const Phasor& at, double period) {
+          return std::isinf(s.cutoff_hz) ? Complex(1.0) : filter_response(0.5 * w0 * period, s.damping_ratio, at);
+        });
+  }
+
+  /// Exactly, by the rule that counts.
+  bool confirmed(const Candidate& candidate) const {
+    for (std::size_t a = 0; a < axes_.size(); ++a) {
+      const AxisProblem& problem = *axes_[a].problem;
+      if (!(certified_stiffness(problem, law(candidate, a), problem.target) >= problem.target)) return false;
+    }
+    return true;
+  }
+  LoopController law(const Candidate& candidate, std::size_t a) const {
+    LoopController out = law_of(shapes_[candidate.shape]);
+    out.injected_damping = axes_[a].damping(candidate.velocity_filter, candidate.levels[a]);
+    out.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * kVelocityFilters[candidate.velocity_filter];
+    return out;
+  }
+  FilterChoice chosen(const Candidate& candidate, DesignStatus status) const {
+    const std::size_t v = candidate.cost > 0.0 ? candidate.velocity_filter : kUnused;
+    FilterChoice out{shapes_[candidate.shape], kVelocityFilters[v], {}, status};
+    for (std::size_t a = 0; a < axes_.size(); ++a)
+      out.damping.push_back(axes_[a].damping(candidate.velocity_filter, candidate.levels[a]));
+    return out;
+  }
+
+  /// Steps 1 and 2.
+  std::optional<FilterChoice> without_damping() {
+    for (std::size_t s = 0; s < shapes_.size(); ++s) {
+      use(s);
+      const Candidate candidate{s, kUnused, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
+      bool likely = true;
+      for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0) >= kTableDoubt;
+      if (!likely || !confirmed(candidate)) continue;
+      const bool wished = shapes_[s].cutoff_hz == shapes_.front().cutoff_hz;
+      return chosen(candidate, wished ? DesignStatus::kAsRequested : DesignStatus::kBandwidthRaised);
+    }
+    return std::nullopt;
+  }
+
+  void bound_damping() {
+    for (Axis& axis : axes_) {
+      if (!axis.table) continue;
+      for (std::size_t v = 0; v < kVelocityFilters.size(); ++v) {
+        axis.most_damping[v] = damping_limit(*axis.problem, kVelocityFilters[v]);
+        axis.reference_damping = std::max(axis.reference_damping, axis.most_damping[v]);
+      }
+    }
+  }
+
+  /// All ratios of all points; [shape][velocity filter][axis][level].
+  void tabulate() {
+    ratios_.assign(shapes_.size(), {});
+    for (std::size_t s = 0; s < shapes_.size(); ++s) {
+      use(s);
+      for (std::size_t v = 0; v < kVelocityFilters.size(); ++v) {
+        ratios_[s][v].resize(axes_.size());
+        for (std::size_t a = 0; a < axes_.size(); ++a)
+          for (std::size_t level = 0; level < kLevels; ++level) {
+            const bool same = level > 0 && axes_[a].damping(v, level) == 0.0;
+            ratios_[s][v][a][level] = same ? ratios_[s][v][a][0] : ratio(axes_[a], s, v, level);
+          }
+      }
+    }
+  }
+
+  /// The gentlest point of each shape and velocity filter at which every axis reaches `least` of its target; gentlest first.
+  std::vector<Candidate> reaching(double least) const {
+    std::vector<Candidate> out;
+    for (std::size_t s = 0; s < shapes_.size(); ++s)
+      for (std::size_t v = 0; v < kVelocityFilters.size(); ++v) {
+        Candidate candidate{s, v, {}, 0.0, 0.0};
+        for (std::size_t a = 0; a < axes_.size(); ++a) {
+          const auto& levels = ratios_[s][v][a];
+          const auto level = std::ranges::find_if(levels, [&](double r) { return r >= least; });
+          if (level == levels.end()) break;
+          candidate.levels.push_back(static_cast<std::size_t>(level - levels.begin()));
+          const double share = axes_[a].share(v, candidate.levels.back());
+          candidate.cost = std::max(candidate.cost, share), candidate.second_cost += share;
+        }
+        if (candidate.levels.size() == axes_.size()) out.push_back(std::move(candidate));
+      }
+    std::ranges::sort(out, [&](const Candidate& x, const Candidate& y) { return x.order(shapes_) < y.order(shapes_); });
+    return out;
+  }
+
+  /// Step 3.
+  std::optional<FilterChoice> with_damping() const {
+    std::size_t looks = 0;
+    for (const Candidate& candidate : reaching(kTableDoubt)) {
+      if (++looks > kMostConfirmations) break;
+      if (confirmed(candidate)) return chosen(candidate, DesignStatus::kDampingAdded);
+    }
+    return std::nullopt;
+  }
+
+  /// Step 4.
+  FilterChoice stiffest() const {
+    double best = 0.0;
+    for (const auto& shape : ratios_)
+      for (const auto& filter : shape) {
+        double joint = std::numeric_limits<double>::infinity();
+        for (const auto& levels : filter) joint = std::min(joint, *std::ranges::max_element(levels));
+        best = std::max(best, joint);
+      }
+    return chosen(reaching(kAsGood * std::min(best, 1.0)).front(), DesignStatus::kStiffnessReduced);
+  }
+
+  const std::vector<FilterSetting>& shapes_;
+  bool allow_damping_;
+  std::vector<Axis> axes_;
+  using Levels = std::array<double, kLevels>;
+  std::vector<std::array<std::vector<Levels>, kVelocityFilters.size()>> ratios_;
+};
+
+}  // namespace
+
+LoopController law_of(const FilterSetting& shape) {
+  LoopController law;
+  const bool none = std::isinf(shape.cutoff_hz);
+  law.law = none ? Law::kDirect : Law::kShapingFilter;
+  law.w0_rad_per_s = none ? 0.0 : 2.0 * std::numbers::pi * shape.cutoff_hz;
+  law.damping_ratio = shape.damping_ratio;
+  return law;
+}
+
+std::vector<FilterSetting> filter_settings(const DesignRequest& request) {
+  const bool passive = request.hand.translation.any_passive ||
+                       (request.device.gives_torque && request.hand.rotation.any_passive);
+  std::vector<double> ratios{std::numbers::sqrt2 / 2.0, 0.577, 1.0};
+  if (passive) ratios.insert(ratios.begin() + 1, std::numbers::sqrt3 / 2.0);
+  std::vector<FilterSetting> shapes;
+  for (const double factor : kFactors) {
+    const double cutoff = request.wishes.cutoff_hz * factor;
+    const double turn = 2.0 * std::numbers::pi * cutoff * request.device.timing.period_s;
+    // The wish itself is tried as it is; `check` refuses what no filter can do.
+    if (factor > 1.0 && (turn > kWarnCutoffRad || cutoff > request.wishes.max_cutoff_hz)) break;
+    for (const double ratio : ratios) shapes.push_back({cutoff, ratio});
+  }
+  return shapes;
+}
+
+FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
+                           bool allow_injected_damping) {
+  return Search(problems, shapes, allow_injected_damping).run();
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,35 @@
+#pragma once
+/// Steps 1 to 4 of the design of a shaping filter, or of a coupling without any: which cut-off, damping ratio and injected
+/// damping give the wish with the least given up, or else the most stiffness.
+#include <vector>
+
+#include "core/coupling/design/design_axis.hpp"
+
+namespace voxtouch {
+
+/// w0 / (2 pi) and d; a cut-off of infinity is no filter at all.
+struct FilterSetting {
+  double cutoff_hz = 0.0, damping_ratio = 1.0;
+};
+/// The law of that shape, of unit gain and without injected damping.
+LoopController law_of(const FilterSetting& shape);
+
+/// What may be tried, the wish first, then raised: wished cut-off x {1, 1.5, 2, ... 40} while w0 T <= 0.6 and below the wish's
+/// highest; at each the damping ratios .707, .577 and 1, and where only passivity is known of a hand also .866, which rule P
+/// likes best.
+std::vector<FilterSetting> filter_settings(const DesignRequest& request);
+
+struct FilterChoice {
+  FilterSetting shape;
+  double velocity_filter_hz = 100.0;
+  std::vector<double> damping;  ///< injected, for each problem
+  /// kAsRequested, kBandwidthRaised or kDampingAdded: the targets hold, exactly. kStiffnessReduced: they do not anywhere.
+  DesignStatus status = DesignStatus::kStiffnessReduced;
+};
+
+/// Injected damping is tried behind velocity filters of 50, 100 and 200 Hz, 10 to 100 % of what each allows; the least that
+/// does, and among equals the lowest cut-off. With two axes "least" is the larger share of the most that the axis could have.
+FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
+                           bool allow_injected_damping);
+
+}  // namespace voxtouch

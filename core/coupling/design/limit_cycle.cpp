@@ -1,0 +1,93 @@
+#include "core/coupling/design/limit_cycle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/coupling/design/certificates.hpp"
+#include "core/coupling/design/sampled_plant.hpp"
+#include "core/coupling/pt2.hpp"
+
+namespace voxtouch {
+namespace {
+
+using Law = LoopController::Law;
+constexpr int kSpan = 4096;       ///< samples looked at together
+constexpr int kMostSpans = 6;
+constexpr double kRest = 1e-6;    ///< a span that adds less than this share ends the sum
+
+/// The law and the injected damping, sample by sample.
+class Steps {
+ public:
+  Steps(const LoopController& law, double contact_stiffness, double period_s)
+      : law_(law), k_(contact_stiffness), period_(period_s),
+        filter_(Pt2Coefficients::of(law.w0_rad_per_s, law.damping_ratio, period_s)),
+        fresh_(law.velocity_filter_rad_per_s > 0.0 ? 1.0 - std::exp(-law.velocity_filter_rad_per_s * period_s) : 1.0) {}
+
+  double effort(double position) {
+    velocity_ += fresh_ * ((position - last_) / period_ - velocity_);
+    last_ = position;
+    return law(position) + law_.injected_damping * velocity_;
+  }
+
+ private:
+  double law(double position) {
+    if (law_.law == Law::kShapingFilter) return state_.advance(filter_, 1.0, k_ * position);
+    if (law_.law == Law::kDirect) return k_ * position;
+    const double damper = law_.damping / period_;
+    object_ = (k_ * position + damper * object_) / (k_ + law_.stiffness + damper);
+    return k_ * (position - object_);
+  }
+
+  const LoopController& law_;
+  double k_, period_;
+  Pt2Coefficients filter_;
+  Pt2State state_;
+  double fresh_, velocity_ = 0.0, last_ = 0.0, object_ = 0.0;
+};
+
+}  // namespace
+
+double quantisation_gain(const LoopPlant& p, const LoopController& law, double contact_stiffness) {
+  const SampledPlant plant = sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, p.period_s,
+                                          p.delay_s, p.effort_lag_s);
+  Steps steps(law, contact_stiffness, p.period_s);
+  const std::size_t places = static_cast<std::size_t>(plant.whole_delay) + 2;
+  std::vector<double> commands(places, 0.0);  // ring of the last ones
+  Eigen::Vector3d state = Eigen::Vector3d::Zero();
+  double sum = 0.0, before = 0.0;
+  std::size_t now = 0;
+  for (int span = 0; span < kMostSpans; ++span) {
+    double part = 0.0;
+    for (int i = 0; i < kSpan; ++i) {
+      commands[now] = -plant.effort_unit * steps.effort(state[0] + (span == 0 && i == 0 ? 1.0 : 0.0));
+      const double newer = commands[(now + places - static_cast<std::size_t>(plant.whole_delay)) % places];
+      const double older = commands[(now + 1) % places];
+      state += plant.step_less_one * state + plant.newer * newer + plant.older * older;
+      now = (now + 1) % places;
+      part += std::abs(state[0]);
+    }
+    sum += part;
+    if (part <= kRest * sum) return sum;
+    // What is left decays from span to span by the same share.
+    if (span + 1 == kMostSpans && part < before) return sum + part * part / (before - part);
+    before = part;
+  }
+  return sum;
+}
+
+double limit_cycle_bound(const AxisProblem& problem, const LoopController& law, double contact_stiffness,
+                         double shown_stiffness) {
+  const double q = problem.model.resolution;
+  if (q == 0.0 || shown_stiffness == 0.0) return 0.0;
+  const double shape = law.law == Law::kShapingFilter ? law.damping_ratio : 1.0;
+  const double passed = 1.0 - std::exp(-law.velocity_filter_rad_per_s * problem.timing.period_s);
+  const double needed = limit_cycle_friction(shape, shown_stiffness, q) +
+                        law.injected_damping * q / problem.timing.period_s * passed;
+  if (problem.model.coulomb_friction >= needed) return 0.0;
+  double worst = 0.0;
+  for (const DesignCase& one : problem.cases) worst = std::max(worst, quantisation_gain(one.plant, law, contact_stiffness));
+  return q * worst;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,98 @@
+#include "core/coupling/design/loop_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace voxtouch {
+namespace {
+
+constexpr std::size_t kPoints = 320;
+/// Lowest frequency [rad/s]. Loops that become unstable below it have no stiffness worth a design.
+constexpr double kLowest = 0.05;
+
+std::vector<Phasor> grid(double period_s) {
+  std::vector<Phasor> out;
+  const double lowest = kLowest * period_s, ratio = std::log(std::numbers::pi / lowest) / (kPoints - 1);
+  for (std::size_t i = 0; i + 1 < kPoints; ++i) out.emplace_back(lowest * std::exp(ratio * static_cast<double>(i)));
+  out.emplace_back(std::numbers::pi);
+  return out;
+}
+
+}  // namespace
+
+LoopTable::LoopTable(const std::vector<DesignCase>& cases, const std::vector<double>& velocity_filters_hz) {
+  for (const DesignCase& one : cases) {
+    const double period = one.plant.period_s;
+    auto timing = std::ranges::find(timings_, period, &Timing::period_s);
+    if (timing == timings_.end()) timing = timings_.insert(timing, {period, grid(period)});
+    Case entry{static_cast<std::size_t>(timing - timings_.begin()), {}, {}, {}};
+    entry.damped.resize(velocity_filters_hz.size());
+    const LoopResponse plant(one.plant, {.law = LoopController::Law::kDirect});
+    for (const Phasor& at : timing->grid) add(entry.plant, plant(at));
+    for (std::size_t v = 0; v < velocity_filters_hz.size(); ++v) {
+      const VelocityResponse velocity(period, 2.0 * std::numbers::pi * velocity_filters_hz[v]);
+      for (std::size_t i = 0; i < kPoints; ++i)
+        add(entry.damped[v], Complex(entry.plant.re[i], entry.plant.im[i]) * velocity(timing->grid[i]));
+    }
+    entry.loop = entry.plant;
+    cases_.push_back(std::move(entry));
+  }
+}
+
+void LoopTable::add(Response& to, const Complex& value) {
+  to.re.push_back(value.real());
+  to.im.push_back(value.imag());
+}
+
+void LoopTable::use(const std::function<Complex(const Phasor&, double)>& law) {
+  std::vector<std::vector<Complex>> laws;
+  for (const Timing& timing : timings_) {
+    laws.emplace_back();
+    for (const Phasor& at : timing.grid) laws.back().push_back(law(at, timing.period_s));
+  }
+  for (Case& one : cases_)
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      const Complex loop = laws[one.timing][i] * Complex(one.plant.re[i], one.plant.im[i]);
+      one.loop.re[i] = loop.real(), one.loop.im[i] = loop.imag();
+    }
+}
+
+double LoopTable::critical(const Case& one, std::size_t velocity_filter, double injected_damping) const {
+  const bool damped = injected_damping > 0.0;
+  const Response& unit = damped ? one.damped[velocity_filter] : one.plant;
+  const double b = damped ? injected_damping : 0.0;
+  // L = loop / (1 + B unit); its real and imaginary part, times |1 + B unit|^2 > 0, which spares the divisions.
+  const auto re = [&](std::size_t i) { return one.loop.re[i] * (1.0 + b * unit.re[i]) + one.loop.im[i] * b * unit.im[i]; };
+  const auto im = [&](std::size_t i) { return one.loop.im[i] * (1.0 + b * unit.re[i]) - one.loop.re[i] * b * unit.im[i]; };
+  const auto size = [&](std::size_t i) {
+    const double x = 1.0 + b * unit.re[i], y = b * unit.im[i];
+    return x * x + y * y;
+  };
+  double lowest = std::numeric_limits<double>::infinity(), before = im(0);
+  // Past -180 degrees at the lowest frequency already: unstable from the beginning, or from a stiffness below all interest.
+  if (before > 0.0 && re(0) < 0.0) return 0.0;
+  for (std::size_t i = 1; i < kPoints; ++i) {
+    const double now = im(i);
+    if ((before < 0.0) != (now < 0.0)) {
+      const double here = now / size(i), there = before / size(i - 1), share = there / (there - here);
+      const double crossing = (1.0 - share) * re(i - 1) / size(i - 1) + share * re(i) / size(i);
+      if (crossing < 0.0) lowest = std::min(lowest, -1.0 / crossing);
+    }
+    before = now;
+  }
+  const double nyquist = re(kPoints - 1) / size(kPoints - 1);
+  return nyquist < 0.0 ? std::min(lowest, -1.0 / nyquist) : lowest;
+}
+
+double LoopTable::critical(std::size_t velocity_filter, double injected_damping, double enough) const {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Case& one : cases_) {
+    lowest = std::min(lowest, critical(one, velocity_filter, injected_damping));
+    if (lowest < enough) break;
+  }
+  return lowest;
+}
+
+}  // namespace voxtouch

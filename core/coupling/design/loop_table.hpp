@@ -1,0 +1,45 @@
+#pragma once
+/// Frequency responses of all cases, tabulated once, so that thousands of couplings can be compared in some tens of
+/// milliseconds. Interpolated: good to about a percent. It proposes; `critical_stiffness` certifies.
+#include <functional>
+#include <vector>
+
+#include "core/coupling/design/design_cases.hpp"
+#include "core/coupling/design/loop_response.hpp"
+
+namespace voxtouch {
+
+class LoopTable {
+ public:
+  /// `velocity_filters_hz`: those that injected damping may have.
+  LoopTable(const std::vector<DesignCase>& cases, const std::vector<double>& velocity_filters_hz);
+
+  /// The law for the following questions: effort for a unit of position, at a frequency of a loop with period [s].
+  void use(const std::function<Complex(const Phasor& at, double period_s)>& law);
+
+  /// Factor on the law at which the worst case becomes unstable (for a law of unit stiffness: K k), with injected damping B
+  /// behind the filter of that index. Where a case lies below `enough`, the rest is not looked at. B has to keep the inner
+  /// loop stable. Infinity: no crossing.
+  double critical(std::size_t velocity_filter, double injected_damping, double enough = 0.0) const;
+
+ private:
+  struct Response {
+    std::vector<double> re, im;
+  };
+  struct Case {
+    std::size_t timing;
+    Response plant, loop;
+    std::vector<Response> damped;  ///< plant times a unit of injected damping, for each velocity filter
+  };
+  static void add(Response& to, const Complex& value);
+  double critical(const Case& one, std::size_t velocity_filter, double injected_damping) const;
+
+  struct Timing {
+    double period_s;
+    std::vector<Phasor> grid;
+  };
+  std::vector<Timing> timings_;
+  std::vector<Case> cases_;
+};
+
+}  // namespace voxtouch
