@@ -238,7 +238,7 @@ NonlinearVerdict simulate(const NonlinearLoop& loop) {
       break;
     }
     // At this rate it will not have fallen by a tenth in a quarter of the longest run either.
-    const bool hopeless = ratio(q, 3) > std::pow(kFalls, longest / length);
+    const bool hopeless = ratio(q, 3) > std::pow(kFalls, length / longest);
     if ((hopeless && was_hopeless) || 2.0 * length > longest * (1.0 + 1e-9)) {
       v.outcome = outcome_at_the_end(q);
       break;
@@ -263,24 +263,24 @@ NonlinearVerdict simulate(const NonlinearLoop& loop) {
 }
 
 double quantiser_gain(const NonlinearLoop& loop, double contact_stiffness) {
+  constexpr int kMostSamples = 1'000'000;
   NonlinearLoop linear;
   linear.plant = loop.plant;
   linear.controller = loop.controller;
   linear.contact_stiffness = contact_stiffness;
   linear.wall = WallLaw::kBilateral;
   refuse_nonsense(linear);
+  if (!(spectral_radius(linear.plant, linear.controller, contact_stiffness) < 1.0)) return 1.0;
   LoopRun run(linear);
   run.misread_once(1.0);
-  constexpr int kBlocks = 200, kBlock = 100;
   double sum = 0.0;
-  for (int block = 0; block < kBlocks; ++block) {
+  for (int length = 256; length < kMostSamples; length *= 2) {  // the run's length doubles with each block
     double part = 0.0;
-    for (int i = 0; i < kBlock; ++i) run.run(1), part += std::abs(run.position());
+    for (int i = 0; i < length; ++i) run.run(1), part += std::abs(run.position());
     sum += part;
-    if (part <= 1e-4 * sum) return sum;
-    if (!(sum < 1e6)) break;
+    if (part <= 1e-2 * sum) break;
   }
-  return 1.0;
+  return sum;
 }
 
 double simulated_limit(NonlinearLoop loop, double stable, double highest, double accuracy) {

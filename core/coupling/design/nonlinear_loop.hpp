@@ -99,7 +99,7 @@ struct NonlinearVerdict {
 NonlinearVerdict simulate(const NonlinearLoop& loop);
 
 /// Sum over the samples of |position| after one sample was measured 1 too large: ||T_c||_1 of the bilateral loop with stiffness
-/// `contact_stiffness`. 1 where the loop does not come to rest within 20 000 samples.
+/// `contact_stiffness`. To 1 %, or of the first half million samples where it decays more slowly. 1 where it does not decay.
 double quantiser_gain(const NonlinearLoop& loop, double contact_stiffness);
 
 /// Contact stiffness from which on the loop is unstable, by doubling up from `stable` and halving the gap to `accuracy`

@@ -130,7 +130,7 @@ class Phase {
       return;
     }
     const Tried tried{member, design, controller_of(design.spec),
-                      std::min(member.contact.all_points, design.spec.stiffness_cap_n_per_m)};
+                      options_.overload * std::min(member.contact.all_points, design.spec.stiffness_cap_n_per_m)};
     for (const Trial& trial : trials_of(tried, random)) {
       const NonlinearVerdict verdict = simulate(trial.loop);
       if (out_.count(trial.name, verdict))

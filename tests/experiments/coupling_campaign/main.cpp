@@ -13,6 +13,7 @@ namespace {
 struct Arguments {
   std::uint64_t runs = 10000, seed = 1, first = 0;
   std::vector<std::string> phases{"recipe", "designs", "predictor"};
+  double overload = 1.0;
   bool json = false, corners = true;
 };
 
@@ -26,6 +27,8 @@ Arguments parse(CLI::App& app, int argc, char** argv) {
       ->check(CLI::IsMember({"recipe", "designs", "predictor"}))
       ->delimiter(',');
   app.add_flag("--corners,!--no-corners", a.corners, "designs for the corners of the population's ranges as well");
+  app.add_option("--overload", a.overload, "designs: contacts this many times stiffer than promised, to see that it is seen")
+      ->check(CLI::PositiveNumber);
   app.add_flag("--json", a.json, "one JSON array instead of the table");
   app.parse(argc, argv);
   return a;
@@ -33,7 +36,7 @@ Arguments parse(CLI::App& app, int argc, char** argv) {
 
 int run(const Arguments& a) {
   Options options;
-  options.seed = a.seed, options.first = a.first, options.corners = a.corners;
+  options.seed = a.seed, options.first = a.first, options.corners = a.corners, options.overload = a.overload;
   options.members = (a.runs + 3) / 4;
   std::vector<PhaseResult> results;
   for (const std::string& phase : a.phases) {
