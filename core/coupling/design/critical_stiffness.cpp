@@ -36,20 +36,23 @@ LoopPlant with_a_hair_of_damping(LoopPlant p) {
 /// z_n - gain R: inside if L is in the lower half plane just above it.
 template <class Response>
 bool goes_inwards(const Response& response, double angle) {
-  return response(Phasor(angle * (1.0 + 1e-6))).imag() < 0.0;
+  return response(Phasor(angle * (1.0 + 1e-6))).value.imag() < 0.0;
 }
 
 double transport(const LoopPlant& p) { return p.period_s + p.delay_s + p.effort_lag_s; }
 
 Crossing inner_crossing(const LoopPlant& bare, double velocity_filter_rad_per_s) {
   const LoopPlant p = with_a_hair_of_damping(bare);
-  const LoopResponse plant(p, {.law = Law::kDirect});
+  const SampledPlant plant = sample_plant(mass_of(p), damping_of(p), p.hand_stiffness, p.period_s, p.delay_s, p.effort_lag_s);
   const VelocityResponse velocity(p.period_s, velocity_filter_rad_per_s);
-  const auto response = [&](const Phasor& at) { return plant(at) * velocity(at); };
+  const auto response = [&](const Phasor& at) {
+    const Complex value = plant_response(plant, at) * velocity(at);
+    return LoopSample{value, value};
+  };
   const double resonance = resonance_of(p);
   if (swings_undamped(bare) && !goes_inwards(response, resonance)) return {0.0, resonance};
   const double filter = velocity_filter_rad_per_s > 0.0 ? 1.0 / velocity_filter_rad_per_s : 0.0;
-  CrossingSearch search((transport(p) + filter) / p.period_s, plant.plant().whole_delay);
+  CrossingSearch search((transport(p) + filter) / p.period_s, plant.whole_delay);
   search.stop_at(resonance);
   return search.find(response);
 }
@@ -97,10 +100,14 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
   if (!acts(c)) return {kInfinity, 0.0};
 
   const LoopPlant p = with_a_hair_of_damping(plant);
-  const LoopResponse response(p, c);
+  const LoopResponse loop(p, c);
+  const auto response = [&](const Phasor& at) {
+    const Complex g = loop.damped_plant(at), value = loop.of(g, at);
+    return LoopSample{value, c.law == Law::kSpringDamper ? g : value};
+  };
   const double resonance = resonance_of(p);
   if (swings_undamped(plant) && c.injected_damping == 0.0 && !goes_inwards(response, resonance)) return {};
-  CrossingSearch search(slowness(p, c) / p.period_s, response.plant().whole_delay);
+  CrossingSearch search(slowness(p, c) / p.period_s, loop.plant().whole_delay);
   search.stop_at(resonance);
   search.stop_at(inner.angle);
   if (c.law == Law::kShapingFilter) search.stop_at(2.0 * std::atan(0.5 * c.w0_rad_per_s * p.period_s));

@@ -17,8 +17,15 @@ struct Crossing {
   double angle = 0.0;                                     ///< [rad per sample]
 };
 
+/// L and, where it is a sum, the summand that may have narrow resonances: under a large smooth summand, pole and zero of a
+/// resonance lie so close together that a step over both looks like none, while the summand itself turns by pi.
+struct LoopSample {
+  Complex value, summand;
+};
+
 /// Walks up the upper half of the unit circle in steps that grow with the angle, are short against the turns of the delay, and
-/// are halved wherever L turns or grows fast; every step that crosses the negative real axis is narrowed down to rounding.
+/// are halved wherever L or its summand turns or grows fast; every step that crosses the negative real axis is narrowed down to
+/// rounding. A response is a function of a Phasor that gives a LoopSample.
 class CrossingSearch {
  public:
   /// `slow_periods`: sum of the loop's time constants in periods, >= 1. Below a fiftieth of its inverse no factor has turned
@@ -45,7 +52,7 @@ class CrossingSearch {
       from = to;
     }
     // At z = -1 everything is real: the loop may begin to swing from sample to sample.
-    const double last = response(Phasor(std::numbers::pi)).real();
+    const double last = response(Phasor(std::numbers::pi)).value.real();
     if (last < 0.0) offer(-1.0 / last, std::numbers::pi);
     return best_;
   }
@@ -53,28 +60,32 @@ class CrossingSearch {
  private:
   struct Point {
     double angle;
-    Complex value;
+    Complex value, summand;
   };
 
   static constexpr int kMostStops = 4, kMostHalvings = 60;
   static constexpr double kGrowth = 1.3;
   static constexpr double kEnd = std::numbers::pi * (1.0 - 1e-7);
-  static constexpr double kTurn = 0.7;          ///< [rad] L may turn this far in a step that is not halved
+  static constexpr double kTurnCosine2 = 0.6;   ///< L may turn by 0.68 rad in a step that is not halved
   static constexpr double kSwell = 100.0;       ///< and |L|^2 change by this factor
   static constexpr double kHopeless = 0.01;     ///< a step whose |L|^2 is this small a share of the best crossing's is passed
 
   template <class Response>
   static Point at(const Response& response, double angle) {
-    return {angle, response(Phasor(angle))};
+    const LoopSample sample = response(Phasor(angle));
+    return {angle, sample.value, sample.summand};
+  }
+
+  static bool gentle(const Complex& a, const Complex& b) noexcept {
+    const double na = std::norm(a), nb = std::norm(b);
+    const double along = a.real() * b.real() + a.imag() * b.imag();
+    return along > 0.0 && along * along > kTurnCosine2 * na * nb && na < kSwell * nb && nb < kSwell * na;
   }
 
   template <class Response>
   void look_between(const Response& response, const Point& a, const Point& b, int halvings) {
-    const double na = std::norm(a.value), nb = std::norm(b.value);
-    if (std::max(na, nb) * best_.gain * best_.gain < kHopeless) return;
-    const Complex turn = b.value * std::conj(a.value);
-    const bool gentle = turn.real() > std::cos(kTurn) * std::sqrt(na * nb) && na < kSwell * nb && nb < kSwell * na;
-    if (!gentle && halvings > 0) {
+    if (std::max(std::norm(a.value), std::norm(b.value)) * best_.gain * best_.gain < kHopeless) return;
+    if (halvings > 0 && !(gentle(a.value, b.value) && gentle(a.summand, b.summand))) {
       const Point middle = at(response, 0.5 * (a.angle + b.angle));
       if (middle.angle > a.angle && middle.angle < b.angle) {
         look_between(response, a, middle, halvings - 1);

@@ -74,9 +74,14 @@ class LoopResponse {
 
   const SampledPlant& plant() const noexcept { return plant_; }
 
-  Complex operator()(const Phasor& p) const noexcept {
-    Complex g = plant_response(plant_, p);
-    if (c_.injected_damping > 0.0) g = quotient(g, 1.0 + c_.injected_damping * g * velocity_(p));
+  /// The plant with its injected damping: G/(1 + G B V).
+  Complex damped_plant(const Phasor& p) const noexcept {
+    const Complex g = plant_response(plant_, p);
+    if (!(c_.injected_damping > 0.0)) return g;
+    return quotient(g, 1.0 + c_.injected_damping * g * velocity_(p));
+  }
+  /// L from the damped plant's response.
+  Complex of(const Complex& g, const Phasor& p) const noexcept {
     switch (c_.law) {
       case LoopController::Law::kShapingFilter: return c_.gain * g * filter_response(g_, c_.damping_ratio, p);
       case LoopController::Law::kDirect: return c_.gain * g;
