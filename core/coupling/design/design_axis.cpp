@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
 #include "core/coupling/design/certificates.hpp"
 
@@ -169,7 +170,11 @@ double certified_stiffness(const AxisProblem& problem, const LoopController& law
 
 double worst_radius(const AxisProblem& problem, const LoopController& law, double contact_stiffness) {
   double worst = 0.0;
-  for (const DesignCase& one : problem.cases) worst = std::max(worst, spectral_radius(one.plant, law, contact_stiffness));
+  try {
+    for (const DesignCase& one : problem.cases) worst = std::max(worst, spectral_radius(one.plant, law, contact_stiffness));
+  } catch (const std::runtime_error&) {
+    return kInfinity;  // eigenvalues that do not converge certify nothing
+  }
   return worst;
 }
 

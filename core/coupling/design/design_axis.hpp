@@ -71,7 +71,7 @@ double passive_limit(const AxisProblem& problem, const LoopController& law);
 /// margin.
 double certified_stiffness(const AxisProblem& problem, const LoopController& law, double enough = 0.0);
 
-/// Largest modulus over the cases at that contact stiffness; `law` has unit gain.
+/// Largest modulus over the cases at that contact stiffness; `law` has unit gain. Infinity where it could not be computed.
 double worst_radius(const AxisProblem& problem, const LoopController& law, double contact_stiffness);
 
 /// Whole samples of delay, the effort's lag counted in, rounded up.

@@ -57,7 +57,7 @@ Proposal propose_filter(const DesignRequest& request, const std::vector<AxisProb
 
 Proposal propose_direct(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
   std::vector<AxisProblem> whole = problems;
-  for (AxisProblem& axis : whole) axis.target = request.wishes.free_cap ? axis.wanted : axis.contact.all_points;
+  for (AxisProblem& axis : whole) axis.target = axis.wanted;
   const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.wishes.allow_injected_damping);
   const std::vector<double> fits = fitting(whole, choice);
   Proposal out{{}, choice.status};
@@ -65,8 +65,7 @@ Proposal propose_direct(const DesignRequest& request, const std::vector<AxisProb
   set_damping(out.spec, choice);
   for (std::size_t a = 0; a < whole.size(); ++a) {
     set_cap(out.spec, a, fits[a]);
-    const bool too_much = fits[a] < whole[a].contact.all_points || whole[a].contact.all_points > whole[a].model.max_stiffness;
-    if (!request.wishes.free_cap && too_much) out.status = DesignStatus::kInfeasible;
+    if (!request.wishes.free_cap && fits[a] < whole[a].contact.all_points) out.status = DesignStatus::kInfeasible;
   }
   return out;
 }
