@@ -14,11 +14,12 @@ namespace voxtouch::campaign {
 
 struct Options {
   std::uint64_t seed = 1;
-  std::uint64_t first = 0;    ///< index of the first member
+  std::uint64_t first = 0;  ///< index of the first member
   std::uint64_t members = 2500;
-  bool corners = true;        ///< designs: the corners of the population's ranges as well
-  std::uint64_t limits = 150; ///< designs: how many promises are compared with the simulated limit
-  double overload = 1.0;      ///< designs: every contact this many times stiffer than promised; to see that the campaign sees it
+  bool corners = true;         ///< designs: the corners of the population's ranges as well
+  std::uint64_t limits = 150;  ///< designs: how many promises are compared with the simulated limit
+  double overload =
+      1.0;  ///< designs: every contact this many times stiffer than promised; to see that the campaign sees it
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;  ///< may be empty
 };
 

@@ -69,20 +69,23 @@ void disturb(NonlinearLoop& loop, const LoopTiming& timing, double resolution, R
 std::string describe(const NonlinearLoop& l, const NonlinearVerdict& v) {
   const LoopPlant& p = l.plant;
   const LoopController& c = l.controller;
-  const char* law = c.law == LoopController::Law::kShapingFilter   ? "filter"
+  const char* law = c.law == LoopController::Law::kShapingFilter  ? "filter"
                     : c.law == LoopController::Law::kSpringDamper ? "spring_damper"
                                                                   : "direct";
   return fmt::format(
       "plant {{m {:.17g}, b {:.17g}, m_h {:.17g}, b_h {:.17g}, k_h {:.17g}, T {:.17g}, delay {:.17g}, lag {:.17g}}}, "
-      "{} {{w0 {:.17g}, d {}, K {:.17g}, c {:.17g}, r {:.17g}, B {:.17g}, w_v {:.17g}}}, k {:.17g} {} knee {:.17g}, q {:.17g}, "
-      "F_c {:.17g}, F_max {:.17g}, jitter {}, measured {}, delay jitter {:.17g}, loss {:.17g} up to {}, contact damping {}, "
-      "push {:.17g}, speed {:.17g}, duration {:.17g}..{:.17g}, loop seed {}: peak to peak {:.4g} then {:.4g} (rest {:.4g}) "
+      "{} {{w0 {:.17g}, d {}, K {:.17g}, c {:.17g}, r {:.17g}, B {:.17g}, w_v {:.17g}}}, k {:.17g} {} knee {:.17g}, q "
+      "{:.17g}, "
+      "F_c {:.17g}, F_max {:.17g}, jitter {}, measured {}, delay jitter {:.17g}, loss {:.17g} up to {}, contact "
+      "damping {}, "
+      "push {:.17g}, speed {:.17g}, duration {:.17g}..{:.17g}, loop seed {}: peak to peak {:.4g} then {:.4g} (rest "
+      "{:.4g}) "
       "after {:.4g} s",
       p.mass, p.damping, p.hand_mass, p.hand_damping, p.hand_stiffness, p.period_s, p.delay_s, p.effort_lag_s, law,
       c.w0_rad_per_s, c.damping_ratio, c.gain, c.stiffness, c.damping, c.injected_damping, c.velocity_filter_rad_per_s,
       l.contact_stiffness, name_of(l.wall), l.wall_knee, l.resolution, l.coulomb_friction, l.max_effort, l.jitter,
-      l.measured_period, l.delay_jitter_s, l.loss, l.most_lost_in_a_row, l.damping_only_in_contact, l.push, l.start_speed,
-      l.duration_s, l.longest_s, l.seed, v.early_amplitude, v.late_amplitude, v.quiet, v.simulated_s);
+      l.measured_period, l.delay_jitter_s, l.loss, l.most_lost_in_a_row, l.damping_only_in_contact, l.push,
+      l.start_speed, l.duration_s, l.longest_s, l.seed, v.early_amplitude, v.late_amplitude, v.quiet, v.simulated_s);
 }
 
 }  // namespace voxtouch::campaign

@@ -135,8 +135,8 @@ class Phase {
       const NonlinearVerdict verdict = simulate(trial.loop);
       if (out_.count(trial.name, verdict))
         out_.failures.push_back({trial.name, options_.seed, member.index, corner,
-                                 fmt::format("{}; margin {:.4g}, worst {}; {}", name_of(design.status), axis.gain_margin,
-                                             axis.worst_case_text, describe(trial.loop, verdict))});
+                                 fmt::format("{}; margin {:.4g}, worst {}; {}", name_of(design.status),
+                                             axis.gain_margin, axis.worst_case_text, describe(trial.loop, verdict))});
     }
     if (!corner && design.status != DesignStatus::kInfeasible && tried.controller.law != Law::kSpringDamper &&
         margins_.size() < options_.limits)
@@ -144,13 +144,16 @@ class Phase {
   }
 
   PhaseResult result() {
-    for (const DesignStatus s : {DesignStatus::kAsRequested, DesignStatus::kBandwidthRaised, DesignStatus::kDampingAdded,
-                                 DesignStatus::kStiffnessReduced, DesignStatus::kInfeasible})
+    for (const DesignStatus s :
+         {DesignStatus::kAsRequested, DesignStatus::kBandwidthRaised, DesignStatus::kDampingAdded,
+          DesignStatus::kStiffnessReduced, DesignStatus::kInfeasible})
       out_.figures.push_back({std::string(name_of(s)), static_cast<double>(statuses_[static_cast<std::size_t>(s)])});
     out_.figures.push_back({"nothing promised, not run", static_cast<double>(nothing_promised_)});
     out_.figures.push_back({"promises compared with the simulated limit", static_cast<double>(margins_.size())});
-    for (const auto& [name, share] : {std::pair{"limit / promise, least", 0.0}, {"limit / promise, 5 %", 0.05},
-                                      {"limit / promise, median", 0.5}, {"limit / promise, 95 %", 0.95}})
+    for (const auto& [name, share] : {std::pair{"limit / promise, least", 0.0},
+                                      {"limit / promise, 5 %", 0.05},
+                                      {"limit / promise, median", 0.5},
+                                      {"limit / promise, 95 %", 0.95}})
       out_.figures.push_back({name, quantile(margins_, share)});
     return std::move(out_);
   }

@@ -19,7 +19,8 @@ struct Arguments {
 
 Arguments parse(CLI::App& app, int argc, char** argv) {
   Arguments a;
-  app.add_option("--runs", a.runs, "runs of designs, four a member of the population; the other phases get a quarter of it")
+  app.add_option("--runs", a.runs,
+                 "runs of designs, four a member of the population; the other phases get a quarter of it")
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", a.seed, "of the population and of every run");
   app.add_option("--first", a.first, "index of the first member: --first N --runs 4 repeats member N alone");
@@ -27,7 +28,8 @@ Arguments parse(CLI::App& app, int argc, char** argv) {
       ->check(CLI::IsMember({"recipe", "designs", "predictor"}))
       ->delimiter(',');
   app.add_flag("--corners,!--no-corners", a.corners, "designs for the corners of the population's ranges as well");
-  app.add_option("--overload", a.overload, "designs: contacts this many times stiffer than promised, to see that it is seen")
+  app.add_option("--overload", a.overload,
+                 "designs: contacts this many times stiffer than promised, to see that it is seen")
       ->check(CLI::PositiveNumber);
   app.add_flag("--json", a.json, "one JSON array instead of the table");
   app.parse(argc, argv);

@@ -33,7 +33,9 @@ PhaseResult predictor_phase(const Options& options) {
   PhaseResult out{.name = "predictor", .tallies = {}, .figures = {}, .failures = {}};
   const char* const kInside = "nominal gain margin above 1.05";
   const char* const kRule = "margin above 1, also with T * 1.2 and a lost sample";
-  for (const char* kind : {"nominal gain margin below 1, wall of one slope", "nominal gain margin below 1, softer part", "nominal gain margin 1 to 1.05", kInside, kRule}) out.tally(kind);
+  for (const char* kind : {"nominal gain margin below 1, wall of one slope", "nominal gain margin below 1, softer part",
+                           "nominal gain margin 1 to 1.05", kInside, kRule})
+    out.tally(kind);
   std::uint64_t too_slow = 0;
   for (std::uint64_t i = 0; i < options.members; ++i) {
     if (options.progress) options.progress(i + 1, options.members);
@@ -61,13 +63,14 @@ PhaseResult predictor_phase(const Options& options) {
     }
     const NonlinearVerdict verdict = simulate(loop);
     const bool one_slope = loop.wall == WallLaw::kUnilateral;
-    const std::string kind = margin > 1.05                  ? kInside
-                             : margin >= 1.0                ? "nominal gain margin 1 to 1.05"
-                             : one_slope                    ? "nominal gain margin below 1, wall of one slope"
-                                                            : "nominal gain margin below 1, softer part";
+    const std::string kind = margin > 1.05   ? kInside
+                             : margin >= 1.0 ? "nominal gain margin 1 to 1.05"
+                             : one_slope     ? "nominal gain margin below 1, wall of one slope"
+                                             : "nominal gain margin below 1, softer part";
     const bool unstable = out.count(kind, verdict);
     // Both, as the designer does: a hand's resonance can make the slower loop the more stable one.
-    const bool covered = margin >= 1.0 && critical_stiffness(slowed(loop.plant, 1), loop.controller).stiffness >= loop.contact_stiffness;
+    const bool covered =
+        margin >= 1.0 && critical_stiffness(slowed(loop.plant, 1), loop.controller).stiffness >= loop.contact_stiffness;
     if (covered) out.count(kRule, verdict);
     if (unstable && (covered || kind == kInside))
       out.failures.push_back({kind, options.seed, member.index, false, describe(loop, verdict)});

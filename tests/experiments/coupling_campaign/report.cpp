@@ -16,7 +16,8 @@ std::string as_table(const std::vector<PhaseResult>& phases) {
     }
     for (const Figure& f : phase.figures) out += fmt::format("  {:<48}{:>8.4g}\n", f.name, f.value);
     for (const Failure& f : phase.failures)
-      out += fmt::format("  FAILED {}: seed {} {} {}: {}\n", f.trial, f.seed, f.corner ? "corner" : "member", f.index, f.details);
+      out += fmt::format("  FAILED {}: seed {} {} {}: {}\n", f.trial, f.seed, f.corner ? "corner" : "member", f.index,
+                         f.details);
     out += "\n";
   }
   return out;
@@ -31,7 +32,8 @@ std::string as_json(const std::vector<PhaseResult>& phases) {
     for (const Figure& f : phase.figures) one["figures"][f.name] = f.value;
     one["failures"] = nlohmann::ordered_json::array();
     for (const Failure& f : phase.failures)
-      one["failures"].push_back({{"trial", f.trial}, {"seed", f.seed}, {"index", f.index}, {"corner", f.corner}, {"details", f.details}});
+      one["failures"].push_back(
+          {{"trial", f.trial}, {"seed", f.seed}, {"index", f.index}, {"corner", f.corner}, {"details", f.details}});
     out.push_back(std::move(one));
   }
   return out.dump(2) + "\n";

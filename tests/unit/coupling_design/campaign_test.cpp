@@ -16,7 +16,8 @@ Options sample(std::uint64_t members) {
 
 std::string failures(const PhaseResult& result) {
   std::string out;
-  for (const Failure& f : result.failures) out += f.trial + ": member " + std::to_string(f.index) + ": " + f.details + "\n";
+  for (const Failure& f : result.failures)
+    out += f.trial + ": member " + std::to_string(f.index) + ": " + f.details + "\n";
   return out;
 }
 
