@@ -30,7 +30,7 @@ LoopTable::LoopTable(const std::vector<DesignCase>& cases, const std::vector<dou
     Case entry{static_cast<std::size_t>(timing - timings_.begin()), {}, {}, {}};
     entry.damped.resize(velocity_filters_hz.size());
     const LoopResponse plant(one.plant, {.law = LoopController::Law::kDirect});
-    for (const Phasor& at : timing->grid) add(entry.plant, plant(at));
+    for (const Phasor& at : timing->grid) add(entry.plant, plant.damped_plant(at));
     for (std::size_t v = 0; v < velocity_filters_hz.size(); ++v) {
       const VelocityResponse velocity(period, 2.0 * std::numbers::pi * velocity_filters_hz[v]);
       for (std::size_t i = 0; i < kPoints; ++i)
