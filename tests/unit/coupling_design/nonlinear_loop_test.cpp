@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "core/coupling/design/loop_law.hpp"
+
 namespace voxtouch {
 namespace {
 
@@ -127,11 +129,27 @@ TEST(NonlinearLoop, TellsASlowDecayFromAnOscillation) {
   loop.controller.w0_rad_per_s = 10.0 * kPi, loop.controller.damping_ratio = 0.707;
   loop.wall = WallLaw::kUnilateral;
   loop.push = 0.01, loop.start_speed = 0.01;
-  loop.duration_s = 20.0;
-  loop.contact_stiffness = 0.9 * 1.07556384;
-  EXPECT_TRUE(simulate(loop).stable);
-  loop.contact_stiffness = 1.1 * 1.07556384;
-  EXPECT_FALSE(simulate(loop).stable);
+  loop.longest_s = 1280.0;
+  for (const double duration : {10.0, 20.0, 40.0, 80.0, 160.0}) {
+    loop.duration_s = duration;
+    loop.contact_stiffness = 0.9 * 1.07556384;
+    EXPECT_TRUE(simulate(loop).stable) << duration;
+    loop.contact_stiffness = 1.1 * 1.07556384;
+    EXPECT_FALSE(simulate(loop).stable) << duration;
+  }
+}
+
+TEST(NonlinearLoop, GoesOnUntilASlowDecayHasComeToRest) {
+  NonlinearLoop loop;
+  loop.plant = {0.1, 0.05, 0, 0, 0, 1e-3, 1e-3, 0};
+  loop.controller.w0_rad_per_s = 10.0 * kPi, loop.controller.damping_ratio = 0.707;
+  loop.push = 0.01, loop.start_speed = 0.01;
+  loop.contact_stiffness = 0.5 * 1.07556384;
+  loop.duration_s = 5.0, loop.longest_s = 1280.0;
+  const NonlinearVerdict v = simulate(loop);
+  EXPECT_EQ(v.outcome, LoopOutcome::kRest);
+  EXPECT_GT(v.simulated_s, 30.0);
+  EXPECT_LT(v.simulated_s, 400.0);
 }
 
 TEST(NonlinearLoop, CallsAJitteredLimitCycleWhatItIs) {
@@ -200,6 +218,19 @@ TEST(NonlinearLoop, DampingInContactNeverPulls) {
   const NonlinearVerdict let_go = simulate(loop);
   EXPECT_LT(let_go.end_position, pulled.end_position - 1e-3);
   EXPECT_LE(let_go.energy_extracted_j, 0.5 * 200.0 * 0.005 * 0.005 * 1.01);
+}
+
+TEST(NonlinearLoop, TheLawPushesOnlyHoweverFastTheDeviceIsTornOut) {
+  NonlinearLoop loop;
+  loop.plant.period_s = 1e-3;
+  loop.controller.w0_rad_per_s = 2.0 * kPi * 60.0, loop.controller.damping_ratio = 1.0;  // below 1 the filter itself swings over
+  loop.controller.injected_damping = 5.0, loop.controller.velocity_filter_rad_per_s = 628.0;
+  loop.damping_only_in_contact = true;
+  LoopLaw law(loop);
+  double strongest = 0.0;
+  for (int i = 0; i < 100; ++i) strongest = std::min(strongest, law.step(0.01 * i / 100.0, 200.0, 1e-3));
+  EXPECT_LT(strongest, -1.0);
+  for (int i = 0; i < 100; ++i) EXPECT_LE(law.step(0.01 - 0.0005 * i, 200.0, 1e-3), 0.0) << i;
 }
 
 TEST(NonlinearLoop, FindsTheLimitThatTheLinearModelHas) {
