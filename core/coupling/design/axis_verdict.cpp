@@ -39,8 +39,8 @@ LoopController scaled(LoopController law, double scale) {
 }
 
 /// Critical stiffness, margin and where.
-void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const LoopController& law, const ShownStiffness& at,
-                 AxisDesign& out) {
+void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const LoopController& law,
+                 const ShownStiffness& at, AxisDesign& out) {
   if (problem.hand.any_passive) out.worst_case_text = "some passive hand";
   const double limit = passive_limit(problem, law);
   WorstCase worst;
@@ -72,14 +72,15 @@ double radius(const AxisProblem& problem, const LoopController& law, const Shown
   return worst_radius(problem, harder, problem.margin * k);
 }
 
-void find_faults(const AxisProblem& problem, const LoopController& law, const CouplingSpec& spec, const ShownStiffness& at,
-                 double low_radius, AxisVerdict& verdict) {
+void find_faults(const AxisProblem& problem, const LoopController& law, const CouplingSpec& spec,
+                 const ShownStiffness& at, double low_radius, AxisVerdict& verdict) {
   const AxisUnits& u = *problem.units;
   const AxisDesign& d = verdict.design;
   const auto fault = [&](std::string sentence) { verdict.faults.push_back(fmt::format("{}: {}", u.name, sentence)); };
   if (!(d.gain_margin * kRounding >= problem.margin))
-    fault(fmt::format("{:.4g} {} is shown, and {} becomes unstable at {:.4g}: a margin of {:.3g} where {:.3g} is asked.",
-                      at.shown, u.stiffness, d.worst_case_text, d.critical_stiffness, d.gain_margin, problem.margin));
+    fault(
+        fmt::format("{:.4g} {} is shown, and {} becomes unstable at {:.4g}: a margin of {:.3g} where {:.3g} is asked.",
+                    at.shown, u.stiffness, d.worst_case_text, d.critical_stiffness, d.gain_margin, problem.margin));
   else if (!(d.spectral_radius < 1.0 && low_radius < 1.0))
     fault(fmt::format("at {} the loop's slowest motion does not decay (spectral radius {:.9g}).",
                       d.spectral_radius < 1.0 ? "a hundredth of the margin" : "the margin",
@@ -91,8 +92,10 @@ void find_faults(const AxisProblem& problem, const LoopController& law, const Co
   if (problem.hand.any_passive)
     fault("injected damping is asked for, which no rule covers where only passivity is known of the hand.");
   if (const double most = damping_limit(problem, spec.velocity_filter_hz); law.injected_damping > most * kRounding)
-    fault(fmt::format("the injected damping of {:.4g} {} is above {:.4g}, half of what the worst case bears, or what its noise "
-                      "allows.", law.injected_damping, u.damping, most));
+    fault(fmt::format(
+        "the injected damping of {:.4g} {} is above {:.4g}, half of what the worst case bears, or what its noise "
+        "allows.",
+        law.injected_damping, u.damping, most));
 }
 
 }  // namespace
@@ -146,13 +149,15 @@ double passive_damping_required(const AxisProblem& problem, double cutoff_hz) {
   const double lag = effort_lag_s(problem.model);
   double most = 0.0;  // stiffness for a unit of damping: the rule is proportional to it
   for (const double ratio : {std::numbers::sqrt2 / 2.0, std::numbers::sqrt3 / 2.0, 0.577, 1.0})
-    most = std::max(most, passive_stiffness_filter(2.0 * std::numbers::pi * cutoff_hz, ratio, 1.0, problem.timing, lag));
+    most =
+        std::max(most, passive_stiffness_filter(2.0 * std::numbers::pi * cutoff_hz, ratio, 1.0, problem.timing, lag));
   return problem.margin * problem.target / most;
 }
 
 double passive_damping_required_series(const AxisProblem& problem) {
   const LoopTiming slow = slowest(problem.timing);
-  const double stiffness = llewellyn_optimum(1.0, slow.period_s, whole_delay(slow, effort_lag_s(problem.model))).stiffness;
+  const double stiffness =
+      llewellyn_optimum(1.0, slow.period_s, whole_delay(slow, effort_lag_s(problem.model))).stiffness;
   return problem.margin * problem.target * kSeriesShare / (1.0 - kSeriesShare) / stiffness;
 }
 

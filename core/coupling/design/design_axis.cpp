@@ -50,7 +50,8 @@ double stretch(const LoopTiming& timing) {
   return std::sqrt((1.0 + timing.lost_in_a_row) * (1.0 + timing.jitter) / (1.0 - timing.jitter));
 }
 
-bool stable_for_all(const AxisProblem& problem, const LoopController& law, double scale, double contact, std::size_t& worst) {
+bool stable_for_all(const AxisProblem& problem, const LoopController& law, double scale, double contact,
+                    std::size_t& worst) {
   LoopController scaled = law;
   scaled.stiffness *= scale, scaled.damping *= scale;
   for (std::size_t i = 0; i < problem.cases.size(); ++i) {
@@ -86,7 +87,9 @@ double arm_squared(const DesignRequest& request) {
 LoopController controller_of(const CouplingSpec& spec, const AxisProblem& problem, double arm_squared_m2) {
   const bool rotation = problem.units == &kRotationUnits;
   LoopController law;
-  law.law = spec.kind == "direct" ? Law::kDirect : spec.kind == "spring_damper" ? Law::kSpringDamper : Law::kShapingFilter;
+  law.law = spec.kind == "direct"          ? Law::kDirect
+            : spec.kind == "spring_damper" ? Law::kSpringDamper
+                                           : Law::kShapingFilter;
   law.w0_rad_per_s = cutoff_rad_per_s(spec);
   law.damping_ratio = spec.damping_ratio;
   law.gain = 1.0;
@@ -148,8 +151,15 @@ double passive_limit(const AxisProblem& problem, const LoopController& law) {
   const double lost = law.injected_damping > 0.0 ? law.injected_damping * stretch(problem.timing) : 0.0;
   const double damping = std::max(0.0, problem.model.damping - lost);
   switch (law.law) {
-    case Law::kShapingFilter:
-      return passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping, problem.timing, lag);
+    case Law::kShapingFilter: {
+      const double jittered =
+          passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping, problem.timing, lag);
+      if (problem.timing.lost_in_a_row > 0) return jittered;
+      // Without room for losses a delay of a fraction of a period may need a little more than rule P's ages say.
+      const double uniform =
+          linear_passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping, problem.timing, lag);
+      return std::min(jittered, uniform);
+    }
     case Law::kDirect: {
       const double jittered = passive_stiffness_filter(kInfinity, 1.0, damping, problem.timing, lag);
       // Rule P holds for any timing within the bounds; Colgate's rule for the slowest, by whole samples. Both are kept.
@@ -171,7 +181,8 @@ double certified_stiffness(const AxisProblem& problem, const LoopController& law
 double worst_radius(const AxisProblem& problem, const LoopController& law, double contact_stiffness) {
   double worst = 0.0;
   try {
-    for (const DesignCase& one : problem.cases) worst = std::max(worst, spectral_radius(one.plant, law, contact_stiffness));
+    for (const DesignCase& one : problem.cases)
+      worst = std::max(worst, spectral_radius(one.plant, law, contact_stiffness));
   } catch (const std::runtime_error&) {
     return kInfinity;  // eigenvalues that do not converge certify nothing
   }

@@ -15,7 +15,9 @@ namespace {
 void require(bool kept, std::string_view field, double value, std::string_view rule) {
   if (!kept) throw std::invalid_argument(fmt::format("Coupling design: {} is {}; it must be {}.", field, value, rule));
 }
-void positive(std::string_view field, double value) { require(value > 0.0 && std::isfinite(value), field, value, "above 0"); }
+void positive(std::string_view field, double value) {
+  require(value > 0.0 && std::isfinite(value), field, value, "above 0");
+}
 void not_negative(std::string_view field, double value) {
   require(value >= 0.0 && std::isfinite(value), field, value, "0 or above");
 }
@@ -41,7 +43,8 @@ void check_wishes(const DesignRequest& request) {
         "Coupling design: kind is '{}'; it must be auto, shaping_filter, spring_damper or direct.", w.kind));
   positive("cutoff_hz", w.cutoff_hz);
   positive("max_cutoff_hz", w.max_cutoff_hz);
-  require(w.cutoff_hz <= w.max_cutoff_hz, "cutoff_hz", w.cutoff_hz, fmt::format("at most max_cutoff_hz, {}", w.max_cutoff_hz));
+  require(w.cutoff_hz <= w.max_cutoff_hz, "cutoff_hz", w.cutoff_hz,
+          fmt::format("at most max_cutoff_hz, {}", w.max_cutoff_hz));
   const double period = request.device.timing.period_s;
   require(2.0 * std::numbers::pi * w.cutoff_hz * period < std::numbers::pi, "cutoff_hz", w.cutoff_hz,
           fmt::format("below half the loop's rate, {:.6g} Hz", 0.5 / period));

@@ -50,8 +50,9 @@ Proposal propose_filter(const DesignRequest& request, const std::vector<AxisProb
     gain = std::min(gain, fits[a] / (free ? problems[a].contact.one_point : problems[a].contact.all_points));
   out.spec.gain = gain;
   for (std::size_t a = 0; a < problems.size(); ++a)
-    set_cap(out.spec, a, free && gain > 0.0 ? std::min(fits[a] / gain, problems[a].contact.all_points)
-                                            : problems[a].contact.all_points);
+    set_cap(
+        out.spec, a,
+        free && gain > 0.0 ? std::min(fits[a] / gain, problems[a].contact.all_points) : problems[a].contact.all_points);
   return out;
 }
 

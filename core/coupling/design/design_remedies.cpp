@@ -29,7 +29,8 @@ struct Trial {
 };
 
 /// Where stiffness is short, the design's own law is tried; where only the cut-off was raised or damping added, the wish's.
-Trial trial_of(const DesignRequest& request, const std::vector<AxisProblem>& problems, const Design& design, bool short_of) {
+Trial trial_of(const DesignRequest& request, const std::vector<AxisProblem>& problems, const Design& design,
+               bool short_of) {
   Trial trial;
   if (short_of || design.spec.kind != "shaping_filter") {
     trial.laws.emplace_back();
@@ -41,8 +42,7 @@ Trial trial_of(const DesignRequest& request, const std::vector<AxisProblem>& pro
     return trial;
   }
   for (const FilterSetting& shape : filter_settings(request))
-    if (shape.cutoff_hz == request.wishes.cutoff_hz)
-      trial.laws.emplace_back(problems.size(), law_of(shape));
+    if (shape.cutoff_hz == request.wishes.cutoff_hz) trial.laws.emplace_back(problems.size(), law_of(shape));
   return trial;
 }
 
@@ -78,9 +78,9 @@ class Remedies {
       const AxisProblem& p = problems_[a];
       const AxisDesign& d = a == 0 ? design_.translation : design_.rotation;
       if (p.model.damping >= d.damping_required) continue;
-      std::string sentence =
-          fmt::format("{}: a device damping of {:.3g} {} (now {:.3g}) would make the wish stable as it is with every passive hand",
-                      p.units->name, d.damping_required, p.units->damping, p.model.damping);
+      std::string sentence = fmt::format(
+          "{}: a device damping of {:.3g} {} (now {:.3g}) would make the wish stable as it is with every passive hand",
+          p.units->name, d.damping_required, p.units->damping, p.model.damping);
       if (d.damping_required_any_cutoff < 0.99 * d.damping_required)
         sentence += fmt::format("; {:.3g} with the cut-off as high as it may be", d.damping_required_any_cutoff);
       out_.push_back(sentence + ".");
@@ -127,7 +127,8 @@ class Remedies {
       if (fits < std::min(p.useful, p.target) || fits < p.contact.one_point) return;
       caps += fmt::format("{}{:.3g} {}", caps.empty() ? "" : " and ", fits, p.units->stiffness);
     }
-    out_.push_back(fmt::format("A cap of {} on all points together would leave each point its own stiffness (gain 1).", caps));
+    out_.push_back(
+        fmt::format("A cap of {} on all points together would leave each point its own stiffness (gain 1).", caps));
   }
   void cap_for_cutoff() {
     if (design_.spec.kind != "shaping_filter") return;
@@ -149,7 +150,8 @@ class Remedies {
       return;
     }
     DesignRequest other = request_;
-    const bool released = request_.hand.translation.may_release || (problems_.size() > 1 && request_.hand.rotation.may_release);
+    const bool released =
+        request_.hand.translation.may_release || (problems_.size() > 1 && request_.hand.rotation.may_release);
     other.hand.translation.may_release = other.hand.rotation.may_release = false;
     if (released && trial_.holds(same_targets(other))) {
       out_.push_back(fmt::format("If the device is never released in contact, {}.", goal()));
@@ -159,7 +161,8 @@ class Remedies {
       tighten(other.hand.translation, request_.hand.translation, share);
       tighten(other.hand.rotation, request_.hand.rotation, share);
       if (!trial_.holds(same_targets(other))) continue;
-      out_.push_back(fmt::format("If the device is never released and always gripped with at least {}, {}.", grips(other), goal()));
+      out_.push_back(fmt::format("If the device is never released and always gripped with at least {}, {}.",
+                                 grips(other), goal()));
       return;
     }
   }

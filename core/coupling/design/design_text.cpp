@@ -6,7 +6,6 @@
 
 #include "core/coupling/design/filter_search.hpp"
 
-
 namespace voxtouch {
 
 namespace {
@@ -17,30 +16,38 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
   if (d.critical_stiffness <= 0.0)
     return fmt::format("{}: no stiffness is stable ({}).", p.units->name, d.worst_case_text);
   if (p.hand.any_passive)
-    return fmt::format("{}: up to {:.3g} {} no passive hand can make the loop unstable; with a margin of {:.3g}, {:.3g} of the {:.4g} {} "
-                       "wanted are shown.", p.units->name, d.critical_stiffness, p.units->stiffness, d.gain_margin,
-                       d.shown_stiffness, p.wanted, p.units->stiffness);
-  return fmt::format("{}: {} becomes unstable at {:.3g} {}; with a margin of {:.3g}, {:.3g} of the {:.4g} {} wanted are shown.",
-                     p.units->name, d.worst_case_text, d.critical_stiffness, p.units->stiffness, d.gain_margin,
-                     d.shown_stiffness, p.wanted, p.units->stiffness);
+    return fmt::format(
+        "{}: up to {:.3g} {} no passive hand can make the loop unstable; with a margin of {:.3g}, {:.3g} of the {:.4g} "
+        "{} "
+        "wanted are shown.",
+        p.units->name, d.critical_stiffness, p.units->stiffness, d.gain_margin, d.shown_stiffness, p.wanted,
+        p.units->stiffness);
+  return fmt::format(
+      "{}: {} becomes unstable at {:.3g} {}; with a margin of {:.3g}, {:.3g} of the {:.4g} {} wanted are shown.",
+      p.units->name, d.worst_case_text, d.critical_stiffness, p.units->stiffness, d.gain_margin, d.shown_stiffness,
+      p.wanted, p.units->stiffness);
 }
 
 std::string damping_reason(const AxisProblem& p, const AxisDesign& d) {
-  return fmt::format("{}: without damping in contact less would hold; {:.3g} {} behind a filter of {:.3g} Hz are injected.",
-                     p.units->name, d.injected_damping, p.units->damping, d.velocity_filter_hz);
+  return fmt::format(
+      "{}: without damping in contact less would hold; {:.3g} {} behind a filter of {:.3g} Hz are injected.",
+      p.units->name, d.injected_damping, p.units->damping, d.velocity_filter_hz);
 }
 
 /// What the wish's cut-off allows without injected damping, and what was chosen instead.
-std::string cutoff_reason(const DesignRequest& request, const std::vector<AxisProblem>& problems, const Design& design) {
+std::string cutoff_reason(const DesignRequest& request, const std::vector<AxisProblem>& problems,
+                          const Design& design) {
   std::string held;
   for (const AxisProblem& p : problems) {
     double most = 0.0;
     for (const FilterSetting& shape : filter_settings(request))
-      if (shape.cutoff_hz == request.wishes.cutoff_hz) most = std::max(most, certified_stiffness(p, law_of(shape), most));
+      if (shape.cutoff_hz == request.wishes.cutoff_hz)
+        most = std::max(most, certified_stiffness(p, law_of(shape), most));
     held += fmt::format("{}{:.3g} {}", held.empty() ? "" : " and ", most, p.units->stiffness);
   }
-  return fmt::format("At {:.3g} Hz the filter's lag lets only {} hold without injected damping; the cut-off is {:.3g} Hz.",
-                     request.wishes.cutoff_hz, held, design.spec.cutoff_hz);
+  return fmt::format(
+      "At {:.3g} Hz the filter's lag lets only {} hold without injected damping; the cut-off is {:.3g} Hz.",
+      request.wishes.cutoff_hz, held, design.spec.cutoff_hz);
 }
 
 }  // namespace
@@ -53,12 +60,13 @@ std::vector<std::string> reasons_of(const DesignRequest& request, const std::vec
     const AxisProblem& p = problems[a];
     const AxisDesign& d = axis_of(design, a);
     if (p.contact.all_points > p.model.max_stiffness)
-      out.push_back(fmt::format("{}: the device can show {:.4g} {}, and all points together have {:.4g}.", p.units->name,
-                                p.model.max_stiffness, p.units->stiffness, p.contact.all_points));
+      out.push_back(fmt::format("{}: the device can show {:.4g} {}, and all points together have {:.4g}.",
+                                p.units->name, p.model.max_stiffness, p.units->stiffness, p.contact.all_points));
     if (d.shown_stiffness < 0.999 * p.target) out.push_back(shortfall(p, d));
     if (d.injected_damping > 0.0) out.push_back(damping_reason(p, d));
   }
-  if (filter && design.spec.cutoff_hz > request.wishes.cutoff_hz) out.push_back(cutoff_reason(request, problems, design));
+  if (filter && design.spec.cutoff_hz > request.wishes.cutoff_hz)
+    out.push_back(cutoff_reason(request, problems, design));
   return out;
 }
 

@@ -100,14 +100,16 @@ Design best_of_all(const DesignRequest& request, const std::vector<AxisProblem>&
   const Proposal filter = propose_filter(request, problems);
   Design best = certified(request, problems, filter);
   if (best.status == DesignStatus::kAsRequested) return best;
-  double to_beat = kWorthNoFilter * worth(problems, best);
+  const double with_filter = worth(problems, best);
+  double to_beat = kWorthNoFilter * with_filter;
   for (const auto propose : {propose_spring_damper, propose_direct}) {
     Design other = certified(request, problems, propose(request, problems));
     const double shows = worth(problems, other);
     if (shows <= 0.0 || shows < to_beat) continue;
-    other.reasons.insert(other.reasons.begin(),
-                         fmt::format("Without the shaping filter the hand feels {:.3g} % of the stiffness wanted, with it {:.3g} %.",
-                                     100.0 * shows, 100.0 * to_beat / kWorthNoFilter));
+    other.reasons.insert(
+        other.reasons.begin(),
+        fmt::format("Without the shaping filter the hand feels {:.3g} % of the stiffness wanted, with it {:.3g} %.",
+                    100.0 * shows, 100.0 * with_filter));
     best = std::move(other);
     to_beat = shows * (1.0 + 1e-12);
   }

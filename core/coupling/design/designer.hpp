@@ -12,6 +12,9 @@
 namespace voxtouch {
 
 /// What is wished; the designer gives up as little of it as it can.
+///
+/// `auto` takes the shaping filter if it does as wished, and else of all kinds that hold the one that shows most; the filter,
+/// which smooths what the contact does, counts a quarter more: another has to show at least 1.25 times as much.
 struct DesignWishes {
   std::string kind = "auto";          ///< auto | shaping_filter | spring_damper | direct
   double cutoff_hz = 5.0;             ///< w0 / (2 pi), the paper's
@@ -46,7 +49,8 @@ struct AxisDesign {
   double gain_margin = 0.0;           ///< critical / shown
   LoopPlant worst_case;               ///< where that is
   std::string worst_case_text;        ///< "released, 0.2 kg", for a person
-  bool passive = false;               ///< rule P holds: stable with any passive hand, not only with the range given
+  /// Rule P holds (spring-damper: the discrete Llewellyn condition): stable with any passive hand, not only with the range given.
+  bool passive = false;
   double passive_stiffness = 0.0;     ///< K k that rule P would allow
   double spectral_radius = 0.0;       ///< at margin * shown, over all cases; < 1
   double limit_cycle_bound = 0.0;     ///< peak to peak of what quantisation may leave [m] or [rad]; 0: friction removes it
@@ -54,12 +58,19 @@ struct AxisDesign {
   double damping_required_any_cutoff = 0.0;  ///< the same with the highest cut-off that may be
 };
 
+/// A finished design.
+///
+/// The spec's caps are what the certificates rest on: with a device that gives force and torque they keep the contact's
+/// stiffness, as a matrix, below both axes' certified values at once. Without a free cap they stand at the contact's own totals,
+/// which they then leave as they are for force alone.
 struct Design {
   DesignStatus status = DesignStatus::kInfeasible;
   CouplingSpec spec;                  ///< what to run: kind, cut-off, damping ratio, gain, cap, injected damping
   AxisDesign translation, rotation;   ///< rotation is all zero for a device without torque
   double lag_s = 0.0;                 ///< 2 d / w0
-  double max_approach_m_per_s = 0.0;  ///< fastest approach that stays within the force layer; 0: not asked
+  /// Fastest approach that stays within the force layer, stopped by one point alone; a hand that goes on pushing takes
+  /// force / (K k) of the depth beforehand. 0: not asked.
+  double max_approach_m_per_s = 0.0;
   std::vector<std::string> reasons;   ///< what limits, one sentence each
   std::vector<std::string> remedies;  ///< what it would take to have the wish as it is: damping, delay, cap; empty if it is met
 };

@@ -26,9 +26,9 @@ constexpr std::size_t kMostConfirmations = 24;
 
 struct Axis {
   const AxisProblem* problem;
-  std::optional<LoopTable> table;                                ///< none where rule P decides
+  std::optional<LoopTable> table;  ///< none where rule P decides
   std::array<double, kVelocityFilters.size()> most_damping{};
-  double reference_damping = 0.0;                                ///< the most over the velocity filters
+  double reference_damping = 0.0;  ///< the most over the velocity filters
 
   double damping(std::size_t velocity_filter, std::size_t level) const {
     return most_damping[velocity_filter] * static_cast<double>(level) / (kLevels - 1);
@@ -215,8 +215,8 @@ LoopController law_of(const FilterSetting& shape) {
 }
 
 std::vector<FilterSetting> filter_settings(const DesignRequest& request) {
-  const bool passive = request.hand.translation.any_passive ||
-                       (request.device.gives_torque && request.hand.rotation.any_passive);
+  const bool passive =
+      request.hand.translation.any_passive || (request.device.gives_torque && request.hand.rotation.any_passive);
   std::vector<double> ratios{std::numbers::sqrt2 / 2.0, 0.577, 1.0};
   if (passive) ratios.insert(ratios.begin() + 1, std::numbers::sqrt3 / 2.0);
   std::vector<FilterSetting> shapes;

@@ -12,9 +12,9 @@ namespace voxtouch {
 namespace {
 
 using Law = LoopController::Law;
-constexpr int kSpan = 4096;       ///< samples looked at together
+constexpr int kSpan = 4096;  ///< samples looked at together
 constexpr int kMostSpans = 6;
-constexpr double kRest = 1e-6;    ///< a span that adds less than this share ends the sum
+constexpr double kRest = 1e-6;  ///< a span that adds less than this share ends the sum
 
 /// The law and the injected damping, sample by sample.
 class Steps {
@@ -49,8 +49,8 @@ class Steps {
 }  // namespace
 
 double quantisation_gain(const LoopPlant& p, const LoopController& law, double contact_stiffness) {
-  const SampledPlant plant = sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, p.period_s,
-                                          p.delay_s, p.effort_lag_s);
+  const SampledPlant plant = sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness,
+                                          p.period_s, p.delay_s, p.effort_lag_s);
   Steps steps(law, contact_stiffness, p.period_s);
   const std::size_t places = static_cast<std::size_t>(plant.whole_delay) + 2;
   std::vector<double> commands(places, 0.0);  // ring of the last ones
@@ -82,11 +82,12 @@ double limit_cycle_bound(const AxisProblem& problem, const LoopController& law, 
   if (q == 0.0 || shown_stiffness == 0.0) return 0.0;
   const double shape = law.law == Law::kShapingFilter ? law.damping_ratio : 1.0;
   const double passed = 1.0 - std::exp(-law.velocity_filter_rad_per_s * problem.timing.period_s);
-  const double needed = limit_cycle_friction(shape, shown_stiffness, q) +
-                        law.injected_damping * q / problem.timing.period_s * passed;
+  const double needed =
+      limit_cycle_friction(shape, shown_stiffness, q) + law.injected_damping * q / problem.timing.period_s * passed;
   if (problem.model.coulomb_friction >= needed) return 0.0;
   double worst = 0.0;
-  for (const DesignCase& one : problem.cases) worst = std::max(worst, quantisation_gain(one.plant, law, contact_stiffness));
+  for (const DesignCase& one : problem.cases)
+    worst = std::max(worst, quantisation_gain(one.plant, law, contact_stiffness));
   return q * worst;
 }
 

@@ -64,8 +64,12 @@ double LoopTable::critical(const Case& one, std::size_t velocity_filter, double 
   const Response& unit = damped ? one.damped[velocity_filter] : one.plant;
   const double b = damped ? injected_damping : 0.0;
   // L = loop / (1 + B unit); its real and imaginary part, times |1 + B unit|^2 > 0, which spares the divisions.
-  const auto re = [&](std::size_t i) { return one.loop.re[i] * (1.0 + b * unit.re[i]) + one.loop.im[i] * b * unit.im[i]; };
-  const auto im = [&](std::size_t i) { return one.loop.im[i] * (1.0 + b * unit.re[i]) - one.loop.re[i] * b * unit.im[i]; };
+  const auto re = [&](std::size_t i) {
+    return one.loop.re[i] * (1.0 + b * unit.re[i]) + one.loop.im[i] * b * unit.im[i];
+  };
+  const auto im = [&](std::size_t i) {
+    return one.loop.im[i] * (1.0 + b * unit.re[i]) - one.loop.re[i] * b * unit.im[i];
+  };
   const auto size = [&](std::size_t i) {
     const double x = 1.0 + b * unit.re[i], y = b * unit.im[i];
     return x * x + y * y;

@@ -37,27 +37,32 @@ Timed timed(const DesignRequest& request) {
 
 void print(const DesignRequest& r, const Timed& t) {
   const Design& d = t.design;
-  std::printf("%s: %s, %s, %.3g Hz, d %.3g, K %.3g, c %.4g N/m, r %.3g Ns/m, cap %.4g N/m %.4g Nm/rad, B %.3g Ns/m %.3g Nms/rad "
-              "at %g Hz, passivity %.3g %.3g, lag %.3g ms, approach %.3g m/s [%.1f ms]\n",
-              r.device.name.c_str(), std::string(name_of(d.status)).c_str(), d.spec.kind.c_str(), d.spec.cutoff_hz,
-              d.spec.damping_ratio, d.spec.gain, d.spec.stiffness_n_per_m, d.spec.damping_ns_per_m, d.spec.stiffness_cap_n_per_m,
-              d.spec.stiffness_cap_nm_per_rad, d.spec.injected_damping_ns_per_m, d.spec.injected_damping_nms_per_rad,
-              d.spec.velocity_filter_hz, d.spec.passivity_damping_limit_ns_per_m, d.spec.passivity_damping_limit_nms_per_rad,
-              1e3 * d.lag_s, d.max_approach_m_per_s, t.milliseconds);
+  std::printf(
+      "%s: %s, %s, %.3g Hz, d %.3g, K %.3g, c %.4g N/m, r %.3g Ns/m, cap %.4g N/m %.4g Nm/rad, B %.3g Ns/m %.3g "
+      "Nms/rad "
+      "at %g Hz, passivity %.3g %.3g, lag %.3g ms, approach %.3g m/s [%.1f ms]\n",
+      r.device.name.c_str(), std::string(name_of(d.status)).c_str(), d.spec.kind.c_str(), d.spec.cutoff_hz,
+      d.spec.damping_ratio, d.spec.gain, d.spec.stiffness_n_per_m, d.spec.damping_ns_per_m,
+      d.spec.stiffness_cap_n_per_m, d.spec.stiffness_cap_nm_per_rad, d.spec.injected_damping_ns_per_m,
+      d.spec.injected_damping_nms_per_rad, d.spec.velocity_filter_hz, d.spec.passivity_damping_limit_ns_per_m,
+      d.spec.passivity_damping_limit_nms_per_rad, 1e3 * d.lag_s, d.max_approach_m_per_s, t.milliseconds);
   for (const AxisDesign* a : {&d.translation, &d.rotation})
     if (a->wanted_stiffness > 0.0)
-      std::printf("  shown %.4g of %.4g, critical %.4g, margin %.4g, %s, passive up to %.4g, limit cycle %.3g, damping required %.3g "
-                  "or %.3g; %s\n",
-                  a->shown_stiffness, a->wanted_stiffness, a->critical_stiffness, a->gain_margin,
-                  a->passive ? "passive" : "not passive", a->passive_stiffness, a->limit_cycle_bound, a->damping_required,
-                  a->damping_required_any_cutoff, a->worst_case_text.c_str());
+      std::printf(
+          "  shown %.4g of %.4g, critical %.4g, margin %.4g, %s, passive up to %.4g, limit cycle %.3g, damping "
+          "required %.3g "
+          "or %.3g; %s\n",
+          a->shown_stiffness, a->wanted_stiffness, a->critical_stiffness, a->gain_margin,
+          a->passive ? "passive" : "not passive", a->passive_stiffness, a->limit_cycle_bound, a->damping_required,
+          a->damping_required_any_cutoff, a->worst_case_text.c_str());
   for (const std::string& s : d.reasons) std::printf("  - %s\n", s.c_str());
   for (const std::string& s : d.remedies) std::printf("  + %s\n", s.c_str());
 }
 
 inline Design designed(const DesignRequest& request) { return design_coupling(request); }
 
-double margin_of(const DesignRequest& r, double cutoff_hz, double ratio, double damping, double filter_hz, double stiffness) {
+double margin_of(const DesignRequest& r, double cutoff_hz, double ratio, double damping, double filter_hz,
+                 double stiffness) {
   CouplingSpec spec;
   spec.cutoff_hz = cutoff_hz, spec.damping_ratio = ratio, spec.injected_damping_ns_per_m = damping;
   spec.velocity_filter_hz = filter_hz, spec.gain = stiffness / r.contact.all_points;
@@ -148,7 +153,8 @@ std::vector<LoopPlant> finer_cases(const AxisProblem& problem, Random& random, i
     p.effort_lag_s = effort_lag_s(problem.model);
     const bool alone = hand.any_passive ? random.chance(0.2) : hand.may_release && random.chance(0.3);
     if (!alone && hand.any_passive) {
-      p.hand_mass = random.log(1e-3, 10.0), p.hand_damping = random.log(1e-4, 10.0), p.hand_stiffness = random.log(1.0, 3e4);
+      p.hand_mass = random.log(1e-3, 10.0), p.hand_damping = random.log(1e-4, 10.0),
+      p.hand_stiffness = random.log(1.0, 3e4);
     } else if (!alone) {
       p.hand_mass = random.uniform(hand.mass_min, hand.mass_max);
       p.hand_damping = random.uniform(hand.damping_min, hand.damping_max);
@@ -178,12 +184,33 @@ TEST(Design, IsStableBetweenTheCasesThatItLookedAt) {
         const double k = series ? share * r.contact.all_points : share * t.design.translation.shown_stiffness;
         ++loops;
         ASSERT_LT(spectral_radius(plant, scaled, k), 1.0)
-            << "request " << i << " " << t.design.spec.kind << " share " << share << " m " << plant.mass << "+" << plant.hand_mass
-            << " b_h " << plant.hand_damping << " k_h " << plant.hand_stiffness << " T " << plant.period_s;
+            << "request " << i << " " << t.design.spec.kind << " share " << share << " m " << plant.mass << "+"
+            << plant.hand_mass << " b_h " << plant.hand_damping << " k_h " << plant.hand_stiffness << " T "
+            << plant.period_s;
       }
   }
   for (const auto& [word, count] : statuses) std::printf("%4d %s\n", count, word.c_str());
   std::printf("%d loops\n", loops);
+}
+
+TEST(Design, InjectsNoMoreThanTheInnerLoopAndTheNoiseAllow) {
+  Random random(41);
+  int damped = 0;
+  for (int i = 0; i < 60; ++i) {
+    const DesignRequest r = random_request(random);
+    const Design d = designed(r);
+    const double b = d.spec.injected_damping_ns_per_m, w = 2.0 * std::numbers::pi * d.spec.velocity_filter_hz;
+    if (b == 0.0) continue;
+    ++damped;
+    EXPECT_TRUE(r.wishes.allow_injected_damping);
+    for (const LoopPlant& plant : finer_cases(axis_problems(r)[0], random, 30))
+      ASSERT_LE(b, 0.501 * critical_damping(plant, w)) << i;
+    // One step of the encoder, through the filter, at once.
+    const double period = r.device.timing.period_s;
+    const double noise = b * r.device.translation.resolution / period * (1.0 - std::exp(-w * period));
+    EXPECT_LE(noise, std::max(0.05, 0.005 * r.device.translation.max_effort) * (1 + 1e-9));
+  }
+  EXPECT_GT(damped, 10);
 }
 
 TEST(Design, OfForceAndTorqueIsStableBetweenTheCases) {
@@ -200,7 +227,8 @@ TEST(Design, OfForceAndTorqueIsStableBetweenTheCases) {
       const bool series = law.law == LoopController::Law::kSpringDamper;
       if (series) law.stiffness *= 1.98, law.damping *= 1.98;
       const double k = series ? 1.98 * problems[a].contact.all_points : 1.98 * axis.shown_stiffness;
-      for (const LoopPlant& plant : finer_cases(problems[a], random, 300)) ASSERT_LT(spectral_radius(plant, law, k), 1.0);
+      for (const LoopPlant& plant : finer_cases(problems[a], random, 300))
+        ASSERT_LT(spectral_radius(plant, law, k), 1.0);
     }
   }
 }
@@ -294,7 +322,8 @@ TEST(AnyPassiveHand, GetsNoInjectedDampingAndRuleP) {
   EXPECT_EQ(d.spec.injected_damping_ns_per_m, 0.0);
   EXPECT_TRUE(d.translation.passive);
   EXPECT_LE(2.0 * d.translation.shown_stiffness,
-            passive_stiffness_filter(cutoff_rad_per_s(d.spec), d.spec.damping_ratio, 50.0, r.device.timing, 3e-3) * (1 + 1e-9));
+            passive_stiffness_filter(cutoff_rad_per_s(d.spec), d.spec.damping_ratio, 50.0, r.device.timing, 3e-3) *
+                (1 + 1e-9));
   r.device.translation.damping = 0.005;
   EXPECT_EQ(designed(r).spec.injected_damping_ns_per_m, 0.0);
   EXPECT_EQ(designed(r).status, DesignStatus::kInfeasible);
@@ -412,7 +441,9 @@ TEST(Design, NeverShowsMoreThanTheDeviceCan) {
       const Design d = designed(r);
       EXPECT_LE(d.translation.shown_stiffness, 300.0 * (1 + 1e-9)) << kind << cap;
       EXPECT_EQ(d.translation.wanted_stiffness, 300.0);
-      if (std::string(kind) == "shaping_filter") { EXPECT_EQ(d.status, DesignStatus::kAsRequested); }
+      if (std::string(kind) == "shaping_filter") {
+        EXPECT_EQ(d.status, DesignStatus::kAsRequested);
+      }
     }
 }
 
@@ -454,8 +485,7 @@ TEST(LimitCycle, IsRemovedByFrictionOnly) {
   const double bound = designed(r).translation.limit_cycle_bound;
   EXPECT_GT(bound, 0.1 * r.device.translation.resolution);
   EXPECT_LT(bound, 20.0 * r.device.translation.resolution);
-  r.device.translation.coulomb_friction =
-      1.001 * limit_cycle_friction(0.577, 2000.0, r.device.translation.resolution);
+  r.device.translation.coulomb_friction = 1.001 * limit_cycle_friction(0.577, 2000.0, r.device.translation.resolution);
   EXPECT_EQ(designed(r).translation.limit_cycle_bound, 0.0);
   r.device.translation.coulomb_friction *= 0.99;
   EXPECT_GT(designed(r).translation.limit_cycle_bound, 0.0);
@@ -463,8 +493,14 @@ TEST(LimitCycle, IsRemovedByFrictionOnly) {
 
 TEST(LimitCycle, TheNormIsReachedByTheWorstErrors) {
   // A constant error q moves a held device by q K k / (k_h + K k) in the end: the sum of the response without its signs' help.
-  LoopPlant p{.mass = 0.1, .damping = 0.5, .hand_mass = 0.05, .hand_damping = 4.0, .hand_stiffness = 300.0,
-              .period_s = 1e-3, .delay_s = 1.5e-3, .effort_lag_s = 1e-3};
+  LoopPlant p{.mass = 0.1,
+              .damping = 0.5,
+              .hand_mass = 0.05,
+              .hand_damping = 4.0,
+              .hand_stiffness = 300.0,
+              .period_s = 1e-3,
+              .delay_s = 1.5e-3,
+              .effort_lag_s = 1e-3};
   LoopController law;
   law.w0_rad_per_s = 300.0;
   const double at_rest = 200.0 / (200.0 + 300.0);
@@ -516,7 +552,8 @@ TEST(SpringDamper, OfForceAndTorqueDrawsOnBothDampings) {
   r.hand.translation.any_passive = r.hand.rotation.any_passive = true;
   const Design d = designed(r);
   const LoopTiming slow = slowest(r.device.timing);
-  const double needed = llewellyn_damping(d.spec.stiffness_n_per_m, d.spec.damping_ns_per_m, slow.period_s, whole_delay(slow, 3e-3));
+  const double needed =
+      llewellyn_damping(d.spec.stiffness_n_per_m, d.spec.damping_ns_per_m, slow.period_s, whole_delay(slow, 3e-3));
   EXPECT_NEAR(needed * (1.0 / 30.0 + arm_squared(r) / 0.3), 0.5, 1e-6);
   EXPECT_NEAR(d.translation.gain_margin, d.rotation.gain_margin, 1e-6);
 }
@@ -581,7 +618,8 @@ TEST(Design, ReachesEveryStatusWord) {
   std::set<std::string> words;
   Random random(3);
   for (int i = 0; i < 60; ++i) words.emplace(name_of(designed(random_request(random)).status));
-  EXPECT_EQ(words, (std::set<std::string>{"as_requested", "bandwidth_raised", "damping_added", "stiffness_reduced", "infeasible"}));
+  EXPECT_EQ(words, (std::set<std::string>{"as_requested", "bandwidth_raised", "damping_added", "stiffness_reduced",
+                                          "infeasible"}));
 }
 
 TEST(Design, SaysWhatLimitsAndWhatItWouldTake) {
@@ -612,7 +650,11 @@ TEST(Design, WhatTheCapRemedySaysIsTrue) {
 TEST(Design, GivesTheSameBitsAgain) {
   for (const DesignRequest& r : {stylus(), sim_stylus(), sim_arm()}) {
     const Design a = designed(r), b = designed(r);
-    const auto bits = [](double x) { std::uint64_t u; std::memcpy(&u, &x, sizeof u); return u; };
+    const auto bits = [](double x) {
+      std::uint64_t u;
+      std::memcpy(&u, &x, sizeof u);
+      return u;
+    };
     EXPECT_EQ(bits(a.spec.gain), bits(b.spec.gain));
     EXPECT_EQ(bits(a.spec.injected_damping_ns_per_m), bits(b.spec.injected_damping_ns_per_m));
     EXPECT_EQ(bits(a.translation.critical_stiffness), bits(b.translation.critical_stiffness));
@@ -689,7 +731,8 @@ TEST(LoopTable, IsWithinAPercentOfTheExactLimit) {
     LoopController law = random_filter(random);
     if (law.damping_ratio < 0.5) law.damping_ratio = 0.577;
     law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * 100.0;
-    if (random.chance(0.5)) law.injected_damping = random.uniform(0.0, 0.5) * critical_damping(axis_problems(r)[0], 100.0);
+    if (random.chance(0.5))
+      law.injected_damping = random.uniform(0.0, 0.5) * critical_damping(axis_problems(r)[0], 100.0);
     if (law.w0_rad_per_s * slowest(r.device.timing).period_s > 0.7) continue;
     LoopTable table(cases, {100.0});
     table.use([&](const Phasor& at, double period) {
