@@ -26,7 +26,7 @@ LoopLaw::LoopLaw(const NonlinearLoop& loop)
     : controller_(loop.controller), wall_(loop.wall), knee_(loop.wall_knee),
       max_effort_(loop.max_effort > 0.0 ? loop.max_effort : std::numeric_limits<double>::infinity()),
       input_limit_(controller_.law == LoopController::Law::kSpringDamper ? std::numeric_limits<double>::infinity()
-                                                                         : max_effort_ / controller_.gain),
+                                                                         : max_effort_ / std::abs(controller_.gain)),
       velocity_decay_(controller_.velocity_filter_rad_per_s > 0.0
                           ? std::exp(-controller_.velocity_filter_rad_per_s * loop.plant.period_s)
                           : 0.0),
