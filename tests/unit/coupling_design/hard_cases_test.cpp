@@ -85,6 +85,14 @@ TEST(HardCaseL2, AQuantiserLeavesNoMoreThanItsBound) {
   }
 }
 
+TEST(HardCaseL2, TheBoundOfAnOverdampedLoopIsItsGainAtRest) {
+  NonlinearLoop loop;  // its response has one sign, so the sum of amounts is the amount of the sum
+  loop.plant = {0.1, 60.0, 0.0, 0.0, 200.0, 1e-3, 0.0, 0.0};
+  loop.controller.law = LoopController::Law::kDirect;
+  EXPECT_NEAR(quantiser_gain(loop, 300.0), 300.0 / 500.0, 0.01);
+  EXPECT_EQ(quantiser_gain(loop, 1e6), 1.0);  // unstable: no bound
+}
+
 TEST(HardCaseL2, FrictionOfHalfAStepLeavesNoLimitCycle) {
   NonlinearLoop stylus = damped_phantom();  // with damping of its own: that which is injected has steps as well
   stylus.plant.mass = 0.05, stylus.plant.damping = 0.5;

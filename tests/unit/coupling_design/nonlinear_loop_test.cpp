@@ -205,6 +205,27 @@ TEST(NonlinearLoop, GivesTheSameBitsForTheSameSeedOnly) {
   EXPECT_NE(simulate(loop).energy_extracted_j, a.energy_extracted_j);
 }
 
+TEST(NonlinearLoop, WallsAreMonotoneWithSlopesUpToTheStiffnessAndOnlyPush) {
+  const double k = 500.0, knee = 1e-3, step = 1e-5;
+  for (const WallLaw law : {WallLaw::kUnilateral, WallLaw::kSoftening, WallLaw::kHardening}) {
+    double steepest = 0.0;
+    for (int i = -300; i < 300; ++i) {
+      const double here = wall_effort(law, k, knee, step * i),
+                   slope = (wall_effort(law, k, knee, step * (i + 1)) - here) / step;
+      EXPECT_GE(here, 0.0);
+      EXPECT_GE(slope, i < 0 ? 0.0 : 0.299 * k);
+      if (i < 0) {
+        EXPECT_EQ(here, 0.0);
+      }
+      steepest = std::max(steepest, slope);
+    }
+    EXPECT_NEAR(steepest, k, 1e-6 * k);
+  }
+  EXPECT_NEAR(wall_effort(WallLaw::kSoftening, k, knee, 3e-3), k * 1.6e-3, 1e-12);
+  EXPECT_NEAR(wall_effort(WallLaw::kHardening, k, knee, 3e-3), k * 2.3e-3, 1e-12);
+  EXPECT_EQ(wall_effort(WallLaw::kBilateral, k, knee, -2e-3), -1.0);
+}
+
 TEST(NonlinearLoop, DampingInContactNeverPulls) {
   NonlinearLoop loop;
   loop.plant = {0.1, 0.05, 0, 0, 0, 1e-3, 1e-3, 0};
@@ -223,7 +244,8 @@ TEST(NonlinearLoop, DampingInContactNeverPulls) {
 TEST(NonlinearLoop, TheLawPushesOnlyHoweverFastTheDeviceIsTornOut) {
   NonlinearLoop loop;
   loop.plant.period_s = 1e-3;
-  loop.controller.w0_rad_per_s = 2.0 * kPi * 60.0, loop.controller.damping_ratio = 1.0;  // below 1 the filter itself swings over
+  loop.controller.w0_rad_per_s = 2.0 * kPi * 60.0,
+  loop.controller.damping_ratio = 1.0;  // below 1 the filter itself swings over
   loop.controller.injected_damping = 5.0, loop.controller.velocity_filter_rad_per_s = 628.0;
   loop.damping_only_in_contact = true;
   LoopLaw law(loop);
