@@ -38,27 +38,78 @@ double stiffness_for(double damping, double lag) {
 /// Length of a half wave of the impulse response in units of 1/w0; d < 1.
 double half_wave(double d) { return kPi / std::sqrt((1.0 - d) * (1.0 + d)); }
 
-/// The largest lag [s] of linear_passive_stiffness_filter. It may have a maximum for every turn of the delay and a narrow one at
-/// the filter's resonance: looked for on a grid that is fine against both, then narrowed down.
-double largest_lag(double w0, double d, double period_s, int delay_samples) {
-  const double g = 0.5 * w0 * period_s, resonance = 2.0 * std::atan(g), turn = 0.2 / (delay_samples + 1);
-  const auto lag = [&](double angle) {
+/// What linear_passive_stiffness_filter maximises: the device's damping that a contact of stiffness 1 needs at one angle.
+class NeededDamping {
+ public:
+  /// w0 = infinity: no filter.
+  NeededDamping(double w0, double d, const LoopTiming& timing, double effort_lag_s)
+      : period_(timing.period_s), filtered_(std::isfinite(w0)), g_(filtered_ ? 0.5 * w0 * period_ : 0.0), d_(d),
+        lag_rate_(effort_lag_s > 0.0 ? period_ / effort_lag_s : 0.0),
+        mass_(sample_plant(1.0, 0.0, 0.0, period_, timing.delay_s, effort_lag_s)),
+        standstill_lag_((filtered_ ? 2.0 * d / w0 : 0.0) + 0.5 * period_ + timing.delay_s + effort_lag_s) {}
+
+  double at(double angle) const {
     const Phasor p(angle);
-    return -0.5 * period_s * (std::polar(1.0, -(delay_samples + 0.5) * angle) * filter_response(g, d, p)).imag() / p.s;
-  };
+    const Complex h = filtered_ ? filter_response(g_, d_, p) : Complex(1.0);
+    return from((h * integral(p)).real(), std::norm(h) * spread(p));
+  }
+  double at_standstill() const { return from(-standstill_lag_, spread(Phasor(kSmallest))); }
+  double resonance() const { return filtered_ ? 2.0 * std::atan(g_) : 1.0; }
+  int whole_delay() const { return mass_.whole_delay; }
+
+ private:
+  /// Least eigenvalue of the Hermitian part of a c^H with Re c^H a = `real` and |a|^2 |c|^2 - |c^H a|^2 = `spread`, negated.
+  static double from(double real, double spread) { return 0.5 * (std::sqrt(real * real + spread) - real); }
+
+  /// Integral of the effort over the command, sampled: the momentum of a free mass.
+  Complex integral(const Phasor& p) const {
+    const Complex held =
+        delayed(p, 1) + (mass_.order == 3 ? mass_.step_less_one(1, 2) *
+                                                quotient(delayed(p, 2), p.z_less_one - mass_.step_less_one(2, 2))
+                                          : 0.0);
+    return period_ * quotient(held, p.z_less_one) * std::polar(1.0, -mass_.whole_delay * p.angle);
+  }
+  Complex delayed(const Phasor& p, int row) const { return mass_.newer[row] + mass_.older[row] * p.z_inverse; }
+
+  /// How far the effort is from a pure hold of whole delay: 0 for one. Sums over the aliases w_k of the angle:
+  /// sum 1/(w_k^2 (1 + lag^2 w_k^2)) - |integral|^2. Differences of large numbers near standstill, where it is constant.
+  double spread(const Phasor& p) const {
+    if (p.angle < kSmallest) return spread(Phasor(kSmallest));
+    double hold = 1.0 / (4.0 * p.s * p.s);
+    if (lag_rate_ > 0.0) {  // sinh(r)/(cosh(r) - cos(angle)), for any r
+      const double e = std::exp(-lag_rate_), gone = -std::expm1(-lag_rate_);
+      hold -= gone * (1.0 + e) / (gone * gone + 4.0 * e * p.s * p.s) / (2.0 * lag_rate_);
+    }
+    return std::max(0.0, period_ * period_ * hold - std::norm(integral(p)));
+  }
+
+  static constexpr double kSmallest = 1e-3;
+  double period_;
+  bool filtered_;
+  double g_, d_, lag_rate_;
+  SampledPlant mass_;
+  double standstill_lag_;
+};
+
+/// The maximum over all angles. There may be one for every turn of the delay and a narrow one at the filter's resonance: looked
+/// for on a grid that is fine against both, then narrowed down.
+double largest(const NeededDamping& needed, double d) {
+  const double resonance = needed.resonance(), turn = 0.2 / (needed.whole_delay() + 1);
   std::vector<double> grid;
-  for (double angle = 0.01 * resonance; angle < kPi; angle = std::min(1.05 * angle, angle + turn)) grid.push_back(angle);
+  for (double angle = 0.01 * resonance; angle < kPi; angle = std::min(1.05 * angle, angle + turn))
+    grid.push_back(angle);
   for (int i = -20; i <= 20; ++i)
     if (const double angle = resonance * (1.0 + 0.2 * i * std::min(d, 0.2)); angle < kPi) grid.push_back(angle);
   grid.push_back(kPi);
   std::sort(grid.begin(), grid.end());
-  double largest = 2.0 * d / w0 + (delay_samples + 0.5) * period_s;  // towards angle 0
-  for (std::size_t i = 1; i + 1 < grid.size(); ++i) {
-    const double here = lag(grid[i]);
-    if (here < lag(grid[i - 1]) || here < lag(grid[i + 1])) continue;
-    largest = std::max({largest, here, lag(place_of_maximum(lag, grid[i - 1], grid[i + 1]))});
-  }
-  return std::max(largest, lag(kPi));
+  std::vector<double> values;
+  for (const double angle : grid) values.push_back(needed.at(angle));
+  const auto at = [&](double angle) { return needed.at(angle); };
+  double most = std::max(needed.at_standstill(), *std::max_element(values.begin(), values.end()));
+  for (std::size_t i = 1; i + 1 < grid.size(); ++i)
+    if (values[i] >= values[i - 1] && values[i] >= values[i + 1] && values[i] > 0.9 * most)
+      most = std::max(most, at(place_of_maximum(at, grid[i - 1], grid[i + 1])));
+  return most;
 }
 
 /// max over phi of a^2 U^2 + b sin^2((n+1) phi) with b >= 0; see llewellyn_damping.
@@ -103,7 +154,8 @@ FilterShape sampled_filter_shape(double w0, double d, double period_s) {
   return {turn * moment, sum};
 }
 
-double passive_stiffness_filter(double w0, double d, double device_damping, const LoopTiming& timing, double effort_lag_s) {
+double passive_stiffness_filter(double w0, double d, double device_damping, const LoopTiming& timing,
+                                double effort_lag_s) {
   const double longest = (1.0 + timing.jitter) * timing.period_s;
   const double age = timing.delay_s + effort_lag_s + (0.5 + timing.lost_in_a_row) * longest;
   if (std::isinf(w0)) return stiffness_for(device_damping, age);
@@ -113,10 +165,7 @@ double passive_stiffness_filter(double w0, double d, double device_damping, cons
 
 double linear_passive_stiffness_filter(double w0, double d, double device_damping, const LoopTiming& timing,
                                        double effort_lag_s) {
-  constexpr double kWhole = 1e-9;  // a delay that is whole but for rounding is whole
-  const int n = static_cast<int>(std::ceil((timing.delay_s + effort_lag_s) / timing.period_s - kWhole));
-  if (std::isinf(w0)) return colgate_stiffness(device_damping, 0.0, timing.period_s, n);
-  return stiffness_for(device_damping, largest_lag(w0, d, timing.period_s, n));
+  return stiffness_for(device_damping, largest(NeededDamping(w0, d, timing, effort_lag_s), d));
 }
 
 double limit_cycle_friction(double d, double shown_stiffness, double resolution) {

@@ -28,15 +28,19 @@ FilterShape sampled_filter_shape(double w0_rad_per_s, double damping_ratio, doub
 ///
 /// The force is a sum of past contact forces weighted by the filter's taps; a contact force of age A may extract up to
 /// k |v(t)| int |v| over that age, and the device's damping pays for it. The taps are the sampled filter's own
-/// (sampled_filter_shape), with coefficients that do not follow the jitter. w0 = infinity: no filter.
-double passive_stiffness_filter(double w0_rad_per_s, double damping_ratio, double device_damping, const LoopTiming& timing,
-                                double effort_lag_s);
-/// The same for a linear contact at uniform time (Colgate's bound with the filter in it, exact for whole delays): jitter and loss
-/// are not looked at, and delay and lag together are rounded up to n samples.
+/// (sampled_filter_shape), with coefficients that do not follow the jitter. w0 = infinity: no filter. The sum of ages is exact
+/// for a delay of whole periods; see linear_passive_stiffness_filter for the others, where n_loss = 0 leaves no room for it.
+double passive_stiffness_filter(double w0_rad_per_s, double damping_ratio, double device_damping,
+                                const LoopTiming& timing, double effort_lag_s);
+/// The same for a linear contact at uniform time (jitter and loss are not looked at), exact: Colgate's bound with the filter, any
+/// fraction of delay and the lag in it. The loop of contact, filter and hold takes a signal's samples and answers in all their
+/// aliases, so it is passive with the damping b if b I + the Hermitian part of k a c^H is not negative, with a and c the
+/// aliases' hold and sampling. For a pure hold and a delay of n whole samples a and c are parallel, which leaves
 ///
-///     K k max over theta of -(T/2) Im[e^{-j (n + 1/2) theta} H(e^{j theta})] / sin(theta/2) <= b
+///     K k max over theta of -(T/2) Im[e^{-j (n + 1/2) theta} H(e^{j theta})] / sin(theta/2) <= b,
 ///
-/// Its limit at theta = 0 is 2 d/w0 + (n + 1/2) T; for d < 1/sqrt(2) the maximum lies higher up.
+/// n T + T/2 + 2 d/w0 at theta = 0; for d < 1/sqrt(2) the maximum lies higher up. A delay that is not whole needs a little more
+/// than its length (up to T^2/16 over the lag): hands that are no linear spring and mass can swing at the sample rate.
 double linear_passive_stiffness_filter(double w0_rad_per_s, double damping_ratio, double device_damping,
                                        const LoopTiming& timing, double effort_lag_s);
 /// Dry friction below which a limit cycle of about one encoder step remains: S K k q / 2.

@@ -43,7 +43,8 @@ double transport(const LoopPlant& p) { return p.period_s + p.delay_s + p.effort_
 
 Crossing inner_crossing(const LoopPlant& bare, double velocity_filter_rad_per_s) {
   const LoopPlant p = with_a_hair_of_damping(bare);
-  const SampledPlant plant = sample_plant(mass_of(p), damping_of(p), p.hand_stiffness, p.period_s, p.delay_s, p.effort_lag_s);
+  const SampledPlant plant =
+      sample_plant(mass_of(p), damping_of(p), p.hand_stiffness, p.period_s, p.delay_s, p.effort_lag_s);
   const VelocityResponse velocity(p.period_s, velocity_filter_rad_per_s);
   const auto response = [&](const Phasor& at) {
     const Complex value = plant_response(plant, at) * velocity(at);
@@ -61,7 +62,8 @@ Crossing inner_crossing(const LoopPlant& bare, double velocity_filter_rad_per_s)
 double slowness(const LoopPlant& p, const LoopController& c) {
   double sum = transport(p);
   if (p.hand_stiffness > 0.0) {
-    sum += damping_of(p) / p.hand_stiffness + c.injected_damping / p.hand_stiffness + std::sqrt(mass_of(p) / p.hand_stiffness);
+    sum += damping_of(p) / p.hand_stiffness + c.injected_damping / p.hand_stiffness +
+           std::sqrt(mass_of(p) / p.hand_stiffness);
   } else {
     sum += mass_of(p) / (damping_of(p) + c.injected_damping);
   }

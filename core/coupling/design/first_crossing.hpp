@@ -25,7 +25,8 @@ struct LoopSample {
 
 /// Walks up the upper half of the unit circle in steps that grow with the angle, are short against the turns of the delay, and
 /// are halved wherever L or its summand turns or grows fast; every step that crosses the negative real axis is narrowed down to
-/// rounding. A response is a function of a Phasor that gives a LoopSample.
+/// rounding. Where L comes near the axis and turns back it is looked whether it has been across in between: such a loop is
+/// unstable for a band of gains only. A response is a function of a Phasor that gives a LoopSample.
 class CrossingSearch {
  public:
   /// `slow_periods`: sum of the loop's time constants in periods, >= 1. Below a fiftieth of its inverse no factor has turned
@@ -43,6 +44,7 @@ class CrossingSearch {
   Crossing find(const Response& response) {
     best_ = {};
     Point from = at(response, start_);
+    before_ = from;
     while (from.angle < kEnd) {
       double next = std::min({from.angle * kGrowth, from.angle + longest_step_, kEnd});
       for (const double stop : stops_)
@@ -66,9 +68,10 @@ class CrossingSearch {
   static constexpr int kMostStops = 4, kMostHalvings = 60;
   static constexpr double kGrowth = 1.3;
   static constexpr double kEnd = std::numbers::pi * (1.0 - 1e-7);
-  static constexpr double kTurnCosine2 = 0.6;   ///< L may turn by 0.68 rad in a step that is not halved
-  static constexpr double kSwell = 100.0;       ///< and |L|^2 change by this factor
-  static constexpr double kHopeless = 0.01;     ///< a step whose |L|^2 is this small a share of the best crossing's is passed
+  static constexpr double kTurnCosine2 = 0.6;  ///< L may turn by 0.68 rad in a step that is not halved
+  static constexpr double kSwell = 100.0;      ///< and |L|^2 change by this factor
+  static constexpr double kHopeless =
+      0.01;  ///< a step whose |L|^2 is this small a share of the best crossing's is passed
 
   template <class Response>
   static Point at(const Response& response, double angle) {
@@ -84,7 +87,10 @@ class CrossingSearch {
 
   template <class Response>
   void look_between(const Response& response, const Point& a, const Point& b, int halvings) {
-    if (std::max(std::norm(a.value), std::norm(b.value)) * best_.gain * best_.gain < kHopeless) return;
+    if (std::max(std::norm(a.value), std::norm(b.value)) * best_.gain * best_.gain < kHopeless) {
+      before_ = b;
+      return;
+    }
     if (halvings > 0 && !(gentle(a.value, b.value) && gentle(a.summand, b.summand))) {
       const Point middle = at(response, 0.5 * (a.angle + b.angle));
       if (middle.angle > a.angle && middle.angle < b.angle) {
@@ -93,14 +99,45 @@ class CrossingSearch {
         return;
       }
     }
-    if (std::signbit(a.value.imag()) != std::signbit(b.value.imag()) && a.value.real() < 0.0 && b.value.real() < 0.0)
-      narrow(response, a, b);
+    narrow(response, a, b);
+    look_for_a_touch(response, before_, a, b);
+    before_ = a;
   }
 
-  /// Zero of Im L/Re L, by the Illinois rule: secants that never leave the bracket.
+  static bool on_both_sides(const Point& a, const Point& b) noexcept {
+    return a.value.real() < 0.0 && b.value.real() < 0.0 && std::signbit(a.value.imag()) != std::signbit(b.value.imag());
+  }
+  /// Tangent of the angle to the negative real axis.
+  static double slope(const Point& p) noexcept { return p.value.imag() / p.value.real(); }
+
+  /// Of three points in a row the middle one is nearest to the axis, all on one side: goes towards the axis between them, until
+  /// it is reached or the bracket is short.
+  template <class Response>
+  void look_for_a_touch(const Response& response, const Point& left, const Point& middle, const Point& right) {
+    const auto away = [](const Point& p) { return p.value.real() < 0.0 ? std::abs(slope(p)) : 1e300; };
+    if (!(away(middle) < away(left) && away(middle) <= away(right))) return;
+    Point a = left, m = middle, b = right;
+    for (int i = 0; i < 80 && b.angle - a.angle > 1e-7 * b.angle; ++i) {
+      const bool upper = b.angle - m.angle > m.angle - a.angle;
+      const Point c = at(response, upper ? m.angle + 0.4 * (b.angle - m.angle) : m.angle - 0.4 * (m.angle - a.angle));
+      if (on_both_sides(c, m)) {
+        narrow(response, upper ? m : a, c);  // across, and
+        narrow(response, c, upper ? b : m);  // back
+        return;
+      }
+      if (away(c) < away(m)) {
+        (upper ? a : b) = m;
+        m = c;
+      } else {
+        (upper ? b : a) = c;
+      }
+    }
+  }
+
+  /// Offers where Im L/Re L is zero, if it is: by the Illinois rule, secants that never leave the bracket.
   template <class Response>
   void narrow(const Response& response, Point a, Point b) {
-    const auto slope = [](const Point& p) { return p.value.imag() / p.value.real(); };
+    if (!on_both_sides(a, b)) return;
     double fa = slope(a), fb = slope(b);
     for (int i = 0; i < 60 && fa != fb; ++i) {
       const Point c = at(response, b.angle - fb * (b.angle - a.angle) / (fb - fa));
@@ -123,6 +160,7 @@ class CrossingSearch {
   double start_, longest_step_;
   std::array<double, kMostStops> stops_{};  ///< 0: none
   int stops_count_ = 0;
+  Point before_{};  ///< the last step's first point
   Crossing best_;
 };
 

@@ -8,7 +8,6 @@
 namespace voxtouch {
 namespace {
 
-
 void require(bool kept, const char* field, double value, const char* rule) {
   if (!kept) throw std::invalid_argument(fmt::format("The loop's {} is {}; it must be {}.", field, value, rule));
 }

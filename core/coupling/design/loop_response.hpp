@@ -38,7 +38,8 @@ inline Complex plant_response(const SampledPlant& plant, const Phasor& p) noexce
     x += e(0, 2) * f;
     v += e(1, 2) * f;
   }
-  const Complex one_sample = quotient((q - e(1, 1)) * x + e(0, 1) * v, (q - e(0, 0)) * (q - e(1, 1)) - e(0, 1) * e(1, 0));
+  const Complex one_sample =
+      quotient((q - e(1, 1)) * x + e(0, 1) * v, (q - e(0, 0)) * (q - e(1, 1)) - e(0, 1) * e(1, 0));
   return plant.effort_unit * one_sample * std::polar(1.0, -plant.whole_delay * p.angle);
 }
 
@@ -67,9 +68,7 @@ class LoopResponse {
   LoopResponse(const LoopPlant& p, const LoopController& c)
       : plant_(sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, p.period_s, p.delay_s,
                             p.effort_lag_s)),
-        velocity_(p.period_s, c.velocity_filter_rad_per_s),
-        c_(c),
-        g_(0.5 * c.w0_rad_per_s * p.period_s),
+        velocity_(p.period_s, c.velocity_filter_rad_per_s), c_(c), g_(0.5 * c.w0_rad_per_s * p.period_s),
         period_(p.period_s) {}
 
   const SampledPlant& plant() const noexcept { return plant_; }

@@ -16,16 +16,16 @@ namespace voxtouch {
 struct LoopController {
   enum class Law { kShapingFilter, kSpringDamper, kDirect };
   Law law = Law::kShapingFilter;
-  double w0_rad_per_s = 0.0, damping_ratio = 1.0;    ///< shaping filter: > 0 both; the filter of core/coupling/pt2.hpp
-  double gain = 1.0;                                 ///< shaping filter and direct; K, dimensionless, of any sign
-  double stiffness = 0.0, damping = 0.0;             ///< spring-damper: c and r, massless object, backward difference
-  double injected_damping = 0.0;                     ///< B >= 0
-  double velocity_filter_rad_per_s = 0.0;            ///< w_v; 0: the plain difference
+  double w0_rad_per_s = 0.0, damping_ratio = 1.0;  ///< shaping filter: > 0 both; the filter of core/coupling/pt2.hpp
+  double gain = 1.0;                               ///< shaping filter and direct; K, dimensionless, of any sign
+  double stiffness = 0.0, damping = 0.0;           ///< spring-damper: c and r, massless object, backward difference
+  double injected_damping = 0.0;                   ///< B >= 0
+  double velocity_filter_rad_per_s = 0.0;          ///< w_v; 0: the plain difference
 };
 
 /// One device in one hand with one timing. All >= 0; mass + hand_mass and period_s > 0.
 struct LoopPlant {
-  double mass = 0.0, damping = 0.0;                          ///< device
+  double mass = 0.0, damping = 0.0;  ///< device
   double hand_mass = 0.0, hand_damping = 0.0, hand_stiffness = 0.0;
   double period_s = 1e-3, delay_s = 0.0, effort_lag_s = 0.0;
 };
@@ -39,7 +39,8 @@ double spectral_radius(const LoopPlant& plant, const LoopController& controller,
 
 /// Where the loop becomes unstable.
 struct CriticalStiffness {
-  double stiffness = 0.0;        ///< stable for all 0 < k < stiffness; 0: unstable from the softest k on; infinity: stable for all
+  double stiffness =
+      0.0;  ///< stable for all 0 < k < stiffness; 0: unstable from the softest k on; infinity: stable for all
   double frequency_rad_per_s = 0.0;  ///< of the oscillation that begins there; 0 where stiffness is 0 or infinite
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <complex>
 #include <limits>
 #include <vector>
 
@@ -48,7 +49,8 @@ TEST(FilterShape, ClosedFormsEqualBruteForceIntegration) {
 }
 
 TEST(FilterShape, HasThePublishedValues) {
-  const std::array<double, 3> rows[] = {{.577, 2.49, 1.24}, {.707, 1.96, 1.09}, {.866, 1.80, 1.01}, {1.0, 2.0, 1.0}, {3.0, 6.0, 1.0}};
+  const std::array<double, 3> rows[] = {
+      {.577, 2.49, 1.24}, {.707, 1.96, 1.09}, {.866, 1.80, 1.01}, {1.0, 2.0, 1.0}, {3.0, 6.0, 1.0}};
   for (const auto& [d, lag, overshoot] : rows) {
     EXPECT_NEAR(lag_shape(d), lag, 0.005) << d;
     EXPECT_NEAR(overshoot_shape(d), overshoot, 0.005) << d;
@@ -56,6 +58,9 @@ TEST(FilterShape, HasThePublishedValues) {
   EXPECT_NEAR(overshoot_shape(.866), 1.009, 0.0005);
   EXPECT_NEAR(lag_shape(1.0 - 1e-12), 2.0, 1e-9) << "no jump at d = 1";
 }
+
+/// An impulse so hard that the filter's coming to rest below 1e-12 cuts nothing off.
+constexpr double kHit = 1e12;
 
 TEST(FilterShape, SampledSumsAreThoseOfTheRingsFilter) {
   for (const double d : kRatios) {
@@ -65,7 +70,7 @@ TEST(FilterShape, SampledSumsAreThoseOfTheRingsFilter) {
       const int samples = static_cast<int>(60.0 * (d < 1.0 ? 1.0 / d : 2.0 * d) / turn * (1.0 + turn * turn)) + 100;
       double overshoot = 0.0, lag = 0.0;
       for (int i = 0; i < samples; ++i) {
-        const double h = std::abs(filter.step(i == 0 ? 1.0 : 0.0, period));
+        const double h = std::abs(filter.step(i == 0 ? kHit : 0.0, period)) / kHit;
         overshoot += h, lag += turn * i * h;
       }
       const FilterShape shape = sampled_filter_shape(w0, d, period);
@@ -84,7 +89,7 @@ TEST(FilterShape, BoundForVeryLongResponsesLiesAboveTheSums) {
       const int samples = static_cast<int>(40.0 / (d * turn) * (1.0 + turn * turn)) + 100;
       double overshoot = 0.0, lag = 0.0;
       for (int i = 0; i < samples; ++i) {
-        const double h = std::abs(filter.step(i == 0 ? 1.0 : 0.0, 1e-3));
+        const double h = std::abs(filter.step(i == 0 ? kHit : 0.0, 1e-3)) / kHit;
         overshoot += h, lag += turn * i * h;
       }
       const FilterShape shape = sampled_filter_shape(turn / 1e-3, d, 1e-3);
@@ -94,7 +99,9 @@ TEST(FilterShape, BoundForVeryLongResponsesLiesAboveTheSums) {
   }
 }
 
-LoopTiming ideal(double period_s, double delay_s) { return {.period_s = period_s, .delay_s = delay_s, .jitter = 0.0, .lost_in_a_row = 0}; }
+LoopTiming ideal(double period_s, double delay_s) {
+  return {.period_s = period_s, .delay_s = delay_s, .jitter = 0.0, .lost_in_a_row = 0};
+}
 
 TEST(RuleP, IsTheFormula) {
   // 50 Hz, d = 1: taps never negative, so everything is known. K k {1.2 * 2/w0 + td + ta + 1.5 * 1.2 T} = b.
@@ -109,7 +116,7 @@ TEST(RuleP, IsTheFormula) {
 TEST(RuleP, NeverPromisesMoreThanTheExactLimitOfAnyPassiveHand) {
   const std::uint64_t seed = 77;
   Random random(seed);
-  std::vector<double> released, level, lossy;
+  std::vector<double> released, level, linear, lossy;
   for (int i = 0; i < 6000; ++i) {
     const bool free = i % 2 == 0;
     LoopPlant p = testing::random_plant(random, free);
@@ -118,23 +125,31 @@ TEST(RuleP, NeverPromisesMoreThanTheExactLimitOfAnyPassiveHand) {
     const double exact = critical_stiffness(p, c).stiffness;
     if (!free && exact == 0.0) p.hand_damping = 1e-6;
     const double limit = critical_stiffness(p, c).stiffness;
-    const double rule = passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, p.damping, ideal(p.period_s, p.delay_s), p.effort_lag_s);
-    ASSERT_LE(rule, limit * (1.0 + 1e-9)) << "seed " << seed << " loop " << i << " w0 T " << c.w0_rad_per_s * p.period_s;
+    const double rule = passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, p.damping,
+                                                 ideal(p.period_s, p.delay_s), p.effort_lag_s);
+    ASSERT_LE(rule, limit * (1.0 + 1e-9))
+        << "seed " << seed << " loop " << i << " w0 T " << c.w0_rad_per_s * p.period_s;
     ASSERT_GT(rule, 0.0);
     if (!free) continue;
     released.push_back(rule / limit);
     if (c.damping_ratio >= 0.866) level.push_back(rule / limit);
+    linear.push_back(linear_passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, p.damping,
+                                                     ideal(p.period_s, p.delay_s), p.effort_lag_s) /
+                     limit);
     LoopTiming timing = ideal(p.period_s, p.delay_s);
     timing.jitter = 0.2, timing.lost_in_a_row = 2;
-    lossy.push_back(passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, p.damping, timing, p.effort_lag_s) / limit);
+    lossy.push_back(passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, p.damping, timing, p.effort_lag_s) /
+                    limit);
   }
   const auto median = [](std::vector<double>& v) {
     std::nth_element(v.begin(), v.begin() + v.size() / 2, v.end());
     return v[v.size() / 2];
   };
   const double all = median(released), smooth = median(level), worst = median(lossy);
-  std::printf("rule P / exact limit of the released device, median: all d %.3f, d >= .866 %.3f, all d with 2 lost and jitter %.3f\n",
-              all, smooth, worst);
+  std::printf(
+      "share of the released device's exact limit, median: rule P %.3f (d >= .866: %.3f; 2 lost and jitter: %.3f), "
+      "linear any-passive %.3f\n",
+      all, smooth, worst, median(linear));
   RecordProperty("median_tightness", std::to_string(all));
   EXPECT_LE(worst, all);
 }
@@ -145,7 +160,8 @@ TEST(LinearPassive, EqualsTheReference) {
   for (const auto& c : loop_cases()) {
     if (c["k_any_passive_human"].is_null() || c["B_inj"] != 0.0) continue;
     const double expected = c["k_any_passive_human"];
-    const double found = linear_passive_stiffness_filter(c["w0"], c["d"], c["b"], ideal(c["T"], c["delay"]), c["force_lag"]);
+    const double found =
+        linear_passive_stiffness_filter(c["w0"], c["d"], c["b"], ideal(c["T"], c["delay"]), c["force_lag"]);
     // The reference's own search is up to 1.6e-4 low where the largest lag is that at standstill.
     EXPECT_NEAR(found / expected, 1.0, 2e-4) << c["note"];
     worst = std::max(worst, std::abs(found / expected - 1.0));
@@ -157,12 +173,13 @@ TEST(LinearPassive, EqualsTheReference) {
 
 TEST(LinearPassive, HasThePublishedComparison) {
   const double five = 10.0 * std::numbers::pi, d = 0.577;
-  const LoopTiming stylus = ideal(1e-3, 1e-3), arm = ideal(1e-3, 2e-3);
+  const LoopTiming stylus = ideal(1e-3, 1e-3), arm = ideal(1e-3, 5e-3);
   EXPECT_NEAR(linear_passive_stiffness_filter(five, d, 0.5, stylus, 0.0), 11.8, 0.05);
-  EXPECT_NEAR(linear_passive_stiffness_filter(five, d, 30.0, arm, 3e-3), 659.0, 1.0);
+  EXPECT_NEAR(linear_passive_stiffness_filter(five, d, 30.0, arm, 0.0), 659.0, 1.0);
   EXPECT_NEAR(linear_passive_stiffness_filter(10.0 * five, d, 0.5, stylus, 0.0), 94.0, 0.5);
-  EXPECT_NEAR(linear_passive_stiffness_filter(10.0 * five, d, 30.0, arm, 3e-3), 3270.0, 5.0);
-  EXPECT_NEAR(linear_passive_stiffness_filter(kInfinity, d, 0.5, stylus, 0.0), colgate_stiffness(0.5, 0.0, 1e-3, 1), 1e-9);
+  EXPECT_NEAR(linear_passive_stiffness_filter(10.0 * five, d, 30.0, arm, 0.0), 3270.0, 5.0);
+  EXPECT_NEAR(linear_passive_stiffness_filter(kInfinity, d, 0.5, stylus, 0.0), colgate_stiffness(0.5, 0.0, 1e-3, 1),
+              1e-9);
 }
 
 TEST(LinearPassive, FindsTheSameMaximumAsADenseSearch) {
@@ -170,7 +187,8 @@ TEST(LinearPassive, FindsTheSameMaximumAsADenseSearch) {
   for (int i = 0; i < 200; ++i) {
     const double period = 1e-3, w0 = random.log(1.0, 2500.0), d = random.log(0.01, 20.0);
     const int n = random.below(8);
-    const double found = 1.0 / linear_passive_stiffness_filter(w0, d, 1.0, ideal(period, n * period), 0.0);
+    const double found =
+        1.0 / linear_passive_stiffness_filter(w0, d, 1.0, ideal(period, n * period), 0.0);  // a pure hold
     const auto lag = [&](double angle) {
       const std::complex<double> r(0.0, std::tan(0.5 * angle)), g = 0.5 * w0 * period;
       const auto h = g * g / (r * r + 2.0 * d * g * r + g * g);
@@ -178,7 +196,8 @@ TEST(LinearPassive, FindsTheSameMaximumAsADenseSearch) {
     };
     double dense = 2.0 * d / w0 + (n + 0.5) * period;
     for (double angle = 1e-4; angle < std::numbers::pi; angle += 2e-4) dense = std::max(dense, lag(angle));
-    for (double t = 0.5; t < 2.0; t += 2e-5) dense = std::max(dense, lag(std::min(3.14159, t * 2.0 * std::atan(0.5 * w0 * period))));
+    for (double t = 0.5; t < 2.0; t += 2e-5)
+      dense = std::max(dense, lag(std::min(3.14159, t * 2.0 * std::atan(0.5 * w0 * period))));
     ASSERT_GE(found, dense * (1.0 - 1e-12)) << i;
     ASSERT_LE(found, dense * (1.0 + 1e-4)) << i << " w0 T " << w0 * period << " d " << d << " n " << n;
   }
@@ -213,7 +232,8 @@ TEST(Colgate, IsTheExactLimitOfAHeavySlowDevice) {
   EXPECT_DOUBLE_EQ(colgate_stiffness(0.5, -0.2, 1e-3, 0), 0.3 / 0.5e-3);
   EXPECT_EQ(colgate_stiffness(0.5, 0.6, 1e-3, 0), 0.0);
   const LoopPlant heavy{.mass = 1e3, .damping = 0.5, .period_s = 1e-3, .delay_s = 1e-3};
-  EXPECT_NEAR(critical_stiffness(heavy, {.law = Law::kDirect}).stiffness / colgate_stiffness(0.5, 0.0, 1e-3, 1), 1.0, 1e-4);
+  EXPECT_NEAR(critical_stiffness(heavy, {.law = Law::kDirect}).stiffness / colgate_stiffness(0.5, 0.0, 1e-3, 1), 1.0,
+              1e-4);
 }
 
 TEST(LimitCycle, FrictionIsHalfAStepOfTheForce) {

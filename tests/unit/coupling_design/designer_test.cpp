@@ -272,6 +272,17 @@ TEST(Judge, RefusesWhatTheMarginDoesNotCover) {
   EXPECT_EQ(judged.spec.gain, spec.gain);
 }
 
+TEST(Judge, HoldsAnyPassiveHandAgainstRuleP) {
+  DesignRequest r = robot(2.0, 5.0, 50.0);
+  r.hand.translation.any_passive = true;
+  CouplingSpec spec = designed(r).spec;
+  EXPECT_EQ(judge_coupling(r, spec).status, DesignStatus::kAsRequested);
+  spec.gain *= 1.03;  // which the released device alone would bear with the margin
+  const Design judged = judge_coupling(r, spec);
+  EXPECT_LT(judged.translation.spectral_radius, 1.0);
+  EXPECT_EQ(judged.status, DesignStatus::kInfeasible);
+}
+
 TEST(Judge, RefusesThePapersFilterOnAFreeStylus) {
   CouplingSpec paper;
   paper.cutoff_hz = 5.0, paper.damping_ratio = 1.0;

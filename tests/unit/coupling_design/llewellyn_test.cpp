@@ -49,10 +49,12 @@ struct World {
 
 /// Largest modulus of device + hand, coupling and world, from transfer functions: independent of the loop's matrix.
 double radius(const LoopPlant& p, const Coupling& coupling, const World& world, int delay) {
-  const SampledPlant s = sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, kPeriod, 0.0, 0.0);
+  const SampledPlant s =
+      sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, kPeriod, 0.0, 0.0);
   const auto& e = s.step_less_one;
   // G = effort_unit ((q - e11) g0 + e01 g1) / ((q - e00)(q - e11) - e01 e10), q = z - 1.
-  const Polynomial numerator = {s.effort_unit * ((-1.0 - e(1, 1)) * s.newer[0] + e(0, 1) * s.newer[1]), s.effort_unit * s.newer[0]};
+  const Polynomial numerator = {s.effort_unit * ((-1.0 - e(1, 1)) * s.newer[0] + e(0, 1) * s.newer[1]),
+                                s.effort_unit * s.newer[0]};
   const Polynomial denominator = sum(product({-1.0 - e(0, 0), 1.0}, {-1.0 - e(1, 1), 1.0}), {-e(0, 1) * e(1, 0)});
   // Times z^2 each: Z = c + r (z-1)/(T z), W = k + damper (z-1)/(T z) + mass ((z-1)/(T z))^2.
   const Polynomial z = product({-coupling.r / kPeriod, coupling.c + coupling.r / kPeriod}, {0.0, 1.0});
@@ -61,7 +63,8 @@ double radius(const LoopPlant& p, const Coupling& coupling, const World& world, 
   // 1 + z^-n G Z W/(Z + W) = 0 with everything over z^2.
   Polynomial shift(static_cast<std::size_t>(delay) + 1, 0.0);
   shift.back() = 1.0;
-  return largest_root(sum(product(product(shift, denominator), product(sum(z, w), {0.0, 0.0, 1.0})), product(numerator, product(z, w))));
+  return largest_root(sum(product(product(shift, denominator), product(sum(z, w), {0.0, 0.0, 1.0})),
+                          product(numerator, product(z, w))));
 }
 
 TEST(Llewellyn, IsTheMaximumOverAllFrequencies) {
@@ -95,7 +98,8 @@ TEST(Llewellyn, OptimumHasThePublishedStiffnessAndUsesAllDamping) {
     EXPECT_NEAR(best.damping / b, damping[n], 0.006) << n << ": the published pairs come from a grid";
     EXPECT_NEAR(llewellyn_damping(best.stiffness, best.damping, kPeriod, n), b, 1e-9 * b) << n;
     for (double r = 0.0; r < 2.0 * b; r += 0.01 * b)
-      EXPECT_GE(llewellyn_damping(best.stiffness, r, kPeriod, n), b * (1.0 - 1e-9)) << "a better pair: n " << n << " r " << r;
+      EXPECT_GE(llewellyn_damping(best.stiffness, r, kPeriod, n), b * (1.0 - 1e-9))
+          << "a better pair: n " << n << " r " << r;
     std::printf("n %d: c T/b %.4f, r/b %.4f\n", n, best.stiffness * kPeriod / b, best.damping / b);
   }
   EXPECT_NEAR(llewellyn_optimum(0.5, kPeriod, 1).stiffness, 385.0, 1.0);
@@ -146,8 +150,9 @@ TEST(Llewellyn, NoPassiveHandAndWorldAreUnstableWithItAndSomeAreWithLess) {
     }
     sets_with_unstable += unstable;
   }
-  std::printf("%d pairs: %d unstable with the damping needed; with 1/1.3 of it %d of %d couplings had an unstable one\n", pairs,
-              violations, sets_with_unstable, kSets);
+  std::printf(
+      "%d pairs: %d unstable with the damping needed; with 1/1.3 of it %d of %d couplings had an unstable one\n", pairs,
+      violations, sets_with_unstable, kSets);
   EXPECT_EQ(violations, 0) << "seed " << seed;
   EXPECT_GE(sets_with_unstable, kSets * 3 / 4) << "seed " << seed;
 }

@@ -12,8 +12,14 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = st
 DeviceModel good_device() {
   DeviceModel d;
   d.name = "stylus";
-  d.translation = {.inertia_min = 0.045, .inertia_max = 0.075, .damping = 0.005, .coulomb_friction = 0.04,
-                   .resolution = 3e-5, .max_effort = 8.5, .max_stiffness = 3500.0, .effort_bandwidth_hz = kInfinity};
+  d.translation = {.inertia_min = 0.045,
+                   .inertia_max = 0.075,
+                   .damping = 0.005,
+                   .coulomb_friction = 0.04,
+                   .resolution = 3e-5,
+                   .max_effort = 8.5,
+                   .max_stiffness = 3500.0,
+                   .effort_bandwidth_hz = kInfinity};
   d.rotation = d.translation;
   d.gives_torque = true;
   return d;
@@ -21,7 +27,8 @@ DeviceModel good_device() {
 
 HandRange good_hand() {
   HandRange h;
-  h.mass_min = 0.02, h.mass_max = 0.2, h.damping_min = 0.5, h.damping_max = 8.0, h.stiffness_min = 20.0, h.stiffness_max = 800.0;
+  h.mass_min = 0.02, h.mass_max = 0.2, h.damping_min = 0.5, h.damping_max = 8.0, h.stiffness_min = 20.0,
+  h.stiffness_max = 800.0;
   return h;
 }
 

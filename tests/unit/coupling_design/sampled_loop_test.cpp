@@ -76,8 +76,8 @@ TEST(SampledPlant, FreeMassUnderAHeldForceIsKnownInClosedForm) {
 /// Growth per sample of a simulated oscillation: from the peaks of two windows.
 template <class Law>
 double growth(const LoopPlant& p, double k, Law&& effort_of) {
-  const SampledPlant plant = sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, p.period_s,
-                                          p.delay_s, p.effort_lag_s);
+  const SampledPlant plant = sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness,
+                                          p.period_s, p.delay_s, p.effort_lag_s);
   constexpr int kSteps = 60'000, kWindow = 20'000;
   std::vector<double> sent(static_cast<std::size_t>(plant.whole_delay) + 2, 0.0);
   Eigen::Vector3d x(1e-3, 0.0, 0.0);
@@ -86,8 +86,10 @@ double growth(const LoopPlant& p, double k, Law&& effort_of) {
   for (int n = 0; n < kSteps; ++n) {
     sent.pop_back();
     sent.insert(sent.begin(), -effort_of(k * x[0]) * plant.effort_unit);
-    x += (plant.step_less_one * x + plant.newer * sent[plant.whole_delay] + plant.older * sent[plant.whole_delay + 1]).eval();
-    if (n >= kSteps - 2 * kWindow && n < kSteps - kWindow && std::abs(x[0]) > early) early = std::abs(x[0]), early_at = n;
+    x += (plant.step_less_one * x + plant.newer * sent[plant.whole_delay] + plant.older * sent[plant.whole_delay + 1])
+             .eval();
+    if (n >= kSteps - 2 * kWindow && n < kSteps - kWindow && std::abs(x[0]) > early)
+      early = std::abs(x[0]), early_at = n;
     if (n >= kSteps - kWindow && std::abs(x[0]) > late) late = std::abs(x[0]), late_at = n;
   }
   return std::exp(std::log(late / early) / (late_at - early_at));
@@ -125,7 +127,7 @@ TEST(SampledLoop, InjectedDampingOfABareVelocityIsKnownInClosedForm) {
   // stays; m v+ = m v - B (x - x_prev)/T has the characteristic z^2 - (1 - c/2) z + c/2 over z - 1, c = B T/m.
   const LoopPlant p{.mass = 0.1, .period_s = 1e-3};
   const LoopController c{.law = Law::kDirect, .gain = 1.0, .injected_damping = 20.0};
-  EXPECT_DOUBLE_EQ(spectral_radius(p, c, 0.0), 1.0);  // the position
+  EXPECT_DOUBLE_EQ(spectral_radius(p, c, 0.0), 1.0);    // the position
   EXPECT_NEAR(critical_damping(p, 0.0), 200.0, 1e-10);  // c = 2
   LoopController over = c;
   over.injected_damping = 201.0;

@@ -20,12 +20,21 @@ inline nlohmann::json loop_cases() {
 }
 
 inline LoopPlant plant_of(const nlohmann::json& c) {
-  return {.mass = c["m"], .damping = c["b"], .hand_mass = c["m_h"], .hand_damping = c["b_h"], .hand_stiffness = c["k_h"],
-          .period_s = c["T"], .delay_s = c["delay"], .effort_lag_s = c["force_lag"]};
+  return {.mass = c["m"],
+          .damping = c["b"],
+          .hand_mass = c["m_h"],
+          .hand_damping = c["b_h"],
+          .hand_stiffness = c["k_h"],
+          .period_s = c["T"],
+          .delay_s = c["delay"],
+          .effort_lag_s = c["force_lag"]};
 }
 
 inline LoopController controller_of(const nlohmann::json& c) {
-  return {.w0_rad_per_s = c["w0"], .damping_ratio = c["d"], .gain = c["K"], .injected_damping = c["B_inj"],
+  return {.w0_rad_per_s = c["w0"],
+          .damping_ratio = c["d"],
+          .gain = c["K"],
+          .injected_damping = c["B_inj"],
           .velocity_filter_rad_per_s = c["w_v"]};
 }
 
@@ -33,7 +42,9 @@ inline LoopController controller_of(const nlohmann::json& c) {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double uniform(double low, double high) { return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  double uniform(double low, double high) {
+    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
+  }
   double log(double low, double high) { return low * std::pow(high / low, uniform(0.0, 1.0)); }
   int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
   bool chance(double p) { return uniform(0.0, 1.0) < p; }
