@@ -62,7 +62,7 @@ PhaseResult predictor_phase(const Options& options);
 
 /// Push, speed and length of a run for a loop whose contact is set. `shown`: stiffness that reaches the hand; it says how deep
 /// the push goes, half a millimetre to a centimetre or 60 % of `max_effort`. At least 8 of the loop's slowest time constants
-/// and 20 swings, at most half a million samples; the longest eight times that.
+/// and 20 swings, at most two million samples; the longest eight times that.
 void drive(NonlinearLoop& loop, double shown, double max_effort, Random& random);
 /// Jitter within +- `jitter`, 1 to 3 % loss of at most `lost_in_a_row`, quantisation, a wall that only pushes, any of the laws.
 void disturb(NonlinearLoop& loop, const LoopTiming& timing, double resolution, Random& random);

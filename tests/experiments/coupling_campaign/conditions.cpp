@@ -8,7 +8,7 @@
 namespace voxtouch::campaign {
 namespace {
 
-constexpr double kMostSamples = 5e5;
+constexpr double kMostSamples = 2e6;
 
 /// Slowest decay of the linear loop [s]; 0 where it does not decay.
 double linear_time_constant(const NonlinearLoop& loop) {
