@@ -1,0 +1,77 @@
+#include "core/coupling/design/loop_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace voxtouch {
+namespace {
+
+constexpr double kSoftSlope = 0.3;
+
+}  // namespace
+
+double wall_effort(WallLaw law, double stiffness, double knee, double position) noexcept {
+  const double depth = std::max(0.0, position), shallow = std::min(depth, knee), beyond = depth - shallow;
+  switch (law) {
+    case WallLaw::kBilateral: return stiffness * position;
+    case WallLaw::kUnilateral: return stiffness * depth;
+    case WallLaw::kSoftening: return stiffness * (shallow + kSoftSlope * beyond);
+    case WallLaw::kHardening: return stiffness * (kSoftSlope * shallow + beyond);
+  }
+  return 0.0;
+}
+
+LoopLaw::LoopLaw(const NonlinearLoop& loop)
+    : controller_(loop.controller), wall_(loop.wall), knee_(loop.wall_knee),
+      max_effort_(loop.max_effort > 0.0 ? loop.max_effort : std::numeric_limits<double>::infinity()),
+      input_limit_(controller_.law == LoopController::Law::kSpringDamper ? std::numeric_limits<double>::infinity()
+                                                                         : max_effort_ / std::abs(controller_.gain)),
+      velocity_decay_(controller_.velocity_filter_rad_per_s > 0.0
+                          ? std::exp(-controller_.velocity_filter_rad_per_s * loop.plant.period_s)
+                          : 0.0),
+      only_in_contact_(loop.damping_only_in_contact), measured_period_(loop.measured_period) {
+  if (controller_.law == LoopController::Law::kShapingFilter)
+    filter_ = Pt2(controller_.w0_rad_per_s, controller_.damping_ratio, controller_.gain);
+}
+
+double LoopLaw::velocity(double position, double period_s) noexcept {
+  const double decay = measured_period_ && velocity_decay_ > 0.0
+                           ? std::exp(-controller_.velocity_filter_rad_per_s * period_s)
+                           : velocity_decay_;
+  velocity_ = decay * velocity_ + (1.0 - decay) * (position - last_position_) / period_s;
+  last_position_ = position;
+  return velocity_;
+}
+
+double LoopLaw::coupled(double wall, double stiffness, double period_s) noexcept {
+  switch (controller_.law) {
+    case LoopController::Law::kShapingFilter:
+      return filter_.step(std::clamp(wall, -input_limit_, input_limit_), period_s);
+    case LoopController::Law::kDirect: return controller_.gain * std::clamp(wall, -input_limit_, input_limit_);
+    case LoopController::Law::kSpringDamper: break;
+  }
+  if (wall_ != WallLaw::kBilateral)
+    return spring_damper_.step({wall, 0.0, 0.0}, stiffness, controller_.stiffness, controller_.damping, period_s).x();
+  const double damper = controller_.damping / period_s;  // the same law where the contact may pull
+  offset_ = (wall + damper * offset_) / (stiffness + controller_.stiffness + damper);
+  return wall - stiffness * offset_;
+}
+
+double LoopLaw::step(double position, double stiffness, double period_s) noexcept {
+  if (!started_) last_position_ = position, started_ = true;
+  const double wall = wall_effort(wall_, stiffness, knee_, position);
+  double effort = coupled(wall, stiffness, period_s);
+  if (controller_.injected_damping > 0.0) {
+    const double damping = controller_.injected_damping * velocity(position, period_s);
+    if (!only_in_contact_ || wall_ == WallLaw::kBilateral) {
+      effort += damping;
+    } else if (wall > 0.0) {
+      effort = std::max(0.0, effort + damping);
+    }
+  }
+  saturated_ = std::abs(effort) > max_effort_;
+  return -std::clamp(effort, -max_effort_, max_effort_);
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,34 @@
+#pragma once
+/// The sampled half of the simulated loop: wall, coupling, injected damping.
+#include "core/coupling/design/nonlinear_loop.hpp"
+#include "core/coupling/pt2.hpp"
+#include "core/coupling/spring_damper.hpp"
+
+namespace voxtouch {
+
+/// Effort of the wall, positive against the penetration, at `position`.
+double wall_effort(WallLaw law, double stiffness, double knee, double position) noexcept;
+
+/// What the coupling does with one sample's position.
+class LoopLaw {
+ public:
+  explicit LoopLaw(const NonlinearLoop& loop);
+  /// The effort for the device, negative against a penetration. `position` as measured, or the last one where that was lost.
+  double step(double position, double stiffness, double period_s) noexcept;
+  bool saturated() const noexcept { return saturated_; }  ///< in the last step
+
+ private:
+  double coupled(double wall, double stiffness, double period_s) noexcept;
+  double velocity(double position, double period_s) noexcept;
+
+  LoopController controller_;
+  WallLaw wall_;
+  double knee_, max_effort_, input_limit_, velocity_decay_;
+  bool only_in_contact_, measured_period_, saturated_ = false, started_ = false;
+  Pt2 filter_;
+  UnilateralSpringDamper spring_damper_;
+  double offset_ = 0.0;  ///< of the spring-damper's object, bilateral wall
+  double last_position_ = 0.0, velocity_ = 0.0;
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/coupling/design/designer.hpp"
+#include "tests/experiments/coupling_campaign/campaign.hpp"
+
+namespace voxtouch::campaign {
+namespace {
+
+using Law = LoopController::Law;
+
+LoopController controller_of(const CouplingSpec& spec) {
+  LoopController out;
+  out.injected_damping = spec.injected_damping_ns_per_m;
+  out.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * spec.velocity_filter_hz;
+  if (spec.kind == "shaping_filter") {
+    out.w0_rad_per_s = cutoff_rad_per_s(spec), out.damping_ratio = spec.damping_ratio, out.gain = spec.gain;
+  } else if (spec.kind == "spring_damper") {
+    out.law = Law::kSpringDamper;
+    out.stiffness = spec.stiffness_n_per_m, out.damping = spec.damping_ns_per_m;
+  } else {
+    out.law = Law::kDirect;
+  }
+  return out;
+}
+
+DesignRequest request_for(const PopulationMember& member, Random& random) {
+  DesignRequest out;
+  out.device = member.device;
+  out.hand.translation = member.hand;
+  out.contact = member.contact;
+  const unsigned kind = random.below(4);
+  out.wishes.kind = kind == 0 ? "shaping_filter" : "auto";
+  out.wishes.cutoff_hz = random.chance(0.7) ? 5.0 : random.log_uniform(1.0, 50.0);
+  out.wishes.cutoff_hz = std::min(out.wishes.cutoff_hz, 0.5 / (2.0 * std::numbers::pi * member.device.timing.period_s));
+  out.wishes.allow_injected_damping = random.chance(0.8);
+  out.wishes.free_cap = random.chance(0.3);
+  return out;
+}
+
+/// A design and the loops that it is tried in.
+struct Tried {
+  const PopulationMember& member;
+  const Design& design;
+  LoopController controller;
+  double contact;  ///< all points, capped as the design says
+
+  NonlinearLoop loop(const LoopPlant& plant) const {
+    NonlinearLoop out;
+    out.plant = plant;
+    out.controller = controller;
+    out.contact_stiffness = contact;
+    return out;
+  }
+  /// The worst vertex, at the nominal timing.
+  LoopPlant worst() const {
+    LoopPlant out = design.translation.worst_case;
+    out.period_s = member.device.timing.period_s, out.delay_s = member.device.timing.delay_s;
+    return out;
+  }
+};
+
+struct Trial {
+  const char* name;
+  NonlinearLoop loop;
+};
+
+std::vector<Trial> trials_of(const Tried& t, Random& random) {
+  const AxisModel& axis = t.member.device.translation;
+  const double shown = t.design.translation.shown_stiffness, period = t.member.device.timing.period_s;
+  std::vector<Trial> out;
+  const auto add = [&](const char* name, const LoopPlant& plant, auto change) {
+    Trial trial{name, t.loop(plant)};
+    disturb(trial.loop, t.member.device.timing, axis.resolution, random);
+    trial.loop.damping_only_in_contact = random.chance(0.5);
+    change(trial.loop);
+    drive(trial.loop, shown, axis.max_effort, random);
+    out.push_back(trial);
+  };
+  add("any hand, mass and wall", draw_plant(t.member, random), [&](NonlinearLoop& loop) {
+    loop.delay_jitter_s = random.uniform(0.0, 0.2) * period;
+    if (random.chance(0.5)) loop.coulomb_friction = axis.coulomb_friction;
+  });
+  add("worst vertex, up to a period of delay more", t.worst(), [&](NonlinearLoop& loop) {
+    loop.plant.delay_s += random.uniform(0.0, 0.8) * period;
+    loop.delay_jitter_s = 0.2 * period;
+  });
+  add("with saturation", draw_plant(t.member, random), [&](NonlinearLoop&) {});
+  out.back().loop.max_effort = std::min(axis.max_effort, out.back().loop.push * random.uniform(1.2, 3.0));
+  if (t.controller.law == Law::kSpringDamper) return out;  // its promise does not grow with the contact
+  add("1.9 times the promise at ideal timing", t.design.translation.worst_case, [&](NonlinearLoop& loop) {
+    loop.contact_stiffness *= 1.9;
+    loop.jitter = loop.loss = 0.0;
+    loop.measured_period = false;
+    loop.damping_only_in_contact = false;
+  });
+  return out;
+}
+
+/// Simulated limit over promise on the worst vertex: ideal timing, a wall that only pushes.
+double conservatism(const Tried& t, Random& random) {
+  NonlinearLoop loop = t.loop(t.worst());
+  drive(loop, t.design.translation.shown_stiffness, t.member.device.translation.max_effort, random);
+  loop.longest_s = 4.0 * loop.duration_s;
+  return simulated_limit(loop, t.contact, 64.0 * t.contact) / t.contact;
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+class Phase {
+ public:
+  explicit Phase(const Options& options) : options_(options) {}
+
+  void member(const PopulationMember& member, std::uint64_t salt, bool corner) {
+    Random random(options_.seed ^ salt, member.index);
+    const DesignRequest request = request_for(member, random);
+    const Design design = design_coupling(request);
+    ++statuses_[static_cast<std::size_t>(design.status)];
+    const AxisDesign& axis = design.translation;
+    // What is infeasible is tried as well, with the little that it shows, unless nothing at all is promised.
+    if (!(axis.shown_stiffness > 0.0 && axis.gain_margin >= 0.999 * request.wishes.gain_margin)) {
+      ++nothing_promised_;
+      return;
+    }
+    const Tried tried{member, design, controller_of(design.spec),
+                      options_.overload * std::min(member.contact.all_points, design.spec.stiffness_cap_n_per_m)};
+    for (const Trial& trial : trials_of(tried, random)) {
+      const NonlinearVerdict verdict = simulate(trial.loop);
+      if (out_.count(trial.name, verdict))
+        out_.failures.push_back({trial.name, options_.seed, member.index, corner,
+                                 fmt::format("{}; margin {:.4g}, worst {}; {}", name_of(design.status),
+                                             axis.gain_margin, axis.worst_case_text, describe(trial.loop, verdict))});
+    }
+    if (!corner && design.status != DesignStatus::kInfeasible && tried.controller.law != Law::kSpringDamper &&
+        margins_.size() < options_.limits)
+      margins_.push_back(conservatism(tried, random));
+  }
+
+  PhaseResult result() {
+    for (const DesignStatus s :
+         {DesignStatus::kAsRequested, DesignStatus::kBandwidthRaised, DesignStatus::kDampingAdded,
+          DesignStatus::kStiffnessReduced, DesignStatus::kInfeasible})
+      out_.figures.push_back({std::string(name_of(s)), static_cast<double>(statuses_[static_cast<std::size_t>(s)])});
+    out_.figures.push_back({"nothing promised, not run", static_cast<double>(nothing_promised_)});
+    out_.figures.push_back({"promises compared with the simulated limit", static_cast<double>(margins_.size())});
+    for (const auto& [name, share] : {std::pair{"limit / promise, least", 0.0},
+                                      {"limit / promise, 5 %", 0.05},
+                                      {"limit / promise, median", 0.5},
+                                      {"limit / promise, 95 %", 0.95}})
+      out_.figures.push_back({name, quantile(margins_, share)});
+    return std::move(out_);
+  }
+
+ private:
+  const Options& options_;
+  PhaseResult out_{.name = "designs", .tallies = {}, .figures = {}, .failures = {}};
+  std::array<std::uint64_t, 5> statuses_{};
+  std::uint64_t nothing_promised_ = 0;
+  std::vector<double> margins_;
+};
+
+}  // namespace
+
+PhaseResult design_phase(const Options& options) {
+  Phase phase(options);
+  const std::uint64_t corners = options.corners ? 256 : 0, all = options.members + corners;
+  std::uint64_t done = 0;
+  const auto tell = [&] {
+    if (options.progress) options.progress(++done, all);
+  };
+  for (std::uint64_t i = 0; i < options.members; ++i) {
+    phase.member(draw_member(options.seed, options.first + i), 0xde5160, false);
+    tell();
+  }
+  if (!options.corners) return phase.result();
+  for (const DeviceFamily family : {DeviceFamily::kPhantomLike, DeviceFamily::kLwrLike})
+    for (const PopulationMember& member : corner_members(family)) {
+      phase.member(member, family == DeviceFamily::kPhantomLike ? 0xc0a1 : 0xc0a2, true);
+      tell();
+    }
+  return phase.result();
+}
+
+}  // namespace voxtouch::campaign

@@ -1,0 +1,95 @@
+/// A small, fixed part of what tests/experiments/coupling_campaign does at length.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/experiments/coupling_campaign/campaign.hpp"
+
+namespace voxtouch::campaign {
+namespace {
+
+Options sample(std::uint64_t members) {
+  Options out;
+  out.seed = 20240607, out.members = members, out.corners = false, out.limits = 0;
+  return out;
+}
+
+std::string failures(const PhaseResult& result) {
+  std::string out;
+  for (const Failure& f : result.failures)
+    out += f.trial + ": member " + std::to_string(f.index) + ": " + f.details + "\n";
+  return out;
+}
+
+double figure(const PhaseResult& result, std::string_view name) {
+  for (const Figure& f : result.figures)
+    if (f.name == name) return f.value;
+  ADD_FAILURE() << "no figure " << name;
+  return 0.0;
+}
+
+double unstable_share(PhaseResult& result, const std::string& kind) {
+  const Tally& t = result.tally(kind);
+  return static_cast<double>(t.unstable) / static_cast<double>(t.runs);
+}
+
+TEST(Campaign, NoDesignBecomesUnstable) {
+  const PhaseResult result = design_phase(sample(75));
+  EXPECT_TRUE(result.failures.empty()) << failures(result);
+  std::uint64_t runs = 0;
+  for (const Tally& t : result.tallies) runs += t.runs;
+  EXPECT_GT(runs, 280u);
+}
+
+TEST(Campaign, SeesDesignsThatAreTooStiff) {
+  Options options = sample(12);
+  options.overload = 4.0;
+  EXPECT_GT(design_phase(options).failures.size(), 12u);
+}
+
+TEST(Campaign, PromisesKeepTheirMarginInTheSimulation) {
+  Options options = sample(12);
+  options.limits = 8;
+  const PhaseResult result = design_phase(options);
+  EXPECT_GE(figure(result, "limit / promise, least"), 1.9);
+  EXPECT_LE(figure(result, "limit / promise, median"), 6.0);  // and do not keep back much more than was asked
+}
+
+TEST(Campaign, TheLiteralRecipeIsUnstableOnMostDevices) {
+  PhaseResult result = recipe_phase(sample(60));
+  EXPECT_GT(unstable_share(result, "released"), 0.7);
+  EXPECT_GT(unstable_share(result, "held"), 0.4);
+  EXPECT_GT(unstable_share(result, "released, with the device's friction"), 0.3);
+  EXPECT_LT(unstable_share(result, "released, with the device's friction"), unstable_share(result, "released"));
+}
+
+TEST(Campaign, WhatTheLinearModelCallsStableIsStable) {
+  PhaseResult result = predictor_phase(sample(100));
+  EXPECT_TRUE(result.failures.empty()) << failures(result);
+  EXPECT_GT(unstable_share(result, "nominal gain margin below 1, wall of one slope"), 0.8);
+}
+
+TEST(Campaign, CountsTheSameForTheSameSeed) {
+  const auto report = [](std::uint64_t seed) {
+    Options options = sample(6);
+    options.seed = seed;
+    return as_json({recipe_phase(options), design_phase(options), predictor_phase(options)});
+  };
+  EXPECT_EQ(report(1), report(1));
+  EXPECT_EQ(nlohmann::json::parse(report(1)).size(), 3u);
+}
+
+TEST(Campaign, AMemberCanBeRepeatedAlone) {
+  Options options = sample(4);
+  options.overload = 8.0;
+  const PhaseResult all = design_phase(options);
+  ASSERT_FALSE(all.failures.empty());
+  const Failure& last = all.failures.back();
+  options.first = last.index, options.members = 1;
+  const PhaseResult alone = design_phase(options);
+  ASSERT_FALSE(alone.failures.empty());
+  EXPECT_EQ(alone.failures.back().details, last.details);
+}
+
+}  // namespace
+}  // namespace voxtouch::campaign
