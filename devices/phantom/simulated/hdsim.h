@@ -74,7 +74,7 @@ typedef enum hdsim_fault {
   HDSIM_FAIL_START,      /* the next hdStartScheduler fails with a timer error */
   HDSIM_NAN_POSITION     /* amount: ticks with positions that are not numbers; negative: for good */
 } hdsim_fault;
-int hdsim_inject(hdsim_fault fault, double amount);
+int hdsim_inject(int fault, double amount); /* fault: one of the above */
 
 /* --- What no real device tells */
 

@@ -112,7 +112,7 @@ int hdsim_set_switches(int buttons, int safety, int inkwell) {
 int hdsim_step(void) {
   return attempt([] { return Library::instance().step() ? 0 : 1; });
 }
-int hdsim_inject(hdsim_fault fault, double amount) {
+int hdsim_inject(int fault, double amount) {
   return attempt([&] { return Library::instance().inject(fault, amount), 0; });
 }
 int hdsim_read_state(hdsim_state* state, size_t size) {

@@ -63,7 +63,7 @@ class Library {
   void set_hand(const OperatorConfig& hand);
   void set_switches(const Switches& switches);
   bool step();  ///< false: the tick passed without callbacks
-  void inject(hdsim_fault fault, double amount);
+  void inject(int fault, double amount);
   void read_state(hdsim_state& state);
 
  private:

@@ -47,7 +47,7 @@ void Library::set_switches(const Switches& switches) {
   device_->switches = switches;
 }
 
-void Library::inject(hdsim_fault fault, double amount) {
+void Library::inject(int fault, double amount) {
   const Lock lock(mutex_);
   switch (fault) {
     case HDSIM_COMM_ERROR: device_->faults.communication = ticks_of(amount); return;
