@@ -24,7 +24,8 @@ constexpr std::array kGrips{
     NamedGrip{"fingertip", 0.006, 5.7, 750.0, 1e-5, 0.002, 0.1},
     NamedGrip{"pen", 0.1, 4.0, 300.0, 1e-4, 0.01, 0.5},
     NamedGrip{"pen-light", 0.05, 2.0, 200.0, 1e-4, 0.005, 0.2},
-    NamedGrip{"pen-firm", 0.05, 2.0, 1000.0, 1e-4, 0.01, 1.0},  // light, stiff, hardly damped: the corner hard to keep stable
+    NamedGrip{"pen-firm", 0.05, 2.0, 1000.0, 1e-4, 0.01,
+              1.0},  // light, stiff, hardly damped: the corner hard to keep stable
     NamedGrip{"arm", 1.3, 15.0, 200.0, 0.01, 0.3, 5.0},
     NamedGrip{"arm-light", 0.5, 10.0, 50.0, 0.005, 0.1, 2.0},
     NamedGrip{"arm-firm", 2.0, 50.0, 800.0, 0.02, 1.0, 20.0},
@@ -56,7 +57,8 @@ Motion checked(Motion motion) {
 
 double checked_step(double step_s, double bandwidth_hz) {
   if (!(step_s > 0.0 && step_s <= 0.01)) throw std::runtime_error("simulated hand: the step has to be in (0, 0.01] s");
-  if (!(bandwidth_hz > 0.0)) throw std::runtime_error("simulated hand: the bandwidth has to be over 0 Hz (infinity for none)");
+  if (!(bandwidth_hz > 0.0))
+    throw std::runtime_error("simulated hand: the bandwidth has to be over 0 Hz (infinity for none)");
   return step_s;
 }
 
@@ -88,15 +90,9 @@ const std::vector<std::string_view>& grip_names() {
 
 Hand::Hand(const OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed, const ToolDrag& drag,
            double bandwidth_hz)
-    : config_(checked(config)),
-      motion_(checked(std::move(motion))),
-      step_s_(checked_step(step_s, bandwidth_hz)),
-      drag_(drag),
-      seed_(seed),
-      tremor_(config.tremor_n, config.tremor_bandwidth_hz, step_s, seed),
-      first_(motion_at(motion_, 0.0).position),
-      second_(first_),
-      orientation_(motion_.orientation) {
+    : config_(checked(config)), motion_(checked(std::move(motion))), step_s_(checked_step(step_s, bandwidth_hz)),
+      drag_(drag), seed_(seed), tremor_(config.tremor_n, config.tremor_bandwidth_hz, step_s, seed),
+      first_(motion_at(motion_, 0.0).position), second_(first_), orientation_(motion_.orientation) {
   if (!std::isfinite(bandwidth_hz)) return;
   // Two equal lags are down by 3 dB where each is down by 1.5 dB: at sqrt(sqrt(2) - 1) of the corner of each.
   rate_ = 2.0 * std::numbers::pi * bandwidth_hz / std::sqrt(std::numbers::sqrt2 - 1.0);

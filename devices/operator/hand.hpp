@@ -33,7 +33,8 @@ struct HandAction {
 
   /// On the tip [N]. The mass is not in it: it belongs into the arm's mass matrix as J^T m J.
   Vec3 force(const Vec3& position, const Vec3& velocity) const noexcept {
-    return stiffness_n_per_m * (target.position - position) + damping_ns_per_m * (target.velocity - velocity) + steady_force;
+    return stiffness_n_per_m * (target.position - position) + damping_ns_per_m * (target.velocity - velocity) +
+           steady_force;
   }
   /// On the tool [Nm], likewise; 2 sin(angle / 2) stands for the angle, within 0.2 % up to 12 degrees.
   Vec3 torque(const Quat& orientation, const Vec3& angular_velocity) const noexcept {

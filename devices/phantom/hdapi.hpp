@@ -43,7 +43,7 @@ static_assert(sizeof(HDboolean) == 1 && sizeof(HDushort) == 2 && sizeof(HDfloat)
 
 // --- basics
 inline constexpr HDboolean kTrue = 1, kFalse = 0;
-inline constexpr HHD kInvalidHandle = 0xFFFFFFFF;    // 0 is a valid handle
+inline constexpr HHD kInvalidHandle = 0xFFFFFFFF;  // 0 is a valid handle
 inline constexpr HDstring kDefaultDevice = nullptr;
 inline constexpr HDCallbackCode kCallbackDone = 0, kCallbackContinue = 1;
 inline constexpr HDWaitCode kWaitCheckStatus = 0, kWaitInfinite = 1;
@@ -75,53 +75,54 @@ inline constexpr HDerror kSchedulerFull = 0x0501;
 inline constexpr HDerror kInvalidLicense = 0x0600;
 
 // --- state; type and unit behind each. "real" is float or double.
-inline constexpr HDenum kCurrentButtons = 0x2000, kLastButtons = 0x2200;                  // int, one bit a button
-inline constexpr HDenum kCurrentSafetySwitch = 0x2001, kLastSafetySwitch = 0x2201;        // boolean
-inline constexpr HDenum kCurrentInkwellSwitch = 0x2002, kLastInkwellSwitch = 0x2202;      // boolean
-inline constexpr HDenum kCurrentEncoderValues = 0x2010, kLastEncoderValues = 0x2210;      // long x6
-inline constexpr HDenum kCurrentPinchValue = 0x2011, kLastPinchValue = 0x2012;            // pinch models; type not documented
-inline constexpr HDenum kCurrentPosition = 0x2050, kLastPosition = 0x2250;                // real x3, mm
-inline constexpr HDenum kCurrentVelocity = 0x2051, kLastVelocity = 0x2251;                // real x3, mm/s, smoothed
-inline constexpr HDenum kCurrentTransform = 0x2052, kLastTransform = 0x2252;              // real x16, column-major, [12..14] in mm
+inline constexpr HDenum kCurrentButtons = 0x2000, kLastButtons = 0x2200;              // int, one bit a button
+inline constexpr HDenum kCurrentSafetySwitch = 0x2001, kLastSafetySwitch = 0x2201;    // boolean
+inline constexpr HDenum kCurrentInkwellSwitch = 0x2002, kLastInkwellSwitch = 0x2202;  // boolean
+inline constexpr HDenum kCurrentEncoderValues = 0x2010, kLastEncoderValues = 0x2210;  // long x6
+inline constexpr HDenum kCurrentPinchValue = 0x2011, kLastPinchValue = 0x2012;  // pinch models; type not documented
+inline constexpr HDenum kCurrentPosition = 0x2050, kLastPosition = 0x2250;      // real x3, mm
+inline constexpr HDenum kCurrentVelocity = 0x2051, kLastVelocity = 0x2251;      // real x3, mm/s, smoothed
+inline constexpr HDenum kCurrentTransform = 0x2052, kLastTransform = 0x2252;  // real x16, column-major, [12..14] in mm
 inline constexpr HDenum kCurrentAngularVelocity = 0x2053, kLastAngularVelocity = 0x2253;  // real x3, rad/s
-inline constexpr HDenum kCurrentJacobian = 0x2054, kLastJacobian = 0x2254;                // layout not documented: not used
-inline constexpr HDenum kCurrentJointAngles = 0x2100, kLastJointAngles = 0x2300;          // real x3, rad
-inline constexpr HDenum kCurrentGimbalAngles = 0x2150, kLastGimbalAngles = 0x2350;        // real x3, rad
-inline constexpr HDenum kCurrentForce = 0x2700, kLastForce = 0x2800;                      // get, set: real x3, N
-inline constexpr HDenum kCurrentTorque = 0x2701, kLastTorque = 0x2801;                    // get, set: real x3, mNm
-inline constexpr HDenum kJointAngleReferences = 0x2702;                                   // real x3, rad; meaning not documented
-inline constexpr HDenum kCurrentJointTorque = 0x2703, kLastJointTorque = 0x2802;          // get, set: real x3, mNm
-inline constexpr HDenum kCurrentGimbalTorque = 0x2704, kLastGimbalTorque = 0x2803;        // get, set: real x3, mNm
-inline constexpr HDenum kCurrentMotorDacValues = 0x2750, kLastMotorDacValues = 0x2850;    // long, -32767..32766; deprecated
+inline constexpr HDenum kCurrentJacobian = 0x2054, kLastJacobian = 0x2254;          // layout not documented: not used
+inline constexpr HDenum kCurrentJointAngles = 0x2100, kLastJointAngles = 0x2300;    // real x3, rad
+inline constexpr HDenum kCurrentGimbalAngles = 0x2150, kLastGimbalAngles = 0x2350;  // real x3, rad
+inline constexpr HDenum kCurrentForce = 0x2700, kLastForce = 0x2800;                // get, set: real x3, N
+inline constexpr HDenum kCurrentTorque = 0x2701, kLastTorque = 0x2801;              // get, set: real x3, mNm
+inline constexpr HDenum kJointAngleReferences = 0x2702;  // real x3, rad; meaning not documented
+inline constexpr HDenum kCurrentJointTorque = 0x2703, kLastJointTorque = 0x2802;    // get, set: real x3, mNm
+inline constexpr HDenum kCurrentGimbalTorque = 0x2704, kLastGimbalTorque = 0x2803;  // get, set: real x3, mNm
+inline constexpr HDenum kCurrentMotorDacValues = 0x2750,
+                        kLastMotorDacValues = 0x2850;  // long, -32767..32766; deprecated
 
 // --- facts and settings of a device
-inline constexpr HDenum kVersion = 0x2500;              // this and the next four: string
+inline constexpr HDenum kVersion = 0x2500;  // this and the next four: string
 inline constexpr HDenum kDeviceModelType = 0x2501;
 inline constexpr HDenum kDeviceDriverVersion = 0x2502;
 inline constexpr HDenum kDeviceVendor = 0x2503;
 inline constexpr HDenum kDeviceSerialNumber = 0x2504;
-inline constexpr HDenum kDeviceFirmwareVersion = 0x2505;  // type not certain: not used
+inline constexpr HDenum kDeviceFirmwareVersion = 0x2505;      // type not certain: not used
 inline constexpr HDenum kMaxWorkspaceDimensions = 0x2550;     // real x6: smallest x y z, largest x y z, mm
 inline constexpr HDenum kUsableWorkspaceDimensions = 0x2551;  // likewise
-inline constexpr HDenum kTabletopOffset = 0x2552;         // float, mm
-inline constexpr HDenum kInputDof = 0x2553;               // int
-inline constexpr HDenum kOutputDof = 0x2554;              // int
-inline constexpr HDenum kCalibrationStyle = 0x2555;       // int, a set of bits
-inline constexpr HDenum kUpdateRate = 0x2600;             // int, Hz
-inline constexpr HDenum kInstantaneousUpdateRate = 0x2601;  // int, Hz
-inline constexpr HDenum kNominalMaxStiffness = 0x2602;    // real, N/mm
-inline constexpr HDenum kNominalMaxForce = 0x2603;        // real, N
+inline constexpr HDenum kTabletopOffset = 0x2552;             // float, mm
+inline constexpr HDenum kInputDof = 0x2553;                   // int
+inline constexpr HDenum kOutputDof = 0x2554;                  // int
+inline constexpr HDenum kCalibrationStyle = 0x2555;           // int, a set of bits
+inline constexpr HDenum kUpdateRate = 0x2600;                 // int, Hz
+inline constexpr HDenum kInstantaneousUpdateRate = 0x2601;    // int, Hz
+inline constexpr HDenum kNominalMaxStiffness = 0x2602;        // real, N/mm
+inline constexpr HDenum kNominalMaxForce = 0x2603;            // real, N
 inline constexpr HDenum kNominalMaxContinuousForce = 0x2604;  // real, N
-inline constexpr HDenum kMotorTemperature = 0x2605;       // real x OUTPUT_DOF, 0..1; 1 is too hot
-inline constexpr HDenum kSoftwareVelocityLimit = 0x2606;  // get, set: real, mm/s; also a capability
+inline constexpr HDenum kMotorTemperature = 0x2605;           // real x OUTPUT_DOF, 0..1; 1 is too hot
+inline constexpr HDenum kSoftwareVelocityLimit = 0x2606;      // get, set: real, mm/s; also a capability
 inline constexpr HDenum kSoftwareForceImpulseLimit = 0x2607;  // get, set: real, N/ms; also a capability
-inline constexpr HDenum kForceRampingRate = 0x2608;       // get, set: real, N/s
-inline constexpr HDenum kNominalMaxDamping = 0x2609;      // real, 0..1
+inline constexpr HDenum kForceRampingRate = 0x2608;           // get, set: real, N/s
+inline constexpr HDenum kNominalMaxDamping = 0x2609;          // real, 0..1
 inline constexpr HDenum kNominalMaxTorqueStiffness = 0x2620;  // real
 inline constexpr HDenum kNominalMaxTorqueDamping = 0x2621;
 inline constexpr HDenum kNominalMaxTorqueForce = 0x2622;
 inline constexpr HDenum kNominalMaxTorqueContinuousForce = 0x2623;
-inline constexpr HDenum kUserStatusLight = 0x2900;        // int, 0..7
+inline constexpr HDenum kUserStatusLight = 0x2900;  // int, 0..7
 
 // --- capabilities: for hdEnable, hdDisable, hdIsEnabled, beside the two limits above
 inline constexpr HDenum kForceOutput = 0x4000;
@@ -194,8 +195,8 @@ static_assert(kFunctionCount == 36 && sizeof(Api) == kFunctionCount * sizeof(voi
 template <class Resolve>
 std::string_view resolve_api(Api& api, Resolve&& resolve) {
   std::string_view missing;
-#define VOXTOUCH_HD_RESOLVE(name, result, arguments)                              \
-  api.name = reinterpret_cast<result(*) arguments>(resolve(#name));               \
+#define VOXTOUCH_HD_RESOLVE(name, result, arguments)                \
+  api.name = reinterpret_cast<result(*) arguments>(resolve(#name)); \
   if (api.name == nullptr && missing.empty() && std::string_view(#name) != "hdCheckCalibrationStyle") missing = #name;
   VOXTOUCH_HD_FUNCTIONS(VOXTOUCH_HD_RESOLVE)
 #undef VOXTOUCH_HD_RESOLVE

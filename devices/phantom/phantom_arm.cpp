@@ -31,9 +31,8 @@ Mat3 phantom_jacobian_rate(const PhantomGeometry& g, const Vec3& q, const Vec3& 
   Mat3 j;
   j << reach_rate * c1 - reach * s1 * v[0], -g.thigh_m * (c1 * s2 * v[0] + s1 * c2 * v[1]),
       g.shin_m * (c1 * c3 * v[0] - s1 * s3 * v[2]),  //
-      0.0, -g.thigh_m * s2 * v[1], g.shin_m * c3 * v[2],
-      -reach_rate * s1 - reach * c1 * v[0], g.thigh_m * (s1 * s2 * v[0] - c1 * c2 * v[1]),
-      -g.shin_m * (s1 * c3 * v[0] + c1 * s3 * v[2]);
+      0.0, -g.thigh_m * s2 * v[1], g.shin_m * c3 * v[2], -reach_rate * s1 - reach * c1 * v[0],
+      g.thigh_m * (s1 * s2 * v[0] - c1 * c2 * v[1]), -g.shin_m * (s1 * c3 * v[0] + c1 * s3 * v[2]);
   return j;
 }
 
@@ -66,8 +65,9 @@ Vec3 gimbal_angles(const Vec3& q, const Quat& orientation) noexcept {
 }
 
 Quat stylus_orientation(const Vec3& q, const Vec3& gimbal) noexcept {
-  return phantom_shin(q) * Quat(Eigen::AngleAxisd(-gimbal[0], Vec3::UnitY()) * Eigen::AngleAxisd(-gimbal[1], Vec3::UnitX()) *
-                                Eigen::AngleAxisd(-gimbal[2], Vec3::UnitZ()));
+  return phantom_shin(q) *
+         Quat(Eigen::AngleAxisd(-gimbal[0], Vec3::UnitY()) * Eigen::AngleAxisd(-gimbal[1], Vec3::UnitX()) *
+              Eigen::AngleAxisd(-gimbal[2], Vec3::UnitZ()));
 }
 
 PhantomDynamics::PhantomDynamics(const PhantomGeometry& g, const PhantomInertia& p, double gravity) noexcept

@@ -16,12 +16,9 @@ constexpr double kStretched = 1e-7;  // determinant of the Jacobian [m^3]; at re
 }  // namespace
 
 Amplifier::Amplifier(const Model& model, const PlantConfig& plant, double thermal_time_s, double watchdog_s) noexcept
-    : model_(&model),
-      geometry_(plant.geometry),
-      motor_limit_(plant.motor_limit_nm),
+    : model_(&model), geometry_(plant.geometry), motor_limit_(plant.motor_limit_nm),
       continuous_(model.continuous_force_n * Vec3(geometry_.thigh_m, geometry_.thigh_m, geometry_.shin_m)),
-      thermal_time_s_(thermal_time_s),
-      watchdog_s_(watchdog_s) {}
+      thermal_time_s_(thermal_time_s), watchdog_s_(watchdog_s) {}
 
 hd::HDerror Amplifier::begin_tick(const Reading& reading, double period_s) noexcept {
   ceiling_n_ = std::min(ceiling_n_ + limits.ramp_n_per_s * period_s, 1e6);

@@ -11,8 +11,7 @@ constexpr std::uint64_t kAutoCalibrationTicks = 50;  // how long an automatic ca
 
 Device::Device(const Settings& s)
     : plant(s.plant, s.hand, s.motion, s.seed, s.hand_bandwidth_hz),
-      amplifier(*s.model, s.plant, s.thermal_time_s, s.watchdog_s),
-      settings_(s),
+      amplifier(*s.model, s.plant, s.thermal_time_s, s.watchdog_s), settings_(s),
       sensors_(s.plant.geometry, s.resolution_m, s.gimbal_resolution_rad, s.velocity_filter_hz) {
   sensors_.zero_at(s.power_on_rad);
   sensors_.set_period(period_s());
@@ -78,7 +77,8 @@ void Device::set_substeps(int substeps) noexcept {
 hd::HDenum Device::calibration() const noexcept {
   if (calibrated_) return hd::kCalibrationOk;
   switch (model().calibration) {
-    case hd::kCalibrationInkwell: return switches.inkwell ? hd::kCalibrationNeedsUpdate : hd::kCalibrationNeedsManualInput;
+    case hd::kCalibrationInkwell:
+      return switches.inkwell ? hd::kCalibrationNeedsUpdate : hd::kCalibrationNeedsManualInput;
     case hd::kCalibrationAuto:
       return ticks >= kAutoCalibrationTicks ? hd::kCalibrationNeedsUpdate : hd::kCalibrationNeedsManualInput;
     default: return hd::kCalibrationNeedsManualInput;

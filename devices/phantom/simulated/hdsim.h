@@ -1,7 +1,7 @@
 /* Hooks of the simulated Phantom library, beside the 36 functions that it exports in the vendor's place: the operator, faults
  * on command, time that a test steps, and the true state. C, to be found with dlsym. SI units: m, s, N, Nm, rad, kg.
  *
- * The environment variable VOXTOUCH_HD_SIM sets what the library starts from, read when it is loaded:
+ * The environment variable VOXTOUCH_HD_SIM sets what the library starts from, read at the first call of any function:
  *   VOXTOUCH_HD_SIM="virtual=1;model=omni;grip=pen-firm;seed=7;coulomb_nm=0.02"
  *
  * Functions that return int: 0 for done, -1 where it could not be; hdsim_last_message() then says why. */

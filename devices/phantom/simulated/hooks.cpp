@@ -117,7 +117,8 @@ int hdsim_inject(int fault, double amount) {
 }
 int hdsim_read_state(hdsim_state* state, size_t size) {
   return attempt([&] {
-    need(state != nullptr && size == sizeof(hdsim_state), "simulated Phantom: the state has another size; rebuild the caller");
+    need(state != nullptr && size == sizeof(hdsim_state),
+         "simulated Phantom: the state has another size; rebuild the caller");
     return Library::instance().read_state(*state), 0;
   });
 }

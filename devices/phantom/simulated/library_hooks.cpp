@@ -12,7 +12,8 @@ void copy(const Vec3& from, double* to) { std::copy_n(from.data(), 3, to); }
 
 /// Ticks of a fault: negative is for good.
 long ticks_of(double amount) {
-  if (!(std::abs(amount) <= 1e9)) throw std::runtime_error("simulated Phantom: the amount of a fault has to be a number of ticks");
+  if (!(std::abs(amount) <= 1e9))
+    throw std::runtime_error("simulated Phantom: the amount of a fault has to be a number of ticks");
   return amount < 0.0 ? -1 : std::lround(amount);
 }
 
@@ -27,7 +28,6 @@ void Library::set_motion(const Motion& motion) {
   const Lock lock(mutex_);
   Settings trial = settings_;
   trial.motion = motion;
-  if (!open_ && !running_ && device_->ticks == 0) return power_on(trial);
   if (device_->ticks > 0) {
     device_->plant.follow(motion);
   } else {  // no time has passed: the arm can still be put there
@@ -56,20 +56,23 @@ void Library::inject(int fault, double amount) {
       device_->amplifier.set_power(device_->faults.device == 0);
       return;
     case HDSIM_TIMER_ERROR:
-      if (!running_) throw std::runtime_error("simulated Phantom: there is no servo loop that could die; start the scheduler first");
+      if (!running_)
+        throw std::runtime_error("simulated Phantom: there is no servo loop that could die; start the scheduler first");
       dead_ = true;
       note(hd::kTimerError);
       callbacks_.wake();
       return;
     case HDSIM_WARM_MOTORS:
-      device_->amplifier.set_temperature(in_range(amount, 0.0, 10.0, "simulated Phantom: a temperature has to be in [0, 10]"));
+      device_->amplifier.set_temperature(
+          in_range(amount, 0.0, 10.0, "simulated Phantom: a temperature has to be in [0, 10]"));
       return;
     case HDSIM_LATE_TICK:
       late_s_ = in_range(amount, 0.0, 10.0, "simulated Phantom: a tick can be 0 to 10 s late");
       return;
     case HDSIM_SKIPPED_TICKS: skip_ticks_ = std::max(0L, ticks_of(amount)); return;
     case HDSIM_FAIL_INIT:
-      fail_init_ = static_cast<hd::HDerror>(in_range(amount, 1.0, 65535.0, "simulated Phantom: the amount has to be an error code"));
+      fail_init_ = static_cast<hd::HDerror>(
+          in_range(amount, 1.0, 65535.0, "simulated Phantom: the amount has to be an error code"));
       return;
     case HDSIM_FAIL_START: fail_start_ = true; return;
     case HDSIM_NAN_POSITION: device_->faults.lost_position = ticks_of(amount); return;

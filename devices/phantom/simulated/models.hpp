@@ -10,8 +10,8 @@ namespace voxtouch::hd_sim {
 enum class Bus { kParallelPort, kFireWire };
 
 struct Model {
-  std::string_view key;    ///< what tests and people call it
-  hd::HDstring type;       ///< what the library answers for the model type
+  std::string_view key;  ///< what tests and people call it
+  hd::HDstring type;     ///< what the library answers for the model type
   Bus bus;
   hd::HDenum calibration;  ///< one style
   int output_dof;

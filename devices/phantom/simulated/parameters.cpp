@@ -23,7 +23,9 @@ Values list(std::initializer_list<double> all) {
 }
 Values vector(const Vec3& v, double scale = 1.0) { return list({scale * v.x(), scale * v.y(), scale * v.z()}); }
 Values torque(const std::optional<Vec3>& v) { return vector(v.value_or(Vec3::Zero()), kMilli); }
-Values joint_torque(const std::optional<Vec3>& v) { return vector(to_library_angles(v.value_or(Vec3::Zero())), kMilli); }
+Values joint_torque(const std::optional<Vec3>& v) {
+  return vector(to_library_angles(v.value_or(Vec3::Zero())), kMilli);
+}
 
 template <class Array>
 Values longs(const Array& all) {
@@ -101,7 +103,8 @@ Shown of_device(const Device& d, const Rates& rates, hd::HDenum name) {
     case hd::kNominalMaxTorqueStiffness:
     case hd::kNominalMaxTorqueDamping:
     case hd::kNominalMaxTorqueForce:
-    case hd::kNominalMaxTorqueContinuousForce: return {kReal, list({0.0})};  // the arm that is simulated gives no torque
+    case hd::kNominalMaxTorqueContinuousForce:
+      return {kReal, list({0.0})};  // the arm that is simulated gives no torque
     case hd::kMotorTemperature: {
       Values v = vector(d.amplifier.temperature());
       v.count = m.output_dof;  // motors of a gimbal stay cold

@@ -44,8 +44,10 @@ Vec3 start_of(const PlantConfig& c, const Hand& hand) {
   const auto joints = phantom_joints(c.geometry, hand.target());
   if (joints) return *joints;
   const Vec3 at = hand.target();
-  throw std::runtime_error(fmt::format("simulated Phantom: the motion starts at ({:.3f}, {:.3f}, {:.3f}) m, where the arm does "
-                                       "not reach; start it nearer to the origin", at.x(), at.y(), at.z()));
+  throw std::runtime_error(
+      fmt::format("simulated Phantom: the motion starts at ({:.3f}, {:.3f}, {:.3f}) m, where the arm does "
+                  "not reach; start it nearer to the origin",
+                  at.x(), at.y(), at.z()));
 }
 
 }  // namespace
@@ -67,10 +69,9 @@ void PlantConfig::validate() const {
   require_in(stop_nms_per_rad, 0.0, 3.0, "stop_nms_per_rad");
 }
 
-PhantomPlant::PhantomPlant(const PlantConfig& config, const OperatorConfig& hand, const Motion& motion, std::uint64_t seed,
-                           double hand_bandwidth_hz)
-    : config_(checked(config)),
-      dynamics_(config.geometry, config.inertia, config.gravity_m_per_s2),
+PhantomPlant::PhantomPlant(const PlantConfig& config, const OperatorConfig& hand, const Motion& motion,
+                           std::uint64_t seed, double hand_bandwidth_hz)
+    : config_(checked(config)), dynamics_(config.geometry, config.inertia, config.gravity_m_per_s2),
       hand_(checked(hand), motion, kSubstep, seed, drag_of(config), hand_bandwidth_hz),
       joints_(start_of(config, hand_)) {}
 

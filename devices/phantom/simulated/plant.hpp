@@ -18,9 +18,9 @@ struct PlantConfig {
   /// Of the joints: 8.5 N along each axis in the reset pose. A replica's motors (0.129 Nm, drives 13.3, 11.2, 11.2) come to
   /// 1.72, 1.44, 1.44.
   Vec3 motor_limit_nm{1.8275, 1.8275, 1.445};
-  double turret_stop_rad = 1.5708;                      ///< to both sides; from a replica
+  double turret_stop_rad = 1.5708;  ///< to both sides; from a replica
   double thigh_low_rad = -0.9, thigh_high_rad = 1.6;
-  double fold_rad = 1.134, stretch_rad = 0.960;         ///< of thigh less shin, up and down: 65 and 55 degrees, from a replica
+  double fold_rad = 1.134, stretch_rad = 0.960;  ///< of thigh less shin, up and down: 65 and 55 degrees, from a replica
   /// A replica's model has 10 and 0.1: an operator would push the arm through those into the stretched pose.
   double stop_nm_per_rad = 300.0, stop_nms_per_rad = 0.3;
 
@@ -50,8 +50,9 @@ class PhantomPlant {
   Vec3 tip() const noexcept { return phantom_tip(config_.geometry, joints_); }
   Vec3 tip_velocity() const noexcept { return phantom_jacobian(config_.geometry, joints_) * rates_; }
   const Vec3& motor_torque() const noexcept { return motor_torque_; }  ///< over the last substep, after the limits [Nm]
-  const Vec3& hand_force() const noexcept { return hand_force_; }      ///< at its beginning, without the hand's mass [N]
-  Vec3 motor_force() const noexcept;  ///< at the tip, that the last torques come to [N]; zero where the arm is stretched
+  const Vec3& hand_force() const noexcept { return hand_force_; }  ///< at its beginning, without the hand's mass [N]
+  /// What the last torques come to at the tip [N]; zero where the arm is stretched.
+  Vec3 motor_force() const noexcept;
   double energy() const noexcept { return dynamics_.energy(joints_, rates_); }  ///< of the arm alone [J]
   const Hand& hand() const noexcept { return hand_; }
   const PhantomDynamics& dynamics() const noexcept { return dynamics_; }

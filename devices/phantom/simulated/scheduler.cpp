@@ -4,10 +4,12 @@
 
 namespace voxtouch::hd_sim {
 
-hd::HDSchedulerHandle CallbackList::add(hd::HDSchedulerCallback callback, void* data, hd::HDushort priority, bool once) {
+hd::HDSchedulerHandle CallbackList::add(hd::HDSchedulerCallback callback, void* data, hd::HDushort priority,
+                                        bool once) {
   if (entries_.size() >= kMost) return 0;
   const Entry entry{++newest_, callback, data, priority, once};
-  const auto behind = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.priority < priority; });
+  const auto behind =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.priority < priority; });
   entries_.insert(behind, entry);
   return entry.handle;
 }

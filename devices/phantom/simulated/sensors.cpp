@@ -4,11 +4,10 @@
 
 namespace voxtouch::hd_sim {
 
-Sensors::Sensors(const PhantomGeometry& g, double resolution_m, double gimbal_resolution_rad, double velocity_filter_hz) noexcept
-    : geometry_(g),
-      step_(resolution_m / g.thigh_m, resolution_m / g.thigh_m, resolution_m / g.shin_m),
-      gimbal_step_(gimbal_resolution_rad),
-      filter_hz_(velocity_filter_hz),
+Sensors::Sensors(const PhantomGeometry& g, double resolution_m, double gimbal_resolution_rad,
+                 double velocity_filter_hz) noexcept
+    : geometry_(g), step_(resolution_m / g.thigh_m, resolution_m / g.thigh_m, resolution_m / g.shin_m),
+      gimbal_step_(gimbal_resolution_rad), filter_hz_(velocity_filter_hz),
       differences_(0.0, 0.0, velocity_filter_hz, period_s_) {}
 
 void Sensors::zero_at(const Vec3& joints) noexcept {

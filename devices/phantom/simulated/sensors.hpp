@@ -20,7 +20,8 @@ struct Reading {
 class Sensors {
  public:
   /// `resolution_m`: the step of each joint at the end of its link.
-  Sensors(const PhantomGeometry& geometry, double resolution_m, double gimbal_resolution_rad, double velocity_filter_hz) noexcept;
+  Sensors(const PhantomGeometry& geometry, double resolution_m, double gimbal_resolution_rad,
+          double velocity_filter_hz) noexcept;
 
   /// The counts of the three joints are zero at these true angles. The velocity starts anew.
   void zero_at(const Vec3& joints) noexcept;

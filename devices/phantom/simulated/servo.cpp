@@ -18,7 +18,7 @@ struct InServo {
   InServo& operator=(const InServo&) = delete;
 };
 
-constexpr long kMostMissed = 200;        // periods that the arm catches up at once after a stall of the whole process
+constexpr long kMostMissed = 200;  // periods that the arm catches up at once after a stall of the whole process
 constexpr int kLongestWaitTicks = 100000;
 
 }  // namespace
@@ -82,7 +82,8 @@ void Library::schedule_synchronous(hd::HDSchedulerCallback callback, void* data,
   if (callbacks_.remove(handle, lock, false)) note(hd::kTimerError);  // nobody will ever call it
 }
 
-hd::HDSchedulerHandle Library::schedule_asynchronous(hd::HDSchedulerCallback callback, void* data, hd::HDushort priority) {
+hd::HDSchedulerHandle Library::schedule_asynchronous(hd::HDSchedulerCallback callback, void* data,
+                                                     hd::HDushort priority) {
   const Lock lock(mutex_);
   if (callback == nullptr) return note(hd::kInvalidValue), 0;
   const hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority, false);
@@ -162,9 +163,9 @@ void Library::serve() {
   Clock::time_point due = Clock::now();
   tick_start_ = due;
   while (!stopping_) {
-    const auto period =
-        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(device_->period_s()));
-    const auto late = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::exchange(late_s_, 0.0)));
+    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(device_->period_s()));
+    const auto late =
+        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::exchange(late_s_, 0.0)));
     due += period;
     lock.unlock();
     std::this_thread::sleep_until(due + late);

@@ -50,7 +50,8 @@ void read_one(Settings& settings, std::string_view item) {
   if (name == "model") {
     const Model* model = find_model(value);
     if (model == nullptr)
-      throw std::runtime_error(fmt::format("simulated Phantom: there is no model '{}'; there is {}", value, model_keys()));
+      throw std::runtime_error(
+          fmt::format("simulated Phantom: there is no model '{}'; there is {}", value, model_keys()));
     settings.model = model;
   } else if (name == "grip") {
     const auto hand = grip(value);
@@ -77,7 +78,8 @@ void Settings::set(std::string_view name, double value) {
       continue;
     }
     if (!(value >= known.low && value <= known.high))
-      throw std::runtime_error(fmt::format("simulated Phantom: {} is {}, but has to be in [{}, {}]", name, value, known.low, known.high));
+      throw std::runtime_error(
+          fmt::format("simulated Phantom: {} is {}, but has to be in [{}, {}]", name, value, known.low, known.high));
     known.of(*this) = value;
     return;
   }

@@ -82,8 +82,8 @@ TEST_F(Abi, EncoderValuesTakeFortyEightBytes) {
 
 TEST_F(Abi, EveryErrorHasASentence) {
   std::set<std::string> all;
-  for (const hd::HDerror code : {hd::kSuccess, hd::kInvalidEnum, hd::kWarmMotors, hd::kDeviceFault, hd::kCommError, hd::kTimerError,
-                                 hd::kIllegalBegin, hd::kFrameError, hd::kInvalidLicense, 0x7777u})
+  for (const hd::HDerror code : {hd::kSuccess, hd::kInvalidEnum, hd::kWarmMotors, hd::kDeviceFault, hd::kCommError,
+                                 hd::kTimerError, hd::kIllegalBegin, hd::kFrameError, hd::kInvalidLicense, 0x7777u})
     all.insert(api.hdGetErrorString(code));
   EXPECT_EQ(all.size(), 10u);
 }

@@ -40,7 +40,8 @@ double kinetic_energy(const Body& b, const Vec3& q, const Vec3& v) {
   const double reach = b.reach_thigh * std::cos(q[1]) + b.reach_shin * std::sin(q[2]);
   const double reach_rate = -b.reach_thigh * std::sin(q[1]) * v[1] + b.reach_shin * std::cos(q[2]) * v[2];
   const double height_rate = b.height_thigh * std::cos(q[1]) * v[1] + b.height_shin * std::sin(q[2]) * v[2];
-  const double linear = 0.5 * b.mass_kg * (reach * v[0] * reach * v[0] + reach_rate * reach_rate + height_rate * height_rate);
+  const double linear =
+      0.5 * b.mass_kg * (reach * v[0] * reach * v[0] + reach_rate * reach_rate + height_rate * height_rate);
   // The turret's turn about y, seen in a frame that is turned about x by the link's angle.
   const double angle = q[b.turns_with];
   const Vec3 turn(v[b.turns_with], v[0] * std::cos(angle), v[0] * std::sin(angle));
@@ -61,7 +62,9 @@ TEST_F(Arm, JacobianIsTheDerivativeOfTheTip) {
     const Vec3 q = joints();
     const Mat3 j = phantom_jacobian(geometry_, q);
     for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 slope = (phantom_tip(geometry_, q + kStep * unit(axis)) - phantom_tip(geometry_, q - kStep * unit(axis))) / (2.0 * kStep);
+      const Vec3 slope =
+          (phantom_tip(geometry_, q + kStep * unit(axis)) - phantom_tip(geometry_, q - kStep * unit(axis))) /
+          (2.0 * kStep);
       EXPECT_LT((j.col(axis) - slope).norm(), 1e-9);
     }
   }
@@ -70,7 +73,8 @@ TEST_F(Arm, JacobianIsTheDerivativeOfTheTip) {
 TEST_F(Arm, JacobianRateIsItsDerivativeByTime) {
   for (int i = 0; i < 200; ++i) {
     const Vec3 q = joints(), v = rates();
-    const Mat3 slope = (phantom_jacobian(geometry_, q + kStep * v) - phantom_jacobian(geometry_, q - kStep * v)) / (2.0 * kStep);
+    const Mat3 slope =
+        (phantom_jacobian(geometry_, q + kStep * v) - phantom_jacobian(geometry_, q - kStep * v)) / (2.0 * kStep);
     EXPECT_LT((phantom_jacobian_rate(geometry_, q, v) - slope).norm(), 1e-8);
   }
 }
@@ -154,7 +158,10 @@ TEST_F(Arm, GravityIsTheGradientOfThePotential) {
     const Vec3 q = joints();
     const Vec3 g = dynamics_.gravity(q);
     for (int axis = 0; axis < 3; ++axis)
-      EXPECT_NEAR(g[axis], (dynamics_.potential(q + kStep * unit(axis)) - dynamics_.potential(q - kStep * unit(axis))) / (2.0 * kStep), 1e-9);
+      EXPECT_NEAR(
+          g[axis],
+          (dynamics_.potential(q + kStep * unit(axis)) - dynamics_.potential(q - kStep * unit(axis))) / (2.0 * kStep),
+          1e-9);
   }
 }
 
@@ -177,7 +184,8 @@ TEST_F(Arm, GimbalAnglesGiveTheOrientationBack) {
     EXPECT_LT((gimbal_angles(q, stylus) - gimbal).norm(), 1e-12);
   }
   const Quat straight_up = stylus_orientation(Vec3::Zero(), {0.4, std::numbers::pi / 2.0, 0.0});
-  EXPECT_LT(stylus_orientation(Vec3::Zero(), gimbal_angles(Vec3::Zero(), straight_up)).angularDistance(straight_up), 1e-7);
+  EXPECT_LT(stylus_orientation(Vec3::Zero(), gimbal_angles(Vec3::Zero(), straight_up)).angularDistance(straight_up),
+            1e-7);
 }
 
 TEST_F(Arm, StylusTurnsRightUpAndClockwiseWithTheLibrarysSigns) {

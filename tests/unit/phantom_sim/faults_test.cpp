@@ -232,7 +232,8 @@ class Determinism : public SimulatedLibrary {
     for (int i = 0; i < 1000; ++i) {
       tick([&] {
         frame([&] {
-          const Vec3 wall = -0.3 * read_vector(hd::kCurrentPosition).cwiseMin(4.0) - 0.002 * read_vector(hd::kCurrentVelocity);
+          const Vec3 wall =
+              -0.3 * read_vector(hd::kCurrentPosition).cwiseMin(4.0) - 0.002 * read_vector(hd::kCurrentVelocity);
           api.hdSetDoublev(hd::kCurrentForce, wall.data());
         });
       });

@@ -121,7 +121,8 @@ TEST(Hand, CarriesItsToolOnlyWhereItMoves) {
 TEST(Hand, SameSeedSameTremor) {
   OperatorConfig config = plain(0.1, 4.0, 300.0);
   config.tremor_n = 0.1;
-  Hand a(config, still(Vec3::Zero()), kStep, 3), b(config, still(Vec3::Zero()), kStep, 3), c(config, still(Vec3::Zero()), kStep, 4);
+  Hand a(config, still(Vec3::Zero()), kStep, 3), b(config, still(Vec3::Zero()), kStep, 3),
+      c(config, still(Vec3::Zero()), kStep, 4);
   bool differs = false;
   double power = 0.0;
   for (int i = 0; i < 80000; ++i) {

@@ -27,7 +27,8 @@ PlantConfig frictionless() {
   return config;
 }
 
-PhantomPlant plant_of(const PlantConfig& config, const OperatorConfig& hand = released(), const Motion& motion = still()) {
+PhantomPlant plant_of(const PlantConfig& config, const OperatorConfig& hand = released(),
+                      const Motion& motion = still()) {
   return PhantomPlant(config, hand, motion, 0, Hand::kBandwidthHz);
 }
 
@@ -191,7 +192,8 @@ TEST(Plant, RefusesWhatItCannotSimulate) {
 TEST(Plant, SameCallsGiveTheSameBits) {
   OperatorConfig hand = *grip("pen");
   hand.tremor_n = 0.2;
-  PhantomPlant a(PlantConfig{}, hand, still(), 5, Hand::kBandwidthHz), b(PlantConfig{}, hand, still(), 5, Hand::kBandwidthHz);
+  PhantomPlant a(PlantConfig{}, hand, still(), 5, Hand::kBandwidthHz),
+      b(PlantConfig{}, hand, still(), 5, Hand::kBandwidthHz);
   for (int i = 0; i < 8000; ++i) {
     const Vec3 torque(0.1 * std::sin(0.01 * i), 0.05, -0.02);
     a.step(torque);
