@@ -1,0 +1,95 @@
+#include "devices/phantom/simulated/amplifier.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "devices/limits.hpp"
+
+namespace voxtouch::hd_sim {
+namespace {
+
+constexpr double kCool = 0.9;  // a warm motor works again from here: assumed
+constexpr double kDacFull = 32767.0;
+constexpr double kStretched = 1e-7;  // determinant of the Jacobian [m^3]; at rest it is 8e-3
+
+}  // namespace
+
+Amplifier::Amplifier(const Model& model, const PlantConfig& plant, double thermal_time_s, double watchdog_s) noexcept
+    : model_(&model), geometry_(plant.geometry), motor_limit_(plant.motor_limit_nm),
+      continuous_(model.continuous_force_n * Vec3(geometry_.thigh_m, geometry_.thigh_m, geometry_.shin_m)),
+      thermal_time_s_(thermal_time_s), watchdog_s_(watchdog_s) {}
+
+hd::HDerror Amplifier::begin_tick(const Reading& reading, double period_s) noexcept {
+  ceiling_n_ = std::min(ceiling_n_ + limits.ramp_n_per_s * period_s, 1e6);
+  const bool was_warm = warm_, was_too_fast = too_fast_;
+  warm_ = temperature_.maxCoeff() >= (was_warm ? kCool : 1.0);
+  too_fast_ = limits.velocity_limit_on && reading.twist.linear.norm() > limits.velocity_limit_m_per_s;
+  if (dropping()) drop(hd::kSuccess);  // the ramp starts where the cause is over
+  if (warm_ && !was_warm) return hd::kWarmMotors;
+  return too_fast_ && !was_too_fast && limits.force_output ? hd::kExceededMaxVelocity : hd::kSuccess;
+}
+
+hd::HDerror Amplifier::drop(hd::HDerror code) noexcept {
+  release();
+  ceiling_n_ = 0.0;
+  return code;
+}
+
+hd::HDerror Amplifier::limit(Vec3& force, double period_s) noexcept {
+  if (limits.clamping) clamp_length(force, model_->max_force_n);
+  if (limits.force_limit && force.norm() > model_->max_force_n) return drop(hd::kExceededMaxForce);
+  if (limits.ramping) clamp_length(force, ceiling_n_);
+  const double per_ms = (force - force_).norm() / (1e3 * period_s);
+  if (limits.impulse_limit_on && per_ms > limits.impulse_limit_n_per_ms) return drop(hd::kExceededMaxForceImpulse);
+  force_ = force;
+  return hd::kSuccess;
+}
+
+hd::HDerror Amplifier::flush(const Setpoint& setpoint, const Reading& reading, double period_s) noexcept {
+  age_s_ = 0.0;
+  if (setpoint.contradictory()) return drop(hd::kForceError);
+  if (!limits.force_output || !power_ || dropping()) {
+    release();
+    return hd::kSuccess;
+  }
+  if (setpoint.dac) {  // past all limits but the motors' own
+    for (int i = 0; i < 3; ++i) torque_[i] = static_cast<double>((*setpoint.dac)[i]) / kDacFull * motor_limit_[i];
+    return hd::kSuccess;
+  }
+  const Mat3 j = phantom_jacobian(geometry_, reading.joints);
+  Vec3 force = setpoint.force.value_or(Vec3::Zero());
+  if (setpoint.joint_torque) {
+    if (std::abs(j.determinant()) < kStretched) return drop(hd::kForceError);
+    force = j.transpose().inverse() * *setpoint.joint_torque;
+  }
+  const hd::HDerror verdict = limit(force, period_s);
+  if (verdict == hd::kSuccess) torque_ = j.transpose() * force;
+  return verdict;
+}
+
+const Vec3& Amplifier::advance(double dt_s) noexcept {
+  age_s_ += dt_s;
+  if (age_s_ > watchdog_s_ + 0.5 * dt_s) release();
+  // The heat of a motor goes with the square of its torque; steady at its continuous torque it reaches 1.
+  const Vec3 heat = torque_.cwiseMin(motor_limit_).cwiseMax(-motor_limit_).cwiseQuotient(continuous_).cwiseAbs2();
+  temperature_ += (dt_s / thermal_time_s_) * (heat - temperature_);
+  return torque_;
+}
+
+void Amplifier::release() noexcept {
+  torque_.setZero();
+  force_.setZero();
+}
+
+void Amplifier::restart_ramp() noexcept {
+  release();
+  ceiling_n_ = 0.0;
+}
+
+void Amplifier::set_power(bool on) noexcept {
+  power_ = on;
+  if (!on) release();
+}
+
+}  // namespace voxtouch::hd_sim

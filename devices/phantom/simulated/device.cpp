@@ -1,0 +1,104 @@
+#include "devices/phantom/simulated/device.hpp"
+
+#include <initializer_list>
+
+namespace voxtouch::hd_sim {
+namespace {
+
+constexpr std::uint64_t kAutoCalibrationTicks = 50;  // how long an automatic calibration watches the arm first: assumed
+
+}  // namespace
+
+Device::Device(const Settings& s)
+    : plant(s.plant, s.hand, s.motion, s.seed, s.hand_bandwidth_hz),
+      amplifier(*s.model, s.plant, s.thermal_time_s, s.watchdog_s), settings_(s),
+      sensors_(s.plant.geometry, s.resolution_m, s.gimbal_resolution_rad, s.velocity_filter_hz) {
+  sensors_.zero_at(s.power_on_rad);
+  sensors_.set_period(period_s());
+  sense();
+}
+
+void Device::sense() noexcept {
+  if (faults.communication != 0) return;
+  sensors_.sample(plant.joints(), plant.hand().orientation());
+}
+
+hd::HDerror Device::begin_frame(bool servo_runs) noexcept {
+  if (frame_open_) return hd::kIllegalBegin;
+  if (servo_runs && framed_this_tick_ && amplifier.limits.one_frame) return hd::kIllegalBegin;
+  if (!servo_runs) sense();
+  frame_open_ = framed_this_tick_ = true;
+  last_ = current_;
+  current_ = {sensors_.reading(), switches, {}, faults.lost_position != 0};
+  if (faults.communication != 0) return hd::kCommError;
+  return faults.device != 0 ? hd::kDeviceFault : hd::kSuccess;
+}
+
+hd::HDerror Device::end_frame(bool servo_runs) noexcept {
+  if (!frame_open_) return hd::kIllegalEnd;
+  frame_open_ = false;
+  if (!servo_runs) {
+    amplifier.release();
+    return hd::kSuccess;
+  }
+  if (faults.communication != 0) return hd::kCommError;  // nothing gets through: the amplifier's watchdog has to see it
+  if (!switches.safety) {
+    amplifier.release();
+    return hd::kSuccess;
+  }
+  return amplifier.flush(current_.setpoint, current_.reading, period_s());
+}
+
+void Device::begin_tick(ErrorStack& errors) noexcept {
+  framed_this_tick_ = false;
+  sense();
+  amplifier.set_power(faults.device == 0);
+  if (!switches.safety) amplifier.release();
+  const hd::HDerror verdict = amplifier.begin_tick(sensors_.reading(), period_s());
+  if (verdict != hd::kSuccess) errors.push(verdict, kHandle);
+}
+
+void Device::advance(int substeps) noexcept {
+  for (int i = 0; i < substeps; ++i) plant.step(amplifier.advance(kSubstep));
+}
+
+void Device::end_tick() noexcept {
+  advance(substeps_);
+  for (long* left : {&faults.communication, &faults.device, &faults.lost_position})
+    if (*left > 0) --*left;
+  ++ticks;
+}
+
+void Device::set_substeps(int substeps) noexcept {
+  substeps_ = substeps;
+  sensors_.set_period(period_s());
+}
+
+hd::HDenum Device::calibration() const noexcept {
+  if (calibrated_) return hd::kCalibrationOk;
+  switch (model().calibration) {
+    case hd::kCalibrationInkwell:
+      return switches.inkwell ? hd::kCalibrationNeedsUpdate : hd::kCalibrationNeedsManualInput;
+    case hd::kCalibrationAuto:
+      return ticks >= kAutoCalibrationTicks ? hd::kCalibrationNeedsUpdate : hd::kCalibrationNeedsManualInput;
+    default: return hd::kCalibrationNeedsManualInput;
+  }
+}
+
+hd::HDerror Device::calibrate(hd::HDenum style, bool servo_runs) noexcept {
+  if (style != model().calibration) return hd::kInvalidValue;
+  if (servo_runs && amplifier.limits.force_output) return hd::kInvalidOperation;
+  if (style == hd::kCalibrationEncoderReset) {
+    // Before time has begun the operator does what he is asked to, and holds the links at right angles for it. Later the
+    // encoders are zeroed wherever the arm is, as they would be.
+    sensors_.zero_at(ticks == 0 ? settings_.reset_error_rad : plant.joints());
+  } else {
+    if (!servo_runs || calibration() == hd::kCalibrationNeedsManualInput) return hd::kInvalidOperation;
+    sensors_.zero_at(Vec3::Zero());
+  }
+  calibrated_ = true;
+  sense();
+  return hd::kSuccess;
+}
+
+}  // namespace voxtouch::hd_sim

@@ -1,0 +1,81 @@
+#pragma once
+/// One simulated Phantom: arm, encoders, electronics, and the rules of frames and calibration. No clock and no thread: whoever
+/// owns it makes its ticks.
+#include <cstdint>
+
+#include "devices/phantom/simulated/amplifier.hpp"
+#include "devices/phantom/simulated/error_stack.hpp"
+#include "devices/phantom/simulated/sensors.hpp"
+#include "devices/phantom/simulated/settings.hpp"
+
+namespace voxtouch::hd_sim {
+
+inline constexpr hd::HHD kHandle = 0;  // the vendor's first handle is 0 as well: no driver may take it for "none"
+
+struct Switches {
+  int buttons = 0;
+  bool safety = true, inkwell = false;
+};
+
+/// What a frame saw.
+struct Frame {
+  Reading reading;
+  Switches switches;
+  Setpoint setpoint;
+  bool position_lost = false;  ///< planted: positions read as NaN
+};
+
+/// How many ticks each fault has yet to go; negative: for good.
+struct Faults {
+  long communication = 0, device = 0, lost_position = 0;
+};
+
+class Device {
+ public:
+  /// Throws as PhantomPlant does.
+  explicit Device(const Settings& settings);
+
+  // --- frames
+  hd::HDerror begin_frame(bool servo_runs) noexcept;
+  hd::HDerror end_frame(bool servo_runs) noexcept;
+  bool frame_open() const noexcept { return frame_open_; }
+  const Frame& current() const noexcept { return current_; }
+  const Frame& last() const noexcept { return last_; }
+  /// For sets; only while a frame is open.
+  Setpoint& setpoint() noexcept { return current_.setpoint; }
+  void close_frame() noexcept { frame_open_ = false; }
+
+  // --- time. A tick is begin_tick, the callbacks, end_tick; the first is left out where the servo loop missed it.
+  void begin_tick(ErrorStack& errors) noexcept;
+  void end_tick() noexcept;
+  /// The arm moves on under what the amplifier holds.
+  void advance(int substeps) noexcept;
+  void set_substeps(int substeps) noexcept;
+  int substeps() const noexcept { return substeps_; }
+  double period_s() const noexcept { return substeps_ * kSubstep; }
+
+  // --- calibration
+  hd::HDenum calibration() const noexcept;
+  hd::HDerror calibrate(hd::HDenum style, bool servo_runs) noexcept;
+
+  PhantomPlant plant;
+  Amplifier amplifier;
+  Switches switches;
+  Faults faults;
+  std::uint64_t ticks = 0, non_finite_sets = 0;
+  int status_light = 0;
+
+  const Model& model() const noexcept { return *settings_.model; }
+  const Settings& settings() const noexcept { return settings_; }
+
+ private:
+  void sense() noexcept;
+
+  Settings settings_;
+  Sensors sensors_;
+  Frame current_, last_;
+  int substeps_ = 8;
+  bool frame_open_ = false, framed_this_tick_ = false, calibrated_ = false;
+};
+
+}  // namespace voxtouch::hd_sim

@@ -1,0 +1,35 @@
+#pragma once
+/// Errors wait here until somebody asks: the newest comes first.
+#include <array>
+#include <cstddef>
+
+#include "devices/phantom/hdapi.hpp"
+
+namespace voxtouch::hd_sim {
+
+/// Of fixed size: where it is full the oldest entry is lost. Real-time safe.
+class ErrorStack {
+ public:
+  static constexpr std::size_t kCapacity = 128;
+
+  void push(hd::HDerror code, hd::HHD device, int internal = 0) noexcept {
+    top_ = (top_ + 1) % kCapacity;
+    entries_[top_] = {code, internal, device};
+    if (count_ < kCapacity) ++count_;
+  }
+  /// kSuccess where there is none.
+  hd::HDErrorInfo pop() noexcept {
+    if (count_ == 0) return {};
+    const hd::HDErrorInfo newest = entries_[top_];
+    top_ = (top_ + kCapacity - 1) % kCapacity;
+    --count_;
+    return newest;
+  }
+  std::size_t size() const noexcept { return count_; }
+
+ private:
+  std::array<hd::HDErrorInfo, kCapacity> entries_{};
+  std::size_t top_ = 0, count_ = 0;
+};
+
+}  // namespace voxtouch::hd_sim

@@ -1,0 +1,189 @@
+#include "devices/phantom/simulated/library.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+namespace voxtouch::hd_sim {
+
+Library& Library::instance() {
+  static Library* const library = new Library;
+  return *library;
+}
+
+Library::Library() {
+  if (const char* text = std::getenv("VOXTOUCH_HD_SIM")) {
+    try {
+      Settings trial;
+      read_settings(trial, text);
+      power_on(trial);
+      return;
+    } catch (const std::runtime_error& e) {
+      broken_ = e.what();
+      std::fprintf(stderr, "VOXTOUCH_HD_SIM: %s; no device will be found\n", e.what());
+    }
+  }
+  const std::string broken = broken_;
+  power_on({});
+  broken_ = broken;
+}
+
+void Library::power_on(const Settings& settings) {
+  if (open_ || running_)
+    throw std::runtime_error("simulated Phantom: this cannot be changed while a device is open or the scheduler runs");
+  device_ = std::make_unique<Device>(settings);
+  settings_ = settings;
+  broken_.clear();
+  errors_ = {};
+  callbacks_.clear();
+  substeps_ = 8;
+  fail_init_ = hd::kSuccess;
+  fail_start_ = false;
+  skip_ticks_ = 0;
+  late_s_ = 0.0;
+  ticks_without_callbacks_ = 0;
+  rates_ = {};
+}
+
+void Library::note(hd::HDerror code) {
+  if (code != hd::kSuccess) errors_.push(code, open_ ? kHandle : hd::kInvalidHandle);
+}
+
+void Library::fail(hd::HDerror code) {
+  const Lock lock(mutex_);
+  note(code);
+}
+
+hd::HDErrorInfo Library::pop_error() {
+  const Lock lock(mutex_);
+  return errors_.pop();
+}
+
+bool Library::opened() {
+  if (!open_) note(hd::kInvalidOperation);
+  return open_;
+}
+
+bool Library::usable(hd::HHD device) {
+  if (open_ && device == kHandle) return true;
+  note(hd::kBadHandle);
+  return false;
+}
+
+hd::HHD Library::init(hd::HDstring name) {
+  const Lock lock(mutex_);
+  const std::string_view wanted = name == nullptr ? "" : name;
+  hd::HDerror failure = std::exchange(fail_init_, hd::kSuccess);
+  if (open_) failure = hd::kDeviceAlreadyInitiated;
+  const bool known = name == nullptr || wanted == "Default PHANToM" || wanted == "Default Device";
+  if (failure == hd::kSuccess && (!known || !broken_.empty())) failure = hd::kCommConfigError;
+  if (failure != hd::kSuccess) {
+    errors_.push(failure, hd::kInvalidHandle);
+    return hd::kInvalidHandle;
+  }
+  open_ = true;
+  device_->amplifier.limits = {};
+  device_->amplifier.release();
+  device_->set_substeps(substeps_);
+  return kHandle;
+}
+
+void Library::disable(hd::HHD device) {
+  const Lock lock(mutex_);
+  if (!usable(device)) return;
+  device_->close_frame();
+  device_->amplifier.limits.force_output = false;
+  device_->amplifier.release();
+  open_ = false;
+}
+
+void Library::make_current(hd::HHD device) {
+  const Lock lock(mutex_);
+  usable(device);
+}
+
+hd::HHD Library::current_device() {
+  const Lock lock(mutex_);
+  return open_ ? kHandle : hd::kInvalidHandle;
+}
+
+void Library::begin_frame(hd::HHD device) {
+  const Lock lock(mutex_);
+  if (usable(device)) note(device_->begin_frame(serves()));
+}
+
+void Library::end_frame(hd::HHD device) {
+  const Lock lock(mutex_);
+  if (usable(device)) note(device_->end_frame(serves()));
+}
+
+void Library::set_capability(hd::HDenum name, bool on) {
+  const Lock lock(mutex_);
+  if (!opened()) return;
+  bool* state = capability(device_->amplifier.limits, name);
+  if (state == nullptr) return note(hd::kInvalidEnum);
+  if (state == &device_->amplifier.limits.force_output && on != *state) device_->amplifier.restart_ramp();
+  *state = on;
+}
+
+bool Library::capability_on(hd::HDenum name) {
+  const Lock lock(mutex_);
+  if (!opened()) return false;
+  const bool* state = capability(device_->amplifier.limits, name);
+  if (state == nullptr) note(hd::kInvalidEnum);
+  return state != nullptr && *state;
+}
+
+Values Library::get(hd::HDenum name, Type type) {
+  const Lock lock(mutex_);
+  Values out;
+  if (opened()) note(read_parameter(*device_, rates_, name, type, out));
+  return out;
+}
+
+int Library::count_of_set(hd::HDenum name, Type type) {
+  const Lock lock(mutex_);
+  int count = 0;
+  if (!opened()) return 0;
+  const hd::HDerror verdict = settable(name, type, count);
+  note(verdict);
+  return verdict == hd::kSuccess ? count : 0;
+}
+
+void Library::set(hd::HDenum name, const Values& values) {
+  const Lock lock(mutex_);
+  if (opened()) note(write_parameter(*device_, name, values));
+}
+
+hd::HDstring Library::string(hd::HDenum name) {
+  const Lock lock(mutex_);
+  if (!opened()) return nullptr;
+  const hd::HDstring found = read_string(device_->model(), name);
+  if (found == nullptr) note(hd::kInvalidEnum);
+  return found;
+}
+
+hd::HDenum Library::calibration(bool style_only) {
+  const Lock lock(mutex_);
+  if (!opened()) return hd::kCalibrationNeedsManualInput;
+  return style_only ? device_->model().calibration : device_->calibration();
+}
+
+void Library::calibrate(hd::HDenum style) {
+  const Lock lock(mutex_);
+  if (opened()) note(device_->calibrate(style, serves()));
+}
+
+void Library::scale_gimbal(const Vec3& scale, double* transform) {
+  const Lock lock(mutex_);
+  if (!opened()) return;
+  if (transform == nullptr || !scale.allFinite()) return note(hd::kInvalidValue);
+  const Reading& reading = device_->current().reading;
+  Eigen::Map<Eigen::Matrix4d> m(transform);
+  m.topLeftCorner<3, 3>() = stylus_orientation(reading.joints, scale.cwiseProduct(reading.gimbal)).toRotationMatrix();
+}
+
+}  // namespace voxtouch::hd_sim

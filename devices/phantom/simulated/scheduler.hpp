@@ -1,0 +1,48 @@
+#pragma once
+/// Callbacks of the servo loop, in order of their priority.
+#include <condition_variable>
+#include <mutex>
+#include <vector>
+
+#include "devices/phantom/hdapi.hpp"
+
+namespace voxtouch::hd_sim {
+
+/// Guarded by the mutex that the owner gives; functions are called with it held, callbacks run without it.
+class CallbackList {
+ public:
+  static constexpr std::size_t kMost = 64;
+  using Lock = std::unique_lock<std::recursive_mutex>;
+
+  /// 0: there is no room.
+  hd::HDSchedulerHandle add(hd::HDSchedulerCallback callback, void* data, hd::HDushort priority, bool once);
+  bool contains(hd::HDSchedulerHandle handle) const noexcept;
+  std::size_t size() const noexcept { return entries_.size(); }
+  /// Takes it out; waits until it is not running, unless `from_servo`. False: there is none.
+  bool remove(hd::HDSchedulerHandle handle, Lock& lock, bool from_servo);
+  /// Waits until the callback is over, or `give_up()` says that it will never be.
+  template <class GiveUp>
+  void wait(hd::HDSchedulerHandle handle, Lock& lock, GiveUp give_up) {
+    over_.wait(lock, [&] { return !contains(handle) || give_up(); });
+  }
+  void wake() { over_.notify_all(); }
+  /// Each callback once, in falling priority, the older first among equals. What comes meanwhile waits for the next tick.
+  void run(Lock& lock);
+  void clear() noexcept { entries_.clear(); }
+
+ private:
+  struct Entry {
+    hd::HDSchedulerHandle handle = 0;
+    hd::HDSchedulerCallback callback = nullptr;
+    void* data = nullptr;
+    hd::HDushort priority = 0;
+    bool once = false;
+  };
+  void erase(hd::HDSchedulerHandle handle) noexcept;
+
+  std::vector<Entry> entries_, round_;
+  hd::HDSchedulerHandle newest_ = 0, running_ = 0;
+  std::condition_variable_any over_;
+};
+
+}  // namespace voxtouch::hd_sim

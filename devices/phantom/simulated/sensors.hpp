@@ -1,0 +1,43 @@
+#pragma once
+/// What the device knows of its own pose: counts of encoders, and what follows from them.
+#include <array>
+
+#include "devices/phantom/phantom_arm.hpp"
+#include "devices/sim/encoder.hpp"
+
+namespace voxtouch::hd_sim {
+
+/// One reading, in SI units and the joints' own signs.
+struct Reading {
+  std::array<long, 6> counts{};
+  Vec3 joints = Vec3::Zero();  ///< from the counts [rad]
+  Vec3 gimbal = Vec3::Zero();
+  Pose pose;    ///< of the stylus in D, from those angles
+  Twist twist;  ///< difference from the reading before, low-passed
+};
+
+/// Six encoders that count from where they were zeroed. Real-time safe.
+class Sensors {
+ public:
+  /// `resolution_m`: the step of each joint at the end of its link.
+  Sensors(const PhantomGeometry& geometry, double resolution_m, double gimbal_resolution_rad,
+          double velocity_filter_hz) noexcept;
+
+  /// The counts of the three joints are zero at these true angles. The velocity starts anew.
+  void zero_at(const Vec3& joints) noexcept;
+  /// Time from one sample to the next. The velocity starts anew.
+  void set_period(double period_s) noexcept;
+  const Reading& sample(const Vec3& joints, const Quat& orientation) noexcept;
+  const Reading& reading() const noexcept { return reading_; }
+  const Vec3& step_rad() const noexcept { return step_; }
+
+ private:
+  PhantomGeometry geometry_;
+  Vec3 step_;
+  double gimbal_step_, filter_hz_, period_s_ = 1e-3;
+  Vec3 zero_ = Vec3::Zero();
+  Encoder differences_;
+  Reading reading_;
+};
+
+}  // namespace voxtouch::hd_sim

@@ -1,0 +1,182 @@
+// The servo loop of Library: a thread of its own in real time, or ticks that a test makes.
+#include <cmath>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "devices/phantom/simulated/library.hpp"
+
+namespace voxtouch::hd_sim {
+namespace {
+
+thread_local int t_in_servo = 0;  // this thread is in a callback, or is the servo thread
+
+struct InServo {
+  InServo() noexcept { ++t_in_servo; }
+  ~InServo() { --t_in_servo; }
+  InServo(const InServo&) = delete;
+  InServo& operator=(const InServo&) = delete;
+};
+
+constexpr long kMostMissed = 200;  // periods that the arm catches up at once after a stall of the whole process
+constexpr int kLongestWaitTicks = 100000;
+
+}  // namespace
+
+void Library::start() {
+  Lock lock(mutex_);
+  if (running_) return;
+  if (std::exchange(fail_start_, false)) return note(hd::kTimerError);
+  dead_ = stopping_ = false;
+  device_->amplifier.restart_ramp();
+  running_ = true;
+  measure_rate(device_->period_s());
+  rates_.mean_hz = rates_.last_hz;
+  if (settings_.virtual_time) return;
+  try {
+    thread_ = std::thread([this] { serve(); });
+  } catch (const std::system_error&) {
+    running_ = false;
+    note(hd::kTimerError);
+  }
+}
+
+void Library::stop() {
+  Lock lock(mutex_);
+  if (!running_ || stopping_) return;
+  if (t_in_servo > 0) return note(hd::kInvalidOperation);  // it would wait for itself
+  stopping_ = true;
+  if (thread_.joinable()) {
+    std::thread servo = std::move(thread_);
+    lock.unlock();
+    servo.join();
+    lock.lock();
+  }
+  running_ = dead_ = stopping_ = false;
+  device_->close_frame();
+  device_->amplifier.release();
+  callbacks_.wake();
+}
+
+void Library::set_rate(hd::HDulong rate_hz) {
+  const Lock lock(mutex_);
+  const int substeps = substeps_at(device_->model(), rate_hz);
+  if (substeps == 0) return note(hd::kInvalidValue);
+  substeps_ = substeps;
+  device_->set_substeps(substeps);
+}
+
+void Library::run_at_once(Lock& lock, hd::HDSchedulerCallback callback, void* data) {
+  lock.unlock();
+  const InServo in_servo;
+  callback(data);
+}
+
+void Library::schedule_synchronous(hd::HDSchedulerCallback callback, void* data, hd::HDushort priority) {
+  Lock lock(mutex_);
+  if (callback == nullptr) return note(hd::kInvalidValue);
+  if (t_in_servo > 0 || !running_ || settings_.virtual_time) return run_at_once(lock, callback, data);
+  const hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority, true);
+  if (handle == 0) return note(hd::kSchedulerFull);
+  callbacks_.wait(handle, lock, [this] { return !serves() || stopping_; });
+  if (callbacks_.remove(handle, lock, false)) note(hd::kTimerError);  // nobody will ever call it
+}
+
+hd::HDSchedulerHandle Library::schedule_asynchronous(hd::HDSchedulerCallback callback, void* data,
+                                                     hd::HDushort priority) {
+  const Lock lock(mutex_);
+  if (callback == nullptr) return note(hd::kInvalidValue), 0;
+  const hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority, false);
+  if (handle == 0) note(hd::kSchedulerFull);
+  return handle;
+}
+
+void Library::unschedule(hd::HDSchedulerHandle handle) {
+  Lock lock(mutex_);
+  if (!callbacks_.remove(handle, lock, t_in_servo > 0)) note(hd::kInvalidOperation);
+}
+
+/// True: still scheduled.
+bool Library::wait(hd::HDSchedulerHandle handle, hd::HDWaitCode code) {
+  Lock lock(mutex_);
+  if (code == hd::kWaitCheckStatus) return callbacks_.contains(handle);
+  if (code != hd::kWaitInfinite) return note(hd::kInvalidEnum), false;
+  if (t_in_servo > 0 || !running_) {
+    if (callbacks_.contains(handle)) note(hd::kInvalidOperation);  // it would wait for ever
+  } else if (settings_.virtual_time) {
+    for (int i = 0; i < kLongestWaitTicks && callbacks_.contains(handle) && serves(); ++i) tick(lock);
+  } else {
+    callbacks_.wait(handle, lock, [this] { return !serves() || stopping_; });
+  }
+  return callbacks_.contains(handle);
+}
+
+double Library::time_stamp() {
+  const Lock lock(mutex_);
+  if (!running_ || settings_.virtual_time) return 0.0;
+  return std::chrono::duration<double>(Clock::now() - tick_start_).count();
+}
+
+void Library::measure_rate(double seconds) noexcept {
+  rates_.last_hz = 1.0 / seconds;
+  rates_.mean_hz += 0.01 * (rates_.last_hz - rates_.mean_hz);
+}
+
+bool Library::step() {
+  Lock lock(mutex_);
+  if (!settings_.virtual_time || !running_)
+    throw std::runtime_error("simulated Phantom: hdsim_step needs virtual time and a scheduler that was started");
+  if (t_in_servo > 0) throw std::runtime_error("simulated Phantom: hdsim_step was called from a callback");
+  const int late = static_cast<int>(std::lround(std::exchange(late_s_, 0.0) * kSubstepHz));
+  device_->advance(late);
+  measure_rate(device_->period_s() + late * kSubstep);
+  return tick(lock);
+}
+
+bool Library::tick(Lock& lock) {
+  const bool missed = dead_ || skip_ticks_ > 0;
+  if (missed) {
+    if (skip_ticks_ > 0) --skip_ticks_;
+    ++ticks_without_callbacks_;
+  } else {
+    device_->begin_tick(errors_);
+    const InServo in_servo;
+    callbacks_.run(lock);
+  }
+  device_->end_tick();
+  return !missed;
+}
+
+/// Periods that have gone by without a tick: the arm went on under the last force.
+void Library::catch_up(Clock::time_point& due, Clock::duration period) {
+  const Clock::time_point now = Clock::now();
+  const long missed = (now - due) / period;
+  if (missed <= 0) return;
+  device_->advance(static_cast<int>(std::min(missed, kMostMissed)) * device_->substeps());
+  ticks_without_callbacks_ += static_cast<std::uint64_t>(missed);
+  due += missed * period;
+}
+
+void Library::serve() {
+  const InServo in_servo;
+  Lock lock(mutex_);
+  Clock::time_point due = Clock::now();
+  tick_start_ = due;
+  while (!stopping_) {
+    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(device_->period_s()));
+    const auto late =
+        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::exchange(late_s_, 0.0)));
+    due += period;
+    lock.unlock();
+    std::this_thread::sleep_until(due + late);
+    lock.lock();
+    if (stopping_) break;
+    catch_up(due, period);
+    const Clock::time_point now = Clock::now();
+    measure_rate(std::max(1e-6, std::chrono::duration<double>(now - tick_start_).count()));
+    tick_start_ = now;
+    tick(lock);
+  }
+}
+
+}  // namespace voxtouch::hd_sim

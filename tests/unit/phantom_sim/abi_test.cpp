@@ -1,0 +1,92 @@
+// What the library shows to a linker and to the registers of a call.
+#include <elf.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "library.hpp"
+
+extern "C" int hdsim_header_is_c(void);  // in c_header.c
+
+namespace voxtouch::hd_sim_test {
+namespace {
+
+/// Names of the defined symbols in .dynsym, read from the file itself.
+std::set<std::string> dynamic_symbols(const char* path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::vector<char> file{std::istreambuf_iterator<char>(in), {}};
+  std::set<std::string> names;
+  if (file.size() < sizeof(Elf64_Ehdr)) return names;
+  Elf64_Ehdr header;
+  std::memcpy(&header, file.data(), sizeof header);
+  std::vector<Elf64_Shdr> sections(header.e_shnum);
+  std::memcpy(sections.data(), file.data() + header.e_shoff, sections.size() * sizeof(Elf64_Shdr));
+  for (const Elf64_Shdr& section : sections) {
+    if (section.sh_type != SHT_DYNSYM) continue;
+    const char* strings = file.data() + sections[section.sh_link].sh_offset;
+    for (std::size_t at = 0; at < section.sh_size; at += sizeof(Elf64_Sym)) {
+      Elf64_Sym symbol;
+      std::memcpy(&symbol, file.data() + section.sh_offset + at, sizeof symbol);
+      if (symbol.st_shndx != SHN_UNDEF) names.insert(strings + symbol.st_name);
+    }
+  }
+  return names;
+}
+
+class Abi : public SimulatedLibrary {};
+
+TEST_F(Abi, ExportsTheVendorsFunctionsAndItsHooksAndNothingElse) {
+  std::set<std::string> expected;
+#define VOXTOUCH_HD_NAME(name, result, arguments) expected.insert(#name);
+  VOXTOUCH_HD_FUNCTIONS(VOXTOUCH_HD_NAME)
+#undef VOXTOUCH_HD_NAME
+  EXPECT_EQ(expected.size(), 36u);
+  std::set<std::string> found, hooks;
+  for (const std::string& name : dynamic_symbols(VOXTOUCH_HD_SIM_LIBRARY))
+    (name.starts_with("hdsim_") ? hooks : found).insert(name);
+  EXPECT_EQ(found, expected);
+  EXPECT_EQ(hooks.size(), sizeof(Hooks) / sizeof(void*));
+}
+
+TEST_F(Abi, HeaderOfTheHooksIsC) { EXPECT_EQ(hdsim_header_is_c(), sizeof(hdsim_state)); }
+
+TEST_F(Abi, ErrorComesByValueInTwoRegisters) {
+  open();
+  api.hdEndFrame(device);
+  const hd::HDErrorInfo info = api.hdGetError();
+  EXPECT_EQ(info.error_code, hd::kIllegalEnd);
+  EXPECT_EQ(info.internal_error_code, 0);
+  EXPECT_EQ(info.device, device);
+  // The same call seen as what the calling convention makes of twelve bytes: eight in one register, four in the next.
+  struct Registers {
+    unsigned long low, high;
+  };
+  const auto raw = reinterpret_cast<Registers (*)()>(dlsym(handle(), "hdGetError"));
+  api.hdInitDevice(nullptr);  // again: no handle belongs to this error
+  const Registers r = raw();
+  EXPECT_EQ(r.low & 0xFFFFFFFF, hd::kDeviceAlreadyInitiated);
+  EXPECT_EQ(r.high & 0xFFFFFFFF, hd::kInvalidHandle);
+}
+
+TEST_F(Abi, EncoderValuesTakeFortyEightBytes) {
+  open();
+  std::array<hd::HDlong, 7> counts;
+  counts.fill(0x5555555555555555);
+  frame([&] { api.hdGetLongv(hd::kCurrentEncoderValues, counts.data()); });
+  for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(counts[static_cast<std::size_t>(i)]), 100000);
+  EXPECT_EQ(counts[6], 0x5555555555555555);
+}
+
+TEST_F(Abi, EveryErrorHasASentence) {
+  std::set<std::string> all;
+  for (const hd::HDerror code : {hd::kSuccess, hd::kInvalidEnum, hd::kWarmMotors, hd::kDeviceFault, hd::kCommError,
+                                 hd::kTimerError, hd::kIllegalBegin, hd::kFrameError, hd::kInvalidLicense, 0x7777u})
+    all.insert(api.hdGetErrorString(code));
+  EXPECT_EQ(all.size(), 10u);
+}
+
+}  // namespace
+}  // namespace voxtouch::hd_sim_test

@@ -1,0 +1,21 @@
+// A mistake in the environment variable: no device, rather than another one than was asked for.
+#include <cstdlib>
+
+#include "library.hpp"
+
+namespace voxtouch::hd_sim_test {
+namespace {
+
+const bool kSet = setenv("VOXTOUCH_HD_SIM", "model=omni;coulomb_nm=much", 1) == 0;
+
+TEST(BadEnvironment, MeansThatNoDeviceIsFound) {
+  ASSERT_TRUE(kSet);
+  ASSERT_NE(handle(), nullptr);
+  hd::Api api;
+  ASSERT_EQ(hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
+  EXPECT_EQ(api.hdInitDevice(nullptr), hd::kInvalidHandle);
+  EXPECT_EQ(api.hdGetError().error_code, hd::kCommConfigError);
+}
+
+}  // namespace
+}  // namespace voxtouch::hd_sim_test

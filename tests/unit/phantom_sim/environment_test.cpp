@@ -1,0 +1,28 @@
+// What the environment variable sets. It is read once a process, so this is a program of its own that sets it first.
+#include <cstdlib>
+
+#include "library.hpp"
+
+namespace voxtouch::hd_sim_test {
+namespace {
+
+/// Before the library is loaded.
+const bool kSet = setenv("VOXTOUCH_HD_SIM", "virtual=1;model=omni;grip=pen-firm;seed=7;coulomb_nm=0", 1) == 0;
+
+TEST(Environment, SetsWhatTheLibraryStartsFrom) {
+  ASSERT_TRUE(kSet);
+  ASSERT_NE(handle(), nullptr);
+  hd::Api api;
+  ASSERT_EQ(hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
+  decltype(&hdsim_step) step;
+  find(step, "hdsim_step");
+  ASSERT_NE(api.hdInitDevice(nullptr), hd::kInvalidHandle);
+  EXPECT_STREQ(api.hdGetString(hd::kDeviceModelType), "PHANTOM Omni");
+  api.hdStartScheduler();
+  EXPECT_EQ(step(), 0);
+  api.hdStopScheduler();
+  api.hdDisableDevice(0);
+}
+
+}  // namespace
+}  // namespace voxtouch::hd_sim_test

@@ -1,0 +1,259 @@
+// Each fault on command: what a caller is told, and what the motors give in the 100 ms after it.
+#include <cmath>
+
+#include "library.hpp"
+
+namespace voxtouch::hd_sim_test {
+namespace {
+
+using Errors = std::vector<hd::HDerror>;
+
+class Faults : public SimulatedLibrary {
+ protected:
+  void SetUp() override {
+    SimulatedLibrary::SetUp();
+    open_and_start();
+    for (int i = 0; i < 20; ++i) tick_force(kPush);
+    ASSERT_NEAR(applied().x(), kPush.x(), 0.05);
+    ASSERT_EQ(errors(), Errors{});
+  }
+  /// Force along x after each of 100 ticks of a caller that notices nothing and goes on pushing.
+  std::vector<double> next_100_ms() {
+    std::vector<double> force;
+    for (int i = 0; i < 100; ++i) {
+      tick_force(kPush);
+      force.push_back(applied().x());
+    }
+    return force;
+  }
+  static int nonzero(const std::vector<double>& force) {
+    return static_cast<int>(std::count_if(force.begin(), force.end(), [](double f) { return f != 0.0; }));
+  }
+  const Vec3 kPush{2.0, 0.0, 0.0};
+};
+
+TEST_F(Faults, LostCommunicationFreezesSamplesAndTheWatchdogEndsTheForce) {
+  ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, 100), 0);
+  set_motion({0.0, 0.0, 0.0, 0.05, 0.0, 0.0}, 0.3);
+  const Vec3 before = read_vector(hd::kCurrentPosition);
+  const std::vector<double> force = next_100_ms();
+  EXPECT_LE(nonzero(force), 10);
+  EXPECT_EQ(force[20], 0.0);
+  EXPECT_EQ(force[99], 0.0);
+  EXPECT_EQ(read_vector(hd::kCurrentPosition), before);
+  const Errors seen = errors();
+  ASSERT_GE(seen.size(), 100u);  // at each frame, as far as the stack goes
+  for (const hd::HDerror e : seen) EXPECT_EQ(e, hd::kCommError);
+  tick_force(kPush);
+  EXPECT_EQ(errors(), Errors{});
+  EXPECT_NEAR(applied().x(), 2.0, 0.05);  // it was 100 ticks only
+}
+
+TEST_F(Faults, FailedDeviceGivesNothingAtOnce) {
+  ASSERT_EQ(sim.inject(HDSIM_DEVICE_FAULT, -1), 0);
+  EXPECT_EQ(nonzero(next_100_ms()), 0);
+  const Errors seen = errors();
+  ASSERT_EQ(seen.size(), 100u);
+  EXPECT_EQ(seen.front(), hd::kDeviceFault);
+  ASSERT_EQ(sim.inject(HDSIM_DEVICE_FAULT, 0), 0);
+  tick_force(kPush);
+  EXPECT_NEAR(applied().x(), 2.0, 0.05);
+}
+
+TEST_F(Faults, DeadTimerMeansNoCallbacksAndTheWatchdogEndsTheForce) {
+  ASSERT_EQ(sim.inject(HDSIM_TIMER_ERROR, 0), 0);
+  EXPECT_EQ(errors(), Errors{hd::kTimerError});
+  int called = 0;
+  EXPECT_EQ(tick([&] { ++called; }), 1);
+  EXPECT_EQ(called, 0);
+  EXPECT_NEAR(applied().x(), 2.0, 0.1);  // still held
+  EXPECT_LE(nonzero(next_100_ms()), 10);
+  EXPECT_EQ(applied().x(), 0.0);
+  api.hdStopScheduler();
+  api.hdStartScheduler();
+  tick_force(kPush);
+  EXPECT_NEAR(applied().x(), 2.0, 0.2);
+}
+
+TEST_F(Faults, WarmMotorsDropTheForceUntilTheyAreCool) {
+  ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 1.0), 0);
+  EXPECT_EQ(nonzero(next_100_ms()), 0);
+  EXPECT_EQ(errors(), Errors{hd::kWarmMotors});
+  ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.85), 0);
+  tick_force(kPush);
+  EXPECT_GT(applied().x(), 1.5);
+}
+
+TEST_F(Faults, SkippedTicksHoldTheForceNoLongerThanTheWatchdog) {
+  ASSERT_EQ(sim.inject(HDSIM_SKIPPED_TICKS, 50), 0);
+  std::vector<double> force;
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_EQ(tick_force(kPush), 1);
+    force.push_back(applied().x());
+  }
+  EXPECT_NEAR(force[0], 2.0, 0.1);
+  EXPECT_GE(nonzero(force), 8);
+  EXPECT_LE(nonzero(force), 10);
+  EXPECT_EQ(tick_force(kPush), 0);
+  EXPECT_NEAR(applied().x(), 2.0, 0.1);
+  EXPECT_EQ(state().ticks_without_callbacks, 50u);
+  EXPECT_EQ(errors(), Errors{});
+}
+
+TEST_F(Faults, LateTickIsTimeUnderTheLastForce) {
+  const double before = state().time;
+  ASSERT_EQ(sim.inject(HDSIM_LATE_TICK, 0.005), 0);
+  int rate = 0;
+  tick([&] { api.hdGetIntegerv(hd::kInstantaneousUpdateRate, &rate); });
+  EXPECT_NEAR(state().time - before, 0.006, 1e-12);
+  EXPECT_EQ(rate, 167);
+  tick([&] { api.hdGetIntegerv(hd::kInstantaneousUpdateRate, &rate); });
+  EXPECT_EQ(rate, 1000);
+}
+
+TEST_F(Faults, PositionThatIsNoNumberIsReadAsThat) {
+  ASSERT_EQ(sim.inject(HDSIM_NAN_POSITION, 2), 0);
+  double m[16];
+  for (int i = 0; i < 3; ++i) {
+    Vec3 p;
+    tick([&] {
+      frame([&] {
+        p = read_vector(hd::kCurrentPosition);
+        api.hdGetDoublev(hd::kCurrentTransform, m);
+      });
+    });
+    EXPECT_EQ(std::isnan(p.x()), i < 2);
+    EXPECT_EQ(std::isnan(m[13]), i < 2);
+    EXPECT_FALSE(std::isnan(m[0]));
+  }
+  EXPECT_EQ(errors(), Errors{});  // nobody says so
+  EXPECT_TRUE(std::isfinite(state().tip[0]));
+}
+
+TEST_F(Faults, FrameLeftOpenGivesNoForceAndSpoilsTheNext) {
+  tick([&] {
+    api.hdBeginFrame(device);
+    api.hdSetDoublev(hd::kCurrentForce, Vec3(-2.0, 0.0, 0.0).data());
+  });
+  EXPECT_GT(applied().x(), 1.5);  // the last one still
+  tick([&] { api.hdBeginFrame(device); });
+  EXPECT_EQ(errors(), Errors{hd::kIllegalBegin});
+}
+
+TEST_F(Faults, TicksWithoutFramesHoldTheForceNoLongerThanTheWatchdog) {
+  std::vector<double> force;
+  for (int i = 0; i < 50; ++i) {
+    tick();
+    force.push_back(applied().x());
+  }
+  EXPECT_GE(nonzero(force), 8);
+  EXPECT_LE(nonzero(force), 10);
+}
+
+TEST_F(Faults, HandThatLetsGoLeavesTheArmToTheMotors) {
+  hdsim_hand hand{};
+  hand.mass = 0.1;
+  hand.damping = 4.0;
+  hand.stiffness = 300.0;
+  hand.grip_factor = 1.0;
+  hand.tremor_bandwidth = 10.0;
+  hand.grip_harder_at = -1.0;
+  hand.let_go_at = state().time + 0.01;
+  ASSERT_EQ(sim.set_hand(&hand), 0) << sim.last_message();
+  next_100_ms();
+  EXPECT_FALSE(state().held);
+  EXPECT_EQ(state().hand_force[0], 0.0);
+  EXPECT_GT(state().tip_velocity[0], 1.0);  // 2 N on 0.08 kg
+}
+
+class Openings : public SimulatedLibrary {};
+
+TEST_F(Openings, FailedInitGivesNoHandleAndItsError) {
+  ASSERT_EQ(sim.inject(HDSIM_FAIL_INIT, hd::kDeviceFault), 0);
+  EXPECT_EQ(api.hdInitDevice(nullptr), hd::kInvalidHandle);
+  const hd::HDErrorInfo info = api.hdGetError();
+  EXPECT_EQ(info.error_code, hd::kDeviceFault);
+  EXPECT_EQ(info.device, hd::kInvalidHandle);
+  EXPECT_NE(api.hdInitDevice(nullptr), hd::kInvalidHandle);  // the next one works
+}
+
+TEST_F(Openings, MissingLicenceIsToldAtTheInit) {
+  ASSERT_EQ(sim.inject(HDSIM_FAIL_INIT, hd::kInvalidLicense), 0);
+  EXPECT_EQ(api.hdInitDevice(nullptr), hd::kInvalidHandle);
+  EXPECT_EQ(errors(), Errors{hd::kInvalidLicense});
+}
+
+TEST_F(Openings, FailedStartIsATimerError) {
+  open();
+  ASSERT_EQ(sim.inject(HDSIM_FAIL_START, 0), 0);
+  api.hdStartScheduler();
+  EXPECT_EQ(errors(), Errors{hd::kTimerError});
+  EXPECT_FALSE(state().scheduler_running);
+  api.hdStartScheduler();
+  EXPECT_TRUE(state().scheduler_running);
+}
+
+TEST_F(Openings, HooksSayWhyTheyCannot) {
+  EXPECT_EQ(sim.set_model("falcon"), -1);
+  EXPECT_NE(std::string(sim.last_message()).find("omni"), std::string::npos);
+  EXPECT_EQ(sim.set_number("couloumb", 1.0), -1);
+  EXPECT_NE(std::string(sim.last_message()).find("coulomb_nm"), std::string::npos);
+  EXPECT_EQ(sim.set_number("coulomb_nm", std::nan("")), -1);
+  EXPECT_EQ(sim.set_grip("tentacle"), -1);
+  EXPECT_EQ(sim.set_hand(nullptr), -1);
+  EXPECT_EQ(sim.set_motion(nullptr), -1);
+  EXPECT_EQ(set_motion({0.0, 0.0, 0.6}), -1);  // out of reach
+  EXPECT_EQ(sim.inject(99, 0.0), -1);
+  EXPECT_EQ(sim.inject(HDSIM_TIMER_ERROR, 0.0), -1);
+  EXPECT_EQ(sim.inject(HDSIM_COMM_ERROR, std::nan("")), -1);
+  hdsim_state s;
+  EXPECT_EQ(sim.read_state(&s, sizeof s - 8), -1);
+  EXPECT_EQ(sim.set_grip("pen-firm"), 0);
+  EXPECT_STREQ(sim.last_message(), "");
+}
+
+/// Everything that a run of a second ends in.
+struct Outcome {
+  std::array<double, 3> tip, velocity, temperature;
+  long counts[6];
+  bool operator==(const Outcome&) const = default;
+};
+
+class Determinism : public SimulatedLibrary {
+ protected:
+  Outcome run(unsigned seed) {
+    shut();
+    EXPECT_EQ(sim.power_cycle(), 0);
+    hdsim_hand hand{0.1, 4.0, 300.0, 0.8, 0.5, 2.0, 0.2, 10.0, 0, 1};
+    EXPECT_EQ(sim.set_hand(&hand), 0);
+    EXPECT_EQ(set_motion({0.0, 0.0, 0.0, 0.03, -0.02, 0.01}), 0);
+    EXPECT_EQ(sim.set_seed(seed), 0);
+    open_and_start();
+    for (int i = 0; i < 1000; ++i) {
+      tick([&] {
+        frame([&] {
+          const Vec3 wall =
+              -0.3 * read_vector(hd::kCurrentPosition).cwiseMin(4.0) - 0.002 * read_vector(hd::kCurrentVelocity);
+          api.hdSetDoublev(hd::kCurrentForce, wall.data());
+        });
+      });
+    }
+    EXPECT_EQ(errors(), Errors{});
+    const hdsim_state s = state();
+    Outcome r{};
+    std::copy_n(s.tip, 3, r.tip.begin());
+    std::copy_n(s.tip_velocity, 3, r.velocity.begin());
+    std::copy_n(s.temperature, 3, r.temperature.begin());
+    api.hdGetLongv(hd::kCurrentEncoderValues, r.counts);
+    return r;
+  }
+};
+
+TEST_F(Determinism, SameCallsInVirtualTimeGiveTheSameBits) {
+  const Outcome first = run(3);
+  EXPECT_EQ(run(3), first);
+  EXPECT_FALSE(run(4) == first);
+}
+
+}  // namespace
+}  // namespace voxtouch::hd_sim_test

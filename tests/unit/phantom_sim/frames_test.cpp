@@ -1,0 +1,292 @@
+// Frames, errors, handles, types and units.
+#include <cmath>
+#include <limits>
+
+#include "library.hpp"
+
+namespace voxtouch::hd_sim_test {
+namespace {
+
+class Frames : public SimulatedLibrary {};
+using Errors = std::vector<hd::HDerror>;
+
+TEST_F(Frames, HandleOfTheFirstDeviceIsZeroAndCurrent) {
+  open();
+  EXPECT_EQ(device, 0u);
+  EXPECT_EQ(api.hdGetCurrentDevice(), device);
+  api.hdDisableDevice(device);
+  EXPECT_EQ(api.hdGetCurrentDevice(), hd::kInvalidHandle);
+}
+
+TEST_F(Frames, KnowsTheUsualNamesOnly) {
+  for (const char* name : {"Default PHANToM", "Default Device"}) {
+    const hd::HHD handle = api.hdInitDevice(name);
+    EXPECT_NE(handle, hd::kInvalidHandle) << name;
+    api.hdDisableDevice(handle);
+  }
+  EXPECT_EQ(api.hdInitDevice("Right Hand"), hd::kInvalidHandle);
+  EXPECT_EQ(errors(), Errors{hd::kCommConfigError});
+}
+
+TEST_F(Frames, SecondInitIsRefused) {
+  open();
+  EXPECT_EQ(api.hdInitDevice(nullptr), hd::kInvalidHandle);
+  EXPECT_EQ(errors(), Errors{hd::kDeviceAlreadyInitiated});
+  EXPECT_EQ(api.hdGetCurrentDevice(), device);
+}
+
+TEST_F(Frames, WrongHandlesAreBad) {
+  open();
+  api.hdBeginFrame(7);
+  api.hdEndFrame(hd::kInvalidHandle);
+  api.hdMakeCurrentDevice(1);
+  api.hdDisableDevice(1);
+  EXPECT_EQ(errors(), (Errors{hd::kBadHandle, hd::kBadHandle, hd::kBadHandle, hd::kBadHandle}));
+}
+
+TEST_F(Frames, WithoutADeviceNothingCanBeReadOrSwitched) {
+  read_vector(hd::kCurrentPosition);
+  api.hdEnable(hd::kForceOutput);
+  EXPECT_EQ(api.hdGetString(hd::kDeviceModelType), nullptr);
+  EXPECT_EQ(errors(), (Errors{hd::kInvalidOperation, hd::kInvalidOperation, hd::kInvalidOperation}));
+}
+
+TEST_F(Frames, NewestErrorComesFirst) {
+  open();
+  api.hdEndFrame(device);
+  api.hdGetDoublev(0x9999, Vec3().data());
+  api.hdSetDoublev(hd::kCurrentForce, Vec3(1.0, 0.0, 0.0).data());
+  EXPECT_EQ(errors(), (Errors{hd::kFrameError, hd::kInvalidEnum, hd::kIllegalEnd}));
+  EXPECT_EQ(error(), hd::kSuccess);
+}
+
+TEST_F(Frames, BeginsAndEndsHaveToPair) {
+  open_and_start();
+  tick([&] {
+    api.hdBeginFrame(device);
+    api.hdBeginFrame(device);
+    api.hdEndFrame(device);
+    api.hdEndFrame(device);
+  });
+  EXPECT_EQ(errors(), (Errors{hd::kIllegalEnd, hd::kIllegalBegin}));
+}
+
+TEST_F(Frames, OneFrameATick) {
+  open_and_start();
+  tick([&] {
+    frame();
+    frame();
+  });
+  EXPECT_EQ(errors(), (Errors{hd::kIllegalEnd, hd::kIllegalBegin}));
+  tick([&] { frame(); });
+  EXPECT_EQ(errors(), Errors{});
+  api.hdDisable(hd::kOneFrameLimit);
+  tick([&] {
+    frame();
+    frame();
+  });
+  EXPECT_EQ(errors(), Errors{});
+}
+
+TEST_F(Frames, LimitOfFramesIsForTicksOnly) {
+  open();
+  frame();
+  frame();
+  EXPECT_EQ(errors(), Errors{});
+}
+
+TEST_F(Frames, SetOutsideAFrameIsAnErrorAndNoForce) {
+  open_and_start();
+  tick([&] {
+    api.hdSetDoublev(hd::kCurrentForce, Vec3(2.0, 0.0, 0.0).data());
+    frame();
+  });
+  EXPECT_EQ(errors(), Errors{hd::kFrameError});
+  EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
+}
+
+TEST_F(Frames, TickWithoutASetIsZeroForce) {
+  open_and_start();
+  tick_force({1.0, 0.0, 0.0});
+  EXPECT_NEAR(applied().x(), 1.0, 0.02);
+  tick([&] { frame(); });
+  EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
+}
+
+TEST_F(Frames, GetOutsideAFrameGivesTheLastFrame) {
+  set_motion({0.0, 0.0, 0.0, 0.1, 0.0, 0.0}, 0.5);
+  open_and_start();
+  Vec3 seen;
+  for (int i = 0; i < 200; ++i) tick([&] { frame([&] { seen = read_vector(hd::kCurrentPosition); }); });
+  for (int i = 0; i < 20; ++i) tick();
+  EXPECT_EQ(read_vector(hd::kCurrentPosition), seen);
+  EXPECT_GT((1e3 * tip() - seen).norm(), 0.5);
+}
+
+TEST_F(Frames, LastParametersAreThoseOfTheFrameBefore) {
+  set_motion({0.0, 0.0, 0.0, 0.1, 0.0, 0.0}, 0.5);
+  open_and_start();
+  Vec3 position, last, last_force, force;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 before = position;
+    tick([&] {
+      frame([&] {
+        position = read_vector(hd::kCurrentPosition);
+        last = read_vector(hd::kLastPosition);
+        last_force = read_vector(hd::kLastForce);
+        api.hdSetDoublev(hd::kCurrentForce, Vec3(0.01 * i, 0.0, 0.0).data());
+        force = read_vector(hd::kCurrentForce);
+      });
+    });
+    if (i == 0) continue;
+    EXPECT_EQ(last, before);
+    EXPECT_DOUBLE_EQ(last_force.x(), 0.01 * (i - 1));
+    EXPECT_DOUBLE_EQ(force.x(), 0.01 * i);
+  }
+}
+
+TEST_F(Frames, WrongTypesAreRefusedAndWriteNothing) {
+  open();
+  hd::HDint number = 77;
+  api.hdGetIntegerv(hd::kCurrentPosition, &number);
+  EXPECT_EQ(number, 77);
+  api.hdGetDoublev(hd::kCurrentButtons, Vec3().data());
+  api.hdGetIntegerv(hd::kCurrentEncoderValues, &number);
+  api.hdGetDoublev(hd::kOutputDof, Vec3().data());
+  api.hdSetIntegerv(hd::kCurrentForce, &number);
+  EXPECT_EQ(errors(), Errors(5, hd::kInvalidInputType));
+}
+
+TEST_F(Frames, NumbersThatAreNoneAreRefused) {
+  open();
+  double x[16] = {};
+  for (const hd::HDenum name : {0x1u, 0x2599u, hd::kCurrentPinchValue, hd::kCurrentJacobian}) api.hdGetDoublev(name, x);
+  api.hdSetDoublev(hd::kCurrentPosition, x);
+  api.hdEnable(hd::kCurrentPosition);
+  EXPECT_FALSE(api.hdIsEnabled(0x4005));
+  EXPECT_EQ(api.hdGetString(hd::kCurrentPosition), nullptr);
+  EXPECT_EQ(errors(), Errors(8, hd::kInvalidEnum));
+}
+
+TEST_F(Frames, ValuesOutOfRangeAreRefused) {
+  open();
+  const double negative = -1.0;
+  const int light = 9;
+  api.hdSetDoublev(hd::kSoftwareVelocityLimit, &negative);
+  api.hdSetDoublev(hd::kForceRampingRate, &negative);
+  api.hdSetIntegerv(hd::kUserStatusLight, &light);
+  api.hdGetDoublev(hd::kCurrentPosition, nullptr);
+  api.hdUpdateCalibration(hd::kCalibrationInkwell);
+  EXPECT_EQ(errors(), Errors(5, hd::kInvalidValue));
+}
+
+TEST_F(Frames, ForceThatIsNoNumberIsRefusedAndCounted) {
+  open_and_start();
+  tick_force({std::nan(""), 0.0, 0.0});
+  tick_force({0.0, std::numeric_limits<double>::infinity(), 0.0});
+  EXPECT_EQ(errors(), Errors(2, hd::kInvalidValue));
+  EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
+  EXPECT_EQ(state().non_finite_sets, 2u);
+}
+
+TEST_F(Frames, FloatsAreTakenToo) {
+  open_and_start();
+  const float force[3] = {0.0f, 1.5f, 0.0f};
+  tick([&] { frame([&] { api.hdSetFloatv(hd::kCurrentForce, force); }); });
+  EXPECT_NEAR(applied().y(), 1.5, 0.02);
+  float position[3] = {9.0f, 9.0f, 9.0f};
+  api.hdGetFloatv(hd::kCurrentPosition, position);
+  EXPECT_LT(std::abs(position[0]), 1.0f);
+}
+
+TEST_F(Frames, PositionIsInMillimetresAndTheTransformColumnMajor) {
+  set_motion({0.03, 0.05, -0.02});
+  open();
+  // The reset pose is where the operator holds the links for the calibration; then the hand has the tip elsewhere.
+  double m[16];
+  Vec3 p;
+  frame([&] {
+    p = read_vector(hd::kCurrentPosition);
+    api.hdGetDoublev(hd::kCurrentTransform, m);
+  });
+  EXPECT_LT((p - Vec3(30.0, 50.0, -20.0)).norm(), 0.05);
+  EXPECT_EQ(Vec3(m[12], m[13], m[14]), p);
+  EXPECT_EQ(m[15], 1.0);
+  EXPECT_EQ(m[3], 0.0);
+  Mat3 r = Eigen::Map<Eigen::Matrix4d>(m).topLeftCorner<3, 3>();
+  EXPECT_LT((r - Mat3::Identity()).norm(), 0.01);  // the stylus is held level whatever the arm does
+  const Vec3 joints = read_vector(hd::kCurrentJointAngles);
+  EXPECT_LT(joints.x(), 0.0);  // to the right is negative
+  EXPECT_GT(joints.y(), 0.0);
+  EXPECT_GT(read_vector(hd::kCurrentGimbalAngles).norm(), 0.05);  // so the gimbal has to make up for the arm
+}
+
+TEST_F(Frames, GimbalIsScaledInTheTransform) {
+  set_motion({0.03, 0.05, -0.02});
+  open();
+  double scaled[16] = {}, plain[16] = {};
+  frame([&] {
+    api.hdGetDoublev(hd::kCurrentTransform, plain);
+    api.hdScaleGimbalAngles(1.0, 1.0, 1.0, scaled);
+  });
+  for (int i = 0; i < 12; ++i) EXPECT_NEAR(scaled[i], plain[i], 1e-12);
+  api.hdScaleGimbalAngles(2.0, 2.0, 2.0, scaled);
+  EXPECT_GT(std::abs(scaled[1] - plain[1]) + std::abs(scaled[2] - plain[2]) + std::abs(scaled[6] - plain[6]), 0.01);
+}
+
+TEST_F(Frames, TellsWhatItIs) {
+  open();
+  EXPECT_STREQ(api.hdGetString(hd::kDeviceModelType), "PHANTOM Premium 1.5");
+  EXPECT_NE(api.hdGetString(hd::kDeviceSerialNumber), nullptr);
+  EXPECT_EQ(api.hdDeploymentLicense("a", "b", "c"), hd::kTrue);
+  double box[6], force = 0.0, stiffness = 0.0, temperature[3] = {9.0, 9.0, 9.0};
+  api.hdGetDoublev(hd::kMaxWorkspaceDimensions, box);
+  for (int i = 0; i < 3; ++i) EXPECT_LT(box[i], box[i + 3]);
+  api.hdGetDoublev(hd::kNominalMaxForce, &force);
+  api.hdGetDoublev(hd::kNominalMaxStiffness, &stiffness);
+  api.hdGetDoublev(hd::kMotorTemperature, temperature);
+  EXPECT_DOUBLE_EQ(force, 8.5);
+  EXPECT_DOUBLE_EQ(stiffness, 0.8);
+  EXPECT_EQ(temperature[2], 0.0);
+  int in = 0, out = 0, style = 0;
+  api.hdGetIntegerv(hd::kInputDof, &in);
+  api.hdGetIntegerv(hd::kOutputDof, &out);
+  api.hdGetIntegerv(hd::kCalibrationStyle, &style);
+  EXPECT_EQ(in, 6);
+  EXPECT_EQ(out, 3);
+  EXPECT_EQ(style, 1);
+  EXPECT_EQ(errors(), Errors{});
+}
+
+TEST_F(Frames, UsableWorkspaceCanBeReachedInFull) {
+  open();
+  double box[6];
+  api.hdGetDoublev(hd::kUsableWorkspaceDimensions, box);
+  EXPECT_GT(box[3] - box[0], 100.0);
+  for (int corner = 0; corner < 8; ++corner) {
+    const double x = box[corner & 1 ? 3 : 0], y = box[corner & 2 ? 4 : 1], z = box[corner & 4 ? 5 : 2];
+    ASSERT_EQ(set_motion({1e-3 * x, 1e-3 * y, 1e-3 * z}), 0) << sim.last_message();
+    frame();
+    EXPECT_LT((read_vector(hd::kCurrentPosition) - Vec3(x, y, z)).norm(), 0.1);
+    const hdsim_state s = state();
+    EXPECT_LT(s.joints[1] - s.joints[2], 1.134);
+    EXPECT_GT(s.joints[1] - s.joints[2], -0.960);
+  }
+}
+
+TEST_F(Frames, SwitchesAreSeenByTheNextFrame) {
+  open();
+  sim.set_switches(5, 1, 1);
+  int buttons = 0;
+  hd::HDboolean inkwell = 0;
+  api.hdGetIntegerv(hd::kCurrentButtons, &buttons);
+  EXPECT_EQ(buttons, 0);
+  frame();
+  api.hdGetIntegerv(hd::kCurrentButtons, &buttons);
+  api.hdGetBooleanv(hd::kCurrentInkwellSwitch, &inkwell);
+  EXPECT_EQ(buttons, 5);
+  EXPECT_EQ(inkwell, hd::kTrue);
+}
+
+}  // namespace
+}  // namespace voxtouch::hd_sim_test

@@ -1,0 +1,160 @@
+#pragma once
+/// The simulated library as a driver sees it: opened by path, every function found by its name.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/types/geometry.hpp"
+#include "devices/phantom/hdapi.hpp"
+#include "devices/phantom/simulated/hdsim.h"
+
+namespace voxtouch::hd_sim_test {
+
+struct Hooks {
+  decltype(&hdsim_defaults) defaults;
+  decltype(&hdsim_power_cycle) power_cycle;
+  decltype(&hdsim_use_virtual_time) use_virtual_time;
+  decltype(&hdsim_set_model) set_model;
+  decltype(&hdsim_set_seed) set_seed;
+  decltype(&hdsim_set_number) set_number;
+  decltype(&hdsim_set_motion) set_motion;
+  decltype(&hdsim_set_hand) set_hand;
+  decltype(&hdsim_set_grip) set_grip;
+  decltype(&hdsim_set_switches) set_switches;
+  decltype(&hdsim_step) step;
+  decltype(&hdsim_inject) inject;
+  decltype(&hdsim_read_state) read_state;
+  decltype(&hdsim_last_message) last_message;
+};
+
+inline void* handle() {
+  static void* const library = dlopen(VOXTOUCH_HD_SIM_LIBRARY, RTLD_LAZY | RTLD_LOCAL);
+  return library;
+}
+
+template <class F>
+void find(F& f, const char* name) {
+  f = reinterpret_cast<F>(dlsym(handle(), name));
+  ASSERT_NE(f, nullptr) << name;
+}
+
+/// Virtual time, the usual model and hand; a device is open and calibrated after `open`.
+class SimulatedLibrary : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_NE(handle(), nullptr) << dlerror();
+    ASSERT_EQ(hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
+    find(sim.defaults, "hdsim_defaults");
+    find(sim.power_cycle, "hdsim_power_cycle");
+    find(sim.use_virtual_time, "hdsim_use_virtual_time");
+    find(sim.set_model, "hdsim_set_model");
+    find(sim.set_seed, "hdsim_set_seed");
+    find(sim.set_number, "hdsim_set_number");
+    find(sim.set_motion, "hdsim_set_motion");
+    find(sim.set_hand, "hdsim_set_hand");
+    find(sim.set_grip, "hdsim_set_grip");
+    find(sim.set_switches, "hdsim_set_switches");
+    find(sim.step, "hdsim_step");
+    find(sim.inject, "hdsim_inject");
+    find(sim.read_state, "hdsim_read_state");
+    find(sim.last_message, "hdsim_last_message");
+    shut();
+    ASSERT_EQ(sim.defaults(), 0) << sim.last_message();
+    ASSERT_EQ(sim.use_virtual_time(1), 0) << sim.last_message();
+  }
+  void TearDown() override { shut(); }
+
+ public:  // callbacks are no members
+  /// As a driver would, up to the scheduler's start; forces on, no ramp.
+  void open() {
+    device = api.hdInitDevice(hd::kDefaultDevice);
+    ASSERT_NE(device, hd::kInvalidHandle);
+    api.hdUpdateCalibration(hd::kCalibrationEncoderReset);
+    api.hdEnable(hd::kForceOutput);
+    ASSERT_EQ(error(), hd::kSuccess);
+  }
+  void open_and_start() {
+    open();
+    api.hdScheduleAsynchronous(run_tick, this, hd::kMaxPriority);
+    api.hdStartScheduler();
+    ASSERT_EQ(error(), hd::kSuccess);
+  }
+  void shut() {
+    if (api.hdStopScheduler == nullptr) return;
+    api.hdStopScheduler();
+    if (api.hdGetCurrentDevice() != hd::kInvalidHandle) api.hdDisableDevice(api.hdGetCurrentDevice());
+    while (error() != hd::kSuccess) {
+    }
+  }
+
+  hd::HDerror error() { return api.hdGetError().error_code; }
+  std::vector<hd::HDerror> errors() {
+    std::vector<hd::HDerror> all;
+    for (hd::HDerror e = error(); e != hd::kSuccess; e = error()) all.push_back(e);
+    return all;
+  }
+
+  /// One tick with this in its callback.
+  int tick(std::function<void()> work = {}) {
+    work_ = std::move(work);
+    const int result = sim.step();
+    work_ = {};
+    return result;
+  }
+  /// One tick with a frame that asks for this force [N], as doubles.
+  int tick_force(const Vec3& force) {
+    return tick([this, force] { frame([&] { api.hdSetDoublev(hd::kCurrentForce, force.data()); }); });
+  }
+  void frame(const std::function<void()>& work = {}) {
+    api.hdBeginFrame(device);
+    if (work) work();
+    api.hdEndFrame(device);
+  }
+  hdsim_state state() {
+    hdsim_state s{};
+    EXPECT_EQ(sim.read_state(&s, sizeof s), 0);
+    return s;
+  }
+  Vec3 applied() {
+    const hdsim_state s = state();
+    return {s.motor_force[0], s.motor_force[1], s.motor_force[2]};
+  }
+  Vec3 tip() {
+    const hdsim_state s = state();
+    return {s.tip[0], s.tip[1], s.tip[2]};
+  }
+  Vec3 read_vector(hd::HDenum name) {
+    Vec3 v = Vec3::Constant(-1.0);
+    api.hdGetDoublev(name, v.data());
+    return v;
+  }
+  int set_motion(const std::vector<double>& points, double speed = 0.1) {
+    hdsim_motion m{};
+    m.points = points.data();
+    m.point_count = points.size() / 3;
+    m.speed = speed;
+    m.repeat_from = -1;
+    m.circle_axis[2] = 1.0;
+    m.orientation[0] = 1.0;
+    return sim.set_motion(&m);
+  }
+
+  hd::Api api;
+  Hooks sim{};
+  hd::HHD device = hd::kInvalidHandle;
+
+ private:
+  static hd::HDCallbackCode run_tick(void* self) {
+    const auto& work = static_cast<SimulatedLibrary*>(self)->work_;
+    if (work) work();
+    return hd::kCallbackContinue;
+  }
+  std::function<void()> work_;
+};
+
+}  // namespace voxtouch::hd_sim_test
