@@ -59,7 +59,7 @@ DeviceResult<void> LwrDriver::write(const Wrench& command) noexcept {
     answer_without_push();
     return std::unexpected(error);
   }
-  const fri::CmdPacket& packet = composer_->answer(msr_, session_, push_for(command));
+  const fri::CmdPacket& packet = composer_->answer(msr_, session_, true, push_for(command));
   pushing_ = true;
   if (!send(packet)) return std::unexpected(DeviceError::kRecoverable);
   return {};
@@ -143,7 +143,8 @@ void LwrDriver::accept() noexcept {
 /// Pose and twist in D. A measurement without usable joint positions leaves the pose as it was, marked, and at rest.
 void LwrDriver::measure(double elapsed_s) noexcept {
   const LwrJoints q = fri::from_wire(msr_.data.jnt_pos);
-  sample_.pose_valid = ((q.array().abs() <= limits_.position_rad.array() + kBeyondLimitRad)).all();  // false for NaN
+  sample_.pose_valid =
+      fri::measured_finite(msr_) && ((q.array().abs() <= limits_.position_rad.array() + kBeyondLimitRad)).all();
   if (!sample_.pose_valid) {
     ++counts_.invalid_poses;
     rates_.restart();
@@ -193,7 +194,7 @@ fri::Push LwrDriver::push_for(const Wrench& command) noexcept {
 void LwrDriver::answer_without_push() noexcept {
   pushing_ = false;
   posture_share_ = 0.0;
-  if (composer_) send(composer_->answer(msr_, session_, {}));
+  if (composer_) send(composer_->answer(msr_, session_, sample_.pose_valid, {}));
 }
 
 bool LwrDriver::send(const fri::CmdPacket& packet) noexcept {

@@ -138,7 +138,7 @@ void LwrDriver::disengage() noexcept {
   const bool asked =
       session_.phase() == fri::FriSession::Phase::kStarting || session_.phase() == fri::FriSession::Phase::kRunning;
   session_.request_stop();
-  if (unanswered_ || pushing_) answer_without_push();
+  stop();
   const std::uint64_t heard_enough = counts_.answered + (asked ? 3 : 0);  // a request may be lost
   const auto deadline = Clock::now() + seconds(options_.stop_timeout_s);
   while (asked && !(session_.stopped() && counts_.answered >= heard_enough)) {
