@@ -158,8 +158,11 @@ TEST_F(LwrDriverFault, CountsLostPacketsAcrossTheWrap) {
 }
 
 TEST_F(LwrDriverFault, TakesAMeasurementThatLayTooLongForNothingNew) {
+  LwrOptions options = quick_options();
+  options.max_age_s = 0.1;
+  run(options);
   krc->send();
-  std::this_thread::sleep_for(30ms);  // max_age_s is 20 ms
+  std::this_thread::sleep_for(120ms);
   EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
   EXPECT_EQ(driver->status().counts.aged, 1U);
   push();

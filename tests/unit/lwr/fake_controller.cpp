@@ -87,7 +87,9 @@ LwrOptions quick_options() {
   LwrOptions options;
   options.address = "127.0.0.1";
   options.port = UdpSocket("127.0.0.1", 0).local().port;
-  options.connect_timeout_s = 2.0;
+  options.connect_timeout_s = 5.0;
+  options.silence_s = 10.0;  // these two: a test machine may be busy
+  options.max_age_s = 5.0;
   options.stop_timeout_s = 0.05;
   options.session.pause_s = 0.01;
   options.session.start_timeout_s = 0.05;
