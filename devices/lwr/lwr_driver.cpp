@@ -113,7 +113,8 @@ LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram) noexcept
   heard_ = Clock::now();
   if (sequence_.see(incoming_.header.send_seq) != fri::SequenceTracker::Verdict::kNew) return Intake::kNothing;
   steps_ += sequence_.steps();
-  if (!virtual_time_ && std::chrono::duration<double>(datagram.age).count() > options_.max_age_s)
+  const bool too_old = std::chrono::duration<double>(datagram.age).count() > options_.max_age_s;
+  if (too_old && composer_ && !virtual_time_)  // before the first one nothing is known, virtual time not either
     return ++counts_.aged, Intake::kNothing;
   if (untrusted) return ++counts_.untrusted, Intake::kUntrusted;
   return Intake::kNew;

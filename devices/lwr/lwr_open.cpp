@@ -53,11 +53,14 @@ LwrDriver::LwrDriver(const LwrOptions& options)
 void LwrDriver::connect() {
   heard_ = Clock::now();
   const auto deadline = heard_ + seconds(options_.connect_timeout_s);
-  for (Intake intake = Intake::kUntrusted;
-       intake != Intake::kNew;) {  // without a first position there is nothing to mirror
-    intake = wait_and_take(deadline);
+  // Without a first position there is nothing to mirror; a measurement of a closed interface ends an earlier session.
+  for (bool good = false; !good;) {
+    const Intake intake = wait_and_take(deadline);
     if (intake == Intake::kNothing) throw DeviceOpenError(nothing_came());
+    good = intake == Intake::kNew &&
+           (msr_.interface.state == fri::State::kMon || msr_.interface.state == fri::State::kCmd);
   }
+  steps_ = 0;
   const double period_s = msr_.interface.msr_period_s;
   if (!(period_s > 0.5e-3 && period_s < 0.11))
     throw DeviceOpenError(
@@ -81,6 +84,8 @@ std::string LwrDriver::nothing_came() const {
   if (counts_.untrusted)
     return fmt::format("{} that can be mirrored: its numbers are not finite, or its state is undefined ({} from {})",
                        where, name_of(last_fault_), text_of(last_bad_from_));
+  if (sequence_.counts().taken > counts_.untrusted)
+    return fmt::format("{} of an open interface, only of one that is closed: call friOpen on the controller", where);
   if (counts_.malformed)
     return fmt::format(
         "{}: what came is none ({} bytes from {}, wrong {}; FRI 1.0 has {} bytes); is it another controller or FRI "

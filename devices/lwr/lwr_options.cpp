@@ -25,7 +25,7 @@ void LwrOptions::validate() const {
   require(controller.empty() || parse_ipv4(controller), "controller", "an IPv4 address like 192.168.0.20, or empty");
   require_in(connect_timeout_s, 0.0, 3600.0, "connect_timeout_s");
   require_in(silence_s, 0.01, 60.0, "silence_s");
-  require_in(max_age_s, 0.001, 10.0, "max_age_s");
+  require_in(max_age_s, 1e-6, 10.0, "max_age_s");
   require_in(virtual_timeout_s, 0.01, 3600.0, "virtual_timeout_s");
   require_in(stop_timeout_s, 0.0, 10.0, "stop_timeout_s");
   require(tool_in_flange.finite() && unit(tool_in_flange.orientation), "tool_in_flange",

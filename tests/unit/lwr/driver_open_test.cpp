@@ -1,8 +1,10 @@
 // Opening: what a person is told where it cannot be done, and that it can be done again.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
+#include <thread>
 
 #include "fake_controller.hpp"
 
@@ -63,6 +65,36 @@ TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
   krc.msr.data.cmd_jnt_pos[0] = std::numeric_limits<float>::quiet_NaN();
   krc.serve_while([&] { sentence = refusal(options); });
   EXPECT_TRUE(says(sentence, "not finite")) << sentence;
+}
+
+TEST(LwrOpen, SaysThatTheInterfaceIsClosed) {
+  FakeController krc;
+  krc.program_runs = false;
+  LwrOptions options = quick_options();
+  options.connect_timeout_s = 0.05;
+  krc.port = options.port;
+  krc.msr.interface.state = fri::State::kOff;
+  std::string sentence;
+  krc.serve_while([&] { sentence = refusal(options); });
+  EXPECT_TRUE(says(sentence, "closed") && says(sentence, "friOpen")) << sentence;
+}
+
+TEST(LwrOpen, TakesAFirstMeasurementThatHadToWait) {
+  FakeController krc;
+  LwrOptions options = quick_options();
+  options.max_age_s = 1e-6;  // every packet is older than that
+  krc.port = options.port;
+  const fri::MsrPacket first = krc.next();  // sent again and again, as a controller in virtual time does
+  std::atomic<bool> done{false};
+  std::thread sender([&] {
+    while (!done) {
+      krc.send(first);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  });
+  EXPECT_EQ(refusal(options), "");
+  done = true;
+  sender.join();
 }
 
 TEST(LwrOpen, SaysThatOnlyOthersSend) {
