@@ -1,0 +1,153 @@
+#include "devices/lwr/fri_codec.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace voxtouch::fri {
+namespace {
+
+constexpr std::array<int, 6> kOrder = {0, 1, 2, 5, 4, 3};  // its own inverse
+
+template <std::size_t N>
+bool all_finite(const std::array<float, N>& values) noexcept {
+  return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+}
+
+/// What an answer outside command mode holds: the sum of both.
+bool mirror_finite(const Measured& data) noexcept {
+  for (std::size_t i = 0; i < kJoints; ++i)
+    if (!std::isfinite(data.cmd_jnt_pos[i] + data.cmd_jnt_pos_fri_offset[i])) return false;
+  return true;
+}
+
+PacketFault check_header(const Header& header, std::uint16_t id, std::uint16_t size) noexcept {
+  if (header.datagram_id != id) return PacketFault::kId;
+  if (header.packet_size != size) return PacketFault::kSizeField;
+  return PacketFault::kNone;
+}
+
+bool known(State state) noexcept { return state <= State::kCmd || state == State::kInvalid; }
+bool known(Quality quality) noexcept { return quality <= Quality::kPerfect || quality == Quality::kInvalid; }
+bool known(Control control) noexcept { return control <= Control::kJointImpedance; }
+
+}  // namespace
+
+std::string_view name_of(PacketFault fault) noexcept {
+  switch (fault) {
+    case PacketFault::kNone: return "none";
+    case PacketFault::kLength: return "length";
+    case PacketFault::kId: return "datagram id";
+    case PacketFault::kSizeField: return "size field";
+    case PacketFault::kEnum: return "undefined state, quality or control";
+    case PacketFault::kNotFinite: return "not finite";
+  }
+  return "unknown";
+}
+
+PacketFault decode(std::span<const std::byte> datagram, MsrPacket& packet) noexcept {
+  if (datagram.size() != kMsrSize) return PacketFault::kLength;
+  std::memcpy(&packet, datagram.data(), kMsrSize);
+  if (const PacketFault fault = check_header(packet.header, kMsrId, kMsrSize); fault != PacketFault::kNone)
+    return fault;
+  const Interface& intf = packet.interface;
+  if (!known(intf.state) || !known(intf.quality) || !known(packet.robot.control)) return PacketFault::kEnum;
+  const bool timed =
+      std::isfinite(intf.timestamp_s) && std::isfinite(intf.msr_period_s) && std::isfinite(intf.cmd_period_s);
+  return timed && mirror_finite(packet.data) ? PacketFault::kNone : PacketFault::kNotFinite;
+}
+
+PacketFault decode(std::span<const std::byte> datagram, CmdPacket& packet) noexcept {
+  if (datagram.size() != kCmdSize) return PacketFault::kLength;
+  std::memcpy(&packet, datagram.data(), kCmdSize);
+  if (const PacketFault fault = check_header(packet.header, kCmdId, kCmdSize); fault != PacketFault::kNone)
+    return fault;
+  return finite(packet) ? PacketFault::kNone : PacketFault::kNotFinite;
+}
+
+bool measured_finite(const MsrPacket& packet) noexcept { return all_finite(packet.data.jnt_pos); }
+
+bool finite(const CmdPacket& packet) noexcept {
+  const Command& c = packet.command;
+  return all_finite(packet.krl.real) && all_finite(c.jnt_pos) && all_finite(c.cart_pos) && all_finite(c.add_jnt_trq) &&
+         all_finite(c.add_tcp_ft) && all_finite(c.jnt_stiffness) && all_finite(c.jnt_damping) &&
+         all_finite(c.cart_stiffness) && all_finite(c.cart_damping);
+}
+
+MsrPacket empty_msr() noexcept {
+  MsrPacket packet{};
+  packet.header = {.send_seq = 0, .refl_seq = 0, .packet_size = kMsrSize, .datagram_id = kMsrId};
+  return packet;
+}
+
+CmdPacket empty_cmd() noexcept {
+  CmdPacket packet{};
+  packet.header = {.send_seq = 0, .refl_seq = 0, .packet_size = kCmdSize, .datagram_id = kCmdId};
+  return packet;
+}
+
+Vec6 from_wire(const CartVector& wire) noexcept {
+  Vec6 xyz;
+  for (int i = 0; i < 6; ++i) xyz[i] = wire[static_cast<std::size_t>(kOrder[static_cast<std::size_t>(i)])];
+  return xyz;
+}
+
+CartVector to_wire(const Vec6& xyz) noexcept {
+  CartVector wire;
+  for (std::size_t i = 0; i < 6; ++i) wire[i] = static_cast<float>(xyz[kOrder[i]]);
+  return wire;
+}
+
+LwrJacobian from_wire(const JacobianRows& wire) noexcept {
+  LwrJacobian xyz;
+  for (int row = 0; row < 6; ++row)
+    for (int col = 0; col < 7; ++col)
+      xyz(row, col) = wire[static_cast<std::size_t>(7 * kOrder[static_cast<std::size_t>(row)] + col)];
+  return xyz;
+}
+
+JacobianRows to_wire(const LwrJacobian& xyz) noexcept {
+  JacobianRows wire;
+  for (int row = 0; row < 6; ++row)
+    for (int col = 0; col < 7; ++col)
+      wire[static_cast<std::size_t>(7 * row + col)] =
+          static_cast<float>(xyz(kOrder[static_cast<std::size_t>(row)], col));
+  return wire;
+}
+
+LwrJoints from_wire(const Joints& wire) noexcept {
+  LwrJoints joints;
+  for (int i = 0; i < 7; ++i) joints[i] = wire[static_cast<std::size_t>(i)];
+  return joints;
+}
+
+Joints to_wire(const LwrJoints& joints) noexcept {
+  Joints wire;
+  for (int i = 0; i < 7; ++i) wire[static_cast<std::size_t>(i)] = static_cast<float>(joints[i]);
+  return wire;
+}
+
+Pose from_wire(const Frame& wire) noexcept {
+  Mat3 rotation;
+  Pose pose;
+  for (int row = 0; row < 3; ++row) {
+    const auto at = static_cast<std::size_t>(4 * row);
+    rotation.row(row) << wire[at], wire[at + 1], wire[at + 2];
+    pose.position[row] = wire[at + 3];
+  }
+  pose.orientation = Quat(rotation).normalized();
+  return pose;
+}
+
+Frame to_wire(const Pose& pose) noexcept {
+  const Mat3 rotation = pose.orientation.toRotationMatrix();
+  Frame wire;
+  for (int row = 0; row < 3; ++row) {
+    const auto at = static_cast<std::size_t>(4 * row);
+    for (int col = 0; col < 3; ++col) wire[at + static_cast<std::size_t>(col)] = static_cast<float>(rotation(row, col));
+    wire[at + 3] = static_cast<float>(pose.position[row]);
+  }
+  return wire;
+}
+
+}  // namespace voxtouch::fri

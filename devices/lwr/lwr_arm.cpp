@@ -1,0 +1,53 @@
+#include "devices/lwr/lwr_arm.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace voxtouch {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+/// Rotation about x by whole quarter turns, without the rounding of a cosine.
+Quat quarter_turns_about_x(int turns) noexcept {
+  const double half = std::numbers::sqrt2 / 2.0;
+  return turns == 0 ? Quat::Identity() : Quat(half, turns * half, 0.0, 0.0);
+}
+
+Quat turn_about_z(double angle) noexcept { return {std::cos(angle / 2.0), 0.0, 0.0, std::sin(angle / 2.0)}; }
+
+}  // namespace
+
+LwrLimits lwr_limits() noexcept {
+  LwrLimits limits;
+  limits.position_rad << 170, 120, 170, 120, 170, 120, 170;
+  limits.velocity_rad_s << 110, 110, 112.5, 112.5, 180, 112.5, 112.5;
+  limits.torque_nm << 176, 176, 100, 100, 100, 30, 30;
+  limits.position_rad *= kRadPerDeg;
+  limits.velocity_rad_s *= kRadPerDeg;
+  return limits;
+}
+
+LwrArm::State LwrArm::at(const LwrJoints& q) const noexcept {
+  State state;
+  for (int i = 0; i < kJoints; ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    const Pose row{Vec3(0.0, 0.0, kD[n]), turn_about_z(q[i]) * quarter_turns_about_x(kAlphaQuarterTurns[n])};
+    state.links[n + 1] = state.links[n] * row;
+  }
+  state.tool = state.links.back() * tool_in_flange_;
+  for (int i = 0; i < kJoints; ++i) {
+    const Pose& before = state.links[static_cast<std::size_t>(i)];  // joint i turns about the z axis of frame i
+    const Vec3 axis = before.orientation * Vec3::UnitZ();
+    state.jacobian.col(i) << axis.cross(state.tool.position - before.position), axis;
+  }
+  return state;
+}
+
+LwrJoints lwr_rest_posture() noexcept {
+  LwrJoints q;
+  q << 0, 30, 0, -90, 0, 60, 0;
+  return q * kRadPerDeg;
+}
+
+}  // namespace voxtouch

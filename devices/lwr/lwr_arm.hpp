@@ -1,0 +1,58 @@
+#pragma once
+/// Geometry and limits of the light-weight robot 4 / 4+: seven revolute joints, in the order of the wire (A1 A2 E1 A3 A4 A5 A6).
+#include <array>
+
+#include "core/types/geometry.hpp"
+
+namespace voxtouch {
+
+using LwrJoints = Eigen::Matrix<double, 7, 1>;    ///< rad, rad/s or Nm
+using LwrJacobian = Eigen::Matrix<double, 6, 7>;  ///< [linear; angular] of the tool over joint rates, base axes
+
+/// Per joint; where published models of the 4 and the 4+ differ, the smaller of each.
+struct LwrLimits {
+  LwrJoints position_rad;  ///< +-
+  LwrJoints velocity_rad_s;
+  LwrJoints torque_nm;
+};
+LwrLimits lwr_limits() noexcept;
+
+/// Forward kinematics. q = 0 is the arm stretched upwards; base frame: z up, along axis 1. Source: standard Denavit-Hartenberg
+/// rows (theta = q_i, d, a = 0, alpha) that two published robot descriptions agree on.
+class LwrArm {
+ public:
+  static constexpr int kJoints = 7;
+  static constexpr std::array<double, kJoints> kD = {0.3105, 0.0, 0.400, 0.0, 0.390, 0.0, 0.078};  ///< m
+  static constexpr std::array<int, kJoints> kAlphaQuarterTurns = {1, -1, -1, 1, 1, -1, 0};
+
+  /// `tool_in_flange`: the frame T that poses, twists and wrenches are of.
+  explicit LwrArm(const Pose& tool_in_flange = {}) noexcept : tool_in_flange_(tool_in_flange) {}
+
+  /// All that one posture gives, computed once.
+  struct State {
+    std::array<Pose, kJoints + 1> links;  ///< DH frame i in the base; 0 the base, 7 the flange
+    Pose tool;                            ///< T in the base
+    LwrJacobian jacobian;                 ///< geometric, about the tool's origin
+  };
+  /// Real-time safe. Non-finite in, non-finite out.
+  State at(const LwrJoints& q) const noexcept;
+  Pose flange(const LwrJoints& q) const noexcept { return at(q).links.back(); }
+  Pose tool(const LwrJoints& q) const noexcept { return at(q).tool; }
+  LwrJacobian jacobian(const LwrJoints& q) const noexcept { return at(q).jacobian; }
+  const Pose& tool_in_flange() const noexcept { return tool_in_flange_; }
+
+ private:
+  Pose tool_in_flange_;
+};
+
+/// Joint torque that gives `wrench` (base axes, about the tool's origin): J^T F.
+inline LwrJoints joint_torque(const LwrJacobian& jacobian, const Wrench& wrench) noexcept {
+  Vec6 stacked;
+  stacked << wrench.force, wrench.torque;
+  return jacobian.transpose() * stacked;
+}
+
+/// Elbow bent, hand in front: q = (0, 30, 0, -90, 0, 60, 0) degrees, far from every limit and singularity.
+LwrJoints lwr_rest_posture() noexcept;
+
+}  // namespace voxtouch

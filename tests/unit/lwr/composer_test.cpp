@@ -1,0 +1,66 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "devices/lwr/fri_composer.hpp"
+
+namespace voxtouch::fri {
+namespace {
+
+/// A session in command mode, with the measurement that brought it there.
+struct Scene {
+  Scene() {
+    msr.interface.state = State::kMon, msr.interface.quality = Quality::kPerfect;
+    msr.robot.power = kAllDrives, msr.robot.control = Control::kJointImpedance;
+    session.see(msr, 1e-3, Trouble::kNone);
+    msr.interface.state = State::kCmd;
+    session.see(msr, 1e-3, Trouble::kNone);
+    push.add_torque.setConstant(5.0);
+  }
+  MsrPacket msr = empty_msr();
+  FriSession session{SessionRules{}};
+  FriComposer composer{ComposerRules{}};
+  Push push;
+};
+
+TEST(FriComposer, LeavesThePushOutWhereTheSessionAllowsNone) {
+  Scene s;
+  ASSERT_TRUE(s.session.force_allowed());
+  EXPECT_EQ(s.composer.answer(s.msr, s.session, true, s.push).command.add_jnt_trq[3], 5.0F);
+  s.msr.interface.quality = Quality::kBad;
+  s.session.see(s.msr, 1e-3, Trouble::kNone);
+  ASSERT_TRUE(s.session.in_command());
+  EXPECT_EQ(s.composer.answer(s.msr, s.session, true, s.push).command.add_jnt_trq, Joints{});
+}
+
+TEST(FriComposer, LeavesAPushOutThatIsNoNumberOrTooLargeForTheWire) {
+  for (const double bad : {std::nan(""), 1e300}) {
+    Scene s;
+    s.push.add_torque[6] = bad;
+    const CmdPacket& answer = s.composer.answer(s.msr, s.session, true, s.push);
+    EXPECT_TRUE(finite(answer));
+    EXPECT_EQ(answer.command.add_jnt_trq, Joints{}) << "all of it, not one joint of it";
+  }
+}
+
+TEST(FriComposer, RepeatsThePositionWithoutPushForAPacketItCannotTrust) {
+  Scene s;
+  const CmdPacket before = s.composer.answer(s.msr, s.session, true, s.push);
+  const CmdPacket after = s.composer.answer_untrusted({99, 0, kMsrSize, kMsrId}, s.session);
+  EXPECT_EQ(after.command.jnt_pos, before.command.jnt_pos);
+  EXPECT_EQ(after.command.add_jnt_trq, Joints{});
+  EXPECT_EQ(after.header.refl_seq, 99);
+  EXPECT_EQ(after.header.send_seq, before.header.send_seq + 1);
+}
+
+TEST(FriComposer, KeepsTheCartesianFrameOfTheLastGoodMeasurement) {
+  FriComposer composer(ComposerRules{.strategy = Strategy::kCartesianImpedance});
+  Scene s;
+  s.msr.data.cart_pos = to_wire(Pose{Vec3(0.1, 0.2, 0.3), Quat::Identity()});
+  const Frame good = composer.answer(s.msr, s.session, true, {}).command.cart_pos;
+  s.msr.data.cart_pos[3] = std::nanf("");
+  EXPECT_EQ(composer.answer(s.msr, s.session, true, {}).command.cart_pos, good);
+}
+
+}  // namespace
+}  // namespace voxtouch::fri
