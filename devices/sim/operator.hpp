@@ -9,6 +9,8 @@ namespace voxtouch {
 struct OperatorConfig {
   bool released = false;       ///< no hand at all; the rest is not used
   double let_go_at_s = std::numeric_limits<double>::infinity();  ///< simulated time at which the hand opens, for good
+  double grip_harder_at_s = std::numeric_limits<double>::infinity();  ///< simulated time at which the grip changes, for good:
+  double grip_factor = 1.0;      ///< stiffness and damping times this, which grow together with the force of a grip; over 0
   double mass_kg = 0.0;        ///< moves with the tool
   double damping_ns_per_m = 0.0;    ///< against the target's velocity
   double stiffness_n_per_m = 0.0;   ///< towards the target

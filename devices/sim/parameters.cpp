@@ -128,6 +128,8 @@ void SimParameters::validate() const {
 
 void OperatorConfig::validate() const {
   require(let_go_at_s >= 0.0, "let_go_at_s", let_go_at_s, "0 or more (infinity for never)");
+  require(grip_harder_at_s >= 0.0, "grip_harder_at_s", grip_harder_at_s, "0 or more (infinity for never)");
+  require_in(grip_factor, 1e-3, 1e3, "grip_factor");
   require_in(mass_kg, 0.0, 1e3, "hand mass_kg");
   require_in(damping_ns_per_m, 0.0, 1e6, "hand damping_ns_per_m");
   require_in(stiffness_n_per_m, 0.0, 1e7, "hand stiffness_n_per_m");

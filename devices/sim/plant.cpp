@@ -64,9 +64,9 @@ void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, doubl
   const bool held = held_at(time_s);
   const MotionPoint target = motion_at(motion_, time_s + 0.5 * dt_s);
   const Vec3 force = held ? Vec3(push.force + tremor + carrying_force(target.velocity)) : push.force;
-  pose_.position += dt_s * step_mobility(held ? held_move_ : free_move_, target.position - pose_.position, target.velocity,
+  pose_.position += dt_s * step_mobility(held ? gripped(held_move_, time_s) : free_move_, target.position - pose_.position, target.velocity,
                                          force, dt_s, twist_.linear);
-  const Vec3 rate = step_mobility(held ? held_turn_ : free_turn_, turn_to_target(), Vec3::Zero(), push.torque, dt_s,
+  const Vec3 rate = step_mobility(held ? gripped(held_turn_, time_s) : free_turn_, turn_to_target(), Vec3::Zero(), push.torque, dt_s,
                                   twist_.angular);
   if (rate.isZero(0.0)) return;  // nothing to renormalise: a tool that does not turn keeps its bits
   const Vec3 half_turn = (0.5 * dt_s) * rate;  // the Cayley map: a rotation by 2 atan(|rate| dt / 2)
@@ -80,6 +80,13 @@ Vec3 SimPlant::carrying_force(const Vec3& target_velocity) const noexcept {
   return (free_move_.damping + share) * target_velocity;
 }
 
+Mobility SimPlant::gripped(Mobility held, double time_s) const noexcept {
+  if (time_s < hand_.grip_harder_at_s) return held;
+  held.hand_damping *= hand_.grip_factor;
+  held.hand_stiffness *= hand_.grip_factor;
+  return held;
+}
+
 Vec3 SimPlant::turn_to_target() const noexcept {
   const Quat turn = motion_.orientation * pose_.orientation.conjugate();
   return (turn.w() < 0.0 ? -2.0 : 2.0) * turn.vec();
@@ -87,8 +94,8 @@ Vec3 SimPlant::turn_to_target() const noexcept {
 
 double SimPlant::energy(double time_s) const noexcept {
   const bool held = held_at(time_s);
-  const Mobility& move = held ? held_move_ : free_move_;
-  const Mobility& turn = held ? held_turn_ : free_turn_;
+  const Mobility move = held ? gripped(held_move_, time_s) : free_move_;
+  const Mobility turn = held ? gripped(held_turn_, time_s) : free_turn_;
   const Vec3 off = motion_at(motion_, time_s).position - pose_.position;
   const double cosine = std::abs((motion_.orientation * pose_.orientation.conjugate()).w());
   return 0.5 * (move.mass.dot(twist_.linear.cwiseAbs2()) + turn.mass.dot(twist_.angular.cwiseAbs2()) +

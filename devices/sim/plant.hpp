@@ -50,6 +50,8 @@ class SimPlant {
   Vec3 turn_to_target() const noexcept;
   /// What a hand that carries the tool adds against the device's drag at the target's velocity [N].
   Vec3 carrying_force(const Vec3& target_velocity) const noexcept;
+  /// `held` with the grip that the hand has at `time_s`.
+  Mobility gripped(Mobility held, double time_s) const noexcept;
 
   OperatorConfig hand_;
   Motion motion_;
