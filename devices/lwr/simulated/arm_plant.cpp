@@ -17,6 +17,10 @@ void require(bool good, const char* field) {
 }
 bool not_negative(const LwrJoints& v) { return (v.array() >= 0.0).all(); }  // false for NaN
 
+Wrench wrench_of(const HandAction& hand, const ArmDynamics::Terms& terms) noexcept {
+  return {hand.force(terms.tool.position, terms.twist.linear), hand.torque(terms.tool.orientation, terms.twist.angular)};
+}
+
 }  // namespace
 
 void PlantParameters::validate() const {
@@ -55,12 +59,12 @@ LwrJoints ArmPlant::drive_torque(const Step& step, const LwrJoints& gravity) con
   return (step.torque + gravity).cwiseMin(parameters_.torque_limit_nm).cwiseMax(-parameters_.torque_limit_nm);
 }
 
-ArmPlant::Slope ArmPlant::slope(const Step& step, const LwrJoints& q, const LwrJoints& rate, double time_s,
-                                ArmDynamics::Terms& terms) noexcept {
-  terms = dynamics_.at(q, rate, step.load);
-  LwrJoints push = drive_torque(step, terms.gravity) - terms.gravity - terms.coriolis -
-                   parameters_.viscous_nms_per_rad.cwiseProduct(rate);
-  if (step.hand) push += joint_torque(terms.jacobian, step.hand->wrench(terms.tool, terms.twist, time_s));
+ArmPlant::Slope ArmPlant::slope(const Step& step, const LwrJoints& q, const LwrJoints& rate,
+                                ArmDynamics::Terms& terms) const noexcept {
+  terms = dynamics_.at(q, rate, {step.hand.mass_kg, step.hand.inertia_kg_m2});
+  const LwrJoints push = drive_torque(step, terms.gravity) - terms.gravity - terms.coriolis -
+                   parameters_.viscous_nms_per_rad.cwiseProduct(rate) +
+                   joint_torque(terms.jacobian, wrench_of(step.hand, terms));
   return {rate, terms.mass.llt().solve(push)};
 }
 
@@ -97,20 +101,20 @@ LwrJoints ArmPlant::holding_impulse(const LwrMatrix& mass, const LwrJoints& q, c
   return impulse;
 }
 
-void ArmPlant::step(const LwrJoints& torque, Drives drives, const TipHand* hand, double time_s, double dt_s) noexcept {
-  const Step step{torque, drives, hand, hand ? hand->load(time_s) : TipLoad{}};
+void ArmPlant::step(const LwrJoints& torque, Drives drives, const HandAction& hand, double dt_s) noexcept {
+  const Step step{torque, drives, hand};
   const double half = 0.5 * dt_s;
   ArmDynamics::Terms start, tried;
-  const Slope a = slope(step, q_, rate_, time_s, start);
-  const Slope b = slope(step, q_ + half * a.rate, rate_ + half * a.acceleration, time_s + half, tried);
-  const Slope c = slope(step, q_ + half * b.rate, rate_ + half * b.acceleration, time_s + half, tried);
-  const Slope d = slope(step, q_ + dt_s * c.rate, rate_ + dt_s * c.acceleration, time_s + dt_s, tried);
+  const Slope a = slope(step, q_, rate_, start);
+  const Slope b = slope(step, q_ + half * a.rate, rate_ + half * a.acceleration, tried);
+  const Slope c = slope(step, q_ + half * b.rate, rate_ + half * b.acceleration, tried);
+  const Slope d = slope(step, q_ + dt_s * c.rate, rate_ + dt_s * c.acceleration, tried);
   const double sixth = dt_s / 6.0;
   const LwrJoints before = rate_;
   LwrJoints q = q_ + sixth * (a.rate + 2.0 * (b.rate + c.rate) + d.rate);
   LwrJoints rate = rate_ + sixth * (a.acceleration + 2.0 * (b.acceleration + c.acceleration) + d.acceleration);
 
-  hand_wrench_ = hand ? hand->wrench(start.tool, start.twist, time_s) : Wrench{};
+  hand_wrench_ = wrench_of(hand, start);
   const LwrJoints impulse = holding_impulse(start.mass, q, rate, drives, dt_s);
   sensed_ = drive_torque(step, start.gravity) + impulse / dt_s;
   if (!impulse.isZero(0.0)) {

@@ -3,18 +3,9 @@
 #include <limits>
 
 #include "devices/lwr/simulated/arm_dynamics.hpp"
+#include "devices/operator/hand.hpp"
 
 namespace voxtouch::lwr_sim {
-
-/// Who holds the tool. Called several times a step with states that the integrator tries, so it must not remember anything.
-class TipHand {
- public:
-  virtual ~TipHand() = default;
-  /// Force and torque on the tool, base axes, about the tool's origin.
-  virtual Wrench wrench(const Pose& tool, const Twist& twist, double time_s) const noexcept = 0;
-  /// What the hand adds to the tool's inertia; constant within a step.
-  virtual TipLoad load(double time_s) const noexcept = 0;
-};
 
 /// What torque control leaves to be felt of the drives, and where the arm ends.
 struct PlantParameters {
@@ -45,9 +36,9 @@ class ArmPlant {
   ArmPlant(const PlantParameters& parameters, const LwrJoints& q);
 
   /// Moves on by `dt_s` with `torque` held (beyond gravity, which the drives carry exactly; the sum is cut to the drives'
-  /// limits). Classical Runge-Kutta of fourth order for all smooth forces; then dry friction, brakes and stops as impulses that
+  /// limits). `hand`: over this step, in the base. Classical Runge-Kutta of fourth order for all smooth forces; then dry friction, brakes and stops as impulses that
   /// take speed and never give any: a joint under less than its friction stays exactly where it is. Real-time safe.
-  void step(const LwrJoints& torque, Drives drives, const TipHand* hand, double time_s, double dt_s) noexcept;
+  void step(const LwrJoints& torque, Drives drives, const HandAction& hand, double dt_s) noexcept;
 
   const LwrJoints& q() const noexcept { return q_; }
   const LwrJoints& rate() const noexcept { return rate_; }
@@ -69,10 +60,9 @@ class ArmPlant {
   struct Step {
     const LwrJoints& torque;
     Drives drives;
-    const TipHand* hand;
-    TipLoad load;
+    const HandAction& hand;
   };
-  Slope slope(const Step& step, const LwrJoints& q, const LwrJoints& rate, double time_s, ArmDynamics::Terms& terms) noexcept;
+  Slope slope(const Step& step, const LwrJoints& q, const LwrJoints& rate, ArmDynamics::Terms& terms) const noexcept;
   LwrJoints drive_torque(const Step& step, const LwrJoints& gravity) const noexcept;
   /// Friction, brakes and stops: the impulse at each joint, within its bounds, that brings the step's end nearest to rest.
   LwrJoints holding_impulse(const LwrMatrix& mass, const LwrJoints& q, const LwrJoints& rate, Drives drives, double dt_s) noexcept;
