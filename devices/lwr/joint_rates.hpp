@@ -1,0 +1,34 @@
+#pragma once
+/// Joint rates from joint positions.
+#include <cmath>
+#include <numbers>
+
+#include "devices/lwr/lwr_arm.hpp"
+
+namespace voxtouch {
+
+/// Backward difference, then a first-order low-pass: rate += (1 - exp(-2 pi f dt)) (difference - rate). Any dt is stable. It lags a
+/// steady acceleration by `lag_s`: half a period of the difference and 1 / (2 pi f) of the low-pass, less the half period that a
+/// sampled low-pass is ahead, which is within one period of the sum given. Real-time safe.
+class JointRates {
+ public:
+  explicit JointRates(double cutoff_hz) noexcept : per_s_(2.0 * std::numbers::pi * cutoff_hz) {}
+
+  const LwrJoints& see(const LwrJoints& q, double dt_s) noexcept {
+    if (started_ && dt_s > 0.0) rate_ += (1.0 - std::exp(-per_s_ * dt_s)) * ((q - last_) / dt_s - rate_);
+    started_ = true;
+    last_ = q;
+    return rate_;
+  }
+  /// The next position starts anew, at rest: after a gap a difference says nothing.
+  void restart() noexcept { started_ = false, rate_.setZero(); }
+  const LwrJoints& rate() const noexcept { return rate_; }
+  double lag_s(double period_s) const noexcept { return 1.0 / per_s_ + period_s / 2.0; }
+
+ private:
+  double per_s_;
+  bool started_ = false;
+  LwrJoints last_ = LwrJoints::Zero(), rate_ = LwrJoints::Zero();
+};
+
+}  // namespace voxtouch
