@@ -184,7 +184,8 @@ double ArmDynamics::potential_energy(const LwrJoints& q) const noexcept {
   const std::array<Frame, 7> frames = links(q);
   double sum = 0.0;
   for (std::size_t i = 0; i < 7; ++i)
-    sum += inertia_.links[i].mass_kg * kGravity * (frames[i].rotation * inertia_.links[i].centre_m + frames[i].origin).z();
+    sum +=
+        inertia_.links[i].mass_kg * kGravity * (frames[i].rotation * inertia_.links[i].centre_m + frames[i].origin).z();
   return sum;
 }
 

@@ -45,12 +45,12 @@ class ArmDynamics {
 
   /// All that one state gives.
   struct Terms {
-    LwrMatrix mass;       ///< M(q), rotors and load included [kg m^2]
-    LwrJoints coriolis;   ///< c(q, q') [Nm]
-    LwrJoints gravity;    ///< g(q): the torque that holds the arm still [Nm]
-    Pose tool;            ///< T in the base
-    LwrJacobian jacobian; ///< of the tool's origin, base axes, linear first
-    Twist twist;          ///< of the tool
+    LwrMatrix mass;        ///< M(q), rotors and load included [kg m^2]
+    LwrJoints coriolis;    ///< c(q, q') [Nm]
+    LwrJoints gravity;     ///< g(q): the torque that holds the arm still [Nm]
+    Pose tool;             ///< T in the base
+    LwrJacobian jacobian;  ///< of the tool's origin, base axes, linear first
+    Twist twist;           ///< of the tool
   };
   Terms at(const LwrJoints& q, const LwrJoints& rate, const TipLoad& load = {}) const noexcept;
 

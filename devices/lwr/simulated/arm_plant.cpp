@@ -18,7 +18,8 @@ void require(bool good, const char* field) {
 bool not_negative(const LwrJoints& v) { return (v.array() >= 0.0).all(); }  // false for NaN
 
 Wrench wrench_of(const HandAction& hand, const ArmDynamics::Terms& terms) noexcept {
-  return {hand.force(terms.tool.position, terms.twist.linear), hand.torque(terms.tool.orientation, terms.twist.angular)};
+  return {hand.force(terms.tool.position, terms.twist.linear),
+          hand.torque(terms.tool.orientation, terms.twist.angular)};
 }
 
 }  // namespace
@@ -48,8 +49,7 @@ PlantParameters lwr_plant(double torque_feedback_gain) {
 }
 
 ArmPlant::ArmPlant(const PlantParameters& parameters, const LwrJoints& q)
-    : parameters_((parameters.validate(), parameters)),
-      dynamics_(parameters.inertia, parameters.tool_in_flange),
+    : parameters_((parameters.validate(), parameters)), dynamics_(parameters.inertia, parameters.tool_in_flange),
       q_(q) {
   sensed_ = dynamics_.at(q_, rate_).gravity;
 }
@@ -63,8 +63,8 @@ ArmPlant::Slope ArmPlant::slope(const Step& step, const LwrJoints& q, const LwrJ
                                 ArmDynamics::Terms& terms) const noexcept {
   terms = dynamics_.at(q, rate, {step.hand.mass_kg, step.hand.inertia_kg_m2});
   const LwrJoints push = drive_torque(step, terms.gravity) - terms.gravity - terms.coriolis -
-                   parameters_.viscous_nms_per_rad.cwiseProduct(rate) +
-                   joint_torque(terms.jacobian, wrench_of(step.hand, terms));
+                         parameters_.viscous_nms_per_rad.cwiseProduct(rate) +
+                         joint_torque(terms.jacobian, wrench_of(step.hand, terms));
   return {rate, terms.mass.llt().solve(push)};
 }
 

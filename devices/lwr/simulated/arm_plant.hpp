@@ -13,9 +13,11 @@ struct PlantParameters {
   Pose tool_in_flange;
   LwrJoints viscous_nms_per_rad = LwrJoints::Zero();
   LwrJoints coulomb_nm = LwrJoints::Zero();
-  LwrJoints brake_nm = LwrJoints::Zero();   ///< most that a closed brake holds
-  LwrJoints torque_limit_nm = LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< of the drives, gravity included
-  LwrJoints position_limit_rad = LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< +-, a stop that takes all speed
+  LwrJoints brake_nm = LwrJoints::Zero();  ///< most that a closed brake holds
+  LwrJoints torque_limit_nm =
+      LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< of the drives, gravity included
+  LwrJoints position_limit_rad =
+      LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< +-, a stop that takes all speed
 
   /// Throws std::runtime_error that names field and rule.
   void validate() const;
@@ -65,7 +67,8 @@ class ArmPlant {
   Slope slope(const Step& step, const LwrJoints& q, const LwrJoints& rate, ArmDynamics::Terms& terms) const noexcept;
   LwrJoints drive_torque(const Step& step, const LwrJoints& gravity) const noexcept;
   /// Friction, brakes and stops: the impulse at each joint, within its bounds, that brings the step's end nearest to rest.
-  LwrJoints holding_impulse(const LwrMatrix& mass, const LwrJoints& q, const LwrJoints& rate, Drives drives, double dt_s) noexcept;
+  LwrJoints holding_impulse(const LwrMatrix& mass, const LwrJoints& q, const LwrJoints& rate, Drives drives,
+                            double dt_s) noexcept;
 
   PlantParameters parameters_;
   ArmDynamics dynamics_;

@@ -12,7 +12,7 @@ namespace voxtouch::lwr_sim {
 /// safe.
 class CommandPath {
  public:
-  static constexpr int kExtrapolated = 3;    ///< assumed
+  static constexpr int kExtrapolated = 3;  ///< assumed
   static constexpr std::size_t kMaxDelay = 100;
 
   /// `ticks_per_period` of 1 ms each. `delay_ticks` (at most kMaxDelay): what overlaid torques and wrenches need on top.

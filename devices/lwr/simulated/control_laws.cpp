@@ -11,7 +11,8 @@ constexpr double kRegular = 1e-6;  // [1/kg] keeps Lambda finite where the arm i
 /// Double diagonalisation: D = 2 L sqrt(L^-1 K L^-T) L^T with M = L L^T damps every mode of (M, K) critically; shares of it enter
 /// by their roots from both sides, so that D stays positive semidefinite (Albu-Schaeffer et al. on damping design).
 template <int N>
-Eigen::Matrix<double, N, N> damping(const Eigen::Matrix<double, N, N>& mass, const Eigen::Matrix<double, N, 1>& stiffness,
+Eigen::Matrix<double, N, N> damping(const Eigen::Matrix<double, N, N>& mass,
+                                    const Eigen::Matrix<double, N, 1>& stiffness,
                                     const Eigen::Matrix<double, N, 1>& share) noexcept {
   using Square = Eigen::Matrix<double, N, N>;
   if (stiffness.isZero(0.0) || share.isZero(0.0)) return Square::Zero();
@@ -19,8 +20,8 @@ Eigen::Matrix<double, N, N> damping(const Eigen::Matrix<double, N, N>& mass, con
   const Square root = stiffness.cwiseSqrt().asDiagonal();
   const Square half = lower.template triangularView<Eigen::Lower>().solve(root);
   const Eigen::SelfAdjointEigenSolver<Square> modes(half * half.transpose());
-  const Square middle =
-      modes.eigenvectors() * modes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * modes.eigenvectors().transpose();
+  const Square middle = modes.eigenvectors() * modes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+                        modes.eigenvectors().transpose();
   const Square scaled = share.cwiseSqrt().asDiagonal() * lower;
   return 2.0 * scaled * middle * scaled.transpose();
 }
@@ -41,8 +42,15 @@ Vec6 way_to(const Pose& wanted, const Pose& tool) noexcept {
 
 }  // namespace
 
-LwrJoints position_law(const LawParameters& p, const ArmDynamics::Terms& terms, const LwrJoints& q, const LwrJoints& rate,
-                       const LwrJoints& wanted) noexcept {
+LwrJacobian in_axes(const Mat3& axes, const LwrJacobian& jacobian) noexcept {
+  LwrJacobian out;
+  out.topRows<3>() = axes.transpose() * jacobian.topRows<3>();
+  out.bottomRows<3>() = axes.transpose() * jacobian.bottomRows<3>();
+  return out;
+}
+
+LwrJoints position_law(const LawParameters& p, const ArmDynamics::Terms& terms, const LwrJoints& q,
+                       const LwrJoints& rate, const LwrJoints& wanted) noexcept {
   const double w = p.position_bandwidth_rad_s;
   return terms.mass * (w * w * (wanted - q) - 2.0 * w * rate) + terms.coriolis;
 }
@@ -55,7 +63,7 @@ void Impedance::prepare_joint(const ArmDynamics::Terms& terms, const Setpoint& w
 void Impedance::prepare_cartesian(const ArmDynamics::Terms& terms, const Setpoint& wanted) noexcept {
   cartesian_ = true;
   Eigen::Matrix<double, 7, 6> mobility;
-  const Mat6 inertia = tool_inertia(terms.mass, terms.jacobian, mobility);
+  const Mat6 inertia = tool_inertia(terms.mass, in_axes(task_axes(parameters_, terms), terms.jacobian), mobility);
   cart_damping_ = damping<6>(inertia, wanted.cart_stiffness, wanted.cart_damping);
   consistent_ = mobility * inertia;
   joint_damping_ = damping<7>(terms.mass, LwrJoints::Constant(parameters_.null_stiffness_nm_per_rad),
@@ -69,12 +77,14 @@ LwrJoints Impedance::torque(const ArmDynamics::Terms& terms, const LwrJoints& q,
     torque += wanted.stiffness.cwiseProduct(wanted.position - q) - joint_damping_ * rate;
     return torque;
   }
-  Vec6 twist;
-  twist << terms.twist.linear, terms.twist.angular;
-  const Vec6 force = wanted.cart_stiffness.cwiseProduct(way_to(wanted.pose, terms.tool)) - cart_damping_ * twist;
+  const Mat3 axes = task_axes(parameters_, terms);
+  const LwrJacobian jacobian = in_axes(axes, terms.jacobian);
+  const Vec6 way = way_to(wanted.pose, terms.tool);
+  Vec6 way_in_axes;
+  way_in_axes << axes.transpose() * way.head<3>(), axes.transpose() * way.tail<3>();
+  const Vec6 force = wanted.cart_stiffness.cwiseProduct(way_in_axes) - cart_damping_ * (jacobian * rate);
   const LwrJoints posture = parameters_.null_stiffness_nm_per_rad * (wanted.position - q) - joint_damping_ * rate;
-  torque += terms.jacobian.transpose() * force;
-  torque += posture - terms.jacobian.transpose() * (consistent_.transpose() * posture);
+  torque += jacobian.transpose() * (force - consistent_.transpose() * posture) + posture;
   return torque;
 }
 

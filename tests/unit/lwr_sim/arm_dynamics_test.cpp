@@ -70,7 +70,8 @@ TEST(ArmDynamics, TheKineticEnergyIsThatOfPointsThatMoveWithTheLinks) {
     for (std::size_t i = 0; i < 7; ++i) {
       const Link& link = inertia.links[i];
       for (int axis = 0; axis < 3; ++axis) {
-        const double second_moment = 0.5 * link.inertia_kg_m2.sum() - link.inertia_kg_m2[axis];  // integral of x_axis^2 dm
+        const double second_moment =
+            0.5 * link.inertia_kg_m2.sum() - link.inertia_kg_m2[axis];  // integral of x_axis^2 dm
         const double arm = std::sqrt(3.0 * second_moment / link.mass_kg);
         for (const double side : {-1.0, 1.0}) {
           const Vec3 point = link.centre_m + side * arm * Vec3::Unit(axis);
