@@ -299,7 +299,7 @@ const fri::MsrPacket& FriController::close() noexcept {
   const State from = std::exchange(state_, State::kOff);
   hold_here();
   braked_ = true;
-  note(from, {Reason::kAsked, 0});
+  note(from, {Reason::kClosed, 0});
   ++msr_.header.send_seq;
   fill_interface();
   fill_robot();

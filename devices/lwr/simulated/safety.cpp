@@ -36,6 +36,7 @@ std::string_view sentence_of(Reason reason) noexcept {
     case Reason::kNone: return "nothing is wrong";
     case Reason::kAsked: return "friStop, as the remote side asked";
     case Reason::kMisses: return "too many answers were missing";
+    case Reason::kClosed: return "friClose";
     case Reason::kNotFinite: return "a command held a number that is none";
     case Reason::kFlagsChanged: return "the command flags changed in command mode";
     case Reason::kJump: return "the last commanded position is not the mirrored one";

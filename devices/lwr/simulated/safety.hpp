@@ -13,6 +13,7 @@ namespace voxtouch::lwr_sim {
 enum class Reason : std::uint8_t {
   kNone,
   kAsked,            ///< friStop
+  kClosed,           ///< friClose
   kMisses,           ///< too many answers were missing
   kNotFinite,        ///< a command held NaN or Inf
   kFlagsChanged,     ///< cmdFlags changed in command mode
