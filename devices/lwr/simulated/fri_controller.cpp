@@ -287,6 +287,7 @@ void FriController::start() noexcept {
   }
   const State from = std::exchange(state_, State::kCmd);
   ++starts_;
+  script_.started();
   braked_ = false;
   error_ = warning_ = 0;
   flags_ = answer_.command.cmd_flags;

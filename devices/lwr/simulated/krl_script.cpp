@@ -12,10 +12,6 @@ std::optional<fri::Control> control_of(std::int32_t strategy) noexcept {
 }
 
 KrlScript::Request KrlScript::step(const Input& in, double elapsed_s) noexcept {
-  if (starting_ && in.state == fri::State::kCmd) {
-    starting_ = false;
-    echo_ = fri::kRun;
-  }
   waited_s_ += elapsed_s;
   if (waited_s_ + 1e-9 < pause_s_) return Request::kNone;
   waited_s_ = 0.0;
@@ -23,17 +19,12 @@ KrlScript::Request KrlScript::step(const Input& in, double elapsed_s) noexcept {
     echo_ = fri::kHalt;
     return Request::kStop;
   }
-  if (in.run == fri::kHalt && in.state == fri::State::kMon) {
-    starting_ = false;
-    return Request::kAcknowledge;
-  }
+  if (in.run == fri::kHalt && in.state == fri::State::kMon) return Request::kAcknowledge;
   if (in.run != fri::kRun || echo_ == fri::kRun || in.state != fri::State::kMon) return Request::kNone;
   const auto wanted = control_of(in.strategy);
   const bool keeps = first_start_keeps_strategy_ && echo_ == fri::kKrlInitialised;
   if (wanted && !keeps) control_ = *wanted;
-  if (in.quality != fri::Quality::kPerfect || (!wanted && !keeps)) return Request::kNone;
-  starting_ = true;
-  return Request::kStart;
+  return in.quality == fri::Quality::kPerfect && (wanted || keeps) ? Request::kStart : Request::kNone;
 }
 
 }  // namespace voxtouch::lwr_sim

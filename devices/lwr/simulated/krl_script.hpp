@@ -30,13 +30,15 @@ class KrlScript {
 
   /// Once a period.
   Request step(const Input& input, double elapsed_s) noexcept;
+  /// friStart led to command mode.
+  void started() noexcept { echo_ = fri::kRun; }
 
   std::int32_t echo() const noexcept { return echo_; }
   fri::Control control() const noexcept { return control_; }  ///< of $stiffness.strategy
 
  private:
   double pause_s_, waited_s_ = 0.0;
-  bool first_start_keeps_strategy_, starting_ = false;
+  bool first_start_keeps_strategy_;
   std::int32_t echo_ = fri::kKrlInitialised;
   fri::Control control_ = fri::Control::kPosition;
 };

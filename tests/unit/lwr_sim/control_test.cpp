@@ -63,7 +63,7 @@ TEST(Control, WithoutStiffnessTheHandLeadsTheArmWhereItWants) {
 TEST(Control, ATorqueOnTopIsAForceAtTheToolThatTheHandHolds) {
   ControllerConfig config = quick();
   config.plant.coulomb_nm.setZero();
-  Rig rig(config, arm_at(Vec3::Zero(), 500.0));
+  Rig rig(config, arm_at(Vec3::Zero(), 500.0, 60.0));
   const Vec3 start = tip_of(rig);
   ASSERT_TRUE(rig.start());
   const Vec3 force(8.0, -5.0, 3.0);
@@ -73,7 +73,7 @@ TEST(Control, ATorqueOnTopIsAForceAtTheToolThatTheHandHolds) {
   }
   EXPECT_LT((500.0 * (tip_of(rig) - start) - force).norm(), 0.1);
   EXPECT_LT((rig.controller.row().applied.force - force).norm(), 0.1);
-  EXPECT_LT((rig.controller.row().hand.force + force).norm(), 0.1);
+  EXPECT_LT((rig.controller.row().hand.force + force).norm(), 0.2);  // the elbow still swings a little
 }
 
 TEST(Control, ATorqueComesAfterItsPeriodAndItsDelayAndThroughItsLag) {

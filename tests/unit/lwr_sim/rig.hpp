@@ -16,10 +16,11 @@ inline Hand nobody() {
 }
 
 /// An arm's grip that wants to be `offset` away from where the tool starts.
-inline Hand arm_at(const Vec3& offset, double stiffness_n_per_m = 200.0) {
+inline Hand arm_at(const Vec3& offset, double stiffness_n_per_m = 200.0, double damping_ns_per_m = 15.0) {
   OperatorConfig config = *grip("arm");
   config.carries_tool = false;
   config.stiffness_n_per_m = stiffness_n_per_m;
+  config.damping_ns_per_m = damping_ns_per_m;
   const Pose tool = LwrArm().tool(lwr_rest_posture());
   Motion motion;
   motion.path = {tool.position + offset};
