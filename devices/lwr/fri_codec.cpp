@@ -14,6 +14,13 @@ bool all_finite(const std::array<float, N>& values) noexcept {
   return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
 }
 
+/// What an answer outside command mode holds: the sum of both.
+bool mirror_finite(const Measured& data) noexcept {
+  for (std::size_t i = 0; i < kJoints; ++i)
+    if (!std::isfinite(data.cmd_jnt_pos[i] + data.cmd_jnt_pos_fri_offset[i])) return false;
+  return true;
+}
+
 PacketFault check_header(const Header& header, std::uint16_t id, std::uint16_t size) noexcept {
   if (header.datagram_id != id) return PacketFault::kId;
   if (header.packet_size != size) return PacketFault::kSizeField;
@@ -47,9 +54,7 @@ PacketFault decode(std::span<const std::byte> datagram, MsrPacket& packet) noexc
   if (!known(intf.state) || !known(intf.quality) || !known(packet.robot.control)) return PacketFault::kEnum;
   const bool timed =
       std::isfinite(intf.timestamp_s) && std::isfinite(intf.msr_period_s) && std::isfinite(intf.cmd_period_s);
-  if (!timed || !all_finite(packet.data.cmd_jnt_pos) || !all_finite(packet.data.cmd_jnt_pos_fri_offset))
-    return PacketFault::kNotFinite;
-  return PacketFault::kNone;
+  return timed && mirror_finite(packet.data) ? PacketFault::kNone : PacketFault::kNotFinite;
 }
 
 PacketFault decode(std::span<const std::byte> datagram, CmdPacket& packet) noexcept {

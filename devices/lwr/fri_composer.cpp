@@ -38,11 +38,10 @@ void FriComposer::relax() noexcept {
   packet_.command.add_tcp_ft.fill(0.0F);
 }
 
-void FriComposer::place(const MsrPacket& msr, bool in_command) noexcept {
-  const bool measured = measured_finite(msr);
+void FriComposer::place(const MsrPacket& msr, bool in_command, bool trusted) noexcept {
   if (!in_command) {
     commanded_ = from_wire(msr.data.cmd_jnt_pos) + from_wire(msr.data.cmd_jnt_pos_fri_offset);
-  } else if (measured) {
+  } else if (trusted) {
     const LwrJoints goal =
         rules_.strategy == Strategy::kCartesianImpedance ? rules_.posture : from_wire(msr.data.jnt_pos);
     commanded_ += (goal - commanded_).cwiseMax(-rules_.step_limit_rad).cwiseMin(rules_.step_limit_rad);
@@ -62,10 +61,11 @@ void FriComposer::push_with(const Push& push) noexcept {
   packet_.command.add_tcp_ft = to_wire(wrench);
 }
 
-const CmdPacket& FriComposer::answer(const MsrPacket& msr, const FriSession& session, const Push& push) noexcept {
+const CmdPacket& FriComposer::answer(const MsrPacket& msr, const FriSession& session, bool trusted,
+                                     const Push& push) noexcept {
   head(msr.header, session);
   relax();
-  place(msr, session.in_command());
+  place(msr, session.in_command(), trusted);
   ready_ = true;
   if (session.in_command() && session.force_allowed()) push_with(push);
   if (!finite(packet_)) relax();

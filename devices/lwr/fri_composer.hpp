@@ -38,8 +38,8 @@ class FriComposer {
   explicit FriComposer(const ComposerRules& rules) noexcept;
 
   /// The answer to `msr`. While `session` is not in command mode the position mirrors the controller's own command and `push` is
-  /// left out. Every number in it is finite, whatever came in: what is not is replaced by the last that was, without push.
-  const CmdPacket& answer(const MsrPacket& msr, const FriSession& session, const Push& push) noexcept;
+  /// left out. `trusted`: the measured position may be followed; otherwise the commanded one stays where it is. Every number in it is finite, whatever came in: what is not is replaced by the last that was, without push.
+  const CmdPacket& answer(const MsrPacket& msr, const FriSession& session, bool trusted, const Push& push) noexcept;
   /// The answer to a packet that cannot be trusted beyond its header: the last position again, no push.
   const CmdPacket& answer_untrusted(const Header& header, const FriSession& session) noexcept;
   /// False until one answer was composed: there is no position to repeat yet.
@@ -47,7 +47,7 @@ class FriComposer {
 
  private:
   void head(const Header& header, const FriSession& session) noexcept;
-  void place(const MsrPacket& msr, bool in_command) noexcept;
+  void place(const MsrPacket& msr, bool in_command, bool trusted) noexcept;
   void push_with(const Push& push) noexcept;
   void relax() noexcept;
 

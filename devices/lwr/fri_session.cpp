@@ -42,6 +42,10 @@ std::string_view sentence_of(Trouble trouble) noexcept {
              "program sets "
              "$stiffness.strategy from it";
     case Trouble::kTooFast: return "a joint is over its speed limit: force is off until it is slower";
+    case Trouble::kFrameDiffers:
+      return "the controller's tool pose is not the one that the driver computes: $TOOL has to be the driver's "
+             "tool_in_flange, and "
+             "$BASE the robot's root";
     case Trouble::kClosed: return "the controller closed the interface (friClose)";
     case Trouble::kStopping: return "stopping";
   }
@@ -51,6 +55,7 @@ std::string_view sentence_of(Trouble trouble) noexcept {
 DeviceError error_of(Trouble trouble) noexcept {
   switch (trouble) {
     case Trouble::kDriveError:
+    case Trouble::kFrameDiffers:
     case Trouble::kTooManyDrops: return DeviceError::kFault;
     case Trouble::kClosed: return DeviceError::kDisconnected;
     default: return DeviceError::kRecoverable;
@@ -89,7 +94,7 @@ Trouble FriSession::drives(const MsrPacket& msr, double elapsed_s) noexcept {
   return starts_ ? Trouble::kDrivesWentOff : Trouble::kDrivesNotOn;
 }
 
-void FriSession::see(const MsrPacket& msr, double elapsed_s, bool too_fast) noexcept {
+void FriSession::see(const MsrPacket& msr, double elapsed_s, Trouble arm) noexcept {
   const Trouble power = drives(msr, elapsed_s);
   const bool was_in_command = in_command_;
   const bool drives_on = (msr.robot.power & kAllDrives) == kAllDrives;
@@ -112,7 +117,7 @@ void FriSession::see(const MsrPacket& msr, double elapsed_s, bool too_fast) noex
     return;
   }
   advance(msr);
-  trouble_ = judge(msr, too_fast);
+  trouble_ = judge(msr, arm);
 }
 
 void FriSession::advance(const MsrPacket& msr) noexcept {
@@ -135,7 +140,7 @@ void FriSession::advance(const MsrPacket& msr) noexcept {
     halt(Trouble::kStartTimedOut, rules_.pause_s);
 }
 
-Trouble FriSession::judge(const MsrPacket& msr, bool too_fast) const noexcept {
+Trouble FriSession::judge(const MsrPacket& msr, Trouble arm) const noexcept {
   switch (phase_) {
     case Phase::kHalting: return halted_by_;
     case Phase::kWaiting: return Trouble::kQualityTooLowToStart;
@@ -144,7 +149,7 @@ Trouble FriSession::judge(const MsrPacket& msr, bool too_fast) const noexcept {
   }
   if (!mode_fits(msr)) return Trouble::kWrongControlMode;
   if (rank(msr.interface.quality) < rank(rules_.keep_quality)) return Trouble::kQualityDropped;
-  return too_fast ? Trouble::kTooFast : Trouble::kNone;
+  return arm;
 }
 
 void FriSession::fill(Krl& krl) const noexcept {

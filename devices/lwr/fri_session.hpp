@@ -24,6 +24,7 @@ enum class Trouble : std::uint8_t {
   kQualityDropped,    ///< in command mode
   kWrongControlMode,  ///< in command mode, but not with the strategy asked for
   kTooFast,           ///< a joint over its speed limit
+  kFrameDiffers,      ///< Cartesian mode: the controller's tool pose is not the one computed here
   kClosed,            ///< friClose, or the state is none
   kStopping,
 };
@@ -55,8 +56,9 @@ class FriSession {
   enum class Phase : std::uint8_t { kHalting, kWaiting, kStarting, kRunning };
   explicit FriSession(const SessionRules& rules) noexcept : rules_(rules), pause_left_s_(0.0) {}
 
-  /// One new measurement, `elapsed_s` after the one before. `too_fast`: a joint is over its speed limit.
-  void see(const MsrPacket& msr, double elapsed_s, bool too_fast) noexcept;
+  /// One new measurement, `elapsed_s` after the one before. `arm`: what the arm's geometry says about it (kNone, kTooFast,
+  /// kFrameDiffers).
+  void see(const MsrPacket& msr, double elapsed_s, Trouble arm) noexcept;
   /// For good: 0 is asked for, force is off.
   void request_stop() noexcept;
   /// The stop has been followed: the controller is in no command mode, and the program has heard the request.
@@ -80,7 +82,7 @@ class FriSession {
   void halt(Trouble why, double pause_s) noexcept;
   bool mode_fits(const MsrPacket& msr) const noexcept;
   Trouble drives(const MsrPacket& msr, double elapsed_s) noexcept;
-  Trouble judge(const MsrPacket& msr, bool too_fast) const noexcept;
+  Trouble judge(const MsrPacket& msr, Trouble arm) const noexcept;
 
   SessionRules rules_;
   Phase phase_ = Phase::kHalting;

@@ -1,0 +1,157 @@
+#pragma once
+/// The DLR / KUKA light-weight robot 4 or 4+ as a haptic device, over the Fast Research Interface 1.0 of its KRC2-LR controller.
+///
+/// What the controller has to run: a KRL program that calls friOpen(period) and friSetup(address of this machine, port, port), sets
+/// $stiffness.strategy from $FRI_FRM_INT[1], calls friStart while $FRI_FRM_INT[2] is 1 and friStop once it is 0, and echoes that in
+/// $FRI_TO_INT[2]. It has to widen what the impedance controller may deviate ($stiffness.axismaxdelta, axismaxdeltatrq), since here
+/// all force comes as torque on top.
+///
+/// Not this driver: the successor, LBR iiwa. Its controller's "FRI 1.x" shares the name only. It speaks protocol buffers over UDP
+/// 30200 with the roles turned round (the client binds, the controller is addressed by its own application program). Open there:
+/// the ids of the monitor and command messages (0x245142, 0x34001), the fields of both (header, joint position and torque, wrench
+/// feed-forward, connection quality, session state IDLE to COMMANDING_ACTIVE), and client sources that can be read. Missing for a
+/// driver: permission to use those sources without the vendor's product (an own decoder of the messages is possible from the
+/// public field numbers), the iiwa's own kinematic and torque limits, a controller-side application, and hardware to see which
+/// command mode (torque or wrench overlay) holds its rate.
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "devices/driver.hpp"
+#include "devices/lwr/fri_capture.hpp"
+#include "devices/lwr/fri_clock.hpp"
+#include "devices/lwr/fri_composer.hpp"
+#include "devices/lwr/fri_sequence.hpp"
+#include "devices/lwr/fri_session.hpp"
+#include "devices/lwr/joint_rates.hpp"
+#include "devices/lwr/lwr_arm.hpp"
+#include "devices/lwr/lwr_options.hpp"
+#include "devices/lwr/udp_socket.hpp"
+
+namespace voxtouch {
+
+struct LwrCounts {
+  std::uint64_t answered = 0;
+  std::uint64_t superseded = 0;      ///< measurements that a newer one overtook before they were read; not answered
+  std::uint64_t unread_answers = 0;  ///< measurements that the caller left without a `write`; answered without push
+  std::uint64_t malformed = 0;       ///< datagrams of another length, id or size field
+  std::uint64_t foreign = 0;         ///< datagrams from another address
+  std::uint64_t untrusted = 0;  ///< measurements without a finite stamp or mirror position, or with an undefined state
+  std::uint64_t invalid_poses = 0;  ///< measurements without finite, possible joint positions
+  std::uint64_t aged = 0;           ///< measurements that lay in the kernel for too long
+  std::uint64_t timeouts = 0;
+  std::uint64_t refused = 0;  ///< commands that were not finite or over a limit
+  std::uint64_t scaled = 0;   ///< commands made smaller, direction kept, to stay within the joint torques
+  std::uint64_t send_errors = 0;
+};
+
+/// What can be asked while it runs. Real-time safe to take.
+struct LwrStatus {
+  fri::Trouble trouble = fri::Trouble::kNone;
+  fri::FriSession::Phase phase = fri::FriSession::Phase::kHalting;
+  fri::State state = fri::State::kInvalid;
+  fri::Quality quality = fri::Quality::kInvalid;
+  std::uint16_t power = 0, error = 0, warning = 0;  ///< a bit a drive, joint order of the wire
+  std::uint32_t starts = 0, drops = 0;
+  std::uint64_t clock_disagreements = 0;
+  fri::SequenceCounts sequence;
+  LwrCounts counts;
+};
+
+/// One thread owns it. Every measurement is answered: by `write`, or without push by the next `read` or by `stop` if `write` was
+/// left out, and at once by `read` where it returns an error about a measurement. So an error costs the force within the period
+/// that it is seen in.
+///
+/// read: kTimeout (nothing new in time; measurements that are too old are nothing new), kDisconnected (silence, or friClose),
+/// kProtocol (a measurement that cannot be trusted, or only malformed datagrams came), kFault (drive error, drives stay off, left
+/// command mode too often). While the controller is not in command mode samples come all the same, so that the answers keep coming
+/// that the quality is judged by.
+/// write: kNotFinite, kLimit (check_command), kRecoverable (not in command mode, quality dropped, too fast, not sent: `status`
+/// tells), kProtocol (the sample's pose was not valid), kTimeout (no unanswered measurement). After a kRecoverable the driver works
+/// its way back into command mode by itself.
+///
+/// Force is J^T F, geometric Jacobian of the tool, plus the posture torque (posture_torque.hpp), with stiffness zero and the
+/// commanded position at the measured one; in Cartesian mode the controller maps it. The joint torques of a command that would need
+/// more than `max_add_torque_nm` are made smaller in proportion. Twist is the Jacobian times low-passed joint rates; it lags by
+/// `twist_lag_s()`.
+///
+/// Time: periods counted from the first measurement (virtual time: from the first sample in command mode). A controller that
+/// announces virtual time (fri::kVirtualTime) makes `simulated()` true: it waits for each answer, so `read` waits for it, up to
+/// `virtual_timeout_s` whatever its own timeout; the constructor then returns in command mode.
+class LwrDriver final : public Driver {
+ public:
+  /// Waits for the first measurement. Throws DeviceOpenError: options, port, nothing or nothing readable within
+  /// `connect_timeout_s`, a drive error; the sentence says what to check.
+  explicit LwrDriver(const LwrOptions& options);
+  /// No push, then the handshake out of command mode (kept up until the controller followed, at most `stop_timeout_s`); closes.
+  ~LwrDriver() override;
+
+  const DeviceDescription& description() const noexcept override { return description_; }
+  DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept override;
+  DeviceResult<void> write(const Wrench& command) noexcept override;
+  void stop() noexcept override;
+  bool simulated() const noexcept override { return virtual_time_; }
+
+  LwrStatus status() const noexcept;
+  /// What keeps the force off and what to do, or that nothing does; with the drives' bits as joint names. Allocates.
+  std::string status_text() const;
+  double twist_lag_s() const noexcept { return rates_.lag_s(1e-9 * static_cast<double>(period_ns_)); }
+  UdpEndpoint local() const noexcept { return socket_.local(); }
+  UdpEndpoint controller() const noexcept { return controller_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  enum class Intake : std::uint8_t { kNothing, kNew, kUntrusted };
+  void connect();
+  void start_in_virtual_time();
+  void describe();
+  void disengage() noexcept;
+  std::string nothing_came() const;
+
+  Intake take() noexcept;
+  Intake judge(const UdpSocket::Datagram& datagram) noexcept;
+  Intake wait_and_take(Clock::time_point deadline) noexcept;
+  DeviceError nothing_new(std::uint64_t malformed_before) noexcept;
+  void accept() noexcept;
+  void measure(double elapsed_s) noexcept;
+  fri::Trouble check_arm() const noexcept;
+  fri::Push push_for(const Wrench& command) noexcept;
+  void answer_without_push() noexcept;
+  bool send(const fri::CmdPacket& packet) noexcept;
+
+  LwrOptions options_;
+  UdpSocket socket_;
+  fri::FriCapture capture_;
+  LwrArm arm_;
+  LwrLimits limits_;
+  DeviceDescription description_;
+  fri::SequenceTracker sequence_;
+  fri::FriSession session_;
+  std::optional<fri::FriComposer> composer_;  // these two: once the period is known
+  std::optional<fri::FriClock> clock_;
+  JointRates rates_;
+
+  std::array<std::byte, 2048> buffer_;
+  fri::MsrPacket incoming_{}, msr_{};
+  UdpEndpoint controller_;
+  Quat base_to_d_ = Quat::Identity();
+  LwrArm::State posture_{};
+  LwrJoints q_ = LwrJoints::Zero();
+  DeviceSample sample_;
+  LwrCounts counts_;
+  fri::PacketFault last_fault_ = fri::PacketFault::kNone;
+  std::size_t last_bad_size_ = 0;
+  UdpEndpoint last_bad_from_;
+  Clock::time_point heard_;
+  std::int64_t period_ns_ = 1'000'000;
+  std::uint64_t steps_ = 0;     // periods since the last measurement that was accepted
+  double posture_share_ = 0.0;  // of the posture torque, 0 to 1
+  bool virtual_time_ = false;
+  bool unanswered_ = false;  // msr_ waits for its answer
+  bool fresh_ = false;       // msr_ waits to be read
+  bool pushing_ = false;     // the last answer held a push
+};
+
+}  // namespace voxtouch

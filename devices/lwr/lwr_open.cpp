@@ -1,0 +1,162 @@
+// Opening and closing the light-weight robot: the parts of LwrDriver that may wait, throw and allocate.
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "devices/lwr/lwr_driver.hpp"
+#include "devices/sim/parameters.hpp"
+
+namespace voxtouch {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::array<std::string_view, LwrArm::kJoints> kJointNames = {"A1", "A2", "E1", "A3", "A4", "A5", "A6"};
+
+fri::ComposerRules composer_rules(const LwrOptions& options, double period_s) {
+  fri::ComposerRules rules = options.composer;
+  rules.strategy = options.session.strategy;
+  rules.posture = options.posture.posture;
+  rules.step_limit_rad = 0.9 * period_s * lwr_limits().velocity_rad_s;
+  return rules;
+}
+
+LwrOptions checked(const LwrOptions& options) {
+  options.validate();
+  if (!options.capture_file.empty() && !std::ofstream(options.capture_file, std::ios::binary))
+    throw DeviceOpenError(fmt::format("device 'lwr': cannot write the capture file '{}'", options.capture_file));
+  return options;
+}
+
+std::string joints_of(unsigned bits) {
+  std::string names;
+  for (std::size_t i = 0; i < kJointNames.size(); ++i)
+    if (bits >> i & 1) names += fmt::format("{}{}", names.empty() ? "" : " ", kJointNames[i]);
+  return names;
+}
+
+std::chrono::nanoseconds seconds(double s) { return std::chrono::nanoseconds(std::llround(s * 1e9)); }
+
+}  // namespace
+
+LwrDriver::LwrDriver(const LwrOptions& options)
+    : options_(checked(options)), socket_(options.address, options.port),
+      capture_(options.capture_file.empty() ? 0 : options.capture_packets), arm_(options.tool_in_flange),
+      limits_(lwr_limits()), session_(options.session), rates_(options.rate_cutoff_hz),
+      base_to_d_(options.d_in_base.orientation.conjugate()) {
+  if (!options_.controller.empty()) controller_.address = *parse_ipv4(options_.controller);
+  connect();
+  if (virtual_time_) start_in_virtual_time();
+  describe();
+}
+
+void LwrDriver::connect() {
+  heard_ = Clock::now();
+  const auto deadline = heard_ + seconds(options_.connect_timeout_s);
+  for (Intake intake = Intake::kUntrusted;
+       intake != Intake::kNew;) {  // without a first position there is nothing to mirror
+    intake = wait_and_take(deadline);
+    if (intake == Intake::kNothing) throw DeviceOpenError(nothing_came());
+  }
+  const double period_s = msr_.interface.msr_period_s;
+  if (!(period_s > 0.5e-3 && period_s < 0.11))
+    throw DeviceOpenError(
+        fmt::format("device 'lwr': the controller at {} announces a period of {} s, but friOpen knows 1 to 100 ms",
+                    text_of(controller_), period_s));
+  period_ns_ = std::llround(period_s * 1e6) * 1000;  // whole microseconds: the float is a little off
+  virtual_time_ = msr_.krl.integer[fri::kToIntSimulated] == fri::kVirtualTime;
+  composer_.emplace(composer_rules(options_, 1e-9 * static_cast<double>(period_ns_)));
+  clock_.emplace(period_ns_, virtual_time_);
+  accept();
+  if (session_.error() != DeviceError::kRecoverable) {
+    answer_without_push();
+    throw DeviceOpenError(fmt::format("device 'lwr': {}", status_text()));
+  }
+  if (!virtual_time_) answer_without_push();
+}
+
+std::string LwrDriver::nothing_came() const {
+  const std::string where = fmt::format("device 'lwr': within {} s no FRI measurement came to UDP {}",
+                                        options_.connect_timeout_s, text_of(socket_.local()));
+  if (counts_.untrusted)
+    return fmt::format("{} that can be mirrored: its numbers are not finite, or its state is undefined ({} from {})",
+                       where, name_of(last_fault_), text_of(last_bad_from_));
+  if (counts_.malformed)
+    return fmt::format(
+        "{}: what came is none ({} bytes from {}, wrong {}; FRI 1.0 has {} bytes); is it another controller or FRI "
+        "version?",
+        where, last_bad_size_, text_of(last_bad_from_), name_of(last_fault_), fri::kMsrSize);
+  if (counts_.foreign)
+    return fmt::format("{} from {}, but {} datagrams from other addresses: check the option 'controller'", where,
+                       options_.controller, counts_.foreign);
+  return fmt::format(
+      "{}: check on the controller that the KRL program runs and has called friOpen, that friSetup names this "
+      "machine's "
+      "address and port {}, and check the cable, the network interface and the firewall",
+      where, socket_.local().port);
+}
+
+/// Nobody is kept waiting by time that stands still, so the whole handshake fits in here.
+void LwrDriver::start_in_virtual_time() {
+  const double period_s = 1e-9 * static_cast<double>(period_ns_);
+  const double patience_s = options_.session.start_timeout_s + options_.connect_timeout_s;
+  for (double waited_s = 0.0; !(session_.force_allowed() && sample_.pose_valid); waited_s += period_s) {
+    if (waited_s > patience_s || session_.error() != DeviceError::kRecoverable)
+      throw DeviceOpenError(
+          fmt::format("device 'lwr': the controller in virtual time did not start: {}", status_text()));
+    answer_without_push();
+    if (wait_and_take(Clock::now() + seconds(options_.virtual_timeout_s)) != Intake::kNew)
+      throw DeviceOpenError(fmt::format(
+          "device 'lwr': the controller in virtual time at {} went silent during the start", text_of(controller_)));
+    accept();
+  }
+  clock_->zero();
+  sample_.time_ns = 0;
+  fresh_ = true;
+}
+
+void LwrDriver::describe() {
+  const double period_s = 1e-9 * static_cast<double>(period_ns_);
+  description_ = sim_lwr().description;
+  description_.model = "lwr";
+  description_.rate_hz = 1.0 / period_s;
+  description_.delay_s =
+      period_s + 0.001;  // the controller interpolates over one period; then its torque loop (assumed)
+}
+
+LwrDriver::~LwrDriver() {
+  disengage();
+  try {
+    if (!options_.capture_file.empty()) capture_.write(options_.capture_file);
+  } catch (
+      const std::
+          exception&) {  // the file could be opened at the start; a disk that has filled since is no reason to abort
+  }
+}
+
+void LwrDriver::disengage() noexcept {
+  const bool asked =
+      session_.phase() == fri::FriSession::Phase::kStarting || session_.phase() == fri::FriSession::Phase::kRunning;
+  session_.request_stop();
+  stop();
+  const std::uint64_t heard_enough = counts_.answered + (asked ? 3 : 0);  // a request may be lost
+  const auto deadline = Clock::now() + seconds(options_.stop_timeout_s);
+  while (asked && !(session_.stopped() && counts_.answered >= heard_enough)) {
+    const Intake intake = wait_and_take(deadline);
+    if (intake == Intake::kNothing) return;
+    if (intake == Intake::kUntrusted) continue;
+    accept();
+    answer_without_push();
+  }
+}
+
+std::string LwrDriver::status_text() const {
+  std::string text(sentence_of(session_.trouble()));
+  const unsigned off = ~msr_.robot.power & fri::kAllDrives;
+  if (msr_.robot.error) text += fmt::format(" [errors of {}]", joints_of(msr_.robot.error));
+  if (msr_.robot.warning) text += fmt::format(" [warnings of {}]", joints_of(msr_.robot.warning));
+  if (off) text += fmt::format(" [drives off: {}]", joints_of(off));
+  return text;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,283 @@
+// Each thing that goes wrong, and that the push is gone in the very answer after it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "fake_controller.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+const Wrench kPush{Vec3(5, -3, 8), Vec3(0.4, -0.2, 0.1)};
+const double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// A driver that pushes.
+class LwrDriverFault : public testing::Test {
+ protected:
+  void SetUp() override { run(quick_options()); }
+  void run(const LwrOptions& options) {
+    driver.reset();
+    krc = std::make_unique<FakeController>();
+    driver = krc->open(options);
+    ASSERT_TRUE(run_to_command(*krc, *driver));
+    push();
+  }
+  void push() { ASSERT_GT(torque_of(turn(*krc, *driver, kPush).command), 1.0); }
+  /// One turn with a push asked for; the answer must hold none.
+  Turn without_push(const Wrench& wrench = kPush) {
+    const Turn t = turn(*krc, *driver, wrench);
+    EXPECT_EQ(t.answers, 1U);
+    EXPECT_EQ(torque_of(t.command), 0.0);
+    return t;
+  }
+  fri::MsrPacket& msr() { return krc->msr; }
+
+  std::unique_ptr<FakeController> krc;
+  std::unique_ptr<LwrDriver> driver;
+};
+
+TEST_F(LwrDriverFault, RefusesACommandThatIsNoNumber) {
+  for (int axis = 0; axis < 6; ++axis)
+    for (const double bad : {kNaN, std::numeric_limits<double>::infinity()}) {
+      Wrench wrench = kPush;
+      (axis < 3 ? wrench.force : wrench.torque)[axis % 3] = bad;
+      EXPECT_EQ(without_push(wrench).written.error(), DeviceError::kNotFinite);
+      push();
+    }
+}
+
+TEST_F(LwrDriverFault, RefusesACommandOverTheLimits) {
+  EXPECT_EQ(without_push({Vec3(0, 0, 150.1), Vec3::Zero()}).written.error(), DeviceError::kLimit);
+  push();
+  EXPECT_EQ(without_push({Vec3::Zero(), Vec3(15.1, 0, 0)}).written.error(), DeviceError::kLimit);
+  EXPECT_EQ(driver->status().counts.refused, 2U);
+  push();
+}
+
+TEST_F(LwrDriverFault, MarksAPoseWhoseJointsAreNoNumbersOrImpossible) {
+  const float good = msr().data.jnt_pos[2];
+  const Pose before = turn(*krc, *driver).sample->pose;
+  for (const float bad : {static_cast<float>(kNaN), INFINITY, 3.2F}) {
+    msr().data.jnt_pos[2] = bad;
+    const Turn t = without_push();
+    ASSERT_TRUE(t.sample);
+    EXPECT_FALSE(t.sample->pose_valid);
+    EXPECT_TRUE(t.sample->pose.finite());
+    EXPECT_TRUE(t.sample->twist.finite());
+    EXPECT_EQ(t.sample->pose.position, before.position) << "the last one that was good";
+    EXPECT_EQ(t.written.error(), DeviceError::kProtocol);
+    EXPECT_LT(std::abs(t.command.command.jnt_pos[2] - good), 1e-6) << "finite, and where it was";
+  }
+  msr().data.jnt_pos[2] = good;
+  push();
+  EXPECT_EQ(driver->status().counts.invalid_poses, 3U);
+}
+
+TEST_F(LwrDriverFault, AnswersAMeasurementItCannotTrustWithTheLastPosition) {
+  const float kept = krc->heard.back().command.jnt_pos[4];
+  const fri::MsrPacket good = msr();
+  msr().data.cmd_jnt_pos[4] = static_cast<float>(kNaN);
+  Turn t = without_push();
+  EXPECT_EQ(t.sample.error(), DeviceError::kProtocol);
+  EXPECT_EQ(t.command.command.jnt_pos[4], kept);
+  EXPECT_EQ(t.command.header.refl_seq, msr().header.send_seq);
+  msr().data.cmd_jnt_pos[4] = good.data.cmd_jnt_pos[4];
+  push();
+  msr().interface.quality = static_cast<fri::Quality>(7);
+  EXPECT_EQ(without_push().sample.error(), DeviceError::kProtocol);
+  msr().interface.quality = fri::Quality::kPerfect;
+  push();
+  EXPECT_EQ(driver->status().counts.untrusted, 2U);
+}
+
+TEST_F(LwrDriverFault, SaysProtocolWhereOnlyGarbageComes) {
+  const std::array<std::byte, 916> garbage{};
+  krc->send_bytes(garbage);
+  krc->send_bytes(std::span(garbage).first(10));
+  EXPECT_EQ(driver->read(2ms).error(), DeviceError::kProtocol);
+  EXPECT_EQ(driver->status().counts.malformed, 2U);
+  EXPECT_EQ(driver->read(2ms).error(), DeviceError::kTimeout);
+  push();
+}
+
+TEST_F(LwrDriverFault, TimesOutWithoutAMeasurementAndIsGoneAfterASilence) {
+  EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->write(kPush).error(), DeviceError::kTimeout);
+  EXPECT_TRUE(krc->receive().empty());
+  driver->stop();
+  const auto answers = krc->receive();
+  ASSERT_EQ(answers.size(), 1U) << "what the loop does after an error";
+  EXPECT_EQ(torque_of(answers[0]), 0.0);
+  push();
+  LwrOptions options = quick_options();
+  options.silence_s = 0.03;
+  run(options);
+  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->read(40ms).error(), DeviceError::kDisconnected);
+}
+
+TEST_F(LwrDriverFault, TakesDuplicatesAndOldPacketsForNothingNew) {
+  const fri::MsrPacket old = krc->next();
+  push();
+  krc->send(old);
+  EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
+  krc->send(msr());  // the newest once more
+  EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
+  EXPECT_TRUE(krc->receive().empty());
+  EXPECT_EQ(driver->status().sequence.reordered, 1U);
+  EXPECT_EQ(driver->status().sequence.duplicates, 1U);
+  EXPECT_EQ(driver->status().sequence.lost, 1U);
+}
+
+TEST_F(LwrDriverFault, TakesTheNewestOfSeveralWhateverTheirOrder) {
+  const fri::MsrPacket first = krc->next(), second = krc->next(), third = krc->next();
+  krc->send(first);
+  krc->send(third);
+  krc->send(second);
+  const auto sample = driver->read(10ms);
+  ASSERT_TRUE(sample);
+  ASSERT_TRUE(driver->write(kPush));
+  const auto answers = krc->receive();
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(answers[0].header.refl_seq, third.header.send_seq);
+  EXPECT_EQ(driver->status().counts.superseded, 1U);
+}
+
+TEST_F(LwrDriverFault, CountsLostPacketsAcrossTheWrap) {
+  msr().header.send_seq = 65500;
+  for (int n = 0; n < 20; ++n) turn(*krc, *driver);  // the driver takes the jump for a controller that counts anew
+  const auto before = driver->status().sequence.lost;
+  for (int n = 0; n < 20; ++n) {
+    (void)krc->next();  // every second one is lost
+    ASSERT_TRUE(turn(*krc, *driver).written);
+  }
+  EXPECT_EQ(driver->status().sequence.lost - before, 20U);
+}
+
+TEST_F(LwrDriverFault, TakesAMeasurementThatLayTooLongForNothingNew) {
+  LwrOptions options = quick_options();
+  options.max_age_s = 0.1;
+  run(options);
+  krc->send();
+  std::this_thread::sleep_for(120ms);
+  EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->status().counts.aged, 1U);
+  push();
+}
+
+TEST_F(LwrDriverFault, AnswersWithoutPushWhatTheCallerLeft) {
+  krc->send();
+  ASSERT_TRUE(driver->read(10ms));
+  krc->send();
+  ASSERT_TRUE(driver->read(10ms));
+  const auto answers = krc->receive();
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(torque_of(answers[0]), 0.0);
+  EXPECT_EQ(driver->status().counts.unread_answers, 1U);
+  EXPECT_TRUE(driver->write(kPush));
+}
+
+TEST_F(LwrDriverFault, HearsOnlyTheControllerThatItKnows) {
+  FakeController stranger("127.0.0.2");
+  stranger.port = krc->port;
+  stranger.msr = msr();
+  stranger.msr.header.send_seq = static_cast<std::uint16_t>(msr().header.send_seq + 1);
+  stranger.send();
+  EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
+  EXPECT_TRUE(stranger.receive().empty());
+  EXPECT_EQ(driver->status().counts.foreign, 1U);
+}
+
+TEST_F(LwrDriverFault, DropsTheForceWithTheQualityAndTakesItUpAgain) {
+  msr().interface.quality = fri::Quality::kBad;
+  const Turn t = without_push();
+  EXPECT_TRUE(t.sample);
+  EXPECT_EQ(t.written.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(t.command.krl.integer[fri::kFrmIntRun], fri::kRun);
+  EXPECT_NE(driver->status_text().find("quality dropped"), std::string::npos);
+  msr().interface.quality = fri::Quality::kOk;
+  push();
+}
+
+TEST_F(LwrDriverFault, ComesBackByItselfAfterTheControllerLeftCommandMode) {
+  krc->program_runs = false;
+  msr().interface.state = fri::State::kMon;
+  msr().krl.integer[fri::kToIntEcho] = fri::kHalt;
+  msr().data.cmd_jnt_pos[0] = 0.3F;
+  const Turn t = without_push();
+  EXPECT_EQ(t.written.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(t.command.command.jnt_pos[0], 0.3F) << "mirrors again at once";
+  EXPECT_EQ(t.command.krl.integer[fri::kFrmIntRun], fri::kHalt);
+  EXPECT_EQ(driver->status().trouble, fri::Trouble::kDroppedOut);
+  krc->program_runs = true;
+  ASSERT_TRUE(run_to_command(*krc, *driver));
+  EXPECT_EQ(driver->status().starts, 2U);
+  EXPECT_EQ(driver->status().drops, 1U);
+  push();
+}
+
+TEST_F(LwrDriverFault, SaysThatTheDrivesWentOffAndWhichOnes) {
+  msr().robot.power = 0x7B;
+  msr().interface.state = fri::State::kMon;
+  krc->program_runs = false;
+  EXPECT_EQ(without_push().written.error(), DeviceError::kRecoverable);
+  EXPECT_NE(driver->status_text().find("drives went off"), std::string::npos);
+  EXPECT_NE(driver->status_text().find("[drives off: E1]"), std::string::npos) << driver->status_text();
+}
+
+TEST_F(LwrDriverFault, EndsWithAFaultWhereADriveReportsAnError) {
+  msr().robot.error = 0x41;
+  const Turn t = without_push();
+  EXPECT_EQ(t.sample.error(), DeviceError::kFault);
+  EXPECT_NE(driver->status_text().find("[errors of A1 A6]"), std::string::npos) << driver->status_text();
+}
+
+TEST_F(LwrDriverFault, IsGoneWhenTheControllerClosesTheInterface) {
+  msr().interface.state = fri::State::kOff;
+  krc->program_runs = false;
+  EXPECT_EQ(without_push().sample.error(), DeviceError::kDisconnected);
+}
+
+TEST_F(LwrDriverFault, DropsTheForceWhileAJointIsTooFast) {
+  bool refused = false;
+  for (int n = 0; n < 40 && !refused; ++n) {
+    msr().data.jnt_pos[0] += 0.004F;  // 4 rad/s; the limit is 1.9
+    const Turn t = turn(*krc, *driver, kPush);
+    refused = t.sample && !t.written;
+    if (refused) {
+      EXPECT_EQ(torque_of(t.command), 0.0);
+    }
+  }
+  EXPECT_TRUE(refused);
+  EXPECT_EQ(driver->status().trouble, fri::Trouble::kTooFast);
+  for (int n = 0; n < 40; ++n) turn(*krc, *driver, kPush);
+  push();
+}
+
+TEST_F(LwrDriverFault, SendsNothingThatIsNoNumberWhateverComesIn) {
+  std::uint32_t random = 1;
+  const fri::MsrPacket good = msr();
+  krc->program_runs = false;
+  for (int n = 0; n < 3000; ++n) {
+    random = random * 1664525U + 1013904223U;
+    const std::uint16_t sequence = msr().header.send_seq;
+    msr() = good;
+    msr().header.send_seq = sequence;
+    const std::size_t word = 2 + random / 65536U % 227U;  // any word but the head's
+    const std::uint32_t bits = n % 3 ? random * 747796405U : 0x7FC00000U;
+    std::memcpy(reinterpret_cast<char*>(&msr()) + 4 * word, &bits, 4);
+    const std::size_t before = krc->heard.size();
+    const Turn t = turn(*krc, *driver, kPush);
+    EXPECT_EQ(krc->heard.size(), before + 1) << "answered, and the fake refuses what is not finite; word " << word;
+    if (t.sample) {
+      EXPECT_TRUE(t.sample->pose.finite() && t.sample->twist.finite());
+    }
+    EXPECT_LE(torque_of(krc->heard.back()), 100.0);
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch::test

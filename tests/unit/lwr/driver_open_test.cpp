@@ -1,0 +1,159 @@
+// Opening: what a person is told where it cannot be done, and that it can be done again.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "fake_controller.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// What opening says when it fails; empty if it does not.
+std::string refusal(const LwrOptions& options) {
+  try {
+    LwrDriver driver(options);
+  } catch (const DeviceOpenError& error) {
+    return error.what();
+  }
+  return {};
+}
+bool says(const std::string& sentence, std::string_view part) { return sentence.find(part) != std::string::npos; }
+
+TEST(LwrOpen, SaysThatNothingCameAndWhatToCheck) {
+  LwrOptions options = quick_options();
+  options.connect_timeout_s = 0.02;
+  const std::string sentence = refusal(options);
+  for (const std::string& part : {std::string("0.02 s"), "127.0.0.1:" + std::to_string(options.port),
+                                  std::string("friOpen"), std::string("friSetup"), std::string("cable")})
+    EXPECT_TRUE(says(sentence, part)) << part << " is not in: " << sentence;
+}
+
+TEST(LwrOpen, SaysThatThePortIsBusy) {
+  FakeController krc;
+  const auto driver = krc.open();
+  LwrOptions options = quick_options();
+  options.port = krc.port;
+  const std::string sentence = refusal(options);
+  EXPECT_TRUE(says(sentence, "127.0.0.1:" + std::to_string(krc.port))) << sentence;
+  EXPECT_TRUE(says(sentence, "another program has the port")) << sentence;
+  EXPECT_TRUE(turn(krc, *driver).sample) << "the one that was first goes on";
+}
+
+TEST(LwrOpen, SaysThatAnAddressIsNoneOrNotOurs) {
+  LwrOptions options = quick_options();
+  options.address = "robot";
+  EXPECT_TRUE(says(refusal(options), "'robot' is no IPv4 address"));
+  options.address = "203.0.113.7";
+  EXPECT_TRUE(says(refusal(options), "no network interface"));
+}
+
+TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
+  FakeController krc;
+  LwrOptions options = quick_options();
+  options.connect_timeout_s = 0.05;
+  krc.port = options.port;
+  std::string sentence;
+  krc.msr.header.datagram_id = 0x2007;
+  krc.serve_while([&] { sentence = refusal(options); });
+  EXPECT_TRUE(says(sentence, "916 bytes from 127.0.0.1:") && says(sentence, "wrong datagram id")) << sentence;
+  krc.msr.header.datagram_id = fri::kMsrId;
+  krc.msr.data.cmd_jnt_pos[0] = std::numeric_limits<float>::quiet_NaN();
+  krc.serve_while([&] { sentence = refusal(options); });
+  EXPECT_TRUE(says(sentence, "not finite")) << sentence;
+}
+
+TEST(LwrOpen, SaysThatOnlyOthersSend) {
+  FakeController krc;
+  LwrOptions options = quick_options();
+  options.connect_timeout_s = 0.05;
+  options.controller = "127.0.0.9";
+  krc.port = options.port;
+  std::string sentence;
+  krc.serve_while([&] { sentence = refusal(options); });
+  EXPECT_TRUE(says(sentence, "from 127.0.0.9") && says(sentence, "other addresses")) << sentence;
+}
+
+TEST(LwrOpen, RefusesAPeriodThatTheInterfaceDoesNotKnow) {
+  FakeController krc;
+  LwrOptions options = quick_options();
+  krc.port = options.port;
+  krc.msr.interface.msr_period_s = 0.0F;
+  std::string sentence;
+  krc.serve_while([&] { sentence = refusal(options); });
+  EXPECT_TRUE(says(sentence, "period of 0 s")) << sentence;
+}
+
+TEST(LwrOpen, RefusesAnArmWithADriveError) {
+  FakeController krc;
+  LwrOptions options = quick_options();
+  krc.port = options.port;
+  krc.msr.robot.error = 0x08;
+  std::string sentence;
+  krc.serve_while([&] { sentence = refusal(options); });
+  EXPECT_TRUE(says(sentence, "[errors of A3]")) << sentence;
+}
+
+TEST(LwrOpen, OpensWithDrivesOffAndWaitsForThem) {
+  FakeController krc;
+  krc.msr.robot.power = 0;
+  const auto driver = krc.open();
+  EXPECT_EQ(turn(krc, *driver).written.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(driver->status().trouble, fri::Trouble::kDrivesNotOn);
+  krc.msr.robot.power = fri::kAllDrives;
+  EXPECT_TRUE(run_to_command(krc, *driver));
+}
+
+TEST(LwrOpen, RefusesOptionsThatCannotBe) {
+  const auto refused = [](auto change, const char* field) {
+    LwrOptions options = quick_options();
+    change(options);
+    const std::string sentence = refusal(options);
+    EXPECT_TRUE(says(sentence, field)) << field << ": " << sentence;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  refused([](LwrOptions& o) { o.session.strategy = fri::Strategy::kPosition; }, "session.strategy");
+  refused([&](LwrOptions& o) { o.max_add_torque_nm[6] = nan; }, "max_add_torque_nm[6]");
+  refused([](LwrOptions& o) { o.max_add_torque_nm[6] = 31.0; }, "max_add_torque_nm[6]");
+  refused([](LwrOptions& o) { o.posture.posture[1] = 3.0; }, "posture.posture[1]");
+  refused([&](LwrOptions& o) { o.tool_in_flange.position.x() = nan; }, "tool_in_flange");
+  refused([](LwrOptions& o) { o.d_in_base.orientation.coeffs() *= 2.0; }, "d_in_base");
+  refused([](LwrOptions& o) { o.controller = "krc"; }, "controller");
+  refused([&](LwrOptions& o) { o.silence_s = nan; }, "silence_s");
+  refused([](LwrOptions& o) { o.capture_file = "/nowhere/at/all.pcap"; }, "/nowhere/at/all.pcap");
+}
+
+TEST(LwrOpen, OpensAgainOnTheSamePortAfterItWent) {
+  FakeController krc;
+  const LwrOptions options = quick_options();
+  for (int n = 0; n < 3; ++n) {
+    auto driver = krc.open(options);
+    EXPECT_TRUE(run_to_command(krc, *driver)) << n;
+    if (n == 1)
+      driver.reset();  // without a clean end: the program still runs at the next start
+    else
+      krc.close(std::move(driver));
+  }
+}
+
+TEST(LwrOpen, WritesWhatItHeardAndSaid) {
+  const std::string file = testing::TempDir() + "voxtouch_lwr_capture.pcap";
+  FakeController krc;
+  LwrOptions options = quick_options();
+  options.capture_file = file;
+  options.capture_packets = 100;
+  {
+    auto driver = krc.open(options);
+    for (int n = 0; n < 200; ++n) turn(krc, *driver);
+    krc.close(std::move(driver));
+  }
+  const auto size = std::filesystem::file_size(file);
+  EXPECT_GT(size, 24 + 100 * (16 + 28 + 376));
+  EXPECT_LT(size, 24 + 100 * (16 + 28 + 916));
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace voxtouch::test

@@ -1,0 +1,356 @@
+// The driver in good order: what it answers, what the arm would feel, what it reports.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <numbers>
+#include <thread>
+
+#include "fake_controller.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+const Wrench kPush{Vec3(5, -3, 8), Vec3(0.4, -0.2, 0.1)};
+
+/// A driver without posture torque, so that all torque is the command's.
+LwrOptions plain_options() {
+  LwrOptions options = quick_options();
+  options.posture.max_torque_nm = 0.0;
+  return options;
+}
+
+double difference(const fri::Joints& a, const LwrJoints& b) { return (fri::from_wire(a) - b).cwiseAbs().maxCoeff(); }
+
+TEST(LwrDriver, MirrorsTheControllersPositionUntilCommandMode) {
+  FakeController krc;
+  krc.msr.data.cmd_jnt_pos_fri_offset = {0.01F, 0.02F, 0.03F, 0.04F, 0.05F, 0.06F, 0.07F};
+  krc.msr.interface.quality = fri::Quality::kOk;
+  const auto driver = krc.open();
+  for (int n = 0; n < 30; ++n) {
+    krc.msr.data.cmd_jnt_pos[0] += 0.01F;
+    const Turn t = turn(krc, *driver, kPush);
+    ASSERT_TRUE(t.sample);
+    EXPECT_TRUE(t.sample->pose_valid) << "the arm can be followed all the same";
+    EXPECT_EQ(t.written.error(), DeviceError::kRecoverable);
+    ASSERT_EQ(t.answers, 1U);
+    EXPECT_LT(difference(t.command.command.jnt_pos, fri::from_wire(krc.msr.data.cmd_jnt_pos) +
+                                                        fri::from_wire(krc.msr.data.cmd_jnt_pos_fri_offset)),
+              1e-6);
+    EXPECT_EQ(torque_of(t.command), 0.0);
+    EXPECT_EQ(t.command.krl.integer[fri::kFrmIntRun], fri::kHalt);
+  }
+  EXPECT_EQ(driver->status().trouble, fri::Trouble::kQualityTooLowToStart);
+}
+
+TEST(LwrDriver, GivesTheWrenchAsJointTorqueAtTheMeasuredPosition) {
+  FakeController krc;
+  const auto driver = krc.open(plain_options());
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  LwrJoints q = lwr_rest_posture();
+  for (int n = 0; n < 50; ++n) {
+    q[0] += 2e-4, q[3] -= 1e-4;
+    krc.msr.data.jnt_pos = fri::to_wire(q);
+    const Turn t = turn(krc, *driver, kPush);
+    ASSERT_TRUE(t.written);
+    EXPECT_LT(difference(t.command.command.add_jnt_trq, joint_torque(LwrArm().jacobian(q), kPush)), 1e-4);
+    EXPECT_LT(difference(t.command.command.jnt_pos, q), 1e-6);
+    EXPECT_EQ(t.command.command.jnt_stiffness, fri::Joints{});
+    EXPECT_EQ(t.command.command.cmd_flags, 0x35U);
+    EXPECT_EQ(t.command.krl.integer[fri::kFrmIntStrategy], 30);
+    EXPECT_EQ(t.command.krl.integer[fri::kFrmIntRun], fri::kRun);
+  }
+}
+
+TEST(LwrDriver, CountsItsAnswersAndReflectsTheMeasurement) {
+  FakeController krc;
+  krc.msr.header.send_seq = 65500;
+  const auto driver = krc.open();
+  std::uint16_t last = krc.heard.back().header.send_seq;
+  for (int n = 0; n < 200; ++n) {
+    const Turn t = turn(krc, *driver);
+    ASSERT_EQ(t.answers, 1U);
+    EXPECT_EQ(t.command.header.refl_seq, krc.msr.header.send_seq);
+    EXPECT_EQ(t.command.header.send_seq, static_cast<std::uint16_t>(last + 1));
+    last = t.command.header.send_seq;
+  }
+  EXPECT_LT(krc.msr.header.send_seq, 60000) << "the count wrapped on the way";
+  EXPECT_EQ(driver->status().sequence.lost, 0U);
+  EXPECT_EQ(driver->status().sequence.restarts, 0U);
+}
+
+TEST(LwrDriver, NeverChangesItsFlags) {
+  FakeController krc;
+  krc.msr.interface.quality = fri::Quality::kBad;
+  auto driver = krc.open();
+  krc.msr.interface.quality = fri::Quality::kPerfect;
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  turn(krc, *driver, {Vec3(1e9, 0, 0), Vec3::Zero()});
+  krc.close(std::move(driver));
+  for (const fri::CmdPacket& answer : krc.heard)
+    EXPECT_EQ(answer.command.cmd_flags, krc.heard.front().command.cmd_flags);
+}
+
+TEST(LwrDriver, EntersCommandModeWithoutAJumpOfTheCommandedPosition) {
+  FakeController krc;
+  krc.msr.data.jnt_pos[1] += 0.1F;  // sagged away from what is commanded
+  const auto driver = krc.open();
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  for (int n = 0; n < 200; ++n) turn(krc, *driver);
+  float last = krc.msr.data.cmd_jnt_pos[1];
+  for (const fri::CmdPacket& answer : krc.heard) {
+    EXPECT_LE(std::abs(answer.command.jnt_pos[1] - last), 0.001 * lwr_limits().velocity_rad_s[1]);
+    last = answer.command.jnt_pos[1];
+  }
+  EXPECT_NEAR(last, krc.msr.data.jnt_pos[1], 1e-6);
+}
+
+TEST(LwrDriver, ReportsPoseAndTwistOfTheToolInD) {
+  FakeController krc;
+  LwrOptions options = plain_options();
+  options.tool_in_flange = {Vec3(0.0, 0.05, 0.1), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
+  options.d_in_base = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))};
+  const auto driver = krc.open(options);
+  const LwrArm arm(options.tool_in_flange);
+  LwrJoints q = lwr_rest_posture();
+  const LwrJoints rate = (LwrJoints() << 0.2, -0.1, 0.1, 0.3, -0.2, 0.1, 0.4).finished();
+  DeviceSample sample;
+  for (int n = 0; n < 100; ++n) {
+    q += 0.001 * rate;
+    krc.msr.data.jnt_pos = fri::to_wire(q);
+    sample = *turn(krc, *driver).sample;
+  }
+  const Pose expected = options.d_in_base.inverse() * arm.tool(q);
+  EXPECT_NEAR((sample.pose.position - expected.position).norm(), 0.0, 1e-6);
+  EXPECT_NEAR(sample.pose.orientation.angularDistance(expected.orientation), 0.0, 1e-6);
+  const Vec6 twist = arm.jacobian(q) * rate;
+  const Quat to_d = options.d_in_base.orientation.conjugate();
+  EXPECT_NEAR((sample.twist.linear - to_d * twist.head<3>()).norm(), 0.0, 3e-3);
+  EXPECT_NEAR((sample.twist.angular - to_d * twist.tail<3>()).norm(), 0.0, 3e-3);
+}
+
+TEST(LwrDriver, TakesTheWrenchInDAboutTheTool) {
+  FakeController krc;
+  LwrOptions options = plain_options();
+  options.tool_in_flange.position = Vec3(0.02, 0.05, 0.1);
+  options.d_in_base = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()))};
+  const auto driver = krc.open(options);
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  const Turn t = turn(krc, *driver, kPush);
+  const Wrench in_base{options.d_in_base.orientation * kPush.force, options.d_in_base.orientation * kPush.torque};
+  const LwrJoints expected = joint_torque(LwrArm(options.tool_in_flange).jacobian(lwr_rest_posture()), in_base);
+  EXPECT_LT(difference(t.command.command.add_jnt_trq, expected), 1e-4);
+}
+
+TEST(LwrDriver, GivesForceAndPoseThatDoTheSameWork) {
+  FakeController krc;
+  LwrOptions options = plain_options();
+  options.d_in_base.orientation = Quat(Eigen::AngleAxisd(-0.7, Vec3(3, 2, 1).normalized()));
+  const auto driver = krc.open(options);
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  const Turn first = turn(krc, *driver, kPush);
+  const LwrJoints step = 1e-4 * LwrJoints::Random();
+  krc.msr.data.jnt_pos = fri::to_wire(LwrJoints(lwr_rest_posture() + step));
+  const Turn second = turn(krc, *driver, kPush);
+  const Eigen::AngleAxisd turned(second.sample->pose.orientation * first.sample->pose.orientation.conjugate());
+  const double at_tool = kPush.force.dot(second.sample->pose.position - first.sample->pose.position) +
+                         kPush.torque.dot(turned.angle() * turned.axis());
+  EXPECT_NEAR(at_tool, fri::from_wire(first.command.command.add_jnt_trq).dot(step), 2e-5 * 8);
+}
+
+TEST(LwrDriver, KeepsTheElbowInPostureWithoutTheToolFeelingIt) {
+  FakeController krc;
+  const auto driver = krc.open();
+  const LwrArm arm;
+  const LwrJoints n = free_motion(arm.jacobian(lwr_rest_posture())).normalized();
+  const LwrJoints q = lwr_rest_posture() + 0.1 * n;
+  krc.msr.data.jnt_pos = krc.msr.data.cmd_jnt_pos = fri::to_wire(q);
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  double first = 0.0, last = 0.0;
+  for (int i = 0; i < 600; ++i) {
+    last = torque_of(turn(krc, *driver).command);
+    if (i == 0) first = last;
+  }
+  EXPECT_LT(first, 0.02) << "ramped in";
+  EXPECT_GT(last, 0.1);
+  const LwrJoints torque = fri::from_wire(krc.heard.back().command.add_jnt_trq);
+  EXPECT_LT(torque.dot(n), 0.0) << "towards the posture";
+  EXPECT_LT(torque.dot(joint_torque(arm.jacobian(q), kPush)), 1e-4);
+}
+
+TEST(LwrDriver, MakesATorqueThatTheJointsCannotGiveSmallerInProportion) {
+  FakeController krc;
+  LwrOptions options = plain_options();
+  options.max_add_torque_nm = LwrJoints::Constant(20.0);
+  const auto driver = krc.open(options);
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  const Wrench strong{Vec3(0, 60, 100), Vec3::Zero()};
+  const Turn t = turn(krc, *driver, strong);
+  ASSERT_TRUE(t.written);
+  EXPECT_NEAR(torque_of(t.command), 20.0, 1e-4);
+  const LwrJoints wanted = joint_torque(LwrArm().jacobian(lwr_rest_posture()), strong);
+  const LwrJoints got = fri::from_wire(t.command.command.add_jnt_trq);
+  EXPECT_NEAR(got.normalized().dot(wanted.normalized()), 1.0, 1e-9);
+  EXPECT_EQ(driver->status().counts.scaled, 1U);
+}
+
+TEST(LwrDriver, GivesItsWholeForceInEveryDirectionAtTheRestPosture) {
+  FakeController krc;
+  const auto driver = krc.open(plain_options());
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  const DeviceDescription& d = driver->description();
+  int scaled = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {1.0, -1.0}) {
+      ASSERT_TRUE(turn(krc, *driver, {sign * 0.99 * d.max_force_n * Vec3::Unit(axis), Vec3::Zero()}).written);
+      ASSERT_TRUE(turn(krc, *driver, {Vec3::Zero(), sign * 0.99 * d.max_torque_nm * Vec3::Unit(axis)}).written);
+    }
+  scaled = static_cast<int>(driver->status().counts.scaled);
+  EXPECT_EQ(scaled, 0);
+}
+
+TEST(LwrDriver, SaysWhatItIs) {
+  FakeController krc;
+  krc.msr.interface.msr_period_s = krc.msr.interface.cmd_period_s = 0.002F;
+  const auto driver = krc.open();
+  const DeviceDescription& d = driver->description();
+  EXPECT_EQ(d.model, "lwr");
+  EXPECT_DOUBLE_EQ(d.rate_hz, 500.0);
+  EXPECT_DOUBLE_EQ(d.delay_s, 0.003);
+  EXPECT_EQ(d.input_dof, 6U);
+  EXPECT_EQ(d.output_dof, 6U);
+  EXPECT_FALSE(driver->simulated());
+  EXPECT_NEAR(driver->twist_lag_s(), 4.18e-3, 1e-4);
+}
+
+TEST(LwrDriver, StampsSamplesByTheControllersPeriods) {
+  FakeController krc;
+  const auto driver = krc.open();
+  const std::int64_t start = turn(krc, *driver).sample->time_ns;
+  EXPECT_EQ(turn(krc, *driver).sample->time_ns, start + 1'000'000);
+  (void)krc.next(), (void)krc.next();  // two lost
+  EXPECT_EQ(turn(krc, *driver).sample->time_ns, start + 4'000'000);
+}
+
+TEST(LwrDriver, SpeaksCartesianModeInTheToolsFrame) {
+  FakeController krc;
+  LwrOptions options = plain_options();
+  options.session.strategy = fri::Strategy::kCartesianImpedance;
+  krc.msr.robot.control = fri::Control::kCartesianImpedance;
+  const auto driver = krc.open(options);
+  ASSERT_TRUE(run_to_command(krc, *driver)) << driver->status_text();
+  const Turn t = turn(krc, *driver, kPush);
+  const Quat tool = LwrArm().flange(lwr_rest_posture()).orientation;
+  const Vec6 wrench = fri::from_wire(t.command.command.add_tcp_ft);
+  EXPECT_NEAR((wrench.head<3>() - tool.conjugate() * kPush.force).norm(), 0.0, 1e-5);
+  EXPECT_NEAR((wrench.tail<3>() - tool.conjugate() * kPush.torque).norm(), 0.0, 1e-5);
+  EXPECT_EQ(t.command.krl.integer[fri::kFrmIntStrategy], 20);
+  EXPECT_EQ(t.command.command.cmd_flags, 0x3501U);
+  EXPECT_EQ(torque_of(t.command), 0.0);
+  EXPECT_EQ(t.command.command.cart_pos, krc.msr.data.cart_pos);
+}
+
+TEST(LwrDriver, RefusesCartesianModeWithAnotherToolThanTheControllers) {
+  FakeController krc;
+  LwrOptions options = plain_options();
+  options.session.strategy = fri::Strategy::kCartesianImpedance;
+  options.tool_in_flange.position = Vec3(0, 0, 0.1);
+  krc.msr.robot.control = fri::Control::kCartesianImpedance;
+  const auto driver = krc.open(options);
+  EXPECT_FALSE(run_to_command(krc, *driver));
+  EXPECT_EQ(driver->status().trouble, fri::Trouble::kFrameDiffers);
+}
+
+TEST(LwrDriver, AnswersOnStopAndTakesAnAnswerBackThatHasGoneOut) {
+  FakeController krc;
+  const auto driver = krc.open(plain_options());
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  EXPECT_GT(torque_of(turn(krc, *driver, kPush).command), 1.0);
+  driver->stop();
+  auto answers = krc.receive();
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(torque_of(answers[0]), 0.0);
+  EXPECT_EQ(answers[0].header.refl_seq, krc.msr.header.send_seq);
+  driver->stop();
+  EXPECT_TRUE(krc.receive().empty()) << "nothing is under way any more";
+  krc.send();
+  ASSERT_TRUE(driver->read(20ms));
+  driver->stop();
+  answers = krc.receive();
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(torque_of(answers[0]), 0.0);
+  EXPECT_EQ(driver->write(kPush).error(), DeviceError::kTimeout) << "the measurement is answered";
+}
+
+TEST(LwrDriver, LeavesCommandModeBeforeItGoes) {
+  FakeController krc;
+  LwrOptions options = plain_options();
+  options.stop_timeout_s = 2.0;
+  auto driver = krc.open(options);
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  turn(krc, *driver, kPush);
+  const std::size_t before = krc.heard.size();
+  const auto start = std::chrono::steady_clock::now();
+  krc.close(std::move(driver));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 1s) << "followed, not timed out";
+  EXPECT_EQ(krc.msr.interface.state, fri::State::kMon);
+  ASSERT_GT(krc.heard.size(), before + 2);
+  for (std::size_t n = before; n < krc.heard.size(); ++n) {
+    EXPECT_EQ(torque_of(krc.heard[n]), 0.0);
+    EXPECT_EQ(krc.heard[n].krl.integer[fri::kFrmIntRun], fri::kHalt);
+  }
+}
+
+TEST(LwrDriver, GoesWithinItsTimeWhereNobodyFollows) {
+  FakeController krc;
+  auto driver = krc.open(plain_options());
+  ASSERT_TRUE(run_to_command(krc, *driver));
+  turn(krc, *driver, kPush);
+  const auto start = std::chrono::steady_clock::now();
+  driver.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 500ms);
+  const auto answers = krc.receive();
+  ASSERT_FALSE(answers.empty());
+  EXPECT_EQ(torque_of(answers.back()), 0.0);
+}
+
+TEST(LwrDriver, WaitsForAControllerInVirtualTime) {
+  FakeController krc;
+  krc.msr.krl.integer[fri::kToIntSimulated] = fri::kVirtualTime;
+  krc.port = quick_options().port;
+  LwrOptions options = plain_options();
+  options.port = krc.port;
+  std::atomic<bool> done{false};
+  std::atomic<int> pushes{0};
+  std::thread controller(
+      [&] {  // the next measurement only after the answer; the first again and again until there is one
+        while (!done && krc.heard.empty()) {
+          krc.send();
+          std::this_thread::sleep_for(2ms);
+          krc.receive();
+        }
+        while (!done) {
+          krc.send();
+          if (krc.msr.header.send_seq % 16 == 0) std::this_thread::sleep_for(5ms);  // busy elsewhere
+          while (!done && krc.receive().empty()) std::this_thread::sleep_for(20us);
+          if (torque_of(krc.heard.back()) > 1.0) ++pushes;
+        }
+      });
+  {
+    LwrDriver driver(options);
+    EXPECT_TRUE(driver.simulated());
+    for (int n = 0; n < 100; ++n) {
+      const auto sample = driver.read(0us);  // its own time counts for nothing here
+      ASSERT_TRUE(sample) << n << name_of(sample.error());
+      EXPECT_EQ(sample->time_ns, 1'000'000 * n);
+      EXPECT_TRUE(driver.write(kPush)) << "in command mode from the first sample on";
+    }
+  }
+  done = true;
+  controller.join();
+  EXPECT_EQ(pushes, 100);
+}
+
+}  // namespace
+}  // namespace voxtouch::test

@@ -1,0 +1,62 @@
+#pragma once
+/// A scripted KRC on the loopback: what it sends is whatever the test puts into `msr`; its KRL program follows the handshake.
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "devices/lwr/fri_codec.hpp"
+#include "devices/lwr/lwr_driver.hpp"
+#include "devices/lwr/udp_socket.hpp"
+
+namespace voxtouch::test {
+
+class FakeController {
+ public:
+  explicit FakeController(const std::string& address = "127.0.0.1");
+
+  /// Stamps, counts on and sends `msr`. The two halves apart for tests that lose, hold back or double packets.
+  void send();
+  fri::MsrPacket next();
+  void send(const fri::MsrPacket& packet);
+  void send_bytes(std::span<const std::byte> bytes);
+  /// All answers that have come since; the program follows the last one's request if `program_runs`.
+  std::vector<fri::CmdPacket> receive();
+
+  /// Opens a driver that listens on a free port, sending until it has opened (or thrown).
+  std::unique_ptr<LwrDriver> open(LwrOptions options = {});
+  /// Lets go of the driver while answering its handshake.
+  void close(std::unique_ptr<LwrDriver> driver);
+  /// Runs `body` while measurements are sent every half a millisecond.
+  void serve_while(const std::function<void()>& body);
+
+  fri::MsrPacket msr = fri::empty_msr();  ///< what is sent next
+  bool program_runs = true;               ///< state and echo follow the requests
+  std::uint16_t port = 0;                 ///< of the driver
+  std::vector<fri::CmdPacket> heard;      ///< every answer so far
+
+ private:
+  void follow(const fri::CmdPacket& command);
+  UdpSocket socket_;
+  std::uint64_t periods_ = 0;
+};
+
+/// Options for a test: loopback, a port that is free now, short times.
+LwrOptions quick_options();
+
+struct Turn {
+  DeviceResult<DeviceSample> sample;
+  DeviceResult<void> written;
+  fri::CmdPacket command;  ///< the last answer
+  std::size_t answers = 0;
+};
+/// One period: measurement, read, write (only after a good read), answers.
+Turn turn(FakeController& controller, LwrDriver& driver, const Wrench& command = {});
+/// Turns until force flows, at most 200. False if it never did.
+bool run_to_command(FakeController& controller, LwrDriver& driver);
+
+/// Largest torque in an answer.
+double torque_of(const fri::CmdPacket& command);
+
+}  // namespace voxtouch::test

@@ -1,0 +1,211 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "devices/lwr/fri_codec.hpp"
+#include "devices/lwr/fri_session.hpp"
+
+namespace voxtouch::fri {
+namespace {
+
+constexpr double kDt = 1e-3;
+using Phase = FriSession::Phase;
+
+/// A session with the measurement that it sees next.
+struct Scene {
+  explicit Scene(const SessionRules& rules = {}) : session(rules) {
+    msr.interface.state = State::kMon;
+    msr.interface.quality = Quality::kPerfect;
+    msr.robot.power = kAllDrives;
+    msr.robot.control = Control::kJointImpedance;
+  }
+  Trouble see(double seconds = kDt, Trouble arm = Trouble::kNone) {
+    for (double t = 0.0; t < seconds - kDt / 2; t += kDt) session.see(msr, kDt, arm);
+    return session.trouble();
+  }
+  void command() { msr.interface.state = State::kCmd, msr.krl.integer[kToIntEcho] = kRun; }
+  void monitor() { msr.interface.state = State::kMon, msr.krl.integer[kToIntEcho] = kHalt; }
+  std::int32_t request() const {
+    Krl krl{};
+    session.fill(krl);
+    return krl.integer[kFrmIntRun];
+  }
+  void run() {
+    see();
+    command();
+    ASSERT_EQ(see(), Trouble::kNone);
+  }
+  MsrPacket msr = empty_msr();
+  FriSession session;
+};
+
+TEST(FriSession, AsksForTheStrategyAndStartsAtPerfectQualityOnly) {
+  Scene s;
+  Krl krl{};
+  s.session.fill(krl);
+  EXPECT_EQ(krl.integer[kFrmIntStrategy], 30);
+  for (const Quality quality : {Quality::kInvalid, Quality::kUnacceptable, Quality::kBad, Quality::kOk}) {
+    s.msr.interface.quality = quality;
+    EXPECT_EQ(s.see(0.1), Trouble::kQualityTooLowToStart);
+    EXPECT_EQ(s.request(), kHalt);
+  }
+  s.msr.interface.quality = Quality::kPerfect;
+  EXPECT_EQ(s.see(), Trouble::kStarting);
+  EXPECT_EQ(s.request(), kRun);
+  EXPECT_FALSE(s.session.force_allowed());
+  s.command();
+  EXPECT_EQ(s.see(), Trouble::kNone);
+  EXPECT_TRUE(s.session.force_allowed());
+  EXPECT_EQ(s.session.starts(), 1U);
+}
+
+TEST(FriSession, StartsAtTheQualityAskedFor) {
+  Scene s({.start_quality = Quality::kOk});
+  s.msr.interface.quality = Quality::kOk;
+  EXPECT_EQ(s.see(), Trouble::kStarting);
+}
+
+TEST(FriSession, HaltsAProgramThatStillRunsFromBefore) {
+  Scene s;
+  s.command();
+  EXPECT_EQ(s.see(0.1), Trouble::kProgramStillRuns);
+  EXPECT_EQ(s.request(), kHalt);
+  EXPECT_FALSE(s.session.force_allowed()) << "command mode, but not the one that was asked for";
+  s.msr.interface.state = State::kMon;
+  EXPECT_EQ(s.see(), Trouble::kProgramStillRuns) << "the echo says that it has not heard";
+  s.monitor();
+  EXPECT_EQ(s.see(), Trouble::kStarting);
+}
+
+TEST(FriSession, GivesUpAStartThatDoesNotComeAndTriesAgain) {
+  Scene s({.start_timeout_s = 0.1, .pause_s = 0.05});
+  EXPECT_EQ(s.see(0.09), Trouble::kStarting);
+  EXPECT_EQ(s.see(0.02), Trouble::kStartTimedOut);
+  EXPECT_EQ(s.request(), kHalt);
+  EXPECT_EQ(s.see(0.06), Trouble::kStarting);
+  EXPECT_EQ(s.request(), kRun);
+}
+
+TEST(FriSession, ComesBackAfterTheControllerLeftCommandMode) {
+  Scene s({.pause_s = 0.05});
+  s.run();
+  s.monitor();
+  EXPECT_EQ(s.see(), Trouble::kDroppedOut);
+  EXPECT_EQ(s.session.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(s.request(), kHalt) << "asked to halt before it is asked to start";
+  EXPECT_EQ(s.see(0.04), Trouble::kDroppedOut);
+  EXPECT_EQ(s.see(0.02), Trouble::kStarting);
+  s.command();
+  EXPECT_EQ(s.see(), Trouble::kNone);
+  EXPECT_EQ(s.session.drops(), 1U);
+  EXPECT_EQ(s.session.starts(), 2U);
+}
+
+TEST(FriSession, AsksAPersonAfterTooManyDrops) {
+  Scene s({.pause_s = 0.0, .max_drops = 3});
+  for (int n = 0; n < 3; ++n) {
+    ASSERT_NE(s.session.error(), DeviceError::kFault);
+    s.run();
+    s.monitor();
+    s.see();
+  }
+  EXPECT_EQ(s.see(1.0), Trouble::kTooManyDrops);
+  EXPECT_EQ(s.session.error(), DeviceError::kFault);
+  EXPECT_EQ(s.request(), kHalt);
+}
+
+TEST(FriSession, TakesTheForceAwayWhileTheQualityIsDown) {
+  Scene s;
+  s.run();
+  s.msr.interface.quality = Quality::kBad;
+  EXPECT_EQ(s.see(), Trouble::kQualityDropped);
+  EXPECT_EQ(s.session.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(s.request(), kRun) << "command mode is kept";
+  s.msr.interface.quality = Quality::kInvalid;
+  EXPECT_EQ(s.see(), Trouble::kQualityDropped);
+  s.msr.interface.quality = Quality::kOk;
+  EXPECT_EQ(s.see(), Trouble::kNone);
+}
+
+TEST(FriSession, TellsDrivesThatAreNotOnYetFromDrivesThatWentOff) {
+  Scene s({.pause_s = 0.0, .drives_off_grace_s = 0.5});
+  s.msr.robot.power = 0x3F;
+  EXPECT_EQ(s.see(10.0), Trouble::kDrivesNotOn);
+  EXPECT_EQ(s.session.error(), DeviceError::kRecoverable) << "a person has not switched them on yet";
+  s.msr.robot.power = kAllDrives;
+  s.run();
+  s.msr.robot.power = 0;
+  EXPECT_EQ(s.see(), Trouble::kDrivesWentOff);
+  EXPECT_FALSE(s.session.in_command()) << "drives off: the position must mirror, whatever the state says";
+  EXPECT_EQ(s.session.error(), DeviceError::kRecoverable);
+  s.see(0.6);
+  EXPECT_EQ(s.session.error(), DeviceError::kFault);
+}
+
+TEST(FriSession, TakesADriveErrorForAFaultAtOnce) {
+  Scene s;
+  s.run();
+  s.msr.robot.error = 0x04;
+  EXPECT_EQ(s.see(), Trouble::kDriveError);
+  EXPECT_EQ(s.session.error(), DeviceError::kFault);
+}
+
+TEST(FriSession, TakesAClosedInterfaceForGone) {
+  for (const State state : {State::kOff, State::kInvalid}) {
+    Scene s;
+    s.run();
+    s.msr.interface.state = state;
+    EXPECT_EQ(s.see(), Trouble::kClosed);
+    EXPECT_EQ(s.session.error(), DeviceError::kDisconnected);
+    EXPECT_FALSE(s.session.in_command());
+  }
+}
+
+TEST(FriSession, RefusesAnotherControlMode) {
+  Scene s;
+  s.see();
+  s.command();
+  s.msr.robot.control = Control::kPosition;
+  EXPECT_EQ(s.see(), Trouble::kWrongControlMode);
+  EXPECT_EQ(s.request(), kHalt);
+  Scene t;
+  t.run();
+  t.msr.robot.control = Control::kCartesianImpedance;
+  EXPECT_EQ(t.see(), Trouble::kWrongControlMode);
+  EXPECT_FALSE(t.session.force_allowed());
+}
+
+TEST(FriSession, TakesTheForceAwayWhileAJointIsTooFast) {
+  Scene s;
+  s.run();
+  EXPECT_EQ(s.see(kDt, Trouble::kTooFast), Trouble::kTooFast);
+  EXPECT_EQ(s.session.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(s.see(), Trouble::kNone);
+}
+
+TEST(FriSession, StopsForGood) {
+  Scene s;
+  s.run();
+  s.session.request_stop();
+  EXPECT_EQ(s.request(), kHalt);
+  EXPECT_FALSE(s.session.force_allowed());
+  EXPECT_FALSE(s.session.stopped());
+  s.see();
+  EXPECT_FALSE(s.session.stopped());
+  s.monitor();
+  s.see();
+  EXPECT_TRUE(s.session.stopped());
+  s.see(1.0);
+  EXPECT_EQ(s.request(), kHalt);
+}
+
+TEST(FriSession, HasASentenceForEveryTrouble) {
+  std::set<std::string_view> sentences;
+  for (int n = 0; n <= static_cast<int>(Trouble::kStopping); ++n)
+    sentences.insert(sentence_of(static_cast<Trouble>(n)));
+  EXPECT_EQ(sentences.size(), static_cast<std::size_t>(Trouble::kStopping) + 1);
+  EXPECT_EQ(sentences.count("unknown"), 0U);
+}
+
+}  // namespace
+}  // namespace voxtouch::fri
