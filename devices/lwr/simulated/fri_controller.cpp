@@ -181,15 +181,15 @@ FriController::Verdict FriController::receive(std::span<const std::byte> datagra
   if (fault == fri::PacketFault::kId) return ++counts_.id, Verdict::kId;
   if (fault == fri::PacketFault::kSizeField) return ++counts_.size_field, Verdict::kSizeField;
   if (packet.header.refl_seq != msr_.header.send_seq) return ++counts_.stale, Verdict::kStale;
-  if (pending_valid_ || pending_not_finite_) return ++counts_.doubled, Verdict::kDoubled;
-  if (fault != fri::PacketFault::kNone) {
-    pending_not_finite_ = true;
-    return ++counts_.not_finite, Verdict::kNotFinite;
-  }
+  const bool again = pending_valid_ || pending_not_finite_;
+  if (again && fri::sequence_distance(pending_.header.send_seq, packet.header.send_seq) <= 0)
+    return ++counts_.doubled, Verdict::kDoubled;
   pending_ = packet;
-  pending_valid_ = true;
   pending_latency_s_ = latency_s;
-  return ++counts_.taken, Verdict::kTaken;
+  pending_valid_ = fault == fri::PacketFault::kNone;
+  pending_not_finite_ = !pending_valid_;
+  if (pending_not_finite_) return ++counts_.not_finite, Verdict::kNotFinite;
+  return again ? (++counts_.replaced, Verdict::kReplaced) : (++counts_.taken, Verdict::kTaken);
 }
 
 LwrJoints FriController::law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept {

@@ -272,6 +272,24 @@ TEST(StateMachine, ParsesOnlyAnswersToItsLastMeasurement) {
   EXPECT_EQ(c.taken + c.id + c.size_field + c.stale + c.length + c.doubled, 9u);
 }
 
+TEST(StateMachine, ASecondAnswerWithANewerCountTakesTheFirstOnesPlace) {
+  Rig rig(quick());
+  ASSERT_TRUE(rig.start());
+  rig.periods(20);
+  MsrBytes msr;
+  std::memcpy(msr.data(), &rig.controller.measure(), msr.size());
+  rig.remote.torque[0] = 20.0F;
+  const CmdBytes strong = rig.remote.answer(msr);
+  rig.remote.torque[0] = 0.0F;
+  const CmdBytes back = rig.remote.answer(msr);
+  EXPECT_EQ(rig.controller.receive(strong, 0.0), FriController::Verdict::kTaken);
+  EXPECT_EQ(rig.controller.receive(back, 0.0), FriController::Verdict::kReplaced);
+  EXPECT_EQ(rig.controller.receive(strong, 0.0), FriController::Verdict::kDoubled);
+  rig.controller.advance();
+  rig.periods(20);
+  EXPECT_LT(rig.controller.row().applied.force.norm(), 1e-3);
+}
+
 TEST(StateMachine, AnEmergencyStopTakesThePowerAndTheBrakesStayUntilTheNextStart) {
   Rig rig(quick(), test::arm_at(Vec3(0.1, 0.0, 0.0)), {parse_fault("estop@0.5:0.2")});
   ASSERT_TRUE(rig.start());
