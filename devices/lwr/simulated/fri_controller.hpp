@@ -51,9 +51,9 @@ struct AnswerCounts {
   std::uint64_t taken = 0;                           ///< in time
   std::uint64_t length = 0, id = 0, size_field = 0;  ///< no command packet
   std::uint64_t not_finite = 0;
-  std::uint64_t stale = 0;    ///< does not answer the last measurement
-  std::uint64_t replaced = 0;   ///< answers it once more with a newer count: taken in place of the one before
-  std::uint64_t doubled = 0;    ///< answers it once more with the same or an older count
+  std::uint64_t stale = 0;     ///< does not answer the last measurement
+  std::uint64_t replaced = 0;  ///< answers it once more with a newer count: taken in place of the one before
+  std::uint64_t doubled = 0;   ///< answers it once more with the same or an older count
 };
 
 /// What happened to the state.

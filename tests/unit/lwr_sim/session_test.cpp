@@ -287,6 +287,25 @@ TEST(Session, StrangersAreNotListenedTo) {
   EXPECT_EQ(controller.counts().id, 0u);
 }
 
+TEST(Session, ASilentControllerHearsNothing) {
+  for (const bool silent : {false, true}) {
+    UdpSocket remote("127.0.0.1", 0);
+    std::vector<Fault> faults;
+    if (silent) faults = {parse_fault("silent@0")};
+    ControllerConfig config;
+    FriController controller(config, test::nobody(), FaultSchedule(faults));
+    SessionConfig network;
+    network.remote_port = remote.local().port;
+    network.duration_s = 0.02;
+    Session session(network, controller, Line(FaultSchedule(faults), config.period_s, 0));
+    const std::array<std::byte, 10> nothing{};
+    ASSERT_TRUE(remote.send(nothing, session.local()));
+    const std::atomic<bool> never{false};
+    session.run(never);
+    EXPECT_EQ(controller.counts().length, silent ? 0u : 1u);
+  }
+}
+
 TEST(Session, APortThatIsTakenGivesASentence) {
   UdpSocket holder("127.0.0.1", 0);
   FriController controller({}, test::nobody());
