@@ -1,0 +1,192 @@
+#include "devices/lwr/simulated/arm_dynamics.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace voxtouch::lwr_sim {
+namespace {
+
+// From one joint to the next, up the stretched arm [m], and the joints' axes at q = 0: z, -y, z, y, z, -y, z.
+constexpr std::array<double, 7> kRise = {0.11, 0.2005, 0.20, 0.20, 0.20, 0.19, 0.078};
+constexpr std::array<int, 7> kTurnsAboutY = {0, -1, 0, 1, 0, -1, 0};  // 0: about z
+
+/// Spatial inertia about the base's origin, in base axes: mass, first moment, rotational inertia. Those of bodies that move as
+/// one add up. (Featherstone's spatial notation; motions are [angular; velocity of the point at the base's origin].)
+struct Inertia {
+  double mass = 0.0;
+  Vec3 moment = Vec3::Zero();
+  Mat3 rotational = Mat3::Zero();
+
+  void add(double m, const Vec3& centre, const Mat3& about_centre) noexcept {
+    mass += m;
+    moment += m * centre;
+    rotational += about_centre + m * (centre.squaredNorm() * Mat3::Identity() - centre * centre.transpose());
+  }
+  void add(const Inertia& other) noexcept {
+    mass += other.mass, moment += other.moment, rotational += other.rotational;
+  }
+};
+
+struct Spatial {
+  Vec3 angular = Vec3::Zero(), linear = Vec3::Zero();
+  Spatial operator+(const Spatial& b) const noexcept { return {angular + b.angular, linear + b.linear}; }
+  Spatial operator*(double s) const noexcept { return {s * angular, s * linear}; }
+  double dot(const Spatial& b) const noexcept { return angular.dot(b.angular) + linear.dot(b.linear); }
+};
+
+Spatial operator*(const Inertia& i, const Spatial& v) noexcept {
+  return {i.rotational * v.angular + i.moment.cross(v.linear), i.mass * v.linear - i.moment.cross(v.angular)};
+}
+Spatial cross_motion(const Spatial& v, const Spatial& m) noexcept {
+  return {v.angular.cross(m.angular), v.angular.cross(m.linear) + v.linear.cross(m.angular)};
+}
+Spatial cross_force(const Spatial& v, const Spatial& f) noexcept {
+  return {v.angular.cross(f.angular) + v.linear.cross(f.linear), v.angular.cross(f.linear)};
+}
+
+Mat3 in_base(const Mat3& rotation, const Vec3& principal) noexcept {
+  return rotation * principal.asDiagonal() * rotation.transpose();
+}
+
+/// R <- R * rotation about the joint's axis.
+void turn(Mat3& r, std::size_t joint, double angle) noexcept {
+  const double c = std::cos(angle), s = std::sin(angle);
+  const int y = kTurnsAboutY[joint];
+  const Vec3 first = r.col(0), other = y ? Vec3(-y * r.col(2)) : Vec3(r.col(1));
+  r.col(0) = c * first + s * other;
+  const Vec3 turned = c * other - s * first;
+  if (y)
+    r.col(2) = -y * turned;
+  else
+    r.col(1) = turned;
+}
+
+void require(bool good, std::size_t link, const char* what) {
+  if (!good) throw std::runtime_error(fmt::format("arm inertia: {} of link {} is not that of a body", what, link + 1));
+}
+
+}  // namespace
+
+void ArmInertia::validate() const {
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const Link& link = links[i];
+    const Vec3& d = link.inertia_kg_m2;
+    require(link.mass_kg > 0.0 && std::isfinite(link.mass_kg), i, "the mass");
+    require(link.centre_m.allFinite(), i, "the centre");
+    // The triangle inequality holds for every distribution of mass; it keeps M positive definite.
+    require(d.allFinite() && d.minCoeff() > 0.0 && 2.0 * d.maxCoeff() <= d.sum(), i, "the inertia");
+    const double rotor = rotor_kg_m2[static_cast<Eigen::Index>(i)];
+    require(rotor >= 0.0 && std::isfinite(rotor), i, "the rotor's inertia");
+  }
+}
+
+ArmInertia lwr_inertia(double torque_feedback_gain) {
+  if (!(torque_feedback_gain >= 1.0 && std::isfinite(torque_feedback_gain)))
+    throw std::runtime_error(
+        fmt::format("arm inertia: torque_feedback_gain is {}, but has to be 1 or more", torque_feedback_gain));
+  ArmInertia arm;
+  const Vec3 upper(0.01845, 0.00405, 0.01602);
+  arm.links = {Link{2.7, Vec3(0.0, -0.06, 0.13), upper},
+               Link{2.7, Vec3(0.0, 0.06, 0.07), upper},
+               Link{2.7, Vec3(0.0, 0.06, 0.13), upper},
+               Link{2.7, Vec3(0.0, -0.06, 0.07), upper},
+               Link{1.7, Vec3(0.0, 0.0, 0.124), Vec3(0.01075, 0.00255, 0.00922)},
+               Link{1.1, Vec3(0.0, 0.0, 0.0625), Vec3::Constant(0.002865)},
+               Link{0.25, Vec3::Zero(), Vec3::Constant(4.17e-4)}};
+  arm.rotor_kg_m2 << 3.19, 3.05, 1.98, 2.05, 0.787, 0.391, 0.394;
+  arm.rotor_kg_m2 /= torque_feedback_gain;
+  return arm;
+}
+
+std::array<ArmDynamics::Frame, 7> ArmDynamics::links(const LwrJoints& q) const noexcept {
+  std::array<Frame, 7> frames;
+  Mat3 rotation = Mat3::Identity();
+  Vec3 origin = Vec3::Zero();
+  for (std::size_t i = 0; i < 7; ++i) {
+    origin += kRise[i] * rotation.col(2);
+    const Vec3 axis = kTurnsAboutY[i] ? Vec3(kTurnsAboutY[i] * rotation.col(1)) : Vec3(rotation.col(2));
+    turn(rotation, i, q[static_cast<Eigen::Index>(i)]);
+    frames[i] = {rotation, origin, axis};
+  }
+  return frames;
+}
+
+ArmDynamics::Terms ArmDynamics::at(const LwrJoints& q, const LwrJoints& rate, const TipLoad& load) const noexcept {
+  const std::array<Frame, 7> frames = links(q);
+  Terms terms;
+  terms.tool = Pose{frames[6].origin, Quat(frames[6].rotation)} * tool_in_flange_;
+  const Vec3& tip = terms.tool.position;
+
+  // Outward: velocities, and the accelerations that they alone ask for (recursive Newton-Euler with q'' = 0).
+  std::array<Spatial, 7> axes, forces;
+  std::array<Inertia, 7> bodies;
+  Spatial velocity, acceleration;
+  for (std::size_t i = 0; i < 7; ++i) {
+    const Frame& f = frames[i];
+    const Link& link = inertia_.links[i];
+    bodies[i].add(link.mass_kg, f.rotation * link.centre_m + f.origin, in_base(f.rotation, link.inertia_kg_m2));
+    axes[i] = {f.axis, f.origin.cross(f.axis)};
+    const double speed = rate[static_cast<Eigen::Index>(i)];
+    velocity = velocity + axes[i] * speed;
+    acceleration = acceleration + cross_motion(velocity, axes[i]) * speed;
+    Inertia moved = bodies[i];
+    if (i == 6) moved.add(load.mass_kg, tip, load.inertia_kg_m2 * Mat3::Identity());
+    forces[i] = moved * acceleration + cross_force(velocity, moved * velocity);
+  }
+  terms.twist = {velocity.linear + velocity.angular.cross(tip), velocity.angular};
+
+  // Inward: forces add up to c, weights to g, bodies to the composites of M.
+  Spatial force;
+  Inertia arm, composite;
+  composite.add(load.mass_kg, tip, load.inertia_kg_m2 * Mat3::Identity());
+  for (std::size_t i = 7; i-- > 0;) {
+    const auto row = static_cast<Eigen::Index>(i);
+    force = force + forces[i];
+    arm.add(bodies[i]);
+    composite.add(bodies[i]);
+    terms.coriolis[row] = axes[i].dot(force);
+    terms.gravity[row] = kGravity * frames[i].axis.cross(arm.moment - arm.mass * frames[i].origin).z();
+    const Spatial momentum = composite * axes[i];
+    for (std::size_t j = 0; j <= i; ++j) {
+      const auto col = static_cast<Eigen::Index>(j);
+      terms.mass(row, col) = terms.mass(col, row) = axes[j].dot(momentum);
+    }
+    terms.jacobian.col(row) << axes[i].linear + frames[i].axis.cross(tip), frames[i].axis;
+  }
+  terms.mass.diagonal() += inertia_.rotor_kg_m2;
+  return terms;
+}
+
+double ArmDynamics::kinetic_energy(const LwrJoints& q, const LwrJoints& rate, const TipLoad& load) const noexcept {
+  const std::array<Frame, 7> frames = links(q);
+  const auto speed_of = [&](const Vec3& point, std::size_t last) {
+    Vec3 v = Vec3::Zero();
+    for (std::size_t j = 0; j <= last; ++j)
+      v += rate[static_cast<Eigen::Index>(j)] * frames[j].axis.cross(point - frames[j].origin);
+    return v;
+  };
+  double twice = rate.cwiseAbs2().dot(inertia_.rotor_kg_m2);
+  Vec3 angular = Vec3::Zero();
+  for (std::size_t i = 0; i < 7; ++i) {
+    const Link& link = inertia_.links[i];
+    angular += rate[static_cast<Eigen::Index>(i)] * frames[i].axis;
+    twice += link.mass_kg * speed_of(frames[i].rotation * link.centre_m + frames[i].origin, i).squaredNorm();
+    twice += (frames[i].rotation.transpose() * angular).cwiseAbs2().dot(link.inertia_kg_m2);
+  }
+  const Vec3 tip = frames[6].rotation * tool_in_flange_.position + frames[6].origin;
+  twice += load.mass_kg * speed_of(tip, 6).squaredNorm() + load.inertia_kg_m2 * angular.squaredNorm();
+  return 0.5 * twice;
+}
+
+double ArmDynamics::potential_energy(const LwrJoints& q) const noexcept {
+  const std::array<Frame, 7> frames = links(q);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 7; ++i)
+    sum +=
+        inertia_.links[i].mass_kg * kGravity * (frames[i].rotation * inertia_.links[i].centre_m + frames[i].origin).z();
+  return sum;
+}
+
+}  // namespace voxtouch::lwr_sim

@@ -1,0 +1,78 @@
+#pragma once
+/// Rigid-body dynamics of the light-weight robot: M(q) q'' + c(q, q') + g(q) = torque. Arithmetic, real-time safe throughout.
+#include <array>
+
+#include "core/types/geometry.hpp"
+#include "devices/lwr/lwr_arm.hpp"
+
+namespace voxtouch::lwr_sim {
+
+using LwrMatrix = Eigen::Matrix<double, 7, 7>;
+
+inline constexpr double kGravity = 9.81;  ///< [m/s^2], along -z of the base
+
+/// One link in its own frame: at q = 0 all link frames are parallel to the base, one above the other.
+struct Link {
+  double mass_kg = 0.0;
+  Vec3 centre_m = Vec3::Zero();
+  Vec3 inertia_kg_m2 = Vec3::Zero();  ///< principal, about the centre, along the link's axes
+};
+
+struct ArmInertia {
+  std::array<Link, 7> links{};
+  LwrJoints rotor_kg_m2 = LwrJoints::Zero();  ///< added to the diagonal of M
+
+  /// Throws std::runtime_error where a mass or an inertia is not above zero or cannot be that of a body.
+  void validate() const;
+};
+
+/// Links: the physically consistent set of published robot descriptions (confirmed). Rotors: reflected motor inertia
+/// (unconfirmed), divided by `torque_feedback_gain`: a torque loop that feeds back k times the torque error makes the motor
+/// appear (1 + k) times lighter; 4 is assumed.
+ArmInertia lwr_inertia(double torque_feedback_gain = 4.0);
+
+/// What moves with the tool's origin and is not the arm's: a hand. It carries its own weight, so it adds to M and c, not to g.
+struct TipLoad {
+  double mass_kg = 0.0;
+  double inertia_kg_m2 = 0.0;  ///< the same about any axis
+};
+
+class ArmDynamics {
+ public:
+  /// `inertia` must be valid. `tool_in_flange`: the frame T, whose origin carries the load.
+  explicit ArmDynamics(const ArmInertia& inertia = lwr_inertia(), const Pose& tool_in_flange = {}) noexcept
+      : inertia_(inertia), tool_in_flange_(tool_in_flange) {}
+
+  /// All that one state gives.
+  struct Terms {
+    LwrMatrix mass;        ///< M(q), rotors and load included [kg m^2]
+    LwrJoints coriolis;    ///< c(q, q') [Nm]
+    LwrJoints gravity;     ///< g(q): the torque that holds the arm still [Nm]
+    Pose tool;             ///< T in the base
+    LwrJacobian jacobian;  ///< of the tool's origin, base axes, linear first
+    Twist twist;           ///< of the tool
+  };
+  Terms at(const LwrJoints& q, const LwrJoints& rate, const TipLoad& load = {}) const noexcept;
+
+  /// Sum over links, rotors and load [J]; made from the links' velocities, not from M.
+  double kinetic_energy(const LwrJoints& q, const LwrJoints& rate, const TipLoad& load = {}) const noexcept;
+  /// Of the links, zero with all centres at the height of the base [J].
+  double potential_energy(const LwrJoints& q) const noexcept;
+
+  /// Where a link is: a point of it in the base is rotation * point + origin.
+  struct Frame {
+    Mat3 rotation;
+    Vec3 origin;  ///< on the joint's axis
+    Vec3 axis;    ///< of the joint, in the base
+  };
+  std::array<Frame, 7> links(const LwrJoints& q) const noexcept;
+
+  const ArmInertia& inertia() const noexcept { return inertia_; }
+  const Pose& tool_in_flange() const noexcept { return tool_in_flange_; }
+
+ private:
+  ArmInertia inertia_;
+  Pose tool_in_flange_;
+};
+
+}  // namespace voxtouch::lwr_sim

@@ -1,0 +1,80 @@
+#pragma once
+/// The arm as mechanics: state, integration in time, dry friction, brakes, stops, and somebody's hand at the tool.
+#include <limits>
+
+#include "devices/lwr/simulated/arm_dynamics.hpp"
+#include "devices/operator/hand.hpp"
+
+namespace voxtouch::lwr_sim {
+
+/// What torque control leaves to be felt of the drives, and where the arm ends.
+struct PlantParameters {
+  ArmInertia inertia = lwr_inertia();
+  Pose tool_in_flange;
+  LwrJoints viscous_nms_per_rad = LwrJoints::Zero();
+  LwrJoints coulomb_nm = LwrJoints::Zero();
+  LwrJoints brake_nm = LwrJoints::Zero();  ///< most that a closed brake holds
+  LwrJoints torque_limit_nm =
+      LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< of the drives, gravity included
+  LwrJoints position_limit_rad =
+      LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< +-, a stop that takes all speed
+
+  /// Throws std::runtime_error that names field and rule.
+  void validate() const;
+};
+
+/// Published drive friction, divided by the gain of the torque feedback, which hides it as it hides the rotors (assumed);
+/// brakes of twice the drives' torque (assumed); published limits.
+PlantParameters lwr_plant(double torque_feedback_gain = 4.0);
+
+enum class Drives {
+  kTorque,  ///< what is commanded, and gravity beside it
+  kBraked,  ///< no torque, brakes closed
+};
+
+class ArmPlant {
+ public:
+  /// `parameters` must be valid. At rest at `q`.
+  ArmPlant(const PlantParameters& parameters, const LwrJoints& q);
+
+  /// Moves on by `dt_s` with `torque` held (beyond gravity, which the drives carry exactly; the sum is cut to the drives'
+  /// limits). `hand`: over this step, in the base. Classical Runge-Kutta of fourth order for all smooth forces; then dry friction, brakes and stops as impulses that
+  /// take speed and never give any: a joint under less than its friction stays exactly where it is. Real-time safe.
+  void step(const LwrJoints& torque, Drives drives, const HandAction& hand, double dt_s) noexcept;
+
+  const LwrJoints& q() const noexcept { return q_; }
+  const LwrJoints& rate() const noexcept { return rate_; }
+  void set_state(const LwrJoints& q, const LwrJoints& rate) noexcept { q_ = q, rate_ = rate; }
+  /// What sensors between drives and links felt in the last step: drives, friction and brakes [Nm].
+  const LwrJoints& sensed_torque() const noexcept { return sensed_; }
+  /// On the tool in the last step: the hand at its start.
+  const Wrench& hand_wrench() const noexcept { return hand_wrench_; }
+  /// A stop held a joint in the last step.
+  bool at_stop() const noexcept { return at_stop_; }
+  ArmDynamics::Terms terms(const TipLoad& load = {}) const noexcept { return dynamics_.at(q_, rate_, load); }
+  const ArmDynamics& dynamics() const noexcept { return dynamics_; }
+  const PlantParameters& parameters() const noexcept { return parameters_; }
+
+ private:
+  struct Slope {
+    LwrJoints rate, acceleration;
+  };
+  struct Step {
+    const LwrJoints& torque;
+    Drives drives;
+    const HandAction& hand;
+  };
+  Slope slope(const Step& step, const LwrJoints& q, const LwrJoints& rate, ArmDynamics::Terms& terms) const noexcept;
+  LwrJoints drive_torque(const Step& step, const LwrJoints& gravity) const noexcept;
+  /// Friction, brakes and stops: the impulse at each joint, within its bounds, that brings the step's end nearest to rest.
+  LwrJoints holding_impulse(const LwrMatrix& mass, const LwrJoints& q, const LwrJoints& rate, Drives drives,
+                            double dt_s) noexcept;
+
+  PlantParameters parameters_;
+  ArmDynamics dynamics_;
+  LwrJoints q_, rate_ = LwrJoints::Zero(), sensed_ = LwrJoints::Zero();
+  Wrench hand_wrench_;
+  bool at_stop_ = false;
+};
+
+}  // namespace voxtouch::lwr_sim

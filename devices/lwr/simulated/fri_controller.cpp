@@ -1,0 +1,381 @@
+#include "devices/lwr/simulated/fri_controller.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace voxtouch::lwr_sim {
+namespace {
+
+using fri::Control;
+using fri::State;
+
+void require(bool good, const char* field, const char* rule) {
+  if (!good) throw std::runtime_error(fmt::format("simulated controller: {} has to be {}", field, rule));
+}
+
+const ControllerConfig& checked(const ControllerConfig& config) {
+  config.validate();
+  return config;
+}
+
+int ticks_of(double period_s) { return static_cast<int>(std::lround(period_s / kTick)); }
+
+}  // namespace
+
+void ControllerConfig::validate() const {
+  const int ticks = ticks_of(period_s);
+  require(ticks >= 1 && ticks <= 100 && std::abs(period_s - ticks * kTick) < 1e-9, "period_s",
+          "1 to 100 whole milliseconds");
+  require(safety_limits > 0.0 && safety_limits <= 1.0, "safety_limits", "in (0, 1]");
+  plant.validate();
+  quality.validate();
+  require(start_rad.allFinite() && (start_rad.cwiseAbs().array() <= plant.position_limit_rad.array()).all(),
+          "start_rad", "within the joints' limits");
+  require(overlay_delay_ticks >= 0 && overlay_delay_ticks <= static_cast<int>(CommandPath::kMaxDelay),
+          "overlay_delay_ticks", "in [0, 100]");
+  require(overlay_lag_s >= 0.0 && overlay_lag_s < 1.0, "overlay_lag_s", "in [0, 1)");
+  require(torque_noise_nm >= 0.0 && torque_noise_nm < 100.0, "torque_noise_nm", "in [0, 100)");
+  require(position_resolution_rad >= 0.0 && position_resolution_rad < 0.01, "position_resolution_rad", "in [0, 0.01)");
+  require(script_pause_s >= 0.0 && script_pause_s < 60.0, "script_pause_s", "in [0, 60)");
+}
+
+FriController::FriController(const ControllerConfig& config, Hand hand, FaultSchedule faults)
+    : config_(checked(config)), ticks_(ticks_of(config.period_s)), faults_(std::move(faults)),
+      plant_(config.plant, config.start_rad), hand_(std::move(hand)), link_(config.quality),
+      script_(config.script_pause_s, config.first_start_keeps_strategy),
+      path_(ticks_, static_cast<std::size_t>(config.overlay_delay_ticks)), impedance_(config.laws),
+      random_(config.seed), held_(config.start_rad), msr_(fri::empty_msr()) {
+  config_.safety.max_speed_rad_s *= config.safety_limits;
+  path_.start(resting());
+}
+
+/// Close to normal, from sums: the same bits with every library.
+double FriController::noise() noexcept {
+  if (config_.torque_noise_nm == 0.0) return 0.0;
+  double sum = -6.0;
+  for (int i = 0; i < 12; ++i) sum += static_cast<double>(random_() >> 11) * 0x1p-53;
+  return config_.torque_noise_nm * sum;
+}
+
+fri::Quality FriController::quality() const noexcept {
+  const auto most = faults_.active(FaultKind::kQuality, time_s());
+  return most ? std::min(link_.quality(), static_cast<fri::Quality>(static_cast<int>(*most))) : link_.quality();
+}
+
+Setpoint FriController::resting() const noexcept {
+  Setpoint s;
+  s.position = held_;
+  s.pose = plant_.dynamics().at(held_, LwrJoints::Zero()).tool;
+  s.stiffness = config_.krl_stiffness_nm_per_rad;
+  s.damping.setConstant(config_.krl_damping);
+  s.cart_stiffness << Vec3::Constant(config_.krl_cart_stiffness_n_per_m),
+      Vec3::Constant(config_.krl_cart_stiffness_nm_per_rad);
+  s.cart_damping.setConstant(config_.krl_damping);
+  return s;
+}
+
+/// What the flags leave out is the KRL side's.
+Setpoint FriController::setpoint_of(const fri::Command& c) const noexcept {
+  Setpoint s = resting();
+  const auto has = [&](std::uint32_t flag) { return (c.cmd_flags & flag) != 0; };
+  if (has(fri::kFlagJntPos)) s.position = fri::from_wire(c.jnt_pos);
+  if (has(fri::kFlagCartPos)) s.pose = fri::from_wire(c.cart_pos);
+  if (has(fri::kFlagJntTrq)) s.torque = fri::from_wire(c.add_jnt_trq);
+  if (has(fri::kFlagTcpFt)) s.wrench = fri::from_wire(c.add_tcp_ft);
+  if (has(fri::kFlagJntStiff)) s.stiffness = fri::from_wire(c.jnt_stiffness);
+  if (has(fri::kFlagJntDamp)) s.damping = fri::from_wire(c.jnt_damping);
+  if (has(fri::kFlagCartStiff)) s.cart_stiffness = fri::from_wire(c.cart_stiffness);
+  if (has(fri::kFlagCartDamp)) s.cart_damping = fri::from_wire(c.cart_damping);
+  return s;
+}
+
+void FriController::note(State from, const Violation& why) noexcept {
+  if (event_count_ == events_.size()) {
+    first_event_ = (first_event_ + 1) % events_.size();
+    --event_count_;
+  }
+  events_[(first_event_ + event_count_++) % events_.size()] = {time_s(), from, state_, why};
+}
+
+std::optional<Event> FriController::take_event() noexcept {
+  if (event_count_ == 0) return std::nullopt;
+  const Event event = events_[first_event_];
+  first_event_ = (first_event_ + 1) % events_.size();
+  --event_count_;
+  return event;
+}
+
+void FriController::hold_here() noexcept {
+  held_ = plant_.q();
+  overlay_.setZero();
+  applied_.setZero();
+  path_.start(resting());
+}
+
+/// Command mode ends. Unasked, the brakes close; a violation leaves error bits, a bad link warning bits (it is no drive's error).
+void FriController::leave(const Violation& why) noexcept {
+  const State from = std::exchange(state_, State::kMon);
+  hold_here();
+  note(from, why);
+  if (why.reason == Reason::kAsked) return;
+  ++drops_;
+  braked_ = true;
+  const bool link = why.reason == Reason::kMisses || why.reason == Reason::kQualityForced;
+  const bool power = why.reason == Reason::kEmergencyStop || why.reason == Reason::kDrivesOff;
+  const std::uint16_t bits = why.joints ? why.joints : fri::kAllDrives;
+  if (link)
+    warning_ = bits;
+  else if (!power)
+    error_ = bits;
+}
+
+/// Emergency stop and drives, as the schedule has them now. Power comes back by itself, the brakes stay until the next start.
+void FriController::watch_power() noexcept {
+  const double now = time_s();
+  const bool stop = faults_.active(FaultKind::kEmergencyStop, now).has_value();
+  const auto off = static_cast<std::uint16_t>(faults_.active(FaultKind::kDrivesOff, now).value_or(0.0));
+  broken_ = static_cast<std::uint16_t>(faults_.active(FaultKind::kDriveError, now).value_or(0.0));
+  const bool was_on = power_ == fri::kAllDrives;
+  power_ = static_cast<std::uint16_t>(stop ? 0U : fri::kAllDrives & ~(off | broken_));
+  if (power_ == fri::kAllDrives || !was_on) return;
+  const Violation why{stop ? Reason::kEmergencyStop : Reason::kDrivesOff,
+                      static_cast<std::uint16_t>(~power_ & fri::kAllDrives)};
+  if (state_ == State::kCmd) {
+    leave(why);
+  } else {
+    hold_here();
+    braked_ = true;
+    note(state_, why);
+  }
+}
+
+const fri::MsrPacket& FriController::measure() noexcept {
+  if (state_ == State::kOff) {
+    state_ = State::kMon;
+    note(State::kOff, {});
+  }
+  watch_power();
+  ++msr_.header.send_seq;
+  pending_valid_ = pending_not_finite_ = false;
+  fill_interface();
+  fill_robot();
+  fill_measured(plant_.terms());
+  if (const auto joint = faults_.active(FaultKind::kNan, time_s())) {
+    const float none = std::numeric_limits<float>::quiet_NaN();
+    if (*joint >= 8.0)
+      msr_.interface.timestamp_s = none;
+    else
+      msr_.data.jnt_pos[static_cast<std::size_t>(*joint) - 1] = none;
+  }
+  return msr_;
+}
+
+FriController::Verdict FriController::receive(std::span<const std::byte> datagram, double latency_s) noexcept {
+  fri::CmdPacket packet{};
+  const fri::PacketFault fault = fri::decode(datagram, packet);
+  if (fault == fri::PacketFault::kLength) return ++counts_.length, Verdict::kLength;
+  if (fault == fri::PacketFault::kId) return ++counts_.id, Verdict::kId;
+  if (fault == fri::PacketFault::kSizeField) return ++counts_.size_field, Verdict::kSizeField;
+  if (packet.header.refl_seq != msr_.header.send_seq) return ++counts_.stale, Verdict::kStale;
+  const bool again = pending_valid_ || pending_not_finite_;
+  if (again && fri::sequence_distance(pending_.header.send_seq, packet.header.send_seq) <= 0)
+    return ++counts_.doubled, Verdict::kDoubled;
+  pending_ = packet;
+  pending_latency_s_ = latency_s;
+  pending_valid_ = fault == fri::PacketFault::kNone;
+  pending_not_finite_ = !pending_valid_;
+  if (pending_not_finite_) return ++counts_.not_finite, Verdict::kNotFinite;
+  return again ? (++counts_.replaced, Verdict::kReplaced) : (++counts_.taken, Verdict::kTaken);
+}
+
+LwrJoints FriController::law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept {
+  if (state_ != State::kCmd) return position_law(config_.laws, terms, plant_.q(), plant_.rate(), held_);
+  if (script_.control() == Control::kPosition)
+    return position_law(config_.laws, terms, plant_.q(), plant_.rate(), now.position);
+  return impedance_.torque(terms, plant_.q(), plant_.rate(), now) + overlay_;
+}
+
+void FriController::tick() noexcept {
+  const Setpoint now = path_.tick();
+  const bool cartesian = script_.control() == Control::kCartesianImpedance;
+  ArmDynamics::Terms terms = plant_.terms();
+  if (state_ == State::kCmd && cartesian) impedance_.prepare_cartesian(terms, now);
+  if (state_ == State::kCmd && !cartesian) impedance_.prepare_joint(terms, now);
+  // Pade(1,1) of 1 - exp(-dt / lag): no library function.
+  const double follow = std::min(1.0, kSubstep / (config_.overlay_lag_s + 0.5 * kSubstep));
+  for (int i = 0; i < kSubsteps; ++i) {
+    if (i) terms = plant_.terms();
+    LwrJoints wanted = now.torque;
+    if (cartesian) wanted = in_axes(task_axes(config_.laws, terms), terms.jacobian).transpose() * now.wrench;
+    if (state_ == State::kCmd) overlay_ += follow * (wanted - overlay_);
+    applied_ = braked_ ? LwrJoints(LwrJoints::Zero()) : law(now, terms);
+    const HandAction hand = starts_ || !config_.hand_waits ? hand_.step() : HandAction{};
+    plant_.step(applied_, braked_ ? Drives::kBraked : Drives::kTorque, hand, kSubstep);
+  }
+}
+
+void FriController::advance() noexcept {
+  for (int i = 0; i < ticks_; ++i) tick();
+  ++period_;
+  take_answer();
+  judge_motion();
+  run_script();
+}
+
+void FriController::take_answer() noexcept {
+  if (!pending_valid_) {
+    if (answered_once_ || pending_not_finite_) link_.missed();
+    ++periods_since_answer_;
+    if (state_ == State::kCmd && pending_not_finite_)
+      leave({Reason::kNotFinite, 0});
+    else if (state_ == State::kCmd)
+      path_.miss();
+    return;
+  }
+  link_.answered(pending_latency_s_);
+  answered_once_ = true;
+  msr_.header.refl_seq = pending_.header.send_seq;
+  answer_ = pending_;
+  if (state_ == State::kCmd) judge_answer();
+  periods_since_answer_ = 1;
+}
+
+void FriController::judge_answer() noexcept {
+  if (answer_.command.cmd_flags != flags_) return leave({Reason::kFlagsChanged, 0});
+  const Setpoint wanted = setpoint_of(answer_.command);
+  if (const Violation why = check_answer(wanted)) return leave(why);
+  path_.answer(wanted);
+}
+
+Violation FriController::check_answer(const Setpoint& wanted) const noexcept {
+  // What stood in for missed answers moved the goal on, so the time is that since the last goal.
+  return check_command(config_.safety, script_.control(), path_.goal(), wanted,
+                       periods_since_answer_ * config_.period_s, plant_.q(), plant_.terms().tool);
+}
+
+void FriController::judge_motion() noexcept {
+  if (state_ != State::kCmd) return;
+  if (const Violation why = check_motion(config_.safety, plant_.rate())) return leave(why);
+  if (link_.quality() <= fri::Quality::kBad) return leave({Reason::kMisses, 0});
+  if (quality() <= fri::Quality::kBad) leave({Reason::kQualityForced, 0});
+}
+
+void FriController::run_script() noexcept {
+  const KrlScript::Input input{answer_.krl.integer[fri::kFrmIntStrategy],
+                               answered_once_ ? answer_.krl.integer[fri::kFrmIntRun] : fri::kHalt, state_, quality()};
+  switch (script_.step(input, config_.period_s)) {
+    case KrlScript::Request::kNone: break;
+    case KrlScript::Request::kStop:
+      if (state_ == State::kCmd) leave({Reason::kAsked, 0});
+      error_ = warning_ = 0;
+      break;
+    case KrlScript::Request::kAcknowledge: error_ = warning_ = 0; break;
+    case KrlScript::Request::kStart: start(); break;
+  }
+}
+
+void FriController::start() noexcept {
+  if (power_ != fri::kAllDrives) return note(state_, {Reason::kDrivesOff, 0});
+  const LwrJoints mirrored = fri::from_wire(answer_.command.jnt_pos);
+  if (const Violation why = check_entry(config_.safety, script_.control(), mirrored, held_, plant_.q())) {
+    error_ = why.joints ? why.joints : fri::kAllDrives;
+    return note(state_, why);
+  }
+  const State from = std::exchange(state_, State::kCmd);
+  ++starts_;
+  script_.started();
+  braked_ = false;
+  error_ = warning_ = 0;
+  flags_ = answer_.command.cmd_flags;
+  overlay_.setZero();
+  path_.start(resting());
+  note(from, {});
+}
+
+const fri::MsrPacket& FriController::close() noexcept {
+  const State from = std::exchange(state_, State::kOff);
+  hold_here();
+  braked_ = true;
+  note(from, {Reason::kClosed, 0});
+  ++msr_.header.send_seq;
+  fill_interface();
+  fill_robot();
+  fill_measured(plant_.terms());
+  return msr_;
+}
+
+void FriController::fill_interface() noexcept {
+  msr_.krl.integer[fri::kToIntEcho] = script_.echo();
+  msr_.krl.integer[fri::kToIntSimulated] = config_.virtual_time ? fri::kVirtualTime : 0;
+  fri::Interface& i = msr_.interface;
+  i.timestamp_s = static_cast<float>(time_s());
+  i.state = state_;
+  i.quality = quality();
+  i.msr_period_s = i.cmd_period_s = static_cast<float>(config_.period_s);
+  i.safety_limits = static_cast<float>(config_.safety_limits);
+  i.statistics = link_.statistics();
+}
+
+void FriController::fill_robot() noexcept {
+  fri::Robot& r = msr_.robot;
+  r.power = power_;
+  r.control = script_.control();
+  r.error = static_cast<std::uint16_t>(error_ | broken_);
+  r.warning = warning_;
+  r.temperature.fill(30.0F);
+}
+
+void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
+  fri::Measured& d = msr_.data;
+  const double step = config_.position_resolution_rad;
+  LwrJoints q = plant_.q();
+  if (step > 0.0) q = q.unaryExpr([step](double x) { return std::round(x / step) * step; });
+  const ArmDynamics& dynamics = plant_.dynamics();
+  d.jnt_pos = fri::to_wire(q);
+  d.cart_pos = fri::to_wire(dynamics.at(q, LwrJoints::Zero()).tool);
+  const bool command = state_ == State::kCmd;
+  const LwrJoints goal = command ? path_.goal().position : held_;
+  const Pose held_pose = dynamics.at(held_, LwrJoints::Zero()).tool;
+  const Pose goal_pose = command ? path_.goal().pose : held_pose;
+  d.cmd_jnt_pos = fri::to_wire(held_);
+  d.cmd_jnt_pos_fri_offset = fri::to_wire(LwrJoints(goal - held_));
+  d.cmd_cart_pos = fri::to_wire(held_pose);
+  d.cmd_cart_pos_fri_offset = fri::to_wire(held_pose.inverse() * goal_pose);
+  const Mat3 axes = task_axes(config_.laws, terms);
+  const Wrench& hand = plant_.hand_wrench();
+  const LwrJoints outer = joint_torque(terms.jacobian, hand);
+  for (int i = 0; i < 7; ++i) {
+    const double error = noise();  // one sensor, one error: it shows in both
+    d.jnt_trq[static_cast<std::size_t>(i)] = static_cast<float>(plant_.sensed_torque()[i] + error);
+    d.est_ext_jnt_trq[static_cast<std::size_t>(i)] = static_cast<float>(outer[i] + error);
+  }
+  Vec6 wrench;
+  wrench << axes.transpose() * hand.force, axes.transpose() * hand.torque;
+  d.est_ext_tcp_ft = fri::to_wire(wrench);
+  d.jacobian = fri::to_wire(in_axes(axes, terms.jacobian));
+  for (int row = 0; row < 7; ++row)
+    for (int col = 0; col < 7; ++col)
+      d.mass_matrix[static_cast<std::size_t>(7 * row + col)] = static_cast<float>(terms.mass(row, col));
+  d.gravity = fri::to_wire(terms.gravity);
+}
+
+TraceRow FriController::row() const noexcept {
+  const ArmDynamics::Terms terms = plant_.terms();
+  TraceRow row;
+  row.time_s = time_s();
+  row.state = state_;
+  row.quality = quality();
+  row.braked = braked_;
+  row.tip_m = terms.tool.position;
+  row.velocity_m_s = terms.twist.linear;
+  if (!braked_) row.applied = tool_wrench(terms, applied_);
+  row.hand = plant_.hand_wrench();
+  row.target_m = hand_.target();
+  return row;
+}
+
+}  // namespace voxtouch::lwr_sim

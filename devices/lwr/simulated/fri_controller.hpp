@@ -1,0 +1,163 @@
+#pragma once
+/// The simulated robot controller with its arm and the operator at it: everything but the network.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <span>
+
+#include "devices/lwr/fri_codec.hpp"
+#include "devices/lwr/simulated/arm_plant.hpp"
+#include "devices/lwr/simulated/command_path.hpp"
+#include "devices/lwr/simulated/faults.hpp"
+#include "devices/lwr/simulated/krl_script.hpp"
+#include "devices/lwr/simulated/link_quality.hpp"
+#include "devices/lwr/simulated/safety.hpp"
+
+namespace voxtouch::lwr_sim {
+
+inline constexpr double kTick = 1e-3;  ///< [s] the controller's fine cycle
+inline constexpr int kSubsteps = 4;    ///< torque loop and mechanics in one tick
+inline constexpr double kSubstep = kTick / kSubsteps;
+
+struct ControllerConfig {
+  double period_s = 0.001;     ///< argument of friOpen: 1 to 100 ms, whole milliseconds
+  double safety_limits = 1.0;  ///< argument of friStart: share of the joints' speed, in (0, 1]
+  PlantParameters plant = lwr_plant();
+  LwrJoints start_rad = lwr_rest_posture();
+  QualityRules quality;
+  SafetyRules safety;
+  LawParameters laws;
+  int overlay_delay_ticks = 1;            ///< of overlaid torques beside the period that an answer waits; assumed
+  double overlay_lag_s = 0.003;           ///< first-order lag of them, by the torque loop; assumed
+  double torque_noise_nm = 0.05;          ///< standard deviation of each torque sensor; assumed
+  double position_resolution_rad = 2e-5;  ///< of the measured positions; assumed
+  LwrJoints krl_stiffness_nm_per_rad =
+      LwrJoints::Constant(1000.0);  ///< where no flag brings one, as in published programs;
+  double krl_cart_stiffness_n_per_m = 200.0, krl_cart_stiffness_nm_per_rad = 20.0, krl_damping = 0.7;  ///< likewise
+  double script_pause_s = 0.05;  ///< of the KRL program's loop, as in a published one
+  bool first_start_keeps_strategy = false;
+  bool hand_waits = true;     ///< the hand takes the tool, and its clock starts, with the first command mode
+  bool virtual_time = false;  ///< announced in $FRI_TO_INT[16]
+  std::uint64_t seed = 0;
+
+  /// Throws std::runtime_error that names field and rule.
+  void validate() const;
+};
+
+/// What came in, by what became of it.
+struct AnswerCounts {
+  std::uint64_t taken = 0;                           ///< in time
+  std::uint64_t length = 0, id = 0, size_field = 0;  ///< no command packet
+  std::uint64_t not_finite = 0;
+  std::uint64_t stale = 0;     ///< does not answer the last measurement
+  std::uint64_t replaced = 0;  ///< answers it once more with a newer count: taken in place of the one before
+  std::uint64_t doubled = 0;   ///< answers it once more with the same or an older count
+};
+
+/// What happened to the state.
+struct Event {
+  double time_s = 0.0;
+  fri::State from = fri::State::kMon, to = fri::State::kMon;
+  Violation why;
+};
+
+/// One row of the trace; base axes.
+struct TraceRow {
+  double time_s = 0.0;
+  fri::State state = fri::State::kMon;
+  fri::Quality quality = fri::Quality::kUnacceptable;
+  bool braked = false;
+  Vec3 tip_m = Vec3::Zero(), velocity_m_s = Vec3::Zero();
+  Wrench applied;  ///< what the drives push with at the tool, beyond carrying the arm; zero where brakes hold it
+  Wrench hand;     ///< of the operator on the tool
+  Vec3 target_m = Vec3::Zero();  ///< where the hand wants to be
+};
+
+/// One period: `measure`, any number of `receive`, `advance`. An answer that comes between acts from the next period on. Time is
+/// a count of periods; there is no clock, so the same seed and answers give the same bits. State OFF stands before the first
+/// measurement and after `close`. Real-time safe after construction.
+class FriController {
+ public:
+  /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
+  FriController(const ControllerConfig& config, Hand hand, FaultSchedule faults = FaultSchedule());
+
+  /// The measurement that this period begins with.
+  const fri::MsrPacket& measure() noexcept;
+  enum class Verdict : std::uint8_t { kTaken, kLength, kId, kSizeField, kNotFinite, kStale, kReplaced, kDoubled };
+  /// A datagram that came in this period, `latency_s` after its measurement left.
+  Verdict receive(std::span<const std::byte> datagram, double latency_s) noexcept;
+  /// Moves on by one period; then judges the answer or its absence, and motion and link.
+  void advance() noexcept;
+  /// friStop and friClose: the measurement to say so. Brakes close.
+  const fri::MsrPacket& close() noexcept;
+
+  double time_s() const noexcept { return static_cast<double>(period_) * config_.period_s; }
+  std::uint64_t periods() const noexcept { return period_; }
+  fri::State state() const noexcept { return state_; }
+  fri::Quality quality() const noexcept;
+  bool braked() const noexcept { return braked_; }
+  const AnswerCounts& counts() const noexcept { return counts_; }
+  const ArmPlant& plant() const noexcept { return plant_; }
+  const LinkQuality& link() const noexcept { return link_; }
+  const ControllerConfig& config() const noexcept { return config_; }
+  std::uint64_t starts() const noexcept { return starts_; }
+  std::uint64_t drops() const noexcept { return drops_; }  ///< times command mode ended unasked
+  /// The arm's mechanics have left the numbers: the simulation is of no more use.
+  bool finite() const noexcept { return plant_.q().allFinite() && plant_.rate().allFinite(); }
+  TraceRow row() const noexcept;
+  /// What happened since the last call, oldest first; refused starts among it (from == to).
+  std::optional<Event> take_event() noexcept;
+
+ private:
+  void watch_power() noexcept;
+  void tick() noexcept;
+  LwrJoints law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept;
+  void take_answer() noexcept;
+  void judge_answer() noexcept;
+  void judge_motion() noexcept;
+  void run_script() noexcept;
+  void start() noexcept;
+  void leave(const Violation& why) noexcept;
+  Violation check_answer(const Setpoint& wanted) const noexcept;
+  Setpoint setpoint_of(const fri::Command& command) const noexcept;
+  Setpoint resting() const noexcept;
+  void hold_here() noexcept;
+  void note(fri::State from, const Violation& why) noexcept;
+  void fill_interface() noexcept;
+  void fill_robot() noexcept;
+  void fill_measured(const ArmDynamics::Terms& terms) noexcept;
+  double noise() noexcept;
+
+  ControllerConfig config_;
+  int ticks_;
+  FaultSchedule faults_;
+  ArmPlant plant_;
+  Hand hand_;
+  LinkQuality link_;
+  KrlScript script_;
+  CommandPath path_;
+  Impedance impedance_;
+  std::mt19937_64 random_;
+
+  std::uint64_t period_ = 0, starts_ = 0, drops_ = 0;
+  fri::State state_ = fri::State::kOff;
+  bool braked_ = false;
+  std::uint16_t error_ = 0, broken_ = 0, warning_ = 0, power_ = fri::kAllDrives;
+  LwrJoints held_;                         // the KRL side's commanded position
+  LwrJoints overlay_ = LwrJoints::Zero();  // torque of the remote side as the joints feel it
+  LwrJoints applied_ = LwrJoints::Zero();  // drive torque beyond gravity in the last substep
+
+  fri::MsrPacket msr_;
+  fri::CmdPacket answer_{}, pending_{};
+  bool pending_valid_ = false, pending_not_finite_ = false, answered_once_ = false;
+  double pending_latency_s_ = 0.0;
+  std::uint32_t flags_ = 0;  // of command mode
+  int periods_since_answer_ = 1;
+  AnswerCounts counts_;
+  std::array<Event, 32> events_{};
+  std::size_t first_event_ = 0, event_count_ = 0;
+};
+
+}  // namespace voxtouch::lwr_sim

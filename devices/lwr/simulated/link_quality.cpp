@@ -1,0 +1,74 @@
+#include "devices/lwr/simulated/link_quality.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace voxtouch::lwr_sim {
+
+void QualityRules::validate() const {
+  if (ok_after < 1 || perfect_after < ok_after)
+    throw std::runtime_error("link quality: ok_after has to be 1 or more, perfect_after no less than it");
+  if (misses_in_a_row < 1 || misses_in_window < 1 || misses_in_window > static_cast<int>(LinkQuality::kWindow))
+    throw std::runtime_error(
+        "link quality: misses_in_a_row and misses_in_window have to be 1 or more, the latter at most 100");
+}
+
+LinkQuality::LinkQuality(const QualityRules& rules) : rules_((rules.validate(), rules)) {}
+
+void LinkQuality::push(bool in_time, double latency_s) noexcept {
+  held_ += (in_time ? 0 : 1) - (held_against_[next_] ? 1 : 0);
+  latency_[next_] = in_time ? std::max(latency_s, 0.0) : -1.0;
+  held_against_[next_] = !in_time;
+  next_ = (next_ + 1) % kWindow;
+  count_ = std::min(count_ + 1, kWindow);
+}
+
+void LinkQuality::answered(double latency_s) noexcept {
+  push(true, latency_s);
+  ++answered_run_;
+  missed_run_ = 0;
+  fri::Quality earned = fri::Quality::kBad;
+  if (answered_run_ >= rules_.ok_after) earned = fri::Quality::kOk;
+  if (answered_run_ >= rules_.perfect_after) earned = fri::Quality::kPerfect;
+  if (earned <= quality_) return;
+  quality_ = earned;
+  if (earned != fri::Quality::kPerfect) return;
+  held_against_.fill(false);
+  held_ = 0;
+}
+
+void LinkQuality::missed() noexcept {
+  push(false, 0.0);
+  answered_run_ = 0;
+  ++missed_run_;
+  ++misses_;
+  fri::Quality most = fri::Quality::kPerfect;
+  if (missed_run_ >= 2) most = fri::Quality::kOk;
+  if (held_ > rules_.misses_in_window) most = fri::Quality::kBad;
+  if (missed_run_ >= rules_.misses_in_a_row) most = fri::Quality::kUnacceptable;
+  quality_ = std::min(quality_, most);
+}
+
+fri::Statistics LinkQuality::statistics() const noexcept {
+  fri::Statistics out{};
+  out.miss_counter = misses_;
+  if (count_ == 0) return out;
+  double sum = 0.0, least = 1e300, most = 0.0;
+  int answers = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (latency_[i] < 0.0) continue;
+    ++answers;
+    sum += latency_[i];
+    least = std::min(least, latency_[i]);
+    most = std::max(most, latency_[i]);
+  }
+  const double all = static_cast<double>(count_);
+  out.answer_rate = static_cast<float>(answers / all);
+  out.miss_rate = static_cast<float>((all - answers) / all);
+  if (answers == 0) return out;
+  out.latency_s = static_cast<float>(sum / answers);
+  out.jitter_s = static_cast<float>(most - least);
+  return out;
+}
+
+}  // namespace voxtouch::lwr_sim

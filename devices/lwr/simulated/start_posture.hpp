@@ -1,0 +1,11 @@
+#pragma once
+/// Where the arm stands before anything happens.
+#include "devices/lwr/lwr_arm.hpp"
+
+namespace voxtouch::lwr_sim {
+
+/// Joint angles near `posture` that bring the tool to `wanted` (base), found by damped least squares. Throws std::runtime_error
+/// with a sentence where the arm cannot reach it within its joints' limits.
+LwrJoints start_posture(const LwrArm& arm, const Pose& wanted, const LwrJoints& posture);
+
+}  // namespace voxtouch::lwr_sim

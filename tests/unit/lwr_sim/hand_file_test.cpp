@@ -1,0 +1,114 @@
+#include "devices/operator/hand_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <clocale>
+#include <limits>
+#include <locale>
+
+#include "devices/operator/hand.hpp"
+
+namespace voxtouch {
+namespace {
+
+HandFile sample() {
+  HandFile f;
+  f.motion.path = {Vec3(0.1, -1.0 / 3.0, 1e-300), Vec3(-0.538, 0.0, 0.384)};
+  f.motion.speed_m_per_s = 0.07;
+  f.motion.hold_s = 0.25;
+  f.motion.repeat_from = 1;
+  f.motion.circle_centre = Vec3(0.1, 0.2, 0.3);
+  f.motion.circle_axis = Vec3(1.0, 2.0, 3.0).normalized();
+  f.motion.orientation = Quat(0.1, 0.2, -0.3, 0.4).normalized();
+  f.hand = *grip("arm-firm");
+  f.hand.let_go_at_s = 2.5;
+  f.hand.tremor_n = 0.1;
+  f.posture_rad = {0.1, 0.2, 0.3, -1.4, 0.5, 0.6, 1.0 / 7.0};
+  f.seed = std::numeric_limits<std::uint64_t>::max();
+  return f;
+}
+
+TEST(HandFile, ReadsBackToTheSameBits) {
+  const HandFile f = sample(), back = parse_hand(to_text(f), "test");
+  EXPECT_EQ(to_text(back), to_text(f));
+  EXPECT_EQ(back.motion.path, f.motion.path);
+  EXPECT_EQ(back.motion.orientation.coeffs(), f.motion.orientation.coeffs());
+  EXPECT_EQ(back.motion.circle_axis, f.motion.circle_axis);
+  EXPECT_EQ(*back.motion.circle_centre, *f.motion.circle_centre);
+  EXPECT_EQ(back.motion.repeat_from, f.motion.repeat_from);
+  EXPECT_EQ(back.posture_rad, f.posture_rad);
+  EXPECT_EQ(back.seed, f.seed);
+  EXPECT_EQ(back.hand.stiffness_n_per_m, f.hand.stiffness_n_per_m);
+  EXPECT_EQ(back.hand.let_go_at_s, 2.5);
+  EXPECT_EQ(back.hand.grip_harder_at_s, std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(back.hand.carries_tool);
+}
+
+TEST(HandFile, EveryFieldOfTheOperatorIsWritten) {
+  // One more field of the struct changes its size, and whoever adds it is sent here.
+  static_assert(sizeof(OperatorConfig) == 13 * sizeof(double));
+  const std::string plain = to_text(sample());
+  for (double OperatorConfig::*field :
+       {&OperatorConfig::let_go_at_s, &OperatorConfig::grip_harder_at_s, &OperatorConfig::grip_factor,
+        &OperatorConfig::mass_kg, &OperatorConfig::damping_ns_per_m, &OperatorConfig::stiffness_n_per_m,
+        &OperatorConfig::inertia_kg_m2, &OperatorConfig::damping_nms_per_rad, &OperatorConfig::stiffness_nm_per_rad,
+        &OperatorConfig::tremor_n, &OperatorConfig::tremor_bandwidth_hz}) {
+    HandFile changed = sample();
+    changed.hand.*field = 0.375;
+    EXPECT_NE(to_text(changed), plain);
+    EXPECT_EQ(parse_hand(to_text(changed), "test").hand.*field, 0.375);
+  }
+}
+
+TEST(HandFile, DoesNotDependOnTheLocale) {
+  const std::string plain = to_text(sample());
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  const char* c_locale = std::setlocale(LC_ALL, "de_DE.UTF-8");  // where the machine has it
+  const std::string text = to_text(sample());
+  EXPECT_EQ(text, plain);
+  EXPECT_EQ(to_text(parse_hand(text, "test")), plain);
+  if (c_locale) std::setlocale(LC_ALL, "C");
+  std::locale::global(before);
+}
+
+TEST(HandFile, WhatIsLeftOutKeepsItsDefaultAndCommentsAreNoKeys) {
+  const HandFile f = parse_hand("# a hand\nformat = voxtouch-hand-1\r\n\n  waypoint_m = 1 2\t3  # here\n", "test");
+  EXPECT_EQ(f.motion.path.front(), Vec3(1, 2, 3));
+  EXPECT_EQ(f.motion.speed_m_per_s, Motion{}.speed_m_per_s);
+  EXPECT_FALSE(f.motion.repeat_from);
+  EXPECT_TRUE(f.posture_rad.empty());
+}
+
+TEST(HandFile, RefusesWhatIsWrongAndSaysWhere) {
+  const std::string head = "format = voxtouch-hand-1\nwaypoint_m = 0 0 0\n";
+  const auto message = [](const std::string& text) -> std::string {
+    try {
+      parse_hand(text, "file");
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  EXPECT_EQ(message(head), "taken");
+  for (const char* line :
+       {"speed = 1", "speed_m_per_s", "speed_m_per_s =", "speed_m_per_s = 1 2", "speed_m_per_s = 1x",
+        "speed_m_per_s = 1,5", "speed_m_per_s = nan", "waypoint_m = 1 2", "orientation_wxyz = 1 1 0 0",
+        "released = yes", "repeat_from = -1", "repeat_from = 1.5", "seed = 18446744073709551616", "seed = -1",
+        "hold_s = 1\nhold_s = 1", "format = voxtouch-hand-1", "circle_axis = 0 0", "posture_rad = 1 a"})
+    EXPECT_NE(message(head + line).find("file:"), std::string::npos) << line << ": " << message(head + line);
+  EXPECT_NE(message(head + "hold_s = x").find("file:3:"), std::string::npos);
+  EXPECT_NE(message("").find("waypoint_m"), std::string::npos);
+  EXPECT_NE(message("waypoint_m = 0 0 0\n").find("format"), std::string::npos);
+  EXPECT_NE(message("format = voxtouch-hand-2\n").find("format"), std::string::npos);
+  EXPECT_NE(message(head + "mass_kg = -1").find("mass_kg"), std::string::npos);
+  EXPECT_THROW(read_hand("/nonexistent/hand"), std::runtime_error);
+  EXPECT_THROW(write_hand("/nonexistent/hand", sample()), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace voxtouch

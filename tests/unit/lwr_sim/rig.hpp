@@ -1,0 +1,69 @@
+#pragma once
+/// A controller and a scripted remote side in one process, without a network.
+#include <functional>
+
+#include "devices/lwr/simulated/fri_controller.hpp"
+#include "tests/unit/lwr_sim/scripted_remote.hpp"
+
+namespace voxtouch::lwr_sim::test {
+
+inline Hand nobody() {
+  OperatorConfig config;
+  config.released = true;
+  Motion motion;
+  motion.path = {LwrArm().tool(lwr_rest_posture()).position};
+  return Hand(config, motion, kSubstep);
+}
+
+/// An arm's grip that wants to be `offset` away from where the tool starts.
+inline Hand arm_at(const Vec3& offset, double stiffness_n_per_m = 200.0, double damping_ns_per_m = 15.0) {
+  OperatorConfig config = *grip("arm");
+  config.carries_tool = false;
+  config.stiffness_n_per_m = stiffness_n_per_m;
+  config.damping_ns_per_m = damping_ns_per_m;
+  const Pose tool = LwrArm().tool(lwr_rest_posture());
+  Motion motion;
+  motion.path = {tool.position + offset};
+  motion.orientation = tool.orientation;
+  return Hand(config, motion, kSubstep);
+}
+
+struct Rig {
+  explicit Rig(const ControllerConfig& config = {}, Hand hand = nobody(), std::vector<Fault> faults = {})
+      : controller(config, std::move(hand), FaultSchedule(std::move(faults))) {}
+
+  /// One period; the answer is delivered unless `answers` is false.
+  MsrBytes period(bool answers = true) {
+    MsrBytes msr;
+    std::memcpy(msr.data(), &controller.measure(), msr.size());
+    if (answers) {
+      CmdBytes cmd = remote.answer(msr);
+      if (tamper) tamper(cmd);
+      controller.receive(cmd, 0.0);
+    }
+    controller.advance();
+    return msr;
+  }
+  MsrBytes periods(int n, bool answers = true) {
+    MsrBytes msr{};
+    for (int i = 0; i < n; ++i) msr = period(answers);
+    return msr;
+  }
+  /// Until command mode; false if it does not come within `most` periods.
+  bool start(int most = 300) {
+    for (int i = 0; i < most && controller.state() != fri::State::kCmd; ++i) period();
+    return controller.state() == fri::State::kCmd;
+  }
+  /// The last thing that happened, all taken.
+  Reason reason() {
+    Reason last = Reason::kNone;
+    while (const auto event = controller.take_event()) last = event->why.reason;
+    return last;
+  }
+
+  FriController controller;
+  ScriptedRemote remote;
+  std::function<void(CmdBytes&)> tamper;
+};
+
+}  // namespace voxtouch::lwr_sim::test
