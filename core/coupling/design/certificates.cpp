@@ -44,8 +44,8 @@ class NeededDamping {
   /// w0 = infinity: no filter.
   NeededDamping(double w0, double d, const LoopTiming& timing, double effort_lag_s)
       : period_(timing.period_s), filtered_(std::isfinite(w0)), g_(filtered_ ? 0.5 * w0 * period_ : 0.0), d_(d),
-        lag_rate_(effort_lag_s > 0.0 ? period_ / effort_lag_s : 0.0),
         mass_(sample_plant(1.0, 0.0, 0.0, period_, timing.delay_s, effort_lag_s)),
+        lag_rate_(mass_.order == 3 ? period_ / effort_lag_s : 0.0),
         standstill_lag_((filtered_ ? 2.0 * d / w0 : 0.0) + 0.5 * period_ + timing.delay_s + effort_lag_s) {}
 
   double at(double angle) const {
@@ -86,9 +86,9 @@ class NeededDamping {
   static constexpr double kSmallest = 1e-3;
   double period_;
   bool filtered_;
-  double g_, d_, lag_rate_;
+  double g_, d_;
   SampledPlant mass_;
-  double standstill_lag_;
+  double lag_rate_, standstill_lag_;
 };
 
 /// The maximum over all angles. There may be one for every turn of the delay and a narrow one at the filter's resonance: looked

@@ -8,6 +8,9 @@
 namespace voxtouch {
 namespace {
 
+/// Decay of the velocity, and square of the resonance, per period: far beyond any device, and still a matrix exponential.
+constexpr double kFastestPlant = 1e9;
+
 void require(bool kept, const char* field, double value, const char* rule) {
   if (!kept) throw std::invalid_argument(fmt::format("The loop's {} is {}; it must be {}.", field, value, rule));
 }
@@ -34,6 +37,11 @@ void require_loop(const LoopPlant& p) {
   require_positive("period_s", p.period_s);
   require_not_negative("delay_s", p.delay_s);
   require_not_negative("effort_lag_s", p.effort_lag_s);
+  const double per_mass = p.period_s / (p.mass + p.hand_mass);
+  require((p.damping + p.hand_damping) * per_mass <= kFastestPlant, "damping", p.damping + p.hand_damping,
+          "at most 1e9 masses per period");
+  require(p.hand_stiffness * p.period_s * per_mass <= kFastestPlant, "hand_stiffness", p.hand_stiffness,
+          "at most 1e9 masses per period squared");
   require(p.delay_s <= kMostDelayPeriods * p.period_s, "delay_s", p.delay_s, "at most 200 periods");
 }
 

@@ -116,7 +116,9 @@ bool without_integrators(MatrixXd& a) {
 /// Scales the states by powers of two until rows and columns weigh alike (Parlett, Reinsch 1969): Eigen's solver does not, and
 /// a stiff contact or a slow filter sets the states far apart. Exact.
 void balance(MatrixXd& a) {
-  for (bool changed = true; changed;) {
+  constexpr int kMostRounds = 100;  // a handful do
+  bool changed = true;
+  for (int round = 0; changed && round < kMostRounds; ++round) {
     changed = false;
     for (Index i = 0; i < a.rows(); ++i) {
       const double column = a.col(i).cwiseAbs().sum() - std::abs(a(i, i)),
@@ -150,6 +152,7 @@ double spectral_radius(const LoopPlant& plant, const LoopController& controller,
   MatrixXd a = LoopMatrix(plant, controller, contact_stiffness).matrix();
   const double integrators = without_integrators(a) ? 1.0 : 0.0;
   if (a.size() == 0) return integrators;
+  if (!a.allFinite()) throw std::invalid_argument("The loop's numbers are too large or too small to be computed with.");
   balance(a);
   return std::max(integrators, largest_eigenvalue(a));
 }

@@ -10,6 +10,9 @@ using Eigen::Matrix4d;
 /// A delay this close to whole periods [periods] is whole: a state less.
 constexpr double kWholeDelay = 1e-9;
 
+/// A lag this short [periods] is none: the doublings of its exponential would not end.
+constexpr double kNoLag = 1e-9;
+
 /// exp(a) - 1, by Taylor on a small share of `a` and doubling, e(2 a) = 2 e(a) + e(a)^2. Columns of zero stay zero exactly.
 Matrix4d exp_less_one(const Matrix4d& a) {
   constexpr int kTerms = 14;  // 0.5^15 / 15! is below the rounding
@@ -29,7 +32,7 @@ SampledPlant sample_plant(double mass, double damping, double stiffness, double 
                           double effort_lag_s) {
   SampledPlant out;
   out.effort_unit = period_s * period_s / mass;
-  out.order = effort_lag_s > 0.0 ? 3 : 2;
+  out.order = effort_lag_s > kNoLag * period_s ? 3 : 2;
 
   // States x, T v, f and the held command, per period.
   Matrix4d rate = Matrix4d::Zero();

@@ -201,6 +201,19 @@ TEST(CriticalStiffness, UndampedHandsAreJudgedByWhereTheirEigenvalueGoes) {
   EXPECT_EQ(critical_stiffness({.mass = 0.1}, {.law = Law::kDirect}).stiffness, 0.0) << "nothing damps, nobody holds";
 }
 
+TEST(CriticalStiffness, TwoNarrowResonancesSideBySideAreNotLeaptOver) {
+  // Each turns L by half a circle within a width far below a step; together they turn it back to where it was.
+  for (double ratio = 1.01; ratio < 1.3; ratio += 0.03) {
+    for (const double w0 : {20.0, 45.0, 90.0, 170.0}) {
+      const LoopPlant p{.mass = 0.1, .damping = 1e-5 * w0, .hand_stiffness = 0.1 * std::pow(ratio * w0, 2)};
+      const LoopController c{.w0_rad_per_s = w0, .damping_ratio = 1e-4};
+      const double limit = critical_stiffness(p, c).stiffness;
+      EXPECT_LT(spectral_radius(p, c, 0.999 * limit), 1.0) << ratio << " " << w0;
+      EXPECT_GT(spectral_radius(p, c, 1.001 * limit), 1.0) << ratio << " " << w0;
+    }
+  }
+}
+
 TEST(CriticalStiffness, AttractingContactGivesWayAgainstTheHandsSpring) {
   const LoopPlant p{.mass = 0.1, .damping = 2.0, .hand_stiffness = 200.0, .period_s = 1e-3};
   EXPECT_DOUBLE_EQ(critical_stiffness(p, {.law = Law::kDirect, .gain = -0.5}).stiffness, 400.0);

@@ -61,6 +61,15 @@ TEST(SampledPlant, FractionalDelayIsAWholeDelayOfShorterPeriods) {
   }
 }
 
+TEST(SampledPlant, LagThatVanishesIsNone) {
+  const auto none = sample_plant(0.2, 1.5, 30.0, 1e-3, 2.3e-3, 0.0);
+  for (const double lag : {1e-300, 1e-13, 1e-11}) {
+    const auto little = sample_plant(0.2, 1.5, 30.0, 1e-3, 2.3e-3, lag);
+    EXPECT_NEAR(little.newer[0], none.newer[0], 2.0 * lag / 1e-3 + 1e-15) << lag;
+    EXPECT_NEAR(little.older[1], none.older[1], 2.0 * lag / 1e-3 + 1e-15) << lag;
+  }
+}
+
 TEST(SampledPlant, FreeMassUnderAHeldForceIsKnownInClosedForm) {
   const double m = 0.075, period = 1e-3;
   const SampledPlant p = sample_plant(m, 0.0, 0.0, period, 0.25e-3, 0.0);
@@ -183,6 +192,9 @@ TEST(SampledLoop, RefusesWhatIsNoLoop) {
   refused([](auto& p, auto&) { p.period_s = 0.0; });
   refused([](auto& p, auto&) { p.delay_s = std::numeric_limits<double>::infinity(); });
   refused([](auto& p, auto&) { p.delay_s = 0.2001; });
+  refused([](auto& p, auto&) { p.mass = 1e-320; });
+  refused([](auto& p, auto&) { p.hand_stiffness = 1e200; });
+  EXPECT_THROW(spectral_radius({.mass = 1e-300}, {.law = Law::kDirect}, 1e300), std::invalid_argument);
   refused([](auto&, auto& c) { c.w0_rad_per_s = 0.0; });
   refused([](auto&, auto& c) { c.damping_ratio = -0.1; });
   refused([](auto&, auto& c) { c.gain = kNan; });
