@@ -123,6 +123,7 @@ std::vector<std::string> device_arguments(const device::Options& o) {
   std::vector<std::string> a = runtime::to_arguments(o, true);
   a.insert(a.end(), {"--device", o.device, "--duration", fmt::format("{}", o.duration_s)});
   if (!o.motion.empty()) a.insert(a.end(), {"--motion", o.motion});
+  device::append_arguments(o.hand, a);
   return a;
 }
 

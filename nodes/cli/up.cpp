@@ -25,6 +25,7 @@ using std::chrono::milliseconds;
 struct UpOptions {
   runtime::NodeOptions node;
   std::string device = "sim-phantom", motion;
+  device::HandChoice hand;
   double duration_s = 0.0;
   std::filesystem::path bag;
   std::vector<std::string> topics;
@@ -94,6 +95,7 @@ class Run {
     c.device.device = options_.device;
     c.device.motion = options_.motion;
     c.device.duration_s = options_.duration_s;
+    c.device.hand = options_.hand;
     c.validator.every = options_.every;
     c.logger.bag = summary_.bag;
     c.logger.topics = options_.topics;
@@ -238,6 +240,7 @@ void add_up(CLI::App& app, Action& action) {
   verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")
       ->capture_default_str()
       ->check(device::check_duration);
+  device::add_hand_options(*verb, options->hand);
   verb->add_option("--record", options->bag,
                    "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
   verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states");

@@ -27,7 +27,8 @@ std::uint64_t make_session_id(const Options& options, const Scene& scene, std::u
   if (!options.lockstep) return static_cast<std::uint64_t>(runtime::realtime_ns());
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
   const std::string anew = sessions ? fmt::format("/{}", sessions) : "";
-  for (const char c : fmt::format("{}/{}/{}/{}{}", scene.hash, options.device, options.motion, options.seed, anew))
+  for (const char c : fmt::format("{}/{}/{}/{}/{}{}", scene.hash, options.device, options.motion, to_text(options.hand),
+                                  options.seed, anew))
     hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
   return hash;
 }
@@ -144,6 +145,7 @@ class DeviceNode {
     DeviceOptions device;
     device.seed = options_.seed;
     device.motion = motion;
+    device.hand = choose_hand(options_.device, options_.hand);
     return open_device(options_.device, device);
   }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/scene/scene.hpp"
+#include "nodes/device/hand_options.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::device {
@@ -12,6 +13,7 @@ struct Options : runtime::NodeOptions {
   std::string device = "sim-phantom";
   std::string motion;       ///< of the scene; empty: the hand rests where the first motion starts
   double duration_s = 0.0;  ///< of the device's time; 0: until stopped
+  HandChoice hand;          ///< of a simulated device
 };
 
 /// What is wrong with a duration as typed [s]; empty if nothing: 0 to 1e8 (three years), for samples are counted in whole numbers.

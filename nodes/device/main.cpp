@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
         app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")
             ->capture_default_str()
             ->check(voxtouch::device::check_duration);
+        voxtouch::device::add_hand_options(app, options.hand);
       },
       [&](const std::atomic<bool>& stop) { return voxtouch::device::run(options, stop); });
 }

@@ -1,0 +1,60 @@
+#include "nodes/device/hand_options.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include "devices/operator/hand.hpp"
+#include "devices/registry.hpp"
+#include "nodes/runtime/options.hpp"
+
+namespace voxtouch::device {
+
+void add_hand_options(CLI::App& app, HandChoice& choice) {
+  app.add_option("--hand", choice.grip,
+                 fmt::format("How the simulated hand holds the device: {} (default: as the device is usually held)",
+                             fmt::join(grip_names(), ", ")));
+  app.add_option("--let-go-at", choice.let_go_at_s, "Device time at which the simulated hand opens [s]")
+      ->check(runtime::require_positive);
+  app.add_option("--grip-harder-at", choice.grip_harder_at_s, "Device time at which it grips harder [s]")
+      ->check(runtime::require_positive);
+  app.add_option("--grip-factor", choice.grip_factor, "How much stiffer it holds then")
+      ->capture_default_str()
+      ->check(runtime::require_positive);
+}
+
+std::optional<OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  if (choice.grip.empty() && choice.let_go_at_s == kNever && choice.grip_harder_at_s == kNever) return std::nullopt;
+  OperatorConfig hand = usual_hand(device);
+  if (!choice.grip.empty()) {
+    const std::optional<OperatorConfig> named = grip(choice.grip);
+    if (!named)
+      throw DeviceOpenError(
+          fmt::format("there is no hand '{}'; --hand takes {}", choice.grip, fmt::join(grip_names(), ", ")));
+    const bool carries = hand.carries_tool;
+    hand = *named;
+    hand.carries_tool = carries;
+  }
+  hand.let_go_at_s = choice.let_go_at_s;
+  hand.grip_harder_at_s = choice.grip_harder_at_s;
+  hand.grip_factor = choice.grip_harder_at_s < kNever ? choice.grip_factor : 1.0;
+  return hand;
+}
+
+void append_arguments(const HandChoice& choice, std::vector<std::string>& arguments) {
+  const HandChoice usual;
+  const auto number = [&](const char* name, double value, double default_value) {
+    if (value != default_value) arguments.insert(arguments.end(), {name, fmt::format("{}", value)});
+  };
+  if (!choice.grip.empty()) arguments.insert(arguments.end(), {"--hand", choice.grip});
+  number("--let-go-at", choice.let_go_at_s, usual.let_go_at_s);
+  number("--grip-harder-at", choice.grip_harder_at_s, usual.grip_harder_at_s);
+  number("--grip-factor", choice.grip_factor, usual.grip_factor);
+}
+
+std::string to_text(const HandChoice& choice) {
+  return fmt::format("{}/{}/{}/{}", choice.grip, choice.let_go_at_s, choice.grip_harder_at_s, choice.grip_factor);
+}
+
+}  // namespace voxtouch::device

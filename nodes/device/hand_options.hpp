@@ -1,0 +1,35 @@
+#pragma once
+/// How a simulated device is held, from the command line.
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "devices/sim/operator.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace voxtouch::device {
+
+struct HandChoice {
+  std::string grip;  ///< a name of grip_names(); empty: as the device is usually held
+  double let_go_at_s = std::numeric_limits<double>::infinity();
+  double grip_harder_at_s = std::numeric_limits<double>::infinity();
+  double grip_factor = 3.0;
+};
+
+/// --hand, --let-go-at, --grip-harder-at, --grip-factor.
+void add_hand_options(CLI::App& app, HandChoice& choice);
+
+/// The arguments that give the same choice to another process.
+void append_arguments(const HandChoice& choice, std::vector<std::string>& arguments);
+
+/// The hand that was chosen for a device; absent where nothing was chosen. Throws DeviceOpenError for an unknown grip.
+std::optional<OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice);
+
+/// Words that differ where the hands differ, for the identity of a recorded run.
+std::string to_text(const HandChoice& choice);
+
+}  // namespace voxtouch::device
