@@ -20,6 +20,33 @@ double number(const Reports& reports, const std::string& node, const std::string
   return out;
 }
 
+std::string word(const Reports& reports, const std::string& node, const std::string& key) {
+  const auto report = reports.find(node);
+  if (report == reports.end()) return "";
+  const auto value = report->second.values.find(key);
+  return value == report->second.values.end() ? "" : value->second;
+}
+
+nlohmann::ordered_json coupling_json(const Reports& r) {
+  nlohmann::ordered_json j;
+  j["status"] = word(r, "coupling", "design_status");
+  j["kind"] = word(r, "coupling", "design_kind");
+  j["cutoff_hz"] = number(r, "coupling", "design_cutoff_hz");
+  j["gain"] = number(r, "coupling", "design_gain");
+  j["injected_damping_ns_per_m"] = number(r, "coupling", "design_injected_damping_ns_per_m");
+  j["shown_stiffness_n_per_m"] = number(r, "coupling", "design_shown_n_per_m");
+  j["critical_stiffness_n_per_m"] = number(r, "coupling", "design_critical_n_per_m");
+  j["gain_margin"] = number(r, "coupling", "design_gain_margin");
+  j["worst_case"] = word(r, "coupling", "design_worst_case");
+  j["designs"] = static_cast<std::uint64_t>(number(r, "coupling", "designs"));
+  j["capped_samples"] = static_cast<std::uint64_t>(number(r, "coupling", "capped_samples"));
+  j["passivity_samples"] = static_cast<std::uint64_t>(number(r, "coupling", "passivity_samples"));
+  j["passivity_most_damping_ns_per_m"] = number(r, "coupling", "passivity_most_damping_ns_per_m");
+  j["lowest_energy_j"] = number(r, "coupling", "lowest_energy_j");
+  j["lowest_energy_rotation_j"] = number(r, "coupling", "lowest_energy_rotation_j");
+  return j;
+}
+
 std::uint64_t count(const Reports& reports, const std::string& node, const std::string& key) {
   return static_cast<std::uint64_t>(number(reports, node, key));
 }
@@ -47,6 +74,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["held_samples"] = count(r, "rendering", "held_samples");
   j["fast_samples"] = count(r, "rendering", "fast_samples");
   j["max_force_n"] = number(r, "device", "max_force_n");
+  j["coupling"] = coupling_json(r);
   j["guard"] = {{"refused", count(r, "device", "refused")}, {"clamped", count(r, "device", "clamped")}};
   nlohmann::ordered_json validator;
   for (const char* key : {"checked", "decided", "agree", "in_band", "disagree"})
@@ -67,15 +95,20 @@ std::string figures(const RunSummary& s) {
       "\n  device      {} samples at {:.1f} Hz, {} overruns, largest force {:.2f} N\n"
       "  ring        {} answered, latency p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us, {} deadlines missed\n"
       "  contact     {} samples with force, {} held, {} faster than half a voxel a sample\n"
+      "  coupling    {}, {}: {:.4g} N/m of certified stiffness, margin {:.3g}; capped in {} samples, passivity "
+      "controller in {}\n"
       "  guard       {} commands refused, {} clamped\n"
       "  validator   {} checked: {} decided, {} agree, {} in band, {} disagree\n",
       count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
       number(r, "device", "max_force_n"), count(r, "device", "answered"), number(r, "device", "latency_p50_us"),
       number(r, "device", "latency_p99_us"), number(r, "device", "latency_max_us"),
       count(r, "device", "deadline_misses"), count(r, "rendering", "contact_samples"),
-      count(r, "rendering", "held_samples"), count(r, "rendering", "fast_samples"), count(r, "device", "refused"),
-      count(r, "device", "clamped"), count(r, "validator", "checked"), count(r, "validator", "decided"),
-      count(r, "validator", "agree"), count(r, "validator", "in_band"), count(r, "validator", "disagree"));
+      count(r, "rendering", "held_samples"), count(r, "rendering", "fast_samples"), word(r, "coupling", "design_kind"),
+      word(r, "coupling", "design_status"), number(r, "coupling", "design_shown_n_per_m"),
+      number(r, "coupling", "design_gain_margin"), count(r, "coupling", "capped_samples"),
+      count(r, "coupling", "passivity_samples"), count(r, "device", "refused"), count(r, "device", "clamped"),
+      count(r, "validator", "checked"), count(r, "validator", "decided"), count(r, "validator", "agree"),
+      count(r, "validator", "in_band"), count(r, "validator", "disagree"));
   if (!s.bag.empty())
     text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag, count(r, "logger", "written"),
                         count(r, "logger", "dropped"));
