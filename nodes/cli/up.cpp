@@ -139,12 +139,23 @@ class Run {
           if (member->name() != "device" || *status != 0) note_end(member->name(), *status);
           over = true;
         }
-      if (over) return;
+      if (over || note_refusals()) return;
       std::this_thread::sleep_for(milliseconds(20));
     }
     fmt::print(stderr, "stopping\n");
     if (options_.duration_s > 0)
       summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", options_.duration_s));
+  }
+
+  /// A node that has failed but goes on, to say so, ends the run: without it there is no force.
+  bool note_refusals() {
+    bool any = false;
+    for (const auto& [name, report] : summary_.reports)
+      if (report.state == runtime::NodeState::kFailed && name != "device" && noted_.insert(name).second) {
+        summary_.problems.push_back(name + ": " + report.message);
+        any = true;
+      }
+    return any;
   }
 
   /// The device is at zero first; the logger goes last, so that the bag holds how the others ended.

@@ -254,9 +254,9 @@ TEST_F(RenderingAlone, HoldsAContactForThreeRefusedSamplesAndThenLetsGo) {
 
 TEST_F(RenderingAlone, SaysHowStiffItsContactIsAndWhatTheSceneCanShowAtMost) {
   begin(1);
-  EXPECT_EQ(one_n_per_m, 10.0);
-  EXPECT_EQ(most_n_per_m, 10.0 * static_cast<double>(points));
-  EXPECT_NEAR(one_nm_per_rad, 10.0 * 0.01 * 0.01, 1e-4) << "a sphere of 10 mm, 10 N/m a point";
+  EXPECT_EQ(one_n_per_m, 30.0);
+  EXPECT_EQ(most_n_per_m, 30.0 * static_cast<double>(points));
+  EXPECT_NEAR(one_nm_per_rad, 30.0 * 0.01 * 0.01, 3e-4) << "a sphere of 10 mm, 30 N/m a point";
   EXPECT_NEAR(most_nm_per_rad, static_cast<double>(points) * 2.0 / 3.0 * one_nm_per_rad, 0.1 * most_nm_per_rad);
   const msg::ContactState contact = contact_of(1, 0, kInContact);
   const Mat6 stiffness = runtime::from_msg(contact.stiffness);

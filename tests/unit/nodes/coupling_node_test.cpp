@@ -1,0 +1,276 @@
+// The coupling node alone: what it designs, when it designs anew, and what it refuses.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "core/types/geometry.hpp"
+#include "nodes/bus/reader.hpp"
+#include "nodes/bus/writer.hpp"
+#include "nodes/coupling/coupling_node.hpp"
+#include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/strings.hpp"
+#include "tests/unit/nodes/node_thread.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using std::chrono::milliseconds;
+constexpr double kDepth = 1e-3, kStiffness = 200.0, kForce = kStiffness * kDepth;
+
+/// plane.yaml with another coupling, as a file of its own.
+std::string scene_with(const std::string& coupling) {
+  std::ifstream in(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  std::string line, text;
+  while (std::getline(in, line)) {
+    if (line.starts_with("coupling:")) line = "coupling: " + coupling;
+    if (const auto at = line.find("../meshes"); at != std::string::npos)
+      line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
+    text += line + "\n";
+  }
+  const auto file =
+      std::filesystem::temp_directory_path() / ("coupling_node_test_" + std::to_string(getpid()) + ".yaml");
+  std::ofstream(file) << text;
+  return file.string();
+}
+
+struct Seen {
+  std::string status, kind;
+  double cutoff_hz = 0, shown_n_per_m = 0, damping_ns_per_m = 0;
+  std::size_t reasons = 0, notes = 0;
+};
+
+/// Device and rendering of one rig, as far as the coupling sees them.
+class Around {
+ public:
+  explicit Around(const std::string& coupling)
+      : rig(own_rig("c")), participant({kDomain, "lo", "around"}), roster(participant, rig),
+        descriptions(participant, qos::kDeviceDescription, rig, latched()),
+        plans(participant, qos::kScenePlan, rig, latched()), states(participant, qos::kDeviceState, rig, stream()),
+        contacts(participant, qos::kContactState, rig, stream()),
+        designs(participant, qos::kCouplingDesign, rig, latched()),
+        commands(participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kTap)),
+        options(options_for(coupling)),
+        node([this](const std::atomic<bool>& stop) { return coupling::run(options, stop); }) {
+    EXPECT_TRUE(wait_until([&] {
+      return descriptions.matched_count() && plans.matched_count() && contacts.matched_count() &&
+             states.matched_count() && commands.matched_count() && designs.matched_count();
+    }));
+  }
+  coupling::Options options_for(const std::string& coupling) const {
+    auto o = node_options<coupling::Options>(rig);
+    o.scene = scene_with(coupling);
+    return o;
+  }
+  static const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
+  static const qos::Profile& stream() { return qos::profile(qos::ProfileId::kStream); }
+
+  void describe(double damping_ns_per_m, std::uint64_t session = 7) {
+    const std::string model = "stylus", grip = "pen";
+    msg::DeviceDescription m{};
+    m.session_id = session;
+    m.model = runtime::lend(model);
+    m.grip = runtime::lend(grip);
+    m.rate_hz = 1000.0;
+    m.max_force_n = 8.5;
+    m.max_stiffness_n_per_m = 800.0;
+    m.mass_min_kg = 0.05, m.mass_max_kg = 0.1;
+    m.damping_ns_per_m = damping_ns_per_m;
+    m.position_resolution_m = 3e-5;
+    m.delay_s = 1e-3;
+    m.force_bandwidth_hz = 1e9;
+    m.jitter = 0.2;
+    m.lost_in_a_row = 1;
+    m.simulated = true;
+    descriptions.write(m);
+  }
+  void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7) {
+    const std::string text = "plane";
+    msg::ScenePlan m{};
+    m.session_id = session;
+    m.scene = m.scene_hash = m.contact_model = runtime::lend(text);
+    m.one_point_stiffness_n_per_m = one_point_n_per_m;
+    m.all_points_stiffness_n_per_m = 100 * one_point_n_per_m;
+    plans.write(m);
+  }
+  /// Pressed against a floor at one depth, sample after sample.
+  void touch(std::uint64_t session = 7) {
+    msg::ContactState c{};
+    c.session_id = session;
+    c.sequence_number = sequence;
+    c.sample_time_ns = static_cast<std::int64_t>(sequence) * 1'000'000;
+    c.tool_pose = runtime::to_msg(Pose{Vec3(0, 0, -kDepth), Quat::Identity()});
+    c.wrench.force.z = kForce;
+    c.stiffness_bound_n_per_m = kStiffness;
+    Mat6 stiffness = Mat6::Zero();
+    stiffness(2, 2) = kStiffness;
+    runtime::to_msg(stiffness, c.stiffness);
+    msg::DeviceState s{};
+    s.session_id = session;
+    s.sequence_number = sequence++;
+    s.sample_time_ns = c.sample_time_ns;
+    s.pose = c.tool_pose;
+    states.write(s);
+    contacts.write(c);
+    std::this_thread::sleep_for(milliseconds(1));
+    look();
+  }
+  void look() {
+    msg::ForceCommand command;
+    while (commands.take(command)) forces.push_back(command.wrench.force.z);
+    designs.take_each([this](const msg::CouplingDesign& d) {
+      seen.push_back({d.status, d.kind, d.cutoff_hz, d.shown_stiffness_n_per_m, d.injected_damping_ns_per_m,
+                      d.reasons._length, d.notes._length});
+    });
+  }
+  std::string message() {
+    roster.update();
+    const auto report = roster.find("coupling");
+    return report ? report->message : "";
+  }
+
+  std::string rig;
+  bus::Participant participant;
+  runtime::Roster roster;
+  bus::Writer<msg::DeviceDescription> descriptions;
+  bus::Writer<msg::ScenePlan> plans;
+  bus::Writer<msg::DeviceState> states;
+  bus::Writer<msg::ContactState> contacts;
+  bus::Reader<msg::CouplingDesign> designs;
+  bus::Reader<msg::ForceCommand> commands;
+  coupling::Options options;
+  NodeThread node;
+  std::uint64_t sequence = 0;
+  std::vector<double> forces;
+  std::vector<Seen> seen;
+};
+
+double largest_step(const std::vector<double>& forces) {
+  double step = 0.0;
+  for (std::size_t i = 1; i < forces.size(); ++i) step = std::max(step, std::abs(forces[i] - forces[i - 1]));
+  return step;
+}
+
+TEST(CouplingNode, WaitsForDeviceAndPlanThenDesignsOnce) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(2.0);
+  std::this_thread::sleep_for(milliseconds(200));
+  around.look();
+  EXPECT_TRUE(around.seen.empty()) << "nothing is known of the contact yet";
+  around.plan();
+  ASSERT_TRUE(wait_until([&] {
+    around.look();
+    return !around.seen.empty();
+  }));
+  std::this_thread::sleep_for(milliseconds(200));
+  around.look();
+  ASSERT_EQ(around.seen.size(), 1U);
+  EXPECT_NE(around.seen[0].status, "infeasible");
+  EXPECT_EQ(around.seen[0].kind, "shaping_filter");
+  EXPECT_GT(around.seen[0].shown_n_per_m, 50.0);
+  for (int i = 0; i < 600; ++i) around.touch();
+  ASSERT_FALSE(around.forces.empty());
+  EXPECT_GT(around.forces.back(), 0.5 * kForce);
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, DesignsAnewWithoutAForceStepWhenTheDeviceOrTheContactChange) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan();
+  ASSERT_TRUE(wait_until([&] {
+    around.look();
+    return around.seen.size() == 1;
+  }));
+  for (int i = 0; i < 800; ++i) around.touch();
+  ASSERT_NEAR(around.forces.back(), kForce, 0.02 * kForce) << "nothing to cap yet";
+  around.forces.clear();
+  around.describe(0.05);  // it has lost its damping: less can be shown, and damping must be injected
+  for (int i = 0; i < 200 || (around.seen.size() < 2 && i < 5000); ++i) around.touch();
+  ASSERT_EQ(around.seen.size(), 2U);
+  EXPECT_LT(around.seen[1].shown_n_per_m, around.seen[0].shown_n_per_m);
+  EXPECT_GT(around.seen[1].damping_ns_per_m, 0.0);
+  around.plan(300.0);
+  for (int i = 0; i < 600 || (around.seen.size() < 3 && i < 5000); ++i) around.touch();
+  ASSERT_EQ(around.seen.size(), 3U);
+  EXPECT_LT(largest_step(around.forces), 0.05 * kForce) << "of a held contact; a jump would be felt as a knock";
+  EXPECT_GT(around.forces.back(), 0.2 * kForce) << "the same contact is still felt";
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, CommandsNothingWhereNoCouplingHolds) {
+  Around around("{design: auto, hand: any_passive}");
+  around.describe(0.005);
+  around.plan();
+  ASSERT_TRUE(wait_until([&] {
+    around.look();
+    return !around.seen.empty();
+  }));
+  EXPECT_EQ(around.seen[0].status, "infeasible");
+  EXPECT_GT(around.seen[0].reasons, 0U);
+  for (int i = 0; i < 200; ++i) around.touch();
+  EXPECT_TRUE(around.forces.empty());
+  ASSERT_TRUE(wait_until([&] { return around.message().find("No force is commanded") != std::string::npos; }));
+  EXPECT_NE(around.message().find("run_infeasible"), std::string::npos) << around.message();
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, RunsAnInfeasibleDesignWhereTheSceneSaysSo) {
+  Around around("{design: auto, hand: any_passive, run_infeasible: true}");
+  around.describe(0.005);
+  around.plan();
+  ASSERT_TRUE(wait_until([&] {
+    around.look();
+    return !around.seen.empty();
+  }));
+  EXPECT_EQ(around.seen[0].status, "infeasible");
+  for (int i = 0; i < 200; ++i) around.touch();
+  EXPECT_FALSE(around.forces.empty());
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, StopsCommandingWhenAChangedDeviceLeavesNothingThatHolds) {
+  Around around("{design: auto, hand: any_passive}");
+  around.describe(20.0);
+  around.plan();
+  ASSERT_TRUE(wait_until([&] {
+    around.look();
+    return !around.seen.empty();
+  }));
+  for (int i = 0; i < 100; ++i) around.touch();
+  ASSERT_FALSE(around.forces.empty());
+  around.describe(0.005);
+  ASSERT_TRUE(wait_until([&] {
+    around.touch();
+    return around.seen.size() == 2;
+  }));
+  EXPECT_EQ(around.seen[1].status, "infeasible");
+  for (int i = 0; i < 20; ++i) around.touch();
+  around.forces.clear();
+  for (int i = 0; i < 100; ++i) around.touch();
+  EXPECT_TRUE(around.forces.empty());
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, JudgesACouplingThatIsSetByHandAndRunsIt) {
+  Around around("{kind: shaping_filter, cutoff_hz: 5, damping_ratio: 1, gain: 1}");  // the paper's recipe
+  around.describe(0.005);
+  around.plan(3.0);
+  ASSERT_TRUE(wait_until([&] {
+    around.look();
+    return !around.seen.empty();
+  }));
+  EXPECT_EQ(around.seen[0].status, "configured");
+  EXPECT_EQ(around.seen[0].cutoff_hz, 5.0);
+  EXPECT_GT(around.seen[0].reasons, 0U) << "300 N/m through a 5 Hz filter are not stable on this device";
+  for (int i = 0; i < 600; ++i) around.touch();
+  ASSERT_FALSE(around.forces.empty());
+  EXPECT_NEAR(around.forces.back(), kForce, 0.1 * kForce);
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+}  // namespace
+}  // namespace voxtouch::test
