@@ -16,7 +16,7 @@ struct CouplingSpec {
   double gain = 1.0;                          ///< K, dimensionless (force in, force out), > 0 in a scene, >= 0 at run time
   double stiffness_n_per_m = 500.0;           ///< spring-damper: c, > 0
   double damping_ns_per_m = 2.0;              ///< spring-damper: r, >= 0
-  /// All kinds. The contact's wrench is scaled down so that its stiffness, as a matrix, stays below both caps (coupling.md F3):
+  /// All kinds. The contact's wrench is scaled down so that its stiffness, as a matrix, stays below both caps:
   /// a few points keep what they have, many share the cap. Infinity: no cap.
   double stiffness_cap_n_per_m = std::numeric_limits<double>::infinity();
   double stiffness_cap_nm_per_rad = std::numeric_limits<double>::infinity();

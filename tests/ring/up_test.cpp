@@ -197,12 +197,15 @@ TEST(Up, RefusesWhatItCannotDoWithASentence) {
 }
 
 /// The plane with another stiffness of each point.
+/// The plane with stiffer points and a coupling that is set by hand: a designed one would cap them.
 std::filesystem::path stiff_plane(const TemporaryFolder& folder, double stiffness_n_per_m) {
   std::ifstream in(shipped_scene("plane"));
   std::ofstream out(folder / "stiff.yaml");
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with("contact:"))
       line = "contact: {model: adapted, stiffness_n_per_m: " + std::to_string(stiffness_n_per_m) + "}";
+    if (line.starts_with("coupling:"))
+      line = "coupling: {kind: shaping_filter, cutoff_hz: 90, damping_ratio: 0.7071, gain: 1}";
     if (const auto at = line.find("../meshes"); at != std::string::npos)
       line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
     out << line << "\n";
@@ -237,7 +240,8 @@ TEST(Up, SaysFileLineAndColumnOfASceneError) {
 TEST(Nodes, SayThatTheyRunDifferentScenes) {
   const std::string domain = fresh_domain();
   Process rendering({VOXTOUCH_BIN "/voxtouch_rendering", "--scene", shipped_scene("cup"), "--domain", domain});
-  Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("plane"), "--domain", domain, "--duration", "3"});
+  Process device(
+      {VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("plane"), "--domain", domain, "--duration", "3"});
   EXPECT_EQ(device.wait().status, 0);
   rendering.signal(SIGTERM);
   const std::string said = rendering.wait().err;

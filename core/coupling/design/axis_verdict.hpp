@@ -38,7 +38,7 @@ double passive_damping_required_series(const AxisProblem& problem);
 inline constexpr double kSeriesShare = 0.9;
 
 /// Fastest approach [m/s] at which a tool is stopped within the force layer [m], by the softest contact, one point alone:
-/// depth <= v (tau + min(sqrt(M / K k), M / B)), tau = 2 d / w0 + T/2 + delay + lag (coupling.md, section 2), the worst over the
+/// depth <= v (tau + min(sqrt(M / K k), M / B)), tau = 2 d / w0 + T/2 + delay + lag, the worst over the
 /// cases. A hand that goes on pushing with a force F takes F / (K k) of the depth beforehand. 0 for no depth.
 double max_approach(const AxisProblem& problem, const CouplingSpec& spec, double depth_m);
 

@@ -5,7 +5,7 @@
 namespace voxtouch {
 
 /// Sum of |x[n]| after a unit error of one position sample: the l1 norm of the loop from the read position to the position. An
-/// error that stays within +- q/2 keeps the position within q/2 times that, so q times it peak to peak (coupling.md, L2).
+/// error that stays within +- q/2 keeps the position within q/2 times that, so q times it peak to peak.
 /// The tail beyond some ten thousand samples is extrapolated. The loop has to be stable.
 double quantisation_gain(const LoopPlant& plant, const LoopController& law, double contact_stiffness);
 

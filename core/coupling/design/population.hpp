@@ -1,7 +1,7 @@
 #pragma once
 /// Random devices, hands and contacts for experiments: a seed gives the same bits on every machine.
 ///
-/// Ranges: coupling.md's population. Phantom-like m .03-.2 kg, b .003-1 Ns/m, contact 20-5000 N/m, held like a stylus; LWR-like
+/// Ranges: Phantom-like m .03-.2 kg, b .003-1 Ns/m, contact 20-5000 N/m, held like a stylus; LWR-like
 /// m 1.6-24 kg, b 6-63 Ns/m, contact 100-16000 N/m, led by an arm. Both: T .25-4 ms, delay 0-4 T, effort lag 0-5 ms, encoder
 /// step 1-63 um.
 #include <cstdint>
