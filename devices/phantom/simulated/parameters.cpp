@@ -8,7 +8,7 @@ namespace voxtouch::hd_sim {
 namespace {
 
 constexpr double kMilli = 1000.0;  // mm in a metre, mNm in a newton metre
-// What the arm reaches between its stops, in part with little height or width to spare; data sheet, from memory.
+// Of the data sheet, from memory: the arm does not reach its corners. It reaches all of half of it, between its stops.
 constexpr std::array kReach{-187.5, -135.0, -97.5, 187.5, 135.0, 97.5};
 
 struct Shown {
@@ -88,8 +88,12 @@ Shown of_device(const Device& d, const Rates& rates, hd::HDenum name) {
   const Model& m = d.model();
   switch (name) {
     case hd::kMaxWorkspaceDimensions:
-    case hd::kUsableWorkspaceDimensions:
-      return {kReal, list({kReach[0], kReach[1], kReach[2], kReach[3], kReach[4], kReach[5]})};
+    case hd::kUsableWorkspaceDimensions: {
+      Values box;
+      const double share = name == hd::kUsableWorkspaceDimensions ? 0.5 : 1.0;
+      for (const double x : kReach) box.value[static_cast<std::size_t>(box.count++)] = share * x;
+      return {kReal, box};
+    }
     case hd::kTabletopOffset: return {kReal, list({-kMilli * d.plant.config().geometry.shin_m})};
     case hd::kInputDof: return {kInteger, list({6.0})};
     case hd::kOutputDof: return {kInteger, list({double(m.output_dof)})};

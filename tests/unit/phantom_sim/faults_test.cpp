@@ -224,10 +224,10 @@ class Determinism : public SimulatedLibrary {
   Outcome run(unsigned seed) {
     shut();
     EXPECT_EQ(sim.power_cycle(), 0);
-    EXPECT_EQ(sim.set_seed(seed), 0);
     hdsim_hand hand{0.1, 4.0, 300.0, 0.8, 0.5, 2.0, 0.2, 10.0, 0, 1};
     EXPECT_EQ(sim.set_hand(&hand), 0);
     EXPECT_EQ(set_motion({0.0, 0.0, 0.0, 0.03, -0.02, 0.01}), 0);
+    EXPECT_EQ(sim.set_seed(seed), 0);
     open_and_start();
     for (int i = 0; i < 1000; ++i) {
       tick([&] {

@@ -258,6 +258,22 @@ TEST_F(Frames, TellsWhatItIs) {
   EXPECT_EQ(errors(), Errors{});
 }
 
+TEST_F(Frames, UsableWorkspaceCanBeReachedInFull) {
+  open();
+  double box[6];
+  api.hdGetDoublev(hd::kUsableWorkspaceDimensions, box);
+  EXPECT_GT(box[3] - box[0], 100.0);
+  for (int corner = 0; corner < 8; ++corner) {
+    const double x = box[corner & 1 ? 3 : 0], y = box[corner & 2 ? 4 : 1], z = box[corner & 4 ? 5 : 2];
+    ASSERT_EQ(set_motion({1e-3 * x, 1e-3 * y, 1e-3 * z}), 0) << sim.last_message();
+    frame();
+    EXPECT_LT((read_vector(hd::kCurrentPosition) - Vec3(x, y, z)).norm(), 0.1);
+    const hdsim_state s = state();
+    EXPECT_LT(s.joints[1] - s.joints[2], 1.134);
+    EXPECT_GT(s.joints[1] - s.joints[2], -0.960);
+  }
+}
+
 TEST_F(Frames, SwitchesAreSeenByTheNextFrame) {
   open();
   sim.set_switches(5, 1, 1);

@@ -103,6 +103,16 @@ TEST(Plant, JointAtRestIsNotMovedByLessThanItsFriction) {
   for (int i = 0; i < 800; ++i) plant.step({0.0099, 0.012, 0.0099});
   EXPECT_EQ(plant.joints()[0], 0.2);  // the turret knows nothing of the thigh
   EXPECT_GT(plant.joints()[1], 0.1 + 1e-3);
+
+  // At zero even the smallest double would be seen; a hand pulls and the weight as well.
+  OperatorConfig hand = *grip("pen");
+  hand.carries_tool = false;
+  config = {};
+  config.coulomb_nm = 0.1;
+  plant = plant_of(config, hand, still());
+  plant.follow(still({1e-3, 1e-3, -1e-3}));
+  for (int i = 0; i < 8000; ++i) plant.step({0.003, -0.002, 0.001});
+  EXPECT_EQ(plant.joints(), *phantom_joints({}, Vec3::Zero()));
 }
 
 TEST(Plant, FrictionOnlyTakesEnergyAndThenHolds) {
