@@ -95,7 +95,8 @@ void PhantomServo::see(std::int64_t now_ns, bool frame_good) noexcept {
   }
   seen_.gimbal_rad = Vec3(raw_.gimbal[0], raw_.gimbal[1], raw_.gimbal[2]);
   std::copy_n(raw_.temperature.begin(), seen_.temperature.size(), seen_.temperature.begin());
-  seen_.force_limit_n = clamp_.see(std::span(raw_.temperature).first(static_cast<std::size_t>(temperatures_)));
+  seen_.force_limit_n = clamp_.see(std::span(raw_.temperature).first(static_cast<std::size_t>(temperatures_)),
+                                   std::exchange(set_n_, 0.0));
 }
 
 /// Leaves the pose as it was where there is none to be had from the frame.
@@ -126,6 +127,7 @@ void PhantomServo::set(const Wrench& wrench) noexcept {
   Vec3 force = wrench.force;
   if (clamp_length(force, clamp_.limit_n())) count(counts_.thermal);
   api_.hdSetDoublev(hd::kCurrentForce, force.data());
+  set_n_ = length_of(force);
   if (max_torque_nm_ > 0.0) {
     Vec3 torque = wrench.torque;
     clamp_length(torque, max_torque_nm_ * clamp_.share());

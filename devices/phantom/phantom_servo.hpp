@@ -107,6 +107,7 @@ class PhantomServo {
   Raw raw_;
   ServoSample seen_;
   std::int64_t last_ns_ = 0;
+  double set_n_ = 0.0;  // force of the last tick
   bool first_ = true, ended_ = false;
 
   LatestSlot<ServoSample> samples_;
