@@ -205,7 +205,7 @@ class Lockstep : public Driver {
     driver.reset();
     EXPECT_EQ(sim.power_cycle(), 0);
     EXPECT_EQ(sim.set_seed(seed), 0);
-    hdsim_hand hand{0.1, 4.0, 300.0, 0.8, 0.5, 2.0, 0.2, 10.0, 0, 1};
+    hdsim_hand hand{0.1, 4.0, 300.0, -1.0, 0.5, 2.0, 0.2, 10.0, 0, 1};
     EXPECT_EQ(sim.set_hand(&hand), 0);
     EXPECT_EQ(set_motion({0.0, 0.0, 0.0, 0.03, -0.02, 0.01}), 0);
     open_driver();
@@ -221,7 +221,7 @@ class Lockstep : public Driver {
       bits.push_back(static_cast<double>(sample->time_ns));
       const Wrench spring{-300.0 * p.position - 1.0 * sample->twist.linear, Vec3::Zero()};
       const auto written = driver->write(guard.pass(GuardInput{spring, sample->time_ns + 3'000'000}, sample->time_ns));
-      EXPECT_TRUE(written) << driver->status_text();
+      EXPECT_TRUE(written) << i << " " << name_of(written.error());
     }
     return bits;
   }
