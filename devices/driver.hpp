@@ -98,6 +98,9 @@ class Driver {
   /// True where `write` advances simulated time by one period and `read` needs no waiting (lockstep can drive
   /// it).
   virtual bool simulated() const noexcept = 0;
+  /// What keeps the device from giving samples or taking force now, and what to do about it; empty: nothing that it knows of. For
+  /// people: allocates, so not for the loop, but any other thread may ask while the loop runs.
+  virtual std::string trouble() const { return {}; }
 
  protected:
   Driver() = default;

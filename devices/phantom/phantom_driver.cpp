@@ -16,6 +16,7 @@ using namespace std::chrono_literals;
 constexpr int kLookPeriods = 2;   // without a tick for this long the errors are looked at
 constexpr int kStallPeriods = 5;  // without a tick for this long the force is turned off without it
 constexpr auto kFirstTick = 1s;
+constexpr auto kLongSilence = 200ms;  // worth a word to people
 
 const PhantomOptions& validated(const PhantomOptions& options) {
   options.validate();
@@ -70,6 +71,8 @@ DeviceResult<DeviceSample> PhantomDriver::read(std::chrono::microseconds timeout
   if (!came) return std::unexpected(nothing_came());
   if (std::exchange(first_, false)) zero_ns_ = sample_.sample.time_ns;
   sample_.sample.time_ns -= zero_ns_;
+  sample_.sample.pose.position += options_.origin_in_d;
+  pose_lost_.store(!sample_.sample.pose_valid, std::memory_order_relaxed);
   return sample_.sample;
 }
 
@@ -113,7 +116,7 @@ DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept {
     return good;
   }
   const std::uint64_t errors = servo_->trouble().count();
-  if (std::exchange(told_, errors) != errors) {
+  if (told_.exchange(errors, std::memory_order_relaxed) != errors) {
     servo_->drop();
     return std::unexpected(classify(servo_->trouble().newest()).error);
   }
@@ -141,22 +144,34 @@ PhantomStatus PhantomDriver::status() const noexcept {
   return s;
 }
 
-std::string PhantomDriver::status_text() const {
-  const PhantomStatus s = status();
-  if (s.fatal != hd::kSuccess) {
-    const bool gone = classify(s.fatal).error == DeviceError::kDisconnected;
-    return fmt::format("{}: error {} ended it; {}, and open it again", description_.model,
-                       error_text(library_.api(), s.fatal),
+/// From what any thread may read.
+std::string PhantomDriver::trouble() const {
+  const HdTrouble& trouble = servo_->trouble();
+  if (const hd::HDerror fatal = trouble.fatal(); fatal != hd::kSuccess) {
+    const bool gone = classify(fatal).error == DeviceError::kDisconnected;
+    return fmt::format("error {} ended it; {}, and open it again", error_text(library_.api(), fatal),
                        gone ? "look at cable and power" : "look at the device and restart it");
   }
-  if (s.errors != told_)
-    return fmt::format("{}: force dropped by error {}; it comes back with the next commands", description_.model,
-                       error_text(library_.api(), s.newest));
-  if (!first_ && !sample_.sample.pose_valid)
-    return fmt::format("{}: no force, its pose is not to be trusted; look at encoders and cable", description_.model);
-  if (s.force_limit_n > 0.0 && s.force_limit_n < description_.max_force_n)
+  const Clock::duration silence = servo_->silence();
+  if (!virtual_time_ && silence > kLongSilence)
+    return fmt::format(
+        "its servo loop has not ticked for {:.1f} s; look at the device and the vendor's diagnostic tool, and open it "
+        "again",
+        std::chrono::duration<double>(silence).count());
+  if (trouble.count() != told_.load(std::memory_order_relaxed))
+    return fmt::format("force dropped by error {}; it comes back with the next commands",
+                       error_text(library_.api(), trouble.newest()));
+  if (pose_lost_.load(std::memory_order_relaxed))
+    return "no force, its pose is not to be trusted; look at encoders and cable";
+  return {};
+}
+
+std::string PhantomDriver::status_text() const {
+  if (const std::string text = trouble(); !text.empty()) return fmt::format("{}: {}", description_.model, text);
+  const double limit_n = sample_.force_limit_n;
+  if (limit_n > 0.0 && limit_n < description_.max_force_n)
     return fmt::format("{}: motors are warm, force is cut to {:.2f} N; let go for a while", description_.model,
-                       s.force_limit_n);
+                       limit_n);
   return fmt::format("{}: nothing keeps the force off", description_.model);
 }
 

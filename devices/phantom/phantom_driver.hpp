@@ -1,5 +1,6 @@
 #pragma once
 /// A SensAble / 3D Systems Phantom (Premium, Desktop, Omni, Touch) over the vendor's HDAPI, or the simulated library in its place.
+#include <atomic>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -58,6 +59,7 @@ class PhantomDriver final : public Driver {
   DeviceResult<void> write(const Wrench& command) noexcept override;
   void stop() noexcept override;
   bool simulated() const noexcept override { return virtual_time_; }
+  std::string trouble() const override;
 
   PhantomStatus status() const noexcept;
   /// What keeps the force off and what to do, or that nothing does. Allocates.
@@ -80,7 +82,8 @@ class PhantomDriver final : public Driver {
   Clock::duration period_{};
   ServoSample sample_;
   std::int64_t zero_ns_ = 0;
-  std::uint64_t told_ = 0;  // errors that the caller knows of
+  std::atomic<std::uint64_t> told_{0};  // errors that the caller knows of
+  std::atomic<bool> pose_lost_{false};  // of the last sample
   std::uint64_t refused_ = 0, timeouts_ = 0;
   bool first_ = true, virtual_time_ = false;
 };

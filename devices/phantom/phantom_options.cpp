@@ -18,6 +18,7 @@ void require_in(double value, double low, double high, std::string_view field) {
 }  // namespace
 
 void PhantomOptions::validate() const {
+  for (int axis = 0; axis < 3; ++axis) require_in(origin_in_d[axis], -10.0, 10.0, "origin_in_d");
   if (rate_hz) require_in(*rate_hz, 100.0, 10000.0, "rate_hz");
   if (max_force_n) require_in(*max_force_n, 1e-3, 1e3, "max_force_n");
   if (max_speed_m_per_s) require_in(*max_speed_m_per_s, 1e-3, 100.0, "max_speed_m_per_s");
