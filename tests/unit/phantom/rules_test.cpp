@@ -101,6 +101,18 @@ TEST_F(Rules, TheClampKeepsMotorsFromTheHeatThatDropsTheForce) {
   EXPECT_EQ(driver->status().force_drops, 0u);
 }
 
+TEST_F(Rules, ADeviceThatTellsNoTemperatureIsNotClampedAndThatCanBeSeen) {
+  EXPECT_EQ(driver->status().temperatures, 3);
+  driver.reset();
+  Spy::instance().change_reading([](hd::HDenum name, double* values) {
+    if (name == hd::kMotorTemperature) values[0] = std::nan("");
+  });
+  open_driver();
+  EXPECT_EQ(driver->status().temperatures, 0);
+  push_until_steady({8.0, 0.0, 0.0});
+  EXPECT_EQ(driver->status().force_limit_n, 8.5);
+}
+
 class Servo : public DriverTest {};
 
 TEST_F(Servo, ATickWakesWhoeverWaitsForIt) {
