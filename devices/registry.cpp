@@ -3,45 +3,91 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
+
+#include "devices/lwr/counterpart.hpp"
+#include "devices/phantom/counterpart.hpp"
+#include "devices/settings.hpp"
 #include "devices/sim/simulated_device.hpp"
 
 namespace voxtouch {
 namespace {
 
-Motion stay_at_origin() {
-  Motion motion;
-  motion.path.push_back(Vec3::Zero());
-  return motion;
+std::unique_ptr<Driver> open_simulated(std::string_view name, const SimParameters& parameters,
+                                       const DeviceOptions& options) {
+  const SettingReader none(name, options.settings, {});
+  return std::make_unique<SimulatedDevice>(parameters, options.hand.value_or(parameters.hand), motion_of(options),
+                                           options.seed);
 }
 
-SimParameters parameters_of(std::string_view name) {
-  if (name == "sim-phantom") return sim_phantom();
-  if (name == "sim-lwr") return sim_lwr();
-  if (name == "phantom" || name == "lwr")
-    throw DeviceOpenError(fmt::format(
-        "device '{0}': this version has no driver for the hardware; use 'sim-{0}', its simulated counterpart", name));
-  throw DeviceOpenError(fmt::format("device '{}' is unknown; known are {}", name, fmt::join(device_names(), ", ")));
+DeviceDescription describe_simulated(std::string_view name, const SimParameters& parameters,
+                                     const DeviceOptions& options) {
+  const SettingReader none(name, options.settings, {});
+  return parameters.description;
+}
+
+struct Entry {
+  std::string_view name;
+  std::unique_ptr<Driver> (*open)(const DeviceOptions&);
+  DeviceDescription (*describe)(const DeviceOptions&);
+  OperatorConfig (*hand)();  ///< null: a person holds it
+};
+
+const std::array kEntries{
+    Entry{"sim-phantom", [](const DeviceOptions& o) { return open_simulated("sim-phantom", sim_phantom(), o); },
+          [](const DeviceOptions& o) { return describe_simulated("sim-phantom", sim_phantom(), o); },
+          [] { return sim_phantom().hand; }},
+    Entry{"sim-lwr", [](const DeviceOptions& o) { return open_simulated("sim-lwr", sim_lwr(), o); },
+          [](const DeviceOptions& o) { return describe_simulated("sim-lwr", sim_lwr(), o); },
+          [] { return sim_lwr().hand; }},
+    Entry{"wire-phantom", open_wire_phantom, describe_wire_phantom, [] { return sim_phantom().hand; }},
+    Entry{"wire-lwr", open_wire_lwr, describe_wire_lwr, [] { return sim_lwr().hand; }},
+    Entry{"phantom", open_phantom, describe_phantom_device, nullptr},
+    Entry{"lwr", open_lwr, describe_lwr_device, nullptr},
+};
+
+const Entry& find(std::string_view name) {
+  const auto found = std::find_if(kEntries.begin(), kEntries.end(), [&](const Entry& e) { return e.name == name; });
+  if (found == kEntries.end())
+    throw DeviceOpenError(fmt::format("device '{}' is unknown; known are {}", name, fmt::join(device_names(), ", ")));
+  return *found;
 }
 
 }  // namespace
 
 const std::vector<std::string>& device_names() {
-  static const std::vector<std::string> names = {"sim-phantom", "sim-lwr", "phantom", "lwr"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const Entry& entry : kEntries) all.emplace_back(entry.name);
+    return all;
+  }();
   return names;
 }
 
 std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& options) {
-  const SimParameters parameters = parameters_of(name);
+  const Entry& entry = find(name);
   try {
-    return std::make_unique<SimulatedDevice>(parameters, options.hand.value_or(parameters.hand),
-                                             options.motion.value_or(stay_at_origin()), options.seed);
+    return entry.open(options);
+  } catch (const DeviceOpenError& error) {
+    if (entry.hand != nullptr) throw;
+    throw DeviceOpenError(fmt::format("{} (without the hardware: '--device wire-{}')", error.what(), name));
   } catch (const std::runtime_error& error) {
     throw DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", name, error.what()));
   }
 }
 
-DeviceDescription describe_device(std::string_view name) { return parameters_of(name).description; }
+DeviceDescription describe_device(std::string_view name, const DeviceOptions& options) {
+  return find(name).describe(options);
+}
 
-OperatorConfig usual_hand(std::string_view name) { return parameters_of(name).hand; }
+bool has_simulated_hand(std::string_view name) { return find(name).hand != nullptr; }
+
+OperatorConfig usual_hand(std::string_view name) {
+  const Entry& entry = find(name);
+  if (entry.hand == nullptr)
+    throw DeviceOpenError(fmt::format("device '{}' is held by a person: no hand can be simulated on it", name));
+  return entry.hand();
+}
 
 }  // namespace voxtouch

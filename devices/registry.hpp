@@ -1,36 +1,32 @@
 #pragma once
 /// Devices by the names that people type.
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "core/types/motion.hpp"
+#include "devices/device_options.hpp"
 #include "devices/driver.hpp"
-#include "devices/sim/operator.hpp"
 
 namespace voxtouch {
 
-/// What opening a device may need; real devices use none of it.
-struct DeviceOptions {
-  std::uint64_t seed = 0;              ///< of a simulated hand's tremor
-  std::optional<Motion> motion;        ///< where a simulated hand goes, in D; absent: it stays at the origin
-  std::optional<OperatorConfig> hand;  ///< absent: the usual grip, usual_hand(name)
-};
-
-/// Names that open_device knows, those that it refuses among them.
+/// "sim-phantom", "sim-lwr": arithmetic alone. "wire-phantom", "wire-lwr": the drivers of the hardware, with the vendor's library or
+/// the controller's side of the network simulated. "phantom", "lwr": the hardware.
 const std::vector<std::string>& device_names();
 
-/// Opens a device. Throws DeviceOpenError: an unknown name (the sentence lists the known ones), a device that
-/// this version has no driver for (it says what to use instead), or options that cannot be simulated.
+/// Opens a device. Throws DeviceOpenError: an unknown name (the sentence lists the known ones), an option that the device has not
+/// got or a value that it cannot take, a motion or hand that cannot be simulated, or hardware that is not there; it says what to
+/// do.
 std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& options = {});
 
-/// The device's numbers, without opening it. Throws like open_device.
-DeviceDescription describe_device(std::string_view name);
+/// The device's numbers, as far as they are known without opening it: hardware may say others once it is open. Throws as
+/// open_device does for names and settings.
+DeviceDescription describe_device(std::string_view name, const DeviceOptions& options = {});
 
-/// How a simulated device is usually held: a start for options.hand. Throws like open_device.
+/// A simulated hand holds it, and follows options.motion; else it is a person's.
+bool has_simulated_hand(std::string_view name);
+
+/// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown name, and for hardware.
 OperatorConfig usual_hand(std::string_view name);
 
 }  // namespace voxtouch

@@ -110,7 +110,7 @@ LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram) noexcept
   if (fault != fri::PacketFault::kNone)
     last_fault_ = fault, last_bad_size_ = datagram.size, last_bad_from_ = datagram.from;
   if (fault != fri::PacketFault::kNone && !untrusted) return ++counts_.malformed, Intake::kNothing;
-  heard_ = Clock::now();
+  heard_.store(Clock::now(), std::memory_order_relaxed);
   if (sequence_.see(incoming_.header.send_seq) != fri::SequenceTracker::Verdict::kNew) return Intake::kNothing;
   steps_ += sequence_.steps();
   const bool too_old = std::chrono::duration<double>(datagram.age).count() > options_.max_age_s;
@@ -122,7 +122,8 @@ LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram) noexcept
 
 DeviceError LwrDriver::nothing_new(std::uint64_t malformed_before) noexcept {
   ++counts_.timeouts;
-  if (std::chrono::duration<double>(Clock::now() - heard_).count() > options_.silence_s) {
+  silent_.store(true, std::memory_order_relaxed);
+  if (std::chrono::duration<double>(Clock::now() - heard_.load(std::memory_order_relaxed)).count() > options_.silence_s) {
     sequence_.forget();
     rates_.restart();
     return DeviceError::kDisconnected;
@@ -139,6 +140,8 @@ void LwrDriver::accept() noexcept {
   sample_.time_ns = clock_->time_ns();
   measure(elapsed_s);
   session_.see(msr_, elapsed_s, sample_.pose_valid ? check_arm() : fri::Trouble::kNone);
+  noted_.store(noted_now(), std::memory_order_relaxed);
+  silent_.store(false, std::memory_order_relaxed);
 }
 
 /// Pose and twist in D. A measurement without usable joint positions leaves the pose as it was, marked, and at rest.

@@ -13,6 +13,7 @@
 /// driver: permission to use those sources without the vendor's product (an own decoder of the messages is possible from the
 /// public field numbers), the iiwa's own kinematic and torque limits, a controller-side application, and hardware to see which
 /// command mode (torque or wrench overlay) holds its rate.
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <optional>
@@ -46,6 +47,9 @@ struct LwrCounts {
   std::uint64_t scaled = 0;   ///< commands made smaller, direction kept, to stay within the joint torques
   std::uint64_t send_errors = 0;
 };
+
+/// The numbers of an arm whose controller sends every `period_s`.
+DeviceDescription describe_lwr(double period_s);
 
 /// What can be asked while it runs. Real-time safe to take.
 struct LwrStatus {
@@ -93,6 +97,7 @@ class LwrDriver final : public Driver {
   DeviceResult<void> write(const Wrench& command) noexcept override;
   void stop() noexcept override;
   bool simulated() const noexcept override { return virtual_time_; }
+  std::string trouble() const override;
 
   LwrStatus status() const noexcept;
   /// What keeps the force off and what to do, or that nothing does; with the drives' bits as joint names. Allocates.
@@ -144,7 +149,7 @@ class LwrDriver final : public Driver {
   fri::PacketFault last_fault_ = fri::PacketFault::kNone;
   std::size_t last_bad_size_ = 0;
   UdpEndpoint last_bad_from_;
-  Clock::time_point heard_;
+  std::atomic<Clock::time_point> heard_;
   std::int64_t period_ns_ = 1'000'000;
   std::uint64_t steps_ = 0;     // periods since the last measurement that was accepted
   double posture_share_ = 0.0;  // of the posture torque, 0 to 1
@@ -152,6 +157,18 @@ class LwrDriver final : public Driver {
   bool unanswered_ = false;  // msr_ waits for its answer
   bool fresh_ = false;       // msr_ waits to be read
   bool pushing_ = false;     // the last answer held a push
+
+  /// For trouble(), which other threads ask.
+  struct Noted {
+    fri::Trouble trouble = fri::Trouble::kNone;
+    std::uint16_t power = fri::kAllDrives, error = 0, warning = 0;
+  };
+  static std::string sentence_for(const Noted& noted);
+  Noted noted_now() const noexcept {
+    return {session_.trouble(), msr_.robot.power, msr_.robot.error, msr_.robot.warning};
+  }
+  std::atomic<Noted> noted_{Noted{}};
+  std::atomic<bool> silent_{false};  // the last read found nothing
 };
 
 }  // namespace voxtouch

@@ -51,8 +51,8 @@ LwrDriver::LwrDriver(const LwrOptions& options)
 }
 
 void LwrDriver::connect() {
-  heard_ = Clock::now();
-  const auto deadline = heard_ + seconds(options_.connect_timeout_s);
+  const auto start = Clock::now(), deadline = start + seconds(options_.connect_timeout_s);
+  heard_.store(start, std::memory_order_relaxed);
   // Without a first position there is nothing to mirror; a measurement of a closed interface ends an earlier session.
   for (bool good = false; !good;) {
     const Intake intake = wait_and_take(deadline);
@@ -120,13 +120,14 @@ void LwrDriver::start_in_virtual_time() {
   fresh_ = true;
 }
 
-void LwrDriver::describe() {
-  const double period_s = 1e-9 * static_cast<double>(period_ns_);
-  description_ = sim_lwr().description;
-  description_.model = "lwr";
-  description_.rate_hz = 1.0 / period_s;
-  description_.delay_s =
-      period_s + 0.001;  // the controller interpolates over one period; then its torque loop (assumed)
+void LwrDriver::describe() { description_ = describe_lwr(1e-9 * static_cast<double>(period_ns_)); }
+
+DeviceDescription describe_lwr(double period_s) {
+  DeviceDescription d = sim_lwr().description;
+  d.model = "lwr";
+  d.rate_hz = 1.0 / period_s;
+  d.delay_s = period_s + 0.001;  // the controller interpolates over one period; then its torque loop (assumed)
+  return d;
 }
 
 LwrDriver::~LwrDriver() {
@@ -155,13 +156,27 @@ void LwrDriver::disengage() noexcept {
   }
 }
 
-std::string LwrDriver::status_text() const {
-  std::string text(sentence_of(session_.trouble()));
-  const unsigned off = ~msr_.robot.power & fri::kAllDrives;
-  if (msr_.robot.error) text += fmt::format(" [errors of {}]", joints_of(msr_.robot.error));
-  if (msr_.robot.warning) text += fmt::format(" [warnings of {}]", joints_of(msr_.robot.warning));
+std::string LwrDriver::sentence_for(const Noted& noted) {
+  std::string text(sentence_of(noted.trouble));
+  const unsigned off = ~noted.power & fri::kAllDrives;
+  if (noted.error) text += fmt::format(" [errors of {}]", joints_of(noted.error));
+  if (noted.warning) text += fmt::format(" [warnings of {}]", joints_of(noted.warning));
   if (off) text += fmt::format(" [drives off: {}]", joints_of(off));
   return text;
+}
+
+std::string LwrDriver::status_text() const { return sentence_for(noted_now()); }
+
+std::string LwrDriver::trouble() const {
+  if (silent_.load(std::memory_order_relaxed)) {
+    const auto silence = Clock::now() - heard_.load(std::memory_order_relaxed);
+    return fmt::format(
+        "nothing has come from the controller to UDP {} for {:.1f} s: is it on, is the cable plugged in, does the KRL "
+        "program run?",
+        text_of(socket_.local()), std::chrono::duration<double>(silence).count());
+  }
+  const Noted noted = noted_.load(std::memory_order_relaxed);
+  return noted.trouble == fri::Trouble::kNone ? std::string() : sentence_for(noted);
 }
 
 }  // namespace voxtouch

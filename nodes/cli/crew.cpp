@@ -124,6 +124,7 @@ std::vector<std::string> device_arguments(const device::Options& o) {
   a.insert(a.end(), {"--device", o.device, "--duration", fmt::format("{}", o.duration_s)});
   if (!o.motion.empty()) a.insert(a.end(), {"--motion", o.motion});
   device::append_arguments(o.hand, a);
+  for (const std::string& setting : o.settings) a.insert(a.end(), {"--device-option", setting});
   return a;
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/scene/scene_file.hpp"
+#include "devices/settings.hpp"
 #include "nodes/cli/crew.hpp"
 #include "nodes/cli/summary.hpp"
 #include "nodes/cli/up_checks.hpp"
@@ -28,7 +29,7 @@ struct UpOptions {
   device::HandChoice hand;
   double duration_s = 0.0;
   std::filesystem::path bag;
-  std::vector<std::string> topics;
+  std::vector<std::string> settings, topics;
   std::uint64_t every = 20;
   bool no_record = false, one_process = false, json = false;
 };
@@ -96,6 +97,7 @@ class Run {
     c.device.motion = options_.motion;
     c.device.duration_s = options_.duration_s;
     c.device.hand = options_.hand;
+    c.device.settings = options_.settings;
     c.validator.every = options_.every;
     c.logger.bag = summary_.bag;
     c.logger.topics = options_.topics;
@@ -208,8 +210,8 @@ RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
   const Scene scene = load_scene(options.node.scene);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
-  for (const std::string& note :
-       check_before_start(scene, options.device, options.motion, options.no_record ? "" : options.bag))
+  for (const std::string& note : check_before_start(scene, {options.device, parse_settings(options.settings),
+                                                            options.motion, options.no_record ? "" : options.bag}))
     fmt::print(stderr, "note: {}\n", note);
   return Run(options, scene).go();
 }
@@ -245,7 +247,7 @@ void add_up(CLI::App& app, Action& action) {
       ->check(CLI::ExistingFile);
   runtime::add_node_options(*verb, options->node, false);
   verb->remove_option(verb->get_option("--peers"));
-  verb->add_option("--device", options->device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
+  device::add_device_options(*verb, options->device, options->settings);
   verb->add_option("--motion", options->motion,
                    "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
   verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")

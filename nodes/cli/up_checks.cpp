@@ -43,23 +43,28 @@ double number(const RunSummary& summary, const std::string& node, const std::str
 
 }  // namespace
 
-std::vector<std::string> check_before_start(const Scene& scene, const std::string& device, const std::string& motion,
-                                            const std::filesystem::path& bag) {
-  const DeviceDescription description = describe_device(device);
-  device::choose_motion(scene, motion);
-  check_bag(bag);
+std::vector<std::string> check_before_start(const Scene& scene, const Plans& plans) {
+  DeviceOptions options;
+  options.settings = plans.settings;
+  const DeviceDescription description = describe_device(plans.device, options);
+  device::choose_motion(scene, plans.motion);
+  check_bag(plans.bag);
   std::vector<std::string> notes;
   if (!scene.design) {
-    // One point alone is the least that any contact shows; how many push together is seen only while the scene runs. A coupling that
-    // is designed caps both.
+    // One point alone is the least that any contact shows; how many push together is seen only while the scene runs. A coupling
+    // that is designed caps both.
     const DeviceFacts facts{description.max_stiffness_n_per_m, 1.0 / description.rate_hz, description.max_force_n};
     const DeviceCheck check = check_device(scene, facts, scene.contact.stiffness_n_per_m);
     if (!check.fits())
       throw std::runtime_error(fmt::format("{} is too stiff for {} with a single point in contact: {}",
-                                           scene.file.string(), device, check.errors.front()));
+                                           scene.file.string(), plans.device, check.errors.front()));
     notes = check.warnings;
   }
-  if (motion.empty())
+  const bool simulated_hand = has_simulated_hand(plans.device);
+  if (!simulated_hand && !plans.motion.empty())
+    notes.push_back(
+        fmt::format("--motion {} moves a simulated hand; {} is moved by a person", plans.motion, plans.device));
+  if (simulated_hand && plans.motion.empty())
     notes.push_back("no --motion is given: the simulated hand rests where the scene's first motion starts");
   return notes;
 }

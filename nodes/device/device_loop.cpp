@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
@@ -63,6 +64,7 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
   const auto written = driver_.write(force);
   note(written ? force : Wrench{});
   progress_.in_trouble.store(!written, kRelaxed);
+  if (written) takes_force_ = true;
   ++sequence_;
   progress_.samples.store(sequence_, kRelaxed);
   return written ? End::kNone : after(written.error());
@@ -70,12 +72,14 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
 
 /// Only a device that has gone or needs a person ends the session. All else costs force, not the session: zero now, ramped in anew.
 End DeviceLoop::after(DeviceError error) noexcept {
+  progress_.last_error.store(error, kRelaxed);
   if (error == DeviceError::kDisconnected) return End::kDeviceGone;
   if (error == DeviceError::kFault) return End::kDeviceFault;
   driver_.stop();
   guard_.restart();
   progress_.force_n.store(0.0, kRelaxed);
-  progress_.hiccups.fetch_add(1, kRelaxed);
+  progress_.powerless.fetch_add(1, kRelaxed);
+  if (std::exchange(takes_force_, false)) progress_.hiccups.fetch_add(1, kRelaxed);
   progress_.in_trouble.store(true, kRelaxed);
   return End::kNone;
 }

@@ -30,10 +30,14 @@ enum class End : std::uint32_t {
 /// What other threads may read while the loop runs.
 struct Progress {
   std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, clamped{0}, faded{0}, foreign_commands{0};
-  std::atomic<std::uint64_t> hiccups{
-      0};  ///< reads and writes that failed without ending the session; each is zero force
-  std::atomic<std::uint64_t> held_poses{0};  ///< samples whose pose was not to be trusted
-  std::atomic<bool> in_trouble{false};       ///< the last read or write failed: the device is at zero force
+  /// Times that a device which had taken force gave no samples or took none any more, without ending the session. However long it
+  /// lasts it is one; waiting at the start, until the device is ready, is none.
+  std::atomic<std::uint64_t> hiccups{0};
+  std::atomic<std::uint64_t> powerless{
+      0};  ///< reads and writes that failed, of hiccups and of waiting: zero force each
+  std::atomic<DeviceError> last_error{DeviceError::kTimeout};  ///< means something where powerless is not 0
+  std::atomic<std::uint64_t> held_poses{0};                    ///< samples whose pose was not to be trusted
+  std::atomic<bool> in_trouble{false};  ///< the last read or write failed: the device is at zero force
   std::atomic<std::uint64_t> deadline_misses{
       0};  ///< set at the end: a reader goes on counting once nobody writes any more
   std::atomic<std::uint64_t> foreign_writer{0};   ///< publication handle of the last writer that was ignored
@@ -89,6 +93,7 @@ class DeviceLoop {
   std::uint64_t sequence_ = 0;
   std::array<std::int64_t, 256> published_ns_{};
   Pose last_pose_;
+  bool takes_force_ = false;  // the last write was accepted
 };
 
 }  // namespace voxtouch::device

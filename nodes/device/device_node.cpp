@@ -7,9 +7,12 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 
 #include "core/scene/scene_file.hpp"
 #include "devices/registry.hpp"
+#include "devices/settings.hpp"
 #include "nodes/device/device_loop.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/housekeeping.hpp"
@@ -26,7 +29,8 @@ using runtime::NodeState;
 std::uint64_t make_session_id(const Options& options, const Scene& scene, std::uint64_t sessions) {
   if (!options.lockstep) return static_cast<std::uint64_t>(runtime::realtime_ns());
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
-  const std::string anew = sessions ? fmt::format("/{}", sessions) : "";
+  std::string anew = sessions ? fmt::format("/{}", sessions) : "";
+  for (const std::string& setting : options.settings) anew += "/" + setting;
   for (const char c : fmt::format("{}/{}/{}/{}/{}{}", scene.hash, options.device, options.motion, to_text(options.hand),
                                   options.seed, anew))
     hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
@@ -67,7 +71,14 @@ void publish_description(bus::Writer<msg::DeviceDescription>& writer, const Devi
   writer.write(m);
 }
 
+/// What the device says of its trouble, or else the kind of it.
+std::string trouble_of(const Driver& driver, DeviceError error) {
+  const std::string text = driver.trouble();
+  return text.empty() ? fmt::format("the last call of its driver ended as '{}'", name_of(error)) : text;
+}
+
 std::string sentence(End end, const Driver& driver) {
+  const std::string trouble = driver.trouble();
   switch (end) {
     case End::kNone: return "running";
     case End::kStopped: return "stopped on request; the device is at zero force";
@@ -75,10 +86,11 @@ std::string sentence(End end, const Driver& driver) {
     case End::kPeerSilent: return "no command came for 5 s: is the coupling node alive? The device is at zero force";
     case End::kPeerGone: return "a node that takes part has gone; the device is at zero force";
     case End::kDeviceGone:
-      return driver.description().model +
-             " does not answer any more, zero force was its last command: check its cable and power";
+      return fmt::format("{} does not answer any more, zero force was its last command: {}", driver.description().model,
+                         trouble.empty() ? "check its cable and power" : trouble);
     case End::kDeviceFault:
-      return driver.description().model + " reported a fault and needs a person; it was told to give zero force";
+      return fmt::format("{} reported a fault and needs a person; it was told to give zero force{}{}",
+                         driver.description().model, trouble.empty() ? "" : ": ", trouble);
     case End::kRigTaken:
       return "another device runs in this rig and was there first; this one is at zero force. Choose another --rig or "
              "--domain";
@@ -106,9 +118,6 @@ class DeviceNode {
       : options_(options), scene_(scene), participant_(options.participant("device")),
         session_(make_session_id(options, scene, require_free_rig(participant_, options))),
         driver_(open_driver(scene)) {
-    if (options.lockstep && !driver_->simulated())
-      throw std::runtime_error(driver_->description().model +
-                               " lives in real time: --lockstep needs a simulated device");
     states_ = {participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())};
     descriptions_ = {participant_, qos::kDeviceDescription, options.rig,
                      qos::profile_in(qos::kDeviceDescription, options.mode())};
@@ -146,7 +155,29 @@ class DeviceNode {
     device.seed = options_.seed;
     device.motion = motion;
     device.hand = choose_hand(options_.device, options_.hand);
-    return open_device(options_.device, device);
+    device.lockstep = options_.lockstep;
+    device.settings = parse_settings(options_.settings);
+    try {
+      if (options_.lockstep && !has_simulated_hand(options_.device))
+        throw DeviceOpenError(options_.device + " lives in real time: --lockstep needs a simulated device");
+      std::unique_ptr<Driver> driver = open_device(options_.device, device);
+      if (options_.lockstep && !driver->simulated())
+        throw DeviceOpenError(driver->description().model + " did not take up virtual time, which --lockstep needs");
+      return driver;
+    } catch (const std::exception& error) {
+      report_failure(error.what());
+      throw;
+    }
+  }
+
+  /// To whoever listens, such as `up`: a node that cannot start says why in its status too.
+  void report_failure(const std::string& message) const {
+    const runtime::Housekeeping housekeeping(participant_, "device", options_,
+                                             [&](runtime::Roster&, runtime::NodeReport& report) {
+                                               report.state = NodeState::kFailed;
+                                               report.message = message;
+                                             });
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // they have to find this writer first
   }
 
   DeviceLoop::Settings settings() const {
@@ -189,13 +220,13 @@ class DeviceNode {
     report.state = end == End::kNone                               ? (running ? NodeState::kRunning : NodeState::kReady)
                    : end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                    : NodeState::kFailed;
-    report.message =
-        end != End::kNone ? end_sentence(end)
-        : progress_.in_trouble.load()
-            ? driver_->description().model + " misses samples or refuses commands: zero force until it answers again"
-        : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
-        : running           ? "running"
-                            : "waiting for " + waiting_for_;
+    report.message = end != End::kNone ? end_sentence(end)
+                     : progress_.in_trouble.load()
+                         ? fmt::format("{} is at zero force: {}", driver_->description().model,
+                                       trouble_of(*driver_, progress_.last_error.load()))
+                     : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
+                     : running           ? "running"
+                                         : "waiting for " + waiting_for_;
     fill(report.values);
   }
 
@@ -261,6 +292,7 @@ class DeviceNode {
     values["refused"] = fmt::to_string(progress_.refused.load());
     values["clamped"] = fmt::to_string(progress_.clamped.load());
     values["hiccups"] = fmt::to_string(progress_.hiccups.load());
+    values["powerless"] = fmt::to_string(progress_.powerless.load());
     values["held_poses"] = fmt::to_string(progress_.held_poses.load());
     values["faded"] = fmt::to_string(progress_.faded.load());
     values["foreign_commands"] = fmt::to_string(progress_.foreign_commands.load());
@@ -284,6 +316,13 @@ class DeviceNode {
 };
 
 }  // namespace
+
+void add_device_options(CLI::App& app, std::string& device, std::vector<std::string>& settings) {
+  app.add_option("--device", device, fmt::format("{}", fmt::join(device_names(), ", ")))->capture_default_str();
+  app.add_option("--device-option", settings,
+                 "KEY=VALUE of this device (deploy/devices/*.md list them); may be given more than once")
+      ->allow_extra_args(false);
+}
 
 std::string check_duration(const std::string& text) {
   char* end = nullptr;

@@ -2,19 +2,28 @@
 /// The device's process: samples out, commands in, the force guard between them and the hardware.
 #include <atomic>
 #include <string>
+#include <vector>
 
 #include "core/scene/scene.hpp"
 #include "nodes/device/hand_options.hpp"
 #include "nodes/runtime/options.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace voxtouch::device {
 
 struct Options : runtime::NodeOptions {
   std::string device = "sim-phantom";
-  std::string motion;       ///< of the scene; empty: the hand rests where the first motion starts
-  double duration_s = 0.0;  ///< of the device's time; 0: until stopped
-  HandChoice hand;          ///< of a simulated device
+  std::string motion;                 ///< of the scene; empty: the hand rests where the first motion starts
+  double duration_s = 0.0;            ///< of the device's time; 0: until stopped
+  HandChoice hand;                    ///< of a simulated device
+  std::vector<std::string> settings;  ///< KEY=VALUE, as the device knows them
 };
+
+/// --device and --device-option.
+void add_device_options(CLI::App& app, std::string& device, std::vector<std::string>& settings);
 
 /// What is wrong with a duration as typed [s]; empty if nothing: 0 to 1e8 (three years), for samples are counted in whole numbers.
 std::string check_duration(const std::string& text);

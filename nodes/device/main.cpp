@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
        .in_ring = true},
       options,
       [&](CLI::App& app) {
-        app.add_option("--device", options.device, "sim-phantom, sim-lwr, phantom or lwr")->capture_default_str();
+        voxtouch::device::add_device_options(app, options.device, options.settings);
         app.add_option("--motion", options.motion, "What the simulated operator's hand does (a motion of the scene)");
         app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")
             ->capture_default_str()

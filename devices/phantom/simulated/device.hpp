@@ -44,6 +44,10 @@ class Device {
   /// For sets; only while a frame is open.
   Setpoint& setpoint() noexcept { return current_.setpoint; }
   void close_frame() noexcept { frame_open_ = false; }
+  /// What switching force output comes to. No order reaches an amplifier that communication is lost to.
+  void restart_ramp() noexcept {
+    if (faults.communication == 0) amplifier.restart_ramp();
+  }
 
   // --- time. A tick is begin_tick, the callbacks, end_tick; the first is left out where the servo loop missed it.
   void begin_tick(ErrorStack& errors) noexcept;

@@ -96,7 +96,7 @@ void Library::disable(hd::HHD device) {
   if (!usable(device)) return;
   device_->close_frame();
   device_->amplifier.limits.force_output = false;
-  device_->amplifier.release();
+  device_->restart_ramp();
   open_ = false;
 }
 
@@ -125,7 +125,7 @@ void Library::set_capability(hd::HDenum name, bool on) {
   if (!opened()) return;
   bool* state = capability(device_->amplifier.limits, name);
   if (state == nullptr) return note(hd::kInvalidEnum);
-  if (state == &device_->amplifier.limits.force_output && on != *state) device_->amplifier.restart_ramp();
+  if (state == &device_->amplifier.limits.force_output && on != *state) device_->restart_ramp();
   *state = on;
 }
 

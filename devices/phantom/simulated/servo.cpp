@@ -54,7 +54,7 @@ void Library::stop() {
   }
   running_ = dead_ = stopping_ = false;
   device_->close_frame();
-  device_->amplifier.release();
+  device_->restart_ramp();
   callbacks_.wake();
 }
 

@@ -1,0 +1,37 @@
+#pragma once
+/// What opening a device by its name may need.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/types/motion.hpp"
+#include "devices/sim/operator.hpp"
+
+namespace voxtouch {
+
+/// KEY and VALUE as typed, in their order. What a device knows stands in its page of deploy/devices.
+using DeviceSettings = std::vector<std::pair<std::string, std::string>>;
+
+struct DeviceOptions {
+  std::uint64_t seed = 0;              ///< of a simulated hand's tremor, and of a simulated counterpart's noise
+  std::optional<Motion> motion;        ///< where a simulated hand goes, in D; absent: it stays at the origin
+  std::optional<OperatorConfig> hand;  ///< absent: the usual grip, usual_hand(name)
+  bool lockstep = false;               ///< a simulated counterpart runs in virtual time; hardware cannot
+  DeviceSettings settings;
+};
+
+/// The hand's motion: the one asked for, or rest at the origin of D.
+inline Motion motion_of(const DeviceOptions& options) {
+  Motion rest;
+  rest.path = {Vec3::Zero()};
+  return options.motion.value_or(rest);
+}
+
+/// Where a device's own rest pose lies in D unless it is told otherwise: in the middle of x -0.09..0.03, y -0.09..0, z 0..0.13 m,
+/// the volume that the shipped scenes' motions fill, so that a Phantom on a desk and an arm at its rest posture both reach all of
+/// it.
+inline Vec3 usual_rest_in_d() { return {-0.03, -0.045, 0.065}; }
+
+}  // namespace voxtouch

@@ -1,0 +1,132 @@
+#include "devices/lwr/counterpart.hpp"
+
+#include <fmt/format.h>
+
+#include "devices/counterpart.hpp"
+#include "devices/lwr/controller_process.hpp"
+#include "devices/lwr/lwr_driver.hpp"
+#include "devices/operator/hand_file.hpp"
+#include "devices/settings.hpp"
+#include "devices/sim/parameters.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr double kConnectTimeoutS = 3.0;  // a controller that runs sends every few milliseconds
+// The ring gives a silent peer up after 5 s, and a controller that died has to be seen before that.
+constexpr double kVirtualTimeoutS = 4.0;
+// In lockstep the controller waits as long as the ring does; it goes with its parent, so no patience of its own is needed.
+constexpr const char* kPatienceS = "86400";
+
+SettingReader hardware_settings(const DeviceOptions& options) {
+  return {"lwr", options.settings, {"address", "port", "controller", "connect_timeout_s", "rest", "tool", "capture"}};
+}
+
+SettingReader wire_settings(const DeviceOptions& options) {
+  return {"wire-lwr", options.settings, {"period_ms", "rest", "tool", "capture", "trace", "fault"}, {"fault"}};
+}
+
+/// What both names share.
+LwrOptions driver_options(const SettingReader& settings) {
+  LwrOptions o;
+  place(o, settings.vector("rest").value_or(usual_rest_in_d()), settings.vector("tool").value_or(Vec3::Zero()));
+  o.connect_timeout_s = kConnectTimeoutS;
+  o.capture_file = settings.text("capture").value_or("");
+  return o;
+}
+
+LwrOptions hardware_options(const DeviceOptions& options) {
+  const SettingReader settings = hardware_settings(options);
+  LwrOptions o = driver_options(settings);
+  o.address = settings.text("address").value_or(o.address);
+  o.port = settings.port("port").value_or(o.port);
+  o.controller = settings.text("controller").value_or("");
+  o.connect_timeout_s = settings.number("connect_timeout_s").value_or(o.connect_timeout_s);
+  o.validate();
+  return o;
+}
+
+std::uint32_t period_ms(const SettingReader& settings) {
+  const std::uint32_t period = settings.whole("period_ms").value_or(1);
+  if (period < 1 || period > 100) settings.refuse("period_ms", fmt::to_string(period), "in [1, 100]");
+  return period;
+}
+
+class WireLwr final : public Counterpart {
+ public:
+  WireLwr(LwrOptions driver, const DeviceOptions& options, const SettingReader& settings)
+      : process_(arguments(driver, options, settings), hand(driver, options)) {
+    driver_ = std::make_unique<LwrDriver>(driver);
+  }
+  ~WireLwr() override { driver_.reset(); }  // its farewell needs the controller
+
+  std::string trouble() const override {
+    const std::string of_driver = driver_->trouble(), how = process_.ending();
+    if (how.empty()) return of_driver;
+    return fmt::format("its simulated controller {}{}{}", how, of_driver.empty() ? "" : "; ", of_driver);
+  }
+
+ private:
+  static std::vector<std::string> arguments(const LwrOptions& driver, const DeviceOptions& options,
+                                            const SettingReader& settings) {
+    const Vec3& tool = driver.tool_in_flange.position;
+    std::vector<std::string> a = {"--remote",
+                                  fmt::format("127.0.0.1:{}", driver.port),
+                                  "--period-ms",
+                                  fmt::to_string(period_ms(settings)),
+                                  "--tool",
+                                  fmt::to_string(tool.x()),
+                                  fmt::to_string(tool.y()),
+                                  fmt::to_string(tool.z())};
+    if (options.lockstep) a.insert(a.end(), {"--virtual-time", "--patience", kPatienceS});
+    for (const std::string& fault : settings.all("fault")) a.insert(a.end(), {"--fault", fault});
+    if (const auto trace = settings.text("trace")) a.insert(a.end(), {"--trace", *trace});
+    return a;
+  }
+  /// The controller's tool has the flange's axes, ours is turned against them: so is the motion in the base.
+  static std::string hand(const LwrOptions& driver, const DeviceOptions& options) {
+    HandFile file;
+    file.motion = motion_in_device(motion_of(options), driver.d_in_base.inverse(),
+                                   {Vec3::Zero(), driver.tool_in_flange.orientation}, 1.0);
+    file.hand = options.hand.value_or(sim_lwr().hand);
+    file.seed = options.seed;
+    return to_text(file);
+  }
+
+  ControllerProcess process_;
+};
+
+}  // namespace
+
+void place(LwrOptions& options, const Vec3& rest_in_d, const Vec3& tool_in_flange) {
+  const Pose flange = LwrArm().flange(options.posture.posture);
+  options.tool_in_flange = {tool_in_flange, flange.orientation.conjugate().normalized()};
+  options.d_in_base = {(flange * options.tool_in_flange).position - rest_in_d, Quat::Identity()};
+}
+
+std::unique_ptr<Driver> open_lwr(const DeviceOptions& options) {
+  return std::make_unique<LwrDriver>(hardware_options(options));
+}
+
+DeviceDescription describe_lwr_device(const DeviceOptions& options) {
+  hardware_options(options);
+  return describe_lwr(0.001);
+}
+
+std::unique_ptr<Driver> open_wire_lwr(const DeviceOptions& options) {
+  const SettingReader settings = wire_settings(options);
+  LwrOptions driver = driver_options(settings);
+  driver.address = driver.controller = "127.0.0.1";
+  driver.port = UdpSocket(driver.address, 0).local().port;
+  driver.virtual_timeout_s = kVirtualTimeoutS;
+  driver.validate();
+  return std::make_unique<WireLwr>(driver, options, settings);
+}
+
+DeviceDescription describe_wire_lwr(const DeviceOptions& options) {
+  const SettingReader settings = wire_settings(options);
+  driver_options(settings).validate();
+  return describe_lwr(1e-3 * period_ms(settings));
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,61 @@
+#include "devices/phantom/hd_errors.hpp"
+
+#include <fmt/format.h>
+
+namespace voxtouch {
+namespace {
+
+// More than any stack holds: a library that never answers "none" must not catch the servo thread.
+constexpr int kMostAtOnce = 256;
+
+}  // namespace
+
+HdVerdict classify(hd::HDerror code) noexcept {
+  switch (code) {
+    case hd::kSuccess: return {};
+    case hd::kWarmMotors:
+    case hd::kExceededMaxForce:
+    case hd::kExceededMaxForceImpulse:
+    case hd::kExceededMaxVelocity:
+    case hd::kForceError: return {HdSeverity::kForceDropped, DeviceError::kRecoverable};
+    case hd::kInvalidEnum:
+    case hd::kInvalidValue:
+    case hd::kInvalidOperation:
+    case hd::kInvalidInputType:
+    case hd::kIllegalBegin:
+    case hd::kIllegalEnd:
+    case hd::kFrameError: return {HdSeverity::kRefused, DeviceError::kProtocol};
+    case hd::kBadHandle:  // the device was disabled behind our back
+    case hd::kCommError:
+    case hd::kCommConfigError: return {HdSeverity::kFatal, DeviceError::kDisconnected};
+    default: return {HdSeverity::kFatal, DeviceError::kFault};
+  }
+}
+
+std::string error_text(const hd::Api& api, hd::HDerror code) {
+  const hd::HDstring text = api.hdGetErrorString(code);
+  return fmt::format("{:#06x} ({})", code, text != nullptr ? text : "no text");
+}
+
+void HdTrouble::note(hd::HDerror code) noexcept {
+  const HdSeverity severity = classify(code).severity;
+  if (severity == HdSeverity::kNone) return;
+  if (severity == HdSeverity::kFatal) {
+    hd::HDerror none = hd::kSuccess;
+    fatal_.compare_exchange_strong(none, code, std::memory_order_acq_rel);
+    return;
+  }
+  if (severity == HdSeverity::kForceDropped) dropped_.fetch_add(1, std::memory_order_relaxed);
+  newest_.store(code, std::memory_order_release);
+  count_.fetch_add(1, std::memory_order_acq_rel);
+}
+
+void HdTrouble::drain(const hd::Api& api) noexcept {
+  for (int i = 0; i < kMostAtOnce; ++i) {
+    const hd::HDerror code = api.hdGetError().error_code;
+    if (code == hd::kSuccess) return;
+    note(code);
+  }
+}
+
+}  // namespace voxtouch

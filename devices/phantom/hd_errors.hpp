@@ -1,0 +1,48 @@
+#pragma once
+/// What the library's errors mean to a loop, and where the loop's threads note them.
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "devices/driver.hpp"
+#include "devices/phantom/hdapi.hpp"
+
+namespace voxtouch {
+
+enum class HdSeverity : std::uint8_t {
+  kNone,
+  kForceDropped,  ///< too warm, too fast, too much: the device dropped its force and takes it again
+  kRefused,       ///< it did not do what it was asked to, or was asked wrongly; the next tick may be good
+  kFatal,         ///< the device or the servo loop has gone
+};
+struct HdVerdict {
+  HdSeverity severity = HdSeverity::kNone;
+  DeviceError error = DeviceError::kFault;  ///< means something unless kNone
+};
+/// As the vendor's utilities class them, with what those leave out: 0x202 is a force error, 0x300 and unknown codes are fatal.
+HdVerdict classify(hd::HDerror code) noexcept;
+
+/// "0x0302 (the library's sentence)". Allocates.
+std::string error_text(const hd::Api& api, hd::HDerror code);
+
+/// Errors since the device was opened. Any thread may note and ask; real-time safe.
+class HdTrouble {
+ public:
+  void note(hd::HDerror code) noexcept;
+  /// Pops the library's stack until it is empty.
+  void drain(const hd::Api& api) noexcept;
+
+  /// The first fatal error; kSuccess: none yet. It stays.
+  hd::HDerror fatal() const noexcept { return fatal_.load(std::memory_order_acquire); }
+  /// Grows with every error that is not fatal.
+  std::uint64_t count() const noexcept { return count_.load(std::memory_order_acquire); }
+  /// The newest error that is not fatal.
+  hd::HDerror newest() const noexcept { return newest_.load(std::memory_order_acquire); }
+  std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<hd::HDerror> fatal_{hd::kSuccess}, newest_{hd::kSuccess};
+  std::atomic<std::uint64_t> count_{0}, dropped_{0};
+};
+
+}  // namespace voxtouch

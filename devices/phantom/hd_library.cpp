@@ -1,0 +1,70 @@
+#include "devices/phantom/hd_library.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <mutex>
+#include <string_view>
+#include <vector>
+
+#include "devices/driver.hpp"
+
+namespace voxtouch {
+namespace {
+
+// The name for building, which every release installs, and the run-time names of the releases of 3.4 and 3.0.
+const std::vector<std::string>& usual_names() {
+  static const std::vector<std::string> names = {"libHD.so", "libHD.so.3.4", "libHD.so.3.0"};
+  return names;
+}
+
+template <class F>
+void find(F& f, void* library, const char* name) {
+  f = reinterpret_cast<F>(dlsym(library, name));
+}
+
+}  // namespace
+
+/// Global: the vendor's library looks for its device drivers' symbols at large.
+std::string HdLibrary::open(const std::string& file) {
+  void* const library = dlopen(file.c_str(), RTLD_LAZY | RTLD_GLOBAL);
+  if (library == nullptr) {
+    const char* const reason = dlerror();
+    return reason != nullptr ? reason : "no reason given";
+  }
+  const std::string_view missing =
+      hd::resolve_api(api_, [library](const char* function) { return dlsym(library, function); });
+  if (!missing.empty()) return fmt::format("{} has no function {}: it is no HDAPI library", file, missing);
+  find(hooks_.use_virtual_time, library, "hdsim_use_virtual_time");
+  find(hooks_.step, library, "hdsim_step");
+  find(hooks_.read_state, library, "hdsim_read_state");
+  find(hooks_.last_message, library, "hdsim_last_message");
+  name_ = file;
+  return {};
+}
+
+const HdLibrary& HdLibrary::load(const std::string& path) {
+  static std::mutex mutex;
+  static const HdLibrary* loaded = nullptr;  // never freed: its functions are called until the process ends
+  const std::lock_guard lock(mutex);
+  if (loaded != nullptr) {
+    if (path.empty() || path == loaded->name_) return *loaded;
+    throw DeviceOpenError(
+        fmt::format("device 'phantom': this process has loaded {} and cannot change to {}; start another process",
+                    loaded->name_, path));
+  }
+  std::vector<std::string> reasons;
+  for (const std::string& file : path.empty() ? usual_names() : std::vector<std::string>{path}) {
+    HdLibrary trial;
+    const std::string reason = trial.open(file);
+    if (reason.empty()) return *(loaded = new HdLibrary(std::move(trial)));
+    reasons.push_back(reason);
+  }
+  throw DeviceOpenError(
+      fmt::format("device 'phantom': the vendor's library cannot be loaded ({}). Install OpenHaptics and the device's "
+                  "driver, or set the option library to the file; the simulated one is libHD_sim.so",
+                  fmt::join(reasons, "; ")));
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,34 @@
+#pragma once
+/// One value from one thread to another, the newest only.
+#include <array>
+#include <atomic>
+
+namespace voxtouch {
+
+/// Triple buffer for one writer and one reader; wait-free on both sides. Each value is taken once at most.
+template <class T>
+class LatestSlot {
+ public:
+  /// True: the value before this one had not been taken, and is lost.
+  bool put(const T& value) noexcept {
+    slots_[back_] = value;
+    const unsigned before = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel);
+    back_ = before & kIndex;
+    return (before & kFresh) != 0;
+  }
+  /// False: nothing new; `out` is left as it was.
+  bool take(T& out) noexcept {
+    if ((middle_.load(std::memory_order_acquire) & kFresh) == 0) return false;
+    front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
+    out = slots_[front_];
+    return true;
+  }
+
+ private:
+  static constexpr unsigned kIndex = 3, kFresh = 4;
+  std::array<T, 3> slots_{};
+  std::atomic<unsigned> middle_{1};
+  unsigned back_ = 0, front_ = 2;  // the writer's and the reader's own
+};
+
+}  // namespace voxtouch

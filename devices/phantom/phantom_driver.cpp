@@ -1,0 +1,179 @@
+#include "devices/phantom/phantom_driver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "devices/limits.hpp"
+
+namespace voxtouch {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kLookPeriods = 2;   // without a tick for this long the errors are looked at
+constexpr int kStallPeriods = 5;  // without a tick for this long the force is turned off without it
+constexpr auto kFirstTick = 1s;
+constexpr auto kLongSilence = 200ms;  // worth a word to people
+
+const PhantomOptions& validated(const PhantomOptions& options) {
+  options.validate();
+  return options;
+}
+
+}  // namespace
+
+PhantomDriver::PhantomDriver(const PhantomOptions& options)
+    : options_(validated(options)), library_(HdLibrary::load(options.library)) {
+  session_.emplace(library_, options_);
+  virtual_time_ = session_->virtual_time();
+  description_ = describe_phantom(session_->facts());
+  servo_.emplace(library_, session_->device(), session_->facts(), description_, options_.velocity_cutoff_hz,
+                 virtual_time_);
+  session_->start(&PhantomServo::run, &*servo_);
+  description_ = describe_phantom(session_->facts());  // the rate is known now
+  servo_->set_rate(description_.rate_hz);
+  period_ = std::chrono::nanoseconds(std::llround(1e9 / description_.rate_hz));
+  if (!virtual_time_) wait_for_first_tick();
+  sample_.sample.pose_valid = false;
+}
+
+PhantomDriver::~PhantomDriver() { stop(); }
+
+void PhantomDriver::wait_for_first_tick() {
+  if (!servo_->take(sample_, Clock::now() + kFirstTick))
+    throw DeviceOpenError(
+        "device 'phantom': its servo loop started and does not tick; end other programs that use the device, and look "
+        "at the "
+        "cable and at the vendor's diagnostic tool");
+  if (const hd::HDerror fatal = servo_->trouble().fatal(); fatal != hd::kSuccess)
+    throw DeviceOpenError(
+        fmt::format("device 'phantom': it failed in its first tick with error {}; look at cable and power",
+                    error_text(library_.api(), fatal)));
+}
+
+std::optional<DeviceError> PhantomDriver::ended() const noexcept {
+  const hd::HDerror fatal = servo_->trouble().fatal();
+  if (fatal == hd::kSuccess) return {};
+  return classify(fatal).error;
+}
+
+DeviceResult<DeviceSample> PhantomDriver::read(std::chrono::microseconds timeout) noexcept {
+  if (const auto error = ended()) return std::unexpected(*error);
+  const bool came = virtual_time_ ? make_ticks(timeout) : wait_for_tick(timeout);
+  if (const auto error = ended()) {
+    servo_->drop();
+    if (!came) servo_->force_off();  // no tick is there to do it
+    return std::unexpected(*error);
+  }
+  if (!came) return std::unexpected(nothing_came());
+  if (std::exchange(first_, false)) zero_ns_ = sample_.sample.time_ns;
+  sample_.sample.time_ns -= zero_ns_;
+  sample_.sample.pose.position += options_.origin_in_d;
+  pose_lost_.store(!sample_.sample.pose_valid, std::memory_order_relaxed);
+  return sample_.sample;
+}
+
+/// A tick that is overdue may never come: then the library's errors say why, and nobody else takes them.
+bool PhantomDriver::wait_for_tick(std::chrono::microseconds timeout) noexcept {
+  const Clock::time_point deadline = Clock::now() + timeout;
+  for (;;) {
+    const Clock::time_point look = std::min(deadline, Clock::now() + kLookPeriods * period_);
+    if (servo_->take(sample_, look)) return true;
+    servo_->trouble().drain(library_.api());
+    if (ended() || Clock::now() >= deadline) return false;
+  }
+}
+
+/// At least one; as many as fit into `timeout` where ticks pass without a sample.
+bool PhantomDriver::make_ticks(std::chrono::microseconds timeout) noexcept {
+  const auto most = std::max<std::int64_t>(1, std::chrono::nanoseconds(timeout) / period_);
+  for (std::int64_t i = 0; i < most; ++i) {
+    const int result = library_.hooks().step();
+    if (servo_->take(sample_, Clock::time_point{})) return true;
+    servo_->trouble().drain(library_.api());
+    if (result < 0) servo_->trouble().note(hd::kTimerError);  // there is no servo loop any more
+    if (ended()) return false;
+  }
+  return false;
+}
+
+DeviceError PhantomDriver::nothing_came() noexcept {
+  ++timeouts_;
+  const Clock::duration silence = servo_->silence();
+  if (virtual_time_ || silence > kStallPeriods * period_) servo_->force_off();
+  const bool gone = !virtual_time_ && std::chrono::duration<double>(silence).count() > options_.silence_s;
+  return gone ? DeviceError::kDisconnected : DeviceError::kTimeout;
+}
+
+DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept {
+  if (const auto error = ended()) return servo_->drop(), std::unexpected(*error);
+  if (const auto good = check_command(command, description_); !good) {
+    ++refused_;
+    servo_->drop();
+    return good;
+  }
+  const std::uint64_t errors = servo_->trouble().count();
+  if (told_.exchange(errors, std::memory_order_relaxed) != errors) {
+    servo_->drop();
+    return std::unexpected(classify(servo_->trouble().newest()).error);
+  }
+  if (!sample_.sample.pose_valid) return servo_->drop(), std::unexpected(DeviceError::kProtocol);
+  servo_->push(command, errors);
+  return {};
+}
+
+void PhantomDriver::stop() noexcept {
+  if (!servo_) return;
+  servo_->drop();
+  if (!virtual_time_ && servo_->silence() > kStallPeriods * period_) servo_->force_off();
+}
+
+PhantomStatus PhantomDriver::status() const noexcept {
+  const HdTrouble& trouble = servo_->trouble();
+  const ServoCounts& counts = servo_->counts();
+  PhantomStatus s;
+  s.fatal = trouble.fatal(), s.newest = trouble.newest(), s.errors = trouble.count(), s.force_drops = trouble.dropped();
+  s.ticks = counts.ticks, s.late = counts.late, s.superseded = counts.superseded;
+  s.invalid_poses = counts.invalid_poses, s.pushed = counts.pushed, s.withheld = counts.withheld;
+  s.thermal = counts.thermal;
+  s.refused = refused_, s.timeouts = timeouts_;
+  s.gimbal_rad = sample_.gimbal_rad, s.temperature = sample_.temperature;
+  s.temperatures = session_->facts().temperatures, s.force_limit_n = sample_.force_limit_n;
+  return s;
+}
+
+/// From what any thread may read.
+std::string PhantomDriver::trouble() const {
+  const HdTrouble& trouble = servo_->trouble();
+  if (const hd::HDerror fatal = trouble.fatal(); fatal != hd::kSuccess) {
+    const bool gone = classify(fatal).error == DeviceError::kDisconnected;
+    return fmt::format("error {} ended it; {}, and open it again", error_text(library_.api(), fatal),
+                       gone ? "look at cable and power" : "look at the device and restart it");
+  }
+  const Clock::duration silence = servo_->silence();
+  if (!virtual_time_ && silence > kLongSilence)
+    return fmt::format(
+        "its servo loop has not ticked for {:.1f} s; look at the device and the vendor's diagnostic tool, and open it "
+        "again",
+        std::chrono::duration<double>(silence).count());
+  if (trouble.count() != told_.load(std::memory_order_relaxed))
+    return fmt::format("force dropped by error {}; it comes back with the next commands",
+                       error_text(library_.api(), trouble.newest()));
+  if (pose_lost_.load(std::memory_order_relaxed))
+    return "no force, its pose is not to be trusted; look at encoders and cable";
+  return {};
+}
+
+std::string PhantomDriver::status_text() const {
+  if (const std::string text = trouble(); !text.empty()) return fmt::format("{}: {}", description_.model, text);
+  const double limit_n = sample_.force_limit_n;
+  if (limit_n > 0.0 && limit_n < description_.max_force_n)
+    return fmt::format("{}: motors are warm, force is cut to {:.2f} N; let go for a while", description_.model,
+                       limit_n);
+  return fmt::format("{}: nothing keeps the force off", description_.model);
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,92 @@
+#pragma once
+/// A SensAble / 3D Systems Phantom (Premium, Desktop, Omni, Touch) over the vendor's HDAPI, or the simulated library in its place.
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "devices/driver.hpp"
+#include "devices/phantom/hd_session.hpp"
+#include "devices/phantom/phantom_options.hpp"
+#include "devices/phantom/phantom_servo.hpp"
+
+namespace voxtouch {
+
+/// What can be asked while it runs. Real-time safe to take.
+struct PhantomStatus {
+  hd::HDerror fatal = hd::kSuccess;   ///< what ended it
+  hd::HDerror newest = hd::kSuccess;  ///< the newest error that did not
+  std::uint64_t errors = 0;           ///< that did not end it
+  std::uint64_t force_drops = 0;      ///< of those: the device dropped its force
+  std::uint64_t ticks = 0, late = 0, superseded = 0, invalid_poses = 0, pushed = 0, withheld = 0,
+                thermal = 0;  ///< see ServoCounts
+  std::uint64_t refused = 0;  ///< commands that were not finite or over a limit
+  std::uint64_t timeouts = 0;
+  Vec3 gimbal_rad = Vec3::Zero();  ///< of the last sample, with the library's signs; its orientation holds them too
+  std::array<double, 6> temperature{};  ///< of the motors; 1: the device drops its force
+  int temperatures = 0;  ///< motors that tell theirs; 0: nothing makes the force smaller before the device drops it
+  double force_limit_n = 0.0;  ///< what heat leaves of the maximum
+};
+
+/// One thread owns it. The vendor's servo thread makes the samples and takes the commands (PhantomServo); `read` waits for it, and
+/// neither ever waits for a lock of the other.
+///
+/// read: kTimeout (no tick in time; no tick for some periods turns force output off as well, until the next command), kDisconnected
+/// (communication lost, or no tick for `silence_s`), kFault (device fault, timer, scheduler, an unknown error). The last two stay
+/// where the library said so: open the device anew. Errors that only cost force come from `write`, so that samples keep coming.
+/// write: kNotFinite, kLimit (check_command), kRecoverable (the device dropped its force: motors too warm, moved too fast, force or its
+/// change too large), kProtocol (the library refused something, or the sample's pose was not valid; before the first sample as
+/// well). Once an error has been met no command pushes until a `write` has told it; the one after that is taken.
+///
+/// A tick that meets an error, or a pose that is not valid, sets no force, and the library makes zero of that: the motors are at zero
+/// within one period. Where the servo loop itself has died nothing can be set: `read` finds out after two periods and turns force
+/// output off; what an amplifier does until then is its own matter, and its own watchdog's.
+///
+/// Orientation is the stylus's, gimbal included, made orthonormal. Twist is the driver's own (TwistEstimate); it lags by
+/// `twist_lag_s()`. Force is clamped lower while motors are warm (ThermalClamp).
+///
+/// Time: from the first sample, by the monotonic clock. In virtual time, which only the simulated library has, `read` makes its ticks and
+/// `simulated()` is true: the first command acts in the second tick, as it would in reality, and the same calls give the same bits.
+class PhantomDriver final : public Driver {
+ public:
+  /// Throws DeviceOpenError: options, library, device, calibration, servo loop; the sentence says what to do. A device whose encoders
+  /// are set to zero has to be held with all links at right angles meanwhile.
+  explicit PhantomDriver(const PhantomOptions& options);
+  /// Zero force; servo loop stopped, callback taken out, device disabled.
+  ~PhantomDriver() override;
+
+  const DeviceDescription& description() const noexcept override { return description_; }
+  DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept override;
+  DeviceResult<void> write(const Wrench& command) noexcept override;
+  void stop() noexcept override;
+  bool simulated() const noexcept override { return virtual_time_; }
+  std::string trouble() const override;
+
+  PhantomStatus status() const noexcept;
+  /// What keeps the force off and what to do, or that nothing does. Allocates.
+  std::string status_text() const;
+  double twist_lag_s() const noexcept { return servo_->twist_lag_s(); }
+
+ private:
+  using Clock = PhantomServo::Clock;
+  std::optional<DeviceError> ended() const noexcept;
+  bool wait_for_tick(std::chrono::microseconds timeout) noexcept;
+  bool make_ticks(std::chrono::microseconds timeout) noexcept;
+  DeviceError nothing_came() noexcept;
+  void wait_for_first_tick();
+
+  PhantomOptions options_;
+  const HdLibrary& library_;
+  DeviceDescription description_;
+  std::optional<PhantomServo> servo_;
+  std::optional<HdSession> session_;  // behind the servo: ends before it, and the callback with it
+  Clock::duration period_{};
+  ServoSample sample_;
+  std::int64_t zero_ns_ = 0;
+  std::atomic<std::uint64_t> told_{0};  // errors that the caller knows of
+  std::atomic<bool> pose_lost_{false};  // of the last sample
+  std::uint64_t refused_ = 0, timeouts_ = 0;
+  bool first_ = true, virtual_time_ = false;
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,162 @@
+#include "devices/phantom/phantom_servo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "devices/limits.hpp"
+#include "devices/phantom/hd_orientation.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr double kMilli = 1e-3;          // m in a mm, Nm in a mNm
+constexpr std::int64_t kGapPeriods = 5;  // after a longer gap a difference of positions says nothing about now
+constexpr double kNoArmReachesM = 10.0;
+constexpr auto kRelaxed = std::memory_order_relaxed;
+
+void count(std::atomic<std::uint64_t>& counter) noexcept { counter.fetch_add(1, kRelaxed); }
+
+}  // namespace
+
+PhantomServo::PhantomServo(const HdLibrary& library, hd::HHD device, const PhantomFacts& facts,
+                           const DeviceDescription& description, double velocity_cutoff_hz, bool virtual_time) noexcept
+    : api_(library.api()), hooks_(library.hooks()), device_(device), temperatures_(facts.temperatures),
+      gimbal_(facts.gimbal), virtual_time_(virtual_time), max_torque_nm_(description.max_torque_nm),
+      period_ns_(std::llround(1e9 / description.rate_hz)), clamp_(description.max_force_n, continuous_force_n(facts)),
+      twist_(velocity_cutoff_hz), last_tick_(Clock::now().time_since_epoch().count()) {}
+
+void PhantomServo::set_rate(double rate_hz) noexcept { period_ns_.store(std::llround(1e9 / rate_hz), kRelaxed); }
+
+hd::HDCallbackCode PhantomServo::run(void* self) noexcept {
+  static_cast<PhantomServo*>(self)->tick();
+  return hd::kCallbackContinue;
+}
+
+void PhantomServo::tick() noexcept {
+  trouble_.drain(api_);  // heat and speed are judged before the tick
+  const std::uint64_t known = trouble_.count();
+  const std::int64_t now = now_ns();
+  api_.hdBeginFrame(device_);
+  read_frame();
+  trouble_.drain(api_);
+  see(now, trouble_.count() == known && trouble_.fatal() == hd::kSuccess);
+  answer();
+  api_.hdEndFrame(device_);
+  trouble_.drain(api_);
+  if (trouble_.fatal() != hd::kSuccess && !std::exchange(ended_, true)) api_.hdDisable(hd::kForceOutput);
+  publish();
+}
+
+void PhantomServo::publish() noexcept {
+  count(counts_.ticks);
+  last_tick_.store(Clock::now().time_since_epoch().count(), std::memory_order_release);
+  if (samples_.put(seen_))
+    count(counts_.superseded);
+  else
+    wake_up_.post();  // where the one before was not taken yet its post still stands
+}
+
+std::int64_t PhantomServo::now_ns() const noexcept {
+  if (!virtual_time_) return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
+  hdsim_state state{};
+  hooks_.read_state(&state, sizeof state);
+  return std::llround(1e9 * state.time);
+}
+
+// --- what comes in
+
+/// What the library leaves as it was is no number, and found out as that.
+void PhantomServo::read_frame() noexcept {
+  raw_ = Raw{};
+  api_.hdGetDoublev(hd::kCurrentPosition, raw_.position.data());
+  api_.hdGetDoublev(hd::kCurrentTransform, raw_.transform.data());
+  api_.hdGetIntegerv(hd::kCurrentButtons, &raw_.buttons);
+  if (gimbal_) api_.hdGetDoublev(hd::kCurrentGimbalAngles, raw_.gimbal.data());
+  if (temperatures_ > 0) api_.hdGetDoublev(hd::kMotorTemperature, raw_.temperature.data());
+}
+
+void PhantomServo::see(std::int64_t now_ns, bool frame_good) noexcept {
+  const std::int64_t period_ns = period_ns_.load(kRelaxed), elapsed_ns = now_ns - last_ns_;
+  if (!std::exchange(first_, false) && 2 * elapsed_ns > 3 * period_ns) count(counts_.late);
+  last_ns_ = now_ns;
+  DeviceSample& s = seen_.sample;
+  s.time_ns = now_ns;
+  s.buttons = static_cast<std::uint32_t>(raw_.buttons);
+  s.pose_valid = see_pose() && frame_good;
+  if (elapsed_ns > kGapPeriods * period_ns) twist_.restart();
+  if (s.pose_valid) {
+    s.twist = twist_.see(s.pose, 1e-9 * static_cast<double>(elapsed_ns));
+  } else {
+    count(counts_.invalid_poses);
+    twist_.restart();
+    s.twist = {};
+  }
+  seen_.gimbal_rad = Vec3(raw_.gimbal[0], raw_.gimbal[1], raw_.gimbal[2]);
+  std::copy_n(raw_.temperature.begin(), seen_.temperature.size(), seen_.temperature.begin());
+  seen_.force_limit_n = clamp_.see(std::span(raw_.temperature).first(static_cast<std::size_t>(temperatures_)),
+                                   std::exchange(set_n_, 0.0));
+}
+
+/// Leaves the pose as it was where there is none to be had from the frame.
+bool PhantomServo::see_pose() noexcept {
+  Pose pose;
+  pose.position = kMilli * Vec3(raw_.position[0], raw_.position[1], raw_.position[2]);
+  if (!(pose.position.cwiseAbs().maxCoeff() < kNoArmReachesM)) return false;
+  if (!orientation_of(raw_.transform.data(), pose.orientation)) return false;
+  // The same rotation with the sign that is nearer to the last: no jump for whoever draws a line between the two.
+  if (pose.orientation.dot(seen_.sample.pose.orientation) < 0.0) pose.orientation.coeffs() *= -1.0;
+  seen_.sample.pose = pose;
+  return true;
+}
+
+// --- what goes out
+
+void PhantomServo::answer() noexcept {
+  Command command;
+  if (!commands_.take(command) || !command.push) return;
+  const bool same = command.trouble == trouble_.count() && trouble_.fatal() == hd::kSuccess;
+  if (!same || !seen_.sample.pose_valid) return count(counts_.withheld);
+  if (force_off_.exchange(false, std::memory_order_acq_rel)) api_.hdEnable(hd::kForceOutput);
+  set(command.wrench);
+}
+
+/// The last check stands here, directly before the library.
+void PhantomServo::set(const Wrench& wrench) noexcept {
+  Vec3 force = wrench.force;
+  if (clamp_length(force, clamp_.limit_n())) count(counts_.thermal);
+  api_.hdSetDoublev(hd::kCurrentForce, force.data());
+  set_n_ = length_of(force);
+  if (max_torque_nm_ > 0.0) {
+    Vec3 torque = wrench.torque;
+    clamp_length(torque, max_torque_nm_ * clamp_.share());
+    torque /= kMilli;
+    api_.hdSetDoublev(hd::kCurrentTorque, torque.data());
+  }
+  count(counts_.pushed);
+}
+
+// --- the other thread's side
+
+bool PhantomServo::take(ServoSample& out, Clock::time_point deadline) noexcept {
+  for (;;) {
+    if (samples_.take(out)) {
+      wake_up_.clear();
+      return true;
+    }
+    if (!wake_up_.wait_until(deadline)) return samples_.take(out);
+  }
+}
+
+/// In this order: a tick between the two sets a force that the device does not give, and the next one turns it on.
+void PhantomServo::force_off() noexcept {
+  api_.hdDisable(hd::kForceOutput);
+  force_off_.store(true, std::memory_order_release);
+}
+
+PhantomServo::Clock::duration PhantomServo::silence() const noexcept {
+  return Clock::now().time_since_epoch() - Clock::duration(last_tick_.load(std::memory_order_acquire));
+}
+
+}  // namespace voxtouch

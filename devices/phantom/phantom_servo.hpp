@@ -1,0 +1,121 @@
+#pragma once
+/// The half of the driver that runs in the library's servo thread: one frame a tick.
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+
+#include "devices/driver.hpp"
+#include "devices/phantom/hd_errors.hpp"
+#include "devices/phantom/hd_library.hpp"
+#include "devices/phantom/latest_slot.hpp"
+#include "devices/phantom/phantom_models.hpp"
+#include "devices/phantom/thermal_clamp.hpp"
+#include "devices/phantom/twist_estimate.hpp"
+#include "devices/phantom/wake_up.hpp"
+
+namespace voxtouch {
+
+/// What a tick saw.
+struct ServoSample {
+  DeviceSample sample;  ///< time since the clock's own zero
+  Vec3 gimbal_rad = Vec3::Zero();
+  std::array<double, 6> temperature{};
+  double force_limit_n = 0.0;  ///< of the thermal clamp
+};
+
+struct ServoCounts {
+  std::atomic<std::uint64_t> ticks{0};
+  std::atomic<std::uint64_t> late{0};        ///< ticks that came more than half a period too late
+  std::atomic<std::uint64_t> superseded{0};  ///< samples that a newer one overtook before they were read
+  std::atomic<std::uint64_t> invalid_poses{0};
+  std::atomic<std::uint64_t> pushed{0};    ///< ticks that set a force
+  std::atomic<std::uint64_t> withheld{0};  ///< commands that met an error, or a pose that was not valid, in their tick
+  std::atomic<std::uint64_t> thermal{0};   ///< forces that were made smaller because motors are warm
+};
+
+/// A tick: begin a frame, read, set the command that waits, end. Errors are taken before the frame, before the set and after the
+/// end. A command is set only where nothing has gone wrong since its `write`, and the tick's own pose is valid; else the tick sets
+/// nothing, which is zero force.
+class PhantomServo {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  PhantomServo(const HdLibrary& library, hd::HHD device, const PhantomFacts& facts,
+               const DeviceDescription& description, double velocity_cutoff_hz, bool virtual_time) noexcept;
+  PhantomServo(const PhantomServo&) = delete;
+  PhantomServo& operator=(const PhantomServo&) = delete;
+
+  /// The callback; `self` is this object.
+  static hd::HDCallbackCode run(void* self) noexcept;
+
+  // --- for the thread that owns the driver; real-time safe
+  /// Waits until `deadline` at most, not at all where it has passed. False: no sample that has not been taken.
+  bool take(ServoSample& out, Clock::time_point deadline) noexcept;
+  /// For the next tick; `trouble` is the count of errors that the writer knows of.
+  void push(const Wrench& command, std::uint64_t trouble) noexcept { commands_.put({command, trouble, true}); }
+  /// The next tick sets nothing.
+  void drop() noexcept { commands_.put({}); }
+  /// For a servo loop that has stopped ticking: takes the force without it. A tick that has a command turns it on again, from
+  /// the start of the device's ramp.
+  void force_off() noexcept;
+  /// Since the last tick, or the construction.
+  Clock::duration silence() const noexcept;
+
+  HdTrouble& trouble() noexcept { return trouble_; }
+  const HdTrouble& trouble() const noexcept { return trouble_; }
+  const ServoCounts& counts() const noexcept { return counts_; }
+  double twist_lag_s() const noexcept { return twist_.lag_s(1e-9 * static_cast<double>(period_ns_.load())); }
+  /// What the ticks are to be judged by: how late they are, and what a gap is.
+  void set_rate(double rate_hz) noexcept;
+
+ private:
+  struct Command {
+    Wrench wrench;
+    std::uint64_t trouble = 0;
+    bool push = false;
+  };
+  /// A frame in the library's units.
+  struct Raw {
+    static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    std::array<double, 3> position{kNone, kNone, kNone}, gimbal{};
+    std::array<double, 16> transform{kNone};  // of the others the first decides
+    std::array<double, 16> temperature{};
+    int buttons = 0;
+  };
+  void tick() noexcept;
+  void read_frame() noexcept;
+  void publish() noexcept;
+  std::int64_t now_ns() const noexcept;
+  void see(std::int64_t now_ns, bool frame_good) noexcept;
+  bool see_pose() noexcept;
+  void answer() noexcept;
+  void set(const Wrench& wrench) noexcept;
+
+  const hd::Api& api_;
+  const HdSimHooks& hooks_;
+  hd::HHD device_;
+  int temperatures_;
+  bool gimbal_, virtual_time_;
+  double max_torque_nm_;
+  std::atomic<std::int64_t> period_ns_;
+
+  HdTrouble trouble_;
+  ThermalClamp clamp_;
+  TwistEstimate twist_;
+  Raw raw_;
+  ServoSample seen_;
+  std::int64_t last_ns_ = 0;
+  double set_n_ = 0.0;  // force of the last tick
+  bool first_ = true, ended_ = false;
+
+  LatestSlot<ServoSample> samples_;
+  LatestSlot<Command> commands_;
+  WakeUp wake_up_;
+  std::atomic<std::int64_t> last_tick_;  // of Clock
+  std::atomic<bool> force_off_{false};
+  ServoCounts counts_;
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,115 @@
+#include "devices/settings.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "devices/driver.hpp"
+
+namespace voxtouch {
+namespace {
+
+template <class Number>
+std::optional<Number> parse(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  if constexpr (std::is_floating_point_v<Number>)
+    if (!std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+bool among(std::string_view key, std::initializer_list<std::string_view> keys) {
+  return std::find(keys.begin(), keys.end(), key) != keys.end();
+}
+
+}  // namespace
+
+DeviceSettings parse_settings(const std::vector<std::string>& texts) {
+  DeviceSettings settings;
+  for (const std::string& text : texts) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw DeviceOpenError(fmt::format("'{}' is no device option: it has to be KEY=VALUE, like port=49938", text));
+    settings.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return settings;
+}
+
+SettingReader::SettingReader(std::string_view device, const DeviceSettings& settings,
+                             std::initializer_list<std::string_view> known,
+                             std::initializer_list<std::string_view> many)
+    : device_(device), settings_(settings) {
+  std::set<std::string_view> seen;
+  for (const auto& [key, value] : settings) {
+    if (!among(key, known))
+      throw DeviceOpenError(
+          known.size() == 0
+              ? fmt::format("device '{}': it takes no options, so there is no '{}'", device, key)
+              : fmt::format("device '{}': there is no option '{}'; it takes {}", device, key, fmt::join(known, ", ")));
+    if (!seen.insert(key).second && !among(key, many))
+      throw DeviceOpenError(fmt::format("device '{}': option {} is there twice", device, key));
+  }
+}
+
+std::optional<std::string> SettingReader::text(std::string_view key) const {
+  for (const auto& [name, value] : settings_)
+    if (name == key) return value;
+  return std::nullopt;
+}
+
+std::vector<std::string> SettingReader::all(std::string_view key) const {
+  std::vector<std::string> values;
+  for (const auto& [name, value] : settings_)
+    if (name == key) values.push_back(value);
+  return values;
+}
+
+void SettingReader::refuse(std::string_view key, std::string_view value, std::string_view rule) const {
+  throw DeviceOpenError(fmt::format("device '{}': option {} is '{}', but has to be {}", device_, key, value, rule));
+}
+
+std::optional<double> SettingReader::number(std::string_view key) const {
+  const auto value = text(key);
+  if (!value) return std::nullopt;
+  const auto parsed = parse<double>(*value);
+  if (!parsed) refuse(key, *value, "a finite number");
+  return parsed;
+}
+
+std::optional<std::uint32_t> SettingReader::whole(std::string_view key) const {
+  const auto value = text(key);
+  if (!value) return std::nullopt;
+  const auto parsed = parse<std::uint32_t>(*value);
+  if (!parsed) refuse(key, *value, "a whole number of 0 or more");
+  return parsed;
+}
+
+std::optional<std::uint16_t> SettingReader::port(std::string_view key) const {
+  const auto value = text(key);
+  if (!value) return std::nullopt;
+  const auto parsed = parse<std::uint16_t>(*value);
+  if (!parsed || *parsed == 0) refuse(key, *value, "a UDP port, 1 to 65535");
+  return parsed;
+}
+
+std::optional<Vec3> SettingReader::vector(std::string_view key) const {
+  const auto value = text(key);
+  if (!value) return std::nullopt;
+  Vec3 out;
+  std::string_view rest = *value;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto comma = rest.find(',');
+    const auto number = parse<double>(rest.substr(0, comma));
+    if (!number || (axis < 2) != (comma != std::string_view::npos)) refuse(key, *value, "three finite numbers X,Y,Z");
+    out[axis] = *number;
+    if (axis < 2) rest.remove_prefix(comma + 1);
+  }
+  return out;
+}
+
+}  // namespace voxtouch

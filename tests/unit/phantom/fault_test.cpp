@@ -1,0 +1,269 @@
+// Each fault: what the caller is told, and what the motors give in the 100 ms after it.
+#include <algorithm>
+
+#include "fixture.hpp"
+
+namespace voxtouch::phantom_test {
+namespace {
+
+class Fault : public DriverTest {
+ protected:
+  void SetUp() override {
+    DriverTest::SetUp();
+    open_driver();
+    push_until_steady(kPush);
+    Spy::instance().reset();
+  }
+
+  struct After {
+    std::vector<double> force;
+    std::vector<DeviceError> read, written;  ///< errors, without those that repeat the one before
+    int samples = 0;
+    int pushing() const {
+      return static_cast<int>(std::count_if(force.begin(), force.end(), [](double f) { return f > 0.0; }));
+    }
+  };
+  /// A loop that hears nothing and goes on pushing for 100 periods. Where the driver makes no tick any more the arm's time goes on.
+  After next_100_ms() {
+    After after;
+    const auto note = [](std::vector<DeviceError>& all, DeviceError e) {
+      if (all.empty() || all.back() != e) all.push_back(e);
+    };
+    for (int i = 0; i < 100; ++i) {
+      const std::uint64_t ticks = state().ticks;
+      const Turn t = turn({kPush, Vec3::Zero()});
+      if (state().ticks == ticks) sim.step();
+      after.force.push_back(applied().norm());
+      if (t.sample) ++after.samples;
+      if (!t.sample) note(after.read, t.sample.error());
+      if (t.sample && !t.written) note(after.written, t.written.error());
+      if (!t.sample) (void)driver->write({kPush, Vec3::Zero()});
+    }
+    return after;
+  }
+  const Vec3 kPush{2.0, 0.0, 0.0};
+};
+using Errors = std::vector<DeviceError>;
+
+TEST_F(Fault, LostCommunicationIsDisconnectedAndNothingIsSetAnyMore) {
+  ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, 50), 0);
+  const After after = next_100_ms();
+  EXPECT_EQ(after.read, Errors{DeviceError::kDisconnected});
+  EXPECT_EQ(after.samples, 0);
+  EXPECT_EQ(Spy::instance().calls({"set"}), std::vector<std::string>{});
+  EXPECT_LE(after.pushing(), 10);  // nothing gets through to the amplifier: its watchdog
+  EXPECT_EQ(*std::max_element(after.force.begin() + 10, after.force.end()), 0.0);  // also once the cable is back
+  EXPECT_EQ(driver->write({kPush, Vec3::Zero()}).error(), DeviceError::kDisconnected);
+  EXPECT_NE(driver->status_text().find("0x0302"), std::string::npos) << driver->status_text();
+  driver.reset();
+  open_driver();
+  push_until_steady(kPush);
+}
+
+TEST_F(Fault, UnpluggedForGoodItCanStillBeClosed) {
+  ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, -1), 0);
+  EXPECT_EQ(next_100_ms().read, Errors{DeviceError::kDisconnected});
+  driver.reset();
+  EXPECT_FALSE(state().device_open);
+  EXPECT_EQ(state().callbacks, 0u);
+}
+
+TEST_F(Fault, FailedDeviceIsAFaultAndZeroAtOnceAndForGood) {
+  ASSERT_EQ(sim.inject(HDSIM_DEVICE_FAULT, 30), 0);
+  const After after = next_100_ms();
+  EXPECT_EQ(after.read, Errors{DeviceError::kFault});
+  EXPECT_EQ(after.pushing(), 0);
+  EXPECT_EQ(Spy::instance().calls({"set"}), std::vector<std::string>{});
+}
+
+TEST_F(Fault, DeadServoLoopIsAFaultAndForceGoesWithinThePeriod) {
+  ASSERT_EQ(sim.inject(HDSIM_TIMER_ERROR, 0), 0);
+  const After after = next_100_ms();
+  EXPECT_EQ(after.read, Errors{DeviceError::kFault});
+  EXPECT_LE(after.pushing(), 1);  // the period in which it died
+  EXPECT_EQ(*std::max_element(after.force.begin() + 1, after.force.end()), 0.0);
+}
+
+TEST_F(Fault, WarmMotorsAreToldOnceAndForceComesBackWhenTheyAreCool) {
+  ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 1.0), 0);
+  const After after = next_100_ms();
+  EXPECT_EQ(after.read, Errors{});  // samples keep coming
+  EXPECT_EQ(after.samples, 100);
+  EXPECT_EQ(after.written, Errors{DeviceError::kRecoverable});
+  EXPECT_EQ(after.pushing(), 0);
+  EXPECT_EQ(driver->status().force_drops, 1u);
+  EXPECT_EQ(driver->status().newest, hd::kWarmMotors);
+  EXPECT_EQ(driver->status().withheld, 1u);       // the command that was under way
+  EXPECT_EQ(driver->status().invalid_poses, 0u);  // heat says nothing about where it is
+  ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.4), 0);
+  push_until_steady(kPush);
+}
+
+TEST_F(Fault, TooFastDropsTheForceAndIsTold) {
+  driver.reset();
+  options.max_speed_m_per_s = 0.1;
+  set_motion({0.0, 0.0, 0.0, 0.12, 0.0, 0.0}, 0.5);
+  open_driver();
+  Errors told;
+  int after_force = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const Turn t = turn(push(0.0, 0.5));
+    ASSERT_TRUE(t.sample);
+    if (!t.written) told.push_back(t.written.error());
+    const double speed = Eigen::Map<const Vec3>(state().tip_velocity).norm();
+    if (speed > 0.15) {
+      EXPECT_EQ(t.force, 0.0) << i;
+    }
+    if (!told.empty() && t.force > 0.0) ++after_force;
+  }
+  ASSERT_FALSE(told.empty());
+  EXPECT_LE(told.size(), 5u);  // each time that the limit is passed, which quantised speeds may do more than once
+  for (const DeviceError error : told) EXPECT_EQ(error, DeviceError::kRecoverable);
+  EXPECT_EQ(driver->status().newest, hd::kExceededMaxVelocity);
+  EXPECT_GT(after_force, 100);
+}
+
+TEST_F(Fault, ChangeOfForceOverTheDevicesLimitIsToldAndForceComesBack) {
+  double limit = 1.0;
+  api.hdSetDoublev(hd::kSoftwareForceImpulseLimit, &limit);
+  const After after = next_100_ms();  // steady: no change
+  EXPECT_EQ(after.written, Errors{});
+  ASSERT_TRUE(driver->read(10ms));  // nothing was asked for: 2 N to 0 in a millisecond
+  EXPECT_EQ(turn(push(0.5)).written.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(driver->status().newest, hd::kExceededMaxForceImpulse);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(turn(push(0.5)).written);
+  EXPECT_NEAR(applied().x(), 0.5, 0.05);
+}
+
+TEST_F(Fault, ErrorsThatTheDeviceSaysOutOfNowhereTakeTheForceOfTheirTick) {
+  for (const auto& [code, error] :
+       {std::pair{hd::kForceError, DeviceError::kRecoverable},
+        std::pair{hd::kExceededMaxForce, DeviceError::kRecoverable}, std::pair{hd::kFrameError, DeviceError::kProtocol},
+        std::pair{hd::kInvalidOperation, DeviceError::kProtocol}}) {
+    Spy::instance().plant_error(code);
+    ASSERT_TRUE(driver->read(10ms));
+    EXPECT_EQ(applied().norm(), 0.0) << code;
+    EXPECT_EQ(driver->write(push(2.0)).error(), error) << code;
+    ASSERT_TRUE(driver->read(10ms));
+    EXPECT_EQ(applied().norm(), 0.0) << code;
+    ASSERT_TRUE(driver->write(push(2.0)));
+    ASSERT_TRUE(driver->read(10ms));
+    EXPECT_NEAR(applied().x(), 2.0, 0.1) << code;
+    ASSERT_TRUE(driver->write(push(2.0)));
+  }
+}
+
+TEST_F(Fault, AnErrorThatNobodyKnowsEndsIt) {
+  Spy::instance().plant_error(0x0777);
+  const After after = next_100_ms();
+  EXPECT_EQ(after.read, Errors{DeviceError::kFault});
+  EXPECT_EQ(after.pushing(), 0);
+}
+
+TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
+  const Pose before = driver->read(10ms)->pose;
+  ASSERT_TRUE(driver->write(push(2.0)));
+  ASSERT_EQ(sim.inject(HDSIM_NAN_POSITION, 3), 0);
+  for (int i = 0; i < 3; ++i) {
+    const Turn t = turn(push(2.0));
+    ASSERT_TRUE(t.sample);
+    EXPECT_FALSE(t.sample->pose_valid);
+    EXPECT_TRUE(t.sample->pose.finite());
+    EXPECT_EQ(t.sample->pose.position, before.position);
+    EXPECT_EQ(t.sample->twist.linear, Vec3(Vec3::Zero()));
+    EXPECT_EQ(t.force, 0.0);
+    EXPECT_EQ(t.written.error(), DeviceError::kProtocol);
+  }
+  EXPECT_NE(driver->status_text().find("pose"), std::string::npos);
+  Turn t = turn(push(2.0));
+  EXPECT_TRUE(t.sample->pose_valid);
+  EXPECT_EQ(t.force, 0.0);
+  ASSERT_TRUE(t.written);
+  EXPECT_LT(t.sample->twist.linear.norm(), 0.01);
+  EXPECT_NEAR(turn(push(2.0)).force, 2.0, 0.1);
+  EXPECT_EQ(driver->status().invalid_poses, 3u);
+}
+
+TEST_F(Fault, ATransformThatIsNoRotationIsMarkedAndASlightlySkewedOneIsMadeOne) {
+  Spy::instance().change_reading([](hd::HDenum name, double* m) {
+    if (name == hd::kCurrentTransform) m[0] *= 1.01, m[5] *= 0.99;
+  });
+  Turn t = turn(push(2.0));
+  ASSERT_TRUE(t.sample);
+  EXPECT_TRUE(t.sample->pose_valid);
+  EXPECT_NEAR(t.sample->pose.orientation.norm(), 1.0, 1e-15);
+  Spy::instance().change_reading([](hd::HDenum name, double* m) {
+    if (name == hd::kCurrentTransform) std::fill_n(m, 12, 0.0);
+  });
+  t = turn(push(2.0));
+  ASSERT_TRUE(t.sample);
+  EXPECT_FALSE(t.sample->pose_valid);
+  EXPECT_EQ(t.force, 0.0);
+  EXPECT_EQ(t.written.error(), DeviceError::kProtocol);
+}
+
+TEST_F(Fault, AFrameThatSomebodyElseLeftOpenSpoilsOneTickOnly) {
+  api.hdDisable(hd::kOneFrameLimit);
+  api.hdBeginFrame(api.hdGetCurrentDevice());
+  Turn t = turn(push(2.0));
+  ASSERT_TRUE(t.sample);
+  EXPECT_FALSE(t.sample->pose_valid);
+  EXPECT_EQ(t.force, 0.0);
+  EXPECT_EQ(t.written.error(), DeviceError::kProtocol);
+  EXPECT_EQ(driver->status().newest, hd::kIllegalBegin);
+  ASSERT_TRUE(turn(push(2.0)).written);
+  EXPECT_NEAR(turn(push(2.0)).force, 2.0, 0.1);
+}
+
+TEST_F(Fault, ALateTickIsCountedAndTheTwistStartsAnew) {
+  const std::int64_t before = driver->read(10ms)->time_ns;
+  ASSERT_EQ(sim.inject(HDSIM_LATE_TICK, 0.008), 0);
+  const auto sample = driver->read(10ms);
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->time_ns - before, 9'000'000);
+  EXPECT_EQ(driver->status().late, 1u);
+  EXPECT_EQ(sample->twist.linear, Vec3(Vec3::Zero()));
+  EXPECT_EQ(driver->read(10ms)->time_ns - before, 10'000'000);
+  EXPECT_EQ(driver->status().late, 1u);
+}
+
+TEST_F(Fault, AFewSkippedTicksAreWaitedFor) {
+  ASSERT_EQ(sim.inject(HDSIM_SKIPPED_TICKS, 4), 0);
+  const After after = next_100_ms();
+  EXPECT_EQ(after.read, Errors{});
+  EXPECT_EQ(after.written, Errors{});
+  EXPECT_NEAR(after.force.back(), 2.0, 0.1);
+  EXPECT_EQ(driver->status().late, 1u);
+}
+
+TEST_F(Fault, ALongSilenceIsATimeoutAndTakesTheForceUntilTheNextCommand) {
+  ASSERT_EQ(sim.inject(HDSIM_SKIPPED_TICKS, 25), 0);
+  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(Spy::instance().calls({"disable"}), std::vector<std::string>{"disable 4000"});
+  sim.step();
+  EXPECT_EQ(applied().norm(), 0.0);
+  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kTimeout);
+  driver->stop();  // what a loop does then
+  ASSERT_TRUE(driver->read(10ms));
+  EXPECT_EQ(Spy::instance().calls({"enable"}), std::vector<std::string>{});
+  push_until_steady(kPush);
+  EXPECT_EQ(Spy::instance().calls({"enable"}), std::vector<std::string>{"enable 4000"});
+  EXPECT_EQ(driver->status().timeouts, 2u);
+}
+
+TEST_F(Fault, SchedulerStoppedBehindItsBackIsAFault) {
+  api.hdStopScheduler();
+  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kFault);
+  api.hdStartScheduler();
+  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kFault);
+  EXPECT_EQ(next_100_ms().pushing(), 0);
+}
+
+TEST_F(Fault, DeviceDisabledBehindItsBackIsDisconnected) {
+  api.hdDisableDevice(api.hdGetCurrentDevice());
+  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kDisconnected);
+  EXPECT_EQ(next_100_ms().pushing(), 0);
+}
+
+}  // namespace
+}  // namespace voxtouch::phantom_test

@@ -1,0 +1,68 @@
+#pragma once
+/// The driver on the simulated library; virtual time unless a test says otherwise.
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "devices/phantom/phantom_driver.hpp"
+#include "spy.hpp"
+#include "tests/unit/phantom_sim/library.hpp"
+
+namespace voxtouch::phantom_test {
+
+using namespace std::chrono_literals;
+
+class DriverTest : public hd_sim_test::SimulatedLibrary {
+ protected:
+  void SetUp() override {
+    Spy::instance().reset();
+    SimulatedLibrary::SetUp();
+    options.library = VOXTOUCH_HD_SIM_LIBRARY;
+    options.virtual_time = true;
+  }
+  void TearDown() override {
+    driver.reset();
+    Spy::instance().reset();
+    SimulatedLibrary::TearDown();
+  }
+
+  void open_driver() { driver = std::make_unique<PhantomDriver>(options); }
+  /// The sentence of an opening that fails; empty: it opened.
+  std::string refusal() {
+    try {
+      open_driver();
+    } catch (const DeviceOpenError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  static Wrench push(double x, double y = 0.0, double z = 0.0) { return {Vec3(x, y, z), Vec3::Zero()}; }
+
+  struct Turn {
+    DeviceResult<DeviceSample> sample;
+    DeviceResult<void> written;
+    double force = 0.0;  ///< at the motors, after the tick
+  };
+  /// What a device loop does in one period. Whatever fails, it goes on pushing: the driver has to hold.
+  Turn turn(const Wrench& command) {
+    Turn t{driver->read(10ms), {}};
+    t.force = applied().norm();
+    if (t.sample) t.written = driver->write(command);
+    return t;
+  }
+  /// Until the ramp is over: the motors give `force`.
+  void push_until_steady(const Vec3& force) {
+    for (int i = 0; i < 450; ++i) {
+      const Turn t = turn({force, Vec3::Zero()});
+      ASSERT_TRUE(t.sample);
+      ASSERT_TRUE(t.written) << name_of(t.written.error());
+    }
+    ASSERT_NEAR((applied() - force).norm(), 0.0, 0.05 * force.norm());
+  }
+
+  PhantomOptions options;
+  std::unique_ptr<PhantomDriver> driver;
+};
+
+}  // namespace voxtouch::phantom_test

@@ -1,0 +1,51 @@
+#pragma once
+/// Stands between the driver and the simulated library: notes what is called, in order, and answers wrongly where it is told to.
+#include <functional>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "devices/phantom/hd_library.hpp"
+
+namespace voxtouch::phantom_test {
+
+class Spy {
+ public:
+  /// The one spy; puts itself in the place of the functions the first time.
+  static Spy& instance();
+
+  /// Forgets calls and plans.
+  void reset();
+  std::vector<std::string> calls() const;
+  /// Of calls() those that begin with one of these.
+  std::vector<std::string> calls(const std::vector<std::string>& beginnings) const;
+
+  /// hdInitDevice fails with this code as often as this.
+  void fail_init(hd::HDerror code, int times);
+  /// hdGetError gives this once, before what the library has.
+  void plant_error(hd::HDerror code);
+  /// Changes what hdGetDoublev has read.
+  void change_reading(std::function<void(hd::HDenum name, double* values)> change);
+  /// hdStartScheduler does nothing.
+  void swallow_start();
+
+  // for the functions that stand in
+  void note(std::string call);
+  hd::HDerror next_init_failure();
+  hd::HDerror next_error();
+  void touch(hd::HDenum name, double* values);
+  bool start_swallowed() const;
+  hd::Api real;
+
+ private:
+  Spy();
+  mutable std::mutex mutex_;
+  std::vector<std::string> calls_;
+  std::vector<hd::HDerror> planted_;
+  std::function<void(hd::HDenum, double*)> change_;
+  hd::HDerror init_code_ = hd::kSuccess;
+  int init_times_ = 0;
+  bool swallow_start_ = false;
+};
+
+}  // namespace voxtouch::phantom_test
