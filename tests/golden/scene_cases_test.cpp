@@ -30,7 +30,7 @@ std::vector<ContactResult> probed(const Scene& scene, const std::vector<Pose>& p
   return results;
 }
 
-constexpr double kStiffness = 10.0;  // of the shipped scenes, N/m
+constexpr double kStiffness = 30.0;  // of the shipped scenes, N/m
 
 struct Difference {
   std::size_t contacts = 0;

@@ -24,16 +24,21 @@ TEST(Registry, OpensTheSimulatedDevicesByName) {
   }
 }
 
-TEST(Registry, SaysWhatToUseInsteadOfHardwareThatItCannotDrive) {
-  EXPECT_EQ(refusal("phantom"),
-            "device 'phantom': this version has no driver for the hardware; use 'sim-phantom', its simulated counterpart");
-  EXPECT_NE(refusal("lwr").find("use 'sim-lwr'"), std::string::npos);
-  EXPECT_THROW(describe_device("lwr"), DeviceOpenError);
+TEST(Registry, SaysWhatWasTriedAndWhatToDoWhereTheHardwareIsNotThere) {
+  const std::string phantom = refusal("phantom");
+  EXPECT_NE(phantom.find("libHD.so.3.4"), std::string::npos) << phantom;
+  EXPECT_NE(phantom.find("Install OpenHaptics"), std::string::npos) << phantom;
+  EXPECT_NE(phantom.find("wire-phantom"), std::string::npos) << phantom;
+  const std::string lwr = refusal("lwr");
+  EXPECT_NE(lwr.find("49938"), std::string::npos) << lwr;
+  EXPECT_NE(lwr.find("friOpen"), std::string::npos) << lwr;
+  EXPECT_NE(lwr.find("wire-lwr"), std::string::npos) << lwr;
 }
 
 TEST(Registry, ListsTheKnownNamesForAnUnknownOne) {
-  EXPECT_EQ(refusal("omni"), "device 'omni' is unknown; known are sim-phantom, sim-lwr, phantom, lwr");
-  EXPECT_EQ(device_names().size(), 4U);
+  EXPECT_EQ(refusal("omni"),
+            "device 'omni' is unknown; known are sim-phantom, sim-lwr, wire-phantom, wire-lwr, phantom, lwr");
+  EXPECT_EQ(device_names().size(), 6U);
 }
 
 TEST(Registry, PassesHandMotionAndSeedOn) {
