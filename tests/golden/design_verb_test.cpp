@@ -1,0 +1,76 @@
+/// `voxtouch design`: the report, its JSON, its picture, and what it refuses.
+#include <gtest/gtest.h>
+
+#include "tests/golden/golden.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+const std::string kCup = std::string(VOXTOUCH_DEPLOY) + "/scenes/cup.yaml";
+
+TEST(DesignVerb, TellsAPersonWhatRunsWithWhichMarginAndWhatWouldHelp) {
+  const Finished run = voxtouch({"design", "--device", "sim-phantom", "--scene", kCup});
+  EXPECT_EQ(run.status, 0) << run.err;
+  for (const char* word :
+       {"shaping filter", "margin", "unstable from", "paper's way", "UNSTABLE", "What limits", "What would help"})
+    EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
+}
+
+TEST(DesignVerb, GivesOneJsonObjectWhoseMarginIsTheOneAskedFor) {
+  for (const double margin : {1.5, 2.0, 3.0}) {
+    const Finished run = voxtouch({"design", "--device", "sim-phantom", "--kind", "shaping_filter", "--gain-margin",
+                                   std::to_string(margin), "--json"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const nlohmann::json j = nlohmann::json::parse(run.out);
+    EXPECT_EQ(j["ok"], true);
+    EXPECT_GE(j["translation"]["gain_margin"].get<double>(), margin * (1 - 1e-9));
+    EXPECT_NEAR(j["translation"]["critical_stiffness"].get<double>(),
+                j["translation"]["shown_stiffness"].get<double>() * j["translation"]["gain_margin"].get<double>(),
+                1e-6 * j["translation"]["critical_stiffness"].get<double>());
+    EXPECT_EQ(j["paper_recipe"]["released"]["stable"], false);
+  }
+}
+
+TEST(DesignVerb, ThePapersRecipeIsStableWhereTheContactIsSoftAndTheDeviceDamped) {
+  const Finished run = voxtouch({"design", "--device", "sim-lwr", "--stiffness", "200", "--json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const nlohmann::json j = nlohmann::json::parse(run.out);
+  EXPECT_EQ(j["paper_recipe"]["released"]["stable"], true);
+  EXPECT_EQ(j["paper_recipe"]["held"]["stable"], true);
+}
+
+TEST(DesignVerb, DrawsTheStableRegionWithTheChosenPointInIt) {
+  const TemporaryFolder folder;
+  const Finished run = voxtouch({"design", "--plot", (folder / "region.svg").string()});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const std::string svg = file_text(folder / "region.svg");
+  EXPECT_TRUE(svg.starts_with("<svg")) << svg.substr(0, 80);
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  for (const char* word : {"designed: ", "paper: 5 Hz", "stable below", "certified below"})
+    EXPECT_NE(svg.find(word), std::string::npos) << word;
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  EXPECT_EQ(svg.find("inf"), std::string::npos);
+}
+
+TEST(DesignVerb, DesignsForADeviceThatALabHasWrittenDown) {
+  const Finished run =
+      voxtouch({"design", "--device", std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml", "--json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_GT(nlohmann::json::parse(run.out)["translation"]["shown_stiffness"].get<double>(), 300.0);
+}
+
+TEST(DesignVerb, SaysWhatItWouldTakeWhereNothingHoldsAndExitsWithOne) {
+  const Finished run = voxtouch({"design", "--device", "sim-phantom", "--hand", "any_passive"});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.out.find("infeasible"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("Ns/m"), std::string::npos);
+}
+
+TEST(DesignVerb, NamesTheKnownDevicesForAnUnknownOne) {
+  const Finished run = voxtouch({"design", "--device", "omni"});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("known are sim-phantom"), std::string::npos) << run.err;
+}
+
+}  // namespace
+}  // namespace voxtouch::test
