@@ -95,8 +95,8 @@ class Driver {
   /// Zero force, now; what is still under way to the motors is dropped. Safe to call twice. The next accepted
   /// `write` pushes again: whoever has to stay at zero keeps its guard stopped.
   virtual void stop() noexcept = 0;
-  /// True where `write` advances simulated time by one period and `read` needs no waiting (lockstep can drive
-  /// it).
+  /// True where `write`, or `read`, advances simulated time by one period and `read` needs no waiting (lockstep
+  /// can drive it).
   virtual bool simulated() const noexcept = 0;
   /// What keeps the device from giving samples or taking force now, and what to do about it; empty: nothing that it knows of. For
   /// people: allocates, so not for the loop, but any other thread may ask while the loop runs.

@@ -140,7 +140,8 @@ PhantomStatus PhantomDriver::status() const noexcept {
   s.invalid_poses = counts.invalid_poses, s.pushed = counts.pushed, s.withheld = counts.withheld;
   s.thermal = counts.thermal;
   s.refused = refused_, s.timeouts = timeouts_;
-  s.gimbal_rad = sample_.gimbal_rad, s.temperature = sample_.temperature, s.force_limit_n = sample_.force_limit_n;
+  s.gimbal_rad = sample_.gimbal_rad, s.temperature = sample_.temperature;
+  s.temperatures = session_->facts().temperatures, s.force_limit_n = sample_.force_limit_n;
   return s;
 }
 

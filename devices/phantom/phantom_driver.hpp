@@ -24,7 +24,8 @@ struct PhantomStatus {
   std::uint64_t timeouts = 0;
   Vec3 gimbal_rad = Vec3::Zero();  ///< of the last sample, with the library's signs; its orientation holds them too
   std::array<double, 6> temperature{};  ///< of the motors; 1: the device drops its force
-  double force_limit_n = 0.0;           ///< what heat leaves of the maximum
+  int temperatures = 0;  ///< motors that tell theirs; 0: nothing makes the force smaller before the device drops it
+  double force_limit_n = 0.0;  ///< what heat leaves of the maximum
 };
 
 /// One thread owns it. The vendor's servo thread makes the samples and takes the commands (PhantomServo); `read` waits for it, and

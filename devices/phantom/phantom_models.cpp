@@ -10,10 +10,10 @@
 namespace voxtouch {
 namespace {
 
-// Where numbers come from. Confirmed in CHAI3D's model table: maximum force and stiffness of all rows but the first Premium 1.0 and
-// the high-force row, whose force is from a data sheet, assumed, and whose stiffness is its sister model's. Derived from a published
-// link model: mass of the Premium 1.5. All else is assumed: data sheets from memory; a range of mass is the sheet's figure and a third
-// less. Model names: confirmed but "PHANTOM Premium 1.5" alone, "High Force" and "1.0", which are assumed.
+// Where numbers come from. Confirmed in CHAI3D's model table: maximum force and stiffness of Premium 1.5 (its 6DOF row) and 3.0,
+// Desktop, Omni, Touch. Derived from a published link model: mass of the Premium 1.5. Assumed: all else, data sheets from memory; the
+// Premium 1.0 and the high-force model have their sister's stiffness, and a range of mass is the sheet's figure and a third less.
+// Model names are confirmed but for "1.0", "High Force", and "1.5" without 6DOF, which are assumed.
 constexpr std::array kFigures{
     //             prefix                            max  cont. stiffness  mass from, to  friction  resolution
     PhantomFigures{"PHANTOM Premium 1.0", 8.5, 1.40, 800.0, 0.050, 0.075, 0.04, 0.030e-3},

@@ -311,6 +311,27 @@ TEST_F(RealTime, ADeadServoLoopIsToldByItsErrorAndForceGoes) {
   EXPECT_EQ(applied().norm(), 0.0);
 }
 
+TEST_F(RealTime, UnpluggedInTheMiddleIsToldAtOnceAndCloses) {
+  open_driver();
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_TRUE(driver->read(500ms));
+    ASSERT_TRUE(driver->write(push(1.0)));
+  }
+  ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, -1), 0);
+  const auto start = std::chrono::steady_clock::now();
+  DeviceResult<DeviceSample> sample;
+  do sample = driver->read(500ms);
+  while (sample);
+  EXPECT_EQ(sample.error(), DeviceError::kDisconnected);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 100ms);
+  EXPECT_EQ(driver->write(push(1.0)).error(), DeviceError::kDisconnected);
+  driver->stop();
+  std::this_thread::sleep_for(50ms);
+  EXPECT_EQ(applied().norm(), 0.0);
+  driver.reset();
+  EXPECT_FALSE(state().device_open);
+}
+
 TEST_F(RealTime, AServoLoopThatOnlyFallsSilentIsATimeoutThenDisconnected) {
   options.silence_s = 0.2;
   open_driver();

@@ -93,7 +93,8 @@ TEST_F(Fault, WarmMotorsAreToldOnceAndForceComesBackWhenTheyAreCool) {
   EXPECT_EQ(after.pushing(), 0);
   EXPECT_EQ(driver->status().force_drops, 1u);
   EXPECT_EQ(driver->status().newest, hd::kWarmMotors);
-  EXPECT_EQ(driver->status().withheld, 1u);  // the command that was under way
+  EXPECT_EQ(driver->status().withheld, 1u);       // the command that was under way
+  EXPECT_EQ(driver->status().invalid_poses, 0u);  // heat says nothing about where it is
   ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.4), 0);
   push_until_steady(kPush);
 }

@@ -1,5 +1,7 @@
 // The interface's rules, as the driver keeps them tick by tick.
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "fixture.hpp"
 
@@ -97,6 +99,36 @@ TEST_F(Rules, TheClampKeepsMotorsFromTheHeatThatDropsTheForce) {
   EXPECT_GT(hottest, 0.7);
   EXPECT_LT(hottest, 1.0);
   EXPECT_EQ(driver->status().force_drops, 0u);
+}
+
+TEST_F(Rules, ADeviceThatTellsNoTemperatureIsNotClampedAndThatCanBeSeen) {
+  EXPECT_EQ(driver->status().temperatures, 3);
+  driver.reset();
+  Spy::instance().change_reading([](hd::HDenum name, double* values) {
+    if (name == hd::kMotorTemperature) values[0] = std::nan("");
+  });
+  open_driver();
+  EXPECT_EQ(driver->status().temperatures, 0);
+  push_until_steady({8.0, 0.0, 0.0});
+  EXPECT_EQ(driver->status().force_limit_n, 8.5);
+}
+
+class Servo : public DriverTest {};
+
+TEST_F(Servo, ATickWakesWhoeverWaitsForIt) {
+  const HdLibrary& library = HdLibrary::load(options.library);
+  HdSession session(library, options);
+  PhantomServo servo(library, session.device(), session.facts(), describe_phantom(session.facts()), 50.0, true);
+  ServoSample sample;
+  EXPECT_FALSE(servo.take(sample, {}));
+  std::jthread ticker([&servo] {
+    std::this_thread::sleep_for(50ms);
+    PhantomServo::run(&servo);
+  });
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_TRUE(servo.take(sample, start + 20s));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 10s);
+  EXPECT_TRUE(sample.sample.pose.finite());
 }
 
 }  // namespace

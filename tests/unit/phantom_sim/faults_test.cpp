@@ -49,6 +49,16 @@ TEST_F(Faults, LostCommunicationFreezesSamplesAndTheWatchdogEndsTheForce) {
   EXPECT_NEAR(applied().x(), 2.0, 0.05);  // it was 100 ticks only
 }
 
+TEST_F(Faults, NoOrderReachesAnAmplifierThatCommunicationIsLostTo) {
+  ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, 100), 0);
+  tick_force(kPush);
+  api.hdDisable(hd::kForceOutput);
+  tick();
+  EXPECT_NEAR(applied().x(), 2.0, 0.1);  // its watchdog only
+  for (int i = 0; i < 10; ++i) tick();
+  EXPECT_EQ(applied().x(), 0.0);
+}
+
 TEST_F(Faults, FailedDeviceGivesNothingAtOnce) {
   ASSERT_EQ(sim.inject(HDSIM_DEVICE_FAULT, -1), 0);
   EXPECT_EQ(nonzero(next_100_ms()), 0);
