@@ -42,7 +42,7 @@ const std::array kEntries{
           [](const DeviceOptions& o) { return describe_simulated("sim-lwr", sim_lwr(), o); },
           [] { return sim_lwr().hand; }},
     Entry{"wire-phantom", open_wire_phantom, describe_wire_phantom, [] { return sim_phantom().hand; }},
-    Entry{"wire-lwr", open_wire_lwr, describe_wire_lwr, [] { return sim_lwr().hand; }},
+    Entry{"wire-lwr", open_wire_lwr, describe_wire_lwr, usual_hand_at_wire_lwr},
     Entry{"phantom", open_phantom, describe_phantom_device, nullptr},
     Entry{"lwr", open_lwr, describe_lwr_device, nullptr},
 };

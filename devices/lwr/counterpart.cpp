@@ -5,9 +5,9 @@
 #include "devices/counterpart.hpp"
 #include "devices/lwr/controller_process.hpp"
 #include "devices/lwr/lwr_driver.hpp"
+#include "devices/operator/hand.hpp"
 #include "devices/operator/hand_file.hpp"
 #include "devices/settings.hpp"
-#include "devices/sim/parameters.hpp"
 
 namespace voxtouch {
 namespace {
@@ -88,7 +88,7 @@ class WireLwr final : public Counterpart {
     HandFile file;
     file.motion = motion_in_device(motion_of(options), driver.d_in_base.inverse(),
                                    {Vec3::Zero(), driver.tool_in_flange.orientation}, 1.0);
-    file.hand = options.hand.value_or(sim_lwr().hand);
+    file.hand = options.hand.value_or(usual_hand_at_wire_lwr());
     file.seed = options.seed;
     return to_text(file);
   }
@@ -122,6 +122,8 @@ std::unique_ptr<Driver> open_wire_lwr(const DeviceOptions& options) {
   driver.validate();
   return std::make_unique<WireLwr>(driver, options, settings);
 }
+
+OperatorConfig usual_hand_at_wire_lwr() { return *grip("arm-firm"); }
 
 DeviceDescription describe_wire_lwr(const DeviceOptions& options) {
   const SettingReader settings = wire_settings(options);

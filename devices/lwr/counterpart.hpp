@@ -22,6 +22,8 @@ DeviceDescription describe_lwr_device(const DeviceOptions& options);
 /// virtual: the same options give the same bits. Throws DeviceOpenError.
 std::unique_ptr<Driver> open_wire_lwr(const DeviceOptions& options);
 DeviceDescription describe_wire_lwr(const DeviceOptions& options);
+/// A firm arm: 6 kg at the tool that nothing brakes swing past where a relaxed one leads them.
+OperatorConfig usual_hand_at_wire_lwr();
 
 /// D and T so that the tool at the rest posture lies at `rest_in_d`, with the axes of T, D and the base parallel.
 void place(LwrOptions& options, const Vec3& rest_in_d, const Vec3& tool_in_flange);

@@ -172,7 +172,9 @@ class DeviceNode {
 
   /// To whoever listens, such as `up`: a node that cannot start says why in its status too.
   void report_failure(const std::string& message) const {
-    const runtime::Housekeeping housekeeping(participant_, "device", options_,
+    runtime::NodeOptions silent = options_;
+    silent.announce = false;  // the error itself is printed
+    const runtime::Housekeeping housekeeping(participant_, "device", silent,
                                              [&](runtime::Roster&, runtime::NodeReport& report) {
                                                report.state = NodeState::kFailed;
                                                report.message = message;

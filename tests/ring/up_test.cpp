@@ -189,7 +189,7 @@ TEST(Up, RefusesWhatItCannotDoWithASentence) {
   const std::string plane = shipped_scene("plane");
   EXPECT_NE(refusal(plane, {"--motion", "moonwalk"}).find("there is no motion 'moonwalk'"), std::string::npos);
   EXPECT_NE(refusal(plane, {"--device", "sim-omni"}).find("sim-phantom"), std::string::npos);
-  EXPECT_NE(refusal(plane, {"--device", "phantom"}).find("sim-phantom"), std::string::npos);
+  EXPECT_NE(refusal(plane, {"--device", "wire-lwr", "--device-option", "prot=1"}).find("period_ms"), std::string::npos);
   EXPECT_NE(refusal(plane, {"--interface", "no_such_if0"}).find("no_such_if0"), std::string::npos);
   const RingResult nowhere = run_ring("/nowhere/scene.yaml", {"--duration", "1", "--no-record"});
   EXPECT_NE(nowhere.process.status, 0);
