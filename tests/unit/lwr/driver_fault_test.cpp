@@ -134,6 +134,7 @@ TEST_F(LwrDriverFault, TakesDuplicatesAndOldPacketsForNothingNew) {
 
 TEST_F(LwrDriverFault, TakesTheNewestOfSeveralWhateverTheirOrder) {
   const fri::MsrPacket first = krc->next(), second = krc->next(), third = krc->next();
+  const auto before = driver->status().counts.superseded;  // while it opened, a busy machine may have let some come together
   krc->send(first);
   krc->send(third);
   krc->send(second);
@@ -143,7 +144,7 @@ TEST_F(LwrDriverFault, TakesTheNewestOfSeveralWhateverTheirOrder) {
   const auto answers = krc->receive();
   ASSERT_EQ(answers.size(), 1U);
   EXPECT_EQ(answers[0].header.refl_seq, third.header.send_seq);
-  EXPECT_EQ(driver->status().counts.superseded, 1U);
+  EXPECT_EQ(driver->status().counts.superseded - before, 1U);
 }
 
 TEST_F(LwrDriverFault, CountsLostPacketsAcrossTheWrap) {
