@@ -96,6 +96,9 @@ LwrDriver::Intake LwrDriver::take() noexcept {
     send(composer_->answer_untrusted(msr_.header, session_));
     pushing_ = unanswered_ = false;
     posture_share_ = 0.0;
+    Noted noted = noted_now();
+    noted.usable = false;
+    noted_.store(noted, std::memory_order_relaxed);
   }
   return newest;
 }

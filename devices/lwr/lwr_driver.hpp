@@ -161,11 +161,12 @@ class LwrDriver final : public Driver {
   /// For trouble(), which other threads ask.
   struct Noted {
     fri::Trouble trouble = fri::Trouble::kNone;
+    bool usable = true;  // the last measurement
     std::uint16_t power = fri::kAllDrives, error = 0, warning = 0;
   };
   static std::string sentence_for(const Noted& noted);
   Noted noted_now() const noexcept {
-    return {session_.trouble(), msr_.robot.power, msr_.robot.error, msr_.robot.warning};
+    return {session_.trouble(), sample_.pose_valid, msr_.robot.power, msr_.robot.error, msr_.robot.warning};
   }
   std::atomic<Noted> noted_{Noted{}};
   std::atomic<bool> silent_{false};  // the last read found nothing

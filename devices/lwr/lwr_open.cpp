@@ -176,7 +176,11 @@ std::string LwrDriver::trouble() const {
         text_of(socket_.local()), std::chrono::duration<double>(silence).count());
   }
   const Noted noted = noted_.load(std::memory_order_relaxed);
-  return noted.trouble == fri::Trouble::kNone ? std::string() : sentence_for(noted);
+  if (noted.trouble != fri::Trouble::kNone) return sentence_for(noted);
+  if (noted.usable) return {};
+  return "no force, the controller's measurement is not to be trusted: it holds numbers that are none or cannot be; "
+         "look at "
+         "its messages and the arm's sensors";
 }
 
 }  // namespace voxtouch

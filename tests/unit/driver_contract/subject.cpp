@@ -1,0 +1,70 @@
+#include "tests/unit/driver_contract/subject.hpp"
+
+#include <chrono>
+
+namespace voxtouch::contract {
+
+using namespace std::chrono_literals;
+
+void Subject::open() {
+  driver_ = make();
+  observe();
+}
+
+void Subject::look_after_fault() {
+  if (fault_ == nullptr) return;
+  const double now = now_s(), start = fault_start_s(*this);
+  if (!began_s_ && now >= start - 1e-9) {
+    if (!scheduled_faults() && !fault_->at_opening) begin_fault(*fault_);
+    began_s_ = scheduled_faults() ? start : now;
+  }
+  if (began_s_ && !ended_ && now >= *began_s_ + fault_lasts_s(*this, *fault_) - 1e-9) {
+    if (!scheduled_faults() && !fault_->at_opening) end_fault(*fault_);
+    ended_ = true;
+  }
+}
+
+Subject::Turn Subject::turn(const std::optional<Wrench>& command) {
+  look_after_fault();
+  const double before = now_s();
+  const auto period = std::chrono::microseconds(static_cast<std::int64_t>(1e6 / driver_->description().rate_hz));
+  Turn t{driver_->read(virtual_time() ? period : 4 * period), {}, 0.0, {}};
+  observe();
+  t.time_s = now_s();
+  if (scheduled_faults()) look_after_fault();
+  if (began_s_) t.trouble = driver_->trouble();
+  if (command) t.written = driver_->write(*command);
+  observe();
+  if (now_s() == before) {
+    pass_period();
+    observe();
+  }
+  return t;
+}
+
+bool Subject::push_until_felt(const Wrench& command) {
+  const auto give_up = std::chrono::steady_clock::now() + 20s;
+  const double start = now_s();
+  while (now_s() < start + 4.0 && std::chrono::steady_clock::now() < give_up) {
+    for (int i = 0; i < 10; ++i) turn(command);
+    if (received().empty()) continue;
+    const Wrench& got = received().back().wrench;
+    if ((got.force - command.force).norm() < 0.1 * command.force.norm()) return true;
+  }
+  return false;
+}
+
+Subject::Another Subject::open_another() {
+  try {
+    return {make(), {}};
+  } catch (const DeviceOpenError& error) {
+    return {nullptr, error.what()};
+  }
+}
+
+const std::vector<Received>& Subject::received() {
+  collect(received_);
+  return received_;
+}
+
+}  // namespace voxtouch::contract
