@@ -22,37 +22,41 @@ bool summarise(const HitList& hits, ContactResult& result) noexcept {
   result.pose_status = hits.pose_status;
   if (hits.surface.empty()) return true;
   Vec3 sum = Vec3::Zero();
-  for (const Hit& hit : hits.surface) sum += hit.normal;
+  double weights = 0.0;
+  for (const Hit& hit : hits.surface) {
+    sum += hit.weight * hit.normal;
+    weights += hit.weight;
+  }
   const double length = sum.norm();
-  result.coherence = length / static_cast<double>(hits.surface.size());
+  if (weights > 0.0) result.coherence = length / weights;
   if (length > 0.0) result.mean_normal = sum / length;
   return result.coherence > contact_limits::kFallbackCoherence;
 }
 
 /// Counts a point that pushes and remembers the deepest; the first of equals wins.
 void note_depth(const HitList& hits, const Hit& hit, double depth, double stiffness, ContactResult& result) noexcept {
-  if (depth > 0.0) result.stiffness_bound_n_per_m += stiffness;
+  if (depth > 0.0) result.stiffness_bound_n_per_m += stiffness * hit.weight;
   if (depth > result.deepest_depth_m) {
     result.deepest_depth_m = depth;
     result.deepest_point = hits.pose.position + hit.arm;
   }
 }
 
-/// McNeely 1999: F = K sum d_i n_i, d_i = max(0, n_i . (c_i - x_i)).
+/// McNeely 1999: F = K sum w_i d_i n_i, d_i = max(0, n_i . (c_i - x_i)).
 void push_along_own_normals(const HitList& hits, double stiffness, ContactResult& result) noexcept {
   StiffnessSum sum;
   for (const Hit& hit : hits.surface) {
     const double depth = std::max(0.0, hit.normal.dot(hit.to_centre));
-    const Vec3 force = (stiffness * depth) * hit.normal;
+    const Vec3 force = (stiffness * (hit.weight * depth)) * hit.normal;
     result.wrench.force += force;
     result.wrench.torque += hit.arm.cross(force);
     note_depth(hits, hit, depth, stiffness, result);
-    if (depth > 0.0) sum.add(hit.arm, hit.normal);
+    if (depth > 0.0) sum.add(hit.arm, hit.normal, hit.weight);
   }
   if (sum.any()) sum.add_to(stiffness, result.stiffness);
 }
 
-/// Paper, section 2.2: F = K m sum d_i, d_i = max(0, m . (c_i - x_i)), m the mean normal.
+/// Paper, section 2.2: F = K m sum w_i d_i, d_i = max(0, m . (c_i - x_i)), m the mean normal.
 void push_along_mean_normal(const HitList& hits, double stiffness, ContactResult& result) noexcept {
   const Vec3 mean = result.mean_normal;
   double depths = 0.0;
@@ -60,10 +64,11 @@ void push_along_mean_normal(const HitList& hits, double stiffness, ContactResult
   CommonDirectionSum sum;
   for (const Hit& hit : hits.surface) {
     const double depth = std::max(0.0, mean.dot(hit.to_centre));
-    depths += depth;
-    moment += depth * hit.arm;
+    const double weighed = hit.weight * depth;
+    depths += weighed;
+    moment += weighed * hit.arm;
     note_depth(hits, hit, depth, stiffness, result);
-    if (depth > 0.0) sum.add(hit.arm);
+    if (depth > 0.0) sum.add(hit.arm, hit.weight);
   }
   result.wrench.force = (stiffness * depths) * mean;
   result.wrench.torque = moment.cross(stiffness * mean);
@@ -116,10 +121,11 @@ bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept
   return false;
 }
 
-std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters) {
-  const double stiffness = parameters.stiffness_n_per_m;
+std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters,
+                                                 const ContactGround&) {
+  const double stiffness = parameters.stiffness;
   if (!(stiffness > 0.0) || !std::isfinite(stiffness))
-    throw std::invalid_argument("contact: stiffness_n_per_m is " + std::to_string(stiffness) +
+    throw std::invalid_argument("contact: the stiffness is " + std::to_string(stiffness) +
                                 "; it must be finite and greater than 0");
   switch (kind) {
     case ContactModelKind::kOriginal: return std::make_unique<OriginalModel>(stiffness);

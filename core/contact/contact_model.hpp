@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/types/geometry.hpp"
+#include "core/voxmap/distance_field.hpp"
+#include "core/voxmap/voxmap.hpp"
 
 namespace voxtouch {
 
@@ -31,12 +33,12 @@ struct ContactResult {
   std::uint32_t interior_hits = 0;      ///< shell points in interior voxels (gone through)
   Vec3 deepest_point = Vec3::Zero();    ///< the point with the largest depth [m]; zero without contact
   double deepest_depth_m = 0.0;         ///< [m]
-  /// K times the number of points that push. Bounds the spectral norm of dF/dx, x the tool's position: while the colliding
+  /// K times the weights of the points that push (their number, where they weigh one each). Bounds the spectral norm of dF/dx, x the tool's position: while the colliding
   /// set stays, normals and directions u_i do not depend on x, so -dF/dx = K sum u_i u_i^T over the points with d > 0, a sum
-  /// of that many matrices of norm K (all equal for `adapted`, so there the bound is reached). Not bounded: the step when a
+  /// of that many matrices of norm K (times w_i) (all equal for `adapted`, so there the bound is reached). Not bounded: the step when a
   /// point crosses a voxel border, and the stiffness against rotation.
   double stiffness_bound_n_per_m = 0.0;
-  /// K sum J_i' J_i over the same points, J_i = [u_i', (arm_i x u_i)']: stiffness against translation and rotation
+  /// K sum w_i J_i' J_i over the same points, J_i = [u_i', (arm_i x u_i)']: stiffness against translation and rotation
   /// [N/m, N, Nm/rad], W axes, about the tool's origin; symmetric, positive semidefinite, the trace of its translational
   /// part at most the bound above. It is how -wrench changes with the depths while the colliding set stays: for
   /// translations that is all; a rotation also turns the arms and directions, which adds terms of the size of the wrench
@@ -54,6 +56,7 @@ struct Hit {
   Vec3 arm = Vec3::Zero();        ///< from the tool's origin to the point, W axes [m]
   Vec3 normal = Vec3::Zero();     ///< inward normal, W axes
   Vec3 to_centre = Vec3::Zero();  ///< from the point to its voxel's centre, W axes [m]
+  double weight = 1.0;            ///< w_i: 1, or the point's area [m^2]; see PointWeights
 };
 
 /// The hits of one frame, in the shell's order. Reserved once for the whole shell: filling it never allocates.
@@ -78,13 +81,29 @@ class ContactModel {
   virtual void evaluate(const HitList& hits, ContactResult& result) const noexcept = 0;
 };
 
-/// What the force laws need from the scene.
-struct ContactParameters {
-  double stiffness_n_per_m = 1.0;  ///< K of each shell point (original, adapted), > 0
+/// What a shell point counts in every sum of a contact model.
+enum class PointWeights : std::uint8_t {
+  kOne,   ///< w_i = 1 (the paper): the force grows with the number of points that the shell happens to have
+  kArea,  ///< w_i = the point's share of the tool's surface [m^2]: the force belongs to the contact's area
 };
 
-/// The model for `kind`. Throws std::invalid_argument for a rung that is not built yet, naming the ones that are, and for a
-/// stiffness that is not finite and positive.
-std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters);
+/// What the force laws need from the scene.
+struct ContactParameters {
+  /// K > 0: force for one metre of depth and a weight of one. [N/m] for points that weigh one each, [N/m^3], a pressure for
+  /// one metre of depth, for areas.
+  double stiffness = 1.0;
+  PointWeights weights = PointWeights::kOne;
+};
+
+/// The static side as the rungs above the paper look it up. Both must outlive the model.
+struct ContactGround {
+  const Voxmap* voxmap = nullptr;         ///< for `clustered`
+  const DistanceField* field = nullptr;   ///< for `field`
+};
+
+/// The model for `kind`. Throws std::invalid_argument for a stiffness that is not finite and positive, for a rung that
+/// weighs by area given other weights, and where the part of `ground` that the rung looks up is missing.
+std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters,
+                                                 const ContactGround& ground = {});
 
 }  // namespace voxtouch

@@ -66,6 +66,15 @@ void check(const Pointshell& shell) {
                                   " of the pointshell is not finite; check the mesh it came from");
 }
 
+void check_areas(const Pointshell& shell) {
+  if (shell.area_m2.size() != shell.size())
+    throw std::invalid_argument("contact: the pointshell has no areas to weigh its points with; build it anew");
+  for (std::size_t p = 0; p < shell.size(); ++p)
+    if (!std::isfinite(shell.area_m2[p]) || shell.area_m2[p] < 0.0)
+      throw std::invalid_argument("contact: the area of point " + std::to_string(shell.id[p]) +
+                                  " of the pointshell is not a number of at least 0; check the mesh it came from");
+}
+
 /// The voxmap's bound holds from anywhere in the 4-voxel cell of u. Where it is not zero, the straight way to whatever is not
 /// free first leaves that cell, which takes at least the distance to its nearest face: that much may be added. (Outside the
 /// table too: its border of free bricks is wider than half a cell.)
@@ -81,19 +90,22 @@ double free_distance(const Voxmap& voxmap, const Vec3& u) noexcept {
 }
 
 Hit make_hit(const Pointshell& shell, const Mat3& rotation, double edge, const Leaf& leaf, std::uint32_t slot,
-             std::uint32_t point) noexcept {
+             std::uint32_t point, PointWeights weights) noexcept {
   const Vec3 u(leaf.u[0][slot], leaf.u[1][slot], leaf.u[2][slot]);
   const VoxelIndex v = Grid::voxel_of(u);
   // Centre minus point within the voxel: the grid's own origin, perhaps 1e6 m away, never enters.
   return {point, rotation * Vec3(shell.x[point], shell.y[point], shell.z[point]),
           rotation * Vec3(shell.nx[point], shell.ny[point], shell.nz[point]),
-          edge * Vec3((v.i + 0.5) - u.x(), (v.j + 0.5) - u.y(), (v.k + 0.5) - u.z())};
+          edge * Vec3((v.i + 0.5) - u.x(), (v.j + 0.5) - u.y(), (v.k + 0.5) - u.z()),
+          weights == PointWeights::kArea ? shell.area_m2[point] : 1.0};
 }
 
 }  // namespace
 
-ContactQuery::ContactQuery(const Voxmap& voxmap, Pointshell shell) : voxmap_(voxmap), shell_(std::move(shell)) {
+ContactQuery::ContactQuery(const Voxmap& voxmap, Pointshell shell, PointWeights weights)
+    : voxmap_(voxmap), shell_(std::move(shell)), weights_(weights) {
   check(shell_);
+  if (weights_ == PointWeights::kArea) check_areas(shell_);
   tree_ = SphereTree(shell_);
   for (std::size_t p = 0; p < shell_.size(); ++p) reach_m_ = std::max(reach_m_, shell_.point(p).norm());
 }
@@ -134,7 +146,7 @@ void ContactQuery::find(const Pose& tool_in_world, HitList& hits) const noexcept
     for (std::uint32_t bits = leaf.surface | leaf.interior; bits != 0; bits &= bits - 1) {
       const auto slot = static_cast<std::uint32_t>(std::countr_zero(bits));
       std::vector<Hit>& list = (leaf.surface >> slot & 1U) != 0 ? hits.surface : hits.interior;
-      list.push_back(make_hit(shell_, rotation, grid.edge, leaf, slot, begin + slot));
+      list.push_back(make_hit(shell_, rotation, grid.edge, leaf, slot, begin + slot, weights_));
     }
   };
   tree_.visit(culled, test);

@@ -10,9 +10,10 @@ namespace voxtouch {
 /// Holds the shell and its tree; the voxmap must outlive it. Construction allocates; `find` does not.
 class ContactQuery {
  public:
-  /// Throws std::invalid_argument where the shell's arrays differ in length or hold a number that is not finite.
-  ContactQuery(const Voxmap& voxmap, Pointshell shell);
-  ContactQuery(Voxmap&&, Pointshell) = delete;
+  /// Throws std::invalid_argument where the shell's arrays differ in length or hold a number that is not finite, or where
+  /// points are to be weighed by areas that are missing or negative.
+  ContactQuery(const Voxmap& voxmap, Pointshell shell, PointWeights weights = PointWeights::kOne);
+  ContactQuery(Voxmap&&, Pointshell, PointWeights = PointWeights::kOne) = delete;
 
   /// All hits at `tool_in_world`, in a fixed order (the shell's), so that sums give the same bits on every run.
   /// Arithmetic is local to the grid: the grid's origin is taken off the pose first, so a scene at 1e6 m gives what it gives
@@ -30,6 +31,7 @@ class ContactQuery {
   const Voxmap& voxmap_;
   Pointshell shell_;
   SphereTree tree_;
+  PointWeights weights_;
   double reach_m_ = 0.0;
 };
 

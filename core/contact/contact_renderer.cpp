@@ -5,10 +5,10 @@
 namespace voxtouch {
 
 ContactRenderer::ContactRenderer(const Voxmap& voxmap, Pointshell shell, ContactModelKind model,
-                                 const ContactParameters& parameters)
-    : query_(voxmap, std::move(shell)),
-      model_(make_contact_model(model, parameters)),
-      stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness_n_per_m, model}) {
+                                 const ContactParameters& parameters, const DistanceField* field)
+    : query_(voxmap, std::move(shell), parameters.weights),
+      model_(make_contact_model(model, parameters, {&voxmap, field})),
+      stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness, model}) {
   hits_.reserve(query_.shell().size());
 }
 

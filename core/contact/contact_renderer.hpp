@@ -13,9 +13,11 @@ namespace voxtouch {
 /// `probe` share the list of hits.
 class ContactRenderer {
  public:
-  /// Throws std::invalid_argument for a model that does not exist, a stiffness or a shell that cannot be used.
-  ContactRenderer(const Voxmap& voxmap, Pointshell shell, ContactModelKind model, const ContactParameters& parameters);
-  ContactRenderer(Voxmap&&, Pointshell, ContactModelKind, const ContactParameters&) = delete;
+  /// `field` is looked up by the model of that name only, and must outlive the renderer too. Throws std::invalid_argument for
+  /// a model that does not exist or lacks its field, a stiffness or a shell that cannot be used.
+  ContactRenderer(const Voxmap& voxmap, Pointshell shell, ContactModelKind model, const ContactParameters& parameters,
+                  const DistanceField* field = nullptr);
+  ContactRenderer(Voxmap&&, Pointshell, ContactModelKind, const ContactParameters&, const DistanceField* = nullptr) = delete;
 
   /// One frame of the ring, `tool_in_world` = T in W. Real-time safe. A pose that cannot be looked up gives a zero wrench and
   /// the reason in `contact.pose_status`, and leaves the stage as it was.

@@ -48,8 +48,8 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain)
       frame.mean_share = limits::smoothstep(limits::kBlendFrom, limits::kBlendTo, plain.coherence);
     surface_points(hits, frame, result);
     interior_points(hits, frame, result);
-    if (frame.stiffness.any()) frame.stiffness.add_to(config_.stiffness_n_per_m, result.contact.stiffness);
-    if (frame.shared.any()) result.contact.stiffness += frame.shared.matrix(config_.stiffness_n_per_m, shared_now_);
+    if (frame.stiffness.any()) frame.stiffness.add_to(config_.stiffness, result.contact.stiffness);
+    if (frame.shared.any()) result.contact.stiffness += frame.shared.matrix(config_.stiffness, shared_now_);
   }
   shared_points_ = frame.shared_points;
   last_pose_ = hits.pose;
@@ -66,10 +66,14 @@ double ContactStage::motion_bound(const Pose& pose) const noexcept {
 void ContactStage::update_shared_direction(const HitList& hits) noexcept {
   // Over the points gone through as well: the rim alone is few points and turns over beyond the tool's equator.
   Vec3 mean = Vec3::Zero();
-  for (const Hit& hit : hits.surface) mean += hit.normal;
-  for (const Hit& hit : hits.interior) mean += hit.normal;
+  double weights = 0.0;
+  for (const std::vector<Hit>* list : {&hits.surface, &hits.interior})
+    for (const Hit& hit : *list) {
+      mean += hit.weight * hit.normal;
+      weights += hit.weight;
+    }
   const double length = mean.norm();
-  const double coherence = length / static_cast<double>(hits.surface.size() + hits.interior.size());
+  const double coherence = weights > 0.0 ? length / weights : 0.0;
   double share = hits.surface.empty() ? 0.0 : limits::smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
   if (share > 0.0) mean /= length;
   // While points hang on g, it may be led but not turned over.
@@ -106,7 +110,7 @@ ContactStage::Push ContactStage::choose_direction(const HitList& hits, const Hit
 
 void ContactStage::push(const HitList& hits, const Hit& hit, double depth, const Vec3& direction,
                         ContactResult& result) const noexcept {
-  const Vec3 force = (config_.stiffness_n_per_m * depth) * direction;
+  const Vec3 force = (config_.stiffness * (hit.weight * depth)) * direction;
   result.wrench.force += force;
   result.wrench.torque += hit.arm.cross(force);
   if (depth > result.deepest_depth_m) {
@@ -116,11 +120,11 @@ void ContactStage::push(const HitList& hits, const Hit& hit, double depth, const
 }
 
 void ContactStage::count_held(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept {
-  result.stiffness_bound_n_per_m += config_.stiffness_n_per_m;
+  result.stiffness_bound_n_per_m += config_.stiffness * hit.weight;
   if (push == Push::kShared) {
-    frame.shared.add(hit.arm);
+    frame.shared.add(hit.arm, hit.weight);
   } else {
-    frame.stiffness.add(hit.arm, hit.normal);
+    frame.stiffness.add(hit.arm, hit.normal, hit.weight);
   }
 }
 
@@ -140,8 +144,8 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult
     if (blended) {
       push(hits, hit, depth, direction, result.contact);
       if (depth > 0.0) {
-        result.contact.stiffness_bound_n_per_m += config_.stiffness_n_per_m;
-        frame.stiffness.add(hit.arm, direction);
+        result.contact.stiffness_bound_n_per_m += config_.stiffness * hit.weight;
+        frame.stiffness.add(hit.arm, direction, hit.weight);
       }
     }
     Memory& memory = memory_[hit.point];

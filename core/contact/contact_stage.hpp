@@ -19,11 +19,11 @@ struct StageConfig {
   std::size_t points = 0;          ///< size of the shell
   double reach_m = 0.0;            ///< largest distance of a shell point from the tool's origin
   double edge_m = 0.0;             ///< voxel edge e of the static grid
-  double stiffness_n_per_m = 0.0;  ///< K of each point
+  double stiffness = 0.0;          ///< K of a weight of one, as ContactParameters
   ContactModelKind model = ContactModelKind::kAdapted;
 };
 
-/// Blend, hold, and the fast flag. Let rho = |sum_S n_i| / |S|, m the mean normal, s = smoothstep(rho; 0.2, 0.5).
+/// Blend, hold, and the fast flag. Let rho = |sum_S w_i n_i| / sum_S w_i, m the mean normal, s = smoothstep(rho; 0.2, 0.5).
 ///
 /// Blend (`adapted` only). A surface point pushes along u_i = s m + (1 - s) n_i, brought to unit length, with its depth along
 /// u_i. s = 1 gives the model's own bits, s = 0 those of `original`. Where u_i all but vanishes (n_i = -m at s = 1/2) it is
@@ -38,8 +38,8 @@ struct StageConfig {
 /// inside (the far wall of a slot) takes its own normal, since g would push it deeper.
 ///
 /// Way back. A point that returns to the surface layer pushes with max(plain depth, remembered depth), and the remembered
-/// depth shrinks by 1 m for each metre the tool moved (the bound used for `fast`). So a returning point weakens its push by at most K times
-/// that way (and by the turn from g to u_i), and strengthens it by at most K sqrt(3)/2 e, which is the step of the plain law
+/// depth shrinks by 1 m for each metre the tool moved (the bound used for `fast`). So a returning point weakens its push by at most K w_i times
+/// that way (and by the turn from g to u_i), and strengthens it by at most K w_i sqrt(3)/2 e, which is the step of the plain law
 /// at any voxel border. A point that reaches free space forgets; without any contact the stage forgets all.
 ///
 /// All memory is taken at construction; `apply` and `reset` are real-time safe. Not safe to share between threads.

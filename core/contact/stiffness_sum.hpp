@@ -1,5 +1,5 @@
 #pragma once
-/// Sums of J' J over the points that push, J = [u', (arm x u)']: the part of -d(wrench)/d(pose) that comes from the
+/// Sums of w J' J over the points that push, J = [u', (arm x u)']: the part of -d(wrench)/d(pose) that comes from the
 /// depths.
 #include <array>
 
@@ -11,17 +11,17 @@ namespace voxtouch {
 class StiffnessSum {
  public:
   /// A point with depth u . (c - x), pushing along u (at most of unit length); `arm` from the tool's origin [m], W
-  /// axes.
-  void add(const Vec3& arm, const Vec3& u) noexcept {
+  /// axes; `weight` as Hit::weight.
+  void add(const Vec3& arm, const Vec3& u, double weight = 1.0) noexcept {
     const Vec3 lever = arm.cross(u);
     const std::array<double, 6> j = {u.x(), u.y(), u.z(), lever.x(), lever.y(), lever.z()};
     std::size_t n = 0;
     for (std::size_t row = 0; row < 6; ++row)
-      for (std::size_t column = row; column < 6; ++column) sums_[n++] += j[row] * j[column];
+      for (std::size_t column = row; column < 6; ++column) sums_[n++] += weight * (j[row] * j[column]);
     any_ = true;
   }
   bool any() const noexcept { return any_; }
-  /// Adds the sum times `stiffness` [N/m]; the matrix stays symmetric to the bit.
+  /// Adds the sum times `stiffness` (of a weight of one); the matrix stays symmetric to the bit.
   void add_to(double stiffness, Mat6& matrix) const noexcept {
     std::size_t n = 0;
     for (Eigen::Index row = 0; row < 6; ++row)
@@ -40,21 +40,22 @@ class StiffnessSum {
 /// which is half the work a point.
 class CommonDirectionSum {
  public:
-  void add(const Vec3& arm) noexcept {
-    ++count_;
-    arms_ += arm;
-    xx_ += arm.x() * arm.x(), xy_ += arm.x() * arm.y(), xz_ += arm.x() * arm.z();
-    yy_ += arm.y() * arm.y(), yz_ += arm.y() * arm.z(), zz_ += arm.z() * arm.z();
+  void add(const Vec3& arm, double weight = 1.0) noexcept {
+    const Vec3 weighed = weight * arm;
+    weights_ += weight;
+    arms_ += weighed;
+    xx_ += weighed.x() * arm.x(), xy_ += weighed.x() * arm.y(), xz_ += weighed.x() * arm.z();
+    yy_ += weighed.y() * arm.y(), yz_ += weighed.y() * arm.z(), zz_ += weighed.z() * arm.z();
   }
-  bool any() const noexcept { return count_ > 0.0; }
-  /// The sum times `stiffness` [N/m] for the direction `m`, unit; symmetric to the bit.
+  bool any() const noexcept { return weights_ > 0.0; }
+  /// The sum times `stiffness` (of a weight of one) for the direction `m`, unit; symmetric to the bit.
   Mat6 matrix(double stiffness, const Vec3& m) const noexcept {
     Mat6 out = Mat6::Zero();
     if (!any()) return out;
     Mat3 moments, lever;  // lever * arm = arm x m
     moments << xx_, xy_, xz_, xy_, yy_, yz_, xz_, yz_, zz_;
     lever << 0.0, m.z(), -m.y(), -m.z(), 0.0, m.x(), m.y(), -m.x(), 0.0;
-    out.topLeftCorner<3, 3>() = (stiffness * count_) * (m * m.transpose());
+    out.topLeftCorner<3, 3>() = (stiffness * weights_) * (m * m.transpose());
     out.topRightCorner<3, 3>() = stiffness * (m * arms_.cross(m).transpose());
     out.bottomRightCorner<3, 3>() = stiffness * (lever * moments * lever.transpose());
     out.triangularView<Eigen::StrictlyLower>() = out.transpose();
@@ -62,7 +63,7 @@ class CommonDirectionSum {
   }
 
  private:
-  double count_ = 0.0;  ///< a double: it is multiplied only
+  double weights_ = 0.0;
   Vec3 arms_ = Vec3::Zero();
   double xx_ = 0.0, xy_ = 0.0, xz_ = 0.0, yy_ = 0.0, yz_ = 0.0, zz_ = 0.0;
 };

@@ -4,6 +4,7 @@
 
 #include "core/mesh/import.hpp"
 #include "core/pointshell/build_shell.hpp"
+#include "core/scene/contact_parameters.hpp"
 #include "core/scene/contact_range.hpp"
 #include "core/voxmap/voxelise.hpp"
 
@@ -62,11 +63,9 @@ std::uint64_t shell_bytes(const Pointshell& shell) {
 
 }  // namespace
 
-BuiltScene::BuiltScene(Voxmap voxmap, Pointshell shell, const Scene& scene, ContactModelKind model, Plan plan,
-                       double largest_shell_gap_m)
-    : voxmap_(std::move(voxmap)), renderer_(voxmap_, std::move(shell), model,
-                                            ContactParameters{.stiffness_n_per_m = scene.contact.stiffness_n_per_m}),
-      plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
+BuiltScene::BuiltScene(Voxmap voxmap, Pointshell shell, ContactModelKind model, const ContactParameters& parameters,
+                       Plan plan, double largest_shell_gap_m)
+    : voxmap_(std::move(voxmap)), renderer_(voxmap_, std::move(shell), model, parameters), plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
 
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
                                         std::optional<ContactModelKind> model, const Progress& progress) {
@@ -101,10 +100,11 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
       scene.shell == ShellKind::kExact ? make_exact_shell(points, shell_grid) : make_naive_shell(points, shell_grid);
   counts.shell_points = shell.size();
   counts.shell_bytes = shell_bytes(shell);
-  const ContactStiffness contact = contact_stiffness(shell, scene.contact.stiffness_n_per_m);
+  const ContactParameters parameters = contact_parameters(scene.contact, kind, shell);
+  const ContactStiffness contact = contact_stiffness(shell, parameters);
   counts.contact_n_per_m = contact.translation, counts.contact_nm_per_rad = contact.rotation;
-  return std::make_unique<BuiltScene>(std::move(voxmap), std::move(shell), scene, kind, make_plan(scene, counts),
-                                      largest_gap_m(points));
+  return std::make_unique<BuiltScene>(std::move(voxmap), std::move(shell), kind, parameters,
+                                      make_plan(scene, counts), largest_gap_m(points));
 }
 
 }  // namespace voxtouch

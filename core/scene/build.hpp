@@ -15,7 +15,7 @@ namespace voxtouch {
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.
 class BuiltScene {
  public:
-  BuiltScene(Voxmap voxmap, Pointshell shell, const Scene& scene, ContactModelKind model, Plan plan,
+  BuiltScene(Voxmap voxmap, Pointshell shell, ContactModelKind model, const ContactParameters& parameters, Plan plan,
              double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;

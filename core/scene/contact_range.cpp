@@ -12,20 +12,24 @@ constexpr double kRoundingUp = 1.0 + 1e-12;
 
 }  // namespace
 
-ContactStiffness contact_stiffness(const Pointshell& shell, double stiffness_n_per_m) {
+ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParameters& parameters) {
   ContactStiffness out;
   if (shell.size() == 0) return out;
-  double longest_squared = 0.0;
+  const double stiffness = parameters.stiffness;
+  double heaviest = 0.0, weights = 0.0, largest_moment = 0.0;
   Mat3 inertia = Mat3::Zero();
   for (std::size_t p = 0; p < shell.size(); ++p) {
     const Vec3 arm = shell.point(p);
-    longest_squared = std::max(longest_squared, arm.squaredNorm());
-    inertia += arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose();
+    const double weight = parameters.weights == PointWeights::kArea ? shell.area_m2[p] : 1.0;
+    heaviest = std::max(heaviest, weight);
+    weights += weight;
+    largest_moment = std::max(largest_moment, weight * arm.squaredNorm());
+    inertia += weight * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
   }
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia, Eigen::EigenvaluesOnly);
-  out.translation = {stiffness_n_per_m, stiffness_n_per_m * static_cast<double>(shell.size())};
-  out.rotation.one_point = stiffness_n_per_m * longest_squared * kRoundingUp;
-  out.rotation.all_points = std::max(out.rotation.one_point, stiffness_n_per_m * solver.eigenvalues()[2] * kRoundingUp);
+  out.translation = {stiffness * heaviest, stiffness * weights};
+  out.rotation.one_point = stiffness * largest_moment * kRoundingUp;
+  out.rotation.all_points = std::max(out.rotation.one_point, stiffness * solver.eigenvalues()[2] * kRoundingUp);
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// The stiffness that a tool's contact can show at most, before any coupling: what a coupling has to be designed for.
+#include "core/contact/contact_model.hpp"
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/pointshell/pointshell.hpp"
 
@@ -12,17 +13,17 @@ struct ContactStiffness {
 };
 
 /// Upper bounds for every pose, every contact model and every set S of points that push, whatever unit directions u_i
-/// they push along (also those that the stage holds). With K per point and arms r_i the contact is K sum_S J_i' J_i,
-/// J_i = [u_i', (r_i x u_i)']:
+/// they push along (also those that the stage holds). With K_i = K w_i for point i (its weight w_i is one, or its area) and
+/// arms r_i the contact is sum_S K_i J_i' J_i, J_i = [u_i', (r_i x u_i)']:
 ///
-///  - translation: a' (sum u_i u_i') a <= |S|, so K alone and K N together. `adapted` reaches K |S|, since its points
-///    share one direction, and points held in a wall can be all of them: nothing smaller holds for all poses.
-///  - rotation about a unit axis a: sum (a . (r_i x u_i))^2 = sum (u_i . (a x r_i))^2 <= sum |a x r_i|^2 = a' I a, with
-///    I the inertia tensor of unit masses at the points. So K max |r_i|^2 alone, and K times the largest eigenvalue of
-///    I together; that is at most K sum |r_i|^2 (its trace is twice that sum, and no eigenvalue exceeds the sum of the
+///  - translation: a' (sum K_i u_i u_i') a <= sum_S K_i, so max K_i alone and sum K_i together. `adapted` reaches it, since
+///    its points share one direction, and points held in a wall can be all of them: nothing smaller holds for all poses.
+///  - rotation about a unit axis a: sum K_i (a . (r_i x u_i))^2 = sum K_i (u_i . (a x r_i))^2 <= sum K_i |a x r_i|^2
+///    = a' I a, with I the inertia tensor of masses K_i at the points. So max K_i |r_i|^2 alone, and the largest eigenvalue
+///    of I together; that is at most sum K_i |r_i|^2 (its trace is twice that sum, and no eigenvalue exceeds the sum of the
 ///    other two), and two thirds of it for a ball.
 ///
 /// An empty shell gives zeros. Not for the loop.
-ContactStiffness contact_stiffness(const Pointshell& shell, double stiffness_n_per_m);
+ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParameters& parameters);
 
 }  // namespace voxtouch

@@ -62,8 +62,11 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
                                    counted(n.dynamic_triangles, "triangle", "triangles"),
                                    counted(n.shell_points, "point", "points"), bytes_text(n.shell_bytes),
                                    scene.shell == ShellKind::kExact ? "exact" : "naive"));
-  plan.built.push_back(fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
-                                   scene.contact.stiffness_n_per_m));
+  plan.built.push_back(scene.contact.stiffness_n_per_m3 > 0.0
+                           ? fmt::format("Contact model '{}' with {:g} N/m^3, shell points weighed by their area.",
+                                         scene.contact.model, scene.contact.stiffness_n_per_m3)
+                           : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
+                                         scene.contact.stiffness_n_per_m));
   plan.built.push_back(fmt::format("Contact stiffness in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin "
                                    "by one point, {:.6g} N/m and {:.6g} Nm/rad by all points.",
                                    n.contact_n_per_m.one_point, n.contact_nm_per_rad.one_point,

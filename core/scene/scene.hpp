@@ -32,9 +32,9 @@ struct MeshSpec {
 enum class ShellKind { kExact, kNaive };
 
 struct ContactSpec {
-  std::string model = "adapted";       ///< original | adapted | clustered | field
-  double stiffness_n_per_m = 0.0;      ///< per shell point, original and adapted
-  double stiffness_n_per_m3 = 0.0;     ///< per area, clustered and field
+  std::string model = "adapted";    ///< original | adapted | clustered | field
+  double stiffness_n_per_m = 0.0;   ///< per shell point: original and adapted, as in the paper. 0 where the other is given
+  double stiffness_n_per_m3 = 0.0;  ///< per area of the tool's surface: any model; 0 where the other is given
 };
 
 /// How the device moves the tool in the world: T in W = device_in_world * scaled(T in D) * tool_offset.

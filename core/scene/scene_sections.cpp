@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-
 namespace voxtouch {
 namespace {
 
@@ -22,7 +21,9 @@ Pose read_pose(const SceneSource& source, const YamlNode& node, std::string_view
 Primitive read_part(const SceneSource& source, const YamlNode& node) {
   const MapReader part(source, node, "parts", {"sphere", "box", "cylinder"});
   if (node.entries.size() != 1) source.fail(node.place, "A part is exactly one of: sphere, box, cylinder.");
-  const auto positive = [&](const MapReader& map, std::string_view key) { return read_positive(source, map.require(key), key); };
+  const auto positive = [&](const MapReader& map, std::string_view key) {
+    return read_positive(source, map.require(key), key);
+  };
   if (const YamlNode* body = part.find("sphere")) {
     const MapReader map(source, *body, "sphere", {"centre", "radius"});
     SpherePrimitive sphere;
@@ -46,9 +47,11 @@ std::filesystem::path read_mesh_path(const SceneSource& source, const YamlNode& 
   auto path = std::filesystem::absolute(source.file.parent_path() / given, fault).lexically_normal();
   const bool there = !fault && std::filesystem::is_regular_file(path, fault);
   if (fault == std::errc::permission_denied)
-    source.fail(node.place, fmt::format("The mesh file '{}' cannot be reached: check the rights on its folders.", given.string()));
+    source.fail(node.place,
+                fmt::format("The mesh file '{}' cannot be reached: check the rights on its folders.", given.string()));
   if (!there)
-    source.fail(node.place, fmt::format("There is no mesh file '{}' (seen from the scene file's folder).", given.string()));
+    source.fail(node.place,
+                fmt::format("There is no mesh file '{}' (seen from the scene file's folder).", given.string()));
   return path;
 }
 
@@ -79,7 +82,8 @@ void read_circle(const SceneSource& source, const YamlNode& node, Motion& motion
   motion.circle_axis /= norm;
   const Vec3 offset = motion.path.back() - *motion.circle_centre;
   if (!(motion.circle_axis.cross(offset).norm() > 1e-9))
-    source.fail(map.place_of("centre"), "The path's last point lies on the circle's axis; the circle would have no radius.");
+    source.fail(map.place_of("centre"),
+                "The path's last point lies on the circle's axis; the circle would have no radius.");
 }
 
 Motion read_motion(const SceneSource& source, const YamlEntry& entry) {
@@ -96,9 +100,10 @@ Motion read_motion(const SceneSource& source, const YamlEntry& entry) {
     map.refuse("circle", "does not go with 'repeat_from': the hand either goes back and forth or round.");
     motion.repeat_from = read_count(source, *from, "repeat_from");
     if (*motion.repeat_from >= motion.path.size() - 1)
-      source.fail(from->place, fmt::format("'repeat_from' is {}; it must be below {}, the last point of the path (points "
-                                           "count from 0).",
-                                           *motion.repeat_from, motion.path.size() - 1));
+      source.fail(from->place,
+                  fmt::format("'repeat_from' is {}; it must be below {}, the last point of the path (points "
+                              "count from 0).",
+                              *motion.repeat_from, motion.path.size() - 1));
   }
   if (const YamlNode* circle = map.find("circle")) read_circle(source, *circle, motion);
   return motion;
@@ -131,16 +136,26 @@ ContactSpec read_contact(SceneSource& source, const YamlNode& node) {
   const MapReader map(source, node, "contact", {"model", "stiffness_n_per_m", "stiffness_n_per_m3"});
   const std::vector<std::string_view> models{"original", "adapted", "clustered", "field"};
   ContactSpec contact;
+  bool by_area_only = false;
   if (const YamlNode* model = map.find("model")) {
     const std::size_t rung = read_choice(source, *model, "model", models);
-    if (rung >= 2)
-      source.fail(model->place, fmt::format("The contact model '{}' is not built yet; this version has original and adapted.",
-                                            models[rung]));
+    by_area_only = rung >= 2;
     contact.model = models[rung];
   }
-  map.refuse("stiffness_n_per_m3",
-             fmt::format("goes with clustered and field; '{}' takes stiffness_n_per_m, per shell point.", contact.model));
-  contact.stiffness_n_per_m = read_positive(source, map.require("stiffness_n_per_m"), "stiffness_n_per_m");
+  const YamlNode* by_area = map.find("stiffness_n_per_m3");
+  if (by_area_only)
+    map.refuse("stiffness_n_per_m", fmt::format("is per shell point; '{}' weighs points by their area and takes "
+                                                "stiffness_n_per_m3.",
+                                                contact.model));
+  if (by_area != nullptr && map.find("stiffness_n_per_m") != nullptr)
+    source.fail(map.place_of("stiffness_n_per_m3"),
+                "'stiffness_n_per_m' (per shell point) and 'stiffness_n_per_m3' (per area) exclude each "
+                "other; give one of them.");
+  if (by_area_only || by_area != nullptr) {
+    contact.stiffness_n_per_m3 = read_positive(source, map.require("stiffness_n_per_m3"), "stiffness_n_per_m3");
+  } else {
+    contact.stiffness_n_per_m = read_positive(source, map.require("stiffness_n_per_m"), "stiffness_n_per_m");
+  }
   return contact;
 }
 
@@ -170,7 +185,8 @@ DeviceSpec read_device(SceneSource& source, const YamlNode& node) {
 
 std::map<std::string, Motion> read_motions(SceneSource& source, const YamlNode& node) {
   if (node.kind != YamlNode::Kind::kMap)
-    source.fail(node.place, fmt::format("'motions' must be a map of names to motions, but here is {}.", describe(node)));
+    source.fail(node.place,
+                fmt::format("'motions' must be a map of names to motions, but here is {}.", describe(node)));
   std::map<std::string, Motion> motions;
   for (const YamlEntry& entry : node.entries) {
     check_name(source, entry);

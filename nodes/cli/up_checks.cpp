@@ -80,7 +80,7 @@ void judge(RunSummary& s) {
   if (most > 0 && felt > most)
     s.problems.push_back(fmt::format(
         "all points in contact together showed {:.0f} N/m at the hand, more than the {:.0f} N/m that {} can show "
-        "stably: lower contact.stiffness_n_per_m, the coupling's gain or a scale of the device",
+        "stably: lower the contact's stiffness, the coupling's gain or a scale of the device",
         felt, most, s.device));
   if (s.problems.empty() && number(s, "device", "samples") == 0) s.problems.push_back("the device gave no sample");
   if (const double n = number(s, "device", "clamped"); n > 0)

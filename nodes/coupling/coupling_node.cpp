@@ -215,7 +215,7 @@ class CouplingNode {
                      : displayed > running_.device_max_stiffness_n_per_m
                          ? fmt::format(
                                "the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower "
-                               "contact.stiffness_n_per_m or coupling.gain, or let it be designed "
+                               "the contact's stiffness or coupling.gain, or let it be designed "
                                "(coupling: {{design: auto}})",
                                displayed, running_.device_max_stiffness_n_per_m)
                          : fmt::format("{} runs, {}", running_.fitted.spec.kind, status_word(running_.fitted));

@@ -1,0 +1,53 @@
+#pragma once
+/// What accuracy costs in time: every setting of the contact measured against the reference, on the same contacts.
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/contact/contact_model.hpp"
+#include "core/scene/scene.hpp"
+#include "core/types/parallel.hpp"
+
+namespace voxtouch {
+
+/// One rung at one resolution.
+struct AccuracySetting {
+  ContactModelKind model = ContactModelKind::kAdapted;
+  PointWeights weights = PointWeights::kOne;
+  double voxel_m = 0.0;        ///< e of the static voxmap
+  double shell_voxel_m = 0.0;  ///< voxel edge that the pointshell is made with; e, or another for another density
+};
+
+/// What one setting gives and costs.
+struct AccuracyRow {
+  AccuracySetting setting;
+  std::uint64_t shell_points = 0;
+  std::uint64_t bytes = 0;              ///< voxmap, pointshell, field: all that the rung keeps
+  std::uint32_t contacts = 0;           ///< poses that were judged
+  double direction_median_deg = 0.0;    ///< angle between this force and the reference's
+  double direction_p95_deg = 0.0;
+  double magnitude_noise = 0.0;         ///< standard deviation over mean of |F| / |F_reference|
+  double torque_error_m = 0.0;          ///< median of |torque error| / |F|, about the tool's origin: a lever arm [m]
+  double onset_error_m = 0.0;           ///< median of (gap where the force begins - 0), along the way in; > 0: too early [m]
+  double onset_worst_m = 0.0;           ///< the onset farthest from 0 [m]
+  double median_us = 0.0, worst_us = 0.0;  ///< CPU time of a frame (query, model, stage)
+  double build_s = 0.0;                 ///< CPU time from meshes to a renderer
+  std::string refused;                  ///< why this setting could not be built; all figures above are then 0
+};
+
+/// How it is measured.
+struct AccuracyOptions {
+  std::uint64_t seed = 1;
+  std::uint32_t contacts = 200;               ///< contact poses, the same for every setting save their depth
+  double depth_edges = 0.5;                   ///< depth of each contact, in e of its setting
+  std::function<double()> cpu_time_s;         ///< a clock that counts this thread's CPU time [s]; none: times read 0
+  std::function<void(const std::string& what, double share)> progress;  ///< called between steps, 0 <= share <= 1
+};
+
+/// Rows in the order of `settings`. Reads the scene's meshes itself. Throws MeshError and std::runtime_error, each a sentence,
+/// where the scene as such cannot be measured; a single setting that cannot be built is a row that says why.
+std::vector<AccuracyRow> measure_accuracy(const Scene& scene, const std::vector<AccuracySetting>& settings,
+                                          const AccuracyOptions& options, const ParallelFor& parallel_for);
+
+}  // namespace voxtouch
