@@ -24,6 +24,9 @@ nanoseconds seconds_as_ns(double s) { return nanoseconds(std::llround(1e9 * s));
 /// A stop is noticed after this, at the latest.
 constexpr nanoseconds kGlance = milliseconds(50);
 
+/// Virtual time: a measurement that nobody has answered for so long may have gone to a side that was just being restarted.
+constexpr nanoseconds kForgotten = milliseconds(200);
+
 }  // namespace
 
 Session::Session(const SessionConfig& config, FriController& controller, Line line)
@@ -68,13 +71,14 @@ bool Session::drain(std::optional<std::uint16_t> send_seq, std::optional<double>
 
 Session::Wait Session::await_answer(std::uint16_t send_seq, const fri::MsrPacket* repeat,
                                     const std::atomic<bool>& stop) {
-  const auto end = Clock::now() + seconds_as_ns(config_.patience_s);
+  const auto begin = Clock::now(), end = begin + seconds_as_ns(config_.patience_s);
   while (!stop.load(std::memory_order_relaxed)) {
     if (drain(send_seq, virtual_latency_s_)) return Wait::kAnswered;
     const nanoseconds left = end - Clock::now();
     if (left <= nanoseconds(0)) return Wait::kTimeout;
-    // The remote side may not be there yet: until it was heard once, the same packet goes out again.
-    if (!socket_.wait(std::min(left, kGlance)) && repeat && !heard_) send(*repeat);
+    // The remote side may not be there yet, or not there again: the same packet goes out once more. One that has it already
+    // takes it for what it is, a duplicate.
+    if (!socket_.wait(std::min(left, kGlance)) && repeat && (!heard_ || Clock::now() - begin > kForgotten)) send(*repeat);
   }
   return Wait::kStopped;
 }

@@ -50,7 +50,7 @@ class Subject {
   /// One period of a loop that hears nothing: whatever `read` says, it writes, unless `command` is absent.
   Turn turn(const std::optional<Wrench>& command);
   /// Writes `command` until the plant gives it. False: it never did.
-  bool push_until_felt(const Wrench& command);
+  bool push_until_felt(const Wrench& command, double tolerance = 0.1);
 
   struct Another {
     std::unique_ptr<Driver> driver;  ///< null: it was refused
