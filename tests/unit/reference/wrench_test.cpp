@@ -1,0 +1,95 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/reference/reference_scene.hpp"
+#include "core/reference/reference_wrench.hpp"
+#include "core/scene/scene_file.hpp"
+
+namespace voxtouch {
+namespace {
+
+Scene shipped(const std::string& name) { return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml"); }
+
+/// Sphere of radius R, h deep in a half space: k pi h^2 (R - h / 3).
+double cap(double radius, double h) { return std::numbers::pi * h * h * (radius - h / 3.0); }
+
+TEST(ReferenceWrench, IsTheClosedFormOfASphereInAHalfSpaceUpToItsFacets) {
+  const ReferenceWrench reference(shipped("plane"), 0.25e-3);
+  const double chord = ReferenceScene(shipped("plane")).chord_error_m();
+  ASSERT_LT(chord, 5e-5);
+  for (const double h : {0.5e-3, 1e-3, 2e-3, 4e-3}) {
+    const TrueWrench w = reference.at({Vec3(0.001, 0.002, 0.01 - h), Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()))});
+    // The facets lie inside the sphere, by the chord error at most.
+    EXPECT_LT(w.wrench.force.z(), 1.001 * cap(0.01, h)) << h;
+    EXPECT_GT(w.wrench.force.z(), 0.999 * cap(0.01, h - chord)) << h;
+    EXPECT_LT(w.wrench.force.head<2>().norm(), 0.01 * w.wrench.force.z()) << h;
+    EXPECT_LT(w.wrench.torque.norm(), 1e-4 * w.wrench.force.z()) << "a push through the centre has no lever";
+    EXPECT_NEAR(w.depth_m, h, 5e-5);
+    EXPECT_NEAR(w.area_m2 / (2 * std::numbers::pi * 0.01 * h), 1.0, 0.08);
+  }
+}
+
+TEST(ReferenceWrench, IsNothingApartAndForAPoseThatIsNone) {
+  const ReferenceWrench reference(shipped("plane"), 0.5e-3);
+  const TrueWrench apart = reference.at({Vec3(0, 0, 0.0101), Quat::Identity()});
+  EXPECT_TRUE(apart.wrench.zero());
+  EXPECT_LT(apart.samples, 100u) << "what is far away is skipped whole";
+  EXPECT_TRUE(reference.at({Vec3(NAN, 0, 0), Quat::Identity()}).wrench.zero());
+}
+
+TEST(ReferenceWrench, ConvergesAsItsResolutionIsHalved) {
+  const Scene scene = shipped("cup");
+  const Quat turned(Eigen::AngleAxisd(1.0, Vec3(1, -1, 0.5).normalized()));
+  const Pose pose{scene.motions.at("hit").path.back(), turned};
+  const Vec3 a = ReferenceWrench(scene, 1e-3).at(pose).wrench.force, b = ReferenceWrench(scene, 0.5e-3).at(pose).wrench.force,
+             c = ReferenceWrench(scene, 0.25e-3).at(pose).wrench.force;
+  ASSERT_GT(c.norm(), 0.0);
+  EXPECT_LT((b - c).norm(), 0.002 * c.norm());
+  EXPECT_LE((b - c).norm(), (a - c).norm() + 1e-4 * c.norm());
+  RecordProperty("relative_error_half_millimetre", std::to_string((b - c).norm() / c.norm()));
+}
+
+/// F = -grad E, torque likewise: the work round a closed way is nothing, over a curved wall and into its edge too.
+TEST(ReferenceWrench, IsConservative) {
+  const ReferenceWrench reference(shipped("cylinder"), 0.5e-3);
+  const Vec3 touch = shipped("cylinder").motions.at("hit").path.back();
+  double work = 0.0, way = 0.0, most = 0.0;
+  constexpr int kSteps = 40;
+  const auto pose = [&](int n) {
+    const double a = 2 * std::numbers::pi * n / kSteps;
+    return Pose{touch + Vec3(0.004 * std::cos(a), 0.003 * std::sin(a), 0.001 * std::sin(2 * a)),
+                Quat(Eigen::AngleAxisd(0.2 * std::sin(a), Vec3::UnitY()))};
+  };
+  for (int n = 0; n < kSteps; ++n) {
+    const Pose from = pose(n), to = pose(n + 1);
+    const Wrench w = reference.at({0.5 * (from.position + to.position), from.orientation.slerp(0.5, to.orientation)}).wrench;
+    const Eigen::AngleAxisd turn(to.orientation * from.orientation.conjugate());
+    work += w.force.dot(to.position - from.position) + w.torque.dot(turn.angle() * turn.axis());
+    way += (to.position - from.position).norm();
+    most = std::max(most, w.force.norm());
+  }
+  EXPECT_GT(most, 0.0);
+  EXPECT_LT(std::abs(work), 0.002 * most * way);
+}
+
+TEST(ReferenceWrench, RefusesAnOpenMeshWithASentence) {
+  Scene scene = shipped("plane");
+  const std::string path = ::testing::TempDir() + "voxtouch_open_reference.obj";
+  std::FILE* file = std::fopen(path.c_str(), "w");
+  ASSERT_NE(file, nullptr);
+  std::fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", file);
+  std::fclose(file);
+  scene.static_meshes[0].path = path;
+  try {
+    ReferenceWrench reference(scene, 1e-3);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("open"), std::string::npos);
+  }
+  std::remove(path.c_str());
+}
+
+}  // namespace
+}  // namespace voxtouch
