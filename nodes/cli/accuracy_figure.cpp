@@ -107,11 +107,11 @@ Curve front_line(const AccuracyReport& report, const Chart& chart) {
 
 Series ring_round(const AccuracyReport& report) {
   const AccuracyRow& row = report.rows[*report.advice.row];
-  const char* word = !report.advice.met   ? (report.advice.knee ? "knee" : "best")
-                     : *report.advice.met ? "recommended"
-                                          : "nearest to the wish";
+  const bool wished = report.advice.met.has_value();
+  const char* word = wished ? (*report.advice.met ? "advised" : "nearest") : report.advice.knee ? "knee" : "best";
   Series out;
-  out.label = fmt::format("{}: {}", word, describe(row.setting));
+  out.label = fmt::format("{}: {}/{}, {} mm", word, name_of(row.setting.model), weights_word(row.setting.weights),
+                          size_label(row.setting));
   out.x = {time(row)}, out.y = {direction(row)};
   out.colour = "#b3261e", out.mark = Mark::kRing;
   return out;
@@ -150,18 +150,29 @@ Chart noise_panel(const AccuracyReport& report, const Axis& across) {
   const char* least = any_below(report, noise, kLeastNoisePercent) ? "; 0.01 or less" : "";
   out.y = axis_round(fmt::format("noise, std / mean [%]{}", least), report, noise, wished);
   out.height = 190;
-  out.series = series_of(report, noise, true);
+  out.series = series_of(report, noise, false);  // each stands below its mark of the upper panel
   if (wished) out.curves.push_back(line("", {out.x.low, out.x.high}, {*wished, *wished}, "#b3261e"));
   return out;
+}
+
+/// At most `most` bytes, so that a line of the title stays on the page.
+std::string cut(const std::string& text, std::size_t most) {
+  return text.size() <= most ? text : text.substr(0, most - 3) + "...";
+}
+
+/// "Intel(R) Xeon(R) Gold 6230 CPU @ 2.10GHz" as "Intel Xeon Gold 6230".
+std::string short_name(std::string processor) {
+  for (const std::string noise_word : {"(R)", "(TM)"})
+    for (std::size_t at; (at = processor.find(noise_word)) != std::string::npos;)
+      processor.erase(at, noise_word.size());
+  return cut(processor.substr(0, processor.find(" CPU @")), 34);
 }
 
 std::string conditions(const AccuracyReport& report) {
   const auto other = [](const AccuracyRow& row) { return row.setting.voxel_m != row.setting.shell_voxel_m; };
   const bool shells = std::any_of(report.rows.begin(), report.rows.end(), other);
-  std::string processor = report.machine.processor;
-  if (processor.size() > 44) processor = processor.substr(0, 41) + "...";
-  std::string text =
-      fmt::format("At the marks: voxel edge e{} [mm]. CPU time on {}", shells ? " / the shell's" : "", processor);
+  std::string text = fmt::format("At the marks: voxel edge e{} [mm]. CPU time on {}", shells ? " / the shell's" : "",
+                                 short_name(report.machine.processor));
   if (report.load_after >= 0.0) text += fmt::format(", load {:.1f}", report.load_after);
   return text;
 }
@@ -169,13 +180,13 @@ std::string conditions(const AccuracyReport& report) {
 }  // namespace
 
 Figure accuracy_figure(const AccuracyReport& report) {
-  const auto left_out =
+  const auto missing =
       std::count_if(report.rows.begin(), report.rows.end(), [](const auto& r) { return !is_judged(r); });
   Figure out;
-  out.title = "What accuracy costs: error of the force's direction over time";
-  out.subtitles = {fmt::format("Scene {}: {} contacts, {:.4g} e deep, against the reference; lower left is better{}",
-                               report.scene, report.contacts, report.depth_edges,
-                               left_out > 0 ? fmt::format("; {} without figures", left_out) : std::string()),
+  out.title = "What accuracy costs: direction error against time per frame";
+  out.subtitles = {fmt::format("Scene {}: {} contacts, {:.4g} e deep; lower left is better{}", cut(report.scene, 30),
+                               report.contacts, report.depth_edges,
+                               missing > 0 ? fmt::format("; {} settings not measured", missing) : std::string()),
                    conditions(report)};
   const Axis across = axis_round("CPU time of one frame, median [us]", report, time, report.wish.within_us);
   out.panels = {direction_panel(report, across), noise_panel(report, across)};

@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "nodes/cli/label_layout.hpp"
-
 namespace voxtouch::cli {
 namespace {
 
@@ -168,8 +166,20 @@ std::string SvgPlane::marks() const {
   return joints + out;  // lines lie under every mark
 }
 
+/// Stairs are where labels would lie on a line; slanted lines cross them at one point only.
+void SvgPlane::block_steps(LabelLayout& layout) const {
+  for (const Curve& line : chart_.curves)
+    for (std::size_t i = 1; line.steps && i < std::min(line.x.size(), line.y.size()); ++i) {
+      if (!drawable(line.x[i - 1], line.y[i - 1]) || !drawable(line.x[i], line.y[i])) continue;
+      const double x0 = across(line.x[i - 1]), x1 = across(line.x[i]), y0 = down(line.y[i - 1]), y1 = down(line.y[i]);
+      layout.block({std::min(x0, x1), y0 - 1, std::max(x0, x1), y0 + 1});
+      layout.block({x1 - 1, std::min(y0, y1), x1 + 1, std::max(y0, y1)});
+    }
+}
+
 std::string SvgPlane::labels() const {
   LabelLayout layout({left_, top_, left_ + width_, bottom()});
+  block_steps(layout);
   for (const Series& s : chart_.series) {
     const double r = s.mark == Mark::kRing ? kRingRadius + 1 : kMarkRadius + 1;
     for (std::size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i)
@@ -180,8 +190,9 @@ std::string SvgPlane::labels() const {
   for (const Series& s : chart_.series)
     for (std::size_t i = 0; i < std::min({s.x.size(), s.y.size(), s.labels.size()}); ++i) {
       if (!shown(s.x[i], s.y[i]) || s.labels[i].empty()) continue;
-      const Box box = layout.place(across(s.x[i]), down(s.y[i]),
-                                   kCharacterWidth * static_cast<double>(s.labels[i].size()), kLabelHeight, 8);
+      const Box box =
+          layout.place(across(s.x[i]), down(s.y[i]), kCharacterWidth * static_cast<double>(s.labels[i].size()),
+                       kLabelHeight, kMarkRadius + 4);
       out += fmt::format(
           "<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"size\" text-anchor=\"middle\" style=\"fill:{}\">{}</text>\n",
           (box.left + box.right) / 2, box.bottom - 1.5, s.colour, escaped(s.labels[i]));

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "nodes/cli/label_layout.hpp"
 #include "nodes/cli/svg_chart.hpp"
 
 namespace voxtouch::cli {
@@ -32,6 +33,7 @@ class SvgPlane {
   std::string curve(const Curve& line) const;
   std::string marker(const Marker& m) const;
   std::string marks() const;
+  void block_steps(LabelLayout& layout) const;
   std::string labels() const;
   std::string axis_labels() const;
 
