@@ -152,6 +152,12 @@ TEST(AccuracyVerb, LeavesNoFileBehindWhereTheSceneIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.svg.part"));
 }
 
+TEST(AccuracyVerb, TakesTheSceneBeforeOrAfterItsLists) {
+  const Finished run =
+      voxtouch({"accuracy", "--contacts", "4", "--voxel-sizes", "0.004", "--models", "original", kPlane});
+  EXPECT_EQ(run.status, 0) << run.err;
+}
+
 TEST(AccuracyVerb, TeachesWithItsHelp) {
   const Finished run = voxtouch({"accuracy", "--help"});
   EXPECT_EQ(run.status, 0);

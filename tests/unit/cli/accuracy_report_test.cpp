@@ -111,7 +111,7 @@ TEST(AccuracyJson, HoldsRowsOptionsConditionsAndAdvice) {
 TEST(AccuracyJson, EveryRowHasTheSameKeysAndNoFigureThatWasNotMeasured) {
   AccuracyReport report = accuracy_report();
   report.rows[1].torque_error_m = std::numeric_limits<double>::quiet_NaN();
-  const nlohmann::json rows = nlohmann::json::parse(to_json(report).dump())["rows"];
+  const nlohmann::ordered_json rows = to_json(report)["rows"];
   for (const auto& row : rows) {
     ASSERT_EQ(row.size(), rows[0].size());
     for (const auto& [key, value] : rows[0].items()) EXPECT_TRUE(row.contains(key)) << key;
