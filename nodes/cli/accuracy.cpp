@@ -1,9 +1,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
-#include <limits>
 #include <memory>
 
 #include <fmt/format.h>

@@ -186,7 +186,7 @@ Figure accuracy_figure(const AccuracyReport& report) {
   out.title = "What accuracy costs: direction error against time per frame";
   out.subtitles = {fmt::format("Scene {}: {} contacts, {:.4g} e deep; lower left is better{}", cut(report.scene, 30),
                                report.contacts, report.depth_edges,
-                               missing > 0 ? fmt::format("; {} settings not measured", missing) : std::string()),
+                               missing > 0 ? fmt::format("; not measured: {}", missing) : std::string()),
                    conditions(report)};
   const Axis across = axis_round("CPU time of one frame, median [us]", report, time, report.wish.within_us);
   out.panels = {direction_panel(report, across), noise_panel(report, across)};

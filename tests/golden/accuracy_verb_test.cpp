@@ -127,6 +127,7 @@ TEST(AccuracyVerb, RefusesWhatCannotBeMeasuredBeforeItMeasures) {
   expect_refused({"--voxel-sizes", "-0.002"}, "--voxel-sizes: -0.002 will not do");
   expect_refused({"--voxel-sizes", "nan"}, "--voxel-sizes: nan will not do");
   expect_refused({"--voxel-sizes", "2mm"}, "--voxel-sizes");
+  expect_refused({"--models", "adapted", "field"}, "not expected: field");
   expect_refused({"--shell-densities", "0"}, "--shell-densities: 0 will not do");
   expect_refused({"--weights", "one", "--models", "clustered"}, "--weights one: the model 'clustered'");
   expect_refused({"--weights", "heavy"}, "points cannot weigh 'heavy'");
