@@ -1,0 +1,51 @@
+#pragma once
+/// What to choose: from measured rows and a wish to one sentence and the row it names.
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/accuracy/accuracy.hpp"
+#include "core/accuracy/pareto.hpp"
+
+namespace voxtouch {
+
+/// Direction errors below this [deg] are not told apart: no hand feels them, and a tessellated reference has facets larger.
+inline constexpr double kLeastDirectionDeg = 1e-3;
+
+/// What the user wants: errors that must not be exceeded (the cheapest setting that keeps all of them), or a time (the most
+/// accurate setting within it). Nothing: what there is to choose from.
+struct AccuracyWish {
+  std::optional<double> direction_deg = {};  ///< median direction error
+  std::optional<double> noise = {};          ///< magnitude noise, 0.01 = 1 %
+  std::optional<double> torque_m = {};       ///< torque error as a lever arm
+  std::optional<double> onset_m = {};        ///< |median onset error|
+  std::optional<double> within_us = {};      ///< median CPU time of a frame
+
+  bool wants_error() const noexcept { return direction_deg || noise || torque_m || onset_m; }
+  /// Throws std::invalid_argument for a wish that is not finite and above 0, and for an error and a time at once.
+  void validate() const;
+};
+
+struct AccuracyAdvice {
+  std::string sentence;
+  std::optional<std::size_t> row;  ///< what the sentence recommends; without a wish the knee, or the only choice
+  std::optional<bool> met;         ///< whether `row` keeps the wish; absent without a wish
+  std::vector<std::size_t> front;  ///< Pareto front of time and median direction error, by ascending time
+  std::optional<std::size_t> knee;
+};
+
+/// Whether a row can be compared with others: built, in contact at least once, time and direction error finite. (A setting
+/// that never met the wall has zeros for errors, which would look like perfection.)
+bool is_judged(const AccuracyRow& row) noexcept;
+
+/// Deterministic: among equals the faster, then the smaller, then the first row.
+AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyWish& wish);
+
+/// "one", "area".
+std::string_view weights_word(PointWeights weights) noexcept;
+/// "adapted/area, e = 1 mm, shell 0.5 mm": as sentences and progress name a setting.
+std::string describe(const AccuracySetting& setting);
+
+}  // namespace voxtouch

@@ -1,0 +1,36 @@
+#pragma once
+/// What accuracy costs, for a person, for a machine, for a spreadsheet, and as a picture.
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/accuracy/advice.hpp"
+#include "nodes/cli/machine.hpp"
+#include "nodes/cli/svg_chart.hpp"
+
+namespace voxtouch::cli {
+
+struct AccuracyReport {
+  std::string scene, scene_hash;
+  double scene_voxel_m = 0.0;
+  std::uint64_t seed = 0;
+  std::uint32_t contacts = 0;  ///< asked for
+  double depth_edges = 0.0;
+  AccuracyWish wish;
+  std::vector<AccuracyRow> rows;
+  AccuracyAdvice advice;  ///< of these rows and this wish
+  Machine machine;
+  double load_before = -1.0, load_after = -1.0;  ///< load average of a minute; negative: not known
+};
+
+/// A table grouped by model, the conditions, the advice.
+std::string to_text(const AccuracyReport& report);
+/// Figures of a row that was refused or never met the wall are null, as is what is not finite.
+nlohmann::ordered_json to_json(const AccuracyReport& report);
+/// RFC 4180 with a header; SI units but for degrees and microseconds; the same cells empty that are null in the JSON.
+std::string to_csv(const AccuracyReport& report);
+/// Direction error and, below it, magnitude noise over the time of a frame, both logarithmic, the Pareto front drawn.
+Figure accuracy_figure(const AccuracyReport& report);
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,18 @@
+#pragma once
+/// Under what conditions times were measured: without them a number of microseconds says nothing.
+#include <string>
+
+namespace voxtouch::cli {
+
+struct Machine {
+  std::string version;    ///< of voxtouch
+  std::string processor;  ///< as the system names it; "unknown" where it does not
+  unsigned cpus = 0;      ///< that the system has online
+  std::string compiler, flags;
+};
+
+Machine this_machine();
+/// Load average over the last minute; negative where the system does not say.
+double load_average();
+
+}  // namespace voxtouch::cli

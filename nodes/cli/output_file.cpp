@@ -1,0 +1,44 @@
+#include "nodes/cli/output_file.hpp"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace voxtouch::cli {
+namespace {
+
+[[noreturn]] void refuse(const std::filesystem::path& file) {
+  throw std::runtime_error(fmt::format(
+      "{} could not be written: is its folder there, is there room, and may you write there?", file.string()));
+}
+
+}  // namespace
+
+OutputFile::OutputFile(std::filesystem::path file)
+    : file_(std::move(file)), fresh_(file_.string() + ".part"), out_(fresh_, std::ios::binary) {
+  if (!out_ || std::filesystem::is_directory(file_)) {
+    std::error_code ignored;
+    std::filesystem::remove(fresh_, ignored);
+    refuse(file_);
+  }
+}
+
+OutputFile::~OutputFile() {
+  if (!out_.is_open()) return;
+  out_.close();
+  std::error_code ignored;
+  std::filesystem::remove(fresh_, ignored);
+}
+
+void OutputFile::keep(const std::string& text) {
+  out_ << text;
+  out_.close();
+  std::error_code failed;
+  if (out_) std::filesystem::rename(fresh_, file_, failed);
+  if (!out_ || failed) {
+    std::filesystem::remove(fresh_, failed);
+    refuse(file_);
+  }
+}
+
+}  // namespace voxtouch::cli

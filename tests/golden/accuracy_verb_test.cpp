@@ -1,0 +1,171 @@
+/// `voxtouch accuracy` from the command line: the table, JSON, CSV and picture of a small scene, and what it refuses.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/golden/golden.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+const std::string kPlane = std::string(VOXTOUCH_DEPLOY) + "/scenes/tilted_plane.yaml";
+
+/// A run of seconds: two sizes, few contacts.
+std::vector<std::string> small_run(std::vector<std::string> more) {
+  std::vector<std::string> all{"accuracy", kPlane, "--voxel-sizes", "0.004,0.002", "--contacts", "12"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+nlohmann::json small_json(std::vector<std::string> more) {
+  more.push_back("--json");
+  const Finished run = voxtouch(small_run(more));
+  EXPECT_EQ(run.status, 0) << run.err;
+  return nlohmann::json::parse(run.out);
+}
+
+TEST(AccuracyVerb, MeasuresEverySettingAskedForAndSaysHowFarItIs) {
+  const TemporaryFolder folder;
+  const Finished run = voxtouch(small_run(
+      {"--json", "--csv", (folder / "a.csv").string(), "--plot", (folder / "a.svg").string(), "--seed", "5"}));
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.err.find(" %]"), std::string::npos) << "no progress on standard error";
+  const nlohmann::json j = nlohmann::json::parse(run.out);  // stdout is the object and nothing else
+  EXPECT_EQ(j["ok"], true);
+  EXPECT_EQ(j["options"]["seed"], 5);
+  EXPECT_EQ(j["options"]["contacts"], 12);
+  EXPECT_FALSE(j["conditions"]["processor"].get<std::string>().empty());
+  EXPECT_NE(j["conditions"]["flags"].get<std::string>().find("-ffp-contract=off"), std::string::npos);
+  ASSERT_EQ(j["rows"].size(), 12u);
+  for (const auto& row : j["rows"]) {
+    SCOPED_TRACE(row.dump());
+    ASSERT_TRUE(row["refused"].is_null());
+    EXPECT_GT(row["contacts"], 0);
+    EXPECT_LE(row["contacts"], 12);
+    EXPECT_GT(row["shell_points"], 0);
+    EXPECT_GT(row["bytes"], 0);
+    EXPECT_GE(row["direction_median_deg"], 0.0);
+    EXPECT_LE(row["direction_median_deg"], row["direction_p95_deg"]);
+    EXPECT_LE(row["direction_p95_deg"], 180.0);
+    EXPECT_GE(row["magnitude_noise"], 0.0);
+    EXPECT_GT(row["median_us"], 0.0);
+    EXPECT_LE(row["median_us"], row["worst_us"]);
+    EXPECT_GT(row["build_s"], 0.0);
+  }
+  EXPECT_EQ(j["rows"][0]["model"], "original");
+  EXPECT_EQ(j["rows"][11]["model"], "field");
+  const Table csv = Table::read(folder / "a.csv");
+  ASSERT_EQ(csv.size(), 12u);
+  for (std::size_t i = 0; i < csv.size(); ++i) {
+    EXPECT_EQ(csv.text(i, "model"), j["rows"][i]["model"]);
+    EXPECT_DOUBLE_EQ(csv.number(i, "direction_median_deg"), j["rows"][i]["direction_median_deg"].get<double>());
+  }
+  const std::string svg = file_text(folder / "a.svg");
+  EXPECT_TRUE(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
+  EXPECT_NE(svg.find("Pareto front"), std::string::npos);
+}
+
+TEST(AccuracyVerb, GivesTheSameErrorsForTheSameSeedAndOthersForAnother) {
+  const auto errors = [](const char* seed) {
+    std::vector<nlohmann::json> out;
+    const nlohmann::json j = small_json({"--models", "adapted", "--seed", seed});
+    for (const auto& row : j["rows"])
+      out.push_back({row["direction_median_deg"], row["direction_p95_deg"], row["magnitude_noise"],
+                     row["onset_error_m"], row["torque_error_m"], row["bytes"]});
+    return out;
+  };
+  EXPECT_EQ(errors("3").size(), 4u);
+  EXPECT_EQ(errors("3"), errors("3"));
+  EXPECT_NE(errors("3"), errors("4"));
+}
+
+TEST(AccuracyVerb, TellsAPersonInATableAndEndsWithTheAdvice) {
+  const Finished run = voxtouch(small_run({"--models", "adapted,field", "--want-direction-deg", "90"}));
+  ASSERT_EQ(run.status, 0) << run.err;
+  for (const char* word : {"direction [deg]", "time [us]", "  adapted\n", "  field\n", "*> ", "Times: CPU time",
+                           "The cheapest setting with a direction error of at most 90 deg is "})
+    EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
+}
+
+TEST(AccuracyVerb, SaysWhatComesNearestAndExitsWithOneWhereTheWishIsNotMet) {
+  const Finished run = voxtouch(small_run({"--models", "original", "--within-us", "0.001"}));
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.out.find("No setting stays within 0.001 us per frame; nearest comes original/"), std::string::npos)
+      << run.out;
+  EXPECT_EQ(run.err.find("error:"), std::string::npos) << run.err;
+}
+
+TEST(AccuracyVerb, ShowsASettingThatCannotBeBuiltAsARowWithTheReason) {
+  const Finished run = voxtouch({"accuracy", kPlane, "--models", "adapted", "--weights", "one", "--voxel-sizes",
+                                 "0.004,1e-7", "--contacts", "8", "--json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const nlohmann::json rows = nlohmann::json::parse(run.out)["rows"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_TRUE(rows[0]["refused"].is_null());
+  ASSERT_TRUE(rows[1]["refused"].is_string()) << rows[1].dump();
+  EXPECT_GT(rows[1]["refused"].get<std::string>().size(), 10u);
+  EXPECT_TRUE(rows[1]["direction_median_deg"].is_null());
+}
+
+void expect_refused(const std::vector<std::string>& more, const std::string& says) {
+  std::vector<std::string> all{"accuracy", kPlane};
+  all.insert(all.end(), more.begin(), more.end());
+  const Finished run = voxtouch(all);
+  std::string call;
+  for (const std::string& word : all) call += " " + word;
+  SCOPED_TRACE("voxtouch" + call + "\n" + run.err);
+  EXPECT_NE(run.status, 0);
+  EXPECT_LT(run.status, 128) << "a signal ended it";
+  EXPECT_EQ(run.out, "");
+  EXPECT_NE(run.err.find(says), std::string::npos) << "expected: " << says;
+  EXPECT_EQ(run.err.find(" %]"), std::string::npos) << "it measured before it looked at its arguments";
+}
+
+TEST(AccuracyVerb, RefusesWhatCannotBeMeasuredBeforeItMeasures) {
+  expect_refused({"--models", "best"}, "there is no contact model 'best'");
+  expect_refused({"--voxel-sizes", "0.002,0"}, "--voxel-sizes: 0 will not do");
+  expect_refused({"--voxel-sizes", "-0.002"}, "--voxel-sizes: -0.002 will not do");
+  expect_refused({"--voxel-sizes", "nan"}, "--voxel-sizes: nan will not do");
+  expect_refused({"--voxel-sizes", "2mm"}, "--voxel-sizes");
+  expect_refused({"--models", "adapted", "field"}, "not expected: field");
+  expect_refused({"--shell-densities", "0"}, "--shell-densities: 0 will not do");
+  expect_refused({"--weights", "one", "--models", "clustered"}, "--weights one: the model 'clustered'");
+  expect_refused({"--weights", "heavy"}, "points cannot weigh 'heavy'");
+  expect_refused({"--want-direction-deg", "1", "--within-us", "200"}, "an error and a time are both wanted");
+  expect_refused({"--want-noise", "0"}, "the wanted magnitude noise is 0");
+  expect_refused({"--contacts", "0"}, "--contacts");
+  expect_refused({"--contacts", "-5"}, "--contacts");
+  expect_refused({"--seed", "-1"}, "--seed");
+  expect_refused({"--depth-edges", "nan"}, "--depth-edges");
+  expect_refused({"--depth-edges", "0"}, "--depth-edges");
+  expect_refused({"--plot", "/no/such/folder/a.svg"}, "/no/such/folder/a.svg could not be written");
+  expect_refused({"--csv", "/no/such/folder/a.csv"}, "/no/such/folder/a.csv could not be written");
+}
+
+TEST(AccuracyVerb, LeavesNoFileBehindWhereTheSceneIsRefused) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "bad.yaml") << "scene: 1\n";
+  const Finished run =
+      voxtouch({"accuracy", (folder / "bad.yaml").string(), "--plot", (folder / "a.svg").string(), "--json"});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_EQ(nlohmann::json::parse(run.out)["ok"], false);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.svg"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.svg.part"));
+}
+
+TEST(AccuracyVerb, TakesTheSceneBeforeOrAfterItsLists) {
+  const Finished run =
+      voxtouch({"accuracy", "--contacts", "4", "--voxel-sizes", "0.004", "--models", "original", kPlane});
+  EXPECT_EQ(run.status, 0) << run.err;
+}
+
+TEST(AccuracyVerb, TeachesWithItsHelp) {
+  const Finished run = voxtouch({"accuracy", "--help"});
+  EXPECT_EQ(run.status, 0);
+  for (const char* word : {"What the figures mean", "Where to look", "Examples", "--want-direction-deg", "--within-us",
+                           "--shell-densities", "Pareto"})
+    EXPECT_NE(run.out.find(word), std::string::npos) << word;
+}
+
+}  // namespace
+}  // namespace voxtouch::test

@@ -1,0 +1,185 @@
+/// The advice: each case's sentence and the row that it names.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "core/accuracy/advice.hpp"
+
+namespace voxtouch {
+namespace {
+
+AccuracyRow row(ContactModelKind model, double voxel_m, double time_us, double direction_deg) {
+  AccuracyRow r;
+  r.setting = {model, PointWeights::kArea, voxel_m, voxel_m};
+  r.contacts = 100;
+  r.direction_median_deg = direction_deg;
+  r.magnitude_noise = direction_deg / 20.0;
+  r.torque_error_m = direction_deg * 1e-4;
+  r.onset_error_m = -direction_deg * 1e-4;
+  r.median_us = time_us;
+  r.bytes = 1000;
+  return r;
+}
+
+/// Front 0, 2, 3; row 1 is beaten by row 2.
+std::vector<AccuracyRow> rows() {
+  return {row(ContactModelKind::kOriginal, 0.004, 5, 8.0), row(ContactModelKind::kAdapted, 0.002, 20, 2.3),
+          row(ContactModelKind::kField, 0.004, 10, 0.5), row(ContactModelKind::kField, 0.001, 90, 0.05)};
+}
+
+AccuracyRow refused() {
+  AccuracyRow r;
+  r.setting.voxel_m = r.setting.shell_voxel_m = 0.0001;
+  r.refused = "it would need 80 GB";
+  return r;
+}
+
+void expect_says(const AccuracyAdvice& advice, const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    EXPECT_NE(advice.sentence.find(word), std::string::npos) << word << " in " << advice.sentence;
+  EXPECT_TRUE(advice.sentence.ends_with(".")) << advice.sentence;
+}
+
+TEST(AccuracyAdvice, NamesTheCheapestSettingForAWantedDirectionError) {
+  const AccuracyAdvice advice = advise(rows(), {.direction_deg = 2.5});
+  EXPECT_EQ(advice.row, 2u) << "adapted keeps the wish too, and takes longer";
+  EXPECT_EQ(advice.met, true);
+  expect_says(advice, {"cheapest", "at most 2.5 deg", "field/area, e = 4 mm", "10 us", "0.5 deg"});
+}
+
+TEST(AccuracyAdvice, CountsAWishThatIsJustKept) {
+  EXPECT_EQ(advise(rows(), {.direction_deg = 8.0}).row, 0u);
+  EXPECT_EQ(advise(rows(), {.within_us = 10.0}).row, 2u);
+}
+
+TEST(AccuracyAdvice, SaysWhatComesNearestToAnErrorThatNothingKeepsAndByHowMuchItMisses) {
+  const AccuracyAdvice advice = advise(rows(), {.direction_deg = 0.01});
+  EXPECT_EQ(advice.row, 3u);
+  EXPECT_EQ(advice.met, false);
+  expect_says(advice, {"No setting", "0.01 deg", "nearest", "field/area, e = 1 mm", "5 times", "0.04 deg too much"});
+}
+
+TEST(AccuracyAdvice, KeepsEveryErrorThatIsWanted) {
+  const AccuracyAdvice both = advise(rows(), {.direction_deg = 2.5, .noise = 0.01});
+  EXPECT_EQ(both.row, 3u);
+  expect_says(both, {"direction error of at most 2.5 deg and magnitude noise of at most 1 %", "0.25 %"});
+  EXPECT_EQ(advise(rows(), {.torque_m = 1e-4}).row, 2u);
+  EXPECT_EQ(advise(rows(), {.onset_m = 1e-5}).row, 3u) << "too late is an error as well as too early";
+  const AccuracyAdvice missed = advise(rows(), {.direction_deg = 0.04, .noise = 0.0005});
+  EXPECT_EQ(missed.met, false);
+  expect_says(missed, {"whose magnitude noise is 5 times"});
+}
+
+TEST(AccuracyAdvice, NamesTheMostAccurateSettingWithinAWantedTime) {
+  const AccuracyAdvice advice = advise(rows(), {.within_us = 50});
+  EXPECT_EQ(advice.row, 2u);
+  EXPECT_EQ(advice.met, true);
+  expect_says(advice, {"most accurate", "within 50 us", "field/area, e = 4 mm", "10 us, 0.5 deg"});
+}
+
+TEST(AccuracyAdvice, SaysWhatComesNearestToATimeThatNothingKeepsAndByHowMuchItMisses) {
+  const AccuracyAdvice advice = advise(rows(), {.within_us = 4});
+  EXPECT_EQ(advice.row, 0u);
+  EXPECT_EQ(advice.met, false);
+  expect_says(advice, {"No setting stays within 4 us", "original/area, e = 4 mm", "1 us or 25 % over"});
+}
+
+TEST(AccuracyAdvice, NamesTheKneeAndTheEndsOfTheFrontWithoutAWish) {
+  const AccuracyAdvice advice = advise(rows(), {});
+  EXPECT_EQ(advice.front, (std::vector<std::size_t>{0, 2, 3}));
+  EXPECT_EQ(advice.knee, 2u);
+  EXPECT_EQ(advice.row, 2u);
+  EXPECT_FALSE(advice.met);
+  expect_says(advice, {"3 settings", "original/area", "the fastest", "e = 1 mm (90 us, 0.05 deg), the most accurate",
+                       "knee is field/area, e = 4 mm", "falls 10 times, for 9 times the time"});
+}
+
+TEST(AccuracyAdvice, NamesBothEndsOfAFrontOfTwoAndTheOneOfAFrontOfOne) {
+  const std::vector<AccuracyRow> two{rows()[0], rows()[3]};
+  const AccuracyAdvice ends = advise(two, {});
+  EXPECT_FALSE(ends.row);
+  expect_says(ends, {"2 settings", "fastest", "most accurate"});
+  const AccuracyAdvice one = advise({rows()[2]}, {});
+  EXPECT_EQ(one.row, 0u);
+  expect_says(one, {"field/area, e = 4 mm (10 us, 0.5 deg) is both"});
+}
+
+TEST(AccuracyAdvice, NeverChoosesWhatWasRefusedOrNeverTouchedOrIsNotANumber) {
+  AccuracyRow untouched = row(ContactModelKind::kAdapted, 0.002, 1, 0.0);
+  untouched.contacts = 0;
+  AccuracyRow odd = row(ContactModelKind::kAdapted, 0.002, 1, std::numeric_limits<double>::quiet_NaN());
+  const std::vector<AccuracyRow> all{refused(), untouched, odd, rows()[1]};
+  for (const AccuracyWish& wish : {AccuracyWish{}, AccuracyWish{.direction_deg = 1}, AccuracyWish{.direction_deg = 90},
+                                   AccuracyWish{.within_us = 1}, AccuracyWish{.within_us = 1e6}})
+    EXPECT_EQ(advise(all, wish).row, 3u) << advise(all, wish).sentence;
+}
+
+TEST(AccuracyAdvice, ARowWithoutTheWantedFigureDoesNotKeepTheWish) {
+  std::vector<AccuracyRow> all = rows();
+  for (AccuracyRow& r : all) r.magnitude_noise = std::numeric_limits<double>::quiet_NaN();
+  all[3].magnitude_noise = 0.5;
+  const AccuracyAdvice advice = advise(all, {.noise = 0.1});
+  EXPECT_EQ(advice.row, 3u);
+  EXPECT_EQ(advice.met, false);
+  all.pop_back();
+  const AccuracyAdvice none = advise(all, {.noise = 0.1});
+  EXPECT_FALSE(none.row);
+  EXPECT_EQ(none.met, false);
+  expect_says(none, {"the magnitude noise could not be measured"});
+}
+
+TEST(AccuracyAdvice, SaysSoWhereNothingCouldBeJudged) {
+  for (const AccuracyWish& wish : {AccuracyWish{}, AccuracyWish{.direction_deg = 1}, AccuracyWish{.within_us = 1}}) {
+    const AccuracyAdvice advice = advise({refused(), refused()}, wish);
+    EXPECT_FALSE(advice.row);
+    EXPECT_NE(advice.met, true);
+    expect_says(advice, {"None of the 2 settings"});
+  }
+  EXPECT_FALSE(advise({}, {}).row);
+}
+
+TEST(AccuracyAdvice, DoesNotTellErrorsApartThatNoHandFeels) {
+  const std::vector<AccuracyRow> alike{row(ContactModelKind::kAdapted, 0.002, 5, 1e-7),
+                                       row(ContactModelKind::kField, 0.002, 50, 0.0)};
+  const AccuracyAdvice advice = advise(alike, {});
+  EXPECT_EQ(advice.front, std::vector<std::size_t>{0});
+  expect_says(advice, {"under 0.001 deg"});
+  EXPECT_EQ(advise(alike, {.within_us = 100}).row, 0u);
+}
+
+TEST(AccuracyAdvice, TakesTheFasterThenTheSmallerThenTheFirstOfEquals) {
+  std::vector<AccuracyRow> equals{row(ContactModelKind::kAdapted, 0.002, 5, 1.0),
+                                  row(ContactModelKind::kField, 0.002, 5, 1.0),
+                                  row(ContactModelKind::kField, 0.001, 5, 1.0)};
+  EXPECT_EQ(advise(equals, {.direction_deg = 2}).row, 0u);
+  equals[1].bytes = 10;
+  EXPECT_EQ(advise(equals, {.direction_deg = 2}).row, 1u);
+  EXPECT_EQ(advise(equals, {.within_us = 9}).row, 1u);
+  equals[2].median_us = 4;
+  EXPECT_EQ(advise(equals, {.direction_deg = 2}).row, 2u);
+}
+
+TEST(AccuracyWish, RefusesWhatCannotBeWanted) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {0.0, -1.0, nan, inf}) {
+    EXPECT_THROW(AccuracyWish{.direction_deg = bad}.validate(), std::invalid_argument) << bad;
+    EXPECT_THROW(AccuracyWish{.noise = bad}.validate(), std::invalid_argument) << bad;
+    EXPECT_THROW(AccuracyWish{.torque_m = bad}.validate(), std::invalid_argument) << bad;
+    EXPECT_THROW(AccuracyWish{.onset_m = bad}.validate(), std::invalid_argument) << bad;
+    EXPECT_THROW(AccuracyWish{.within_us = bad}.validate(), std::invalid_argument) << bad;
+  }
+  EXPECT_THROW((AccuracyWish{.noise = 1, .within_us = 5}.validate()), std::invalid_argument);
+  EXPECT_NO_THROW((AccuracyWish{.direction_deg = 1, .noise = 1}.validate()));
+  EXPECT_NO_THROW(AccuracyWish{}.validate());
+}
+
+TEST(AccuracySettingNames, TellTheShellOnlyWhereItIsAnother) {
+  AccuracySetting s{ContactModelKind::kAdapted, PointWeights::kOne, 0.002, 0.002};
+  EXPECT_EQ(describe(s), "adapted/one, e = 2 mm");
+  s.shell_voxel_m = 0.0005;
+  EXPECT_EQ(describe(s), "adapted/one, e = 2 mm, shell 0.5 mm");
+}
+
+}  // namespace
+}  // namespace voxtouch

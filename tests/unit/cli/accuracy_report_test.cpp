@@ -1,0 +1,149 @@
+/// What `voxtouch accuracy` says of its rows: for a person, a machine and a spreadsheet.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/unit/cli/accuracy_support.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+using test::accuracy_report;
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> out;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) out.push_back(line);
+  return out;
+}
+
+/// Lines of the table that start with marks, weights and e.
+std::vector<std::string> rows_of(const std::string& text) {
+  std::vector<std::string> out;
+  for (const std::string& line : lines(text))
+    if (line.size() > 12 && (line.substr(5, 4) == "one " || line.substr(5, 5) == "area ")) out.push_back(line);
+  return out;
+}
+
+TEST(AccuracyText, GroupsRowsByModelAndMarksTheFrontAndTheAdvisedRow) {
+  const std::string text = to_text(accuracy_report());
+  const auto rows = rows_of(text);
+  ASSERT_EQ(rows.size(), 6u) << text;
+  EXPECT_EQ(rows[0].substr(0, 5), "  *  ");
+  EXPECT_EQ(rows[1].substr(0, 5), "     ");
+  EXPECT_EQ(rows[2].substr(0, 5), "  *> ");
+  EXPECT_EQ(rows[3].substr(0, 5), "  *  ");
+  std::size_t groups = 0;
+  for (const std::string& line : lines(text))
+    groups += line == "  original" || line == "  adapted" || line == "  field";
+  EXPECT_EQ(groups, 3u);
+}
+
+TEST(AccuracyText, AlignsItsColumnsUnderTheirHeads) {
+  const auto all = lines(to_text(accuracy_report()));
+  const auto rows = rows_of(to_text(accuracy_report()));
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(rows[i].size(), rows[0].size()) << rows[i];
+  const auto units =
+      std::find_if(all.begin(), all.end(), [](const auto& l) { return l.find("[MB]") != std::string::npos; });
+  ASSERT_NE(units, all.end());
+  EXPECT_EQ(units->size(), rows[0].size()) << *units << "\n" << rows[0];
+  for (const char* head : {"median", "p95", "[%]", "worst", "[MB]"}) {
+    const std::size_t end = units->find(head) + std::string(head).size();
+    EXPECT_TRUE(std::isdigit(static_cast<unsigned char>(rows[0][end - 1]))) << head;
+    EXPECT_TRUE(end == rows[0].size() || rows[0][end] == ' ') << head;
+  }
+}
+
+TEST(AccuracyText, KeepsItsColumnsForFiguresOfAnySize) {
+  AccuracyReport report = accuracy_report();
+  report.rows[0].worst_us = 123456.0, report.rows[0].direction_median_deg = 179.99,
+  report.rows[1].onset_worst_m = -0.0123;
+  report.rows[1].torque_error_m = 1e-12, report.rows[3].magnitude_noise = std::numeric_limits<double>::quiet_NaN();
+  const auto rows = rows_of(to_text(report));
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(rows[i].size(), rows[2].size()) << rows[i];
+  EXPECT_EQ(rows[1].find("e-"), std::string::npos);
+}
+
+TEST(AccuracyText, ShowsRefusedRowsWithTheReasonAndRowsWithoutContactAsSuch) {
+  const std::string text = to_text(accuracy_report());
+  const auto rows = rows_of(text);
+  EXPECT_NE(rows[4].find("refused: it would need 80 GB"), std::string::npos) << rows[4];
+  EXPECT_NE(rows[5].find("no pose met the wall"), std::string::npos) << rows[5];
+  EXPECT_EQ(rows[5].find("0.00"), std::string::npos) << "zeros would look like perfection";
+}
+
+TEST(AccuracyText, SaysUnderWhatConditionsAndEndsWithTheAdvice) {
+  const AccuracyReport report = accuracy_report({.direction_deg = 1.0});
+  const std::string text = to_text(report);
+  for (const char* word : {"cup & saucer", "seed 7", "40 contacts", "0.5 e", "Some(R) CPU", "2 CPUs",
+                           "load 0.5 before and 1.5 after", "gcc 12", "-O3", "compare their ratios"})
+    EXPECT_NE(text.find(word), std::string::npos) << word << " in\n" << text;
+  EXPECT_TRUE(text.ends_with(report.advice.sentence + "\n")) << text;
+}
+
+TEST(AccuracyJson, HoldsRowsOptionsConditionsAndAdvice) {
+  const nlohmann::json j = nlohmann::json::parse(to_json(accuracy_report({.noise = 0.03})).dump());
+  EXPECT_EQ(j["ok"], true);
+  EXPECT_EQ(j["options"], nlohmann::json({{"seed", 7}, {"contacts", 40}, {"depth_edges", 0.5}}));
+  EXPECT_EQ(j["wish"]["noise"], 0.03);
+  EXPECT_TRUE(j["wish"]["within_us"].is_null());
+  EXPECT_EQ(j["conditions"]["processor"], "Some(R) CPU");
+  EXPECT_EQ(j["conditions"]["load_after"], 1.5);
+  EXPECT_EQ(j["conditions"]["flags"], "-O3");
+  ASSERT_EQ(j["rows"].size(), 6u);
+  EXPECT_EQ(j["rows"][2]["model"], "field");
+  EXPECT_EQ(j["rows"][2]["weights"], "area");
+  EXPECT_EQ(j["rows"][2]["voxel_m"], 0.004);
+  EXPECT_EQ(j["rows"][2]["direction_median_deg"], 0.5);
+  EXPECT_EQ(j["rows"][2]["onset_error_m"], -2e-4);
+  EXPECT_EQ(j["rows"][2]["pareto"], true);
+  EXPECT_EQ(j["rows"][2]["recommended"], true);
+  EXPECT_EQ(j["rows"][1]["pareto"], false);
+  EXPECT_EQ(j["advice"]["row"], 2);
+  EXPECT_EQ(j["advice"]["met"], true);
+  EXPECT_EQ(j["advice"]["front"], nlohmann::json({0, 2, 3}));
+  EXPECT_NE(j["advice"]["sentence"].get<std::string>().find("cheapest"), std::string::npos);
+}
+
+TEST(AccuracyJson, EveryRowHasTheSameKeysAndNoFigureThatWasNotMeasured) {
+  AccuracyReport report = accuracy_report();
+  report.rows[1].torque_error_m = std::numeric_limits<double>::quiet_NaN();
+  const nlohmann::ordered_json rows = to_json(report)["rows"];
+  for (const auto& row : rows) {
+    ASSERT_EQ(row.size(), rows[0].size());
+    for (const auto& [key, value] : rows[0].items()) EXPECT_TRUE(row.contains(key)) << key;
+  }
+  EXPECT_TRUE(rows[1]["torque_error_m"].is_null());
+  EXPECT_EQ(rows[4]["refused"], report.rows[4].refused);
+  EXPECT_TRUE(rows[4]["direction_median_deg"].is_null());
+  EXPECT_TRUE(rows[4]["bytes"].is_null());
+  EXPECT_TRUE(rows[5]["refused"].is_null());
+  EXPECT_TRUE(rows[5]["direction_median_deg"].is_null());
+  EXPECT_EQ(rows[5]["shell_points"], 8);
+}
+
+TEST(AccuracyJson, IsNotOkWhereTheWishIsNotMetOrNothingWasMeasured) {
+  EXPECT_EQ(to_json(accuracy_report({.direction_deg = 1e-3}))["ok"], false);
+  AccuracyReport none = accuracy_report();
+  none.rows = {none.rows[4]};
+  none.advice = advise(none.rows, {});
+  EXPECT_EQ(to_json(none)["ok"], false);
+  EXPECT_TRUE(to_json(none)["advice"]["row"].is_null());
+}
+
+TEST(AccuracyCsv, HasAHeaderAndACellForEveryColumnAndQuotesReasons) {
+  const auto all = lines(to_csv(accuracy_report()));
+  ASSERT_EQ(all.size(), 7u);
+  const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
+  EXPECT_TRUE(all[0].starts_with("model,weights,voxel_m,")) << all[0];
+  for (std::size_t i : {1u, 2u, 3u, 4u, 6u}) EXPECT_EQ(commas(all[i]), commas(all[0])) << all[i];
+  EXPECT_EQ(all[1], "original,one,0.004,0.004,1300,300000,40,8,16,0.4,0.0001,-0.0002,0.0005,5,15,0.25,1,0,");
+  EXPECT_TRUE(all[3].ends_with(",1,1,")) << all[3];
+  EXPECT_EQ(all[5], "field,area,0.0001,0.0001,,,0,,,,,,,,,,0,0,\"it would need 80 GB, \"\"too much\"\" <here>\"");
+}
+
+}  // namespace
+}  // namespace voxtouch::cli

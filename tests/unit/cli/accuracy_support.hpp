@@ -1,0 +1,113 @@
+#pragma once
+/// Rows as a run would give them, and a look at SVG as XML.
+#include <cctype>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "nodes/cli/accuracy_report.hpp"
+
+namespace voxtouch::test {
+
+inline AccuracyRow accuracy_row(ContactModelKind model, PointWeights weights, double voxel_m, double time_us,
+                                double direction_deg) {
+  AccuracyRow r;
+  r.setting = {model, weights, voxel_m, voxel_m};
+  r.shell_points = 1300;
+  r.bytes = 300'000;
+  r.contacts = 40;
+  r.direction_median_deg = direction_deg;
+  r.direction_p95_deg = 2.0 * direction_deg;
+  r.magnitude_noise = 0.05 * direction_deg;
+  r.torque_error_m = 1e-4;
+  r.onset_error_m = -2e-4;
+  r.onset_worst_m = 5e-4;
+  r.median_us = time_us;
+  r.worst_us = 3.0 * time_us;
+  r.build_s = 0.25;
+  return r;
+}
+
+/// Rows 0, 2 and 3 are the front, row 2 its knee; row 4 was refused, row 5 never met the wall.
+inline cli::AccuracyReport accuracy_report(const AccuracyWish& wish = {}) {
+  cli::AccuracyReport r;
+  r.scene = "cup & saucer";
+  r.scene_hash = "0123456789abcdef";
+  r.scene_voxel_m = 0.002;
+  r.seed = 7, r.contacts = 40, r.depth_edges = 0.5;
+  r.wish = wish;
+  r.rows = {accuracy_row(ContactModelKind::kOriginal, PointWeights::kOne, 0.004, 5, 8),
+            accuracy_row(ContactModelKind::kAdapted, PointWeights::kOne, 0.002, 20, 2.3),
+            accuracy_row(ContactModelKind::kField, PointWeights::kArea, 0.004, 10, 0.5),
+            accuracy_row(ContactModelKind::kField, PointWeights::kArea, 0.001, 90, 0.05),
+            {},
+            {}};
+  r.rows[4].setting = {ContactModelKind::kField, PointWeights::kArea, 0.0001, 0.0001};
+  r.rows[4].refused = "it would need 80 GB, \"too much\" <here>";
+  r.rows[5].setting = {ContactModelKind::kField, PointWeights::kArea, 0.5, 0.5};
+  r.rows[5].shell_points = 8;
+  r.advice = advise(r.rows, wish);
+  r.machine = {.version = "0.1.0", .processor = "Some(R) CPU", .cpus = 2, .compiler = "gcc 12", .flags = "-O3"};
+  r.load_before = 0.5, r.load_after = 1.5;
+  return r;
+}
+
+/// Throws where `text` is not one well-formed element: tags that do not close in their order, attributes without quotes or twice, an
+/// ampersand that starts no entity. (No comments, processing instructions or CDATA: to_svg writes none.) Gives the number of elements.
+inline std::size_t count_elements(const std::string& text) {
+  std::vector<std::string> open;
+  std::size_t elements = 0, i = 0;
+  const auto fail = [&](const std::string& what) {
+    throw std::runtime_error(what + " at byte " + std::to_string(i) + ": " + text.substr(i, 60));
+  };
+  const auto name = [&] {
+    const std::size_t begin = i;
+    while (i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) || text[i] == '-' || text[i] == ':'))
+      ++i;
+    if (i == begin) fail("no name");
+    return text.substr(begin, i - begin);
+  };
+  const auto character = [&] {
+    if (text[i] == '<') fail("a bare <");
+    if (text[i] == '&') {
+      const std::size_t end = text.find(';', i);
+      const std::string entity = end == std::string::npos ? "" : text.substr(i + 1, end - i - 1);
+      if (entity != "amp" && entity != "lt" && entity != "gt" && entity != "quot") fail("a bare &");
+    }
+    ++i;
+  };
+  while (i < text.size()) {
+    if (text[i] != '<') {
+      if (open.empty() && !std::isspace(static_cast<unsigned char>(text[i]))) fail("text outside the root");
+      character();
+      continue;
+    }
+    ++i;
+    if (text[i] == '/') {
+      ++i;
+      if (const std::string closed = name(); open.empty() || open.back() != closed) fail("</" + closed + ">");
+      open.pop_back();
+    } else {
+      if (open.empty() && elements > 0) fail("a second root");
+      open.push_back(name());
+      ++elements;
+      std::vector<std::string> seen;
+      while (i < text.size() && text[i] == ' ') {
+        ++i;
+        seen.push_back(name());
+        for (std::size_t k = 0; k + 1 < seen.size(); ++k)
+          if (seen[k] == seen.back()) fail("attribute twice");
+        if (text.compare(i, 2, "=\"") != 0) fail("no quoted value");
+        for (i += 2; i < text.size() && text[i] != '"';) character();
+        ++i;
+      }
+      if (i < text.size() && text[i] == '/') open.pop_back(), ++i;
+    }
+    if (i >= text.size() || text[i] != '>') fail("no >");
+    ++i;
+  }
+  if (!open.empty()) fail("<" + open.back() + "> is never closed");
+  return elements;
+}
+
+}  // namespace voxtouch::test
