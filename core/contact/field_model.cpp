@@ -26,6 +26,13 @@ void add_push(const Hit& hit, const FieldSample& sample, double depth, Sums& sum
   sums.along.add(hit.arm, sample.gradient, 0.5 * hit.weight / steepness);  // |g|/2 h h' = g g' / (2 |g|)
 }
 
+/// Whether moving the point deeper would meet no more push: beyond what the field holds; near the middle of a body, where
+/// the gradient fades; or beyond it, where the push points away from the nearest way out.
+bool at_its_end(const Hit& hit, const FieldSample& sample) noexcept {
+  constexpr double kFlat = contact_limits::kFlatGradient;
+  return sample.saturated || sample.gradient.squaredNorm() < kFlat * kFlat || hit.normal.dot(sample.gradient) < -kFlat;
+}
+
 }  // namespace
 
 void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noexcept {
@@ -47,9 +54,7 @@ void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noex
       const double depth = -sample.distance_m;
       if (!(depth > 0.0)) continue;
       add_push(hit, sample, depth, sums);
-      if (sample.saturated ||
-          sample.gradient.squaredNorm() < contact_limits::kFlatGradient * contact_limits::kFlatGradient)
-        result.saturated = true;
+      result.saturated = result.saturated || at_its_end(hit, sample);
       if (depth > result.deepest_depth_m) {
         result.deepest_depth_m = depth;
         result.deepest_point = hits.pose.position + hit.arm;

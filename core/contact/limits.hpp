@@ -31,7 +31,7 @@ inline constexpr double kAgreeTo = 0.5;
 /// A point that moved more than this between two poses may have jumped the surface layer's force zone.
 inline constexpr double kFastEdges = 0.5;
 
-/// `field`: where the distance changes more slowly than this the point is near the middle of a body, and its push grows no
+/// `field`, see ContactResult::saturated: where the distance changes more slowly than this the point is near the middle of a body, and its push grows no
 /// more. Two faces that meet at a right angle keep 0.71 on the plane between them, three 0.58.
 inline constexpr double kFlatGradient = 0.5;
 
