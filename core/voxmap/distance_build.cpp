@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -15,8 +14,6 @@ namespace {
 constexpr int kEdge = DistanceField::kBrickEdge, kNodes = DistanceField::kNodeEdge;
 /// From a brick's centre to its corners, and a little for rounding.
 constexpr double kBrickRadius = 4.0 * 1.7320509;
-/// The neighbouring node is one voxel away, and distances are 1-Lipschitz.
-constexpr double kStep = 1.0 + 1e-6;
 
 constexpr std::size_t node_index(int x, int y, int z) {
   return static_cast<std::size_t>(x + kNodes * (y + kNodes * z));
@@ -58,17 +55,44 @@ ClosedShells closed_shells_of(const GridMesh& mesh) {
   return find_closed_shells(mesh, welded, judge_triangles(mesh, welded));
 }
 
-/// Largest square of the gradient in the voxel whose first node is `d`. Each component is linear along each axis, so its
-/// square is convex along each, and the sum is largest at one of the eight corners.
-double steepest_square(const float* d) noexcept {
+/// Eight values at the corners of a box, and what the interpolation between them does.
+using Corners = std::array<double, 8>;  // corner (x, y, z) at x + 2 y + 4 z
+
+double interpolated(const Corners& d, const Vec3& t) noexcept {
+  double sum = 0.0;
+  for (std::size_t n = 0; n < 8; ++n)
+    sum += d[n] * (n & 1 ? t.x() : 1.0 - t.x()) * (n & 2 ? t.y() : 1.0 - t.y()) * (n & 4 ? t.z() : 1.0 - t.z());
+  return sum;
+}
+
+/// Largest square of the gradient in a box of side `side`. Each component is linear along each axis, so its square is convex
+/// along each, and the sum is largest at one of the eight corners.
+double steepest_square(const Corners& d, double side) noexcept {
   double steepest = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
-    const auto at = [&](int i, int j, int k) { return static_cast<double>(d[node_index(i, j, k)]); };
-    const Vec3 gradient(at(1, y, z) - at(0, y, z), at(x, 1, z) - at(x, 0, z), at(x, y, 1) - at(x, y, 0));
-    steepest = std::max(steepest, gradient.squaredNorm());
+  for (std::size_t n = 0; n < 8; ++n) {
+    const Vec3 differences(d[n | 1] - d[n & ~std::size_t{1}], d[n | 2] - d[n & ~std::size_t{2}],
+                           d[n | 4] - d[n & ~std::size_t{4}]);
+    steepest = std::max(steepest, differences.squaredNorm());
   }
-  return steepest;
+  return steepest / (side * side);
+}
+
+/// The same where the interpolation is below 0, to an eighth of the voxel, or `best` if that is more: outside a convex edge
+/// distances fan out, which is steep and pushes nothing.
+double steepest_square_inside(const Corners& d, double side, int splits, double best) noexcept {
+  const auto [least, most] = std::minmax_element(d.begin(), d.end());
+  if (*least >= 0.0) return best;
+  const double whole = steepest_square(d, side);
+  if (whole <= best) return best;
+  if (splits == 0 || *most < 0.0) return whole;
+  for (int part = 0; part < 8; ++part) {
+    const Vec3 low = Vec3(part & 1, part >> 1 & 1, part >> 2) / 2.0;
+    Corners octant{};
+    for (int n = 0; n < 8; ++n)
+      octant[static_cast<std::size_t>(n)] = interpolated(d, low + Vec3(n & 1, n >> 1 & 1, n >> 2) / 2.0);
+    best = steepest_square_inside(octant, side / 2.0, splits - 1, best);
+  }
+  return best;
 }
 
 }  // namespace
@@ -169,19 +193,17 @@ class DistanceFieldBuilder {
   void fill_brick(const VoxelIndex& first, DistanceField::Brick& brick) const {
     const Kinds kinds(voxmap_, first);
     std::vector<std::uint32_t> above;
+    std::uint32_t place = DistanceTree::kNoPlace;
     for (int z = 0; z < kNodes; ++z)
-      for (int y = 0; y < kNodes; ++y) {
-        double last = std::numeric_limits<double>::infinity();  // of the neighbour, where it was not cut off
+      for (int y = 0; y < kNodes; ++y)
         for (int x = 0; x < kNodes; ++x) {
           const Vec3 node(first.i + x, first.j + y, first.k + z);
           const VoxelKind side = kinds.side(x, y, z);
           const bool inside = side == VoxelKind::kSurface ? inside_exactly(node, above) : side == VoxelKind::kInterior;
           const double limit = inside ? field_.depth_voxels_ : field_.band_voxels_;
-          const double distance = tree_.nearest(node, std::min(limit, last + kStep));
-          last = distance < limit ? distance : std::numeric_limits<double>::infinity();
+          const double distance = tree_.nearest(node, limit, place);
           brick[node_index(x, y, z)] = static_cast<float>(inside ? -distance : distance);
         }
-      }
   }
 
   /// A node among surface voxels only. One on a triangle may come out either way; its distance is 0.
@@ -192,14 +214,14 @@ class DistanceFieldBuilder {
   }
 
   static double steepest_in(const DistanceField::Brick& brick) noexcept {
-    double steepest = 0.0;
+    double steepest = 1.0;
     for (int z = 0; z < kEdge; ++z)
       for (int y = 0; y < kEdge; ++y)
         for (int x = 0; x < kEdge; ++x) {
           const float* const d = &brick[node_index(x, y, z)];
-          bool inside = false;
-          for (int n = 0; n < 8; ++n) inside = inside || d[node_index(n & 1, n >> 1 & 1, n >> 2)] < 0.0F;
-          if (inside) steepest = std::max(steepest, steepest_square(d));
+          Corners voxel{};
+          for (int n = 0; n < 8; ++n) voxel[static_cast<std::size_t>(n)] = d[node_index(n & 1, n >> 1 & 1, n >> 2)];
+          steepest = steepest_square_inside(voxel, 1.0, 3, steepest);
         }
     return steepest;
   }

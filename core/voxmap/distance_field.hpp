@@ -61,9 +61,9 @@ class DistanceField {
   bool has_inside() const noexcept { return has_inside_; }
   /// Depth at which the field stops to grow [m].
   double depth_m() const noexcept { return grid_.edge * depth_voxels_; }
-  /// Largest length of the gradient in any voxel that has a node inside: how much steeper than the true distance, whose
-  /// gradient has length 1, the interpolation gets. 1 over flat walls; where walls meet in a concave edge up to sqrt(2), in a
-  /// concave corner up to sqrt(3) (three differences of at most one each).
+  /// Bound of the gradient's length wherever the interpolated distance is below 0: how much steeper than the true distance,
+  /// whose gradient has length 1, the interpolation gets. 1 over flat walls; more where surfaces meet in an edge, up to sqrt(2)
+  /// in a concave edge and sqrt(3) in a concave corner (three differences of at most one each).
   double steepest_gradient() const noexcept { return steepest_gradient_; }
 
  private:

@@ -18,6 +18,10 @@ class DistanceTree {
   /// is its plane's where that lies within all three edges, else the nearest of the edges that `p` lies beyond; a triangle
   /// without area is its edges.
   double nearest(const Vec3& p, double bound) const noexcept;
+  /// The same, starting from the triangle that was nearest to a place close by, which makes it faster and changes nothing.
+  /// `place`: of that triangle in this tree, kNoPlace at first; then of the one found.
+  double nearest(const Vec3& p, double bound, std::uint32_t& place) const noexcept;
+  static constexpr std::uint32_t kNoPlace = 0xffffffff;
 
   /// Calls f(triangle) for each triangle whose box meets the ray from `origin` along `direction`, any length of it.
   template <class F>

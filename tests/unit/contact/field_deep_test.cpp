@@ -13,7 +13,9 @@ namespace {
 constexpr double kEdge = 1e-3;
 
 /// A plate about the origin, `thickness` along the z axis of `turn`.
-TriangleMesh plate(double thickness, const Quat& turn) { return box_mesh(Vec3(0.07, 0.07, thickness), {Vec3::Zero(), turn}); }
+TriangleMesh plate(double thickness, const Quat& turn) {
+  return box_mesh(Vec3(0.07, 0.07, thickness), {Vec3::Zero(), turn});
+}
 
 const std::vector<Quat> kTurns = {Quat::Identity(), Quat(Eigen::AngleAxisd(0.5, Vec3(2, 1, -1).normalized()))};
 

@@ -49,7 +49,8 @@ void walk(const char* name, const Ground& ground, const TriangleMesh& tool, cons
         double bound = 0.0;
         for (std::size_t p = 0; p < now.size(); ++p) {
           if (now[p] > 0.0 || before[p] > 0.0)
-            bound += kPressure * renderer.query().shell().area_m2[p] * (steepest * s + std::max(now[p], before[p]) * theta);
+            bound +=
+                kPressure * renderer.query().shell().area_m2[p] * (steepest * s + std::max(now[p], before[p]) * theta);
           entered += now[p] > 0.0 && !(before[p] > 0.0);
           left += before[p] > 0.0 && !(now[p] > 0.0);
         }
@@ -62,8 +63,10 @@ void walk(const char* name, const Ground& ground, const TriangleMesh& tool, cons
       before = now, force_before = force, last = pose;
     }
   }
-  std::printf("%s: %d steps, %d entered, %d left; largest step %.3g N (forces up to %.3g N), at most %.3f of its bound, G %.3f\n", name,
-              steps, entered, left, worst_step, largest_force, worst_share, steepest);
+  std::printf(
+      "%s: %d steps, %d entered, %d left; largest step %.3g N (forces up to %.3g N), at most %.3f of its bound, G "
+      "%.3f\n",
+      name, steps, entered, left, worst_step, largest_force, worst_share, steepest);
   EXPECT_EQ(broken, 0) << name;
   EXPECT_GT(entered, 50) << name;
   EXPECT_GT(left, 20) << name;
@@ -75,9 +78,12 @@ TEST(FieldMotion, HasNoStepOverTheEdgeAndDownTheSideOfABox) {
   const Ball tool(6 * kEdge, 4);
   const Ground ground(box_mesh(Vec3(0.03, 0.03, 0.03), {Vec3(0.3, 0.2, 0.1) * kEdge, turned_by(0.3)}), kEdge, 3.0);
   const Quat turn = turned_by(0.3);
-  const auto at = [&](double x, double z, double angle) { return tool.posed(turn * Vec3(x, 0.001, z), turned_by(angle)); };
+  const auto at = [&](double x, double z, double angle) {
+    return tool.posed(turn * Vec3(x, 0.001, z), turned_by(angle));
+  };
   walk("box", ground, tool.mesh,
-       {at(0.008, 0.0225, 0), at(0.008, 0.0155, 0.2), at(0.019, 0.0155, 0.5), at(0.0195, 0.012, 0.4), at(0.023, 0.012, 0.4)});
+       {at(0.008, 0.0225, 0), at(0.008, 0.0155, 0.2), at(0.019, 0.0155, 0.5), at(0.0195, 0.012, 0.4),
+        at(0.023, 0.012, 0.4)});
 }
 
 TEST(FieldMotion, HasNoStepInTheGrooveBetweenOverlappingBoxes) {
@@ -86,8 +92,11 @@ TEST(FieldMotion, HasNoStepInTheGrooveBetweenOverlappingBoxes) {
   const Ground ground(joined(box_mesh(Vec3(0.04, 0.04, 0.012), {Vec3::Zero(), turn}),
                              box_mesh(Vec3(0.012, 0.04, 0.04), {turn * Vec3(-0.014, 0, 0.01), turn})),
                       kEdge);
-  const auto at = [&](double x, double z, double angle) { return tool.posed(turn * Vec3(x, 0.001, z), turned_by(angle)); };
-  walk("groove", ground, tool.mesh, {at(0.004, 0.0125, 0), at(0.004, 0.010, 0.1), at(-0.004, 0.010, 0.3), at(-0.003, 0.0135, 0.3)});
+  const auto at = [&](double x, double z, double angle) {
+    return tool.posed(turn * Vec3(x, 0.001, z), turned_by(angle));
+  };
+  walk("groove", ground, tool.mesh,
+       {at(0.004, 0.0125, 0), at(0.004, 0.010, 0.1), at(-0.004, 0.010, 0.3), at(-0.003, 0.0135, 0.3)});
 }
 
 TEST(FieldMotion, HasNoStepOnTheWayThroughAPlateAndOut) {
@@ -123,11 +132,17 @@ TEST(FieldMotion, SlidingRoundAClosedLoopGivesHardlyAnyEnergy) {
   };
   const Quat turn = turned_by(0.6);
   const Ground plane(box_mesh(Vec3(0.06, 0.06, 0.02), {Vec3::Zero(), turn}), kEdge, 3.0);
-  loop("circle on an oblique plane", plane,
-       [&](double a) -> Vec3 { return turn * Vec3(0.005 * std::cos(a), 0.005 * std::sin(a), 0.01 + 15e-3 - 0.5e-3); }, 1e-4);
+  loop(
+      "circle on an oblique plane", plane,
+      [&](double a) -> Vec3 { return turn * Vec3(0.005 * std::cos(a), 0.005 * std::sin(a), 0.01 + 15e-3 - 0.5e-3); },
+      1e-4);
   const Ground cylinder(cylinder_mesh(0.02, 0.05, 360), kEdge, 3.0);
-  loop("round a cylinder", cylinder,
-       [](double a) -> Vec3 { return {0.0345 * std::cos(a), 0.0345 * std::sin(a), 0.001}; }, 1e-4);
+  loop(
+      "round a cylinder", cylinder,
+      [](double a) -> Vec3 {
+        return {0.0345 * std::cos(a), 0.0345 * std::sin(a), 0.001};
+      },
+      1e-4);
 }
 
 }  // namespace

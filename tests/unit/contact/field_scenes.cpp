@@ -36,8 +36,8 @@ void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, int splits, const
 TriangleMesh box_mesh(const Vec3& size, const Pose& pose) {
   TriangleMesh mesh;
   for (int n = 0; n < 8; ++n)
-    mesh.vertices.push_back(pose * (0.5 * Vec3(n & 1 ? size.x() : -size.x(), n & 2 ? size.y() : -size.y(),
-                                               n & 4 ? size.z() : -size.z())));
+    mesh.vertices.push_back(
+        pose * (0.5 * Vec3(n & 1 ? size.x() : -size.x(), n & 2 ? size.y() : -size.y(), n & 4 ? size.z() : -size.z())));
   mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   return mesh;
@@ -46,15 +46,16 @@ TriangleMesh box_mesh(const Vec3& size, const Pose& pose) {
 TriangleMesh sphere_mesh(double radius_m, int splits) {
   const double g = std::numbers::phi;
   TriangleMesh mesh;
-  mesh.vertices = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-  mesh.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                    {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                    {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  mesh.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  mesh.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                    {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                    {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   for (int n = 0; n < splits; ++n) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [place, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices.size()));
+      const auto [place, fresh] =
+          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices.size()));
       if (fresh) mesh.vertices.push_back((mesh.vertices[a].normalized() + mesh.vertices[b].normalized()).normalized());
       return place->second;
     };
@@ -82,7 +83,8 @@ TriangleMesh cylinder_mesh(double radius_m, double length_m, int sides) {
   mesh.vertices.emplace_back(0, 0, 0.5 * length_m);
   for (std::uint32_t s = 0; s < n; ++s) {
     const std::uint32_t a = 2 * s, b = 2 * ((s + 1) % n);
-    mesh.triangles.insert(mesh.triangles.end(), {{a, b, b + 1}, {a, b + 1, a + 1}, {b, a, 2 * n}, {a + 1, b + 1, 2 * n + 1}});
+    mesh.triangles.insert(mesh.triangles.end(),
+                          {{a, b, b + 1}, {a, b + 1, a + 1}, {b, a, 2 * n}, {a + 1, b + 1, 2 * n + 1}});
   }
   return mesh;
 }
@@ -95,7 +97,7 @@ TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
   return mesh;
 }
 
-TriangleMesh turned(TriangleMesh mesh) {
+TriangleMesh inside_out(TriangleMesh mesh) {
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }

@@ -16,7 +16,7 @@ TriangleMesh sphere_mesh(double radius_m, int splits);
 TriangleMesh cylinder_mesh(double radius_m, double length_m, int sides);
 TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b);
 /// Faces turned inside out.
-TriangleMesh turned(TriangleMesh mesh);
+TriangleMesh inside_out(TriangleMesh mesh);
 
 /// A static mesh as the model looks it up.
 struct Ground {
