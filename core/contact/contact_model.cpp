@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/contact/field_model.hpp"
 #include "core/contact/limits.hpp"
 #include "core/contact/stiffness_sum.hpp"
 
@@ -75,6 +76,14 @@ void push_along_mean_normal(const HitList& hits, double stiffness, ContactResult
   result.stiffness = sum.matrix(stiffness, mean);
 }
 
+std::unique_ptr<ContactModel> make_field_model(const ContactParameters& parameters, const ContactGround& ground) {
+  if (parameters.weights != PointWeights::kArea)
+    throw std::invalid_argument("contact: the model 'field' weighs points by their area; give the stiffness per area");
+  if (ground.field == nullptr)
+    throw std::invalid_argument("contact: the model 'field' looks up a distance field, and there is none; build it first");
+  return std::make_unique<FieldModel>(*ground.field, parameters.stiffness);
+}
+
 class OriginalModel final : public ContactModel {
  public:
   explicit OriginalModel(double stiffness) : stiffness_(stiffness) {}
@@ -122,7 +131,7 @@ bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept
 }
 
 std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters,
-                                                 const ContactGround&) {
+                                                 const ContactGround& ground) {
   const double stiffness = parameters.stiffness;
   if (!(stiffness > 0.0) || !std::isfinite(stiffness))
     throw std::invalid_argument("contact: the stiffness is " + std::to_string(stiffness) +
@@ -130,11 +139,11 @@ std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const Co
   switch (kind) {
     case ContactModelKind::kOriginal: return std::make_unique<OriginalModel>(stiffness);
     case ContactModelKind::kAdapted: return std::make_unique<AdaptedModel>(stiffness);
-    case ContactModelKind::kClustered:
-    case ContactModelKind::kField: break;
+    case ContactModelKind::kField: return make_field_model(parameters, ground);
+    case ContactModelKind::kClustered: break;
   }
   throw std::invalid_argument("contact: the model '" + std::string(name_of(kind)) +
-                              "' is not built yet; this version has 'original' and 'adapted'");
+                              "' is not built yet; this version has 'original', 'adapted' and 'field'");
 }
 
 }  // namespace voxtouch

@@ -46,6 +46,11 @@ struct ContactResult {
   /// fall where points go through.
   Mat6 stiffness = Mat6::Zero();
   bool fallback = false;                ///< normals face each other (coherence <= 0.3): `original` was used for this frame
+  /// `field` only: some point that pushes is deeper than the distances held; or so near the middle of a body that its depth
+  /// hardly grows any more (|gradient| < 1/2); or pushed away from the nearest way out (normal . gradient < -1/2): gone
+  /// through the middle of a thin wall, or on the back of a tool that is wholly inside. From here on going deeper need not
+  /// meet more force.
+  bool saturated = false;
   PoseStatus pose_status = PoseStatus::kUsable;
   std::uint32_t points_tested = 0;      ///< points that culling left to test
 };

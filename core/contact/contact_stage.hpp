@@ -42,6 +42,8 @@ struct StageConfig {
 /// that way (and by the turn from g to u_i), and strengthens it by at most K w_i sqrt(3)/2 e, which is the step of the plain law
 /// at any voxel border. A point that reaches free space forgets; without any contact the stage forgets all.
 ///
+/// `field` passes through with the fast flag only: it has neither a fallback to blend nor a layer to go through.
+///
 /// All memory is taken at construction; `apply` and `reset` are real-time safe. Not safe to share between threads.
 class ContactStage {
  public:

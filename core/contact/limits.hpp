@@ -31,6 +31,10 @@ inline constexpr double kAgreeTo = 0.5;
 /// A point that moved more than this between two poses may have jumped the surface layer's force zone.
 inline constexpr double kFastEdges = 0.5;
 
+/// `field`, see ContactResult::saturated: where the distance changes more slowly than this the point is near the middle of a body, and its push grows no
+/// more. Two faces that meet at a right angle keep 0.71 on the plane between them, three 0.58.
+inline constexpr double kFlatGradient = 0.5;
+
 /// Added to every radius of the culling tree: covers the rounding of u up to 2^31 voxels (about 1e-5) with room to spare.
 inline constexpr double kCullSafetyVoxels = 1e-3;
 

@@ -1,11 +1,15 @@
 #include "core/scene/build.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <stdexcept>
 
 #include "core/mesh/import.hpp"
 #include "core/pointshell/build_shell.hpp"
 #include "core/scene/contact_parameters.hpp"
 #include "core/scene/contact_range.hpp"
+#include "core/voxmap/distance_thickness.hpp"
 #include "core/voxmap/voxelise.hpp"
 
 namespace voxtouch {
@@ -32,14 +36,16 @@ void append(TriangleMesh& all, const TriangleMesh& mesh) {
   for (const auto& t : mesh.triangles) all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
 }
 
-/// All static meshes as one, in W.
-TriangleMesh import_static(const Scene& scene, BuildCounts& counts) {
+/// All static meshes as one, in W; `last_triangle`: the number of triangles up to each mesh, it included.
+TriangleMesh import_static(const Scene& scene, BuildCounts& counts, std::vector<std::size_t>& last_triangle) {
   TriangleMesh all;
   for (const MeshSpec& spec : scene.static_meshes) {
     const ImportedMesh imported = import(spec, scene.voxel_size_m);
     warn(counts, spec, imported);
     counts.closed = counts.closed && imported.report.closed;
+    if (!imported.report.closed) counts.open_meshes.push_back(spec.path.filename().string());
     append(all, imported.mesh);
+    last_triangle.push_back(all.triangles.size());
   }
   counts.static_triangles = all.triangles.size();
   return all;
@@ -57,15 +63,40 @@ auto with_hints(const BuildCounts& counts, Build&& build) {
   }
 }
 
+/// Only a body with an inside can push by depth.
+DistanceField build_field(const Scene& scene, const TriangleMesh& fixed, const std::vector<std::size_t>& last_triangle,
+                          const Voxmap& voxmap, const ParallelFor& parallel_for, BuildCounts& counts) {
+  DistanceField field =
+      with_hints(counts, [&] { return build_distance_field(fixed, voxmap, DistanceFieldOptions{}, parallel_for); });
+  if (!field.has_inside())
+    throw std::invalid_argument(fmt::format(
+        "{}: the contact model 'field' pushes by the depth inside a static mesh, but {}. Close the mesh, use a smaller "
+        "voxel_size, or choose the model 'adapted', which needs a surface only.",
+        scene.file.string(),
+        counts.open_meshes.size() == scene.static_meshes.size()
+            ? "no static mesh is closed, so none has an inside"
+            : fmt::format("at {:g} m no corner of a voxel lies in one", scene.voxel_size_m)));
+  counts.field_bytes = field.bytes();
+  counts.field_nodes = field.stored_nodes();
+  counts.field_depth_m = field.depth_m();
+  const ThinnestWall thinnest = thinnest_wall(fixed, voxmap.grid(), parallel_for);
+  const auto mesh = std::upper_bound(last_triangle.begin(), last_triangle.end(), std::size_t{thinnest.triangle});
+  counts.thinnest_m = thinnest.thickness_m;
+  counts.thinnest_mesh =
+      scene.static_meshes[static_cast<std::size_t>(mesh - last_triangle.begin())].path.filename().string();
+  return field;
+}
+
 std::uint64_t shell_bytes(const Pointshell& shell) {
   return shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
 }
 
 }  // namespace
 
-BuiltScene::BuiltScene(Voxmap voxmap, Pointshell shell, ContactModelKind model, const ContactParameters& parameters,
-                       Plan plan, double largest_shell_gap_m)
-    : voxmap_(std::move(voxmap)), renderer_(voxmap_, std::move(shell), model, parameters), plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
+BuiltScene::BuiltScene(Voxmap voxmap, std::optional<DistanceField> field, Pointshell shell, ContactModelKind model,
+                       const ContactParameters& parameters, Plan plan, double largest_shell_gap_m)
+    : voxmap_(std::move(voxmap)), field_(std::move(field)),
+      renderer_(voxmap_, std::move(shell), model, parameters, this->field()), plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
 
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
                                         std::optional<ContactModelKind> model, const Progress& progress) {
@@ -79,7 +110,8 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
 
   BuildCounts counts;
   step("reading the static meshes");
-  const TriangleMesh fixed = import_static(scene, counts);
+  std::vector<std::size_t> last_triangle;
+  const TriangleMesh fixed = import_static(scene, counts, last_triangle);
   step("voxmap of " + std::to_string(fixed.triangles.size()) + " triangles");
   Grid grid = default_grid(fixed, scene.voxel_size_m);
   if (scene.grid_origin) grid.origin = *scene.grid_origin;
@@ -87,6 +119,12 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   counts.surface_voxels = voxmap.surface_count();
   counts.interior_voxels = voxmap.interior_count();
   counts.voxmap_bytes = voxmap.bytes();
+
+  std::optional<DistanceField> field;
+  if (kind == ContactModelKind::kField) {
+    step("distance field");
+    field = build_field(scene, fixed, last_triangle, voxmap, parallel_for, counts);
+  }
 
   step("reading the dynamic mesh");
   const ImportedMesh moving = import(scene.dynamic_mesh, scene.voxel_size_m);
@@ -101,9 +139,9 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   counts.shell_points = shell.size();
   counts.shell_bytes = shell_bytes(shell);
   const ContactParameters parameters = contact_parameters(scene.contact, kind, shell);
-  const ContactStiffness contact = contact_stiffness(shell, parameters);
+  const ContactStiffness contact = contact_stiffness(shell, parameters, field ? field->steepest_gradient() : 1.0);
   counts.contact_n_per_m = contact.translation, counts.contact_nm_per_rad = contact.rotation;
-  return std::make_unique<BuiltScene>(std::move(voxmap), std::move(shell), kind, parameters,
+  return std::make_unique<BuiltScene>(std::move(voxmap), std::move(field), std::move(shell), kind, parameters,
                                       make_plan(scene, counts), largest_gap_m(points));
 }
 

@@ -2,12 +2,14 @@
 /// From a scene to something that renders: import, voxmap, pointshell, contact renderer, and the plan that tells of them.
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/contact/contact_renderer.hpp"
 #include "core/scene/plan.hpp"
 #include "core/scene/scene.hpp"
 #include "core/types/parallel.hpp"
+#include "core/voxmap/distance_field.hpp"
 #include "core/voxmap/voxmap.hpp"
 
 namespace voxtouch {
@@ -15,19 +17,23 @@ namespace voxtouch {
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.
 class BuiltScene {
  public:
-  BuiltScene(Voxmap voxmap, Pointshell shell, ContactModelKind model, const ContactParameters& parameters, Plan plan,
-             double largest_shell_gap_m);
+  /// `field`: for the contact model of that name, else none.
+  BuiltScene(Voxmap voxmap, std::optional<DistanceField> field, Pointshell shell, ContactModelKind model,
+             const ContactParameters& parameters, Plan plan, double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
 
   ContactRenderer& renderer() noexcept { return renderer_; }
   const Voxmap& voxmap() const noexcept { return voxmap_; }
+  /// Null where the contact model looks up none.
+  const DistanceField* field() const noexcept { return field_ ? &*field_ : nullptr; }
   const Plan& plan() const noexcept { return plan_; }
   /// Largest distance between shell points of neighbouring surface voxels [m].
   double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
 
  private:
   Voxmap voxmap_;
+  std::optional<DistanceField> field_;
   ContactRenderer renderer_;
   Plan plan_;
   double largest_shell_gap_m_;
@@ -37,7 +43,7 @@ class BuiltScene {
 using Progress = std::function<void(const std::string&)>;
 
 /// Reads the scene's meshes and builds what it calls for, and nothing else. `model` overrides the scene's contact model. Throws MeshError,
-/// VoxelBudgetError and std::invalid_argument, each a sentence.
+/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for `field` where no static mesh has an inside.
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
                                         std::optional<ContactModelKind> model = {}, const Progress& progress = {});
 

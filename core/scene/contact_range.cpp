@@ -12,10 +12,10 @@ constexpr double kRoundingUp = 1.0 + 1e-12;
 
 }  // namespace
 
-ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParameters& parameters) {
+ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParameters& parameters, double steepest) {
   ContactStiffness out;
   if (shell.size() == 0) return out;
-  const double stiffness = parameters.stiffness;
+  const double stiffness = parameters.stiffness * steepest;
   double heaviest = 0.0, weights = 0.0, largest_moment = 0.0;
   Mat3 inertia = Mat3::Zero();
   for (std::size_t p = 0; p < shell.size(); ++p) {

@@ -23,7 +23,11 @@ struct ContactStiffness {
 ///    of I together; that is at most sum K_i |r_i|^2 (its trace is twice that sum, and no eigenvalue exceeds the sum of the
 ///    other two), and two thirds of it for a ball.
 ///
+/// `steepest`: largest rate at which the depths of the points change on their way, 1 where they are depths below a plane;
+/// for `field` the largest gradient of its interpolation (DistanceField::steepest_gradient). Its K_i |g_i| (Jn' Jn + Jh' Jh) / 2
+/// (field_model.hpp) are the sums above for two sets of unit directions, halved, with K_i |g_i| <= K_i steepest.
+///
 /// An empty shell gives zeros. Not for the loop.
-ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParameters& parameters);
+ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParameters& parameters, double steepest = 1.0);
 
 }  // namespace voxtouch

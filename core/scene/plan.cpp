@@ -2,12 +2,16 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/coupling/coupling_spec.hpp"
 
 namespace voxtouch {
 namespace {
+
+/// A body this thick keeps pushing back more the deeper a tool goes, down to ten voxels.
+constexpr double kThickVoxels = 25.0;
 
 std::string counted(std::uint64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 
@@ -57,6 +61,13 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
                                    counted(n.static_triangles, "triangle", "triangles"), scene.voxel_size_m,
                                    counted(n.surface_voxels, "surface voxel", "surface voxels"),
                                    counted(n.interior_voxels, "interior voxel", "interior voxels"), bytes_text(n.voxmap_bytes)));
+  if (n.field_bytes > 0)
+    plan.built.push_back(fmt::format(
+        "Signed distance field to {:g} mm inside: {} of 4 bytes, {} ({:.3g} bytes a surface or interior voxel); the "
+        "contact model 'field' asks it.",
+        1e3 * n.field_depth_m, counted(n.field_nodes, "node", "nodes"), bytes_text(n.field_bytes),
+        static_cast<double>(n.field_bytes) /
+            static_cast<double>(std::max<std::uint64_t>(1, n.surface_voxels + n.interior_voxels))));
   plan.built.push_back(fmt::format("{} pointshell of the dynamic mesh ({}): {}, {}; the scene asks for shell: {}.",
                                    scene.shell == ShellKind::kExact ? "Exact" : "Naive",
                                    counted(n.dynamic_triangles, "triangle", "triangles"),
@@ -80,7 +91,8 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
 }
 
 void say_left_out(const Scene& scene, const BuildCounts& n, Plan& plan) {
-  plan.left_out.push_back("Signed distance field: only the contact model 'field' would ask for it.");
+  if (n.field_bytes == 0)
+    plan.left_out.push_back("Signed distance field: only the contact model 'field' would ask for it.");
   plan.left_out.push_back("Proximity and inner depth layers: no effect asks for them.");
   if (scene.effects.empty()) plan.left_out.push_back("Effects: the scene names none.");
   if (n.interior_voxels == 0)
@@ -89,11 +101,23 @@ void say_left_out(const Scene& scene, const BuildCounts& n, Plan& plan) {
   if (!scene.device.clutch_button) plan.left_out.push_back("Clutch: the scene names no button.");
 }
 
+void say_field_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
+  for (const std::string& mesh : n.open_meshes)
+    plan.warnings.push_back(fmt::format(
+        "{}: the mesh is open. What of it is not closed has no inside, and the contact model 'field' gives no force there.", mesh));
+  if (n.thinnest_m < kThickVoxels * scene.voxel_size_m)
+    plan.warnings.push_back(fmt::format(
+        "{}: the thinnest wall is about {:.3g} mm ({:.3g} voxels; {:g} are asked for). There the push of 'field' grows down to "
+        "{:.3g} mm only, and a tool pushed deeper comes out on the other side.",
+        n.thinnest_mesh, 1e3 * n.thinnest_m, n.thinnest_m / scene.voxel_size_m, kThickVoxels, 0.5e3 * n.thinnest_m));
+}
+
 void say_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
   plan.warnings = scene.warnings;
   plan.warnings.insert(plan.warnings.end(), n.mesh_warnings.begin(), n.mesh_warnings.end());
   if (n.surface_voxels == 0) plan.warnings.push_back("The voxmap is empty: nothing can be touched.");
   if (n.shell_points == 0) plan.warnings.push_back("The pointshell is empty: nothing can touch.");
+  if (n.field_bytes > 0) say_field_warnings(scene, n, plan);
   if (plan.expected_ns_per_frame > 1e6)
     plan.warnings.push_back(fmt::format("A frame with every point looked up takes about {:.1f} ms, longer than a period of 1 ms.",
                                         plan.expected_ns_per_frame / 1e6));
@@ -108,7 +132,7 @@ Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   plan.shell_points = counts.shell_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
   plan.contact_n_per_m = counts.contact_n_per_m, plan.contact_nm_per_rad = counts.contact_nm_per_rad;
-  plan.bytes = counts.voxmap_bytes + counts.shell_bytes;
+  plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes;
   plan.expected_ns_per_frame = kNsPerFrame + kNsPerPoint * static_cast<double>(counts.shell_points);
   say_built(scene, counts, plan);
   say_left_out(scene, counts, plan);

@@ -1,6 +1,7 @@
 #pragma once
 /// What is built for a scene and why, what is left out and why, and what it costs: for people and for the plan message.
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,11 @@ struct BuildCounts {
   std::uint64_t surface_voxels = 0, interior_voxels = 0;
   std::uint64_t shell_points = 0;
   std::uint64_t voxmap_bytes = 0, shell_bytes = 0;
+  std::uint64_t field_bytes = 0, field_nodes = 0;    ///< of the signed distance field; 0: none was built
+  double field_depth_m = 0.0;                        ///< how deep it goes [m]
+  double thinnest_m = std::numeric_limits<double>::infinity();  ///< thinnest wall of the static meshes; known with a field
+  std::string thinnest_mesh;                         ///< the mesh it belongs to
+  std::vector<std::string> open_meshes;              ///< static meshes that are not closed
   ContactRange contact_n_per_m, contact_nm_per_rad;  ///< in W, see contact_range.hpp
   bool closed = true;                       ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;   ///< what is wrong with the meshes, as sentences

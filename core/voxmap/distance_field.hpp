@@ -1,36 +1,90 @@
 #pragma once
 /// Signed distance to the static surface, interpolated below one voxel: what the contact model `field` looks up.
+///
+/// Nodes stand at the corners of the voxels, so that the eight nodes of one interpolation are those of one voxel. Hence the
+/// interpolated distance is above 0 in every free voxel and below 0 in every interior one (all eight nodes are), and its zero
+/// lies in surface voxels only: a shell point in a free voxel, which no query reports, never has a depth.
+///
+/// Magnitude: exact distance to the triangles of the mesh's closed parts, in double, stored as float32 in voxels (2^-24 of at
+/// most 12 voxels is below 1e-6 e). Sign: from the voxmap. A node with a free voxel round it is outside, one with an interior
+/// voxel inside; where all eight are surface voxels, what the flood fill does not reach, it is the exact winding number that
+/// also judges the groups of the fill (winding.hpp). Triangles' planes are never asked, so a facet that is turned round, or
+/// an edge seen from either side, gives no wrong sign.
+///
+/// Parts that are open have no inside: they give no distance and no force. Closed parts that overlap are one body (signs are
+/// those of the union), but walls buried in it count as surface: depth there is at most the distance to them.
+///
+/// Layout: bricks of 8^3 voxels with their 9^3 nodes (2916 bytes), so that a lookup meets one brick. Nodes on common faces
+/// are equal to the bit, so the interpolation is continuous everywhere. Distances are cut off at `band_voxels` outside and
+/// `depth_voxels` inside; bricks that hold nothing but cut-off values are not stored.
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/types/parallel.hpp"
+#include "core/voxmap/grid_mesh.hpp"
 #include "core/voxmap/voxmap.hpp"
 
 namespace voxtouch {
 
 /// What the field says about one point.
 struct FieldSample {
-  double distance_m = 0.0;        ///< interpolated signed distance [m], negative inside
-  Vec3 gradient = Vec3::Zero();   ///< of the interpolation, W axes; about unit length, pointing out of the static object
-  bool known = false;             ///< false: too far from the surface for the field to hold a distance
-  bool saturated = false;         ///< inside, deeper than the field holds: `distance_m` is a bound that does not grow further
+  double distance_m = 0.0;       ///< interpolated signed distance [m], negative inside
+  Vec3 gradient = Vec3::Zero();  ///< of the interpolation, W axes; about unit length, pointing out of the static object
+  bool known = false;            ///< false: farther outside than the field holds; `distance_m` is that border's
+  bool saturated = false;        ///< inside, deeper than the field holds: `distance_m` does not grow further
 };
 
 /// How much of the field is stored.
 struct DistanceFieldOptions {
-  double depth_voxels = 12.0;  ///< inside, distances are held down to at least this depth
+  double depth_voxels = 12.0;  ///< inside, distances are held down to this depth; at least 2
+  double band_voxels = 2.0;    ///< outside, up to here; at least 2, more than a voxel's diagonal
 };
 
 class DistanceField {
  public:
-  /// Sample at the grid coordinates u = (x - origin) / e of the voxmap's grid. Continuous in u. Real-time safe.
+  static constexpr int kBrickEdge = Voxmap::kBrickEdge;                ///< voxels
+  static constexpr int kNodeEdge = kBrickEdge + 1;                     ///< nodes
+  using Brick = std::array<float, kNodeEdge * kNodeEdge * kNodeEdge>;  ///< [voxels]; node (x,y,z) at x + 9 (y + 9 z)
+
+  /// Sample at the grid coordinates u = (x - origin) / e of the voxmap's grid. Continuous in u. Anything not finite is
+  /// unknown. Real-time safe.
   FieldSample at(const Vec3& u) const noexcept;
+
+  const Grid& grid() const noexcept { return grid_; }
   std::size_t bytes() const noexcept;
+  /// Nodes in memory, those on common faces once for each brick.
+  std::size_t stored_nodes() const noexcept { return bricks_.size() * Brick().size(); }
+  /// Whether anything is inside. An open mesh has nothing; neither has one so thin that no voxel's corner lies in it.
+  bool has_inside() const noexcept { return has_inside_; }
+  /// Depth at which the field stops to grow [m].
+  double depth_m() const noexcept { return grid_.edge * depth_voxels_; }
+  /// Bound of the gradient's length wherever the interpolated distance is below 0: how much steeper than the true distance,
+  /// whose gradient has length 1, the interpolation gets. 1 over flat walls; more where surfaces meet in an edge, up to sqrt(2)
+  /// in a concave edge and sqrt(3) in a concave corner (three differences of at most one each).
+  double steepest_gradient() const noexcept { return steepest_gradient_; }
+
+ private:
+  friend class DistanceFieldBuilder;
+  static constexpr std::int32_t kFree = -1, kDeep = -2;
+
+  Grid grid_;
+  VoxelIndex base_;                      ///< first voxel of the table, a multiple of 8
+  std::array<std::int64_t, 3> cells_{};  ///< table size in bricks
+  std::vector<std::int32_t> table_;
+  std::vector<Brick> bricks_;
+  double depth_voxels_ = 0.0, band_voxels_ = 0.0;
+  bool has_inside_ = false;
+  double steepest_gradient_ = 1.0;
 };
 
-/// The field of the mesh that `voxmap` was made from. Signs come from the voxmap's flood fill, distances from the triangles.
-/// Same bits whatever `parallel_for` does.
+/// The field of the mesh that `voxmap` was made from. Several static meshes: concatenate them. Same bits whatever
+/// `parallel_for` does. Throws std::invalid_argument for options out of range and VoxelBudgetError where the bricks would
+/// take more than `memory_limit_bytes`, before they are allocated.
 DistanceField build_distance_field(const TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
-                                   const ParallelFor& parallel_for);
+                                   const ParallelFor& parallel_for,
+                                   std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
 
 }  // namespace voxtouch

@@ -47,8 +47,8 @@ std::optional<ContactModelKind> chosen_model(const std::string& word) {
   ContactModelKind kind{};
   if (!parse_contact_model(word, kind))
     throw std::runtime_error(
-        fmt::format("there is no contact model '{}'; --model takes original, adapted or reference", word));
-  make_contact_model(kind, {});  // says so where a rung has a name but is not built yet
+        fmt::format("there is no contact model '{}'; --model takes original, adapted, field or reference", word));
+  if (kind == ContactModelKind::kClustered) make_contact_model(kind, {});  // says so where a rung has a name but is not built yet
   return kind;
 }
 
@@ -85,7 +85,7 @@ void add_probe(CLI::App& app, Action& action) {
   verb->add_option("--poses", o->poses,
                    "CSV with the columns qw,qx,qy,qz,tx,ty,tz: tool in world; - for standard input")
       ->required();
-  verb->add_option("--model", o->model, "original, adapted or reference; default: the scene's");
+  verb->add_option("--model", o->model, "original, adapted, field or reference; default: the scene's");
   verb->add_flag("--points", o->points, "Adds a column with the ids of the colliding points");
   verb->callback([o, &action] { action = [o] { return probe(*o); }; });
 }

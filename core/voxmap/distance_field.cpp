@@ -1,0 +1,49 @@
+#include "core/voxmap/distance_field.hpp"
+
+#include <algorithm>
+
+namespace voxtouch {
+
+FieldSample DistanceField::at(const Vec3& u) const noexcept {
+  FieldSample sample;
+  sample.distance_m = grid_.edge * band_voxels_;
+  const Vec3 local = u - Vec3(base_.i, base_.j, base_.k);
+  std::array<std::int64_t, 3> voxel{};
+  Vec3 t;  // within the voxel
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto n = static_cast<std::size_t>(axis);
+    if (!(local[axis] >= 0.0 && local[axis] < static_cast<double>(cells_[n] * kBrickEdge))) return sample;
+    voxel[n] = static_cast<std::int64_t>(local[axis]);
+    t[axis] = local[axis] - static_cast<double>(voxel[n]);
+  }
+  const std::int64_t cell = (voxel[0] >> 3) + cells_[0] * ((voxel[1] >> 3) + cells_[1] * (voxel[2] >> 3));
+  const std::int32_t entry = table_[static_cast<std::size_t>(cell)];
+  if (entry < 0) {
+    if (entry == kDeep) sample.distance_m = -depth_m(), sample.known = sample.saturated = true;
+    return sample;
+  }
+  constexpr std::size_t kY = kNodeEdge, kZ = kNodeEdge * kNodeEdge;
+  const float* const node =
+      &bricks_[static_cast<std::size_t>(entry)]
+              [static_cast<std::size_t>((voxel[0] & 7) + kNodeEdge * ((voxel[1] & 7) + kNodeEdge * (voxel[2] & 7)))];
+  const double d000 = node[0], d100 = node[1], d010 = node[kY], d110 = node[kY + 1];
+  const double d001 = node[kZ], d101 = node[kZ + 1], d011 = node[kZ + kY], d111 = node[kZ + kY + 1];
+  const auto mix = [](double a, double b, double s) noexcept { return a + s * (b - a); };
+  const double x00 = mix(d000, d100, t.x()), x10 = mix(d010, d110, t.x());
+  const double x01 = mix(d001, d101, t.x()), x11 = mix(d011, d111, t.x());
+  const double xy0 = mix(x00, x10, t.y()), xy1 = mix(x01, x11, t.y());
+  sample.distance_m = grid_.edge * mix(xy0, xy1, t.z());
+  sample.gradient = {mix(mix(d100 - d000, d110 - d010, t.y()), mix(d101 - d001, d111 - d011, t.y()), t.z()),
+                     mix(x10 - x00, x11 - x01, t.z()), xy1 - xy0};
+  const double band = band_voxels_, deep = -depth_voxels_;
+  const double least = std::min({d000, d100, d010, d110, d001, d101, d011, d111});
+  sample.known = least < band;
+  sample.saturated = least <= deep;
+  return sample;
+}
+
+std::size_t DistanceField::bytes() const noexcept {
+  return table_.size() * sizeof(std::int32_t) + bricks_.size() * sizeof(Brick);
+}
+
+}  // namespace voxtouch

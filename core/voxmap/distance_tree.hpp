@@ -1,0 +1,70 @@
+#pragma once
+/// Triangles in a tree of boxes: nearest distance, and what a ray may meet. All in grid coordinates. For building only.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/voxmap/grid_mesh.hpp"
+
+namespace voxtouch {
+
+/// Queries are const, may run at once and give the same bits whatever was asked before.
+class DistanceTree {
+ public:
+  /// Over the triangles listed in `chosen`, whose numbers `each_on_ray` gives back. None: every distance is the bound.
+  DistanceTree(const GridMesh& mesh, const std::vector<std::uint32_t>& chosen);
+
+  /// Distance [voxels] from `p` to the nearest triangle, or `bound` if none is nearer than that. The triangle's nearest point
+  /// is its plane's where that lies within all three edges, else the nearest of the edges that `p` lies beyond; a triangle
+  /// without area is its edges.
+  double nearest(const Vec3& p, double bound) const noexcept;
+  /// The same, starting from the triangle that was nearest to a place close by, which makes it faster and changes nothing.
+  /// `place`: of that triangle in this tree, kNoPlace at first; then of the one found.
+  double nearest(const Vec3& p, double bound, std::uint32_t& place) const noexcept;
+  static constexpr std::uint32_t kNoPlace = 0xffffffff;
+
+  /// Calls f(triangle) for each triangle whose box meets the ray from `origin` along `direction`, any length of it.
+  template <class F>
+  void each_on_ray(const Vec3& origin, const Vec3& direction, F&& f) const;
+
+ private:
+  struct Facet {
+    std::array<Vec3, 3> corner, edge, outward;  ///< outward: in the plane, away from the triangle, of each edge
+    std::array<double, 3> inverse_square;       ///< of the edges' lengths; 0 for an edge without length
+    Vec3 normal;                                ///< unit; zero for a triangle without area
+    std::uint32_t triangle;
+  };
+  struct Node {
+    Vec3 low, high;
+    std::uint32_t first;  ///< facet of a leaf; else the second child, the first follows its parent
+    std::uint32_t count;  ///< facets of a leaf, 0 inside the tree
+  };
+  static constexpr std::uint32_t kLeafFacets = 4;
+  static constexpr std::size_t kDeepest = 64;  ///< halving 2^32 facets takes fewer levels
+
+  static Facet make_facet(const GridMesh& mesh, std::uint32_t triangle);
+  static double square_distance(const Facet& facet, const Vec3& p) noexcept;
+  static double square_distance(const Node& node, const Vec3& p) noexcept;
+  static bool on_ray(const Node& node, const Vec3& origin, const Vec3& direction) noexcept;
+  void split(std::uint32_t begin, std::uint32_t end);
+
+  std::vector<Facet> facets_;
+  std::vector<Node> nodes_;
+};
+
+template <class F>
+void DistanceTree::each_on_ray(const Vec3& origin, const Vec3& direction, F&& f) const {
+  if (nodes_.empty()) return;
+  std::array<std::uint32_t, kDeepest> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t index = stack[--depth];
+    const Node& node = nodes_[index];
+    if (!on_ray(node, origin, direction)) continue;
+    for (std::uint32_t n = 0; n < node.count; ++n) f(facets_[node.first + n].triangle);
+    if (node.count == 0) stack[depth++] = node.first, stack[depth++] = index + 1;
+  }
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,60 @@
+#pragma once
+/// Meshes, grounds and tools for the tests of the contact model `field`, and the law's integral worked out another way.
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "core/contact/contact_renderer.hpp"
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace voxtouch::test {
+
+TriangleMesh box_mesh(const Vec3& size, const Pose& pose = {});
+/// An icosahedron whose faces are split in four `splits` times, its vertices on the sphere.
+TriangleMesh sphere_mesh(double radius_m, int splits);
+/// About the z axis, from -length/2 to length/2.
+TriangleMesh cylinder_mesh(double radius_m, double length_m, int sides);
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b);
+/// Faces turned inside out.
+TriangleMesh inside_out(TriangleMesh mesh);
+
+/// A static mesh as the model looks it up.
+struct Ground {
+  Voxmap voxmap;
+  DistanceField field;
+  Ground(const TriangleMesh& mesh, double edge, double depth_voxels = 12.0);
+  Ground(const TriangleMesh& mesh, const Grid& grid, double depth_voxels);
+  /// With k = 1 N/mm^3.
+  ContactRenderer renderer(const Pointshell& tool, ContactModelKind kind = ContactModelKind::kField) const;
+};
+
+inline constexpr double kPressure = 1e9;  ///< k [N/m^3]
+
+Pointshell exact_shell(const TriangleMesh& tool, double edge);
+
+/// A ball whose centre is not the origin of T and lies askew in its voxel: a shell on a grid through the centre would be
+/// symmetric, and its errors would cancel.
+struct Ball {
+  TriangleMesh mesh;
+  Vec3 centre;  ///< in T
+  Ball(double radius_m, int splits);
+  /// T in W for a ball at `at`.
+  Pose posed(const Vec3& at, const Quat& turn) const { return {at - turn * centre, turn}; }
+  /// About the ball's centre.
+  Vec3 torque(const Wrench& wrench, const Pose& pose) const {
+    return wrench.torque - (pose.orientation * centre).cross(wrench.force);
+  }
+};
+
+/// The wrench about the tool's origin that the law gives the tessellated tool: the integral of k depth n over its triangles,
+/// each split in 64. `depth` of a point in W [m], negative outside; 1-Lipschitz.
+Wrench integral_over(const TriangleMesh& tool, const Pose& pose, const std::function<double(const Vec3&)>& depth);
+
+/// The value below which `share` of them lie.
+double quantile(std::vector<double> values, double share);
+double rms(const std::vector<double>& values);
+/// Standard deviation over mean.
+double noise(const std::vector<double>& values);
+double degrees_between(const Vec3& a, const Vec3& b);
+
+}  // namespace voxtouch::test
