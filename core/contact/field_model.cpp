@@ -52,7 +52,7 @@ void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noex
       sums.weights += hit.weight;
       const FieldSample sample = field_.at((local + hit.arm) / grid.edge);
       const double depth = -sample.distance_m;
-      if (!(depth > 0.0)) continue;
+      if (!(hit.weight * depth > 0.0)) continue;  // a point without an area does not push
       add_push(hit, sample, depth, sums);
       result.saturated = result.saturated || at_its_end(hit, sample);
       if (depth > result.deepest_depth_m) {

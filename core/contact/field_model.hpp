@@ -26,7 +26,7 @@ namespace voxtouch {
 /// and bounds |dF/dx|.
 ///
 /// `mean_normal` and `coherence` are weighed by area over all hits, those in interior voxels included. `saturated`: see there.
-/// Points at a depth of 0 do not push and have no part in `stiffness`.
+/// Points at a depth of 0, or without an area, do not push: they have no part in `stiffness` and the deepest is none of them.
 class FieldModel final : public ContactModel {
  public:
   /// `field` must outlive the model. `stiffness` k [N/m^3].

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdlib>
 
+#include "field_scenes.hpp"
 #include "fixtures.hpp"
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__GLIBC__)
@@ -32,8 +33,11 @@ TEST(ContactRenderer, AllocatesNothingInAnyFrame) {
 #else
   const double e = 0.001;
   const Voxmap voxmap = block({Vec3::Zero(), e}, {0, 0, 0}, {60, 60, 60});
-  for (const auto kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted}) {
-    ContactRenderer renderer(voxmap, sphere_shell(10 * e, e), kind, {100.0});
+  const Ground ground(box_mesh(Vec3(61, 61, 61) * e, {Vec3(30.5, 30.5, 30.5) * e, Quat::Identity()}), e);
+  for (const auto kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kField}) {
+    const bool field = kind == ContactModelKind::kField;
+    ContactRenderer renderer(field ? ground.voxmap : voxmap, sphere_shell(10 * e, e), kind,
+                             {100.0, field ? PointWeights::kArea : PointWeights::kOne}, &ground.field);
     const std::uint64_t at_first = calls;
     std::free(std::malloc(16));
     ASSERT_GT(calls, at_first) << "malloc is not counted";
