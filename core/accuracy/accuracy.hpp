@@ -24,14 +24,17 @@ struct AccuracyRow {
   AccuracySetting setting;
   std::uint64_t shell_points = 0;
   std::uint64_t bytes = 0;              ///< voxmap, pointshell, field: all that the rung keeps
-  std::uint32_t contacts = 0;           ///< poses that were judged
+  std::uint32_t contacts = 0;           ///< poses that were judged: both this setting and the reference push there
+  std::uint32_t missed = 0;             ///< poses where the reference pushes and this setting does not
   double direction_median_deg = 0.0;    ///< angle between this force and the reference's
   double direction_p95_deg = 0.0;
   double magnitude_noise = 0.0;         ///< standard deviation over mean of |F| / |F_reference|
   double torque_error_m = 0.0;          ///< median of |torque error| / |F|, about the tool's origin: a lever arm [m]
   double onset_error_m = 0.0;           ///< median of (gap where the force begins - 0), along the way in; > 0: too early [m]
   double onset_worst_m = 0.0;           ///< the onset farthest from 0 [m]
-  double median_us = 0.0, worst_us = 0.0;  ///< CPU time of a frame (query, model, stage)
+  /// CPU time of a frame in contact (query, model, stage) over the poses that were judged; the worst pose at its best of
+  /// several rounds, so that it is the pose's and not the machine's.
+  double median_us = 0.0, worst_us = 0.0;
   double build_s = 0.0;                 ///< CPU time from meshes to a renderer
   std::string refused;                  ///< why this setting could not be built; all figures above are then 0
 };
@@ -45,6 +48,11 @@ struct AccuracyOptions {
   std::function<void(const std::string& what, double share)> progress;  ///< called between steps, 0 <= share <= 1
 };
 
+/// Places: random points of the static surface, area for area, which the tool meets along the surface's normal there, turned
+/// at random; the touch is found by moving it on by its distance until nothing is left. From there it goes in by the wanted
+/// depth. So walls, edges and corners come as often as the mesh has them. What is there to be told: ReferenceWrench, at a
+/// resolution of the depth itself.
+///
 /// Rows in the order of `settings`. Reads the scene's meshes itself. Throws MeshError and std::runtime_error, each a sentence,
 /// where the scene as such cannot be measured; a single setting that cannot be built is a row that says why.
 std::vector<AccuracyRow> measure_accuracy(const Scene& scene, const std::vector<AccuracySetting>& settings,

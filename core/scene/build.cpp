@@ -99,14 +99,14 @@ BuiltScene::BuiltScene(Voxmap voxmap, std::optional<DistanceField> field, Points
       renderer_(voxmap_, std::move(shell), model, parameters, this->field()), plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
 
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
-                                        std::optional<ContactModelKind> model, const Progress& progress) {
+                                        const BuildChoices& choices, const Progress& progress) {
   const auto step = [&](const std::string& text) {
     if (progress) progress(text);
   };
   ContactModelKind kind = ContactModelKind::kAdapted;
-  if (!model && !parse_contact_model(scene.contact.model, kind))
+  if (!choices.model && !parse_contact_model(scene.contact.model, kind))
     throw std::invalid_argument(scene.file.string() + ": there is no contact model '" + scene.contact.model + "'");
-  kind = model.value_or(kind);
+  kind = choices.model.value_or(kind);
 
   BuildCounts counts;
   step("reading the static meshes");
@@ -131,14 +131,14 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   warn(counts, scene.dynamic_mesh, moving);
   counts.dynamic_triangles = moving.mesh.triangles.size();
   step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
-  const Grid shell_grid = default_grid(moving.mesh, scene.voxel_size_m);
+  const Grid shell_grid = default_grid(moving.mesh, choices.shell_voxel_m.value_or(scene.voxel_size_m));
   const std::vector<ShellPoint> points =
       with_hints(counts, [&] { return shell_points(moving.mesh, shell_grid, parallel_for); });
   Pointshell shell =
       scene.shell == ShellKind::kExact ? make_exact_shell(points, shell_grid) : make_naive_shell(points, shell_grid);
   counts.shell_points = shell.size();
   counts.shell_bytes = shell_bytes(shell);
-  const ContactParameters parameters = contact_parameters(scene.contact, kind, shell);
+  const ContactParameters parameters = contact_parameters(scene.contact, kind, shell, choices.weights);
   const ContactStiffness contact = contact_stiffness(shell, parameters, field ? field->steepest_gradient() : 1.0);
   counts.contact_n_per_m = contact.translation, counts.contact_nm_per_rad = contact.rotation;
   return std::make_unique<BuiltScene>(std::move(voxmap), std::move(field), std::move(shell), kind, parameters,

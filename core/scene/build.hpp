@@ -42,9 +42,16 @@ class BuiltScene {
 /// Called before each step with a short sentence, for progress.
 using Progress = std::function<void(const std::string&)>;
 
-/// Reads the scene's meshes and builds what it calls for, and nothing else. `model` overrides the scene's contact model. Throws MeshError,
+/// What may be built otherwise than the scene says, to compare.
+struct BuildChoices {
+  std::optional<ContactModelKind> model = {};
+  std::optional<PointWeights> weights = {};  ///< std::invalid_argument where the model does not weigh so
+  std::optional<double> shell_voxel_m = {};  ///< voxel edge that the pointshell is made with, instead of the scene's
+};
+
+/// Reads the scene's meshes and builds what it calls for, and nothing else. Throws MeshError,
 /// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for `field` where no static mesh has an inside.
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
-                                        std::optional<ContactModelKind> model = {}, const Progress& progress = {});
+                                        const BuildChoices& choices = {}, const Progress& progress = {});
 
 }  // namespace voxtouch

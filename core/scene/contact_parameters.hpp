@@ -1,5 +1,7 @@
 #pragma once
 /// From what a scene asks for to what the force laws need.
+#include <optional>
+
 #include "core/contact/contact_model.hpp"
 #include "core/pointshell/pointshell.hpp"
 #include "core/scene/scene.hpp"
@@ -9,6 +11,8 @@ namespace voxtouch {
 /// Parameters of the model `kind` for this scene and shell. Points weigh by area where the scene gives its stiffness per
 /// area, and for the models that know no other way. A scene that gives it per point and is looked at through one of those
 /// (`voxtouch probe --model field`) gets k = K N / A, N points, A their area: the same stiffness once all points push.
-ContactParameters contact_parameters(const ContactSpec& spec, ContactModelKind kind, const Pointshell& shell);
+/// `weights` overrides the scene, with the same rule; it does not judge whether the model knows them.
+ContactParameters contact_parameters(const ContactSpec& spec, ContactModelKind kind, const Pointshell& shell,
+                                     std::optional<PointWeights> weights = {});
 
 }  // namespace voxtouch

@@ -58,7 +58,7 @@ int probe(const ProbeOptions& o) {
   const std::vector<Pose> poses = read_poses(o.poses);
   if (o.model == "reference") return probe_reference(scene, poses);
   const auto built =
-      build_scene(scene, serial_for(), model, [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
+      build_scene(scene, serial_for(), {.model = model}, [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
   for (const std::string& warning : built->plan().warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
   std::vector<std::uint32_t> ids;

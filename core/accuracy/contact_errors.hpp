@@ -1,0 +1,27 @@
+#pragma once
+/// Wrenches against true ones, as the figures of one row.
+#include <vector>
+
+#include "core/accuracy/accuracy.hpp"
+#include "core/types/geometry.hpp"
+
+namespace voxtouch {
+
+/// What a setting gave and what is true, for one contact. Any scale on either side.
+struct WrenchPair {
+  Wrench given, truth;
+};
+
+/// Angle [deg] between two vectors; 180 where either is zero.
+double angle_deg(const Vec3& a, const Vec3& b) noexcept;
+/// Middle of the sorted values (the upper of two); 0 for none.
+double median_of(std::vector<double> values);
+/// The smallest value that is not below 95 % of them; 0 for none.
+double p95_of(std::vector<double> values);
+
+/// Fills contacts, missed, direction, magnitude and torque figures. A pair whose truth is zero counts for nothing.
+void judge_wrenches(const std::vector<WrenchPair>& pairs, AccuracyRow& row);
+/// Fills the onset figures from the gaps [m] at which the force began.
+void judge_onsets(const std::vector<double>& gaps_m, AccuracyRow& row);
+
+}  // namespace voxtouch

@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/accuracy/accuracy.hpp"
+#include "core/accuracy/contact_errors.hpp"
+#include "core/accuracy/contact_places.hpp"
+#include "core/reference/reference_scene.hpp"
+#include "core/scene/scene_file.hpp"
+
+namespace voxtouch {
+namespace {
+
+Scene shipped(const std::string& name) { return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml"); }
+
+AccuracySetting setting(ContactModelKind model, double edge, PointWeights weights = PointWeights::kOne) {
+  return {model, weights, edge, edge};
+}
+
+WrenchPair pair(const Vec3& given, const Vec3& truth, const Vec3& torque = Vec3::Zero()) {
+  return {{given, torque}, {truth, Vec3::Zero()}};
+}
+
+TEST(ContactErrors, AreZeroForAModelThatIsRightUpToAScale) {
+  AccuracyRow row;
+  judge_wrenches({pair({2, 0, 0}, {1, 0, 0}), pair({0, 6, 0}, {0, 3, 0}), pair({0, 0, -8}, {0, 0, -4})}, row);
+  EXPECT_EQ(row.contacts, 3u);
+  EXPECT_EQ(row.missed, 0u);
+  EXPECT_EQ(row.direction_median_deg, 0.0);
+  EXPECT_EQ(row.direction_p95_deg, 0.0);
+  EXPECT_NEAR(row.magnitude_noise, 0.0, 1e-15);
+  EXPECT_EQ(row.torque_error_m, 0.0);
+}
+
+TEST(ContactErrors, AreThoseOfTurnedScaledAndShiftedForces) {
+  AccuracyRow row;
+  const double c = std::cos(0.1), s = std::sin(0.1);
+  judge_wrenches({pair({c, s, 0}, {1, 0, 0}, {0, 0, 0.002}), pair({3 * c, 0, 3 * s}, {1, 0, 0}, {0, 0.006, 0})}, row);
+  EXPECT_NEAR(row.direction_median_deg, 0.1 * 180 / M_PI, 1e-12);
+  EXPECT_NEAR(row.magnitude_noise, 0.5, 1e-12) << "ratios 1 and 3";
+  EXPECT_NEAR(row.torque_error_m, 0.002, 1e-15);
+  judge_onsets({0.001, -0.002, 0.0005}, row);
+  EXPECT_EQ(row.onset_error_m, 0.0005);
+  EXPECT_EQ(row.onset_worst_m, -0.002);
+}
+
+TEST(ContactErrors, CountsWhatAModelMissesAndNotWhatNobodyFeels) {
+  AccuracyRow row;
+  judge_wrenches({pair({0, 0, 0}, {1, 0, 0}), pair({1, 0, 0}, {0, 0, 0}), pair({1, 0, 0}, {1, 0, 0})}, row);
+  EXPECT_EQ(row.contacts, 1u);
+  EXPECT_EQ(row.missed, 1u);
+  EXPECT_EQ(angle_deg(Vec3::Zero(), Vec3(1, 0, 0)), 180.0);
+  EXPECT_EQ(median_of({}), 0.0);
+  EXPECT_EQ(p95_of({5, 1, 2}), 5.0);
+}
+
+TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
+  Scene scene = shipped("cup");
+  const std::vector<ContactPlace> places = contact_places(scene, 10, 7), again = contact_places(scene, 10, 7),
+                                  others = contact_places(scene, 10, 8);
+  ASSERT_EQ(places.size(), 10u);
+  scene.dynamic_mesh.primitives.clear();
+  const ReferenceScene reference(scene);
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    EXPECT_NEAR(reference.gap(places[n].touch).gap_m, 0.0, 1e-8);
+    EXPECT_GT(reference.gap(places[n].at(-0.0005)).gap_m, 0.0);
+    EXPECT_NEAR(places[n].into.norm(), 1.0, 1e-12);
+    EXPECT_EQ(places[n].touch.position, again[n].touch.position);
+    EXPECT_NE(places[n].touch.position, others[n].touch.position);
+  }
+}
+
+TEST(Accuracy, RungsComeInTheirOrderAndErrorsFallWithTheVoxel) {
+  AccuracyOptions options;
+  options.contacts = 40;
+  const std::vector<AccuracyRow> rows = measure_accuracy(
+      shipped("cylinder"),
+      {setting(ContactModelKind::kOriginal, 0.002), setting(ContactModelKind::kAdapted, 0.004),
+       setting(ContactModelKind::kAdapted, 0.002), setting(ContactModelKind::kAdapted, 0.001),
+       setting(ContactModelKind::kField, 0.002, PointWeights::kArea)},
+      options, serial_for());
+  ASSERT_EQ(rows.size(), 5u);
+  for (const AccuracyRow& row : rows) {
+    ASSERT_EQ(row.refused, "");
+    EXPECT_GE(row.contacts + row.missed, 30u);
+    EXPECT_EQ(row.median_us, 0.0) << "no clock was given";
+    EXPECT_GT(row.bytes, 0u);
+  }
+  const AccuracyRow &original = rows[0], &adapted = rows[2], &field = rows[4];
+  EXPECT_LT(adapted.direction_median_deg, original.direction_median_deg);
+  EXPECT_LT(field.direction_median_deg, 0.5 * adapted.direction_median_deg);
+  EXPECT_LT(field.magnitude_noise, adapted.magnitude_noise);
+  EXPECT_LT(std::abs(field.onset_error_m), std::abs(adapted.onset_error_m));
+  EXPECT_GT(rows[1].direction_median_deg, rows[3].direction_median_deg);
+  EXPECT_LT(rows[1].shell_points, rows[3].shell_points);
+}
+
+TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {
+  AccuracyOptions options;
+  options.contacts = 8;
+  const std::vector<AccuracySetting> settings = {setting(ContactModelKind::kAdapted, 0.002)};
+  const AccuracyRow a = measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();
+  double time = 0.0, last = -1.0;
+  options.cpu_time_s = [&] { return time += 1e-6; };
+  options.progress = [&](const std::string& what, double share) {
+    EXPECT_FALSE(what.empty());
+    EXPECT_GE(share, last);
+    EXPECT_LE(share, 1.0);
+    last = share;
+  };
+  const AccuracyRow b = measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();
+  EXPECT_EQ(a.direction_median_deg, b.direction_median_deg);
+  EXPECT_EQ(a.magnitude_noise, b.magnitude_noise);
+  EXPECT_EQ(a.torque_error_m, b.torque_error_m);
+  EXPECT_EQ(a.onset_error_m, b.onset_error_m);
+  EXPECT_NEAR(b.median_us, 0.0, 1e-9) << "a frame takes as many ticks as the clock itself";
+  EXPECT_GT(b.build_s, 0.0);
+}
+
+TEST(Accuracy, ASettingThatCannotBeBuiltIsARowThatSaysWhy) {
+  AccuracyOptions options;
+  options.contacts = 3;
+  const std::vector<AccuracyRow> rows =
+      measure_accuracy(shipped("plane"),
+                       {setting(ContactModelKind::kField, 0.002, PointWeights::kOne),
+                        setting(ContactModelKind::kAdapted, 1e-7), setting(ContactModelKind::kAdapted, 0.004)},
+                       options, serial_for());
+  EXPECT_GT(rows[0].refused.size(), 20u);
+  EXPECT_GT(rows[1].refused.size(), 20u);
+  EXPECT_EQ(rows[0].contacts, 0u);
+  EXPECT_EQ(rows[2].refused, "");
+  EXPECT_GT(rows[2].contacts, 0u);
+}
+
+}  // namespace
+}  // namespace voxtouch
