@@ -18,7 +18,16 @@ std::size_t numbers_of(const EffectParameter& p) {
   return p.shape == ParameterShape::kNumber || p.shape == ParameterShape::kWord ? 1 : 3;
 }
 
-std::string check_one(const EffectParameter& p, const std::array<double, 3>& v) {
+}  // namespace
+
+EffectValues::EffectValues(std::span<const EffectParameter> parameters) {
+  constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+  values_.reserve(parameters.size());
+  for (const EffectParameter& p : parameters)
+    values_.push_back(p.standard.value_or(std::array{kMissing, kMissing, kMissing}));
+}
+
+std::string check_value(const EffectParameter& p, const std::array<double, 3>& v) {
   for (std::size_t n = 0; n < numbers_of(p); ++n)
     if (!std::isfinite(v[n])) return fmt::format("'{}' is missing or not finite", p.name);
   const double size = numbers_of(p) == 1 ? v[0] : Vec3(v[0], v[1], v[2]).norm();
@@ -38,19 +47,10 @@ std::string check_one(const EffectParameter& p, const std::array<double, 3>& v) 
   return {};
 }
 
-}  // namespace
-
-EffectValues::EffectValues(std::span<const EffectParameter> parameters) {
-  constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-  values_.reserve(parameters.size());
-  for (const EffectParameter& p : parameters)
-    values_.push_back(p.standard.value_or(std::array{kMissing, kMissing, kMissing}));
-}
-
 std::string check_values(const EffectKind& kind, const EffectValues& values) {
   if (values.size() != kind.parameters.size()) return fmt::format("the effect '{}' takes other parameters", kind.name);
   for (std::size_t n = 0; n < kind.parameters.size(); ++n)
-    if (std::string why = check_one(kind.parameters[n], values.at(n)); !why.empty()) return why;
+    if (std::string why = check_value(kind.parameters[n], values.at(n)); !why.empty()) return why;
   return kind.check != nullptr ? kind.check(values) : std::string();
 }
 

@@ -86,6 +86,7 @@ struct EffectKind {
   std::string_view says;       ///< one sentence for people: what is felt
   std::string_view equations;  ///< force law, source and stability condition, as text
   EnergyBehaviour energy = EnergyBehaviour::kConservative;
+  bool alone = false;  ///< a scene has one at most: two would contradict each other (gravity)
   std::span<const EffectParameter> parameters;
   EffectNeeds (*needs)(const EffectValues&) = nullptr;
   EffectBound (*bound)(const EffectValues&) = nullptr;
@@ -99,6 +100,8 @@ std::span<const EffectKind* const> effect_kinds() noexcept;
 /// Null where there is none of that name.
 const EffectKind* find_effect_kind(std::string_view name) noexcept;
 
+/// One value, as check_values below judges it.
+std::string check_value(const EffectParameter& parameter, const std::array<double, 3>& value);
 /// Names the first value that is missing, not finite or out of range, as a sentence; empty where all are good. Directions
 /// must be of unit length to 1e-6.
 std::string check_values(const EffectKind& kind, const EffectValues& values);
