@@ -7,6 +7,7 @@
 #include "core/contact/contact_renderer.hpp"
 #include "core/scene/plan.hpp"
 #include "core/scene/scene.hpp"
+#include "core/scene/scene_renderer.hpp"
 #include "core/types/parallel.hpp"
 #include "core/voxmap/voxmap.hpp"
 
@@ -15,12 +16,13 @@ namespace voxtouch {
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.
 class BuiltScene {
  public:
-  BuiltScene(Voxmap voxmap, Pointshell shell, ContactModelKind model, const ContactParameters& parameters, Plan plan,
-             double largest_shell_gap_m);
+  BuiltScene(Voxmap voxmap, Pointshell shell, ContactModelKind model, const ContactParameters& parameters,
+             std::vector<EffectSpec> effects, Plan plan, double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
 
-  ContactRenderer& renderer() noexcept { return renderer_; }
+  ContactRenderer& renderer() noexcept { return renderer_; }   ///< contact alone
+  SceneRenderer& scene_renderer() noexcept { return scene_; }  ///< contact and effects: what the ring runs
   const Voxmap& voxmap() const noexcept { return voxmap_; }
   const Plan& plan() const noexcept { return plan_; }
   /// Largest distance between shell points of neighbouring surface voxels [m].
@@ -29,6 +31,7 @@ class BuiltScene {
  private:
   Voxmap voxmap_;
   ContactRenderer renderer_;
+  SceneRenderer scene_;
   Plan plan_;
   double largest_shell_gap_m_;
 };
