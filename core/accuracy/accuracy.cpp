@@ -91,6 +91,7 @@ class Measurement {
     Scene scene = scene_;
     scene.voxel_size_m = setting.voxel_m;
     scene.contact.model = name_of(setting.model);
+    scene.effects.clear();
     return build_scene(scene, parallel_for_,
                        {.model = setting.model, .weights = setting.weights, .shell_voxel_m = setting.shell_voxel_m});
   }

@@ -29,6 +29,8 @@ void never_pull(Vec3& sum, const Vec3& push) noexcept {
 Wrench InjectedDamping::of(const CouplingInput& contact, const Twist& velocity) const noexcept {
   Wrench out;
   const Mat6& k = contact.contact_stiffness;
+  // It is there to make up for stiffness that comes late; a force without any (a medium's drag, a weight) needs none.
+  if (!(contact.contact_stiffness_n_per_m > 0.0) && k.isZero(0.0)) return out;
   if (linear_.now() > 0.0)
     out.force = -linear_.now() * (pushing_directions(k.topLeftCorner<3, 3>(), contact.contact.force) * velocity.linear);
   if (angular_.now() > 0.0)

@@ -25,7 +25,7 @@ class InjectedDamping {
     angular_.head_for(spec.injected_damping_nms_per_rad, over_s);
   }
   void advance(double dt_s) noexcept { linear_.advance(dt_s), angular_.advance(dt_s); }
-  /// What to add for `contact`, at velocity v^. Real-time safe.
+  /// What to add for `contact`, at velocity v^: nothing where it shows no stiffness at all. Real-time safe.
   Wrench of(const CouplingInput& contact, const Twist& velocity) const noexcept;
 
  private:

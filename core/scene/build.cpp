@@ -94,9 +94,11 @@ std::uint64_t shell_bytes(const Pointshell& shell) {
 }  // namespace
 
 BuiltScene::BuiltScene(Voxmap voxmap, std::optional<DistanceField> field, Pointshell shell, ContactModelKind model,
-                       const ContactParameters& parameters, Plan plan, double largest_shell_gap_m)
+                       const ContactParameters& parameters, std::vector<EffectSpec> effects, Plan plan,
+                       double largest_shell_gap_m)
     : voxmap_(std::move(voxmap)), field_(std::move(field)),
-      renderer_(voxmap_, std::move(shell), model, parameters, this->field()), plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
+      renderer_(voxmap_, std::move(shell), model, parameters, this->field()), scene_(renderer_, std::move(effects)),
+      plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
 
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
                                         const BuildChoices& choices, const Progress& progress) {
@@ -141,7 +143,12 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   const ContactParameters parameters = contact_parameters(scene.contact, kind, shell, choices.weights);
   const ContactStiffness contact = contact_stiffness(shell, parameters, field ? field->steepest_gradient() : 1.0);
   counts.contact_n_per_m = contact.translation, counts.contact_nm_per_rad = contact.rotation;
-  return std::make_unique<BuiltScene>(std::move(voxmap), std::move(field), std::move(shell), kind, parameters,
+  for (const EffectSpec& effect : scene.effects) {
+    const EffectBound bound = bound_of(effect);
+    counts.contact_n_per_m.all_points += bound.stiffness_n_per_m;
+    counts.contact_nm_per_rad.all_points += bound.stiffness_nm_per_rad;
+  }
+  return std::make_unique<BuiltScene>(std::move(voxmap), std::move(field), std::move(shell), kind, parameters, scene.effects,
                                       make_plan(scene, counts), largest_gap_m(points));
 }
 

@@ -8,6 +8,7 @@
 #include "core/contact/contact_renderer.hpp"
 #include "core/scene/plan.hpp"
 #include "core/scene/scene.hpp"
+#include "core/scene/scene_renderer.hpp"
 #include "core/types/parallel.hpp"
 #include "core/voxmap/distance_field.hpp"
 #include "core/voxmap/voxmap.hpp"
@@ -19,11 +20,12 @@ class BuiltScene {
  public:
   /// `field`: for the contact model of that name, else none.
   BuiltScene(Voxmap voxmap, std::optional<DistanceField> field, Pointshell shell, ContactModelKind model,
-             const ContactParameters& parameters, Plan plan, double largest_shell_gap_m);
+             const ContactParameters& parameters, std::vector<EffectSpec> effects, Plan plan, double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
 
-  ContactRenderer& renderer() noexcept { return renderer_; }
+  ContactRenderer& renderer() noexcept { return renderer_; }   ///< contact alone
+  SceneRenderer& scene_renderer() noexcept { return scene_; }  ///< contact and effects: what the ring runs
   const Voxmap& voxmap() const noexcept { return voxmap_; }
   /// Null where the contact model looks up none.
   const DistanceField* field() const noexcept { return field_ ? &*field_ : nullptr; }
@@ -35,6 +37,7 @@ class BuiltScene {
   Voxmap voxmap_;
   std::optional<DistanceField> field_;
   ContactRenderer renderer_;
+  SceneRenderer scene_;
   Plan plan_;
   double largest_shell_gap_m_;
 };

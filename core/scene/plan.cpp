@@ -54,6 +54,47 @@ std::string design_sentence(const DesignAsk& ask) {
   return text + ".";
 }
 
+std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
+std::string needs_text(const EffectNeeds& needs) {
+  std::vector<std::string> parts;
+  if (needs.contact) parts.push_back("the contact");
+  if (needs.twist) parts.push_back("the tool's velocity");
+  if (needs.orientation) parts.push_back("the tool's orientation");
+  if (needs.proximity_m > 0.0) parts.push_back(fmt::format("distances out to {:g} m", needs.proximity_m));
+  return parts.empty() ? "nothing but the tool's position" : joined(parts);
+}
+
+std::string bound_text(const EffectBound& bound) {
+  std::vector<std::string> parts;
+  if (bound.stiffness_n_per_m > 0.0) parts.push_back(fmt::format("{:.4g} N/m", bound.stiffness_n_per_m));
+  if (bound.stiffness_nm_per_rad > 0.0) parts.push_back(fmt::format("{:.4g} Nm/rad", bound.stiffness_nm_per_rad));
+  if (bound.damping_ns_per_m > 0.0) parts.push_back(fmt::format("{:.4g} Ns/m", bound.damping_ns_per_m));
+  if (bound.damping_nms_per_rad > 0.0) parts.push_back(fmt::format("{:.4g} Nms/rad", bound.damping_nms_per_rad));
+  if (std::isfinite(bound.force_n)) parts.push_back(fmt::format("{:.4g} N", bound.force_n));
+  return parts.empty() ? "" : " At most " + joined(parts) + ".";
+}
+
+std::string effect_sentence(const EffectSpec& effect) {
+  const std::string title = effect.name == effect.kind->name
+                                ? fmt::format("Effect '{}'", effect.name)
+                                : fmt::format("Effect '{}' ({})", effect.name, effect.kind->name);
+  return fmt::format("{}: {} Needs {}.{}{}", title, effect.kind->says, needs_text(effect.kind->needs(effect.values)),
+                     bound_text(bound_of(effect)), effect.on ? "" : " Switched off at the start.");
+}
+
+std::string absent_effects(const Scene& scene) {
+  std::vector<std::string> absent;
+  for (const EffectKind* kind : effect_kinds())
+    if (std::none_of(scene.effects.begin(), scene.effects.end(), [&](const EffectSpec& e) { return e.kind == kind; }))
+      absent.emplace_back(kind->name);
+  return joined(absent);
+}
+
 void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
   const std::size_t meshes = scene.static_meshes.size();
   plan.built.push_back(fmt::format("Voxmap of {} ({}) at {:g} m: {}, {}, {}; every contact model asks it.",
@@ -83,6 +124,7 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
                                    n.contact_n_per_m.one_point, n.contact_nm_per_rad.one_point,
                                    n.contact_n_per_m.all_points, n.contact_nm_per_rad.all_points));
   plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
+  for (const EffectSpec& effect : scene.effects) plan.built.push_back(effect_sentence(effect));
   std::size_t parts = 0;
   for (const MeshSpec& mesh : scene.static_meshes) parts += mesh.primitives.size();
   parts += scene.dynamic_mesh.primitives.size();
@@ -93,8 +135,11 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
 void say_left_out(const Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.field_bytes == 0)
     plan.left_out.push_back("Signed distance field: only the contact model 'field' would ask for it.");
-  plan.left_out.push_back("Proximity and inner depth layers: no effect asks for them.");
-  if (scene.effects.empty()) plan.left_out.push_back("Effects: the scene names none.");
+  const EffectNeeds needs = needs_of(scene.effects);
+  if (!(needs.proximity_m > 0.0)) plan.left_out.push_back("Distances outside the surface: no effect asks for them.");
+  if (!needs.twist) plan.left_out.push_back("The tool's velocity: no effect asks for it.");
+  if (const std::string absent = absent_effects(scene); !absent.empty())
+    plan.left_out.push_back(fmt::format("Effects that the scene does not name: {}.", absent));
   if (n.interior_voxels == 0)
     plan.left_out.push_back(n.closed ? "Interior: no voxel lies wholly inside at this voxel size."
                                      : "Interior: a static mesh is open and so has none.");

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/coupling/coupling_spec.hpp"
+#include "core/effects/effect_spec.hpp"
 #include "core/scene/design_ask.hpp"
 #include "core/types/geometry.hpp"
 #include "core/types/motion.hpp"
@@ -56,7 +57,7 @@ struct Scene {
   MeshSpec dynamic_mesh;
   ShellKind shell = ShellKind::kExact;
   ContactSpec contact;
-  std::vector<std::string> effects; ///< names of the effects asked for; none exist yet
+  std::vector<EffectSpec> effects;  ///< asked for, in the file's order; what is not here is not computed
   CouplingSpec coupling;            ///< as set by hand; not to be used where `design` is asked for
   std::optional<DesignAsk> design;  ///< the coupling is to be designed for the device, this scene and the hand
   DeviceSpec device;

@@ -159,15 +159,6 @@ ContactSpec read_contact(SceneSource& source, const YamlNode& node) {
   return contact;
 }
 
-std::vector<std::string> read_effects(SceneSource& source, const YamlNode& node) {
-  for (const YamlNode& item : read_list(source, node, "effects")) {
-    const bool named = item.kind == YamlNode::Kind::kMap && !item.entries.empty();
-    source.fail(item.place, fmt::format("There is no effect '{}': no effects exist yet, so 'effects' must be [].",
-                                        named ? item.entries.front().key : item.text));
-  }
-  return {};
-}
-
 DeviceSpec read_device(SceneSource& source, const YamlNode& node) {
   const MapReader map(source, node, "device", {"position_scale", "force_scale", "pose", "tool", "clutch_button"});
   DeviceSpec device;

@@ -9,7 +9,8 @@ namespace voxtouch {
 std::vector<MeshSpec> read_static_meshes(SceneSource& source, const YamlNode& node, std::optional<Vec3>& origin);
 MeshSpec read_dynamic_mesh(SceneSource& source, const YamlNode& node, ShellKind& shell);
 ContactSpec read_contact(SceneSource& source, const YamlNode& node);
-std::vector<std::string> read_effects(SceneSource& source, const YamlNode& node);
+/// In effects_section.cpp.
+std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node);
 /// The coupling as set by hand, or, where it is to be designed, `design` and a spec of defaults. In coupling_section.cpp.
 CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignAsk>& design);
 DeviceSpec read_device(SceneSource& source, const YamlNode& node);

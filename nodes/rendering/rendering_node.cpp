@@ -56,11 +56,12 @@ class RenderingNode {
  private:
   void start_session(std::uint64_t session) {
     if (session == session_in_loop_) return;  // the device has described itself anew; the scene is the same
-    built_.renderer().reset();
+    built_.scene_renderer().reset();
     mapping_.reset();
-    result_ = {};  // what is held for a refused sample must not come from another session
+    frame_ = {};  // what is held for a refused sample must not come from another session
     refused_in_a_row_ = 0;
     session_in_loop_ = session;
+    session_begin_ns_.reset();
     publish_plan(plans_, built_.plan(), built_.largest_shell_gap_m(), session);
     session_.begin(session);
   }
@@ -73,47 +74,54 @@ class RenderingNode {
         !(state.flags & msg::device_state::kFlagPoseHeld) &&
         !mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons).refused;
     if (good) {
-      result_ = built_.renderer().render(mapping_.tool().pose);
+      if (!session_begin_ns_) session_begin_ns_ = state.sample_time_ns;
+      frame_ = built_.scene_renderer().render(mapping_.tool(), seconds_since_begin(state));
       refused_in_a_row_ = 0;
     } else {
       refused_.fetch_add(1, kRelaxed);
-      if (++refused_in_a_row_ > kHoldSamples) result_ = {};
+      if (++refused_in_a_row_ > kHoldSamples) frame_ = {};
     }
     publish(state, good, begin);
   }
 
+  double seconds_since_begin(const msg::DeviceState& state) const noexcept {
+    return static_cast<double>(state.sample_time_ns - *session_begin_ns_) * 1e-9;
+  }
+
   void publish(const msg::DeviceState& state, bool good, std::int64_t begin) noexcept {
-    const ContactResult& c = result_.contact;
+    const StageResult& touch = frame_.touch;
+    const ContactResult& c = touch.contact;
     msg::ContactState m{};
     m.session_id = state.session_id;
     m.sequence_number = state.sequence_number;
     m.sample_time_ns = state.sample_time_ns;
     m.tool_pose = runtime::to_msg(mapping_.tool().pose);
-    m.wrench = runtime::to_msg(c.wrench);
+    m.wrench = runtime::to_msg(frame_.wrench);
+    m.effects_wrench = runtime::to_msg(frame_.effects.wrench);
     m.mean_normal = runtime::to_vector(c.mean_normal);
     m.deepest_point = runtime::to_point(c.deepest_point);
     m.deepest_depth_m = c.deepest_depth_m;
     m.coherence = c.coherence;
-    m.stiffness_bound_n_per_m = c.stiffness_bound_n_per_m;
-    runtime::to_msg(c.stiffness, m.stiffness);
+    m.stiffness_bound_n_per_m = frame_.stiffness_bound_n_per_m;
+    runtime::to_msg(frame_.stiffness, m.stiffness);
     m.surface_hits = c.surface_hits;
     m.interior_hits = c.interior_hits;
     m.points_tested = c.points_tested;
     m.model = static_cast<std::uint32_t>(built_.renderer().model());
     m.flags =
-        (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (result_.held ? msg::contact_state::kFlagHeld : 0U) |
-        (result_.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample);
+        (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.held ? msg::contact_state::kFlagHeld : 0U) |
+        (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample);
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
     contacts_.write(m);
     ros_.show(
-        {state.sample_time_ns, mapping_.tool().pose, c.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
+        {state.sample_time_ns, mapping_.tool().pose, frame_.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
     samples_.fetch_add(1, kRelaxed);
     const bool touches = c.surface_hits + c.interior_hits > 0, pushes = c.wrench.force.norm() > kDustN;
     if (pushes) contact_samples_.fetch_add(1, kRelaxed);
     if (touches && !pushes && c.interior_hits > c.surface_hits) buried_.fetch_add(1, kRelaxed);
-    if (result_.fast) fast_.fetch_add(1, kRelaxed);
-    if (result_.held) held_.fetch_add(1, kRelaxed);
+    if (touch.fast) fast_.fetch_add(1, kRelaxed);
+    if (touch.held) held_.fetch_add(1, kRelaxed);
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
   }
 
@@ -152,7 +160,8 @@ class RenderingNode {
   const std::atomic<bool>* stop_ = nullptr;
   std::uint64_t session_in_loop_ = 0;
   runtime::Session session_;
-  StageResult result_;
+  SceneFrame frame_;
+  std::optional<std::int64_t> session_begin_ns_;  ///< device clock of the first sample answered
   int refused_in_a_row_ = 0;
   std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0}, buried_{0};
   std::atomic<std::int64_t> longest_ns_{0};

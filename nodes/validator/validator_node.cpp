@@ -30,7 +30,9 @@ const qos::Profile& contact_profile(const Options& options) {
 ReportedContact to_report(const msg::ContactState& c) {
   ReportedContact r;
   r.tool_in_world = runtime::from_msg(c.tool_pose);
-  r.wrench = runtime::from_msg(c.wrench);
+  // The reference knows contact only: what the scene's effects add is taken off again.
+  const Wrench all = runtime::from_msg(c.wrench), effects = runtime::from_msg(c.effects_wrench);
+  r.wrench = {all.force - effects.force, all.torque - effects.torque};
   r.mean_normal = runtime::from_msg(c.mean_normal);
   r.deepest_depth_m = c.deepest_depth_m;
   r.coherence = c.coherence;

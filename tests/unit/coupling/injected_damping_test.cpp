@@ -184,6 +184,12 @@ TEST(InjectedDamping, DoesNothingInFreeSpaceAndUsesTheForceWhereTheMatrixIsMissi
   EXPECT_LE((m.move({{{0, 2, 0}, {0, 0, 0}}, 1000}, {0.1, -0.1, 0}).force - Vec3(0, 2.5, 0)).norm(), 1e-9);
 }
 
+TEST(InjectedDamping, LeavesAForceWithoutStiffnessAsItIs) {
+  Moving m(5);
+  EXPECT_LE((m.move({{{0, 2, 0}, {0, 0, 0}}, 0}, {0.1, -0.1, 0}).force - Vec3(0, 2, 0)).norm(), 1e-9)
+      << "a weight or a medium's drag is no wall";
+}
+
 /// Jumps, clutch and gaps: the damping begins at rest each time.
 TEST(InjectedDamping, HasNoSpikeAfterAJumpAResetOrAGap) {
   const CouplingInput plane = corner({3, 0, 0}, 1000, 0);

@@ -52,7 +52,7 @@ TEST(Plan, SaysWhatIsBuiltAndForWhat) {
 
 TEST(Plan, SaysWhatIsLeftOutAndWhy) {
   const Plan p = make_plan(cup(), counts());
-  for (const char* what : {"Signed distance field", "Proximity", "Effects", "Clutch"}) EXPECT_TRUE(any_has(p.left_out, what)) << what;
+  for (const char* what : {"Signed distance field", "Distances outside", "velocity", "Effects that the scene does not name: ", "viscosity", "Clutch"}) EXPECT_TRUE(any_has(p.left_out, what)) << what;
   EXPECT_FALSE(any_has(p.left_out, "Interior"));
   BuildCounts open = counts();
   open.interior_voxels = 0, open.closed = false;
@@ -62,6 +62,21 @@ TEST(Plan, SaysWhatIsLeftOutAndWhy) {
   Scene s = cup();
   s.device.clutch_button = 0;
   EXPECT_FALSE(any_has(make_plan(s, counts()).left_out, "Clutch"));
+}
+
+TEST(Plan, SaysWhatEachEffectNeedsAndCanDo) {
+  Scene s = cup();
+  EffectSpec oil{.name = "oil", .kind = find_effect_kind("viscosity"), .values = {}, .region = {}};
+  oil.values = EffectValues(oil.kind->parameters);
+  oil.values.at(0)[0] = 1.5;
+  oil.on = false;
+  s.effects = {oil};
+  const Plan p = make_plan(s, counts());
+  EXPECT_TRUE(any_has(p.built, "Effect 'oil' (viscosity): The tool moves"));
+  EXPECT_TRUE(any_has(p.built, "Needs the tool's velocity. At most 1.5 Ns/m. Switched off at the start."));
+  EXPECT_FALSE(any_has(p.left_out, "velocity"));
+  EXPECT_FALSE(any_has(p.left_out, "viscosity"));
+  EXPECT_TRUE(any_has(p.left_out, "Distances outside"));
 }
 
 TEST(Plan, PassesWarningsOnAndAddsItsOwn) {

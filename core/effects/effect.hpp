@@ -1,0 +1,56 @@
+#pragma once
+/// One interface for all effects: what one sample gives, and what an effect adds to the wrench.
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "core/contact/contact_model.hpp"
+#include "core/effects/effect_kind.hpp"
+#include "core/types/geometry.hpp"
+
+namespace voxtouch {
+
+/// One static object as the tool meets it this sample.
+struct ObjectContact {
+  std::uint32_t object = 0;  ///< place in the scene's list of static objects
+  const ContactResult* contact = nullptr;
+  Twist twist;  ///< of the object, about the tool's origin; zero for one that rests
+};
+
+/// Looks up distances to the static surface. Real-time safe.
+class Proximity {
+ public:
+  virtual ~Proximity() = default;
+  /// Signed distance [m] and outward gradient at `x` in W; `known` false beyond what was built.
+  virtual FieldSample at(const Vec3& x) const noexcept = 0;
+};
+
+/// What one sample gives. All in W; points into storage of the caller that lives for the call.
+struct EffectFrame {
+  Pose tool;                                ///< T in W
+  Twist twist;                              ///< of the tool's origin; zero where no effect needs it
+  double dt_s = 0.0;                        ///< since the last sample, > 0
+  double time_s = 0.0;                      ///< of the sample, since the session began
+  std::span<const ObjectContact> contacts;  ///< empty where no effect needs them
+  const Proximity* proximity = nullptr;     ///< null where no effect needs it
+};
+
+/// What the effects of one sample add up to. W axes; torque and stiffness about the tool's origin.
+struct EffectPush {
+  Wrench wrench;
+  Mat6 stiffness = Mat6::Zero();         ///< symmetric positive semidefinite, at least the law's own
+  double stiffness_bound_n_per_m = 0.0;  ///< spectral norm of its translational part at most
+  double potential_j = 0.0;              ///< conservative kinds only
+};
+
+/// An effect's state, if it has any. Its parameters stay with the chain, which moves them smoothly when they are changed.
+class Effect {
+ public:
+  virtual ~Effect() = default;
+  /// Adds this effect's part to `push`. Anything that is not finite in `frame` has been refused before. Real-time safe.
+  virtual void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept = 0;
+  /// Forgets the past: a new session, a jump that was meant. Real-time safe.
+  virtual void reset() noexcept {}
+};
+
+}  // namespace voxtouch

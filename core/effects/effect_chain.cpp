@@ -1,0 +1,133 @@
+#include "core/effects/effect_chain.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace voxtouch {
+namespace {
+
+bool usable(const EffectPush& push) noexcept {
+  return push.wrench.finite() && push.stiffness.allFinite() && std::isfinite(push.stiffness_bound_n_per_m) &&
+         std::isfinite(push.potential_j);
+}
+
+}  // namespace
+
+EffectChain::EffectChain(std::vector<EffectSpec> effects) {
+  links_.reserve(effects.size());
+  for (EffectSpec& spec : effects) {
+    if (const std::string why = check_values(*spec.kind, spec.values); !why.empty())
+      throw std::invalid_argument(fmt::format("effect '{}': {}", spec.name, why));
+    Link link;
+    link.now = link.rate = spec.values;
+    link.gain = Ramp(spec.on ? spec.gain : 0.0);
+    link.effect = spec.kind->make();
+    link.goal = std::move(spec);
+    links_.push_back(std::move(link));
+  }
+}
+
+void EffectChain::advance(Link& link, double dt_s) noexcept {
+  link.gain.advance(dt_s);
+  for (std::size_t p = 0; p < link.now.size(); ++p) {
+    const std::array<double, 3>& goal = link.goal.values.at(p);
+    std::array<double, 3>& now = link.now.at(p);
+    if (now == goal) continue;
+    for (std::size_t n = 0; n < 3; ++n) {
+      const double step = link.rate.at(p)[n] * dt_s;
+      now[n] = std::clamp(goal[n], now[n] - step, now[n] + step);
+    }
+  }
+}
+
+void EffectChain::weigh(const Link& link, const RegionWeight& weight, const EffectPush& own, EffectPush& sum) noexcept {
+  const double gain = link.gain.now(), share = gain * weight.weight;
+  sum.wrench.force += share * own.wrench.force;
+  sum.wrench.torque += share * own.wrench.torque;
+  sum.stiffness += share * own.stiffness;
+  sum.stiffness_bound_n_per_m += share * own.stiffness_bound_n_per_m;
+  if (weight.gradient.isZero(0.0)) {
+    sum.potential_j += share * own.potential_j;
+    return;
+  }
+  const Region& region = link.goal.region;
+  const double force = own.wrench.force.norm(), slope = weight.gradient.norm();
+  double added = gain * slope * force;
+  if (link.goal.kind->energy == EnergyBehaviour::kConservative) {
+    sum.wrench.force -= (gain * own.potential_j) * weight.gradient;
+    sum.potential_j += share * own.potential_j;
+    added = gain * (2.0 * slope * force + curvature_bound_per_m2(region) * std::abs(own.potential_j));
+  }
+  sum.stiffness.topLeftCorner<3, 3>().diagonal().array() += added;
+  sum.stiffness_bound_n_per_m += added;
+}
+
+EffectPush EffectChain::apply(const EffectFrame& frame) noexcept {
+  EffectPush sum;
+  for (Link& link : links_) {
+    advance(link, frame.dt_s);
+    const RegionWeight weight = weight_at(link.goal.region, frame.tool.position);
+    if (!(link.gain.now() > 0.0) || (weight.weight <= 0.0 && weight.gradient.isZero(0.0))) {
+      link.effect->reset();  // what it remembers must not push when it comes back
+      continue;
+    }
+    EffectPush own;
+    link.effect->apply(frame, link.now, own);
+    EffectPush with = sum;
+    weigh(link, weight, own, with);
+    if (usable(with)) {
+      sum = with;
+    } else {
+      ++not_finite_;
+      link.effect->reset();
+    }
+  }
+  return sum;
+}
+
+void EffectChain::reset() noexcept {
+  for (Link& link : links_) link.effect->reset();
+}
+
+int EffectChain::find(std::string_view name) const noexcept {
+  for (std::size_t n = 0; n < links_.size(); ++n)
+    if (links_[n].goal.name == name) return static_cast<int>(n);
+  return -1;
+}
+
+std::string EffectChain::switch_to(std::size_t effect, bool on) {
+  Link& link = links_[effect];
+  link.goal.on = on;
+  link.gain.head_for(on ? link.goal.gain : 0.0, kEffectRampS);
+  return {};
+}
+
+std::string EffectChain::set_gain(std::size_t effect, double gain) {
+  if (!(gain >= 0.0 && gain <= 1.0)) return "'gain' must be a number from 0 to 1";
+  links_[effect].goal.gain = gain;
+  return switch_to(effect, links_[effect].goal.on);
+}
+
+std::string EffectChain::set_value(std::size_t effect, std::string_view parameter, const std::array<double, 3>& value) {
+  Link& link = links_[effect];
+  const std::span<const EffectParameter> all = link.goal.kind->parameters;
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const EffectParameter& p) { return p.name == parameter; });
+  if (found == all.end()) return fmt::format("the effect '{}' has no parameter '{}'", link.goal.name, parameter);
+  if (found->shape == ParameterShape::kWord) return fmt::format("'{}' cannot change while running", parameter);
+  const auto p = static_cast<std::size_t>(found - all.begin());
+  EffectValues wanted = link.goal.values;
+  wanted.at(p) = value;
+  if (std::string why = check_values(*link.goal.kind, wanted); !why.empty()) return why;
+  const EffectNeeds before = link.goal.kind->needs(link.goal.values), after = link.goal.kind->needs(wanted);
+  if ((after.torque && !before.torque) || after.proximity_m > before.proximity_m)
+    return fmt::format("'{}' would need what was not built for this scene; change the scene file", parameter);
+  link.goal.values = wanted;
+  for (std::size_t n = 0; n < 3; ++n) link.rate.at(p)[n] = std::abs(value[n] - link.now.at(p)[n]) / kEffectRampS;
+  return {};
+}
+
+}  // namespace voxtouch

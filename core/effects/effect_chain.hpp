@@ -1,0 +1,60 @@
+#pragma once
+/// The scene's effects in the order of its list: each behind its region and gain, all summed.
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/coupling/ramp.hpp"
+#include "core/effects/effect.hpp"
+#include "core/effects/effect_spec.hpp"
+
+namespace voxtouch {
+
+/// All effects of one tool. Construction allocates, `apply` does not. One thread at a time.
+///
+/// Region and gain. A conservative effect of potential U becomes one of potential g w U: F = g (w F - U grad w). Any other
+/// has its wrench weighed: what only takes energy still does.
+/// Change. Gains and numbers go to their new value on a straight line over kEffectRampS, directions on the chord (shorter
+/// than 1 on their way: effects take them as they are, so that a push turns round through zero). No change is a force step.
+class EffectChain {
+ public:
+  static constexpr double kEffectRampS = 0.1;
+
+  /// Throws std::invalid_argument with the sentence of check_values for values that cannot be used.
+  explicit EffectChain(std::vector<EffectSpec> effects);
+
+  /// Sum over all effects with a gain above zero. Never a number that is not finite: an effect that gives one is left out of
+  /// this sample and counted. Real-time safe.
+  EffectPush apply(const EffectFrame& frame) noexcept;
+  void reset() noexcept;
+
+  std::size_t size() const noexcept { return links_.size(); }
+  bool empty() const noexcept { return links_.empty(); }
+  const EffectSpec& spec(std::size_t effect) const noexcept { return links_[effect].goal; }
+  /// -1 where there is none of that name.
+  int find(std::string_view name) const noexcept;
+  /// Switches on or off, sets the gain, sets one parameter of one effect; each a sentence saying why not, empty if done.
+  /// Between two calls of `apply`.
+  std::string switch_to(std::size_t effect, bool on);
+  std::string set_gain(std::size_t effect, double gain);
+  std::string set_value(std::size_t effect, std::string_view parameter, const std::array<double, 3>& value);
+
+  std::uint64_t not_finite() const noexcept { return not_finite_; }
+
+ private:
+  struct Link {
+    EffectSpec goal;    ///< as asked for
+    EffectValues now;   ///< on their way to goal.values
+    EffectValues rate;  ///< per second, per number
+    Ramp gain;
+    std::unique_ptr<Effect> effect;
+  };
+  static void advance(Link& link, double dt_s) noexcept;
+  static void weigh(const Link& link, const RegionWeight& weight, const EffectPush& own, EffectPush& sum) noexcept;
+
+  std::vector<Link> links_;
+  std::uint64_t not_finite_ = 0;
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,109 @@
+#pragma once
+/// What a kind of effect is called, which parameters it takes and how it behaves: one table that the scene reader, its
+/// schema, the plan, the change while running and the manual all read.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/types/geometry.hpp"
+
+namespace voxtouch {
+
+class Effect;
+
+enum class ParameterShape : std::uint8_t {
+  kNumber,     ///< one number within [low, high]
+  kVector,     ///< three numbers; low and high are for its length
+  kDirection,  ///< three numbers, brought to unit length; zero is refused
+  kWord,       ///< one of `words`; its place in the list is kept as a number; never changes while running
+};
+
+/// One key of an effect in a scene file. Names carry the unit (`stiffness_n_per_m`).
+struct EffectParameter {
+  std::string_view name;
+  ParameterShape shape = ParameterShape::kNumber;
+  double low = 0.0, high = std::numeric_limits<double>::infinity();  ///< closed, save that infinity is never allowed
+  std::optional<std::array<double, 3>> standard = {};  ///< where the scene says nothing; none: the scene must say it
+  std::string_view meaning = {};                       ///< a sentence for the manual and for editors
+  std::string_view words = {};                         ///< kWord: the choices, parted by single spaces
+};
+
+/// Values of one effect's parameters, three numbers each (a number or word uses the first). Fixed in size once made.
+class EffectValues {
+ public:
+  EffectValues() = default;
+  explicit EffectValues(std::span<const EffectParameter> parameters);  ///< the standards; NaN where there is none
+
+  double number(std::size_t parameter) const noexcept { return values_[parameter][0]; }
+  Vec3 vector(std::size_t parameter) const noexcept {
+    return {values_[parameter][0], values_[parameter][1], values_[parameter][2]};
+  }
+  std::array<double, 3>& at(std::size_t parameter) noexcept { return values_[parameter]; }
+  const std::array<double, 3>& at(std::size_t parameter) const noexcept { return values_[parameter]; }
+  std::size_t size() const noexcept { return values_.size(); }
+  bool operator==(const EffectValues&) const = default;
+
+ private:
+  std::vector<std::array<double, 3>> values_;
+};
+
+/// Where energy goes on a closed path of the tool.
+enum class EnergyBehaviour : std::uint8_t {
+  kConservative,  ///< force from a potential: none is given or taken
+  kDissipative,   ///< taken, never given
+  kBounded,       ///< may be given, at most what `EffectBound` says: texture, moving objects
+};
+
+/// What an effect with given values can do at most. Infinity where nothing holds: such values are refused.
+struct EffectBound {
+  double stiffness_n_per_m = 0.0;  ///< spectral norm of -d(force)/d(position)
+  double stiffness_nm_per_rad = 0.0;
+  double damping_ns_per_m = 0.0;  ///< spectral norm of -d(force)/d(velocity)
+  double damping_nms_per_rad = 0.0;
+  double force_n = std::numeric_limits<double>::infinity();      ///< where one is known
+  double potential_j = std::numeric_limits<double>::infinity();  ///< |U| of a conservative kind, where one is known
+  double energy_per_metre_j = 0.0;  ///< kBounded: given per metre of the tool's way at most
+};
+
+/// What must be there for an effect; the plan is the union over the scene's effects.
+struct EffectNeeds {
+  bool twist = false;        ///< the tool's velocity
+  bool contact = false;      ///< what the contact models found this sample
+  bool torque = false;       ///< gives torque: a device of three degrees of freedom cannot show it
+  bool orientation = false;  ///< looks at how the tool is turned
+  double proximity_m = 0.0;  ///< distances to the static surface out to here [m]; 0: none
+};
+
+struct EffectKind {
+  std::string_view name;       ///< key in the scene's list of effects
+  std::string_view says;       ///< one sentence for people: what is felt
+  std::string_view equations;  ///< force law, source and stability condition, as text
+  EnergyBehaviour energy = EnergyBehaviour::kConservative;
+  bool alone = false;  ///< a scene has one at most: two would contradict each other (gravity)
+  std::span<const EffectParameter> parameters;
+  EffectNeeds (*needs)(const EffectValues&) = nullptr;
+  EffectBound (*bound)(const EffectValues&) = nullptr;
+  /// What the ranges alone do not say, e.g. low > high: a sentence, empty where all is well.
+  std::string (*check)(const EffectValues&) = nullptr;
+  std::unique_ptr<Effect> (*make)() = nullptr;
+};
+
+/// All kinds, sorted by name.
+std::span<const EffectKind* const> effect_kinds() noexcept;
+/// Null where there is none of that name.
+const EffectKind* find_effect_kind(std::string_view name) noexcept;
+
+/// One value, as check_values below judges it.
+std::string check_value(const EffectParameter& parameter, const std::array<double, 3>& value);
+/// Names the first value that is missing, not finite or out of range, as a sentence; empty where all are good. Directions
+/// must be of unit length to 1e-6.
+std::string check_values(const EffectKind& kind, const EffectValues& values);
+
+}  // namespace voxtouch

@@ -1,0 +1,25 @@
+// The one list that an effect is added to; everything else about it stands in its own file.
+#include <algorithm>
+#include <array>
+
+#include "core/effects/effect.hpp"
+
+namespace voxtouch {
+
+extern const EffectKind kViscosity;
+
+namespace {
+
+constexpr std::array kKinds = {&kViscosity};
+
+}  // namespace
+
+std::span<const EffectKind* const> effect_kinds() noexcept { return kKinds; }
+
+const EffectKind* find_effect_kind(std::string_view name) noexcept {
+  const auto found =
+      std::find_if(kKinds.begin(), kKinds.end(), [&](const EffectKind* kind) { return kind->name == name; });
+  return found == kKinds.end() ? nullptr : *found;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,30 @@
+#include "core/effects/effect_spec.hpp"
+
+#include <algorithm>
+
+namespace voxtouch {
+
+EffectNeeds needs_of(std::span<const EffectSpec> effects) {
+  EffectNeeds all;
+  for (const EffectSpec& spec : effects) {
+    const EffectNeeds one = spec.kind->needs(spec.values);
+    all.twist |= one.twist, all.contact |= one.contact, all.torque |= one.torque, all.orientation |= one.orientation;
+    all.proximity_m = std::max(all.proximity_m, one.proximity_m);
+  }
+  return all;
+}
+
+EffectBound bound_of(const EffectSpec& effect) {
+  EffectBound bound = effect.kind->bound(effect.values);
+  const double slope = slope_bound_per_m(effect.region);
+  if (slope <= 0.0) return bound;  // everywhere: 0 times infinity is not asked for
+  if (effect.kind->energy == EnergyBehaviour::kConservative) {
+    bound.stiffness_n_per_m += 2.0 * slope * bound.force_n + curvature_bound_per_m2(effect.region) * bound.potential_j;
+    bound.force_n += slope * bound.potential_j;
+  } else {
+    bound.stiffness_n_per_m += slope * bound.force_n;
+  }
+  return bound;
+}
+
+}  // namespace voxtouch

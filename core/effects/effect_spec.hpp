@@ -1,0 +1,27 @@
+#pragma once
+/// One effect as a scene asks for it, and what a list of them needs and can do.
+#include <span>
+#include <string>
+
+#include "core/effects/effect_kind.hpp"
+#include "core/effects/region.hpp"
+
+namespace voxtouch {
+
+/// One effect as a scene asks for it.
+struct EffectSpec {
+  std::string name;  ///< of this one, for the change while running: the kind's, with a number from the second on
+  const EffectKind* kind = nullptr;
+  EffectValues values;
+  Region region;
+  double gain = 1.0;  ///< 0..1
+  bool on = true;     ///< off: built and ready, gain 0
+};
+
+/// Union of what they need. `proximity_m` is the largest.
+EffectNeeds needs_of(std::span<const EffectSpec> effects);
+/// Bound of one effect behind its region, at full gain. A region adds 2 |grad w| F + |grad^2 w| U to the stiffness of a
+/// conservative kind and |grad w| F to that of any other: infinite where F or U has no bound.
+EffectBound bound_of(const EffectSpec& effect);
+
+}  // namespace voxtouch

@@ -1,0 +1,38 @@
+#pragma once
+/// Where an effect is at work: a weight over space that any effect is wrapped in.
+#include <variant>
+
+#include "core/types/geometry.hpp"
+
+namespace voxtouch {
+
+struct EverywhereRegion {};
+struct SphereRegion {
+  Vec3 centre = Vec3::Zero();
+  double radius_m = 0.0;
+};  ///< W
+struct BoxRegion {
+  Pose pose;
+  Vec3 size_m = Vec3::Zero();
+};  ///< centred at the pose, W
+
+/// Full inside the shape, none beyond `blend_m` > 0 outside it, smoothstep of the distance between: continuous with its
+/// first derivative.
+struct Region {
+  std::variant<EverywhereRegion, SphereRegion, BoxRegion> shape;
+  double blend_m = 0.002;
+};
+
+struct RegionWeight {
+  double weight = 1.0;           ///< 0..1
+  Vec3 gradient = Vec3::Zero();  ///< [1/m], W; at most 1.5 / blend
+};
+
+/// Weight at `x` in W. Real-time safe.
+RegionWeight weight_at(const Region& region, const Vec3& x) noexcept;
+/// Bounds of the weight's first [1/m] and second [1/m^2] derivatives: 1.5 / b and 6 / b^2 of the smoothstep of a distance
+/// (across it: w' / distance, which is at most 6 / b^2 as well). Zero for everywhere.
+double slope_bound_per_m(const Region& region) noexcept;
+double curvature_bound_per_m2(const Region& region) noexcept;
+
+}  // namespace voxtouch

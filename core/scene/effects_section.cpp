@@ -1,0 +1,135 @@
+// The `effects` of a scene: which kinds there are and what they take stands in core/effects.
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "core/scene/scene_sections.hpp"
+
+namespace voxtouch {
+namespace {
+
+std::vector<std::string_view> words_of(std::string_view list) {
+  std::vector<std::string_view> words;
+  while (!list.empty()) {
+    const std::size_t end = std::min(list.find(' '), list.size());
+    words.push_back(list.substr(0, end));
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+  return words;
+}
+
+std::array<double, 3> read_value(const SceneSource& source, const YamlNode& node, const EffectParameter& parameter) {
+  const auto three = [](const Vec3& v) { return std::array{v.x(), v.y(), v.z()}; };
+  switch (parameter.shape) {
+    case ParameterShape::kNumber: return {read_number(source, node, parameter.name), 0.0, 0.0};
+    case ParameterShape::kVector: return three(read_vec3(source, node, parameter.name));
+    case ParameterShape::kDirection: {
+      const Vec3 v = read_vec3(source, node, parameter.name);
+      if (!(v.norm() > 0.0))
+        source.fail(node.place, fmt::format("'{}' is a direction and must not be zero.", parameter.name));
+      return three(v.normalized());
+    }
+    case ParameterShape::kWord:
+      return {static_cast<double>(read_choice(source, node, parameter.name, words_of(parameter.words))), 0.0, 0.0};
+  }
+  return {};
+}
+
+EffectValues read_values(const SceneSource& source, const YamlNode& node, const EffectKind& kind) {
+  std::vector<std::string_view> keys;
+  for (const EffectParameter& parameter : kind.parameters) keys.push_back(parameter.name);
+  const MapReader map(source, node, kind.name, keys);
+  EffectValues values(kind.parameters);
+  for (std::size_t n = 0; n < kind.parameters.size(); ++n) {
+    const EffectParameter& parameter = kind.parameters[n];
+    const YamlNode* value = parameter.standard ? map.find(parameter.name) : &map.require(parameter.name);
+    if (value == nullptr) continue;
+    values.at(n) = read_value(source, *value, parameter);
+    EffectValues alone = values;
+    if (const std::string why = check_value(parameter, alone.at(n)); !why.empty()) source.fail(value->place, why + ".");
+  }
+  if (const std::string why = check_values(kind, values); !why.empty()) source.fail(node.place, why + ".");
+  return values;
+}
+
+Region read_region(const SceneSource& source, const YamlNode& node) {
+  const MapReader map(source, node, "region", {"sphere", "box", "blend_m"});
+  Region region;
+  map.optional("blend_m", region.blend_m, read_positive);
+  if (map.has("sphere") == map.has("box")) source.fail(node.place, "'region' needs one of: sphere, box.");
+  if (const YamlNode* sphere = map.find("sphere")) {
+    const MapReader shape(source, *sphere, "sphere", {"centre", "radius"});
+    region.shape = SphereRegion{read_vec3(source, shape.require("centre"), "centre"),
+                                read_positive(source, shape.require("radius"), "radius")};
+  } else {
+    const MapReader shape(source, map.require("box"), "box", {"size", "position", "orientation"});
+    BoxRegion box;
+    box.size_m = read_vec3(source, shape.require("size"), "size");
+    if (!(box.size_m.minCoeff() > 0.0))
+      source.fail(shape.place_of("size"), "'size' of a box must be above 0 on every side.");
+    shape.optional("position", box.pose.position, read_vec3);
+    shape.optional("orientation", box.pose.orientation, read_quat);
+    region.shape = box;
+  }
+  return region;
+}
+
+EffectSpec read_effect(const SceneSource& source, const YamlNode& node) {
+  std::vector<std::string_view> kinds;
+  for (const EffectKind* kind : effect_kinds()) kinds.push_back(kind->name);
+  if (node.kind != YamlNode::Kind::kMap || node.entries.empty())
+    source.fail(node.place,
+                fmt::format("An effect is a map such as {{viscosity: {{damping_ns_per_m: 1}}}}, but here is {}.",
+                            describe(node)));
+  std::vector<std::string_view> allowed = kinds;
+  allowed.insert(allowed.end(), {"name", "region", "gain", "on"});
+  const MapReader map(source, node, "an effect", allowed);
+  EffectSpec spec;
+  for (const EffectKind* kind : effect_kinds()) {
+    const YamlNode* values = map.find(kind->name);
+    if (values == nullptr) continue;
+    if (spec.kind != nullptr)
+      source.fail(map.place_of(kind->name),
+                  fmt::format("One entry holds one effect; '{}' is here already. Begin another entry "
+                              "of the list for '{}'.",
+                              spec.kind->name, kind->name));
+    spec.kind = kind;
+    spec.values = read_values(source, *values, *kind);
+  }
+  if (spec.kind == nullptr)
+    source.fail(node.place, fmt::format("The entry names no effect; there are: {}.", listed(kinds)));
+  spec.name = spec.kind->name;
+  map.optional("name", spec.name, read_text);
+  map.optional("on", spec.on, read_flag);
+  if (const YamlNode* region = map.find("region")) spec.region = read_region(source, *region);
+  if (const YamlNode* gain = map.find("gain")) {
+    spec.gain = read_not_negative(source, *gain, "gain");
+    if (spec.gain > 1.0) source.fail(gain->place, fmt::format("'gain' is {}; it goes from 0 to 1.", spec.gain));
+  }
+  return spec;
+}
+
+}  // namespace
+
+std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node) {
+  std::vector<EffectSpec> effects;
+  for (const YamlNode& item : read_list(source, node, "effects")) {
+    EffectSpec spec = read_effect(source, item);
+    for (const EffectSpec& other : effects) {
+      if (other.name != spec.name) continue;
+      source.fail(item.place,
+                  spec.kind->alone && other.kind == spec.kind
+                      ? fmt::format("'{}' is there already; a scene has one at most.", spec.kind->name)
+                      : fmt::format("There is an effect named '{}' already; give this one a name of its own "
+                                    "(name: ...).",
+                                    spec.name));
+    }
+    if (spec.kind->alone &&
+        std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& e) { return e.kind == spec.kind; }))
+      source.fail(item.place, fmt::format("'{}' is there already; a scene has one at most.", spec.kind->name));
+    effects.push_back(std::move(spec));
+  }
+  return effects;
+}
+
+}  // namespace voxtouch
