@@ -40,7 +40,7 @@ class FieldScene : public SceneFolder {
                                     std::optional<ContactModelKind> model = {}) const {
     return build_scene(parse("scene: s\nvoxel_size: 0.002\nstatic: [" + meshes + "]\ndynamic: {mesh: ball.obj}\ncontact: {" +
                              contact + "}\n"),
-                       serial_for(), model);
+                       serial_for(), {.model = model});
   }
   static constexpr const char* kField = "model: field, stiffness_n_per_m3: 1.0e7";
   static constexpr const char* kAdapted = "stiffness_n_per_m: 30";
