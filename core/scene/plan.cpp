@@ -178,7 +178,8 @@ Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
   plan.contact_n_per_m = counts.contact_n_per_m, plan.contact_nm_per_rad = counts.contact_nm_per_rad;
   plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes;
-  plan.expected_ns_per_frame = kNsPerFrame + kNsPerPoint * static_cast<double>(counts.shell_points);
+  const double ns_per_point = kNsPerPoint + (counts.field_bytes > 0 ? kNsPerFieldPoint : 0.0);
+  plan.expected_ns_per_frame = kNsPerFrame + ns_per_point * static_cast<double>(counts.shell_points);
   say_built(scene, counts, plan);
   say_left_out(scene, counts, plan);
   say_warnings(scene, counts, plan);

@@ -39,6 +39,8 @@ struct Plan {
 /// Cost of one shell point in a frame where most points must be looked up, and of a frame beside its points [ns]: a desktop
 /// processor of the 2020s, one thread, no vector instructions, voxmap within the caches. Culling makes most frames cheaper.
 inline constexpr double kNsPerPoint = 3.0, kNsPerFrame = 500.0;
+/// What the contact model `field` adds for a point that is in contact [ns]: eight nodes and the sums for the stiffness.
+inline constexpr double kNsPerFieldPoint = 35.0;
 
 /// The plan for `scene`, given what its builders counted.
 Plan make_plan(const Scene& scene, const BuildCounts& counts);

@@ -53,7 +53,6 @@ TEST_F(BadCall, OfProbeWithoutItsFiles) {
 TEST_F(BadCall, OfProbeWithAModelThatIsNotThere) {
   expect_refused({"probe", kScene, "--poses", kPoses, "--model", "best"}, "'best'");
   expect_refused({"probe", kScene, "--poses", kPoses, "--model", "clustered"}, "'clustered'");
-  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "field"}, "'field'");
 }
 
 TEST_F(BadCall, OfProbeWithPosesThatAreNone) {

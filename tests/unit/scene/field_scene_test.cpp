@@ -12,7 +12,8 @@ namespace voxtouch {
 namespace {
 
 bool any_has(const std::vector<std::string>& lines, const std::string& text) {
-  return std::any_of(lines.begin(), lines.end(), [&](const std::string& s) { return s.find(text) != std::string::npos; });
+  return std::any_of(lines.begin(), lines.end(),
+                     [&](const std::string& s) { return s.find(text) != std::string::npos; });
 }
 
 /// A box from 0 to `size` in OBJ; `faces` of its twelve triangles.
@@ -38,8 +39,8 @@ class FieldScene : public SceneFolder {
   }
   std::unique_ptr<BuiltScene> built(const std::string& meshes, const std::string& contact,
                                     std::optional<ContactModelKind> model = {}) const {
-    return build_scene(parse("scene: s\nvoxel_size: 0.002\nstatic: [" + meshes + "]\ndynamic: {mesh: ball.obj}\ncontact: {" +
-                             contact + "}\n"),
+    return build_scene(parse("scene: s\nvoxel_size: 0.002\nstatic: [" + meshes +
+                             "]\ndynamic: {mesh: ball.obj}\ncontact: {" + contact + "}\n"),
                        serial_for(), {.model = model});
   }
   static constexpr const char* kField = "model: field, stiffness_n_per_m3: 1.0e7";
@@ -57,6 +58,7 @@ TEST_F(FieldScene, BuildsTheFieldWhereTheModelAsksForItAndOnlyThere) {
   EXPECT_FALSE(any_has(without->plan().built, "Signed distance field"));
   EXPECT_TRUE(any_has(without->plan().left_out, "Signed distance field"));
   EXPECT_EQ(with->plan().bytes - without->plan().bytes, with->field()->bytes());
+  EXPECT_GT(with->plan().expected_ns_per_frame, 5 * without->plan().expected_ns_per_frame - 5 * kNsPerFrame);
   // Asked for on the command line, of a scene that names another model.
   EXPECT_NE(built("{mesh: thick.obj}", kAdapted, ContactModelKind::kField)->field(), nullptr);
   EXPECT_EQ(built("{mesh: thick.obj}", kField, ContactModelKind::kAdapted)->field(), nullptr);
@@ -65,8 +67,9 @@ TEST_F(FieldScene, BuildsTheFieldWhereTheModelAsksForItAndOnlyThere) {
 TEST_F(FieldScene, WarnsOfTheThinnestBodyByNameAndOfNoneThatIsThickEnough) {
   EXPECT_FALSE(any_has(built("{mesh: thick.obj}", kField)->plan().warnings, "thinnest"));
   const auto thin = built("{mesh: thick.obj}, {mesh: thin.obj, position: [0, 0, 0.1]}", kField);
-  EXPECT_TRUE(any_has(thin->plan().warnings, "thin.obj: the thinnest wall is about 5 mm (2.5 voxels; 25 are asked for). "
-                                             "There the push of 'field' grows down to 2.5 mm only"));
+  EXPECT_TRUE(any_has(thin->plan().warnings,
+                      "thin.obj: the thinnest wall is about 5 mm (2.5 voxels; 25 are asked for). "
+                      "There the push of 'field' grows down to 2.5 mm only"));
   EXPECT_FALSE(any_has(built("{mesh: thin.obj}", kAdapted)->plan().warnings, "thinnest"));
 }
 
@@ -82,9 +85,11 @@ TEST_F(FieldScene, AnOpenMeshIsNamedAndRefusedWhereItIsAllThereIs) {
     }
     return std::string("no exception");
   };
-  EXPECT_NE(refusal("{mesh: open.obj}").find("no static mesh is closed, so none has an inside. Close the mesh"), std::string::npos);
+  EXPECT_NE(refusal("{mesh: open.obj}").find("no static mesh is closed, so none has an inside. Close the mesh"),
+            std::string::npos);
   write("sheet.obj", box_obj({0.08, 0.08, 0.0004}));
-  EXPECT_NE(refusal("{mesh: sheet.obj, position: [0, 0, 0.0011]}").find("no corner of a voxel lies in one"), std::string::npos);
+  EXPECT_NE(refusal("{mesh: sheet.obj, position: [0, 0, 0.0011]}").find("no corner of a voxel lies in one"),
+            std::string::npos);
 }
 
 TEST_F(FieldScene, ThePlansStiffnessBoundsEveryFrame) {
@@ -92,7 +97,8 @@ TEST_F(FieldScene, ThePlansStiffnessBoundsEveryFrame) {
   const Plan& plan = scene->plan();
   double most = 0.0;
   for (int n = 0; n < 600; ++n) {
-    const Pose pose{Vec3(0.04 + 0.00008 * n, 0.03, 0.059 - 0.00002 * n), Quat(Eigen::AngleAxisd(0.01 * n, Vec3::UnitY()))};
+    const Pose pose{Vec3(0.04 + 0.00008 * n, 0.03, 0.059 - 0.00002 * n),
+                    Quat(Eigen::AngleAxisd(0.01 * n, Vec3::UnitY()))};
     const ContactResult r = scene->renderer().probe(pose);
     EXPECT_LE(r.stiffness_bound_n_per_m, plan.contact_n_per_m.all_points * (1 + 1e-12));
     const Mat3 rotation = r.stiffness.bottomRightCorner<3, 3>();

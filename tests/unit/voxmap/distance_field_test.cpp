@@ -133,6 +133,26 @@ TEST(DistanceField, IsPositiveInEveryFreeVoxelAndNegativeInEveryInteriorOne) {
   }
 }
 
+/// In a wall hardly thicker than a voxel there is no interior voxel: the flood fill says nothing, the winding number does.
+TEST(DistanceField, KnowsTheInsideOfAWallThatHasNoInteriorVoxels) {
+  const Vec3 size(0.03, 0.03, 0.0014);
+  const Pose pose{Vec3(0.1, 0.2, 0.3), turned(0.5)};
+  const Ground ground(box_mesh(size, pose), kEdge);
+  EXPECT_LT(ground.voxmap.interior_count(), 20U);
+  const Grid& grid = ground.field.grid();
+  int inside = 0;
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j)
+      for (int k = 0; k < 40; ++k) {
+        const Vec3 u(i, j, k);
+        const double truth = box_distance(size, pose.inverse() * grid.from_grid(u));
+        if (truth > 1.9 * kEdge) continue;
+        ASSERT_NEAR(ground.field.at(u).distance_m, truth, 1e-6 * kEdge);
+        inside += truth < -0.1 * kEdge;
+      }
+  EXPECT_GT(inside, 300);
+}
+
 TEST(DistanceField, HasTheSignsOfTheSolidWhicheverWayItsTrianglesFace) {
   const TriangleMesh mesh = box_mesh(Vec3(0.02, 0.013, 0.009), {Vec3::Zero(), turned(0.3)});
   TriangleMesh mixed = mesh;
@@ -176,6 +196,21 @@ TEST(DistanceField, EndsWhereItSaysAndKnowsNothingOfWhatIsNoPlace) {
   EXPECT_TRUE(deep.known && deep.saturated);
   EXPECT_DOUBLE_EQ(deep.distance_m, -5 * kEdge);
   EXPECT_TRUE(deep.gradient.isZero(0.0));
+  int shallow = 0, ended = 0;
+  for (double depth = 0.0; depth < 0.030; depth += 0.00001) {
+    const FieldSample s = sample(ground.field, Vec3(0.030 - depth, 0.0003, 0.0002));
+    EXPECT_NEAR(s.distance_m, -std::min(depth, 5 * kEdge), 0.6 * kEdge);
+    const bool held = s.distance_m <= -5 * kEdge * (1 - 1e-9);
+    if (held) {
+      EXPECT_TRUE(s.saturated) << depth;
+    }
+    if (depth < 3.9 * kEdge) {
+      EXPECT_FALSE(s.saturated) << depth;
+    }
+    shallow += !s.saturated, ended += held;
+  }
+  EXPECT_GT(shallow, 300);
+  EXPECT_GT(ended, 1000);
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (const Vec3& u : {Vec3(nan, 5, 5), Vec3(5, inf, 5), Vec3(5, 5, -inf), Vec3(1e300, 0, 0), Vec3(-1e9, 5, 5)}) {
     const FieldSample s = ground.field.at(u);
