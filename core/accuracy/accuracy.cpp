@@ -55,8 +55,9 @@ class Measurement {
     say("places where the tool touches", 0.0);
     places_ = contact_places(scene, options.contacts, options.seed);
     if (places_.empty())
-      throw std::runtime_error(scene.file.string() +
-                               ": no place was found where the tool can touch from outside; is it larger than what it is to touch?");
+      throw std::runtime_error(
+          scene.file.string() +
+          ": no place was found where the tool can touch from outside; is it larger than what it is to touch?");
   }
 
   AccuracyRow row(const AccuracySetting& setting) {

@@ -23,28 +23,28 @@ struct AccuracySetting {
 struct AccuracyRow {
   AccuracySetting setting;
   std::uint64_t shell_points = 0;
-  std::uint64_t bytes = 0;              ///< voxmap, pointshell, field: all that the rung keeps
-  std::uint32_t contacts = 0;           ///< poses that were judged: both this setting and the reference push there
-  std::uint32_t missed = 0;             ///< poses where the reference pushes and this setting does not
-  double direction_median_deg = 0.0;    ///< angle between this force and the reference's
+  std::uint64_t bytes = 0;            ///< voxmap, pointshell, field: all that the rung keeps
+  std::uint32_t contacts = 0;         ///< poses that were judged: both this setting and the reference push there
+  std::uint32_t missed = 0;           ///< poses where the reference pushes and this setting does not
+  double direction_median_deg = 0.0;  ///< angle between this force and the reference's
   double direction_p95_deg = 0.0;
-  double magnitude_noise = 0.0;         ///< standard deviation over mean of |F| / |F_reference|
-  double torque_error_m = 0.0;          ///< median of |torque error| / |F|, about the tool's origin: a lever arm [m]
-  double onset_error_m = 0.0;           ///< median of (gap where the force begins - 0), along the way in; > 0: too early [m]
-  double onset_worst_m = 0.0;           ///< the onset farthest from 0 [m]
+  double magnitude_noise = 0.0;  ///< standard deviation over mean of |F| / |F_reference|
+  double torque_error_m = 0.0;   ///< median of |torque error| / |F|, about the tool's origin: a lever arm [m]
+  double onset_error_m = 0.0;    ///< median of (gap where the force begins - 0), along the way in; > 0: too early [m]
+  double onset_worst_m = 0.0;    ///< the onset farthest from 0 [m]
   /// CPU time of a frame in contact (query, model, stage) over the poses that were judged; the worst pose at its best of
   /// several rounds, so that it is the pose's and not the machine's.
   double median_us = 0.0, worst_us = 0.0;
-  double build_s = 0.0;                 ///< CPU time from meshes to a renderer
-  std::string refused;                  ///< why this setting could not be built; all figures above are then 0
+  double build_s = 0.0;  ///< CPU time from meshes to a renderer
+  std::string refused;   ///< why this setting could not be built; all figures above are then 0
 };
 
 /// How it is measured.
 struct AccuracyOptions {
   std::uint64_t seed = 1;
-  std::uint32_t contacts = 200;               ///< contact poses, the same for every setting save their depth
-  double depth_edges = 0.5;                   ///< depth of each contact, in e of its setting
-  std::function<double()> cpu_time_s;         ///< a clock that counts this thread's CPU time [s]; none: times read 0
+  std::uint32_t contacts = 200;        ///< contact poses, the same for every setting save their depth
+  double depth_edges = 0.5;            ///< depth of each contact, in e of its setting
+  std::function<double()> cpu_time_s;  ///< a clock that counts this thread's CPU time [s]; none: times read 0
   std::function<void(const std::string& what, double share)> progress;  ///< called between steps, 0 <= share <= 1
 };
 

@@ -40,7 +40,8 @@ class Surface {
     for (const MeshSpec& spec : scene.static_meshes) {
       const ReferenceMesh mesh = read_reference_mesh(spec);
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        triangles_.push_back({spec.pose * mesh.corner(t, 0), spec.pose * mesh.corner(t, 1), spec.pose * mesh.corner(t, 2)});
+        triangles_.push_back(
+            {spec.pose * mesh.corner(t, 0), spec.pose * mesh.corner(t, 1), spec.pose * mesh.corner(t, 2)});
         area_ += 0.5 * normal(triangles_.back()).norm();
         sums_.push_back(area_);
       }
@@ -80,7 +81,8 @@ struct Tool {
 };
 
 /// Moves on by the gap, which no step can jump, until the tool touches.
-std::optional<ContactPlace> approach(const ReferenceScene& reference, const Tool& tool, const Surface::Aim& aim, const Quat& turn) {
+std::optional<ContactPlace> approach(const ReferenceScene& reference, const Tool& tool, const Surface::Aim& aim,
+                                     const Quat& turn) {
   ContactPlace place;
   place.into = -aim.normal;
   place.touch.orientation = turn;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/contact/clustered_model.hpp"
 #include "core/contact/field_model.hpp"
 #include "core/contact/limits.hpp"
 #include "core/contact/stiffness_sum.hpp"
@@ -140,10 +141,9 @@ std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const Co
     case ContactModelKind::kOriginal: return std::make_unique<OriginalModel>(stiffness);
     case ContactModelKind::kAdapted: return std::make_unique<AdaptedModel>(stiffness);
     case ContactModelKind::kField: return make_field_model(parameters, ground);
-    case ContactModelKind::kClustered: break;
+    case ContactModelKind::kClustered: return make_clustered_model(parameters, ground);
   }
-  throw std::invalid_argument("contact: the model '" + std::string(name_of(kind)) +
-                              "' is not built yet; this version has 'original', 'adapted' and 'field'");
+  throw std::invalid_argument("contact: there is no such model");
 }
 
 }  // namespace voxtouch

@@ -46,7 +46,7 @@ struct ContactResult {
   /// fall where points go through.
   Mat6 stiffness = Mat6::Zero();
   bool fallback = false;                ///< normals face each other (coherence <= 0.3): `original` was used for this frame
-  /// `field` only: some point that pushes is deeper than the distances held; or so near the middle of a body that its depth
+  /// `clustered`: some point has gone so deep that its push grows no more. `field`: some point that pushes is deeper than the distances held; or so near the middle of a body that its depth
   /// hardly grows any more (|gradient| < 1/2); or pushed away from the nearest way out (normal . gradient < -1/2): gone
   /// through the middle of a thin wall, or on the back of a tool that is wholly inside. From here on going deeper need not
   /// meet more force.
@@ -104,6 +104,7 @@ struct ContactParameters {
 struct ContactGround {
   const Voxmap* voxmap = nullptr;         ///< for `clustered`
   const DistanceField* field = nullptr;   ///< for `field`
+  std::size_t points = 0;                 ///< of the shell: the most hits that a frame can have, for `clustered`
 };
 
 /// The model for `kind`. Throws std::invalid_argument for a stiffness that is not finite and positive, for a rung that

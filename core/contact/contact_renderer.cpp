@@ -7,7 +7,7 @@ namespace voxtouch {
 ContactRenderer::ContactRenderer(const Voxmap& voxmap, Pointshell shell, ContactModelKind model,
                                  const ContactParameters& parameters, const DistanceField* field)
     : query_(voxmap, std::move(shell), parameters.weights),
-      model_(make_contact_model(model, parameters, {&voxmap, field})),
+      model_(make_contact_model(model, parameters, {&voxmap, field, query_.shell().size()})),
       stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness, model}) {
   hits_.reserve(query_.shell().size());
 }

@@ -39,8 +39,8 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain)
   frame.moved_m = has_last_pose_ ? motion_bound(hits.pose) : 0.0;
   result.fast = frame.moved_m > limits::kFastEdges * config_.edge_m;
   ++frame_;
-  if (config_.model == ContactModelKind::kField) {
-    // Nothing to blend, and nothing to hold: its depths reach into interior voxels.
+  if (config_.model == ContactModelKind::kField || config_.model == ContactModelKind::kClustered) {
+    // Nothing to blend, and nothing to hold: their depths reach into interior voxels.
   } else if (hits.surface.empty() && hits.interior.empty()) {
     shared_.setZero();
   } else {

@@ -45,6 +45,14 @@ inline constexpr double kMaxGridCoordinate = 2147483000.0;
 inline constexpr double kMinQuaternionNorm = 1e-3;
 inline constexpr double kMaxQuaternionNorm = 1e3;
 
+/// `clustered`: a point joins the mean of its patch from this far above the layer's middle on, with a weight that grows with its depth.
+inline constexpr double kPatchReachEdges = 0.5;
+/// `clustered`: below this share of surface voxels round a point its depth goes over into `kDeepEdges`.
+inline constexpr double kSurfaceWeight = 0.125;
+inline constexpr double kDeepEdges = 1.25;
+/// `clustered`: over this distance from a free voxel a push fades in.
+inline constexpr double kBorderEdges = 0.15;
+
 /// 0 up to `from`, 1 from `to` on, 3t^2 - 2t^3 between: continuous with its first derivative. NaN gives 0.
 inline constexpr double smoothstep(double from, double to, double x) noexcept {
   const double t = (x - from) / (to - from);

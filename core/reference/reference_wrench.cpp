@@ -104,14 +104,16 @@ class Integral {
 
   void add(const Corners& c, const Vec3& twice_area) {
     const Vec3 centre = (c[0] + c[1] + c[2]) / 3.0;
-    const double radius = std::sqrt(std::max({(c[0] - centre).squaredNorm(), (c[1] - centre).squaredNorm(),
-                                              (c[2] - centre).squaredNorm()}));
+    const double radius = std::sqrt(
+        std::max({(c[0] - centre).squaredNorm(), (c[1] - centre).squaredNorm(), (c[2] - centre).squaredNorm()}));
     const double at_centre = distance(centre);
     if (at_centre > radius) return;
     const bool inside = at_centre < -radius;
     if (radius > (inside ? 1.0 : kCrossingShare) * resolution_) {
-      const Vec3 ab = 0.5 * (c[0] + c[1]), bc = 0.5 * (c[1] + c[2]), ca = 0.5 * (c[2] + c[0]), quarter = 0.25 * twice_area;
-      for (const Corners& part : {Corners{c[0], ab, ca}, Corners{ab, c[1], bc}, Corners{ca, bc, c[2]}, Corners{bc, ca, ab}})
+      const Vec3 ab = 0.5 * (c[0] + c[1]), bc = 0.5 * (c[1] + c[2]), ca = 0.5 * (c[2] + c[0]),
+                 quarter = 0.25 * twice_area;
+      for (const Corners& part :
+           {Corners{c[0], ab, ca}, Corners{ab, c[1], bc}, Corners{ca, bc, c[2]}, Corners{bc, ca, ab}})
         add(part, quarter);
       return;
     }
@@ -144,18 +146,21 @@ struct ReferenceWrench::Parts {
 };
 
 ReferenceWrench::ReferenceWrench(const Scene& scene, double resolution_m) {
-  if (scene.static_meshes.empty()) throw std::runtime_error(scene.file.string() + ": the reference needs a static mesh");
+  if (scene.static_meshes.empty())
+    throw std::runtime_error(scene.file.string() + ": the reference needs a static mesh");
   if (!(resolution_m > 0.0) || !std::isfinite(resolution_m))
     throw std::runtime_error("the reference's resolution must be a length above zero");
   std::vector<PosedMesh> statics;
   for (const MeshSpec& spec : scene.static_meshes) {
     statics.emplace_back(spec);
     if (!statics.back().closed())
-      throw std::runtime_error(spec.path.string() +
-                               ": the mesh is open and has no inside, so there is no true force to compare with; close it");
+      throw std::runtime_error(
+          spec.path.string() +
+          ": the mesh is open and has no inside, so there is no true force to compare with; close it");
   }
-  parts_ = std::make_unique<Parts>(Parts{
-      std::move(statics), TriangleTree(read_reference_mesh(scene.dynamic_mesh), scene.dynamic_mesh.pose), resolution_m});
+  parts_ = std::make_unique<Parts>(Parts{std::move(statics),
+                                         TriangleTree(read_reference_mesh(scene.dynamic_mesh), scene.dynamic_mesh.pose),
+                                         resolution_m});
 }
 ReferenceWrench::~ReferenceWrench() = default;
 ReferenceWrench::ReferenceWrench(ReferenceWrench&&) noexcept = default;

@@ -10,11 +10,11 @@ namespace voxtouch {
 
 /// W axes; torque about the tool's origin. Per unit of the law's stiffness k = 1 N/m^3.
 struct TrueWrench {
-  Wrench wrench;               ///< [m^3], [m^4]
-  double area_m2 = 0.0;        ///< of the tool's surface that lies inside the static object
-  double depth_m = 0.0;        ///< of its deepest point that was looked at
-  Vec3 deepest = Vec3::Zero(); ///< that point, W
-  std::uint64_t samples = 0;   ///< signed distances asked for
+  Wrench wrench;                ///< [m^3], [m^4]
+  double area_m2 = 0.0;         ///< of the tool's surface that lies inside the static object
+  double depth_m = 0.0;         ///< of its deepest point that was looked at
+  Vec3 deepest = Vec3::Zero();  ///< that point, W
+  std::uint64_t samples = 0;    ///< signed distances asked for
 };
 
 /// The penalty law in the limit of ever finer points,

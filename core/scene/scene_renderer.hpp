@@ -10,9 +10,9 @@ namespace voxtouch {
 
 /// W axes, torque about the tool's origin.
 struct SceneFrame {
-  StageResult touch;     ///< contact alone
-  EffectPush effects;    ///< effects alone; all zero where the scene lists none
-  Wrench wrench;         ///< sum of both
+  StageResult touch;   ///< contact alone
+  EffectPush effects;  ///< effects alone; all zero where the scene lists none
+  Wrench wrench;       ///< sum of both
   Mat6 stiffness = Mat6::Zero();
   double stiffness_bound_n_per_m = 0.0;
 };

@@ -2,7 +2,11 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include <limits>
+#include <optional>
+
 #include "core/reference/reference_scene.hpp"
+#include "core/reference/reference_wrench.hpp"
 #include "core/scene/build.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/cli/pose_csv.hpp"
@@ -30,13 +34,20 @@ std::string ranges(const std::vector<std::uint32_t>& ids) {
   return text;
 }
 
+/// What a static object without an inside leaves open.
+const Vec3 kUnknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+
 int probe_reference(const Scene& scene, const std::vector<Pose>& poses) {
   const ReferenceScene reference(scene);
-  fmt::print("gap_m,dx,dy,dz,unique_face,self_check\n");
+  std::optional<ReferenceWrench> truth;
+  if (reference.inside_known()) truth.emplace(scene, 0.25 * scene.voxel_size_m);
+  fmt::print("gap_m,dx,dy,dz,unique_face,self_check,fx,fy,fz,tx,ty,tz\n");
   for (const Pose& pose : poses) {
     const GapResult g = reference.gap(pose);
-    fmt::print("{},{},{},{},{},{}\n", g.gap_m, g.direction.x(), g.direction.y(), g.direction.z(), int{g.unique_face},
-               int{g.self_check});
+    const Wrench w = truth ? truth->at(pose).wrench : Wrench{kUnknown, kUnknown};
+    fmt::print("{},{},{},{},{},{},{},{},{},{},{},{}\n", g.gap_m, g.direction.x(), g.direction.y(), g.direction.z(),
+               int{g.unique_face}, int{g.self_check}, w.force.x(), w.force.y(), w.force.z(), w.torque.x(), w.torque.y(),
+               w.torque.z());
   }
   return 0;
 }
@@ -47,8 +58,7 @@ std::optional<ContactModelKind> chosen_model(const std::string& word) {
   ContactModelKind kind{};
   if (!parse_contact_model(word, kind))
     throw std::runtime_error(
-        fmt::format("there is no contact model '{}'; --model takes original, adapted, field or reference", word));
-  if (kind == ContactModelKind::kClustered) make_contact_model(kind, {});  // says so where a rung has a name but is not built yet
+        fmt::format("there is no contact model '{}'; --model takes original, adapted, clustered, field or reference", word));
   return kind;
 }
 
@@ -80,12 +90,13 @@ void add_probe(CLI::App& app, Action& action) {
       "probe",
       "Wrenches for a list of poses, one CSV row each: nS,nI,coh,fx,fy,fz,tx,ty,tz (world axes, torque about the "
       "tool's\n"
-      "origin). Memoryless: neither blend nor hold. --model reference prints gap and push direction instead");
+      "origin). Memoryless: neither blend nor hold. --model reference prints gap and push direction\n"
+      "instead, and the true wrench for a stiffness of 1 N/m^3");
   verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
   verb->add_option("--poses", o->poses,
                    "CSV with the columns qw,qx,qy,qz,tx,ty,tz: tool in world; - for standard input")
       ->required();
-  verb->add_option("--model", o->model, "original, adapted, field or reference; default: the scene's");
+  verb->add_option("--model", o->model, "original, adapted, clustered, field or reference; default: the scene's");
   verb->add_flag("--points", o->points, "Adds a column with the ids of the colliding points");
   verb->callback([o, &action] { action = [o] { return probe(*o); }; });
 }

@@ -52,7 +52,7 @@ TEST_F(BadCall, OfProbeWithoutItsFiles) {
 
 TEST_F(BadCall, OfProbeWithAModelThatIsNotThere) {
   expect_refused({"probe", kScene, "--poses", kPoses, "--model", "best"}, "'best'");
-  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "clustered"}, "'clustered'");
+  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "Field"}, "'Field'");
 }
 
 TEST_F(BadCall, OfProbeWithPosesThatAreNone) {

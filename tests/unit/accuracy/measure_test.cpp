@@ -11,7 +11,9 @@
 namespace voxtouch {
 namespace {
 
-Scene shipped(const std::string& name) { return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml"); }
+Scene shipped(const std::string& name) {
+  return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml");
+}
 
 AccuracySetting setting(ContactModelKind model, double edge, PointWeights weights = PointWeights::kOne) {
   return {model, weights, edge, edge};
@@ -73,12 +75,12 @@ TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
 TEST(Accuracy, RungsComeInTheirOrderAndErrorsFallWithTheVoxel) {
   AccuracyOptions options;
   options.contacts = 40;
-  const std::vector<AccuracyRow> rows = measure_accuracy(
-      shipped("cylinder"),
-      {setting(ContactModelKind::kOriginal, 0.002), setting(ContactModelKind::kAdapted, 0.004),
-       setting(ContactModelKind::kAdapted, 0.002), setting(ContactModelKind::kAdapted, 0.001),
-       setting(ContactModelKind::kField, 0.002, PointWeights::kArea)},
-      options, serial_for());
+  const std::vector<AccuracyRow> rows =
+      measure_accuracy(shipped("cylinder"),
+                       {setting(ContactModelKind::kOriginal, 0.002), setting(ContactModelKind::kAdapted, 0.004),
+                        setting(ContactModelKind::kAdapted, 0.002), setting(ContactModelKind::kAdapted, 0.001),
+                        setting(ContactModelKind::kField, 0.002, PointWeights::kArea)},
+                       options, serial_for());
   ASSERT_EQ(rows.size(), 5u);
   for (const AccuracyRow& row : rows) {
     ASSERT_EQ(row.refused, "");

@@ -34,10 +34,12 @@ TEST(ContactRenderer, AllocatesNothingInAnyFrame) {
   const double e = 0.001;
   const Voxmap voxmap = block({Vec3::Zero(), e}, {0, 0, 0}, {60, 60, 60});
   const Ground ground(box_mesh(Vec3(61, 61, 61) * e, {Vec3(30.5, 30.5, 30.5) * e, Quat::Identity()}), e);
-  for (const auto kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kField}) {
+  for (const auto kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
+                          ContactModelKind::kField}) {
     const bool field = kind == ContactModelKind::kField;
+    const bool by_area = field || kind == ContactModelKind::kClustered;
     ContactRenderer renderer(field ? ground.voxmap : voxmap, sphere_shell(10 * e, e), kind,
-                             {100.0, field ? PointWeights::kArea : PointWeights::kOne}, &ground.field);
+                             {100.0, by_area ? PointWeights::kArea : PointWeights::kOne}, &ground.field);
     const std::uint64_t at_first = calls;
     std::free(std::malloc(16));
     ASSERT_GT(calls, at_first) << "malloc is not counted";

@@ -229,14 +229,14 @@ TEST(ContactModels, HaveNamesThatAreReadBack) {
   EXPECT_EQ(kind, ContactModelKind::kField);
 }
 
-TEST(ContactModels, ThatDoNotExistAreRefusedWithTheNamesOfThoseThatDo) {
-  for (const auto kind : {ContactModelKind::kClustered}) {
+TEST(ContactModels, ThatWeighByAreaRefuseOtherWeightsAndSayWhatToGive) {
+  for (const auto kind : {ContactModelKind::kClustered, ContactModelKind::kField}) {
     try {
       make_contact_model(kind, {1.0});
       FAIL() << "no exception";
     } catch (const std::invalid_argument& error) {
       const std::string text = error.what();
-      for (const std::string& word : {std::string(name_of(kind)), std::string("original"), std::string("adapted")})
+      for (const std::string& word : {std::string(name_of(kind)), std::string("stiffness_n_per_m3")})
         EXPECT_NE(text.find(word), std::string::npos) << text;
     }
   }

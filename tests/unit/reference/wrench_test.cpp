@@ -10,7 +10,9 @@
 namespace voxtouch {
 namespace {
 
-Scene shipped(const std::string& name) { return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml"); }
+Scene shipped(const std::string& name) {
+  return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml");
+}
 
 /// Sphere of radius R, h deep in a half space: k pi h^2 (R - h / 3).
 double cap(double radius, double h) { return std::numbers::pi * h * h * (radius - h / 3.0); }
@@ -20,7 +22,8 @@ TEST(ReferenceWrench, IsTheClosedFormOfASphereInAHalfSpaceUpToItsFacets) {
   const double chord = ReferenceScene(shipped("plane")).chord_error_m();
   ASSERT_LT(chord, 5e-5);
   for (const double h : {0.5e-3, 1e-3, 2e-3, 4e-3}) {
-    const TrueWrench w = reference.at({Vec3(0.001, 0.002, 0.01 - h), Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()))});
+    const TrueWrench w =
+        reference.at({Vec3(0.001, 0.002, 0.01 - h), Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()))});
     // The facets lie inside the sphere, by the chord error at most.
     EXPECT_LT(w.wrench.force.z(), 1.001 * cap(0.01, h)) << h;
     EXPECT_GT(w.wrench.force.z(), 0.999 * cap(0.01, h - chord)) << h;
@@ -43,7 +46,8 @@ TEST(ReferenceWrench, ConvergesAsItsResolutionIsHalved) {
   const Scene scene = shipped("cup");
   const Quat turned(Eigen::AngleAxisd(1.0, Vec3(1, -1, 0.5).normalized()));
   const Pose pose{scene.motions.at("hit").path.back(), turned};
-  const Vec3 a = ReferenceWrench(scene, 1e-3).at(pose).wrench.force, b = ReferenceWrench(scene, 0.5e-3).at(pose).wrench.force,
+  const Vec3 a = ReferenceWrench(scene, 1e-3).at(pose).wrench.force,
+             b = ReferenceWrench(scene, 0.5e-3).at(pose).wrench.force,
              c = ReferenceWrench(scene, 0.25e-3).at(pose).wrench.force;
   ASSERT_GT(c.norm(), 0.0);
   EXPECT_LT((b - c).norm(), 0.002 * c.norm());
@@ -64,7 +68,8 @@ TEST(ReferenceWrench, IsConservative) {
   };
   for (int n = 0; n < kSteps; ++n) {
     const Pose from = pose(n), to = pose(n + 1);
-    const Wrench w = reference.at({0.5 * (from.position + to.position), from.orientation.slerp(0.5, to.orientation)}).wrench;
+    const Wrench w =
+        reference.at({0.5 * (from.position + to.position), from.orientation.slerp(0.5, to.orientation)}).wrench;
     const Eigen::AngleAxisd turn(to.orientation * from.orientation.conjugate());
     work += w.force.dot(to.position - from.position) + w.torque.dot(turn.angle() * turn.axis());
     way += (to.position - from.position).norm();
