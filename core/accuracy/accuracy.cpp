@@ -8,6 +8,7 @@
 
 #include "core/accuracy/contact_errors.hpp"
 #include "core/accuracy/contact_places.hpp"
+#include "core/reference/reference_scene.hpp"
 #include "core/reference/reference_wrench.hpp"
 #include "core/scene/build.hpp"
 
@@ -36,6 +37,13 @@ Truth true_wrenches(const Scene& scene, const std::vector<ContactPlace>& places,
   return truth;
 }
 
+/// Whether the way in is free from where an onset is looked for: a narrow place may have another wall behind the tool.
+bool clear_before(const ReferenceScene& reference, const ContactPlace& place, double edge) {
+  const double ahead = kLookAheadEdges * edge;
+  return reference.gap(place.at(-ahead)).gap_m > 0.5 * ahead &&
+         reference.gap(place.at(-0.5 * ahead)).gap_m > 0.25 * ahead;
+}
+
 /// The gap at which the force begins on the way in; minus the last depth looked at where it never does.
 double onset_gap(ContactRenderer& renderer, const ContactPlace& place, double edge) {
   const auto pushes = [&](double depth) { return !renderer.probe(place.at(depth)).wrench.force.isZero(0.0); };
@@ -51,7 +59,7 @@ double onset_gap(ContactRenderer& renderer, const ContactPlace& place, double ed
 class Measurement {
  public:
   Measurement(const Scene& scene, const AccuracyOptions& options, const ParallelFor& parallel_for, std::size_t settings)
-      : scene_(scene), options_(options), parallel_for_(parallel_for), settings_(settings) {
+      : scene_(scene), options_(options), parallel_for_(parallel_for), settings_(settings), reference_(scene) {
     say("places where the tool touches", 0.0);
     places_ = contact_places(scene, options.contacts, options.seed);
     if (places_.empty())
@@ -111,7 +119,7 @@ class Measurement {
     for (std::size_t n = 0; n < places_.size(); ++n) {
       if (truth[n].force.isZero(0.0)) continue;
       pairs.push_back({renderer.probe(places_[n].at(depth)).wrench, truth[n]});
-      onsets.push_back(onset_gap(renderer, places_[n], edge));
+      if (clear_before(reference_, places_[n], edge)) onsets.push_back(onset_gap(renderer, places_[n], edge));
     }
     judge_wrenches(pairs, row);
     judge_onsets(onsets, row);
@@ -146,6 +154,7 @@ class Measurement {
   const AccuracyOptions& options_;
   const ParallelFor& parallel_for_;
   std::size_t settings_, done_ = 0;
+  ReferenceScene reference_;
   std::vector<ContactPlace> places_;
   std::map<double, Truth> truth_;
 };

@@ -30,8 +30,9 @@ struct AccuracyRow {
   double direction_p95_deg = 0.0;
   double magnitude_noise = 0.0;  ///< standard deviation over mean of |F| / |F_reference|
   double torque_error_m = 0.0;   ///< median of |torque error| / |F|, about the tool's origin: a lever arm [m]
-  double onset_error_m = 0.0;    ///< median of (gap where the force begins - 0), along the way in; > 0: too early [m]
-  double onset_worst_m = 0.0;    ///< the onset farthest from 0 [m]
+  /// Median of the gap where the force begins, along the way in, over the places with room behind the tool; > 0: too early [m].
+  double onset_error_m = 0.0;
+  double onset_worst_m = 0.0;  ///< the onset farthest from 0 [m]
   /// CPU time of a frame in contact (query, model, stage) over the poses that were judged; the worst pose at its best of
   /// several rounds, so that it is the pose's and not the machine's.
   double median_us = 0.0, worst_us = 0.0;

@@ -79,7 +79,8 @@ void push_along_mean_normal(const HitList& hits, double stiffness, ContactResult
 
 std::unique_ptr<ContactModel> make_field_model(const ContactParameters& parameters, const ContactGround& ground) {
   if (parameters.weights != PointWeights::kArea)
-    throw std::invalid_argument("contact: the model 'field' weighs points by their area; give the stiffness per area");
+    throw std::invalid_argument("contact: the model 'field' weighs points by their area; give its stiffness per area "
+                                "(stiffness_n_per_m3)");
   if (ground.field == nullptr)
     throw std::invalid_argument("contact: the model 'field' looks up a distance field, and there is none; build it first");
   return std::make_unique<FieldModel>(*ground.field, parameters.stiffness);

@@ -79,6 +79,8 @@ Fault tampered(const std::string& name, std::function<void(ReportedContact&)> ch
 /// to see at all.
 const std::map<std::string, std::string> kBlindAxes = {
     {"cup", "z"},            // the motions touch the walls, which are the same all along z
+    {"cup_clustered", "z"},  // likewise
+    {"cup_field", "z"},      // likewise
     {"cup_mm", "z"},         // likewise
     {"cup_metre", "z"},      // likewise
     {"cylinder", "y"},       // its axis; the motions stay away from its ends
