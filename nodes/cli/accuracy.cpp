@@ -154,12 +154,6 @@ int run(const AccuracyVerb& o) {
   }
 }
 
-/// A negative number would be taken for a huge one.
-std::string whole_number(const std::string& text) {
-  const bool good = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-  return good ? "" : "'" + text + "' is not a whole number of 0 or more";
-}
-
 /// One word after the option, split at its commas: what follows may be the scene.
 template <class T>
 CLI::Option* add_list(CLI::App& verb, const char* name, std::vector<T>& list, const char* help) {
@@ -201,7 +195,7 @@ void add_accuracy(CLI::App& app, Action& action) {
       ->capture_default_str()
       ->check(runtime::require_positive)  // a range lets NaN through
       ->check(CLI::Range(1e-3, 20.0));
-  verb->add_option("--seed", o->seed, "Chooses the contact poses")->capture_default_str()->check(whole_number);
+  verb->add_option("--seed", o->seed, "Chooses the contact poses")->capture_default_str()->check(runtime::require_whole);
   add_wishes(*verb, o->wish);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->add_option("--csv", o->csv, "Writes the table as CSV");

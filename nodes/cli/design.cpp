@@ -154,6 +154,7 @@ void add_design(CLI::App& app, Action& action) {
       ->check(runtime::require_positive);
   verb->add_option("--gain-margin", o->gain_margin, "How much stiffer the worst case may get before it is unstable")
       ->capture_default_str()
+      ->check(runtime::require_positive)  // which refuses nan
       ->check(CLI::Range(1.0, 100.0));
   verb->add_option("--stiffness", o->stiffness_n_per_m, "Without a scene: the contact's stiffness at the hand [N/m]")
       ->check(runtime::require_positive);

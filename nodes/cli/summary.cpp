@@ -72,6 +72,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["deadline_misses"] = count(r, "device", "deadline_misses");
   j["contact_samples"] = count(r, "rendering", "contact_samples");
   j["held_samples"] = count(r, "rendering", "held_samples");
+  j["saturated_samples"] = count(r, "rendering", "saturated_samples");
   j["fast_samples"] = count(r, "rendering", "fast_samples");
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);

@@ -92,6 +92,11 @@ void judge(RunSummary& s) {
                     "does the motion "
                     "start inside?",
                     n));
+  if (const double n = number(s, "rendering", "saturated_samples"); n > 0)
+    s.notes.push_back(
+        fmt::format("in {} samples the tool was so deep, or a wall so thin, that going deeper meets no more force: more "
+                    "stiffness, a thicker body or a stronger device holds it out",
+                    n));
   std::vector<std::string> unique;
   for (std::string& p : s.problems)
     if (std::find(unique.begin(), unique.end(), p) == unique.end()) unique.push_back(std::move(p));

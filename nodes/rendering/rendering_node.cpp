@@ -110,7 +110,8 @@ class RenderingNode {
     m.model = static_cast<std::uint32_t>(built_.renderer().model());
     m.flags =
         (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.held ? msg::contact_state::kFlagHeld : 0U) |
-        (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample);
+        (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
+        (c.saturated ? msg::contact_state::kFlagSaturated : 0U);
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
     contacts_.write(m);
@@ -122,6 +123,7 @@ class RenderingNode {
     if (touches && !pushes && c.interior_hits > c.surface_hits) buried_.fetch_add(1, kRelaxed);
     if (touch.fast) fast_.fetch_add(1, kRelaxed);
     if (touch.held) held_.fetch_add(1, kRelaxed);
+    if (c.saturated) saturated_.fetch_add(1, kRelaxed);
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
   }
 
@@ -134,6 +136,7 @@ class RenderingNode {
                      {"fast_samples", fmt::to_string(fast_.load())},
                      {"buried_samples", fmt::to_string(buried_.load())},
                      {"held_samples", fmt::to_string(held_.load())},
+                     {"saturated_samples", fmt::to_string(saturated_.load())},
                      {"longest_frame_us",
                       fmt::format("{:.0f}", options_.lockstep ? 0.0 : static_cast<double>(longest_ns_.load()) * 1e-3)},
                      {"warnings", fmt::to_string(built_.plan().warnings.size())}};
@@ -163,7 +166,7 @@ class RenderingNode {
   SceneFrame frame_;
   std::optional<std::int64_t> session_begin_ns_;  ///< device clock of the first sample answered
   int refused_in_a_row_ = 0;
-  std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0}, buried_{0};
+  std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0}, buried_{0}, saturated_{0};
   std::atomic<std::int64_t> longest_ns_{0};
 };
 

@@ -33,6 +33,11 @@ std::string require_not_negative(const std::string& text) {
   return value && *value >= 0.0 ? "" : "'" + text + "' is not a finite number of 0 or more";
 }
 
+std::string require_whole(const std::string& text) {
+  const bool good = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  return good ? "" : "'" + text + "' is not a whole number of 0 or more";
+}
+
 bool NodeOptions::has_peer(std::string_view node) const {
   return std::find(peers.begin(), peers.end(), node) != peers.end();
 }
@@ -53,7 +58,7 @@ void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
       ->check(CLI::Range(0, 232));
   app.add_option("--interface", o.network_interface, "Network interface (CYCLONEDDS_URI overrides)")
       ->capture_default_str();
-  app.add_option("--seed", o.seed, "Seed of everything random")->capture_default_str();
+  app.add_option("--seed", o.seed, "Seed of everything random")->capture_default_str()->check(require_whole);
   app.add_flag("--lockstep", o.lockstep, "Simulated time: every sample waits for its command; same bits on every run");
   app.add_option("--peers", o.peers, "Lockstep: nodes that take part, beside the device")
       ->delimiter(',')

@@ -36,6 +36,8 @@ struct NodeOptions {
 
 /// For numbers on a command line: a check with a message that a person can read.
 std::string require_positive(const std::string& text);
+/// CLI11 would take a negative number for a huge one.
+std::string require_whole(const std::string& text);
 std::string require_not_negative(const std::string& text);
 
 /// Adds the options above to a command line: --scene (where `with_scene`), --rig, --domain, --interface, --lockstep, ...
