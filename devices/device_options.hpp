@@ -1,5 +1,6 @@
 #pragma once
 /// What opening a device by its name may need.
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,6 +21,8 @@ struct DeviceOptions {
   std::optional<OperatorConfig> hand;  ///< absent: the usual grip, usual_hand(name)
   bool lockstep = false;               ///< a simulated counterpart runs in virtual time; hardware cannot
   DeviceSettings settings;
+  /// Set by another thread when whoever opens the device no longer wants it: opening then ends with DeviceOpenError. Null: never.
+  const std::atomic<bool>* cancelled = nullptr;
 };
 
 /// The hand's motion: the one asked for, or rest at the origin of D.

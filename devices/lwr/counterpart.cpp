@@ -42,6 +42,7 @@ LwrOptions hardware_options(const DeviceOptions& options) {
   o.port = settings.port("port").value_or(o.port);
   o.controller = settings.text("controller").value_or("");
   o.connect_timeout_s = settings.number("connect_timeout_s").value_or(o.connect_timeout_s);
+  o.cancelled = options.cancelled;
   o.validate();
   return o;
 }
@@ -119,6 +120,7 @@ std::unique_ptr<Driver> open_wire_lwr(const DeviceOptions& options) {
   driver.address = driver.controller = "127.0.0.1";
   driver.port = UdpSocket(driver.address, 0).local().port;
   driver.virtual_timeout_s = kVirtualTimeoutS;
+  driver.cancelled = options.cancelled;
   driver.validate();
   return std::make_unique<WireLwr>(driver, options, settings);
 }

@@ -35,6 +35,8 @@ std::string joints_of(unsigned bits) {
   return names;
 }
 
+constexpr auto kCancelledEvery = 50ms;
+
 std::chrono::nanoseconds seconds(double s) { return std::chrono::nanoseconds(std::llround(s * 1e9)); }
 
 }  // namespace
@@ -55,8 +57,10 @@ void LwrDriver::connect() {
   heard_.store(start, std::memory_order_relaxed);
   // Without a first position there is nothing to mirror; a measurement of a closed interface ends an earlier session.
   for (bool good = false; !good;) {
-    const Intake intake = wait_and_take(deadline);
-    if (intake == Intake::kNothing) throw DeviceOpenError(nothing_came());
+    const Intake intake = wait_and_take(std::min(deadline, Clock::now() + kCancelledEvery));
+    if (options_.cancelled && options_.cancelled->load())
+      throw DeviceOpenError("device 'lwr': waiting for its controller was cancelled");
+    if (intake == Intake::kNothing && Clock::now() >= deadline) throw DeviceOpenError(nothing_came());
     good = intake == Intake::kNew &&
            (msr_.interface.state == fri::State::kMon || msr_.interface.state == fri::State::kCmd);
   }

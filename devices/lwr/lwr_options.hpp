@@ -1,5 +1,6 @@
 #pragma once
 /// What opening the light-weight robot needs to know.
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -30,6 +31,7 @@ struct LwrOptions {
   LwrJoints max_add_torque_nm = (LwrJoints() << 100, 100, 80, 80, 80, 24, 24).finished();
   std::string capture_file;  ///< pcap of the last packets, written at the end; empty: none
   std::size_t capture_packets = 20000;
+  const std::atomic<bool>* cancelled = nullptr;  ///< DeviceOptions::cancelled
 
   /// Throws DeviceOpenError that names field, value and rule.
   void validate() const;

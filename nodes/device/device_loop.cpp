@@ -51,9 +51,11 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
     runtime::sleep_until(deadline_ns_);  // a device that fails at once must not make the loop spin
     return after(sample.error());
   }
-  if (!driver_.simulated())
+  if (!driver_.simulated()) {
+    count_skipped(sample->time_ns);
     deadline_ns_ =
         runtime::monotonic_ns() - period_ns_ / 4;  // its clock paces: the command is due before its next sample
+  }
   if (!publish(*sample)) return End::kWriteBlocked;
 
   End end = End::kNone;
@@ -149,6 +151,14 @@ std::optional<GuardInput> DeviceLoop::wait_in_real_time() noexcept {
   }
   if (driver_.simulated()) runtime::sleep_until(deadline_ns_);
   return newest;
+}
+
+/// Of a device that paces itself its own stamps tell which samples nobody fetched.
+void DeviceLoop::count_skipped(std::int64_t sample_ns) noexcept {
+  const std::int64_t last = std::exchange(last_sample_ns_, sample_ns);
+  if (sequence_ == 0 || !takes_force_) return;  // while it gets ready, or again ready, it may pause
+  const std::int64_t periods = (sample_ns - last + period_ns_ / 2) / period_ns_;
+  if (periods > 1) progress_.overruns.fetch_add(static_cast<std::uint64_t>(periods - 1), kRelaxed);
 }
 
 void DeviceLoop::next_period() noexcept {

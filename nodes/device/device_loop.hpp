@@ -74,6 +74,7 @@ class DeviceLoop {
   End turn(const std::atomic<bool>& stop) noexcept;
   End after(DeviceError error) noexcept;
   void next_period() noexcept;
+  void count_skipped(std::int64_t sample_ns) noexcept;
   bool publish(const DeviceSample& sample) noexcept;
   std::optional<GuardInput> wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept;
   std::optional<GuardInput> wait_in_real_time() noexcept;
@@ -91,6 +92,7 @@ class DeviceLoop {
   CommandGate gate_;
   std::int64_t period_ns_, deadline_ns_ = 0;
   std::uint64_t sequence_ = 0;
+  std::int64_t last_sample_ns_ = 0;  // the device's clock
   std::array<std::int64_t, 256> published_ns_{};
   Pose last_pose_;
   bool takes_force_ = false;  // the last write was accepted

@@ -114,10 +114,10 @@ std::uint64_t require_free_rig(const bus::Participant& participant, const Option
 /// All of the node: endpoints, driver, loop; the housekeeping thread looks in from beside.
 class DeviceNode {
  public:
-  DeviceNode(const Options& options, const Scene& scene)
+  DeviceNode(const Options& options, const Scene& scene, const std::atomic<bool>& stop)
       : options_(options), scene_(scene), participant_(options.participant("device")),
         session_(make_session_id(options, scene, require_free_rig(participant_, options))),
-        driver_(open_driver(scene)) {
+        driver_(open_driver(scene, stop)) {
     states_ = {participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())};
     descriptions_ = {participant_, qos::kDeviceDescription, options.rig,
                      qos::profile_in(qos::kDeviceDescription, options.mode())};
@@ -148,7 +148,7 @@ class DeviceNode {
   }
 
  private:
-  std::unique_ptr<Driver> open_driver(const Scene& scene) const {
+  std::unique_ptr<Driver> open_driver(const Scene& scene, const std::atomic<bool>& stop) const {
     const Motion motion = motion_in_device(choose_motion(scene, options_.motion), scene.device.device_in_world,
                                            scene.device.tool_offset, scene.device.position_scale);
     DeviceOptions device;
@@ -157,6 +157,7 @@ class DeviceNode {
     device.hand = choose_hand(options_.device, options_.hand);
     device.lockstep = options_.lockstep;
     device.settings = parse_settings(options_.settings);
+    device.cancelled = &stop;
     try {
       if (options_.lockstep && !has_simulated_hand(options_.device))
         throw DeviceOpenError(options_.device + " lives in real time: --lockstep needs a simulated device");
@@ -359,7 +360,7 @@ Motion choose_motion(const Scene& scene, const std::string& name) {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const Scene scene = load_scene(options.scene);
-  DeviceNode node(options, scene);
+  DeviceNode node(options, scene, stop);
   return node.run(stop);
 }
 

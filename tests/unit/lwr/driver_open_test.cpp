@@ -33,6 +33,15 @@ TEST(LwrOpen, SaysThatNothingCameAndWhatToCheck) {
     EXPECT_TRUE(says(sentence, part)) << part << " is not in: " << sentence;
 }
 
+TEST(LwrOpen, IsCancelledBySomebodyElse) {
+  LwrOptions options = quick_options();
+  options.connect_timeout_s = 3600.0;
+  std::atomic<bool> cancelled{false};
+  options.cancelled = &cancelled;
+  std::jthread other([&] { cancelled.store(true); });
+  EXPECT_TRUE(says(refusal(options), "cancelled"));
+}
+
 TEST(LwrOpen, SaysThatThePortIsBusy) {
   FakeController krc;
   const auto driver = krc.open();

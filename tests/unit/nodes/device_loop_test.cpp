@@ -26,6 +26,7 @@ class FaultyDevice final : public Driver {
   bool paces = false;            ///< as a real device: `read` waits for the tick of a clock that is not ours
   std::vector<double> delays_ms; ///< from a tick to the write that answers it
   int skipped_ticks = 0;
+  std::uint64_t busy_at = 0;     ///< before this read the thread is kept from its work for three ticks
 
   FaultyDevice() {
     description_.model = "faulty";
@@ -40,7 +41,7 @@ class FaultyDevice final : public Driver {
     ++reads_;
     if (paces) wait_for_tick();
     if (const auto fault = read_faults.find(reads_); fault != read_faults.end()) return std::unexpected(fault->second);
-    const auto time_ns = static_cast<std::int64_t>(reads_) * 1'000'000;
+    const auto time_ns = paces ? tick_ns_ : static_cast<std::int64_t>(reads_) * 1'000'000;
     if (const auto odd = odd_samples.find(reads_); odd != odd_samples.end()) {
       DeviceSample sample = odd->second;
       sample.time_ns = time_ns;
@@ -70,6 +71,7 @@ class FaultyDevice final : public Driver {
   void wait_for_tick() {
     constexpr std::int64_t kTickNs = 4'150'000;  // it says 4 ms, and its quartz is off
     if (tick_ns_ == 0) tick_ns_ = runtime::monotonic_ns();
+    if (reads_ == busy_at) runtime::sleep_until(tick_ns_ + 3 * kTickNs + kTickNs / 2);
     const auto next = runtime::next_deadline(tick_ns_, runtime::monotonic_ns(), kTickNs);
     skipped_ticks += static_cast<int>(next.skipped);
     runtime::sleep_until(tick_ns_ = next.at_ns);
@@ -226,6 +228,15 @@ TEST_F(DeviceLoopRun, AnswersARealDeviceAtItsOwnPaceAndAtOnce) {
   std::sort(device.delays_ms.begin(), device.delays_ms.end());
   EXPECT_LT(device.delays_ms[device.delays_ms.size() / 2], 1.5) << "half of the commands waited for a deadline of ours";
   EXPECT_LT(device.skipped_ticks, 30) << "ticks went by while the loop slept";
+}
+
+TEST_F(DeviceLoopRun, CountsTheSamplesOfARealDeviceThatNobodyFetched) {
+  device.paces = true;
+  device.set_rate(250.0);
+  device.busy_at = 50;
+  EXPECT_EQ(run(100), End::kFinished);
+  EXPECT_GE(device.skipped_ticks, 3);
+  EXPECT_NEAR(static_cast<double>(progress.overruns.load()), device.skipped_ticks, 0.1 * device.skipped_ticks);
 }
 
 TEST_F(DeviceLoopRun, YieldsTheRigAtZeroForce) {
