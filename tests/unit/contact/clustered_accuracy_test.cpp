@@ -230,5 +230,27 @@ TEST(AreaWeights, SplittingAPointChangesNothing) {
   }
 }
 
+TEST(ClusteredAccuracy, ItsStiffnessIsAtLeastHowTheForceGrowsWithTheDepth) {
+  const TriangleMesh box = box_mesh(Vec3(0.12, 0.12, 0.04), {Vec3(0.1, 0.2, 0.3), about(26.6, Vec3::UnitX())});
+  const Voxmap map = voxels(box, default_grid(box, kEdge));
+  ContactRenderer renderer = clustered(map);
+  const Vec3 up = about(26.6, Vec3::UnitX()) * Vec3::UnitZ();
+  std::mt19937_64 random(11);
+  double grown = 0.0, told = 0.0;
+  for (int n = 0; n < 200; ++n) {
+    const Pose pose = ball().posed(Vec3(0.1, 0.2, 0.3) + (0.02 + kRadius - kDepth) * up +
+                                       uniform(random, -0.02, 0.02) * Vec3::UnitX(),
+                                   Quat::Identity());
+    const double step = 1e-3 * kEdge;
+    const ContactResult here = renderer.probe(pose),
+                        deeper = renderer.probe({pose.position - step * up, pose.orientation});
+    grown += (deeper.wrench.force - here.wrench.force).dot(up) / step;
+    told += up.dot(here.stiffness.topLeftCorner<3, 3>() * up);
+    EXPECT_LE((here.stiffness.topLeftCorner<3, 3>().trace()), here.stiffness_bound_n_per_m * (1 + 1e-12));
+  }
+  EXPECT_GE(told, grown) << "the coupling's cap relies on it";
+  EXPECT_LE(told, 2.0 * grown) << "blended planes give way where a point crosses into the next voxel: measured 1.57";
+}
+
 }  // namespace
 }  // namespace voxtouch::test

@@ -34,6 +34,32 @@ TEST(ReferenceWrench, IsTheClosedFormOfASphereInAHalfSpaceUpToItsFacets) {
   }
 }
 
+/// Archimedes: the push on a body that dips into a half space is straight up, k times what it displaces. Of a box that stands
+/// on an edge, tilted by 45 degrees, that is a wedge h deep, h h long for each length of the edge; its triangles are far
+/// larger than the resolution, and lie across the surface.
+TEST(ReferenceWrench, IsTheWeightOfWhatABoxDisplaces) {
+  Scene scene = shipped("plane");
+  const std::string path = ::testing::TempDir() + "voxtouch_box_reference.obj";
+  std::FILE* file = std::fopen(path.c_str(), "w");
+  ASSERT_NE(file, nullptr);
+  for (int n = 0; n < 8; ++n) std::fprintf(file, "v %d %d %d\n", n & 1, n >> 1 & 1, n >> 2 & 1);
+  std::fputs("f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n", file);
+  std::fclose(file);
+  scene.dynamic_mesh.path = path;
+  scene.dynamic_mesh.scale = 0.02;
+  scene.dynamic_mesh.primitives.clear();
+  const ReferenceWrench reference(scene, 0.25e-3);
+  const Quat turn(Eigen::AngleAxisd(std::numbers::pi / 4, Vec3::UnitX()));
+  for (const double h : {0.5e-3, 1e-3, 3e-3}) {
+    const TrueWrench w = reference.at({Vec3(-0.01, 0.001, -h), turn});
+    const double displaced = h * h * 0.02;
+    EXPECT_NEAR(w.wrench.force.z() / displaced, 1.0, 0.02) << h;
+    EXPECT_LT(w.wrench.force.head<2>().norm(), 0.02 * displaced) << h;
+    EXPECT_NEAR(w.wrench.torque.y(), -0.01 * w.wrench.force.z(), 0.01 * 0.01 * displaced) << "it acts at half the edge";
+  }
+  std::remove(path.c_str());
+}
+
 TEST(ReferenceWrench, IsNothingApartAndForAPoseThatIsNone) {
   const ReferenceWrench reference(shipped("plane"), 0.5e-3);
   const TrueWrench apart = reference.at({Vec3(0, 0, 0.0101), Quat::Identity()});
