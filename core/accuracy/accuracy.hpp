@@ -33,8 +33,8 @@ struct AccuracyRow {
   /// Median of the gap where the force begins, along the way in, over the places with room behind the tool; > 0: too early [m].
   double onset_error_m = 0.0;
   double onset_worst_m = 0.0;  ///< the onset farthest from 0 [m]
-  /// CPU time of a frame in contact (query, model, stage) over the poses that were judged; the worst pose at its best of
-  /// several rounds, so that it is the pose's and not the machine's.
+  /// CPU time of a frame in contact (query, model, stage) over the poses that were judged, each at its best of several
+  /// rounds, so that it is the pose's and not the machine's.
   double median_us = 0.0, worst_us = 0.0;
   double build_s = 0.0;  ///< CPU time from meshes to a renderer
   std::string refused;   ///< why this setting could not be built; all figures above are then 0

@@ -21,6 +21,8 @@ struct CouplingInput {
   /// -d(wrench)/d(pose) of this contact, W axes, about the tool's origin: symmetric, positive semidefinite, [N/m, N, Nm/rad].
   Mat6 contact_stiffness = Mat6::Zero();
   Pose tool = {};                        ///< T in W at this sample
+  /// What effects and moving objects may have given the tool so far [J]: the passivity observer allows their growth.
+  double supplied_energy_j = 0.0;
 };
 
 /// What happened in the last step, for the command's status bits.

@@ -31,9 +31,9 @@ bool Passivity::rests(bool in_contact) noexcept {
   return !in_contact && force <= kRestShare * most_force_n_ && torque <= kRestShare * most_torque_nm_;
 }
 
-void Passivity::observe(const ToolStep& way, bool in_contact, double dt_s) noexcept {
+void Passivity::observe(const ToolStep& way, bool in_contact, double dt_s, double supplied_j) noexcept {
   const double along = applied_.force.dot(normal_), out = way.shift.dot(normal_);
-  energy_.normal_j -= along * out;
+  energy_.normal_j += supplied_j - along * out;
   energy_.tangential_j -= (applied_.force - along * normal_).dot(way.shift - out * normal_);
   energy_.rotation_j -= applied_.torque.dot(way.turn);
   for (double* account : {&energy_.normal_j, &energy_.tangential_j, &energy_.rotation_j}) keep(*account);

@@ -68,8 +68,10 @@ class Passivity {
  public:
   explicit Passivity(double nominal_s) noexcept : nominal_s_(nominal_s) {}
 
-  /// Books what the last command did over `way`, and closes the accounts of a contact that has ended.
-  void observe(const ToolStep& way, bool in_contact, double dt_s) noexcept;
+  /// Books what the last command did over `way`, and closes the accounts of a contact that has ended. `supplied_j`: energy
+  /// that something with a store of its own (a potential, a moving object) was free to give in that time, or took back; it
+  /// goes to the account along the push.
+  void observe(const ToolStep& way, bool in_contact, double dt_s, double supplied_j = 0.0) noexcept;
   /// `push`: the contact's force of this sample, for the normal; where it is zero the last normal stays.
   PassivityDamping control(const Vec3& push, const ToolStep& way, const Twist& velocity,
                            const PassivityLimits& limits) noexcept;

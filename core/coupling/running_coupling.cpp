@@ -29,6 +29,8 @@ const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limi
   return spec;
 }
 
+constexpr double kMostSuppliedN = 100.0, kMostSuppliedMPerS = 2.0;
+
 bool pushes(const CouplingInput& in) noexcept {
   return !in.contact.zero() || in.contact_stiffness_n_per_m > 0.0 || !in.contact_stiffness.isZero(0.0);
 }
@@ -82,6 +84,7 @@ void RunningCoupling::reset(const Wrench& held) noexcept {
   clamp_length(given_.torque, limits_.max_torque_nm);
   in_contact_ = false;
   held_s_ = 0.0;
+  supplied_j_.reset();
 }
 
 CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) noexcept {
@@ -89,7 +92,7 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   const double used_dt_s = in_band ? dt_s : nominal_s_;
   if (dt_s > kGapPeriods * nominal_s_) passivity_.reset();
   way_ = motion_.step(input.tool, dt_s);
-  passivity_.observe(way_, in_contact_, used_dt_s);
+  passivity_.observe(way_, in_contact_, used_dt_s, newly_supplied(input, used_dt_s));
 
   CouplingOutput out;
   const Wrench law = run_law(input, dt_s, used_dt_s, out);
@@ -105,6 +108,15 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   return out;
 }
 
+/// Of what was supplied in W the hand gets as much as the law shows of a force. Never more than the largest force can do.
+double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) noexcept {
+  if (!std::isfinite(input.supplied_energy_j)) return 0.0;
+  const double before = supplied_j_.value_or(input.supplied_energy_j), more = input.supplied_energy_j - before;
+  supplied_j_ = input.supplied_energy_j;
+  const double most = std::min(limits_.max_force_n, kMostSuppliedN) * kMostSuppliedMPerS * dt_s;
+  return std::clamp(shown_ * more, -most, most);
+}
+
 /// The contact, capped, through the law.
 Wrench RunningCoupling::run_law(const CouplingInput& input, double dt_s, double used_dt_s,
                                 CouplingOutput& out) noexcept {
@@ -115,6 +127,7 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, double dt_s, double 
     contact_.contact_stiffness_n_per_m *= out.scale;
     contact_.contact_stiffness *= out.scale;
     out.capped = out.scale < 1.0 && pushes(input);
+    shown_ = out.scale * (law_ == &filter_ ? filter_.gain() : 1.0);
     held_s_ = 0.0;
     given_ = law_->step(contact_, dt_s);
   } else {

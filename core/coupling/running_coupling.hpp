@@ -5,6 +5,7 @@
 ///
 /// The law is one of the couplings; it brings the input policies (period, hold, clamp, fade) with it.
 #include <cstdint>
+#include <optional>
 
 #include "core/coupling/direct.hpp"
 #include "core/coupling/injected_damping.hpp"
@@ -74,6 +75,7 @@ class RunningCoupling {
 
  private:
   Coupling* start_law(const CouplingSpec& spec) noexcept;
+  double newly_supplied(const CouplingInput& input, double dt_s) noexcept;
   Wrench run_law(const CouplingInput& input, double dt_s, double used_dt_s, CouplingOutput& out) noexcept;
   void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
@@ -95,6 +97,8 @@ class RunningCoupling {
   Wrench given_;           ///< by the law
   bool in_contact_ = false;
   double held_s_ = 0.0;
+  double shown_ = 1.0;                ///< of a force in W, by cap and gain
+  std::optional<double> supplied_j_;  ///< as last told
   std::uint64_t faults_before_ = 0;  ///< of laws that no longer run
   CouplingCounters counters_;
 };

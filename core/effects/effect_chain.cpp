@@ -21,6 +21,7 @@ EffectChain::EffectChain(std::vector<EffectSpec> effects) {
   for (EffectSpec& spec : effects) {
     if (const std::string why = check_values(*spec.kind, spec.values); !why.empty())
       throw std::invalid_argument(fmt::format("effect '{}': {}", spec.name, why));
+    per_metre_j_ += bound_of(spec).energy_per_metre_j;
     Link link;
     link.now = link.rate = spec.values;
     link.gain = Ramp(spec.on ? spec.gain : 0.0);
@@ -100,12 +101,14 @@ int EffectChain::find(std::string_view name) const noexcept {
 
 std::string EffectChain::switch_to(std::size_t effect, bool on) {
   Link& link = links_[effect];
+  if (link.goal.kind->everywhere) return fmt::format("'{}' takes no switch and no gain", link.goal.kind->name);
   link.goal.on = on;
   link.gain.head_for(on ? link.goal.gain : 0.0, kEffectRampS);
   return {};
 }
 
 std::string EffectChain::set_gain(std::size_t effect, double gain) {
+  if (links_[effect].goal.kind->everywhere) return switch_to(effect, true);
   if (!(gain >= 0.0 && gain <= 1.0)) return "'gain' must be a number from 0 to 1";
   links_[effect].goal.gain = gain;
   return switch_to(effect, links_[effect].goal.on);

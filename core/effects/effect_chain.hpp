@@ -32,6 +32,8 @@ class EffectChain {
   std::size_t size() const noexcept { return links_.size(); }
   bool empty() const noexcept { return links_.empty(); }
   const EffectSpec& spec(std::size_t effect) const noexcept { return links_[effect].goal; }
+  /// As they are now, on their way to what the spec says.
+  const EffectValues& values(std::size_t effect) const noexcept { return links_[effect].now; }
   /// -1 where there is none of that name.
   int find(std::string_view name) const noexcept;
   /// Switches on or off, sets the gain, sets one parameter of one effect; each a sentence saying why not, empty if done.
@@ -39,6 +41,9 @@ class EffectChain {
   std::string switch_to(std::size_t effect, bool on);
   std::string set_gain(std::size_t effect, double gain);
   std::string set_value(std::size_t effect, std::string_view parameter, const std::array<double, 3>& value);
+
+  /// Energy that kinds which may give some were free to give since the chain was made, over a way of `metres` [J].
+  double given_over(double metres) const noexcept { return per_metre_j_ * metres; }
 
   std::uint64_t not_finite() const noexcept { return not_finite_; }
 
@@ -54,6 +59,7 @@ class EffectChain {
   static void weigh(const Link& link, const RegionWeight& weight, const EffectPush& own, EffectPush& sum) noexcept;
 
   std::vector<Link> links_;
+  double per_metre_j_ = 0.0;  ///< by all kinds that are bounded per metre, at full gain
   std::uint64_t not_finite_ = 0;
 };
 

@@ -78,6 +78,7 @@ struct EffectNeeds {
   bool contact = false;      ///< what the contact models found this sample
   bool torque = false;       ///< gives torque: a device of three degrees of freedom cannot show it
   bool orientation = false;  ///< looks at how the tool is turned
+  bool body = false;         ///< the dynamic object moves by itself: rigid_body.hpp
   double proximity_m = 0.0;  ///< distances to the static surface out to here [m]; 0: none
 };
 
@@ -86,7 +87,8 @@ struct EffectKind {
   std::string_view says;       ///< one sentence for people: what is felt
   std::string_view equations;  ///< force law, source and stability condition, as text
   EnergyBehaviour energy = EnergyBehaviour::kConservative;
-  bool alone = false;  ///< a scene has one at most: two would contradict each other (gravity)
+  bool alone = false;       ///< a scene has one at most: two would contradict each other (gravity)
+  bool everywhere = false;  ///< takes no region, gain or switch: half of it would be nothing
   std::span<const EffectParameter> parameters;
   EffectNeeds (*needs)(const EffectValues&) = nullptr;
   EffectBound (*bound)(const EffectValues&) = nullptr;

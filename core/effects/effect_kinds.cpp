@@ -6,11 +6,12 @@
 
 namespace voxtouch {
 
+extern const EffectKind kBody;
 extern const EffectKind kViscosity;
 
 namespace {
 
-constexpr std::array kKinds = {&kViscosity};
+constexpr std::array kKinds = {&kBody, &kViscosity};
 
 }  // namespace
 

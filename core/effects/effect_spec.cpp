@@ -9,6 +9,7 @@ EffectNeeds needs_of(std::span<const EffectSpec> effects) {
   for (const EffectSpec& spec : effects) {
     const EffectNeeds one = spec.kind->needs(spec.values);
     all.twist |= one.twist, all.contact |= one.contact, all.torque |= one.torque, all.orientation |= one.orientation;
+    all.body |= one.body;
     all.proximity_m = std::max(all.proximity_m, one.proximity_m);
   }
   return all;

@@ -30,7 +30,7 @@ std::vector<Vec3> corner_of_each_part(const ReferenceMesh& mesh) {
 }  // namespace
 
 PosedMesh::PosedMesh(const MeshSpec& spec)
-    : pose_(spec.pose), mesh_(read_reference_mesh(spec)), inside_(mesh_), distance_(mesh_), primitives_(spec.primitives),
+    : pose_(spec.pose), rest_(spec.pose.position), mesh_(read_reference_mesh(spec)), inside_(mesh_), distance_(mesh_), primitives_(spec.primitives),
       one_of_each_part_(corner_of_each_part(mesh_)) {
   if (!primitives_.empty()) chord_error_m_ = chord_error(mesh_, distance_, primitives_).value_m();
 }

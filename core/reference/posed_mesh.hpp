@@ -14,6 +14,9 @@ class PosedMesh {
  public:
   explicit PosedMesh(const MeshSpec& spec);
 
+  /// Stands `shift` away from where the scene put it.
+  void move_by(const Vec3& shift) noexcept { pose_.position = rest_ + shift; }
+
   /// Signed distance and what the cross-check of it says.
   struct Answer {
     SignedPoint signed_point;      ///< nearest point in W
@@ -40,6 +43,7 @@ class PosedMesh {
   SignedPoint local_mesh(const Vec3& local) const;
 
   Pose pose_;
+  Vec3 rest_;
   ReferenceMesh mesh_;
   InsideTest inside_;
   MeshDistance distance_;

@@ -58,6 +58,7 @@ struct ReferenceScene::Parts {
   double edge = 0.0, chord = 0.0;
   bool all_closed = true;
   std::vector<PosedMesh> statics;
+  std::vector<std::pair<std::size_t, Motion>> moving;  ///< which of them, and how
   std::optional<SpherePrimitive> sphere;  ///< in T
   std::optional<DynamicMesh> mesh;
 
@@ -73,6 +74,8 @@ ReferenceScene::ReferenceScene(const Scene& scene) : parts_(std::make_unique<Par
   p.edge = scene.voxel_size_m;
   double static_chord = 0.0;
   for (const MeshSpec& spec : scene.static_meshes) {
+    if (spec.object > 0 && scene.objects.at(spec.object - 1).moves)
+      p.moving.emplace_back(p.statics.size(), *scene.objects[spec.object - 1].moves);
     p.statics.emplace_back(spec);
     p.all_closed = p.all_closed && p.statics.back().closed();
     static_chord = std::max(static_chord, p.statics.back().chord_error_m());
@@ -91,6 +94,10 @@ ReferenceScene::ReferenceScene(const Scene& scene) : parts_(std::make_unique<Par
 ReferenceScene::~ReferenceScene() = default;
 ReferenceScene::ReferenceScene(ReferenceScene&&) noexcept = default;
 ReferenceScene& ReferenceScene::operator=(ReferenceScene&&) noexcept = default;
+
+void ReferenceScene::move_to(double time_s) noexcept {
+  for (const auto& [which, motion] : parts_->moving) parts_->statics[which].move_by(motion_at(motion, time_s).position);
+}
 
 double ReferenceScene::chord_error_m() const noexcept { return parts_->chord; }
 

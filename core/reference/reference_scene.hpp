@@ -8,7 +8,7 @@
 
 namespace voxtouch {
 
-/// Reads the scene's mesh files itself. Queries are const, hold no state between calls and may run at once; they allocate and
+/// Reads the scene's mesh files itself. Queries are const, hold no state between calls and may run at once (but for move_to); they allocate and
 /// are not for the 1 kHz loop.
 ///
 /// Dynamic object a declared sphere: s = signed distance of its centre - radius. The distance is the declared primitives'
@@ -30,6 +30,9 @@ class ReferenceScene {
   ~ReferenceScene();
   ReferenceScene(ReferenceScene&&) noexcept;
   ReferenceScene& operator=(ReferenceScene&&) noexcept;
+
+  /// Puts moving objects to where they are `time_s` after the session's begin. Not beside a query.
+  void move_to(double time_s) noexcept;
 
   /// The gap with the tool at `tool_in_world`. A pose that is not finite gives method kNone.
   GapResult gap(const Pose& tool_in_world) const;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "core/mesh/import.hpp"
+#include "core/mesh/mass_properties.hpp"
 #include "core/pointshell/build_shell.hpp"
 #include "core/scene/contact_parameters.hpp"
 #include "core/scene/contact_range.hpp"
@@ -36,18 +37,27 @@ void append(TriangleMesh& all, const TriangleMesh& mesh) {
   for (const auto& t : mesh.triangles) all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
 }
 
-/// All static meshes as one, in W; `last_triangle`: the number of triangles up to each mesh, it included.
-TriangleMesh import_static(const Scene& scene, BuildCounts& counts, std::vector<std::size_t>& last_triangle) {
-  TriangleMesh all;
+/// The meshes of one object as one, in W; `last_triangle`: the number of triangles up to each mesh, it included.
+struct ObjectMesh {
+  TriangleMesh mesh;
+  std::vector<const MeshSpec*> specs;
+  std::vector<std::size_t> last_triangle;
+  std::size_t open = 0;  ///< how many of the meshes are not closed
+};
+
+ObjectMesh import_object(const Scene& scene, std::uint32_t object, BuildCounts& counts) {
+  ObjectMesh all;
   for (const MeshSpec& spec : scene.static_meshes) {
+    if (spec.object != object) continue;
     const ImportedMesh imported = import(spec, scene.voxel_size_m);
     warn(counts, spec, imported);
     counts.closed = counts.closed && imported.report.closed;
-    if (!imported.report.closed) counts.open_meshes.push_back(spec.path.filename().string());
-    append(all, imported.mesh);
-    last_triangle.push_back(all.triangles.size());
+    if (!imported.report.closed) counts.open_meshes.push_back(spec.path.filename().string()), ++all.open;
+    append(all.mesh, imported.mesh);
+    all.specs.push_back(&spec);
+    all.last_triangle.push_back(all.mesh.triangles.size());
   }
-  counts.static_triangles = all.triangles.size();
+  counts.static_triangles += all.mesh.triangles.size();
   return all;
 }
 
@@ -64,26 +74,27 @@ auto with_hints(const BuildCounts& counts, Build&& build) {
 }
 
 /// Only a body with an inside can push by depth.
-DistanceField build_field(const Scene& scene, const TriangleMesh& fixed, const std::vector<std::size_t>& last_triangle,
-                          const Voxmap& voxmap, const ParallelFor& parallel_for, BuildCounts& counts) {
+DistanceField build_field(const Scene& scene, const ObjectMesh& fixed, const Voxmap& voxmap,
+                          const ParallelFor& parallel_for, BuildCounts& counts) {
   DistanceField field =
-      with_hints(counts, [&] { return build_distance_field(fixed, voxmap, DistanceFieldOptions{}, parallel_for); });
+      with_hints(counts, [&] { return build_distance_field(fixed.mesh, voxmap, DistanceFieldOptions{}, parallel_for); });
   if (!field.has_inside())
     throw std::invalid_argument(fmt::format(
         "{}: the contact model 'field' pushes by the depth inside a static mesh, but {}. Close the mesh, use a smaller "
         "voxel_size, or choose the model 'adapted', which needs a surface only.",
         scene.file.string(),
-        counts.open_meshes.size() == scene.static_meshes.size()
-            ? "no static mesh is closed, so none has an inside"
-            : fmt::format("at {:g} m no corner of a voxel lies in one", scene.voxel_size_m)));
-  counts.field_bytes = field.bytes();
-  counts.field_nodes = field.stored_nodes();
+        fixed.open == fixed.specs.size() ? "no static mesh is closed, so none has an inside"
+                                         : fmt::format("at {:g} m no corner of a voxel lies in one", scene.voxel_size_m)));
+  counts.field_bytes += field.bytes();
+  counts.field_nodes += field.stored_nodes();
   counts.field_depth_m = field.depth_m();
-  const ThinnestWall thinnest = thinnest_wall(fixed, voxmap.grid(), parallel_for);
-  const auto mesh = std::upper_bound(last_triangle.begin(), last_triangle.end(), std::size_t{thinnest.triangle});
+  const ThinnestWall thinnest = thinnest_wall(fixed.mesh, voxmap.grid(), parallel_for);
+  if (!(thinnest.thickness_m < counts.thinnest_m)) return field;
+  const auto mesh =
+      std::upper_bound(fixed.last_triangle.begin(), fixed.last_triangle.end(), std::size_t{thinnest.triangle});
   counts.thinnest_m = thinnest.thickness_m;
   counts.thinnest_mesh =
-      scene.static_meshes[static_cast<std::size_t>(mesh - last_triangle.begin())].path.filename().string();
+      fixed.specs[static_cast<std::size_t>(mesh - fixed.last_triangle.begin())]->path.filename().string();
   return field;
 }
 
@@ -91,65 +102,138 @@ std::uint64_t shell_bytes(const Pointshell& shell) {
   return shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
 }
 
-}  // namespace
+/// What all objects of a scene are built with.
+struct Kit {
+  const Scene& scene;
+  const ParallelFor& parallel_for;
+  const BuildChoices& choices;
+  const Progress& progress;
+  ContactModelKind model;
+  BuildCounts& counts;
 
-BuiltScene::BuiltScene(Voxmap voxmap, std::optional<DistanceField> field, Pointshell shell, ContactModelKind model,
-                       const ContactParameters& parameters, std::vector<EffectSpec> effects, Plan plan,
-                       double largest_shell_gap_m)
-    : voxmap_(std::move(voxmap)), field_(std::move(field)),
-      renderer_(voxmap_, std::move(shell), model, parameters, this->field()), scene_(renderer_, std::move(effects)),
-      plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
-
-std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
-                                        const BuildChoices& choices, const Progress& progress) {
-  const auto step = [&](const std::string& text) {
+  void step(const std::string& text) const {
     if (progress) progress(text);
-  };
-  ContactModelKind kind = ContactModelKind::kAdapted;
-  if (!choices.model && !parse_contact_model(scene.contact.model, kind))
-    throw std::invalid_argument(scene.file.string() + ": there is no contact model '" + scene.contact.model + "'");
-  kind = choices.model.value_or(kind);
-
-  BuildCounts counts;
-  step("reading the static meshes");
-  std::vector<std::size_t> last_triangle;
-  const TriangleMesh fixed = import_static(scene, counts, last_triangle);
-  step("voxmap of " + std::to_string(fixed.triangles.size()) + " triangles");
-  Grid grid = default_grid(fixed, scene.voxel_size_m);
-  if (scene.grid_origin) grid.origin = *scene.grid_origin;
-  Voxmap voxmap = with_hints(counts, [&] { return voxelise(fixed, grid, parallel_for); });
-  counts.surface_voxels = voxmap.surface_count();
-  counts.interior_voxels = voxmap.interior_count();
-  counts.voxmap_bytes = voxmap.bytes();
-
-  std::optional<DistanceField> field;
-  if (kind == ContactModelKind::kField) {
-    step("distance field");
-    field = build_field(scene, fixed, last_triangle, voxmap, parallel_for, counts);
   }
+};
 
-  step("reading the dynamic mesh");
+/// For scenes whose dynamic object is a body.
+BodyShape body_shape(const Scene& scene, const TriangleMesh& mesh) {
+  try {
+    const MassProperties mass = mass_properties(mesh);
+    BodyShape shape{.centre = mass.centre, .inertia_m2 = mass.inertia_m2};
+    for (const Vec3& v : mesh.vertices) shape.reach_m = std::max(shape.reach_m, v.norm());
+    return shape;
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: the effect 'body' gives the dynamic object {} a weight, but {}.",
+                                            scene.file.string(), scene.dynamic_mesh.path.filename().string(),
+                                            error.what()));
+  }
+}
+
+/// What is made of the dynamic mesh.
+struct Tool {
+  Pointshell shell;
+  double largest_gap = 0.0;
+  std::optional<BodyShape> body;
+};
+
+Tool build_tool(const Kit& kit) {
+  const Scene& scene = kit.scene;
+  kit.step("reading the dynamic mesh");
   const ImportedMesh moving = import(scene.dynamic_mesh, scene.voxel_size_m);
-  warn(counts, scene.dynamic_mesh, moving);
-  counts.dynamic_triangles = moving.mesh.triangles.size();
-  step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
-  const Grid shell_grid = default_grid(moving.mesh, choices.shell_voxel_m.value_or(scene.voxel_size_m));
+  warn(kit.counts, scene.dynamic_mesh, moving);
+  kit.counts.dynamic_triangles = moving.mesh.triangles.size();
+  kit.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
+  const Grid grid = default_grid(moving.mesh, kit.choices.shell_voxel_m.value_or(scene.voxel_size_m));
   const std::vector<ShellPoint> points =
-      with_hints(counts, [&] { return shell_points(moving.mesh, shell_grid, parallel_for); });
-  Pointshell shell =
-      scene.shell == ShellKind::kExact ? make_exact_shell(points, shell_grid) : make_naive_shell(points, shell_grid);
-  counts.shell_points = shell.size();
-  counts.shell_bytes = shell_bytes(shell);
-  const ContactParameters parameters = contact_parameters(scene.contact, kind, shell, choices.weights);
-  const ContactStiffness contact = contact_stiffness(shell, parameters, field ? field->steepest_gradient() : 1.0);
-  counts.contact_n_per_m = contact.translation, counts.contact_nm_per_rad = contact.rotation;
+      with_hints(kit.counts, [&] { return shell_points(moving.mesh, grid, kit.parallel_for); });
+  Tool tool;
+  tool.largest_gap = largest_gap_m(points);
+  tool.shell = scene.shell == ShellKind::kExact ? make_exact_shell(points, grid) : make_naive_shell(points, grid);
+  kit.counts.shell_points = tool.shell.size();
+  if (needs_of(scene.effects).body) tool.body = body_shape(scene, moving.mesh);
+  return tool;
+}
+
+/// What the device can meet at most: contact and effects together, or the grip alone where the object is a body.
+void add_effect_bounds(const Scene& scene, BuildCounts& counts) {
   for (const EffectSpec& effect : scene.effects) {
     const EffectBound bound = bound_of(effect);
+    if (effect.kind->needs(effect.values).body) {
+      counts.contact_n_per_m = {bound.stiffness_n_per_m, bound.stiffness_n_per_m};
+      counts.contact_nm_per_rad = {bound.stiffness_nm_per_rad, bound.stiffness_nm_per_rad};
+      return;
+    }
     counts.contact_n_per_m.all_points += bound.stiffness_n_per_m;
     counts.contact_nm_per_rad.all_points += bound.stiffness_nm_per_rad;
   }
-  return std::make_unique<BuiltScene>(std::move(voxmap), std::move(field), std::move(shell), kind, parameters, scene.effects,
-                                      make_plan(scene, counts), largest_gap_m(points));
+}
+
+/// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
+std::unique_ptr<StaticObject> build_ground(const Kit& kit, std::uint32_t id) {
+  const Scene& scene = kit.scene;
+  const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
+  kit.step(scene.objects.empty() ? "reading the static meshes" : "reading the meshes of '" + name + "'");
+  const ObjectMesh fixed = import_object(scene, id, kit.counts);
+  if (fixed.specs.empty()) return nullptr;
+  kit.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
+  Grid grid = default_grid(fixed.mesh, scene.voxel_size_m);
+  if (id == 0 && scene.grid_origin) grid.origin = *scene.grid_origin;
+  auto object = std::make_unique<StaticObject>(
+      StaticObject{.id = id,
+                   .name = name,
+                   .voxmap = with_hints(kit.counts, [&] { return voxelise(fixed.mesh, grid, kit.parallel_for); }),
+                   .field = {},
+                   .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
+                   .renderer = {}});
+  kit.counts.surface_voxels += object->voxmap.surface_count();
+  kit.counts.interior_voxels += object->voxmap.interior_count();
+  kit.counts.voxmap_bytes += object->voxmap.bytes();
+  if (kit.model == ContactModelKind::kField) {
+    kit.step("distance field");
+    object->field = build_field(scene, fixed, object->voxmap, kit.parallel_for, kit.counts);
+  }
+  return object;
+}
+
+/// The force law of one object, with its own material; what all objects can show together is the sum of what each can.
+void add_contact_law(const Kit& kit, const Pointshell& shell, StaticObject& object) {
+  const ContactSpec& material = object.id == 0 ? kit.scene.contact : kit.scene.objects[object.id - 1].contact;
+  const ContactParameters parameters = contact_parameters(material, kit.model, shell, kit.choices.weights);
+  object.renderer.emplace(object.voxmap, shell, kit.model, parameters, object.field ? &*object.field : nullptr);
+  const ContactStiffness contact =
+      contact_stiffness(shell, parameters, object.field ? object.field->steepest_gradient() : 1.0);
+  BuildCounts& counts = kit.counts;
+  counts.shell_bytes += shell_bytes(shell);
+  const auto add = [](const ContactRange& one, ContactRange& sum) {
+    sum.one_point = std::max(sum.one_point, one.one_point);
+    sum.all_points += one.all_points;
+  };
+  add(contact.translation, counts.contact_n_per_m), add(contact.rotation, counts.contact_nm_per_rad);
+}
+
+}  // namespace
+
+BuiltScene::BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<EffectSpec> effects,
+                       const std::optional<BodyShape>& body, Plan plan, double largest_shell_gap_m)
+    : contacts_(std::move(objects)), scene_(contacts_, std::move(effects), body), plan_(std::move(plan)),
+      largest_shell_gap_m_(largest_shell_gap_m) {}
+
+std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
+                                        const BuildChoices& choices, const Progress& progress) {
+  ContactModelKind kind = ContactModelKind::kAdapted;
+  if (!choices.model && !parse_contact_model(scene.contact.model, kind))
+    throw std::invalid_argument(scene.file.string() + ": there is no contact model '" + scene.contact.model + "'");
+  BuildCounts counts;
+  const Kit kit{scene, parallel_for, choices, progress, choices.model.value_or(kind), counts};
+  std::vector<std::unique_ptr<StaticObject>> objects;
+  for (std::uint32_t id = 0; id <= scene.objects.size(); ++id)
+    if (auto object = build_ground(kit, id)) objects.push_back(std::move(object));
+  const Tool tool = build_tool(kit);
+  for (auto& object : objects) add_contact_law(kit, tool.shell, *object);
+  add_effect_bounds(scene, counts);
+  return std::make_unique<BuiltScene>(std::move(objects), scene.effects, tool.body, make_plan(scene, counts),
+                                      tool.largest_gap);
 }
 
 }  // namespace voxtouch

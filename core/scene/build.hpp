@@ -5,38 +5,37 @@
 #include <optional>
 #include <string>
 
-#include "core/contact/contact_renderer.hpp"
+#include "core/scene/object_contacts.hpp"
 #include "core/scene/plan.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_renderer.hpp"
 #include "core/types/parallel.hpp"
-#include "core/voxmap/distance_field.hpp"
-#include "core/voxmap/voxmap.hpp"
 
 namespace voxtouch {
 
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.
 class BuiltScene {
  public:
-  /// `field`: for the contact model of that name, else none.
-  BuiltScene(Voxmap voxmap, std::optional<DistanceField> field, Pointshell shell, ContactModelKind model,
-             const ContactParameters& parameters, std::vector<EffectSpec> effects, Plan plan, double largest_shell_gap_m);
+  BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<EffectSpec> effects,
+             const std::optional<BodyShape>& body, Plan plan, double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
 
-  ContactRenderer& renderer() noexcept { return renderer_; }   ///< contact alone
   SceneRenderer& scene_renderer() noexcept { return scene_; }  ///< contact and effects: what the ring runs
-  const Voxmap& voxmap() const noexcept { return voxmap_; }
-  /// Null where the contact model looks up none.
-  const DistanceField* field() const noexcept { return field_ ? &*field_ : nullptr; }
+  ObjectContacts& contacts() noexcept { return contacts_; }    ///< contact alone, with all objects
+  ContactRenderer& renderer() noexcept { return *contacts_.object(0).renderer; }  ///< contact with the first object alone
+  const Voxmap& voxmap() const noexcept { return contacts_.object(0).voxmap; }     ///< of the first object
+  /// Of the first object; null where the contact model looks up none.
+  const DistanceField* field() const noexcept {
+    const StaticObject& first = contacts_.object(0);
+    return first.field ? &*first.field : nullptr;
+  }
   const Plan& plan() const noexcept { return plan_; }
   /// Largest distance between shell points of neighbouring surface voxels [m].
   double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
 
  private:
-  Voxmap voxmap_;
-  std::optional<DistanceField> field_;
-  ContactRenderer renderer_;
+  ObjectContacts contacts_;
   SceneRenderer scene_;
   Plan plan_;
   double largest_shell_gap_m_;

@@ -36,6 +36,7 @@ const ToolState& DeviceMapping::update(const Pose& tip_in_device, const Twist& t
   }
   const Pose now = pressed ? held_ : Pose{free.position + shift_, free.orientation * turn_};
   tool_.clutched = pressed;
+  tool_.buttons = buttons;
   seen_ = true;
   tool_.pose = now * spec_.tool_offset;
   tool_.pose.orientation.normalize();

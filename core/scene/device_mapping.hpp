@@ -27,6 +27,7 @@ struct ToolState {
   Pose pose;             ///< T in W [m]
   Twist twist;           ///< of the tool's origin, W axes; zero while clutched
   bool clutched = false; ///< the button is pressed: the tool stays, the device moves free
+  std::uint32_t buttons = 0;  ///< of the device, bit 0 the first
   bool refused = false;  ///< the sample was not usable (not finite, no unit quaternion); the last pose was kept
 };
 

@@ -99,6 +99,9 @@ EffectSpec read_effect(const SceneSource& source, const YamlNode& node) {
   if (spec.kind == nullptr)
     source.fail(node.place, fmt::format("The entry names no effect; there are: {}.", listed(kinds)));
   spec.name = spec.kind->name;
+  if (spec.kind->everywhere)
+    for (const std::string_view key : {"region", "gain", "on"})
+      map.refuse(key, fmt::format("does not go with '{}', which is all or nothing.", spec.kind->name));
   map.optional("name", spec.name, read_text);
   map.optional("on", spec.on, read_flag);
   if (const YamlNode* region = map.find("region")) spec.region = read_region(source, *region);

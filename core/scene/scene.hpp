@@ -28,6 +28,7 @@ struct MeshSpec {
   double scale = 1.0;                ///< file units to metres
   Pose pose;                         ///< static: mesh in W; dynamic: mesh in T
   std::vector<Primitive> primitives; ///< declared equivalents, checked against the mesh by a test; may be empty
+  std::uint32_t object = 0;          ///< static: 0 the ground, n for Scene::objects[n - 1]
 };
 
 enum class ShellKind { kExact, kNaive };
@@ -36,6 +37,13 @@ struct ContactSpec {
   std::string model = "adapted";    ///< original | adapted | clustered | field
   double stiffness_n_per_m = 0.0;   ///< per shell point: original and adapted, as in the paper. 0 where the other is given
   double stiffness_n_per_m3 = 0.0;  ///< per area of the tool's surface: any model; 0 where the other is given
+};
+
+/// Static meshes with a material of their own, and a motion if they have one.
+struct ObjectSpec {
+  std::string name;
+  ContactSpec contact;          ///< the scene's model; its stiffness, or the scene's
+  std::optional<Motion> moves;  ///< displacement of the whole object in W [m] over the time since the session's begin
 };
 
 /// How the device moves the tool in the world: T in W = device_in_world * scaled(T in D) * tool_offset.
@@ -53,7 +61,8 @@ struct Scene {
   std::string hash;               ///< 16 hex digits over the scene's text and the bytes of its meshes
   double voxel_size_m = 0.0;
   std::vector<MeshSpec> static_meshes;
-  std::optional<Vec3> grid_origin;  ///< default e * (floor(min / e) - 1) per axis
+  std::vector<ObjectSpec> objects;  ///< beside the ground, which all meshes belong to that name no object
+  std::optional<Vec3> grid_origin;  ///< of the ground; default e * (floor(min / e) - 1) per axis
   MeshSpec dynamic_mesh;
   ShellKind shell = ShellKind::kExact;
   ContactSpec contact;

@@ -34,9 +34,9 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   scene.file = file;
   scene.name = read_text(source, map.require("scene"), "scene");
   scene.voxel_size_m = read_positive(source, map.require("voxel_size"), "voxel_size");
-  scene.static_meshes = read_static_meshes(source, map.require("static"), scene.grid_origin);
   scene.dynamic_mesh = read_dynamic_mesh(source, map.require("dynamic"), scene.shell);
   scene.contact = read_contact(source, map.require("contact"));
+  read_static(source, map.require("static"), scene);
   if (const YamlNode* node = map.find("effects")) scene.effects = read_effects(source, *node);
   if (const YamlNode* node = map.find("coupling")) scene.coupling = read_coupling(source, *node, scene.design);
   if (const YamlNode* node = map.find("device")) scene.device = read_device(source, *node);

@@ -1,30 +1,53 @@
 #include "core/scene/scene_renderer.hpp"
 
-#include <array>
+#include <stdexcept>
+
+#include "core/effects/body.hpp"
 
 namespace voxtouch {
 
+SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> effects,
+                             const std::optional<BodyShape>& shape)
+    : contact_(contact), effects_(std::move(effects)) {
+  for (std::size_t n = 0; n < effects_.size(); ++n) {
+    if (!effects_.spec(n).kind->needs(effects_.spec(n).values).body) continue;
+    if (!shape) throw std::invalid_argument("the effect 'body' needs the shape of the dynamic object");
+    body_.emplace(BodyPart{RigidBody(*shape), n});
+  }
+}
+
 SceneFrame SceneRenderer::render(const ToolState& tool, double time_s) noexcept {
+  const bool placed = body_ && body_->body.placed();
+  const Pose object = placed ? body_->body.pose() : tool.pose;
   SceneFrame frame;
-  frame.touch = contact_.render(tool.pose);
+  frame.object = object;
+  frame.touch = contact_.render(object, time_s);
   const ContactResult& contact = frame.touch.contact;
   frame.wrench = contact.wrench;
   frame.stiffness = contact.stiffness;
   frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
-  if (!effects_.empty() && contact.pose_status == PoseStatus::kUsable) add_effects(tool, time_s, frame);
+  if (contact.pose_status != PoseStatus::kUsable || (effects_.empty() && !contact_.moves())) return frame;
+  const double dt_s = step_to(time_s);
+  if (!effects_.empty()) add_effects(tool, object, placed ? body_->body.twist() : tool.twist, time_s, dt_s, frame);
+  if (body_) move_body(tool, dt_s, frame);
+  else supply(object, dt_s, frame);
   return frame;
 }
 
-void SceneRenderer::add_effects(const ToolState& tool, double time_s, SceneFrame& frame) noexcept {
+double SceneRenderer::step_to(double time_s) noexcept {
   const double step = last_s_ ? time_s - *last_s_ : kUsualStepS;
   last_s_ = time_s;
-  const std::array contacts = {ObjectContact{.object = 0, .contact = &frame.touch.contact, .twist = {}}};
+  return step >= kLeastStepS && step <= kLongestStepS ? step : kUsualStepS;
+}
+
+void SceneRenderer::add_effects(const ToolState&, const Pose& object, const Twist& twist, double time_s, double dt_s,
+                                SceneFrame& frame) noexcept {
   EffectFrame in;
-  in.tool = tool.pose;
-  in.twist = tool.twist;
-  in.dt_s = step >= kLeastStepS && step <= kLongestStepS ? step : kUsualStepS;
+  in.tool = object;
+  in.twist = twist;
+  in.dt_s = dt_s;
   in.time_s = time_s;
-  in.contacts = contacts;
+  in.contacts = contact_.parts();
   frame.effects = effects_.apply(in);
   frame.wrench.force += frame.effects.wrench.force;
   frame.wrench.torque += frame.effects.wrench.torque;
@@ -32,10 +55,46 @@ void SceneRenderer::add_effects(const ToolState& tool, double time_s, SceneFrame
   frame.stiffness_bound_n_per_m += frame.effects.stiffness_bound_n_per_m;
 }
 
+void SceneRenderer::supply(const Pose& object, double dt_s, SceneFrame& frame) noexcept {
+  const double potential = frame.effects.potential_j;
+  supplied_j_ += potential_j_.value_or(potential) - potential + dt_s * contact_.power_w() +
+                 effects_.given_over((object.position - last_position_.value_or(object.position)).norm());
+  potential_j_ = potential;
+  last_position_ = object.position;
+  frame.supplied_energy_j = supplied_j_;
+}
+
+void SceneRenderer::move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept {
+  const EffectValues& values = effects_.values(body_->effect);
+  RigidBody& body = body_->body;
+  const int button = grab_button(values);
+  const bool hold = button < 0 || (tool.buttons >> button & 1U) != 0;
+  BodyLoad load;
+  if (body.placed()) {
+    load.wrench = frame.wrench;
+    load.stiffness = frame.stiffness;
+    load.stiffness_bound_n_per_m = frame.stiffness_bound_n_per_m;
+    for (const ObjectContact& part : contact_.parts())
+      load.stiffness_times_velocity += part.contact->stiffness.leftCols<3>() * part.twist.linear;
+  } else {
+    body.place(tool.pose, hold);
+  }
+  const BodyGrip grip =
+      body.step(load, tool.pose, tool.twist, hold, grab_distance_m(values), body_parameters(values), dt_s);
+  supplied_j_ = potential_j_.value_or(body.energy_j()) - body.energy_j();
+  if (!potential_j_) potential_j_ = body.energy_j();  // where it began
+  frame.wrench = grip.wrench;
+  frame.stiffness = grip.stiffness;
+  frame.stiffness_bound_n_per_m = grip.stiffness_bound_n_per_m;
+  frame.supplied_energy_j = supplied_j_;
+}
+
 void SceneRenderer::reset() noexcept {
   contact_.reset();
   effects_.reset();
-  last_s_.reset();
+  if (body_) body_->body = RigidBody(body_->body.shape());
+  last_s_.reset(), potential_j_.reset(), last_position_.reset();
+  supplied_j_ = 0.0;
 }
 
 }  // namespace voxtouch

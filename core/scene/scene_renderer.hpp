@@ -2,19 +2,31 @@
 /// One sample of the whole scene: contact, then the effects that the scene lists, then their sum.
 #include <optional>
 
-#include "core/contact/contact_renderer.hpp"
 #include "core/effects/effect_chain.hpp"
+#include "core/effects/rigid_body.hpp"
 #include "core/scene/device_mapping.hpp"
+#include "core/scene/object_contacts.hpp"
 
 namespace voxtouch {
 
-/// W axes, torque about the tool's origin.
+/// W axes. Without a body all of it is about the tool's origin, which is the object's; with one, `touch` and `effects` act on
+/// the body, about its origin, and `wrench` and the stiffness are the grip's, about the tool's.
 struct SceneFrame {
+  Pose object;         ///< where the dynamic object was when the contact was found: the tool, or the body
   StageResult touch;   ///< contact alone
   EffectPush effects;  ///< effects alone; all zero where the scene lists none
-  Wrench wrench;       ///< sum of both
+  Wrench wrench;       ///< for the hand: the sum of both, or the grip
   Mat6 stiffness = Mat6::Zero();
   double stiffness_bound_n_per_m = 0.0;
+  /// What the hand may have been given since the session began, by potentials that fell, moving objects, effects that are
+  /// bounded by the way, or the body's weight and speed [J].
+  double supplied_energy_j = 0.0;
+
+  /// `wrench` less the contact's own.
+  Wrench beside_contact() const noexcept {
+    const Wrench& contact = touch.contact.wrench;
+    return {wrench.force - contact.force, wrench.torque - contact.torque};
+  }
 };
 
 /// One thread at a time. `contact` must outlive it.
@@ -23,8 +35,8 @@ class SceneRenderer {
   /// Time steps that effects are given lie within these: a first sample, or one after a gap, counts as one of `kUsualStepS`.
   static constexpr double kUsualStepS = 0.001, kLeastStepS = 1e-5, kLongestStepS = 0.05;
 
-  SceneRenderer(ContactRenderer& contact, std::vector<EffectSpec> effects)
-      : contact_(contact), effects_(std::move(effects)) {}
+  /// `shape` of the dynamic object, for scenes with a body; std::invalid_argument where it is missing then.
+  SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> effects, const std::optional<BodyShape>& shape = {});
 
   /// `time_s` counts from the session's begin. A pose that cannot be looked up gives no force from anything. Real-time safe.
   SceneFrame render(const ToolState& tool, double time_s) noexcept;
@@ -35,11 +47,22 @@ class SceneRenderer {
   const EffectChain& effects() const noexcept { return effects_; }
 
  private:
-  void add_effects(const ToolState& tool, double time_s, SceneFrame& frame) noexcept;
+  struct BodyPart {
+    RigidBody body;
+    std::size_t effect = 0;  ///< place in the chain
+  };
+  double step_to(double time_s) noexcept;
+  void add_effects(const ToolState& tool, const Pose& object, const Twist& twist, double time_s, double dt_s,
+                   SceneFrame& frame) noexcept;
+  void supply(const Pose& object, double dt_s, SceneFrame& frame) noexcept;
+  void move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept;
 
-  ContactRenderer& contact_;
+  ObjectContacts& contact_;
   EffectChain effects_;
-  std::optional<double> last_s_;
+  std::optional<BodyPart> body_;
+  std::optional<double> last_s_, potential_j_;
+  std::optional<Vec3> last_position_;
+  double supplied_j_ = 0.0;
 };
 
 }  // namespace voxtouch

@@ -55,22 +55,24 @@ std::filesystem::path read_mesh_path(const SceneSource& source, const YamlNode& 
   return path;
 }
 
-MeshSpec read_mesh(const SceneSource& source, const MapReader& map) {
-  MeshSpec mesh;
-  mesh.path = read_mesh_path(source, map.require("mesh"));
-  map.optional("scale", mesh.scale, read_positive);
-  mesh.pose = read_pose_keys(map);
-  if (const YamlNode* parts = map.find("parts"))
-    for (const YamlNode& part : read_list(source, *parts, "parts")) mesh.primitives.push_back(read_part(source, part));
-  return mesh;
-}
-
 void check_name(const SceneSource& source, const YamlEntry& entry) {
   const auto plain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   };
   if (!std::all_of(entry.key.begin(), entry.key.end(), plain))
     source.fail(entry.key_place, "The name of a motion may hold letters, digits, '_' and '-' only.");
+}
+
+ButtonPress read_press(const SceneSource& source, const YamlNode& node) {
+  const MapReader map(source, node, "press", {"button", "from_s", "to_s"});
+  ButtonPress press;
+  const std::uint64_t button = read_count(source, map.require("button"), "button");
+  if (button > 31) source.fail(map.place_of("button"), fmt::format("'button' is {}; buttons count from 0 to 31.", button));
+  press.button = static_cast<std::uint32_t>(button);
+  press.from_s = read_not_negative(source, map.require("from_s"), "from_s");
+  press.to_s = read_positive(source, map.require("to_s"), "to_s");
+  if (!(press.to_s > press.from_s)) source.fail(map.place_of("to_s"), "'to_s' must lie after 'from_s'.");
+  return press;
 }
 
 void read_circle(const SceneSource& source, const YamlNode& node, Motion& motion) {
@@ -86,9 +88,22 @@ void read_circle(const SceneSource& source, const YamlNode& node, Motion& motion
                 "The path's last point lies on the circle's axis; the circle would have no radius.");
 }
 
-Motion read_motion(const SceneSource& source, const YamlEntry& entry) {
-  const MapReader map(source, entry.value, entry.key,
-                      {"path", "speed_m_per_s", "hold_s", "repeat_from", "orientation", "circle"});
+}  // namespace
+
+MeshSpec read_mesh(const SceneSource& source, const MapReader& map) {
+  MeshSpec mesh;
+  mesh.path = read_mesh_path(source, map.require("mesh"));
+  map.optional("scale", mesh.scale, read_positive);
+  mesh.pose = read_pose_keys(map);
+  if (const YamlNode* parts = map.find("parts"))
+    for (const YamlNode& part : read_list(source, *parts, "parts")) mesh.primitives.push_back(read_part(source, part));
+  return mesh;
+}
+
+Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_view what, bool with_orientation) {
+  std::vector<std::string_view> keys{"path", "speed_m_per_s", "hold_s", "repeat_from", "circle"};
+  if (with_orientation) keys.insert(keys.end(), {"orientation", "press"});
+  const MapReader map(source, node, what, keys);
   Motion motion;
   for (const YamlNode& point : read_list(source, map.require("path"), "path"))
     motion.path.push_back(read_vec3(source, point, "path"));
@@ -106,23 +121,9 @@ Motion read_motion(const SceneSource& source, const YamlEntry& entry) {
                               *motion.repeat_from, motion.path.size() - 1));
   }
   if (const YamlNode* circle = map.find("circle")) read_circle(source, *circle, motion);
+  if (const YamlNode* press = with_orientation ? map.find("press") : nullptr)
+    for (const YamlNode& one : read_list(source, *press, "press")) motion.press.push_back(read_press(source, one));
   return motion;
-}
-
-}  // namespace
-
-std::vector<MeshSpec> read_static_meshes(SceneSource& source, const YamlNode& node, std::optional<Vec3>& origin) {
-  std::vector<MeshSpec> meshes;
-  for (const YamlNode& item : read_list(source, node, "static")) {
-    const MapReader map(source, item, "static", {"mesh", "scale", "position", "orientation", "origin", "parts"});
-    meshes.push_back(read_mesh(source, map));
-    const YamlNode* here = map.find("origin");
-    if (here == nullptr) continue;
-    if (origin) source.fail(map.place_of("origin"), "'origin' is given twice; all static meshes share one grid.");
-    origin = read_vec3(source, *here, "origin");
-  }
-  if (meshes.empty()) source.fail(node.place, "'static' needs at least one mesh.");
-  return meshes;
 }
 
 MeshSpec read_dynamic_mesh(SceneSource& source, const YamlNode& node, ShellKind& shell) {
@@ -181,7 +182,7 @@ std::map<std::string, Motion> read_motions(SceneSource& source, const YamlNode& 
   std::map<std::string, Motion> motions;
   for (const YamlEntry& entry : node.entries) {
     check_name(source, entry);
-    motions.emplace(entry.key, read_motion(source, entry));
+    motions.emplace(entry.key, read_motion(source, entry.value, entry.key, true));
   }
   return motions;
 }

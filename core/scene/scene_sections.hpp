@@ -5,8 +5,13 @@
 
 namespace voxtouch {
 
-/// Entries of `static`; sets `origin` where one entry gives the grid's.
-std::vector<MeshSpec> read_static_meshes(SceneSource& source, const YamlNode& node, std::optional<Vec3>& origin);
+/// Entries of `static`: meshes, objects, and the grid's origin where one entry gives it. `scene.contact` is read before: the
+/// objects' material where they name none. In static_section.cpp.
+void read_static(SceneSource& source, const YamlNode& node, Scene& scene);
+/// The keys of one mesh: mesh, scale, position, orientation, parts.
+MeshSpec read_mesh(const SceneSource& source, const MapReader& map);
+/// One motion; an object's has no orientation.
+Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_view what, bool with_orientation);
 MeshSpec read_dynamic_mesh(SceneSource& source, const YamlNode& node, ShellKind& shell);
 ContactSpec read_contact(SceneSource& source, const YamlNode& node);
 /// In effects_section.cpp.

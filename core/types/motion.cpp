@@ -83,6 +83,13 @@ MotionPoint circle(const Motion& motion, const Vec3& centre, double time_s) noex
 
 }  // namespace
 
+std::uint32_t buttons_at(const Motion& motion, double time_s) noexcept {
+  std::uint32_t down = 0;
+  for (const ButtonPress& press : motion.press)
+    if (time_s >= press.from_s && time_s < press.to_s) down |= 1U << (press.button & 31U);
+  return down;
+}
+
 double approach_duration(const Motion& motion) noexcept {
   if (motion.path.empty() || !(motion.speed_m_per_s > 0.0)) return 0.0;
   return motion.hold_s + stretch_duration(motion, 0, motion.path.size() - 1);

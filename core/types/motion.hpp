@@ -1,12 +1,19 @@
 #pragma once
 /// Where an operator's hand wants the tool to be: a value that scenes name and simulated devices follow.
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "core/types/geometry.hpp"
 
 namespace voxtouch {
+
+/// A button held down for a while.
+struct ButtonPress {
+  std::uint32_t button = 0;  ///< 0 to 31
+  double from_s = 0.0, to_s = 0.0;
+};
 
 /// Straight pieces between way points, each walked with a minimum-jerk profile whose peak speed is `speed_m_per_s`.
 /// `repeat_from`: after the last point the hand walks back and forth between points repeat_from..last for ever; absent: it
@@ -20,7 +27,11 @@ struct Motion {
   std::optional<Vec3> circle_centre;    ///< [m]; only its distance from the last point across the axis counts
   Vec3 circle_axis = Vec3::UnitZ();     ///< unit; right-handed turn about it
   Quat orientation = Quat::Identity();  ///< kept throughout
+  std::vector<ButtonPress> press;       ///< what the hand does with the device's buttons meanwhile
 };
+
+/// Buttons that are down at `time_s`, bit 0 the first. Real-time safe.
+std::uint32_t buttons_at(const Motion& motion, double time_s) noexcept;
 
 /// Peak speed of a minimum-jerk profile over its mean speed: the derivative of 10 s^3 - 15 s^4 + 6 s^5 at s = 1/2.
 inline constexpr double kMinimumJerkPeak = 1.875;

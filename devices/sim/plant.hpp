@@ -38,6 +38,10 @@ class SimPlant {
   const Pose& pose() const noexcept { return pose_; }
   const Twist& twist() const noexcept { return twist_; }
   bool held_at(double time_s) const noexcept { return !hand_.released && time_s < hand_.let_go_at_s; }
+  /// What the hand presses, while there is one.
+  std::uint32_t buttons_at(double time_s) const noexcept {
+    return held_at(time_s) ? voxtouch::buttons_at(motion_, time_s) : 0U;
+  }
   /// Of the masses and the hand's springs about the target at `time_s` [J].
   double energy(double time_s) const noexcept;
 

@@ -47,7 +47,8 @@ SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& h
 
 DeviceResult<DeviceSample> SimulatedDevice::read(std::chrono::microseconds) noexcept {
   if (!std::exchange(answered_, false)) advance({});
-  return DeviceSample{time_ns(), encoder_.pose(), encoder_.twist(), 0, true};
+  return DeviceSample{time_ns(), encoder_.pose(), encoder_.twist(), plant_.buttons_at(1e-9 * static_cast<double>(time_ns())),
+                      true};
 }
 
 DeviceResult<void> SimulatedDevice::write(const Wrench& command) noexcept {

@@ -73,7 +73,7 @@ int probe(const ProbeOptions& o) {
   fmt::print("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
   std::vector<std::uint32_t> ids;
   for (const Pose& pose : poses) {
-    const ContactResult r = built->renderer().probe(pose, ids);
+    const ContactResult r = built->contacts().probe(pose, ids);
     const Vec3 &f = r.wrench.force, &t = r.wrench.torque;
     fmt::print("{},{},{},{},{},{},{},{},{}", r.surface_hits, r.interior_hits, r.coherence, f.x(), f.y(), f.z(), t.x(),
                t.y(), t.z());

@@ -144,6 +144,7 @@ class CouplingNode {
     input.contact_stiffness_n_per_m = contact.stiffness_bound_n_per_m;
     input.contact_stiffness = runtime::from_msg(contact.stiffness);
     input.tool = runtime::from_msg(contact.tool_pose);
+    input.supplied_energy_j = contact.supplied_energy_j;
     const CouplingOutput out = coupling_->step(input, dt_s);
     const Wrench in_device = clutched_ ? Wrench{} : wrench_to_device(scene_.device, out.wrench, input.tool.orientation);
 

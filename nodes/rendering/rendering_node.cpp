@@ -97,7 +97,10 @@ class RenderingNode {
     m.sample_time_ns = state.sample_time_ns;
     m.tool_pose = runtime::to_msg(mapping_.tool().pose);
     m.wrench = runtime::to_msg(frame_.wrench);
-    m.effects_wrench = runtime::to_msg(frame_.effects.wrench);
+    m.object_pose = runtime::to_msg(frame_.object);
+    m.effects_wrench = runtime::to_msg(frame_.beside_contact());
+    m.supplied_energy_j = frame_.supplied_energy_j;
+    m.scene_time_ns = session_begin_ns_ ? state.sample_time_ns - *session_begin_ns_ : 0;
     m.mean_normal = runtime::to_vector(c.mean_normal);
     m.deepest_point = runtime::to_point(c.deepest_point);
     m.deepest_depth_m = c.deepest_depth_m;
@@ -116,7 +119,7 @@ class RenderingNode {
     m.time_spent_ns = options_.lockstep ? 0 : spent;
     contacts_.write(m);
     ros_.show(
-        {state.sample_time_ns, mapping_.tool().pose, frame_.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
+        {state.sample_time_ns, frame_.object, frame_.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
     samples_.fetch_add(1, kRelaxed);
     const bool touches = c.surface_hits + c.interior_hits > 0, pushes = c.wrench.force.norm() > kDustN;
     if (pushes) contact_samples_.fetch_add(1, kRelaxed);

@@ -29,8 +29,8 @@ const qos::Profile& contact_profile(const Options& options) {
 
 ReportedContact to_report(const msg::ContactState& c) {
   ReportedContact r;
-  r.tool_in_world = runtime::from_msg(c.tool_pose);
-  // The reference knows contact only: what the scene's effects add is taken off again.
+  r.tool_in_world = runtime::from_msg(c.object_pose);
+  // The reference knows contact only: what else acts is taken off again.
   const Wrench all = runtime::from_msg(c.wrench), effects = runtime::from_msg(c.effects_wrench);
   r.wrench = {all.force - effects.force, all.torque - effects.torque};
   r.mean_normal = runtime::from_msg(c.mean_normal);
@@ -96,6 +96,7 @@ class ValidatorNode {
     if (!judge_ || contact.session_id != session_in_loop_ || !is_checked(contact.sequence_number, options_.every))
       return;
     const ReportedContact report = to_report(contact);
+    reference_.move_to(static_cast<double>(contact.scene_time_ns) * 1e-9);
     const GapResult gap = reference_.gap(report.tool_in_world);
     const Judgement judgement = judge_->judge(gap, report);
     const JudgeCounts& counts = judge_->counts();

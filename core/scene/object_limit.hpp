@@ -1,0 +1,9 @@
+#pragma once
+/// How many static objects a scene may have: what effects keep for each of them is of fixed size.
+#include <cstddef>
+
+namespace voxtouch {
+
+inline constexpr std::size_t kMostObjects = 16;  ///< the ground among them
+
+}  // namespace voxtouch

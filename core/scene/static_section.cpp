@@ -1,0 +1,73 @@
+// The `static` section of a scene: meshes, and the objects that some of them make up.
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "core/scene/object_limit.hpp"
+#include "core/scene/scene_sections.hpp"
+
+namespace voxtouch {
+namespace {
+
+/// The object's own stiffness in the scene's unit, or the scene's.
+ContactSpec read_material(const SceneSource& source, const MapReader& map, const ContactSpec& scenes) {
+  ContactSpec contact = scenes;
+  const bool by_area = scenes.stiffness_n_per_m3 > 0.0;
+  const char* key = by_area ? "stiffness_n_per_m3" : "stiffness_n_per_m";
+  map.refuse(by_area ? "stiffness_n_per_m" : "stiffness_n_per_m3",
+             fmt::format("is another unit than the scene's contact has; give {}.", key));
+  if (const YamlNode* value = map.find(key))
+    (by_area ? contact.stiffness_n_per_m3 : contact.stiffness_n_per_m) = read_positive(source, *value, key);
+  return contact;
+}
+
+std::uint32_t place_of(const Scene& scene, std::string_view name) {
+  for (std::size_t n = 0; n < scene.objects.size(); ++n)
+    if (scene.objects[n].name == name) return static_cast<std::uint32_t>(n + 1);
+  return 0;
+}
+
+/// A name refers to an object of an entry above; a map makes one.
+std::uint32_t read_object(const SceneSource& source, const YamlNode& node, Scene& scene) {
+  if (node.kind != YamlNode::Kind::kMap) {
+    const std::string name = read_text(source, node, "object");
+    const std::uint32_t place = place_of(scene, name);
+    if (place == 0)
+      source.fail(node.place, fmt::format("There is no object '{}' above; make it here with object: {{name: {}}}.", name,
+                                          name));
+    return place;
+  }
+  const MapReader map(source, node, "object", {"name", "stiffness_n_per_m", "stiffness_n_per_m3", "moves"});
+  ObjectSpec object;
+  object.name = read_text(source, map.require("name"), "name");
+  if (object.name == "ground" || place_of(scene, object.name) != 0)
+    source.fail(map.place_of("name"), fmt::format("There is an object named '{}' already.", object.name));
+  object.contact = read_material(source, map, scene.contact);
+  if (const YamlNode* moves = map.find("moves")) object.moves = read_motion(source, *moves, "moves", false);
+  scene.objects.push_back(std::move(object));
+  if (scene.objects.size() >= kMostObjects)
+    source.fail(node.place, fmt::format("A scene has at most {} objects, the ground among them.", kMostObjects));
+  return static_cast<std::uint32_t>(scene.objects.size());
+}
+
+}  // namespace
+
+void read_static(SceneSource& source, const YamlNode& node, Scene& scene) {
+  for (const YamlNode& item : read_list(source, node, "static")) {
+    const MapReader map(source, item, "static",
+                        {"mesh", "scale", "position", "orientation", "origin", "parts", "object"});
+    MeshSpec mesh = read_mesh(source, map);
+    if (const YamlNode* object = map.find("object")) mesh.object = read_object(source, *object, scene);
+    const bool on_ground = mesh.object == 0;
+    scene.static_meshes.push_back(std::move(mesh));
+    const YamlNode* here = map.find("origin");
+    if (here == nullptr) continue;
+    if (!on_ground)
+      source.fail(map.place_of("origin"), "'origin' is of the ground's grid; the grid of an object follows its meshes.");
+    if (scene.grid_origin) source.fail(map.place_of("origin"), "'origin' is given twice; all meshes of the ground share one grid.");
+    scene.grid_origin = read_vec3(source, *here, "origin");
+  }
+  if (scene.static_meshes.empty()) source.fail(node.place, "'static' needs at least one mesh.");
+}
+
+}  // namespace voxtouch
