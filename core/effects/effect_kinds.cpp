@@ -6,11 +6,12 @@
 
 namespace voxtouch {
 
+extern const EffectKind kFriction;
 extern const EffectKind kViscosity;
 
 namespace {
 
-constexpr std::array kKinds = {&kViscosity};
+constexpr std::array kKinds = {&kFriction, &kViscosity};
 
 }  // namespace
 
