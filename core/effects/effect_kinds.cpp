@@ -7,11 +7,13 @@
 namespace voxtouch {
 
 extern const EffectKind kFriction;
+extern const EffectKind kSurfaceDamping;
+extern const EffectKind kTexture;
 extern const EffectKind kViscosity;
 
 namespace {
 
-constexpr std::array kKinds = {&kFriction, &kViscosity};
+constexpr std::array kKinds = {&kFriction, &kSurfaceDamping, &kTexture, &kViscosity};
 
 }  // namespace
 
