@@ -151,6 +151,21 @@ TEST(Friction, GoesRoundACornerWithItsBendUnstretchedAndAcrossTheNormal) {
   EXPECT_GT(last, 0.1);
 }
 
+TEST(Friction, KeepsItsSizeWhereTheNormalTurnsUnderAToolAtRest) {
+  Asked asked(effect("friction", {{"coulomb", {2.0}}, {"stiffness_n_per_m", {100}}}));
+  const Pose pose = pressing(2.0, 1e-3, 5e-4);
+  slide_to(asked, pressing(2.0, 0));
+  const Vec3 before = slide_to(asked, pose).wrench.force;
+  ASSERT_GT(before.norm(), 0.1);
+  for (const double angle : {0.1, 0.4, 0.2, -0.5}) {
+    const Vec3 normal(std::sin(angle), 0, std::cos(angle));
+    const Vec3 turned = asked.at(pose, {pushed(pose, kBall, normal, 0.002, kWall)}).wrench.force;
+    EXPECT_NEAR(turned.norm(), before.norm(), 1e-12);
+    EXPECT_NEAR(turned.dot(normal), 0.0, 1e-12);
+    EXPECT_TRUE(turned.isApprox(Eigen::AngleAxisd(angle, Vec3::UnitY()) * before, 1e-9));
+  }
+}
+
 TEST(Friction, SumsOverObjectsInAnyOrderAndKeepsThemApart) {
   const Vec3 normals[3] = {Vec3::UnitZ(), Vec3(0, 0.6, 0.8), Vec3(1, 0, 0)};
   std::mt19937_64 random(5);
