@@ -245,5 +245,22 @@ TEST(Friction, ReportsAStiffnessThatIsNotLessThanItsOwn) {
   }
 }
 
+TEST(Friction, ReportsAStiffnessThatCoversAPushThatEasesWhileItLetsGo) {
+  const double wall = 3000, slides = 0.5, k = 100, push_n = 2.0;
+  Asked asked(effect("friction", {{"coulomb", {slides}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {k}}}));
+  const auto contact = [&](const Pose& pose) { return std::vector{on_plane(pose, kBall, kUp, 0, wall)}; };
+  Pose pose{Vec3(0, 0, 0.01 - push_n / wall), Quat::Identity()};
+  asked.at(pose, contact(pose));
+  pose.position.x() = (1.5 * slides * push_n + 0.25 * slides * push_n) / k;  // half torn
+  const EffectPush before = asked.at(pose, contact(pose));
+  ASSERT_GT(before.wrench.force.norm(), 1.1 * slides * push_n);
+  ASSERT_LT(before.wrench.force.norm(), 1.4 * slides * push_n);
+  pose.position.z() += 1e-7;
+  const EffectPush after = asked.at(pose, contact(pose));
+  const double change = (after.wrench.force - before.wrench.force).norm() / 1e-7;
+  EXPECT_LE(change, before.stiffness_bound_n_per_m);
+  EXPECT_GT(change, 0.7 * before.stiffness_bound_n_per_m);
+}
+
 }  // namespace
 }  // namespace voxtouch::test
