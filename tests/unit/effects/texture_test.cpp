@@ -223,5 +223,17 @@ TEST(Texture, OfSeveralObjectsSumsInAnyOrderToNoMoreThanItsForce) {
   }
 }
 
+TEST(Texture, ActsAtTheFootOfTheContactForceButNoFartherOutThanItsReach) {
+  const BallTool tool{Vec3(0, 0.05, 0), 0.01};
+  const Pose pose{Vec3(0, 0, 0.008), Quat::Identity()};
+  for (const double reach : {0.02, 0.2}) {
+    EffectSpec spec = texture(kGrating, 0.004, 0.3);
+    spec.values.at(5)[0] = reach;
+    const Wrench wrench = Asked(std::move(spec)).at(pose, {on_plane(pose, tool, kUp, 0, 1000)}).wrench;
+    EXPECT_NEAR(wrench.force.x(), -0.3, 1e-9);
+    EXPECT_NEAR(wrench.torque.z(), 0.3 * std::min(reach, 0.05), 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace voxtouch::test
