@@ -7,11 +7,14 @@
 namespace voxtouch {
 
 extern const EffectKind kBody;
+extern const EffectKind kFriction;
+extern const EffectKind kSurfaceDamping;
+extern const EffectKind kTexture;
 extern const EffectKind kViscosity;
 
 namespace {
 
-constexpr std::array kKinds = {&kBody, &kViscosity};
+constexpr std::array kKinds = {&kBody, &kFriction, &kSurfaceDamping, &kTexture, &kViscosity};
 
 }  // namespace
 

@@ -1,0 +1,189 @@
+// Coulomb friction with sticking: the tool hangs on bristles that bend, slip and let go.
+#include <array>
+#include <cmath>
+
+#include "core/effects/touch_point.hpp"
+
+namespace voxtouch {
+namespace {
+
+enum : std::size_t { kCoulomb, kSticking, kStiffness, kMostForce, kReach };
+
+constexpr std::array kParameters = {
+    EffectParameter{.name = "coulomb",
+                    .high = 2.0,
+                    .meaning = "Friction while sliding as a share of the force that the surface pushes with [1]."},
+    EffectParameter{.name = "sticking",
+                    .low = 1.0,
+                    .high = 2.0,
+                    .standard = {{1.0, 0.0, 0.0}},
+                    .meaning = "How many times the sliding friction holds before it lets go [1]."},
+    EffectParameter{.name = "stiffness_n_per_m",
+                    .low = 10.0,
+                    .high = 5000.0,
+                    .standard = {{300.0, 0.0, 0.0}},
+                    .meaning = "Of the bristles that hold the tool while it sticks [N/m]."},
+    EffectParameter{.name = "most_n",
+                    .high = 200.0,
+                    .standard = {{20.0, 0.0, 0.0}},
+                    .meaning = "No object rubs with more than this, however hard the tool is pressed [N]."},
+    EffectParameter{.name = "reach_m",
+                    .high = 1.0,
+                    .standard = {{0.1, 0.0, 0.0}},
+                    .meaning = "Touched points farther from the tool's origin count as this far [m]."},
+};
+
+struct Law {
+  double slides_n;  ///< friction of a bristle that has let go
+  double holds_n;   ///< and before, >= slides_n
+  double k;
+};
+
+Law law_at(double push_n, const EffectValues& values) noexcept {
+  const double most = values.number(kMostForce), slides = values.number(kCoulomb) * push_n;
+  return {std::min(slides, most), std::min(values.number(kSticking) * slides, most), values.number(kStiffness)};
+}
+
+/// What one object holds the tool with.
+struct Bristle {
+  FollowedHeight height;
+  Vec3 bend = Vec3::Zero();    ///< of the tip against the root, W, across the normal [m]
+  Vec3 normal = Vec3::Zero();  ///< of the last sample; zero: none yet
+  double torn = 0.0;           ///< 0: holds with holds_n, 1: lets go at slides_n
+
+  void turn(const Vec3& to, const Vec3& object_turn) noexcept;
+  void drag(const Vec3& way, const Law& law) noexcept;
+};
+
+/// Carries the bend with the object's own turn and with the normal, along the shortest arc: never longer.
+void Bristle::turn(const Vec3& to, const Vec3& object_turn) noexcept {
+  constexpr double kOpposite = -0.9;
+  if (const double angle = object_turn.norm(); angle > 0.0) {
+    const Eigen::AngleAxisd turned(angle, object_turn / angle);
+    bend = turned * bend, normal = turned * normal;
+  }
+  const double cosine = normal.dot(to);
+  if (!(cosine > kOpposite) || normal.isZero(0.0)) {
+    bend.setZero();  // turned over: another surface
+  } else {
+    bend -= (to.dot(bend) / (1.0 + cosine)) * (normal + to);
+    bend -= to.dot(bend) * to;  // rounding
+  }
+  normal = to;
+}
+
+/// Bends by `way` (across the normal) and slips what is too far. While it lets go its limit falls as far as the tip has slipped
+/// halved, so that the force falls with the slope k at most and never by itself; it mends by as much when it bends unslipped.
+void Bristle::drag(const Vec3& way, const Law& law) noexcept {
+  const double slides = law.slides_n / law.k, holds = law.holds_n / law.k, mends = 2.0 * (holds - slides);
+  const double limit = holds - (holds - slides) * torn;
+  bend += way;
+  const double asked = bend.norm();
+  if (asked <= limit) {
+    torn = mends > 0.0 ? std::max(0.0, torn - way.norm() / mends) : 0.0;
+    return;
+  }
+  const double left = std::max(slides, 2.0 * limit - asked);
+  torn = mends > 0.0 ? std::min(1.0, torn + (asked - left) / mends) : 0.0;
+  bend *= left / asked;
+}
+
+class Friction final : public Effect {
+ public:
+  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+    const double reach = values.number(kReach), k = values.number(kStiffness);
+    const double stiffer =
+        stiffness_ > 0.0 && k > stiffness_ ? stiffness_ / k : 1.0;  // keeps the force, gives no energy
+    stiffness_ = k;
+    step_.advance(frame.tool);
+    bristles_.begin();
+    for (const ObjectContact& touch : frame.contacts) {
+      TouchPoint point;
+      if (!find_touch(touch, frame.tool.position, reach, point)) continue;
+      Bristle* bristle = bristles_.find(touch.object);
+      if (bristle == nullptr) continue;
+      bristle->bend *= stiffer;
+      const Vec3 arm = arm_to(point, bristle->height.follow(point.height_m, step_.most(reach)), reach);
+      rub(frame, touch, point, arm, law_at(point.push_n, values), *bristle);
+      add(*bristle, arm, values, touch.contact->stiffness_bound_n_per_m, push);
+    }
+    bristles_.end();
+  }
+  void reset() noexcept override {
+    bristles_.clear();
+    step_.forget();
+  }
+
+ private:
+  void rub(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point, const Vec3& arm,
+           const Law& law, Bristle& bristle) const noexcept {
+    const bool fresh = bristle.normal.isZero(0.0);
+    bristle.turn(point.normal, frame.dt_s * touch.twist.angular);
+    if (fresh) return;
+    const Vec3 way = step_.of_point(arm) - frame.dt_s * (touch.twist.linear + touch.twist.angular.cross(arm));
+    bristle.drag(way - point.normal.dot(way) * point.normal, law);
+  }
+
+  /// The stiffness is k across the normal. While it slips the force follows the push, by g newtons for each metre of depth:
+  /// g/2 (z n' + n z') besides, below k z z' + g^2/(4k) n n' as long as k >= g/2.
+  static void add(const Bristle& bristle, const Vec3& arm, const EffectValues& values, double contact_n_per_m,
+                  EffectPush& push) noexcept {
+    const double k = values.number(kStiffness), sticking = values.number(kSticking);
+    const Vec3 force = -k * bristle.bend, &n = bristle.normal;
+    push.wrench.force += force;
+    push.wrench.torque += arm.cross(force);
+    const double g = (sticking > 1.0 ? 2.0 : 1.0) * sticking * values.number(kCoulomb) * contact_n_per_m;
+    const double across = std::max(k, 0.5 * g), along = 0.25 * g * g / across;
+    const Mat3 normal = n * n.transpose();
+    push.stiffness += seen_from_origin(across * (Mat3::Identity() - normal) + along * normal, arm);
+    push.stiffness_bound_n_per_m += std::hypot(k, g);
+  }
+
+  PerObject<Bristle> bristles_;
+  ToolStep step_;
+  double stiffness_ = 0.0;  ///< of the last sample
+};
+
+EffectNeeds needs(const EffectValues&) {
+  EffectNeeds needs;
+  needs.contact = needs.orientation =
+      true;  // torque like the contact's own: a device that cannot give it leaves it out
+  return needs;
+}
+
+EffectBound bound(const EffectValues& values) {
+  EffectBound bound;
+  const double k = values.number(kStiffness), reach = values.number(kReach);
+  bound.stiffness_n_per_m = k, bound.stiffness_nm_per_rad = k * reach * reach;
+  bound.force_n = values.number(kMostForce);
+  return bound;
+}
+
+}  // namespace
+
+extern const EffectKind kFriction;
+const EffectKind kFriction = {
+    .name = "friction",
+    .says = "Surfaces hold the tool until it is pulled hard enough, and rub while it slides.",
+    .equations =
+        "F = -k z at the touched point, z the bend of a bristle across the contact force N n: dz = way of the tool's "
+        "point "
+        "against the object's, while |z| <= mu N / k; beyond it slips, |z| = mu N / k (elastic-plastic: Prandtl; "
+        "Hayward and "
+        "Armstrong 2000, whose drift-free band is the whole of |z| here). mu falls from sticking * coulomb to coulomb "
+        "over "
+        "2 (sticking - 1) coulomb N / k of slip, so that dF/dx >= -k there, and mends over as much bending. z turns "
+        "with n and "
+        "with the object, unstretched. A law of ways, not of time: a tool at rest feels a constant force. Gives no "
+        "energy on any "
+        "path while the object rests: k z^2 / 2 is stored, shrinks with N and never grows with it. Stiffness: k, and "
+        "while it slips mu "
+        "times the contact's as a coupling between depth and force.",
+    .energy = EnergyBehaviour::kDissipative,
+    .parameters = kParameters,
+    .needs = needs,
+    .bound = bound,
+    .make = [] { return std::unique_ptr<Effect>(std::make_unique<Friction>()); },
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,125 @@
+// Viscous damping where the tool touches: surfaces as if wet, thick or velvety.
+#include <array>
+
+#include "core/contact/limits.hpp"
+#include "core/effects/touch_point.hpp"
+
+namespace voxtouch {
+namespace {
+
+enum : std::size_t { kAlong, kAgainst, kFull, kReach };
+
+constexpr std::array kParameters = {
+    EffectParameter{.name = "damping_ns_per_m",
+                    .high = 100.0,
+                    .meaning = "Force for each metre a second along the surface [Ns/m]."},
+    EffectParameter{.name = "normal_damping_ns_per_m",
+                    .high = 100.0,
+                    .standard = {{0.0, 0.0, 0.0}},
+                    .meaning = "Force for each metre a second into the surface and out of it [Ns/m]."},
+    EffectParameter{.name = "full_force_n",
+                    .low = 0.01,
+                    .high = 100.0,
+                    .standard = {{0.5, 0.0, 0.0}},
+                    .meaning = "Damping grows from nothing to all with the surface's push up to this one [N]."},
+    EffectParameter{.name = "reach_m",
+                    .high = 1.0,
+                    .standard = {{0.1, 0.0, 0.0}},
+                    .meaning = "Touched points farther from the tool's origin count as this far [m]."},
+};
+
+double weight_of(double push_n, const EffectValues& values) noexcept {
+  return contact_limits::smoothstep(0.0, values.number(kFull), push_n);
+}
+
+class SurfaceDamping final : public Effect {
+ public:
+  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+    const double reach = values.number(kReach);
+    const double share = 1.0 / std::max(1.0, sum_of_weights(frame, values));
+    step_.advance(frame.tool);
+    heights_.begin();
+    for (const ObjectContact& touch : frame.contacts) {
+      TouchPoint point;
+      if (!find_touch(touch, frame.tool.position, reach, point)) continue;
+      FollowedHeight* height = heights_.find(touch.object);
+      if (height == nullptr) continue;
+      const Vec3 arm = arm_to(point, height->follow(point.height_m, step_.most(reach)), reach);
+      add(frame, touch, point, arm, share, values, push);
+    }
+    heights_.end();
+  }
+  void reset() noexcept override {
+    heights_.clear();
+    step_.forget();
+  }
+
+ private:
+  /// Where several objects touch they share: together they damp as one.
+  static double sum_of_weights(const EffectFrame& frame, const EffectValues& values) noexcept {
+    double sum = 0.0;
+    for (const ObjectContact& touch : frame.contacts)
+      if (touch.contact != nullptr) sum += weight_of(touch.contact->wrench.force.norm(), values);
+    return sum;
+  }
+
+  /// The weight grows with the depth, by `slope` for each metre: the force then changes by slope |b v|, along another line
+  /// than the depth's, which half of it on every axis is not less than.
+  static void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point, const Vec3& arm,
+                  double share, const EffectValues& values, EffectPush& push) noexcept {
+    const Vec3 way = frame.twist.linear - touch.twist.linear + (frame.twist.angular - touch.twist.angular).cross(arm);
+    const double into = point.normal.dot(way);
+    const Vec3 full =
+        -values.number(kAlong) * (way - into * point.normal) - values.number(kAgainst) * into * point.normal;
+    const Vec3 force = share * weight_of(point.push_n, values) * full;
+    push.wrench.force += force;
+    push.wrench.torque += arm.cross(force);
+    constexpr double kSteepest = 1.5;  // of a smoothstep
+    const double slope = kSteepest / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
+    const double coupling =
+        (share < 1.0 ? 2.0 : 1.0) * slope * full.norm();  // each one's share moves with the others' as well
+    push.stiffness += seen_from_origin(0.5 * coupling * Mat3::Identity(), arm);
+    push.stiffness_bound_n_per_m += coupling;
+  }
+
+  PerObject<FollowedHeight> heights_;
+  ToolStep step_;
+};
+
+EffectNeeds needs(const EffectValues&) {
+  EffectNeeds needs;
+  needs.twist = needs.contact = needs.orientation = true;
+  return needs;
+}
+
+EffectBound bound(const EffectValues& values) {
+  EffectBound bound;
+  const double reach = values.number(kReach);
+  bound.damping_ns_per_m = std::max(values.number(kAlong), values.number(kAgainst));
+  bound.damping_nms_per_rad = bound.damping_ns_per_m * reach * reach;
+  return bound;
+}
+
+}  // namespace
+
+extern const EffectKind kSurfaceDamping;
+const EffectKind kSurfaceDamping = {
+    .name = "surface_damping",
+    .says = "Sliding over a surface is slow going, as through a film of oil, and lifting off it too if asked for.",
+    .equations =
+        "F = -s(N) (b v_t + b_n v_n) at the touched point (Stokes), v its velocity against the object's, s the "
+        "smoothstep of "
+        "the contact force N from 0 to full_force_n: none without contact, no step at its begin. Several objects share "
+        "one "
+        "s of 1. Dissipative while the objects rest. Sampled with a delay t_d and behind a filter of lag L a mass m "
+        "stays "
+        "stable for b < (pi/2) m / (L + t_d). Where N changes with depth, so does F: s'(N) b v times the contact's "
+        "stiffness.",
+    .energy = EnergyBehaviour::kDissipative,
+    .parameters = kParameters,
+    .needs = needs,
+    .bound = bound,
+    .make = [] { return std::unique_ptr<Effect>(std::make_unique<SurfaceDamping>()); },
+};
+
+}  // namespace voxtouch

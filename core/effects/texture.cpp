@@ -1,0 +1,158 @@
+// Texture: a relief that is felt as pushes along the surface.
+#include <array>
+
+#include "core/contact/limits.hpp"
+#include "core/effects/texture_pattern.hpp"
+#include "core/effects/touch_point.hpp"
+
+namespace voxtouch {
+namespace {
+
+enum : std::size_t { kPattern, kWavelength, kForce, kDirection, kFull, kReach };
+enum : int { kGrating, kNoise };
+
+constexpr std::array kParameters = {
+    EffectParameter{.name = "pattern",
+                    .shape = ParameterShape::kWord,
+                    .meaning = "Straight parallel ridges, or bumps without an order.",
+                    .words = "grating noise"},
+    EffectParameter{.name = "wavelength_m",
+                    .low = 0.0005,
+                    .high = 0.1,
+                    .meaning = "From ridge to ridge; for noise about from bump to bump [m]."},
+    EffectParameter{.name = "force_n", .high = 20.0, .meaning = "Push along the surface at the steepest place [N]."},
+    EffectParameter{.name = "direction",
+                    .shape = ParameterShape::kDirection,
+                    .standard = {{1.0, 0.0, 0.0}},
+                    .meaning = "Across the ridges of a grating, in W."},
+    EffectParameter{.name = "full_force_n",
+                    .low = 0.01,
+                    .high = 100.0,
+                    .standard = {{0.5, 0.0, 0.0}},
+                    .meaning = "The relief grows from flat to full with the surface's push up to this one [N]."},
+    EffectParameter{.name = "reach_m",
+                    .high = 1.0,
+                    .standard = {{0.1, 0.0, 0.0}},
+                    .meaning = "Touched points farther from the tool's origin count as this far [m]."},
+};
+
+/// What a change while running would whirl under the tool: a relief far from W's origin moves by many ridges while its
+/// wavelength changes by a hundredth. So a new one takes over where the old one has faded out.
+class Relief {
+ public:
+  /// The share of its force that the relief gives now.
+  double follow(const EffectValues& values, double dt_s) noexcept {
+    constexpr double kFadeS = 0.05;
+    const double wavelength = values.number(kWavelength);
+    const Vec3 direction = values.vector(kDirection);
+    const bool same = wavelength == wavelength_ && direction == direction_;
+    share_ = !known_ ? 1.0 : std::clamp(share_ + (same ? dt_s : -dt_s) / kFadeS, 0.0, 1.0);
+    if (!known_ || share_ == 0.0) wavelength_ = wavelength, direction_ = direction;
+    known_ = true;
+    return share_;
+  }
+  void forget() noexcept { known_ = false; }
+  double wavelength_m() const noexcept { return wavelength_; }
+  PatternSample at(const Vec3& x, int pattern) const noexcept {
+    return pattern == kGrating ? grating_at(x, wavelength_, direction_) : noise_at(x, wavelength_);
+  }
+
+ private:
+  bool known_ = false;
+  double share_ = 0.0, wavelength_ = 0.0;
+  Vec3 direction_ = Vec3::Zero();
+};
+
+double bend_of(const EffectValues& values) noexcept {
+  return static_cast<int>(values.number(kPattern)) == kGrating ? kGratingBend : kNoiseBend;
+}
+
+class Texture final : public Effect {
+ public:
+  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+    const double most = relief_.follow(values, frame.dt_s) * values.number(kForce);
+    const double reach = values.number(kReach);
+    const double share = 1.0 / std::max(1.0, sum_of_weights(frame, values));
+    for (const ObjectContact& touch : frame.contacts) {
+      TouchPoint point;
+      if (!find_touch(touch, frame.tool.position, reach, point)) continue;
+      add(frame, touch, point, share * most, share < 1.0, values, push);
+    }
+  }
+  void reset() noexcept override { relief_.forget(); }
+
+ private:
+  static double weight_of(double push_n, const EffectValues& values) noexcept {
+    return contact_limits::smoothstep(0.0, values.number(kFull), push_n);
+  }
+  /// Where several objects touch they share: together they push as one at most.
+  static double sum_of_weights(const EffectFrame& frame, const EffectValues& values) noexcept {
+    double sum = 0.0;
+    for (const ObjectContact& touch : frame.contacts)
+      if (touch.contact != nullptr) sum += weight_of(touch.contact->wrench.force.norm(), values);
+    return sum;
+  }
+
+  void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point, double most, bool shared,
+           const EffectValues& values, EffectPush& push) const noexcept {
+    const Vec3& n = point.normal;
+    const PatternSample relief =
+        relief_.at(frame.tool.position + point.foot, static_cast<int>(values.number(kPattern)));
+    const Vec3 force = -most * weight_of(point.push_n, values) * (relief.slope - n.dot(relief.slope) * n);
+    push.wrench.force += force;
+    push.wrench.torque += point.foot.cross(force);
+    constexpr double kSteepest = 1.5;  // of a smoothstep
+    const double slope = kSteepest / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
+    const double coupling = (shared ? 2.0 : 1.0) * slope * most;
+    const double own = most * bend_of(values) / relief_.wavelength_m();
+    push.stiffness += seen_from_origin((own + 0.5 * coupling) * Mat3::Identity(), point.foot);
+    push.stiffness_bound_n_per_m += own + coupling;
+  }
+
+  Relief relief_;
+};
+
+EffectNeeds needs(const EffectValues&) {
+  EffectNeeds needs;
+  needs.contact = true;
+  return needs;
+}
+
+EffectBound bound(const EffectValues& values) {
+  EffectBound bound;
+  const double reach = values.number(kReach);
+  bound.force_n = bound.energy_per_metre_j = values.number(kForce);
+  bound.stiffness_n_per_m = values.number(kForce) * bend_of(values) / values.number(kWavelength);
+  bound.stiffness_nm_per_rad = bound.stiffness_n_per_m * reach * reach;
+  return bound;
+}
+
+}  // namespace
+
+extern const EffectKind kTexture;
+const EffectKind kTexture = {
+    .name = "texture",
+    .says = "Surfaces have a relief, ridges or bumps, that pushes the tool along the surface.",
+    .equations =
+        "F = -A s(N) grad h across the normal, at the foot of the contact force's axis, h read there in W with |grad "
+        "h| <= 1, "
+        "s the smoothstep of the contact force N from 0 to full_force_n (lateral force: Minsky 1995; that it alone is "
+        "felt as "
+        "relief: Robles-De-La-Torre and Hayward 2001). On a flat surface pressed with full_force_n or more it is the "
+        "potential "
+        "A h and gives no energy; where the pressure changes on the way, or the surface is curved, at most A joule for "
+        "each metre "
+        "of the point's way. Stiffness at most 2 pi A / wavelength (grating), 7.5 A / wavelength (noise), and A s'(N) "
+        "times the "
+        "contact's. The relief is sampled: at f samples a second a speed v shows v / wavelength right below f/2 only "
+        "(1 kHz, 1 mm: "
+        "0.5 m/s; ten samples a ridge: 0.1 m/s), and a wavelength should be ten steps of the device's encoders or "
+        "more.",
+    .energy = EnergyBehaviour::kBounded,
+    .parameters = kParameters,
+    .needs = needs,
+    .bound = bound,
+    .make = [] { return std::unique_ptr<Effect>(std::make_unique<Texture>()); },
+};
+
+}  // namespace voxtouch

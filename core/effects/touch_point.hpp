@@ -1,0 +1,145 @@
+#pragma once
+/// Where one object pushes on the tool, for the effects that act there, and what those remember of each object.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/contact/contact_model.hpp"
+#include "core/effects/effect.hpp"
+
+namespace voxtouch {
+
+/// The push of one object, W axes. Its direction is that of the force itself, not the mean normal of the colliding points:
+/// the force is continuous where its model is, while the mean normal steps with every point that enters or leaves; for
+/// `adapted` they are the same.
+struct TouchPoint {
+  double push_n = 0.0;         ///< |F| > 0
+  Vec3 normal = Vec3::Zero();  ///< F / |F|: the way the object pushes the tool
+  /// From the tool's origin to the foot of its perpendicular on the wrench's axis, (F x torque) / F^2: the force-weighted
+  /// mean of the points that push, seen along the normal. Shortened to the reach.
+  Vec3 foot = Vec3::Zero();
+  double height_m = 0.0;  ///< along the normal from the foot to the deepest point
+};
+
+/// Pushes below this count as none: their direction is rounding.
+inline constexpr double kLeastPushN = 1e-9;
+
+/// False without contact. Real-time safe.
+inline bool find_touch(const ObjectContact& touch, const Vec3& tool_origin, double reach_m,
+                       TouchPoint& point) noexcept {
+  if (touch.contact == nullptr) return false;
+  const Wrench& wrench = touch.contact->wrench;
+  point.push_n = wrench.force.norm();
+  if (!(point.push_n > kLeastPushN)) return false;
+  point.normal = wrench.force / point.push_n;
+  point.foot = point.normal.cross(wrench.torque) / point.push_n;
+  if (const double length = point.foot.norm(); length > reach_m) point.foot *= reach_m / length;
+  const double height = point.normal.dot(touch.contact->deepest_point - tool_origin);
+  point.height_m = std::clamp(height, -reach_m, reach_m);
+  return true;
+}
+
+/// Displacement v of the tool's origin and turn w, as seen at `arm` from it: J = [1, -[arm]x]. Gives J' M J, M a stiffness or
+/// damping against translation there. Symmetric, positive semidefinite if M is.
+inline Mat6 seen_from_origin(const Mat3& there, const Vec3& arm) noexcept {
+  Mat3 cross;
+  cross << 0.0, -arm.z(), arm.y(), arm.z(), 0.0, -arm.x(), -arm.y(), arm.x(), 0.0;
+  Mat6 out;
+  out.topLeftCorner<3, 3>() = there;
+  out.topRightCorner<3, 3>() = -there * cross;
+  out.bottomLeftCorner<3, 3>() = out.topRightCorner<3, 3>().transpose();
+  out.bottomRightCorner<3, 3>() = -cross * there * cross;
+  return out;
+}
+
+/// The tool's way since the last sample. None at the first.
+class ToolStep {
+ public:
+  /// Real-time safe.
+  void advance(const Pose& tool) noexcept {
+    const Quat turned = tool.orientation.normalized();
+    shift_ = known_ ? Vec3(tool.position - last_.position) : Vec3::Zero();
+    back_ = known_ ? last_.orientation * turned.conjugate() : Quat::Identity();
+    last_ = {tool.position, turned};
+    known_ = true;
+  }
+  void forget() noexcept { known_ = false; }
+
+  /// Way [m] of the tool's own point that is now at `arm` from the tool's origin. Exactly zero for a tool that rests.
+  Vec3 of_point(const Vec3& arm) const noexcept { return shift_ + (arm - back_ * arm); }
+  /// At least the way of any of its points within `reach_m`.
+  double most(double reach_m) const noexcept { return shift_.norm() + 2.0 * reach_m * back_.vec().norm(); }
+
+ private:
+  Pose last_;
+  Vec3 shift_ = Vec3::Zero();
+  Quat back_ = Quat::Identity();  ///< from the present to the last orientation
+  bool known_ = false;
+};
+
+/// Height of the touched point over the foot. The deepest point, and so its height, may jump between samples; this follows it by
+/// no more than the tool moved, so that a torque across it has no step and a tool that rests none at all.
+class FollowedHeight {
+ public:
+  double follow(double height_m, double moved_m) noexcept {
+    height_ = known_ ? std::clamp(height_m, height_ - moved_m, height_ + moved_m) : height_m;
+    known_ = true;
+    return height_;
+  }
+
+ private:
+  double height_ = 0.0;
+  bool known_ = false;
+};
+
+/// The touched point itself, from the tool's origin; shortened to the reach.
+inline Vec3 arm_to(const TouchPoint& point, double height_m, double reach_m) noexcept {
+  const Vec3 arm = point.foot + height_m * point.normal;
+  const double length = arm.norm();
+  return length > reach_m ? Vec3(arm * (reach_m / length)) : arm;
+}
+
+/// A `State` for each object that is being touched, by the object's number, for kMost of them at once: what is touched beyond
+/// that gets none. Fixed storage: never allocates.
+template <typename State>
+class PerObject {
+ public:
+  static constexpr std::size_t kMost = 16;
+
+  void begin() noexcept {
+    for (Slot& slot : slots_) slot.seen = false;
+  }
+  /// Null where there is no room, or where the object was asked for in this sample already.
+  State* find(std::uint32_t object) noexcept {
+    Slot* free = nullptr;
+    for (Slot& slot : slots_) {
+      if (slot.used && slot.object == object) {
+        if (slot.seen) return nullptr;
+        slot.seen = true;
+        return &slot.state;
+      }
+      if (!slot.used && free == nullptr) free = &slot;
+    }
+    if (free == nullptr) return nullptr;
+    *free = {State{}, object, true, true};
+    return &free->state;
+  }
+  /// Forgets what was not asked for since `begin`.
+  void end() noexcept {
+    for (Slot& slot : slots_) slot.used = slot.used && slot.seen;
+  }
+  void clear() noexcept {
+    for (Slot& slot : slots_) slot.used = false;
+  }
+
+ private:
+  struct Slot {
+    State state = {};
+    std::uint32_t object = 0;
+    bool used = false, seen = false;
+  };
+  std::array<Slot, kMost> slots_ = {};
+};
+
+}  // namespace voxtouch
