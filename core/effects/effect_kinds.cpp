@@ -6,11 +6,13 @@
 
 namespace voxtouch {
 
+extern const EffectKind kGuideLine, kGuidePlane, kGuidePoint, kMagnet, kProximity;
 extern const EffectKind kViscosity;
 
 namespace {
 
-constexpr std::array kKinds = {&kViscosity};
+constexpr std::array kKinds = {&kGuideLine,  &kGuidePlane,  &kGuidePoint, &kMagnet,
+                               &kProximity, &kViscosity};
 
 }  // namespace
 

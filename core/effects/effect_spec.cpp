@@ -10,6 +10,7 @@ EffectNeeds needs_of(std::span<const EffectSpec> effects) {
     const EffectNeeds one = spec.kind->needs(spec.values);
     all.twist |= one.twist, all.contact |= one.contact, all.torque |= one.torque, all.orientation |= one.orientation;
     all.proximity_m = std::max(all.proximity_m, one.proximity_m);
+    all.smoothing_m = std::max(all.smoothing_m, one.smoothing_m), all.lever_m = std::min(all.lever_m, one.lever_m);
   }
   return all;
 }

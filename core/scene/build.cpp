@@ -87,6 +87,33 @@ DistanceField build_field(const Scene& scene, const TriangleMesh& fixed, const s
   return field;
 }
 
+/// What `needs` asks for; the shell's points are where the tool is looked at.
+EffectGround build_effect_ground(const Scene& scene, const EffectNeeds& needs, const TriangleMesh& fixed,
+                                 const Voxmap& voxmap, const Pointshell& shell, const ParallelFor& parallel_for,
+                                 BuildCounts& counts) {
+  EffectGround ground;
+  if (!(needs.proximity_m > 0.0)) return ground;
+  if (counts.open_meshes.size() == scene.static_meshes.size())
+    throw std::invalid_argument(fmt::format(
+        "{}: the effect 'proximity' asks for distances to the static objects, but no static mesh is closed, and only a closed "
+        "one has an outside. Close the mesh or leave the effect out.",
+        scene.file.string()));
+  ground.tool = spread_tool_points(shell);
+  if (ground.tool.reach_m > needs.lever_m)
+    throw std::invalid_argument(fmt::format(
+        "{}: 'lever_m' of the effect 'proximity' is {:g} m, but the tool reaches {:.4g} m from its origin. Say at least that.",
+        scene.file.string(), needs.lever_m, ground.tool.reach_m));
+  with_hints(counts, [&] {
+    ground.proximity.emplace(fixed, voxmap, needs.proximity_m, needs.smoothing_m, parallel_for);
+    return true;
+  });
+  counts.proximity_bytes = ground.proximity->bytes() + ground.tool.points.size() * sizeof(ToolPoint);
+  counts.proximity_nodes = ground.proximity->nodes();
+  counts.proximity_m = needs.proximity_m, counts.proximity_smoothing_m = ground.proximity->smoothing_m();
+  counts.tool_points = ground.tool.points.size(), counts.tool_gap_m = ground.tool.gap_m;
+  return ground;
+}
+
 std::uint64_t shell_bytes(const Pointshell& shell) {
   return shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
 }
@@ -94,10 +121,12 @@ std::uint64_t shell_bytes(const Pointshell& shell) {
 }  // namespace
 
 BuiltScene::BuiltScene(Voxmap voxmap, std::optional<DistanceField> field, Pointshell shell, ContactModelKind model,
-                       const ContactParameters& parameters, std::vector<EffectSpec> effects, Plan plan,
-                       double largest_shell_gap_m)
-    : voxmap_(std::move(voxmap)), field_(std::move(field)),
-      renderer_(voxmap_, std::move(shell), model, parameters, this->field()), scene_(renderer_, std::move(effects)),
+                       const ContactParameters& parameters, std::vector<EffectSpec> effects, EffectGround ground,
+                       Plan plan, double largest_shell_gap_m)
+    : voxmap_(std::move(voxmap)), field_(std::move(field)), ground_(std::move(ground)),
+      renderer_(voxmap_, std::move(shell), model, parameters, this->field()),
+      scene_(renderer_, std::move(effects),
+             {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points}),
       plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
 
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
@@ -143,13 +172,16 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   const ContactParameters parameters = contact_parameters(scene.contact, kind, shell, choices.weights);
   const ContactStiffness contact = contact_stiffness(shell, parameters, field ? field->steepest_gradient() : 1.0);
   counts.contact_n_per_m = contact.translation, counts.contact_nm_per_rad = contact.rotation;
+  const EffectNeeds needs = needs_of(scene.effects);
+  if (needs.proximity_m > 0.0) step("distances round the static meshes");
+  EffectGround ground = build_effect_ground(scene, needs, fixed, voxmap, shell, parallel_for, counts);
   for (const EffectSpec& effect : scene.effects) {
     const EffectBound bound = bound_of(effect);
     counts.contact_n_per_m.all_points += bound.stiffness_n_per_m;
     counts.contact_nm_per_rad.all_points += bound.stiffness_nm_per_rad;
   }
   return std::make_unique<BuiltScene>(std::move(voxmap), std::move(field), std::move(shell), kind, parameters, scene.effects,
-                                      make_plan(scene, counts), largest_gap_m(points));
+                                      std::move(ground), make_plan(scene, counts), largest_gap_m(points));
 }
 
 }  // namespace voxtouch

@@ -7,6 +7,7 @@
 
 #include "core/contact/contact_renderer.hpp"
 #include "core/scene/plan.hpp"
+#include "core/scene/proximity_field.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_renderer.hpp"
 #include "core/types/parallel.hpp"
@@ -15,12 +16,19 @@
 
 namespace voxtouch {
 
+/// What effects look up beside the contact; nothing of it is there unless one asks.
+struct EffectGround {
+  std::optional<ProximityField> proximity;
+  ToolPoints tool;
+};
+
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.
 class BuiltScene {
  public:
   /// `field`: for the contact model of that name, else none.
   BuiltScene(Voxmap voxmap, std::optional<DistanceField> field, Pointshell shell, ContactModelKind model,
-             const ContactParameters& parameters, std::vector<EffectSpec> effects, Plan plan, double largest_shell_gap_m);
+             const ContactParameters& parameters, std::vector<EffectSpec> effects, EffectGround ground, Plan plan,
+             double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
 
@@ -29,6 +37,7 @@ class BuiltScene {
   const Voxmap& voxmap() const noexcept { return voxmap_; }
   /// Null where the contact model looks up none.
   const DistanceField* field() const noexcept { return field_ ? &*field_ : nullptr; }
+  const EffectGround& effect_ground() const noexcept { return ground_; }
   const Plan& plan() const noexcept { return plan_; }
   /// Largest distance between shell points of neighbouring surface voxels [m].
   double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
@@ -36,6 +45,7 @@ class BuiltScene {
  private:
   Voxmap voxmap_;
   std::optional<DistanceField> field_;
+  EffectGround ground_;
   ContactRenderer renderer_;
   SceneRenderer scene_;
   Plan plan_;
@@ -53,7 +63,8 @@ struct BuildChoices {
 };
 
 /// Reads the scene's meshes and builds what it calls for, and nothing else. Throws MeshError,
-/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for `field` where no static mesh has an inside.
+/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for `field` where no static mesh has an inside,
+/// and for effects that ask for distances where no static mesh is closed or for a lever that the tool is longer than.
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
                                         const BuildChoices& choices = {}, const Progress& progress = {});
 

@@ -25,6 +25,7 @@ void SceneRenderer::add_effects(const ToolState& tool, double time_s, SceneFrame
   in.dt_s = step >= kLeastStepS && step <= kLongestStepS ? step : kUsualStepS;
   in.time_s = time_s;
   in.contacts = contacts;
+  in.proximity = surroundings_.proximity, in.tool_points = surroundings_.tool_points;
   frame.effects = effects_.apply(in);
   frame.wrench.force += frame.effects.wrench.force;
   frame.wrench.torque += frame.effects.wrench.torque;

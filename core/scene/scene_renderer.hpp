@@ -17,14 +17,20 @@ struct SceneFrame {
   double stiffness_bound_n_per_m = 0.0;
 };
 
-/// One thread at a time. `contact` must outlive it.
+/// What effects look up, where one asks for it.
+struct SceneSurroundings {
+  const Proximity* proximity = nullptr;
+  std::span<const ToolPoint> tool_points = {};
+};
+
+/// One thread at a time. `contact` and what `surroundings` points to must outlive it.
 class SceneRenderer {
  public:
   /// Time steps that effects are given lie within these: a first sample, or one after a gap, counts as one of `kUsualStepS`.
   static constexpr double kUsualStepS = 0.001, kLeastStepS = 1e-5, kLongestStepS = 0.05;
 
-  SceneRenderer(ContactRenderer& contact, std::vector<EffectSpec> effects)
-      : contact_(contact), effects_(std::move(effects)) {}
+  SceneRenderer(ContactRenderer& contact, std::vector<EffectSpec> effects, const SceneSurroundings& surroundings = {})
+      : contact_(contact), effects_(std::move(effects)), surroundings_(surroundings) {}
 
   /// `time_s` counts from the session's begin. A pose that cannot be looked up gives no force from anything. Real-time safe.
   SceneFrame render(const ToolState& tool, double time_s) noexcept;
@@ -39,6 +45,7 @@ class SceneRenderer {
 
   ContactRenderer& contact_;
   EffectChain effects_;
+  SceneSurroundings surroundings_;
   std::optional<double> last_s_;
 };
 
