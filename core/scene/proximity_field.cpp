@@ -38,7 +38,7 @@ ProximitySample ProximityField::at(const Vec3& x) const noexcept {
   ProximitySample sample;
   sample.distance_m = reach_m_;
   const Vec3 u = field_.grid().to_grid(x) / stride_;
-  if (!(u.cwiseAbs().maxCoeff() * stride_ < 1e9)) return sample;  // nor NaN
+  if (!(u.cwiseAbs().sum() * stride_ < 1e9)) return sample;  // a sum, since a largest of NaN and a number may be either
   const Vec3 nearest = (u.array() + 0.5).floor();
   const Vec3 t = u - nearest;
   const Spline sx(t.x()), sy(t.y()), sz(t.z());
