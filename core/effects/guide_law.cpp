@@ -79,8 +79,9 @@ std::string check_guide(const EffectValues& values) {
   // Written so that a stiffness of 0 passes only without a force.
   const double least = 3.0 * values.number(kGuideLimit);
   if (range > 0.0 && range * values.number(kGuideStiffness) >= least * (1.0 - 1e-12)) return {};
-  return fmt::format("'range_m' is {:g}, but a guide that lets go needs at least 3 limit_n / stiffness_n_per_m = {:g} m",
-                     range, least / values.number(kGuideStiffness));
+  return fmt::format(
+      "'range_m' is {:g}, but a guide that lets go needs at least 3 limit_n / stiffness_n_per_m = {:g} m", range,
+      least / values.number(kGuideStiffness));
 }
 
 EffectBound guide_bound(const EffectValues& values) {

@@ -23,10 +23,10 @@ struct GuideLaw {
 };
 
 struct GuideForce {
-  double force_n = 0.0;          ///< f, towards the guide
-  double slope_n_per_m = 0.0;    ///< df/ds
+  double force_n = 0.0;            ///< f, towards the guide
+  double slope_n_per_m = 0.0;      ///< df/ds
   double per_metre_n_per_m = 0.0;  ///< f / s; k on the guide
-  double potential_j = 0.0;      ///< integral of f from the guide to s
+  double potential_j = 0.0;        ///< integral of f from the guide to s
 };
 
 /// The law at `distance_m` >= 0. Real-time safe.
@@ -48,18 +48,21 @@ enum GuideParameter : std::size_t { kGuideStiffness, kGuideLimit, kGuideBeyond, 
 inline constexpr EffectParameter kGuideStiffnessParameter = {
     .name = "stiffness_n_per_m", .high = 10000.0, .meaning = "Of the spring to the guide, near it [N/m]."};
 inline constexpr EffectParameter kGuideLimitParameter = {
-    .name = "limit_n", .high = 100.0, .meaning = "Largest force of the guide [N]; the spring goes over to it smoothly."};
+    .name = "limit_n",
+    .high = 100.0,
+    .meaning = "Largest force of the guide [N]; the spring goes over to it smoothly."};
 inline constexpr EffectParameter kGuideBeyondParameter = {
     .name = "beyond",
     .shape = ParameterShape::kWord,
     .standard = {{0.0, 0.0, 0.0}},
     .meaning = "Far from the guide: hold keeps pulling with limit_n, release lets go at range_m.",
     .words = "hold release"};
-inline constexpr EffectParameter kGuideRangeParameter = {
-    .name = "range_m",
-    .high = 10.0,
-    .standard = {{0.0, 0.0, 0.0}},
-    .meaning = "Only for beyond: release: distance at which the guide has let go [m]; at least 3 limit_n / stiffness_n_per_m."};
+inline constexpr EffectParameter kGuideRangeParameter = {.name = "range_m",
+                                                         .high = 10.0,
+                                                         .standard = {{0.0, 0.0, 0.0}},
+                                                         .meaning =
+                                                             "Only for beyond: release: distance at which the guide "
+                                                             "has let go [m]; at least 3 limit_n / stiffness_n_per_m."};
 
 GuideLaw guide_law(const EffectValues& values) noexcept;
 std::string check_guide(const EffectValues& values);

@@ -15,13 +15,18 @@ constexpr std::array kParameters = {
     kGuideLimitParameter,
     kGuideBeyondParameter,
     kGuideRangeParameter,
-    EffectParameter{.name = "point", .shape = ParameterShape::kVector, .meaning = "A point of the line, its middle if it ends, W [m]."},
-    EffectParameter{.name = "direction", .shape = ParameterShape::kDirection, .meaning = "Along the line, W; either way round."},
-    EffectParameter{.name = "ends",
-                    .shape = ParameterShape::kWord,
-                    .standard = {{0.0, 0.0, 0.0}},
-                    .meaning = "Whether the line goes on for ever (none) or is a segment, at whose ends the tool is held as by a point.",
-                    .words = "none segment"},
+    EffectParameter{.name = "point",
+                    .shape = ParameterShape::kVector,
+                    .meaning = "A point of the line, its middle if it ends, W [m]."},
+    EffectParameter{
+        .name = "direction", .shape = ParameterShape::kDirection, .meaning = "Along the line, W; either way round."},
+    EffectParameter{
+        .name = "ends",
+        .shape = ParameterShape::kWord,
+        .standard = {{0.0, 0.0, 0.0}},
+        .meaning =
+            "Whether the line goes on for ever (none) or is a segment, at whose ends the tool is held as by a point.",
+        .words = "none segment"},
     EffectParameter{.name = "half_length_m",
                     .high = 100.0,
                     .standard = {{0.0, 0.0, 0.0}},
@@ -62,7 +67,8 @@ const EffectKind kGuideLine = {
     .name = "guide_line",
     .says = "The tool's origin slides freely along a line and is held across it with a limited force.",
     .equations =
-        "U = phi(distance to the line or segment), F = -grad U, phi as of guide_point. The distance to a convex set is convex, "
+        "U = phi(distance to the line or segment), F = -grad U, phi as of guide_point. The distance to a convex set is "
+        "convex, "
         "so |dF/dx| <= k beside the line and round its ends. Conservative. Stable for k < b / (T/2 + t_d) (Colgate and "
         "Schenkel 1997), b the damping of hand and device.",
     .energy = EnergyBehaviour::kConservative,

@@ -12,20 +12,27 @@ namespace {
 enum : std::size_t { kLimit, kRange, kSmoothing, kLever };
 
 constexpr std::array kParameters = {
-    EffectParameter{.name = "limit_n",
-                    .high = 100.0,
-                    .meaning = "Push on a tool all of whose surface were at the object [N]; each part pushes by its share of the area."},
-    EffectParameter{.name = "range_m", .low = 0.0005, .high = 1.0, .meaning = "Distance from the static surface at which it begins [m]."},
+    EffectParameter{
+        .name = "limit_n",
+        .high = 100.0,
+        .meaning =
+            "Push on a tool all of whose surface were at the object [N]; each part pushes by its share of the area."},
+    EffectParameter{.name = "range_m",
+                    .low = 0.0005,
+                    .high = 1.0,
+                    .meaning = "Distance from the static surface at which it begins [m]."},
     EffectParameter{.name = "smoothing_m",
                     .low = 0.0005,
                     .high = 1.0,
                     .standard = {{0.002, 0.0, 0.0}},
-                    .meaning = "Length over which edges of the field are rounded [m], brought up to whole voxels: the longer the softer, and "
+                    .meaning = "Length over which edges of the field are rounded [m], brought up to whole voxels: the "
+                               "longer the softer, and "
                                "the blurrier round walls thinner than that."},
     EffectParameter{.name = "lever_m",
                     .high = 10.0,
                     .standard = {{0.0, 0.0, 0.0}},
-                    .meaning = "Above 0: gives torque too, for a tool that reaches no farther than this from its origin [m]; needs a device "
+                    .meaning = "Above 0: gives torque too, for a tool that reaches no farther than this from its "
+                               "origin [m]; needs a device "
                                "that gives torque."},
 };
 
@@ -43,9 +50,11 @@ struct Layer {
 Layer layer_at(double limit, double range, double d) noexcept {
   if (!(d < range)) return {};
   const double u = std::max(0.0, 1.0 - std::abs(d) / range);
-  const double work = limit * range * (u * u * u - 0.5 * u * u * u * u);  // from the layer's border that is on this side
+  const double work =
+      limit * range * (u * u * u - 0.5 * u * u * u * u);  // from the layer's border that is on this side
   const double slope = limit / range * 6.0 * u * (1.0 - u);
-  return {d >= 0.0 ? work : limit * range - work, limit * contact_limits::smoothstep(0.0, 1.0, u), std::copysign(slope, d)};
+  return {d >= 0.0 ? work : limit * range - work, limit * contact_limits::smoothstep(0.0, 1.0, u),
+          std::copysign(slope, d)};
 }
 
 /// Sums over the tool's points; the arms are W axes.
@@ -136,10 +145,13 @@ const EffectKind kProximity = {
     .name = "proximity",
     .says = "Static objects push the tool off before it touches them, the more the nearer it comes.",
     .equations =
-        "U = sum a_i p(d(x_i)) over points x_i that stand for shares a_i of the tool's surface (sum 1), d the smoothed signed "
-        "distance; F = -sum a_i p'(d) grad d, torque sum r_i x F_i; -p' = F S(1 - |d|/R), S the smoothstep (force field from outer "
+        "U = sum a_i p(d(x_i)) over points x_i that stand for shares a_i of the tool's surface (sum 1), d the smoothed "
+        "signed "
+        "distance; F = -sum a_i p'(d) grad d, torque sum r_i x F_i; -p' = F S(1 - |d|/R), S the smoothstep (force "
+        "field from outer "
         "layers, McNeely et al. 1999). |F| <= sqrt(3) F, |dF/dx| <= 3 (3/2) F / R + 6 F / h, h the smoothing; before a "
-        "flat wall (3/2) F / R. Conservative; without torque for motions that do not turn the tool. Stable for that bound below "
+        "flat wall (3/2) F / R. Conservative; without torque for motions that do not turn the tool. Stable for that "
+        "bound below "
         "b / (T/2 + t_d) (Colgate and Schenkel 1997), b the damping of hand and device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,

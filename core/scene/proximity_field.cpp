@@ -22,7 +22,8 @@ DistanceFieldOptions options_for(double range_m, std::int32_t stride, double edg
 struct Spline {
   std::array<double, 3> value, slope;
   explicit Spline(double t) noexcept
-      : value{0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)}, slope{t - 0.5, -2.0 * t, t + 0.5} {}
+      : value{0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)}, slope{t - 0.5, -2.0 * t,
+                                                                                             t + 0.5} {}
   static constexpr std::array<double, 3> kBend = {1.0, -2.0, 1.0};
 };
 

@@ -32,7 +32,8 @@ Vec6 as_vector(const Wrench& w) {
 
 }  // namespace
 
-EffectSpec effect(std::string_view kind, std::initializer_list<std::pair<std::string_view, std::array<double, 3>>> values,
+EffectSpec effect(std::string_view kind,
+                  std::initializer_list<std::pair<std::string_view, std::array<double, 3>>> values,
                   const Region& region) {
   EffectSpec spec{.name = std::string(kind), .kind = find_effect_kind(kind), .values = {}, .region = region};
   if (spec.kind == nullptr) throw std::invalid_argument(std::string(kind));
@@ -65,8 +66,10 @@ EffectPush Bench::at(const Pose& pose) noexcept {
 void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_n, bool turning, double step) {
   const Vec6 wrench = as_vector(bench.at(pose).wrench);
   for (int axis = 0; axis < (turning ? 6 : 3); ++axis) {
-    const double slope = (bench.at(moved(pose, axis, step)).potential_j - bench.at(moved(pose, axis, -step)).potential_j) / (2 * step);
-    EXPECT_NEAR(-slope, wrench[axis], tolerance_n) << bench.spec().name << " axis " << axis << " at " << pose.position.transpose();
+    const double slope =
+        (bench.at(moved(pose, axis, step)).potential_j - bench.at(moved(pose, axis, -step)).potential_j) / (2 * step);
+    EXPECT_NEAR(-slope, wrench[axis], tolerance_n)
+        << bench.spec().name << " axis " << axis << " at " << pose.position.transpose();
   }
 }
 
@@ -89,8 +92,10 @@ void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, b
   if (turning) given.bottomRows(3) /= kLever, given.rightCols(3) /= kLever;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> itself(given, Eigen::EigenvaluesOnly);
   EXPECT_GE(itself.eigenvalues()[0], -1e-9 * (1 + bound)) << bench.spec().name << " at " << pose.position.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> over(given - 0.5 * (own + own.transpose()), Eigen::EigenvaluesOnly);
-  EXPECT_GE(over.eigenvalues()[0], -1e-6 * bound - tolerance) << bench.spec().name << " at " << pose.position.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> over(given - 0.5 * (own + own.transpose()),
+                                                            Eigen::EigenvaluesOnly);
+  EXPECT_GE(over.eigenvalues()[0], -1e-6 * bound - tolerance)
+      << bench.spec().name << " at " << pose.position.transpose();
   if (!turning) return;
   const Eigen::SelfAdjointEigenSolver<Mat3> rotation(here.stiffness.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
   EXPECT_LE(rotation.eigenvalues()[2], bound_of(bench.spec()).stiffness_nm_per_rad * (1 + 1e-9));
@@ -119,8 +124,7 @@ Work work_along(Bench& bench, const std::vector<Pose>& path, bool turning) {
   Work work;
   for (std::size_t n = 0; n + 1 < path.size(); ++n) {
     const Pose &a = path[n], &b = path[n + 1];
-    const Wrench w =
-        bench.at({0.5 * (a.position + b.position), a.orientation.slerp(0.5, b.orientation)}).wrench;
+    const Wrench w = bench.at({0.5 * (a.position + b.position), a.orientation.slerp(0.5, b.orientation)}).wrench;
     const Eigen::AngleAxisd turn(b.orientation * a.orientation.conjugate());
     const double step =
         w.force.dot(b.position - a.position) + (turning ? turn.angle() * w.torque.dot(turn.axis()) : 0.0);

@@ -12,7 +12,8 @@
 namespace voxtouch::test {
 
 /// A scene's effect of that kind, its values by name.
-EffectSpec effect(std::string_view kind, std::initializer_list<std::pair<std::string_view, std::array<double, 3>>> values,
+EffectSpec effect(std::string_view kind,
+                  std::initializer_list<std::pair<std::string_view, std::array<double, 3>>> values,
                   const Region& region = {});
 
 class Random {
@@ -47,11 +48,13 @@ class Bench {
 };
 
 /// Wrench = -grad U at `pose` by central differences over `step` metres; with `turning` also the torque, by `step` / 0.01 rad.
-void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_n, bool turning = false, double step = 1e-6);
+void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_n, bool turning = false,
+                               double step = 1e-6);
 
 /// At `pose`: -dF/dx by central differences is no larger than either bound; the matrix given is symmetric, semidefinite and no
 /// smaller than -dF/dx in any direction (its symmetric part), torque and rotation too where `turning`.
-void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, bool turning = false, double step = 1e-7);
+void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, bool turning = false,
+                             double step = 1e-7);
 
 /// A closed path: sums of sines round `centre`; straight between `steps` poses.
 std::vector<Pose> closed_path(Random& random, const Vec3& centre, double size_m, double turn_rad, std::size_t steps);

@@ -138,8 +138,7 @@ TEST(Guides, HaveAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
 TEST(Guides, ReachTheirBoundSoThatItIsNoLargerThanNeeded) {
   Bench bench(point_guide(true));
   double most = 0.0;
-  for (int n = 0; n < 700; ++n)
-    most = std::max(most, bench.at(at({0.1 + 1e-4 * n, 0.2, 0.3})).stiffness_bound_n_per_m);
+  for (int n = 0; n < 700; ++n) most = std::max(most, bench.at(at({0.1 + 1e-4 * n, 0.2, 0.3})).stiffness_bound_n_per_m);
   EXPECT_DOUBLE_EQ(most, bound_of(bench.spec()).stiffness_n_per_m);
 }
 
@@ -182,10 +181,12 @@ TEST(Guides, LeaveLessEnergyTheFinerAPathIsSampled) {
 }
 
 TEST(Guides, AreFiniteWhereTheToolIsOnThemFarOffAndWhereNothingPushes) {
-  for (EffectSpec spec : {point_guide(), point_guide(true), line_guide(0), line_guide(0.02), plane_guide(false), plane_guide(true)})
+  for (EffectSpec spec :
+       {point_guide(), point_guide(true), line_guide(0), line_guide(0.02), plane_guide(false), plane_guide(true)})
     for (const double k : {0.0, 1e-300, 200.0})
       for (const double limit : {0.0, 1e-300, 2.0})
-        for (const Vec3& x : {Vec3(0.1, 0.2, 0.3), Vec3(0, 0, 0), Vec3(0, 0, 0.02), Vec3(1e-320, 0, 0), Vec3(1e6, -1e6, 1e6)}) {
+        for (const Vec3& x :
+             {Vec3(0.1, 0.2, 0.3), Vec3(0, 0, 0), Vec3(0, 0, 0.02), Vec3(1e-320, 0, 0), Vec3(1e6, -1e6, 1e6)}) {
           if (spec.values.number(2) > 0.0 && k < 200.0) continue;  // refused: see below
           spec.values.at(0) = just(k), spec.values.at(1) = just(limit);
           Bench bench(spec);
@@ -202,11 +203,26 @@ TEST(Guides, RefuseWhatContradictsItselfWithASentence) {
   };
   EXPECT_EQ(check_values(*point_guide().kind, point_guide().values), "");
   EXPECT_NE(why(point_guide(), 3, just(0.1)).find("for 'beyond: release' only"), std::string::npos);
-  EXPECT_NE(why(point_guide(true), 3, just(0.029)).find("at least 3 limit_n / stiffness_n_per_m = 0.03 m"), std::string::npos);
+  EXPECT_NE(why(point_guide(true), 3, just(0.029)).find("at least 3 limit_n / stiffness_n_per_m = 0.03 m"),
+            std::string::npos);
   EXPECT_NE(why(point_guide(true), 3, just(0.0)), "");
   EXPECT_NE(why(point_guide(true), 0, just(0.0)), "");
   EXPECT_NE(why(line_guide(0), 7, just(0.1)).find("for 'ends: segment' only"), std::string::npos);
   EXPECT_NE(why(line_guide(0.1), 7, just(0.0)).find("needs a 'half_length_m'"), std::string::npos);
+}
+
+TEST(Guides, StayWithinTheirStiffnessWhileAllTheirParametersChangeAtOnce) {
+  EffectSpec spec = point_guide(true);
+  spec.values.at(0) = just(100), spec.values.at(1) = just(1), spec.values.at(3) = just(0.03);
+  Bench bench(spec);
+  EXPECT_EQ(bench.chain().set_value(0, "range_m", just(0.3)), "");
+  EXPECT_EQ(bench.chain().set_value(0, "stiffness_n_per_m", just(1000)), "");
+  EXPECT_EQ(bench.chain().set_value(0, "limit_n", just(100)), "");
+  for (int n = 1; n <= 100; ++n) {  // on the way 3 F / R is above k
+    const double way = 0.01 * n;
+    const EffectPush push = bench.at(at({0.1 + 0.75 * (0.03 + 0.27 * way), 0.2, 0.3}));
+    EXPECT_LE(push.stiffness_bound_n_per_m, (100 + 900 * way) * (1 + 1e-9)) << n;
+  }
 }
 
 TEST(Guides, TurnedAndMovedWhileRunningMakeNoForceStep) {

@@ -101,7 +101,8 @@ TEST(ProximityField, ContinuesWhereWhatIsStoredEndsAndStandsAnyPoint) {
     last = sample.distance_m, last_gradient = sample.gradient;
   }
   EXPECT_EQ(last, field.reach_m());
-  for (const double far : {1e5, 1e9, 1e300, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double far :
+       {1e5, 1e9, 1e300, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_EQ(field.at({far, 0, 0}).distance_m, field.reach_m());
     EXPECT_TRUE(field.at({0, -far, 0}).gradient.isZero(1e-12));
   }
@@ -115,8 +116,12 @@ TEST(ToolPoints, AreShellPointsThatStandForAllOfItsAreaAndLieNearAllOfIt) {
     const ToolPoints tool = spread_tool_points(shell, most);
     EXPECT_EQ(tool.points.size(), std::min(most, shell.size()));
     double share = 0.0, farthest = 0.0;
-    for (const ToolPoint& point : tool.points) share += point.share, farthest = std::max(farthest, point.position.norm());
+    for (const ToolPoint& point : tool.points)
+      share += point.share, farthest = std::max(farthest, point.position.norm());
     EXPECT_NEAR(share, 1.0, 1e-12);
+    for (const ToolPoint& point : tool.points) {
+      EXPECT_LT(point.share * static_cast<double>(tool.points.size()), 8.0) << "of a ball all shares are alike, nearly";
+    }
     EXPECT_EQ(tool.reach_m, farthest);
     double gap = 0.0;
     for (std::size_t p = 0; p < shell.size(); ++p) {

@@ -16,15 +16,19 @@ inline ProximityField ground_of(const TriangleMesh& mesh, double range, double s
   return {mesh, voxelise(mesh, default_grid(mesh, kEdge), serial_for()), range, smoothing, serial_for()};
 }
 /// 60 x 60 x 40 mm round the origin, on the grid and across it.
-inline TriangleMesh block_mesh(const Quat& turn = Quat::Identity()) { return box_mesh({0.06, 0.06, 0.04}, {Vec3::Zero(), turn}); }
+inline TriangleMesh block_mesh(const Quat& turn = Quat::Identity()) {
+  return box_mesh({0.06, 0.06, 0.04}, {Vec3::Zero(), turn});
+}
 
 /// Equal shares of a ball round `centre` in T, on a spiral.
 inline std::vector<ToolPoint> ball(double radius, std::size_t count, const Vec3& centre = Vec3::Zero()) {
   std::vector<ToolPoint> points;
   for (std::size_t n = 0; n < count; ++n) {
-    const double z = 1.0 - (2.0 * static_cast<double>(n) + 1.0) / static_cast<double>(count), r = std::sqrt(1.0 - z * z);
+    const double z = 1.0 - (2.0 * static_cast<double>(n) + 1.0) / static_cast<double>(count),
+                 r = std::sqrt(1.0 - z * z);
     const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0)) * static_cast<double>(n);
-    points.push_back({centre + radius * Vec3(r * std::cos(turn), r * std::sin(turn), z), 1.0 / static_cast<double>(count)});
+    points.push_back(
+        {centre + radius * Vec3(r * std::cos(turn), r * std::sin(turn), z), 1.0 / static_cast<double>(count)});
   }
   return points;
 }

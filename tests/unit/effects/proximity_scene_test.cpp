@@ -11,7 +11,8 @@ namespace voxtouch {
 namespace {
 
 bool any_has(const std::vector<std::string>& lines, const std::string& text) {
-  return std::any_of(lines.begin(), lines.end(), [&](const std::string& s) { return s.find(text) != std::string::npos; });
+  return std::any_of(lines.begin(), lines.end(),
+                     [&](const std::string& s) { return s.find(text) != std::string::npos; });
 }
 
 /// A box from 0 to `size`; `faces` of its twelve triangles.
@@ -36,8 +37,8 @@ class ProximityScene : public SceneFolder {
   }
   std::unique_ptr<BuiltScene> built(const std::string& effects, const std::string& meshes = "{mesh: block.obj}",
                                     const std::string& contact = "stiffness_n_per_m: 30") const {
-    return build_scene(parse("scene: s\nvoxel_size: 0.002\nstatic: [" + meshes + "]\ndynamic: {mesh: tool.obj}\ncontact: {" +
-                             contact + "}\neffects: [" + effects + "]\n"),
+    return build_scene(parse("scene: s\nvoxel_size: 0.002\nstatic: [" + meshes +
+                             "]\ndynamic: {mesh: tool.obj}\ncontact: {" + contact + "}\neffects: [" + effects + "]\n"),
                        serial_for());
   }
   std::string refusal(const std::string& effects, const std::string& meshes) const {
@@ -64,9 +65,11 @@ TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
   EXPECT_EQ(magnet->plan().bytes, none->plan().bytes);
   EXPECT_EQ(magnet->plan().expected_ns_per_frame, none->plan().expected_ns_per_frame);
   const EffectGround& ground = with->effect_ground();
-  EXPECT_EQ(with->plan().bytes - none->plan().bytes, ground.proximity->bytes() + ground.tool.points.size() * sizeof(ToolPoint));
+  EXPECT_EQ(with->plan().bytes - none->plan().bytes,
+            ground.proximity->bytes() + ground.tool.points.size() * sizeof(ToolPoint));
   EXPECT_EQ(ground.tool.points.size(), ToolPoints::kMost);
-  EXPECT_NEAR(with->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame, 128 * kNsPerProximityPoint, 1e-6);
+  EXPECT_NEAR(with->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame, 128 * kNsPerProximityPoint,
+              1e-6);
   EXPECT_TRUE(any_has(with->plan().built, "Distances round the static meshes out to 10 mm, smoothed over 4 mm: "));
   EXPECT_TRUE(any_has(with->plan().built, "for 128 points of the tool a frame (12.8 us at most)"));
   EXPECT_FALSE(any_has(with->plan().left_out, "Distances outside"));
@@ -101,7 +104,8 @@ TEST_F(ProximityScene, RefusesOpenMeshesAndLeversThatAreTooShortWithASentence) {
   EXPECT_NE(refusal(kProximity, "{mesh: open.obj}").find("no static mesh is closed"), std::string::npos);
   const auto both = built(kProximity, "{mesh: block.obj}, {mesh: open.obj, position: [0, 0, 0.2]}");
   EXPECT_TRUE(any_has(both->plan().warnings, "open.obj: the mesh is open."));
-  EXPECT_NE(refusal("{proximity: {limit_n: 3, range_m: 0.01, lever_m: 0.01}}", "{mesh: block.obj}").find("but the tool reaches 0.01"),
+  EXPECT_NE(refusal("{proximity: {limit_n: 3, range_m: 0.01, lever_m: 0.01}}", "{mesh: block.obj}")
+                .find("but the tool reaches 0.01"),
             std::string::npos);
   EXPECT_EQ(refusal("{proximity: {limit_n: 3, range_m: 0.01, lever_m: 0.018}}", "{mesh: block.obj}"), "no exception");
 }

@@ -10,7 +10,8 @@ namespace {
 constexpr double kRange = 0.01;
 
 const ProximityField& block(double h) {
-  static const ProximityField fine = ground_of(block_mesh(), kRange, 0.002), soft = ground_of(block_mesh(), kRange, 0.004);
+  static const ProximityField fine = ground_of(block_mesh(), kRange, 0.002),
+                              soft = ground_of(block_mesh(), kRange, 0.004);
   return h > 0.003 ? soft : fine;
 }
 
@@ -19,14 +20,16 @@ Pose at(const Vec3& x) { return {x, Quat::Identity()}; }
 /// A pose whose tool of 10 mm is round the block, often near it.
 Pose near_block(Random& random) {
   const Vec3 x = random.vector(0.05);
-  return {Vec3(x.x(), x.y(), random.coin() ? x.z() : std::copysign(random.number(0.028, 0.04), x.z())), random.orientation()};
+  return {Vec3(x.x(), x.y(), random.coin() ? x.z() : std::copysign(random.number(0.028, 0.04), x.z())),
+          random.orientation()};
 }
 
 EffectSpec random_proximity(Random& random, double h, double lever) {
   const double range = random.number(0.3, 1.0) * kRange;
   EffectSpec spec = proximity(random.number(0.1, 8), range, h, lever);
   spec.gain = random.number(0.2, 1.0);
-  if (random.coin()) spec.region = {SphereRegion{random.vector(0.04), random.number(0.01, 0.04)}, random.number(0.005, 0.02)};
+  if (random.coin())
+    spec.region = {SphereRegion{random.vector(0.04), random.number(0.01, 0.04)}, random.number(0.005, 0.02)};
   return spec;
 }
 
@@ -61,12 +64,14 @@ TEST(Proximity, IsTheSameForMorePointsOnTheSameTool) {
   }
   EXPECT_NEAR(force(20000).wrench.force.z(), exact, 0.002 * exact);
   EXPECT_NEAR(force(128).wrench.force.z(), exact, 0.05 * exact);
-  EXPECT_NEAR(force(128).stiffness_bound_n_per_m, force(20000).stiffness_bound_n_per_m, 0.05 * force(20000).stiffness_bound_n_per_m);
+  EXPECT_NEAR(force(128).stiffness_bound_n_per_m, force(20000).stiffness_bound_n_per_m,
+              0.05 * force(20000).stiffness_bound_n_per_m);
 }
 
 TEST(Proximity, TurnsTheToolOnlyWhereALeverSaysThatItMay) {
   const std::vector<ToolPoint> points = ball(0.005, 64, {0.02, 0, 0});
-  Bench with(proximity(4.0, kRange, 0.002, 0.03), &block(0.002), points), without(proximity(4.0, kRange, 0.002), &block(0.002), points);
+  Bench with(proximity(4.0, kRange, 0.002, 0.03), &block(0.002), points),
+      without(proximity(4.0, kRange, 0.002), &block(0.002), points);
   const Pose pose = at({-0.02, 0, 0.027});
   EXPECT_TRUE(without.at(pose).wrench.torque.isZero(0.0));
   EXPECT_FALSE(without.spec().kind->needs(without.spec().values).torque);
@@ -118,7 +123,8 @@ TEST(Proximity, StepsNowhereOnASweepThroughRimEdgeAndInside) {
     const EffectSpec spec = proximity(4.0, kRange, 0.002);
     Bench bench(spec, &block(0.002), trial % 2 ? points : point);
     const Vec3 u = random.direction(), middle = random.vector(0.03);
-    EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 4000, bound_of(spec).stiffness_n_per_m), 1 + 1e-6);
+    EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 4000, bound_of(spec).stiffness_n_per_m),
+              1 + 1e-6);
   }
 }
 
@@ -177,8 +183,12 @@ TEST(SpaceEffects, AllocateNothingWhileTheyRun) {
       proximity(4.0, kRange, 0.002, 0.02),
       effect("magnet", {{"point", {0, 0, 0.03}}, {"radius_m", {0.02, 0, 0}}, {"force_n", {2, 0, 0}}}),
       effect("guide_point", {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}}),
-      effect("guide_line", {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}, {"direction", {0, 0, 1}}}),
-      effect("guide_plane", {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}, {"normal", {0, 0, 1}}})};
+      effect(
+          "guide_line",
+          {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}, {"direction", {0, 0, 1}}}),
+      effect(
+          "guide_plane",
+          {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}, {"normal", {0, 0, 1}}})};
   const ProximityField& field = block(0.002);
   EffectChain chain(std::move(specs));
   EffectFrame frame;
@@ -192,7 +202,12 @@ TEST(SpaceEffects, AllocateNothingWhileTheyRun) {
             }),
             0);
   EXPECT_GT(felt, 1.0);
-  EXPECT_GT(contract::heap_count_of([] { std::vector<int> v(100); v[7] = 1; }), 0) << "the heap is not counted";
+  EXPECT_GT(contract::heap_count_of([] {
+              std::vector<int> v(100);
+              v[7] = 1;
+            }),
+            0)
+      << "the heap is not counted";
 }
 
 }  // namespace
