@@ -17,12 +17,25 @@ struct ObjectContact {
   Twist twist;  ///< of the object, about the tool's origin; zero for one that rests
 };
 
+/// The distance to the static surface, smoothed over a length h: twice differentiable but for jumps of the curvature.
+struct ProximitySample {
+  double distance_m = 0.0;        ///< signed, negative inside; never above what was built for
+  Vec3 gradient = Vec3::Zero();   ///< of that distance, W; at most sqrt(3), 1 but for edges
+  Mat3 curvature = Mat3::Zero();  ///< its second derivatives [1/m], W; symmetric, no norm above 6 / h
+};
+
 /// Looks up distances to the static surface. Real-time safe.
 class Proximity {
  public:
   virtual ~Proximity() = default;
-  /// Signed distance [m] and outward gradient at `x` in W; `known` false beyond what was built.
-  virtual FieldSample at(const Vec3& x) const noexcept = 0;
+  /// At `x` in W: right wherever the distance is below what was asked for, continuous with its gradient everywhere.
+  virtual ProximitySample at(const Vec3& x) const noexcept = 0;
+};
+
+/// A point that stands for a piece of the tool's surface.
+struct ToolPoint {
+  Vec3 position = Vec3::Zero();  ///< T
+  double share = 0.0;            ///< of the tool's area; all of them sum to 1
 };
 
 /// What one sample gives. All in W; points into storage of the caller that lives for the call.
@@ -33,6 +46,7 @@ struct EffectFrame {
   double time_s = 0.0;                      ///< of the sample, since the session began
   std::span<const ObjectContact> contacts;  ///< empty where no effect needs them
   const Proximity* proximity = nullptr;     ///< null where no effect needs it
+  std::span<const ToolPoint> tool_points;   ///< empty where `proximity` is null
 };
 
 /// What the effects of one sample add up to. W axes; torque and stiffness about the tool's origin.

@@ -126,7 +126,8 @@ std::string EffectChain::set_value(std::size_t effect, std::string_view paramete
   wanted.at(p) = value;
   if (std::string why = check_values(*link.goal.kind, wanted); !why.empty()) return why;
   const EffectNeeds before = link.goal.kind->needs(link.goal.values), after = link.goal.kind->needs(wanted);
-  if ((after.torque && !before.torque) || after.proximity_m > before.proximity_m)
+  if ((after.torque && !before.torque) || after.proximity_m > before.proximity_m ||
+      after.smoothing_m > before.smoothing_m || after.lever_m < before.lever_m)
     return fmt::format("'{}' would need what was not built for this scene; change the scene file", parameter);
   link.goal.values = wanted;
   for (std::size_t n = 0; n < 3; ++n) link.rate.at(p)[n] = std::abs(value[n] - link.now.at(p)[n]) / kEffectRampS;

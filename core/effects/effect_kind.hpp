@@ -80,6 +80,8 @@ struct EffectNeeds {
   bool orientation = false;  ///< looks at how the tool is turned
   bool body = false;         ///< the dynamic object moves by itself: rigid_body.hpp
   double proximity_m = 0.0;  ///< distances to the static surface out to here [m]; 0: none
+  double smoothing_m = 0.0;  ///< and smoothed over this length at least [m]
+  double lever_m = std::numeric_limits<double>::infinity();  ///< no point of the tool is farther from its origin [m]
 };
 
 struct EffectKind {

@@ -8,13 +8,17 @@ namespace voxtouch {
 
 extern const EffectKind kBody;
 extern const EffectKind kFriction;
+extern const EffectKind kGuideLine, kGuidePlane, kGuidePoint;
+extern const EffectKind kMagnet;
+extern const EffectKind kProximity;
 extern const EffectKind kSurfaceDamping;
 extern const EffectKind kTexture;
 extern const EffectKind kViscosity;
 
 namespace {
 
-constexpr std::array kKinds = {&kBody, &kFriction, &kSurfaceDamping, &kTexture, &kViscosity};
+constexpr std::array kKinds = {&kBody,     &kFriction,       &kGuideLine, &kGuidePlane, &kGuidePoint, &kMagnet,
+                               &kProximity, &kSurfaceDamping, &kTexture,   &kViscosity};
 
 }  // namespace
 

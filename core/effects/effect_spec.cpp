@@ -11,6 +11,7 @@ EffectNeeds needs_of(std::span<const EffectSpec> effects) {
     all.twist |= one.twist, all.contact |= one.contact, all.torque |= one.torque, all.orientation |= one.orientation;
     all.body |= one.body;
     all.proximity_m = std::max(all.proximity_m, one.proximity_m);
+    all.smoothing_m = std::max(all.smoothing_m, one.smoothing_m), all.lever_m = std::min(all.lever_m, one.lever_m);
   }
   return all;
 }

@@ -18,7 +18,7 @@ struct EffectSpec {
   bool on = true;     ///< off: built and ready, gain 0
 };
 
-/// Union of what they need. `proximity_m` is the largest.
+/// Union of what they need: the largest `proximity_m` and `smoothing_m`, the least `lever_m`.
 EffectNeeds needs_of(std::span<const EffectSpec> effects);
 /// Bound of one effect behind its region, at full gain. A region adds 2 |grad w| F + |grad^2 w| U to the stiffness of a
 /// conservative kind and |grad w| F to that of any other: infinite where F or U has no bound.

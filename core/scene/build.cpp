@@ -170,12 +170,10 @@ void add_effect_bounds(const Scene& scene, BuildCounts& counts) {
 }
 
 /// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
-std::unique_ptr<StaticObject> build_ground(const Kit& kit, std::uint32_t id) {
+std::unique_ptr<StaticObject> build_object(const Kit& kit, std::uint32_t id, const ObjectMesh& fixed) {
   const Scene& scene = kit.scene;
-  const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
-  kit.step(scene.objects.empty() ? "reading the static meshes" : "reading the meshes of '" + name + "'");
-  const ObjectMesh fixed = import_object(scene, id, kit.counts);
   if (fixed.specs.empty()) return nullptr;
+  const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
   kit.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
   Grid grid = default_grid(fixed.mesh, scene.voxel_size_m);
   if (id == 0 && scene.grid_origin) grid.origin = *scene.grid_origin;
@@ -212,12 +210,40 @@ void add_contact_law(const Kit& kit, const Pointshell& shell, StaticObject& obje
   add(contact.translation, counts.contact_n_per_m), add(contact.rotation, counts.contact_nm_per_rad);
 }
 
+/// What `needs` asks for round the ground; the shell's points are where the tool is looked at.
+void build_proximity(const Kit& kit, const EffectNeeds& needs, const ObjectMesh& fixed, const Voxmap& voxmap,
+                     const Pointshell& shell, EffectGround& ground) {
+  const Scene& scene = kit.scene;
+  BuildCounts& counts = kit.counts;
+  if (fixed.open == fixed.specs.size())
+    throw std::invalid_argument(fmt::format(
+        "{}: the effect 'proximity' asks for distances to the static meshes of the ground, but {}, and only a closed "
+        "mesh has an outside. Close it or leave the effect out.",
+        scene.file.string(), fixed.specs.empty() ? "all of them belong to objects" : "none of them is closed"));
+  kit.step("distances round the static meshes");
+  ground.tool = spread_tool_points(shell);
+  if (ground.tool.reach_m > needs.lever_m)
+    throw std::invalid_argument(fmt::format(
+        "{}: 'lever_m' of the effect 'proximity' is {:g} m, but the tool reaches {:.4g} m from its origin. Say at least that.",
+        scene.file.string(), needs.lever_m, ground.tool.reach_m));
+  with_hints(counts, [&] {
+    ground.proximity.emplace(fixed.mesh, voxmap, needs.proximity_m, needs.smoothing_m, kit.parallel_for);
+    return true;
+  });
+  counts.proximity_bytes = ground.proximity->bytes() + ground.tool.points.size() * sizeof(ToolPoint);
+  counts.proximity_nodes = ground.proximity->nodes();
+  counts.proximity_m = needs.proximity_m, counts.proximity_smoothing_m = ground.proximity->smoothing_m();
+  counts.tool_points = ground.tool.points.size(), counts.tool_gap_m = ground.tool.gap_m;
+}
+
 }  // namespace
 
 BuiltScene::BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<EffectSpec> effects,
-                       const std::optional<BodyShape>& body, Plan plan, double largest_shell_gap_m)
-    : contacts_(std::move(objects)), scene_(contacts_, std::move(effects), body), plan_(std::move(plan)),
-      largest_shell_gap_m_(largest_shell_gap_m) {}
+                       EffectGround ground, Plan plan, double largest_shell_gap_m)
+    : contacts_(std::move(objects)), ground_(std::move(ground)),
+      scene_(contacts_, std::move(effects),
+             {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body}),
+      plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
 
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
                                         const BuildChoices& choices, const Progress& progress) {
@@ -227,12 +253,20 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   BuildCounts counts;
   const Kit kit{scene, parallel_for, choices, progress, choices.model.value_or(kind), counts};
   std::vector<std::unique_ptr<StaticObject>> objects;
-  for (std::uint32_t id = 0; id <= scene.objects.size(); ++id)
-    if (auto object = build_ground(kit, id)) objects.push_back(std::move(object));
+  std::vector<ObjectMesh> meshes;
+  for (std::uint32_t id = 0; id <= scene.objects.size(); ++id) {
+    kit.step(id == 0 ? "reading the static meshes" : "reading the meshes of '" + scene.objects[id - 1].name + "'");
+    meshes.push_back(import_object(scene, id, counts));
+    if (auto object = build_object(kit, id, meshes.back())) objects.push_back(std::move(object));
+  }
   const Tool tool = build_tool(kit);
   for (auto& object : objects) add_contact_law(kit, tool.shell, *object);
+  EffectGround ground;
+  ground.body = tool.body;
+  if (const EffectNeeds needs = needs_of(scene.effects); needs.proximity_m > 0.0)
+    build_proximity(kit, needs, meshes.front(), objects.front()->voxmap, tool.shell, ground);
   add_effect_bounds(scene, counts);
-  return std::make_unique<BuiltScene>(std::move(objects), scene.effects, tool.body, make_plan(scene, counts),
+  return std::make_unique<BuiltScene>(std::move(objects), scene.effects, std::move(ground), make_plan(scene, counts),
                                       tool.largest_gap);
 }
 

@@ -7,17 +7,25 @@
 
 #include "core/scene/object_contacts.hpp"
 #include "core/scene/plan.hpp"
+#include "core/scene/proximity_field.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_renderer.hpp"
 #include "core/types/parallel.hpp"
 
 namespace voxtouch {
 
+/// What effects look up beside the contact; nothing of it is there unless one asks.
+struct EffectGround {
+  std::optional<ProximityField> proximity;
+  ToolPoints tool;
+  std::optional<BodyShape> body;  ///< of the dynamic object, where it moves by itself
+};
+
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.
 class BuiltScene {
  public:
   BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<EffectSpec> effects,
-             const std::optional<BodyShape>& body, Plan plan, double largest_shell_gap_m);
+             EffectGround ground, Plan plan, double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
 
@@ -30,12 +38,14 @@ class BuiltScene {
     const StaticObject& first = contacts_.object(0);
     return first.field ? &*first.field : nullptr;
   }
+  const EffectGround& effect_ground() const noexcept { return ground_; }
   const Plan& plan() const noexcept { return plan_; }
   /// Largest distance between shell points of neighbouring surface voxels [m].
   double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
 
  private:
   ObjectContacts contacts_;
+  EffectGround ground_;
   SceneRenderer scene_;
   Plan plan_;
   double largest_shell_gap_m_;
@@ -52,7 +62,8 @@ struct BuildChoices {
 };
 
 /// Reads the scene's meshes and builds what it calls for, and nothing else. Throws MeshError,
-/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for `field` where no static mesh has an inside.
+/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for `field` where no static mesh has an inside,
+/// and for effects that ask for distances where no static mesh is closed or for a lever that the tool is longer than.
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
                                         const BuildChoices& choices = {}, const Progress& progress = {});
 

@@ -109,6 +109,13 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
         1e3 * n.field_depth_m, counted(n.field_nodes, "node", "nodes"), bytes_text(n.field_bytes),
         static_cast<double>(n.field_bytes) /
             static_cast<double>(std::max<std::uint64_t>(1, n.surface_voxels + n.interior_voxels))));
+  if (n.proximity_bytes > 0)
+    plan.built.push_back(fmt::format(
+        "Distances round the static meshes out to {:g} mm, smoothed over {:g} mm: {} of 4 bytes, {}; effects look them up "
+        "for {} of the tool a frame ({:.1f} us at most), from which no point of its shell is farther than {:.2g} mm.",
+        1e3 * n.proximity_m, 1e3 * n.proximity_smoothing_m, counted(n.proximity_nodes, "node", "nodes"),
+        bytes_text(n.proximity_bytes), counted(n.tool_points, "point", "points"),
+        1e-3 * kNsPerProximityPoint * static_cast<double>(n.tool_points), 1e3 * n.tool_gap_m));
   plan.built.push_back(fmt::format("{} pointshell of the dynamic mesh ({}): {}, {}; the scene asks for shell: {}.",
                                    scene.shell == ShellKind::kExact ? "Exact" : "Naive",
                                    counted(n.dynamic_triangles, "triangle", "triangles"),
@@ -157,12 +164,19 @@ void say_field_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
         n.thinnest_mesh, 1e3 * n.thinnest_m, n.thinnest_m / scene.voxel_size_m, kThickVoxels, 0.5e3 * n.thinnest_m));
 }
 
+void say_proximity_warnings(const BuildCounts& n, Plan& plan) {
+  for (const std::string& mesh : n.open_meshes)
+    plan.warnings.push_back(fmt::format(
+        "{}: the mesh is open. What of it is not closed has no outside, and no effect feels it from a distance.", mesh));
+}
+
 void say_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
   plan.warnings = scene.warnings;
   plan.warnings.insert(plan.warnings.end(), n.mesh_warnings.begin(), n.mesh_warnings.end());
   if (n.surface_voxels == 0) plan.warnings.push_back("The voxmap is empty: nothing can be touched.");
   if (n.shell_points == 0) plan.warnings.push_back("The pointshell is empty: nothing can touch.");
   if (n.field_bytes > 0) say_field_warnings(scene, n, plan);
+  if (n.proximity_bytes > 0) say_proximity_warnings(n, plan);
   if (plan.expected_ns_per_frame > 1e6)
     plan.warnings.push_back(fmt::format("A frame with every point looked up takes about {:.1f} ms, longer than a period of 1 ms.",
                                         plan.expected_ns_per_frame / 1e6));
@@ -177,9 +191,10 @@ Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   plan.shell_points = counts.shell_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
   plan.contact_n_per_m = counts.contact_n_per_m, plan.contact_nm_per_rad = counts.contact_nm_per_rad;
-  plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes;
+  plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes + counts.proximity_bytes;
   const double ns_per_point = kNsPerPoint + (counts.field_bytes > 0 ? kNsPerFieldPoint : 0.0);
-  plan.expected_ns_per_frame = kNsPerFrame + ns_per_point * static_cast<double>(counts.shell_points);
+  plan.expected_ns_per_frame = kNsPerFrame + ns_per_point * static_cast<double>(counts.shell_points) +
+                               kNsPerProximityPoint * static_cast<double>(counts.tool_points);
   say_built(scene, counts, plan);
   say_left_out(scene, counts, plan);
   say_warnings(scene, counts, plan);

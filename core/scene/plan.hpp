@@ -20,6 +20,10 @@ struct BuildCounts {
   double field_depth_m = 0.0;                        ///< how deep it goes [m]
   double thinnest_m = std::numeric_limits<double>::infinity();  ///< thinnest wall of the static meshes; known with a field
   std::string thinnest_mesh;                         ///< the mesh it belongs to
+  std::uint64_t proximity_bytes = 0, proximity_nodes = 0;  ///< of the distances that effects ask for; 0: none were built
+  double proximity_m = 0.0, proximity_smoothing_m = 0.0;   ///< how far out they go, and what they are smoothed over [m]
+  std::uint64_t tool_points = 0;                           ///< points of the tool that they are looked up for
+  double tool_gap_m = 0.0;                                 ///< no point of the tool's shell is farther from one of these [m]
   std::vector<std::string> open_meshes;              ///< static meshes that are not closed
   ContactRange contact_n_per_m, contact_nm_per_rad;  ///< in W, see contact_range.hpp
   bool closed = true;                       ///< all static meshes are closed; an open one has no interior
@@ -41,6 +45,9 @@ struct Plan {
 inline constexpr double kNsPerPoint = 3.0, kNsPerFrame = 500.0;
 /// What the contact model `field` adds for a point that is in contact [ns]: eight nodes and the sums for the stiffness.
 inline constexpr double kNsPerFieldPoint = 35.0;
+
+/// What an effect that asks for distances adds for each point of the tool that it looks up [ns]: 27 nodes.
+inline constexpr double kNsPerProximityPoint = 100.0;
 
 /// The plan for `scene`, given what its builders counted.
 Plan make_plan(const Scene& scene, const BuildCounts& counts);

@@ -7,12 +7,12 @@
 namespace voxtouch {
 
 SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> effects,
-                             const std::optional<BodyShape>& shape)
-    : contact_(contact), effects_(std::move(effects)) {
+                             const SceneSurroundings& surroundings)
+    : contact_(contact), effects_(std::move(effects)), surroundings_(surroundings) {
   for (std::size_t n = 0; n < effects_.size(); ++n) {
     if (!effects_.spec(n).kind->needs(effects_.spec(n).values).body) continue;
-    if (!shape) throw std::invalid_argument("the effect 'body' needs the shape of the dynamic object");
-    body_.emplace(BodyPart{RigidBody(*shape), n});
+    if (!surroundings.body) throw std::invalid_argument("the effect 'body' needs the shape of the dynamic object");
+    body_.emplace(BodyPart{RigidBody(*surroundings.body), n});
   }
 }
 
@@ -28,7 +28,7 @@ SceneFrame SceneRenderer::render(const ToolState& tool, double time_s) noexcept 
   frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
   if (contact.pose_status != PoseStatus::kUsable || (effects_.empty() && !contact_.moves())) return frame;
   const double dt_s = step_to(time_s);
-  if (!effects_.empty()) add_effects(tool, object, placed ? body_->body.twist() : tool.twist, time_s, dt_s, frame);
+  if (!effects_.empty()) add_effects(object, placed ? body_->body.twist() : tool.twist, time_s, dt_s, frame);
   if (body_) move_body(tool, dt_s, frame);
   else supply(object, dt_s, frame);
   return frame;
@@ -40,7 +40,7 @@ double SceneRenderer::step_to(double time_s) noexcept {
   return step >= kLeastStepS && step <= kLongestStepS ? step : kUsualStepS;
 }
 
-void SceneRenderer::add_effects(const ToolState&, const Pose& object, const Twist& twist, double time_s, double dt_s,
+void SceneRenderer::add_effects(const Pose& object, const Twist& twist, double time_s, double dt_s,
                                 SceneFrame& frame) noexcept {
   EffectFrame in;
   in.tool = object;
@@ -48,6 +48,7 @@ void SceneRenderer::add_effects(const ToolState&, const Pose& object, const Twis
   in.dt_s = dt_s;
   in.time_s = time_s;
   in.contacts = contact_.parts();
+  in.proximity = surroundings_.proximity, in.tool_points = surroundings_.tool_points;
   frame.effects = effects_.apply(in);
   frame.wrench.force += frame.effects.wrench.force;
   frame.wrench.torque += frame.effects.wrench.torque;

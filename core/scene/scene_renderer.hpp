@@ -29,14 +29,21 @@ struct SceneFrame {
   }
 };
 
-/// One thread at a time. `contact` must outlive it.
+/// What effects look up, where one asks for it.
+struct SceneSurroundings {
+  const Proximity* proximity = nullptr;
+  std::span<const ToolPoint> tool_points = {};
+  std::optional<BodyShape> body = {};  ///< of the dynamic object, for scenes with the effect of that name
+};
+
+/// One thread at a time. `contact` and what `surroundings` points to must outlive it.
 class SceneRenderer {
  public:
   /// Time steps that effects are given lie within these: a first sample, or one after a gap, counts as one of `kUsualStepS`.
   static constexpr double kUsualStepS = 0.001, kLeastStepS = 1e-5, kLongestStepS = 0.05;
 
-  /// `shape` of the dynamic object, for scenes with a body; std::invalid_argument where it is missing then.
-  SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> effects, const std::optional<BodyShape>& shape = {});
+  /// std::invalid_argument where a body's shape is missing.
+  SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> effects, const SceneSurroundings& surroundings = {});
 
   /// `time_s` counts from the session's begin. A pose that cannot be looked up gives no force from anything. Real-time safe.
   SceneFrame render(const ToolState& tool, double time_s) noexcept;
@@ -52,13 +59,13 @@ class SceneRenderer {
     std::size_t effect = 0;  ///< place in the chain
   };
   double step_to(double time_s) noexcept;
-  void add_effects(const ToolState& tool, const Pose& object, const Twist& twist, double time_s, double dt_s,
-                   SceneFrame& frame) noexcept;
+  void add_effects(const Pose& object, const Twist& twist, double time_s, double dt_s, SceneFrame& frame) noexcept;
   void supply(const Pose& object, double dt_s, SceneFrame& frame) noexcept;
   void move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept;
 
   ObjectContacts& contact_;
   EffectChain effects_;
+  SceneSurroundings surroundings_;
   std::optional<BodyPart> body_;
   std::optional<double> last_s_, potential_j_;
   std::optional<Vec3> last_position_;

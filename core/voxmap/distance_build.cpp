@@ -106,6 +106,7 @@ class DistanceFieldBuilder {
     field_.grid_ = voxmap.grid(), field_.base_ = voxmap.base(), field_.cells_ = voxmap.cells();
     field_.depth_voxels_ = static_cast<float>(options.depth_voxels);  // as the nodes hold it
     field_.band_voxels_ = static_cast<float>(options.band_voxels);
+    if (options.band_voxels > DistanceFieldOptions{}.band_voxels) widen(static_cast<int>(std::ceil(options.band_voxels / kEdge)));
   }
 
   DistanceField build(const ParallelFor& parallel_for, std::uint64_t memory_limit_bytes) {
@@ -124,6 +125,12 @@ class DistanceFieldBuilder {
 
  private:
   static constexpr std::int32_t kWanted = 0;
+
+  /// The voxmap's table ends within a brick of the surface.
+  void widen(int bricks) noexcept {
+    for (std::int32_t* const first : {&field_.base_.i, &field_.base_.j, &field_.base_.k}) *first -= kEdge * bricks;
+    for (std::int64_t& cells : field_.cells_) cells += 2 * bricks;
+  }
 
   VoxelIndex first_voxel(std::size_t cell) const noexcept {
     const auto c = static_cast<std::int64_t>(cell);

@@ -42,6 +42,17 @@ FieldSample DistanceField::at(const Vec3& u) const noexcept {
   return sample;
 }
 
+double DistanceField::node(const VoxelIndex& voxel) const noexcept {
+  // In 64 bits: the difference of two int32.
+  const std::int64_t x = std::int64_t{voxel.i} - base_.i, y = std::int64_t{voxel.j} - base_.j,
+                     z = std::int64_t{voxel.k} - base_.k;
+  if ((x | y | z) < 0 || (x >> 3) >= cells_[0] || (y >> 3) >= cells_[1] || (z >> 3) >= cells_[2]) return band_voxels_;
+  const std::int32_t entry = table_[static_cast<std::size_t>((x >> 3) + cells_[0] * ((y >> 3) + cells_[1] * (z >> 3)))];
+  if (entry < 0) return entry == kDeep ? -depth_voxels_ : band_voxels_;
+  return bricks_[static_cast<std::size_t>(entry)]
+                [static_cast<std::size_t>((x & 7) + kNodeEdge * ((y & 7) + kNodeEdge * (z & 7)))];
+}
+
 std::size_t DistanceField::bytes() const noexcept {
   return table_.size() * sizeof(std::int32_t) + bricks_.size() * sizeof(Brick);
 }

@@ -40,7 +40,9 @@ struct FieldSample {
 /// How much of the field is stored.
 struct DistanceFieldOptions {
   double depth_voxels = 12.0;  ///< inside, distances are held down to this depth; at least 2
-  double band_voxels = 2.0;    ///< outside, up to here; at least 2, more than a voxel's diagonal
+  /// Outside, up to here; at least 2, more than a voxel's diagonal. A band above 2 widens the table beyond the voxmap's, so
+  /// that it is held on every side.
+  double band_voxels = 2.0;
 };
 
 class DistanceField {
@@ -52,6 +54,10 @@ class DistanceField {
   /// Sample at the grid coordinates u = (x - origin) / e of the voxmap's grid. Continuous in u. Anything not finite is
   /// unknown. Real-time safe.
   FieldSample at(const Vec3& u) const noexcept;
+
+  /// The stored distance [voxels] of the node at the lower corner of `voxel`, cut off at the band outside and the depth
+  /// inside; the band where nothing is stored. Real-time safe.
+  double node(const VoxelIndex& voxel) const noexcept;
 
   const Grid& grid() const noexcept { return grid_; }
   std::size_t bytes() const noexcept;

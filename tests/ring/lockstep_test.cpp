@@ -162,10 +162,12 @@ TEST_P(ShippedScene, TouchesInEveryMotionThatShouldAndTheValidatorAgrees) {
 
 std::vector<Case> all_cases() {
   std::vector<Case> cases;
-  for (const char* scene : {"plane", "tilted_plane", "cylinder", "cup", "cup_clustered", "cup_field", "cup_friction",
-                            "cup_surface_damping", "cup_texture"})
+  for (const char* scene : {"plane", "tilted_plane", "cylinder", "cup", "cup_clustered", "cup_field"})
     for (const auto& [device, limit] : {std::pair{"sim-phantom", 8.5}, std::pair{"sim-lwr", 150.0}})
       cases.push_back({scene, device, limit});
+  for (const char* effect : {"friction", "guide_line", "guide_plane", "guide_point", "magnet", "proximity",
+                             "surface_damping", "texture"})
+    cases.push_back({std::string("cup_") + effect, "sim-phantom", 8.5});
   return cases;
 }
 

@@ -81,8 +81,13 @@ const std::map<std::string, std::string> kBlindAxes = {
     {"cup", "z"},            // the motions touch the walls, which are the same all along z
     {"cup_clustered", "z"},  // likewise
     {"cup_field", "z"},      // likewise
+    {"cup_guide_line", "z"},   // likewise
+    {"cup_guide_plane", "z"},  // likewise
+    {"cup_guide_point", "z"},  // likewise
+    {"cup_magnet", "z"},       // likewise
     {"cup_mm", "z"},         // likewise
     {"cup_metre", "z"},      // likewise
+    {"cup_proximity", "z"},  // likewise
     {"cylinder", "y"},       // its axis; the motions stay away from its ends
     {"plane", "xy"},         // it lies in x and y; the motions stay away from its borders
     {"tilted_plane", "xy"},  // its normal is (0.40, -0.34, 0.85): 0.8 e and 0.7 e of 2 e; some are caught all the same

@@ -1,0 +1,72 @@
+#pragma once
+/// What the guides along points, lines and planes share: a spring whose force is limited, and how it pushes.
+#include <limits>
+#include <string>
+
+#include "core/effects/effect.hpp"
+
+namespace voxtouch {
+
+/// Force f(s) at the distance s >= 0 from a guide. With k the stiffness, F the limit and w = F / k:
+///
+///   0 .. w/2        f = k s, an ideal spring
+///   .. 3w/2         f = k s - k (s - w/2)^2 / (2 w), which goes over to F with its slope
+///   .. R/2          f = F
+///   R/2 .. R        f = F (1 - smoothstep((s - R/2) / (R/2))), so that the guide lets go
+///   beyond R        nothing; an infinite R never lets go
+///
+/// f and f' are continuous and |f'|, f / s <= k everywhere as long as F <= k R / 3, so F counts as that at most.
+struct GuideLaw {
+  double stiffness_n_per_m = 0.0;
+  double limit_n = 0.0;
+  double range_m = std::numeric_limits<double>::infinity();
+};
+
+struct GuideForce {
+  double force_n = 0.0;            ///< f, towards the guide
+  double slope_n_per_m = 0.0;      ///< df/ds
+  double per_metre_n_per_m = 0.0;  ///< f / s; k on the guide
+  double potential_j = 0.0;        ///< integral of f from the guide to s
+};
+
+/// The law at `distance_m` >= 0. Real-time safe.
+GuideForce guide_force(const GuideLaw& law, double distance_m) noexcept;
+/// Work from the guide to where it has let go [J]; infinite where it never does.
+double guide_depth_j(const GuideLaw& law) noexcept;
+
+/// Where potentials of guides are zero: far away if they let go, so that nothing is felt there of a region's border; on the
+/// guide if not.
+double guide_potential_j(const GuideLaw& law, double from_guide_j) noexcept;
+
+/// Adds the pull of a guide whose distance is |A y|, `away` = A y for the symmetric matrix `held` = A with |A| <= 1: the
+/// projector on the held directions. Force -f A away / |away|; stiffness A (max(f', 0) u u' + f/s (1 - u u')) A, u along
+/// `away`. Real-time safe.
+void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& held, EffectPush& push) noexcept;
+
+/// Parameters that every guide has, at these places of its list; its own come behind.
+enum GuideParameter : std::size_t { kGuideStiffness, kGuideLimit, kGuideBeyond, kGuideRange, kGuideOwn };
+inline constexpr EffectParameter kGuideStiffnessParameter = {
+    .name = "stiffness_n_per_m", .high = 10000.0, .meaning = "Of the spring to the guide, near it [N/m]."};
+inline constexpr EffectParameter kGuideLimitParameter = {
+    .name = "limit_n",
+    .high = 100.0,
+    .meaning = "Largest force of the guide [N]; the spring goes over to it smoothly."};
+inline constexpr EffectParameter kGuideBeyondParameter = {
+    .name = "beyond",
+    .shape = ParameterShape::kWord,
+    .standard = {{0.0, 0.0, 0.0}},
+    .meaning = "Far from the guide: hold keeps pulling with limit_n, release lets go at range_m.",
+    .words = "hold release"};
+inline constexpr EffectParameter kGuideRangeParameter = {.name = "range_m",
+                                                         .high = 10.0,
+                                                         .standard = {{0.0, 0.0, 0.0}},
+                                                         .meaning =
+                                                             "Only for beyond: release: distance at which the guide "
+                                                             "has let go [m]; at least 3 limit_n / stiffness_n_per_m."};
+
+GuideLaw guide_law(const EffectValues& values) noexcept;
+std::string check_guide(const EffectValues& values);
+/// k, F and the depth of the potential.
+EffectBound guide_bound(const EffectValues& values);
+
+}  // namespace voxtouch

@@ -1,0 +1,68 @@
+// A guide to a plane: holds the tool's origin on it, or keeps it out of the half-space behind it.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/effects/guide_law.hpp"
+
+namespace voxtouch {
+namespace {
+
+enum : std::size_t { kPoint = kGuideOwn, kNormal, kSides };
+constexpr double kOne = 1.0;  // place of the word
+
+constexpr std::array kParameters = {
+    kGuideStiffnessParameter,
+    kGuideLimitParameter,
+    kGuideBeyondParameter,
+    kGuideRangeParameter,
+    EffectParameter{.name = "point", .shape = ParameterShape::kVector, .meaning = "A point of the plane, W [m]."},
+    EffectParameter{.name = "normal",
+                    .shape = ParameterShape::kDirection,
+                    .meaning = "Of the plane, W; with sides: one it points to where the tool may be."},
+    EffectParameter{.name = "sides",
+                    .shape = ParameterShape::kWord,
+                    .standard = {{0.0, 0.0, 0.0}},
+                    .meaning = "Whether the tool is held on the plane (both), or only kept from going behind it (one).",
+                    .words = "both one"},
+};
+
+bool one_sided(const EffectValues& values) noexcept { return values.number(kSides) == kOne; }
+
+class GuidePlane final : public Effect {
+ public:
+  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+    const GuideLaw law = guide_law(values);
+    const Vec3 normal = values.vector(kNormal);
+    const double height = normal.dot(frame.tool.position - values.vector(kPoint));
+    if (one_sided(values) && height >= 0.0) return;
+    const GuideForce at = guide_force(law, std::abs(height));
+    // A normal on its way is shorter than 1; so is the gradient of the height then.
+    push.wrench.force -= std::copysign(at.force_n, height) * normal;
+    push.stiffness.topLeftCorner<3, 3>() += std::max(at.slope_n_per_m, 0.0) * normal * normal.transpose();
+    push.stiffness_bound_n_per_m += std::abs(at.slope_n_per_m);
+    push.potential_j += one_sided(values) ? at.potential_j : guide_potential_j(law, at.potential_j);
+  }
+};
+
+}  // namespace
+
+extern const EffectKind kGuidePlane;
+const EffectKind kGuidePlane = {
+    .name = "guide_plane",
+    .says = "The tool's origin is held on a plane, or kept from going behind it, with a limited force.",
+    .equations =
+        "U = phi(|h|), h the height over the plane; with sides: one U = phi(max(0, -h)) (forbidden region); F = -grad "
+        "U, phi as "
+        "of guide_point. |dF/dx| <= k along the normal, 0 along the plane. Conservative; with sides: one U is 0 on the "
+        "free "
+        "side. Stable for k < b / (T/2 + t_d) (Colgate and Schenkel 1997), b the damping of hand and device.",
+    .energy = EnergyBehaviour::kConservative,
+    .parameters = kParameters,
+    .needs = [](const EffectValues&) { return EffectNeeds{}; },
+    .bound = guide_bound,
+    .check = check_guide,
+    .make = [] { return std::unique_ptr<Effect>(std::make_unique<GuidePlane>()); },
+};
+
+}  // namespace voxtouch
