@@ -28,7 +28,8 @@ struct ProximitySample {
 class Proximity {
  public:
   virtual ~Proximity() = default;
-  /// At `x` in W: right wherever the distance is below what was asked for, continuous with its gradient everywhere.
+  /// At `x` in W: wherever the distance is below what was asked for it is right, and continuous with its gradient; elsewhere it
+  /// says no more than that it is not below.
   virtual ProximitySample at(const Vec3& x) const noexcept = 0;
 };
 

@@ -46,8 +46,9 @@ inline constexpr double kNsPerPoint = 3.0, kNsPerFrame = 500.0;
 /// What the contact model `field` adds for a point that is in contact [ns]: eight nodes and the sums for the stiffness.
 inline constexpr double kNsPerFieldPoint = 35.0;
 
-/// What an effect that asks for distances adds for each point of the tool that it looks up [ns]: 27 nodes.
-inline constexpr double kNsPerProximityPoint = 100.0;
+/// What an effect that asks for distances adds for each point of the tool near a static object [ns]: 27 nodes. One that is far
+/// costs about a seventh.
+inline constexpr double kNsPerProximityPoint = 200.0;
 
 /// The plan for `scene`, given what its builders counted.
 Plan make_plan(const Scene& scene, const BuildCounts& counts);

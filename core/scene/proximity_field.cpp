@@ -32,8 +32,10 @@ struct Spline {
 ProximityField::ProximityField(const TriangleMesh& mesh, const Voxmap& voxmap, double range_m, double smoothing_m,
                                const ParallelFor& parallel_for)
     : stride_(stride_for(smoothing_m, voxmap.grid().edge)),
-      reach_m_(voxmap.grid().edge * options_for(range_m, stride_, voxmap.grid().edge).band_voxels),
-      field_(build_distance_field(mesh, voxmap, options_for(range_m, stride_, voxmap.grid().edge), parallel_for)) {}
+      field_(build_distance_field(mesh, voxmap, options_for(range_m, stride_, voxmap.grid().edge), parallel_for)),
+      band_voxels_(
+          static_cast<float>(options_for(range_m, stride_, voxmap.grid().edge).band_voxels)),  // as the nodes hold it
+      reach_m_(voxmap.grid().edge * band_voxels_) {}
 
 ProximitySample ProximityField::at(const Vec3& x) const noexcept {
   ProximitySample sample;
@@ -46,6 +48,8 @@ ProximitySample ProximityField::at(const Vec3& x) const noexcept {
   const std::array first = {(static_cast<std::int32_t>(nearest.x()) - 1) * stride_,
                             (static_cast<std::int32_t>(nearest.y()) - 1) * stride_,
                             (static_cast<std::int32_t>(nearest.z()) - 1) * stride_};
+  // Cut off here, so above the range by more than 3 h; its neighbours are lower by sqrt(3) h at most, and so is their mean.
+  if (field_.node({first[0] + stride_, first[1] + stride_, first[2] + stride_}) >= band_voxels_) return sample;
   double value = 0.0;
   Vec3 gradient = Vec3::Zero();
   Mat3 bend = Mat3::Zero();

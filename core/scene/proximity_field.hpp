@@ -31,8 +31,9 @@ class ProximityField final : public Proximity {
 
  private:
   std::int32_t stride_;
-  double reach_m_;
   DistanceField field_;
+  double band_voxels_;
+  double reach_m_;
 };
 
 /// Points of the tool, for a cost that its size does not change.

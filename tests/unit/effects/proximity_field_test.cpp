@@ -92,15 +92,16 @@ TEST(ProximityField, HasTheGradientAndCurvatureOfItsDistanceWithinTheirBounds) {
 
 TEST(ProximityField, ContinuesWhereWhatIsStoredEndsAndStandsAnyPoint) {
   const ProximityField field = ground_of(block_mesh(), 0.01, 0.002);
-  Vec3 last_gradient = field.at({0.001, 0.002, 0.0}).gradient;
-  double last = field.at({0.001, 0.002, 0.0}).distance_m;
+  ProximitySample last = field.at({0.001, 0.002, 0.0});
   for (int n = 1; n <= 40000; ++n) {
     const ProximitySample sample = field.at({0.001, 0.002, 5e-6 * n});
-    EXPECT_LE(std::abs(sample.distance_m - last), 5e-6 * 1.0001);
-    EXPECT_LE((sample.gradient - last_gradient).norm(), 5e-6 * 6 / 0.002);
-    last = sample.distance_m, last_gradient = sample.gradient;
+    if (std::min(sample.distance_m, last.distance_m) < 0.01) {
+      EXPECT_LE(std::abs(sample.distance_m - last.distance_m), 5e-6 * 1.0001);
+      EXPECT_LE((sample.gradient - last.gradient).norm(), 5e-6 * 6 / 0.002);
+    }
+    last = sample;
   }
-  EXPECT_EQ(last, field.reach_m());
+  EXPECT_EQ(last.distance_m, field.reach_m());
   for (const double far :
        {1e5, 1e9, 1e300, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_EQ(field.at({far, 0, 0}).distance_m, field.reach_m());

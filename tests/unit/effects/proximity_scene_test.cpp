@@ -71,7 +71,7 @@ TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
   EXPECT_NEAR(with->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame, 128 * kNsPerProximityPoint,
               1e-6);
   EXPECT_TRUE(any_has(with->plan().built, "Distances round the static meshes out to 10 mm, smoothed over 4 mm: "));
-  EXPECT_TRUE(any_has(with->plan().built, "for 128 points of the tool a frame (12.8 us at most)"));
+  EXPECT_TRUE(any_has(with->plan().built, "for 128 points of the tool a frame (25.6 us at most)"));
   EXPECT_FALSE(any_has(with->plan().left_out, "Distances outside"));
   EXPECT_EQ(with->field(), nullptr) << "the contact model asks for none";
 }
