@@ -27,7 +27,7 @@ struct Motion {
   std::optional<Vec3> circle_centre;    ///< [m]; only its distance from the last point across the axis counts
   Vec3 circle_axis = Vec3::UnitZ();     ///< unit; right-handed turn about it
   Quat orientation = Quat::Identity();  ///< kept throughout
-  std::vector<ButtonPress> press;       ///< what the hand does with the device's buttons meanwhile
+  std::vector<ButtonPress> press = {};  ///< what the hand does with the device's buttons meanwhile
 };
 
 /// Buttons that are down at `time_s`, bit 0 the first. Real-time safe.

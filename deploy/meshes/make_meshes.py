@@ -6,6 +6,7 @@ most tools export it (a scene reads those with scale: 0.001). Same input, same b
 
   plane.obj         slab 0.24 x 0.24 x 0.02 m, top face z = 0, centred in x and y
   tilted_plane.obj  the same slab, turned 20 degrees about x, then 25 degrees about y, in its vertices
+  block.obj         block 0.04 x 0.04 x 0.03 m about the origin
   cylinder.obj      radius 0.04 m, length 0.2 m, axis y through the origin, 96 sides
   sphere.obj        radius 1, for a scene's scale; icosahedron halved three times, 1280 triangles, corners on the sphere
   cup.obj           coffee cup: radius 40 mm, height 90 mm, axis z, base at z = 0, handle on the +x side
@@ -67,6 +68,11 @@ def slab(size_x, size_y, thickness):
     mesh.quad(*top)
     mesh.quad(*reversed(low))
     return mesh
+
+
+def block(size_x, size_y, size_z):
+    """About the origin."""
+    return slab(size_x, size_y, size_z).mapped(lambda v: (v[0], v[1], v[2] + size_z / 2))
 
 
 def turned(mesh, about_x, about_y):
@@ -291,6 +297,7 @@ def all_files():
         "plane.obj": obj_bytes(plane, "slab 0.24 x 0.24 x 0.02 m, top face z = 0"),
         "tilted_plane.obj": obj_bytes(turned(plane, math.radians(20), math.radians(25)),
                                       "slab 0.24 x 0.24 x 0.02 m, turned 20 deg about x, then 25 deg about y"),
+        "block.obj": obj_bytes(block(0.04, 0.04, 0.03), "block 0.04 x 0.04 x 0.03 m about the origin"),
         "cylinder.obj": obj_bytes(cylinder(0.04, 0.2, 96), "cylinder, radius 0.04 m, length 0.2 m, axis y"),
         "sphere.obj": obj_bytes(ball, "sphere, radius 1"),
         "cup.obj": obj_bytes(coffee_cup, "coffee cup, metres, axis z, base at z = 0, handle at +x"),
