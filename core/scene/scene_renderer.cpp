@@ -19,17 +19,22 @@ void SceneRenderer::add_effects(const ToolState& tool, double time_s, SceneFrame
   const double step = last_s_ ? time_s - *last_s_ : kUsualStepS;
   last_s_ = time_s;
   const std::array contacts = {ObjectContact{.object = 0, .contact = &frame.touch.contact, .twist = {}}};
-  EffectFrame in;
-  in.tool = tool.pose;
-  in.twist = tool.twist;
-  in.dt_s = step >= kLeastStepS && step <= kLongestStepS ? step : kUsualStepS;
-  in.time_s = time_s;
-  in.contacts = contacts;
-  frame.effects = effects_.apply(in);
+  frame.effects = effects_.apply(look(tool, step, time_s, contacts));
   frame.wrench.force += frame.effects.wrench.force;
   frame.wrench.torque += frame.effects.wrench.torque;
   frame.stiffness += frame.effects.stiffness;
   frame.stiffness_bound_n_per_m += frame.effects.stiffness_bound_n_per_m;
+}
+
+EffectFrame SceneRenderer::look(const ToolState& tool, double step_s, double time_s,
+                                std::span<const ObjectContact> contacts) const noexcept {
+  EffectFrame in;
+  in.tool = tool.pose;
+  in.twist = tool.twist;
+  in.dt_s = step_s >= kLeastStepS && step_s <= kLongestStepS ? step_s : kUsualStepS;
+  in.time_s = time_s;
+  in.contacts = contacts;
+  return in;
 }
 
 void SceneRenderer::reset() noexcept {

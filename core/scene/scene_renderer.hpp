@@ -1,6 +1,7 @@
 #pragma once
 /// One sample of the whole scene: contact, then the effects that the scene lists, then their sum.
 #include <optional>
+#include <span>
 
 #include "core/contact/contact_renderer.hpp"
 #include "core/effects/effect_chain.hpp"
@@ -30,6 +31,9 @@ class SceneRenderer {
   SceneFrame render(const ToolState& tool, double time_s) noexcept;
   /// Forgets all samples so far.
   void reset() noexcept;
+
+  /// What the effects are given for a sample `step_s` after the last one; points into `contacts`. Real-time safe.
+  EffectFrame look(const ToolState& tool, double step_s, double time_s, std::span<const ObjectContact> contacts) const noexcept;
 
   EffectChain& effects() noexcept { return effects_; }
   const EffectChain& effects() const noexcept { return effects_; }
