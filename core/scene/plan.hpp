@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/coupling/design/loop_parts.hpp"
@@ -47,20 +48,23 @@ struct Plan {
   std::vector<PlanPart> parts;              ///< what a frame is made of, in the order of its way
 };
 
-/// Cost of one shell point in a frame where most points must be looked up, and of a frame beside its points [ns]: a desktop
-/// processor of the 2020s, one thread, no vector instructions, voxmap within the caches. Culling makes most frames cheaper.
-inline constexpr double kNsPerPoint = 3.0, kNsPerFrame = 500.0;
-/// What the contact model `field` adds for a point that is in contact [ns]: eight nodes and the sums for the stiffness.
-inline constexpr double kNsPerFieldPoint = 35.0;
+/// Cost of one shell point that the culling leaves to be turned and looked up, and of a frame beside its points [ns]: a server
+/// processor of the 2020s, one thread that shares its core, voxmap within the caches.
+inline constexpr double kNsPerPoint = 6.0, kNsPerFrame = 150.0;
+/// A point in contact, with the sums for the stiffness and what the stage remembers of it [ns]: `original` and `adapted`;
+/// `clustered`, which looks for its patch; `field`, eight nodes.
+inline constexpr double kNsPerPlainPoint = 12.0, kNsPerClusteredPoint = 250.0, kNsPerFieldPoint = 35.0;
 /// An effect's gate and sum beside its own law, one that is switched off, and a step of the coupling with cap, law, damping
 /// and observer [ns].
-inline constexpr double kNsPerEffect = 60.0, kNsPerEffectOff = 15.0, kNsPerCoupling = 1500.0;
+inline constexpr double kNsPerEffect = 60.0, kNsPerEffectOff = 15.0, kNsPerCoupling = 300.0;
 
 /// The plan for `scene`, given what its builders counted.
 Plan make_plan(const Scene& scene, const BuildCounts& counts);
 
 /// What the frames of `scene` are made of; in plan_parts.cpp.
 std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& counts);
+/// Of one point in contact [ns]; `contact_model` as scenes spell it.
+double ns_per_contact_point(std::string_view contact_model) noexcept;
 /// "812 bytes", "96.0 kB", "2.5 MB".
 std::string bytes_text(std::uint64_t bytes);
 

@@ -43,6 +43,12 @@ PlanPart coupling_part(const Scene& scene) {
 
 }  // namespace
 
+double ns_per_contact_point(std::string_view contact_model) noexcept {
+  return contact_model == "field"       ? kNsPerFieldPoint
+         : contact_model == "clustered" ? kNsPerClusteredPoint
+                                        : kNsPerPlainPoint;
+}
+
 std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& n) {
   const double points = static_cast<double>(n.shell_points);
   std::vector<PlanPart> parts;
@@ -54,9 +60,8 @@ std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& n) {
   if (n.field_bytes > 0)
     parts.push_back({.name = "distance field",
                      .node = kRendering,
-                     .why = "The contact model 'field' reads depth and direction from it.",
-                     .bytes = n.field_bytes,
-                     .expected_ns = kNsPerFieldPoint * points});
+                     .why = "The contact model 'field' reads depth and direction from it; reading is counted with the model.",
+                     .bytes = n.field_bytes});
   parts.push_back({.name = "pointshell",
                    .node = kRendering,
                    .why = "The tool touches with its points; at most all of them are turned and looked up.",
@@ -71,7 +76,7 @@ std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& n) {
        .node = kRendering,
        .why = "The scene's contact section names it; with it goes the memory of points that have gone through.",
        .bytes = n.shell_points * (2 * sizeof(Hit) + kStageBytesPerPoint),
-       .expected_ns = kNsPerFrame});
+       .expected_ns = kNsPerFrame + ns_per_contact_point(scene.contact.model) * points});
   for (const EffectSpec& effect : scene.effects) parts.push_back(effect_part(effect));
   parts.push_back(coupling_part(scene));
   return parts;

@@ -109,10 +109,15 @@ class Measurement {
     built.scene_renderer().reset();
   }
 
+  /// Frames in contact are what counts, where there are any: those without are told apart.
   void frame(int n, PlanTimes& out) {
     const ToolState tool = way_.at(n);
     ContactRenderer& contact = built_.renderer();
-    double time_s = static_cast<double>(n) * 1.0;
+    double time_s = static_cast<double>(n);
+    contact.query().find(tool.pose, hits_);
+    const bool touches = !hits_.surface.empty() || !hits_.interior.empty();
+    if (!touches && out.touching > 0) return free_frame(tool, time_s);
+    if (touches && out.touching++ == 0) begin_contact();
     const double find = watch_.ns([&] { contact.query().find(tool.pose, hits_); });
     StageResult touch;
     const double whole = watch_.ns([&] { touch = contact.render(tool.pose); });
@@ -120,7 +125,6 @@ class Measurement {
     samples_.rest.push_back(std::max(0.0, whole - find));
     samples_.tested.push_back(hits_.tested);
     samples_.hits.push_back(static_cast<double>(hits_.surface.size() + hits_.interior.size()));
-    if (samples_.hits.back() > 0.0) ++out.touching;
     const std::array contacts = {ObjectContact{.object = 0, .contact = &touch.contact, .twist = {}}};
     const EffectFrame in = built_.scene_renderer().look(tool, kUsualS, time_s, contacts);
     for (std::size_t e = 0; e < alone_.size(); ++e)
@@ -133,12 +137,24 @@ class Measurement {
     }
   }
 
+  /// What was taken so far was out of contact.
+  void begin_contact() {
+    free_ = std::move(samples_.frame);
+    samples_ = {};
+    samples_.effects.resize(scene_.effects.size());
+  }
+
+  void free_frame(const ToolState& tool, double time_s) {
+    free_.push_back(watch_.ns([&] { built_.scene_renderer().render(tool, time_s += kUsualS); }));
+  }
+
   void sum_up(PlanTimes& out) {
     out.along = way_.name();
     out.points_tested = median(samples_.tested), out.hits = median(samples_.hits);
     out.parts.push_back({"pointshell", kNsPerPoint * out.points_tested, median(samples_.find)});
-    const double field = built_.field() != nullptr ? kNsPerFieldPoint * out.hits : 0.0;
-    out.parts.push_back({"contact model " + built_.plan().contact_model, kNsPerFrame + field, median(samples_.rest)});
+    const std::string& model = built_.plan().contact_model;
+    out.parts.push_back(
+        {"contact model " + model, kNsPerFrame + ns_per_contact_point(model) * out.hits, median(samples_.rest)});
     for (std::size_t e = 0; e < alone_.size(); ++e) {
       const EffectSpec& effect = scene_.effects[e];
       out.parts.push_back({"effect " + effect.name,
@@ -149,6 +165,7 @@ class Measurement {
     std::vector<double> frames = samples_.frame;
     std::sort(frames.begin(), frames.end());
     if (frames.empty()) return;
+    out.frame_free_ns = out.touching > 0 ? median(free_) : median(frames);
     out.frame_median_ns = median(frames), out.frame_worst_ns = frames.back();
     out.frame_p95_ns = frames[std::min(frames.size() - 1, frames.size() * 95 / 100)];
   }
@@ -164,6 +181,7 @@ class Measurement {
   HitList hits_;
   EffectPush push_;
   Samples samples_;
+  std::vector<double> free_;  ///< whole frames out of contact
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ struct MeasureAsk {
   std::optional<CouplingSpec> coupling;  ///< what to step, in W; none: the coupling is not measured
 };
 
-/// One part of Plan::parts, by its name. Medians over the frames.
+/// One part of Plan::parts, by its name. Medians over the frames in contact; over all where none is.
 struct PartTime {
   std::string part;
   double expected_ns = 0.0;  ///< from what these frames counted: points left by culling, hits
@@ -28,7 +28,8 @@ struct PlanTimes {
   int frames = 0, touching = 0;
   double points_tested = 0.0, hits = 0.0;                                  ///< medians
   std::vector<PartTime> parts;                                             ///< those that take time of their own
-  double frame_median_ns = 0.0, frame_p95_ns = 0.0, frame_worst_ns = 0.0;  ///< contact and effects together
+  double frame_median_ns = 0.0, frame_p95_ns = 0.0, frame_worst_ns = 0.0;  ///< contact and effects, likewise
+  double frame_free_ns = 0.0;  ///< median of the frames out of contact; 0: none was
 };
 
 /// Each frame's parts are timed in batches of the same frame and what asking for the time costs is taken off; the contact model

@@ -65,13 +65,15 @@ std::string times_text(const PlanReport& report) {
   if (!report.times) return "";
   const PlanTimes& t = *report.times;
   std::string text = fmt::format(
-      "  A frame of the rendering took {:.0f} ns (median), {:.0f} ns (95 %), {:.0f} ns (worst): {} frames {}, {} of "
-      "them in\n"
-      "  contact; {:.0f} of {} points were left by the culling and {:.0f} were in contact (medians).\n"
-      "  Times: CPU time of one thread in warm caches, no DDS; {}; load {:.1f}.\n",
-      t.frame_median_ns, t.frame_p95_ns, t.frame_worst_ns, t.frames,
-      t.along.empty() ? "at seeded places on the surface" : fmt::format("along '{}'", t.along), t.touching,
-      t.points_tested, report.plan.shell_points, t.hits, report.machine.processor, report.load);
+      "  Measured: a frame of the rendering {} {:.0f} ns (median), {:.0f} ns (95 %), {:.0f} ns (worst); out of contact "
+      "{}.\n"
+      "  {} of {} frames {} were in contact; there the culling left {:.0f} of {} points, and {:.0f} touched "
+      "(medians).\n"
+      "  CPU time of one thread in warm caches, no DDS; {}; load {:.1f}: compare ratios.\n",
+      t.touching > 0 ? "in contact" : "out of contact", t.frame_median_ns, t.frame_p95_ns, t.frame_worst_ns,
+      t.frame_free_ns > 0.0 ? fmt::format("{:.0f} ns", t.frame_free_ns) : "never", t.touching, t.frames,
+      t.along.empty() ? "at seeded places on the surface" : fmt::format("along '{}'", t.along), t.points_tested,
+      report.plan.shell_points, t.hits, report.machine.processor, report.load);
   if (!report.why_no_coupling_time.empty()) text += fmt::format("  {}\n", report.why_no_coupling_time);
   return text;
 }
@@ -134,6 +136,7 @@ nlohmann::ordered_json to_json(const PlanReport& report) {
                      {"frame_median_ns", t.frame_median_ns},
                      {"frame_p95_ns", t.frame_p95_ns},
                      {"frame_worst_ns", t.frame_worst_ns},
+                     {"frame_free_ns", t.frame_free_ns},
                      {"processor", report.machine.processor},
                      {"load", report.load}};
   }

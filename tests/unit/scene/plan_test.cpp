@@ -36,7 +36,7 @@ TEST(Plan, SaysWhatIsBuiltAndForWhat) {
   EXPECT_EQ(p.surface_voxels, 40'000U);
   EXPECT_EQ(p.interior_voxels, 9'000U);
   EXPECT_EQ(p.bytes, 2'596'000U);
-  EXPECT_DOUBLE_EQ(p.expected_ns_per_frame, 500 + 3.0 * 1500);
+  EXPECT_DOUBLE_EQ(p.expected_ns_per_frame, 150 + (6.0 + 12.0) * 1500);
   EXPECT_TRUE(any_has(p.built, "Voxmap of 1 static mesh (1000 triangles) at 0.002 m: 40000 surface voxels"));
   EXPECT_TRUE(any_has(p.built, "Exact pointshell of the dynamic mesh (1 triangle): 1500 points, 96.0 kB"));
   EXPECT_TRUE(any_has(p.built, "'adapted' with 10 N/m"));
@@ -84,7 +84,7 @@ TEST(Plan, PassesWarningsOnAndAddsItsOwn) {
   s.warnings = {"scene.yaml:1:1: doubtful."};
   BuildCounts n = counts();
   n.mesh_warnings = {"3 triangles have no area."};
-  n.shell_points = 1'000'000;
+  n.shell_points = 166'658;
   Plan p = make_plan(s, n);
   EXPECT_TRUE(any_has(p.warnings, "doubtful"));
   EXPECT_TRUE(any_has(p.warnings, "no area"));
