@@ -20,6 +20,10 @@ Json with_default(Json type, Json standard) {
   return type;
 }
 Json text(std::string_view meaning) { return described({{"type", "string"}, {"minLength", 1}}, meaning); }
+/// A name: the reader takes words that look like numbers too.
+Json name(std::string_view meaning) {
+  return described({{"type", {"string", "number", "boolean"}}, {"minLength", 1}}, meaning);
+}
 Json flag(bool standard, std::string_view meaning) {
   return described({{"type", "boolean"}, {"default", standard}}, meaning);
 }
@@ -255,7 +259,7 @@ Json effect() {
     keys[kind->name] = effect_kind(*kind);
     one.push_back({{"required", Json::array({kind->name})}});
   }
-  keys["name"] = text("Of this one, for the change while running; the kind's where it is left out.");
+  keys["name"] = name("Of this one, for the change while running; the kind's where it is left out.");
   keys["region"] = defined("region");
   keys["gain"] =
       described({{"type", "number"}, {"minimum", 0}, {"maximum", 1}, {"default", 1}}, "Share of it that is felt.");
@@ -282,7 +286,7 @@ std::string scene_schema() {
   Json fixed = list_of(defined("static_mesh"), "What can be touched.");
   fixed["minItems"] = 1;
   Json keys = {
-      {"scene", text("The scene's name.")},
+      {"scene", name("The scene's name.")},
       {"voxel_size", positive("Edge of a voxel [m].")},
       {"static", std::move(fixed)},
       {"dynamic", dynamic_mesh()},

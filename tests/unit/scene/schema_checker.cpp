@@ -1,5 +1,6 @@
 #include "tests/unit/scene/schema_checker.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <regex>
 #include <set>
@@ -108,7 +109,10 @@ class Checker {
     }
   }
 
-  static bool of_type(const std::string& type, const Json& value) {
+  static bool of_type(const Json& types, const Json& value) {
+    if (types.is_array())
+      return std::any_of(types.begin(), types.end(), [&](const Json& one) { return of_type(one, value); });
+    const std::string type = types;
     if (type == "object") return value.is_object();
     if (type == "array") return value.is_array();
     if (type == "string") return value.is_string();
@@ -125,6 +129,7 @@ Json scalar(const YamlNode& node) {
   if (node.quoted) return node.text;
   if (node.text == "true" || node.text == "false") return node.text == "true";
   const char *first = node.text.data(), *const last = first + node.text.size();
+  if (last - first > 1 && *first == '+') ++first;  // which YAML knows, and from_chars does not
   std::int64_t whole = 0;
   if (const auto [end, fault] = std::from_chars(first, last, whole); fault == std::errc() && end == last) return whole;
   double real = 0.0;
