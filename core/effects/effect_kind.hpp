@@ -97,6 +97,7 @@ struct EffectKind {
   /// What the ranges alone do not say, e.g. low > high: a sentence, empty where all is well.
   std::string (*check)(const EffectValues&) = nullptr;
   std::unique_ptr<Effect> (*make)() = nullptr;
+  double expected_ns = 50.0;  ///< of one `apply`, from counting its steps: what the plan expects of a frame [ns]
 };
 
 /// All kinds, sorted by name.

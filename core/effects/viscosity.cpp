@@ -54,6 +54,7 @@ const EffectKind kViscosity = {
     .needs = needs,
     .bound = bound,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<Viscosity>()); },
+    .expected_ns = 5.0,
 };
 
 }  // namespace voxtouch

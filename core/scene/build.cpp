@@ -259,6 +259,7 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
     meshes.push_back(import_object(scene, id, counts));
     if (auto object = build_object(kit, id, meshes.back())) objects.push_back(std::move(object));
   }
+  counts.objects = objects.size();
   const Tool tool = build_tool(kit);
   for (auto& object : objects) add_contact_law(kit, tool.shell, *object);
   EffectGround ground;

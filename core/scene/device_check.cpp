@@ -16,6 +16,18 @@ double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_pe
   return displayed_stiffness_n_per_m(scene.coupling, capped) * hand_scales(scene.device).translation;
 }
 
+std::vector<std::string> effects_not_shown(const Scene& scene, bool gives_torque) {
+  std::vector<std::string> out;
+  if (gives_torque) return out;
+  for (const EffectSpec& effect : scene.effects)
+    if (effect.kind->needs(effect.values).torque)
+      out.push_back(fmt::format(
+          "The effect '{}' gives torque, and the device gives none. Leave the effect out, set what turns the tool to 0, or use "
+          "a device of six degrees of freedom.",
+          effect.name));
+  return out;
+}
+
 DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m) {
   DeviceCheck out;
   if (!(stiffness_bound_n_per_m >= 0.0) || !std::isfinite(stiffness_bound_n_per_m)) {

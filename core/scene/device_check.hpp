@@ -25,6 +25,9 @@ struct DeviceCheck {
 /// force_scale newtons there).
 double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept;
 
+/// The effects whose torque a device without torque cannot show: one sentence each, with what to do. Empty where it gives any.
+std::vector<std::string> effects_not_shown(const Scene& scene, bool gives_torque);
+
 /// Judges `scene.coupling` as it is: for a designed coupling put the design's spec (spec_in_world) there first.
 /// `stiffness_bound_n_per_m`: of all points that can push at once, not of one: the total is what the loop must stand.
 DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m);

@@ -43,7 +43,12 @@ ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> object
   }
 }
 
+/// One object that rests costs nothing beside its own contact.
 StageResult ObjectContacts::render(const Pose& tool, double time_s) noexcept {
+  return alone() ? objects_[0]->renderer->render(tool) : render_all(tool, time_s);
+}
+
+StageResult ObjectContacts::render_all(const Pose& tool, double time_s) noexcept {
   StageResult all;
   power_w_ = 0.0;
   for (std::size_t n = 0; n < objects_.size(); ++n) {

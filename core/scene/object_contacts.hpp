@@ -37,8 +37,11 @@ class ObjectContacts {
   /// stiffness are sums, hits are counted together, depth and deepest point are those of the deepest object; the mean
   /// normal is that of all hits. A pose that one object cannot look up gives no contact at all. Real-time safe.
   StageResult render(const Pose& tool, double time_s) noexcept;
-  /// Each object's part of the last `render`.
-  std::span<const ObjectContact> parts() const noexcept { return {parts_.data(), objects_.size()}; }
+  /// Each object's part of the last `render`, which gave `all`; points into it where there is one object only. Real-time safe.
+  std::span<const ObjectContact> parts(const StageResult& all) noexcept {
+    if (alone()) parts_[0].contact = &all.contact;
+    return {parts_.data(), objects_.size()};
+  }
   /// Power [W] with which moving objects pushed the tool in the last `render`; below zero where it pushed them.
   double power_w() const noexcept { return power_w_; }
   void reset() noexcept;
@@ -54,6 +57,9 @@ class ObjectContacts {
   bool moves() const noexcept { return moves_; }
 
  private:
+  bool alone() const noexcept { return objects_.size() == 1 && !moves_; }
+  StageResult render_all(const Pose& tool, double time_s) noexcept;
+
   std::vector<std::unique_ptr<StaticObject>> objects_;
   std::array<ContactResult, kMostObjects> results_;
   std::array<ObjectContact, kMostObjects> parts_;

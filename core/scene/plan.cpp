@@ -15,12 +15,6 @@ constexpr double kThickVoxels = 25.0;
 
 std::string counted(std::uint64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 
-std::string bytes_text(std::uint64_t bytes) {
-  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
-  if (bytes < 10'000'000) return fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1e3);
-  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
-}
-
 std::string law_sentence(const CouplingSpec& c) {
   if (c.kind == "shaping_filter")
     return fmt::format("Coupling: shaping filter, w0/(2 pi) = {:g} Hz, damping ratio {:g}, gain {:g}; it lags by {:.3g} ms.",
@@ -184,6 +178,12 @@ void say_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
 
 }  // namespace
 
+std::string bytes_text(std::uint64_t bytes) {
+  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
+  if (bytes < 10'000'000) return fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1e3);
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
 Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   Plan plan;
   plan.scene = scene.name, plan.scene_hash = scene.hash, plan.contact_model = scene.contact.model;
@@ -192,9 +192,9 @@ Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
   plan.contact_n_per_m = counts.contact_n_per_m, plan.contact_nm_per_rad = counts.contact_nm_per_rad;
   plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes + counts.proximity_bytes;
-  const double ns_per_point = kNsPerPoint + (counts.field_bytes > 0 ? kNsPerFieldPoint : 0.0);
-  plan.expected_ns_per_frame = kNsPerFrame + ns_per_point * static_cast<double>(counts.shell_points) +
-                               kNsPerProximityPoint * static_cast<double>(counts.tool_points);
+  plan.parts = plan_parts(scene, counts);
+  for (const PlanPart& part : plan.parts)
+    if (part.node == "rendering") plan.expected_ns_per_frame += part.expected_ns;
   say_built(scene, counts, plan);
   say_left_out(scene, counts, plan);
   say_warnings(scene, counts, plan);

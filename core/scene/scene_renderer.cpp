@@ -17,21 +17,29 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> ef
 }
 
 SceneFrame SceneRenderer::render(const ToolState& tool, double time_s) noexcept {
-  const bool placed = body_ && body_->body.placed();
-  const Pose object = placed ? body_->body.pose() : tool.pose;
   SceneFrame frame;
-  frame.object = object;
-  frame.touch = contact_.render(object, time_s);
+  frame.object = body_ && body_->body.placed() ? body_->body.pose() : tool.pose;
+  frame.touch = contact_.render(frame.object, time_s);
   const ContactResult& contact = frame.touch.contact;
   frame.wrench = contact.wrench;
   frame.stiffness = contact.stiffness;
   frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
-  if (contact.pose_status != PoseStatus::kUsable || (effects_.empty() && !contact_.moves())) return frame;
-  const double dt_s = step_to(time_s);
-  if (!effects_.empty()) add_effects(object, placed ? body_->body.twist() : tool.twist, time_s, dt_s, frame);
-  if (body_) move_body(tool, dt_s, frame);
-  else supply(object, dt_s, frame);
+  if (contact.pose_status == PoseStatus::kUsable && (!effects_.empty() || contact_.moves()))
+    add_rest(tool, time_s, frame);
   return frame;
+}
+
+void SceneRenderer::add_rest(const ToolState& tool, double time_s, SceneFrame& frame) noexcept {
+  ToolState object = tool;
+  object.pose = frame.object;
+  if (body_) object.twist = body_->body.twist();
+  const double dt_s = step_to(time_s);
+  if (!effects_.empty()) add_effects(object, time_s, dt_s, frame);
+  if (body_) {
+    move_body(tool, dt_s, frame);
+  } else {
+    supply(object.pose, dt_s, frame);
+  }
 }
 
 double SceneRenderer::step_to(double time_s) noexcept {
@@ -40,20 +48,24 @@ double SceneRenderer::step_to(double time_s) noexcept {
   return step >= kLeastStepS && step <= kLongestStepS ? step : kUsualStepS;
 }
 
-void SceneRenderer::add_effects(const Pose& object, const Twist& twist, double time_s, double dt_s,
-                                SceneFrame& frame) noexcept {
-  EffectFrame in;
-  in.tool = object;
-  in.twist = twist;
-  in.dt_s = dt_s;
-  in.time_s = time_s;
-  in.contacts = contact_.parts();
-  in.proximity = surroundings_.proximity, in.tool_points = surroundings_.tool_points;
-  frame.effects = effects_.apply(in);
+void SceneRenderer::add_effects(const ToolState& object, double time_s, double dt_s, SceneFrame& frame) noexcept {
+  frame.effects = effects_.apply(look(object, dt_s, time_s, contact_.parts(frame.touch)));
   frame.wrench.force += frame.effects.wrench.force;
   frame.wrench.torque += frame.effects.wrench.torque;
   frame.stiffness += frame.effects.stiffness;
   frame.stiffness_bound_n_per_m += frame.effects.stiffness_bound_n_per_m;
+}
+
+EffectFrame SceneRenderer::look(const ToolState& object, double step_s, double time_s,
+                                std::span<const ObjectContact> contacts) const noexcept {
+  EffectFrame in;
+  in.tool = object.pose;
+  in.twist = object.twist;
+  in.dt_s = step_s >= kLeastStepS && step_s <= kLongestStepS ? step_s : kUsualStepS;
+  in.time_s = time_s;
+  in.contacts = contacts;
+  in.proximity = surroundings_.proximity, in.tool_points = surroundings_.tool_points;
+  return in;
 }
 
 void SceneRenderer::supply(const Pose& object, double dt_s, SceneFrame& frame) noexcept {
@@ -75,7 +87,7 @@ void SceneRenderer::move_body(const ToolState& tool, double dt_s, SceneFrame& fr
     load.wrench = frame.wrench;
     load.stiffness = frame.stiffness;
     load.stiffness_bound_n_per_m = frame.stiffness_bound_n_per_m;
-    for (const ObjectContact& part : contact_.parts())
+    for (const ObjectContact& part : contact_.parts(frame.touch))
       load.stiffness_times_velocity += part.contact->stiffness.leftCols<3>() * part.twist.linear;
   } else {
     body.place(tool.pose, hold);

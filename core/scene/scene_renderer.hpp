@@ -1,6 +1,7 @@
 #pragma once
 /// One sample of the whole scene: contact, then the effects that the scene lists, then their sum.
 #include <optional>
+#include <span>
 
 #include "core/effects/effect_chain.hpp"
 #include "core/effects/rigid_body.hpp"
@@ -50,6 +51,10 @@ class SceneRenderer {
   /// Forgets all samples so far.
   void reset() noexcept;
 
+  /// What the effects are given for a sample `step_s` after the last one; points into `contacts`. Real-time safe.
+  EffectFrame look(const ToolState& object, double step_s, double time_s,
+                   std::span<const ObjectContact> contacts) const noexcept;
+
   EffectChain& effects() noexcept { return effects_; }
   const EffectChain& effects() const noexcept { return effects_; }
 
@@ -59,7 +64,8 @@ class SceneRenderer {
     std::size_t effect = 0;  ///< place in the chain
   };
   double step_to(double time_s) noexcept;
-  void add_effects(const Pose& object, const Twist& twist, double time_s, double dt_s, SceneFrame& frame) noexcept;
+  void add_rest(const ToolState& tool, double time_s, SceneFrame& frame) noexcept;
+  void add_effects(const ToolState& object, double time_s, double dt_s, SceneFrame& frame) noexcept;
   void supply(const Pose& object, double dt_s, SceneFrame& frame) noexcept;
   void move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept;
 

@@ -6,13 +6,11 @@
 
 #include "core/scene/build.hpp"
 #include "core/scene/design_request.hpp"
-#include "core/scene/device_file.hpp"
 #include "core/scene/fit_coupling.hpp"
 #include "core/scene/scene_file.hpp"
-#include "devices/registry.hpp"
 #include "nodes/cli/design_report.hpp"
+#include "nodes/cli/known_device.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/runtime/device_model.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -24,16 +22,6 @@ struct DesignOptions {
   double cutoff_hz = 5.0, gain_margin = 2.0, stiffness_n_per_m = 0.0, cap_n_per_m = 0.0;
   bool held = false, no_damping = false, json = false;
 };
-
-/// A name that the registry knows, or a file that a lab has written.
-DeviceFile find_device(const std::string& device) {
-  if (device.ends_with(".yaml") || device.ends_with(".yml")) return load_device_file(device);
-  const DeviceDescription description = describe_device(device);
-  DeviceFile out;
-  out.model = runtime::model_of(description, device.starts_with("sim-"));
-  parse_grip(description.grip, out.grip);
-  return out;
-}
 
 std::string hand_text(const OperatorRange& hand, const std::string& name) {
   const HandRange& h = hand.translation;

@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
   voxtouch::cli::add_probe(app, action);
   voxtouch::cli::add_design(app, action);
   voxtouch::cli::add_accuracy(app, action);
+  voxtouch::cli::add_plan(app, action);
+  voxtouch::cli::add_schema(app, action);
   CLI11_PARSE(app, argc, argv);
   try {
     const int status = action();

@@ -49,6 +49,8 @@ std::vector<std::string> check_before_start(const Scene& scene, const Plans& pla
   const DeviceDescription description = describe_device(plans.device, options);
   device::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
+  if (const auto refused = effects_not_shown(scene, description.max_torque_nm > 0.0); !refused.empty())
+    throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, refused.front()));
   std::vector<std::string> notes;
   if (!scene.design) {
     // One point alone is the least that any contact shows; how many push together is seen only while the scene runs. A coupling

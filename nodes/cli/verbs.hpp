@@ -16,5 +16,7 @@ void add_build(CLI::App& app, Action& action);
 void add_probe(CLI::App& app, Action& action);
 void add_design(CLI::App& app, Action& action);
 void add_accuracy(CLI::App& app, Action& action);
+void add_plan(CLI::App& app, Action& action);
+void add_schema(CLI::App& app, Action& action);
 
 }  // namespace voxtouch::cli

@@ -1,12 +1,53 @@
 #include "nodes/rendering/plan_message.hpp"
 
+#include "nodes/rendering/plan_ring.hpp"
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::rendering {
+namespace {
 
-void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Plan& plan, double largest_shell_gap_m,
+/// The parts as lists side by side; outlives the write.
+class Columns {
+ public:
+  explicit Columns(const std::vector<PlanPart>& parts) {
+    for (const PlanPart& part : parts) {
+      names_.push_back(part.name), nodes_.push_back(part.node), reasons_.push_back(part.why);
+      bytes_.push_back(part.bytes), expected_ns_.push_back(part.expected_ns);
+    }
+    lent_.reserve(3);
+    for (const auto* texts : {&names_, &nodes_, &reasons_}) lent_.emplace_back(*texts);
+  }
+  void into(msg::ScenePlan& m) {
+    lent_[0].into(m.part_names), lent_[1].into(m.part_nodes), lent_[2].into(m.part_reasons);
+    lend_to(m.part_bytes, bytes_), lend_to(m.part_expected_ns, expected_ns_);
+  }
+
+ private:
+  template <class Sequence, class T>
+  static void lend_to(Sequence& sequence, std::vector<T>& numbers) {
+    sequence._buffer = numbers.data();
+    sequence._length = sequence._maximum = static_cast<std::uint32_t>(numbers.size());
+    sequence._release = false;
+  }
+
+  std::vector<std::string> names_, nodes_, reasons_;
+  std::vector<std::uint64_t> bytes_;
+  std::vector<double> expected_ns_;
+  std::vector<runtime::LentStrings> lent_;
+};
+
+std::vector<PlanPart> all_parts(const Plan& plan, const Scene& scene) {
+  std::vector<PlanPart> parts = plan.parts;
+  for (PlanPart& part : ring_parts(scene)) parts.push_back(std::move(part));
+  return parts;
+}
+
+}  // namespace
+
+void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const Plan& plan, double largest_shell_gap_m,
                   std::uint64_t session) {
   runtime::LentStrings built(plan.built), left_out(plan.left_out), warnings(plan.warnings);
+  Columns columns(all_parts(plan, scene));
   msg::ScenePlan m{};
   m.session_id = session;
   m.scene = runtime::lend(plan.scene);
@@ -26,6 +67,7 @@ void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Plan& plan, double 
   built.into(m.built);
   left_out.into(m.left_out);
   warnings.into(m.warnings);
+  columns.into(m);
   writer.write(m);
 }
 

@@ -5,7 +5,8 @@
 
 namespace voxtouch::rendering {
 
-void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Plan& plan, double largest_shell_gap_m,
+/// With the parts of the ring behind those of the plan.
+void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const Plan& plan, double largest_shell_gap_m,
                   std::uint64_t session);
 
 }  // namespace voxtouch::rendering

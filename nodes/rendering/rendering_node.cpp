@@ -62,7 +62,7 @@ class RenderingNode {
     refused_in_a_row_ = 0;
     session_in_loop_ = session;
     session_begin_ns_.reset();
-    publish_plan(plans_, built_.plan(), built_.largest_shell_gap_m(), session);
+    publish_plan(plans_, scene_, built_.plan(), built_.largest_shell_gap_m(), session);
     session_.begin(session);
   }
 

@@ -75,10 +75,12 @@ void RosOutputs::turn(std::uint64_t count) {
 }
 
 void RosOutputs::write_pose(const Shown& shown) {
+  ++made_pose_;
   pose_.write({header(shown.time_ns, kWorld), runtime::to_msg(shown.tool)});
 }
 
 void RosOutputs::write_wrench(const Shown& shown) {
+  ++made_wrench_;
   // ROS shows a wrench in the frame that its header names: T here, so the arrow starts at the tool.
   const Quat back = shown.tool.orientation.conjugate();
   wrench_.write({header(shown.time_ns, tool_frame_),
@@ -86,6 +88,7 @@ void RosOutputs::write_wrench(const Shown& shown) {
 }
 
 void RosOutputs::write_tf(const Shown& shown) {
+  ++made_tf_;
   msg::geometry_msgs_TransformStamped both[] = {transform(shown.time_ns, device_frame_, device_in_world_),
                                                 transform(shown.time_ns, tool_frame_, shown.tool)};
   msg::tf2_msgs_TFMessage m{};
@@ -95,6 +98,7 @@ void RosOutputs::write_tf(const Shown& shown) {
 }
 
 void RosOutputs::write_markers(const Shown& shown) {
+  ++made_markers_;
   static const std::string empty, force = "force", point = "contact_point", meshes = "static";
   namespace kind = msg::visualization_msgs_Marker_constants;
   std::vector<msg::visualization_msgs_Marker> all;

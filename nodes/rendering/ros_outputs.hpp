@@ -1,6 +1,7 @@
 #pragma once
 /// What RViz, rqt and rosbag users look at: /tf, pose, wrench, markers. Written only while somebody reads them.
 #include <atomic>
+#include <cstdint>
 #include <string>
 #include <thread>
 
@@ -19,6 +20,11 @@ struct Shown {
   bool contact = false;
 };
 
+/// Messages made so far: none of a kind that nobody reads.
+struct RosOutputCounts {
+  std::uint64_t tf = 0, pose = 0, wrench = 0, markers = 0;
+};
+
 /// Frames: `world` = W, `<rig>/device` = D, `<rig>/tool` = T.
 class RosOutputs {
  public:
@@ -29,6 +35,10 @@ class RosOutputs {
 
   /// From the loop; real-time safe.
   void show(const Shown& shown) noexcept { latest_.write(shown); }
+
+  RosOutputCounts made() const noexcept {
+    return {.tf = made_tf_.load(), .pose = made_pose_.load(), .wrench = made_wrench_.load(), .markers = made_markers_.load()};
+  }
 
  private:
   void turn(std::uint64_t count);
@@ -45,6 +55,7 @@ class RosOutputs {
   bus::Writer<msg::geometry_msgs_WrenchStamped> wrench_;
   bus::Writer<msg::visualization_msgs_MarkerArray> markers_;
   runtime::LatestValue<Shown> latest_;
+  std::atomic<std::uint64_t> made_tf_{0}, made_pose_{0}, made_wrench_{0}, made_markers_{0};
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -64,5 +64,18 @@ TEST(DeviceCheck, LetsNothingPassThatIsNoNumber) {
   EXPECT_TRUE(check_device(scene_with(), {inf, 1e-3, inf}, 1e6).fits()) << "infinity is no limit";
 }
 
+TEST(DeviceCheck, NamesEachEffectWhoseTorqueADeviceWithoutTorqueCannotShow) {
+  Scene s = scene_with();
+  EffectSpec oil{.name = "oil", .kind = find_effect_kind("viscosity"), .values = {}, .region = {}};
+  oil.values = EffectValues(oil.kind->parameters);
+  oil.values.at(0)[0] = 1.0;
+  s.effects = {oil};
+  EXPECT_TRUE(effects_not_shown(s, false).empty());
+  s.effects[0].values.at(1)[0] = 0.1;
+  ASSERT_EQ(effects_not_shown(s, false).size(), 1U);
+  EXPECT_NE(effects_not_shown(s, false)[0].find("'oil' gives torque"), std::string::npos);
+  EXPECT_TRUE(effects_not_shown(s, true).empty());
+}
+
 }  // namespace
 }  // namespace voxtouch

@@ -1,0 +1,13 @@
+#pragma once
+/// Topics and nodes that stand round a scene: which of them work always, which only while somebody reads or runs them.
+#include <vector>
+
+#include "core/scene/plan.hpp"
+
+namespace voxtouch::rendering {
+
+/// One part for each topic of qos::kTopics and each node, with what calls for it. None has a time of its own in a frame: what
+/// a message costs is the latency that `voxtouch up` shows.
+std::vector<PlanPart> ring_parts(const Scene& scene);
+
+}  // namespace voxtouch::rendering

@@ -1,0 +1,152 @@
+// Renders frames of a scene in one of several ways, for callgrind to count and for the heap to be weighed. Counted is
+// `counted_frame` alone: building is not.
+//
+//   frame_cost SCENE MOTION FRAMES scene     what the ring runs: contact and the effects that the scene lists
+//   frame_cost SCENE MOTION FRAMES contact   contact alone, built by hand without build_scene: it has never heard of effects
+//   frame_cost SCENE MOTION FRAMES touch     contact alone of what build_scene made, whatever the scene's model and meshes are
+//   frame_cost SCENE MOTION FRAMES effects   the effects alone; the contact that they look at is rendered uncounted
+//
+// Prints `{"live": bytes, "peak": bytes, "plan": bytes, "sum": force}`: heap taken for what was built and while building it.
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <new>
+#include <random>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/mesh/import.hpp"
+#include "core/pointshell/build_shell.hpp"
+#include "core/scene/build.hpp"
+#include "core/scene/contact_parameters.hpp"
+#include "core/scene/scene_file.hpp"
+#include "core/voxmap/voxelise.hpp"
+
+namespace {
+std::size_t live_bytes = 0, peak_bytes = 0;
+constexpr std::size_t kHeader = 16;  ///< keeps the alignment that malloc gives
+}  // namespace
+
+// What was asked for stands before each block: what malloc rounds it up to depends on what was there before. Not inlined: the
+// compiler would hold the one against the other and see malloc meet delete.
+__attribute__((noinline)) void* operator new(std::size_t size) {
+  auto* p = static_cast<unsigned char*>(std::malloc(size + kHeader));
+  if (p == nullptr) throw std::bad_alloc();
+  std::memcpy(p, &size, sizeof size);
+  live_bytes += size;
+  if (live_bytes > peak_bytes) peak_bytes = live_bytes;
+  return p + kHeader;
+}
+__attribute__((noinline)) void operator delete(void* p) noexcept {
+  if (p == nullptr) return;
+  std::size_t size = 0;
+  unsigned char* const block = static_cast<unsigned char*>(p) - kHeader;
+  std::memcpy(&size, block, sizeof size);
+  live_bytes -= size;
+  std::free(block);
+}
+__attribute__((noinline)) void operator delete(void* p, std::size_t) noexcept { operator delete(p); }
+
+extern "C" __attribute__((noinline)) void counted_frame(const std::function<void()>& frame) { frame(); }
+
+namespace voxtouch {
+namespace {
+
+/// What build_scene makes for a scene that knows contact only.
+struct HandBuilt {
+  explicit HandBuilt(const Scene& scene) {
+    const auto mesh = [&](const MeshSpec& spec) {
+      ImportOptions options;
+      options.scale = spec.scale, options.pose = spec.pose, options.voxel_size_m = scene.voxel_size_m;
+      return import_mesh(spec.path, options).mesh;
+    };
+    const TriangleMesh fixed = mesh(scene.static_meshes.at(0)), moving = mesh(scene.dynamic_mesh);
+    voxmap = std::make_unique<Voxmap>(voxelise(fixed, default_grid(fixed, scene.voxel_size_m), serial_for()));
+    Pointshell shell = build_exact_shell(moving, default_grid(moving, scene.voxel_size_m), serial_for());
+    const ContactParameters parameters = contact_parameters(scene.contact, ContactModelKind::kAdapted, shell, {});
+    renderer = std::make_unique<ContactRenderer>(*voxmap, std::move(shell), ContactModelKind::kAdapted, parameters);
+  }
+  std::unique_ptr<Voxmap> voxmap;
+  std::unique_ptr<ContactRenderer> renderer;
+};
+
+constexpr double kBeginS = 0.7;  ///< the slides of deploy/scenes touch from about here
+
+/// The hand along the motion at 1 kHz, trembling by a fixed seed.
+class Hand {
+ public:
+  explicit Hand(const Motion& motion) : motion_(motion), random_(1) {}
+  ToolState at(int n) {
+    ToolState tool;
+    const MotionPoint point = motion_at(motion_, kBeginS + 1e-3 * n);
+    const auto draw = [this] { return 1e-5 * (static_cast<double>(random_() % 2001) / 1000.0 - 1.0); };
+    const double x = draw(), y = draw(), z = draw();
+    tool.pose = {point.position + Vec3(x, y, z), motion_.orientation};
+    tool.twist.linear = point.velocity;
+    return tool;
+  }
+
+ private:
+  const Motion& motion_;
+  std::mt19937 random_;
+};
+
+/// What the ring hands on of a frame, from a contact that knows nothing of effects.
+__attribute__((noinline)) SceneFrame contact_frame(ContactRenderer& contact, const ToolState& tool) noexcept {
+  SceneFrame frame;
+  frame.object = tool.pose;
+  frame.touch = contact.render(tool.pose);
+  const ContactResult& result = frame.touch.contact;
+  frame.wrench = result.wrench;
+  frame.stiffness = result.stiffness;
+  frame.stiffness_bound_n_per_m = result.stiffness_bound_n_per_m;
+  return frame;
+}
+
+int run(const std::string& file, const std::string& motion, int frames, const std::string& way) {
+  const Scene scene = load_scene(file);
+  Hand hand(scene.motions.at(motion));
+  const std::size_t before = live_bytes;
+  peak_bytes = live_bytes;
+  std::unique_ptr<HandBuilt> by_hand;
+  std::unique_ptr<BuiltScene> built;
+  if (way == "contact")
+    by_hand = std::make_unique<HandBuilt>(scene);
+  else
+    built = build_scene(scene, serial_for());
+  const std::size_t live = live_bytes - before, peak = peak_bytes - before;
+  double sum = 0.0;
+  for (int n = 0; n < frames; ++n) {
+    const ToolState tool = hand.at(n);
+    const double time_s = 1e-3 * n;
+    SceneFrame frame;
+    if (way == "scene") {
+      counted_frame([&] { frame = built->scene_renderer().render(tool, time_s); });
+    } else if (way != "effects") {
+      ContactRenderer& contact = by_hand ? *by_hand->renderer : built->renderer();
+      counted_frame([&] { frame = contact_frame(contact, tool); });
+    } else {
+      const StageResult touch = built->contacts().render(tool.pose, time_s);
+      const std::span<const ObjectContact> contacts = built->contacts().parts(touch);
+      SceneRenderer& renderer = built->scene_renderer();
+      counted_frame([&] {
+        frame.effects = renderer.effects().apply(renderer.look(tool, SceneRenderer::kUsualStepS, time_s, contacts));
+      });
+    }
+    sum += frame.wrench.force.norm() + frame.effects.wrench.force.norm();
+  }
+  fmt::print("{{\"live\": {}, \"peak\": {}, \"plan\": {}, \"sum\": {}}}\n", live, peak, built ? built->plan().bytes : 0,
+             sum);
+  return 0;
+}
+
+}  // namespace
+}  // namespace voxtouch
+
+int main(int argc, char** argv) {
+  if (argc != 5) return 2;
+  return voxtouch::run(argv[1], argv[2], std::atoi(argv[3]), argv[4]);
+}

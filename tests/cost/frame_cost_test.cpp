@@ -1,0 +1,121 @@
+/// What a scene does not name costs nothing: no instruction of a frame, no byte. Counted, not timed.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/scene/scene_file.hpp"
+#include "tests/cost/cost.hpp"
+#include "tests/ring/process.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+constexpr double kShare = 0.005;
+/// Building frame and sum of the effects, which neither the contact nor a single effect has.
+constexpr double kGlue = 400.0;
+/// Asking whether there is any effect, where a frame out of contact is 1,600 instructions.
+constexpr double kAsking = 20.0;
+const std::filesystem::path kScenes = std::string(VOXTOUCH_DEPLOY) + "/scenes";
+
+class FrameCostTest : public testing::Test {
+ protected:
+  /// The cylinder of deploy/scenes with this for its line `effects: []`.
+  std::filesystem::path cylinder(const std::string& name, const std::string& effects) const {
+    std::ifstream in(kScenes / "cylinder.yaml");
+    std::ofstream out(folder_ / (name + ".yaml"));
+    const std::string line = "effects: []", meshes = "../meshes";
+    bool found = false;
+    for (std::string text; std::getline(in, text); out << text << '\n') {
+      if (text.starts_with(line)) text = effects, found = true;
+      for (std::size_t at; (at = text.find(meshes)) != std::string::npos;)
+        text.replace(at, meshes.size(), std::string(VOXTOUCH_DEPLOY) + "/meshes");
+    }
+    EXPECT_TRUE(found);
+    return folder_ / (name + ".yaml");
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(FrameCostTest, OfASceneWithoutEffectsIsThatOfContactThatHasNeverHeardOfThem) {
+  // Names of one length: a scene's strings are on the heap too.
+  const auto never = cylinder("bare", ""), none = cylinder("none", "effects: []");
+  for (const char* motion : {"slide", "free"}) {
+    SCOPED_TRACE(motion);
+    const FrameCost alone = cost_of(never, motion, "contact"), unnamed = cost_of(never, motion, "scene"),
+                    empty = cost_of(none, motion, "scene");
+    EXPECT_EQ(alone.force > 0.0, motion == std::string("slide"));
+    EXPECT_EQ(unnamed.force, alone.force);
+    EXPECT_EQ(empty.force, alone.force);
+    EXPECT_EQ(empty.instructions, unnamed.instructions);
+    EXPECT_NEAR(empty.instructions, alone.instructions, kShare * alone.instructions + kAsking);
+    RecordProperty(std::string(motion) + "_contact", std::to_string(alone.instructions));
+    RecordProperty(std::string(motion) + "_scene", std::to_string(empty.instructions));
+    // Beside what it looks up a scene keeps its plan as sentences.
+    EXPECT_NEAR(unnamed.live_bytes, alone.live_bytes, 8'000.0);
+    EXPECT_EQ(empty.live_bytes, unnamed.live_bytes);
+    EXPECT_EQ(empty.peak_bytes, unnamed.peak_bytes);
+    EXPECT_EQ(empty.plan_bytes, unnamed.plan_bytes);
+    EXPECT_LE(unnamed.peak_bytes, 1.05 * alone.peak_bytes + 8'000.0);
+  }
+}
+
+TEST_F(FrameCostTest, OfASceneWithOneEffectIsThatOfTheContactAndThatEffect) {
+  const auto none = cylinder("none", "effects: []"),
+             one = cylinder("one", "effects: [{viscosity: {damping_ns_per_m: 0.5}}]");
+  const FrameCost without = cost_of(none, "slide", "scene"), with = cost_of(one, "slide", "scene"),
+                  contact = cost_of(one, "slide", "contact"), effects = cost_of(one, "slide", "effects");
+  RecordProperty("contact", std::to_string(contact.instructions));
+  RecordProperty("with_viscosity", std::to_string(with.instructions));
+  RecordProperty("viscosity_alone", std::to_string(effects.instructions));
+  EXPECT_NEAR(without.instructions, contact.instructions, kShare * contact.instructions);
+  EXPECT_GT(with.instructions, without.instructions);
+  EXPECT_GT(with.force, without.force);
+  EXPECT_NEAR(with.instructions, contact.instructions + effects.instructions, kShare * contact.instructions + kGlue);
+  EXPECT_GT(with.live_bytes, without.live_bytes);
+  EXPECT_LT(with.live_bytes, without.live_bytes + 4'000.0);
+}
+
+TEST_F(FrameCostTest, OfAnEffectThatIsSwitchedOffIsItsGateAndOfASecondOneNoMoreThanOfTheFirst) {
+  const auto none = cylinder("none", "effects: []"),
+             off = cylinder("off", "effects: [{viscosity: {damping_ns_per_m: 0.5}, on: false}]"),
+             one = cylinder("one", "effects: [{viscosity: {damping_ns_per_m: 0.5}}]"),
+             two = cylinder("two",
+                            "effects: [{viscosity: {damping_ns_per_m: 0.5}}, "
+                            "{name: more, viscosity: {damping_ns_per_m: 0.5}}]");
+  const double zero = cost_of(none, "free", "scene").instructions,
+               gate = cost_of(off, "free", "scene").instructions - zero,
+               first = cost_of(one, "free", "scene").instructions - zero,
+               both = cost_of(two, "free", "scene").instructions - zero;
+  RecordProperty("switched_off", std::to_string(gate));
+  RecordProperty("first", std::to_string(first));
+  RecordProperty("second", std::to_string(both - first));
+  EXPECT_GT(gate, 0.0) << "it is built and ready";
+  EXPECT_LT(gate, kGlue + 100.0);
+  EXPECT_LT(gate, first);
+  EXPECT_LE(both - first, first);
+  EXPECT_GT(both, first);
+}
+
+TEST_F(FrameCostTest, OfEachShippedSceneIsThatOfItsContactAndTheEffectsThatItNames) {
+  std::vector<std::filesystem::path> files = {cylinder(
+      "region", "effects: [{viscosity: {damping_ns_per_m: 0.5}, region: {sphere: {centre: [0, 0, 0], radius: 1}}}]")};
+  for (const auto& entry : std::filesystem::directory_iterator(kScenes))
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  int scenes = 0;
+  for (const std::filesystem::path& file : files) {
+    const Scene scene = load_scene(file);
+    if (scene.effects.empty() || scene.motions.empty()) continue;
+    ++scenes;
+    SCOPED_TRACE(file.string());
+    const std::string motion = scene.motions.begin()->first;
+    const FrameCost all = cost_of(file, motion, "scene"), effects = cost_of(file, motion, "effects"),
+                    contact = cost_of(file, motion, "touch");
+    EXPECT_LE(all.instructions, (1.0 + kShare) * (contact.instructions + effects.instructions) + kGlue);
+    EXPECT_GE(all.instructions, contact.instructions);
+  }
+  EXPECT_GE(scenes, 1);
+  RecordProperty("scenes_with_effects", scenes);
+}
+
+}  // namespace
+}  // namespace voxtouch::test
