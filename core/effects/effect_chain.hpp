@@ -7,6 +7,7 @@
 
 #include "core/coupling/ramp.hpp"
 #include "core/effects/effect.hpp"
+#include "core/effects/effect_change.hpp"
 #include "core/effects/effect_spec.hpp"
 
 namespace voxtouch {
@@ -39,6 +40,9 @@ class EffectChain {
   std::string switch_to(std::size_t effect, bool on);
   std::string set_gain(std::size_t effect, double gain);
   std::string set_value(std::size_t effect, std::string_view parameter, const std::array<double, 3>& value);
+
+  /// The same for what `judge` has found good. Real-time safe.
+  void take(const EffectCommand& command) noexcept;
 
   std::uint64_t not_finite() const noexcept { return not_finite_; }
 
