@@ -16,5 +16,6 @@ void add_build(CLI::App& app, Action& action);
 void add_probe(CLI::App& app, Action& action);
 void add_design(CLI::App& app, Action& action);
 void add_accuracy(CLI::App& app, Action& action);
+void add_change(CLI::App& app, Action& action);
 
 }  // namespace voxtouch::cli

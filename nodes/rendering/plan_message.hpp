@@ -5,7 +5,8 @@
 
 namespace voxtouch::rendering {
 
+/// `from_sample`: the first one that it holds for; 0 where a session begins.
 void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Plan& plan, double largest_shell_gap_m,
-                  std::uint64_t session);
+                  std::uint64_t session, std::uint64_t from_sample = 0);
 
 }  // namespace voxtouch::rendering
