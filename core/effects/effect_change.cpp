@@ -47,7 +47,7 @@ Judged judge_value(const EffectSpec& effect, std::string_view parameter, const s
       std::find_if(all.begin(), all.end(), [&](const EffectParameter& p) { return p.name == parameter; });
   if (found == all.end())
     return std::unexpected(fmt::format("the effect '{}' has no parameter '{}'; it takes: {}", effect.name,
-                                       quoted(parameter), names_of(all)));
+                                       quotable(parameter), names_of(all)));
   if (found->shape == ParameterShape::kWord)
     return std::unexpected(fmt::format("'{}' cannot change while running", found->name));
   const auto p = static_cast<std::size_t>(found - all.begin());
@@ -71,8 +71,8 @@ Judged judge(std::span<const EffectSpec> effects, const EffectWish& wish) {
   if (found == effects.end())
     return std::unexpected(
         effects.empty()
-            ? fmt::format("the scene lists no effects, so there is no '{}'", quoted(wish.effect))
-            : fmt::format("there is no effect '{}'; the scene lists: {}", quoted(wish.effect), names_of(effects)));
+            ? fmt::format("the scene lists no effects, so there is no '{}'", quotable(wish.effect))
+            : fmt::format("there is no effect '{}'; the scene lists: {}", quotable(wish.effect), names_of(effects)));
   const double first = wish.value[0];
   EffectCommand command{.action = wish.action, .value = {first, 0.0, 0.0}};
   switch (wish.action) {
@@ -101,7 +101,7 @@ void take(EffectSpec& effect, const EffectCommand& command) noexcept {
   }
 }
 
-std::string quoted(std::string_view text) {
+std::string quotable(std::string_view text) {
   constexpr std::size_t kMost = 64;
   std::string out(text.substr(0, kMost));
   for (char& c : out)

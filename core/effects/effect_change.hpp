@@ -39,6 +39,6 @@ std::expected<EffectCommand, std::string> judge_value(const EffectSpec& effect, 
 void take(EffectSpec& effect, const EffectCommand& command) noexcept;
 
 /// `text` for a sentence: at most 64 characters, those that cannot be printed as '?'.
-std::string quoted(std::string_view text);
+std::string quotable(std::string_view text);
 
 }  // namespace voxtouch

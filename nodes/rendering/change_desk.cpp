@@ -31,11 +31,11 @@ void ordinary_priority() {
 }
 
 std::string in_words(const msg::EffectChange& m) {
-  const std::string effect = quoted(view(m.effect));
+  const std::string effect = quotable(view(m.effect));
   switch (m.action) {
     case kActionSwitch: return fmt::format("'{}' {}", effect, m.value[0] != 0.0 ? "on" : "off");
     case kActionGain: return fmt::format("gain of '{}' {:g}", effect, m.value[0]);
-    case kActionValue: return fmt::format("'{}' of '{}'", quoted(view(m.parameter)), effect);
+    case kActionValue: return fmt::format("'{}' of '{}'", quotable(view(m.parameter)), effect);
     default: return "the scene, built anew";
   }
 }
@@ -161,7 +161,7 @@ void ChangeDesk::receive_reload(const msg::EffectChange& m, Request request) {
   ContactModelKind kind{};
   if (!view(m.model).empty() && !parse_contact_model(view(m.model), kind))
     return refuse(request, fmt::format("there is no contact model '{}'; there are original, adapted, clustered and field",
-                                       quoted(view(m.model))));
+                                       quotable(view(m.model))));
   if (!outstanding_.empty() && outstanding_.back().change.from_sample > 0)
     return refuse(request, fmt::format("a change waits for sample {}; ask again after it",
                                        outstanding_.back().change.from_sample));

@@ -102,7 +102,7 @@ TEST(EffectChange, RefusesWithASentenceWhateverCannotRun) {
 }
 
 TEST(EffectChange, QuotesNothingThatATerminalWouldObey) {
-  const std::string quote = quoted("a\x1b[2J\n" + std::string(500, 'x'));
+  const std::string quote = quotable("a\x1b[2J\n" + std::string(500, 'x'));
   EXPECT_EQ(quote.substr(0, 6), "a?[2J?");
   EXPECT_LT(quote.size(), 70U);
 }

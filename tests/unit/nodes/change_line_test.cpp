@@ -66,7 +66,7 @@ class ChangeLineTest : public testing::Test {
     while (line_.next_report(report)) all.push_back(report), epoch_ = report.epoch;
     return all;
   }
-  double gain() const { return live_->effects().spec(0).gain; }
+  double gain() { return live_->effects().spec(0).gain; }
 
   std::unique_ptr<BuiltScene> built_, next_;
   std::optional<LiveScene> live_;
