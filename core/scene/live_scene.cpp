@@ -1,6 +1,5 @@
 #include "core/scene/live_scene.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace voxtouch {
@@ -34,7 +33,8 @@ SceneFrame blend(const SceneFrame& a, const SceneFrame& b, double w) noexcept {
 void LiveScene::advance(double time_s) noexcept {
   const double step = last_s_ < 0.0 ? SceneRenderer::kUsualStepS : time_s - last_s_;
   const bool usual = step >= SceneRenderer::kLeastStepS && step <= SceneRenderer::kLongestStepS;
-  weight_ = std::min(1.0, weight_ + (usual ? step : SceneRenderer::kUsualStepS) / kFadeS);
+  weight_ += (usual ? step : SceneRenderer::kUsualStepS) / kFadeS;
+  if (weight_ > 1.0 - 1e-9) weight_ = 1.0;  // what was lost in rounding is no sample more
 }
 
 SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {

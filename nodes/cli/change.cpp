@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 using namespace msg::effect_change;
 
-constexpr std::chrono::seconds kPatience{2};
+constexpr milliseconds kPatience{2000};
 
 struct ChangeOptions {
   runtime::NodeOptions node;
@@ -117,7 +117,6 @@ class Asker {
   /// None where nobody answers. Once it is said that it takes time, it may take what it takes.
   std::optional<Answer> ask(const Wish& wish) {
     const std::uint64_t request = request_number();
-    send(wish, request);
     std::optional<Answer> answer;
     const auto look = [&] {
       answers_.take_each([&](const msg::EffectChanged& m) {
@@ -125,7 +124,11 @@ class Asker {
       });
       return answer && answer->result != msg::effect_changed::kResultWaiting;
     };
-    until(kPatience, [&] { return look() || answer; });
+    // A first message may go before the other end knows this one; asked again, it is answered and not done again.
+    for (int tries = 0; !answer && tries < 10; ++tries) {
+      send(wish, request);
+      until(kPatience / 10, [&] { return look() || answer; });
+    }
     if (!answer) return answer;
     if (answer->result == msg::effect_changed::kResultWaiting) fmt::print(stderr, "{}\n", answer->sentence);
     while (answer->result == msg::effect_changed::kResultWaiting && changes_.matched_count() > 0)

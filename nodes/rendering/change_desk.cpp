@@ -111,6 +111,7 @@ std::string ChangeDesk::why_not(const msg::EffectChange& m) const {
 
 void ChangeDesk::receive(const msg::EffectChange& m) {
   Request request{m.request, m.session_id, m.from_sample, {}};
+  if (answered_before(m.request)) return;
   if (const std::string why = why_not(m); !why.empty()) return refuse(request, why);
   request.what = in_words(m);
   if (m.action == kActionReload) return receive_reload(m, std::move(request));
@@ -304,14 +305,33 @@ void ChangeDesk::republish(std::uint64_t from_sample) {
   if (options_.lockstep) plans_.wait_for_acknowledgments(DDS_SECS(2));
 }
 
-void ChangeDesk::answer(const Request& request, std::uint32_t result, std::uint64_t sample, const std::string& sentence) {
+/// DDS does not say when both ends know each other: a first message may be lost, or the answer. So it may be asked again.
+bool ChangeDesk::answered_before(std::uint64_t id) {
+  if (id == 0) return false;
+  const auto found = std::find_if(answered_.begin(), answered_.end(), [&](const Answered& a) { return a.id == id; });
+  if (found != answered_.end()) {
+    send(*found);
+    return true;
+  }
+  return std::any_of(outstanding_.begin(), outstanding_.end(), [&](const Outstanding& o) { return o.request.id == id; });
+}
+
+void ChangeDesk::send(const Answered& answer) {
   msg::EffectChanged m{};
-  m.request = request.id;
+  m.request = answer.id;
   m.session_id = session();
-  m.from_sample = sample;
-  m.result = result;
-  m.sentence = runtime::lend(sentence);
+  m.from_sample = answer.sample;
+  m.result = answer.result;
+  m.sentence = runtime::lend(answer.sentence);
   answers_.write(m);
+}
+
+void ChangeDesk::answer(const Request& request, std::uint32_t result, std::uint64_t sample, const std::string& sentence) {
+  constexpr std::size_t kRemembered = 256;
+  std::erase_if(answered_, [&](const Answered& a) { return a.id == request.id; });
+  answered_.push_back({request.id, sample, result, sentence});
+  if (answered_.size() > kRemembered) answered_.pop_front();
+  send(answered_.back());
 }
 
 void ChangeDesk::refuse(const Request& request, const std::string& sentence) {

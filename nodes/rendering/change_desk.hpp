@@ -45,6 +45,11 @@ class ChangeDesk {
     std::uint64_t id = 0, session = 0, from_sample = 0;
     std::string what;  ///< for the answer: "'viscosity' off"
   };
+  struct Answered {
+    std::uint64_t id = 0, sample = 0;
+    std::uint32_t result = 0;
+    std::string sentence;
+  };
   struct Outstanding {
     Request request;
     Change change;
@@ -71,6 +76,8 @@ class ChangeDesk {
   void set_plan(const BuiltScene& built, std::span<const EffectSpec> built_with);
   void sum_bounds();
   void republish(std::uint64_t from_sample);
+  bool answered_before(std::uint64_t id);
+  void send(const Answered& answer);
   void answer(const Request& request, std::uint32_t result, std::uint64_t sample, const std::string& sentence);
   void refuse(const Request& request, const std::string& sentence);
 
@@ -87,6 +94,7 @@ class ChangeDesk {
   std::vector<EffectSpec> planned_;          ///< with what is outstanding as well
   std::vector<std::unique_ptr<BuiltScene>> scenes_;  ///< rendered, fading or waiting to be
   std::deque<Outstanding> outstanding_;      ///< given to the loop, oldest first
+  std::deque<Answered> answered_;            ///< the last ones: a sender whose answer was lost asks again
   std::optional<Request> reload_;            ///< under way, until the scene it replaces has been freed
   std::future<Built> under_way_;
   std::uint64_t ticket_ = 0, epoch_ = 0;

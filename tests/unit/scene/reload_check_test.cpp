@@ -18,7 +18,7 @@ std::string why_not(const std::function<void(Scene&)>& change) {
 EffectSpec oil(double damping, const std::string& name = "viscosity") {
   const EffectKind* kind = find_effect_kind("viscosity");
   EffectSpec spec{.name = name, .kind = kind, .values = EffectValues(kind->parameters), .region = {}};
-  spec.values.at(0)[0] = damping;
+  spec.values.at(0) = {damping, 0.0, 0.0};
   return spec;
 }
 
