@@ -61,7 +61,8 @@ Judged judge_value(const EffectSpec& effect, std::string_view parameter, const s
         fmt::format("'{}' would need what was not built for this scene; change the scene file", found->name));
   const EffectBound bound = bound_of(wanted);
   if (!std::isfinite(bound.stiffness_n_per_m) || !std::isfinite(bound.stiffness_nm_per_rad))
-    return std::unexpected(fmt::format("with this '{}' nothing bounds the stiffness of '{}'", found->name, effect.name));
+    return std::unexpected(
+        fmt::format("with this '{}' nothing bounds the stiffness of '{}'", found->name, effect.name));
   return command;
 }
 

@@ -16,8 +16,8 @@ enum class EffectAction : std::uint8_t { kSwitch, kGain, kValue };
 /// As somebody asks for it. Nothing of it is trusted.
 struct EffectWish {
   EffectAction action = EffectAction::kSwitch;
-  std::string_view effect;     ///< its name in the scene
-  std::string_view parameter;  ///< kValue
+  std::string_view effect;        ///< its name in the scene
+  std::string_view parameter;     ///< kValue
   std::array<double, 3> value{};  ///< kSwitch: 0 off, 1 on; kGain and parameters of one number: the first
 };
 

@@ -64,7 +64,8 @@ bool same(const EffectSpec& a, const EffectSpec& b) {
 
 std::string why_not_reloaded(const Scene& running, const Scene& next) {
   if (!same(running.device, next.device))
-    return "the scene's 'device' section has changed, which the device and coupling nodes do not read again: restart the "
+    return "the scene's 'device' section has changed, which the device and coupling nodes do not read again: restart "
+           "the "
            "ring for it";
   const bool designed = running.design.has_value();
   if (designed != next.design.has_value() || (designed && !same(*running.design, *next.design)) ||

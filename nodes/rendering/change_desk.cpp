@@ -95,7 +95,8 @@ std::string ChangeDesk::why_not(const msg::EffectChange& m) const {
   if (too_long(m.effect) || too_long(m.parameter) || too_long(m.model))
     return fmt::format("a name is longer than {} characters", kLongestName);
   if (m.action < kActionSwitch || m.action > kActionReload)
-    return fmt::format("there is no action {}; 1 switches, 2 sets a gain, 3 a parameter, 4 builds the scene anew", m.action);
+    return fmt::format("there is no action {}; 1 switches, 2 sets a gain, 3 a parameter, 4 builds the scene anew",
+                       m.action);
   const std::uint64_t runs = session();
   if (m.session_id != 0 && m.session_id != runs)
     return fmt::format("session {} does not run{}; 0 means whichever does", m.session_id,
@@ -120,7 +121,8 @@ void ChangeDesk::receive(const msg::EffectChange& m) {
 
 void ChangeDesk::receive_effect(const msg::EffectChange& m, Request request) {
   if (reload_ && reload_->from_sample > 0)
-    return refuse(request, fmt::format("the scene is being built anew for sample {}; ask again after it", reload_->from_sample));
+    return refuse(request,
+                  fmt::format("the scene is being built anew for sample {}; ask again after it", reload_->from_sample));
   const EffectAction action = m.action == kActionSwitch ? EffectAction::kSwitch
                               : m.action == kActionGain ? EffectAction::kGain
                                                         : EffectAction::kValue;
@@ -131,7 +133,8 @@ void ChangeDesk::receive_effect(const msg::EffectChange& m, Request request) {
   if (!command) return refuse(request, command.error());
   Outstanding asked{std::move(request), {}, {}};
   asked.change.effect = *command;
-  const bool waits = asked.request.from_sample > 0 || (!outstanding_.empty() && outstanding_.back().change.from_sample > 0);
+  const bool waits =
+      asked.request.from_sample > 0 || (!outstanding_.empty() && outstanding_.back().change.from_sample > 0);
   const Request said = asked.request;
   if (!ask(std::move(asked))) return refuse(said, "too many changes wait already; wait for their answers");
   voxtouch::take(planned_[command->effect], *command);
@@ -161,8 +164,9 @@ void ChangeDesk::receive_reload(const msg::EffectChange& m, Request request) {
     return refuse(request, "'voxel_size_m' must be a number above 0 [m], or 0 for the scene's own");
   ContactModelKind kind{};
   if (!view(m.model).empty() && !parse_contact_model(view(m.model), kind))
-    return refuse(request, fmt::format("there is no contact model '{}'; there are original, adapted, clustered and field",
-                                       quotable(view(m.model))));
+    return refuse(request,
+                  fmt::format("there is no contact model '{}'; there are original, adapted, clustered and field",
+                              quotable(view(m.model))));
   if (!outstanding_.empty() && outstanding_.back().change.from_sample > 0)
     return refuse(request, fmt::format("a change waits for sample {}; ask again after it",
                                        outstanding_.back().change.from_sample));
@@ -241,9 +245,10 @@ void ChangeDesk::take_report(const ChangeReport& report) {
     std::erase_if(scenes_, [&](const auto& scene) { return scene.get() == report.scene; });
     reload_.reset();
   }
-  refuse(done.request, report.what == ChangeReport::What::kLate
-                           ? fmt::format("sample {} has passed, the next one is {}", done.request.from_sample, report.sample)
-                           : "another session has begun, or a change asked for before this one was not made; ask again");
+  refuse(done.request,
+         report.what == ChangeReport::What::kLate
+             ? fmt::format("sample {} has passed, the next one is {}", done.request.from_sample, report.sample)
+             : "another session has begun, or a change asked for before this one was not made; ask again");
 }
 
 std::uint64_t ChangeDesk::session() const {
@@ -287,7 +292,8 @@ void ChangeDesk::applied(Outstanding& done, std::uint64_t sample) {
   }
   if (another_plan) republish(sample);
   done_.fetch_add(1);
-  answer(done.request, result::kResultDone, sample, fmt::format("{}: holds from sample {} on", done.request.what, sample));
+  answer(done.request, result::kResultDone, sample,
+         fmt::format("{}: holds from sample {} on", done.request.what, sample));
   line_.settle(done.change.ticket);
 }
 
@@ -313,7 +319,8 @@ bool ChangeDesk::answered_before(std::uint64_t id) {
     send(*found);
     return true;
   }
-  return std::any_of(outstanding_.begin(), outstanding_.end(), [&](const Outstanding& o) { return o.request.id == id; });
+  return std::any_of(outstanding_.begin(), outstanding_.end(),
+                     [&](const Outstanding& o) { return o.request.id == id; });
 }
 
 void ChangeDesk::send(const Answered& answer) {
@@ -326,7 +333,8 @@ void ChangeDesk::send(const Answered& answer) {
   answers_.write(m);
 }
 
-void ChangeDesk::answer(const Request& request, std::uint32_t result, std::uint64_t sample, const std::string& sentence) {
+void ChangeDesk::answer(const Request& request, std::uint32_t result, std::uint64_t sample,
+                        const std::string& sentence) {
   constexpr std::size_t kRemembered = 256;
   std::erase_if(answered_, [&](const Answered& a) { return a.id == request.id; });
   answered_.push_back({request.id, sample, result, sentence});

@@ -89,18 +89,18 @@ class ChangeDesk {
   bus::Writer<msg::ScenePlan> plans_;
   bus::WaitSet wait_set_;
 
-  Scene scene_;                              ///< as read from the file that runs
-  std::vector<EffectSpec> settled_;          ///< what the loop has applied
-  std::vector<EffectSpec> planned_;          ///< with what is outstanding as well
+  Scene scene_;                                      ///< as read from the file that runs
+  std::vector<EffectSpec> settled_;                  ///< what the loop has applied
+  std::vector<EffectSpec> planned_;                  ///< with what is outstanding as well
   std::vector<std::unique_ptr<BuiltScene>> scenes_;  ///< rendered, fading or waiting to be
-  std::deque<Outstanding> outstanding_;      ///< given to the loop, oldest first
-  std::deque<Answered> answered_;            ///< the last ones: a sender whose answer was lost asks again
-  std::optional<Request> reload_;            ///< under way, until the scene it replaces has been freed
+  std::deque<Outstanding> outstanding_;              ///< given to the loop, oldest first
+  std::deque<Answered> answered_;                    ///< the last ones: a sender whose answer was lost asks again
+  std::optional<Request> reload_;                    ///< under way, until the scene it replaces has been freed
   std::future<Built> under_way_;
   std::uint64_t ticket_ = 0, epoch_ = 0;
 
-  mutable std::mutex plan_mutex_;  ///< the loop takes it only where a session begins
-  Plan plan_;                      ///< with the bounds of the effects as they are now
+  mutable std::mutex plan_mutex_;                            ///< the loop takes it only where a session begins
+  Plan plan_;                                                ///< with the bounds of the effects as they are now
   double contact_n_per_m_ = 0.0, contact_nm_per_rad_ = 0.0;  ///< the plan's bounds without any effect
   double largest_shell_gap_m_ = 0.0;
   std::uint64_t session_ = 0;

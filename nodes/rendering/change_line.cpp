@@ -9,8 +9,7 @@ void ChangeLine::report(ChangeReport::What what, const Change& change, std::uint
 void ChangeLine::retire(LiveScene& live) noexcept {
   // A desk that has not looked for long must not cost a scene's memory: it is asked for again when there is room.
   if (reports_.room() == 0) return;
-  if (BuiltScene* scene = live.retired())
-    reports_.push({ChangeReport::What::kRetired, 0, 0, epoch_, scene});
+  if (BuiltScene* scene = live.retired()) reports_.push({ChangeReport::What::kRetired, 0, 0, epoch_, scene});
 }
 
 void ChangeLine::take(LiveScene& live, std::uint64_t next, bool at_sample) noexcept {
@@ -22,7 +21,8 @@ void ChangeLine::take(LiveScene& live, std::uint64_t next, bool at_sample) noexc
     } else if (change->session != 0 && change->session != session_) {
       ++epoch_;  // what is behind it was judged as if it had been applied
       report(ChangeReport::What::kDropped, *change, next);
-    } else if (change->from_sample > next || (change->from_sample > 0 && !at_sample) || (change->scene && live.fading())) {
+    } else if (change->from_sample > next || (change->from_sample > 0 && !at_sample) ||
+               (change->scene && live.fading())) {
       return;
     } else if (change->from_sample > 0 && change->from_sample < next) {
       ++epoch_;

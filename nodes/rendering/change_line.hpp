@@ -17,7 +17,7 @@ struct Change {
   std::uint64_t from_sample = 0;  ///< 0: at once
   std::uint64_t epoch = 0;        ///< as the loop last said; a change of an older one is dropped
   EffectCommand effect;
-  BuiltScene* scene = nullptr;    ///< takes the place of the one that runs; `effect` is not looked at then
+  BuiltScene* scene = nullptr;  ///< takes the place of the one that runs; `effect` is not looked at then
 };
 
 struct ChangeReport {

@@ -30,7 +30,8 @@ std::string oily_plane(const TemporaryFolder& folder, bool smooth = false) {
   text << in.rdbuf();
   std::string scene = text.str();
   const auto replace = [&](const std::string& from, const std::string& to) {
-    for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size()) scene.replace(at, from.size(), to);
+    for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
+      scene.replace(at, from.size(), to);
   };
   replace("../meshes", std::string(VOXTOUCH_DEPLOY) + "/meshes");
   replace("effects: []", "effects: [{viscosity: {damping_ns_per_m: 2}}]");
@@ -125,9 +126,11 @@ std::map<std::string, bag::TopicHash> hashes(const std::filesystem::path& folder
   const auto bag = bag::BagReader::open(folder);
   if (!bag) throw std::runtime_error(bag.error().sentence);
   std::map<std::string, bag::TopicHash> all;
-  for (const char* topic : {"device/state", "rendering/contact", "coupling/command", "validation", "rendering/plan", "coupling/design"}) {
+  for (const char* topic :
+       {"device/state", "rendering/contact", "coupling/command", "validation", "rendering/plan", "coupling/design"}) {
     const bool latched = std::string(topic) == "rendering/plan" || std::string(topic) == "coupling/design";
-    const auto hash = bag::hash_topic(*bag, std::string("/haptic/") + topic, latched ? bag::KeyOf{} : bag::ring_sequence_number);
+    const auto hash =
+        bag::hash_topic(*bag, std::string("/haptic/") + topic, latched ? bag::KeyOf{} : bag::ring_sequence_number);
     if (!hash) throw std::runtime_error(hash.error().sentence);
     all[topic] = *hash;
   }
@@ -151,7 +154,8 @@ template <class T, class F>
 double largest_step_in_contact(const std::vector<msg::ContactState>& contacts, const std::vector<T>& all, F&& force) {
   double most = 0.0;
   for (std::size_t i = 1; i < all.size(); ++i)
-    if (contacts[i].surface_hits > 0 && contacts[i - 1].surface_hits > 0) most = std::max(most, step(force(all[i - 1]), force(all[i])));
+    if (contacts[i].surface_hits > 0 && contacts[i - 1].surface_hits > 0)
+      most = std::max(most, step(force(all[i - 1]), force(all[i])));
   return most;
 }
 double contact_alone(const msg::ContactState& c) { return c.wrench.force.z - c.effects_wrench.force.z; }
@@ -188,7 +192,8 @@ TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
                felt = largest_step(commands(folder, "first"), 1400, 3000, kForce);
   RecordProperty("largest_step_n", std::to_string(felt));
   RecordProperty("largest_step_without_a_change_n", std::to_string(felt_before));
-  std::printf("largest step of the command: %.5f N, without a change %.5f N; a ramp may add %.5f N\n", felt, felt_before, ramp);
+  std::printf("largest step of the command: %.5f N, without a change %.5f N; a ramp may add %.5f N\n", felt,
+              felt_before, ramp);
   EXPECT_LE(felt, felt_before + ramp);
   // Until the first change both runs are the same one, so its hundred samples can be held against each other.
   EXPECT_LE(largest_step(commands(folder, "first"), 1500, 1600, kForce),
@@ -222,8 +227,10 @@ TEST(Change, ToASceneThatWasBuiltAnewInContactIsNoStepOfTheForceAndGivesTheSameB
   for (std::size_t i = 1790; i < 2010; ++i)
     if (changed[i].tool_pose.position.z == changed[i - 1].tool_pose.position.z)
       resting = std::max(resting, std::abs(contact_alone(changed[i]) - contact_alone(changed[i - 1])));
-  std::printf("contact: %.4f N to %.4f N; largest step %.5f N (%.5f N at one height), without a change %.5f N; a fade may add %.5f N\n",
-              changed[1799].wrench.force.z, changed[2000].wrench.force.z, after, resting, before, fade);
+  std::printf(
+      "contact: %.4f N to %.4f N; largest step %.5f N (%.5f N at one height), without a change %.5f N; a fade may add "
+      "%.5f N\n",
+      changed[1799].wrench.force.z, changed[2000].wrench.force.z, after, resting, before, fade);
   EXPECT_GT(way, 3.0 * (before + fade)) << "the two scenes must differ, or nothing is shown";
   EXPECT_LE(after, before + fade);
   EXPECT_LE(resting, fade);
@@ -242,7 +249,8 @@ TEST(Change, GarbageOnTheTopicIsNotFelt) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   lockstep(folder, "plain", "slide", {});
   Asker asker;
-  Process up(up_arguments(oily_plane(folder), {"--lockstep", "--motion", "slide", "--duration", "5", "--record", (folder / "garbage").string()}));
+  Process up(up_arguments(oily_plane(folder), {"--lockstep", "--motion", "slide", "--duration", "5", "--record",
+                                               (folder / "garbage").string()}));
   ASSERT_TRUE(asker.find());
   for (int i = 0; i < 300; ++i) {
     asker.send({kActionGain, kNan});
@@ -276,13 +284,16 @@ Verb change(std::vector<std::string> words) {
 TEST(ChangeVerb, SaysWhatWasDoneOrWhyNot) {
   const TemporaryFolder folder;
   Process up(up_arguments(oily_plane(folder), {"--motion", "slide", "--no-record"}));
-  for (int i = 0; i < 1500 && up.err().find(" samples  force") == std::string::npos; ++i) std::this_thread::sleep_for(milliseconds(20));
+  for (int i = 0; i < 1500 && up.err().find(" samples  force") == std::string::npos; ++i)
+    std::this_thread::sleep_for(milliseconds(20));
   const auto says = [](const Verb& verb, int status, const std::string& text) {
     EXPECT_EQ(verb.end.status, status) << verb.end.err << verb.end.out;
-    EXPECT_NE((status == 0 ? verb.end.out : verb.end.err).find(text), std::string::npos) << verb.end.err << verb.end.out;
+    EXPECT_NE((status == 0 ? verb.end.out : verb.end.err).find(text), std::string::npos)
+        << verb.end.err << verb.end.out;
   };
   says(change({"viscosity", "off"}), 0, "'viscosity' off: holds from sample ");
-  says(change({"viscosity", "on", "gain", "0.5", "damping_ns_per_m=1.5"}), 0, "'damping_ns_per_m' of 'viscosity': holds from sample");
+  says(change({"viscosity", "on", "gain", "0.5", "damping_ns_per_m=1.5"}), 0,
+       "'damping_ns_per_m' of 'viscosity': holds from sample");
   says(change({"honey", "off"}), 1, "the scene lists: viscosity");
   says(change({"viscosity", "damping_ns_per_m=1e6"}), 1, "from 0 to 100");
   says(change({"viscosity", "damping_ns_per_m=nan"}), 1, "is not a number");

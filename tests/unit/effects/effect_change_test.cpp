@@ -70,7 +70,9 @@ EffectWish value(std::string_view parameter, const std::array<double, 3>& v) {
 EffectWish gain(double g) { return {.action = EffectAction::kGain, .effect = "push", .parameter = {}, .value = {g}}; }
 
 TEST(EffectChange, FindsEffectAndParameterByName) {
-  const auto judged = judge(two_pushes(), {.action = EffectAction::kValue, .effect = "push2", .parameter = "high", .value = {3.0, kNan, 7.0}});
+  const auto judged =
+      judge(two_pushes(),
+            {.action = EffectAction::kValue, .effect = "push2", .parameter = "high", .value = {3.0, kNan, 7.0}});
   ASSERT_TRUE(judged) << judged.error();
   EXPECT_EQ(judged->effect, 1U);
   EXPECT_EQ(judged->parameter, kHigh);
@@ -96,7 +98,8 @@ TEST(EffectChange, RefusesWithASentenceWhateverCannotRun) {
   EXPECT_NE(why_not(value("turning_nm", {0.5, 0, 0})).find("not built"), std::string::npos);
   EXPECT_NE(why_not(value("high", {9.5, 0, 0})).find("bounds the stiffness"), std::string::npos);
   EXPECT_NE(why_not(value("colour", {1, 0, 0})).find("it takes: force_n, along"), std::string::npos);
-  EXPECT_NE(why_not({.action = EffectAction::kGain, .effect = "pull", .parameter = {}, .value = {1}}).find("lists: push, push2"),
+  EXPECT_NE(why_not({.action = EffectAction::kGain, .effect = "pull", .parameter = {}, .value = {1}})
+                .find("lists: push, push2"),
             std::string::npos);
   EXPECT_NE(judge({}, gain(1.0)).error().find("no effects"), std::string::npos);
 }

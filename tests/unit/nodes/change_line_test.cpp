@@ -49,7 +49,8 @@ class ChangeLineTest : public testing::Test {
   ChangeLineTest() {
     Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
     const EffectKind* kind = find_effect_kind("viscosity");
-    scene.effects = {EffectSpec{.name = "viscosity", .kind = kind, .values = EffectValues(kind->parameters), .region = {}}};
+    scene.effects = {
+        EffectSpec{.name = "viscosity", .kind = kind, .values = EffectValues(kind->parameters), .region = {}}};
     scene.effects[0].values.at(0)[0] = 1.0;
     built_ = build_scene(scene, serial_for());
     next_ = build_scene(scene, serial_for());

@@ -25,7 +25,8 @@ constexpr double kPressed = 0.0085, kSpeed = 0.1;
 /// plane.yaml with a thick liquid, as a file that a test may change.
 class SceneCopy {
  public:
-  SceneCopy() : file(std::filesystem::temp_directory_path() / ("change_node_test_" + std::to_string(getpid()) + ".yaml")) {
+  SceneCopy()
+      : file(std::filesystem::temp_directory_path() / ("change_node_test_" + std::to_string(getpid()) + ".yaml")) {
     std::ifstream in(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
     std::stringstream text;
     text << in.rdbuf();
@@ -36,7 +37,8 @@ class SceneCopy {
   ~SceneCopy() { std::filesystem::remove(file); }
   void replace(const std::string& from, const std::string& to) {
     ASSERT_NE(text_.find(from), std::string::npos) << from;
-    for (std::size_t at = 0; (at = text_.find(from, at)) != std::string::npos; at += to.size()) text_.replace(at, from.size(), to);
+    for (std::size_t at = 0; (at = text_.find(from, at)) != std::string::npos; at += to.size())
+      text_.replace(at, from.size(), to);
     std::ofstream(file) << text_;
   }
   std::filesystem::path file;
@@ -57,7 +59,9 @@ class Asker {
   Asker(const bus::Participant& participant, const std::string& rig)
       : changes(participant, qos::kEffectChange, rig, qos::profile(qos::kEffectChange.profile)),
         answers(participant, qos::kEffectChanged, rig, qos::profile(qos::kEffectChanged.profile)) {}
-  bool ready() { return wait_until([&] { return changes.matched_count() == 1 && answers.matched_count() == 1; }); }
+  bool ready() {
+    return wait_until([&] { return changes.matched_count() == 1 && answers.matched_count() == 1; });
+  }
 
   /// Sends until somebody has heard: a first message may go before the other end knows this one.
   bool send_until_heard(msg::EffectChange m, std::uint64_t request) {
@@ -67,7 +71,9 @@ class Asker {
     return wait_until([&] {
       changes.write(m);
       std::this_thread::sleep_for(milliseconds(20));
-      answers.take_each([&](const msg::EffectChanged& a) { said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence}); });
+      answers.take_each([&](const msg::EffectChanged& a) {
+        said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence});
+      });
       return !said[request].empty();
     });
   }
@@ -86,7 +92,8 @@ class Asker {
         said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence});
       });
       return !said[request].empty() && said[request].back().result != result::kResultWaiting;
-    })) << "nobody answered " << request;
+    })) << "nobody answered "
+        << request;
     return said[request].empty() ? Said{} : said[request].back();
   }
 
@@ -96,7 +103,8 @@ class Asker {
   std::uint64_t requests = 0;
 };
 
-msg::EffectChange change(std::uint32_t action, double value = 0.0, std::uint64_t from_sample = 0, std::uint64_t session = 0) {
+msg::EffectChange change(std::uint32_t action, double value = 0.0, std::uint64_t from_sample = 0,
+                         std::uint64_t session = 0) {
   msg::EffectChange m{};
   m.action = action;
   m.value[0] = value;
@@ -110,7 +118,8 @@ const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
 class RenderingLive : public testing::Test {
  protected:
   RenderingLive()
-      : rig(own_rig("x")), participant({kDomain, "lo", "around"}), descriptions(participant, qos::kDeviceDescription, rig, latched()),
+      : rig(own_rig("x")), participant({kDomain, "lo", "around"}),
+        descriptions(participant, qos::kDeviceDescription, rig, latched()),
         plans(participant, qos::kScenePlan, rig, latched()),
         states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)),
         contacts(participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kTap)), asker(participant, rig),
@@ -129,11 +138,15 @@ class RenderingLive : public testing::Test {
     m.rate_hz = 1000.0;
     descriptions.write(m);
     sequence = 0;
-    ASSERT_TRUE(wait_until([&] { look(); return planned == id && states.matched_count() == 1 && contacts.matched_count() == 1; }));
+    ASSERT_TRUE(wait_until([&] {
+      look();
+      return planned == id && states.matched_count() == 1 && contacts.matched_count() == 1;
+    }));
   }
   void look() {
     plans.take_each([this](const msg::ScenePlan& p) {
-      planned = p.session_id, plan_from_sample = p.from_sample, voxel_size_m = p.voxel_size_m, model = p.contact_model, ++plan_count;
+      planned = p.session_id, plan_from_sample = p.from_sample, voxel_size_m = p.voxel_size_m, model = p.contact_model,
+      ++plan_count;
     });
     msg::ContactState c;
     while (contacts.take(c)) {
@@ -398,7 +411,8 @@ const EffectKind kSpring = {
 
 TEST(ChangeDesk, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
   Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
-  scene.effects = {EffectSpec{.name = "spring", .kind = &kSpring, .values = EffectValues(kSpringParameters), .region = {}}};
+  scene.effects = {
+      EffectSpec{.name = "spring", .kind = &kSpring, .values = EffectValues(kSpringParameters), .region = {}}};
   auto built = build_scene(scene, serial_for());
   LiveScene live(*built);
   const double with_100 = built->plan().contact_n_per_m.all_points;
@@ -427,7 +441,10 @@ TEST(ChangeDesk, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
   const Said stiffer = ask(change(kActionValue, 350.0), "stiffness_n_per_m");
   EXPECT_EQ(stiffer.result, result::kResultDone) << stiffer.sentence;
   const Said softer = ask(change(kActionValue, 50.0), "stiffness_n_per_m");
-  ASSERT_TRUE(wait_until([&] { loop(); return seen.size() >= 3; }));
+  ASSERT_TRUE(wait_until([&] {
+    loop();
+    return seen.size() >= 3;
+  }));
   ASSERT_EQ(seen.size(), 3U) << "the session's, and one for each change of the bound";
   EXPECT_EQ(seen[0], (std::pair<std::uint64_t, double>{0, with_100}));
   EXPECT_EQ(seen[1].first, stiffer.from_sample);

@@ -92,7 +92,8 @@ TEST(LiveScene, ANewSessionEndsAFadeAndGivesTheOldSceneBack) {
   live.reset();
   EXPECT_FALSE(live.fading());
   EXPECT_EQ(live.retired(), old_scene.get());
-  EXPECT_EQ(live.render(pressed(), 0.0).wrench.force, plane(0.001)->scene_renderer().render(pressed(), 0.0).wrench.force);
+  EXPECT_EQ(live.render(pressed(), 0.0).wrench.force,
+            plane(0.001)->scene_renderer().render(pressed(), 0.0).wrench.force);
 }
 
 }  // namespace
