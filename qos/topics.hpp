@@ -22,6 +22,8 @@ inline constexpr Topic kContactState{"rendering/contact", "voxtouch_msgs/msg/Con
 inline constexpr Topic kForceCommand{"coupling/command", "voxtouch_msgs/msg/ForceCommand", ProfileId::kStream, 1000};
 inline constexpr Topic kDeviceDescription{"device/description", "voxtouch_msgs/msg/DeviceDescription", ProfileId::kLatched, 0};
 inline constexpr Topic kScenePlan{"rendering/plan", "voxtouch_msgs/msg/ScenePlan", ProfileId::kLatched, 0};
+inline constexpr Topic kEffectChange{"rendering/change", "voxtouch_msgs/msg/EffectChange", ProfileId::kEvent, 0};
+inline constexpr Topic kEffectChanged{"rendering/changed", "voxtouch_msgs/msg/EffectChanged", ProfileId::kStatus, 0};
 inline constexpr Topic kCouplingDesign{"coupling/design", "voxtouch_msgs/msg/CouplingDesign", ProfileId::kLatched, 0};
 inline constexpr Topic kValidation{"validation", "voxtouch_msgs/msg/ValidationReport", ProfileId::kEvent, 0};
 inline constexpr Topic kNodeStatus{"node_status", "voxtouch_msgs/msg/NodeStatus", ProfileId::kStatus, 1};
@@ -33,7 +35,7 @@ inline constexpr Topic kMarkers{"markers", "visualization_msgs/msg/MarkerArray",
 
 inline constexpr Topic kTopics[] = {kDeviceState, kContactState,   kForceCommand, kDeviceDescription, kScenePlan,
                                     kCouplingDesign, kValidation,  kNodeStatus,   kDiagnostics,       kTf,
-                                    kPose,           kWrench,      kMarkers};
+                                    kPose,           kWrench,      kMarkers,    kEffectChange,   kEffectChanged};
 
 enum class TimeMode : std::uint8_t { kRealTime, kLockstep };
 

@@ -14,6 +14,15 @@ bool usable(const EffectPush& push) noexcept {
          std::isfinite(push.potential_j);
 }
 
+/// The same with the contact of one object only.
+EffectFrame narrowed(const EffectFrame& frame, std::uint32_t object) noexcept {
+  EffectFrame one = frame;
+  one.contacts = {};
+  for (const ObjectContact& contact : frame.contacts)
+    if (contact.object == object) one.contacts = {&contact, 1};
+  return one;
+}
+
 }  // namespace
 
 EffectChain::EffectChain(std::vector<EffectSpec> effects) {
@@ -76,7 +85,7 @@ EffectPush EffectChain::apply(const EffectFrame& frame) noexcept {
       continue;
     }
     EffectPush own;
-    link.effect->apply(frame, link.now, own);
+    link.effect->apply(link.goal.object ? narrowed(frame, *link.goal.object) : frame, link.now, own);
     EffectPush with = sum;
     weigh(link, weight, own, with);
     if (usable(with)) {
@@ -99,38 +108,36 @@ int EffectChain::find(std::string_view name) const noexcept {
   return -1;
 }
 
+void EffectChain::take(const EffectCommand& command) noexcept {
+  Link& link = links_[command.effect];
+  voxtouch::take(link.goal, command);
+  if (command.action != EffectAction::kValue) {
+    link.gain.head_for(link.goal.on ? link.goal.gain : 0.0, kEffectRampS);
+    return;
+  }
+  const std::array<double, 3>&now = link.now.at(command.parameter), &goal = command.value;
+  for (std::size_t n = 0; n < 3; ++n)
+    link.rate.at(command.parameter)[n] = std::abs(goal[n] - now[n]) / kEffectRampS;
+}
+
 std::string EffectChain::switch_to(std::size_t effect, bool on) {
-  Link& link = links_[effect];
-  if (link.goal.kind->everywhere) return fmt::format("'{}' takes no switch and no gain", link.goal.kind->name);
-  link.goal.on = on;
-  link.gain.head_for(on ? link.goal.gain : 0.0, kEffectRampS);
+  if (links_[effect].goal.kind->everywhere) return no_switch(links_[effect].goal);
+  take({.action = EffectAction::kSwitch, .effect = static_cast<std::uint32_t>(effect), .value = {on ? 1.0 : 0.0, 0.0, 0.0}});
   return {};
 }
 
 std::string EffectChain::set_gain(std::size_t effect, double gain) {
-  if (links_[effect].goal.kind->everywhere) return switch_to(effect, true);
+  if (links_[effect].goal.kind->everywhere) return no_switch(links_[effect].goal);
   if (!(gain >= 0.0 && gain <= 1.0)) return "'gain' must be a number from 0 to 1";
-  links_[effect].goal.gain = gain;
-  return switch_to(effect, links_[effect].goal.on);
+  take({.action = EffectAction::kGain, .effect = static_cast<std::uint32_t>(effect), .value = {gain, 0.0, 0.0}});
+  return {};
 }
 
 std::string EffectChain::set_value(std::size_t effect, std::string_view parameter, const std::array<double, 3>& value) {
-  Link& link = links_[effect];
-  const std::span<const EffectParameter> all = link.goal.kind->parameters;
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const EffectParameter& p) { return p.name == parameter; });
-  if (found == all.end()) return fmt::format("the effect '{}' has no parameter '{}'", link.goal.name, parameter);
-  if (found->shape == ParameterShape::kWord) return fmt::format("'{}' cannot change while running", parameter);
-  const auto p = static_cast<std::size_t>(found - all.begin());
-  EffectValues wanted = link.goal.values;
-  wanted.at(p) = value;
-  if (std::string why = check_values(*link.goal.kind, wanted); !why.empty()) return why;
-  const EffectNeeds before = link.goal.kind->needs(link.goal.values), after = link.goal.kind->needs(wanted);
-  if ((after.torque && !before.torque) || after.proximity_m > before.proximity_m ||
-      after.smoothing_m > before.smoothing_m || after.lever_m < before.lever_m)
-    return fmt::format("'{}' would need what was not built for this scene; change the scene file", parameter);
-  link.goal.values = wanted;
-  for (std::size_t n = 0; n < 3; ++n) link.rate.at(p)[n] = std::abs(value[n] - link.now.at(p)[n]) / kEffectRampS;
+  std::expected<EffectCommand, std::string> command = judge_value(links_[effect].goal, parameter, value);
+  if (!command) return std::move(command.error());
+  command->effect = static_cast<std::uint32_t>(effect);
+  take(*command);
   return {};
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/coupling/ramp.hpp"
 #include "core/effects/effect.hpp"
+#include "core/effects/effect_change.hpp"
 #include "core/effects/effect_spec.hpp"
 
 namespace voxtouch {
@@ -44,6 +45,8 @@ class EffectChain {
 
   /// Energy that kinds which may give some were free to give since the chain was made, over a way of `metres` [J].
   double given_over(double metres) const noexcept { return per_metre_j_ * metres; }
+  /// The same for what `judge` has found good. Real-time safe.
+  void take(const EffectCommand& command) noexcept;
 
   std::uint64_t not_finite() const noexcept { return not_finite_; }
 

@@ -1,5 +1,7 @@
 #pragma once
 /// One effect as a scene asks for it, and what a list of them needs and can do.
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -14,6 +16,7 @@ struct EffectSpec {
   const EffectKind* kind = nullptr;
   EffectValues values;
   Region region;
+  std::optional<std::uint32_t> object = {};  ///< feels the contact with this static object alone; 0: the ground
   double gain = 1.0;  ///< 0..1
   bool on = true;     ///< off: built and ready, gain 0
 };

@@ -28,6 +28,14 @@ constexpr std::array kParameters = {
                     .meaning = "Touched points farther from the tool's origin count as this far [m]."},
 };
 
+/// No hand slides a tool faster; beyond it the film grows thinner, so that its force has a bound.
+constexpr double kFastestMPerS = 2.0;
+
+Vec3 cut(const Vec3& v) noexcept {
+  const double speed = v.stableNorm();
+  return speed > kFastestMPerS ? Vec3(v * (kFastestMPerS / speed)) : v;
+}
+
 double weight_of(double push_n, const EffectValues& values) noexcept {
   return contact_limits::smoothstep(0.0, values.number(kFull), push_n);
 }
@@ -67,7 +75,8 @@ class SurfaceDamping final : public Effect {
   /// than the depth's, which half of it on every axis is not less than.
   static void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point, const Vec3& arm,
                   double share, const EffectValues& values, EffectPush& push) noexcept {
-    const Vec3 way = frame.twist.linear - touch.twist.linear + (frame.twist.angular - touch.twist.angular).cross(arm);
+    const Vec3 way =
+        cut(frame.twist.linear - touch.twist.linear + (frame.twist.angular - touch.twist.angular).cross(arm));
     const double into = point.normal.dot(way);
     const Vec3 full =
         -values.number(kAlong) * (way - into * point.normal) - values.number(kAgainst) * into * point.normal;
@@ -96,6 +105,7 @@ EffectBound bound(const EffectValues& values) {
   EffectBound bound;
   const double reach = values.number(kReach);
   bound.damping_ns_per_m = std::max(values.number(kAlong), values.number(kAgainst));
+  bound.force_n = bound.damping_ns_per_m * kFastestMPerS;
   bound.damping_nms_per_rad = bound.damping_ns_per_m * reach * reach;
   return bound;
 }

@@ -46,6 +46,12 @@ void JudgeSettings::validate() const {
 
 Judge::Judge(const JudgeSettings& settings) : settings_(settings) { settings_.validate(); }
 
+void Judge::change(const JudgeSettings& settings) {
+  settings.validate();
+  settings_ = settings;
+  run_ = {};
+}
+
 void Judge::reset() noexcept { counts_ = {}, run_ = {}; }
 
 double Judge::free_limit_m() const noexcept {

@@ -120,6 +120,8 @@ class Judge {
   Judgement judge(const GapResult& gap, const ReportedContact& report);
 
   const JudgeCounts& counts() const noexcept { return counts_; }
+  /// Another scene within the session: counts go on, memory begins anew. Throws as the constructor.
+  void change(const JudgeSettings& settings);
   /// A new session: counts and memory begin anew.
   void reset() noexcept;
 

@@ -155,20 +155,6 @@ Tool build_tool(const Kit& kit) {
   return tool;
 }
 
-/// What the device can meet at most: contact and effects together, or the grip alone where the object is a body.
-void add_effect_bounds(const Scene& scene, BuildCounts& counts) {
-  for (const EffectSpec& effect : scene.effects) {
-    const EffectBound bound = bound_of(effect);
-    if (effect.kind->needs(effect.values).body) {
-      counts.contact_n_per_m = {bound.stiffness_n_per_m, bound.stiffness_n_per_m};
-      counts.contact_nm_per_rad = {bound.stiffness_nm_per_rad, bound.stiffness_nm_per_rad};
-      return;
-    }
-    counts.contact_n_per_m.all_points += bound.stiffness_n_per_m;
-    counts.contact_nm_per_rad.all_points += bound.stiffness_nm_per_rad;
-  }
-}
-
 /// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
 std::unique_ptr<StaticObject> build_object(const Kit& kit, std::uint32_t id, const ObjectMesh& fixed) {
   const Scene& scene = kit.scene;
@@ -266,7 +252,6 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   ground.body = tool.body;
   if (const EffectNeeds needs = needs_of(scene.effects); needs.proximity_m > 0.0)
     build_proximity(kit, needs, meshes.front(), objects.front()->voxmap, tool.shell, ground);
-  add_effect_bounds(scene, counts);
   return std::make_unique<BuiltScene>(std::move(objects), scene.effects, std::move(ground), make_plan(scene, counts),
                                       tool.largest_gap);
 }

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/scene/scene_sections.hpp"
 
@@ -74,7 +75,14 @@ Region read_region(const SceneSource& source, const YamlNode& node) {
   return region;
 }
 
-EffectSpec read_effect(const SceneSource& source, const YamlNode& node) {
+/// "ground", or one of the scene's objects.
+std::uint32_t read_object_name(const SceneSource& source, const YamlNode& node, const Scene& scene) {
+  std::vector<std::string_view> names{"ground"};
+  for (const ObjectSpec& object : scene.objects) names.push_back(object.name);
+  return static_cast<std::uint32_t>(read_choice(source, node, "object", names));
+}
+
+EffectSpec read_effect(const SceneSource& source, const YamlNode& node, const Scene& scene) {
   std::vector<std::string_view> kinds;
   for (const EffectKind* kind : effect_kinds()) kinds.push_back(kind->name);
   if (node.kind != YamlNode::Kind::kMap || node.entries.empty())
@@ -82,7 +90,7 @@ EffectSpec read_effect(const SceneSource& source, const YamlNode& node) {
                 fmt::format("An effect is a map such as {{viscosity: {{damping_ns_per_m: 1}}}}, but here is {}.",
                             describe(node)));
   std::vector<std::string_view> allowed = kinds;
-  allowed.insert(allowed.end(), {"name", "region", "gain", "on"});
+  allowed.insert(allowed.end(), {"name", "region", "object", "gain", "on"});
   const MapReader map(source, node, "an effect", allowed);
   EffectSpec spec;
   for (const EffectKind* kind : effect_kinds()) {
@@ -102,9 +110,16 @@ EffectSpec read_effect(const SceneSource& source, const YamlNode& node) {
   if (spec.kind->everywhere)
     for (const std::string_view key : {"region", "gain", "on"})
       map.refuse(key, fmt::format("does not go with '{}', which is all or nothing.", spec.kind->name));
+  if (!spec.kind->needs(spec.values).contact)
+    map.refuse("object", fmt::format("does not go with '{}', which feels no contact.", spec.kind->name));
+  if (const YamlNode* object = map.find("object")) spec.object = read_object_name(source, *object, scene);
   map.optional("name", spec.name, read_text);
   map.optional("on", spec.on, read_flag);
   if (const YamlNode* region = map.find("region")) spec.region = read_region(source, *region);
+  if (const YamlNode* region = map.find("region"); region != nullptr && !std::isfinite(bound_of(spec).stiffness_n_per_m))
+    source.fail(region->place, fmt::format("'{}' with these values has no largest force, so at the region's rim nothing would "
+                                           "bound its stiffness; leave the region out, or limit the effect.",
+                                           spec.kind->name));
   if (const YamlNode* gain = map.find("gain")) {
     spec.gain = read_not_negative(source, *gain, "gain");
     if (spec.gain > 1.0) source.fail(gain->place, fmt::format("'gain' is {}; it goes from 0 to 1.", spec.gain));
@@ -114,10 +129,10 @@ EffectSpec read_effect(const SceneSource& source, const YamlNode& node) {
 
 }  // namespace
 
-std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node) {
+std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node, const Scene& scene) {
   std::vector<EffectSpec> effects;
   for (const YamlNode& item : read_list(source, node, "effects")) {
-    EffectSpec spec = read_effect(source, item);
+    EffectSpec spec = read_effect(source, item, scene);
     for (const EffectSpec& other : effects) {
       if (other.name != spec.name) continue;
       source.fail(item.place,

@@ -37,15 +37,16 @@ ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> object
   if (objects_.empty() || objects_.size() > kMostObjects)
     throw std::invalid_argument(
         fmt::format("a scene has 1 to {} static objects, not {}", kMostObjects, objects_.size()));
-  for (std::size_t n = 0; n < objects_.size(); ++n) {
-    parts_[n] = {.object = objects_[n]->id, .contact = &results_[n], .twist = {}};
-    moves_ = moves_ || objects_[n]->moves;
+  for (const auto& object : objects_) {
+    moves_ = moves_ || object->moves;
+    parts_.push_back({.object = object->id, .contact = nullptr, .twist = {}});
   }
-}
-
-/// One object that rests costs nothing beside its own contact.
-StageResult ObjectContacts::render(const Pose& tool, double time_s) noexcept {
-  return alone() ? objects_[0]->renderer->render(tool) : render_all(tool, time_s);
+  if (objects_.size() == 1 && !moves_) {
+    alone_ = &*objects_[0]->renderer;
+    return;
+  }
+  results_.resize(objects_.size());
+  for (std::size_t n = 0; n < objects_.size(); ++n) parts_[n].contact = &results_[n];
 }
 
 StageResult ObjectContacts::render_all(const Pose& tool, double time_s) noexcept {

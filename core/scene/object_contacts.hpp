@@ -1,6 +1,5 @@
 #pragma once
 /// The tool against every static object of a scene: each has its own voxmap and material, and some move.
-#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -36,11 +35,13 @@ class ObjectContacts {
   /// One frame of the ring, `tool` = T in W. `time_s` since the session's begin: where moving objects are. Wrench and
   /// stiffness are sums, hits are counted together, depth and deepest point are those of the deepest object; the mean
   /// normal is that of all hits. A pose that one object cannot look up gives no contact at all. Real-time safe.
-  StageResult render(const Pose& tool, double time_s) noexcept;
+  StageResult render(const Pose& tool, double time_s) noexcept {
+    return alone_ != nullptr ? alone_->render(tool) : render_all(tool, time_s);
+  }
   /// Each object's part of the last `render`, which gave `all`; points into it where there is one object only. Real-time safe.
   std::span<const ObjectContact> parts(const StageResult& all) noexcept {
-    if (alone()) parts_[0].contact = &all.contact;
-    return {parts_.data(), objects_.size()};
+    if (alone_ != nullptr) parts_[0].contact = &all.contact;
+    return parts_;
   }
   /// Power [W] with which moving objects pushed the tool in the last `render`; below zero where it pushed them.
   double power_w() const noexcept { return power_w_; }
@@ -57,12 +58,12 @@ class ObjectContacts {
   bool moves() const noexcept { return moves_; }
 
  private:
-  bool alone() const noexcept { return objects_.size() == 1 && !moves_; }
   StageResult render_all(const Pose& tool, double time_s) noexcept;
 
   std::vector<std::unique_ptr<StaticObject>> objects_;
-  std::array<ContactResult, kMostObjects> results_;
-  std::array<ObjectContact, kMostObjects> parts_;
+  ContactRenderer* alone_ = nullptr;  ///< of the one object that rests: it costs nothing beside its own contact
+  std::vector<ContactResult> results_;
+  std::vector<ObjectContact> parts_;
   double power_w_ = 0.0;
   bool moves_ = false;
 };

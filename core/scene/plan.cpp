@@ -120,10 +120,12 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
                                          scene.contact.model, scene.contact.stiffness_n_per_m3)
                            : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
                                          scene.contact.stiffness_n_per_m));
-  plan.built.push_back(fmt::format("Contact stiffness in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin "
-                                   "by one point, {:.6g} N/m and {:.6g} Nm/rad by all points.",
-                                   n.contact_n_per_m.one_point, n.contact_nm_per_rad.one_point,
-                                   n.contact_n_per_m.all_points, n.contact_nm_per_rad.all_points));
+  plan.built.push_back(fmt::format("{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin "
+                                   "by one point, {:.6g} N/m and {:.6g} Nm/rad {}.",
+                                   needs_of(scene.effects).body ? "Stiffness of the grip on the body" : "Contact stiffness",
+                                   plan.contact_n_per_m.one_point, plan.contact_nm_per_rad.one_point,
+                                   plan.contact_n_per_m.all_points, plan.contact_nm_per_rad.all_points,
+                                   scene.effects.empty() ? "by all points" : "by all that may push at once"));
   plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
   for (const EffectSpec& effect : scene.effects) plan.built.push_back(effect_sentence(effect));
   std::size_t parts = 0;
@@ -184,13 +186,27 @@ std::string bytes_text(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
+MetStiffness with_effects(const MetStiffness& contact, std::span<const EffectSpec> effects) {
+  MetStiffness met = contact;
+  for (const EffectSpec& effect : effects) {
+    const EffectBound bound = bound_of(effect);
+    if (effect.kind->needs(effect.values).body)
+      return {{bound.stiffness_n_per_m, bound.stiffness_n_per_m}, {bound.stiffness_nm_per_rad, bound.stiffness_nm_per_rad}};
+    met.translation.all_points += bound.stiffness_n_per_m;
+    met.rotation.all_points += bound.stiffness_nm_per_rad;
+  }
+  return met;
+}
+
 Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   Plan plan;
   plan.scene = scene.name, plan.scene_hash = scene.hash, plan.contact_model = scene.contact.model;
   plan.voxel_size_m = scene.voxel_size_m;
   plan.shell_points = counts.shell_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
-  plan.contact_n_per_m = counts.contact_n_per_m, plan.contact_nm_per_rad = counts.contact_nm_per_rad;
+  plan.of_contact_alone = {counts.contact_n_per_m, counts.contact_nm_per_rad};
+  const MetStiffness met = with_effects(plan.of_contact_alone, scene.effects);
+  plan.contact_n_per_m = met.translation, plan.contact_nm_per_rad = met.rotation;
   plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes + counts.proximity_bytes;
   plan.parts = plan_parts(scene, counts);
   for (const PlanPart& part : plan.parts)

@@ -2,6 +2,7 @@
 /// What is built for a scene and why, what is left out and why, and what it costs: for people and for the plan message.
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,7 +28,7 @@ struct BuildCounts {
   std::uint64_t tool_points = 0;                           ///< points of the tool that they are looked up for
   double tool_gap_m = 0.0;                                 ///< no point of the tool's shell is farther from one of these [m]
   std::vector<std::string> open_meshes;              ///< static meshes that are not closed
-  ContactRange contact_n_per_m, contact_nm_per_rad;  ///< in W, see contact_range.hpp
+  ContactRange contact_n_per_m, contact_nm_per_rad;  ///< in W, without effects; see contact_range.hpp
   bool closed = true;                       ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;   ///< what is wrong with the meshes, as sentences
 };
@@ -41,6 +42,13 @@ struct PlanPart {
   double expected_ns = 0.0;  ///< a frame, at most: from counts, not measured; 0: nothing in a frame
 };
 
+/// In W: of what pushes alone, and of all that may push at once.
+struct MetStiffness {
+  ContactRange translation, rotation;  ///< [N/m]; [Nm/rad] about the tool's origin
+};
+/// What the device meets at most: contact and effects together, or the grip alone where the object is a body.
+MetStiffness with_effects(const MetStiffness& contact, std::span<const EffectSpec> effects);
+
 struct Plan {
   std::string scene, scene_hash, contact_model;
   double voxel_size_m = 0.0;
@@ -49,6 +57,7 @@ struct Plan {
   double expected_ns_per_frame = 0.0;       ///< of the rendering, contact and effects: from counts, not measured
   /// What the contact can show at most, in W before the coupling: translation, and rotation about the tool's origin.
   ContactRange contact_n_per_m, contact_nm_per_rad;
+  MetStiffness of_contact_alone;            ///< the same without any effect
   std::vector<std::string> built, left_out, warnings;  ///< one sentence each
   std::vector<PlanPart> parts;              ///< what a frame is made of, in the order of its way
 };

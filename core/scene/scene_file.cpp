@@ -37,7 +37,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   scene.dynamic_mesh = read_dynamic_mesh(source, map.require("dynamic"), scene.shell);
   scene.contact = read_contact(source, map.require("contact"));
   read_static(source, map.require("static"), scene);
-  if (const YamlNode* node = map.find("effects")) scene.effects = read_effects(source, *node);
+  if (const YamlNode* node = map.find("effects")) scene.effects = read_effects(source, *node, scene);
   if (const YamlNode* node = map.find("coupling")) scene.coupling = read_coupling(source, *node, scene.design);
   if (const YamlNode* node = map.find("device")) scene.device = read_device(source, *node);
   if (const YamlNode* node = map.find("motions")) scene.motions = read_motions(source, *node);

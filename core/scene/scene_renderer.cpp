@@ -8,7 +8,8 @@ namespace voxtouch {
 
 SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> effects,
                              const SceneSurroundings& surroundings)
-    : contact_(contact), effects_(std::move(effects)), surroundings_(surroundings) {
+    : contact_(contact), effects_(std::move(effects)), surroundings_(surroundings),
+      more_(!effects_.empty() || contact.moves()) {
   for (std::size_t n = 0; n < effects_.size(); ++n) {
     if (!effects_.spec(n).kind->needs(effects_.spec(n).values).body) continue;
     if (!surroundings.body) throw std::invalid_argument("the effect 'body' needs the shape of the dynamic object");
@@ -18,15 +19,18 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> ef
 
 SceneFrame SceneRenderer::render(const ToolState& tool, double time_s) noexcept {
   SceneFrame frame;
-  frame.object = body_ && body_->body.placed() ? body_->body.pose() : tool.pose;
+  frame.object = body_ ? lying_or(tool.pose) : tool.pose;
   frame.touch = contact_.render(frame.object, time_s);
   const ContactResult& contact = frame.touch.contact;
   frame.wrench = contact.wrench;
   frame.stiffness = contact.stiffness;
   frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
-  if (contact.pose_status == PoseStatus::kUsable && (!effects_.empty() || contact_.moves()))
-    add_rest(tool, time_s, frame);
+  if (more_ && contact.pose_status == PoseStatus::kUsable) add_rest(tool, time_s, frame);
   return frame;
+}
+
+const Pose& SceneRenderer::lying_or(const Pose& tool) const noexcept {
+  return body_->body.placed() ? body_->body.pose() : tool;
 }
 
 void SceneRenderer::add_rest(const ToolState& tool, double time_s, SceneFrame& frame) noexcept {

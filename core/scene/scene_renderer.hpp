@@ -64,6 +64,7 @@ class SceneRenderer {
     std::size_t effect = 0;  ///< place in the chain
   };
   double step_to(double time_s) noexcept;
+  const Pose& lying_or(const Pose& tool) const noexcept;
   void add_rest(const ToolState& tool, double time_s, SceneFrame& frame) noexcept;
   void add_effects(const ToolState& object, double time_s, double dt_s, SceneFrame& frame) noexcept;
   void supply(const Pose& object, double dt_s, SceneFrame& frame) noexcept;
@@ -72,6 +73,7 @@ class SceneRenderer {
   ObjectContacts& contact_;
   EffectChain effects_;
   SceneSurroundings surroundings_;
+  bool more_;  ///< than contact with what rests
   std::optional<BodyPart> body_;
   std::optional<double> last_s_, potential_j_;
   std::optional<Vec3> last_position_;

@@ -14,8 +14,8 @@ MeshSpec read_mesh(const SceneSource& source, const MapReader& map);
 Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_view what, bool with_orientation);
 MeshSpec read_dynamic_mesh(SceneSource& source, const YamlNode& node, ShellKind& shell);
 ContactSpec read_contact(SceneSource& source, const YamlNode& node);
-/// In effects_section.cpp.
-std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node);
+/// `scene.objects` are read before. In effects_section.cpp.
+std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node, const Scene& scene);
 /// The coupling as set by hand, or, where it is to be designed, `design` and a spec of defaults. In coupling_section.cpp.
 CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignAsk>& design);
 DeviceSpec read_device(SceneSource& source, const YamlNode& node);

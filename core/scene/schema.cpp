@@ -96,8 +96,20 @@ Json mesh_keys() {
 
 Json static_mesh() {
   Json keys = mesh_keys();
-  keys["origin"] = defined("vector", "Origin of the voxel grid [m]; on one static mesh at most.");
+  keys["origin"] = defined("vector", "Origin of the ground's voxel grid [m]; on one static mesh at most.");
+  keys["object"] = defined("object");
   return map_of(std::move(keys), {"mesh"});
+}
+
+Json object() {
+  Json made = map_of({{"name", name("Of the object.")},
+                      {"stiffness_n_per_m", positive("Of each shell point against it [N/m]; left out: the scene's.")},
+                      {"stiffness_n_per_m3", positive("Per area against it [N/m^3]; left out: the scene's.")},
+                      {"moves", defined("way")}},
+                     {"name"}, "Made here.");
+  made["not"] = {{"required", {"stiffness_n_per_m", "stiffness_n_per_m3"}}};
+  return described({{"oneOf", {name("Made by an entry above."), std::move(made)}}},
+                   "With a material of its own, and a motion if it has one; left out: the ground.");
 }
 
 Json dynamic_mesh() {
@@ -182,8 +194,9 @@ Json device() {
                 Json::array(), "How the device moves the tool.");
 }
 
-Json motion() {
-  Json path = list_of(defined("vector"), "Way points of the tool's origin [m], walked in straight pieces.");
+/// A motion without what only a hand has.
+Json way() {
+  Json path = list_of(defined("vector"), "Way points [m], walked in straight pieces.");
   path["minItems"] = 1;
   Json circle = map_of({{"centre", defined("vector", "[m]")}, {"axis", with_default(defined("vector"), {0, 0, 1})}},
                        {"centre"}, "Round and round after the way points, beginning at the last.");
@@ -192,10 +205,22 @@ Json motion() {
               {"speed_m_per_s", with_default(positive("Largest speed of a straight piece [m/s]."), 0.05)},
               {"hold_s", with_default(not_negative("Rest at each way point [s]."), 0)},
               {"repeat_from", count("Back and forth between this point, counted from 0, and the last, for ever.")},
-              {"orientation", with_default(defined("quaternion"), {1, 0, 0, 0})},
               {"circle", std::move(circle)}},
-             {"path"}, "What a simulated hand does.");
+             {"path"}, "How an object moves: its displacement over the time since the session's begin.");
   out["not"] = {{"required", {"repeat_from", "circle"}}};
+  return out;
+}
+
+Json motion() {
+  Json out = way();
+  Json button = count("Counted from 0.");
+  button["maximum"] = 31;
+  out["description"] = "What a simulated hand does with the tool's origin, in the scene.";
+  out["properties"]["orientation"] = with_default(defined("quaternion"), {1, 0, 0, 0});
+  out["properties"]["press"] =
+      list_of(map_of({{"button", std::move(button)}, {"from_s", not_negative("[s]")}, {"to_s", positive("[s]")}},
+                     {"button", "from_s", "to_s"}),
+              "Buttons that the hand holds down meanwhile.");
   return out;
 }
 
@@ -261,11 +286,19 @@ Json effect() {
   }
   keys["name"] = name("Of this one, for the change while running; the kind's where it is left out.");
   keys["region"] = defined("region");
+  keys["object"] = name("Feels the contact with this object alone; `ground` for the meshes of none.");
   keys["gain"] =
       described({{"type", "number"}, {"minimum", 0}, {"maximum", 1}, {"default", 1}}, "Share of it that is felt.");
   keys["on"] = flag(true, "false: built and ready, switched off at the start.");
   Json out = map_of(std::move(keys), Json::array(), "One effect.");
   out["oneOf"] = std::move(one);
+  for (const EffectKind* kind : effect_kinds()) {
+    Json refused = Json::array();
+    if (kind->everywhere) refused = {has("region"), has("gain"), has("on")};
+    if (!kind->needs(EffectValues(kind->parameters)).contact) refused.push_back(has("object"));
+    if (!refused.empty())
+      out["allOf"].push_back({{"if", has(kind->name.data())}, {"then", {{"not", {{"anyOf", std::move(refused)}}}}}});
+  }
   return out;
 }
 
@@ -274,9 +307,11 @@ Json definitions() {
           {"quaternion", numbers(4, "Unit quaternion [w, x, y, z].")},
           {"pose", map_of(pose_keys(), Json::array())},
           {"part", part()},
+          {"object", object()},
           {"static_mesh", static_mesh()},
           {"region", region()},
           {"effect", effect()},
+          {"way", way()},
           {"motion", motion()}};
 }
 

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   voxtouch::cli::add_accuracy(app, action);
   voxtouch::cli::add_plan(app, action);
   voxtouch::cli::add_schema(app, action);
+  voxtouch::cli::add_change(app, action);
   CLI11_PARSE(app, argc, argv);
   try {
     const int status = action();

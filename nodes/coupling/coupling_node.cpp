@@ -57,9 +57,7 @@ class CouplingNode {
         [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
     while (!stop.load(kRelaxed)) {
       wait_set_.wait(50'000'000);
-      descriptions_.take_each([this](const msg::DeviceDescription& d) { fitting_.take(d); });
-      plans_.take_each([this](const msg::ScenePlan& p) { fitting_.take(p); });
-      if (fitting_.changed() && fitting_.session()) follow_change();
+      listen();
       if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
       while (turn()) {
       }
@@ -69,6 +67,12 @@ class CouplingNode {
   }
 
  private:
+  void listen() {
+    descriptions_.take_each([this](const msg::DeviceDescription& d) { fitting_.take(d); });
+    plans_.take_each([this](const msg::ScenePlan& p) { fitting_.take(p); });
+    if (fitting_.changed() && fitting_.session()) follow_change();
+  }
+
   /// A new session starts with its own fit. A change within one is fitted beside the loop, but for lockstep, where the sample from
   /// which it holds must not depend on how fast the fit is.
   void follow_change() {
@@ -117,7 +121,7 @@ class CouplingNode {
   }
 
   /// Joins one contact with its device sample by sequence number. In real time the newest sample must do if its own was lost.
-  bool turn() noexcept {
+  bool turn() {
     msg::DeviceState state;
     while (states_.take(state))
       if (state.session_id == session_in_loop_) recent_[state.sequence_number % recent_.size()] = newest_ = state;
@@ -126,6 +130,9 @@ class CouplingNode {
       if (!contacts_.take(contact)) return false;
       if (contact.session_id != session_in_loop_ || !coupling_) return true;
       pending_ = contact;
+      // A plan that holds from this sample on is here, for the rendering waited for that: it must not be used a sample later.
+      if (options_.lockstep) listen();
+      if (!pending_) return true;
     }
     const msg::DeviceState& own = recent_[pending_->sequence_number % recent_.size()];
     const bool joined = own.session_id == session_in_loop_ && own.sequence_number == pending_->sequence_number;

@@ -50,10 +50,11 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtim
     if (!row.recorded) continue;
     const qos::Profile& profile = qos::profile_in(row, options.mode());
     const bus::EndpointQos offered = offered_by(profile, row.rate_hz);
-    const bool flows = row.profile == qos::ProfileId::kStream || row.profile == qos::ProfileId::kEvent;
+    const bool from_outside = row.path == qos::kEffectChange.path;  // whoever asks knows no sample's time
+    const bool flows = !from_outside && (row.profile == qos::ProfileId::kStream || row.profile == qos::ProfileId::kEvent);
     add(qos::dds_name(row, options.rig), bag::dds_type_name(row.type), recording(profile, offered), offered,
         flows                                    ? Stamp::kSampleTime
-        : row.profile == qos::ProfileId::kStatus ? Stamp::kNewest
+        : from_outside || row.profile == qos::ProfileId::kStatus ? Stamp::kNewest
                                                  : Stamp::kZero);
   }
 }

@@ -45,11 +45,12 @@ std::vector<PlanPart> all_parts(const Plan& plan, const Scene& scene) {
 }  // namespace
 
 void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const Plan& plan, double largest_shell_gap_m,
-                  std::uint64_t session) {
+                  std::uint64_t session, std::uint64_t from_sample) {
   runtime::LentStrings built(plan.built), left_out(plan.left_out), warnings(plan.warnings);
   Columns columns(all_parts(plan, scene));
   msg::ScenePlan m{};
   m.session_id = session;
+  m.from_sample = from_sample;
   m.scene = runtime::lend(plan.scene);
   m.scene_hash = runtime::lend(plan.scene_hash);
   m.contact_model = runtime::lend(plan.contact_model);

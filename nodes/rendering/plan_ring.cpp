@@ -23,6 +23,8 @@ constexpr Caller kCallers[] = {
     {qos::kCouplingDesign, "coupling", "People and bags see from it what runs. Once a session and on a change."},
     {qos::kValidation, "validator", "Verdicts; there only while a validator runs."},
     {qos::kNodeStatus, "every node", "Nodes find each other by it. Once a second and on a change."},
+    {qos::kEffectChange, "rendering", "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool."},
+    {qos::kEffectChanged, "rendering", "What became of each change."},
     {qos::kDiagnostics, "every node", "For ROS tools; made and written only while somebody reads it."},
     {qos::kTf, "rendering", "For ROS tools; made and written only while somebody reads it, outside the loop."},
     {qos::kPose, "rendering", "For ROS tools; made and written only while somebody reads it, outside the loop."},

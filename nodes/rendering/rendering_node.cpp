@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "core/scene/build.hpp"
 #include "core/scene/device_mapping.hpp"
+#include "core/scene/live_scene.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/bus/wait_set.hpp"
-#include "nodes/rendering/plan_message.hpp"
+#include "nodes/rendering/change_desk.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
@@ -20,21 +20,23 @@ constexpr auto kRelaxed = std::memory_order_relaxed;
 
 class RenderingNode {
  public:
-  RenderingNode(const Options& options, const Scene& scene, BuiltScene& built)
-      : options_(options), scene_(scene), built_(built), mapping_(scene.device),
+  RenderingNode(const Options& options, const Scene& scene, std::unique_ptr<BuiltScene> built)
+      : options_(options), scene_(scene), live_(*built), mapping_(scene.device),
         participant_(options.participant("rendering")),
         descriptions_(participant_, qos::kDeviceDescription, options.rig,
                       qos::profile_in(qos::kDeviceDescription, options.mode())),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
-        plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
-        ros_(participant_, options.rig, scene), wait_set_(participant_) {
+        ros_(participant_, options.rig, scene),
+        desk_(participant_, options, scene, std::move(built), line_,
+              [this](const Scene& next) { ros_.set_static_meshes(next.static_meshes); }),
+        wait_set_(participant_) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
     links_ = {{"device/description", [this] { return descriptions_.matched(); }, {"device"}},
               {"device/state", [this] { return states_.matched(); }, {"device"}},
               {"rendering/contact", [this] { return contacts_.matched(); }, {"coupling", "logger", "validator"}},
-              {"rendering/plan", [this] { return plans_.matched(); }, {"logger", "validator"}}};
+              {"rendering/plan", [this] { return desk_.plan_readers(); }, {"logger", "validator"}}};
   }
 
   int run(const std::atomic<bool>& stop) {
@@ -47,7 +49,9 @@ class RenderingNode {
       wait_set_.wait(50'000'000);
       descriptions_.take_each([this](const msg::DeviceDescription& d) { start_session(d.session_id); });
       msg::DeviceState state;
+      const std::uint64_t before = samples_.load(kRelaxed);
       while (states_.take(state) && !stop.load(kRelaxed)) answer(state);
+      if (samples_.load(kRelaxed) == before) idle();
     }
     session_.stop();
     return 0;
@@ -56,39 +60,63 @@ class RenderingNode {
  private:
   void start_session(std::uint64_t session) {
     if (session == session_in_loop_) return;  // the device has described itself anew; the scene is the same
-    built_.scene_renderer().reset();
+    live_.reset();
+    line_.begin_session(session);
+    next_sample_ = 0;
     mapping_.reset();
     frame_ = {};  // what is held for a refused sample must not come from another session
     refused_in_a_row_ = 0;
     session_in_loop_ = session;
     session_begin_ns_.reset();
-    publish_plan(plans_, scene_, built_.plan(), built_.largest_shell_gap_m(), session);
+    desk_.begin_session(session);
     session_.begin(session);
+  }
+
+  /// No sample has come: what waits for none is changed now. A fade goes on with the samples; where there are none for long,
+  /// nobody feels it.
+  void idle() noexcept {
+    change(next_sample_, false);
+    if (!options_.lockstep && live_.fading() && runtime::monotonic_ns() - last_answer_ns_ > 500'000'000) live_.finish();
+  }
+
+  static void nap() noexcept { runtime::sleep_until(runtime::monotonic_ns() + 200'000); }
+
+  /// Between two samples. In lockstep it waits here for what the sample `next` must be answered with: the plan of a change, which
+  /// readers must have before it, or a scene that is still being built.
+  void change(std::uint64_t next, bool at_sample) noexcept {
+    while (options_.lockstep && at_sample && line_.holds(next) && !stop_->load(kRelaxed)) nap();
+    if (!options_.lockstep) (void)line_.holds(next);
+    line_.take(live_, next, at_sample);
+    while (options_.lockstep && !line_.settled(line_.applied()) && !stop_->load(kRelaxed)) nap();
   }
 
   /// A sample that cannot be used is answered with the last good pose's contact for as long as a device holds a command.
   void answer(const msg::DeviceState& state) noexcept {
     const std::int64_t begin = runtime::monotonic_ns();
     if (state.session_id != session_in_loop_) return;  // its description, which is reliable, is on the way
+    change(state.sequence_number, true);
+    next_sample_ = state.sequence_number + 1;
+    last_answer_ns_ = begin;
+    const bool fading = live_.fading();
     const bool good =
         !(state.flags & msg::device_state::kFlagPoseHeld) &&
         !mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons).refused;
     if (good) {
       if (!session_begin_ns_) session_begin_ns_ = state.sample_time_ns;
-      frame_ = built_.scene_renderer().render(mapping_.tool(), seconds_since_begin(state));
+      frame_ = live_.render(mapping_.tool(), seconds_since_begin(state));
       refused_in_a_row_ = 0;
     } else {
       refused_.fetch_add(1, kRelaxed);
       if (++refused_in_a_row_ > kHoldSamples) frame_ = {};
     }
-    publish(state, good, begin);
+    publish(state, good, fading, begin);
   }
 
   double seconds_since_begin(const msg::DeviceState& state) const noexcept {
     return static_cast<double>(state.sample_time_ns - *session_begin_ns_) * 1e-9;
   }
 
-  void publish(const msg::DeviceState& state, bool good, std::int64_t begin) noexcept {
+  void publish(const msg::DeviceState& state, bool good, bool fading, std::int64_t begin) noexcept {
     const StageResult& touch = frame_.touch;
     const ContactResult& c = touch.contact;
     msg::ContactState m{};
@@ -110,11 +138,11 @@ class RenderingNode {
     m.surface_hits = c.surface_hits;
     m.interior_hits = c.interior_hits;
     m.points_tested = c.points_tested;
-    m.model = static_cast<std::uint32_t>(built_.renderer().model());
+    m.model = static_cast<std::uint32_t>(live_.told().renderer().model());
     m.flags =
         (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.held ? msg::contact_state::kFlagHeld : 0U) |
         (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
-        (c.saturated ? msg::contact_state::kFlagSaturated : 0U);
+        (c.saturated ? msg::contact_state::kFlagSaturated : 0U) | (fading ? msg::contact_state::kFlagFading : 0U);
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
     contacts_.write(m);
@@ -141,8 +169,8 @@ class RenderingNode {
                      {"held_samples", fmt::to_string(held_.load())},
                      {"saturated_samples", fmt::to_string(saturated_.load())},
                      {"longest_frame_us",
-                      fmt::format("{:.0f}", options_.lockstep ? 0.0 : static_cast<double>(longest_ns_.load()) * 1e-3)},
-                     {"warnings", fmt::to_string(built_.plan().warnings.size())}};
+                      fmt::format("{:.0f}", options_.lockstep ? 0.0 : static_cast<double>(longest_ns_.load()) * 1e-3)}};
+    report.values.merge(desk_.values());
     const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
     report.message = session_.stopped()
                          ? "stopped"
@@ -153,14 +181,15 @@ class RenderingNode {
   static constexpr double kDustN = 1e-9;  ///< below this a sum of forces that cancel is rounding, not force
   const Options& options_;
   const Scene& scene_;
-  BuiltScene& built_;
+  LiveScene live_;
+  ChangeLine line_;
   DeviceMapping mapping_;
   bus::Participant participant_;
   bus::Reader<msg::DeviceDescription> descriptions_;
   bus::Reader<msg::DeviceState> states_;
   bus::Writer<msg::ContactState> contacts_;
-  bus::Writer<msg::ScenePlan> plans_;
   RosOutputs ros_;
+  ChangeDesk desk_;
   bus::WaitSet wait_set_;
   std::vector<runtime::Link> links_;
   const std::atomic<bool>* stop_ = nullptr;
@@ -169,6 +198,8 @@ class RenderingNode {
   SceneFrame frame_;
   std::optional<std::int64_t> session_begin_ns_;  ///< device clock of the first sample answered
   int refused_in_a_row_ = 0;
+  std::uint64_t next_sample_ = 0;     ///< number of the first one that has not been answered
+  std::int64_t last_answer_ns_ = 0;
   std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0}, buried_{0}, saturated_{0};
   std::atomic<std::int64_t> longest_ns_{0};
 };
@@ -177,9 +208,9 @@ class RenderingNode {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const Scene scene = load_scene(options.scene);
-  const std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for());
+  std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for());
   for (const std::string& warning : built->plan().warnings) fmt::print(stderr, "warning: {}\n", warning);
-  RenderingNode node(options, scene, *built);
+  RenderingNode node(options, scene, std::move(built));
   return node.run(stop);
 }
 

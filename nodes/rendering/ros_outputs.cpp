@@ -65,6 +65,11 @@ RosOutputs::~RosOutputs() {
   thread_.join();
 }
 
+void RosOutputs::set_static_meshes(std::vector<MeshSpec> meshes) {
+  const std::lock_guard lock(meshes_mutex_);
+  static_meshes_ = std::move(meshes);
+}
+
 void RosOutputs::turn(std::uint64_t count) {
   Shown shown;
   if (!latest_.read(shown)) return;
@@ -113,9 +118,13 @@ void RosOutputs::write_markers(const Shown& shown) {
   all.back().pose.position = runtime::to_point(shown.deepest_point);
   all.back().scale = {0.004, 0.004, 0.004};
   all.back().color = {0.9F, 0.7F, 0.1F, shown.contact ? 1.0F : 0.0F};
+  const std::vector<MeshSpec> shown_meshes = [this] {
+    const std::lock_guard lock(meshes_mutex_);
+    return static_meshes_;
+  }();
   std::vector<std::string> resources;
-  resources.reserve(static_meshes_.size());
-  for (const MeshSpec& mesh : static_meshes_) {
+  resources.reserve(shown_meshes.size());
+  for (const MeshSpec& mesh : shown_meshes) {
     resources.push_back("file://" + mesh.path.string());
     all.push_back(
         marker(shown.time_ns, meshes, static_cast<std::int32_t>(resources.size()), kind::kMeshResource, empty));

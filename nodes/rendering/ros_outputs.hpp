@@ -2,6 +2,7 @@
 /// What RViz, rqt and rosbag users look at: /tf, pose, wrench, markers. Written only while somebody reads them.
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -35,6 +36,8 @@ class RosOutputs {
 
   /// From the loop; real-time safe.
   void show(const Shown& shown) noexcept { latest_.write(shown); }
+  /// Other meshes from now on. From any thread but the loop's: locks.
+  void set_static_meshes(std::vector<MeshSpec> meshes);
 
   RosOutputCounts made() const noexcept {
     return {.tf = made_tf_.load(), .pose = made_pose_.load(), .wrench = made_wrench_.load(), .markers = made_markers_.load()};
@@ -49,6 +52,7 @@ class RosOutputs {
 
   std::string device_frame_, tool_frame_;
   Pose device_in_world_;
+  std::mutex meshes_mutex_;
   std::vector<MeshSpec> static_meshes_;
   bus::Writer<msg::tf2_msgs_TFMessage> tf_;
   bus::Writer<msg::geometry_msgs_PoseStamped> pose_;

@@ -42,8 +42,7 @@ bool NodeOptions::has_peer(std::string_view node) const {
   return std::find(peers.begin(), peers.end(), node) != peers.end();
 }
 
-void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
-  if (with_scene) app.add_option("--scene", o.scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
+void add_rig_options(CLI::App& app, NodeOptions& o) {
   app.add_option("--rig", o.rig, "Rig name: the namespace of all topics")
       ->capture_default_str()
       ->check([](const std::string& name) {
@@ -58,6 +57,11 @@ void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
       ->check(CLI::Range(0, 232));
   app.add_option("--interface", o.network_interface, "Network interface (CYCLONEDDS_URI overrides)")
       ->capture_default_str();
+}
+
+void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
+  if (with_scene) app.add_option("--scene", o.scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
+  add_rig_options(app, o);
   app.add_option("--seed", o.seed, "Seed of everything random")->capture_default_str()->check(require_whole);
   app.add_flag("--lockstep", o.lockstep, "Simulated time: every sample waits for its command; same bits on every run");
   app.add_option("--peers", o.peers, "Lockstep: nodes that take part, beside the device")

@@ -40,6 +40,9 @@ std::string require_positive(const std::string& text);
 std::string require_whole(const std::string& text);
 std::string require_not_negative(const std::string& text);
 
+/// --rig, --domain and --interface alone: whom to talk to.
+void add_rig_options(CLI::App& app, NodeOptions& options);
+
 /// Adds the options above to a command line: --scene (where `with_scene`), --rig, --domain, --interface, --lockstep, ...
 void add_node_options(CLI::App& app, NodeOptions& options, bool with_scene);
 

@@ -46,7 +46,7 @@ ReportedContact to_report(const msg::ContactState& c) {
 class ValidatorNode {
  public:
   ValidatorNode(const Options& options, const Scene& scene)
-      : options_(options), scene_(scene), reference_(scene), participant_(options.participant("validator")),
+      : options_(options), name_(scene.name), hash_(scene.hash), scene_(scene), reference_(scene), participant_(options.participant("validator")),
         plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, contact_profile(options)),
         reports_(participant_, qos::kValidation, options.rig, qos::profile_in(qos::kValidation, options.mode())),
@@ -65,7 +65,7 @@ class ValidatorNode {
     while (!leave) {
       leave = stop.load(std::memory_order_relaxed);  // one more turn after the stop: what came before it is judged too
       wait_set_.wait(leave ? 100'000'000 : 50'000'000);
-      plans_.take_each([this](const msg::ScenePlan& plan) { start_session(plan); });
+      plans_.take_each([this](const msg::ScenePlan& plan) { take(plan); });
       msg::ContactState contact;
       while (contacts_.take(contact)) check(contact);
     }
@@ -75,25 +75,79 @@ class ValidatorNode {
   }
 
  private:
-  /// The plan says what the rendering built: another scene file, or another grid, is a disagreement before the first sample.
-  void start_session(const msg::ScenePlan& plan) {
-    if (plan.scene_hash != scene_.hash)
-      fmt::print(stderr, "warning: validator: the rendering runs another version of scene '{}' than {}\n", plan.scene,
-                 scene_.file.string());
+  /// What of a plan the judge must know.
+  struct Built {
+    std::uint64_t session = 0, from_sample = 0;
+    std::string scene, hash;
+    double voxel_size_m = 0.0, shell_gap_m = 0.0;
+    bool same_scene(const Built& other) const {
+      return hash == other.hash && voxel_size_m == other.voxel_size_m && shell_gap_m == other.shell_gap_m;
+    }
+  };
+
+  /// A plan of the session that runs tells of a change: it is followed where its first sample comes.
+  void take(const msg::ScenePlan& plan) {
+    Built built{plan.session_id,    plan.from_sample,  plan.scene,
+                plan.scene_hash,    plan.voxel_size_m, plan.largest_shell_gap_m};
+    if (judge_ && built.session == session_in_loop_)
+      next_ = std::move(built);
+    else
+      start_session(std::move(built));
+  }
+
+  JudgeSettings settings() const {
+    const double edge_m = built_.voxel_size_m;
     JudgeSettings settings;
-    settings.edge_m = scene_.voxel_size_m;
+    settings.edge_m = edge_m;
     settings.chord_error_m = reference_.chord_error_m();
-    settings.shell_gap_m = std::min(plan.largest_shell_gap_m, std::sqrt(3.0) * scene_.voxel_size_m);
-    settings.shell_offset_m = scene_.shell == ShellKind::kNaive ? std::sqrt(3.0) / 2 * scene_.voxel_size_m : 0.0;
-    judge_ = std::make_unique<Judge>(settings);
+    settings.shell_gap_m = std::min(built_.shell_gap_m, std::sqrt(3.0) * edge_m);
+    settings.shell_offset_m = scene_.shell == ShellKind::kNaive ? std::sqrt(3.0) / 2 * edge_m : 0.0;
+    return settings;
+  }
+
+  /// The plan says what the rendering built: another scene file is a disagreement before the first sample.
+  void start_session(Built built) {
+    if (built.hash != scene_.hash)
+      fmt::print(stderr, "warning: validator: the rendering runs another version of scene '{}' than {}\n", built.scene,
+                 scene_.file.string());
+    built_ = std::move(built);
+    next_.reset();
+    blind_ = false;
+    judge_ = std::make_unique<Judge>(settings());
     forget_disagreement();
-    session_in_loop_ = plan.session_id;
+    session_in_loop_ = built_.session;
     publish_counts();
-    session_.begin(plan.session_id);
+    session_.begin(built_.session);
+  }
+
+  /// The rendering runs another scene from here on. Where that is another file, it is read again; one that cannot be had as the
+  /// rendering has it is not judged by the old one.
+  void follow_change() {
+    const bool another_file = next_->hash != built_.hash, another = !next_->same_scene(built_);
+    built_ = std::move(*next_);
+    next_.reset();
+    if (!another) return;
+    if (another_file) {
+      try {
+        Scene scene = load_scene(options_.scene);
+        blind_ = scene.hash != built_.hash;
+        if (!blind_) reference_ = ReferenceScene(scene), scene_ = std::move(scene);
+      } catch (const std::exception&) {
+        blind_ = true;
+      }
+      if (blind_)
+        fmt::print(stderr, "warning: validator: {} is not what the rendering runs now; nothing is judged any more\n",
+                   options_.scene.string());
+    }
+    if (!blind_) judge_->change(settings());
   }
 
   void check(const msg::ContactState& contact) {
-    if (!judge_ || contact.session_id != session_in_loop_ || !is_checked(contact.sequence_number, options_.every))
+    if (options_.lockstep) plans_.take_each([this](const msg::ScenePlan& plan) { take(plan); });
+    if (!judge_ || contact.session_id != session_in_loop_) return;
+    if (next_ && contact.sequence_number >= next_->from_sample) follow_change();
+    // While one scene fades into another, what is felt is neither's.
+    if (blind_ || (contact.flags & msg::contact_state::kFlagFading) || !is_checked(contact.sequence_number, options_.every))
       return;
     const ReportedContact report = to_report(contact);
     reference_.move_to(static_cast<double>(contact.scene_time_ns) * 1e-9);
@@ -144,8 +198,8 @@ class ValidatorNode {
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
     const std::lock_guard lock(mutex_);
-    report.values = {{"scene", scene_.name},
-                     {"scene_hash", scene_.hash},
+    report.values = {{"scene", name_},
+                     {"scene_hash", hash_},
                      {"checked", fmt::to_string(counts_.checked)},
                      {"decided", fmt::to_string(counts_.decided)},
                      {"agree", fmt::to_string(counts_.agree)},
@@ -161,7 +215,8 @@ class ValidatorNode {
   }
 
   const Options& options_;
-  const Scene& scene_;
+  std::string name_, hash_;  ///< of the file as this ring was started with
+  Scene scene_;
   ReferenceScene reference_;
   bus::Participant participant_;
   bus::Reader<msg::ScenePlan> plans_;
@@ -170,6 +225,9 @@ class ValidatorNode {
   bus::WaitSet wait_set_;
   std::vector<runtime::Link> links_;
   std::unique_ptr<Judge> judge_;
+  Built built_;                ///< what is judged
+  std::optional<Built> next_;  ///< from its first sample on
+  bool blind_ = false;         ///< the rendering runs what this node has no reference for
   std::uint64_t session_in_loop_ = 0;
   runtime::Session session_;
   std::mutex mutex_;

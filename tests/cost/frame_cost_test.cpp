@@ -105,6 +105,9 @@ TEST_F(FrameCostTest, OfEachShippedSceneIsThatOfItsContactAndTheEffectsThatItNam
   for (const std::filesystem::path& file : files) {
     const Scene scene = load_scene(file);
     if (scene.effects.empty() || scene.motions.empty()) continue;
+    const EffectNeeds needs = needs_of(scene.effects);
+    if (needs.body) continue;               // its contact is found where the body lies, not where the hand is
+    if (needs.proximity_m > 0.0) continue;  // built in a second, which is a minute under valgrind
     ++scenes;
     SCOPED_TRACE(file.string());
     const std::string motion = scene.motions.begin()->first;

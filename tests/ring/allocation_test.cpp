@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <thread>
 
@@ -48,6 +49,36 @@ TEST(Allocation, OursIsZeroInDeviceRenderingAndCouplingLoops) {
     std::printf("%s: ours %ld, Cyclone DDS %ld in 4 s (%.3f a sample)\n", name, count.ours, count.dds, per_sample);
     RecordProperty(std::string(name) + "_dds_allocations_per_sample", std::to_string(per_sample));
   }
+}
+
+TEST(Allocation, OursIsZeroInTheRenderingLoopWhileItIsChanged) {
+  const TemporaryFolder folder;
+  std::ifstream in(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  std::string scene((std::istreambuf_iterator<char>(in)), {});
+  const std::string plain = "effects: []", meshes = "../meshes";
+  scene.replace(scene.find(plain), plain.size(), "effects: [{viscosity: {damping_ns_per_m: 2}}]");
+  for (std::size_t at; (at = scene.find(meshes)) != std::string::npos;)
+    scene.replace(at, meshes.size(), std::string(VOXTOUCH_DEPLOY) + "/meshes");
+  const std::string file = (folder / "oily.yaml").string(), domain = fresh_domain();
+  std::ofstream(file) << scene;
+  Process rendering({VOXTOUCH_BIN "/voxtouch_rendering", "--scene", file, "--domain", domain},
+                    {{"LD_PRELOAD", VOXTOUCH_COUNTER},
+                     {"VOXTOUCH_COUNT_FILE", (folder / "rendering").string()},
+                     {"VOXTOUCH_COUNT_FROM_S", "2"},
+                     {"VOXTOUCH_COUNT_TO_S", "7"}});
+  Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", file, "--domain", domain, "--motion", "slide", "--duration", "9"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  const auto change = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {VOXTOUCH_BIN "/voxtouch", "change", "--domain", domain});
+    const Finished end = Process(words).wait();
+    EXPECT_EQ(end.status, 0) << end.err;
+  };
+  change({"viscosity", "off", "on", "gain", "0.5", "damping_ns_per_m=1"});
+  change({"--reload", "--voxel-size", "0.0015"});  // the old scene fades out and is freed within the window
+  EXPECT_EQ(device.wait().status, 0);
+  rendering.signal(15);
+  EXPECT_EQ(rendering.wait().status, 0);
+  EXPECT_EQ(read_count(folder / "rendering").ours, 0);
 }
 
 TEST(Allocation, IsSeenByTheCounterWhereItHappens) {

@@ -1,4 +1,4 @@
-/* Preloaded into a node: counts malloc, calloc and realloc of the main thread (the loop) during a window of time, told apart by who
+/* Preloaded into a node: counts malloc, calloc, realloc and free of the main thread (the loop) during a window of time, told apart by who
  * called: Cyclone DDS's library or anything else (our code, the C++ library on our behalf). Writes "ours N dds M" at exit.
  *   VOXTOUCH_COUNT_FILE  where to;  VOXTOUCH_COUNT_FROM_S, VOXTOUCH_COUNT_TO_S  seconds after the start */
 #define _GNU_SOURCE
@@ -15,6 +15,7 @@
 extern void* __libc_malloc(size_t);
 extern void* __libc_calloc(size_t, size_t);
 extern void* __libc_realloc(void*, size_t);
+extern void __libc_free(void*);
 
 static double start_s, from_s = 1e9, to_s = 1e9;
 static atomic_long ours, dds;
@@ -37,6 +38,9 @@ static void count(void* caller) {
 void* malloc(size_t n) { count(__builtin_return_address(0)); return __libc_malloc(n); }
 void* calloc(size_t n, size_t m) { count(__builtin_return_address(0)); return __libc_calloc(n, m); }
 void* realloc(void* p, size_t n) { count(__builtin_return_address(0)); return __libc_realloc(p, n); }
+
+/* Freeing a scene in the loop would cost more than building a message: it counts too. */
+void free(void* p) { if (p) count(__builtin_return_address(0)); __libc_free(p); }
 
 /* The address range of libddsc, from the kernel's own table. */
 static void find_dds(void) {

@@ -166,7 +166,7 @@ std::vector<Case> all_cases() {
     for (const auto& [device, limit] : {std::pair{"sim-phantom", 8.5}, std::pair{"sim-lwr", 150.0}})
       cases.push_back({scene, device, limit});
   for (const char* effect : {"friction", "guide_line", "guide_plane", "guide_point", "magnet", "proximity",
-                             "surface_damping", "texture"})
+                             "surface_damping", "texture", "viscosity"})
     cases.push_back({std::string("cup_") + effect, "sim-phantom", 8.5});
   return cases;
 }

@@ -18,7 +18,7 @@ namespace {
 const Vec3 kHandle(0.6, -0.5, 0.6245);
 
 class RealRendering : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(ShippedScenes, RealRendering, testing::ValuesIn(shipped_scene_names()),
+INSTANTIATE_TEST_SUITE_P(ShippedScenes, RealRendering, testing::ValuesIn(resting_scene_names()),
                          [](const auto& test) { return test.param; });
 
 TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {

@@ -20,6 +20,15 @@ std::vector<std::string> shipped_scene_names() {
   return names;
 }
 
+std::vector<std::string> resting_scene_names() {
+  std::vector<std::string> names = shipped_scene_names();
+  std::erase_if(names, [](const std::string& name) {
+    const Scene scene = shipped_scene(name);
+    return needs_of(scene.effects).body || !scene.objects.empty();
+  });
+  return names;
+}
+
 Scene shipped_scene(const std::string& name) { return load_scene(kScenes / (name + ".yaml")); }
 
 }  // namespace voxtouch::test

@@ -63,13 +63,14 @@ TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
     EXPECT_TRUE(any_has(scene->plan().left_out, "Distances outside the surface: no effect asks for them."));
   }
   EXPECT_EQ(magnet->plan().bytes, none->plan().bytes);
-  EXPECT_EQ(magnet->plan().expected_ns_per_frame, none->plan().expected_ns_per_frame);
+  EXPECT_EQ(magnet->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame,
+            kNsPerEffect + find_effect_kind("magnet")->expected_ns);
   const EffectGround& ground = with->effect_ground();
   EXPECT_EQ(with->plan().bytes - none->plan().bytes,
             ground.proximity->bytes() + ground.tool.points.size() * sizeof(ToolPoint));
   EXPECT_EQ(ground.tool.points.size(), ToolPoints::kMost);
-  EXPECT_NEAR(with->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame, 128 * kNsPerProximityPoint,
-              1e-6);
+  EXPECT_NEAR(with->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame,
+              kNsPerEffect + find_effect_kind("proximity")->expected_ns + 128 * kNsPerProximityPoint, 1e-6);
   EXPECT_TRUE(any_has(with->plan().built, "Distances round the static meshes out to 10 mm, smoothed over 4 mm: "));
   EXPECT_TRUE(any_has(with->plan().built, "for 128 points of the tool a frame (25.6 us at most)"));
   EXPECT_FALSE(any_has(with->plan().left_out, "Distances outside"));
@@ -101,7 +102,7 @@ TEST_F(ProximityScene, IsFeltBeforeTheToolTouchesAndThePlanBoundsIt) {
 }
 
 TEST_F(ProximityScene, RefusesOpenMeshesAndLeversThatAreTooShortWithASentence) {
-  EXPECT_NE(refusal(kProximity, "{mesh: open.obj}").find("no static mesh is closed"), std::string::npos);
+  EXPECT_NE(refusal(kProximity, "{mesh: open.obj}").find("none of them is closed"), std::string::npos);
   const auto both = built(kProximity, "{mesh: block.obj}, {mesh: open.obj, position: [0, 0, 0.2]}");
   EXPECT_TRUE(any_has(both->plan().warnings, "open.obj: the mesh is open."));
   EXPECT_NE(refusal("{proximity: {limit_n: 3, range_m: 0.01, lever_m: 0.01}}", "{mesh: block.obj}")

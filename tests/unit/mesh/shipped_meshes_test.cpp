@@ -39,7 +39,7 @@ const double kSlab = 0.24 * 0.24 * 0.02, kBall = 4.0 / 3.0 * M_PI;
 // Of the cup without its handle, with square edges: pi (R^2 h - r^2 (h - bottom)).
 const double kCup = M_PI * (0.04 * 0.04 * 0.09 - 0.035 * 0.035 * 0.084);
 INSTANTIATE_TEST_SUITE_P(ShippedMeshes, EveryShippedMesh,
-                         ::testing::Values(Shipped{"block.obj", 1, 2, 4.8e-5, 1e-9}, Shipped{"plane.obj", 1, 2, kSlab, 1e-6},
+                         ::testing::Values(Shipped{"block.obj", 1, 2, 4.8e-5, 1e-6}, Shipped{"plane.obj", 1, 2, kSlab, 1e-6},
                              Shipped{"tilted_plane.obj", 1, 2, kSlab, 1e-6},
                                            Shipped{"cylinder.obj", 1, 2, M_PI * 0.04 * 0.04 * 0.2, 1e-3},
                                            Shipped{"sphere.obj", 1, 2, kBall, 0.01},

@@ -73,7 +73,7 @@ TEST(Plan, SaysWhatEachEffectNeedsAndCanDo) {
   s.effects = {oil};
   const Plan p = make_plan(s, counts());
   EXPECT_TRUE(any_has(p.built, "Effect 'oil' (viscosity): The tool moves"));
-  EXPECT_TRUE(any_has(p.built, "Needs the tool's velocity. At most 1.5 Ns/m. Switched off at the start."));
+  EXPECT_TRUE(any_has(p.built, "Needs the tool's velocity. At most 1.5 Ns/m, 3 N. Switched off at the start."));
   EXPECT_FALSE(any_has(p.left_out, "velocity"));
   EXPECT_FALSE(any_has(p.left_out, "viscosity"));
   EXPECT_TRUE(any_has(p.left_out, "Distances outside"));

@@ -61,7 +61,9 @@ class Checker {
       need(!value.is_string() || std::regex_search(value.get<std::string>(), std::regex(rule)));
     else if (word == "oneOf")
       need(holding(rule, value) == 1);
-    else if (word == "anyOf")
+    else if (word == "allOf") {
+      for (const Json& one : rule) check(one, value, at, out);
+    } else if (word == "anyOf")
       need(holding(rule, value) > 0);
     else if (word == "not")
       need(!holds(rule, value));

@@ -1,0 +1,119 @@
+#include "core/effects/effect_change.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace voxtouch {
+namespace {
+
+using Judged = std::expected<EffectCommand, std::string>;
+
+/// What was not asked for when the scene was built is not there.
+bool needs_more(const EffectNeeds& after, const EffectNeeds& before) {
+  return (after.twist && !before.twist) || (after.contact && !before.contact) || (after.torque && !before.torque) ||
+         (after.orientation && !before.orientation) || (after.body && !before.body) ||
+         after.proximity_m > before.proximity_m || after.smoothing_m > before.smoothing_m || after.lever_m < before.lever_m;
+}
+
+std::string names_of(std::span<const EffectSpec> effects) {
+  std::string names;
+  for (const EffectSpec& effect : effects) names += (names.empty() ? "" : ", ") + effect.name;
+  return names;
+}
+
+std::string names_of(std::span<const EffectParameter> parameters) {
+  std::string names;
+  for (const EffectParameter& p : parameters) names.append(names.empty() ? "" : ", ").append(p.name);
+  return names;
+}
+
+/// The numbers that count: a direction at unit length (0 and what is not finite stay, to be refused), zeros behind one number.
+std::array<double, 3> in_shape(const EffectParameter& parameter, const std::array<double, 3>& value) {
+  if (parameter.shape == ParameterShape::kNumber) return {value[0], 0.0, 0.0};
+  if (parameter.shape != ParameterShape::kDirection) return value;
+  const Vec3 v(value[0], value[1], value[2]);
+  const double length = v.stableNorm();
+  if (!(std::isfinite(length) && length > 0.0)) return value;
+  const Vec3 unit = v / length;
+  return {unit.x(), unit.y(), unit.z()};
+}
+
+}  // namespace
+
+Judged judge_value(const EffectSpec& effect, std::string_view parameter, const std::array<double, 3>& value) {
+  const std::span<const EffectParameter> all = effect.kind->parameters;
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const EffectParameter& p) { return p.name == parameter; });
+  if (found == all.end())
+    return std::unexpected(fmt::format("the effect '{}' has no parameter '{}'; it takes: {}", effect.name,
+                                       quotable(parameter), names_of(all)));
+  if (found->shape == ParameterShape::kWord)
+    return std::unexpected(fmt::format("'{}' cannot change while running", found->name));
+  const auto p = static_cast<std::size_t>(found - all.begin());
+  EffectCommand command{.action = EffectAction::kValue, .effect = 0, .parameter = static_cast<std::uint32_t>(p)};
+  command.value = in_shape(*found, value);
+  EffectSpec wanted = effect;
+  take(wanted, command);
+  if (std::string why = check_values(*effect.kind, wanted.values); !why.empty()) return std::unexpected(std::move(why));
+  if (needs_more(effect.kind->needs(wanted.values), effect.kind->needs(effect.values)))
+    return std::unexpected(
+        fmt::format("'{}' would need what was not built for this scene; change the scene file", found->name));
+  const EffectBound bound = bound_of(wanted);
+  if (!std::isfinite(bound.stiffness_n_per_m) || !std::isfinite(bound.stiffness_nm_per_rad))
+    return std::unexpected(
+        fmt::format("with this '{}' nothing bounds the stiffness of '{}'", found->name, effect.name));
+  return command;
+}
+
+Judged judge(std::span<const EffectSpec> effects, const EffectWish& wish) {
+  const auto found =
+      std::find_if(effects.begin(), effects.end(), [&](const EffectSpec& e) { return e.name == wish.effect; });
+  if (found == effects.end())
+    return std::unexpected(
+        effects.empty()
+            ? fmt::format("the scene lists no effects, so there is no '{}'", quotable(wish.effect))
+            : fmt::format("there is no effect '{}'; the scene lists: {}", quotable(wish.effect), names_of(effects)));
+  const double first = wish.value[0];
+  EffectCommand command{.action = wish.action, .value = {first, 0.0, 0.0}};
+  if (found->kind->everywhere && wish.action != EffectAction::kValue) return std::unexpected(no_switch(*found));
+  switch (wish.action) {
+    case EffectAction::kSwitch:
+      if (first != 0.0 && first != 1.0) return std::unexpected("a switch takes 1 (on) or 0 (off)");
+      break;
+    case EffectAction::kGain:
+      if (!(first >= 0.0 && first <= 1.0)) return std::unexpected("'gain' must be a number from 0 to 1");
+      break;
+    case EffectAction::kValue: {
+      const Judged value = judge_value(*found, wish.parameter, wish.value);
+      if (!value) return value;
+      command = *value;
+      break;
+    }
+  }
+  command.effect = static_cast<std::uint32_t>(found - effects.begin());
+  return command;
+}
+
+std::string no_switch(const EffectSpec& effect) {
+  return fmt::format("'{}' takes no switch and no gain: half of it would be nothing", effect.name);
+}
+
+void take(EffectSpec& effect, const EffectCommand& command) noexcept {
+  switch (command.action) {
+    case EffectAction::kSwitch: effect.on = command.value[0] != 0.0; break;
+    case EffectAction::kGain: effect.gain = command.value[0]; break;
+    case EffectAction::kValue: effect.values.at(command.parameter) = command.value; break;
+  }
+}
+
+std::string quotable(std::string_view text) {
+  constexpr std::size_t kMost = 64;
+  std::string out(text.substr(0, kMost));
+  for (char& c : out)
+    if (c < ' ' || c > '~') c = '?';
+  return text.size() > kMost ? out + "..." : out;
+}
+
+}  // namespace voxtouch

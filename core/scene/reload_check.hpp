@@ -1,0 +1,21 @@
+#pragma once
+/// A scene that is read again while it runs: what may differ, and what stays as it was set by hand meanwhile.
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+
+namespace voxtouch {
+
+/// Why `next` cannot take the place of `running` without a restart, as a sentence; empty where it can. Another `device` or
+/// `coupling` section belongs to nodes that do not read the file again; an effect that gives torque where none did before has
+/// not been held against the device. Meshes, voxel size, contact and effects may differ; motions are not looked at.
+std::string why_not_reloaded(const Scene& running, const Scene& next);
+
+/// The effects of `next` as they are to run. One that the file still asks for in the same words keeps what was changed while
+/// running (`now`, the state of `before`'s effects); where the file has changed, the file counts.
+std::vector<EffectSpec> carried_over(std::span<const EffectSpec> before, std::span<const EffectSpec> now,
+                                     std::span<const EffectSpec> next);
+
+}  // namespace voxtouch

@@ -1,0 +1,350 @@
+#include "nodes/rendering/change_desk.hpp"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <string.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/scene/reload_check.hpp"
+#include "core/scene/scene_file.hpp"
+#include "nodes/rendering/plan_message.hpp"
+#include "nodes/runtime/strings.hpp"
+
+namespace voxtouch::rendering {
+namespace {
+
+using namespace msg::effect_change;
+namespace result = msg::effect_changed;
+
+constexpr std::size_t kLongestName = 64;
+/// Longer than this nobody waits for a sample on purpose: a quarter of an hour at 1 kHz.
+constexpr std::uint64_t kFarthestSamples = 1'000'000;
+
+bool too_long(const char* text) { return text && ::strnlen(text, kLongestName + 1) > kLongestName; }
+std::string_view view(const char* text) { return text ? text : ""; }
+
+void ordinary_priority() {
+  const sched_param ordinary{};
+  sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the creator may run under SCHED_FIFO
+}
+
+std::string in_words(const msg::EffectChange& m) {
+  const std::string effect = quotable(view(m.effect));
+  switch (m.action) {
+    case kActionSwitch: return fmt::format("'{}' {}", effect, m.value[0] != 0.0 ? "on" : "off");
+    case kActionGain: return fmt::format("gain of '{}' {:g}", effect, m.value[0]);
+    case kActionValue: return fmt::format("'{}' of '{}'", quotable(view(m.parameter)), effect);
+    default: return "the scene, built anew";
+  }
+}
+
+bool same_bounds(const EffectSpec& a, const EffectSpec& b) {
+  const EffectBound one = bound_of(a), two = bound_of(b);
+  return one.stiffness_n_per_m == two.stiffness_n_per_m && one.stiffness_nm_per_rad == two.stiffness_nm_per_rad;
+}
+
+}  // namespace
+
+ChangeDesk::ChangeDesk(const bus::Participant& participant, const Options& options, const Scene& scene,
+                       std::unique_ptr<BuiltScene> first, ChangeLine& line, std::function<void(const Scene&)> swapped)
+    : options_(options), line_(line), swapped_(std::move(swapped)),
+      changes_(participant, qos::kEffectChange, options.rig, qos::profile_in(qos::kEffectChange, options.mode())),
+      answers_(participant, qos::kEffectChanged, options.rig, qos::profile_in(qos::kEffectChanged, options.mode())),
+      plans_(participant, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
+      wait_set_(participant), scene_(scene), settled_(scene.effects), planned_(scene.effects) {
+  set_plan(*first);
+  scenes_.push_back(std::move(first));
+  wait_set_.attach(changes_.condition());
+  thread_ = std::thread([this] { run(); });
+}
+
+ChangeDesk::~ChangeDesk() {
+  stop_.store(true, std::memory_order_release);
+  thread_.join();
+}
+
+void ChangeDesk::run() {
+  ordinary_priority();
+  while (!stop_.load(std::memory_order_acquire)) {
+    wait_set_.wait(outstanding_.empty() && !reload_ ? 20'000'000 : 1'000'000);
+    try {
+      turn();
+    } catch (const std::exception&) {
+      // Out of memory, say. One change is lost; an exception that left this thread would end the process, and the ring with it.
+    }
+  }
+}
+
+void ChangeDesk::turn() {
+  ChangeReport report;
+  while (line_.next_report(report)) take_report(report);
+  look_after_build();
+  changes_.take_each([this](const msg::EffectChange& m) { receive(m); });
+}
+
+/// What holds whatever is asked for.
+std::string ChangeDesk::why_not(const msg::EffectChange& m) const {
+  if (too_long(m.effect) || too_long(m.parameter) || too_long(m.model))
+    return fmt::format("a name is longer than {} characters", kLongestName);
+  if (m.action < kActionSwitch || m.action > kActionReload)
+    return fmt::format("there is no action {}; 1 switches, 2 sets a gain, 3 a parameter, 4 builds the scene anew",
+                       m.action);
+  const std::uint64_t runs = session();
+  if (m.session_id != 0 && m.session_id != runs)
+    return fmt::format("session {} does not run{}; 0 means whichever does", m.session_id,
+                       runs == 0 ? ", no device has begun one" : fmt::format(" ({} does)", runs));
+  if (m.from_sample > line_.answering() + kFarthestSamples)
+    return fmt::format("sample {} is more than {} samples away", m.from_sample, kFarthestSamples);
+  if (m.from_sample > 0 && !outstanding_.empty() && m.from_sample < outstanding_.back().change.from_sample)
+    return fmt::format("a change asked for earlier waits for sample {}, and changes are made in order",
+                       outstanding_.back().change.from_sample);
+  if (outstanding_.size() >= ChangeLine::kCapacity) return "too many changes wait already; wait for their answers";
+  return {};
+}
+
+void ChangeDesk::receive(const msg::EffectChange& m) {
+  Request request{m.request, m.session_id, m.from_sample, {}};
+  if (answered_before(m.request)) return;
+  if (const std::string why = why_not(m); !why.empty()) return refuse(request, why);
+  request.what = in_words(m);
+  if (m.action == kActionReload) return receive_reload(m, std::move(request));
+  receive_effect(m, std::move(request));
+}
+
+void ChangeDesk::receive_effect(const msg::EffectChange& m, Request request) {
+  if (reload_ && reload_->from_sample > 0)
+    return refuse(request,
+                  fmt::format("the scene is being built anew for sample {}; ask again after it", reload_->from_sample));
+  const EffectAction action = m.action == kActionSwitch ? EffectAction::kSwitch
+                              : m.action == kActionGain ? EffectAction::kGain
+                                                        : EffectAction::kValue;
+  const auto command = judge(planned_, {.action = action,
+                                        .effect = view(m.effect),
+                                        .parameter = view(m.parameter),
+                                        .value = {m.value[0], m.value[1], m.value[2]}});
+  if (!command) return refuse(request, command.error());
+  Outstanding asked{std::move(request), {}, {}};
+  asked.change.effect = *command;
+  const bool waits =
+      asked.request.from_sample > 0 || (!outstanding_.empty() && outstanding_.back().change.from_sample > 0);
+  const Request said = asked.request;
+  if (!ask(std::move(asked))) return refuse(said, "too many changes wait already; wait for their answers");
+  voxtouch::take(planned_[command->effect], *command);
+  if (waits)
+    answer(said, result::kResultWaiting, outstanding_.back().change.from_sample,
+           fmt::format("{}: waits for sample {}", said.what, outstanding_.back().change.from_sample));
+}
+
+/// False where the loop's queue is full.
+bool ChangeDesk::ask(Outstanding&& asked) {
+  asked.change.ticket = ticket_ + 1;
+  asked.change.epoch = epoch_;
+  asked.change.session = asked.request.session;
+  asked.change.from_sample = asked.request.from_sample;
+  // One that goes at once goes after what waits; in the report it then stands for the same sample.
+  if (!line_.ask(asked.change)) return false;
+  if (asked.change.from_sample == 0 && !outstanding_.empty())
+    asked.change.from_sample = outstanding_.back().change.from_sample;
+  ++ticket_;
+  outstanding_.push_back(std::move(asked));
+  return true;
+}
+
+void ChangeDesk::receive_reload(const msg::EffectChange& m, Request request) {
+  if (reload_) return refuse(request, "the scene is being built anew already; wait for its answer");
+  if (m.voxel_size_m != 0.0 && !(std::isfinite(m.voxel_size_m) && m.voxel_size_m > 0.0))
+    return refuse(request, "'voxel_size_m' must be a number above 0 [m], or 0 for the scene's own");
+  ContactModelKind kind{};
+  if (!view(m.model).empty() && !parse_contact_model(view(m.model), kind))
+    return refuse(request,
+                  fmt::format("there is no contact model '{}'; there are original, adapted, clustered and field",
+                              quotable(view(m.model))));
+  if (!outstanding_.empty() && outstanding_.back().change.from_sample > 0)
+    return refuse(request, fmt::format("a change waits for sample {}; ask again after it",
+                                       outstanding_.back().change.from_sample));
+  if (options_.lockstep && request.from_sample > 0) {
+    line_.hold_from(request.from_sample);
+    if (line_.answering() >= request.from_sample) {
+      line_.let_go();
+      return refuse(request, fmt::format("sample {} has passed", request.from_sample));
+    }
+  }
+  reload_ = request;
+  answer(request, result::kResultWaiting, request.from_sample, "the scene is being built beside the loop");
+  under_way_ = std::async(std::launch::async, [this, voxel = m.voxel_size_m, model = std::string(view(m.model))] {
+    ordinary_priority();
+    return build(voxel, model);
+  });
+}
+
+/// In a thread of its own; of the members it only reads the running scene, which does not change before it ends.
+ChangeDesk::Built ChangeDesk::build(double voxel_size_m, const std::string& model) const {
+  Built out;
+  try {
+    out.scene = load_scene(options_.scene);
+    out.refusal = why_not_reloaded(scene_, out.scene);
+    if (!out.refusal.empty()) return out;
+    if (voxel_size_m > 0.0) out.scene.voxel_size_m = voxel_size_m;
+    if (!model.empty()) out.scene.contact.model = model;
+    const auto go_on = [this] {
+      if (stop_.load(std::memory_order_acquire)) throw std::runtime_error("the ring has stopped");
+    };
+    const ParallelFor until_stopped = [&](std::size_t count, const std::function<void(std::size_t)>& body) {
+      for (std::size_t i = 0; i < count; ++i) go_on(), body(i);
+    };
+    out.built = build_scene(out.scene, until_stopped, {}, [&](const std::string&) { go_on(); });
+  } catch (const std::exception& error) {
+    out.refusal = error.what();
+  }
+  return out;
+}
+
+void ChangeDesk::look_after_build() {
+  if (!under_way_.valid() || under_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  // What is outstanding must have settled, for the new scene begins with it.
+  if (!outstanding_.empty()) {
+    return;
+  }
+  Built result = under_way_.get();
+  const Request request = *reload_;
+  if (!result.refusal.empty()) {
+    line_.let_go();
+    reload_.reset();
+    return refuse(request, "the old scene goes on: " + result.refusal);
+  }
+  std::vector<EffectSpec> effects = carried_over(scene_.effects, settled_, result.scene.effects);
+  result.built->scene_renderer().effects() = EffectChain(effects);
+  Outstanding asked{request, {}, std::move(result.scene)};
+  asked.change.scene = result.built.get();
+  scenes_.push_back(std::move(result.built));
+  planned_ = std::move(effects);
+  ask(std::move(asked));  // nothing else is there: it has room
+  line_.let_go();
+}
+
+void ChangeDesk::take_report(const ChangeReport& report) {
+  epoch_ = report.epoch;
+  if (report.what == ChangeReport::What::kRetired) {
+    std::erase_if(scenes_, [&](const auto& scene) { return scene.get() == report.scene; });
+    reload_.reset();
+    return;
+  }
+  Outstanding done = std::move(outstanding_.front());
+  outstanding_.pop_front();
+  if (report.what == ChangeReport::What::kApplied) return applied(done, report.sample);
+  planned_ = settled_;
+  if (report.scene) {
+    std::erase_if(scenes_, [&](const auto& scene) { return scene.get() == report.scene; });
+    reload_.reset();
+  }
+  refuse(done.request,
+         report.what == ChangeReport::What::kLate
+             ? fmt::format("sample {} has passed, the next one is {}", done.request.from_sample, report.sample)
+             : "another session has begun, or a change asked for before this one was not made; ask again");
+}
+
+std::uint64_t ChangeDesk::session() const {
+  const std::lock_guard lock(plan_mutex_);
+  return session_;
+}
+
+void ChangeDesk::set_plan(const BuiltScene& built) {
+  plan_ = built.plan();
+  largest_shell_gap_m_ = built.largest_shell_gap_m();
+}
+
+/// What the effects may show as they are set now, which is not as the plan's scene file has them.
+void ChangeDesk::sum_bounds() {
+  const MetStiffness met = with_effects(plan_.of_contact_alone, settled_);
+  plan_.contact_n_per_m = met.translation, plan_.contact_nm_per_rad = met.rotation;
+}
+
+void ChangeDesk::applied(Outstanding& done, std::uint64_t sample) {
+  bool another_plan = true;
+  if (done.scene) {
+    settled_ = planned_;
+    reload_->from_sample = 0;  // what is left of it is the old scene's fading out
+    const std::lock_guard lock(plan_mutex_);
+    scene_ = std::move(*done.scene);
+    set_plan(*done.change.scene);
+    sum_bounds();
+  } else {
+    EffectSpec& effect = settled_[done.change.effect.effect];
+    const EffectSpec before = effect;
+    voxtouch::take(effect, done.change.effect);
+    another_plan = !same_bounds(before, effect);
+    const std::lock_guard lock(plan_mutex_);
+    if (another_plan) sum_bounds();
+  }
+  if (done.change.scene) {
+    reloads_.fetch_add(1);
+    swapped_(scene_);
+  }
+  if (another_plan) republish(sample);
+  done_.fetch_add(1);
+  answer(done.request, result::kResultDone, sample,
+         fmt::format("{}: holds from sample {} on", done.request.what, sample));
+  line_.settle(done.change.ticket);
+}
+
+void ChangeDesk::begin_session(std::uint64_t session) {
+  const std::lock_guard lock(plan_mutex_);
+  session_ = session;
+  publish_plan(plans_, scene_, plan_, largest_shell_gap_m_, session);
+}
+
+void ChangeDesk::republish(std::uint64_t from_sample) {
+  const std::lock_guard lock(plan_mutex_);
+  if (session_ == 0) return;  // the first one tells
+  publish_plan(plans_, scene_, plan_, largest_shell_gap_m_, session_, from_sample);
+  // In lockstep the loop waits for this: whoever reads the plan has it before the first sample that it holds for.
+  if (options_.lockstep) plans_.wait_for_acknowledgments(DDS_SECS(2));
+}
+
+/// DDS does not say when both ends know each other: a first message may be lost, or the answer. So it may be asked again.
+bool ChangeDesk::answered_before(std::uint64_t id) {
+  if (id == 0) return false;
+  const auto found = std::find_if(answered_.begin(), answered_.end(), [&](const Answered& a) { return a.id == id; });
+  if (found != answered_.end()) {
+    send(*found);
+    return true;
+  }
+  return std::any_of(outstanding_.begin(), outstanding_.end(),
+                     [&](const Outstanding& o) { return o.request.id == id; });
+}
+
+void ChangeDesk::send(const Answered& answer) {
+  msg::EffectChanged m{};
+  m.request = answer.id;
+  m.session_id = session();
+  m.from_sample = answer.sample;
+  m.result = answer.result;
+  m.sentence = runtime::lend(answer.sentence);
+  answers_.write(m);
+}
+
+void ChangeDesk::answer(const Request& request, std::uint32_t result, std::uint64_t sample,
+                        const std::string& sentence) {
+  constexpr std::size_t kRemembered = 256;
+  std::erase_if(answered_, [&](const Answered& a) { return a.id == request.id; });
+  answered_.push_back({request.id, sample, result, sentence});
+  if (answered_.size() > kRemembered) answered_.pop_front();
+  send(answered_.back());
+}
+
+void ChangeDesk::refuse(const Request& request, const std::string& sentence) {
+  refused_.fetch_add(1);
+  answer(request, result::kResultRefused, 0, sentence);
+}
+
+std::map<std::string, std::string> ChangeDesk::values() const {
+  const std::lock_guard lock(plan_mutex_);
+  return {{"warnings", fmt::to_string(plan_.warnings.size())},
+          {"changes", fmt::to_string(done_.load())},
+          {"refused_changes", fmt::to_string(refused_.load())},
+          {"reloads", fmt::to_string(reloads_.load())}};
+}
+
+}  // namespace voxtouch::rendering

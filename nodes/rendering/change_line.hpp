@@ -1,0 +1,81 @@
+#pragma once
+/// What the loop is asked to change, and what it says of it: plain numbers through queues without locks.
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "core/effects/effect_change.hpp"
+#include "core/scene/live_scene.hpp"
+#include "nodes/runtime/spsc_queue.hpp"
+
+namespace voxtouch::rendering {
+
+/// One change that has been judged.
+struct Change {
+  std::uint64_t ticket = 0;       ///< counts from 1
+  std::uint64_t session = 0;      ///< 0: whichever runs
+  std::uint64_t from_sample = 0;  ///< 0: at once
+  std::uint64_t epoch = 0;        ///< as the loop last said; a change of an older one is dropped
+  EffectCommand effect;
+  BuiltScene* scene = nullptr;  ///< takes the place of the one that runs; `effect` is not looked at then
+};
+
+struct ChangeReport {
+  enum class What : std::uint8_t {
+    kApplied,  ///< holds from `sample` on
+    kLate,     ///< its sample had passed: not applied
+    kDropped,  ///< what it was judged by is no more: a change before it was not applied, or another session has begun
+    kRetired,  ///< `scene` is not rendered any more
+  } what = What::kApplied;
+  std::uint64_t ticket = 0, sample = 0;
+  std::uint64_t epoch = 0;  ///< from now on
+  BuiltScene* scene = nullptr;
+};
+
+/// Between the desk, which judges, and the loop, which applies. Changes are taken in the order they were asked for, one that waits
+/// for its sample holds up those behind it: so each runs on the values that it was judged by.
+class ChangeLine {
+ public:
+  static constexpr std::size_t kCapacity = 64;
+
+  // Of the desk.
+  bool ask(const Change& change) noexcept { return changes_.push(change); }
+  bool next_report(ChangeReport& report) noexcept {
+    const ChangeReport* oldest = reports_.front();
+    if (!oldest) return false;
+    report = *oldest;
+    reports_.pop();
+    return true;
+  }
+  void settle(std::uint64_t ticket) noexcept { settled_.store(ticket, std::memory_order_release); }
+  /// Lockstep: the loop answers no sample from this one on before the hold is let go.
+  void hold_from(std::uint64_t sample) noexcept { hold_.store(sample, std::memory_order_seq_cst); }
+  void let_go() noexcept { hold_.store(kNoHold, std::memory_order_seq_cst); }
+  /// The sample that is being answered, or was last.
+  std::uint64_t answering() const noexcept { return answering_.load(std::memory_order_seq_cst); }
+
+  // Of the loop. All real-time safe.
+  /// Between two samples; the next has the number `next`. Only `at_sample` is it there, and what waits for a sample may be taken.
+  void take(LiveScene& live, std::uint64_t next, bool at_sample) noexcept;
+  /// Another session: what waits for a sample of the last one is dropped, what was asked for before any session stays.
+  void begin_session(std::uint64_t session) noexcept;
+  /// Ticket of the last change that was applied; 0: none.
+  std::uint64_t applied() const noexcept { return applied_; }
+  bool settled(std::uint64_t ticket) const noexcept { return settled_.load(std::memory_order_acquire) >= ticket; }
+  bool holds(std::uint64_t sample) noexcept {
+    answering_.store(sample, std::memory_order_seq_cst);
+    return sample >= hold_.load(std::memory_order_seq_cst);
+  }
+  void retire(LiveScene& live) noexcept;
+
+ private:
+  static constexpr std::uint64_t kNoHold = ~std::uint64_t{0};
+  void report(ChangeReport::What what, const Change& change, std::uint64_t sample) noexcept;
+
+  runtime::SpscQueue<Change, kCapacity> changes_;
+  runtime::SpscQueue<ChangeReport, 4 * kCapacity> reports_;
+  std::atomic<std::uint64_t> settled_{0}, hold_{kNoHold}, answering_{0};
+  std::uint64_t applied_ = 0, epoch_ = 0, session_ = 0;
+};
+
+}  // namespace voxtouch::rendering

@@ -1,0 +1,457 @@
+// The rendering node asked to change while it runs, over real DDS: what it does, and what it refuses.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "core/scene/scene_file.hpp"
+#include "nodes/rendering/change_desk.hpp"
+#include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/strings.hpp"
+#include "tests/unit/nodes/node_thread.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using std::chrono::milliseconds;
+using namespace msg::effect_change;
+namespace result = msg::effect_changed;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kPressed = 0.0085, kSpeed = 0.1;
+
+/// plane.yaml with a thick liquid, as a file that a test may change.
+class SceneCopy {
+ public:
+  SceneCopy()
+      : file(std::filesystem::temp_directory_path() / ("change_node_test_" + std::to_string(getpid()) + ".yaml")) {
+    std::ifstream in(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+    std::stringstream text;
+    text << in.rdbuf();
+    text_ = text.str();
+    replace("../meshes", std::string(VOXTOUCH_DEPLOY) + "/meshes");
+    replace("effects: []", "effects: [{viscosity: {damping_ns_per_m: 2}}]");
+  }
+  ~SceneCopy() { std::filesystem::remove(file); }
+  void replace(const std::string& from, const std::string& to) {
+    ASSERT_NE(text_.find(from), std::string::npos) << from;
+    for (std::size_t at = 0; (at = text_.find(from, at)) != std::string::npos; at += to.size())
+      text_.replace(at, from.size(), to);
+    std::ofstream(file) << text_;
+  }
+  std::filesystem::path file;
+
+ private:
+  std::string text_;
+};
+
+struct Said {
+  std::uint32_t result = 0;
+  std::uint64_t from_sample = 0, session = 0;
+  std::string sentence;
+};
+
+/// Whoever asks: `voxtouch change`, or a ROS 2 tool.
+class Asker {
+ public:
+  Asker(const bus::Participant& participant, const std::string& rig)
+      : changes(participant, qos::kEffectChange, rig, qos::profile(qos::kEffectChange.profile)),
+        answers(participant, qos::kEffectChanged, rig, qos::profile(qos::kEffectChanged.profile)) {}
+  bool ready() {
+    return wait_until([&] { return changes.matched_count() == 1 && answers.matched_count() == 1; });
+  }
+
+  /// Sends until somebody has heard: a first message may go before the other end knows this one.
+  bool send_until_heard(msg::EffectChange m, std::uint64_t request) {
+    static char none[] = "", name[] = "viscosity";
+    m.request = request;
+    m.effect = name, m.parameter = m.model = none;
+    return wait_until([&] {
+      changes.write(m);
+      std::this_thread::sleep_for(milliseconds(20));
+      answers.take_each([&](const msg::EffectChanged& a) {
+        said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence});
+      });
+      return !said[request].empty();
+    });
+  }
+  std::uint64_t send(msg::EffectChange m, const std::string& effect = "", const std::string& parameter = "",
+                     const std::string& model = "") {
+    m.request = ++requests;
+    m.effect = runtime::lend(effect), m.parameter = runtime::lend(parameter), m.model = runtime::lend(model);
+    changes.write(m);
+    return requests;
+  }
+  /// The last word on a request; `meanwhile` is done until it comes.
+  Said last_word(std::uint64_t request, const std::function<void()>& meanwhile) {
+    EXPECT_TRUE(wait_until([&] {
+      meanwhile();
+      answers.take_each([&](const msg::EffectChanged& a) {
+        said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence});
+      });
+      return !said[request].empty() && said[request].back().result != result::kResultWaiting;
+    })) << "nobody answered "
+        << request;
+    return said[request].empty() ? Said{} : said[request].back();
+  }
+
+  bus::Writer<msg::EffectChange> changes;
+  bus::Reader<msg::EffectChanged> answers;
+  std::map<std::uint64_t, std::vector<Said>> said;
+  std::uint64_t requests = 0;
+};
+
+msg::EffectChange change(std::uint32_t action, double value = 0.0, std::uint64_t from_sample = 0,
+                         std::uint64_t session = 0) {
+  msg::EffectChange m{};
+  m.action = action;
+  m.value[0] = value;
+  m.from_sample = from_sample;
+  m.session_id = session;
+  return m;
+}
+
+const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
+
+class RenderingLive : public testing::Test {
+ protected:
+  RenderingLive()
+      : rig(own_rig("x")), participant({kDomain, "lo", "around"}),
+        descriptions(participant, qos::kDeviceDescription, rig, latched()),
+        plans(participant, qos::kScenePlan, rig, latched()),
+        states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)),
+        contacts(participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kTap)), asker(participant, rig),
+        options(node_options<rendering::Options>(rig)), node([this](const std::atomic<bool>& stop) {
+          options.scene = scene.file;
+          return rendering::run(options, stop);
+        }) {
+    EXPECT_TRUE(asker.ready());
+    EXPECT_TRUE(asker.send_until_heard(change(99), 1'000'000));
+  }
+  void begin(std::uint64_t id) {
+    static char text[] = "fake";
+    msg::DeviceDescription m{};
+    m.session_id = session = id;
+    m.model = m.grip = text;
+    m.rate_hz = 1000.0;
+    descriptions.write(m);
+    sequence = 0;
+    ASSERT_TRUE(wait_until([&] {
+      look();
+      return planned == id && states.matched_count() == 1 && contacts.matched_count() == 1;
+    }));
+  }
+  void look() {
+    plans.take_each([this](const msg::ScenePlan& p) {
+      planned = p.session_id, plan_from_sample = p.from_sample, voxel_size_m = p.voxel_size_m, model = p.contact_model,
+      ++plan_count;
+    });
+    msg::ContactState c;
+    while (contacts.take(c)) {
+      if (!seen.empty()) {
+        // Samples may be lost in real time: the time between two that came counts.
+        const auto ms = static_cast<double>(c.sequence_number - seen.back().sequence_number);
+        const auto &a = seen.back().wrench.force, &b = c.wrench.force;
+        if (ms > 0) largest_step = std::max(largest_step, std::hypot(b.x - a.x, b.y - a.y, b.z - a.z) / ms);
+      }
+      seen.push_back(c);
+    }
+  }
+  /// One sample of a tool that slides, pressed into the plane, and the answer.
+  void sample() {
+    msg::DeviceState m{};
+    m.session_id = session;
+    m.sequence_number = sequence++;
+    m.sample_time_ns = static_cast<std::int64_t>(m.sequence_number) * 1'000'000;
+    m.pose.position = {0.003, 0.002, kPressed};
+    m.pose.orientation.w = 1.0;
+    m.twist.linear.x = kSpeed;
+    states.write(m);
+    std::this_thread::sleep_for(milliseconds(1));
+    look();
+  }
+  void samples(int count) {
+    for (int i = 0; i < count; ++i) sample();
+  }
+  Said ask(const msg::EffectChange& m, const std::string& effect = "viscosity", const std::string& parameter = "",
+           const std::string& contact_model = "") {
+    return asker.last_word(asker.send(m, effect, parameter, contact_model), [this] { sample(); });
+  }
+  double drag() const { return seen.back().effects_wrench.force.x; }
+  double push() const { return seen.back().wrench.force.z; }
+
+  SceneCopy scene;
+  std::string rig;
+  bus::Participant participant;
+  bus::Writer<msg::DeviceDescription> descriptions;
+  bus::Reader<msg::ScenePlan> plans;
+  bus::Writer<msg::DeviceState> states;
+  bus::Reader<msg::ContactState> contacts;
+  Asker asker;
+  rendering::Options options;
+  NodeThread node;
+  std::uint64_t session = 0, sequence = 0, planned = 0, plan_from_sample = 0;
+  int plan_count = 0;
+  double voxel_size_m = 0.0, largest_step = 0.0;
+  std::string model;
+  std::vector<msg::ContactState> seen;
+};
+
+TEST_F(RenderingLive, SwitchesAndSetsAnEffectWithoutAStep) {
+  begin(5);
+  samples(50);
+  ASSERT_NEAR(drag(), -2.0 * kSpeed, 1e-12);
+  const double whole = 2.0 * kSpeed, ramp = 1.001 * whole * 0.001 / EffectChain::kEffectRampS;
+  largest_step = 0.0;
+  const Said off = ask(change(kActionSwitch, 0.0));
+  EXPECT_EQ(off.result, result::kResultDone) << off.sentence;
+  EXPECT_EQ(off.session, 5U);
+  EXPECT_GT(off.from_sample, 0U);
+  EXPECT_NE(off.sentence.find("'viscosity' off"), std::string::npos) << off.sentence;
+  samples(150);
+  EXPECT_EQ(drag(), 0.0);
+  EXPECT_LE(largest_step, ramp);
+  EXPECT_EQ(ask(change(kActionSwitch, 1.0)).result, result::kResultDone);
+  EXPECT_EQ(ask(change(kActionGain, 0.5)).result, result::kResultDone);
+  samples(150);
+  EXPECT_NEAR(drag(), -kSpeed, 1e-12);
+  EXPECT_EQ(ask(change(kActionValue, 1.0), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+  samples(150);
+  EXPECT_NEAR(drag(), -0.5 * kSpeed, 1e-12);
+  EXPECT_LE(largest_step, 2 * ramp) << "at most two ramps at once";
+  EXPECT_EQ(plan_count, 1) << "damping bounds no stiffness: nothing to design anew";
+}
+
+TEST_F(RenderingLive, RefusesGarbageWithASentenceAndGoesOnAsBefore) {
+  begin(5);
+  samples(50);
+  const auto refused = [&](const msg::EffectChange& m, const std::string& effect, const std::string& parameter,
+                           const std::string& contact_model, const std::string& why) {
+    const Said said = ask(m, effect, parameter, contact_model);
+    EXPECT_EQ(said.result, result::kResultRefused) << said.sentence;
+    EXPECT_NE(said.sentence.find(why), std::string::npos) << said.sentence << "\n should say: " << why;
+    EXPECT_LT(said.sentence.size(), 500U);
+  };
+  const std::string v = "viscosity", endless(1'000'000, 'x');
+  refused(change(kActionGain, kNan), v, "", "", "0 to 1");
+  refused(change(kActionSwitch, kNan), v, "", "", "1 (on)");
+  refused(change(kActionValue, kNan), v, "damping_ns_per_m", "", "not finite");
+  refused(change(kActionValue, 1e9), v, "damping_ns_per_m", "", "from 0 to 100");
+  refused(change(kActionValue, 1.0), v, "dampening", "", "it takes: damping_ns_per_m");
+  refused(change(kActionValue, 0.1), v, "damping_nms_per_rad", "", "not built");
+  refused(change(kActionSwitch, 1.0), "honey", "", "", "the scene lists: viscosity");
+  refused(change(kActionSwitch, 1.0), "\x1b[2J\xff\xfe\n", "", "", "'?[2J");
+  refused(change(kActionSwitch, 1.0), endless, "", "", "longer than 64");
+  refused(change(kActionValue, 1.0), v, endless, "", "longer than 64");
+  refused(change(kActionReload), "", "", endless, "longer than 64");
+  refused(change(0), v, "", "", "no action 0");
+  refused(change(4'000'000'000U), v, "", "", "no action");
+  refused(change(kActionSwitch, 0.0, 0, 6), v, "", "", "session 6 does not run (5 does)");
+  refused(change(kActionSwitch, 0.0, 1), v, "", "", "sample 1 has passed");
+  refused(change(kActionSwitch, 0.0, ~std::uint64_t{0}), v, "", "", "samples away");
+  refused(change(kActionReload), "", "", "best", "no contact model 'best'");
+  for (const double bad : {kNan, -0.001, std::numeric_limits<double>::infinity()}) {
+    msg::EffectChange reload = change(kActionReload);
+    reload.voxel_size_m = bad;
+    refused(reload, "", "", "", "above 0");
+  }
+  for (int i = 0; i < 2000; ++i) asker.send(change(kActionValue, kNan), v, "damping_ns_per_m");
+  samples(100);
+  EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12);
+  EXPECT_LT(largest_step, 1e-9) << "nothing of it was felt";
+}
+
+TEST_F(RenderingLive, WaitsForTheSampleThatWasNamed) {
+  begin(5);
+  samples(20);
+  const std::uint64_t at = sequence + 100;
+  const std::uint64_t request = asker.send(change(kActionSwitch, 0.0, at), "viscosity");
+  const Said said = asker.last_word(request, [this] { sample(); });
+  EXPECT_EQ(said.result, result::kResultDone) << said.sentence;
+  EXPECT_EQ(said.from_sample, at);
+  ASSERT_EQ(asker.said[request].size(), 2U);
+  EXPECT_EQ(asker.said[request][0].result, result::kResultWaiting);
+  samples(20);
+  for (const msg::ContactState& c : seen)
+    if (c.sequence_number < at)
+      EXPECT_NEAR(c.effects_wrench.force.x, -2.0 * kSpeed, 1e-12) << c.sequence_number;
+    else
+      EXPECT_GT(c.effects_wrench.force.x, -1.995 * kSpeed) << c.sequence_number;
+}
+
+TEST_F(RenderingLive, AnswersWhatIsAskedAgainButDoesItOnce) {
+  begin(5);
+  samples(20);
+  const std::uint64_t request = asker.send(change(kActionGain, 0.5), "viscosity");
+  const Said first = asker.last_word(request, [this] { sample(); });
+  EXPECT_EQ(ask(change(kActionGain, 1.0)).result, result::kResultDone);
+  samples(150);
+  asker.said.clear();
+  msg::EffectChange again = change(kActionGain, 0.5);
+  ASSERT_TRUE(asker.send_until_heard(again, request));
+  EXPECT_EQ(asker.said[request].back().from_sample, first.from_sample);
+  samples(150);
+  EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12) << "the gain of the later change stays";
+}
+
+TEST_F(RenderingLive, DropsWhatWaitsForASampleOfASessionThatHasEnded) {
+  begin(5);
+  samples(20);
+  const std::uint64_t request = asker.send(change(kActionSwitch, 0.0, sequence + 500), "viscosity");
+  samples(50);
+  begin(6);
+  samples(700);
+  const Said said = asker.last_word(request, [this] { sample(); });
+  EXPECT_EQ(said.result, result::kResultRefused);
+  EXPECT_NE(said.sentence.find("another session"), std::string::npos) << said.sentence;
+  EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12);
+  EXPECT_EQ(ask(change(kActionSwitch, 0.0)).result, result::kResultDone) << "and nothing stays stuck";
+}
+
+TEST_F(RenderingLive, BuildsTheSceneAnewBesideTheLoopAndFadesOverToIt) {
+  begin(5);
+  EXPECT_EQ(ask(change(kActionValue, 1.0), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+  samples(150);
+  const double before = push();
+  ASSERT_GT(before, 0.01);
+  largest_step = 0.0;
+  scene.replace("stiffness_n_per_m: 30}", "stiffness_n_per_m: 60}");
+  msg::EffectChange reload = change(kActionReload);
+  reload.voxel_size_m = 0.001;
+  const Said said = ask(reload, "");
+  EXPECT_EQ(said.result, result::kResultDone) << said.sentence;
+  const std::size_t faded_from = seen.size();
+  samples(260);
+  EXPECT_EQ(voxel_size_m, 0.001);
+  EXPECT_EQ(plan_from_sample, said.from_sample);
+  EXPECT_EQ(plan_count, 2);
+  const double after = push();
+  EXPECT_GT(std::abs(after - before), 0.5 * before);
+  EXPECT_LE(largest_step, 1.01 * std::abs(after - before) * 0.001 / LiveScene::kFadeS);
+  EXPECT_NEAR(drag(), -1.0 * kSpeed, 1e-12) << "what was changed stays where the file says the same";
+  int fading = 0;
+  for (const msg::ContactState& c : seen) fading += (c.flags & msg::contact_state::kFlagFading) != 0;
+  EXPECT_GT(fading, 100);
+  EXPECT_LE(fading, 201);
+  EXPECT_GT(seen.size(), faded_from);
+  EXPECT_EQ(seen.back().flags & msg::contact_state::kFlagFading, 0U);
+  EXPECT_EQ(ask(change(kActionReload), "", "", "original").result, result::kResultDone);
+  samples(260);
+  EXPECT_EQ(model, "original");
+  const Said again = ask(change(kActionReload), "");
+  EXPECT_EQ(again.result, result::kResultDone) << again.sentence;
+  samples(260);
+  EXPECT_EQ(voxel_size_m, 0.002) << "as the file says";
+}
+
+TEST_F(RenderingLive, GoesOnWithTheOldSceneWhereTheNewOneCannotBeHad) {
+  begin(5);
+  samples(100);
+  const double before = push();
+  largest_step = 0.0;
+  scene.replace("voxel_size: 0.002", "voxel_size: fine");
+  Said said = ask(change(kActionReload), "");
+  EXPECT_EQ(said.result, result::kResultRefused);
+  EXPECT_NE(said.sentence.find("the old scene goes on"), std::string::npos) << said.sentence;
+  EXPECT_NE(said.sentence.find(".yaml:4:13"), std::string::npos) << said.sentence;
+  scene.replace("voxel_size: fine", "voxel_size: 0.002");
+  scene.replace("force_scale: 1}", "force_scale: 2}");
+  said = ask(change(kActionReload), "");
+  EXPECT_NE(said.sentence.find("'device' section has changed"), std::string::npos) << said.sentence;
+  scene.replace("force_scale: 2}", "force_scale: 1}");
+  msg::EffectChange reload = change(kActionReload);
+  reload.voxel_size_m = 1e-7;
+  said = ask(reload, "");
+  EXPECT_EQ(said.result, result::kResultRefused) << "more memory than there is";
+  samples(50);
+  EXPECT_EQ(push(), before);
+  EXPECT_EQ(largest_step, 0.0);
+  EXPECT_EQ(plan_count, 1);
+}
+
+TEST_F(RenderingLive, StopsWhileASceneIsBeingBuilt) {
+  begin(5);
+  msg::EffectChange reload = change(kActionReload);
+  reload.voxel_size_m = 0.0002;
+  asker.send(reload);
+  samples(50);
+  const auto before = std::chrono::steady_clock::now();
+  EXPECT_EQ(node.end(), 0);
+  EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(10));
+}
+
+// --- the desk alone: an effect whose stiffness changes with its parameter
+
+constexpr std::array kSpringParameters = {
+    EffectParameter{.name = "stiffness_n_per_m", .high = 1000.0, .standard = {{100.0, 0.0, 0.0}}}};
+
+class Spring final : public Effect {
+ public:
+  void apply(const EffectFrame&, const EffectValues& values, EffectPush& push) noexcept override {
+    push.stiffness_bound_n_per_m += values.number(0);
+  }
+};
+
+const EffectKind kSpring = {
+    .name = "spring",
+    .says = "",
+    .equations = "",
+    .parameters = kSpringParameters,
+    .needs = [](const EffectValues&) { return EffectNeeds{}; },
+    .bound =
+        [](const EffectValues& v) {
+          EffectBound bound;
+          bound.stiffness_n_per_m = v.number(0);
+          return bound;
+        },
+    .make = [] { return std::unique_ptr<Effect>(std::make_unique<Spring>()); },
+};
+
+TEST(ChangeDesk, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
+  Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  scene.effects = {
+      EffectSpec{.name = "spring", .kind = &kSpring, .values = EffectValues(kSpringParameters), .region = {}}};
+  auto built = build_scene(scene, serial_for());
+  LiveScene live(*built);
+  const double with_100 = built->plan().contact_n_per_m.all_points;
+  const std::string rig = own_rig("d");
+  const auto options = node_options<rendering::Options>(rig);
+  const bus::Participant participant({kDomain, "lo", "desk"});
+  bus::Reader<msg::ScenePlan> plans(participant, qos::kScenePlan, rig, latched());
+  Asker asker(participant, rig);
+  rendering::ChangeLine line;
+  rendering::ChangeDesk desk(participant, options, scene, std::move(built), line, [](const Scene&) {});
+  ASSERT_TRUE(asker.ready());
+  ASSERT_TRUE(asker.send_until_heard(change(99), 1'000'000));
+  desk.begin_session(3);
+  line.begin_session(3);
+  std::vector<std::pair<std::uint64_t, double>> seen;
+  std::uint64_t sample = 0;
+  const auto loop = [&] {
+    line.take(live, ++sample, true);
+    plans.take_each([&](const msg::ScenePlan& p) { seen.emplace_back(p.from_sample, p.all_points_stiffness_n_per_m); });
+  };
+  const auto ask = [&](const msg::EffectChange& m, const std::string& parameter) {
+    return asker.last_word(asker.send(m, "spring", parameter), loop);
+  };
+  EXPECT_EQ(ask(change(kActionSwitch, 0.0), "").result, result::kResultDone);
+  EXPECT_EQ(ask(change(kActionSwitch, 1.0), "").result, result::kResultDone);
+  const Said stiffer = ask(change(kActionValue, 350.0), "stiffness_n_per_m");
+  EXPECT_EQ(stiffer.result, result::kResultDone) << stiffer.sentence;
+  const Said softer = ask(change(kActionValue, 50.0), "stiffness_n_per_m");
+  ASSERT_TRUE(wait_until([&] {
+    loop();
+    return seen.size() >= 3;
+  }));
+  ASSERT_EQ(seen.size(), 3U) << "the session's, and one for each change of the bound";
+  EXPECT_EQ(seen[0], (std::pair<std::uint64_t, double>{0, with_100}));
+  EXPECT_EQ(seen[1].first, stiffer.from_sample);
+  EXPECT_NEAR(seen[1].second, with_100 + 250.0, 1e-9);
+  EXPECT_EQ(seen[2].first, softer.from_sample);
+  EXPECT_NEAR(seen[2].second, with_100 - 50.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace voxtouch::test
