@@ -101,8 +101,9 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& tool, const Twist& to
     pose_.orientation = (Quat(Eigen::AngleAxisd(angle, step / angle)) * pose_.orientation).normalized();
 
   BodyGrip grip;
-  const Vec3 stretch_after = goal.position - pose_.position;
-  const Vec3 twisted_after = turn_between(pose_.orientation, goal.orientation);
+  // What acts on the tool is what acted on the body over this step: a body that is a step ahead of its tool would push it on.
+  const Vec3 stretch_after = stretch + dt_s * (goal_velocity - twist_.linear);
+  const Vec3 twisted_after = twisted + dt_s * (tool_twist.angular - twist_.angular);
   const Vec3 on_body = c * stretch_after + r * (goal_velocity - twist_.linear);
   const Vec3 turn_body = c_turn * twisted_after + r_turn * (tool_twist.angular - twist_.angular);
   const Vec3 lever = goal.position - tool.position;
