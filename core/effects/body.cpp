@@ -102,6 +102,7 @@ const EffectKind kBody = {
     .bound = bound,
     .check = check,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<Body>()); },
+    .expected_ns = 300.0,
 };
 
 }  // namespace voxtouch

@@ -19,6 +19,7 @@ struct EffectSpec {
   std::optional<std::uint32_t> object = {};  ///< feels the contact with this static object alone; 0: the ground
   double gain = 1.0;  ///< 0..1
   bool on = true;     ///< off: built and ready, gain 0
+  std::string place = {};  ///< where it was read, `file:line:column`, for messages; may be empty
 };
 
 /// Union of what they need: the largest `proximity_m` and `smoothing_m`, the least `lever_m`.

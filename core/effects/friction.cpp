@@ -184,6 +184,7 @@ const EffectKind kFriction = {
     .needs = needs,
     .bound = bound,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<Friction>()); },
+    .expected_ns = 120.0,
 };
 
 }  // namespace voxtouch

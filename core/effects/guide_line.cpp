@@ -77,6 +77,7 @@ const EffectKind kGuideLine = {
     .bound = guide_bound,
     .check = check,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<GuideLine>()); },
+    .expected_ns = 80.0,
 };
 
 }  // namespace voxtouch

@@ -63,6 +63,7 @@ const EffectKind kGuidePlane = {
     .bound = guide_bound,
     .check = check_guide,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<GuidePlane>()); },
+    .expected_ns = 60.0,
 };
 
 }  // namespace voxtouch

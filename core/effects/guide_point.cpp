@@ -42,6 +42,7 @@ const EffectKind kGuidePoint = {
     .bound = guide_bound,
     .check = check_guide,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<GuidePoint>()); },
+    .expected_ns = 60.0,
 };
 
 }  // namespace voxtouch

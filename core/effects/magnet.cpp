@@ -73,6 +73,7 @@ const EffectKind kMagnet = {
     .needs = [](const EffectValues&) { return EffectNeeds{}; },
     .bound = bound,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<Magnet>()); },
+    .expected_ns = 40.0,
 };
 
 }  // namespace voxtouch

@@ -130,6 +130,7 @@ const EffectKind kSurfaceDamping = {
     .needs = needs,
     .bound = bound,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<SurfaceDamping>()); },
+    .expected_ns = 130.0,
 };
 
 }  // namespace voxtouch

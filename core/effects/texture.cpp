@@ -153,6 +153,7 @@ const EffectKind kTexture = {
     .needs = needs,
     .bound = bound,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<Texture>()); },
+    .expected_ns = 130.0,
 };
 
 }  // namespace voxtouch

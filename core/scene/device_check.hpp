@@ -32,4 +32,17 @@ std::vector<std::string> effects_not_shown(const Scene& scene, bool gives_torque
 /// `stiffness_bound_n_per_m`: of all points that can push at once, not of one: the total is what the loop must stand.
 DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m);
 
+/// What any contact shows of stiffness at least, in W: one point alone where points weigh one each, with all that the effects may
+/// show beside it; or the grip of a body.
+double least_stiffness_n_per_m(const Scene& scene) noexcept;
+
+/// What a device needs to stand damping that comes late.
+struct LateDamping {
+  double mass_kg = 0.0;   ///< at the tip, the least
+  double delay_s = 0.0;   ///< from a sample to the force that answers it, beside the coupling's lag
+};
+/// Where the effects' dampings together are more than half of what the device can stand, b < (pi/2) m / (lag + delay): a
+/// sentence with the place of the largest. `spec`: the coupling that runs. Empty: they may be felt.
+std::string effects_damp_too_much(const Scene& scene, const CouplingSpec& spec, const LateDamping& device);
+
 }  // namespace voxtouch

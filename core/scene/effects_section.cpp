@@ -107,6 +107,7 @@ EffectSpec read_effect(const SceneSource& source, const YamlNode& node, const Sc
   if (spec.kind == nullptr)
     source.fail(node.place, fmt::format("The entry names no effect; there are: {}.", listed(kinds)));
   spec.name = spec.kind->name;
+  spec.place = fmt::format("{}:{}:{}", source.file.string(), node.place.line, node.place.column);
   if (spec.kind->everywhere)
     for (const std::string_view key : {"region", "gain", "on"})
       map.refuse(key, fmt::format("does not go with '{}', which is all or nothing.", spec.kind->name));

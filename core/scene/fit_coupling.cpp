@@ -1,5 +1,6 @@
 #include "core/scene/fit_coupling.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -15,9 +16,12 @@ namespace {
 /// device can show.
 std::string refusal_by_hand(const Scene& scene, const DeviceModel& device, double one_point_n_per_m) {
   const DeviceFacts facts{device.translation.max_stiffness, device.timing.period_s, device.translation.max_effort};
-  const DeviceCheck check = check_device(scene, facts, one_point_n_per_m);
+  const DeviceCheck check = check_device(scene, facts, std::max(one_point_n_per_m, least_stiffness_n_per_m(scene)));
   return check.fits() ? "" : check.errors.front();
 }
+
+/// A sample, its transport, and half of the period that its force is held for.
+double late_s(const LoopTiming& timing) { return timing.delay_s + 1.5 * timing.period_s; }
 
 std::string refusal_of(const Design& design, const Scene& scene, const DeviceModel& device) {
   if (design.status != DesignStatus::kInfeasible || scene.design->run_infeasible) return "";
@@ -49,6 +53,9 @@ FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip 
       out.spec.passivity_damping_limit_nms_per_rad = judged.passivity_damping_limit_nms_per_rad;
       out.refusal = refusal_by_hand(scene, device, translation.one_point);
     }
+    if (out.refusal.empty())
+      out.refusal = effects_damp_too_much(scene, out.spec,
+                                          {device.translation.inertia_min, late_s(device.timing)});
   } catch (const std::invalid_argument& error) {
     out.refusal = error.what();
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <random>
 
+#include "core/effects/body.hpp"
 #include "core/coupling/running_coupling.hpp"
 
 namespace voxtouch::cli {
@@ -141,14 +142,15 @@ class Measurement {
     }
   }
 
-  /// The body's motion is what is left of the frame.
-  double measured(std::size_t effect) const {
+  /// A body's motion is in the frame, not in its effect: it is timed by itself.
+  double measured(std::size_t effect) {
     const EffectSpec& spec = scene_.effects[effect];
-    if (!spec.kind->needs(spec.values).body) return median(samples_.effects[effect]);
-    double others = median(samples_.find) + median(samples_.rest);
-    for (std::size_t e = 0; e < samples_.effects.size(); ++e)
-      if (e != effect) others += median(samples_.effects[e]);
-    return std::max(0.0, median(samples_.frame) - others);
+    const std::optional<BodyShape>& shape = built_.effect_ground().body;
+    if (!spec.kind->needs(spec.values).body || !shape) return median(samples_.effects[effect]);
+    RigidBody body(*shape);
+    body.place({}, true);
+    const BodyParameters parameters = body_parameters(spec.values);
+    return watch_.ns([&] { grip_ = body.step({}, {}, {}, true, 0.0, parameters, kUsualS); });
   }
 
   /// What was taken so far was out of contact.
@@ -193,6 +195,7 @@ class Measurement {
   std::optional<RunningCoupling> coupling_;
   HitList hits_;
   EffectPush push_;
+  BodyGrip grip_;
   Samples samples_;
   std::vector<double> free_;  ///< whole frames out of contact
 };

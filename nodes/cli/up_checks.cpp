@@ -56,9 +56,9 @@ std::vector<std::string> check_before_start(const Scene& scene, const Plans& pla
     // One point alone is the least that any contact shows; how many push together is seen only while the scene runs. A coupling
     // that is designed caps both.
     const DeviceFacts facts{description.max_stiffness_n_per_m, 1.0 / description.rate_hz, description.max_force_n};
-    const DeviceCheck check = check_device(scene, facts, scene.contact.stiffness_n_per_m);
+    const DeviceCheck check = check_device(scene, facts, least_stiffness_n_per_m(scene));
     if (!check.fits())
-      throw std::runtime_error(fmt::format("{} is too stiff for {} with a single point in contact: {}",
+      throw std::runtime_error(fmt::format("{} is too stiff for {} with a single point in contact and its effects: {}",
                                            scene.file.string(), plans.device, check.errors.front()));
     notes = check.warnings;
   }

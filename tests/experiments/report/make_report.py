@@ -242,7 +242,7 @@ def ring(page, build, out, quick):
                 rows.append([device, motion, coupling, "refused: " + "; ".join(problems)])
                 axis.text(0.5, 0.5, "refused", transform=axis.transAxes, ha="center")
                 continue
-            raw, returned = forces(bag, "/haptic/rendering/contact", 80), forces(bag, "/haptic/coupling/command", 32)
+            raw, returned = forces(bag, "/haptic/rendering/contact", 136), forces(bag, "/haptic/coupling/command", 32)
             axis.plot([t for t, _ in raw], [f for _, f in raw], lw=0.5, color=ORANGE, label="contact force, raw")
             axis.plot([t for t, _ in returned], [f for _, f in returned], lw=1.6, color=BLUE, label="returned to the hand")
             axis.set_ylabel("force [N]")
@@ -250,6 +250,9 @@ def ring(page, build, out, quick):
             axis.set_ylim(0, 1.15 * top if top > 0 else None)
             tail = [f for t, f in returned if t > 0.6 * seconds]
             summary = json.loads(done.stdout)
+            pushing = sum(1 for _, f in raw if f > 1e-9)
+            if pushing != summary["contact_samples"]:  # the messages are not laid out as this script reads them
+                raise ValueError(f"{bag}: {pushing} contact messages hold a force, but the rendering counted {summary['contact_samples']}")
             rows.append([device, motion, coupling, f"largest raw {max(f for _, f in raw):.1f} N, returned {max(f for _, f in returned):.2f} N; last 40 %: "
                          f"{min(tail):.2f} to {max(tail):.2f} N; " + ("all is well" if summary.get("ok") else "; ".join(summary.get("problems", [])))])
     axes[0][0].legend(fontsize=7)

@@ -20,7 +20,49 @@ TEST(DeviceCheck, ComparesTheTotalStiffnessAndNotOnePoint) {
   const DeviceCheck stiff = check_device(scene_with(), phantom(), 2000);
   ASSERT_EQ(stiff.errors.size(), 1U);
   EXPECT_NE(stiff.errors[0].find("2000 N/m at the hand"), std::string::npos) << stiff.errors[0];
-  EXPECT_NE(stiff.errors[0].find("below 5,"), std::string::npos) << "the stiffness per point that would fit";
+  EXPECT_NE(stiff.errors[0].find("contact.stiffness_n_per_m by a factor of 2,"), std::string::npos) << stiff.errors[0];
+}
+
+EffectSpec effect(const char* kind, std::initializer_list<double> first) {
+  EffectSpec spec{.name = kind, .kind = find_effect_kind(kind), .values = {}, .region = {}};
+  spec.values = EffectValues(spec.kind->parameters);
+  std::size_t n = 0;
+  for (const double value : first) spec.values.at(n++)[0] = value;
+  spec.place = "a.yaml:7:5";
+  return spec;
+}
+
+TEST(DeviceCheck, CountsWhatTheEffectsMayShowAndNamesTheStiffestWithItsPlace) {
+  Scene s = scene_with();
+  EffectSpec guide = effect("guide_point", {});
+  for (std::size_t n = 0; n < guide.kind->parameters.size(); ++n) {
+    if (guide.kind->parameters[n].name == "stiffness_n_per_m") guide.values.at(n)[0] = 3000;
+    if (guide.kind->parameters[n].name == "limit_n") guide.values.at(n)[0] = 2;
+  }
+  s.effects = {guide};
+  EXPECT_DOUBLE_EQ(least_stiffness_n_per_m(s), 10 + 3000);
+  const DeviceCheck stiff = check_device(s, phantom(), least_stiffness_n_per_m(s));
+  ASSERT_EQ(stiff.errors.size(), 1U);
+  EXPECT_NE(stiff.errors[0].find("the effect 'guide_point' (a.yaml:7:5) (3000 N/m)"), std::string::npos) << stiff.errors[0];
+}
+
+TEST(DeviceCheck, SeesTheGripAloneWhereTheObjectIsABody) {
+  Scene s = scene_with();
+  s.effects = {effect("body", {0.1})};
+  EXPECT_DOUBLE_EQ(least_stiffness_n_per_m(s), 200);
+}
+
+TEST(DeviceCheck, RefusesDampingThatComesTooLateForTheDevice) {
+  Scene s = scene_with(80);
+  const LateDamping device{.mass_kg = 0.1, .delay_s = 0.002};
+  const double limit = 0.25 * 3.14159265358979 * 0.1 / (lag_s(s.coupling) + 0.002);
+  s.effects = {effect("viscosity", {0.99 * limit})};
+  EXPECT_EQ(effects_damp_too_much(s, s.coupling, device), "");
+  s.effects = {effect("viscosity", {0.6 * limit}), effect("viscosity", {0.5 * limit})};
+  const std::string why = effects_damp_too_much(s, s.coupling, device);
+  EXPECT_EQ(why.find("a.yaml:7:5: the effects damp with up to"), 0U) << why;
+  s.device.force_scale = 0.5;
+  EXPECT_EQ(effects_damp_too_much(s, s.coupling, device), "") << "the hand feels half of it";
 }
 
 TEST(DeviceCheck, CountsTheScalesAndTheCoupling) {
