@@ -165,15 +165,66 @@ std::vector<Case> all_cases() {
   for (const char* scene : {"plane", "tilted_plane", "cylinder", "cup", "cup_clustered", "cup_field"})
     for (const auto& [device, limit] : {std::pair{"sim-phantom", 8.5}, std::pair{"sim-lwr", 150.0}})
       cases.push_back({scene, device, limit});
-  for (const char* effect : {"friction", "guide_line", "guide_plane", "guide_point", "magnet", "proximity",
-                             "surface_damping", "texture", "viscosity"})
-    cases.push_back({std::string("cup_") + effect, "sim-phantom", 8.5});
   return cases;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::ValuesIn(all_cases()), [](const auto& rig) {
   return rig.param.scene + (rig.param.device == "sim-lwr" ? "_lwr" : "_phantom");
 });
+
+/// Every effect has a scene; each is felt, harms nothing, and what the contact does is still what the reference says.
+class EffectScene : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(EffectScene, IsFeltAndTheContactBesideItIsTheReferences) {
+  const auto& [scene, motion] = GetParam();
+  const TemporaryFolder folder;
+  const RingResult r = run_ring(shipped_scene(scene), {"--lockstep", "--one-process", "--device", "sim-phantom", "--motion",
+                                                       motion, "--duration", "5", "--record", (folder / "bag").string()});
+  ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
+  EXPECT_GT(r.summary["contact_samples"], 500);
+  EXPECT_EQ(r.summary["validator"]["disagree"], 0);
+  EXPECT_LT(r.summary["max_force_n"], 0.6 * 8.5);
+  double most = 0.0;
+  for (const auto& contact : read_ring_topic<msg::ContactState>(folder / "bag", "/haptic/rendering/contact"))
+    most = std::max(most, std::hypot(contact.effects_wrench.force.x, contact.effects_wrench.force.y,
+                                     contact.effects_wrench.force.z));
+  EXPECT_GT(most, 0.02) << "the effect gives a force";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EffectScene,
+                         testing::Values(std::pair{"cup_friction", "slide"}, std::pair{"cup_guide_line", "slide"},
+                                         std::pair{"cup_guide_plane", "slide"}, std::pair{"cup_guide_point", "slide"},
+                                         std::pair{"cup_magnet", "slide"}, std::pair{"cup_proximity", "slide"},
+                                         std::pair{"cup_surface_damping", "slide"}, std::pair{"cup_texture", "slide"},
+                                         std::pair{"cup_viscosity", "slide"}, std::pair{"objects", "slide"}),
+                         [](const auto& one) { return std::string(one.param.first); });
+
+TEST(BlockScene, IsCarriedFallsRestsAndIsPushedOverTheTable) {
+  for (const char* device : {"sim-phantom", "sim-lwr"}) {
+    SCOPED_TRACE(device);
+    const TemporaryFolder folder;
+    const RingResult r = run_ring(shipped_scene("block"), {"--lockstep", "--one-process", "--device", device, "--motion", "fall",
+                                                           "--duration", "6.5", "--record", (folder / "bag").string()});
+    ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
+    EXPECT_EQ(r.summary["validator"]["disagree"], 0);
+    const auto contacts = read_ring_topic<msg::ContactState>(folder / "bag", "/haptic/rendering/contact");
+    const auto commands = read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command");
+    ASSERT_EQ(contacts.size(), 6500u);
+    constexpr double kWeight = 0.08 * 9.81, kLies = 0.015 - kWeight / (1.2e6 * 0.0016);
+    EXPECT_NEAR(-contacts[1400].wrench.force.z, kWeight, 0.05) << "held still in the air";
+    EXPECT_NEAR(magnitude(commands[1400]), kWeight, 0.1) << "and the hand feels it";
+    EXPECT_GT(contacts[1400].object_pose.position.z, 0.04);
+    EXPECT_LT(magnitude(commands[1800]), 0.01) << "let go: what is left is the filter's tail";
+    for (const std::size_t n : {1900u, 2400u, 2890u}) EXPECT_NEAR(contacts[n].object_pose.position.z, kLies, 5e-5) << n;
+    EXPECT_NEAR(contacts[2890].object_pose.position.x, contacts[1900].object_pose.position.x, 1e-5) << "it does not creep";
+    const auto& pushed = contacts[5100];
+    EXPECT_GT(pushed.object_pose.position.x, 0.03) << "along with the hand";
+    EXPECT_NEAR(pushed.object_pose.position.z, kLies, 3e-4) << "over the table";
+    EXPECT_LT(pushed.object_pose.position.x, pushed.tool_pose.position.x) << "behind it: its friction pulls";
+    EXPECT_LT(std::hypot(pushed.wrench.force.x, pushed.wrench.force.y), 0.45 * kWeight) << "no more than friction and a rest";
+    EXPECT_GT(contacts[6400].object_pose.position.z, 0.02) << "lifted off again";
+  }
+}
 
 }  // namespace
 }  // namespace voxtouch::test

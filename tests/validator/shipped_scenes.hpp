@@ -9,7 +9,7 @@ namespace voxtouch::test {
 
 /// Names without `.yaml`, sorted; all that is in the folder, so that a new scene takes part by itself.
 std::vector<std::string> shipped_scene_names();
-/// Those whose tool is where the hand is and whose objects rest: what can be walked through by poses alone.
+/// Those of contact alone, with objects that rest: what the walks of poses render. The contact of the others is one of these.
 std::vector<std::string> resting_scene_names();
 Scene shipped_scene(const std::string& name);
 
