@@ -219,7 +219,7 @@ TEST(BlockScene, IsCarriedFallsRestsAndIsPushedOverTheTable) {
     EXPECT_NEAR(contacts[2890].object_pose.position.x, contacts[1900].object_pose.position.x, 1e-5) << "it does not creep";
     const auto& pushed = contacts[5100];
     EXPECT_GT(pushed.object_pose.position.x, 0.03) << "along with the hand";
-    EXPECT_NEAR(pushed.object_pose.position.z, kLies, 3e-4) << "over the table";
+    EXPECT_NEAR(pushed.object_pose.position.z, kLies, 1e-3) << "over the table, however the hand lifts or presses";
     EXPECT_LT(pushed.object_pose.position.x, pushed.tool_pose.position.x) << "behind it: its friction pulls";
     EXPECT_LT(std::hypot(pushed.wrench.force.x, pushed.wrench.force.y), 0.45 * kWeight) << "no more than friction and a rest";
     EXPECT_GT(contacts[6400].object_pose.position.z, 0.02) << "lifted off again";
