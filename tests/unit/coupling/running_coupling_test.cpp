@@ -163,6 +163,41 @@ TEST(RunningCoupling, DampingChangesOverItsRamp) {
 }
 
 /// Any bits in any field: finite and within the limits, for every kind with everything on.
+/// A weight that is lowered gives what lifting it has stored: no fault of the coupling's, where it is told so.
+TEST(RunningCoupling, AllowsWhatAPotentialGivesAndBrakesWhatNothingExplains) {
+  for (const bool told : {true, false}) {
+    CouplingSpec spec = spec_of("direct");
+    spec.passivity_damping_limit_ns_per_m = 5;
+    RunningCoupling running(spec, {}, kT, 0.001);
+    double energy = 0.0;
+    for (int n = 0; n < 1000; ++n) {
+      CouplingInput in = push({0, 0, -1}, Vec3::Zero(), 0);
+      in.tool.position.z() = -5e-5 * n;
+      if (told) in.supplied_energy_j = 5e-5 * n;
+      energy = running.step(in, kT).energy_j;
+    }
+    if (told) {
+      EXPECT_EQ(running.counters().controlled, 0U);
+      EXPECT_NEAR(energy, 0.0, 1e-4);
+    } else {
+      EXPECT_GT(running.counters().controlled, 900U);
+    }
+  }
+}
+
+TEST(RunningCoupling, IsToldNoMoreThanTheLargestForceCanDo) {
+  RunningCoupling running(spec_of("direct"), {.max_force_n = 3.0}, kT);
+  CouplingInput in = push({0, 0, 1});
+  running.step(in, kT);
+  in.supplied_energy_j = 1e9;
+  EXPECT_LT(running.step(in, kT).energy_j, 3.0 * 2.0 * kT + 1e-9);
+  in.supplied_energy_j = kNan;
+  EXPECT_TRUE(std::isfinite(running.step(in, kT).energy_j));
+  running.reset({});
+  in.supplied_energy_j = 5.0;
+  EXPECT_LT(running.step(in, kT).energy_j, 1e-9) << "what was supplied before it began is not its";
+}
+
 TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
   std::mt19937_64 random(77);
   const double special[] = {kNan,    -kNan, kInf,   -kInf, 0.0, -0.0,  5e-324,
