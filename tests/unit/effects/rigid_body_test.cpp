@@ -156,6 +156,7 @@ TEST(RigidBody, RidesOnAFloorThatMoves) {
     body.step(floor_at(relative, 2e3, speed), {}, {}, false, 0.0, usual(), kStep);
   }
   EXPECT_NEAR(body.twist().linear.z(), speed, 1e-6);
+  EXPECT_NEAR(body.pose().position.z() - speed * 2000 * kStep, -0.981 / 2e3, 2e-6) << "no deeper than on one that rests";
 }
 
 TEST(RigidBody, StopsWhereALoadIsNoNumber) {
