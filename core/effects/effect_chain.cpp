@@ -54,7 +54,8 @@ void EffectChain::advance(Link& link, double dt_s) noexcept {
 }
 
 void EffectChain::weigh(const Link& link, const RegionWeight& weight, const EffectPush& own, EffectPush& sum) noexcept {
-  const double gain = link.gain.now(), share = gain * weight.weight;
+  const bool inside = link.goal.kind->takes_share;
+  const double gain = link.gain.now(), share = inside ? 1.0 : gain * weight.weight;
   sum.wrench.force += share * own.wrench.force;
   sum.wrench.torque += share * own.wrench.torque;
   sum.stiffness += share * own.stiffness;
@@ -64,7 +65,9 @@ void EffectChain::weigh(const Link& link, const RegionWeight& weight, const Effe
     return;
   }
   const Region& region = link.goal.region;
-  const double force = own.wrench.force.norm(), slope = weight.gradient.norm();
+  // A limit that is scaled by the weight moves as a force of full weight would.
+  const double slope = weight.gradient.norm();
+  const double force = inside ? own.wrench.force.norm() / (gain * weight.weight) : own.wrench.force.norm();
   double added = gain * slope * force;
   if (link.goal.kind->energy == EnergyBehaviour::kConservative) {
     sum.wrench.force -= (gain * own.potential_j) * weight.gradient;
@@ -80,12 +83,15 @@ EffectPush EffectChain::apply(const EffectFrame& frame) noexcept {
   for (Link& link : links_) {
     advance(link, frame.dt_s);
     const RegionWeight weight = weight_at(link.goal.region, frame.tool.position);
-    if (!(link.gain.now() > 0.0) || (weight.weight <= 0.0 && weight.gradient.isZero(0.0))) {
+    const bool gone = weight.weight <= 0.0 && (link.goal.kind->takes_share || weight.gradient.isZero(0.0));
+    if (!(link.gain.now() > 0.0) || gone) {
       link.effect->reset();  // what it remembers must not push when it comes back
       continue;
     }
     EffectPush own;
-    link.effect->apply(link.goal.object ? narrowed(frame, *link.goal.object) : frame, link.now, own);
+    EffectFrame felt = link.goal.object ? narrowed(frame, *link.goal.object) : frame;
+    felt.share = link.gain.now() * weight.weight;
+    link.effect->apply(felt, link.now, own);
     EffectPush with = sum;
     weigh(link, weight, own, with);
     if (usable(with)) {
@@ -116,13 +122,14 @@ void EffectChain::take(const EffectCommand& command) noexcept {
     return;
   }
   const std::array<double, 3>&now = link.now.at(command.parameter), &goal = command.value;
-  for (std::size_t n = 0; n < 3; ++n)
-    link.rate.at(command.parameter)[n] = std::abs(goal[n] - now[n]) / kEffectRampS;
+  for (std::size_t n = 0; n < 3; ++n) link.rate.at(command.parameter)[n] = std::abs(goal[n] - now[n]) / kEffectRampS;
 }
 
 std::string EffectChain::switch_to(std::size_t effect, bool on) {
   if (links_[effect].goal.kind->everywhere) return no_switch(links_[effect].goal);
-  take({.action = EffectAction::kSwitch, .effect = static_cast<std::uint32_t>(effect), .value = {on ? 1.0 : 0.0, 0.0, 0.0}});
+  take({.action = EffectAction::kSwitch,
+        .effect = static_cast<std::uint32_t>(effect),
+        .value = {on ? 1.0 : 0.0, 0.0, 0.0}});
   return {};
 }
 

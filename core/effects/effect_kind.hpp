@@ -91,6 +91,9 @@ struct EffectKind {
   EnergyBehaviour energy = EnergyBehaviour::kConservative;
   bool alone = false;       ///< a scene has one at most: two would contradict each other (gravity)
   bool everywhere = false;  ///< takes no region, gain or switch: half of it would be nothing
+  bool takes_share =
+      false;  ///< stores energy: scales its limits by EffectFrame::share itself, since a stored force that is
+              ///< scaled from outside comes back larger than it was put in
   std::span<const EffectParameter> parameters;
   EffectNeeds (*needs)(const EffectValues&) = nullptr;
   EffectBound (*bound)(const EffectValues&) = nullptr;

@@ -39,8 +39,10 @@ struct Law {
   double k;
 };
 
-Law law_at(double push_n, const EffectValues& values) noexcept {
-  const double most = values.number(kMostForce), slides = values.number(kCoulomb) * push_n;
+/// `share` of the force that the bristles let go at, not of the one they store: half the friction behind a region's rim is a
+/// surface half as rough.
+Law law_at(double push_n, double share, const EffectValues& values) noexcept {
+  const double most = share * values.number(kMostForce), slides = share * values.number(kCoulomb) * push_n;
   return {std::min(slides, most), std::min(values.number(kSticking) * slides, most), values.number(kStiffness)};
 }
 
@@ -104,7 +106,7 @@ class Friction final : public Effect {
       if (bristle == nullptr) continue;
       bristle->bend *= stiffer;
       const Vec3 arm = arm_to(point, bristle->height.follow(point.height_m, step_.most(reach)), reach);
-      rub(frame, touch, point, arm, law_at(point.push_n, values), *bristle);
+      rub(frame, touch, point, arm, law_at(point.push_n, frame.share, values), *bristle);
       add(*bristle, arm, values, touch.contact->stiffness_bound_n_per_m, push);
     }
     bristles_.end();
@@ -176,10 +178,12 @@ const EffectKind kFriction = {
         "with n and "
         "with the object, unstretched. A law of ways, not of time: a tool at rest feels a constant force. Gives no "
         "energy on any "
-        "path while the object rests: k z^2 / 2 is stored, shrinks with N and never grows with it. Stiffness: k, and "
+        "path while the object rests: k z^2 / 2 is stored, shrinks with N and never grows with it; gain and region scale "
+        "mu, not k. Stiffness: k, and "
         "while it slips mu "
         "times the contact's as a coupling between depth and force.",
     .energy = EnergyBehaviour::kDissipative,
+    .takes_share = true,
     .parameters = kParameters,
     .needs = needs,
     .bound = bound,

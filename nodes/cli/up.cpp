@@ -11,6 +11,7 @@
 
 #include "core/scene/scene_file.hpp"
 #include "devices/settings.hpp"
+#include "nodes/bus/reader.hpp"
 #include "nodes/cli/crew.hpp"
 #include "nodes/cli/summary.hpp"
 #include "nodes/cli/up_checks.hpp"
@@ -47,7 +48,8 @@ std::filesystem::path default_bag(const std::string& scene) {
 class Run {
  public:
   Run(const UpOptions& options, const Scene& scene)
-      : options_(options), participant_(options.node.participant("up")), roster_(participant_, options.node.rig) {
+      : options_(options), participant_(options.node.participant("up")), roster_(participant_, options.node.rig),
+        verdicts_(participant_, qos::kValidation, options.node.rig, qos::profile(qos::ProfileId::kTap)) {
     summary_.scene = scene.name;
     summary_.device = options.device;
     summary_.motion = options.motion;
@@ -108,6 +110,7 @@ class Run {
 
   void listen() {
     roster_.update(true);
+    verdicts_.take_each([](const msg::ValidationReport&) {});
     for (const runtime::NodeReport& report : roster_.reports())
       if (std::any_of(crew_.begin(), crew_.end(),
                       [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; }))
@@ -200,6 +203,7 @@ class Run {
   const UpOptions& options_;
   bus::Participant participant_;
   runtime::Roster roster_;
+  bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges for whoever reads; its counts come with its status
   CrewOptions crew_options_;
   std::vector<std::unique_ptr<Member>> crew_;
   std::set<std::string> noted_;  ///< members whose end is among the problems

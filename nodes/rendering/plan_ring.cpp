@@ -21,7 +21,7 @@ constexpr Caller kCallers[] = {
     {qos::kDeviceDescription, "device", "It begins a session, and the coupling is designed for it. Once a session."},
     {qos::kScenePlan, "rendering", "The coupling is designed for the contact that it tells of. Once a session."},
     {qos::kCouplingDesign, "coupling", "People and bags see from it what runs. Once a session and on a change."},
-    {qos::kValidation, "validator", "Verdicts; there only while a validator runs."},
+    {qos::kValidation, "validator", "Verdicts; made only while a validator runs and somebody reads them."},
     {qos::kNodeStatus, "every node", "Nodes find each other by it. Once a second and on a change."},
     {qos::kEffectChange, "rendering", "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool."},
     {qos::kEffectChanged, "rendering", "What became of each change."},
@@ -48,7 +48,7 @@ std::vector<PlanPart> ring_parts(const Scene& scene) {
   parts.push_back(
       node_part("coupling", scene.design ? "Designs the coupling and runs it." : "Runs the scene's coupling."));
   parts.push_back(node_part("validator",
-                            "A process of its own beside the ring, started by `up`: judges every n-th contact. "
+                            "A process of its own beside the ring, started by `up`: judges every n-th contact while somebody reads its verdicts. "
                             "Where none runs, nothing is done for it."));
   parts.push_back(node_part("logger", "Records the bag; with --no-record there is none, and nothing is done for it."));
   return parts;

@@ -43,6 +43,7 @@ void StatusWriter::publish(const NodeReport& report) {
 
 void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue>& values) {
   namespace level = msg::diagnostic_msgs_DiagnosticStatus_constants;
+  ++diagnostics_made_;
   msg::diagnostic_msgs_DiagnosticStatus status{};
   status.level = report.state == NodeState::kFailed     ? level::kError
                  : report.state == NodeState::kStarting ? level::kWarn

@@ -42,12 +42,15 @@ class StatusWriter {
   void publish(const NodeReport& report);  ///< node, host, pid and participant are filled in here
   /// Waits until readers have the last report; for the way out.
   void flush() noexcept;
+  /// How often /diagnostics was made.
+  std::uint64_t diagnostics_made() const noexcept { return diagnostics_made_; }
 
  private:
   void publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue>& values);
   bus::Writer<msg::NodeStatus> writer_;
   bus::Writer<msg::diagnostic_msgs_DiagnosticArray> diagnostics_;
   std::string full_name_;  // "haptic/device"
+  std::uint64_t diagnostics_made_ = 0;
   NodeReport own_;
 };
 

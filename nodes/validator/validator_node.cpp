@@ -149,6 +149,8 @@ class ValidatorNode {
     // While one scene fades into another, what is felt is neither's.
     if (blind_ || (contact.flags & msg::contact_state::kFlagFading) || !is_checked(contact.sequence_number, options_.every))
       return;
+    unread_.store(reports_.matched_count() == 0, std::memory_order_relaxed);
+    if (unread_) return;  // a verdict that nobody reads is not made
     const ReportedContact report = to_report(contact);
     reference_.move_to(static_cast<double>(contact.scene_time_ns) * 1e-9);
     const GapResult gap = reference_.gap(report.tool_in_world);
@@ -210,8 +212,9 @@ class ValidatorNode {
     const std::string missing =
         session_.report_to(report, options_, roster, links_, "the rendering", counts_.checked > 0);
     report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_
-                     : missing.empty()            ? "no disagreement"
-                                                  : "waiting for " + missing;
+                     : !missing.empty()           ? "waiting for " + missing
+                     : unread_                    ? "idle: nobody reads the verdicts"
+                                                  : "no disagreement";
   }
 
   const Options& options_;
@@ -228,6 +231,7 @@ class ValidatorNode {
   Built built_;                ///< what is judged
   std::optional<Built> next_;  ///< from its first sample on
   bool blind_ = false;         ///< the rendering runs what this node has no reference for
+  std::atomic<bool> unread_ = false;  ///< nobody read the verdicts when the last one was due
   std::uint64_t session_in_loop_ = 0;
   runtime::Session session_;
   std::mutex mutex_;
