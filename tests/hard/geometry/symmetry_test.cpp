@@ -156,7 +156,7 @@ TEST(CubeSymmetry, TurnsAndMirrorsVoxelsShellAndForceAlike) {
   expect_rounding(swapped, 24 * poses.size());
 }
 
-TEST(ScaleByPowersOfTwo, KeepsEveryVoxelAndScalesEveryForceExactly) {
+TEST(V5ScaleByPowersOfTwo, KeepsEveryVoxelAndScalesEveryForceExactly) {
   const std::uint64_t seed = testing::seed(74);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
