@@ -20,13 +20,16 @@ struct Arguments {
 };
 
 void parse(CLI::App& app, int argc, char** argv, Arguments& a) {
-  app.add_option("places", a.places, "folders or files; without any, the models of the Debian package assimp-testmodels")
+  app.add_option("places", a.places,
+                 "folders or files; without any, the models of the Debian package assimp-testmodels")
       ->capture_default_str();
   app.add_option("--poses", a.limits.poses, "of a ball on each mesh, and as many of the mesh on a block")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--seed", a.limits.seed, "of the poses")->capture_default_str();
-  app.add_option("--cpu", a.limits.cpu_s, "seconds of CPU time a file may take")->check(CLI::Range(1U, 36000U))->capture_default_str();
+  app.add_option("--cpu", a.limits.cpu_s, "seconds of CPU time a file may take")
+      ->check(CLI::Range(1U, 36000U))
+      ->capture_default_str();
   app.add_option("--memory", a.limits.memory_mib, "MiB of address space a file may take")
       ->check(CLI::Range(64U, 1U << 20))
       ->capture_default_str();
@@ -41,8 +44,9 @@ std::vector<std::filesystem::path> all_files(const Arguments& a) {
     const std::vector<std::filesystem::path> found =
         std::filesystem::is_directory(place) ? files_below(place) : std::vector<std::filesystem::path>{place};
     if (found.empty() || !std::filesystem::exists(place))
-      throw std::runtime_error(place + " holds no files: install the package assimp-testmodels (apt-get install "
-                                       "assimp-testmodels), or name a folder of meshes");
+      throw std::runtime_error(place +
+                               " holds no files: install the package assimp-testmodels (apt-get install "
+                               "assimp-testmodels), or name a folder of meshes");
     files.insert(files.end(), found.begin(), found.end());
   }
   return files;
@@ -63,7 +67,8 @@ int run(const Arguments& a) {
     verdicts.push_back(trial(file, a.limits));
     const Verdict& v = verdicts.back();
     good = good && v.good();
-    if (!v.good()) fmt::print(stderr, "{}{}: {}: {}\n", screen ? "\r\x1b[K" : "", file.string(), name_of(v.outcome), v.sentence);
+    if (!v.good())
+      fmt::print(stderr, "{}{}: {}: {}\n", screen ? "\r\x1b[K" : "", file.string(), name_of(v.outcome), v.sentence);
     if (screen)
       fmt::print(stderr, "\r\x1b[K{} of {}: {}", verdicts.size(), files.size(), file.filename().string());
     else if (verdicts.size() % 50 == 0)

@@ -11,7 +11,7 @@
 namespace voxtouch::hostile {
 namespace {
 
-constexpr std::array<const char*, 7> kNames = {"touched",  "refused",     "not finite", "no contact",
+constexpr std::array<const char*, 7> kNames = {"touched", "refused",     "not finite", "no contact",
                                                "unnamed", "out of time", "crashed"};
 
 std::string format_of(const Verdict& v) {
@@ -24,7 +24,8 @@ std::string format_of(const Verdict& v) {
 /// "mesh '<path>': <reason>; <remedy>" without path, remedy and figures, so that alike ones fall together.
 std::string reason_of(const Verdict& v) {
   std::string text = v.sentence;
-  if (const std::size_t at = text.find("': "); text.starts_with("mesh '") && at != std::string::npos) text.erase(0, at + 3);
+  if (const std::size_t at = text.find("': "); text.starts_with("mesh '") && at != std::string::npos)
+    text.erase(0, at + 3);
   if (text.starts_with("the format '")) return "the format is not known";
   if (const std::size_t at = text.rfind("; "); at != std::string::npos) text.resize(at);
   std::string plain;
@@ -64,7 +65,8 @@ std::string as_markdown(const std::vector<Verdict>& verdicts) {
       ++formats[row].back();
     }
     if (v.outcome != Outcome::kTouched)
-      reasons[v.outcome == Outcome::kRefused ? reason_of(v) : fmt::format("**{}**: {}", name_of(v.outcome), reason_of(v))]
+      reasons[v.outcome == Outcome::kRefused ? reason_of(v)
+                                             : fmt::format("**{}**: {}", name_of(v.outcome), reason_of(v))]
           .push_back(v.file.filename().string());
   }
   std::string text = "| format | files |";
@@ -78,7 +80,8 @@ std::string as_markdown(const std::vector<Verdict>& verdicts) {
   text += "\n| files | why (`#` stands for a figure) | which |\n|---|---|---|\n";
   for (const auto& [reason, files] : reasons) {
     text += fmt::format("| {} | {} |", files.size(), reason);
-    for (std::size_t n = 0; n < std::min<std::size_t>(files.size(), 6); ++n) text += fmt::format("{} `{}`", n ? "," : "", files[n]);
+    for (std::size_t n = 0; n < std::min<std::size_t>(files.size(), 6); ++n)
+      text += fmt::format("{} `{}`", n ? "," : "", files[n]);
     text += files.size() > 6 ? ", ... |\n" : " |\n";
   }
   return text;

@@ -29,7 +29,8 @@ double uniform(Random& random, double low, double high) {
 Quat any_rotation(Random& random) {
   Quat q;
   do
-    q.coeffs() = Eigen::Vector4d(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+    q.coeffs() =
+        Eigen::Vector4d(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
   while (q.norm() < 0.1);
   return q.normalized();
 }
@@ -67,8 +68,10 @@ class Contact {
       add(voxmap, shell, kind, {kStiffness, PointWeights::kOne}, nullptr, kStiffness * double(shell.size()) * depth);
       add(voxmap, shell, kind, {kPressure, PointWeights::kArea}, nullptr, kPressure * area * depth);
     }
-    add(voxmap, shell, ContactModelKind::kClustered, {kPressure, PointWeights::kArea}, nullptr, kPressure * area * depth);
-    if (field) add(voxmap, shell, ContactModelKind::kField, {kPressure, PointWeights::kArea}, field, kPressure * area * depth);
+    add(voxmap, shell, ContactModelKind::kClustered, {kPressure, PointWeights::kArea}, nullptr,
+        kPressure * area * depth);
+    if (field)
+      add(voxmap, shell, ContactModelKind::kField, {kPressure, PointWeights::kArea}, field, kPressure * area * depth);
   }
   void touch(const Pose& pose, Touches& touches) {
     bool met = false;
@@ -78,7 +81,8 @@ class Contact {
       met = met || plain.surface_hits > 0;
       for (const ContactResult* r : {&stage.contact, &plain})
         if (const std::string wrong = complaint(*r, most_force_[n]); !wrong.empty() && touches.wrong.empty())
-          touches.wrong = wrong + " (model " + std::string(name_of(kind_[n])) + ", pose " + std::to_string(touches.poses) + ")";
+          touches.wrong =
+              wrong + " (model " + std::string(name_of(kind_[n])) + ", pose " + std::to_string(touches.poses) + ")";
     }
     ++touches.poses, touches.met += met;
   }
@@ -139,16 +143,18 @@ Verdict touch(const std::filesystem::path& file, const Limits& limits) {
     const Touches ball = ball_on(read.mesh, e, limits.poses, random, has_inside);
     const Touches tool = mesh_on_block(read.mesh, e, limits.poses, random);
     const std::string wrong = ball.wrong.empty() ? tool.wrong : ball.wrong;
-    verdict.outcome = !wrong.empty()                      ? Outcome::kNotFinite
+    verdict.outcome = !wrong.empty()                   ? Outcome::kNotFinite
                       : ball.met == 0 || tool.met == 0 ? Outcome::kNoContact
-                                                          : Outcome::kTouched;
-    verdict.sentence = !wrong.empty() ? wrong
-                                      : std::to_string(read.mesh.triangles.size()) + " triangles, " +
-                                            (has_inside ? "with" : "without") + " an inside, in contact at " +
-                                            std::to_string(ball.met) + " and " + std::to_string(tool.met) + " of " +
-                                            std::to_string(limits.poses) + " poses" +
-                                            (read.report.clean() ? "" : ", " + std::to_string(read.report.sentences().size()) +
-                                                                            " warnings of its surface");
+                                                       : Outcome::kTouched;
+    verdict.sentence =
+        !wrong.empty()
+            ? wrong
+            : std::to_string(read.mesh.triangles.size()) + " triangles, " + (has_inside ? "with" : "without") +
+                  " an inside, in contact at " + std::to_string(ball.met) + " and " + std::to_string(tool.met) +
+                  " of " + std::to_string(limits.poses) + " poses" +
+                  (read.report.clean()
+                       ? ""
+                       : ", " + std::to_string(read.report.sentences().size()) + " warnings of its surface");
   } catch (const std::bad_alloc&) {
     verdict.outcome = Outcome::kUnnamed;
     verdict.sentence = "memory ran out";

@@ -45,7 +45,8 @@ bool listen(int in, std::chrono::seconds patience, std::string& text) {
   const auto end = std::chrono::steady_clock::now() + patience;
   std::array<char, 4096> buffer{};
   for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
     if (left <= 0) return false;
     pollfd ready{in, POLLIN, 0};
     if (::poll(&ready, 1, static_cast<int>(left)) < 0 && errno != EINTR) return false;
@@ -77,7 +78,8 @@ Verdict trial(const std::filesystem::path& file, const Limits& limits) {
   while (::wait4(child, &status, 0, &used) < 0 && errno == EINTR) continue;
 
   Verdict verdict{.file = file, .outcome = Outcome::kCrashed, .sentence = {}, .cpu_s = 0.0, .peak_mib = 0};
-  verdict.cpu_s = double(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1e-6 * double(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+  verdict.cpu_s = double(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+                  1e-6 * double(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
   verdict.peak_mib = static_cast<std::uint64_t>(used.ru_maxrss) >> 10;
   if (!heard || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)) {
     verdict.outcome = Outcome::kOutOfTime;

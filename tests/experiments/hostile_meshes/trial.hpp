@@ -9,29 +9,29 @@ namespace voxtouch::hostile {
 
 /// What became of a file. Only the first two are good.
 enum class Outcome {
-  kTouched,      ///< finite, bounded answers at every pose
-  kRefused,      ///< a sentence says why not
-  kNotFinite,    ///< a NaN, an Inf or a force beyond its bound came out
-  kNoContact,    ///< built, but no pose met it
-  kUnnamed,      ///< refused without a sentence that names the file or the reason
-  kOutOfTime,    ///< its CPU time or its time on the clock ran out
-  kCrashed,      ///< ended by a signal, or without a word
+  kTouched,    ///< finite, bounded answers at every pose
+  kRefused,    ///< a sentence says why not
+  kNotFinite,  ///< a NaN, an Inf or a force beyond its bound came out
+  kNoContact,  ///< built, but no pose met it
+  kUnnamed,    ///< refused without a sentence that names the file or the reason
+  kOutOfTime,  ///< its CPU time or its time on the clock ran out
+  kCrashed,    ///< ended by a signal, or without a word
 };
 std::string name_of(Outcome outcome);
 
 /// What a file may take, and how it is touched.
 struct Limits {
-  unsigned cpu_s = 20;               ///< RLIMIT_CPU; the clock may show ten times as much
-  std::uint64_t memory_mib = 4096;   ///< RLIMIT_AS; not held where a sanitizer needs the address space
-  std::uint32_t poses = 1000;        ///< of a ball on the mesh, and as many of the mesh on a block
+  unsigned cpu_s = 20;              ///< RLIMIT_CPU; the clock may show ten times as much
+  std::uint64_t memory_mib = 4096;  ///< RLIMIT_AS; not held where a sanitizer needs the address space
+  std::uint32_t poses = 1000;       ///< of a ball on the mesh, and as many of the mesh on a block
   std::uint64_t seed = 1;
 };
 
 struct Verdict {
   std::filesystem::path file;
   Outcome outcome = Outcome::kCrashed;
-  std::string sentence;   ///< of the refusal, or what was wrong; for a touched file what was found
-  double cpu_s = 0.0;     ///< that the process took
+  std::string sentence;  ///< of the refusal, or what was wrong; for a touched file what was found
+  double cpu_s = 0.0;    ///< that the process took
   std::uint64_t peak_mib = 0;
   bool good() const { return outcome == Outcome::kTouched || outcome == Outcome::kRefused; }
 };

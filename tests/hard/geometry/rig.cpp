@@ -26,7 +26,8 @@ double uniform(Random& random, double low, double high) {
 Quat any_rotation(Random& random) {
   Quat q;
   do
-    q.coeffs() = Eigen::Vector4d(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+    q.coeffs() =
+        Eigen::Vector4d(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
   while (q.norm() < 0.1);
   return q.normalized();
 }
@@ -49,8 +50,8 @@ std::vector<std::pair<VoxelIndex, VoxelKind>> voxels_of(const Voxmap& voxmap) {
 }
 
 Rig::Rig(const TriangleMesh& ground, const Grid& grid, Pointshell tool, const ParallelFor& loop)
-    : voxmap(voxelise(ground, grid, loop)), field(build_distance_field(ground, voxmap, {}, loop)), shell(std::move(tool)),
-      scale(grid.edge / kEdge) {
+    : voxmap(voxelise(ground, grid, loop)), field(build_distance_field(ground, voxmap, {}, loop)),
+      shell(std::move(tool)), scale(grid.edge / kEdge) {
   make_models();
 }
 
@@ -126,7 +127,8 @@ void Off::note(const Rig& rig, const Pose& pose, const Answers& expected, const 
 
 std::string Off::text() const {
   char text[160];
-  std::snprintf(text, sizeof text, "%zu poses with force; off by: original %.2g, adapted %.2g, clustered %.2g, field %.2g m of depth",
+  std::snprintf(text, sizeof text,
+                "%zu poses with force; off by: original %.2g, adapted %.2g, clustered %.2g, field %.2g m of depth",
                 touching, metres[0], metres[1], metres[2], metres[3]);
   return text;
 }

@@ -47,7 +47,8 @@ struct Rig {
   double scale;  ///< of all lengths; stiffnesses stay, voxels and steps grow with it
 
   Rig(const TriangleMesh& ground, const Grid& grid, Pointshell tool, const ParallelFor& loop = serial_for());
-  Rig(const TriangleMesh& ground, const TriangleMesh& tool, double edge = kEdge, const ParallelFor& loop = serial_for());
+  Rig(const TriangleMesh& ground, const TriangleMesh& tool, double edge = kEdge,
+      const ParallelFor& loop = serial_for());
 
   /// Without memory, all models; zero results where there is no such model.
   Answers probe(const Pose& pose) const;

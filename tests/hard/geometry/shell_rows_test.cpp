@@ -30,9 +30,15 @@ Real least_distance(const std::array<Vec3, 3>& corner) {
   struct Bound {
     Real s, t, limit;  // s * x + t * y <= limit
   };
-  const std::array<Bound, 9> bounds{{{-1, 0, 0}, {0, -1, 0}, {1, 1, 1},
-                                     {f.x, g.x, 0.5L - a.x}, {-f.x, -g.x, 0.5L + a.x}, {f.y, g.y, 0.5L - a.y},
-                                     {-f.y, -g.y, 0.5L + a.y}, {f.z, g.z, 0.5L - a.z}, {-f.z, -g.z, 0.5L + a.z}}};
+  const std::array<Bound, 9> bounds{{{-1, 0, 0},
+                                     {0, -1, 0},
+                                     {1, 1, 1},
+                                     {f.x, g.x, 0.5L - a.x},
+                                     {-f.x, -g.x, 0.5L + a.x},
+                                     {f.y, g.y, 0.5L - a.y},
+                                     {-f.y, -g.y, 0.5L + a.y},
+                                     {f.z, g.z, 0.5L - a.z},
+                                     {-f.z, -g.z, 0.5L + a.z}}};
   Real best = INFINITY;
   const auto consider = [&](Real s, Real t) {
     for (const Bound& b : bounds)
@@ -53,7 +59,9 @@ Real least_distance(const std::array<Vec3, 3>& corner) {
     for (std::size_t n = 0; n < m; ++n) {
       const Bound& other = bounds[n];
       const Real cross = one.s * other.t - one.t * other.s;
-      if (cross != 0) consider((one.limit * other.t - one.t * other.limit) / cross, (one.s * other.limit - one.limit * other.s) / cross);
+      if (cross != 0)
+        consider((one.limit * other.t - one.t * other.limit) / cross,
+                 (one.s * other.limit - one.limit * other.s) / cross);
     }
   }
   return std::sqrt(best);
@@ -71,15 +79,18 @@ TEST(P1PointOfAVoxel, LiesInItAndIsTheNearestInAMillionRandomTriangles) {
     const double size = n % 3 == 0 ? 0.4 : n % 3 == 1 ? 1.5 : 6.0;
     const Vec3 centre(uniform(random, -0.6, 0.6), uniform(random, -0.6, 0.6), uniform(random, -0.6, 0.6));
     std::array<Vec3, 3> x;
-    for (Vec3& v : x) v = centre + Vec3(uniform(random, -size, size), uniform(random, -size, size), uniform(random, -size, size));
+    for (Vec3& v : x)
+      v = centre + Vec3(uniform(random, -size, size), uniform(random, -size, size), uniform(random, -size, size));
     if (n % 5 == 0)
       for (Vec3& v : x) v = (v * 4.0).array().round() / 4.0;  // on borders, centres, faces
-    if (n % 7 == 0) x[2] = x[0] + 0.3 * (x[1] - x[0]) + std::ldexp(1.0, -static_cast<int>(random() % 8)) * (x[2] - x[0]);
+    if (n % 7 == 0)
+      x[2] = x[0] + 0.3 * (x[1] - x[0]) + std::ldexp(1.0, -static_cast<int>(random() % 8)) * (x[2] - x[0]);
     const Vec3 shift = Vec3::Constant(0.5);
     if (TriangleVoxels(x[0] + shift, x[1] + shift, x[2] + shift).meeting({0, 0, 0}) == Meeting::kNone) continue;
     const Vec3 normal = area_vector(x[0], x[1], x[2]);
     const double longest = std::max({(x[1] - x[0]).norm(), (x[2] - x[0]).norm(), (x[2] - x[1]).norm()});
-    if (normal.norm() < 1e-3 * longest * longest) continue;  // the oracle's conditioning; slivers have tests of their own
+    if (normal.norm() < 1e-3 * longest * longest)
+      continue;  // the oracle's conditioning; slivers have tests of their own
     ++met;
     const Vec3 p = nearest_to_centre(x, normal.normalized(), clip_to_voxel(x[0], x[1], x[2]));
     beyond = std::max(beyond, p.cwiseAbs().maxCoeff());

@@ -28,10 +28,14 @@ std::set<VoxelIndex> flooded(const Voxmap& map, int n) {
   while (!walk.empty()) {
     const VoxelIndex v = walk.back();
     walk.pop_back();
-    for (const VoxelIndex& next : {VoxelIndex{v.i + 1, v.j, v.k}, {v.i - 1, v.j, v.k}, {v.i, v.j + 1, v.k},
-                                   {v.i, v.j - 1, v.k}, {v.i, v.j, v.k + 1}, {v.i, v.j, v.k - 1}})
-      if (std::max({std::abs(next.i), std::abs(next.j), std::abs(next.k)}) <= n && map.at(next) != VoxelKind::kSurface &&
-          seen.insert(next).second)
+    for (const VoxelIndex& next : {VoxelIndex{v.i + 1, v.j, v.k},
+                                   {v.i - 1, v.j, v.k},
+                                   {v.i, v.j + 1, v.k},
+                                   {v.i, v.j - 1, v.k},
+                                   {v.i, v.j, v.k + 1},
+                                   {v.i, v.j, v.k - 1}})
+      if (std::max({std::abs(next.i), std::abs(next.j), std::abs(next.k)}) <= n &&
+          map.at(next) != VoxelKind::kSurface && seen.insert(next).second)
         walk.push_back(next);
   }
   return seen;
@@ -64,7 +68,8 @@ TEST(V1PointOnAFace, TheFloodNeverReachesInsideAndMirrorImagesHaveMirroredVoxels
     const Voxmap map = voxelise(cube, grid, serial_for());
     for (const VoxelIndex& v : flooded(map, 8)) {
       ASSERT_EQ(map.at(v), VoxelKind::kFree) << code;
-      ASSERT_GT(Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5).cwiseAbs().maxCoeff(), 3.0) << "the flood came in, shift " << code;
+      ASSERT_GT(Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5).cwiseAbs().maxCoeff(), 3.0)
+          << "the flood came in, shift " << code;
     }
     ASSERT_GE(map.interior_count(), 6U * 6U * 6U) << code;
     std::vector<std::pair<VoxelIndex, VoxelKind>> voxels = voxels_of(map);
@@ -120,8 +125,10 @@ TEST(V1PointOnAFace, EdgeOrCornerLiesInOneVoxelWhereverItStandsInTheShell) {
     ASSERT_EQ(hits.surface.size(), again.surface.size());
     for (std::uint32_t p = 0; p < points.size(); ++p) {
       Vec3 u;  // one multiplication and addition after the other, as IEEE 754 has them
-      for (int a = 0; a < 3; ++a) u[a] = (r(a, 0) * points[p].x() + r(a, 1) * points[p].y() + r(a, 2) * points[p].z() + t[a]) / e;
-      const VoxelIndex v{static_cast<int>(std::floor(u.x())), static_cast<int>(std::floor(u.y())), static_cast<int>(std::floor(u.z()))};
+      for (int a = 0; a < 3; ++a)
+        u[a] = (r(a, 0) * points[p].x() + r(a, 1) * points[p].y() + r(a, 2) * points[p].z() + t[a]) / e;
+      const VoxelIndex v{static_cast<int>(std::floor(u.x())), static_cast<int>(std::floor(u.y())),
+                         static_cast<int>(std::floor(u.z()))};
       ASSERT_EQ(to_centre.contains(p), map.at(v) == VoxelKind::kSurface) << p << " at " << u.transpose();
       if (to_centre.contains(p)) {
         ASSERT_EQ(to_centre[p], Vec3(e * Vec3(v.i + 0.5 - u.x(), v.j + 0.5 - u.y(), v.k + 0.5 - u.z())));
@@ -170,12 +177,14 @@ TEST(V2DegenerateTriangles, AThousandOfThemChangeNoVoxelNoPointAndNoForce) {
   ASSERT_EQ(clean.shell.id, dirty.shell.id);
   for (std::size_t p = 0; p < clean.shell.size(); ++p) {
     ASSERT_TRUE(dirty.shell.point(p).allFinite() && dirty.shell.normal(p).allFinite());
-    ASSERT_LT((clean.shell.point(p) - dirty.shell.point(p)).norm(), 2e-12) << p;   // a sliver's own width
-    ASSERT_LT((clean.shell.normal(p) - dirty.shell.normal(p)).norm(), 1e-7) << p;  // a sliver's share of the voxel's area
+    ASSERT_LT((clean.shell.point(p) - dirty.shell.point(p)).norm(), 2e-12) << p;  // a sliver's own width
+    ASSERT_LT((clean.shell.normal(p) - dirty.shell.normal(p)).norm(), 1e-7)
+        << p;  // a sliver's share of the voxel's area
     ASSERT_NEAR(dirty.shell.normal(p).norm(), 1.0, 1e-14) << p;
   }
   Off off;
-  for (const Pose& pose : touching_poses(ground, 300, random)) off.note(clean, pose, clean.probe(pose), dirty.probe(pose));
+  for (const Pose& pose : touching_poses(ground, 300, random))
+    off.note(clean, pose, clean.probe(pose), dirty.probe(pose));
   std::printf("%s\n", off.text().c_str());
   EXPECT_GE(off.touching, 150U);
   for (std::size_t m = 0; m < 4; ++m) EXPECT_LT(off.metres[m], 1e-9) << model_name(m);
@@ -278,7 +287,8 @@ TEST(V3OpenNonManifoldInverted, GroundNeverPullsTheToolInward) {
         if (own != other && distance_from_box(at, other, turn) < r + 2 * kEdge) continue;
         const Answers answers = rig.probe({at, Quat::Identity()});
         for (std::size_t m = 0; m < 4; ++m) {
-          ASSERT_GE(answers[m].wrench.force.dot(normal), 0.0) << model_name(m) << " triangle " << t << " depth " << depth;
+          ASSERT_GE(answers[m].wrench.force.dot(normal), 0.0)
+              << model_name(m) << " triangle " << t << " depth " << depth;
           pushes[m] += answers[m].wrench.force.dot(normal) > 0.0;
         }
       }
@@ -299,8 +309,9 @@ TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIntoTheGround) {
     for (std::size_t t = 0; t < defect.mesh.triangles.size(); ++t) {
       // Laid on the ground with this triangle's plane, turned a little about it.
       const Vec3 normal = outward_normals(defect.mesh, middle_of_piece(defect.mesh, t))[t];
-      const Quat lay = Quat(Eigen::AngleAxisd(0.05, Vec3(uniform(random, -1, 1), uniform(random, -1, 1), 0).normalized())) *
-                       Quat::FromTwoVectors(normal, -Vec3::UnitZ());
+      const Quat lay =
+          Quat(Eigen::AngleAxisd(0.05, Vec3(uniform(random, -1, 1), uniform(random, -1, 1), 0).normalized())) *
+          Quat::FromTwoVectors(normal, -Vec3::UnitZ());
       double lowest = INFINITY;
       for (const Vec3& v : defect.mesh.vertices) lowest = std::min(lowest, (lay * v).z());
       for (double depth = -0.5; depth <= 0.8; depth += 0.1) {
@@ -327,7 +338,8 @@ TEST(V3OpenNonManifoldInverted, MoebiusBandPushesAwayFromBothItsSides) {
   for (std::size_t t = 0; t < band.triangles.size(); ++t)
     for (const double side : {-1.0, 1.0}) {
       const Vec3 middle = (band.corner(t, 0) + band.corner(t, 1) + band.corner(t, 2)) / 3.0;
-      const Vec3 away = side * (band.corner(t, 1) - band.corner(t, 0)).cross(band.corner(t, 2) - band.corner(t, 0)).normalized();
+      const Vec3 away =
+          side * (band.corner(t, 1) - band.corner(t, 0)).cross(band.corner(t, 2) - band.corner(t, 0)).normalized();
       const Answers answers = rig.probe({middle + (r - 0.2 * kEdge) * away, Quat::Identity()});
       for (std::size_t m = 0; m < 3; ++m) {
         ASSERT_GE(answers[m].wrench.force.dot(away), 0.0) << model_name(m) << ' ' << t;
@@ -400,8 +412,7 @@ TEST(V4OffsetOfAMillionMetres, ChangesTheForceByNoMoreThanThePositionsRounding) 
   EXPECT_LE(near_border, 10);
   EXPECT_GT(rounded, 900);
   EXPECT_GE(off.touching, 800U);
-  for (std::size_t m = 0; m < 4; ++m)
-    EXPECT_LE(off.metres[m], kFourUlps) << model_name(m);
+  for (std::size_t m = 0; m < 4; ++m) EXPECT_LE(off.metres[m], kFourUlps) << model_name(m);
 }
 
 // ---------------------------------------------------------------------------------------------------------------- V6

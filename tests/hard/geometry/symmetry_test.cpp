@@ -50,7 +50,8 @@ TEST(Translation, OfTheWholeSceneByGridMultiplesUpToAMillionMetresKeepsEveryBit)
     ASSERT_EQ(voxels_of(here.voxmap), voxels_of(there.voxmap));
     for (const Pose& pose : touching_poses(ground, 200, random)) {
       const Answers a = here.probe(pose), b = there.probe({pose.position + by, pose.orientation});
-      for (std::size_t m = 0; m < 4; ++m) ASSERT_TRUE(same_bits(a[m], b[m])) << model_name(m) << " at " << by.transpose();
+      for (std::size_t m = 0; m < 4; ++m)
+        ASSERT_TRUE(same_bits(a[m], b[m])) << model_name(m) << " at " << by.transpose();
       touching += !a[0].wrench.zero();
     }
   }
@@ -72,9 +73,11 @@ TEST(Translation, WithinTheGridMovesTheVoxelsByAsManyAndLeavesTheForce) {
     const Rig there(moved(ground, by), grid, shell);
     auto shifted = voxels_of(here.voxmap);
     for (auto& [v, kind] : shifted)
-      v.i += static_cast<int>(by.x() / kEdge), v.j += static_cast<int>(by.y() / kEdge), v.k += static_cast<int>(by.z() / kEdge);
+      v.i += static_cast<int>(by.x() / kEdge), v.j += static_cast<int>(by.y() / kEdge),
+          v.k += static_cast<int>(by.z() / kEdge);
     ASSERT_EQ(shifted, voxels_of(there.voxmap)) << by.transpose();
-    for (const Pose& pose : poses) off.note(here, pose, here.probe(pose), there.probe({pose.position + by, pose.orientation}));
+    for (const Pose& pose : poses)
+      off.note(here, pose, here.probe(pose), there.probe({pose.position + by, pose.orientation}));
   }
   expect_rounding(off, 3 * poses.size());
 }
@@ -150,7 +153,8 @@ TEST(CubeSymmetry, TurnsAndMirrorsVoxelsShellAndForceAlike) {
   expect_rounding(off, 24 * poses.size());
   // `clustered` sorts normals into bins about the directions of an icosahedron and a dodecahedron, which 24 of the 48 symmetries
   // map to themselves. The others exchange two axes and lay the bins otherwise, so that the patches' means differ a little.
-  std::printf("two axes exchanged: %s; clustered differs by %.2g of its force at most\n", swapped.text().c_str(), share);
+  std::printf("two axes exchanged: %s; clustered differs by %.2g of its force at most\n", swapped.text().c_str(),
+              share);
   EXPECT_LE(share, 0.05);
   swapped.metres[2] = 0.0;
   expect_rounding(swapped, 24 * poses.size());
@@ -196,7 +200,8 @@ TEST(PermutationOfTriangles, LeavesVoxelsPointsAndForce) {
   for (int n = 0; n < 3; ++n) {
     TriangleMesh other_ground = ground, other_tool = tool;
     for (TriangleMesh* mesh : {&other_ground, &other_tool}) {
-      for (std::size_t k = mesh->triangles.size(); k > 1; --k) std::swap(mesh->triangles[k - 1], mesh->triangles[random() % k]);
+      for (std::size_t k = mesh->triangles.size(); k > 1; --k)
+        std::swap(mesh->triangles[k - 1], mesh->triangles[random() % k]);
       for (auto& t : mesh->triangles) std::rotate(t.begin(), t.begin() + static_cast<int>(random() % 3), t.end());
     }
     const Rig there(other_ground, other_tool);
@@ -225,8 +230,8 @@ TEST(PermutationOfPoints, LeavesTheForce) {
     const auto permute = [&](auto Pointshell::*column) {
       for (std::size_t k = 0; k < order.size(); ++k) (other.*column)[k] = (shell.*column)[order[k]];
     };
-    for (const auto column : {&Pointshell::x, &Pointshell::y, &Pointshell::z, &Pointshell::nx, &Pointshell::ny, &Pointshell::nz,
-                              &Pointshell::area_m2, &Pointshell::coherence})
+    for (const auto column : {&Pointshell::x, &Pointshell::y, &Pointshell::z, &Pointshell::nx, &Pointshell::ny,
+                              &Pointshell::nz, &Pointshell::area_m2, &Pointshell::coherence})
       permute(column);
     permute(&Pointshell::id);
     const Rig there(ground, grid, other);
@@ -299,7 +304,8 @@ TEST(SplitOfTriangles, LeavesVoxelsPointsAndForce) {
     const Rig fine(fine_ground, fine_tool);
     ASSERT_EQ(voxels_of(coarse.voxmap), voxels_of(fine.voxmap));
     ASSERT_EQ(coarse.shell.size(), fine.shell.size());
-    for (const Pose& pose : touching_poses(ground, 300, random)) off.note(coarse, pose, coarse.probe(pose), fine.probe(pose));
+    for (const Pose& pose : touching_poses(ground, 300, random))
+      off.note(coarse, pose, coarse.probe(pose), fine.probe(pose));
   }
   expect_rounding(off, 600);
 }
