@@ -158,14 +158,15 @@ std::vector<std::string> MeshReport::sentences() const {
   say(open_edges, "open edge", "open edges", "at triangle",
       ": the mesh has no interior, so a tool that goes through the surface is not pushed back");
   if (inverted) {
-    all.push_back("the whole mesh faces inward (its signed volume is negative): every force points the wrong way and pulls "
-                  "the tool in; turn all triangles round");
+    all.push_back("the whole mesh faces inward (its signed volume is negative): it is felt as if all triangles were turned "
+                  "round; other programs may see it inside out");
   }
   say(flipped, "triangle is flipped against its neighbours",
       "triangles are flipped against their neighbours", "triangle",
-      ": normals there point the wrong way, so the force drops or turns round as the tool passes");
+      closed && orientable ? ": felt as if turned round"
+                           : ": normals there point the wrong way, so the force drops or turns round as the tool passes");
   say(inward_parts, "closed part faces inward", "closed parts face inward", "beginning at triangle",
-      ": right for a cavity inside another part; a part of its own would pull the tool in");
+      ": right for a cavity inside another part; a part of its own is felt as if turned round");
   if (!orientable) {
     all.push_back("the surface has one side only (a band with a twist): its normals turn round somewhere, and with them the "
                   "force");

@@ -8,8 +8,9 @@
 /// Normal (points INTO the object): minus the mean of the triangles' unit normals weighted by the area of
 /// (triangle within V); unweighted where all only touch V. Where that mean cancels (coherence <= 0.1) or
 /// points out of the face that holds the point, it is that face's own. Zero-area triangles count for points
-/// and not for normals; of duplicates (same corners, either way round) the first counts. Normals follow the
-/// triangles as they run in the file: an inverted mesh has inverted normals.
+/// and not for normals; of duplicates (same corners, either way round) the first counts. A closed part points
+/// into its solid whatever way round its triangles run (outward.hpp); an open part has no outside, and its
+/// normals follow the triangles as they run in the file.
 ///
 /// Weight: the area of (surface within V), where a piece that lies in a face of V counts half, since the
 /// voxel across that face holds it too. So the weights sum to the area of the mesh also where it lies on the

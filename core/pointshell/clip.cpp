@@ -9,6 +9,8 @@ namespace {
 /// A foot this near a side, relative to the lengths involved, is left to the search along the sides, which is
 /// right there: so a sliver's sides, all "inside" by rounding, cannot make a point beyond its end pass.
 constexpr double kOnSide = 1e-14;
+/// [e^2] up to which a polygon's area may be nothing but rounding.
+constexpr double kTouchArea = 1e-14;
 
 /// Keeps the part with side * x[axis] <= limit.
 void cut(VoxelPolygon& polygon, int axis, double side, double limit) noexcept {
@@ -32,6 +34,11 @@ void cut(VoxelPolygon& polygon, int axis, double side, double limit) noexcept {
   polygon = kept;
 }
 
+/// What one rounding of the triangle's coordinates is.
+double rounding_of(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
+  return 0x1p-53 * std::max({1.0, a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+}
+
 VoxelPolygon clip(const Vec3& a, const Vec3& b, const Vec3& c, double limit) noexcept {
   VoxelPolygon polygon;
   polygon.corner[0] = a, polygon.corner[1] = b, polygon.corner[2] = c;
@@ -47,9 +54,7 @@ VoxelPolygon clip(const Vec3& a, const Vec3& b, const Vec3& c, double limit) noe
 
 VoxelPolygon clip_to_voxel(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
   VoxelPolygon polygon = clip(a, b, c, 0.5);
-  const double size = std::max({1.0, a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(),
-                                c.cwiseAbs().maxCoeff()});
-  for (double tolerance = 0x1p-53 * size; polygon.size == 0; tolerance *= 4.0)
+  for (double tolerance = rounding_of(a, b, c); polygon.size == 0; tolerance *= 4.0)
     polygon = clip(a, b, c, 0.5 + tolerance);
   return polygon;
 }
@@ -72,11 +77,19 @@ Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal,
   }
   if (inside) return foot;
 
-  Vec3 best = polygon.corner[0];
+  // Along an edge or face of the cube that they only touch, rounding may have cut away all but an end.
+  VoxelPolygon wider;
+  const bool touch_only = area(polygon) <= kTouchArea;
+  if (touch_only) {
+    const double tolerance = 4.0 * rounding_of(triangle[0], triangle[1], triangle[2]);
+    wider = clip(triangle[0], triangle[1], triangle[2], 0.5 + tolerance);
+  }
+  const VoxelPolygon& around = touch_only && wider.size > 0 ? wider : polygon;
+  Vec3 best = around.corner[0];
   double best_square = best.squaredNorm();
-  for (int n = 0; n < polygon.size; ++n) {
-    const Vec3& from = polygon.corner[n];
-    const Vec3 along = polygon.corner[n + 1 == polygon.size ? 0 : n + 1] - from;
+  for (int n = 0; n < around.size; ++n) {
+    const Vec3& from = around.corner[n];
+    const Vec3 along = around.corner[n + 1 == around.size ? 0 : n + 1] - from;
     const double square = along.squaredNorm();
     const double t = square > 0.0 ? std::clamp(-from.dot(along) / square, 0.0, 1.0) : 0.0;
     const Vec3 x = from + t * along;

@@ -5,6 +5,7 @@
 #include "core/pointshell/clip.hpp"
 #include "core/voxmap/closed_shells.hpp"
 #include "core/voxmap/exact_sign.hpp"
+#include "core/voxmap/outward.hpp"
 #include "core/voxmap/slabs.hpp"
 #include "core/voxmap/triangle_voxels.hpp"
 
@@ -177,13 +178,15 @@ std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid,
   const VoxelEstimate estimate = shell_estimate(mesh, grid);
   require_affordable(estimate, grid, memory_limit_bytes);
   const GridMesh in_grid(mesh, grid);
-  ShellBuilder builder{in_grid, grid, judge_triangles(in_grid, weld_vertices(in_grid)),
-                       std::vector<Vec3>(mesh.triangles.size())};
+  const std::vector<std::uint32_t> welded = weld_vertices(in_grid);
+  ShellBuilder builder{in_grid, grid, judge_triangles(in_grid, welded), std::vector<Vec3>(mesh.triangles.size())};
+  // A mesh that is inside out would push the tool into what it touches.
+  const std::vector<std::int8_t> side = outward_sides(in_grid, find_closed_shells(in_grid, welded, builder.state));
   parallel_for((mesh.triangles.size() + kTrianglesPerJob - 1) / kTrianglesPerJob, [&](std::size_t job) {
     for (std::size_t t = job * kTrianglesPerJob;
          t < std::min((job + 1) * kTrianglesPerJob, mesh.triangles.size()); ++t)
-      builder.normal[t] = area_vector(in_grid.corner(t, 0), in_grid.corner(t, 1),
-                                      in_grid.corner(t, 2)).stableNormalized();
+      builder.normal[t] = side[t] * area_vector(in_grid.corner(t, 0), in_grid.corner(t, 1),
+                                                in_grid.corner(t, 2)).stableNormalized();
   });
 
   const VoxelIndex base{static_cast<std::int32_t>(estimate.first[0]),

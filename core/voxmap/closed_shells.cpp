@@ -179,6 +179,7 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
     shells.closed_parts += root == s;
     shells.unoriented_parts += root == s && unbalanced[root];
     shells.role[t] = unbalanced[root] ? ShellRole::kParity : turn(s) ? ShellRole::kTurned : ShellRole::kKept;
+    shells.patch[t] = triangles[patch.root(s)];
     if (unbalanced[root]) continue;
     shells.turned_triangles += turn(s);
     shells.signed_volume += (turn(s) ? -1.0 : 1.0) * six_volumes(mesh, t) / 6.0;
@@ -219,6 +220,7 @@ ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uin
                                 const std::vector<TriangleState>& state) {
   ClosedShells shells;
   shells.role.assign(mesh.size(), ShellRole::kNone);
+  shells.patch.assign(mesh.size(), 0);
   std::vector<std::uint32_t> sound;
   for (std::uint32_t t = 0; t < mesh.size(); ++t)
     if (state[t] == TriangleState::kSound) sound.push_back(t);

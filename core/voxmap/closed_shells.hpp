@@ -28,6 +28,8 @@ enum class ShellRole : std::int8_t { kNone = 0, kKept = 1, kTurned = -1, kParity
 
 struct ClosedShells {
   std::vector<ShellRole> role;       ///< of each triangle
+  /// of each triangle with a role: lowest triangle of those that hang together by edges of two, which turn together
+  std::vector<std::uint32_t> patch;
   std::size_t closed_parts = 0;      ///< parts that enclose space
   std::size_t open_parts = 0;        ///< parts that do not: they have a surface, but no interior
   std::size_t unoriented_parts = 0;  ///< closed parts judged by parity (a Klein bottle)

@@ -1,0 +1,79 @@
+#pragma once
+/// A ground and a tool in general position, touched with all four contact models; coordinates short enough to be moved exactly.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/contact/contact_renderer.hpp"
+#include "core/mesh/triangle_mesh.hpp"
+#include "core/types/parallel.hpp"
+#include "core/voxmap/grid_mesh.hpp"
+
+namespace voxtouch::hard {
+
+inline constexpr double kEdge = 0x1p-9;       ///< voxel edge of these scenes, about 2 mm
+inline constexpr double kStep = 0x1p-18;      ///< vertices are whole multiples of it, so that midpoints are exact
+inline constexpr double kPerPoint = 128.0;    ///< [N/m]
+inline constexpr double kPerVolume = 0x1p29;  ///< [N/m^3]
+inline constexpr double kBallRadius = 0.0085;
+
+using Random = std::mt19937_64;
+double uniform(Random& random, double low, double high);
+Quat any_rotation(Random& random);
+/// Rounded to whole multiples of `step`.
+Vec3 stepped(const Vec3& x, double step);
+
+/// A tilted box with a ball let into it; closed parts that overlap.
+TriangleMesh ground_mesh();
+/// A ball that lies askew about a point beside its origin.
+TriangleMesh tool_mesh();
+
+/// The voxels that are not free, sorted, with their kind.
+std::vector<std::pair<VoxelIndex, VoxelKind>> voxels_of(const Voxmap& voxmap);
+
+/// What one pose gives, model by model (index 0 is `original`).
+using Answers = std::array<ContactResult, 4>;
+
+/// Ground, tool and their models; `with_field` false for grounds without an inside.
+struct Rig {
+  Voxmap voxmap;
+  DistanceField field;
+  Pointshell shell;
+  std::array<std::unique_ptr<ContactRenderer>, 4> models;  ///< null: the ground allows no field
+  double scale;  ///< of all lengths; stiffnesses stay, voxels and steps grow with it
+
+  Rig(const TriangleMesh& ground, const Grid& grid, Pointshell tool, const ParallelFor& loop = serial_for());
+  Rig(const TriangleMesh& ground, const TriangleMesh& tool, double edge = kEdge,
+      const ParallelFor& loop = serial_for());
+
+  /// Without memory, all models; zero results where there is no such model.
+  Answers probe(const Pose& pose) const;
+
+ private:
+  void make_models();
+};
+
+/// Poses at which the ball stands in light contact with the ground: from half a voxel above to one and a half deep. Positions
+/// are whole multiples of 2^-26 m, so that they too can be moved exactly.
+std::vector<Pose> touching_poses(const TriangleMesh& ground, std::size_t count, Random& random);
+
+/// K times the weights of all hits, summed: by how much a force changes if each depth changes by a metre.
+double pull(const Rig& rig, const Pose& pose, std::size_t model);
+
+bool same_bits(const ContactResult& a, const ContactResult& b);
+const char* model_name(std::size_t model);
+
+/// Largest difference of wrenches (torque over 10 mm of lever), in units of `pull` times a length: how far a depth would have to
+/// be off, per model.
+struct Off {
+  std::array<double, 4> metres{};
+  std::size_t touching = 0;  ///< poses with a force
+  void note(const Rig& rig, const Pose& pose, const Answers& expected, const Answers& got);
+  std::string text() const;
+};
+
+}  // namespace voxtouch::hard
