@@ -30,13 +30,13 @@ void ContactStage::reset() noexcept {
   shared_points_ = 0;
 }
 
-StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain) noexcept {
+StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain, double moved_m) noexcept {
   StageResult result;
   result.contact = plain;
   if (hits.pose_status != PoseStatus::kUsable) return result;
 
   Frame frame;
-  frame.moved_m = has_last_pose_ ? motion_bound(hits.pose) : 0.0;
+  frame.moved_m = moved_m;
   result.fast = frame.moved_m > limits::kFastEdges * config_.edge_m;
   ++frame_;
   if (config_.model == ContactModelKind::kField || config_.model == ContactModelKind::kClustered) {
