@@ -26,15 +26,16 @@ class ContactRenderer {
   ///
   /// Fast motion. Where some point may have moved more than e/2 since the last frame, the straight way (screw: slerp) is walked in
   /// sub-poses e/2 apart, at most kMostSubPoses of them, so that the stage remembers what a slow motion would have made it
-  /// remember and no wall is jumped over. A wall has been crossed where a contact that stood against the motion is gone, or pushes
-  /// on, at a later sub-pose. Then the frame's contact is that of the sub-pose where it stood against the motion most, and it is
+  /// remember and no wall is jumped over. A wall has been crossed where a contact that stood against such a motion is gone, or
+  /// pushes on, at a later sub-pose or in a later frame, slow ones included, before the tool was back where it stood against it.
+  /// Then the frame's contact is that of the sub-pose where it stood against the motion most, and it is
   /// held (`StageResult::crossed`) while the tool is behind: until the way from there to the tool crosses nothing any more, or the
   /// tool is farther than twice its reach and what a frame walks. The held force never points away from the side of entry:
   /// F . (x - c) + M . turn < 0 for the held pose c. Faster motions are not walked (`StageResult::missed`). Slower ones cost nothing.
   StageResult render(const Pose& tool_in_world) noexcept;
 
   /// Forgets all frames so far: after a restart of the device, or a jump of the tool that was no motion.
-  void reset() noexcept { stage_.reset(), behind_ = false; }
+  void reset() noexcept { stage_.reset(), entry_kind_ = Entry::kNone; }
 
   /// Longest way of a point within a frame [m] for which no wall is crossed unseen; over the period it is the top speed.
   double swept_m() const noexcept {
@@ -55,17 +56,24 @@ class ContactRenderer {
 
  private:
   StageResult render_fast(const ContactResult& plain, double moved_m) noexcept;
-  bool still_behind(const Pose& tool) const noexcept;
-  bool walk(const MotionPath& path, int steps, StageResult& result) noexcept;
+  void leave_far_side(bool to_entry) noexcept;
+  bool beyond_entry(const Pose& tool) const noexcept;
+  StageResult walk(const MotionPath& path, int steps, const ContactResult& plain_at_end) noexcept;
 
   ContactQuery query_;
   std::unique_ptr<ContactModel> model_;
   ContactStage stage_;
   HitList hits_;
-  bool behind_ = false;         ///< the tool is on the far side of a wall that it crossed
-  StageResult entry_;           ///< the contact held meanwhile ...
+  enum class Entry : std::uint8_t {
+    kNone,
+    kWatched,  ///< a fast motion met a contact that stands against it: crossed, should that be lost
+    kBehind,   ///< the tool is on the far side
+  };
+  Entry entry_kind_ = Entry::kNone;
+  StageResult entry_;           ///< the contact that stood against the motion most ...
+  ContactStage entry_stage_;    ///< ... what was remembered there ...
   Pose entry_pose_;             ///< ... and where it was found
-  Pose tool_pose_;              ///< of the last frame, while behind
+  Pose tool_pose_;              ///< of the last frame, while there is an entry
   std::uint64_t sub_poses_ = 0;
 };
 

@@ -20,7 +20,8 @@ struct ContactStage::Frame {
   CommonDirectionSum shared;        ///< ... and of those that push along g
 };
 
-ContactStage::ContactStage(const StageConfig& config) : config_(config), memory_(config.points) {}
+ContactStage::ContactStage(const StageConfig& config)
+    : config_(config), memory_(remembers(config.model) ? config.points : 0) {}
 
 void ContactStage::reset() noexcept {
   ++frame_;  // makes every point's memory stale ...
@@ -39,7 +40,7 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
   frame.moved_m = moved_m;
   result.fast = frame.moved_m > limits::kFastEdges * config_.edge_m;
   ++frame_;
-  if (config_.model == ContactModelKind::kField || config_.model == ContactModelKind::kClustered) {
+  if (!remembers(config_.model)) {
     // Nothing to blend, and nothing to hold: their depths reach into interior voxels.
   } else if (hits.surface.empty() && hits.interior.empty()) {
     shared_.setZero();

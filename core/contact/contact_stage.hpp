@@ -27,6 +27,11 @@ struct StageConfig {
   ContactModelKind model = ContactModelKind::kAdapted;
 };
 
+/// Whether the stage keeps a depth for each point: for the rungs that know none beyond the surface layer.
+constexpr bool remembers(ContactModelKind model) noexcept {
+  return model == ContactModelKind::kOriginal || model == ContactModelKind::kAdapted;
+}
+
 /// Blend, hold, and the fast flag. Let rho = |sum_S w_i n_i| / sum_S w_i, m the mean normal, s = smoothstep(rho; 0.2, 0.5).
 ///
 /// Blend (`adapted` only). A surface point pushes along u_i = s m + (1 - s) n_i, brought to unit length, with its depth along
