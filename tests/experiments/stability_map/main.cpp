@@ -1,8 +1,8 @@
 // Energy that a contact gives to a hand per closed sliding loop, for four contact models, over voxel size, depth and tilt.
 //
 //   stability_map [--out FILE.csv] [--loops N] [--seed S]
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include <array>
 #include <fstream>
@@ -26,9 +26,10 @@ void write(std::ofstream& out, int loops, std::uint64_t seed) {
       const voxtouch::sliding::Bench bench(radius, tilt);
       for (const ContactModelKind model : kModels)
         for (const double depth : kDepths) {
-          const voxtouch::sliding::Created made = bench.worst_loop(model, depth, radius > 15.0 ? (loops + 1) / 2 : loops, seed);
-          out << fmt::format("{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g}\n", name_of(model), radius, depth, tilt, made.share,
-                             made.per_crossing, made.mean_force_n, made.largest_step);
+          const voxtouch::sliding::Created made =
+              bench.worst_loop(model, depth, radius > 15.0 ? (loops + 1) / 2 : loops, seed);
+          out << fmt::format("{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g}\n", name_of(model), radius, depth, tilt,
+                             made.share, made.per_crossing, made.mean_force_n, made.largest_step);
         }
     }
     fmt::print(stderr, "R/e = {}: done\n", radius);
@@ -40,7 +41,7 @@ void write(std::ofstream& out, int loops, std::uint64_t seed) {
 int main(int argc, char** argv) {
   CLI::App app{"Energy created per closed sliding loop over voxel size, depth and tilt, as CSV"};
   std::string file = "stability_map.csv";
-  int loops = 3;
+  int loops = 2;
   std::uint64_t seed = 7;
   app.add_option("--out", file, "CSV to write")->capture_default_str();
   app.add_option("--loops", loops, "loops at random places per setting, each both ways round; half at R/e = 20")

@@ -17,10 +17,10 @@ struct Setting {
 
 /// Of the worst of several loops: circles of a fifth of the ball's radius, but at least three voxels, at random places, both ways round.
 struct Created {
-  double share = 0.0;             ///< energy that the hand is given over (mean force times the length of the way)
-  double per_crossing = 0.0;      ///< the same over k e^2 times the weights of the points that crossed a voxel border
-  double mean_force_n = 0.0;      ///< for k = 1 N/mm^3, a ball of 10 mm
-  double largest_step = 0.0;      ///< of the force between two poses 0.05 e apart, over the mean force
+  double share = 0.0;         ///< energy that the hand is given over (mean force times the length of the way)
+  double per_crossing = 0.0;  ///< the same over k e^2 times the weights of the points that crossed a voxel border
+  double mean_force_n = 0.0;  ///< for k = 1 N/mm^3, a ball of 10 mm
+  double largest_step = 0.0;  ///< of the force between two poses 0.05 e apart, over the mean force
 };
 
 /// The ball and the plane of one voxel size and tilt; the models are looked at in turn.

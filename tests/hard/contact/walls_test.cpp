@@ -32,7 +32,8 @@ struct Wall {
   Ground ground;
   Wall(double thick_edges, const Quat& turned)
       : thick(thick_edges), turn(turned),
-        ground(box_mesh(Vec3(30 * kEdge, 30 * kEdge, thick * kEdge), {kEdge * Vec3(0.13, 0.41, 0.37), turned}), kEdge) {}
+        ground(box_mesh(Vec3(30 * kEdge, 30 * kEdge, thick * kEdge), {kEdge * Vec3(0.13, 0.41, 0.37), turned}), kEdge) {
+  }
 
   Vec3 across() const { return turn * Vec3::UnitZ(); }
   /// The ball's middle `z` [m] from the wall's, along its normal.
@@ -51,7 +52,8 @@ bool felt(const Wall& wall, ContactModelKind kind) {
 const std::array kTurns = {Quat::Identity(), Quat(Eigen::AngleAxisd(0.5, Vec3(2, 1, -1).normalized()))};
 
 struct Crossing {
-  double pushed_on = 0.0, most = 0.0;  ///< [N]: largest push along the motion up to where the tool is out of reach; any push
+  double pushed_on = 0.0,
+         most = 0.0;  ///< [N]: largest push along the motion up to where the tool is out of reach; any push
   int crossed = 0, fast = 0;
   int missed = 0, unseen_behind = 0;  ///< as long as a crossed wall is held for certain
 };
@@ -88,8 +90,8 @@ TEST(V7WallThinnerThanAVoxel, IsNeverCrossedUnseenUpToTheTopSpeedAndNeverPushesO
         for (const double step : {0.51, 0.7, 1.0, 1.7, 2.5, 3.3, 3.99})
           for (const double side : {1.0, -1.0}) {
             const Crossing one = drive_through(wall, kind, step, side, uniform(random, 0.0, 1.0));
-            SCOPED_TRACE(::testing::Message() << name_of(kind) << ", wall " << thick << " e, " << step << " e a frame, side "
-                                              << side);
+            SCOPED_TRACE(::testing::Message()
+                         << name_of(kind) << ", wall " << thick << " e, " << step << " e a frame, side " << side);
             ++ways;
             EXPECT_EQ(one.missed, 0);
             all.most = std::max(all.most, one.most), all.pushed_on = std::max(all.pushed_on, one.pushed_on);
@@ -98,8 +100,9 @@ TEST(V7WallThinnerThanAVoxel, IsNeverCrossedUnseenUpToTheTopSpeedAndNeverPushesO
             EXPECT_GT(one.crossed, 0);
             EXPECT_LE(one.pushed_on, 0.02 * one.most);
           }
-        std::printf("%s wall %.1f e %s: pushes up to %.3g N, on up to %.3g N, %d ways\n", std::string(name_of(kind)).c_str(), thick,
-                    turn.w() < 1.0 ? "askew" : "aligned", all.most, all.pushed_on, ways);
+        std::printf("%s wall %.1f e %s: pushes up to %.3g N, on up to %.3g N, %d ways\n",
+                    std::string(name_of(kind)).c_str(), thick, turn.w() < 1.0 ? "askew" : "aligned", all.most,
+                    all.pushed_on, ways);
       }
     }
 }
@@ -180,7 +183,8 @@ TEST(FastMotion, EndsWhereASlowWalkOfTheSameWayEnds) {
 
 TEST(FastMotion, LetsGoWhenTheToolComesBackOrGoesFarAway) {
   const Wall wall(0.5, kTurns[1]);
-  for (const ContactModelKind kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered}) {
+  for (const ContactModelKind kind :
+       {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered}) {
     ContactRenderer renderer = wall.ground.renderer(wall.shell, kind);
     const auto at = [&](double z) { return renderer.render(wall.at(z * kEdge)); };
     for (double z = 6.0; z >= -6.0; z -= 3.0) at(z);
@@ -223,7 +227,8 @@ TEST(FastMotion, ATurnIsWalkedTooAndAStickDoesNotSwingThroughAWall) {
   const TriangleMesh stick = box_mesh(Vec3(20, 1.2, 1.2) * kEdge, {Vec3(10, 0, 0) * kEdge, Quat::Identity()});
   const Pointshell shell = exact_shell(stick, kEdge);
   const Ground ground(box_mesh(Vec3(10, 20, 0.4) * kEdge, {Vec3(15.1, 0.2, 0.35) * kEdge, Quat::Identity()}), kEdge);
-  for (const ContactModelKind kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered})
+  for (const ContactModelKind kind :
+       {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered})
     for (const double step : {0.05, 0.11, 0.19}) {
       ContactRenderer renderer = ground.renderer(shell, kind);
       bool crossed = false;
@@ -231,7 +236,8 @@ TEST(FastMotion, ATurnIsWalkedTooAndAStickDoesNotSwingThroughAWall) {
         const StageResult r = renderer.render({Vec3::Zero(), Quat(Eigen::AngleAxisd(-angle, Vec3::UnitY()))});
         EXPECT_FALSE(r.missed);
         crossed = crossed || r.crossed;
-        EXPECT_LE(r.contact.wrench.torque.y(), 1e-9) << "towards where it came from, " << name_of(kind) << " at " << angle;
+        EXPECT_LE(r.contact.wrench.torque.y(), 1e-9)
+            << "towards where it came from, " << name_of(kind) << " at " << angle;
         if (angle < -0.2) {
           EXPECT_TRUE(r.crossed) << name_of(kind) << " at " << angle;
         }
@@ -248,7 +254,8 @@ TEST(FastMotion, SlidingOverAWallOrOffItsEdgeIsNoCrossing) {
   for (const ContactModelKind kind : kModels)
     for (int n = 0; n < 20; ++n) {
       ContactRenderer renderer = wall.ground.renderer(wall.shell, kind);
-      const double angle = uniform(random, 0, 6.2831853), step = uniform(random, 0.6, 3.9), depth = uniform(random, 0.1, 1.2);
+      const double angle = uniform(random, 0, 6.2831853), step = uniform(random, 0.6, 3.9),
+                   depth = uniform(random, 0.1, 1.2);
       const Vec3 way(std::cos(angle), std::sin(angle), 0.0);
       for (double s = -12.0; s < 22.0; s += step) {
         const StageResult r = renderer.render(wall.at(wall.touch_m() - depth * kEdge, s * kEdge * way));
@@ -297,11 +304,13 @@ TEST(F4Tunnelling, ADroppedMassNeverLeavesFasterOnTheFarSideAndNeverUnseenBelowT
       for (const double speed : {0.001, 0.01, 0.05, 0.1, 0.3, 0.6, 1.0, 2.0, 3.0, 3.9, 5.0, 10.0})
         for (const double side : {1.0, -1.0}) {
           const Drop d = drop(wall, kind, speed, side, uniform(random, 0.0, 1.0));
-          SCOPED_TRACE(::testing::Message() << name_of(kind) << ", wall " << thick << " e, " << speed << " m/s, side " << side);
+          SCOPED_TRACE(::testing::Message()
+                       << name_of(kind) << ", wall " << thick << " e, " << speed << " m/s, side " << side);
           if (speed < kSwept * kEdge / kPeriod) {
             if (d.exit_speed > 0.0) {
               // A mass with more energy than the wall takes: a slow one loses what it had to climb and gets it back.
-              EXPECT_TRUE(d.fast ? d.crossed && d.missed : d.exit_speed < 1.1 * speed) << "exit at " << d.exit_speed << " m/s";
+              EXPECT_TRUE(d.fast ? d.crossed && d.missed : d.exit_speed < 1.1 * speed)
+                  << "exit at " << d.exit_speed << " m/s";
               if (d.fast) {
                 EXPECT_LT(d.exit_speed, speed);
               }
@@ -311,7 +320,8 @@ TEST(F4Tunnelling, ADroppedMassNeverLeavesFasterOnTheFarSideAndNeverUnseenBelowT
             EXPECT_TRUE(d.missed);
           }
         }
-      std::printf("%s wall %.1f e: slowest drop that came through %.3g m/s\n", std::string(name_of(kind)).c_str(), thick, stopped_up_to);
+      std::printf("%s wall %.1f e: slowest drop that came through %.3g m/s\n", std::string(name_of(kind)).c_str(),
+                  thick, stopped_up_to);
     }
   }
 }
