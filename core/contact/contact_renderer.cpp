@@ -8,12 +8,93 @@ ContactRenderer::ContactRenderer(const Voxmap& voxmap, Pointshell shell, Contact
                                  const ContactParameters& parameters, const DistanceField* field)
     : query_(voxmap, std::move(shell), parameters.weights),
       model_(make_contact_model(model, parameters, {&voxmap, field, query_.shell().size()})),
-      stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness, model}) {
+      stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness, model}),
+      entry_stage_(stage_) {
   hits_.reserve(query_.shell().size());
 }
 
 StageResult ContactRenderer::render(const Pose& tool_in_world) noexcept {
-  return stage_.apply(hits_, probe(tool_in_world));
+  const ContactResult plain = probe(tool_in_world);
+  if (hits_.pose_status != PoseStatus::kUsable) return stage_.apply(hits_, plain, 0.0);
+  const double moved_m = stage_.motion_to(hits_.pose);
+  if (entry_kind_ != Entry::kNone || moved_m > contact_limits::kFastEdges * query_.voxmap().grid().edge)
+    return render_fast(plain, moved_m);
+  return stage_.apply(hits_, plain, moved_m);
+}
+
+/// `plain` is the model's for hits_, at the frame's pose.
+StageResult ContactRenderer::render_fast(const ContactResult& plain, double moved_m) noexcept {
+  const double edge = query_.voxmap().grid().edge;
+  const Pose tool = hits_.pose;
+  const bool behind = entry_kind_ == Entry::kBehind;
+  if (behind) moved_m = MotionPath(tool_pose_, tool).length_m(query_.reach_m());
+  tool_pose_ = tool;
+  StageResult result;
+  if (behind && beyond_entry(tool)) {
+    result = entry_;
+  } else {
+    if (entry_kind_ == Entry::kWatched && !beyond_entry(tool)) entry_kind_ = Entry::kNone;
+    const MotionPath path(behind ? entry_pose_ : stage_.last_pose(), tool);
+    const int steps = path.steps(query_.reach_m(), contact_limits::kSubStepEdges * edge, contact_limits::kMostSubPoses);
+    const bool walked = steps <= contact_limits::kMostSubPoses;
+    if (behind) leave_far_side(walked);
+    if (walked) {
+      result = walk(path, steps, plain);
+    } else {
+      entry_kind_ = Entry::kNone;
+      result = stage_.apply(hits_, plain, stage_.motion_to(tool));
+      result.missed = true;
+    }
+  }
+  result.fast = moved_m > contact_limits::kFastEdges * edge;
+  return result;
+}
+
+/// What the stage remembers is of the far side.
+void ContactRenderer::leave_far_side(bool to_entry) noexcept {
+  if (to_entry) {
+    stage_ = entry_stage_;  // of the same size: nothing is allocated
+  } else {
+    stage_.reset();
+  }
+  entry_kind_ = Entry::kNone;
+}
+
+/// Whether the entry's contact stands against the way from there to `tool`, and that is not too far.
+bool ContactRenderer::beyond_entry(const Pose& tool) const noexcept {
+  const MotionPath path(entry_pose_, tool);
+  return path.share(entry_.contact.wrench) < -contact_limits::kAgainstShare &&
+         path.length_m(query_.reach_m()) <= 2.0 * query_.reach_m() + swept_m();
+}
+
+/// The frame's contact: that of the way's end, or the entry's where the way crosses a wall. Begins with where the last frame ended,
+/// which the stage gives again as it was, unless an entry is watched already.
+StageResult ContactRenderer::walk(const MotionPath& path, int steps, const ContactResult& plain_at_end) noexcept {
+  const bool watched = entry_kind_ == Entry::kWatched;
+  const MotionPath along = watched ? MotionPath(entry_pose_, tool_pose_) : path;
+  StageResult result;
+  for (int n = watched ? 1 : 0; n <= steps; ++n) {
+    const bool looked_up = watched && steps == 1;
+    const Pose pose = path.at(static_cast<double>(n) / steps);
+    const ContactResult plain = looked_up ? plain_at_end : probe(pose);
+    if (!looked_up) ++sub_poses_;
+    result = stage_.apply(hits_, plain, stage_.motion_to(hits_.pose));
+    const Wrench& wrench = result.contact.wrench;
+    const double share = along.share(wrench);
+    if (entry_kind_ == Entry::kWatched && (wrench.zero() || share > 0.0)) {
+      entry_kind_ = Entry::kBehind;
+      entry_.crossed = true;
+      return entry_;
+    }
+    if (share < -contact_limits::kAgainstShare &&
+        (entry_kind_ == Entry::kNone || along.work_j(wrench) < along.work_j(entry_.contact.wrench))) {
+      entry_kind_ = Entry::kWatched;
+      entry_ = result;
+      entry_stage_ = stage_;
+      entry_pose_ = hits_.pose;
+    }
+  }
+  return result;
 }
 
 ContactResult ContactRenderer::probe(const Pose& tool_in_world) noexcept {

@@ -6,6 +6,8 @@
 #include "core/contact/contact_model.hpp"
 #include "core/contact/contact_query.hpp"
 #include "core/contact/contact_stage.hpp"
+#include "core/contact/limits.hpp"
+#include "core/contact/motion_path.hpp"
 
 namespace voxtouch {
 
@@ -21,10 +23,26 @@ class ContactRenderer {
 
   /// One frame of the ring, `tool_in_world` = T in W. Real-time safe. A pose that cannot be looked up gives a zero wrench and
   /// the reason in `contact.pose_status`, and leaves the stage as it was.
+  ///
+  /// Fast motion. Where some point may have moved more than e/2 since the last frame, the straight way (screw: slerp) is walked in
+  /// sub-poses e/2 apart, at most kMostSubPoses of them, so that the stage remembers what a slow motion would have made it
+  /// remember and no wall is jumped over. A wall has been crossed where a contact that stood against such a motion is gone, or
+  /// pushes on, at a later sub-pose or in a later frame, slow ones included, before the tool was back where it stood against it.
+  /// Then the frame's contact is that of the sub-pose where it stood against the motion most, and it is
+  /// held (`StageResult::crossed`) while the tool is behind: until the way from there to the tool crosses nothing any more, or the
+  /// tool is farther than twice its reach and what a frame walks. The held force never points away from the side of entry:
+  /// F . (x - c) + M . turn < 0 for the held pose c. Faster motions are not walked (`StageResult::missed`). Slower ones cost nothing.
   StageResult render(const Pose& tool_in_world) noexcept;
 
   /// Forgets all frames so far: after a restart of the device, or a jump of the tool that was no motion.
-  void reset() noexcept { stage_.reset(); }
+  void reset() noexcept { stage_.reset(), entry_kind_ = Entry::kNone; }
+
+  /// Longest way of a point within a frame [m] for which no wall is crossed unseen; over the period it is the top speed.
+  double swept_m() const noexcept {
+    return contact_limits::kMostSubPoses * contact_limits::kSubStepEdges * query_.voxmap().grid().edge;
+  }
+  /// Sub-poses looked up since construction, the one of the frame itself not counted: what fast motion has cost.
+  std::uint64_t sub_poses() const noexcept { return sub_poses_; }
 
   /// The model alone, without memory and without touching the ring's. Real-time safe.
   ContactResult probe(const Pose& tool_in_world) noexcept;
@@ -37,10 +55,26 @@ class ContactRenderer {
   ContactModelKind model() const noexcept { return model_->kind(); }
 
  private:
+  StageResult render_fast(const ContactResult& plain, double moved_m) noexcept;
+  void leave_far_side(bool to_entry) noexcept;
+  bool beyond_entry(const Pose& tool) const noexcept;
+  StageResult walk(const MotionPath& path, int steps, const ContactResult& plain_at_end) noexcept;
+
   ContactQuery query_;
   std::unique_ptr<ContactModel> model_;
   ContactStage stage_;
   HitList hits_;
+  enum class Entry : std::uint8_t {
+    kNone,
+    kWatched,  ///< a fast motion met a contact that stands against it: crossed, should that be lost
+    kBehind,   ///< the tool is on the far side
+  };
+  Entry entry_kind_ = Entry::kNone;
+  StageResult entry_;           ///< the contact that stood against the motion most ...
+  ContactStage entry_stage_;    ///< ... what was remembered there ...
+  Pose entry_pose_;             ///< ... and where it was found
+  Pose tool_pose_;              ///< of the last frame, while there is an entry
+  std::uint64_t sub_poses_ = 0;
 };
 
 }  // namespace voxtouch

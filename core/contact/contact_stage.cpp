@@ -20,7 +20,8 @@ struct ContactStage::Frame {
   CommonDirectionSum shared;        ///< ... and of those that push along g
 };
 
-ContactStage::ContactStage(const StageConfig& config) : config_(config), memory_(config.points) {}
+ContactStage::ContactStage(const StageConfig& config)
+    : config_(config), memory_(remembers(config.model) ? config.points : 0) {}
 
 void ContactStage::reset() noexcept {
   ++frame_;  // makes every point's memory stale ...
@@ -30,16 +31,16 @@ void ContactStage::reset() noexcept {
   shared_points_ = 0;
 }
 
-StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain) noexcept {
+StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain, double moved_m) noexcept {
   StageResult result;
   result.contact = plain;
   if (hits.pose_status != PoseStatus::kUsable) return result;
 
   Frame frame;
-  frame.moved_m = has_last_pose_ ? motion_bound(hits.pose) : 0.0;
+  frame.moved_m = moved_m;
   result.fast = frame.moved_m > limits::kFastEdges * config_.edge_m;
   ++frame_;
-  if (config_.model == ContactModelKind::kField || config_.model == ContactModelKind::kClustered) {
+  if (!remembers(config_.model)) {
     // Nothing to blend, and nothing to hold: their depths reach into interior voxels.
   } else if (hits.surface.empty() && hits.interior.empty()) {
     shared_.setZero();

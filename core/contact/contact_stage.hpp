@@ -11,7 +11,11 @@ namespace voxtouch {
 struct StageResult {
   ContactResult contact;  ///< the model's result, with blended directions and the held points' push added
   bool held = false;      ///< points have gone through (or just came back): remembered depths push
-  bool fast = false;      ///< some point may have moved more than half a voxel since the last pose: a contact may be missed
+  bool fast = false;      ///< some point may have moved more than half a voxel since the last pose
+  /// ContactRenderer: a wall was crossed faster than that. `contact` is the one on the side it was entered from, at the pose where it
+  /// stood most against the motion; it stays until the tool is back or out of reach.
+  bool crossed = false;
+  bool missed = false;    ///< ContactRenderer: faster than what is walked in sub-poses, or a crossed wall was let go of: walls in between are not seen
 };
 
 /// How a stage is set up.
@@ -22,6 +26,11 @@ struct StageConfig {
   double stiffness = 0.0;          ///< K of a weight of one, as ContactParameters
   ContactModelKind model = ContactModelKind::kAdapted;
 };
+
+/// Whether the stage keeps a depth for each point: for the rungs that know none beyond the surface layer.
+constexpr bool remembers(ContactModelKind model) noexcept {
+  return model == ContactModelKind::kOriginal || model == ContactModelKind::kAdapted;
+}
 
 /// Blend, hold, and the fast flag. Let rho = |sum_S w_i n_i| / sum_S w_i, m the mean normal, s = smoothstep(rho; 0.2, 0.5).
 ///
@@ -42,7 +51,7 @@ struct StageConfig {
 /// that way (and by the turn from g to u_i), and strengthens it by at most K w_i sqrt(3)/2 e, which is the step of the plain law
 /// at any voxel border. A point that reaches free space forgets; without any contact the stage forgets all.
 ///
-/// `field` passes through with the fast flag only: it has neither a fallback to blend nor a layer to go through.
+/// `clustered` and `field` pass through with the fast flag only: they have neither a fallback to blend nor a layer to go through.
 ///
 /// All memory is taken at construction; `apply` and `reset` are real-time safe. Not safe to share between threads.
 class ContactStage {
@@ -50,7 +59,15 @@ class ContactStage {
   explicit ContactStage(const StageConfig& config);
 
   /// `plain` is what the model gave for `hits`. A pose that could not be looked up passes through and leaves the memory alone.
-  StageResult apply(const HitList& hits, const ContactResult& plain) noexcept;
+  StageResult apply(const HitList& hits, const ContactResult& plain) noexcept {
+    return apply(hits, plain, hits.pose_status == PoseStatus::kUsable ? motion_to(hits.pose) : 0.0);
+  }
+  /// The same with what `motion_to(hits.pose)` gave.
+  StageResult apply(const HitList& hits, const ContactResult& plain, double moved_m) noexcept;
+
+  /// Bound of every point's way from the last pose to `pose` [m]; 0 where there is no last pose. Real-time safe.
+  double motion_to(const Pose& pose) const noexcept { return has_last_pose_ ? motion_bound(pose) : 0.0; }
+  const Pose& last_pose() const noexcept { return last_pose_; }
 
   /// Forgets everything, also the last pose.
   void reset() noexcept;

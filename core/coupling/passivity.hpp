@@ -32,6 +32,13 @@
 /// down, by alpha_max v^2 each second of (b - alpha_max) v^2: a cycle becomes smaller and stays, and E is as low as the cycle
 /// makes it. Above, the controller itself chatters, at tens of W.
 ///
+/// Sliding. A contact made of voxels gives energy on closed ways of its own: measured over four contact models, voxel sizes, depths
+/// and tilts (deploy/pictures/stability_map.png), at most s F L on a way L under the mean force F, s = kSlidingShare e / R for a
+/// ball of radius R under `original` and `adapted`, less under the others. The steps are within W like any force, but they go on
+/// as long as the tool slides, and within a voxel the contact gives and takes back up to F e: only observed, E >= -5 W - F e -
+/// s F L; with the controller E >= -5 W - F e where alpha_max v > s F, above the speed s F / alpha_max (3 mm/s at 1 N, 5 Ns/m and
+/// R = 10 e). Slower, the debt grows with the way by what is left of s F, and goes when the contact ends.
+///
 /// An encoder step q makes the difference quotient 0 or q/T; v^ keeps a direction between the steps, but of a tool that
 /// creeps it has decayed before the next one, so that up to f q a step stays unpaid. The noise of one step is
 /// alpha_max (1 - a) q/T, a of v^. E is that of the encoder's motion; the hand's differs by at most q/2 times the sum of the
@@ -45,6 +52,9 @@ namespace voxtouch {
 inline constexpr double kContactEndS = 0.005, kRestShare = 1e-3;
 /// A debt is forgotten when the tool has been free for this long [s].
 inline constexpr double kDebtS = 1.0;
+
+/// Largest energy that sliding over voxels gives, over force and way, times the radius of the contact in voxels.
+inline constexpr double kSlidingShare = 0.15;
 
 struct EnergyAccounts {
   double normal_j = 0.0, tangential_j = 0.0, rotation_j = 0.0;

@@ -65,6 +65,7 @@ StageResult ObjectContacts::render_all(const Pose& tool, double time_s) noexcept
     } else {
       add_contact(one.contact, all.contact);
       all.held |= one.held, all.fast |= one.fast;
+      all.crossed |= one.crossed, all.missed |= one.missed;
     }
   }
   if (all.contact.pose_status != PoseStatus::kUsable && objects_.size() > 1) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/limits.hpp"
 #include "core/coupling/coupling_spec.hpp"
 
 namespace voxtouch {
@@ -120,6 +121,11 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
                                          scene.contact.model, scene.contact.stiffness_n_per_m3)
                            : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
                                          scene.contact.stiffness_n_per_m));
+  plan.built.push_back(fmt::format(
+      "Fast motion: no wall is crossed unseen up to {:.3g} mm a sample ({:.3g} m/s at 1 kHz); beyond half a voxel, {:.3g} m/s, a "
+      "frame costs up to {} times as much. What is faster is flagged.",
+      1e3 * plan.swept_m, 1e3 * plan.swept_m, 1e3 * contact_limits::kFastEdges * scene.voxel_size_m,
+      contact_limits::kMostSubPoses + 2));
   plan.built.push_back(fmt::format("{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin "
                                    "by one point, {:.6g} N/m and {:.6g} Nm/rad {}.",
                                    needs_of(scene.effects).body ? "Stiffness of the grip on the body" : "Contact stiffness",
@@ -202,6 +208,7 @@ Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   Plan plan;
   plan.scene = scene.name, plan.scene_hash = scene.hash, plan.contact_model = scene.contact.model;
   plan.voxel_size_m = scene.voxel_size_m;
+  plan.swept_m = contact_limits::kMostSubPoses * contact_limits::kSubStepEdges * scene.voxel_size_m;
   plan.shell_points = counts.shell_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
   plan.of_contact_alone = {counts.contact_n_per_m, counts.contact_nm_per_rad};

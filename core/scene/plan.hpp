@@ -52,6 +52,7 @@ MetStiffness with_effects(const MetStiffness& contact, std::span<const EffectSpe
 struct Plan {
   std::string scene, scene_hash, contact_model;
   double voxel_size_m = 0.0;
+  double swept_m = 0.0;                     ///< way of any point of the tool within a sample for which no wall is crossed unseen
   std::uint64_t shell_points = 0, surface_voxels = 0, interior_voxels = 0;
   std::uint64_t bytes = 0;                  ///< of what a frame looks up: voxmap, pointshell, fields
   double expected_ns_per_frame = 0.0;       ///< of the rendering, contact and effects: from counts, not measured

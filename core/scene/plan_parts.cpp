@@ -9,8 +9,11 @@ namespace voxtouch {
 namespace {
 
 constexpr const char* kRendering = "rendering";
-/// What the stage behind the contact model remembers of a point: its depth, when that was, and which way it pushed.
-constexpr std::uint64_t kStageBytesPerPoint = 24;
+/// What the stage behind the contact model remembers of a point: its depth, when that was, and which way it pushed; now, and where
+/// a fast motion met a wall. `clustered` and `field` remember nothing.
+std::uint64_t stage_bytes_per_point(std::string_view contact_model) {
+  return contact_model == "original" || contact_model == "adapted" ? 48 : 0;
+}
 
 std::uint64_t tree_bytes(std::uint64_t points) {
   std::uint64_t nodes = 0;
@@ -87,7 +90,7 @@ std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& n) {
       {.name = "contact model " + scene.contact.model,
        .node = kRendering,
        .why = "The scene's contact section names it; with it goes the memory of points that have gone through.",
-       .bytes = n.shell_points * (2 * sizeof(Hit) + kStageBytesPerPoint),
+       .bytes = n.shell_points * (2 * sizeof(Hit) + stage_bytes_per_point(scene.contact.model)),
        .expected_ns = kNsPerFrame + ns_per_contact_point(scene.contact.model) * points});
   for (const EffectSpec& effect : scene.effects) parts.push_back(effect_part(effect, n));
   parts.push_back(coupling_part(scene));

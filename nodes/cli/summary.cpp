@@ -74,6 +74,8 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["held_samples"] = count(r, "rendering", "held_samples");
   j["saturated_samples"] = count(r, "rendering", "saturated_samples");
   j["fast_samples"] = count(r, "rendering", "fast_samples");
+  j["crossed_samples"] = count(r, "rendering", "crossed_samples");
+  j["missed_samples"] = count(r, "rendering", "missed_samples");
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);
   j["guard"] = {{"refused", count(r, "device", "refused")}, {"clamped", count(r, "device", "clamped")}};

@@ -94,6 +94,12 @@ void judge(RunSummary& s) {
                     "does the motion "
                     "start inside?",
                     n));
+  if (const double n = number(s, "rendering", "crossed_samples"); n > 0)
+    s.notes.push_back(fmt::format(
+        "in {} samples the tool was behind a wall that it had crossed in one sample: it was pushed back to where it came from", n));
+  if (const double n = number(s, "rendering", "missed_samples"); n > 0)
+    s.notes.push_back(fmt::format(
+        "in {} samples the tool was too fast to be followed, or let go of behind a wall: what lay in between was not felt", n));
   if (const double n = number(s, "rendering", "saturated_samples"); n > 0)
     s.notes.push_back(
         fmt::format("in {} samples the tool was so deep, or a wall so thin, that going deeper meets no more force: more "

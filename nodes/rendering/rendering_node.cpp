@@ -142,7 +142,8 @@ class RenderingNode {
     m.flags =
         (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.held ? msg::contact_state::kFlagHeld : 0U) |
         (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
-        (c.saturated ? msg::contact_state::kFlagSaturated : 0U) | (fading ? msg::contact_state::kFlagFading : 0U);
+        (c.saturated ? msg::contact_state::kFlagSaturated : 0U) | (fading ? msg::contact_state::kFlagFading : 0U) |
+        (touch.crossed ? msg::contact_state::kFlagCrossed : 0U) | (touch.missed ? msg::contact_state::kFlagMissed : 0U);
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
     contacts_.write(m);
@@ -153,6 +154,8 @@ class RenderingNode {
     if (pushes) contact_samples_.fetch_add(1, kRelaxed);
     if (touches && !pushes && c.interior_hits > c.surface_hits) buried_.fetch_add(1, kRelaxed);
     if (touch.fast) fast_.fetch_add(1, kRelaxed);
+    if (touch.crossed) crossed_.fetch_add(1, kRelaxed);
+    if (touch.missed) missed_.fetch_add(1, kRelaxed);
     if (touch.held) held_.fetch_add(1, kRelaxed);
     if (c.saturated) saturated_.fetch_add(1, kRelaxed);
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
@@ -165,6 +168,8 @@ class RenderingNode {
                      {"contact_samples", fmt::to_string(contact_samples_.load())},
                      {"refused_samples", fmt::to_string(refused_.load())},
                      {"fast_samples", fmt::to_string(fast_.load())},
+                     {"crossed_samples", fmt::to_string(crossed_.load())},
+                     {"missed_samples", fmt::to_string(missed_.load())},
                      {"buried_samples", fmt::to_string(buried_.load())},
                      {"held_samples", fmt::to_string(held_.load())},
                      {"saturated_samples", fmt::to_string(saturated_.load())},
@@ -201,6 +206,7 @@ class RenderingNode {
   std::uint64_t next_sample_ = 0;     ///< number of the first one that has not been answered
   std::int64_t last_answer_ns_ = 0;
   std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0}, buried_{0}, saturated_{0};
+  std::atomic<std::uint64_t> crossed_{0}, missed_{0};
   std::atomic<std::int64_t> longest_ns_{0};
 };
 

@@ -146,8 +146,9 @@ class ValidatorNode {
     if (options_.lockstep) plans_.take_each([this](const msg::ScenePlan& plan) { take(plan); });
     if (!judge_ || contact.session_id != session_in_loop_) return;
     if (next_ && contact.sequence_number >= next_->from_sample) follow_change();
-    // While one scene fades into another, what is felt is neither's.
-    if (blind_ || (contact.flags & msg::contact_state::kFlagFading) || !is_checked(contact.sequence_number, options_.every))
+    // While one scene fades into another, what is felt is neither's; behind a wall crossed too fast it is of where that was entered.
+    if (blind_ || (contact.flags & (msg::contact_state::kFlagFading | msg::contact_state::kFlagCrossed)) ||
+        !is_checked(contact.sequence_number, options_.every))
       return;
     unread_.store(reports_.matched_count() == 0, std::memory_order_relaxed);
     if (unread_) return;  // a verdict that nobody reads is not made
