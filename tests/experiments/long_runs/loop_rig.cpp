@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 
 #include "core/scene/design_request.hpp"
 #include "core/scene/fit_coupling.hpp"
@@ -17,7 +18,8 @@ namespace {
 
 constexpr double kValidPeriods = 5.0;  ///< as the coupling node has it
 
-std::unique_ptr<BuiltScene> build(const Scene& scene, const RigAsk& ask) {
+std::unique_ptr<BuiltScene> build(Scene scene, const RigAsk& ask) {
+  scene.contact.stiffness_n_per_m *= ask.stiffness_times, scene.contact.stiffness_n_per_m3 *= ask.stiffness_times;
   BuildChoices choices;
   choices.model = ask.model;
   return build_scene(scene, serial_for(), choices);
@@ -36,19 +38,24 @@ CouplingSpec fit(const Scene& scene, const DeviceDescription& description, const
 
 RigFront::RigFront(const Scene& scene, std::unique_ptr<BuiltScene> built, const CouplingSpec& spec,
                    const CouplingLimits& limits, double period_s)
-    : device_(scene.device), built_(std::move(built)), coupling_(spec, limits, period_s), mapping_(scene.device),
-      period_s_(period_s) {}
+    : device_(scene.device), built_(std::move(built)), live_(*built_), coupling_(spec, limits, period_s),
+      mapping_(scene.device), period_s_(period_s) {}
 
 Wrench RigFront::answer(const DeviceSample& sample) noexcept {
   if (!begin_ns_) begin_ns_ = sample.time_ns;
   const double dt_s = last_ns_ ? static_cast<double>(sample.time_ns - *last_ns_) * 1e-9 : period_s_;
   last_ns_ = sample.time_ns;
   const ToolState& tool = mapping_.update(sample.pose, sample.twist, sample.buttons);
-  frame_ = built_->scene_renderer().render(tool, static_cast<double>(sample.time_ns - *begin_ns_) * 1e-9);
+  frame_ = live_.render(tool, static_cast<double>(sample.time_ns - *begin_ns_) * 1e-9);
   CouplingInput in{frame_.wrench, frame_.stiffness_bound_n_per_m, frame_.stiffness, tool.pose};
   in.supplied_energy_j = frame_.supplied_energy_j;
   out_ = coupling_.step(in, dt_s);
   return wrench_to_device(device_, out_.wrench, tool.pose.orientation);
+}
+
+void RigFront::swap_to(std::unique_ptr<BuiltScene> next) {
+  live_.swap_to(*next);
+  old_ = std::exchange(built_, std::move(next));
 }
 
 LoopRig::LoopRig(const RigAsk& ask)
@@ -67,6 +74,12 @@ LoopRig::LoopRig(const RigAsk& ask)
 
 std::unique_ptr<RigFront> LoopRig::fresh_front() const {
   return std::make_unique<RigFront>(scene_, build(scene_, ask_), spec_, limits_, 1.0 / ask_.device.description.rate_hz);
+}
+
+std::unique_ptr<BuiltScene> LoopRig::build_again(double stiffness_times) const {
+  RigAsk ask = ask_;
+  ask.stiffness_times = stiffness_times;
+  return build(scene_, ask);
 }
 
 const DeviceSample& LoopRig::read() noexcept {

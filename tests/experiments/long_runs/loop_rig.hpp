@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/coupling/running_coupling.hpp"
-#include "core/scene/build.hpp"
+#include "core/scene/live_scene.hpp"
 #include "devices/force_guard.hpp"
 #include "devices/sim/simulated_device.hpp"
 
@@ -19,6 +19,7 @@ struct RigAsk {
   std::optional<OperatorConfig> hand;  ///< instead of the device's usual one
   std::string motion;                  ///< of the scene
   std::optional<Motion> path;          ///< in W, instead of a motion of the scene
+  double stiffness_times = 1.0;        ///< of the scene's contact
   std::uint64_t seed = 0;
 };
 
@@ -33,11 +34,14 @@ class RigFront {
   const CouplingOutput& out() const noexcept { return out_; }  ///< of the last sample
   const SceneFrame& frame() const noexcept { return frame_; }
   const CouplingCounters& counters() const noexcept { return coupling_.counters(); }
-  BuiltScene& built() noexcept { return *built_; }
+  const EnergyAccounts& energy() const noexcept { return coupling_.energy(); }
+  /// Another scene takes the place of the one that runs, as after a reload. Not while one still fades in.
+  void swap_to(std::unique_ptr<BuiltScene> next);
 
  private:
   DeviceSpec device_;
-  std::unique_ptr<BuiltScene> built_;
+  std::unique_ptr<BuiltScene> built_, old_;
+  LiveScene live_;
   RunningCoupling coupling_;
   DeviceMapping mapping_;
   double period_s_;
@@ -71,6 +75,8 @@ class LoopRig {
   const RigFront& front() const noexcept { return *front_; }
   /// Another front with the same scene and design, as new.
   std::unique_ptr<RigFront> fresh_front() const;
+  /// The scene once more, its contact `stiffness_times` as stiff as in the file.
+  std::unique_ptr<BuiltScene> build_again(double stiffness_times) const;
   SimulatedDevice& device() noexcept { return *device_; }
   const ForceGuard& guard() const noexcept { return guard_; }
   const CouplingSpec& spec() const noexcept { return spec_; }
