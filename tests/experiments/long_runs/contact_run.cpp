@@ -124,7 +124,8 @@ Findings run_contact(const ContactAsk& ask, const Progress& progress) {
   LoopRig rig(rig_ask);
 
   Tenth tenths[10];
-  std::uint64_t resident = 0, played = 0;
+  std::optional<Memory> early;
+  std::uint64_t played = 0;
   for (Tenth& tenth : tenths) {
     for (int piece = 0; piece < 10; ++piece) {
       const std::uint64_t done = play(rig, ask.frames / 100, tenth, out);
@@ -132,15 +133,18 @@ Findings run_contact(const ContactAsk& ask, const Progress& progress) {
       played += done;
       if (progress) progress(played, ask.frames);
     }
-    if (resident == 0) resident = resident_bytes();
+    if (!early) early = memory_in_use();
   }
-  out.growth_bytes = static_cast<std::int64_t>(resident_bytes() - resident);
+  const Memory late = memory_in_use();
+  out.resident_growth = late.resident - early->resident, out.heap_growth = late.heap - early->heap;
   out.slow_down = tenths[9].cpu_s / tenths[0].cpu_s;
   out.lines.push_back(fmt::format("{} frames, {:.2f} us of CPU each", played,
                                   tenths[9].cpu_s / static_cast<double>(tenths[9].frames) * 1e6));
   judge(rig, tenths[0], tenths[9], out);
-  // Half a page a million frames would be a byte for every 500: nothing in a frame may grow.
-  if (out.growth_bytes > 256 * 1024) out.faults.push_back(fmt::format("memory grew by {} bytes", out.growth_bytes));
+  // Nothing in a frame takes memory; what is left is the progress' own.
+  if (out.heap_growth > 4096) out.faults.push_back(fmt::format("the heap grew by {} bytes", out.heap_growth));
+  if (out.resident_growth > 1'000'000)
+    out.faults.push_back(fmt::format("memory grew by {} bytes", out.resident_growth));
 
   bool touched = false, touched_new = false;
   const std::uint64_t worn = answers(rig.front(), rig.device().time_ns() + 1'000'000, touched);

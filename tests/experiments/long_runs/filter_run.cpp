@@ -150,11 +150,12 @@ void disturb(const FilterAsk& ask, Teller& teller, Findings& out) {
 Findings run_filter(const FilterAsk& ask, const Progress& progress) {
   Findings out;
   Teller teller(progress, ask.steps + ask.steps / 5);
-  const std::uint64_t before = resident_bytes();
+  const Memory before = memory_in_use();
   hold(ask, teller, out);
   respond(ask, teller, out);
   disturb(ask, teller, out);
-  out.growth_bytes = static_cast<std::int64_t>(resident_bytes() - before);
+  const Memory after = memory_in_use();
+  out.resident_growth = after.resident - before.resident, out.heap_growth = after.heap - before.heap;
   return out;
 }
 

@@ -13,10 +13,10 @@ using Progress = std::function<void(std::uint64_t done, std::uint64_t all)>;
 
 /// What every run tells.
 struct Findings {
-  std::vector<std::string> faults;  ///< what did not hold, a sentence each; empty: all is well
-  std::vector<std::string> lines;   ///< figures, for people
-  double slow_down = 1.0;           ///< CPU time of the last tenth over that of the first
-  std::int64_t growth_bytes = 0;    ///< of resident memory, from the first tenth's end on
+  std::vector<std::string> faults;                    ///< what did not hold, a sentence each; empty: all is well
+  std::vector<std::string> lines;                     ///< figures, for people
+  double slow_down = 1.0;                             ///< CPU time of the last tenth over that of the first
+  std::int64_t resident_growth = 0, heap_growth = 0;  ///< from the first tenth's end on [bytes]
 };
 
 /// The shaping filter: a contact held at 5 Hz for `steps` samples; step responses at w0 T from 1e-6 to beyond pi against their

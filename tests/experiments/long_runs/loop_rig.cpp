@@ -1,5 +1,6 @@
 #include "tests/experiments/long_runs/loop_rig.hpp"
 
+#include <malloc.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -113,11 +114,12 @@ const Wrench& LoopRig::step() noexcept {
   return finish();
 }
 
-std::uint64_t resident_bytes() {
+Memory memory_in_use() {
   std::ifstream in("/proc/self/statm");
-  std::uint64_t total = 0, resident = 0;
+  std::int64_t total = 0, resident = 0;
   in >> total >> resident;
-  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  const struct mallinfo2 heap = mallinfo2();
+  return {resident * sysconf(_SC_PAGESIZE), static_cast<std::int64_t>(heap.uordblks + heap.hblkhd)};
 }
 
 double thread_seconds() {

@@ -23,8 +23,9 @@ int tell(const Findings& f) {
   fmt::print(stderr, "\n");
   for (const std::string& line : f.lines) fmt::print("{}\n", line);
   if (f.slow_down != 1.0)
-    fmt::print("CPU time of the last tenth over that of the first: {:.3f}; memory grew by {} bytes\n", f.slow_down,
-               f.growth_bytes);
+    fmt::print(
+        "CPU time of the last tenth over that of the first: {:.3f}; resident memory grew by {} bytes, the heap by {}\n",
+        f.slow_down, f.resident_growth, f.heap_growth);
   for (const std::string& fault : f.faults) fmt::print("FAULT: {}\n", fault);
   fmt::print("{}\n", f.faults.empty() ? "All is well." : "Not well.");
   return f.faults.empty() ? 0 : 1;

@@ -18,8 +18,8 @@ constexpr std::uint64_t kShorter = 1;
 
 void expect_well(const Findings& f) {
   for (const std::string& line : f.lines) std::printf("%s\n", line.c_str());
-  std::printf("last tenth over first tenth: %.2f of CPU time; memory grew by %lld bytes\n", f.slow_down,
-              static_cast<long long>(f.growth_bytes));
+  std::printf("last tenth over first tenth: %.2f of CPU time; memory grew by %lld bytes, the heap by %lld\n",
+              f.slow_down, static_cast<long long>(f.resident_growth), static_cast<long long>(f.heap_growth));
   for (const std::string& fault : f.faults) ADD_FAILURE() << fault;
 }
 

@@ -239,7 +239,7 @@ TEST(L5Wire, AHundredMillisecondsOfSilenceFadeTheForceWithinTwentyAndItComesBack
         if (n < kCut) before_n = given.force.norm();
         if (n == kCut - 1) watch = {};
         if (n >= kCut - 1) watch.see(sample.pose.position, given, 0.0);
-        if (n > kCut + 3 + 20 && n < kBack) {
+        if (n >= kCut - 1 + 3 + 20 && n < kBack) {
           ASSERT_TRUE(given.zero()) << n - kCut;
         }
       }
