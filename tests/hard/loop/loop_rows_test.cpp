@@ -53,33 +53,67 @@ void PrintTo(const Touch& t, std::ostream* out) { *out << name_of(t.model) << (t
 
 class EncoderResolution : public ::testing::TestWithParam<Touch> {};
 
-TEST_P(EncoderResolution, RestsWithinOneStepAndKeepsTheEnergyAboveItsBoundOverVoxelBorders) {
+/// Sinks into the cup's wall by a tenth, a quarter and half a voxel, where the contact is at its stiffest, and rests at each depth.
+/// (Deeper than the voxel layer the force of three of the models does not change with the depth: nothing there could swing.)
+Motion gentle_rests() {
+  const Vec3 out = Vec3(-0.04417, -0.01607, 0.0).normalized();
+  Motion motion;
+  for (const double depth_m : {-0.002, 0.0002, 0.0005, 0.001})
+    motion.path.push_back((0.05 - depth_m) * out + Vec3(0, 0, 0.05));
+  motion.hold_s = 1.5;
+  return motion;
+}
+
+TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLightly) {
   const auto& [model, arm] = GetParam();
-  for (const char* motion : {"hit", "slide", "hit without friction"}) {
-    const bool frictionless = std::string_view(motion) == "hit without friction";
-    RigAsk ask = asked("cup_clustered.yaml", frictionless ? "hit" : motion);
-    ask.model = model;
+  for (const bool friction : {true, false}) {
+    RigAsk ask = asked("cup_clustered.yaml", "");
+    ask.path = gentle_rests(), ask.model = model;
     if (arm) ask.device = sim_lwr();
-    if (frictionless) ask.device.description.coulomb_friction_n = ask.device.coulomb_friction_nm = 0.0;
+    if (!friction) ask.device.description.coulomb_friction_n = ask.device.coulomb_friction_nm = 0.0;
     LoopRig rig(ask);
-    Watch watch;
-    int touching = 0;
-    for (int n = 0; n < 5300; ++n) {
-      if (n == 4300) watch.forget_places();
-      const Wrench& given = rig.step();
-      watch.see(rig.front().frame().object.position, given, rig.front().out().energy_j);
-      touching += !given.zero();
-    }
-    EXPECT_GT(touching, 1000) << motion;
-    EXPECT_GE(watch.lowest_j(), watch.bound_j()) << motion;
+    Watch whole;
     const double step_m = ask.device.description.position_resolution_m;
-    if (std::string_view(motion) != "slide") {
-      EXPECT_LE(watch.peak_to_peak_m(), (frictionless ? 2.001 : 1.001) * step_m)
-          << "no limit cycle beyond the encoder's own steps";
+    double at_s = ask.path->hold_s;
+    for (std::size_t i = 1; i < ask.path->path.size(); ++i) {
+      const double way_m = (ask.path->path[i] - ask.path->path[i - 1]).norm();
+      at_s += kMinimumJerkPeak * way_m / ask.path->speed_m_per_s + ask.path->hold_s;
+      Watch rest;
+      double force_n = 0.0;
+      while (static_cast<double>(rig.device().time_ns()) * 1e-9 < at_s) {
+        const Wrench& given = rig.step();
+        const Vec3& position = rig.front().frame().object.position;
+        whole.see(position, given, rig.front().out().energy_j);
+        if (static_cast<double>(rig.device().time_ns()) * 1e-9 > at_s - 0.5) rest.see(position, given, 0.0);
+        force_n = given.force.norm();
+      }
+      EXPECT_LE(rest.peak_to_peak_m(), 1.001 * step_m) << i << (friction ? "" : " without friction");
+      if (i > 1 && !(arm && friction)) {  // an arm's friction keeps the tool from going all the way
+        EXPECT_GT(force_n, 0.0) << i;
+      }
+      std::printf("%s rest %d: %.3f N, %.2f encoder steps peak to peak\n", friction ? "friction," : "no friction,",
+                  static_cast<int>(i), force_n, rest.peak_to_peak_m() / step_m);
     }
-    std::printf("%s: %.2f encoder steps peak to peak, lowest energy %.3g J, bound %.3g J\n", motion,
-                watch.peak_to_peak_m() / step_m, watch.lowest_j(), watch.bound_j());
+    EXPECT_GE(whole.lowest_j(), whole.bound_j());
   }
+}
+
+TEST_P(EncoderResolution, KeepsTheEnergyAboveItsBoundWhileTheToolSlidesOverVoxelBorders) {
+  const auto& [model, arm] = GetParam();
+  RigAsk ask = asked("cup_clustered.yaml", "slide");
+  ask.model = model;
+  if (arm) ask.device = sim_lwr();
+  LoopRig rig(ask);
+  Watch watch;
+  int touching = 0;
+  for (int n = 0; n < 5300; ++n) {
+    const Wrench& given = rig.step();
+    watch.see(rig.front().frame().object.position, given, rig.front().out().energy_j);
+    touching += !given.zero();
+  }
+  EXPECT_GT(touching, 1000);
+  EXPECT_GE(watch.lowest_j(), watch.bound_j());
+  std::printf("lowest energy %.3g J, bound %.3g J\n", watch.lowest_j(), watch.bound_j());
 }
 
 INSTANTIATE_TEST_SUITE_P(
