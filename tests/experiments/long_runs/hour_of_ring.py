@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""An hour of ring time in lockstep: all processes of `voxtouch up`, watched from outside.
+
+    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: about twenty minutes
+    tests/experiments/long_runs/hour_of_ring.py --duration 20       # what the test runs
+
+Looks at resident memory and CPU time of every process of the ring once a second, and at the lines that `up` prints. Ends with 1
+if the ring did not end well, if samples are missing, if a process grew by more than --growth-kb after the first tenth, or if the
+tool touches another share of the time in the last tenth than in the first. Times are told, not judged.
+"""
+import argparse
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import threading
+
+HERE = pathlib.Path(__file__).resolve().parents[3]
+LINE = re.compile(r"^\s*(\d+) samples\s+force\s+([\d.]+) N.*contacts (\d+)")
+CONTACT_SHARE_FROM_S = 600.0  # below that a tenth is too few rounds of the motion to be like another
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=HERE / "build", help="build folder")
+    parser.add_argument("--scene", type=pathlib.Path, default=HERE / "deploy/scenes/cup.yaml")
+    parser.add_argument("--motion", default="slide")
+    parser.add_argument("--device", default="sim-phantom")
+    parser.add_argument("--duration", type=float, default=3600.0, help="ring time [s]")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--record", type=pathlib.Path, help="folder for the bag (an hour is some GB); default: no bag")
+    parser.add_argument("--domain", type=int, default=int(os.environ.get("ROS_DOMAIN_ID", "0")))
+    parser.add_argument("--growth-kb", type=int, default=2048, help="most that a process may grow after the first tenth")
+    return parser.parse_args()
+
+
+def family(root):
+    """Process ids of `root` and all below it, with their names."""
+    parents, names = {}, {}
+    for entry in os.scandir("/proc"):
+        if not entry.name.isdigit():
+            continue
+        try:
+            text = pathlib.Path(entry.path, "stat").read_text()
+        except OSError:
+            continue  # gone meanwhile
+        pid, rest = int(entry.name), text[text.rindex(")") + 2:].split()
+        parents[pid], names[pid] = int(rest[1]), text[text.index("(") + 1:text.rindex(")")]
+    found, grown = {root}, True
+    while grown:
+        grown = False
+        for pid, parent in parents.items():
+            if parent in found and pid not in found:
+                found.add(pid)
+                grown = True
+    return {pid: names[pid] for pid in found if pid in names}
+
+
+def look(pid):
+    """Resident memory [kB] and CPU time [s] of a process; None if it has gone."""
+    try:
+        pages = int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1])
+        text = pathlib.Path(f"/proc/{pid}/stat").read_text()
+    except (OSError, IndexError):
+        return None
+    fields = text[text.rindex(")") + 2:].split()
+    cpu = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return pages * os.sysconf("SC_PAGE_SIZE") // 1024, cpu
+
+
+class Watch:
+    """What was seen at each line of `up`: samples so far, force, contacts so far, and each process."""
+
+    def __init__(self, root, samples):
+        self.root, self.samples, self.rows, self.told = root, samples, [], -1
+
+    def line(self, text):
+        match = LINE.match(text)
+        if not match:
+            if text.strip():
+                print(text.rstrip(), file=sys.stderr)
+            return
+        seen = {f"{name} {pid}": look(pid) for pid, name in family(self.root).items()}
+        self.rows.append((int(match[1]), float(match[2]), int(match[3]), {k: v for k, v in seen.items() if v}))
+        percent = 100 * self.rows[-1][0] // self.samples
+        if percent != self.told:
+            self.told = percent
+            kb = sum(v[0] for v in self.rows[-1][3].values())
+            print(f"\r{percent:3} %  {self.rows[-1][0]} samples, {kb} kB", end="", file=sys.stderr, flush=True)
+
+    def ends(self):
+        """First and last row of the first tenth and of the last one; as much more as one line a second makes it."""
+        early = [r for r in self.rows if r[0] >= self.samples / 10]
+        late = [r for r in self.rows if r[0] <= self.samples * 9 / 10]
+        if not early or not late or early[0][0] > late[-1][0] or self.rows[0] is early[0]:
+            return None
+        return (self.rows[0], early[0]), (late[-1], self.rows[-1])
+
+
+def judge(watch, args):
+    faults = []
+    ends = watch.ends()
+    if not ends:
+        return ["too short to be judged: give it a longer --duration"]
+    first, last = ends
+    for name, (kb, _) in sorted(last[1][3].items()):
+        if name not in first[1][3]:
+            faults.append(f"{name} was not there in the first tenth")
+            continue
+        grown = kb - first[1][3][name][0]
+        cpu = [(b[3][name][1] - a[3][name][1]) / (b[0] - a[0]) * 1e6 for a, b in (first, last) if name in a[3] and b[0] > a[0]]
+        print(f"{name:32} {kb:7} kB, {grown:+5} kB since the first tenth; CPU a sample " + ", ".join(f"{c:.1f} us" for c in cpu) +
+              (f" (ratio {cpu[1] / cpu[0]:.2f})" if len(cpu) == 2 and cpu[0] > 0 else ""))
+        if grown > args.growth_kb:
+            faults.append(f"{name} grew by {grown} kB")
+    share = [(b[2] - a[2]) / max(b[0] - a[0], 1) for a, b in (first, last)]
+    print(f"in contact: {100 * share[0]:.1f} % of the first tenth, {100 * share[1]:.1f} % of the last")
+    if args.duration >= CONTACT_SHARE_FROM_S and abs(share[1] - share[0]) > 0.03:
+        faults.append(f"the tool touches {100 * share[1]:.1f} % of the time instead of {100 * share[0]:.1f} %")
+    return faults
+
+
+def main():
+    args = arguments()
+    command = [args.build / "bin/voxtouch", "up", args.scene, "--lockstep", "--json", "--motion", args.motion, "--device", args.device,
+               "--duration", str(args.duration), "--seed", str(args.seed), "--domain", str(args.domain)]
+    command += ["--record", args.record] if args.record else ["--no-record"]
+    up = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    out = []
+    reader = threading.Thread(target=lambda: out.append(up.stdout.read()))
+    reader.start()
+    watch = Watch(up.pid, round(args.duration * 1000))
+    try:
+        for text in up.stderr:
+            watch.line(text)
+    except KeyboardInterrupt:
+        pass  # it gets the signal as well
+    status = up.wait()
+    reader.join()
+    print(file=sys.stderr)
+    faults = [] if status == 0 else [f"up ended with {status}"]
+    summary = json.loads(out[0]) if out and out[0].strip() else {}
+    faults += summary.get("problems", [])
+    for key, wanted in (("ok", True), ("samples", watch.samples), ("answered", watch.samples), ("overruns", 0)):
+        if summary.get(key) != wanted:
+            faults.append(f"{key} is {summary.get(key)}, not {wanted}")
+    if summary.get("guard", {}).get("refused") != 0:
+        faults.append(f"the guard refused {summary.get('guard', {}).get('refused')} commands")
+    if summary.get("validator", {}).get("disagree") != 0:
+        faults.append("the validator disagrees")
+    print(f"{summary.get('samples')} samples, {summary.get('contact_samples')} with contact, largest force {summary.get('max_force_n')} N, "
+          f"lowest energy {summary.get('coupling', {}).get('lowest_energy_j')} J")
+    faults += judge(watch, args)
+    for fault in faults:
+        print("FAULT:", fault)
+    print("Not well." if faults else "All is well.")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

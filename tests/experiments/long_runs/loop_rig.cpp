@@ -1,0 +1,131 @@
+#include "tests/experiments/long_runs/loop_rig.hpp"
+
+#include <malloc.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+#include <utility>
+
+#include "core/scene/design_request.hpp"
+#include "core/scene/fit_coupling.hpp"
+#include "core/scene/scene_file.hpp"
+#include "nodes/runtime/device_model.hpp"
+
+namespace voxtouch::long_runs {
+namespace {
+
+constexpr double kValidPeriods = 5.0;  ///< as the coupling node has it
+
+std::unique_ptr<BuiltScene> build(Scene scene, const RigAsk& ask) {
+  scene.contact.stiffness_n_per_m *= ask.stiffness_times, scene.contact.stiffness_n_per_m3 *= ask.stiffness_times;
+  BuildChoices choices;
+  choices.model = ask.model;
+  return build_scene(scene, serial_for(), choices);
+}
+
+CouplingSpec fit(const Scene& scene, const DeviceDescription& description, const Plan& plan) {
+  Grip grip = Grip::kPen;
+  parse_grip(description.grip, grip);
+  FittedCoupling fitted =
+      fit_coupling(scene, runtime::model_of(description, true), grip, plan.contact_n_per_m, plan.contact_nm_per_rad);
+  if (!fitted.refusal.empty()) throw std::runtime_error(fitted.refusal);
+  return fitted.spec;
+}
+
+}  // namespace
+
+RigFront::RigFront(const Scene& scene, std::unique_ptr<BuiltScene> built, const CouplingSpec& spec,
+                   const CouplingLimits& limits, double period_s)
+    : device_(scene.device), built_(std::move(built)), live_(*built_), coupling_(spec, limits, period_s),
+      mapping_(scene.device), period_s_(period_s) {}
+
+Wrench RigFront::answer(const DeviceSample& sample) noexcept {
+  if (!begin_ns_) begin_ns_ = sample.time_ns;
+  const double dt_s = last_ns_ ? static_cast<double>(sample.time_ns - *last_ns_) * 1e-9 : period_s_;
+  last_ns_ = sample.time_ns;
+  const ToolState& tool = mapping_.update(sample.pose, sample.twist, sample.buttons);
+  frame_ = live_.render(tool, static_cast<double>(sample.time_ns - *begin_ns_) * 1e-9);
+  CouplingInput in{frame_.wrench, frame_.stiffness_bound_n_per_m, frame_.stiffness, tool.pose};
+  in.supplied_energy_j = frame_.supplied_energy_j;
+  out_ = coupling_.step(in, dt_s);
+  return wrench_to_device(device_, out_.wrench, tool.pose.orientation);
+}
+
+void RigFront::swap_to(std::unique_ptr<BuiltScene> next) {
+  live_.swap_to(*next);
+  old_ = std::exchange(built_, std::move(next));
+}
+
+LoopRig::LoopRig(const RigAsk& ask)
+    : ask_(ask), scene_(load_scene(ask.scene)), guard_(guard_config(ask.device.description)) {
+  const DeviceDescription& d = ask.device.description;
+  std::unique_ptr<BuiltScene> built = build(scene_, ask);
+  spec_ = fit(scene_, d, built->plan());
+  limits_ = limits_in_world(scene_.device, d.max_force_n, d.max_torque_nm);
+  front_ = std::make_unique<RigFront>(scene_, std::move(built), spec_, limits_, 1.0 / d.rate_hz);
+  const Motion in_world = ask.path ? *ask.path : scene_.motions.at(ask.motion);
+  device_ = std::make_unique<SimulatedDevice>(ask.device, ask.hand.value_or(ask.device.hand),
+                                              motion_in_device(in_world, scene_.device.device_in_world,
+                                                               scene_.device.tool_offset, scene_.device.position_scale),
+                                              ask.seed);
+}
+
+std::unique_ptr<RigFront> LoopRig::fresh_front() const {
+  return std::make_unique<RigFront>(scene_, build(scene_, ask_), spec_, limits_, 1.0 / ask_.device.description.rate_hz);
+}
+
+std::unique_ptr<BuiltScene> LoopRig::build_again(double stiffness_times) const {
+  RigAsk ask = ask_;
+  ask.stiffness_times = stiffness_times;
+  return build(scene_, ask);
+}
+
+const DeviceSample& LoopRig::read() noexcept {
+  sequence_ = next_++;
+  if (const auto sample = device_->read(std::chrono::microseconds(0))) sample_ = *sample;
+  return sample_;
+}
+
+LoopRig::Command LoopRig::answer(const DeviceSample& sample, std::uint64_t sequence) noexcept {
+  const double valid_ns = kValidPeriods * 1e9 / ask_.device.description.rate_hz;
+  return {sequence, {front_->answer(sample), sample.time_ns + std::llround(valid_ns)}};
+}
+
+GateVerdict LoopRig::arrive(const Command& command) noexcept {
+  const GateVerdict verdict = gate_.accept(1, 1, command.sequence, sequence_);
+  guard_.count(verdict);
+  if (verdict == GateVerdict::kAccepted) arrived_ = command.input;
+  return verdict;
+}
+
+const Wrench& LoopRig::finish() noexcept {
+  given_ = guard_.pass(arrived_, sample_.time_ns);
+  arrived_.reset();
+  if (!device_->write(given_)) ++refused_writes_;
+  return given_;
+}
+
+const Wrench& LoopRig::step() noexcept {
+  read();
+  arrive(answer(sample_, sequence_));
+  return finish();
+}
+
+Memory memory_in_use() {
+  std::ifstream in("/proc/self/statm");
+  std::int64_t total = 0, resident = 0;
+  in >> total >> resident;
+  const struct mallinfo2 heap = mallinfo2();
+  return {resident * sysconf(_SC_PAGESIZE), static_cast<std::int64_t>(heap.uordblks + heap.hblkhd)};
+}
+
+double thread_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace voxtouch::long_runs

@@ -1,0 +1,72 @@
+/// long_runs: a billion filter steps, ten million frames of wandering contact, a million frames with floating-point traps. Exit
+/// status 1 if something drifts, grows, traps or is no number. The hour of the whole ring is hour_of_ring.py.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "tests/experiments/long_runs/long_runs.hpp"
+
+namespace voxtouch::long_runs {
+namespace {
+
+void show(std::uint64_t done, std::uint64_t all) {
+  static std::uint64_t told = 101;
+  const std::uint64_t percent = all ? 100 * done / all : 100;
+  if (percent == told) return;
+  told = percent;
+  fmt::print(stderr, "\r{:3} %", percent);
+  std::fflush(stderr);
+}
+
+int tell(const Findings& f) {
+  fmt::print(stderr, "\n");
+  for (const std::string& line : f.lines) fmt::print("{}\n", line);
+  if (f.slow_down != 1.0)
+    fmt::print(
+        "CPU time of the last tenth over that of the first: {:.3f}; resident memory grew by {} bytes, the heap by {}\n",
+        f.slow_down, f.resident_growth, f.heap_growth);
+  for (const std::string& fault : f.faults) fmt::print("FAULT: {}\n", fault);
+  fmt::print("{}\n", f.faults.empty() ? "All is well." : "Not well.");
+  return f.faults.empty() ? 0 : 1;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Runs that are long enough for drift, leaks and slow-down to show.");
+  app.require_subcommand(1);
+  std::uint64_t seed = 1;
+  FilterAsk filter;
+  ContactAsk contact;
+  TrapAsk traps;
+  contact.scene = VOXTOUCH_DEPLOY "/scenes/cup.yaml", traps.scenes = VOXTOUCH_DEPLOY "/scenes";
+  CLI::App* f = app.add_subcommand(
+      "filter", "a contact held for --steps samples; step responses; clocks that cannot be relied on");
+  f->add_option("--steps", filter.steps, "samples (1e9: about a minute)")->capture_default_str();
+  CLI::App* c = app.add_subcommand("contact", "a tool that wanders over a scene, round the whole loop");
+  c->add_option("--frames", contact.frames, "samples (1e7: about two minutes)")->capture_default_str();
+  c->add_option("--scene", contact.scene, "the cup, with any model or effect")
+      ->capture_default_str()
+      ->check(CLI::ExistingFile);
+  c->add_option("--model", contact.model, "contact model instead of the scene's")
+      ->check(CLI::IsMember({"original", "adapted", "clustered", "field"}));
+  CLI::App* t = app.add_subcommand("traps", "random contact with floating-point traps on, in all models and effects");
+  t->add_option("--frames", traps.frames, "samples")->capture_default_str();
+  for (CLI::App* sub : {f, c, t}) sub->add_option("--seed", seed, "of all that is random")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  filter.seed = contact.seed = traps.seed = seed;
+  if (f->parsed()) return tell(run_filter(filter, show));
+  if (c->parsed()) return tell(run_contact(contact, show));
+  return tell(run_traps(traps, show));
+}
+
+}  // namespace
+}  // namespace voxtouch::long_runs
+
+int main(int argc, char** argv) {
+  try {
+    return voxtouch::long_runs::run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return 1;
+  }
+}
