@@ -9,11 +9,11 @@
 
 #include "core/coupling/running_coupling.hpp"
 #include "core/scene/design_request.hpp"
-#include "core/scene/device_mapping.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/coupling/design_message.hpp"
 #include "nodes/coupling/fitting.hpp"
+#include "nodes/coupling/ring_messages.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
@@ -37,7 +37,7 @@ class CouplingNode {
         commands_(participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())),
         designs_(participant_, qos::kCouplingDesign, options.rig,
                  qos::profile_in(qos::kCouplingDesign, options.mode())),
-        wait_set_(participant_), fitting_(scene) {
+        wait_set_(participant_), fitting_(scene), to_device_(scene.device) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(plans_.condition());
     wait_set_.attach(states_.condition());
@@ -143,37 +143,14 @@ class CouplingNode {
   }
 
   void answer(const msg::DeviceState& state, const msg::ContactState& contact) noexcept {
-    const double dt_s = last_time_ns_ ? static_cast<double>(contact.sample_time_ns - *last_time_ns_) * 1e-9 : period_s_;
+    const double dt_s = last_time_ns_ ? runtime::seconds_between(*last_time_ns_, contact.sample_time_ns) : period_s_;
     last_time_ns_ = contact.sample_time_ns;
     follow_clutch(state.buttons);
-    CouplingInput input;
-    input.contact = runtime::from_msg(contact.wrench);
-    input.contact_stiffness_n_per_m = contact.stiffness_bound_n_per_m;
-    input.contact_stiffness = runtime::from_msg(contact.stiffness);
-    input.tool = runtime::from_msg(contact.tool_pose);
-    input.supplied_energy_j = contact.supplied_energy_j;
+    const CouplingInput input = coupling_input(contact);
     const CouplingOutput out = coupling_->step(input, dt_s);
-    const Wrench in_device = clutched_ ? Wrench{} : wrench_to_device(scene_.device, out.wrench, input.tool.orientation);
-
-    msg::ForceCommand m{};
-    m.session_id = contact.session_id;
-    m.sequence_number = contact.sequence_number;
-    m.sample_time_ns = contact.sample_time_ns;
-    m.valid_until_ns = contact.sample_time_ns + std::llround(kValidPeriods * period_s_ * 1e9);
-    m.wrench = runtime::to_msg(in_device);
-    m.energy_j = out.energy_j;
-    m.energy_rotation_j = out.energy_rotation_j;
-    m.damping_ns_per_m = out.damping_ns_per_m;
-    m.status = status_bits(out);
-    commands_.write(m);
+    const Wrench in_device = clutched_ ? Wrench{} : to_device_(out.wrench, input.tool.orientation);
+    commands_.write(force_command(contact, out, in_device, kValidPeriods * period_s_));
     note(contact.stiffness_bound_n_per_m);
-  }
-
-  static std::uint32_t status_bits(const CouplingOutput& out) noexcept {
-    using namespace msg::force_command;
-    return (out.ramping ? kStatusRamping : 0U) | (out.held_input ? kStatusHeldInput : 0U) |
-           (out.clamped ? kStatusClamped : 0U) | (out.capped ? kStatusCapped : 0U) |
-           (out.passivity ? kStatusPassivity : 0U);
   }
 
   void note(double stiffness_n_per_m) noexcept {
@@ -261,6 +238,7 @@ class CouplingNode {
   bus::WaitSet wait_set_;
   std::vector<runtime::Link> links_;
   Fitting fitting_;
+  ToDevice to_device_;
   std::optional<RunningCoupling> coupling_;  ///< none before the first fit and while what was found must not run
   /// What other threads may ask about; the loop takes the lock only where a fit is adopted.
   struct Running {

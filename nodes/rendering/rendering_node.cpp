@@ -12,6 +12,7 @@
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/stamps.hpp"
 
 namespace voxtouch::rendering {
 namespace {
@@ -113,7 +114,7 @@ class RenderingNode {
   }
 
   double seconds_since_begin(const msg::DeviceState& state) const noexcept {
-    return static_cast<double>(state.sample_time_ns - *session_begin_ns_) * 1e-9;
+    return runtime::seconds_between(*session_begin_ns_, state.sample_time_ns);
   }
 
   void publish(const msg::DeviceState& state, bool good, bool fading, std::int64_t begin) noexcept {
@@ -128,7 +129,7 @@ class RenderingNode {
     m.object_pose = runtime::to_msg(frame_.object);
     m.effects_wrench = runtime::to_msg(frame_.beside_contact());
     m.supplied_energy_j = frame_.supplied_energy_j;
-    m.scene_time_ns = session_begin_ns_ ? state.sample_time_ns - *session_begin_ns_ : 0;
+    m.scene_time_ns = session_begin_ns_ ? runtime::ns_between(*session_begin_ns_, state.sample_time_ns) : 0;
     m.mean_normal = runtime::to_vector(c.mean_normal);
     m.deepest_point = runtime::to_point(c.deepest_point);
     m.deepest_depth_m = c.deepest_depth_m;

@@ -1,0 +1,62 @@
+#pragma once
+/// Between the ring's messages and the coupling. Field by field; what is not usable the coupling itself finds out. Real-time safe.
+#include <cmath>
+#include <cstdint>
+
+#include "core/coupling/running_coupling.hpp"
+#include "core/scene/device_mapping.hpp"
+#include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/stamps.hpp"
+
+namespace voxtouch::coupling {
+
+inline CouplingInput coupling_input(const msg::ContactState& contact) noexcept {
+  CouplingInput input;
+  input.contact = runtime::from_msg(contact.wrench);
+  input.contact_stiffness_n_per_m = contact.stiffness_bound_n_per_m;
+  input.contact_stiffness = runtime::from_msg(contact.stiffness);
+  input.tool = runtime::from_msg(contact.tool_pose);
+  input.supplied_energy_j = contact.supplied_energy_j;
+  return input;
+}
+
+/// What the device is to push with for a wrench in W. A pose that is none must not make the command none: the tool is taken to be
+/// turned as it was last.
+class ToDevice {
+ public:
+  explicit ToDevice(const DeviceSpec& device) noexcept : device_(device) {}
+
+  Wrench operator()(const Wrench& in_world, const Quat& tool_in_world) noexcept {
+    if (Quat unit = tool_in_world; normalise_within(unit, 1.0 - 1e-3, 1.0 + 1e-3)) turned_ = tool_in_world;
+    return wrench_to_device(device_, in_world, turned_);
+  }
+
+ private:
+  const DeviceSpec& device_;
+  Quat turned_ = Quat::Identity();
+};
+
+inline std::uint32_t status_bits(const CouplingOutput& out) noexcept {
+  using namespace msg::force_command;
+  return (out.ramping ? kStatusRamping : 0U) | (out.held_input ? kStatusHeldInput : 0U) |
+         (out.clamped ? kStatusClamped : 0U) | (out.capped ? kStatusCapped : 0U) |
+         (out.passivity ? kStatusPassivity : 0U);
+}
+
+/// The answer to the sample of `contact`: `out`, whose force is `in_device` there, good for `valid_s`.
+inline msg::ForceCommand force_command(const msg::ContactState& contact, const CouplingOutput& out,
+                                       const Wrench& in_device, double valid_s) noexcept {
+  msg::ForceCommand m{};
+  m.session_id = contact.session_id;
+  m.sequence_number = contact.sequence_number;
+  m.sample_time_ns = contact.sample_time_ns;
+  m.valid_until_ns = runtime::ns_after(contact.sample_time_ns, std::llround(valid_s * 1e9));
+  m.wrench = runtime::to_msg(in_device);
+  m.energy_j = out.energy_j;
+  m.energy_rotation_j = out.energy_rotation_j;
+  m.damping_ns_per_m = out.damping_ns_per_m;
+  m.status = status_bits(out);
+  return m;
+}
+
+}  // namespace voxtouch::coupling

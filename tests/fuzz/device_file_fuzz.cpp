@@ -1,0 +1,44 @@
+// Device files for the coupling's designer: text to numbers that the design's own entrance takes, or a sentence.
+#include "core/coupling/design/design_check.hpp"
+#include "core/scene/design_request.hpp"
+#include "core/scene/device_file.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+namespace {
+
+using namespace voxtouch;
+
+void check(const AxisModel& axis) {
+  FUZZ_REQUIRE(axis.inertia_min > 0.0 && axis.inertia_min <= axis.inertia_max && std::isfinite(axis.inertia_max));
+  FUZZ_REQUIRE(axis.damping >= 0.0 && std::isfinite(axis.damping));
+  FUZZ_REQUIRE(axis.coulomb_friction >= 0.0 && std::isfinite(axis.coulomb_friction));
+  FUZZ_REQUIRE(axis.resolution >= 0.0 && axis.resolution <= 0.1);
+  FUZZ_REQUIRE(axis.max_effort > 0.0 && std::isfinite(axis.max_effort));
+  FUZZ_REQUIRE(axis.max_stiffness > 0.0 && std::isfinite(axis.max_stiffness));
+  FUZZ_REQUIRE(axis.effort_bandwidth_hz > 0.0);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  const std::filesystem::path file = "/fuzz/device.yaml";
+  try {
+    const DeviceFile device = parse_device_file(text, file);
+    check(device.model.translation);
+    if (device.model.gives_torque) check(device.model.rotation);
+    const LoopTiming& timing = device.model.timing;
+    FUZZ_REQUIRE(timing.period_s >= 1e-5 && timing.period_s <= 1.0 && timing.delay_s >= 0.0 && timing.delay_s <= 1.0);
+    FUZZ_REQUIRE(timing.jitter >= 0.0 && timing.jitter <= 10.0 && timing.lost_in_a_row >= 0);
+    Scene scene;
+    scene.voxel_size_m = 0.002;
+    const DesignRequest request = design_request(scene, device.model, device.grip, {10.0, 1000.0}, {0.1, 1.0});
+    try {
+      refuse_impossible(request);
+    } catch (const std::invalid_argument&) {  // a sentence, too
+    }
+  } catch (const SceneError& refused) {
+    FUZZ_REQUIRE(std::string_view(refused.what()).starts_with(file.string()));
+  }
+  return 0;
+}

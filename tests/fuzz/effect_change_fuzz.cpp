@@ -1,0 +1,58 @@
+// EffectChanges from the network, as the desk judges them: what is let through leaves every effect within its ranges and its force finite.
+#include "core/effects/effect_chain.hpp"
+#include "tests/fuzz/effects.hpp"
+#include "tests/fuzz/wire.hpp"
+
+namespace {
+
+using namespace voxtouch;
+
+std::string_view view(const char* text) { return text ? text : ""; }
+
+void check(const EffectSpec& effect) {
+  FUZZ_REQUIRE(check_values(*effect.kind, effect.values).empty());
+  FUZZ_REQUIRE(effect.gain >= 0.0 && effect.gain <= 1.0);
+  const EffectBound bound = bound_of(effect);
+  FUZZ_REQUIRE(std::isfinite(bound.stiffness_n_per_m) && std::isfinite(bound.stiffness_nm_per_rad));
+}
+
+void feel(EffectChain& chain, double time_s) {
+  EffectFrame frame;
+  frame.tool.position = Vec3(0.01, -0.02, 0.03);
+  frame.twist.linear = Vec3(0.1, 0.05, -0.2);
+  frame.dt_s = 1e-3, frame.time_s = time_s;
+  const EffectPush push = chain.apply(frame);
+  FUZZ_REQUIRE(push.wrench.finite() && push.stiffness.allFinite() && std::isfinite(push.potential_j));
+}
+
+}  // namespace
+
+/// Messages one after the other, each behind its length.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static fuzz::Wire<msg::EffectChange> wire;
+  std::vector<EffectSpec> planned = fuzz::all_effects();
+  EffectChain chain(planned);
+  fuzz::Bytes in(data, size);
+  double time_s = 0.0;
+  for (int n = 0; n < 16 && !in.empty(); ++n) {
+    const std::size_t length = in.take<std::uint8_t>();
+    std::string cdr("\0\1\0\0", 4);
+    cdr += in.take(length);
+    wire.through(cdr, [&](const msg::EffectChange& m) {
+      (void)quotable(view(m.model));
+      const auto command = judge(planned, {.action = static_cast<EffectAction>((m.action - 1U) % 3U),
+                                           .effect = view(m.effect),
+                                           .parameter = view(m.parameter),
+                                           .value = {m.value[0], m.value[1], m.value[2]}});
+      if (!command) {
+        FUZZ_REQUIRE(!command.error().empty());
+        return;
+      }
+      take(planned.at(command->effect), *command);
+      chain.take(*command);
+      check(planned[command->effect]);
+    });
+    for (int k = 0; k < 3; ++k) feel(chain, time_s += 0.01);
+  }
+  return 0;
+}

@@ -1,0 +1,171 @@
+// FRI datagrams in both directions.
+// First byte odd: the rest is one datagram for both decoders; what they take is the same bytes again.
+// Even: a controller that follows the handshake talks to the driver, and the input patches what it sends: every answer is a command
+// that the decoder takes, without push outside command mode, within the joints' torques and the step that the arm may make.
+// The network is this file's own: it stands in for udp_socket.cpp, so that nothing depends on time or ports.
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "devices/lwr/fri_codec.hpp"
+#include "devices/lwr/lwr_driver.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+namespace {
+
+constexpr voxtouch::UdpEndpoint kController{0x7F000001, 49939};
+
+struct Network {
+  std::deque<std::string> to_driver;
+  std::vector<std::string> to_controller;
+  std::atomic<bool> quiet{false};  // the driver is not to wait for what never comes
+} g_network;
+
+}  // namespace
+
+namespace voxtouch {
+
+std::string text_of(const UdpEndpoint&) { return "here"; }
+std::optional<std::uint32_t> parse_ipv4(const std::string&) noexcept { return 0x7F000001; }
+UdpSocket::UdpSocket(const std::string&, std::uint16_t) {}
+UdpSocket::~UdpSocket() = default;
+bool UdpSocket::wait(std::chrono::nanoseconds) noexcept {
+  g_network.quiet = g_network.to_driver.empty();
+  return !g_network.to_driver.empty();
+}
+std::optional<UdpSocket::Datagram> UdpSocket::receive(std::span<std::byte> buffer) noexcept {
+  if (g_network.to_driver.empty()) return std::nullopt;
+  const std::string bytes = std::move(g_network.to_driver.front());
+  g_network.to_driver.pop_front();
+  std::memcpy(buffer.data(), bytes.data(), std::min(bytes.size(), buffer.size()));
+  return Datagram{bytes.size(), kController, std::chrono::nanoseconds(0)};
+}
+bool UdpSocket::send(std::span<const std::byte> datagram, const UdpEndpoint&) noexcept {
+  g_network.to_controller.emplace_back(reinterpret_cast<const char*>(datagram.data()), datagram.size());
+  return true;
+}
+
+}  // namespace voxtouch
+
+namespace {
+
+using namespace voxtouch;
+
+template <class Packet>
+void encodes_back(std::string_view bytes) {
+  Packet packet{};
+  if (fri::decode(std::as_bytes(std::span(bytes)), packet) != fri::PacketFault::kNone) return;
+  FUZZ_REQUIRE(bytes.size() == sizeof packet && std::memcmp(bytes.data(), &packet, sizeof packet) == 0);
+  if constexpr (std::is_same_v<Packet, fri::CmdPacket>) FUZZ_REQUIRE(fri::finite(packet));
+}
+
+LwrOptions options_for(bool cartesian) {
+  LwrOptions options;
+  options.silence_s = 1e3;
+  options.session.start_timeout_s = 0.05, options.session.pause_s = 0.002;
+  options.cancelled = &g_network.quiet;
+  if (cartesian) options.session.strategy = fri::Strategy::kCartesianImpedance;
+  return options;
+}
+
+class Controller {
+ public:
+  explicit Controller(fri::Control control) {
+    msr_.interface.state = fri::State::kMon;
+    msr_.interface.quality = fri::Quality::kPerfect;
+    msr_.interface.msr_period_s = msr_.interface.cmd_period_s = 0.001F;
+    msr_.robot.power = fri::kAllDrives;
+    msr_.robot.control = control;
+    msr_.krl.integer[fri::kToIntEcho] = fri::kKrlInitialised;
+    msr_.data.jnt_pos = msr_.data.cmd_jnt_pos = fri::to_wire(lwr_rest_posture());
+    msr_.data.cart_pos = fri::to_wire(LwrArm().flange(lwr_rest_posture()));
+  }
+
+  /// One byte: patches to come, whether they stay, and whether the datagram is cut; each patch: where, how long, what.
+  void send(fuzz::Bytes& in) {
+    const auto choice = in.take<std::uint8_t>();
+    ++msr_.header.send_seq;
+    msr_.interface.timestamp_s += 0.001F;
+    fri::MsrPacket sent = msr_;
+    for (int n = 0; n < (choice & 7); ++n) {
+      const std::size_t at = in.take<std::uint16_t>() % sizeof sent;
+      const std::string_view bytes = in.take(std::min<std::size_t>(in.take<std::uint8_t>() % 33, sizeof sent - at));
+      std::memcpy(reinterpret_cast<char*>(&sent) + at, bytes.data(), bytes.size());
+    }
+    if (choice & 8) msr_ = sent;
+    std::string bytes(reinterpret_cast<const char*>(&sent), sizeof sent);
+    if (choice & 16) bytes.resize(in.take<std::uint16_t>() % 2048);
+    g_network.to_driver.push_back(std::move(bytes));
+  }
+
+  void follow(const fri::CmdPacket& command) {
+    const bool run = command.krl.integer[fri::kFrmIntRun] == fri::kRun;
+    msr_.interface.state = run ? fri::State::kCmd : fri::State::kMon;
+    msr_.krl.integer[fri::kToIntEcho] = run ? fri::kRun : fri::kHalt;
+    msr_.header.refl_seq = command.header.send_seq;
+  }
+
+ private:
+  fri::MsrPacket msr_ = fri::empty_msr();
+};
+
+/// All answers since, each judged; the controller follows them.
+void hear(Controller& controller, const LwrDriver* driver, const LwrOptions& options) {
+  for (const std::string& bytes : std::exchange(g_network.to_controller, {})) {
+    fri::CmdPacket command{};
+    FUZZ_REQUIRE(fri::decode(std::as_bytes(std::span(bytes)), command) == fri::PacketFault::kNone);
+    const LwrJoints torque = fri::from_wire(command.command.add_jnt_trq);
+    FUZZ_REQUIRE((torque.array().abs() <= options.max_add_torque_nm.array() * (1.0 + 1e-6)).all());
+    const Vec6 wrench = fri::from_wire(command.command.add_tcp_ft);
+    FUZZ_REQUIRE(wrench.head<3>().norm() < 1e3 && wrench.tail<3>().norm() < 1e3);
+    const bool pushes = !torque.isZero(0.0) || !wrench.isZero(0.0);
+    if (pushes) {
+      FUZZ_REQUIRE(driver != nullptr);
+      const LwrStatus status = driver->status();
+      FUZZ_REQUIRE(status.state == fri::State::kCmd && status.power == fri::kAllDrives && status.error == 0);
+    }
+    controller.follow(command);
+  }
+}
+
+void converse(fuzz::Bytes in, bool cartesian) {
+  g_network.to_driver.clear(), g_network.to_controller.clear();
+  const LwrOptions options = options_for(cartesian);
+  Controller controller(cartesian ? fri::Control::kCartesianImpedance : fri::Control::kJointImpedance);
+  std::unique_ptr<LwrDriver> driver;
+  g_network.quiet = false;
+  controller.send(in);
+  try {
+    driver = std::make_unique<LwrDriver>(options);
+  } catch (const DeviceOpenError& refused) {
+    FUZZ_REQUIRE(std::string_view(refused.what()).starts_with("device 'lwr'"));
+    hear(controller, nullptr, options);
+    return;
+  }
+  hear(controller, driver.get(), options);
+  for (int n = 0; n < 128 && !in.empty(); ++n) {
+    controller.send(in);
+    const auto sample = driver->read(std::chrono::microseconds(0));
+    if (sample) {
+      FUZZ_REQUIRE(sample->pose.finite() && std::abs(sample->pose.orientation.norm() - 1.0) < 1e-6);
+      FUZZ_REQUIRE(sample->twist.finite());
+      (void)driver->write({Vec3(1.0, -2.0, 3.0), Vec3(0.1, 0.0, -0.1)});
+    }
+    hear(controller, driver.get(), options);
+  }
+  (void)driver->trouble(), (void)driver->status_text();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fuzz::Bytes in(data, size);
+  const auto choice = in.take<std::uint8_t>();
+  if (choice & 1) {
+    encodes_back<fri::MsrPacket>(in.rest());
+    encodes_back<fri::CmdPacket>(in.rest());
+  } else {
+    converse(in, (choice & 2) != 0);
+  }
+  return 0;
+}

@@ -1,0 +1,55 @@
+// DeviceDescription and ScenePlan from the network, as the coupling's node fits a coupling to them: a refusal with a sentence, or one
+// that its loop can be started with and that answers with numbers within the limits.
+#include "core/coupling/running_coupling.hpp"
+#include "core/scene/design_request.hpp"
+#include "core/scene/fit_coupling.hpp"
+#include "nodes/coupling/fitting.hpp"
+#include "tests/fuzz/wire.hpp"
+
+namespace {
+
+using namespace voxtouch;
+
+Scene scene_of(bool designed) {
+  Scene scene;
+  scene.name = "fuzz";
+  scene.voxel_size_m = 0.002;
+  scene.contact.stiffness_n_per_m = 10.0;
+  if (designed) scene.design.emplace();
+  return scene;
+}
+
+void check(const Scene& scene, const coupling::Fitting& fitting) {
+  const FittedCoupling fitted = fitting.fit();
+  if (!fitted.refusal.empty()) return;
+  const DeviceModel& device = fitting.device();
+  const CouplingLimits limits = limits_in_world(scene.device, device.translation.max_effort,
+                                                device.gives_torque ? device.rotation.max_effort : 0.0);
+  RunningCoupling running(fitted.spec, limits, device.timing.period_s);
+  CouplingInput input;
+  input.contact.force = Vec3(0.0, 0.0, 1.0);
+  input.contact_stiffness_n_per_m = 100.0;
+  for (int n = 0; n < 10; ++n) {
+    const CouplingOutput out = running.step(input, device.timing.period_s);
+    FUZZ_REQUIRE(out.wrench.finite() && out.wrench.force.norm() <= limits.max_force_n * (1.0 + 1e-9));
+  }
+}
+
+}  // namespace
+
+/// First byte: whether the scene lets the coupling be designed (slow), and how long the description is; then both messages.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static fuzz::Wire<msg::DeviceDescription> descriptions;
+  static fuzz::Wire<msg::ScenePlan> plans;
+  static const Scene by_hand = scene_of(false), designed = scene_of(true);
+  fuzz::Bytes in(data, size);
+  const Scene& scene = in.take<std::uint8_t>() % 64 == 63 ? designed : by_hand;
+  coupling::Fitting fitting(scene);
+  const auto with_header = [](std::string_view body) { return std::string("\0\1\0\0", 4).append(body); };
+  const std::string_view description = in.take(in.take<std::uint16_t>());
+  const bool both = descriptions.through(with_header(description),
+                                         [&](const msg::DeviceDescription& d) { fitting.take(d); }) &&
+                    plans.through(with_header(in.rest()), [&](const msg::ScenePlan& p) { fitting.take(p); });
+  if (both) check(scene, fitting);
+  return 0;
+}
