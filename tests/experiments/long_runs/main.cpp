@@ -41,7 +41,7 @@ int run(int argc, char** argv) {
   contact.scene = VOXTOUCH_DEPLOY "/scenes/cup.yaml", traps.scenes = VOXTOUCH_DEPLOY "/scenes";
   CLI::App* f = app.add_subcommand(
       "filter", "a contact held for --steps samples; step responses; clocks that cannot be relied on");
-  f->add_option("--steps", filter.steps, "samples (1e9: about a minute)")->capture_default_str();
+  f->add_option("--steps", filter.steps, "samples (1e9: a minute)")->capture_default_str();
   CLI::App* c = app.add_subcommand("contact", "a tool that wanders over a scene, round the whole loop");
   c->add_option("--frames", contact.frames, "samples (1e7: about two minutes)")->capture_default_str();
   c->add_option("--scene", contact.scene, "the cup, with any model or effect")
@@ -50,7 +50,7 @@ int run(int argc, char** argv) {
   c->add_option("--model", contact.model, "contact model instead of the scene's")
       ->check(CLI::IsMember({"original", "adapted", "clustered", "field"}));
   CLI::App* t = app.add_subcommand("traps", "random contact with floating-point traps on, in all models and effects");
-  t->add_option("--frames", traps.frames, "samples")->capture_default_str();
+  t->add_option("--frames", traps.frames, "samples (1e6: a minute)")->capture_default_str();
   for (CLI::App* sub : {f, c, t}) sub->add_option("--seed", seed, "of all that is random")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   filter.seed = contact.seed = traps.seed = seed;

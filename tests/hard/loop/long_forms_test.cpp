@@ -44,7 +44,7 @@ TEST(LongContact, WanderingOverTheCupLeavesNoTraceInWhatHasRun) {
 TEST(FloatingPointTraps, NoFrameOfRandomContactIsInvalidOverflowsOrDividesByZero) {
   TrapAsk ask;
   const char* frames = std::getenv("VOXTOUCH_TRAP_FRAMES");
-  ask.frames = frames ? std::strtoull(frames, nullptr, 10) : 104'000 / kShorter;
+  ask.frames = frames ? std::strtoull(frames, nullptr, 10) : 78'000 / kShorter;
   ask.scenes = VOXTOUCH_DEPLOY "/scenes", ask.seed = testing::seed(4);
   SCOPED_TRACE(testing::seed_trace(ask.seed));
   expect_well(run_traps(ask));
