@@ -3,6 +3,9 @@
 namespace voxtouch {
 namespace {
 
+/// Beyond this [m] a pose is no place but a fault: sums of such places could overflow.
+constexpr double kFarthestM = 1e12;
+
 /// From the tip to the tool's origin, W axes: the offset is given in the tip's frame.
 Vec3 arm_of(const DeviceSpec& spec, const Quat& tool_in_world) noexcept {
   return tool_in_world * (spec.tool_offset.orientation.conjugate() * spec.tool_offset.position);
@@ -20,14 +23,15 @@ Wrench wrench_to_device(const DeviceSpec& spec, const Wrench& in_world, const Qu
 const ToolState& DeviceMapping::update(const Pose& tip_in_device, const Twist& twist_in_device,
                                        std::uint32_t buttons) noexcept {
   Pose tip = tip_in_device;
-  tool_.refused = !tip.finite() || !normalise_within(tip.orientation, 1.0 - 1e-3, 1.0 + 1e-3);
+  const bool turned = normalise_within(tip.orientation, 1.0 - 1e-3, 1.0 + 1e-3);
+  // The tip in W as it would be without the clutch.
+  const Pose& base = spec_.device_in_world;
+  const Pose free = base * Pose{spec_.position_scale * tip.position, tip.orientation};
+  tool_.refused = !turned || !(free.position.cwiseAbs().array() <= kFarthestM).all();
   if (tool_.refused) {
     tool_.twist = {};
     return tool_;
   }
-  // The tip in W as it would be without the clutch.
-  const Pose& base = spec_.device_in_world;
-  const Pose free = base * Pose{spec_.position_scale * tip.position, tip.orientation};
   const bool pressed = spec_.clutch_button && ((buttons >> *spec_.clutch_button) & 1U) != 0U;
   if (pressed && !tool_.clutched) held_ = seen_ ? tool_.pose * spec_.tool_offset.inverse() : free;
   if (!pressed && tool_.clutched) {
@@ -45,6 +49,7 @@ const ToolState& DeviceMapping::update(const Pose& tip_in_device, const Twist& t
     tool_.twist.angular = base.orientation * twist_in_device.angular;
     tool_.twist.linear = spec_.position_scale * (base.orientation * twist_in_device.linear) +
                          tool_.twist.angular.cross(arm_of(spec_, tool_.pose.orientation));
+    if (!tool_.twist.finite()) tool_.twist = {};  // in the device's units it still was
   }
   return tool_;
 }

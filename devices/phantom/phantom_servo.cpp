@@ -103,7 +103,8 @@ void PhantomServo::see(std::int64_t now_ns, bool frame_good) noexcept {
 bool PhantomServo::see_pose() noexcept {
   Pose pose;
   pose.position = kMilli * Vec3(raw_.position[0], raw_.position[1], raw_.position[2]);
-  if (!(pose.position.cwiseAbs().maxCoeff() < kNoArmReachesM)) return false;
+  // Each by itself: the largest of three may be a number where one of them is none.
+  if (!(pose.position.cwiseAbs().array() < kNoArmReachesM).all()) return false;
   if (!orientation_of(raw_.transform.data(), pose.orientation)) return false;
   // The same rotation with the sign that is nearer to the last: no jump for whoever draws a line between the two.
   if (pose.orientation.dot(seen_.sample.pose.orientation) < 0.0) pose.orientation.coeffs() *= -1.0;

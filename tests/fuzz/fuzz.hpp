@@ -16,9 +16,9 @@
 #include <string_view>
 
 /// What must hold for every input that was let through. Ends the process, which is how libFuzzer learns of it.
-#define FUZZ_REQUIRE(condition)                                                            \
-  do {                                                                                     \
-    if (!(condition)) ::voxtouch::fuzz::broken(#condition, __FILE__, __LINE__);            \
+#define FUZZ_REQUIRE(condition)                                                 \
+  do {                                                                          \
+    if (!(condition)) ::voxtouch::fuzz::broken(#condition, __FILE__, __LINE__); \
   } while (false)
 
 namespace voxtouch::fuzz {

@@ -37,8 +37,13 @@ std::uint8_t byte() {
 std::size_t count_of(HDenum name) {
   switch (name) {
     case kCurrentTransform: return 16;
-    case kMotorTemperature: case kMaxWorkspaceDimensions: case kUsableWorkspaceDimensions: return 6;
-    case kCurrentPosition: case kCurrentGimbalAngles: case kCurrentForce: case kCurrentTorque: return 3;
+    case kMotorTemperature:
+    case kMaxWorkspaceDimensions:
+    case kUsableWorkspaceDimensions: return 6;
+    case kCurrentPosition:
+    case kCurrentGimbalAngles:
+    case kCurrentForce:
+    case kCurrentTorque: return 3;
     default: return 1;
   }
 }
@@ -93,7 +98,8 @@ HDErrorInfo hdGetError() {
   HDErrorInfo info;
   const std::uint8_t how = byte();
   if (how >= 224 && ++g.errors < 64) {
-    constexpr HDerror kCodes[] = {kWarmMotors, kExceededMaxForce, kFrameError, kInvalidValue, kForceError, kCommError, kDeviceFault, 0xABCD};
+    constexpr HDerror kCodes[] = {kWarmMotors, kExceededMaxForce, kFrameError,  kInvalidValue,
+                                  kForceError, kCommError,        kDeviceFault, 0xABCD};
     info.error_code = kCodes[how % 8];
   }
   return info;

@@ -37,7 +37,7 @@ template <class T>
 class Encoder {
  public:
   Encoder() {
-    const std::string name = "corpus_" + std::string(msg::Type<T>::dds_name);
+    const std::string name = "corpus/" + std::string(msg::Type<T>::ros_name);
     const dds_entity_t topic =
         dds_create_topic(fuzz::participant(), msg::Type<T>::descriptor, name.c_str(), nullptr, nullptr);
     writer_ = dds_create_writer(fuzz::participant(), topic, nullptr, nullptr);
@@ -70,7 +70,9 @@ void meshes() {
   };
   put("mesh", "obj", with(0, 0, samples::obj_text(solid)));
   put("mesh", "obj_polygons",
-      with(0, 4, "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2/1/1 3/1/1 4/1/1\nl 1 2\np 3\nf -4 -3 -2\n"));
+      with(0, 4,
+           "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2/1/1 3/1/1 4/1/1\nl 1 2\np 3\nf -4 -3 "
+           "-2\n"));
   put("mesh", "stl_text", with(1, 1, samples::text_stl(solid)));
   put("mesh", "stl_binary", with(1, 2, samples::binary_stl(solid)));
   const std::string ply_head =
@@ -78,9 +80,11 @@ void meshes() {
       "element face 4\nproperty list uchar int vertex_indices\nend_header\n";
   put("mesh", "ply_text", with(2, 0, ply_head + "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"));
   put("mesh", "ply_binary",
-      with(2, 0, "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                 "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
-                     samples::little({0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) + "\3" + samples::little({0, 1, 2})));
+      with(2, 0,
+           "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+           "z\n"
+           "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+               samples::little({0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) + "\3" + samples::little({0, 1, 2})));
   samples::Gltf gltf;
   put("mesh", "glb", with(4, 0, gltf.glb()));
   gltf.buffer = R"({"byteLength":72,"uri":"data:application/octet-stream;base64,)"
@@ -98,30 +102,39 @@ void scenes(const fs::path& deploy) {
     put("scene", name, std::string(std::istreambuf_iterator<char>(in), {}));
   }
   const std::string head =
-      "scene: s\nvoxel_size: 0.002\nstatic: [{mesh: ../meshes/block.obj, scale: 2, position: [0, 0, 1], orientation: [1, 0, 0, 0]}]\n"
+      "scene: s\nvoxel_size: 0.002\nstatic: [{mesh: ../meshes/block.obj, scale: 2, position: [0, 0, 1], orientation: "
+      "[1, 0, 0, 0]}]\n"
       "dynamic: {mesh: ../meshes/block.obj, shell: naive}\n";
   put("scene", "objects",
-      head + "contact: {model: adapted, stiffness_n_per_m: 30}\n"
-             "effects:\n  - friction: {coulomb: 0.5, stiffness_n_per_m: 150}\n    object: ground\n"
-             "  - magnet: {point: [0, 0, 0.05], radius_m: 0.02, force_n: 1}\n    region: {sphere: {centre: [0, 0, 0.05], radius: 0.1}, blend_m: 0.01}\n"
-             "  - viscosity: {damping_ns_per_m: 1}\n    gain: 0.5\n    on: false\n    name: oil\n");
+      head +
+          "contact: {model: adapted, stiffness_n_per_m: 30}\n"
+          "effects:\n  - friction: {coulomb: 0.5, stiffness_n_per_m: 150}\n    object: ground\n"
+          "  - magnet: {point: [0, 0, 0.05], radius_m: 0.02, force_n: 1}\n    region: {sphere: {centre: [0, 0, 0.05], "
+          "radius: 0.1}, blend_m: 0.01}\n"
+          "  - viscosity: {damping_ns_per_m: 1}\n    gain: 0.5\n    on: false\n    name: oil\n");
   put("scene", "by_hand",
-      head + "contact: {model: field, stiffness_n_per_m3: 1.2e6}\n"
-             "coupling: {kind: shaping_filter, cutoff_hz: 50, damping_ratio: 0.8, gain: 0.5, stiffness_cap_n_per_m: 800, "
-             "injected_damping_ns_per_m: 3, velocity_filter_hz: 100}\n"
-             "device: {position_scale: 10, force_scale: 0.5, pose: {position: [0, 0, 1]}, clutch_button: 1}\n"
-             "motions:\n  a: {path: [[0, 0, 0], [0.1, 0, 0]], circle: {centre: [0, 0, 0], axis: [0, 0, 1]}, speed_m_per_s: 0.05}\n");
+      head +
+          "contact: {model: field, stiffness_n_per_m3: 1.2e6}\n"
+          "coupling: {kind: shaping_filter, cutoff_hz: 50, damping_ratio: 0.8, gain: 0.5, stiffness_cap_n_per_m: 800, "
+          "injected_damping_ns_per_m: 3, velocity_filter_hz: 100}\n"
+          "device: {position_scale: 10, force_scale: 0.5, pose: {position: [0, 0, 1]}, clutch_button: 1}\n"
+          "motions:\n  a: {path: [[0, 0, 0], [0.1, 0, 0]], circle: {centre: [0, 0, 0], axis: [0, 0, 1]}, "
+          "speed_m_per_s: 0.05}\n");
   put("scene", "designed",
-      head + "contact: {model: clustered, stiffness_n_per_m3: 1e6}\n"
-             "coupling: {design: auto, kind: auto, cutoff_hz: 5, gain_margin: 2, released: true, hand: {mass_kg: [0.02, 0.2], "
-             "damping_ns_per_m: [0.5, 8], stiffness_n_per_m: [20, 800]}}\n");
+      head +
+          "contact: {model: clustered, stiffness_n_per_m3: 1e6}\n"
+          "coupling: {design: auto, kind: auto, cutoff_hz: 5, gain_margin: 2, released: true, hand: {mass_kg: [0.02, "
+          "0.2], "
+          "damping_ns_per_m: [0.5, 8], stiffness_n_per_m: [20, 800]}}\n");
   std::ifstream in(deploy / "devices/premium_3.yaml", std::ios::binary);
   const std::string premium(std::istreambuf_iterator<char>(in), {});
   put("device_file", "premium_3", premium);
   put("device_file", "with_torque",
       "device: t\nrate_hz: 500\nmax_force_n: 10\nmax_torque_nm: 1\nmax_stiffness_n_per_m: 1000\nmass_kg: [0.1, 0.2]\n"
-      "damping_ns_per_m: 0.1\ncoulomb_friction_n: 0\nposition_resolution_m: 1e-5\ndelay_s: 0.002\nforce_bandwidth_hz: 50\n"
-      "rotation: {inertia_kg_m2: [1e-4, 2e-4], damping_nms_per_rad: 0.001, coulomb_friction_nm: 0, orientation_resolution_rad: 1e-4, "
+      "damping_ns_per_m: 0.1\ncoulomb_friction_n: 0\nposition_resolution_m: 1e-5\ndelay_s: 0.002\nforce_bandwidth_hz: "
+      "50\n"
+      "rotation: {inertia_kg_m2: [1e-4, 2e-4], damping_nms_per_rad: 0.001, coulomb_friction_nm: 0, "
+      "orientation_resolution_rad: 1e-4, "
       "max_stiffness_nm_per_rad: 1}\njitter: 0.2\nlost_in_a_row: 2\ngrip: arm\n");
 }
 
@@ -160,7 +173,8 @@ void ring() {
   Encoder<msg::ContactState> contacts;
   Encoder<msg::DeviceState> states;
   std::string force, touch(1, '\0'), pose;
-  for (std::uint64_t n = 0; n < 6; ++n) force += commands(command(n)), touch += contacts(contact(n)), pose += states(state(n));
+  for (std::uint64_t n = 0; n < 6; ++n)
+    force += commands(command(n)), touch += contacts(contact(n)), pose += states(state(n));
   put("force_command", "six", force);
   put("device_state", "six", pose);
   for (const int choice : {0, 4 + 8 + 16 + 1, 8 + 2}) {
@@ -207,7 +221,8 @@ void plans() {
   p.one_point_stiffness_nm_per_rad = 0.01, p.all_points_stiffness_nm_per_rad = 1.0;
   const auto both = [&](int choice) {
     const std::string description = descriptions(d);
-    return std::string(1, static_cast<char>(choice)) + raw(static_cast<std::uint16_t>(description.size())) + description + encode(p);
+    return std::string(1, static_cast<char>(choice)) + raw(static_cast<std::uint16_t>(description.size())) +
+           description + encode(p);
   };
   put("plan", "by_hand", both(0));
   d.max_torque_nm = 0.5, d.inertia_min_kg_m2 = d.inertia_max_kg_m2 = 1e-4, d.damping_nms_per_rad = 1e-3;
@@ -269,8 +284,12 @@ void numbers() {
   put("numbers", "setting_number", std::string(1, '\0') + "n=0.001");
   put("numbers", "setting_vector", std::string(1, '\0') + "v=1,-2e-3,.5");
   put("numbers", "setting_port", std::string(1, '\0') + "p=49938");
-  put("numbers", "option", "\1" "1e-3");
-  put("numbers", "whole", "\1" "17");
+  put("numbers", "option",
+      "\1"
+      "1e-3");
+  put("numbers", "whole",
+      "\1"
+      "17");
   put("numbers", "poses", "\2qw,qx,qy,qz,tx,ty,tz,more\n1,0,0,0,0.1,0.2,0.3,x\n0.5,0.5,0.5,0.5,-1e-3,0,0,\n");
   HandFile hand;
   hand.motion.path = {Vec3(0.0, 0.0, 0.1), Vec3(0.1, 0.0, 0.05)};

@@ -20,8 +20,10 @@ inline dds_entity_t participant() {
   static const dds_entity_t it = [] {
     constexpr dds_domainid_t kDomain = 191;
     constexpr const char* kAlone =
-        "<General><Interfaces><NetworkInterface name='lo'/></Interfaces><AllowMulticast>false</AllowMulticast></General>"
-        "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>100</MaxAutoParticipantIndex></Discovery>";
+        "<General><Interfaces><NetworkInterface "
+        "name='lo'/></Interfaces><AllowMulticast>false</AllowMulticast></General>"
+        "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>100</MaxAutoParticipantIndex></"
+        "Discovery>";
     if (dds_create_domain(kDomain, kAlone) < 0) std::abort();
     const dds_entity_t made = dds_create_participant(kDomain, nullptr, nullptr);
     if (made < 0) std::abort();

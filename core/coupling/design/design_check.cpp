@@ -26,9 +26,15 @@ void refuse_first(std::string_view whose, const std::vector<std::string>& senten
   if (!sentences.empty()) throw std::invalid_argument(fmt::format("Coupling design, {}: {}", whose, sentences.front()));
 }
 
+/// A stiffness that hands and devices have nothing to do with is a unit gone wrong, and the loop's search would not come to an end.
+void quantity(std::string_view field, double value) {
+  require(value >= kLeastQuantity && value <= kMostQuantity, field, value,
+          fmt::format("from {} to {}", kLeastQuantity, kMostQuantity));
+}
+
 void check_contact(std::string_view name, const ContactRange& contact) {
-  positive(fmt::format("{}.one_point", name), contact.one_point);
-  positive(fmt::format("{}.all_points", name), contact.all_points);
+  quantity(fmt::format("{}.one_point", name), contact.one_point);
+  quantity(fmt::format("{}.all_points", name), contact.all_points);
   require(contact.one_point <= contact.all_points, fmt::format("{}.one_point", name), contact.one_point,
           fmt::format("at most all_points, {}", contact.all_points));
 }

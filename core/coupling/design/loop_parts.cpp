@@ -8,19 +8,23 @@
 namespace voxtouch {
 namespace {
 
+const std::string kRangeText = fmt::format("from {} to {}", kLeastQuantity, kMostQuantity);
+const std::string kOrZeroText = "0, or " + kRangeText;
+const std::string kNoLimitText = fmt::format("{} or above, infinity for no limit", kLeastQuantity);
+
 /// Collects sentences about fields whose names begin with `prefix`. A comparison with NaN is false, so NaN keeps no rule.
 class Findings {
  public:
   Findings(std::string prefix, std::vector<std::string>& out) : prefix_(std::move(prefix)), out_(out) {}
 
   void positive(std::string_view field, double value) {
-    rule(value > 0.0 && std::isfinite(value), field, value, "finite and above 0");
+    rule(value >= kLeastQuantity && value <= kMostQuantity, field, value, kRangeText);
   }
   void not_negative(std::string_view field, double value) {
-    rule(value >= 0.0 && std::isfinite(value), field, value, "finite and 0 or above");
+    rule(value == 0.0 || (value >= kLeastQuantity && value <= kMostQuantity), field, value, kOrZeroText);
   }
   void positive_or_none(std::string_view field, double value) {
-    rule(value > 0.0, field, value, "above 0, infinity for no limit");
+    rule(value >= kLeastQuantity, field, value, kNoLimitText);
   }
   void not_below(std::string_view field, double value, std::string_view least_field, double least) {
     if (value < least)
