@@ -8,8 +8,9 @@ Looks at resident memory and CPU time of every process of the ring once a second
 if the ring did not end well, if samples are missing, if a process grew by more than --growth-kb after the first tenth, or if the
 tool touches another share of the time in the last tenth than in the first. Times are told, not judged.
 
-Resident memory creeps up by one to two MB a process while the heap in use stays: Cyclone DDS fills receive buffers of 1 MB page by
-page, and its reliable writers' caches reach their high-water mark. The default of --growth-kb leaves room for that.
+Resident memory creeps up by one to two MB in ten minutes in two of the processes. What fits, and is not proved: Cyclone DDS fills
+its receive buffers page by page, and reliable writers' caches reach their high-water mark. --growth-kb leaves room for that, so a
+slow leak below it would pass: read the table, which tells memory after each tenth.
 """
 import argparse
 import json
