@@ -706,6 +706,8 @@ TEST(Design, RefusesNumbersThatNothingCanBeDesignedFor) {
   refused(stylus(), "mass_max", [](DesignRequest& r) { r.hand.translation.mass_max = 0.0; });
   refused(stylus(), "contact.all_points", [](DesignRequest& r) { r.contact.all_points = kInfinity; });
   refused(stylus(), "contact.one_point", [](DesignRequest& r) { r.contact.one_point = 2000.0; });
+  refused(stylus(), "contact.one_point", [](DesignRequest& r) { r.contact.one_point = 1e-180; });
+  refused(stylus(), "contact.all_points", [](DesignRequest& r) { r.contact.all_points = 1e180; });
   refused(sim_arm(), "contact_rotation", [](DesignRequest& r) { r.contact_rotation = {}; });
   refused(sim_arm(), "rotation", [](DesignRequest& r) { r.device.rotation.inertia_min = 0.0; });
   refused(sim_arm(), "rotation", [](DesignRequest& r) { r.hand.rotation.damping_min = -1.0; });

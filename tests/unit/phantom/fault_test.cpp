@@ -184,6 +184,20 @@ TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
   EXPECT_EQ(driver->status().invalid_poses, 3u);
 }
 
+TEST_F(Fault, OneCoordinateThatIsNoNumberIsEnoughWhicheverItIs) {
+  for (const double bad : {std::nan(""), double(INFINITY), -double(INFINITY), 1e5})
+    for (int axis = 0; axis < 3; ++axis) {
+      Spy::instance().change_reading([=](hd::HDenum name, double* values) {
+        if (name == hd::kCurrentPosition) values[axis] = bad;
+      });
+      const Turn t = turn(push(2.0));
+      ASSERT_TRUE(t.sample);
+      EXPECT_FALSE(t.sample->pose_valid) << bad << " on axis " << axis;
+      EXPECT_TRUE(t.sample->pose.finite());
+      EXPECT_EQ(t.force, 0.0);
+    }
+}
+
 TEST_F(Fault, ATransformThatIsNoRotationIsMarkedAndASlightlySkewedOneIsMadeOne) {
   Spy::instance().change_reading([](hd::HDenum name, double* m) {
     if (name == hd::kCurrentTransform) m[0] *= 1.01, m[5] *= 0.99;

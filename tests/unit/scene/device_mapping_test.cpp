@@ -174,5 +174,23 @@ TEST(DeviceMapping, RefusesSamplesThatAreNoPoseAndKeepsTheLastOne) {
   EXPECT_FALSE(mapping.tool().refused);
 }
 
+TEST(DeviceMapping, NoNumberOfTheDeviceMakesTheToolsPlaceOrVelocityNone) {
+  DeviceSpec spec;
+  spec.position_scale = 10.0;
+  spec.tool_offset.position = Vec3(0.0, 0.0, 1.0);
+  DeviceMapping mapping(spec);
+  const Pose good{Vec3(0.1, 0.2, 0.3), Quat::Identity()};
+  const Pose before = mapping.update(good, {}, 0).pose;
+  for (const double far : {1e308, -1e308, 1e200, 1e13}) {
+    const ToolState now = mapping.update({Vec3(0.0, far, 0.0), Quat::Identity()}, {}, 0);
+    EXPECT_TRUE(now.refused) << far;
+    EXPECT_EQ(now.pose.position, before.position);
+  }
+  EXPECT_FALSE(mapping.update({Vec3(0.0, 1e6, 0.0), Quat::Identity()}, {}, 0).refused);
+  const ToolState fast = mapping.update(good, {Vec3(1e308, 0.0, 0.0), Vec3(0.0, 1e308, 1e308)}, 0);
+  EXPECT_FALSE(fast.refused);
+  EXPECT_TRUE(fast.twist.linear.isZero(0.0) && fast.twist.angular.isZero(0.0));
+}
+
 }  // namespace
 }  // namespace voxtouch
