@@ -82,9 +82,8 @@ EffectPush EffectChain::apply(const EffectFrame& frame) noexcept {
   EffectPush sum;
   for (Link& link : links_) {
     advance(link, frame.dt_s);
-    const RegionWeight weight = weight_at(link.goal.region, frame.tool.position);
-    const bool gone = weight.weight <= 0.0 && (link.goal.kind->takes_share || weight.gradient.isZero(0.0));
-    if (!(link.gain.now() > 0.0) || gone) {
+    const RegionWeight weight = link.gain.now() > 0.0 ? weight_at(link.goal.region, frame.tool.position) : RegionWeight{0.0};
+    if (weight.weight <= 0.0 && (link.goal.kind->takes_share || weight.gradient.isZero(0.0))) {
       link.effect->reset();  // what it remembers must not push when it comes back
       continue;
     }

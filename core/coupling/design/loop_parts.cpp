@@ -23,6 +23,10 @@ class Findings {
   void not_negative(std::string_view field, double value) {
     rule(value == 0.0 || (value >= kLeastQuantity && value <= kMostQuantity), field, value, kOrZeroText);
   }
+  /// A time is a difference of others: rounding may leave next to nothing of it.
+  void time_or_none(std::string_view field, double value) {
+    rule(value >= 0.0 && value <= kMostQuantity, field, value, fmt::format("from 0 to {}", kMostQuantity));
+  }
   void positive_or_none(std::string_view field, double value) {
     rule(value >= kLeastQuantity, field, value, kNoLimitText);
   }
@@ -56,8 +60,8 @@ void check_axis(const AxisModel& axis, const char* prefix, std::vector<std::stri
 void check_timing(const LoopTiming& timing, std::vector<std::string>& out) {
   Findings find("timing.", out);
   find.positive("period_s", timing.period_s);
-  find.not_negative("delay_s", timing.delay_s);
-  find.not_negative("jitter", timing.jitter);
+  find.time_or_none("delay_s", timing.delay_s);
+  find.time_or_none("jitter", timing.jitter);
   find.rule(timing.lost_in_a_row >= 0, "lost_in_a_row", timing.lost_in_a_row, "0 or above");
   if (timing.period_s > 0.0 && timing.delay_s > kMostDelayPeriods * timing.period_s)
     out.push_back(fmt::format("timing.delay_s is {}; it must be at most {} periods of {} s.", timing.delay_s,

@@ -26,7 +26,8 @@ def main(readme_file, ctest, build):
     wrong = [f"'{case}' names no test." for case, names in table if not names]
     for case, names in table:
         for name in names:
-            if not any(fnmatch.fnmatchcase(test, name) or fnmatch.fnmatchcase(test, "*/" + name) for test in known):
+            forms = (name, "*/" + name, name + "/*", "*/" + name + "/*")  # the latter: of a test with parameters
+            if not any(fnmatch.fnmatchcase(test, form) for test in known for form in forms):
                 wrong.append(f"'{case}' names '{name}', which ctest does not know.")
     print(f"{len(table)} rows, {sum(len(names) for _, names in table)} names, {len(known)} tests known")
     print("\n".join(wrong))
