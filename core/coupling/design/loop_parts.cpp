@@ -9,7 +9,7 @@ namespace voxtouch {
 namespace {
 
 const std::string kRangeText = fmt::format("from {} to {}", kLeastQuantity, kMostQuantity);
-const std::string kOrZeroText = "0, or " + kRangeText;
+const std::string kOrZeroText = fmt::format("from 0 to {}", kMostQuantity);
 const std::string kNoLimitText = fmt::format("{} or above, infinity for no limit", kLeastQuantity);
 
 /// Collects sentences about fields whose names begin with `prefix`. A comparison with NaN is false, so NaN keeps no rule.
@@ -21,7 +21,7 @@ class Findings {
     rule(value >= kLeastQuantity && value <= kMostQuantity, field, value, kRangeText);
   }
   void not_negative(std::string_view field, double value) {
-    rule(value == 0.0 || (value >= kLeastQuantity && value <= kMostQuantity), field, value, kOrZeroText);
+    rule(value >= 0.0 && value <= kMostQuantity, field, value, kOrZeroText);
   }
   void positive_or_none(std::string_view field, double value) {
     rule(value >= kLeastQuantity, field, value, kNoLimitText);
