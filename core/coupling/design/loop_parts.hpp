@@ -58,7 +58,7 @@ struct ContactRange {
 /// Longest delay that can be designed for [periods]: the loop's matrix has a state for each.
 inline constexpr double kMostDelayPeriods = 200.0;
 
-/// Masses, dampings, stiffnesses, periods, ... outside of these, all below aside where zero has a meaning, are numbers in a wrong unit or no
+/// Masses, dampings, stiffnesses, periods, ... outside of these, zero aside where it has a meaning, are numbers in a wrong unit or no
 /// device's at all; the searches of this folder would lose themselves in rounding.
 inline constexpr double kLeastQuantity = 1e-12, kMostQuantity = 1e12;
 

@@ -62,6 +62,7 @@ TEST(LoopParts, NameFieldValueAndRuleOfEveryImpossibleNumber) {
       {"translation.effort_bandwidth_hz is 0; it must be", [](auto& d) { d.translation.effort_bandwidth_hz = 0.0; }},
       {"translation.inertia_min is 1e-100; it must be", [](auto& d) { d.translation.inertia_min = 1e-100; }},
       {"translation.damping is 1e+100; it must be", [](auto& d) { d.translation.damping = 1e100; }},
+      {"translation.damping is 1e-100; it must be", [](auto& d) { d.translation.damping = 1e-100; }},
       {"translation.effort_bandwidth_hz is 1e-100; it must be",
        [](auto& d) { d.translation.effort_bandwidth_hz = 1e-100; }},
       {"rotation.inertia_min is -1; it must be", [](auto& d) { d.rotation.inertia_min = -1.0; }},
