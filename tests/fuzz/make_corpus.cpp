@@ -284,18 +284,15 @@ void numbers() {
   put("numbers", "setting_number", std::string(1, '\0') + "n=0.001");
   put("numbers", "setting_vector", std::string(1, '\0') + "v=1,-2e-3,.5");
   put("numbers", "setting_port", std::string(1, '\0') + "p=49938");
-  put("numbers", "option",
-      "\1"
-      "1e-3");
-  put("numbers", "whole",
-      "\1"
-      "17");
-  put("numbers", "poses", "\2qw,qx,qy,qz,tx,ty,tz,more\n1,0,0,0,0.1,0.2,0.3,x\n0.5,0.5,0.5,0.5,-1e-3,0,0,\n");
+  put("options", "number", "1e-3");
+  put("options", "whole", "17");
+  put("options", "name", "left_2");
+  put("numbers", "poses", "\1qw,qx,qy,qz,tx,ty,tz,more\n1,0,0,0,0.1,0.2,0.3,x\n0.5,0.5,0.5,0.5,-1e-3,0,0,\n");
   HandFile hand;
   hand.motion.path = {Vec3(0.0, 0.0, 0.1), Vec3(0.1, 0.0, 0.05)};
   hand.motion.repeat_from = 0;
   hand.posture_rad = {0.1, 0.2};
-  put("numbers", "hand", "\3" + to_text(hand));
+  put("numbers", "hand", "\2" + to_text(hand));
 }
 
 }  // namespace

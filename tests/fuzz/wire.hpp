@@ -22,7 +22,7 @@ inline dds_entity_t participant() {
     constexpr const char* kAlone =
         "<General><Interfaces><NetworkInterface "
         "name='lo'/></Interfaces><AllowMulticast>false</AllowMulticast></General>"
-        "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>100</MaxAutoParticipantIndex></"
+        "<Tracing><Verbosity>none</Verbosity></Tracing><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>100</MaxAutoParticipantIndex></"
         "Discovery>";
     if (dds_create_domain(kDomain, kAlone) < 0) std::abort();
     const dds_entity_t made = dds_create_participant(kDomain, nullptr, nullptr);

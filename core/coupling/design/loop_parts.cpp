@@ -9,7 +9,8 @@ namespace voxtouch {
 namespace {
 
 const std::string kRangeText = fmt::format("from {} to {}", kLeastQuantity, kMostQuantity);
-const std::string kOrZeroText = "0, or " + kRangeText;
+const std::string kOrZeroText = fmt::format("from 0 to {}", kMostQuantity);
+const std::string kZeroOrText = "0, or " + kRangeText;
 const std::string kNoLimitText = fmt::format("{} or above, infinity for no limit", kLeastQuantity);
 
 /// Collects sentences about fields whose names begin with `prefix`. A comparison with NaN is false, so NaN keeps no rule.
@@ -21,7 +22,10 @@ class Findings {
     rule(value >= kLeastQuantity && value <= kMostQuantity, field, value, kRangeText);
   }
   void not_negative(std::string_view field, double value) {
-    rule(value == 0.0 || (value >= kLeastQuantity && value <= kMostQuantity), field, value, kOrZeroText);
+    rule(value >= 0.0 && value <= kMostQuantity, field, value, kOrZeroText);
+  }
+  void quantity_or_zero(std::string_view field, double value) {
+    rule(value == 0.0 || (value >= kLeastQuantity && value <= kMostQuantity), field, value, kZeroOrText);
   }
   /// A time is a difference of others: rounding may leave next to nothing of it.
   void time_or_none(std::string_view field, double value) {
@@ -49,9 +53,9 @@ void check_axis(const AxisModel& axis, const char* prefix, std::vector<std::stri
   find.positive("inertia_min", axis.inertia_min);
   find.positive("inertia_max", axis.inertia_max);
   find.not_below("inertia_max", axis.inertia_max, "inertia_min", axis.inertia_min);
-  find.not_negative("damping", axis.damping);
-  find.not_negative("coulomb_friction", axis.coulomb_friction);
-  find.not_negative("resolution", axis.resolution);
+  find.quantity_or_zero("damping", axis.damping);
+  find.quantity_or_zero("coulomb_friction", axis.coulomb_friction);
+  find.quantity_or_zero("resolution", axis.resolution);
   find.positive_or_none("max_effort", axis.max_effort);
   find.positive_or_none("max_stiffness", axis.max_stiffness);
   find.positive_or_none("effort_bandwidth_hz", axis.effort_bandwidth_hz);
@@ -83,8 +87,8 @@ std::vector<std::string> check(const HandRange& hand) {
   if (hand.any_passive) return out;
   Findings find("", out);
   const auto range = [&](const char* least_field, double least, const char* most_field, double most) {
-    find.not_negative(least_field, least);
-    find.not_negative(most_field, most);
+    find.quantity_or_zero(least_field, least);
+    find.quantity_or_zero(most_field, most);
     find.not_below(most_field, most, least_field, least);
   };
   range("mass_min", hand.mass_min, "mass_max", hand.mass_max);

@@ -1,0 +1,39 @@
+// Texts behind the options of a command line: the check that the house adds, then what CLI11 makes of them.
+#include <CLI/CLI.hpp>
+
+#include "nodes/runtime/options.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+namespace {
+
+using namespace voxtouch;
+
+void command_line(const std::string& text) {
+  double positive = 1.0, not_negative = 0.0;
+  std::uint64_t whole = 0;
+  runtime::NodeOptions options;
+  CLI::App app;
+  app.add_option("--positive", positive)->check(runtime::require_positive);
+  app.add_option("--not-negative", not_negative)->check(runtime::require_not_negative);
+  app.add_option("--whole", whole)->check(runtime::require_whole);
+  runtime::add_node_options(app, options, false);
+  for (const char* name : {"--positive=", "--not-negative=", "--whole=", "--seed=", "--domain=", "--rig=", "--cpu="}) {
+    try {
+      app.parse(std::vector<std::string>{name + text});
+    } catch (const CLI::Error&) {
+      continue;
+    }
+    FUZZ_REQUIRE(std::isfinite(positive) && positive > 0.0);
+    FUZZ_REQUIRE(std::isfinite(not_negative) && not_negative >= 0.0);
+    FUZZ_REQUIRE(options.domain <= 232);
+    const std::string rig = options.rig;
+    FUZZ_REQUIRE(!rig.empty() && rig.find_first_of("/ \n\"") == std::string::npos);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  command_line(std::string(reinterpret_cast<const char*>(data), std::min<std::size_t>(size, 64)));
+  return 0;
+}
