@@ -3,9 +3,12 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -26,6 +29,24 @@ std::filesystem::path make_folder() {
   std::string name = (std::filesystem::temp_directory_path() / "voxtouch_test_XXXXXX").string();
   if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder could be made");
   return name;
+}
+
+/// The first domain from 61 to 100 whose name no other test holds; held, as a socket of that name, until this process ends. Above
+/// 100 the ports of a domain (7400 + 250 of them each) are those that the kernel gives to anybody who asks for any.
+int claim_domain() {
+  constexpr int kFirst = 61, kCount = 40;
+  for (int n = 0; n < kCount; ++n) {
+    const int domain = kFirst + (static_cast<int>(getpid()) + n) % kCount;
+    const std::string name = "voxtouch test domain " + std::to_string(domain);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    name.copy(address.sun_path + 1, sizeof address.sun_path - 1);  // the zero before it: a name without a file
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    const int held = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (held >= 0 && bind(held, reinterpret_cast<const sockaddr*>(&address), size) == 0) return domain;
+    if (held >= 0) close(held);
+  }
+  throw std::runtime_error("every DDS domain from 61 to 100 is held by another test");
 }
 
 }  // namespace
@@ -86,9 +107,8 @@ TemporaryFolder::TemporaryFolder() : path_(make_folder()) {}
 TemporaryFolder::~TemporaryFolder() { std::filesystem::remove_all(path_); }
 
 std::string fresh_domain() {
-  // Every test case is a process of its own under ctest: its pid tells them apart. Above 100 the ports of a domain (7400 + 250 of
-  // them each) are those that the kernel gives to anybody who asks for any.
-  return std::to_string(61 + getpid() % 40);
+  static const std::string domain = std::to_string(claim_domain());
+  return domain;
 }
 
 std::vector<pid_t> children_of(pid_t parent) {

@@ -50,7 +50,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// A DDS domain that no other test of this machine is likely to use at the same time.
+/// A DDS domain that no other test of this machine uses at the same time; the same for the whole process.
 std::string fresh_domain();
 /// Pids of the living children of `parent`.
 std::vector<pid_t> children_of(pid_t parent);
