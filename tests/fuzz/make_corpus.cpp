@@ -85,6 +85,9 @@ void meshes() {
            "z\n"
            "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
                samples::little({0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) + "\3" + samples::little({0, 1, 2})));
+  put("mesh", "refused_obj", with(0, 0, "v 0 0 0\nv 1e39 0 0\nv 0 nan 0\nf 1 2 3\n"));
+  put("mesh", "refused_ply_corner",
+      with(2, 0, ply_head + "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 99999999\n"));
   samples::Gltf gltf;
   put("mesh", "glb", with(4, 0, gltf.glb()));
   gltf.buffer = R"({"byteLength":72,"uri":"data:application/octet-stream;base64,)"
@@ -126,9 +129,17 @@ void scenes(const fs::path& deploy) {
           "coupling: {design: auto, kind: auto, cutoff_hz: 5, gain_margin: 2, released: true, hand: {mass_kg: [0.02, "
           "0.2], "
           "damping_ns_per_m: [0.5, 8], stiffness_n_per_m: [20, 800]}}\n");
+  for (const char* zero : {"voxel_size: 0", "voxel_size: .inf", "voxel_size: 1e999", "voxel_size: -1"}) {
+    std::string text = head + "contact: {model: field, stiffness_n_per_m3: 1e6}\n";
+    text.replace(text.find("voxel_size: 0.002"), 17, zero);
+    put("scene", "refused_" + std::string(zero).substr(12), text);
+  }
   std::ifstream in(deploy / "devices/premium_3.yaml", std::ios::binary);
   const std::string premium(std::istreambuf_iterator<char>(in), {});
   put("device_file", "premium_3", premium);
+  std::string late = premium;
+  late.replace(late.find("delay_s:"), 8, "delay_s: 1000 #");
+  put("device_file", "refused_delay", late);
   put("device_file", "with_torque",
       "device: t\nrate_hz: 500\nmax_force_n: 10\nmax_torque_nm: 1\nmax_stiffness_n_per_m: 1000\nmass_kg: [0.1, 0.2]\n"
       "damping_ns_per_m: 0.1\ncoulomb_friction_n: 0\nposition_resolution_m: 1e-5\ndelay_s: 0.002\nforce_bandwidth_hz: "
@@ -269,6 +280,7 @@ void bags() {
       (void)writer.append(force, static_cast<std::int64_t>(n), std::as_bytes(std::span(f)));
       (void)writer.append(pose, static_cast<std::int64_t>(n), std::as_bytes(std::span(p)));
     }
+    (void)writer.append(force, 9, std::as_bytes(std::span("short", 5)));
     (void)writer.close();
   }
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -284,6 +296,9 @@ void numbers() {
   put("numbers", "setting_number", std::string(1, '\0') + "n=0.001");
   put("numbers", "setting_vector", std::string(1, '\0') + "v=1,-2e-3,.5");
   put("numbers", "setting_port", std::string(1, '\0') + "p=49938");
+  put("numbers", "refused_number", std::string(1, '\0') + "n=inf");
+  put("numbers", "refused_vector", std::string(1, '\0') + "v=0,nan,1");
+  put("numbers", "refused_pose", "\1qw,qx,qy,qz,tx,ty,tz\n1,0,0,0,inf,0,0\n");
   put("options", "number", "1e-3");
   put("options", "whole", "17");
   put("options", "name", "left_2");
