@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
+#include "core/reference/inside_test.hpp"
 #include "core/reference/posed_mesh.hpp"
 
 namespace voxtouch {
@@ -15,6 +17,28 @@ using Corners = std::array<Vec3, 3>;
 
 constexpr double kCrossingShare = 0.25;  ///< triangles across the surface are split this much finer
 constexpr std::size_t kLeafTriangles = 4;
+
+/// Which way round a triangle of a closed mesh faces outward: +1 as it is, -1 the other way.
+int outward(const InsideTest& body, const Corners& c) {
+  const Vec3 normal = (c[1] - c[0]).cross(c[2] - c[0]).stableNormalized(), middle = (c[0] + c[1] + c[2]) / 3.0;
+  const double size = std::max({(c[1] - c[0]).norm(), (c[2] - c[0]).norm(), (c[2] - c[1]).norm()});
+  const Vec3 step = (1e-6 * size + 1e-12 * middle.cwiseAbs().maxCoeff()) * normal;
+  const bool before = body.inside(middle + step), behind = body.inside(middle - step);
+  return before && !behind ? -1 : 1;  // both: a wall within the body, which its other half undoes
+}
+
+/// In T. A closed tool pushes outward whichever way round its file has the triangles; an open one has no outside, and keeps them.
+std::vector<Corners> outward_triangles(const ReferenceMesh& mesh, const Pose& mesh_in_tool) {
+  const InsideTest body(mesh);
+  std::vector<Corners> triangles;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Corners c{mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
+    if (mesh.closed && outward(body, c) < 0) std::swap(c[1], c[2]);
+    for (Vec3& corner : c) corner = mesh_in_tool * corner;
+    triangles.push_back(c);
+  }
+  return triangles;
+}
 
 /// Balls round runs of the tool's triangles, as a binary tree laid out depth first.
 class TriangleTree {
@@ -26,10 +50,7 @@ class TriangleTree {
     bool leaf = false;
   };
 
-  TriangleTree(const ReferenceMesh& mesh, const Pose& mesh_in_tool) {
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-      triangles_.push_back(
-          {mesh_in_tool * mesh.corner(t, 0), mesh_in_tool * mesh.corner(t, 1), mesh_in_tool * mesh.corner(t, 2)});
+  explicit TriangleTree(std::vector<Corners> triangles) : triangles_(std::move(triangles)) {
     build(0, static_cast<std::uint32_t>(triangles_.size()));
   }
   const std::vector<Node>& nodes() const noexcept { return nodes_; }
@@ -158,9 +179,9 @@ ReferenceWrench::ReferenceWrench(const Scene& scene, double resolution_m) {
           spec.path.string() +
           ": the mesh is open and has no inside, so there is no true force to compare with; close it");
   }
-  parts_ = std::make_unique<Parts>(Parts{std::move(statics),
-                                         TriangleTree(read_reference_mesh(scene.dynamic_mesh), scene.dynamic_mesh.pose),
-                                         resolution_m});
+  const ReferenceMesh tool = read_reference_mesh(scene.dynamic_mesh);
+  parts_ = std::make_unique<Parts>(
+      Parts{std::move(statics), TriangleTree(outward_triangles(tool, scene.dynamic_mesh.pose)), resolution_m});
 }
 ReferenceWrench::~ReferenceWrench() = default;
 ReferenceWrench::ReferenceWrench(ReferenceWrench&&) noexcept = default;

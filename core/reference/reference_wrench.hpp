@@ -21,7 +21,8 @@ struct TrueWrench {
 ///
 ///   F = k  integral over the tool's surface inside the static object of  depth(x) n(x) dA,     torque likewise,
 ///
-/// depth = minus the signed distance to the static triangles, n the tool's inward normal. By the divergence theorem it is the
+/// depth = minus the signed distance to the static triangles, n the tool's inward normal, of a closed tool
+/// whichever way round its triangles run. By the divergence theorem it is the
 /// gradient of the energy k times the integral of depth over the volume shared (the pressure law of a liquid), so it is
 /// conservative, and a sphere of radius R at depth h in a half space feels k pi h^2 (R - h / 3) along the normal.
 ///

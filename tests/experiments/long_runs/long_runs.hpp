@@ -35,6 +35,12 @@ struct ContactAsk {
 };
 Findings run_contact(const ContactAsk& ask, const Progress& progress = {});
 
+/// A rigid body that tumbles under changing torques: whether its orientation stays a rotation, to the last bits.
+struct TumbleAsk {
+  std::uint64_t steps = 1'000'000'000;
+};
+Findings run_tumble(const TumbleAsk& ask, const Progress& progress = {});
+
 /// Random contact through scene, contact (all four models), effects, coupling and guard with the floating-point traps invalid,
 /// overflow and divide-by-zero on. The first trap ends the process by SIGFPE, and says in which frame of which case it was.
 struct TrapAsk {

@@ -1,5 +1,6 @@
-/// long_runs: a billion filter steps, ten million frames of wandering contact, a million frames with floating-point traps. Exit
-/// status 1 if something drifts, grows, traps or is no number. The hour of the whole ring is hour_of_ring.py.
+/// long_runs: a billion filter steps, ten million frames of wandering contact, a billion steps of a tumbling body, a million
+/// frames with floating-point traps. Exit status 1 if something drifts, grows, traps or is no number. The hour of the whole ring is
+/// hour_of_ring.py.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -37,6 +38,7 @@ int run(int argc, char** argv) {
   std::uint64_t seed = 1;
   FilterAsk filter;
   ContactAsk contact;
+  TumbleAsk tumble;
   TrapAsk traps;
   contact.scene = VOXTOUCH_DEPLOY "/scenes/cup.yaml", traps.scenes = VOXTOUCH_DEPLOY "/scenes";
   CLI::App* f = app.add_subcommand(
@@ -49,6 +51,8 @@ int run(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   c->add_option("--model", contact.model, "contact model instead of the scene's")
       ->check(CLI::IsMember({"original", "adapted", "clustered", "field"}));
+  CLI::App* b = app.add_subcommand("tumble", "a rigid body that turns for ever: is its orientation still a rotation?");
+  b->add_option("--steps", tumble.steps, "samples (1e9: about a quarter of an hour)")->capture_default_str();
   CLI::App* t = app.add_subcommand("traps", "random contact with floating-point traps on, in all models and effects");
   t->add_option("--frames", traps.frames, "samples (1e6: a minute)")->capture_default_str();
   for (CLI::App* sub : {f, c, t}) sub->add_option("--seed", seed, "of all that is random")->capture_default_str();
@@ -56,6 +60,7 @@ int run(int argc, char** argv) {
   filter.seed = contact.seed = traps.seed = seed;
   if (f->parsed()) return tell(run_filter(filter, show));
   if (c->parsed()) return tell(run_contact(contact, show));
+  if (b->parsed()) return tell(run_tumble(tumble, show));
   return tell(run_traps(traps, show));
 }
 

@@ -1,4 +1,4 @@
-// Poses that are none, and orientations that turn for ever.
+// Poses that are none.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "core/coupling/running_coupling.hpp"
-#include "core/effects/rigid_body.hpp"
 #include "core/scene/device_mapping.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
 
@@ -157,39 +156,6 @@ TEST(F7PosesThatAreNone, AQuaternionAndItsNegativeAreOneOrientationToTheBit) {
     EXPECT_GT(fast, 10);
   }
 }
-
-/// |q| - 1 and R'R - I of a body that tumbles for ever; the worst seen.
-void tumble(long steps) {
-  BodyShape shape;
-  shape.inertia_m2 = Vec3(1e-4, 2e-4, 2.7e-4).asDiagonal();
-  shape.reach_m = 0.02;
-  RigidBody body(shape);
-  body.place({Vec3::Zero(), Quat(Eigen::AngleAxisd(0.3, Vec3(3, 1, 2).normalized()))}, false);
-  BodyParameters parameters;
-  parameters.mass_kg = 0.1;
-  double norm = 0.0, skew = 0.0, angle = 0.0;
-  for (long n = 0; n < steps; ++n) {
-    BodyLoad load;
-    load.wrench.torque = 1e-4 * Vec3(std::sin(0.01 * static_cast<double>(n % 10000)), 0.7, -0.4);
-    if (n / 2000 % 2 == 1) load.wrench.torque *= -1.0;
-    body.step(load, {}, {}, false, 0.0, parameters, kPeriod);
-    const Quat& q = body.pose().orientation;
-    norm = std::max(norm, std::abs(q.norm() - 1.0));
-    angle += body.twist().angular.norm() * kPeriod;
-    if (n % 64 == 0) {
-      const Mat3 r = q.toRotationMatrix();
-      skew = std::max(skew, (r.transpose() * r - Mat3::Identity()).cwiseAbs().maxCoeff());
-    }
-  }
-  std::printf("%ld steps, %.4g rad: |q| - 1 at most %.2g, R'R - I at most %.2g\n", steps, angle, norm, skew);
-  EXPECT_GT(angle, 100.0);
-  EXPECT_LT(norm, 1e-15);
-  EXPECT_LT(skew, 1e-14);
-}
-
-TEST(F8OrientationDrift, StaysARotationOverAMillionIncrements) { tumble(1'000'000); }
-/// About twenty minutes.
-TEST(F8OrientationDrift, DISABLED_StaysARotationOverABillionIncrements) { tumble(1'000'000'000); }
 
 }  // namespace
 }  // namespace voxtouch::test

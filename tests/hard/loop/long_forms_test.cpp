@@ -40,6 +40,12 @@ TEST(LongContact, WanderingOverTheCupLeavesNoTraceInWhatHasRun) {
   }
 }
 
+TEST(F8OrientationDrift, StaysARotationOverAMillionIncrements) {
+  TumbleAsk ask;
+  ask.steps = 1'000'000;
+  expect_well(run_tumble(ask));
+}
+
 /// VOXTOUCH_TRAP_FRAMES sets how many; `long_runs traps` runs a million.
 TEST(FloatingPointTraps, NoFrameOfRandomContactIsInvalidOverflowsOrDividesByZero) {
   TrapAsk ask;

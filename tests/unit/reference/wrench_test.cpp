@@ -60,6 +60,38 @@ TEST(ReferenceWrench, IsTheWeightOfWhatABoxDisplaces) {
   std::remove(path.c_str());
 }
 
+/// Two boxes, one of them inside out, as a part that was mirrored by hand is: the push is that of two boxes.
+TEST(ReferenceWrench, PushesOutwardWhicheverWayRoundAClosedToolsTrianglesRun) {
+  Scene scene = shipped("plane");
+  const std::string path = ::testing::TempDir() + "voxtouch_inverted_reference.obj";
+  scene.dynamic_mesh.path = path;
+  scene.dynamic_mesh.scale = 0.01;
+  scene.dynamic_mesh.primitives.clear();
+  const auto wrench = [&](bool first_turned, bool second_turned) {
+    std::FILE* file = std::fopen(path.c_str(), "w");
+    for (int box = 0; box < 2; ++box)
+      for (int n = 0; n < 8; ++n) std::fprintf(file, "v %d %d %d\n", (n & 1) + 3 * box, n >> 1 & 1, n >> 2 & 1);
+    const int faces[6][4] = {{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}};
+    for (int box = 0; box < 2; ++box)
+      for (const auto& f : faces) {
+        const bool turned = box == 0 ? first_turned : second_turned;
+        std::fprintf(file, "f %d %d %d %d\n", f[0] + 8 * box, f[turned ? 3 : 1] + 8 * box, f[2] + 8 * box,
+                     f[turned ? 1 : 3] + 8 * box);
+      }
+    std::fclose(file);
+    const Wrench w = ReferenceWrench(scene, 0.25e-3).at({Vec3(-0.02, 0, -2e-3), Quat::Identity()}).wrench;
+    std::remove(path.c_str());
+    return w;
+  };
+  const Wrench good = wrench(false, false);
+  EXPECT_NEAR(good.force.z(), 2 * 2e-3 * 0.01 * 0.01, 1e-3 * good.force.z());
+  for (const auto& [first, second] : {std::pair(true, true), std::pair(true, false), std::pair(false, true)}) {
+    const Wrench w = wrench(first, second);
+    EXPECT_LT((w.force - good.force).norm(), 1e-9 * good.force.norm()) << first << second;
+    EXPECT_LT((w.torque - good.torque).norm(), 1e-9 * good.force.norm() * 0.02) << first << second;
+  }
+}
+
 TEST(ReferenceWrench, IsNothingApartAndForAPoseThatIsNone) {
   const ReferenceWrench reference(shipped("plane"), 0.5e-3);
   const TrueWrench apart = reference.at({Vec3(0, 0, 0.0101), Quat::Identity()});
