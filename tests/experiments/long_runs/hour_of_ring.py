@@ -74,11 +74,30 @@ def look(pid):
     return pages * os.sysconf("SC_PAGE_SIZE") // 1024, cpu
 
 
+def places(pid):
+    """Resident memory by what it is of [kB]: the main heap; files; stack; all else (the heaps of threads, buffers, threads' stacks)."""
+    sums = {}
+    try:
+        text = pathlib.Path(f"/proc/{pid}/smaps").read_text()
+    except OSError:
+        return sums
+    place = ""
+    for line in text.splitlines():
+        words = line.split()
+        if re.match(r"^[0-9a-f]+-[0-9a-f]+$", words[0]):
+            name = words[5] if len(words) > 5 else ""
+            place = "heap" if name == "[heap]" else "files" if name.startswith("/") else "stack" if name.startswith("[stack") else "anonymous"
+        elif words[0] == "Rss:":
+            sums[place] = sums.get(place, 0) + int(words[1])
+    return sums
+
+
 class Watch:
     """What was seen at each line of `up`: samples so far, force, contacts so far, and each process."""
 
     def __init__(self, root, samples):
         self.root, self.samples, self.rows, self.told = root, samples, [], -1
+        self.early = self.late = {}
 
     def line(self, text):
         match = LINE.match(text)
@@ -92,6 +111,9 @@ class Watch:
         if percent != self.told:
             self.told = percent
             kb = sum(v[0] for v in self.rows[-1][3].values())
+            self.late = {name: places(int(name.split()[-1])) for name in seen}
+            if percent >= 10 and not self.early:
+                self.early = self.late
             print(f"\r{percent:3} %  {self.rows[-1][0]} samples, {kb} kB", end="", file=sys.stderr, flush=True)
 
     def ends(self):
@@ -119,6 +141,8 @@ def judge(watch, args):
               (f" (ratio {cpu[1] / cpu[0]:.2f})" if len(cpu) == 2 and cpu[0] > 0 else ""))
         course = [next((r[3][name][0] for r in watch.rows if r[0] >= watch.samples * t / 10 and name in r[3]), kb) for t in range(1, 10)]
         print(f"{'':32} kB after each tenth: " + " ".join(str(c) for c in [*course, kb]))
+        where = {place: kb - watch.early.get(name, {}).get(place, 0) for place, kb in watch.late.get(name, {}).items()}
+        print(f"{'':32} kB more since the first tenth: " + ", ".join(f"{place} {kb:+}" for place, kb in where.items() if kb))
         if grown > args.growth_kb:
             faults.append(f"{name} grew by {grown} kB")
     share = [(b[2] - a[2]) / max(b[0] - a[0], 1) for a, b in (first, last)]
