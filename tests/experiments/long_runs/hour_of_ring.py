@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
 """An hour of ring time in lockstep: all processes of `voxtouch up`, watched from outside.
 
-    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: about twenty minutes
+    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: about ten minutes
     tests/experiments/long_runs/hour_of_ring.py --duration 20       # what the test runs
 
 Looks at resident memory and CPU time of every process of the ring once a second, and at the lines that `up` prints. Ends with 1
 if the ring did not end well, if samples are missing, if a process grew by more than --growth-kb after the first tenth, or if the
 tool touches another share of the time in the last tenth than in the first. Times are told, not judged.
 
-Resident memory creeps up by one to two MB in ten minutes in two of the processes. What fits, and is not proved: Cyclone DDS fills
-its receive buffers page by page, and reliable writers' caches reach their high-water mark. --growth-kb leaves room for that, so a
-slow leak below it would pass: read the table, which tells memory after each tenth.
+Resident memory grows by a few MB in steps, and then no more: each of Cyclone DDS's two receiving threads fills a buffer of 1 MB, asks
+for another, and frees the first, which the allocator keeps (seen by interposing malloc: nn_rmsg_new in recv and recvUC, one free for
+each). So each process may grow by two buffers a thread and what lies between them, 5 MB as measured; where little is received it fills
+page by page. --growth-kb leaves room for that, so a slow leak below it would pass: read the table, which tells memory after each tenth.
 """
 import argparse
 import json
