@@ -258,7 +258,8 @@ Findings run_traps(const TrapAsk& ask, const Progress& progress) {
     out.lines.push_back(fmt::format("{:9} {:22} {} frames, {} touch, effects push in {}, the device in {}",
                                     name_of(c.model), c.name, count.frames, count.touching, count.effects,
                                     count.pushing));
-    if (count.touching * 4 < count.frames || count.pushing * 4 < count.frames)
+    // Couplings and places are drawn; with some of them a tool is pushed off for good.
+    if (count.touching * 20 < count.frames || count.pushing * 20 < count.frames)
       out.faults.push_back(fmt::format("{} with {} hardly touches: nothing is tried", c.name, name_of(c.model)));
     all.frames += count.frames;
     if (progress) progress(all.frames, ask.frames);
