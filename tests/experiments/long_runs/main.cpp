@@ -52,7 +52,7 @@ int run(int argc, char** argv) {
   c->add_option("--model", contact.model, "contact model instead of the scene's")
       ->check(CLI::IsMember({"original", "adapted", "clustered", "field"}));
   CLI::App* b = app.add_subcommand("tumble", "a rigid body that turns for ever: is its orientation still a rotation?");
-  b->add_option("--steps", tumble.steps, "samples (1e9: about a quarter of an hour)")->capture_default_str();
+  b->add_option("--steps", tumble.steps, "samples (1e9: about nine minutes)")->capture_default_str();
   CLI::App* t = app.add_subcommand("traps", "random contact with floating-point traps on, in all models and effects");
   t->add_option("--frames", traps.frames, "samples (1e6: a minute)")->capture_default_str();
   for (CLI::App* sub : {f, c, t}) sub->add_option("--seed", seed, "of all that is random")->capture_default_str();

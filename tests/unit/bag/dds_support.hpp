@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "tests/ring/process.hpp"
 #include "tests/unit/bag/support.hpp"
 
 namespace voxtouch::bag::test {
@@ -18,8 +19,7 @@ namespace voxtouch::bag::test {
 class TwoHosts {
  public:
   TwoHosts() {
-    // Away from domain 0; within what the port mapping allows; different for tests that run at the same time.
-    const auto wire = 70 + static_cast<dds_domainid_t>(getpid()) % 150;
+    const auto wire = static_cast<dds_domainid_t>(std::stoul(voxtouch::test::fresh_domain()));
     const std::string config =
         R"(<General><Interfaces><NetworkInterface name="lo" multicast="true"/></Interfaces>
       <AllowMulticast>spdp</AllowMulticast></General><Discovery><ExternalDomainId>)" + std::to_string(wire) +

@@ -8,7 +8,7 @@ namespace voxtouch::test {
 namespace {
 
 TEST(Diagnostics, AreMadeWhileSomebodyReadsThemAndAtNoOtherTime) {
-  constexpr std::uint32_t kOwnDomain = 102;  // /diagnostics has one name for all rigs: another test might read it
+  constexpr std::uint32_t kOwnDomain = 57;  // /diagnostics has one name for all rigs: another test might read it
   const bus::Participant node({kOwnDomain, "lo", "device"}), tool({kOwnDomain, "lo", "tool"});
   runtime::StatusWriter status(node, "device", own_rig("d"));
   runtime::NodeReport report;
