@@ -1,5 +1,7 @@
 #pragma once
 /// A typed DDS reader.
+#include <cassert>
+
 #include "nodes/bus/endpoint.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
@@ -17,6 +19,7 @@ class Reader {
   /// Takes the oldest waiting sample, if there is one, into `sample`; `writer` (if given) gets the handle of its writer. Only for
   /// fixed-size types. Real-time safe apart from what DDS itself does.
   bool take(T& sample, dds_instance_handle_t* writer = nullptr) noexcept {
+    assert(msg::Type<T>::descriptor->m_flagset & DDS_TOPIC_FIXED_SIZE && "strings and sequences would never be freed: take_each");
     void* slot[1] = {&sample};
     dds_sample_info_t info;
     while (dds_take(entities_.endpoint.get(), slot, &info, 1, 1) == 1) {

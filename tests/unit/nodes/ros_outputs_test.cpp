@@ -55,8 +55,7 @@ TEST_F(RosOutputsTest, AreNotMadeWhileNobodyReads) {
 
 TEST_F(RosOutputsTest, AreMadeForWhoReadsAndForNothingElseAndNoLongerOnceHeHasGone) {
   auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
-  msg::geometry_msgs_PoseStamped pose{};
-  ASSERT_TRUE(shows_until([&] { return outputs_.made().pose >= 5 && poses->take(pose); }));
+  ASSERT_TRUE(shows_until([&] { return outputs_.made().pose >= 5 && poses->take_each([](const auto&) {}) > 0; }));
   EXPECT_EQ(outputs_.made().wrench + outputs_.made().markers, 0U);
   poses.reset();
   // Its going takes a moment to be known; from then on the count stands still.
