@@ -6,9 +6,6 @@
 #include <nlohmann/json.hpp>
 
 namespace voxtouch::cli {
-namespace {
-
-using Reports = std::map<std::string, runtime::NodeReport>;
 
 double number(const Reports& reports, const std::string& node, const std::string& key) {
   const auto report = reports.find(node);
@@ -26,6 +23,8 @@ std::string word(const Reports& reports, const std::string& node, const std::str
   const auto value = report->second.values.find(key);
   return value == report->second.values.end() ? "" : value->second;
 }
+
+namespace {
 
 nlohmann::ordered_json coupling_json(const Reports& r) {
   nlohmann::ordered_json j;
@@ -76,6 +75,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["fast_samples"] = count(r, "rendering", "fast_samples");
   j["crossed_samples"] = count(r, "rendering", "crossed_samples");
   j["missed_samples"] = count(r, "rendering", "missed_samples");
+  j["powerless_samples"] = count(r, "device", "powerless");
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);
   j["guard"] = {{"refused", count(r, "device", "refused")}, {"clamped", count(r, "device", "clamped")}};

@@ -10,19 +10,25 @@
 
 namespace voxtouch::cli {
 
+using Reports = std::map<std::string, runtime::NodeReport>;  ///< last report of each node
+
+/// A figure of a node's last report, by its key; 0 where there is none.
+double number(const Reports& reports, const std::string& node, const std::string& key);
+/// The same as a text; empty where there is none.
+std::string word(const Reports& reports, const std::string& node, const std::string& key);
+
 /// Everything that `up` knows at the end.
 struct RunSummary {
   std::string scene, device, motion, mode, bag;
   std::uint64_t seed = 0;
-  std::map<std::string, runtime::NodeReport> reports;  ///< last report of each node
-  std::vector<std::string> problems;                   ///< sentences; empty: all is well
-  std::vector<std::string> notes;                      ///< sentences that spoil nothing
+  Reports reports;
+  std::vector<std::string> problems;  ///< sentences; empty: all is well
+  std::vector<std::string> notes;     ///< sentences that spoil nothing
 };
 
 nlohmann::ordered_json to_json(const RunSummary& summary);
 std::string to_text(const RunSummary& summary);
 /// One line while the ring runs; `nodes` are those that take part.
-std::string status_line(const std::map<std::string, runtime::NodeReport>& reports,
-                        const std::vector<std::string>& nodes);
+std::string status_line(const Reports& reports, const std::vector<std::string>& nodes);
 
 }  // namespace voxtouch::cli

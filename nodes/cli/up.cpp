@@ -136,6 +136,7 @@ class Run {
       listen();
       if (runtime::monotonic_ns() >= next_line) {
         fmt::print(stderr, "{}\n", status_line(summary_.reports, names()));
+        tell_trouble();
         next_line += 1'000'000'000;
       }
       bool over = false;
@@ -150,6 +151,16 @@ class Run {
     fmt::print(stderr, "stopping\n");
     if (options_.duration_s > 0)
       summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", options_.duration_s));
+  }
+
+  /// What keeps a device that runs from giving force is said when it begins, not only in the end.
+  void tell_trouble() {
+    const auto report = summary_.reports.find("device");
+    if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
+    const std::string& message = report->second.message;
+    if (message == told_) return;
+    if (message != "running") fmt::print(stderr, "  device: {}\n", message);
+    told_ = message;
   }
 
   /// A node that has failed but goes on, to say so, ends the run: without it there is no force.
@@ -206,6 +217,7 @@ class Run {
   bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges for whoever reads; its counts come with its status
   CrewOptions crew_options_;
   std::vector<std::unique_ptr<Member>> crew_;
+  std::string told_ = "running";  ///< of the device
   std::set<std::string> noted_;  ///< members whose end is among the problems
   RunSummary summary_;
 };

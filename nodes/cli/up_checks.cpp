@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <stdexcept>
 
@@ -31,16 +30,6 @@ void check_bag(const std::filesystem::path& bag) {
                     parent.string(), std::strerror(errno)));
 }
 
-double number(const RunSummary& summary, const std::string& node, const std::string& key) {
-  const auto report = summary.reports.find(node);
-  if (report == summary.reports.end()) return 0.0;
-  const auto value = report->second.values.find(key);
-  double out = 0.0;
-  if (value != report->second.values.end())
-    std::from_chars(value->second.data(), value->second.data() + value->second.size(), out);
-  return out;
-}
-
 }  // namespace
 
 std::vector<std::string> check_before_start(const Scene& scene, const Plans& plans) {
@@ -50,7 +39,8 @@ std::vector<std::string> check_before_start(const Scene& scene, const Plans& pla
   device::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
   if (const auto refused = effects_not_shown(scene, description.max_torque_nm > 0.0); !refused.empty())
-    throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, refused.front()));
+    throw std::runtime_error(
+        fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, refused.front()));
   std::vector<std::string> notes;
   if (!scene.design) {
     // One point alone is the least that any contact shows; how many push together is seen only while the scene runs. A coupling
@@ -73,38 +63,50 @@ std::vector<std::string> check_before_start(const Scene& scene, const Plans& pla
 
 void judge(RunSummary& s) {
   const auto message = [&](const std::string& node) { return s.reports[node].message; };
-  if (const double n = number(s, "validator", "disagree"); n > 0)
+  if (const double n = number(s.reports, "validator", "disagree"); n > 0)
     s.problems.push_back(fmt::format("the validator disagrees with {} samples: {}", n, message("validator")));
-  if (const double n = number(s, "device", "foreign_commands"); n > 0)
+  if (const double n = number(s.reports, "device", "foreign_commands"); n > 0)
     s.problems.push_back(fmt::format("{} commands of a second writer were ignored ({})", n, message("device")));
-  const double felt = number(s, "coupling", "stiffness_at_hand_n_per_m"),
-               most = number(s, "coupling", "device_max_stiffness_n_per_m");
+  const double felt = number(s.reports, "coupling", "stiffness_at_hand_n_per_m"),
+               most = number(s.reports, "coupling", "device_max_stiffness_n_per_m");
   if (most > 0 && felt > most)
     s.problems.push_back(fmt::format(
         "all points in contact together showed {:.0f} N/m at the hand, more than the {:.0f} N/m that {} can show "
         "stably: lower the contact's stiffness, the coupling's gain or a scale of the device",
         felt, most, s.device));
-  if (s.problems.empty() && number(s, "device", "samples") == 0) s.problems.push_back("the device gave no sample");
-  if (const double n = number(s, "device", "clamped"); n > 0)
+  if (s.problems.empty() && number(s.reports, "device", "samples") == 0)
+    s.problems.push_back("the device gave no sample");
+  const double powerless = number(s.reports, "device", "powerless"), hiccups = number(s.reports, "device", "hiccups");
+  const std::string trouble = word(s.reports, "device", "trouble");
+  if (powerless > 0 && powerless >= number(s.reports, "device", "samples"))
+    s.problems.push_back(fmt::format("{} took no force in the whole run: {}", s.device, trouble));
+  else if (hiccups > 0)
+    s.notes.push_back(fmt::format("{} gave no force in {} samples (lost {}x on the way); the last reason: {}", s.device,
+                                  powerless, hiccups, trouble));
+  if (const double n = number(s.reports, "device", "clamped"); n > 0)
     s.notes.push_back(
         fmt::format("the guard cut {} commands to what the device allows: the scene asks for more than that", n));
-  if (const double n = number(s, "rendering", "buried_samples"); n > 100)
+  if (const double n = number(s.reports, "rendering", "buried_samples"); n > 100)
     s.notes.push_back(
         fmt::format("in {} samples the tool was wholly inside a static object, where there is no direction to push: "
                     "does the motion "
                     "start inside?",
                     n));
-  if (const double n = number(s, "rendering", "crossed_samples"); n > 0)
-    s.notes.push_back(fmt::format(
-        "in {} samples the tool was behind a wall that it had crossed in one sample: it was pushed back to where it came from", n));
-  if (const double n = number(s, "rendering", "missed_samples"); n > 0)
-    s.notes.push_back(fmt::format(
-        "in {} samples the tool was too fast to be followed, or let go of behind a wall: what lay in between was not felt", n));
-  if (const double n = number(s, "rendering", "saturated_samples"); n > 0)
+  if (const double n = number(s.reports, "rendering", "crossed_samples"); n > 0)
     s.notes.push_back(
-        fmt::format("in {} samples the tool was so deep, or a wall so thin, that going deeper meets no more force: more "
-                    "stiffness, a thicker body or a stronger device holds it out",
+        fmt::format("in {} samples the tool was behind a wall that it had crossed in one sample: it was pushed back to "
+                    "where it came from",
                     n));
+  if (const double n = number(s.reports, "rendering", "missed_samples"); n > 0)
+    s.notes.push_back(
+        fmt::format("in {} samples the tool was too fast to be followed, or let go of behind a wall: what lay in "
+                    "between was not felt",
+                    n));
+  if (const double n = number(s.reports, "rendering", "saturated_samples"); n > 0)
+    s.notes.push_back(fmt::format(
+        "in {} samples the tool was so deep, or a wall so thin, that going deeper meets no more force: more "
+        "stiffness, a thicker body or a stronger device holds it out",
+        n));
   std::vector<std::string> unique;
   for (std::string& p : s.problems)
     if (std::find(unique.begin(), unique.end(), p) == unique.end()) unique.push_back(std::move(p));

@@ -223,10 +223,10 @@ class DeviceNode {
     report.state = end == End::kNone                               ? (running ? NodeState::kRunning : NodeState::kReady)
                    : end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                    : NodeState::kFailed;
+    if (end == End::kNone && progress_.in_trouble.load()) trouble_ = trouble_of(*driver_, progress_.last_error.load());
     report.message = end != End::kNone ? end_sentence(end)
                      : progress_.in_trouble.load()
-                         ? fmt::format("{} is at zero force: {}", driver_->description().model,
-                                       trouble_of(*driver_, progress_.last_error.load()))
+                         ? fmt::format("{} is at zero force: {}", driver_->description().model, trouble_)
                      : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
                      : running           ? "running"
                                          : "waiting for " + waiting_for_;
@@ -296,6 +296,7 @@ class DeviceNode {
     values["clamped"] = fmt::to_string(progress_.clamped.load());
     values["hiccups"] = fmt::to_string(progress_.hiccups.load());
     values["powerless"] = fmt::to_string(progress_.powerless.load());
+    values["trouble"] = trouble_;
     values["held_poses"] = fmt::to_string(progress_.held_poses.load());
     values["faded"] = fmt::to_string(progress_.faded.load());
     values["foreign_commands"] = fmt::to_string(progress_.foreign_commands.load());
@@ -316,6 +317,7 @@ class DeviceNode {
   std::atomic<bool> peers_ready_{false};
   std::atomic<bool> peers_late_{false};
   std::string foreign_, waiting_for_;
+  std::string trouble_;  ///< what last kept the device from giving force
 };
 
 }  // namespace

@@ -32,6 +32,22 @@ void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
 
 class WireTouchesTheCup : public testing::TestWithParam<Case> {};
 
+/// An arm whose connection is never good enough follows, and is felt nowhere: that is said at once, and is no good run.
+TEST(WireWithoutForce, IsSaidWhileItLastsAndIsNoRunThatWentWell) {
+  const RingResult r = run_ring(shipped_scene("cup"), {"--device", "wire-lwr", "--device-option", "fault=quality@0:60:1",
+                                                       "--motion", "slide", "--duration", "3", "--no-record"});
+  EXPECT_EQ(r.process.status, 1);
+  ASSERT_TRUE(r.summary.is_object()) << r.process.out;
+  EXPECT_EQ(r.summary["ok"], false);
+  EXPECT_EQ(r.summary["samples"], 3000);
+  EXPECT_GE(r.summary["powerless_samples"], 3000);
+  EXPECT_EQ(r.summary["max_force_n"], 0.0);
+  const std::string why = "the connection's quality is too low to start";
+  EXPECT_NE(r.summary["problems"].dump().find("wire-lwr took no force in the whole run: " + why), std::string::npos)
+      << r.process.out;
+  EXPECT_NE(r.process.err.find("device: lwr is at zero force: " + why), std::string::npos) << r.process.err;
+}
+
 // Nothing about deadlines: on a busy machine samples come late, and what is felt stays right.
 TEST_P(WireTouchesTheCup, AndTheHandFeelsIt) {
   const Case& c = GetParam();
