@@ -291,6 +291,14 @@ def accuracy(page, build, out, quick):
         page.text(result["advice"] if isinstance(result["advice"], str) else result["advice"].get("sentence", ""))
 
 
+def commit_name():
+    """The commit that is measured; empty where there is no git, or no repository."""
+    try:
+        return subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
+    except FileNotFoundError:
+        return ""
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="build folder (default: build)")
@@ -312,7 +320,7 @@ def main():
         except Exception as error:  # the page shows what failed, and the other parts
             page.fail(name, f"{type(error).__name__}: {error}")
         spent.append(f"{name} {time.monotonic() - before:.0f} s")
-    commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
+    commit = commit_name()
     page.write([f"Made {time.strftime('%Y-%m-%d')} from commit {commit or 'unknown'} on {platform.machine()}, Python {platform.python_version()}"
                 + (", --quick" if a.quick else ""), "Time taken: " + ", ".join(spent), "Seeds are fixed: all figures but times come out the same again"])
     say(f"{a.out / 'index.html'} is written, after {time.monotonic() - begin:.0f} s" + (f"; failed: {', '.join(page.failed)}" if page.failed else ""))
