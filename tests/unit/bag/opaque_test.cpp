@@ -12,7 +12,12 @@ using Typed = bag_test_msg_dds__Typed_;
 using Plain = bag_test_msg_dds__Plain_;
 
 constexpr int kSamples = 300;
-const EndpointQos kAll{.reliability = Reliability::kReliable, .history = History::kKeepAll};
+/// Writes wait for as long as a busy machine, or a sanitizer, may need.
+const EndpointQos kAll = [] {
+  EndpointQos qos{.reliability = Reliability::kReliable, .history = History::kKeepAll};
+  qos.max_blocking_ns = 10'000'000'000;
+  return qos;
+}();
 const EndpointQos kLatched{.reliability = Reliability::kReliable, .durability = Durability::kTransientLocal};
 
 Plain plain_sample(int i) {
