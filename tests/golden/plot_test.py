@@ -33,7 +33,7 @@ def voxtouch(*words, **more):
 
 def tool_alone(*words, **more):
     """The tool as a process of its own."""
-    return subprocess.run([BIN / "voxtouch_plot", *map(str, words)], capture_output=True, text=True, **more)
+    return subprocess.run([DEPLOY / "tools" / "plot.py", *map(str, words)], capture_output=True, text=True, **more)
 
 
 def tool(*words):
@@ -169,6 +169,7 @@ class Pictures(unittest.TestCase):
             self.assertGreater(painted(file, colour), 200, colour)
         with plot.matplotlib.rc_context(plot.STYLE):
             self.judge(plot.forces_figure(bag)[0])
+            self.judge(plot.forces_figure(bag, note="conditions " * 40)[0])
         self.refused(tool("forces", bag, self.at / "refused.png", "--from", "50"), "nothing between --from 50")
         self.refused(tool("forces", bag, self.at / "refused.png", "--rig", "other"), "/other/rendering/contact")
 
@@ -189,11 +190,13 @@ class Pictures(unittest.TestCase):
         self.refused(tool("forces", self.at / "broken", picture), "the bag cannot be read")
         self.refused(tool("stability", self.at / "words.json", picture), "stability_map --out")
         self.refused(tool("check", self.at / "empty.png" / "refused.png"), "could not be written")
+        for name in ("refused.gif", "refused"):
+            self.refused(tool("accuracy", self.at / "run.json", self.at / name), name, ".png, .svg or .pdf")
 
     def test_a_full_disk_leaves_no_picture_and_no_part_of_one(self):
         def small_files():
             resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
-        self.refused(tool_alone("accuracy", self.at / "run.json", self.at / "refused.png", preexec_fn=small_files), "refused.png could not be written")
+        self.refused(tool_alone("accuracy", self.at / "run.json", self.at / "refused.svg", preexec_fn=small_files), "refused.svg could not be written")
 
     # ---------------------------------------------------------------------------------------------------- what a reader sees
     def judge(self, figure):
@@ -222,6 +225,9 @@ class Pictures(unittest.TestCase):
             self.judge(figure)
             labels = [t for t in figure.axes[0].texts if t.get_text() in ("2", "4")]
             self.assertEqual(len(labels), sum(1 for row in self.run_json["rows"] if row["median_us"] is not None))
+            drawn = {tuple(point) for line in figure.axes[0].lines for point in line.get_xydata()}
+            for row in self.run_json["rows"]:
+                self.assertIn((row["median_us"], max(row["direction_median_deg"], plot.LEAST_DIRECTION_DEG)), drawn)
             boxes = [t.get_window_extent() for t in labels]
             marks = [figure.axes[0].transData.transform((r["median_us"], max(r["direction_median_deg"], plot.LEAST_DIRECTION_DEG)))
                      for r in self.run_json["rows"]]
