@@ -5,17 +5,24 @@
 #include <map>
 #include <mutex>
 
+#include "nodes/log/tell.hpp"
 #include "qos/profiles.hpp"
 #include "qos_network.hpp"
 
 namespace voxtouch::bus {
 namespace {
 
+/// What DDS has to say, with its time and thread in front: its own way to stderr would hold up the thread that receives.
+void say(void*, const dds_log_data_t* data) {
+  tell("{}", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
+}
+
 /// A domain is configured once a process, before its first participant; nodes composed into one process share it.
 void configure_domain(const ParticipantOptions& options) {
   static std::mutex mutex;
   static std::map<std::uint32_t, std::string> configured;
   const std::lock_guard lock(mutex);
+  dds_set_log_sink(say, nullptr);
   if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri && *uri) return;
   if (const auto known = configured.find(options.domain); known != configured.end()) {
     if (known->second != options.network_interface)

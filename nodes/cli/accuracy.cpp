@@ -15,6 +15,7 @@
 #include "nodes/cli/accuracy_report.hpp"
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -81,15 +82,15 @@ class ProgressLine {
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
     const std::string line = fmt::format("[{:3.0f} %] {:4.0f} s  {}", 100.0 * share, passed.count(), what);
     if (terminal_)
-      fmt::print(stderr, "\r{:<{}}", line, width_);
+      tell("\r{:<{}}", line, width_);
     else if (what != last_)
-      fmt::print(stderr, "{}\n", line);
+      tell("{}\n", line);
     width_ = line.size();
     last_ = what;
   }
   /// Leaves the line as it is; what follows starts on a new one.
   void end() const {
-    if (terminal_ && width_ > 0) fmt::print(stderr, "\n");
+    if (terminal_ && width_ > 0) tell("\n");
   }
 
  private:
@@ -102,7 +103,7 @@ class ProgressLine {
 AccuracyReport measure(const AccuracyVerb& o) {
   o.wish.validate();
   const Scene scene = load_scene(o.scene);
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
   const std::vector<AccuracySetting> settings = settings_of(o.ask, scene.voxel_size_m);
   AccuracyReport report;
   report.scene = scene.name;
@@ -118,7 +119,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   options.seed = o.seed, options.contacts = o.contacts, options.depth_edges = o.depth_edges;
   options.cpu_time_s = thread_cpu_s;
   options.progress = [&](const std::string& what, double share) { line.show(what, share); };
-  fmt::print(stderr, "{} settings on {} contacts each\n", settings.size(), o.contacts);
+  tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
   report.rows = measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
   line.end();
   report.load_after = load_average();
@@ -128,7 +129,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
 
 void keep(OutputFile& file, const std::string& text, const char* what) {
   file.keep(text);
-  fmt::print(stderr, "{} {}\n", file.path().string(), what);
+  tell("{} {}\n", file.path().string(), what);
 }
 
 int accuracy(const AccuracyVerb& o) {
@@ -137,9 +138,9 @@ int accuracy(const AccuracyVerb& o) {
   if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
   const AccuracyReport report = measure(o);
   if (o.json)
-    fmt::print("{}\n", to_json(report).dump(2));
+    print_result("{}\n", to_json(report).dump(2));
   else
-    fmt::print("{}", to_text(report));
+    print_result("{}", to_text(report));
   if (csv) keep(*csv, to_csv(report), "holds the table");
   if (plot) keep(*plot, to_svg(accuracy_figure(report)), "shows error over time");
   return !report.advice.front.empty() && report.advice.met.value_or(true) ? 0 : 1;
@@ -149,7 +150,7 @@ int run(const AccuracyVerb& o) {
   try {
     return accuracy(o);
   } catch (const std::exception& error) {
-    if (o.json) fmt::print("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+    if (o.json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
     throw;
   }
 }

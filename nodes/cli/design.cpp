@@ -11,6 +11,7 @@
 #include "nodes/cli/design_report.hpp"
 #include "nodes/cli/known_device.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -71,7 +72,7 @@ Asked ask(const DesignOptions& o, const DeviceFile& device) {
         fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)", out.request.contact.all_points);
   } else {
     const Scene scene = load_scene(o.scene);
-    fmt::print(stderr, "building {} to count its points\n", scene.name);
+    tell("building {} to count its points\n", scene.name);
     const auto built = build_scene(scene, serial_for());
     const Plan& plan = built->plan();
     out.request = design_request(scene, device.model, device.grip, plan.contact_n_per_m, plan.contact_nm_per_rad);
@@ -95,7 +96,7 @@ void write_plot(const std::filesystem::path& file, const DesignReport& report) {
   if (!out)
     throw std::runtime_error(
         fmt::format("{} could not be written: is there room, and may you write there?", file.string()));
-  fmt::print(stderr, "{} shows where the loop is stable\n", file.string());
+  tell("{} shows where the loop is stable\n", file.string());
 }
 
 int design(const DesignOptions& o) {
@@ -109,9 +110,9 @@ int design(const DesignOptions& o) {
   report.hand = asked.hand;
   report.contact = asked.contact;
   if (o.json)
-    fmt::print("{}\n", to_json(report).dump(2));
+    print_result("{}\n", to_json(report).dump(2));
   else
-    fmt::print("{}", to_text(report));
+    print_result("{}", to_text(report));
   if (!o.plot.empty()) write_plot(o.plot, report);
   return report.design.status == DesignStatus::kInfeasible ? 1 : 0;
 }

@@ -14,6 +14,7 @@
 #include "devices/registry.hpp"
 #include "devices/settings.hpp"
 #include "nodes/device/device_loop.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
@@ -143,7 +144,7 @@ class DeviceNode {
       if (options_.lockstep) states_.wait_for_acknowledgments(DDS_SECS(5));
     }
     const bool good = end == End::kFinished || (end == End::kStopped && options_.duration_s == 0.0);
-    if (!good && end != End::kStopped) fmt::print(stderr, "error: device: {}\n", end_sentence(end));
+    if (!good && end != End::kStopped) tell("error: device: {}\n", end_sentence(end));
     return good ? 0 : 1;
   }
 
