@@ -273,10 +273,10 @@ void add_up(CLI::App& app, Action& action) {
   device::add_hand_options(*verb, options->hand);
   verb->add_option("--record", options->bag,
                    "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
-  verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states");
+  verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states")->check(runtime::check_topic);
   verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")
       ->capture_default_str()
-      ->check(runtime::require_positive);
+      ->check(runtime::require_count);
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
   verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");

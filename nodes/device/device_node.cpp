@@ -333,8 +333,9 @@ void add_device_options(CLI::App& app, std::string& device, std::vector<std::str
 std::string check_duration(const std::string& text) {
   char* end = nullptr;
   const double seconds = std::strtod(text.c_str(), &end);
-  const bool good = end != text.c_str() && *end == '\0' && seconds >= 0.0 && seconds <= 1e8;  // NaN is neither
-  return good ? std::string() : "'" + text + "' is no duration: seconds from 0 (no end) to 1e8";
+  const bool good = end != text.c_str() && *end == '\0' &&
+                    (seconds == 0.0 || (seconds >= 1e-3 && seconds <= 1e8));  // NaN is neither
+  return good ? std::string() : "'" + text.substr(0, 64) + "' is no duration: 0 (no end), or seconds from 1e-3 to 1e8";
 }
 
 Motion choose_motion(const Scene& scene, const std::string& name) {

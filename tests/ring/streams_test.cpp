@@ -69,7 +69,7 @@ TEST_P(Streams, AsAPipeThatNobodyReads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Stderr, Streams, testing::Bool(),
-                         [](const auto& info) { return info.param ? "in_one_process" : "in_processes"; });
+                         [](const auto& kind) { return kind.param ? "in_one_process" : "in_processes"; });
 
 TEST(Stdout, ThatTakesNoSummaryIsAFailure) {
   for (const char* redirection : {">/dev/full", ">&-"}) {
