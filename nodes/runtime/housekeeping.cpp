@@ -65,7 +65,7 @@ void Housekeeping::turn() {
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   compare_scenes(report);
-  if (const std::uint64_t lost = texts_lost()) report.values["lost_texts"] = std::to_string(lost);
+  if (const std::uint64_t lost = texts_lost()) report.figures["lost_texts"] = {lost, "texts"};
   const bool announce = options_.announce && report.message != last_.message;
   const std::int64_t now = monotonic_ns();
   const bool changed =
