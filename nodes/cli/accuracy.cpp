@@ -16,6 +16,7 @@
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -82,15 +83,15 @@ class ProgressLine {
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
     const std::string line = fmt::format("[{:3.0f} %] {:4.0f} s  {}", 100.0 * share, passed.count(), what);
     if (terminal_)
-      fmt::print(stderr, "\r{:<{}}", line, width_);
+      tell("\r{:<{}}", line, width_);
     else if (what != last_)
-      fmt::print(stderr, "{}\n", line);
+      tell("{}\n", line);
     width_ = line.size();
     last_ = what;
   }
   /// Leaves the line as it is; what follows starts on a new one.
   void end() const {
-    if (terminal_ && width_ > 0) fmt::print(stderr, "\n");
+    if (terminal_ && width_ > 0) tell("\n");
   }
 
  private:
@@ -103,7 +104,7 @@ class ProgressLine {
 AccuracyReport measure(const AccuracyVerb& o) {
   o.wish.validate();
   const Scene scene = load_scene(o.scene);
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
   const std::vector<AccuracySetting> settings = settings_of(o.ask, scene.voxel_size_m);
   AccuracyReport report;
   report.scene = scene.name;
@@ -119,7 +120,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   options.seed = o.seed, options.contacts = o.contacts, options.depth_edges = o.depth_edges;
   options.cpu_time_s = thread_cpu_s;
   options.progress = [&](const std::string& what, double share) { line.show(what, share); };
-  fmt::print(stderr, "{} settings on {} contacts each\n", settings.size(), o.contacts);
+  tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
   report.rows = measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
   line.end();
   report.load_after = load_average();
@@ -129,12 +130,12 @@ AccuracyReport measure(const AccuracyVerb& o) {
 
 int show(const AccuracyVerb& o, const AccuracyReport& report, OutputFile* csv) {
   const std::string json = to_json(report).dump(2);
-  fmt::print("{}", o.json ? json + "\n" : to_text(report));
+  print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
     csv->keep(to_csv(report));
-    fmt::print(stderr, "{} holds the table\n", o.csv.string());
+    tell("{} holds the table\n", o.csv.string());
   }
-  if (!o.plot.empty()) fmt::print(stderr, "{}\n", draw_picture("accuracy", json, o.plot));
+  if (!o.plot.empty()) tell("{}\n", draw_picture("accuracy", json, o.plot));
   return !report.advice.front.empty() && report.advice.met.value_or(true) ? 0 : 1;
 }
 
@@ -146,7 +147,7 @@ int run(const AccuracyVerb& o) {
     if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
     report = measure(o);
   } catch (const std::exception& error) {
-    if (o.json) fmt::print("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+    if (o.json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
     throw;
   }
   return show(o, report, csv.get());  // outside: what was measured is on stdout, and stays the only object there

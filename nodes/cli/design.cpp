@@ -13,6 +13,7 @@
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -73,7 +74,7 @@ Asked ask(const DesignOptions& o, const DeviceFile& device) {
         fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)", out.request.contact.all_points);
   } else {
     const Scene scene = load_scene(o.scene);
-    fmt::print(stderr, "building {} to count its points\n", scene.name);
+    tell("building {} to count its points\n", scene.name);
     const auto built = build_scene(scene, serial_for());
     const Plan& plan = built->plan();
     out.request = design_request(scene, device.model, device.grip, plan.contact_n_per_m, plan.contact_nm_per_rad);
@@ -105,12 +106,12 @@ int design(const DesignOptions& o) {
   report.hand = asked.hand;
   report.contact = asked.contact;
   const std::string json = to_json(report).dump(2);
-  fmt::print("{}", o.json ? json + "\n" : to_text(report));
+  print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
     csv->keep(to_csv(report));
-    fmt::print(stderr, "{} holds the stable region\n", o.csv.string());
+    tell("{} holds the stable region\n", o.csv.string());
   }
-  if (!o.plot.empty()) fmt::print(stderr, "{}\n", draw_picture("design", json, o.plot));
+  if (!o.plot.empty()) tell("{}\n", draw_picture("design", json, o.plot));
   return report.design.status == DesignStatus::kInfeasible ? 1 : 0;
 }
 

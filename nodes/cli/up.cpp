@@ -16,6 +16,7 @@
 #include "nodes/cli/summary.hpp"
 #include "nodes/cli/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/signals.hpp"
 
@@ -135,7 +136,7 @@ class Run {
     while (!runtime::stop_requested().load()) {
       listen();
       if (runtime::monotonic_ns() >= next_line) {
-        fmt::print(stderr, "{}\n", status_line(summary_.reports, names()));
+        tell("{}\n", status_line(summary_.reports, names()));
         tell_trouble();
         next_line += 1'000'000'000;
       }
@@ -148,7 +149,7 @@ class Run {
       if (over || note_refusals()) return;
       std::this_thread::sleep_for(milliseconds(20));
     }
-    fmt::print(stderr, "stopping\n");
+    tell("stopping\n");
     if (options_.duration_s > 0)
       summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", options_.duration_s));
   }
@@ -159,7 +160,7 @@ class Run {
     if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
     const std::string& message = report->second.message;
     if (message == told_) return;
-    if (message != "running") fmt::print(stderr, "  device: {}\n", message);
+    if (message != "running") tell("  device: {}\n", message);
     told_ = message;
   }
 
@@ -225,15 +226,15 @@ class Run {
 RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
   const Scene scene = load_scene(options.node.scene);
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
   for (const std::string& note : check_before_start(scene, {options.device, parse_settings(options.settings),
                                                             options.motion, options.no_record ? "" : options.bag}))
-    fmt::print(stderr, "note: {}\n", note);
+    tell("note: {}\n", note);
   return Run(options, scene).go();
 }
 
 void print_json(const nlohmann::ordered_json& json) {
-  fmt::print("{}\n",
+  print_result("{}\n",
              json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
 }
 
@@ -243,7 +244,7 @@ int up(const UpOptions& options) {
     if (options.json)
       print_json(to_json(summary));
     else
-      fmt::print("{}", to_text(summary));
+      print_result("{}", to_text(summary));
     return summary.problems.empty() ? 0 : 1;
   } catch (const std::exception& error) {
     if (options.json) print_json({{"ok", false}, {"problems", {error.what()}}});
@@ -272,10 +273,10 @@ void add_up(CLI::App& app, Action& action) {
   device::add_hand_options(*verb, options->hand);
   verb->add_option("--record", options->bag,
                    "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
-  verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states");
+  verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states")->check(runtime::check_topic);
   verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")
       ->capture_default_str()
-      ->check(runtime::require_positive);
+      ->check(runtime::require_count);
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
   verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");

@@ -14,6 +14,7 @@
 #include "devices/registry.hpp"
 #include "devices/settings.hpp"
 #include "nodes/device/device_loop.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
@@ -143,7 +144,7 @@ class DeviceNode {
       if (options_.lockstep) states_.wait_for_acknowledgments(DDS_SECS(5));
     }
     const bool good = end == End::kFinished || (end == End::kStopped && options_.duration_s == 0.0);
-    if (!good && end != End::kStopped) fmt::print(stderr, "error: device: {}\n", end_sentence(end));
+    if (!good && end != End::kStopped) tell("error: device: {}\n", end_sentence(end));
     return good ? 0 : 1;
   }
 
@@ -334,8 +335,9 @@ void add_device_options(CLI::App& app, std::string& device, std::vector<std::str
 std::string check_duration(const std::string& text) {
   char* end = nullptr;
   const double seconds = std::strtod(text.c_str(), &end);
-  const bool good = end != text.c_str() && *end == '\0' && seconds >= 0.0 && seconds <= 1e8;  // NaN is neither
-  return good ? std::string() : "'" + text + "' is no duration: seconds from 0 (no end) to 1e8";
+  const bool good = end != text.c_str() && *end == '\0' &&
+                    (seconds == 0.0 || (seconds >= 1e-3 && seconds <= 1e8));  // NaN is neither
+  return good ? std::string() : "'" + text.substr(0, 64) + "' is no duration: 0 (no end), or seconds from 1e-3 to 1e8";
 }
 
 Motion choose_motion(const Scene& scene, const std::string& name) {

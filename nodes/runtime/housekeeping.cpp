@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 
 namespace voxtouch::runtime {
@@ -64,13 +65,15 @@ void Housekeeping::turn() {
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   compare_scenes(report);
-  if (options_.announce && report.message != last_.message) fmt::print(stderr, "{}: {}\n", node_, report.message);
+  if (const std::uint64_t lost = texts_lost()) report.figures["lost_texts"] = {lost, "texts"};
+  const bool announce = options_.announce && report.message != last_.message;
   const std::int64_t now = monotonic_ns();
   const bool changed =
       report.state != last_.state || report.session_id != last_.session_id || report.message != last_.message;
   if (!changed && last_publish_ns_ != 0 && now - last_publish_ns_ < 1'000'000'000) return;
   writer_.publish(report);
   last_ = std::move(report);
+  if (announce) tell("{}: {}\n", node_, last_.message);  // after the report itself: that one is for the other nodes
   last_publish_ns_ = now;
 }
 

@@ -12,6 +12,7 @@
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
@@ -108,7 +109,7 @@ class ValidatorNode {
   /// The plan says what the rendering built: another scene file is a disagreement before the first sample.
   void start_session(Built built) {
     if (built.hash != scene_.hash)
-      fmt::print(stderr, "warning: validator: the rendering runs another version of scene '{}' than {}\n", built.scene,
+      tell("warning: validator: the rendering runs another version of scene '{}' than {}\n", built.scene,
                  scene_.file.string());
     built_ = std::move(built);
     next_.reset();
@@ -136,7 +137,7 @@ class ValidatorNode {
         blind_ = true;
       }
       if (blind_)
-        fmt::print(stderr, "warning: validator: {} is not what the rendering runs now; nothing is judged any more\n",
+        tell("warning: validator: {} is not what the rendering runs now; nothing is judged any more\n",
                    options_.scene.string());
     }
     if (!blind_) judge_->change(settings());
