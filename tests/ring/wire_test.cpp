@@ -111,16 +111,6 @@ INSTANTIATE_TEST_SUITE_P(Both, WireLockstep, testing::Values("wire-phantom", "wi
 
 // --- faults
 
-pid_t child_called(pid_t parent, const std::string& program) {
-  for (const pid_t child : children_of(parent)) {
-    std::ifstream command("/proc/" + std::to_string(child) + "/cmdline");
-    std::string name;
-    std::getline(command, name, '\0');
-    if (name.ends_with(program)) return child;
-  }
-  return 0;
-}
-
 template <class Condition>
 bool wait_until(Condition holds, std::chrono::seconds patience = std::chrono::seconds(30)) {
   for (const auto until = Clock::now() + patience; !holds(); std::this_thread::sleep_for(std::chrono::milliseconds(20)))
