@@ -54,6 +54,7 @@ class Reader {
     return count;
   }
   std::vector<Guid> matched() const { return matched_writers(entities_.endpoint.get()); }
+  std::vector<dds_instance_handle_t> writer_handles() const { return matched_writer_handles(entities_.endpoint.get()); }
   std::uint32_t matched_count() const noexcept { return matched_writer_count(entities_.endpoint.get()); }
   std::uint64_t deadlines_missed() const noexcept { return bus::deadlines_missed(entities_.endpoint.get()); }
   /// Triggers while samples wait: for WaitSet.

@@ -1,11 +1,15 @@
 #include "nodes/runtime/roster.hpp"
 
+#include <string.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <thread>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/strings.hpp"
@@ -24,7 +28,21 @@ StatusWriter::StatusWriter(const bus::Participant& participant, std::string node
   own_.participant = participant.guid();
 }
 
-void StatusWriter::publish(const NodeReport& report) {
+namespace {
+
+/// What a roster would refuse is cut where it is made.
+NodeReport cut(NodeReport report) {
+  constexpr std::size_t kMost = Roster::kLongestText;
+  if (report.message.size() > kMost) report.message.resize(kMost);
+  for (auto& [key, value] : report.values)
+    if (value.size() > kMost) value.resize(kMost);
+  return report;
+}
+
+}  // namespace
+
+void StatusWriter::publish(const NodeReport& whole) {
+  const NodeReport report = cut(whole);
   std::vector<msg::diagnostic_msgs_KeyValue> values;
   for (const auto& [key, value] : report.values) values.push_back({lend(key), lend(value)});
   msg::NodeStatus sample{};
@@ -68,18 +86,54 @@ void StatusWriter::flush() noexcept { writer_.wait_for_acknowledgments(DDS_SECS(
 Roster::Roster(const bus::Participant& participant, const std::string& rig)
     : reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)) {}
 
-void Roster::update(bool keep_gone) {
-  reader_.take_each([this](const msg::NodeStatus& s) {
-    NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}};
-    std::memcpy(report.participant.data(), s.participant, report.participant.size());
-    for (std::uint32_t i = 0; i < s.values._length; ++i)
-      report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
-    reports_[report.participant] = std::move(report);
+/// A writer that has gone is known as long as its last samples may lie here.
+void Roster::look_who_is_here() {
+  const std::vector<dds_instance_handle_t> handles = reader_.writer_handles();
+  here_.clear();
+  for (const dds_instance_handle_t handle : handles) {
+    auto known = writers_.find(handle);
+    if (known == writers_.end())
+      known = writers_.emplace(handle, bus::participant_of_writer(reader_.get(), handle)).first;
+    here_.insert(known->second);
+  }
+}
+
+bool Roster::is_good(const msg::NodeStatus& s, const bus::Guid& writer) const {
+  const auto too_long = [](const char* text, std::size_t most = kLongestText) {
+    return !text || ::strnlen(text, most + 1) > most;
+  };
+  constexpr std::size_t kLongestName = 256;
+  if (std::memcmp(s.participant, writer.data(), writer.size()) != 0) return false;
+  if (!reports_.contains(writer) && reports_.size() >= kMostNodes) return false;
+  if (too_long(s.node, kLongestName) || too_long(s.host, kLongestName) || too_long(s.message)) return false;
+  if (s.values._length > kMostValues) return false;
+  return std::none_of(s.values._buffer, s.values._buffer + s.values._length, [&](const auto& value) {
+    return too_long(value.key, kLongestName) || too_long(value.value);
   });
-  if (keep_gone) return;
-  const std::vector<bus::Guid> here = reader_.matched();
-  std::erase_if(reports_,
-                [&](const auto& entry) { return std::find(here.begin(), here.end(), entry.first) == here.end(); });
+}
+
+void Roster::take(const msg::NodeStatus& s) {
+  NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}};
+  std::memcpy(report.participant.data(), s.participant, report.participant.size());
+  for (std::uint32_t i = 0; i < s.values._length; ++i)
+    report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
+  reports_[report.participant] = std::move(report);
+}
+
+void Roster::update(const std::function<bool(const NodeReport&)>& keep) {
+  constexpr int kMostTakes = 256;
+  look_who_is_here();
+  reader_.take_each(
+      [this](const msg::NodeStatus& status, dds_instance_handle_t writer) {
+        const auto known = writers_.find(writer);
+        if (known != writers_.end() && is_good(status, known->second))
+          take(status);
+        else
+          ++refused_;
+      },
+      kMostTakes);
+  std::erase_if(reports_, [&](const auto& entry) { return !is_here(entry.first) && !(keep && keep(entry.second)); });
+  std::erase_if(writers_, [&](const auto& entry) { return !is_here(entry.second); });
 }
 
 std::vector<NodeReport> Roster::reports() const {
@@ -95,18 +149,24 @@ std::optional<NodeReport> Roster::find(std::string_view node) const {
   return std::nullopt;
 }
 
-std::string Roster::name_of(const bus::Guid& guid) const {
-  const auto known = reports_.find(guid);
-  if (known == reports_.end()) return "a participant that gives no name";
-  return known->second.node + " (process " + std::to_string(known->second.pid) + " on " + known->second.host + ")";
+const NodeReport* Roster::report_of(const bus::Guid& participant) const {
+  const auto known = reports_.find(participant);
+  return known == reports_.end() ? nullptr : &known->second;
 }
 
-std::optional<NodeReport> look_for_others(Roster& roster, std::string_view node, std::chrono::milliseconds patience) {
+std::string Roster::name_of(const bus::Guid& guid) const {
+  if (const NodeReport* report = report_of(guid))
+    return fmt::format("{} (process {} on {})", report->node, report->pid, report->host);
+  return fmt::format("a participant that gives no name ({:02x})", fmt::join(guid, ""));
+}
+
+std::optional<NodeReport> look_for(Roster& roster, const std::function<bool(const NodeReport&)>& wanted,
+                                   std::chrono::milliseconds patience) {
   const std::int64_t until = monotonic_ns() + std::chrono::nanoseconds(patience).count();
   for (; monotonic_ns() < until; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
     roster.update();
     for (NodeReport& report : roster.reports())
-      if (node.empty() || report.node == node) return std::move(report);
+      if (wanted(report)) return std::move(report);
   }
   return std::nullopt;
 }
@@ -120,9 +180,11 @@ std::uint64_t sessions_seen(const Roster& roster) {
 }
 
 bool has_matched(const Roster& roster, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes) {
+  const std::vector<NodeReport> reports = roster.reports();
   return std::all_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
-    const auto report = roster.find(node);
-    return report && std::find(matched.begin(), matched.end(), report->participant) != matched.end();
+    return std::any_of(reports.begin(), reports.end(), [&](const NodeReport& report) {
+      return report.node == node && std::find(matched.begin(), matched.end(), report.participant) != matched.end();
+    });
   });
 }
 

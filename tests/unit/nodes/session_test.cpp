@@ -12,6 +12,7 @@
 #include "nodes/rendering/rendering_node.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/roster.hpp"
+#include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {
@@ -32,9 +33,9 @@ class Bystander {
         contacts(participant, qos::kContactState, rig, tap()), commands(participant, qos::kForceCommand, rig, tap()) {}
   void look() {
     roster.update();
-    descriptions.take_each([this](const auto& m) { described.push_back(m.session_id); });
-    plans.take_each([this](const auto& m) { planned.push_back(m.session_id); });
-    designs.take_each([this](const auto& m) { designed.push_back(m.session_id); });
+    descriptions.take_each([this](const auto& m) { note(described, m.session_id); });
+    plans.take_each([this](const auto& m) { note(planned, m.session_id); });
+    designs.take_each([this](const auto& m) { note(designed, m.session_id); });
     msg::DeviceState state;
     while (states.take(state)) newest = state;
     msg::ContactState contact;
@@ -45,6 +46,10 @@ class Bystander {
       last_command = command;
       if (command.session_id != over && command.sequence_number < 5) first_force = std::max(first_force, force(command));
     }
+  }
+  /// What is latched may be written again for one who has missed it.
+  static void note(std::vector<std::uint64_t>& sessions, std::uint64_t session) {
+    if (sessions.empty() || sessions.back() != session) sessions.push_back(session);
   }
   bool sees(const std::function<bool()>& holds) {
     return wait_until([&] { look(); return holds(); });
@@ -114,18 +119,17 @@ TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
     bystander.look();
     std::this_thread::sleep_for(milliseconds(2));
   }
-  std::string refused, foreign;
+  std::string foreign;
   double largest = 0.0;
   ASSERT_TRUE(bystander.sees([&] {
     if (const auto report = bystander.roster.find("device")) {
-      refused = report->values.at("refused"), foreign = report->values.at("foreign_commands");
+      foreign = report->values.at("foreign_commands");
       largest = std::stod(report->values.at("max_force_n"));
     }
     return device.thread.status() >= 0;
   }));
   EXPECT_EQ(device.thread.status(), 0);
-  EXPECT_GT(std::stoul(refused), 20U);
-  EXPECT_EQ(foreign, "0");
+  EXPECT_GT(std::stoul(foreign), 20U);
   EXPECT_LT(largest, 2.0) << "the old session's 8 N reached the device";
   ASSERT_EQ(bystander.described.size(), 2U);
   const std::uint64_t new_session = bystander.described[1];
@@ -162,20 +166,14 @@ TEST(Session, IsNewInLockstepTooWhenTheNodesHaveSeenTheSameRunBefore) {
 }
 
 /// What a device says, without one.
-class FakeDevice {
+class FakeDevice : public StandIn {
  public:
   FakeDevice(const std::string& rig)
-      : participant({kDomain, "lo", "fake_device"}), descriptions(participant, qos::kDeviceDescription, rig, Bystander::latched()),
+      : StandIn(kDomain, "device", rig), descriptions(participant, qos::kDeviceDescription, rig, Bystander::latched()),
         states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)) {}
   void describe(std::uint64_t session) {
-    static char model[] = "fake";
-    msg::DeviceDescription m{};
-    m.session_id = session;
-    m.model = model;
-    m.rate_hz = 1000.0;
-    m.max_force_n = 8.5;
-    m.max_stiffness_n_per_m = 1000.0;
-    descriptions.write(m);
+    descriptions.write(stylus(session));
+    say(session);
   }
   void sample(std::uint64_t session, std::uint64_t sequence, double height, std::uint32_t flags = 0) {
     msg::DeviceState m{};
@@ -187,7 +185,6 @@ class FakeDevice {
     m.flags = flags;
     states.write(m);
   }
-  bus::Participant participant;
   bus::Writer<msg::DeviceDescription> descriptions;
   bus::Writer<msg::DeviceState> states;
 };
