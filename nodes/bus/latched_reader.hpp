@@ -62,6 +62,10 @@ class LatchedReader {
     std::vector<char> bytes;
   };
 
+  typename std::vector<Kept>::iterator find(dds_instance_handle_t writer) {
+    return std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.writer == writer; });
+  }
+
   void receive() {
     for (int i = 0; i < kMostTakes; ++i) {
       ddsi_serdata* one[1] = {nullptr};
@@ -85,9 +89,6 @@ class LatchedReader {
     place->bytes.resize(size);
     ddsi_serdata_to_ser(data.get(), 0, size, place->bytes.data());
     place->data = std::move(data);
-  }
-  auto find(dds_instance_handle_t writer) {
-    return std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.writer == writer; });
   }
 
   std::unique_ptr<Following> following_;  // outlives the reader, which asks it
