@@ -316,7 +316,7 @@ class DeviceNode {
         {"deadline_misses", {ended ? progress_.deadline_misses.load() : commands_.deadlines_missed(), "deadlines"}},
         {"max_force_n", {progress_.max_force_n.load(), "N"}},
         {"force_n", {progress_.force_n.load(), "N"}},
-        {"refused", {progress_.refused.load(), "commands"}},
+        {"refused", {progress_.refused.load() + coupling_->refused(), "commands"}},
         {"clamped", {progress_.clamped.load(), "commands"}},
         {"interruptions", {progress_.interruptions.load(), "times"}},
         {"zero_force_samples", {progress_.zero_force_samples.load(), "samples"}},
