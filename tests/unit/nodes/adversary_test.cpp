@@ -98,7 +98,7 @@ class Attacked : public testing::Test {
   }
   double number(const std::string& role, const std::string& name) {
     const auto* report = report_of(role);
-    return report && report->values.contains(name) ? std::stod(report->values.at(name)) : -1.0;
+    return report && report->figures.contains(name) ? report->figures.at(name).value : -1.0;
   }
   bool says(const std::string& role, const std::string& words) {
     const auto* report = report_of(role);

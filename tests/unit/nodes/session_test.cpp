@@ -119,17 +119,16 @@ TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
     bystander.look();
     std::this_thread::sleep_for(milliseconds(2));
   }
-  std::string foreign;
-  double largest = 0.0;
+  double foreign = -1.0, largest = 0.0;
   ASSERT_TRUE(bystander.sees([&] {
     if (const auto report = bystander.roster.find("device")) {
-      foreign = report->values.at("foreign_commands");
-      largest = std::stod(report->values.at("max_force_n"));
+      foreign = report->figures.at("foreign_commands").value;
+      largest = report->figures.at("max_force_n").value;
     }
     return device.thread.status() >= 0;
   }));
   EXPECT_EQ(device.thread.status(), 0);
-  EXPECT_GT(std::stoul(foreign), 20U);
+  EXPECT_GT(foreign, 20.0);
   EXPECT_LT(largest, 2.0) << "the old session's 8 N reached the device";
   ASSERT_EQ(bystander.described.size(), 2U);
   const std::uint64_t new_session = bystander.described[1];
