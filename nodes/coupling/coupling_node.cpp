@@ -99,7 +99,8 @@ class CouplingNode {
   /// A new session starts with its own fit. A change within one is fitted beside the loop, but for lockstep, where the sample from
   /// which it holds must not depend on how fast the fit is.
   void follow_change() {
-    if (fitting_.session() != session_in_loop_)
+    // A rendering that took another's place may run another scene: nothing of it is felt before the fit.
+    if (fitting_.session() != session_in_loop_ || plans_.following().writer() != plan_writer_)
       start_session();
     else if (options_.lockstep)
       adopt(fitting_.fit());
@@ -109,6 +110,7 @@ class CouplingNode {
 
   void start_session() {
     const std::uint64_t session = *fitting_.session();
+    plan_writer_ = plans_.following().writer();
     period_s_ = fitting_.device().timing.period_s;
     coupling_.reset();
     session_in_loop_ = session;
@@ -285,6 +287,7 @@ class CouplingNode {
   std::atomic<bool> told_{false};   ///< both are there of those who are bound
   double period_s_ = 1e-3;
   std::uint64_t session_in_loop_ = 0;
+  dds_instance_handle_t plan_writer_ = 0;  ///< whose plan the session was begun with
   std::array<msg::DeviceState, 64> recent_{};
   msg::DeviceState newest_{};
   std::optional<msg::ContactState> pending_;

@@ -9,9 +9,10 @@ namespace voxtouch::test {
 struct StandIn {
   StandIn(std::uint32_t domain, const std::string& role, const std::string& rig)
       : participant({domain, "lo", role}), status(participant, role, rig) {}
-  void say(std::uint64_t session, runtime::NodeState state = runtime::NodeState::kRunning) {
+  void say(std::uint64_t session, runtime::NodeState state = runtime::NodeState::kRunning,
+           const runtime::Figures& figures = {}) {
     runtime::NodeReport report;
-    report.session_id = session, report.state = state;
+    report.session_id = session, report.state = state, report.figures = figures;
     status.publish(report);
   }
   bus::Participant participant;

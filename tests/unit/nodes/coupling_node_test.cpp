@@ -264,5 +264,33 @@ TEST(CouplingNode, JudgesACouplingThatIsSetByHandAndRunsIt) {
   EXPECT_EQ(around.node.end(), 0);
 }
 
+TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan();
+  ASSERT_TRUE(wait_until([&] {
+    around.look();
+    return around.seen.size() == 1;
+  }));
+  for (int i = 0; i < 300; ++i) around.touch();
+  for (const double impossible : {std::nan(""), -1.0, 1e9}) {
+    around.describe(impossible);
+    ASSERT_TRUE(wait_until([&] {
+      around.touch();
+      return around.message().find("damping_ns_per_m is") != std::string::npos;
+    })) << around.message();
+    around.describe(20.0);
+    ASSERT_TRUE(wait_until([&] {
+      around.touch();
+      return around.message().find("damping_ns_per_m is") == std::string::npos;
+    })) << around.message();
+  }
+  around.forces.clear();
+  for (int i = 0; i < 300; ++i) around.touch();
+  ASSERT_FALSE(around.forces.empty());
+  EXPECT_NEAR(around.forces.back(), kForce, 0.1 * kForce);
+  EXPECT_EQ(around.node.end(), 0);
+}
+
 }  // namespace
 }  // namespace voxtouch::test

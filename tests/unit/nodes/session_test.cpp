@@ -314,5 +314,58 @@ TEST(Rigs, KeepOneOfTwoDevicesThatStartAtTheSameTime) {
   EXPECT_EQ(std::max(a, b), 1);
 }
 
+TEST(Rigs, AfterASplitTheDeviceStaysThatHadMoreSamplesAnsweredWhateverAnyClockSays) {
+  const std::string rig = own_rig();
+  Bystander bystander(rig);
+  Node rendering(node_options<rendering::Options>(rig, "plane"), rendering::run);
+  Node coupling(node_options<coupling::Options>(rig, "plane"), coupling::run);
+  Node device(device_options(rig, 0.0), device::run);
+  const auto figure = [&](const char* name) {
+    const auto report = bystander.roster.find("device");
+    return report ? runtime::value_of(report->figures, name) : 0.0;
+  };
+  ASSERT_TRUE(bystander.sees([&] { return figure("answered") > 500; })) << device.thread.error();
+  constexpr char kClaim[] = "answered_before_rival";
+  {
+    StandIn other(kDomain, "device", rig);  // an earlier session by its number, as a clock that is behind would give it
+    other.say(1, runtime::NodeState::kRunning, {{kClaim, {3, "samples"}}});
+    ASSERT_TRUE(wait_until([&] {
+      bystander.roster.update();
+      for (const auto& report : bystander.roster.reports())
+        if (report.figures.contains(kClaim) && report.session_id != 1) return true;
+      return false;
+    })) << "it does not say what it claims";
+    std::this_thread::sleep_for(milliseconds(500));
+    EXPECT_EQ(device.thread.status(), -1) << "the one that runs goes";
+  }
+  std::this_thread::sleep_for(milliseconds(100));
+  StandIn other(kDomain, "device", rig);
+  other.say(~std::uint64_t{0}, runtime::NodeState::kRunning, {{kClaim, {1e12, "samples"}}});
+  EXPECT_TRUE(bystander.sees([&] { return device.thread.status() == 1; })) << "both run";
+}
+
+TEST(Rigs, ARenderingThatWaitsTakesTheRoleWhenTheFirstHasGoneAndIsFelt) {
+  const std::string rig = own_rig();
+  Bystander bystander(rig);
+  std::optional<Node<rendering::Options>> first;
+  first.emplace(node_options<rendering::Options>(rig, "plane"), rendering::run);
+  Node coupling(node_options<coupling::Options>(rig, "plane"), coupling::run);
+  Node device(device_options(rig, 0.0), device::run);
+  ASSERT_TRUE(bystander.sees([&] { return bystander.last_command.sequence_number > 200; }));
+  Node second(node_options<rendering::Options>(rig, "plane"), rendering::run);
+  ASSERT_TRUE(bystander.sees([&] {
+    const auto report = bystander.roster.find("coupling");
+    return report && report->message.find("is refused") != std::string::npos;
+  })) << "the second one is not named";
+  first->thread.end();
+  const std::uint64_t then = bystander.newest.sequence_number;
+  EXPECT_TRUE(bystander.sees([&] { return bystander.last_command.sequence_number > then + 500; }))
+      << "the plan of the second came while it was not followed";
+  EXPECT_TRUE(bystander.sees([&] {
+    const auto report = bystander.roster.find("coupling");
+    return report && report->message.find("is refused") == std::string::npos;
+  })) << "the one who is bound now is called foreign";
+}
+
 }  // namespace
 }  // namespace voxtouch::test
