@@ -1,5 +1,7 @@
 #include "nodes/bus/following.hpp"
 
+#include <algorithm>
+
 #include "nodes/bus/endpoint.hpp"
 
 namespace voxtouch::bus {
@@ -21,11 +23,17 @@ dds_topic_filter Following::filter() noexcept {
 
 bool Following::admits(dds_instance_handle_t writer) noexcept {
   const dds_instance_handle_t followed = writer_.load(std::memory_order_acquire);
-  if (followed == 0) return rule_ == WhileNobody::kTakeAll;
+  if (followed == 0)
+    return rule_ == WhileNobody::kTakeAll &&
+           std::none_of(unwanted_.begin(), unwanted_.end(), [&](const auto& one) { return one.load() == writer; });
   if (followed == writer) return true;
   refused_.fetch_add(1, std::memory_order_relaxed);
   last_refused_[writer % last_refused_.size()].store(writer, std::memory_order_relaxed);
   return false;
+}
+
+void Following::refuse(dds_instance_handle_t writer) noexcept {
+  unwanted_[unwanted_count_++ % unwanted_.size()].store(writer);
 }
 
 bool Following::follow(const Guid& participant) {

@@ -23,6 +23,8 @@ class Following {
   /// From now on the writer of `participant`. False, and nobody is followed, where this reader has matched none of it.
   bool follow(const Guid& participant);
   void follow_nobody() noexcept { writer_.store(0, std::memory_order_release); }
+  /// Nothing of `writer` is taken while nobody is followed, for one that sends what cannot be ours. The last 16 are remembered.
+  void refuse(dds_instance_handle_t writer) noexcept;
   /// Its publication handle; 0: nobody's.
   dds_instance_handle_t writer() const noexcept { return writer_.load(std::memory_order_acquire); }
 
@@ -46,6 +48,8 @@ class Following {
   dds_entity_t reader_ = 0;
   std::atomic<dds_instance_handle_t> writer_{0};
   std::atomic<std::uint64_t> refused_{0};
+  std::array<std::atomic<dds_instance_handle_t>, 16> unwanted_{};
+  std::size_t unwanted_count_ = 0;
   std::array<std::atomic<dds_instance_handle_t>, 8> last_refused_{};  ///< the handle's low bits choose the slot
 };
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <deque>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -91,7 +92,8 @@ void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg
 void StatusWriter::flush() noexcept { writer_.wait_for_acknowledgments(DDS_SECS(1)); }
 
 Roster::Roster(const bus::Participant& participant, const std::string& rig)
-    : reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)) {}
+    : senders_(std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll)),
+      reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus), senders_.get()) {}
 
 /// A writer that has gone is known as long as its last samples may lie here.
 void Roster::look_who_is_here() {
@@ -105,13 +107,21 @@ void Roster::look_who_is_here() {
   }
 }
 
-bool Roster::is_good(const msg::NodeStatus& s, const bus::Guid& writer) const {
+/// Far more than a node sends, turn after turn: after a pause of this process a turn may well find many.
+void Roster::refuse_floods() {
+  constexpr int kMany = 32;
+  for (const auto& [writer, count] : taken_)
+    if (const auto before = taken_before_.find(writer);
+        count >= kMany && before != taken_before_.end() && before->second >= kMany)
+      senders_->refuse(writer);
+  taken_before_ = std::exchange(taken_, {});
+}
+
+bool Roster::fits(const msg::NodeStatus& s) {
   const auto too_long = [](const char* text, std::size_t most = kLongestText) {
     return !text || ::strnlen(text, most + 1) > most;
   };
   constexpr std::size_t kLongestName = 256;
-  if (std::memcmp(s.participant, writer.data(), writer.size()) != 0) return false;
-  if (!reports_.contains(writer) && reports_.size() >= kMostNodes) return false;
   if (too_long(s.node, kLongestName) || too_long(s.host, kLongestName) || too_long(s.message)) return false;
   if (s.values._length > kMostValues || s.figures._length > kMostValues) return false;
   const bool figures_fit =
@@ -121,6 +131,13 @@ bool Roster::is_good(const msg::NodeStatus& s, const bus::Guid& writer) const {
   return figures_fit && std::none_of(s.values._buffer, s.values._buffer + s.values._length, [&](const auto& value) {
     return too_long(value.key, kLongestName) || too_long(value.value);
   });
+}
+
+/// Of the participant that it names, and one that is known or for whom there is room.
+bool Roster::is_its_own(const msg::NodeStatus& s, dds_instance_handle_t writer) const {
+  const auto sender = writers_.find(writer);
+  if (sender == writers_.end() || std::memcmp(s.participant, sender->second.data(), sender->second.size()) != 0) return false;
+  return reports_.contains(sender->second) || reports_.size() < kMostNodes;
 }
 
 void Roster::take(const msg::NodeStatus& s) {
@@ -138,13 +155,16 @@ void Roster::update(const std::function<bool(const NodeReport&)>& keep) {
   look_who_is_here();
   reader_.take_each(
       [this](const msg::NodeStatus& status, dds_instance_handle_t writer) {
-        const auto known = writers_.find(writer);
-        if (known != writers_.end() && is_good(status, known->second))
+        ++taken_[writer];
+        const bool fitting = fits(status);
+        if (!fitting) senders_->refuse(writer);
+        if (fitting && is_its_own(status, writer))
           take(status);
         else
           ++refused_;
       },
       kMostTakes);
+  refuse_floods();
   std::erase_if(reports_, [&](const auto& entry) { return !is_here(entry.first) && !(keep && keep(entry.second)); });
   std::erase_if(writers_, [&](const auto& entry) { return !is_here(entry.second); });
 }

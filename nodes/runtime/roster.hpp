@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -59,7 +60,8 @@ class StatusWriter {
 };
 
 /// The newest report of each participant that is still there. Only its own: a status that comes from another participant than it names,
-/// as a bag that is played sends, is refused, and so is one that is longer than any of ours.
+/// as a bag that is played sends, is refused, and so is one that is longer than any of ours. A writer of such a one, or of a flood, is not
+/// listened to any more.
 class Roster {
  public:
   Roster(const bus::Participant& participant, const std::string& rig);
@@ -81,10 +83,14 @@ class Roster {
 
  private:
   void look_who_is_here();
-  bool is_good(const msg::NodeStatus& status, const bus::Guid& writer) const;
+  static bool fits(const msg::NodeStatus& status);
+  bool is_its_own(const msg::NodeStatus& status, dds_instance_handle_t writer) const;
   void take(const msg::NodeStatus& status);
+  void refuse_floods();
 
+  std::unique_ptr<bus::Following> senders_;  // outlives the reader, which asks it
   bus::Reader<msg::NodeStatus> reader_;
+  std::map<dds_instance_handle_t, int> taken_, taken_before_;  ///< statuses of each writer, in this turn and in the last
   std::map<dds_instance_handle_t, bus::Guid> writers_;  ///< of the statuses: whose each is
   std::set<bus::Guid> here_;
   std::uint64_t refused_ = 0;

@@ -163,6 +163,35 @@ TEST_F(RoleTest, HasItsLatchedValueEvenIfItCameLongBeforeItWasKnownWhoseIsNeeded
   EXPECT_EQ(seen, 8U);
 }
 
+TEST_F(RoleTest, RosterHearsTheNodesThroughAFloodOfStatuses) {
+  Adversary flood(kDomain, rig);
+  StandIn node(kDomain, "rendering", rig);
+  ASSERT_TRUE(wait_until([&] { return flood.writer<msg::NodeStatus>().matched_count() >= 1; }));
+  NodeThread writer([&](const std::atomic<bool>& stop) {
+    for (std::uint64_t i = 1; !stop.load(); ++i) flood.claim("device", i);
+    return 0;
+  });
+  ASSERT_TRUE(wait_until([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    roster.update();
+    const auto before = roster.refused();
+    const auto* report = roster.report_of(flood.guid());
+    const auto last = report ? report->session_id : 0;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    roster.update();
+    report = roster.report_of(flood.guid());
+    return report && report->session_id == last && roster.refused() == before;
+  })) << "it is listened to for ever";
+  for (std::uint64_t session = 1; session <= 20; ++session) {
+    node.say(session);
+    ASSERT_TRUE(wait_until([&] {
+      roster.update();
+      const auto* report = roster.report_of(node.participant.guid());
+      return report && report->session_id == session;
+    })) << session;
+  }
+}
+
 TEST_F(RoleTest, RosterRefusesWhatIsLongerThanAnyNodesOwnAndForgetsWhoHasGone) {
   auto other = std::make_unique<Adversary>(kDomain, rig);
   ASSERT_TRUE(wait_until([&] { return other->writer<msg::NodeStatus>().matched_count() >= 1; }));
