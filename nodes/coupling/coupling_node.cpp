@@ -54,22 +54,38 @@ class CouplingNode {
     runtime::flush_denormals();
     runtime::Housekeeping housekeeping(
         participant_, "coupling", options_,
-        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
-    while (!stop.load(kRelaxed)) {
+        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+        {{"its loop", [this] { return heartbeat_.sign(); }}});
+    stop_ = &stop;
+    housekeeping_ = &housekeeping;
+    while (!over()) {
+      heartbeat_.beat();
       wait_set_.wait(50'000'000);
       listen();
       if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
-      while (turn()) {
+      while (!over() && turn()) {
       }
     }
     session_.stop();
-    return 0;
+    return housekeeping.peer_lost() ? 1 : 0;
   }
 
  private:
+  /// Asked to stop, or in lockstep a peer is lost.
+  bool over() const noexcept { return stop_->load(kRelaxed) || housekeeping_->peer_lost(); }
+
+  FittedCoupling fit() {
+    constexpr std::int64_t kLongestFitNs = 30'000'000'000;  // some tenths of a second on a machine that has time
+    const runtime::Heartbeat::Busy busy(heartbeat_, kLongestFitNs);
+    return fitting_.fit();
+  }
+
   void listen() {
     descriptions_.take_each([this](const msg::DeviceDescription& d) { fitting_.take(d); });
-    plans_.take_each([this](const msg::ScenePlan& p) { fitting_.take(p); });
+    plans_.take_each([this](const msg::ScenePlan& p) {
+      fitting_.take(p);
+      voxel_m_.store(p.voxel_size_m, kRelaxed);
+    });
     if (fitting_.changed() && fitting_.session()) follow_change();
   }
 
@@ -79,7 +95,7 @@ class CouplingNode {
     if (fitting_.session() != session_in_loop_)
       start_session();
     else if (options_.lockstep)
-      adopt(fitting_.fit());
+      adopt(fit());
     else
       fitting_.begin();
   }
@@ -94,7 +110,7 @@ class CouplingNode {
     clutched_ = false;
     recent_ = {}, newest_ = {};  // sequence numbers begin again
     stiffness_.store(0.0, kRelaxed);
-    adopt(fitting_.fit());
+    adopt(fit());
     if (coupling_) session_.begin(session);
   }
 
@@ -122,6 +138,7 @@ class CouplingNode {
 
   /// Joins one contact with its device sample by sequence number. In real time the newest sample must do if its own was lost.
   bool turn() {
+    heartbeat_.beat();
     msg::DeviceState state;
     while (states_.take(state))
       if (state.session_id == session_in_loop_) recent_[state.sequence_number % recent_.size()] = newest_ = state;
@@ -149,7 +166,11 @@ class CouplingNode {
     const CouplingInput input = coupling_input(contact);
     const CouplingOutput out = coupling_->step(input, dt_s);
     const Wrench in_device = clutched_ ? Wrench{} : to_device_(out.wrench, input.tool.orientation);
-    commands_.write(force_command(contact, out, in_device, kValidPeriods * period_s_));
+    commands_.write_until(force_command(contact, out, in_device, kValidPeriods * period_s_), [this] {
+      heartbeat_.beat();
+      return !options_.lockstep || over();
+    });
+    if (samples_.load(kRelaxed) == 0) first_sample_.store(contact.sequence_number, kRelaxed);
     note(contact.stiffness_bound_n_per_m);
   }
 
@@ -162,6 +183,8 @@ class CouplingNode {
     faults_.store(c.faults, kRelaxed);
     lowest_energy_.store(c.lowest_energy_j, kRelaxed);
     lowest_energy_rotation_.store(c.lowest_energy_rotation_j, kRelaxed);
+    bound_.store(energy_bound_j(c.most_force_n, c.longest_way_m, voxel_m_.load(kRelaxed)), kRelaxed);
+    bound_rotation_.store(energy_bound_rotation_j(c.most_torque_nm, c.longest_turn_rad, c.most_force_n, voxel_m_.load(kRelaxed)), kRelaxed);
     most_damping_.store(c.most_damping_ns_per_m, kRelaxed);
     if (stiffness_n_per_m > stiffness_.load(kRelaxed)) stiffness_.store(stiffness_n_per_m, kRelaxed);
   }
@@ -185,6 +208,9 @@ class CouplingNode {
                       {"passivity_most_damping_ns_per_m", {most_damping_.load(), "Ns/m"}},
                       {"lowest_energy_j", {lowest_energy_.load(), "J"}},
                       {"lowest_energy_rotation_j", {lowest_energy_rotation_.load(), "J"}},
+                      {"energy_bound_j", {bound_.load(), "J"}},
+                      {"energy_bound_rotation_j", {bound_rotation_.load(), "J"}},
+                      {"first_sample", {first_sample_.load(), "sample number"}},
                       {"faults", {faults_.load(), "samples"}},
                       {"stiffness_bound_max_n_per_m", {stiffness_.load(), "N/m"}},
                       {"stiffness_at_hand_n_per_m", {displayed, "N/m"}},
@@ -252,6 +278,11 @@ class CouplingNode {
   std::optional<std::int64_t> last_time_ns_;
   bool clutched_ = false;
   std::atomic<std::uint64_t> samples_{0}, clamped_{0}, capped_{0}, controlled_{0}, faults_{0};
+  std::atomic<std::uint64_t> first_sample_{0};
+  std::atomic<double> voxel_m_{0.0}, bound_{0.0}, bound_rotation_{0.0};
+  const std::atomic<bool>* stop_ = nullptr;
+  const runtime::Housekeeping* housekeeping_ = nullptr;
+  runtime::Heartbeat heartbeat_;
   std::atomic<double> stiffness_{0.0}, lowest_energy_{0.0}, lowest_energy_rotation_{0.0}, most_damping_{0.0};
   runtime::Session session_;
 };

@@ -10,6 +10,7 @@
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
+#include "nodes/runtime/heartbeat.hpp"
 #include "nodes/runtime/latency.hpp"
 
 namespace voxtouch::device {
@@ -43,6 +44,11 @@ struct Progress {
   std::atomic<std::uint64_t> foreign_writer{0};   ///< publication handle of the last writer that was ignored
   std::atomic<std::uint64_t> followed_writer{0};  ///< publication handle of the writer that is followed; 0: none yet
   std::atomic<double> max_force_n{0.0}, force_n{0.0};
+  std::atomic<double> recent_max_force_n{0.0};  ///< since whoever shows it last took it out
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::atomic<std::uint64_t> first_answered{kNone};  ///< number of the first sample that was answered
+  std::atomic<std::int64_t> longest_gap_ns{0};       ///< between two turns, of those that let the force go
+  runtime::Heartbeat heartbeat;
   std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic
   std::atomic<End> end{End::kNone};
   runtime::LatencyHistogram latency;
@@ -73,9 +79,11 @@ class DeviceLoop {
  private:
   End turn(const std::atomic<bool>& stop) noexcept;
   End after(DeviceError error) noexcept;
+  void let_go() noexcept;
+  bool stood_still() noexcept;
   void next_period() noexcept;
   void count_skipped(std::int64_t sample_ns) noexcept;
-  bool publish(const DeviceSample& sample) noexcept;
+  bool publish(const DeviceSample& sample, const std::atomic<bool>& stop) noexcept;
   std::optional<GuardInput> wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept;
   std::optional<GuardInput> wait_in_real_time() noexcept;
   std::optional<GuardInput> take_commands() noexcept;
@@ -96,6 +104,7 @@ class DeviceLoop {
   std::array<std::int64_t, 256> published_ns_{};
   Pose last_pose_;
   bool takes_force_ = false;  // the last write was accepted
+  std::int64_t last_turn_ns_ = 0, longest_gap_ns_;
 };
 
 }  // namespace voxtouch::device

@@ -14,6 +14,7 @@
 #include "devices/registry.hpp"
 #include "devices/settings.hpp"
 #include "nodes/device/device_loop.hpp"
+#include "nodes/device/last_second.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
@@ -84,7 +85,7 @@ std::string sentence(End end, const Driver& driver) {
     case End::kStopped: return "stopped on request; the device is at zero force";
     case End::kFinished: return "finished; the device is at zero force";
     case End::kPeerSilent: return "no command came for 5 s: is the coupling node alive? The device is at zero force";
-    case End::kPeerGone: return "a node that takes part has gone; the device is at zero force";
+    case End::kPeerGone: return "a node that takes part has gone";
     case End::kDeviceGone:
       return fmt::format("{} does not answer any more, zero force was its last command: {}", driver.description().model,
                          trouble.empty() ? "check its cable and power" : trouble);
@@ -136,7 +137,8 @@ class DeviceNode {
     {
       runtime::Housekeeping housekeeping(
           participant_, "device", options_,
-          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+          {{"its loop", [this] { return progress_.heartbeat.sign(); }}});
       end = wait_for_peers(stop);
       if (end == End::kNone) end = loop.run(stop);
       progress_.end.store(end, std::memory_order_release);
@@ -197,6 +199,7 @@ class DeviceNode {
   End wait_for_peers(const std::atomic<bool>& stop) {
     const std::int64_t give_up = runtime::monotonic_ns() + 60'000'000'000;
     while (options_.lockstep && !peers_ready_.load(std::memory_order_acquire)) {
+      progress_.heartbeat.beat();
       if (stop.load()) return End::kStopped;
       if (requests_.rig_taken.load()) return End::kRigTaken;
       if (runtime::monotonic_ns() > give_up) {
@@ -209,6 +212,7 @@ class DeviceNode {
   }
 
   std::string end_sentence(End end) const {
+    if (end == End::kPeerGone) return gone_ + "; the device is at zero force";
     return peers_late_ ? "not every node that takes part was ready within 60 s; missing: " + waiting_for_
                        : sentence(end, *driver_);
   }
@@ -224,6 +228,10 @@ class DeviceNode {
                    : end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                    : NodeState::kFailed;
     if (end == End::kNone && progress_.in_trouble.load()) trouble_ = trouble_of(*driver_, progress_.last_error.load());
+    if (const std::int64_t gap_ns = progress_.longest_gap_ns.load(); gap_ns > told_gap_ns_) {
+      told_gap_ns_ = gap_ns;
+      trouble_ = fmt::format("its process was kept from running for {:.0f} ms", static_cast<double>(gap_ns) * 1e-6);
+    }
     report.message = end != End::kNone ? end_sentence(end)
                      : progress_.in_trouble.load()
                          ? fmt::format("{} is at zero force: {}", driver_->description().model, trouble_)
@@ -241,13 +249,29 @@ class DeviceNode {
     bool ready = waiting_for_.empty();
     for (const std::string& peer : peers) {
       const auto report = roster.find(peer);
-      if (peers_ready_.load() && (!report || report->state == NodeState::kFailed)) requests_.peer_gone.store(true);
+      if (peers_ready_.load() && (!report || report->state == NodeState::kFailed))
+        lose(why_lost(roster, peer, report.has_value()));
       const bool answered = report && report->session_id == session_ &&
                             (report->state == NodeState::kReady || report->state == NodeState::kRunning);
       if (!answered) waiting_for_ += (waiting_for_.empty() ? "" : ", ") + peer + " to be ready";
       ready = ready && answered;
     }
     if (ready) peers_ready_.store(true, std::memory_order_release);
+    for (const runtime::Hung& hung : roster.hung())
+      if (options_.has_peer(hung.node) && peers_ready_.load() && hung.for_s * 1e9 >= runtime::kGivenUpNs)
+        lose(why_lost(roster, hung.node, false));
+  }
+
+  static std::string why_lost(const runtime::Roster& roster, const std::string& peer, bool failed) {
+    for (const runtime::Hung& hung : roster.hung())
+      if (hung.node == peer) return fmt::format("{} has given no sign of life for {:.1f} s", peer, hung.for_s);
+    return fmt::format("{} takes part and has {}", peer, failed ? "failed" : "gone");
+  }
+
+  /// Lockstep: the run cannot go on without it.
+  void lose(std::string sentence) {
+    if (gone_.empty()) gone_ = std::move(sentence);
+    requests_.peer_gone.store(true);
   }
 
   /// Two that start at the same time see nobody there. The older session stays; in lockstep, where sessions have no age, the smaller id.
@@ -272,7 +296,7 @@ class DeviceNode {
       foreign_ = roster.name_of(bus::participant_of_writer(commands_.get(), foreign));
   }
 
-  void fill(runtime::NodeReport& report) const {
+  void fill(runtime::NodeReport& report) {
     report.values = {{"scene", scene_.name},
                      {"scene_hash", scene_.hash},
                      {"device", driver_->description().model},
@@ -284,8 +308,14 @@ class DeviceNode {
     const std::uint64_t samples = progress_.samples.load();
     const double own_rate_hz = driver_->description().rate_hz;
     const auto latency_us = [&](double us) { return runtime::Figure(timed ? std::round(us) : 0.0, "us"); };
+    last_second_.look(runtime::monotonic_ns(), samples, progress_.latency.count(),
+                      progress_.recent_max_force_n.exchange(0.0));
     report.figures = {
         {"samples", {samples, "samples"}},
+        {"nominal_rate_hz", {own_rate_hz, "Hz"}},
+        {"last_second_max_force_n", {last_second_.largest_force_n(), "N"}},
+        {"last_second_answered_share", {last_second_.answered_share(), "1"}},
+        {"longest_gap_ms", {static_cast<double>(progress_.longest_gap_ns.load()) * 1e-6, "ms"}},
         {"rate_hz", {timed && elapsed_s > 0 ? static_cast<double>(samples) / elapsed_s : own_rate_hz, "Hz"}},
         {"latency_p50_us", latency_us(progress_.latency.quantile_us(0.5))},
         {"latency_p99_us", latency_us(progress_.latency.quantile_us(0.99))},
@@ -302,6 +332,8 @@ class DeviceNode {
         {"held_poses", {progress_.held_poses.load(), "samples"}},
         {"faded", {progress_.faded.load(), "samples"}},
         {"foreign_commands", {progress_.foreign_commands.load(), "commands"}}};
+    if (const std::uint64_t first = progress_.first_answered.load(); first != Progress::kNone)
+      report.figures["first_answered"] = {first, "sample number"};
   }
 
   const Options& options_;
@@ -319,6 +351,9 @@ class DeviceNode {
   std::atomic<bool> peers_ready_{false};
   std::atomic<bool> peers_late_{false};
   std::string foreign_, waiting_for_;
+  std::string gone_;  ///< lockstep: who was lost, and how
+  LastSecond last_second_;
+  std::int64_t told_gap_ns_ = 0;
   std::string trouble_;  ///< what last kept the device from giving force
 };
 

@@ -34,11 +34,17 @@ class LoggerNode {
     {
       runtime::Housekeeping housekeeping(
           participant_, "logger", options_,
-          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+          {{"its loop", [this] { return heartbeat_.sign(); }},
+           {"its disk", [this] { return recorder_.turns() + closing_.sign(); }}});
       std::int64_t last_discovery = 0;
-      while (!stop.load(std::memory_order_relaxed)) {
+      while (!stop.load(std::memory_order_relaxed) && !housekeeping.peer_lost()) {
+        heartbeat_.beat();
         wait_set_.wait(20'000'000);
-        descriptions_.take_each([this](const msg::DeviceDescription& d) { session_.begin(d.session_id); });
+        descriptions_.take_each([this](const msg::DeviceDescription& d) {
+          session_.begin(d.session_id);
+          session_in_bag_.store(d.session_id, std::memory_order_relaxed);
+        });
         topics_.drain();
         if (const std::int64_t now = runtime::monotonic_ns(); now - last_discovery > 50'000'000) {
           last_discovery = now;
@@ -49,9 +55,13 @@ class LoggerNode {
       // Not for ever: others may go on writing, a ring that this logger only listens to or a robot whose topics it was told.
       const std::int64_t now = runtime::monotonic_ns(), quiet_until = now + 100'000'000, end = now + kLongestFarewellNs;
       do {
+        heartbeat_.beat();
         descriptions_.take_each([](const msg::DeviceDescription&) {});
         topics_.drain();
       } while (runtime::monotonic_ns() < end && (wait_set_.wait(20'000'000) || runtime::monotonic_ns() < quiet_until));
+      lost_peer_ = housekeeping.peer_lost();
+      constexpr std::int64_t kLongestCloseNs = 20'000'000'000;  // as long as `up` waits for it
+      const runtime::Heartbeat::Busy busy(heartbeat_, kLongestCloseNs), closing(closing_, kLongestCloseNs);
       final_ = recorder_.stop();
       session_.stop();  // what is final is in place
     }
@@ -62,7 +72,7 @@ class LoggerNode {
         fmt::print(stderr,
                    "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or full\n",
                    t.dropped + t.lost, t.received, t.name);
-    return lost == 0 && final_.errors.empty() ? 0 : 1;
+    return lost == 0 && final_.errors.empty() && !lost_peer_ ? 0 : 1;
   }
 
  private:
@@ -79,6 +89,7 @@ class LoggerNode {
                       {"written", {now.total(&bag::TopicReport::written), "messages"}},
                       {"dropped", {lost, "messages"}},
                       {"topics", {now.topics.size(), "topics"}}};
+    topics_.tell(session_in_bag_.load(std::memory_order_relaxed), report.figures);
     session_.report_to(report, options_, roster, links_, "a device", true);
   }
 
@@ -91,6 +102,9 @@ class LoggerNode {
   std::vector<runtime::Link> links_;
   bag::RecordingReport final_;
   runtime::Session session_;
+  std::atomic<std::uint64_t> session_in_bag_{0};
+  runtime::Heartbeat heartbeat_, closing_;
+  bool lost_peer_ = false;
 };
 
 }  // namespace

@@ -47,20 +47,26 @@ class RenderingNode {
     stop_ = &stop;
     runtime::Housekeeping housekeeping(
         participant_, "rendering", options_,
-        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
-    while (!stop.load(kRelaxed)) {
+        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+        {{"its loop", [this] { return heartbeat_.sign(); }}});
+    housekeeping_ = &housekeeping;
+    while (!over()) {
+      heartbeat_.beat();
       wait_set_.wait(50'000'000);
       descriptions_.take_each([this](const msg::DeviceDescription& d) { start_session(d.session_id); });
       msg::DeviceState state;
       const std::uint64_t before = samples_.load(kRelaxed);
-      while (states_.take(state) && !stop.load(kRelaxed)) answer(state);
+      while (states_.take(state) && !over()) answer(state);
       if (samples_.load(kRelaxed) == before) idle();
     }
     session_.stop();
-    return 0;
+    return housekeeping.peer_lost() ? 1 : 0;
   }
 
  private:
+  /// Asked to stop, or in lockstep a peer is lost.
+  bool over() const noexcept { return stop_->load(kRelaxed) || housekeeping_->peer_lost(); }
+
   void start_session(std::uint64_t session) {
     if (session == session_in_loop_) return;  // the device has described itself anew; the scene is the same
     live_.reset();
@@ -82,20 +88,24 @@ class RenderingNode {
     if (!options_.lockstep && live_.fading() && runtime::monotonic_ns() - last_answer_ns_ > 500'000'000) live_.finish();
   }
 
-  static void nap() noexcept { runtime::sleep_until(runtime::monotonic_ns() + 200'000); }
+  void nap() noexcept {
+    heartbeat_.beat();
+    runtime::sleep_until(runtime::monotonic_ns() + 200'000);
+  }
 
   /// Between two samples. In lockstep it waits here for what the sample `next` must be answered with: the plan of a change, which
   /// readers must have before it, or a scene that is still being built.
   void change(std::uint64_t next, bool at_sample) noexcept {
-    while (options_.lockstep && at_sample && line_.holds(next) && !stop_->load(kRelaxed)) nap();
+    while (options_.lockstep && at_sample && line_.holds(next) && !over()) nap();
     if (!options_.lockstep) (void)line_.holds(next);
     line_.take(live_, next, at_sample);
-    while (options_.lockstep && !line_.settled(line_.applied()) && !stop_->load(kRelaxed)) nap();
+    while (options_.lockstep && !line_.settled(line_.applied()) && !over()) nap();
   }
 
   /// A sample that cannot be used is answered with the last good pose's contact for as long as a device holds a command.
   void answer(const msg::DeviceState& state) noexcept {
     const std::int64_t begin = runtime::monotonic_ns();
+    heartbeat_.beat();
     if (state.session_id != session_in_loop_) return;  // its description, which is reliable, is on the way
     change(state.sequence_number, true);
     next_sample_ = state.sequence_number + 1;
@@ -149,7 +159,11 @@ class RenderingNode {
         (touch.crossed ? msg::contact_state::kFlagCrossed : 0U) | (touch.missed ? msg::contact_state::kFlagMissed : 0U);
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
-    contacts_.write(m);
+    contacts_.write_until(m, [this] {
+      heartbeat_.beat();
+      return !options_.lockstep || over();
+    });
+    if (samples_.load(kRelaxed) == 0) first_sample_.store(state.sequence_number, kRelaxed);
     ros_.show(
         {state.sample_time_ns, frame_.object, frame_.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
     samples_.fetch_add(1, kRelaxed);
@@ -173,6 +187,7 @@ class RenderingNode {
       report.figures[name] = {samples.load(), "samples"};
     };
     count("samples", samples_);
+    report.figures["first_sample"] = {first_sample_.load(), "sample number"};
     count("contact_samples", contact_samples_);
     count("refused_samples", refused_);
     count("fast_samples", fast_);
@@ -203,6 +218,8 @@ class RenderingNode {
   bus::WaitSet wait_set_;
   std::vector<runtime::Link> links_;
   const std::atomic<bool>* stop_ = nullptr;
+  const runtime::Housekeeping* housekeeping_ = nullptr;
+  runtime::Heartbeat heartbeat_;
   std::uint64_t session_in_loop_ = 0;
   runtime::Session session_;
   SceneFrame frame_;
@@ -211,7 +228,7 @@ class RenderingNode {
   std::uint64_t next_sample_ = 0;     ///< number of the first one that has not been answered
   std::int64_t last_answer_ns_ = 0;
   std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0}, buried_{0}, saturated_{0};
-  std::atomic<std::uint64_t> crossed_{0}, missed_{0};
+  std::atomic<std::uint64_t> crossed_{0}, missed_{0}, first_sample_{0};
   std::atomic<std::int64_t> longest_ns_{0};
 };
 

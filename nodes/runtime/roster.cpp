@@ -26,7 +26,7 @@ StatusWriter::StatusWriter(const bus::Participant& participant, std::string node
   own_.participant = participant.guid();
 }
 
-void StatusWriter::publish(const NodeReport& report) {
+void StatusWriter::publish(const NodeReport& report, bool tell_ros) {
   std::vector<msg::diagnostic_msgs_KeyValue> values;
   for (const auto& [key, value] : report.values) values.push_back({lend(key), lend(value)});
   std::vector<msg::Figure> figures;
@@ -44,7 +44,7 @@ void StatusWriter::publish(const NodeReport& report) {
   sample.figures._buffer = figures.data();
   sample.figures._length = sample.figures._maximum = static_cast<std::uint32_t>(figures.size());
   writer_.write(sample);
-  if (diagnostics_.matched_count() > 0) publish_diagnostics(report, std::move(values));
+  if (tell_ros && diagnostics_.matched_count() > 0) publish_diagnostics(report, std::move(values));
 }
 
 void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue> values) {
@@ -78,19 +78,36 @@ Roster::Roster(const bus::Participant& participant, const std::string& rig)
     : reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)) {}
 
 void Roster::update(bool keep_gone) {
+  clock_.look(monotonic_ns());
   reader_.take_each([this](const msg::NodeStatus& s) {
-    NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}, {}};
+    NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}, {}, 0};
     std::memcpy(report.participant.data(), s.participant, report.participant.size());
     for (std::uint32_t i = 0; i < s.values._length; ++i)
       report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
     for (std::uint32_t i = 0; i < s.figures._length; ++i)
       report.figures[s.figures._buffer[i].name] = {s.figures._buffer[i].value, s.figures._buffer[i].unit};
+    report.heard_ns = clock_.now_ns();
     reports_[report.participant] = std::move(report);
   });
   if (keep_gone) return;
   const std::vector<bus::Guid> here = reader_.matched();
+  remember_vanished(here);
   std::erase_if(reports_,
                 [&](const auto& entry) { return std::find(here.begin(), here.end(), entry.first) == here.end(); });
+}
+
+void Roster::remember_vanished(const std::vector<bus::Guid>& here) {
+  constexpr std::size_t kMost = 16;  // names are anybody's to choose
+  constexpr double kRememberedS = 10.0;
+  for (const auto& [guid, report] : reports_)
+    if (std::find(here.begin(), here.end(), guid) == here.end() && !report.final() && vanished_.size() < kMost)
+      vanished_[report.node] = report;
+  std::erase_if(vanished_, [&](const auto& entry) {
+    const bool again = std::any_of(reports_.begin(), reports_.end(), [&](const auto& known) {
+      return known.second.node == entry.first && std::find(here.begin(), here.end(), known.first) != here.end();
+    });
+    return again || silent_s(entry.second) > kRememberedS;
+  });
 }
 
 std::vector<NodeReport> Roster::reports() const {
@@ -104,6 +121,27 @@ std::optional<NodeReport> Roster::find(std::string_view node) const {
   for (const auto& [guid, report] : reports_)
     if (report.node == node) return report;
   return std::nullopt;
+}
+
+std::vector<Hung> Roster::hung() const {
+  constexpr double kHungS = static_cast<double>(kHungNs) * 1e-9;
+  std::vector<Hung> all;
+  std::vector<NodeReport> asked = reports();
+  for (const auto& [name, report] : vanished_) asked.push_back(report);
+  for (const NodeReport& report : asked) {
+    if (report.final() || report.node == "up") continue;  // `up` has no loop, and says once that it is here
+    const double silent = silent_s(report), stalled = value_of(report.figures, kStalledFor);
+    if (silent > kHungS) {
+      all.push_back({report.node, report.participant, silent,
+                     fmt::format("{} hangs: no status has come from it for {} s", report.node, kHungS)});
+    } else if (stalled > kHungS) {
+      const auto what = report.values.find(kStalled);
+      all.push_back({report.node, report.participant, stalled,
+                     fmt::format("{} hangs: {} has stood still for {} s", report.node,
+                                 what == report.values.end() ? "its loop" : what->second, kHungS)});
+    }
+  }
+  return all;
 }
 
 std::string Roster::name_of(const bus::Guid& guid) const {
