@@ -30,7 +30,7 @@ struct UpOptions {
   device::HandChoice hand;
   double duration_s = 0.0;
   std::filesystem::path bag;
-  std::vector<std::string> settings, topics;
+  std::vector<std::string> settings, topics, limits;
   std::uint64_t every = 20;
   bool no_record = false, one_process = false, json = false;
 };
@@ -55,6 +55,8 @@ class Run {
     summary_.motion = options.motion;
     summary_.mode = options.node.lockstep ? "lockstep" : "real time";
     summary_.seed = options.node.seed;
+    summary_.validate_every = static_cast<double>(options.every);
+    for (const std::string& text : options.limits) ask_limit(text, summary_.asked);
     if (!options.no_record)
       summary_.bag = options.bag.empty() ? default_bag(scene.name).string() : options.bag.string();
   }
@@ -139,7 +141,7 @@ class Run {
         tell_trouble();
         next_line += 1'000'000'000;
       }
-      bool over = false;
+      bool over = watch_for_hung();
       for (const auto& member : crew_)
         if (const auto status = member->ended()) {
           if (member->name() != "device" || *status != 0) note_end(member->name(), *status);
@@ -153,12 +155,43 @@ class Run {
       summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", options_.duration_s));
   }
 
+  /// Names who hangs as soon as it is known, and when it is heard again. True once one has been silent for too long to wait for.
+  bool watch_for_hung() {
+    for (const auto& [name, report] : summary_.reports) {
+      if (report.final() || !is_running(name)) continue;
+      if (const double silent_s = roster_.silent_s(report); silent_s > summary_.silence_s)
+        summary_.silence_s = silent_s, summary_.silent = name;
+    }
+    std::set<std::string> still;
+    for (const runtime::Hung& hung : roster_.hung()) {
+      const auto ours = summary_.reports.find(hung.node);
+      if (ours == summary_.reports.end() || ours->second.participant != hung.participant || !is_running(hung.node)) continue;
+      still.insert(hung.node);
+      if (hanging_.insert(hung.node).second) fmt::print(stderr, "  {}\n", hung.sentence);
+      if (hung.for_s * 1e9 < static_cast<double>(runtime::kGivenUpNs)) continue;
+      summary_.problems.push_back(fmt::format("{} has given no sign of life for {} s: the run ends without it", hung.node,
+                                              runtime::kGivenUpNs / 1'000'000'000));
+      return true;
+    }
+    std::erase_if(hanging_, [&](const std::string& name) {
+      if (still.contains(name)) return false;
+      fmt::print(stderr, "  {} is heard again\n", name);
+      return true;
+    });
+    return false;
+  }
+
+  bool is_running(const std::string& name) {
+    Member* member = find(name);
+    return member && !member->ended();
+  }
+
   /// What keeps a device that runs from giving force is said when it begins, not only in the end.
   void tell_trouble() {
     const auto report = summary_.reports.find("device");
     if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
     const std::string& message = report->second.message;
-    if (message == told_) return;
+    if (message == told_ || !hanging_.empty()) return;  // who hangs has been named
     if (message != "running") fmt::print(stderr, "  device: {}\n", message);
     told_ = message;
   }
@@ -180,7 +213,8 @@ class Run {
       Member* member = find(name);
       if (!member) continue;
       member->request_stop();
-      const int status = member->join(milliseconds(name == std::string("logger") ? 20'000 : 8'000));
+      const int patience_ms = hanging_.contains(name) ? 1'000 : name == std::string("logger") ? 20'000 : 8'000;
+      const int status = member->join(milliseconds(patience_ms));
       listen();
       if (status != 0 && !was_cut_short(name, status)) note_end(name, status);
     }
@@ -218,6 +252,7 @@ class Run {
   CrewOptions crew_options_;
   std::vector<std::unique_ptr<Member>> crew_;
   std::string told_ = "running";  ///< of the device
+  std::set<std::string> hanging_;         ///< members that give no sign of life now
   std::set<std::string> noted_;  ///< members whose end is among the problems
   RunSummary summary_;
 };
@@ -276,6 +311,12 @@ void add_up(CLI::App& app, Action& action) {
   verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")
       ->capture_default_str()
       ->check(runtime::require_positive);
+  verb->add_option("--limit", options->limits,
+                   "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets one of them (0 or inf "
+                   "lifts it), and may be given more than once. Defaults: " +
+                       describe_limits())
+      ->allow_extra_args(false)
+      ->check(check_limit);
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
   verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");

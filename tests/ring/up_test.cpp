@@ -124,12 +124,7 @@ TEST(Up, SaysWhichNodeDiedAndLeavesABagThatOpens) {
   Process up(up_arguments(shipped_scene("plane"),
                           {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
-  for (const pid_t node : children_of(up.pid())) {
-    std::ifstream command("/proc/" + std::to_string(node) + "/cmdline");
-    std::string program;
-    std::getline(command, program, '\0');
-    if (program.ends_with("voxtouch_rendering")) ::kill(node, SIGKILL);  // a child of ours' child
-  }
+  ::kill(child_called(up.pid(), "voxtouch_rendering"), SIGKILL);  // a child of ours' child
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1);
   EXPECT_NE(end.out.find("rendering was ended by signal 9"), std::string::npos) << end.out << end.err;
