@@ -13,7 +13,7 @@
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/log/progress.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -75,7 +75,7 @@ Asked ask(const DesignOptions& o, const DeviceFile& device) {
   } else {
     const Scene scene = load_scene(o.scene);
     tell("building {} to count its points\n", scene.name);
-    const auto built = build_scene(scene, serial_for());
+    const auto built = build_scene(scene, serial_for(), {}, tell_each_second("design"));
     const Plan& plan = built->plan();
     out.request = design_request(scene, device.model, device.grip, plan.contact_n_per_m, plan.contact_nm_per_rad);
     if (scene.design) hand = std::string(name_of(scene.design->hand));

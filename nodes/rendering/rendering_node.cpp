@@ -12,7 +12,7 @@
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/log/progress.hpp"
 #include "nodes/rendering/change_desk.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
@@ -269,7 +269,7 @@ class RenderingNode {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const Scene scene = load_scene(options.scene);
-  std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for());
+  std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for(), {}, tell_each_second("rendering"));
   for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);

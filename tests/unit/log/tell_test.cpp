@@ -1,6 +1,8 @@
 // What is told never holds up or ends the one who tells it, whatever stderr is.
 #include "nodes/log/tell.hpp"
 
+#include "nodes/log/progress.hpp"
+
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
@@ -123,7 +125,7 @@ TEST(Tell, DoesNotWaitForAPipeThatNobodyReadsNorDoesTheEndOfTheProcess) {
 
 TEST(Tell, KeepsTheNewestTextsForASlowReaderAndSaysHowManyAreMissing) {
   const Pipe pipe;
-  std::string all;
+  std::string all = "\n";
   EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
                                      [&] {
                                        tell_much_and_expect_no_wait();
@@ -153,6 +155,18 @@ TEST(Tell, IsNotSharedWithAFileThatIsOpenedAfterStderrWasClosed) {
                                        if (lseek(file, 0, SEEK_END) != 0) std::exit(97);
                                      }),
             7);
+}
+
+TEST(Progress, IsToldOnceASecondAtMostAndNotInTheFirst) {
+  const Pipe pipe;
+  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
+                                     [] {
+                                       const auto step = tell_each_second("rendering");
+                                       const auto begin = steady_clock::now();
+                                       while (steady_clock::now() - begin < milliseconds(1200)) step("reading mesh 2 of 3");
+                                     }),
+            7);
+  EXPECT_EQ(drain(pipe.end[0]), "rendering: reading mesh 2 of 3\n");
 }
 
 TEST(PrintResult, ThrowsWhereTheResultGoesNowhere) {
