@@ -279,6 +279,11 @@ TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
       around.touch();
       return around.message().find("damping_ns_per_m is") != std::string::npos;
     })) << around.message();
+    const std::size_t designs = around.seen.size();
+    around.forces.clear();
+    for (int i = 0; i < 200; ++i) around.touch();
+    EXPECT_EQ(around.seen.size(), designs) << "it designs for a device that cannot be";
+    EXPECT_FALSE(around.forces.empty());
     around.describe(20.0);
     ASSERT_TRUE(wait_until([&] {
       around.touch();
