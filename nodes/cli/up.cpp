@@ -49,7 +49,8 @@ std::filesystem::path default_bag(const std::string& scene) {
 class Run {
  public:
   Run(const UpOptions& options, const Scene& scene)
-      : options_(options), participant_(options.node.participant("up")), roster_(participant_, options.node.rig),
+      : options_(options), participant_(options.node.participant("up")),
+        status_(participant_, "up", options.node.rig), roster_(participant_, options.node.rig),
         verdicts_(participant_, qos::kValidation, options.node.rig, qos::profile(qos::ProfileId::kTap)) {
     summary_.scene = scene.name;
     summary_.device = options.device;
@@ -78,12 +79,28 @@ class Run {
   }
 
  private:
+  /// Says that it is here before it looks, so that of two that are started at once each sees the other: the one with the smaller GUID
+  /// goes on, the other says so before it has started anything. One that runs already stays.
   void require_free_rig() {
-    if (const auto other = runtime::look_for_others(roster_, "", milliseconds(500)))
+    const auto in_the_way = [this](const runtime::NodeReport& other) {
+      if (other.participant == participant_.guid()) return false;
+      if (other.state == runtime::NodeState::kStopped || other.state == runtime::NodeState::kFailed) return false;
+      return other.node != "up" || other.state == runtime::NodeState::kRunning || other.participant < participant_.guid();
+    };
+    announce(runtime::NodeState::kStarting);
+    if (const auto other = runtime::look_for(roster_, in_the_way, milliseconds(500)))
       throw std::runtime_error(
           fmt::format("rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or "
                       "choose another --rig or --domain",
                       options_.node.rig, options_.node.domain, other->node, other->pid, other->host));
+    announce(runtime::NodeState::kRunning);
+  }
+
+  void announce(runtime::NodeState state) {
+    runtime::NodeReport report;
+    report.state = state;
+    report.message = "this ring's `voxtouch up`";
+    status_.publish(report);
   }
 
   CrewOptions crew() const {
@@ -110,12 +127,15 @@ class Run {
   }
 
   void listen() {
-    roster_.update(true);
+    roster_.update([this](const runtime::NodeReport& report) { return is_of_crew(report); });
     verdicts_.take_each([](const msg::ValidationReport&) {});
     for (const runtime::NodeReport& report : roster_.reports())
-      if (std::any_of(crew_.begin(), crew_.end(),
-                      [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; }))
-        summary_.reports[report.node] = report;
+      if (is_of_crew(report)) summary_.reports[report.node] = report;
+  }
+
+  bool is_of_crew(const runtime::NodeReport& report) const {
+    return std::any_of(crew_.begin(), crew_.end(),
+                       [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; });
   }
 
   std::vector<std::string> names() const {
@@ -214,6 +234,7 @@ class Run {
 
   const UpOptions& options_;
   bus::Participant participant_;
+  runtime::StatusWriter status_;
   runtime::Roster roster_;
   bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges for whoever reads; its counts come with its status
   CrewOptions crew_options_;

@@ -62,6 +62,7 @@ void Housekeeping::turn() {
   roster_.update();
   NodeReport report = last_;
   look_(roster_, report);
+  report.figures["refused_statuses"] = {roster_.refused(), "statuses"};
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   compare_scenes(report);

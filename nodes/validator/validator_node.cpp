@@ -9,7 +9,8 @@
 #include "core/reference/judgement.hpp"
 #include "core/reference/reference_scene.hpp"
 #include "core/scene/scene_file.hpp"
-#include "nodes/bus/reader.hpp"
+#include "nodes/bus/followed_reader.hpp"
+#include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/log/tell.hpp"
@@ -17,6 +18,7 @@
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/strings.hpp"
 
@@ -48,10 +50,10 @@ class ValidatorNode {
  public:
   ValidatorNode(const Options& options, const Scene& scene)
       : options_(options), name_(scene.name), hash_(scene.hash), scene_(scene), reference_(scene), participant_(options.participant("validator")),
-        plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
+        plans_(participant_, qos::kScenePlan, options.rig),
         contacts_(participant_, qos::kContactState, options.rig, contact_profile(options)),
         reports_(participant_, qos::kValidation, options.rig, qos::profile_in(qos::kValidation, options.mode())),
-        wait_set_(participant_) {
+        wait_set_(participant_), rendering_("rendering", {&plans_.following(), &contacts_.following()}) {
     for (const dds_entity_t condition : {plans_.condition(), contacts_.condition()}) wait_set_.attach(condition);
     links_ = {{"rendering/contact", [this] { return contacts_.matched(); }, {"rendering"}},
               {"validation", [this] { return reports_.matched(); }, {"logger"}}};
@@ -66,9 +68,9 @@ class ValidatorNode {
     while (!leave) {
       leave = stop.load(std::memory_order_relaxed);  // one more turn after the stop: what came before it is judged too
       wait_set_.wait(leave ? 100'000'000 : 50'000'000);
-      plans_.take_each([this](const msg::ScenePlan& plan) { take(plan); });
+      plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
       msg::ContactState contact;
-      while (contacts_.take(contact)) check(contact);
+      for (int i = 0; i < contacts_.kMostTakes && contacts_.take(contact); ++i) check(contact);
     }
     if (options_.lockstep) reports_.wait_for_acknowledgments(DDS_SECS(5));
     session_.stop();
@@ -144,7 +146,7 @@ class ValidatorNode {
   }
 
   void check(const msg::ContactState& contact) {
-    if (options_.lockstep) plans_.take_each([this](const msg::ScenePlan& plan) { take(plan); });
+    if (options_.lockstep) plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
     if (!judge_ || contact.session_id != session_in_loop_) return;
     if (next_ && contact.sequence_number >= next_->from_sample) follow_change();
     // While one scene fades into another, what is felt is neither's; behind a wall crossed too fast it is of where that was entered.
@@ -207,9 +209,13 @@ class ValidatorNode {
                       {"agree", {counts_.agree, "samples"}},           {"in_band", {counts_.in_band, "samples"}},
                       {"disagree", {counts_.disagree, "samples"}},     {"by_rendering", {counts_.rendering, "samples"}},
                       {"by_reference", {counts_.reference, "samples"}}};
+    report.figures["foreign_samples"] = {rendering_.refused(), "samples"};
+    rendering_.update(roster, std::nullopt);
+    const std::string trouble = rendering_.trouble(roster);
     const std::string missing =
         session_.report_to(report, options_, roster, links_, "the rendering", counts_.checked > 0);
     report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_
+                     : !trouble.empty()           ? trouble
                      : !missing.empty()           ? "waiting for " + missing
                      : unread_                    ? "idle: nobody reads the verdicts"
                                                   : "no disagreement";
@@ -220,10 +226,11 @@ class ValidatorNode {
   Scene scene_;
   ReferenceScene reference_;
   bus::Participant participant_;
-  bus::Reader<msg::ScenePlan> plans_;
-  bus::Reader<msg::ContactState> contacts_;
+  bus::LatchedReader<msg::ScenePlan> plans_;
+  bus::FollowedReader<msg::ContactState> contacts_;
   bus::Writer<msg::ValidationReport> reports_;
   bus::WaitSet wait_set_;
+  runtime::RoleBinding rendering_;  ///< only its samples are judged
   std::vector<runtime::Link> links_;
   std::unique_ptr<Judge> judge_;
   Built built_;                ///< what is judged
