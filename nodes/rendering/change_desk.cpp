@@ -339,12 +339,12 @@ void ChangeDesk::refuse(const Request& request, const std::string& sentence) {
   answer(request, result::kResultRefused, 0, sentence);
 }
 
-std::map<std::string, std::string> ChangeDesk::values() const {
+runtime::Figures ChangeDesk::figures() const {
   const std::lock_guard lock(plan_mutex_);
-  return {{"warnings", fmt::to_string(plan_.warnings.size())},
-          {"changes", fmt::to_string(done_.load())},
-          {"refused_changes", fmt::to_string(refused_.load())},
-          {"reloads", fmt::to_string(reloads_.load())}};
+  return {{"warnings", {plan_.warnings.size(), "warnings"}},
+          {"changes", {done_.load(), "changes"}},
+          {"refused_changes", {refused_.load(), "changes"}},
+          {"reloads", {reloads_.load(), "reloads"}}};
 }
 
 }  // namespace voxtouch::rendering
