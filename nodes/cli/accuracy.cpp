@@ -14,6 +14,7 @@
 #include "nodes/cli/accuracy_ask.hpp"
 #include "nodes/cli/accuracy_report.hpp"
 #include "nodes/cli/output_file.hpp"
+#include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
@@ -63,7 +64,7 @@ constexpr const char* kFooter =
     "Exit status 0; 1 where the wish is not met by any setting or nothing could be measured.\n"
     "\n"
     "Examples\n"
-    "  voxtouch accuracy deploy/scenes/cup.yaml --plot accuracy.svg             what there is to choose from\n"
+    "  voxtouch accuracy deploy/scenes/cup.yaml --plot accuracy.png             what there is to choose from\n"
     "  voxtouch accuracy deploy/scenes/cup.yaml --want-direction-deg 1          the cheapest that points within 1 deg\n"
     "  voxtouch accuracy deploy/scenes/cup.yaml --within-us 200                 the most accurate within 200 us\n"
     "  voxtouch accuracy deploy/scenes/plane.yaml --models adapted,field --voxel-sizes 0.004,0.002 --shell-densities "
@@ -127,6 +128,16 @@ AccuracyReport measure(const AccuracyVerb& o) {
   return report;
 }
 
+<<<<<<< ours
+int show(const AccuracyVerb& o, const AccuracyReport& report, OutputFile* csv) {
+  const std::string json = to_json(report).dump(2);
+  print_result("{}", o.json ? json + "\n" : to_text(report));
+  if (csv) {
+    csv->keep(to_csv(report));
+    tell("{} holds the table\n", o.csv.string());
+  }
+  if (!o.plot.empty()) tell("{}\n", draw_picture("accuracy", json, o.plot));
+=======
 void keep(OutputFile& file, const std::string& text, const char* what) {
   file.keep(text);
   tell("{} {}\n", file.path().string(), what);
@@ -143,16 +154,22 @@ int accuracy(const AccuracyVerb& o) {
     print_result("{}", to_text(report));
   if (csv) keep(*csv, to_csv(report), "holds the table");
   if (plot) keep(*plot, to_svg(accuracy_figure(report)), "shows error over time");
+>>>>>>> theirs
   return !report.advice.front.empty() && report.advice.met.value_or(true) ? 0 : 1;
 }
 
 int run(const AccuracyVerb& o) {
+  std::unique_ptr<OutputFile> csv;
+  AccuracyReport report;
   try {
-    return accuracy(o);
+    if (!o.plot.empty()) check_picture(o.plot);
+    if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
+    report = measure(o);
   } catch (const std::exception& error) {
     if (o.json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
     throw;
   }
+  return show(o, report, csv.get());  // outside: what was measured is on stdout, and stays the only object there
 }
 
 /// One word after the option, split at its commas: what follows may be the scene.
@@ -200,7 +217,7 @@ void add_accuracy(CLI::App& app, Action& action) {
   add_wishes(*verb, o->wish);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->add_option("--csv", o->csv, "Writes the table as CSV");
-  verb->add_option("--plot", o->plot, "Writes an SVG: direction error and noise over time, with the Pareto front");
+  verb->add_option("--plot", o->plot, "Draws direction error and noise over time, with the Pareto front, as .png, .svg or .pdf");
   verb->callback([o, &action] { action = [o] { return run(*o); }; });
 }
 
