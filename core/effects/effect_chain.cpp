@@ -103,6 +103,10 @@ EffectPush EffectChain::apply(const EffectFrame& frame) noexcept {
   return sum;
 }
 
+bool EffectChain::at_rest() const noexcept {
+  return std::all_of(links_.begin(), links_.end(), [](const Link& link) { return link.now == link.goal.values; });
+}
+
 void EffectChain::reset() noexcept {
   for (Link& link : links_) link.effect->reset();
 }

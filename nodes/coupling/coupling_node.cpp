@@ -74,14 +74,22 @@ class CouplingNode {
   }
 
   /// A new session starts with its own fit. A change within one is fitted beside the loop, but for lockstep, where the sample from
-  /// which it holds must not depend on how fast the fit is.
+  /// which it holds must not depend on how fast the fit is. Meanwhile the coupling that runs is held against what has come: one that
+  /// does not fit any more commands nothing from here on.
   void follow_change() {
-    if (fitting_.session() != session_in_loop_)
-      start_session();
-    else if (options_.lockstep)
-      adopt(fitting_.fit());
-    else
-      fitting_.begin();
+    if (fitting_.session() != session_in_loop_) return start_session();
+    if (options_.lockstep && fitting_.outdated()) return adopt(fitting_.fit());
+    judge_running();
+    if (fitting_.outdated()) fitting_.begin();
+  }
+
+  void judge_running() {
+    std::string refusal = fitting_.judge(running_.fitted);
+    // One that would fit again for another device or contact waits for its own fit.
+    if (refusal.empty() == running_.fitted.refusal.empty() || (refusal.empty() && fitting_.outdated())) return;
+    FittedCoupling judged = running_.fitted;
+    judged.refusal = std::move(refusal);
+    adopt(std::move(judged));
   }
 
   void start_session() {

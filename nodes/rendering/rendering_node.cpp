@@ -10,6 +10,7 @@
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/device_model.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/stamps.hpp"
@@ -30,7 +31,8 @@ class RenderingNode {
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         ros_(participant_, options.rig, scene),
         desk_(participant_, options, scene, std::move(built), line_,
-              [this](const Scene& next) { ros_.set_static_meshes(next.static_meshes); }),
+              [this](const Scene& next) { ros_.set_static_meshes(next.static_meshes); },
+              [this](std::uint64_t session) { session_.begin(session); }),
         wait_set_(participant_) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
@@ -48,7 +50,7 @@ class RenderingNode {
         [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
     while (!stop.load(kRelaxed)) {
       wait_set_.wait(50'000'000);
-      descriptions_.take_each([this](const msg::DeviceDescription& d) { start_session(d.session_id); });
+      descriptions_.take_each([this](const msg::DeviceDescription& d) { follow(d); });
       msg::DeviceState state;
       const std::uint64_t before = samples_.load(kRelaxed);
       while (states_.take(state) && !stop.load(kRelaxed)) answer(state);
@@ -59,8 +61,16 @@ class RenderingNode {
   }
 
  private:
+  /// Of the session that runs: the device has described itself anew; the scene is the same, but may not be fit for it.
+  void follow(const msg::DeviceDescription& d) {
+    if (d.session_id != session_in_loop_) start_session(d.session_id);
+    auto device = std::make_unique<DescribedDevice>(DescribedDevice{d.session_id, runtime::model_of(d, d.simulated)});
+    parse_grip(d.grip, device->grip);
+    desk_.device_is(std::move(device));
+  }
+
+  /// Ready is said by the desk, when readers have the plan.
   void start_session(std::uint64_t session) {
-    if (session == session_in_loop_) return;  // the device has described itself anew; the scene is the same
     live_.reset();
     line_.begin_session(session);
     next_sample_ = 0;
@@ -69,8 +79,6 @@ class RenderingNode {
     refused_in_a_row_ = 0;
     session_in_loop_ = session;
     session_begin_ns_.reset();
-    desk_.begin_session(session);
-    session_.begin(session);
   }
 
   /// No sample has come: what waits for none is changed now. A fade goes on with the samples; where there are none for long,
@@ -181,6 +189,10 @@ class RenderingNode {
     report.message = session_.stopped()
                          ? "stopped"
                          : "scene '" + scene_.name + "' is built" + (missing.empty() ? "" : "; waiting for " + missing);
+    const std::string refusal = desk_.refusal();
+    if (refusal.empty() || session_.stopped()) return;
+    report.state = runtime::NodeState::kFailed;
+    report.message = refusal + " No force is commanded.";
   }
 
   static constexpr int kHoldSamples = 3;
@@ -195,12 +207,12 @@ class RenderingNode {
   bus::Reader<msg::DeviceState> states_;
   bus::Writer<msg::ContactState> contacts_;
   RosOutputs ros_;
+  runtime::Session session_;
   ChangeDesk desk_;
   bus::WaitSet wait_set_;
   std::vector<runtime::Link> links_;
   const std::atomic<bool>* stop_ = nullptr;
   std::uint64_t session_in_loop_ = 0;
-  runtime::Session session_;
   SceneFrame frame_;
   std::optional<std::int64_t> session_begin_ns_;  ///< device clock of the first sample answered
   int refused_in_a_row_ = 0;
