@@ -1,6 +1,8 @@
-"""The README's table of hard cases names tests: each must exist among those that ctest knows.
+"""The table of hard cases, and other READMEs, name tests: each must exist among those that ctest knows.
 
-usage: check_table.py README.md CTEST BUILD_FOLDER
+usage: check_table.py tests/hard/README.md CTEST BUILD_FOLDER [README.md ...]
+
+Every row of the first file's table must name a test; of the other files every name of a test in backticks is looked up.
 """
 import fnmatch
 import re
@@ -8,23 +10,29 @@ import subprocess
 import sys
 
 
+# Commands and pictures are named there too: a test is Suite.Name, a program's name does not begin with a capital.
+NAME = r"`([A-Z][\w/]*\.[A-Z*][\w*]*)`"
+
+
 def rows(readme):
-    """(case, names) of each row of the table below the heading 'Hard cases'."""
-    section = readme.split("\n## Hard cases", 1)[1].split("\n## ", 1)[0]
-    for line in section.splitlines():
+    """(case, names) of each row of the table that has four columns, the last of them `test`."""
+    for line in readme.splitlines():
         cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
         if len(cells) == 4 and not set(cells[0]) <= set("-: ") and cells[3] != "test":
-            # Commands and pictures stand there too: a test is Suite.Name.
-            yield cells[0], re.findall(r"`([A-Z][\w/]*\.[\w*]+)`", cells[3])
+            yield cells[0], re.findall(NAME, cells[3])
 
 
-def main(readme_file, ctest, build):
+def text_of(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def main(readme_file, ctest, build, *others):
     listed = subprocess.run([ctest, "--test-dir", build, "-N"], capture_output=True, text=True, check=True).stdout
     known = re.findall(r"Test +#\d+: (\S+)", listed)
-    with open(readme_file, encoding="utf-8") as file:
-        table = list(rows(file.read()))
+    table = list(rows(text_of(readme_file)))
     wrong = [f"'{case}' names no test." for case, names in table if not names]
-    for case, names in table:
+    for case, names in table + [(other, re.findall(NAME, text_of(other))) for other in others]:
         for name in names:
             forms = (name, "*/" + name, name + "/*", "*/" + name + "/*")  # the latter: of a test with parameters
             if not any(fnmatch.fnmatchcase(test, form) for test in known for form in forms):

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""What a README names must be there: links, pictures, paths, commands and their options.
+
+usage: check_readmes.py ROOT BIN       BIN: the build's folder of programs, with `voxtouch` in it
+
+Looks at every .md file below ROOT that is no build's. In code and in backticks, a word that begins with a folder of the top level is a path;
+`voxtouch VERB --option` and `build/bin/X --option` are held against --help; `build/bin/X` may also be a target that is not built yet.
+Prints one sentence for each fault; exit status 1 where there is one.
+"""
+import functools
+import glob
+import pathlib
+import re
+import subprocess
+import sys
+
+TOP = ("core", "deploy", "devices", "idl", "nodes", "qos", "tests")
+TOP_README_LINES = 200
+TOP_README_COLUMNS = 140
+CELL = 120
+
+
+def readmes(root):
+    return sorted(f for f in root.rglob("*.md") if not any(p.startswith((".", "build")) for p in f.relative_to(root).parts))
+
+
+def code_of(text):
+    """Commands and words in code, one at a time: each line of a fenced block, and each span in backticks."""
+    fenced = re.compile(r"^```.*?\n(.*?)^```", re.DOTALL | re.MULTILINE)
+    for block in fenced.findall(text):
+        yield from (line.split(" # ")[0].strip().removeprefix("$ ") for line in block.replace("\\\n", " ").splitlines())
+    for span in re.findall(r"`([^`]+)`", fenced.sub("", text)):
+        yield " ".join(span.split())
+
+
+def anchors(text):
+    return {re.sub(r"[^\w\- ]", "", line.lstrip("# ")).strip().lower().replace(" ", "-")
+            for line in text.splitlines() if line.startswith("#")}
+
+
+def wrong_links(file, text):
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        aim = file.parent / path if path else file
+        if not aim.exists():
+            yield f"the link '{target}' leads nowhere"
+        elif anchor and anchor not in anchors(aim.read_text(encoding="utf-8")):
+            yield f"the link '{target}' names no heading of {aim.name}"
+
+
+def wrong_paths(root, folder, words):
+    for word in words:
+        word = word.rstrip(".,:;)").split("::")[0]
+        if "/" in word and word.split("/")[0] in TOP:
+            pattern = re.sub(r"<[^>]*>|(?<![A-Za-z])[A-Z](?![A-Za-z])", "*", word)  # <effect>, X: any
+            if not glob.glob(glob.escape(str(root)) + "/" + pattern):
+                yield f"the path '{word}' does not exist"
+        elif re.fullmatch(r"[\w/]+\.(hpp|cpp|py|cmake)", word) and not list(folder.rglob(word)):
+            yield f"there is no file '{word}' below {folder.relative_to(root) or 'the top folder'}"
+
+
+def wrong_script_options(root, words):
+    """Options of a script of the repository: its own text must know them."""
+    script = root / words[0] if words else root
+    if script.is_file() and words[0].split("/")[0] in TOP:
+        text = script.read_text(encoding="utf-8", errors="replace")
+        for option in re.findall(r"(?<!\S)\[?(--[a-z][a-z-]*)", " ".join(words[1:])):
+            if option not in text:
+                yield f"'{words[0]}' has no option '{option}'"
+
+
+class Programs:
+    """What is built, or would be, and what it says of itself."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        rules = folder.parent / "build.ninja"
+        self.rules = rules.read_text(encoding="utf-8") if rules.exists() else ""
+
+    def built(self, name):
+        return (self.folder / name).is_file()
+
+    def known(self, name):
+        return self.built(name) or f"build bin/{name}:" in self.rules
+
+    @functools.cache
+    def help(self, *words):
+        run = subprocess.run([self.folder / words[0], *words[1:], "--help"], capture_output=True, text=True, timeout=60)
+        return run.stdout + run.stderr
+
+    @functools.cached_property
+    def verbs(self):
+        listed = self.help("voxtouch").split("Subcommands:", 1)[-1]
+        return set(re.findall(r"^  ([a-z]+) ", listed, re.MULTILINE))
+
+
+def wrong_commands(programs, words):
+    at = next((n for n, word in enumerate(words) if word == "voxtouch" or word.startswith("build/bin/")), None)
+    if at is None and words and programs.known(words[0]):
+        at = 0
+    if at is None:
+        return
+    called, rest = [words[at].removeprefix("build/bin/")], words[at + 1:]
+    if not programs.known(called[0]):
+        yield f"there is no program '{words[at]}'"
+        return
+    if called == ["voxtouch"] and rest and re.fullmatch(r"[a-z]+", rest[0]):
+        called.append(rest.pop(0))
+        if called[1] not in programs.verbs:
+            yield f"voxtouch has no verb '{called[1]}'"
+            return
+    options = re.findall(r"(?<!\S)\[?(--[a-z][a-z-]*)", " ".join(rest))
+    if not options or not programs.built(called[0]) or called[0].endswith("_test"):
+        return
+    said = programs.help(*called)
+    for option in options:
+        if not re.search(rf"(^|[\s,]){option}\b", said):
+            yield f"'{' '.join(called)}' has no option '{option}'"
+
+
+def wrong_sizes(text):
+    lines = text.splitlines()
+    if len(lines) > TOP_README_LINES:
+        yield f"it has {len(lines)} lines, {TOP_README_LINES} are allowed"
+    for number, line in enumerate(lines, 1):
+        if len(line) > TOP_README_COLUMNS:
+            yield f"line {number} has {len(line)} columns, {TOP_README_COLUMNS} are allowed"
+        for cell in re.split(r"(?<!\\)\|", line) if line.startswith("|") else []:
+            if len(cell.strip()) > CELL:
+                yield f"line {number} has a table cell of {len(cell.strip())} characters, {CELL} are allowed"
+
+
+def faults(root, programs):
+    for file in readmes(root):
+        text = file.read_text(encoding="utf-8")
+        found = list(wrong_links(file, text))
+        for code in code_of(text):
+            words = code.split()
+            found += wrong_paths(root, file.parent, words)
+            found += wrong_script_options(root, words)
+            found += wrong_commands(programs, words)
+        if file == root / "README.md":
+            found += wrong_sizes(text)
+        yield from (f"{file.relative_to(root)}: {fault}." for fault in dict.fromkeys(found))
+
+
+def main(root, binaries):
+    root = pathlib.Path(root)
+    wrong = list(faults(root, Programs(pathlib.Path(binaries))))
+    print("\n".join(wrong) or f"{len(readmes(root))} files: everything that they name is there")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
