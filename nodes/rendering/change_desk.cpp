@@ -75,6 +75,7 @@ void ChangeDesk::run() {
       turn();
     } catch (const std::exception&) {
       // Out of memory, say. One change is lost; an exception that left this thread would end the process, and the ring with it.
+      if (!reload_) line_.let_go();
     }
   }
 }
@@ -149,9 +150,6 @@ void ChangeDesk::receive_effect(const msg::EffectChange& m, Request request) {
   if (reload_ && reload_->from_sample > 0)
     return refuse(request,
                   fmt::format("the scene is being built anew for sample {}; ask again after it", reload_->from_sample));
-  const EffectAction action = m.action == kActionSwitch ? EffectAction::kSwitch
-                              : m.action == kActionGain ? EffectAction::kGain
-                                                        : EffectAction::kValue;
   if (options_.lockstep && request.from_sample > 0 && !hold(request))
     return refuse(request, fmt::format("sample {} has passed", request.from_sample));
   const std::string why = give(m, request);

@@ -46,16 +46,21 @@ double within(double low, double high, std::mt19937_64& random) {
 }
 
 /// Any values of the kind that may be used, by trying; false where none was found.
-bool draw(EffectSpec& spec, std::mt19937_64& random) {
-  for (int tries = 0; tries < 200; ++tries) {
+bool draw(EffectSpec& spec, double word, std::mt19937_64& random) {
+  for (int tries = 0; tries < 2000; ++tries) {
     for (std::size_t p = 0; p < spec.values.size(); ++p) {
       const EffectParameter& parameter = spec.kind->parameters[p];
       const double high = std::min(parameter.high, parameter.low + 100.0);
       switch (parameter.shape) {
-        case ParameterShape::kNumber: spec.values.at(p) = {within(parameter.low, high, random), 0.0, 0.0}; break;
+        case ParameterShape::kNumber: {
+          const double number = within(parameter.low, high, random);
+          const auto kind = random() % 4;
+          spec.values.at(p) = {kind == 0 ? parameter.low : kind == 1 ? std::round(number) : number, 0.0, 0.0};
+          break;
+        }
         case ParameterShape::kVector: spec.values.at(p) = {0.3 * high, 0.2 * high, 0.1 * high}; break;
         case ParameterShape::kDirection: spec.values.at(p) = {0.0, 0.0, 1.0}; break;
-        case ParameterShape::kWord: spec.values.at(p) = {0.0, 0.0, 0.0}; break;
+        case ParameterShape::kWord: spec.values.at(p) = {word, 0.0, 0.0}; break;
       }
     }
     if (check_values(*spec.kind, spec.values).empty()) return true;
@@ -70,7 +75,8 @@ TEST(EffectReach, BoundsEveryStateOnTheWayForEveryKind) {
   for (const EffectKind* kind : effect_kinds()) {
     EffectSpec from{.name = "e", .kind = kind, .values = EffectValues(kind->parameters), .region = {}}, to = from;
     for (int pair = 0; pair < 200; ++pair) {
-      ASSERT_TRUE(draw(from, random) && draw(to, random)) << kind->name;
+      const double word = pair % 2;
+      ASSERT_TRUE(draw(from, word, random) && draw(to, word, random)) << kind->name;
       EffectReach reach(from);
       reach.widen(to);
       const EffectBound most = reach.bound();

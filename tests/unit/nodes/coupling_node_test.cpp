@@ -89,10 +89,11 @@ class Around {
   }
   /// What the effects demand, beside the contact.
   struct Demand {
-    double damping_ns_per_m = 0.0, least_n_per_m = 0.0;
-    std::string torque = {};
+    double damping_ns_per_m, least_n_per_m;
+    std::string torque;
   };
-  void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7, const Demand& demand = {}) {
+  void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7) { plan(one_point_n_per_m, session, {0.0, 0.0, ""}); }
+  void plan(double one_point_n_per_m, std::uint64_t session, const Demand& demand) {
     const std::string text = "plane", oil = "oil", none;
     msg::ScenePlan m{};
     m.session_id = session;
@@ -289,11 +290,11 @@ TEST(CouplingNode, CommandsNothingWhileTheEffectsAskMoreThanTheDeviceStands) {
   around.describe(20.0);
   around.plan();
   ASSERT_TRUE(around.force_comes());
-  around.plan(30.0, 7, {.damping_ns_per_m = 50.0});
+  around.plan(30.0, 7, {50.0, 0.0, ""});
   around.expect_no_force("the effects damp with up to 50 Ns/m at the hand, 'oil' most of it");
-  around.plan(30.0, 7, {.damping_ns_per_m = 0.1});
+  around.plan(30.0, 7, {0.1, 0.0, ""});
   EXPECT_TRUE(around.force_comes());
-  around.plan(30.0, 7, {.torque = "oil"});
+  around.plan(30.0, 7, {0.0, 0.0, "oil"});
   around.expect_no_force("'oil' gives torque");
   around.plan();
   EXPECT_TRUE(around.force_comes());
@@ -303,7 +304,7 @@ TEST(CouplingNode, CommandsNothingWhileTheEffectsAskMoreThanTheDeviceStands) {
 TEST(CouplingNode, CommandsNothingWhereTheDeviceHasBecomeOneThatDoesNotStandTheEffects) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);
-  around.plan(30.0, 7, {.damping_ns_per_m = 1.0});
+  around.plan(30.0, 7, {1.0, 0.0, ""});
   ASSERT_TRUE(around.force_comes());
   around.describe(20.0, 7, 0.001);
   around.expect_no_force("a device of 0.001 kg let go stands");
@@ -315,9 +316,9 @@ TEST(CouplingNode, CommandsNothingWhereTheDeviceHasBecomeOneThatDoesNotStandTheE
 TEST(CouplingNode, CommandsNothingWhereACouplingSetByHandMeetsEffectsTooStiffForTheDevice) {
   Around around("{kind: shaping_filter, cutoff_hz: 100, damping_ratio: 1, gain: 1}");
   around.describe(2.0);
-  around.plan(30.0, 7, {.least_n_per_m = 100.0});
+  around.plan(30.0, 7, {0.0, 100.0, ""});
   ASSERT_TRUE(around.force_comes());
-  around.plan(30.0, 7, {.least_n_per_m = 900.0});
+  around.plan(30.0, 7, {0.0, 900.0, ""});
   around.expect_no_force("900 N/m at the hand; the device can show 800 N/m. Lower oil");
   EXPECT_EQ(around.node.end(), 0);
 }

@@ -79,7 +79,9 @@ TEST(SceneOnDevice, RefusesEveryValueThatTheStartRefusesWithTheSameSentence) {
     const std::string start = at_start(next, stylus());
     EXPECT_EQ(asked(on, next), start) << damping;
     (start.empty() ? taken : refused)++;
-    if (!start.empty()) EXPECT_NE(start.find("with a margin of 2"), std::string::npos) << start;
+    if (!start.empty()) {
+      EXPECT_NE(start.find("with a margin of 2"), std::string::npos) << start;
+    }
   }
   EXPECT_GT(taken, 2);
   EXPECT_GT(refused, 5);
@@ -229,10 +231,14 @@ TEST(SceneOnDevice, LetsNothingPassThatIsNoNumber) {
     return !fit_coupling(s, stylus(), Grip::kPen, met, demand).refusal.empty();
   };
   for (const double bad : {nan, -1.0, std::numeric_limits<double>::infinity()}) {
-    EXPECT_TRUE(refused(scene, 30.0, {.damping_ns_per_m = bad})) << bad;
+    DeviceDemand demand;
+    demand.damping_ns_per_m = bad;
+    EXPECT_TRUE(refused(scene, 30.0, demand)) << bad;
     EXPECT_TRUE(refused(hand, bad, {})) << bad;
   }
-  EXPECT_TRUE(refused(hand, 30.0, {.least_stiffness_n_per_m = nan}));
+  DeviceDemand stiff;
+  stiff.least_stiffness_n_per_m = nan;
+  EXPECT_TRUE(refused(hand, 30.0, stiff));
   EXPECT_FALSE(refused(scene, 30.0, {}));
   EXPECT_FALSE(refused(hand, 30.0, {}));
 }
