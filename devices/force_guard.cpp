@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
-#include "devices/limits.hpp"
+#include "core/types/clamp.hpp"
 
 namespace voxtouch {
 namespace {
@@ -99,12 +100,8 @@ void ForceGuard::take(const GuardInput& command, std::int64_t now_ns) noexcept {
   }
   ++counts_.passed;
   command_ = command.wrench;
-  if (clamp_length(command_.force, config_.max_force_n)) ++counts_.clamped_force;
-  // A device without torque is no fault of the command: left out, not counted.
-  if (config_.max_torque_nm == 0.0)
-    command_.torque.setZero();
-  else if (clamp_length(command_.torque, config_.max_torque_nm))
-    ++counts_.clamped_torque;
+  const WrenchCut cut = clamp_wrench(command_, config_.max_force_n, config_.max_torque_nm);
+  counts_.clamped_force += cut.force, counts_.clamped_torque += cut.torque;
   age_ns_ = 0;
   valid_until_ns_ = command.valid_until_ns;
   if (phase_ == Phase::kFading) fraction_ *= fade_;
@@ -127,8 +124,7 @@ void ForceGuard::lead(double dt_s) noexcept {
   }
   // Both ends of a slew lie in the ball of the limit, and so does what is between, up to rounding: this takes
   // the rounding.
-  clamp_length(output_.force, config_.max_force_n);
-  clamp_length(output_.torque, config_.max_torque_nm);
+  clamp_wrench(output_, config_.max_force_n, config_.max_torque_nm);
 }
 
 void ForceGuard::count(GateVerdict verdict) noexcept {

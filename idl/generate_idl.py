@@ -4,11 +4,14 @@
 usage: generate_idl.py OUT_DIR PACKAGE=MSG_DIR ...      (the first package is the project's own)
 
 For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_::Name_, which is how ROS 2 names it on
-DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and static_asserts on its layout.
+DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and static_asserts on its layout;
+OUT_DIR/voxtouch_msgs/python_types.hpp carries the same types as Python text.
 """
 import pathlib
 import re
 import sys
+
+import python_types
 
 PRIMITIVES = {  # .msg name -> (idl name, bytes in CDR and in C)
     "bool": ("boolean", 1), "byte": ("octet", 1), "char": ("uint8", 1), "int8": ("int8", 1), "uint8": ("uint8", 1),
@@ -117,6 +120,17 @@ def header_text(messages, own):
     return "\n".join(out)
 
 
+def all_types_text(messages, own):
+    """A C++ header with the descriptor of every type by its name, for what takes any topic of the table."""
+    shorts = [name if package == own else f"{package}_{name}" for package, name in messages]
+    return "\n".join(["#pragma once", "/// Written by generate_idl.py: every wire type by its ROS name.",
+                      f'#include "{own}/messages.hpp"', "namespace voxtouch::msg {", "struct AnyType {",
+                      "  std::string_view ros_name;", "  const dds_topic_descriptor_t* descriptor;", "};",
+                      "inline constexpr AnyType kAllTypes[] = {",
+                      *(f"    {{Type<{short}>::ros_name, Type<{short}>::descriptor}}," for short in shorts),
+                      "};", "}  // namespace voxtouch::msg", ""])
+
+
 def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
@@ -136,6 +150,8 @@ def main():
         target.write_text(idl_text(package, name, fields, constants))
     (out / own).mkdir(parents=True, exist_ok=True)
     (out / own / "messages.hpp").write_text(header_text(messages, own))
+    (out / own / "all_types.hpp").write_text(all_types_text(messages, own))
+    (out / own / "python_types.hpp").write_text(python_types.header_text(messages))
 
 
 if __name__ == "__main__":

@@ -1,15 +1,13 @@
 #include "core/coupling/input_policy.hpp"
 
-#include <cmath>
 #include <utility>
+
+#include "core/types/clamp.hpp"
 
 namespace voxtouch {
 namespace {
 
 bool usable(const Vec3& v) noexcept { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kLargestInput; }
-
-/// The last operation's rounding may not lift a cut vector above its limit.
-constexpr double kBelow = 1.0 - 4e-15;
 
 }  // namespace
 
@@ -19,18 +17,9 @@ bool usable(const CouplingInput& in) noexcept {
          in.contact_stiffness.cwiseAbs().maxCoeff() <= kLargestInput;
 }
 
-bool clamp_length(Vec3& v, double limit) noexcept {
-  if (!(limit > 0.0)) return v.setZero(), false;
-  const double length = v.norm();
-  if (!(length > limit)) return false;
-  v *= limit / length * kBelow;
-  return true;
-}
-
 Wrench InputPolicy::restart(const Wrench& held) noexcept {
   Wrench start = held.finite() ? held : Wrench{};
-  clamp_length(start.force, limits_.max_force_n);
-  clamp_length(start.torque, limits_.max_torque_nm);
+  clamp_wrench(start, limits_.max_force_n, limits_.max_torque_nm);
   start_ = start.zero() ? Start::kFadeIfInContact : Start::kFade;
   last_ = {};
   held_s_ = 0.0, lost_ = false;
@@ -57,8 +46,7 @@ PolicedInput InputPolicy::take(const CouplingInput& input, double dt_s, double g
   out.contact = last_.contact;
   out.stiffness_n_per_m = last_.contact_stiffness_n_per_m;
   if (gain > 0.0) {
-    status_.clamped |= clamp_length(out.contact.force, limits_.max_force_n / gain);
-    status_.clamped |= clamp_length(out.contact.torque, limits_.max_torque_nm / gain);
+    status_.clamped |= clamp_wrench(out.contact, limits_.max_force_n / gain, limits_.max_torque_nm / gain).any();
   } else {
     out.contact = {};  // gives zero anyhow, and an uncut input must not wait in the law's state for the gain to come back
   }

@@ -21,10 +21,6 @@ struct PolicedInput {
   bool gap = false;               ///< the loop stood still: start again at the force given last
 };
 
-/// Scales `v` down to at most `limit`, keeping its direction; true where it was longer. A limit of zero gives zero and false:
-/// a device without torque is no event. Real-time safe.
-bool clamp_length(Vec3& v, double limit) noexcept;
-
 /// Whether contact, bound and stiffness matrix are numbers that a law can take. The pose is not asked. Real-time safe.
 bool usable(const CouplingInput& input) noexcept;
 

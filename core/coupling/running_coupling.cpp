@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/types/clamp.hpp"
+
 namespace voxtouch {
 namespace {
 
@@ -80,8 +82,7 @@ void RunningCoupling::reset(const Wrench& held) noexcept {
   passivity_.reset();
   contact_ = {};
   given_ = held.finite() ? held : Wrench{};
-  clamp_length(given_.force, limits_.max_force_n);
-  clamp_length(given_.torque, limits_.max_torque_nm);
+  clamp_wrench(given_, limits_.max_force_n, limits_.max_torque_nm);
   in_contact_ = false;
   held_s_ = 0.0;
   supplied_j_.reset();
@@ -163,17 +164,13 @@ void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput
 void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   never_pull(sum.force, law.force.isZero(0.0) ? contact_.contact.force : law.force);
   never_pull(sum.torque, law.torque.isZero(0.0) ? contact_.contact.torque : law.torque);
-  if (!in_contact_) {
-    // The filter's tail: damping may take from it, not add to it.
-    clamp_length(sum.force, law.force.stableNorm());
-    clamp_length(sum.torque, law.torque.stableNorm());
-  }
   if (!sum.finite()) {
     ++counters_.not_finite;
     sum = law;
   }
-  out.clamped |= clamp_length(sum.force, limits_.max_force_n);
-  out.clamped |= clamp_length(sum.torque, limits_.max_torque_nm);
+  // The filter's tail: damping may take from it, not add to it.
+  if (!in_contact_) clamp_wrench(sum, law.force.stableNorm(), law.torque.stableNorm());
+  out.clamped |= clamp_wrench(sum, limits_.max_force_n, limits_.max_torque_nm).any();
 }
 
 void RunningCoupling::count(const CouplingOutput& out) noexcept {

@@ -142,7 +142,7 @@ class Friction final : public Effect {
   }
 
   PerObject<Bristle> bristles_;
-  ToolStep step_;
+  ToolDisplacement step_;
   double stiffness_ = 0.0;  ///< of the last sample
 };
 

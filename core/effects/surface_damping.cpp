@@ -92,7 +92,7 @@ class SurfaceDamping final : public Effect {
   }
 
   PerObject<FollowedHeight> heights_;
-  ToolStep step_;
+  ToolDisplacement step_;
 };
 
 EffectNeeds needs(const EffectValues&) {

@@ -54,7 +54,7 @@ inline Mat6 seen_from_origin(const Mat3& there, const Vec3& arm) noexcept {
 }
 
 /// The tool's way since the last sample. None at the first.
-class ToolStep {
+class ToolDisplacement {
  public:
   /// Real-time safe.
   void advance(const Pose& tool) noexcept {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "devices/limits.hpp"
+#include "core/types/clamp.hpp"
 
 namespace voxtouch {
 
@@ -21,8 +21,7 @@ ForcePath::ForcePath(const DeviceDescription& device, double substep_s) noexcept
 Wrench ForcePath::step(const Wrench& command) noexcept {
   Wrench& in = line_[next_];
   in = command;
-  clamp_length(in.force, max_force_n_);
-  clamp_length(in.torque, max_torque_nm_);
+  clamp_wrench(in, max_force_n_, max_torque_nm_);
   const Wrench& out = line_[(next_ + kSlots - delay_) % kSlots];
   next_ = (next_ + 1) % kSlots;
   if (follow_ >= 1.0) return lagged_ = out;

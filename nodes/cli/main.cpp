@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   voxtouch::cli::add_plan(app, action);
   voxtouch::cli::add_schema(app, action);
   voxtouch::cli::add_change(app, action);
+  voxtouch::cli::add_types(app, action);
   CLI11_PARSE(app, argc, argv);
   try {
     const int status = action();

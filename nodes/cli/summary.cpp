@@ -1,20 +1,13 @@
 #include "nodes/cli/summary.hpp"
 
-#include <charconv>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace voxtouch::cli {
 
-double number(const Reports& reports, const std::string& node, const std::string& key) {
+double number(const Reports& reports, const std::string& node, const std::string& name) {
   const auto report = reports.find(node);
-  if (report == reports.end()) return 0.0;
-  const auto value = report->second.values.find(key);
-  double out = 0.0;
-  if (value != report->second.values.end())
-    std::from_chars(value->second.data(), value->second.data() + value->second.size(), out);
-  return out;
+  return report == reports.end() ? 0.0 : runtime::value_of(report->second.figures, name);
 }
 
 std::string word(const Reports& reports, const std::string& node, const std::string& key) {
@@ -25,6 +18,10 @@ std::string word(const Reports& reports, const std::string& node, const std::str
 }
 
 namespace {
+
+std::uint64_t count(const Reports& reports, const std::string& node, const std::string& name) {
+  return runtime::as_count(number(reports, node, name));
+}
 
 nlohmann::ordered_json coupling_json(const Reports& r) {
   nlohmann::ordered_json j;
@@ -37,17 +34,13 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
   j["critical_stiffness_n_per_m"] = number(r, "coupling", "design_critical_n_per_m");
   j["gain_margin"] = number(r, "coupling", "design_gain_margin");
   j["worst_case"] = word(r, "coupling", "design_worst_case");
-  j["designs"] = static_cast<std::uint64_t>(number(r, "coupling", "designs"));
-  j["capped_samples"] = static_cast<std::uint64_t>(number(r, "coupling", "capped_samples"));
-  j["passivity_samples"] = static_cast<std::uint64_t>(number(r, "coupling", "passivity_samples"));
+  j["designs"] = count(r, "coupling", "designs");
+  j["capped_samples"] = count(r, "coupling", "capped_samples");
+  j["passivity_samples"] = count(r, "coupling", "passivity_samples");
   j["passivity_most_damping_ns_per_m"] = number(r, "coupling", "passivity_most_damping_ns_per_m");
   j["lowest_energy_j"] = number(r, "coupling", "lowest_energy_j");
   j["lowest_energy_rotation_j"] = number(r, "coupling", "lowest_energy_rotation_j");
   return j;
-}
-
-std::uint64_t count(const Reports& reports, const std::string& node, const std::string& key) {
-  return static_cast<std::uint64_t>(number(reports, node, key));
 }
 
 }  // namespace
@@ -75,7 +68,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["fast_samples"] = count(r, "rendering", "fast_samples");
   j["crossed_samples"] = count(r, "rendering", "crossed_samples");
   j["missed_samples"] = count(r, "rendering", "missed_samples");
-  j["powerless_samples"] = count(r, "device", "powerless");
+  j["zero_force_samples"] = count(r, "device", "zero_force_samples");
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);
   j["guard"] = {{"refused", count(r, "device", "refused")}, {"clamped", count(r, "device", "clamped")}};

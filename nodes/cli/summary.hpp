@@ -12,9 +12,9 @@ namespace voxtouch::cli {
 
 using Reports = std::map<std::string, runtime::NodeReport>;  ///< last report of each node
 
-/// A figure of a node's last report, by its key; 0 where there is none.
-double number(const Reports& reports, const std::string& node, const std::string& key);
-/// The same as a text; empty where there is none.
+/// A figure of a node's last report, by its name; 0 where there is none.
+double number(const Reports& reports, const std::string& node, const std::string& name);
+/// A word of it, by its key; empty where there is none.
 std::string word(const Reports& reports, const std::string& node, const std::string& key);
 
 /// Everything that `up` knows at the end.

@@ -75,13 +75,14 @@ void judge(RunSummary& s) {
         felt, most, s.device));
   if (s.problems.empty() && number(s.reports, "device", "samples") == 0)
     s.problems.push_back("the device gave no sample");
-  const double powerless = number(s.reports, "device", "powerless"), hiccups = number(s.reports, "device", "hiccups");
+  const double zero_force = number(s.reports, "device", "zero_force_samples"),
+               interruptions = number(s.reports, "device", "interruptions");
   const std::string trouble = word(s.reports, "device", "trouble");
-  if (powerless > 0 && powerless >= number(s.reports, "device", "samples"))
+  if (zero_force > 0 && zero_force >= number(s.reports, "device", "samples"))
     s.problems.push_back(fmt::format("{} took no force in the whole run: {}", s.device, trouble));
-  else if (hiccups > 0)
+  else if (interruptions > 0)
     s.notes.push_back(fmt::format("{} gave no force in {} samples (lost {}x on the way); the last reason: {}", s.device,
-                                  powerless, hiccups, trouble));
+                                  zero_force, interruptions, trouble));
   if (const double n = number(s.reports, "device", "clamped"); n > 0)
     s.notes.push_back(
         fmt::format("the guard cut {} commands to what the device allows: the scene asks for more than that", n));

@@ -19,5 +19,6 @@ void add_accuracy(CLI::App& app, Action& action);
 void add_plan(CLI::App& app, Action& action);
 void add_schema(CLI::App& app, Action& action);
 void add_change(CLI::App& app, Action& action);
+void add_types(CLI::App& app, Action& action);
 
 }  // namespace voxtouch::cli

@@ -185,20 +185,18 @@ class CouplingNode {
     const std::lock_guard lock(running_mutex_);
     const Design& design = running_.fitted.design;
     const double displayed = stiffness_at_hand_n_per_m(running_.fitted, scene_.device, stiffness_.load());
-    const auto number = [](double value) { return fmt::format("{:.6g}", value); };
-    report.values = {{"scene", scene_.name},
-                     {"scene_hash", scene_.hash},
-                     {"samples", fmt::to_string(samples_.load())},
-                     {"clamped_inputs", fmt::to_string(clamped_.load())},
-                     {"capped_samples", fmt::to_string(capped_.load())},
-                     {"passivity_samples", fmt::to_string(controlled_.load())},
-                     {"passivity_most_damping_ns_per_m", number(most_damping_.load())},
-                     {"lowest_energy_j", number(lowest_energy_.load())},
-                     {"lowest_energy_rotation_j", number(lowest_energy_rotation_.load())},
-                     {"faults", fmt::to_string(faults_.load())},
-                     {"stiffness_bound_max_n_per_m", number(stiffness_.load())},
-                     {"stiffness_at_hand_n_per_m", number(displayed)},
-                     {"device_max_stiffness_n_per_m", number(running_.device_max_stiffness_n_per_m)}};
+    report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash}};
+    report.figures = {{"samples", {samples_.load(), "samples"}},
+                      {"clamped_inputs", {clamped_.load(), "samples"}},
+                      {"capped_samples", {capped_.load(), "samples"}},
+                      {"passivity_samples", {controlled_.load(), "samples"}},
+                      {"passivity_most_damping_ns_per_m", {most_damping_.load(), "Ns/m"}},
+                      {"lowest_energy_j", {lowest_energy_.load(), "J"}},
+                      {"lowest_energy_rotation_j", {lowest_energy_rotation_.load(), "J"}},
+                      {"faults", {faults_.load(), "samples"}},
+                      {"stiffness_bound_max_n_per_m", {stiffness_.load(), "N/m"}},
+                      {"stiffness_at_hand_n_per_m", {displayed, "N/m"}},
+                      {"device_max_stiffness_n_per_m", {running_.device_max_stiffness_n_per_m, "N/m"}}};
     if (running_.made > 0) describe(design, report);
     const std::string missing =
         session_.report_to(report, options_, roster, links_, "a device and its scene's plan", samples_.load() > 0);
@@ -219,16 +217,15 @@ class CouplingNode {
 
   void describe(const Design& design, runtime::NodeReport& report) const {
     const CouplingSpec& spec = running_.fitted.spec;
-    const auto number = [](double value) { return fmt::format("{:.6g}", value); };
-    report.values["designs"] = fmt::to_string(running_.made);
     report.values["design_status"] = status_word(running_.fitted);
     report.values["design_kind"] = spec.kind;
-    report.values["design_cutoff_hz"] = number(spec.kind == "shaping_filter" ? spec.cutoff_hz : 0.0);
-    report.values["design_gain"] = number(spec.gain);
-    report.values["design_injected_damping_ns_per_m"] = number(spec.injected_damping_ns_per_m);
-    report.values["design_shown_n_per_m"] = number(design.translation.shown_stiffness);
-    report.values["design_critical_n_per_m"] = number(design.translation.critical_stiffness);
-    report.values["design_gain_margin"] = number(design.translation.gain_margin);
+    report.figures["designs"] = {running_.made, "designs"};
+    report.figures["design_cutoff_hz"] = {spec.kind == "shaping_filter" ? spec.cutoff_hz : 0.0, "Hz"};
+    report.figures["design_gain"] = {spec.gain, "1"};
+    report.figures["design_injected_damping_ns_per_m"] = {spec.injected_damping_ns_per_m, "Ns/m"};
+    report.figures["design_shown_n_per_m"] = {design.translation.shown_stiffness, "N/m"};
+    report.figures["design_critical_n_per_m"] = {design.translation.critical_stiffness, "N/m"};
+    report.figures["design_gain_margin"] = {design.translation.gain_margin, "1"};
     report.values["design_worst_case"] = design.translation.worst_case_text;
   }
 

@@ -80,8 +80,8 @@ End DeviceLoop::after(DeviceError error) noexcept {
   driver_.stop();
   guard_.restart();
   progress_.force_n.store(0.0, kRelaxed);
-  progress_.powerless.fetch_add(1, kRelaxed);
-  if (std::exchange(takes_force_, false)) progress_.hiccups.fetch_add(1, kRelaxed);
+  progress_.zero_force_samples.fetch_add(1, kRelaxed);
+  if (std::exchange(takes_force_, false)) progress_.interruptions.fetch_add(1, kRelaxed);
   progress_.in_trouble.store(true, kRelaxed);
   return End::kNone;
 }

@@ -32,10 +32,10 @@ struct Progress {
   std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, clamped{0}, faded{0}, foreign_commands{0};
   /// Times that a device which had taken force gave no samples or took none any more, without ending the session. However long it
   /// lasts it is one; waiting at the start, until the device is ready, is none.
-  std::atomic<std::uint64_t> hiccups{0};
-  std::atomic<std::uint64_t> powerless{
-      0};  ///< reads and writes that failed, of hiccups and of waiting: zero force each
-  std::atomic<DeviceError> last_error{DeviceError::kTimeout};  ///< means something where powerless is not 0
+  std::atomic<std::uint64_t> interruptions{0};
+  std::atomic<std::uint64_t> zero_force_samples{
+      0};  ///< reads and writes that failed, of interruptions and of waiting: zero force each
+  std::atomic<DeviceError> last_error{DeviceError::kTimeout};  ///< means something where zero_force_samples is not 0
   std::atomic<std::uint64_t> held_poses{0};                    ///< samples whose pose was not to be trusted
   std::atomic<bool> in_trouble{false};  ///< the last read or write failed: the device is at zero force
   std::atomic<std::uint64_t> deadline_misses{

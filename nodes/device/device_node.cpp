@@ -230,7 +230,7 @@ class DeviceNode {
                      : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
                      : running           ? "running"
                                          : "waiting for " + waiting_for_;
-    fill(report.values);
+    fill(report);
   }
 
   void watch_peers(runtime::Roster& roster) {
@@ -272,34 +272,36 @@ class DeviceNode {
       foreign_ = roster.name_of(bus::participant_of_writer(commands_.get(), foreign));
   }
 
-  void fill(std::map<std::string, std::string>& values) const {
-    const bool timed = !options_.lockstep;
+  void fill(runtime::NodeReport& report) const {
+    report.values = {{"scene", scene_.name},
+                     {"scene_hash", scene_.hash},
+                     {"device", driver_->description().model},
+                     {"trouble", trouble_}};
+    const bool timed = !options_.lockstep;  // a run in lockstep must not differ from the next by what a clock says
     const std::int64_t started = progress_.started_ns.load(), ended = progress_.ended_ns.load();
     const double elapsed_s =
         started ? static_cast<double>((ended ? ended : runtime::monotonic_ns()) - started) * 1e-9 : 0.0;
-    const auto samples = progress_.samples.load();
-    values["scene"] = scene_.name;
-    values["scene_hash"] = scene_.hash;
-    values["device"] = driver_->description().model;
-    values["samples"] = fmt::to_string(samples);
-    values["rate_hz"] = fmt::format(
-        "{:.1f}", timed && elapsed_s > 0 ? static_cast<double>(samples) / elapsed_s : driver_->description().rate_hz);
-    values["latency_p50_us"] = fmt::format("{:.0f}", timed ? progress_.latency.quantile_us(0.5) : 0.0);
-    values["latency_p99_us"] = fmt::format("{:.0f}", timed ? progress_.latency.quantile_us(0.99) : 0.0);
-    values["latency_max_us"] = fmt::format("{:.0f}", timed ? progress_.latency.max_us() : 0.0);
-    values["answered"] = fmt::to_string(progress_.latency.count());
-    values["overruns"] = fmt::to_string(progress_.overruns.load());
-    values["deadline_misses"] = fmt::to_string(ended ? progress_.deadline_misses.load() : commands_.deadlines_missed());
-    values["max_force_n"] = fmt::format("{:.6g}", progress_.max_force_n.load());
-    values["force_n"] = fmt::format("{:.6g}", progress_.force_n.load());
-    values["refused"] = fmt::to_string(progress_.refused.load());
-    values["clamped"] = fmt::to_string(progress_.clamped.load());
-    values["hiccups"] = fmt::to_string(progress_.hiccups.load());
-    values["powerless"] = fmt::to_string(progress_.powerless.load());
-    values["trouble"] = trouble_;
-    values["held_poses"] = fmt::to_string(progress_.held_poses.load());
-    values["faded"] = fmt::to_string(progress_.faded.load());
-    values["foreign_commands"] = fmt::to_string(progress_.foreign_commands.load());
+    const std::uint64_t samples = progress_.samples.load();
+    const double own_rate_hz = driver_->description().rate_hz;
+    const auto latency_us = [&](double us) { return runtime::Figure(timed ? std::round(us) : 0.0, "us"); };
+    report.figures = {
+        {"samples", {samples, "samples"}},
+        {"rate_hz", {timed && elapsed_s > 0 ? static_cast<double>(samples) / elapsed_s : own_rate_hz, "Hz"}},
+        {"latency_p50_us", latency_us(progress_.latency.quantile_us(0.5))},
+        {"latency_p99_us", latency_us(progress_.latency.quantile_us(0.99))},
+        {"latency_max_us", latency_us(progress_.latency.max_us())},
+        {"answered", {progress_.latency.count(), "samples"}},
+        {"overruns", {progress_.overruns.load(), "periods"}},
+        {"deadline_misses", {ended ? progress_.deadline_misses.load() : commands_.deadlines_missed(), "deadlines"}},
+        {"max_force_n", {progress_.max_force_n.load(), "N"}},
+        {"force_n", {progress_.force_n.load(), "N"}},
+        {"refused", {progress_.refused.load(), "commands"}},
+        {"clamped", {progress_.clamped.load(), "commands"}},
+        {"interruptions", {progress_.interruptions.load(), "times"}},
+        {"zero_force_samples", {progress_.zero_force_samples.load(), "samples"}},
+        {"held_poses", {progress_.held_poses.load(), "samples"}},
+        {"faded", {progress_.faded.load(), "samples"}},
+        {"foreign_commands", {progress_.foreign_commands.load(), "commands"}}};
   }
 
   const Options& options_;

@@ -74,11 +74,11 @@ class LoggerNode {
                      : lost              ? "the disk is too slow: messages are being dropped"
                      : finished          ? "the bag is closed"
                                          : "recording";
-    report.values = {{"bag", options_.bag.string()},
-                     {"received", fmt::to_string(now.total(&bag::TopicReport::received))},
-                     {"written", fmt::to_string(now.total(&bag::TopicReport::written))},
-                     {"dropped", fmt::to_string(lost)},
-                     {"topics", fmt::to_string(now.topics.size())}};
+    report.values = {{"bag", options_.bag.string()}};
+    report.figures = {{"received", {now.total(&bag::TopicReport::received), "messages"}},
+                      {"written", {now.total(&bag::TopicReport::written), "messages"}},
+                      {"dropped", {lost, "messages"}},
+                      {"topics", {now.topics.size(), "topics"}}};
     session_.report_to(report, options_, roster, links_, "a device", true);
   }
 

@@ -422,11 +422,11 @@ void ChangeDesk::refuse(const Request& request, const std::string& sentence) {
   answer(request, result::kResultRefused, 0, sentence);
 }
 
-std::map<std::string, std::string> ChangeDesk::values() const {
-  return {{"warnings", fmt::to_string(warnings_.load())},
-          {"changes", fmt::to_string(done_.load())},
-          {"refused_changes", fmt::to_string(refused_.load())},
-          {"reloads", fmt::to_string(reloads_.load())}};
+runtime::Figures ChangeDesk::figures() const {
+  return {{"warnings", {warnings_.load(), "warnings"}},
+          {"changes", {done_.load(), "changes"}},
+          {"refused_changes", {refused_.load(), "changes"}},
+          {"reloads", {reloads_.load(), "reloads"}}};
 }
 
 std::string ChangeDesk::refusal() const {

@@ -19,6 +19,7 @@
 #include "nodes/bus/writer.hpp"
 #include "nodes/rendering/change_line.hpp"
 #include "nodes/rendering/rendering_node.hpp"
+#include "nodes/runtime/figure.hpp"
 
 namespace voxtouch::rendering {
 
@@ -51,7 +52,7 @@ class ChangeDesk {
   /// Who reads the plan.
   std::vector<bus::Guid> plan_readers() const { return plans_.matched(); }
   /// For the node's report: changes, reloads, warnings, ...
-  std::map<std::string, std::string> values() const;
+  runtime::Figures figures() const;
   /// Why what runs does not fit the device, so that the coupling commands no force; empty: it fits.
   std::string refusal() const;
 

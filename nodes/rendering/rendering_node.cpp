@@ -1,5 +1,7 @@
 #include "nodes/rendering/rendering_node.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "core/scene/device_mapping.hpp"
@@ -171,20 +173,22 @@ class RenderingNode {
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
-    report.values = {{"scene", scene_.name},
-                     {"scene_hash", scene_.hash},
-                     {"samples", fmt::to_string(samples_.load())},
-                     {"contact_samples", fmt::to_string(contact_samples_.load())},
-                     {"refused_samples", fmt::to_string(refused_.load())},
-                     {"fast_samples", fmt::to_string(fast_.load())},
-                     {"crossed_samples", fmt::to_string(crossed_.load())},
-                     {"missed_samples", fmt::to_string(missed_.load())},
-                     {"buried_samples", fmt::to_string(buried_.load())},
-                     {"held_samples", fmt::to_string(held_.load())},
-                     {"saturated_samples", fmt::to_string(saturated_.load())},
-                     {"longest_frame_us",
-                      fmt::format("{:.0f}", options_.lockstep ? 0.0 : static_cast<double>(longest_ns_.load()) * 1e-3)}};
-    report.values.merge(desk_.values());
+    report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash}};
+    report.figures = desk_.figures();
+    report.figures["longest_frame_us"] = {
+        options_.lockstep ? 0.0 : std::round(static_cast<double>(longest_ns_.load()) * 1e-3), "us"};
+    const auto count = [&](const char* name, const std::atomic<std::uint64_t>& samples) {
+      report.figures[name] = {samples.load(), "samples"};
+    };
+    count("samples", samples_);
+    count("contact_samples", contact_samples_);
+    count("refused_samples", refused_);
+    count("fast_samples", fast_);
+    count("crossed_samples", crossed_);
+    count("missed_samples", missed_);
+    count("buried_samples", buried_);
+    count("held_samples", held_);
+    count("saturated_samples", saturated_);
     const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
     report.message = session_.stopped()
                          ? "stopped"

@@ -30,7 +30,7 @@ std::string Session::report_to(NodeReport& report, const NodeOptions& options, c
                  : !ready  ? NodeState::kStarting
                  : busy    ? NodeState::kRunning
                            : NodeState::kReady;
-  report.values[kSessions] = std::to_string(count_.load(std::memory_order_relaxed));
+  report.figures[kSessions] = {count_.load(std::memory_order_relaxed), "sessions"};
   return missing;
 }
 

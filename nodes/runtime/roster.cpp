@@ -3,9 +3,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <thread>
+
+#include <fmt/format.h>
 
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/strings.hpp"
@@ -27,6 +29,8 @@ StatusWriter::StatusWriter(const bus::Participant& participant, std::string node
 void StatusWriter::publish(const NodeReport& report) {
   std::vector<msg::diagnostic_msgs_KeyValue> values;
   for (const auto& [key, value] : report.values) values.push_back({lend(key), lend(value)});
+  std::vector<msg::Figure> figures;
+  for (const auto& [name, figure] : report.figures) figures.push_back({lend(name), lend(figure.unit), figure.value});
   msg::NodeStatus sample{};
   sample.node = lend(own_.node);
   sample.host = lend(own_.host);
@@ -37,13 +41,18 @@ void StatusWriter::publish(const NodeReport& report) {
   sample.message = lend(report.message);
   sample.values._buffer = values.data();
   sample.values._length = sample.values._maximum = static_cast<std::uint32_t>(values.size());
+  sample.figures._buffer = figures.data();
+  sample.figures._length = sample.figures._maximum = static_cast<std::uint32_t>(figures.size());
   writer_.write(sample);
-  if (diagnostics_.matched_count() > 0) publish_diagnostics(report, values);
+  if (diagnostics_.matched_count() > 0) publish_diagnostics(report, std::move(values));
 }
 
-void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue>& values) {
+void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue> values) {
   namespace level = msg::diagnostic_msgs_DiagnosticStatus_constants;
   ++diagnostics_made_;
+  std::deque<std::string> texts;  // ROS knows words only; addresses stay
+  for (const auto& [name, figure] : report.figures)
+    values.push_back({lend(name), lend(texts.emplace_back(fmt::format("{:.9g} {}", figure.value, figure.unit)))});
   msg::diagnostic_msgs_DiagnosticStatus status{};
   status.level = report.state == NodeState::kFailed     ? level::kError
                  : report.state == NodeState::kStarting ? level::kWarn
@@ -70,10 +79,12 @@ Roster::Roster(const bus::Participant& participant, const std::string& rig)
 
 void Roster::update(bool keep_gone) {
   reader_.take_each([this](const msg::NodeStatus& s) {
-    NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}};
+    NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}, {}};
     std::memcpy(report.participant.data(), s.participant, report.participant.size());
     for (std::uint32_t i = 0; i < s.values._length; ++i)
       report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
+    for (std::uint32_t i = 0; i < s.figures._length; ++i)
+      report.figures[s.figures._buffer[i].name] = {s.figures._buffer[i].value, s.figures._buffer[i].unit};
     reports_[report.participant] = std::move(report);
   });
   if (keep_gone) return;
@@ -114,8 +125,7 @@ std::optional<NodeReport> look_for_others(Roster& roster, std::string_view node,
 std::uint64_t sessions_seen(const Roster& roster) {
   std::uint64_t most = 0;
   for (const NodeReport& report : roster.reports())
-    if (const auto seen = report.values.find(kSessions); seen != report.values.end())
-      most = std::max<std::uint64_t>(most, std::strtoull(seen->second.c_str(), nullptr, 10));
+    most = std::max(most, as_count(value_of(report.figures, kSessions)));
   return most;
 }
 

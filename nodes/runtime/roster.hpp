@@ -9,6 +9,7 @@
 
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/writer.hpp"
+#include "nodes/runtime/figure.hpp"
 
 namespace voxtouch::runtime {
 
@@ -20,7 +21,7 @@ enum class NodeState : std::uint32_t {
   kFailed = msg::node_status::kStateFailed,
 };
 
-/// Key of a report's values: how many device sessions the node has seen.
+/// Name of a report's figure: how many device sessions the node has seen.
 inline constexpr char kSessions[] = "sessions";
 
 /// One node's status as a value.
@@ -32,7 +33,8 @@ struct NodeReport {
   std::uint64_t session_id = 0;
   NodeState state = NodeState::kStarting;
   std::string message;
-  std::map<std::string, std::string> values;
+  std::map<std::string, std::string> values;  ///< words
+  Figures figures;                            ///< numbers
 };
 
 /// Publishes this node's report, and the same as /diagnostics while somebody reads that. Not for the loop: allocates.
@@ -46,7 +48,7 @@ class StatusWriter {
   std::uint64_t diagnostics_made() const noexcept { return diagnostics_made_; }
 
  private:
-  void publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue>& values);
+  void publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue> values);
   bus::Writer<msg::NodeStatus> writer_;
   bus::Writer<msg::diagnostic_msgs_DiagnosticArray> diagnostics_;
   std::string full_name_;  // "haptic/device"

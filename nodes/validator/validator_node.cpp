@@ -201,15 +201,11 @@ class ValidatorNode {
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
     const std::lock_guard lock(mutex_);
-    report.values = {{"scene", name_},
-                     {"scene_hash", hash_},
-                     {"checked", fmt::to_string(counts_.checked)},
-                     {"decided", fmt::to_string(counts_.decided)},
-                     {"agree", fmt::to_string(counts_.agree)},
-                     {"in_band", fmt::to_string(counts_.in_band)},
-                     {"disagree", fmt::to_string(counts_.disagree)},
-                     {"by_rendering", fmt::to_string(counts_.rendering)},
-                     {"by_reference", fmt::to_string(counts_.reference)}};
+    report.values = {{"scene", name_}, {"scene_hash", hash_}};
+    report.figures = {{"checked", {counts_.checked, "samples"}},       {"decided", {counts_.decided, "samples"}},
+                      {"agree", {counts_.agree, "samples"}},           {"in_band", {counts_.in_band, "samples"}},
+                      {"disagree", {counts_.disagree, "samples"}},     {"by_rendering", {counts_.rendering, "samples"}},
+                      {"by_reference", {counts_.reference, "samples"}}};
     const std::string missing =
         session_.report_to(report, options_, roster, links_, "the rendering", counts_.checked > 0);
     report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_

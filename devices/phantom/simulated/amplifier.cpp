@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "devices/limits.hpp"
+#include "core/types/clamp.hpp"
 
 namespace voxtouch::hd_sim {
 namespace {

@@ -146,17 +146,17 @@ TEST_F(DeviceLoopRun, PushesAsCommandedAndEndsAtZero) {
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_GT(largest(1000, 1200), 1.5) << "without a force the other cases show nothing";
   EXPECT_EQ(device.force, 0.0);
-  EXPECT_EQ(progress.hiccups.load(), 0U);
+  EXPECT_EQ(progress.interruptions.load(), 0U);
 }
 
-TEST_F(DeviceLoopRun, TakesAMissedSampleForAHiccupNotForTheEnd) {
+TEST_F(DeviceLoopRun, TakesAMissedSampleForAnInterruptionNotForTheEnd) {
   device.read_faults = {{900, DeviceError::kTimeout}, {901, DeviceError::kProtocol}, {902, DeviceError::kRecoverable}};
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_EQ(progress.samples.load(), 1200U);
-  EXPECT_EQ(progress.hiccups.load(), 1U) << "three failures in a row are one";
-  EXPECT_EQ(progress.powerless.load(), 3U);
+  EXPECT_EQ(progress.interruptions.load(), 1U) << "three failures in a row are one";
+  EXPECT_EQ(progress.zero_force_samples.load(), 3U);
   EXPECT_EQ(progress.last_error.load(), DeviceError::kRecoverable);
-  EXPECT_GT(largest(700, 900), 1.5) << "the force before the hiccup";
+  EXPECT_GT(largest(700, 900), 1.5) << "the force before the interruption";
   EXPECT_EQ(device.pushed[900], 0.0) << "zero force at once";
   EXPECT_EQ(device.pushed[902], 0.0);
   EXPECT_LT(device.pushed[920], 0.5) << "the force comes back in a ramp";
@@ -167,19 +167,19 @@ TEST_F(DeviceLoopRun, TakesAMissedSampleForAHiccupNotForTheEnd) {
 TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {
   for (std::uint64_t i = 800; i < 810; ++i) device.write_faults[i] = DeviceError::kRecoverable;
   EXPECT_EQ(run(), End::kFinished);
-  EXPECT_EQ(progress.hiccups.load(), 1U);
-  EXPECT_EQ(progress.powerless.load(), 10U);
+  EXPECT_EQ(progress.interruptions.load(), 1U);
+  EXPECT_EQ(progress.zero_force_samples.load(), 10U);
   EXPECT_EQ(device.pushed[809], 0.0);
   EXPECT_LT(device.pushed[830], 0.5);
   EXPECT_GT(largest(1000, 1200), 0.5);
 }
 
-TEST_F(DeviceLoopRun, CountsNoHiccupWhileADeviceGetsReady) {
+TEST_F(DeviceLoopRun, CountsNoInterruptionWhileADeviceGetsReady) {
   for (std::uint64_t i = 1; i <= 300; ++i) device.write_faults[i] = DeviceError::kRecoverable;
   device.write_faults[800] = DeviceError::kRecoverable;
   EXPECT_EQ(run(), End::kFinished);
-  EXPECT_EQ(progress.hiccups.load(), 1U) << "the one after it was ready";
-  EXPECT_EQ(progress.powerless.load(), 301U);
+  EXPECT_EQ(progress.interruptions.load(), 1U) << "the one after it was ready";
+  EXPECT_EQ(progress.zero_force_samples.load(), 301U);
 }
 
 TEST_F(DeviceLoopRun, DoesNotSpinOnADeviceThatFailsAtOnce) {

@@ -114,18 +114,17 @@ TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
     bystander.look();
     std::this_thread::sleep_for(milliseconds(2));
   }
-  std::string refused, foreign;
-  double largest = 0.0;
+  double refused = 0.0, foreign = -1.0, largest = 0.0;
   ASSERT_TRUE(bystander.sees([&] {
     if (const auto report = bystander.roster.find("device")) {
-      refused = report->values.at("refused"), foreign = report->values.at("foreign_commands");
-      largest = std::stod(report->values.at("max_force_n"));
+      refused = report->figures.at("refused").value, foreign = report->figures.at("foreign_commands").value;
+      largest = report->figures.at("max_force_n").value;
     }
     return device.thread.status() >= 0;
   }));
   EXPECT_EQ(device.thread.status(), 0);
-  EXPECT_GT(std::stoul(refused), 20U);
-  EXPECT_EQ(foreign, "0");
+  EXPECT_GT(refused, 20.0);
+  EXPECT_EQ(foreign, 0.0);
   EXPECT_LT(largest, 2.0) << "the old session's 8 N reached the device";
   ASSERT_EQ(bystander.described.size(), 2U);
   const std::uint64_t new_session = bystander.described[1];

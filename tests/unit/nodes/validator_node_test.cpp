@@ -55,7 +55,7 @@ class ValidatorNodeTest : public testing::Test {
   std::uint64_t checked() {
     roster_.update(true);
     const auto report = roster_.find("validator");
-    return report ? std::stoull(report->values.at("checked")) : 0;
+    return report ? runtime::as_count(runtime::value_of(report->figures, "checked")) : 0;
   }
 
   const std::string rig_ = own_rig("v"), none_;

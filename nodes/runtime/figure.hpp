@@ -1,0 +1,34 @@
+#pragma once
+/// Numbers that a node tells of itself; they stay numbers on the wire.
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace voxtouch::runtime {
+
+struct Figure {
+  Figure() = default;
+  template <class Number>
+    requires std::is_arithmetic_v<Number>
+  Figure(Number measured, std::string of) : value(static_cast<double>(measured)), unit(std::move(of)) {}
+  double value = 0.0;
+  std::string unit;  ///< Hz, us, N, ..., or what is counted: samples, messages
+};
+using Figures = std::map<std::string, Figure, std::less<>>;
+
+/// As a figure that counts; what is none (it came over the network) as 0 or the largest that a double holds exactly.
+inline std::uint64_t as_count(double value) noexcept {
+  constexpr double kMost = 9007199254740992.0;  // 2^53
+  return value > 0.0 ? static_cast<std::uint64_t>(value < kMost ? value : kMost) : 0;  // NaN is not over 0
+}
+
+/// 0 where there is no figure of that name.
+inline double value_of(const Figures& figures, std::string_view name) {
+  const auto found = figures.find(name);
+  return found == figures.end() ? 0.0 : found->second.value;
+}
+
+}  // namespace voxtouch::runtime
