@@ -17,6 +17,8 @@ EffectBound larger(const EffectBound& a, const EffectBound& b) {
 
 }  // namespace
 
+std::vector<EffectReach> at_rest(std::span<const EffectSpec> effects) { return {effects.begin(), effects.end()}; }
+
 void EffectReach::widen(const EffectSpec& to) { widen(EffectReach(to)); }
 
 void EffectReach::widen(const EffectReach& to) {

@@ -1,5 +1,8 @@
 #pragma once
 /// Where an effect may be while changes of it are on their way.
+#include <span>
+#include <vector>
+
 #include "core/effects/effect_spec.hpp"
 
 namespace voxtouch {
@@ -24,5 +27,8 @@ class EffectReach {
   EffectSpec spec_;
   EffectValues low_, high_;
 };
+
+/// Effects that are where they are to be.
+std::vector<EffectReach> at_rest(std::span<const EffectSpec> effects);
 
 }  // namespace voxtouch

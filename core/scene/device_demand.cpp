@@ -2,12 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <vector>
-
 namespace voxtouch {
 namespace {
-
-std::vector<EffectReach> at_rest(std::span<const EffectSpec> effects) { return {effects.begin(), effects.end()}; }
 
 void add_stiffness(const Scene& scene, std::span<const EffectReach> effects, DeviceDemand& demand) {
   double most = demand.least_stiffness_n_per_m = scene.contact.stiffness_n_per_m;

@@ -5,9 +5,6 @@
 namespace voxtouch {
 namespace {
 
-bool same(const ContactRange& a, const ContactRange& b) { return a.one_point == b.one_point && a.all_points == b.all_points; }
-bool same(const MetStiffness& a, const MetStiffness& b) { return same(a.translation, b.translation) && same(a.rotation, b.rotation); }
-
 std::vector<EffectSpec> ends_of(std::span<const EffectReach> effects) {
   std::vector<EffectSpec> ends;
   for (const EffectReach& effect : effects) ends.push_back(effect.spec());
@@ -27,8 +24,8 @@ void SceneOnDevice::device_is(const DeviceModel& device, Grip grip) {
 }
 
 const FittedCoupling& SceneOnDevice::fitted_for(const Scene& scene, const MetStiffness& met) {
-  if (running_ && same(running_->met, met)) return running_->coupling;
-  if (!next_ || !same(next_->met, met)) next_ = Fit{met, fit_coupling(scene, *device_, grip_, met, {})};
+  if (running_ && running_->met == met) return running_->coupling;
+  if (!next_ || next_->met != met) next_ = Fit{met, fit_coupling(scene, *device_, grip_, met, {})};
   return next_->coupling;
 }
 
@@ -48,10 +45,9 @@ std::string SceneOnDevice::why_not(const Scene& scene, const MetStiffness& conta
                                    std::span<const EffectReach> effects) {
   if (!device_) return {};
   const std::vector<EffectSpec> ends = ends_of(effects);
-  const std::vector<EffectReach> at_rest(ends.begin(), ends.end());
   const MetStiffness met = with_effects(contact_alone, ends);
   const FittedCoupling& next = fitted_for(scene, met);
-  const DeviceDemand end = demand_of(scene, at_rest);
+  const DeviceDemand end = demand_of(scene, at_rest(ends));
   std::string why = judged(next, scene, met, end);
   if (!refusal_.empty()) return no_more_than(end, shown_) ? std::string() : why;
   if (!why.empty()) return why;

@@ -10,8 +10,6 @@ namespace voxtouch::coupling {
 
 namespace {
 
-bool same(const ContactRange& a, const ContactRange& b) { return a.one_point == b.one_point && a.all_points == b.all_points; }
-
 DeviceDemand demand_in(const msg::ScenePlan& plan) {
   return {.least_stiffness_n_per_m = plan.least_stiffness_n_per_m,
           .stiffest = plan.stiffest,
@@ -34,7 +32,7 @@ void Fitting::take(const msg::DeviceDescription& device) {
 void Fitting::take(const msg::ScenePlan& plan) {
   const MetStiffness met{{plan.one_point_stiffness_n_per_m, plan.all_points_stiffness_n_per_m},
                          {plan.one_point_stiffness_nm_per_rad, plan.all_points_stiffness_nm_per_rad}};
-  outdated_ |= plan_session_ != plan.session_id || !same(met.translation, met_.translation) || !same(met.rotation, met_.rotation);
+  outdated_ |= plan_session_ != plan.session_id || met != met_;
   met_ = met;
   demand_ = demand_in(plan);
   plan_session_ = plan.session_id;

@@ -40,10 +40,6 @@ std::string in_words(const msg::EffectChange& m) {
   }
 }
 
-bool same(const ContactRange& a, const ContactRange& b) { return a.one_point == b.one_point && a.all_points == b.all_points; }
-
-std::vector<EffectReach> at_rest(std::span<const EffectSpec> effects) { return {effects.begin(), effects.end()}; }
-
 }  // namespace
 
 ChangeDesk::ChangeDesk(const bus::Participant& participant, const Options& options, const Scene& scene,
@@ -335,7 +331,7 @@ bool ChangeDesk::sum_up() {
   const MetStiffness met = with_effects(plan_.of_contact_alone, settled_);
   DeviceDemand shown = demand_of(scene_, reach_);
   if (fading_) shown = larger_of(*fading_, shown);
-  const bool another = shown != shown_ || !same(met.translation, plan_.contact_n_per_m) || !same(met.rotation, plan_.contact_nm_per_rad);
+  const bool another = shown != shown_ || met != MetStiffness{plan_.contact_n_per_m, plan_.contact_nm_per_rad};
   plan_.contact_n_per_m = met.translation, plan_.contact_nm_per_rad = met.rotation;
   shown_ = std::move(shown);
   return another;

@@ -47,7 +47,6 @@ Scene by_hand(std::vector<EffectSpec> effects) {
   scene.design.reset();
   return scene;
 }
-std::vector<EffectReach> at_rest(const Scene& scene) { return {scene.effects.begin(), scene.effects.end()}; }
 MetStiffness met(const Scene& scene) { return with_effects(kContact, scene.effects); }
 
 /// What the start says of it.
@@ -60,7 +59,7 @@ SceneOnDevice running(const Scene& scene, const DeviceModel& device) {
   on.runs(scene, met(scene), demand_of(scene));
   return on;
 }
-std::string asked(SceneOnDevice& on, const Scene& next) { return on.why_not(next, kContact, at_rest(next)); }
+std::string asked(SceneOnDevice& on, const Scene& next) { return on.why_not(next, kContact, at_rest(next.effects)); }
 
 /// The damping that this device stands with this contact, by what the start takes.
 double most_damping(const DeviceModel& device) {
@@ -120,7 +119,7 @@ TEST(SceneOnDevice, JudgesWhatIsStillOnItsWay) {
   SceneOnDevice on = running(now, stylus());
   Scene next = scene_with({oil(0.05 * most), effect("surface_damping", {0.9 * most})});
   ASSERT_EQ(at_start(next, stylus()), "");
-  std::vector<EffectReach> reach = at_rest(now);
+  std::vector<EffectReach> reach = at_rest(now.effects);
   reach[0].widen(next.effects[0]), reach[1].widen(next.effects[1]);
   const std::string why = on.why_not(next, kContact, reach);
   EXPECT_NE(why.find("with a margin of 2"), std::string::npos) << why;
@@ -143,10 +142,10 @@ TEST(SceneOnDevice, JudgesDampingOnTheCouplingThatRunsAndOnTheOneThatFollows) {
   const Scene scene = scene_with({oil(0.95 * most)});
   SceneOnDevice on = running(scene, stylus());
   ASSERT_EQ(on.refusal(), "");
-  EXPECT_NE(on.why_not(scene, soft, at_rest(scene)), "") << "the coupling that follows lags more";
+  EXPECT_NE(on.why_not(scene, soft, at_rest(scene.effects)), "") << "the coupling that follows lags more";
   const Scene thin = scene_with({});
   on.runs(thin, soft, demand_of(thin));
-  const std::string why = on.why_not(scene, kContact, at_rest(scene));
+  const std::string why = on.why_not(scene, kContact, at_rest(scene.effects));
   EXPECT_NE(why.find("on the way"), std::string::npos) << "the one that runs still lags more: " << why;
 }
 
