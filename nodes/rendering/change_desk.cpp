@@ -81,6 +81,7 @@ void ChangeDesk::turn() {
   ChangeReport report;
   while (line_.next_report(report)) take_report(report);
   look_after_build();
+  if (remind_.exchange(false)) republish();
   changes_.take_each([this](const msg::EffectChange& m) { receive(m); });
 }
 

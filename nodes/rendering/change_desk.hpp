@@ -49,6 +49,8 @@ class ChangeDesk {
   /// From the loop, where a device describes itself: a session begins, or goes on with another device. Neither waits nor locks; of
   /// two that come at once the later one counts.
   void device_is(std::unique_ptr<DescribedDevice> device) noexcept { delete described_.exchange(device.release()); }
+  /// Writes the plan of the session once more, for a node that has missed it. Not in lockstep.
+  void remind() noexcept { remind_.store(true, std::memory_order_release); }
   /// Who reads the plan.
   std::vector<bus::Guid> plan_readers() const { return plans_.matched(); }
   /// For the node's report: changes, reloads, warnings, ...
@@ -143,7 +145,7 @@ class ChangeDesk {
   std::string refusal_;
   std::atomic<std::size_t> warnings_{0};
   std::atomic<std::uint64_t> done_{0}, refused_{0}, reloads_{0};
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, remind_{false};
   std::thread thread_;
 };
 

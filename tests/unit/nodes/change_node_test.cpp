@@ -12,6 +12,7 @@
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/roster.hpp"
 #include "nodes/runtime/strings.hpp"
+#include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {
@@ -119,7 +120,7 @@ const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
 class RenderingLive : public testing::Test {
  protected:
   RenderingLive()
-      : rig(own_rig("x")), participant({kDomain, "lo", "around"}), roster(participant, rig),
+      : rig(own_rig("x")), device(kDomain, "device", rig), participant(device.participant), roster(participant, rig),
         descriptions(participant, qos::kDeviceDescription, rig, latched()),
         plans(participant, qos::kScenePlan, rig, latched()),
         states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)),
@@ -132,22 +133,10 @@ class RenderingLive : public testing::Test {
     EXPECT_TRUE(asker.send_until_heard(change(99), 1'000'000));
   }
   void describe(std::uint64_t id, double mass_kg = 0.1) {
-    static char text[] = "stylus", grip[] = "pen";
-    msg::DeviceDescription m{};
-    m.session_id = session = id;
-    m.model = text, m.grip = grip;
-    m.rate_hz = 1000.0;
-    m.max_force_n = 8.5;
-    m.max_stiffness_n_per_m = 800.0;
+    msg::DeviceDescription m = stylus(session = id);
     m.mass_min_kg = mass_kg, m.mass_max_kg = 2.0 * mass_kg;
-    m.damping_ns_per_m = 2.0;
-    m.position_resolution_m = 3e-5;
-    m.delay_s = 1e-3;
-    m.force_bandwidth_hz = 1e9;
-    m.jitter = 0.2;
-    m.lost_in_a_row = 1;
-    m.simulated = true;
     descriptions.write(m);
+    device.say(id);
   }
   void begin(std::uint64_t id) {
     describe(id);
@@ -213,7 +202,8 @@ class RenderingLive : public testing::Test {
 
   SceneCopy scene;
   std::string rig;
-  bus::Participant participant;
+  StandIn device;
+  const bus::Participant& participant;
   runtime::Roster roster;
   bus::Writer<msg::DeviceDescription> descriptions;
   bus::Reader<msg::ScenePlan> plans;
