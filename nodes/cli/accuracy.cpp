@@ -128,7 +128,6 @@ AccuracyReport measure(const AccuracyVerb& o) {
   return report;
 }
 
-<<<<<<< ours
 int show(const AccuracyVerb& o, const AccuracyReport& report, OutputFile* csv) {
   const std::string json = to_json(report).dump(2);
   print_result("{}", o.json ? json + "\n" : to_text(report));
@@ -137,24 +136,6 @@ int show(const AccuracyVerb& o, const AccuracyReport& report, OutputFile* csv) {
     tell("{} holds the table\n", o.csv.string());
   }
   if (!o.plot.empty()) tell("{}\n", draw_picture("accuracy", json, o.plot));
-=======
-void keep(OutputFile& file, const std::string& text, const char* what) {
-  file.keep(text);
-  tell("{} {}\n", file.path().string(), what);
-}
-
-int accuracy(const AccuracyVerb& o) {
-  std::unique_ptr<OutputFile> plot, csv;
-  if (!o.plot.empty()) plot = std::make_unique<OutputFile>(o.plot);
-  if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
-  const AccuracyReport report = measure(o);
-  if (o.json)
-    print_result("{}\n", to_json(report).dump(2));
-  else
-    print_result("{}", to_text(report));
-  if (csv) keep(*csv, to_csv(report), "holds the table");
-  if (plot) keep(*plot, to_svg(accuracy_figure(report)), "shows error over time");
->>>>>>> theirs
   return !report.advice.front.empty() && report.advice.met.value_or(true) ? 0 : 1;
 }
 

@@ -91,19 +91,6 @@ Asked ask(const DesignOptions& o, const DeviceFile& device) {
   return out;
 }
 
-<<<<<<< ours
-=======
-void write_plot(const std::filesystem::path& file, const DesignReport& report) {
-  std::ofstream out(file, std::ios::binary);
-  out << to_svg(region_chart(report));
-  out.close();
-  if (!out)
-    throw std::runtime_error(
-        fmt::format("{} could not be written: is there room, and may you write there?", file.string()));
-  tell("{} shows where the loop is stable\n", file.string());
-}
-
->>>>>>> theirs
 int design(const DesignOptions& o) {
   std::unique_ptr<OutputFile> csv;
   if (!o.plot.empty()) check_picture(o.plot);
@@ -118,7 +105,6 @@ int design(const DesignOptions& o) {
   report.device = device.model.name;
   report.hand = asked.hand;
   report.contact = asked.contact;
-<<<<<<< ours
   const std::string json = to_json(report).dump(2);
   print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
@@ -126,13 +112,6 @@ int design(const DesignOptions& o) {
     tell("{} holds the stable region\n", o.csv.string());
   }
   if (!o.plot.empty()) tell("{}\n", draw_picture("design", json, o.plot));
-=======
-  if (o.json)
-    print_result("{}\n", to_json(report).dump(2));
-  else
-    print_result("{}", to_text(report));
-  if (!o.plot.empty()) write_plot(o.plot, report);
->>>>>>> theirs
   return report.design.status == DesignStatus::kInfeasible ? 1 : 0;
 }
 

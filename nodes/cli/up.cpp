@@ -212,11 +212,7 @@ class Run {
     const auto report = summary_.reports.find("device");
     if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
     const std::string& message = report->second.message;
-<<<<<<< ours
     if (message == told_ || !hanging_.empty()) return;  // who hangs has been named
-=======
-    if (message == told_) return;
->>>>>>> theirs
     if (message != "running") tell("  device: {}\n", message);
     told_ = message;
   }
@@ -337,15 +333,12 @@ void add_up(CLI::App& app, Action& action) {
   verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")
       ->capture_default_str()
       ->check(runtime::require_count);
-<<<<<<< ours
   verb->add_option("--limit", options->limits,
                    "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets one of them (0 or inf "
                    "lifts it), and may be given more than once. Defaults: " +
                        describe_limits())
       ->allow_extra_args(false)
       ->check(check_limit);
-=======
->>>>>>> theirs
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
   verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");

@@ -16,10 +16,7 @@
 #include "devices/registry.hpp"
 #include "devices/settings.hpp"
 #include "nodes/device/device_loop.hpp"
-<<<<<<< ours
 #include "nodes/device/last_second.hpp"
-=======
->>>>>>> theirs
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/housekeeping.hpp"

@@ -109,11 +109,8 @@ void Housekeeping::turn() {
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   compare_scenes(report);
   if (const std::uint64_t lost = texts_lost()) report.figures["lost_texts"] = {lost, "texts"};
-<<<<<<< ours
   watch_own(report);
   watch_others(report);
-=======
->>>>>>> theirs
   const bool announce = options_.announce && report.message != last_.message;
   const std::int64_t now = monotonic_ns();
   const bool changed =

@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "tests/ring/ring_run.hpp"
 
 namespace voxtouch::test {
@@ -14,7 +16,8 @@ namespace {
 RingResult run_redirected(const std::string& redirection, const std::vector<std::string>& more,
                           const std::string& first = "") {
   std::vector<std::string> arguments = {"/bin/sh", "-c", first + "exec \"$@\" " + redirection, "sh"};
-  std::vector<std::string> run = {"--motion", "free", "--duration", "1", "--lockstep", "--no-record"};
+  std::vector<std::string> run = {"--motion", "free", "--duration", "1", "--lockstep"};
+  if (std::find(more.begin(), more.end(), "--record") == more.end()) run.push_back("--no-record");
   run.insert(run.end(), more.begin(), more.end());
   const std::vector<std::string> up = up_arguments(shipped_scene("plane"), run);
   arguments.insert(arguments.end(), up.begin(), up.end());
@@ -70,6 +73,28 @@ TEST_P(Streams, AsAPipeThatNobodyReads) {
 
 INSTANTIATE_TEST_SUITE_P(Stderr, Streams, testing::Bool(),
                          [](const auto& kind) { return kind.param ? "in_one_process" : "in_processes"; });
+
+/// The bag's disk is full after half a megabyte: the ring goes on, what is missing is counted, and the run is no good one.
+TEST(Bag, OnAFullDiskIsCountedAndTheRunIsNoGoodOne) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "bag").string();
+  for (const char* redirection : {"", "2>/dev/full"}) {
+    std::filesystem::remove_all(path);
+    const RingResult r = run_redirected(redirection, {"--record", path}, "ulimit -f 1024; ");
+    EXPECT_EQ(r.process.status, 1) << r.process.err;
+    ASSERT_TRUE(r.summary.is_object()) << r.process.out << r.process.err;
+    EXPECT_EQ(r.summary["ok"], false);
+    EXPECT_EQ(r.summary["samples"], 1000);
+    const std::uint64_t written = r.summary["recording"]["written"], dropped = r.summary["recording"]["dropped"];
+    EXPECT_GT(written, 0U);
+    EXPECT_GT(dropped, 500U);
+    const auto bag = bag::BagReader::open(path);
+    ASSERT_TRUE(bag) << bag.error().sentence;
+    std::uint64_t kept = 0;
+    for (const auto& topic : bag->topics()) kept += topic.message_count;
+    EXPECT_EQ(kept, written);
+  }
+}
 
 TEST(Stdout, ThatTakesNoSummaryIsAFailure) {
   for (const char* redirection : {">/dev/full", ">&-"}) {
