@@ -6,7 +6,7 @@ namespace voxtouch::qos {
 
 Qos make_qos(const Profile& p, Endpoint endpoint, double period_s) {
   Qos qos(dds_create_qos());
-  const dds_duration_t blocking = p.blocks_for_ever ? DDS_INFINITY : DDS_MSECS(100);
+  constexpr dds_duration_t blocking = DDS_MSECS(100);  // of a full history; in lockstep nodes ask again, see Writer::write_until
   dds_qset_reliability(qos.get(), p.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, blocking);
   dds_qset_durability(qos.get(), p.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   // A status writer keeps its own last value; its readers keep one for each of many writers.

@@ -21,19 +21,18 @@ struct Profile {
   bool keep_all;                ///< bounded by `depth` as resource limit; else keep last `depth`
   std::int32_t depth;
   double deadline_periods;      ///< 0: none. One period fires falsely; three do not
-  bool blocks_for_ever;         ///< a full history blocks the writer instead of failing after 100 ms
 };
 
 inline constexpr Profile kProfiles[] = {
-    // id, name, reliable, transient local, keep all, depth, deadline, blocks
-    {ProfileId::kStream, "stream", false, false, false, 1, 3.0, false},     // the ring in real time: newest sample wins
-    {ProfileId::kLockstep, "lockstep", true, false, true, 256, 0.0, true},  // the ring in simulated time: nothing is lost
-    {ProfileId::kLatched, "latched", true, true, false, 1, 0.0, false},     // one value that late joiners get too
-    {ProfileId::kEvent, "event", true, false, false, 256, 0.0, false},      // reports
-    {ProfileId::kStatus, "status", true, true, false, 64, 0.0, false},      // as latched; readers keep many writers' last
-    {ProfileId::kTap, "tap", false, false, false, 64, 0.0, false},          // matches every stream and event, slows none
-    {ProfileId::kSensor, "sensor", false, false, false, 5, 0.0, false},     // ROS standard types, high rate
-    {ProfileId::kState, "state", true, false, false, 10, 0.0, false},       // ROS standard types, low rate
+    // id, name, reliable, transient local, keep all, depth, deadline
+    {ProfileId::kStream, "stream", false, false, false, 1, 3.0},     // the ring in real time: newest sample wins
+    {ProfileId::kLockstep, "lockstep", true, false, true, 256, 0.0},  // the ring in simulated time: nothing is lost
+    {ProfileId::kLatched, "latched", true, true, false, 1, 0.0},     // one value that late joiners get too
+    {ProfileId::kEvent, "event", true, false, false, 256, 0.0},      // reports
+    {ProfileId::kStatus, "status", true, true, false, 64, 0.0},      // as latched; readers keep many writers' last
+    {ProfileId::kTap, "tap", false, false, false, 64, 0.0},          // matches every stream and event, slows none
+    {ProfileId::kSensor, "sensor", false, false, false, 5, 0.0},     // ROS standard types, high rate
+    {ProfileId::kState, "state", true, false, false, 10, 0.0},       // ROS standard types, low rate
 };
 
 constexpr const Profile& profile(ProfileId id) {

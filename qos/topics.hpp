@@ -26,7 +26,7 @@ inline constexpr Topic kEffectChange{"rendering/change", "voxtouch_msgs/msg/Effe
 inline constexpr Topic kEffectChanged{"rendering/changed", "voxtouch_msgs/msg/EffectChanged", ProfileId::kStatus, 0};
 inline constexpr Topic kCouplingDesign{"coupling/design", "voxtouch_msgs/msg/CouplingDesign", ProfileId::kLatched, 0};
 inline constexpr Topic kValidation{"validation", "voxtouch_msgs/msg/ValidationReport", ProfileId::kEvent, 0};
-inline constexpr Topic kNodeStatus{"node_status", "voxtouch_msgs/msg/NodeStatus", ProfileId::kStatus, 1};
+inline constexpr Topic kNodeStatus{"node_status", "voxtouch_msgs/msg/NodeStatus", ProfileId::kStatus, 10};
 inline constexpr Topic kDiagnostics{"diagnostics", "diagnostic_msgs/msg/DiagnosticArray", ProfileId::kState, 1, true, false};
 inline constexpr Topic kTf{"tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, true, false};
 inline constexpr Topic kPose{"pose", "geometry_msgs/msg/PoseStamped", ProfileId::kSensor, 100, false, false};

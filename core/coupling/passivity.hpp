@@ -56,6 +56,16 @@ inline constexpr double kDebtS = 1.0;
 /// Largest energy that sliding over voxels gives, over force and way, times the radius of the contact in voxels.
 inline constexpr double kSlidingShare = 0.15;
 
+/// How far below zero an account of a sound contact may come, by the bounds above: 5 W and, for what a voxel of edge e gives and takes
+/// back, F e. `way_m`: the longest of one period [J].
+constexpr double energy_bound_j(double force_n, double way_m, double voxel_m) noexcept {
+  return 5.0 * force_n * way_m + force_n * voxel_m;
+}
+/// Likewise of the rotation's account, on whose points the same voxels push.
+constexpr double energy_bound_rotation_j(double torque_nm, double turn_rad, double force_n, double voxel_m) noexcept {
+  return 5.0 * torque_nm * turn_rad + force_n * voxel_m;
+}
+
 struct EnergyAccounts {
   double normal_j = 0.0, tangential_j = 0.0, rotation_j = 0.0;
   double translation_j() const noexcept { return normal_j + tangential_j; }
@@ -90,6 +100,7 @@ class Passivity {
   void reset() noexcept;
 
   const EnergyAccounts& energy() const noexcept { return energy_; }
+  const Wrench& applied() const noexcept { return applied_; }
 
  private:
   bool rests(bool in_contact) noexcept;

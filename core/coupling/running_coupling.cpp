@@ -93,6 +93,7 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   const double used_dt_s = in_band ? dt_s : nominal_s_;
   if (dt_s > kGapPeriods * nominal_s_) passivity_.reset();
   way_ = motion_.step(input.tool, dt_s);
+  count_way();
   passivity_.observe(way_, in_contact_, used_dt_s, newly_supplied(input, used_dt_s));
 
   CouplingOutput out;
@@ -173,7 +174,17 @@ void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out
   out.clamped |= clamp_wrench(sum, limits_.max_force_n, limits_.max_torque_nm).any();
 }
 
+/// The way that the last command has worked on.
+void RunningCoupling::count_way() noexcept {
+  const Wrench& applied = passivity_.applied();
+  if (applied.zero()) return;
+  counters_.longest_way_m = std::max(counters_.longest_way_m, way_.shift.norm());
+  counters_.longest_turn_rad = std::max(counters_.longest_turn_rad, way_.turn.norm());
+}
+
 void RunningCoupling::count(const CouplingOutput& out) noexcept {
+  counters_.most_force_n = std::max(counters_.most_force_n, out.wrench.force.norm());
+  counters_.most_torque_nm = std::max(counters_.most_torque_nm, out.wrench.torque.norm());
   const EnergyAccounts& energy = passivity_.energy();
   ++counters_.samples;
   counters_.faults = faults_before_ + law_->faults();

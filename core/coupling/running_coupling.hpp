@@ -44,6 +44,8 @@ struct CouplingCounters {
   double lowest_energy_j = 0.0;  ///< of any single account of translation
   double lowest_energy_rotation_j = 0.0;
   double most_damping_ns_per_m = 0.0;  ///< that the controller has added
+  double most_force_n = 0.0, most_torque_nm = 0.0;  ///< that was commanded
+  double longest_way_m = 0.0, longest_turn_rad = 0.0;  ///< of one sample to the next, under force
 };
 
 /// One device's coupling. Steps are real-time safe: no allocation, no lock, no throw.
@@ -79,6 +81,7 @@ class RunningCoupling {
   Wrench run_law(const CouplingInput& input, double dt_s, double used_dt_s, CouplingOutput& out) noexcept;
   void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
+  void count_way() noexcept;
   void count(const CouplingOutput& out) noexcept;
 
   CouplingLimits limits_;

@@ -53,6 +53,9 @@ class BagRecorder {
   /// Counts up to now. Does not wait for the disk. With `closed` set they add up.
   RecordingReport report() const;
 
+  /// Another number at each look for as long as the disk thread gets on.
+  std::uint64_t turns() const noexcept { return turns_.load(std::memory_order_relaxed); }
+
   /// Writes out what is queued, closes the bag, ends the thread. Waits for the disk. The report is final.
   RecordingReport stop();
 
@@ -74,6 +77,7 @@ class BagRecorder {
   std::vector<Counts> counts_;  // by topic, sized once
   std::atomic<std::uint32_t> topic_count_{0};
   std::atomic<bool> accepting_{true}, stopping_{false};
+  std::atomic<std::uint64_t> turns_{0};  // of the disk thread
   std::atomic<std::uint32_t> pushing_{0};  // pushes between their first and last look at accepting_
 
   mutable std::mutex table_mutex_;  // names, disk counts, errors: never held while the disk is used

@@ -40,6 +40,8 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
   j["passivity_most_damping_ns_per_m"] = number(r, "coupling", "passivity_most_damping_ns_per_m");
   j["lowest_energy_j"] = number(r, "coupling", "lowest_energy_j");
   j["lowest_energy_rotation_j"] = number(r, "coupling", "lowest_energy_rotation_j");
+  j["energy_bound_j"] = number(r, "coupling", "energy_bound_j");
+  j["energy_bound_rotation_j"] = number(r, "coupling", "energy_bound_rotation_j");
   return j;
 }
 
@@ -69,6 +71,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["crossed_samples"] = count(r, "rendering", "crossed_samples");
   j["missed_samples"] = count(r, "rendering", "missed_samples");
   j["zero_force_samples"] = count(r, "device", "zero_force_samples");
+  j["interruptions"] = count(r, "device", "interruptions");
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);
   j["guard"] = {{"refused", count(r, "device", "refused")}, {"clamped", count(r, "device", "clamped")}};
@@ -77,6 +80,14 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
     validator[key] = count(r, "validator", key);
   j["validator"] = validator;
   j["recording"] = {{"written", count(r, "logger", "written")}, {"dropped", count(r, "logger", "dropped")}};
+  for (const char* stream : {"device_state", "rendering_contact", "coupling_command"})
+    j["recording"]["streams"][stream] = {{"recorded", count(r, "logger", stream + std::string("_recorded"))},
+                                         {"gaps", count(r, "logger", stream + std::string("_gaps"))}};
+  for (const Judged& judged : s.judged)
+    j["limits"][std::string(judged.limit->name)] = {{"value", judged.measured ? nlohmann::ordered_json(*judged.measured) : nullptr},
+                                                    {judged.limit->at_least ? "at_least" : "at_most", judged.asked},
+                                                    {"unit", judged.limit->unit},
+                                                    {"met", judged.met}};
   j["bag"] = s.bag.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(s.bag);
   j["problems"] = s.problems;
   j["notes"] = s.notes;
@@ -131,9 +142,10 @@ std::string status_line(const Reports& r, const std::vector<std::string>& nodes)
     return "starting: waiting for " + waiting;
   }
   return fmt::format(
-      "{:>7} samples  force {:6.2f} N  latency p50 {:>4.0f} us p99 {:>5.0f} us  overruns {}  contacts {}  validator "
-      "{}/{} agree",
-      count(r, "device", "samples"), number(r, "device", "force_n"), number(r, "device", "latency_p50_us"),
+      "{:>7} samples  force {:6.2f} N at most  answered {:5.1f} %  latency p50 {:>4.0f} us p99 {:>5.0f} us  overruns {}  "
+      "contacts {}  validator {}/{} agree",
+      count(r, "device", "samples"), number(r, "device", "last_second_max_force_n"),
+      100.0 * number(r, "device", "last_second_answered_share"), number(r, "device", "latency_p50_us"),
       number(r, "device", "latency_p99_us"), count(r, "device", "overruns"), count(r, "rendering", "contact_samples"),
       count(r, "validator", "agree"), count(r, "validator", "decided"));
 }

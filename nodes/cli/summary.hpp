@@ -6,6 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "nodes/cli/run_limits.hpp"
 #include "nodes/runtime/roster.hpp"
 
 namespace voxtouch::cli {
@@ -21,6 +22,11 @@ std::string word(const Reports& reports, const std::string& node, const std::str
 struct RunSummary {
   std::string scene, device, motion, mode, bag;
   std::uint64_t seed = 0;
+  double validate_every = 1.0;
+  double silence_s = 0.0;  ///< longest time without a status, as `up` saw it
+  std::string silent;      ///< whose
+  AskedLimits asked;
+  std::vector<Judged> judged;  ///< by `judge`
   Reports reports;
   std::vector<std::string> problems;  ///< sentences; empty: all is well
   std::vector<std::string> notes;     ///< sentences that spoil nothing
@@ -28,7 +34,7 @@ struct RunSummary {
 
 nlohmann::ordered_json to_json(const RunSummary& summary);
 std::string to_text(const RunSummary& summary);
-/// One line while the ring runs; `nodes` are those that take part.
+/// One line while the ring runs, on the last second; `nodes` are those that take part.
 std::string status_line(const Reports& reports, const std::vector<std::string>& nodes);
 
 }  // namespace voxtouch::cli

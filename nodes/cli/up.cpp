@@ -16,6 +16,7 @@
 #include "nodes/cli/summary.hpp"
 #include "nodes/cli/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/signals.hpp"
 
@@ -30,7 +31,7 @@ struct UpOptions {
   device::HandChoice hand;
   double duration_s = 0.0;
   std::filesystem::path bag;
-  std::vector<std::string> settings, topics;
+  std::vector<std::string> settings, topics, limits;
   std::uint64_t every = 20;
   bool no_record = false, one_process = false, json = false;
 };
@@ -48,13 +49,16 @@ std::filesystem::path default_bag(const std::string& scene) {
 class Run {
  public:
   Run(const UpOptions& options, const Scene& scene)
-      : options_(options), participant_(options.node.participant("up")), roster_(participant_, options.node.rig),
+      : options_(options), participant_(options.node.participant("up")),
+        status_(participant_, "up", options.node.rig), roster_(participant_, options.node.rig),
         verdicts_(participant_, qos::kValidation, options.node.rig, qos::profile(qos::ProfileId::kTap)) {
     summary_.scene = scene.name;
     summary_.device = options.device;
     summary_.motion = options.motion;
     summary_.mode = options.node.lockstep ? "lockstep" : "real time";
     summary_.seed = options.node.seed;
+    summary_.validate_every = static_cast<double>(options.every);
+    for (const std::string& text : options.limits) ask_limit(text, summary_.asked);
     if (!options.no_record)
       summary_.bag = options.bag.empty() ? default_bag(scene.name).string() : options.bag.string();
   }
@@ -77,12 +81,28 @@ class Run {
   }
 
  private:
+  /// Says that it is here before it looks, so that of two that are started at once each sees the other: the one with the smaller GUID
+  /// goes on, the other says so before it has started anything. One that runs already stays.
   void require_free_rig() {
-    if (const auto other = runtime::look_for_others(roster_, "", milliseconds(500)))
+    const auto in_the_way = [this](const runtime::NodeReport& other) {
+      if (other.participant == participant_.guid()) return false;
+      if (other.state == runtime::NodeState::kStopped || other.state == runtime::NodeState::kFailed) return false;
+      return other.node != "up" || other.state == runtime::NodeState::kRunning || other.participant < participant_.guid();
+    };
+    announce(runtime::NodeState::kStarting);
+    if (const auto other = runtime::look_for(roster_, in_the_way, milliseconds(500)))
       throw std::runtime_error(
           fmt::format("rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or "
                       "choose another --rig or --domain",
                       options_.node.rig, options_.node.domain, other->node, other->pid, other->host));
+    announce(runtime::NodeState::kRunning);
+  }
+
+  void announce(runtime::NodeState state) {
+    runtime::NodeReport report;
+    report.state = state;
+    report.message = "this ring's `voxtouch up`";
+    status_.publish(report);
   }
 
   CrewOptions crew() const {
@@ -109,12 +129,15 @@ class Run {
   }
 
   void listen() {
-    roster_.update(true);
+    roster_.update([this](const runtime::NodeReport& report) { return is_of_crew(report); });
     verdicts_.take_each([](const msg::ValidationReport&) {});
     for (const runtime::NodeReport& report : roster_.reports())
-      if (std::any_of(crew_.begin(), crew_.end(),
-                      [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; }))
-        summary_.reports[report.node] = report;
+      if (is_of_crew(report)) summary_.reports[report.node] = report;
+  }
+
+  bool is_of_crew(const runtime::NodeReport& report) const {
+    return std::any_of(crew_.begin(), crew_.end(),
+                       [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; });
   }
 
   std::vector<std::string> names() const {
@@ -135,11 +158,11 @@ class Run {
     while (!runtime::stop_requested().load()) {
       listen();
       if (runtime::monotonic_ns() >= next_line) {
-        fmt::print(stderr, "{}\n", status_line(summary_.reports, names()));
+        tell("{}\n", status_line(summary_.reports, names()));
         tell_trouble();
         next_line += 1'000'000'000;
       }
-      bool over = false;
+      bool over = watch_for_hung();
       for (const auto& member : crew_)
         if (const auto status = member->ended()) {
           if (member->name() != "device" || *status != 0) note_end(member->name(), *status);
@@ -148,9 +171,40 @@ class Run {
       if (over || note_refusals()) return;
       std::this_thread::sleep_for(milliseconds(20));
     }
-    fmt::print(stderr, "stopping\n");
+    tell("stopping\n");
     if (options_.duration_s > 0)
       summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", options_.duration_s));
+  }
+
+  /// Names who hangs as soon as it is known, and when it is heard again. True once one has been silent for too long to wait for.
+  bool watch_for_hung() {
+    for (const auto& [name, report] : summary_.reports) {
+      if (report.final() || !is_running(name)) continue;
+      if (const double silent_s = roster_.silent_s(report); silent_s > summary_.silence_s)
+        summary_.silence_s = silent_s, summary_.silent = name;
+    }
+    std::set<std::string> still;
+    for (const runtime::Hung& hung : roster_.hung()) {
+      const auto ours = summary_.reports.find(hung.node);
+      if (ours == summary_.reports.end() || ours->second.participant != hung.participant || !is_running(hung.node)) continue;
+      still.insert(hung.node);
+      if (hanging_.insert(hung.node).second) tell("  {}\n", hung.sentence);
+      if (hung.for_s * 1e9 < static_cast<double>(runtime::kGivenUpNs)) continue;
+      summary_.problems.push_back(fmt::format("{} has given no sign of life for {} s: the run ends without it", hung.node,
+                                              runtime::kGivenUpNs / 1'000'000'000));
+      return true;
+    }
+    std::erase_if(hanging_, [&](const std::string& name) {
+      if (still.contains(name)) return false;
+      tell("  {} is heard again\n", name);
+      return true;
+    });
+    return false;
+  }
+
+  bool is_running(const std::string& name) {
+    Member* member = find(name);
+    return member && !member->ended();
   }
 
   /// What keeps a device that runs from giving force is said when it begins, not only in the end.
@@ -158,8 +212,8 @@ class Run {
     const auto report = summary_.reports.find("device");
     if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
     const std::string& message = report->second.message;
-    if (message == told_) return;
-    if (message != "running") fmt::print(stderr, "  device: {}\n", message);
+    if (message == told_ || !hanging_.empty()) return;  // who hangs has been named
+    if (message != "running") tell("  device: {}\n", message);
     told_ = message;
   }
 
@@ -180,7 +234,8 @@ class Run {
       Member* member = find(name);
       if (!member) continue;
       member->request_stop();
-      const int status = member->join(milliseconds(name == std::string("logger") ? 20'000 : 8'000));
+      const int patience_ms = hanging_.contains(name) ? 1'000 : name == std::string("logger") ? 20'000 : 8'000;
+      const int status = member->join(milliseconds(patience_ms));
       listen();
       if (status != 0 && !was_cut_short(name, status)) note_end(name, status);
     }
@@ -213,11 +268,13 @@ class Run {
 
   const UpOptions& options_;
   bus::Participant participant_;
+  runtime::StatusWriter status_;
   runtime::Roster roster_;
   bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges for whoever reads; its counts come with its status
   CrewOptions crew_options_;
   std::vector<std::unique_ptr<Member>> crew_;
   std::string told_ = "running";  ///< of the device
+  std::set<std::string> hanging_;         ///< members that give no sign of life now
   std::set<std::string> noted_;  ///< members whose end is among the problems
   RunSummary summary_;
 };
@@ -225,15 +282,15 @@ class Run {
 RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
   const Scene scene = load_scene(options.node.scene);
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
   for (const std::string& note : check_before_start(scene, {options.device, parse_settings(options.settings),
                                                             options.motion, options.no_record ? "" : options.bag}))
-    fmt::print(stderr, "note: {}\n", note);
+    tell("note: {}\n", note);
   return Run(options, scene).go();
 }
 
 void print_json(const nlohmann::ordered_json& json) {
-  fmt::print("{}\n",
+  print_result("{}\n",
              json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
 }
 
@@ -243,7 +300,7 @@ int up(const UpOptions& options) {
     if (options.json)
       print_json(to_json(summary));
     else
-      fmt::print("{}", to_text(summary));
+      print_result("{}", to_text(summary));
     return summary.problems.empty() ? 0 : 1;
   } catch (const std::exception& error) {
     if (options.json) print_json({{"ok", false}, {"problems", {error.what()}}});
@@ -272,10 +329,16 @@ void add_up(CLI::App& app, Action& action) {
   device::add_hand_options(*verb, options->hand);
   verb->add_option("--record", options->bag,
                    "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
-  verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states");
+  verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states")->check(runtime::check_topic);
   verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")
       ->capture_default_str()
-      ->check(runtime::require_positive);
+      ->check(runtime::require_count);
+  verb->add_option("--limit", options->limits,
+                   "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets one of them (0 or inf "
+                   "lifts it), and may be given more than once. Defaults: " +
+                       describe_limits())
+      ->allow_extra_args(false)
+      ->check(check_limit);
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
   verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");

@@ -11,6 +11,7 @@
 
 #include "core/scene/device_check.hpp"
 #include "devices/registry.hpp"
+#include "nodes/cli/run_figures.hpp"
 #include "nodes/device/device_node.hpp"
 
 namespace voxtouch::cli {
@@ -84,9 +85,9 @@ void judge(RunSummary& s) {
   else if (interruptions > 0)
     s.notes.push_back(fmt::format("{} gave no force in {} samples (lost {}x on the way); the last reason: {}", s.device,
                                   zero_force, interruptions, trouble));
-  if (const double n = number(s.reports, "device", "clamped"); n > 0)
-    s.notes.push_back(
-        fmt::format("the guard cut {} commands to what the device allows: the scene asks for more than that", n));
+  s.judged = judge_figures(figures_of(s), s.asked);
+  for (const Judged& judged : s.judged)
+    if (!judged.met) s.problems.push_back(judged.sentence);
   if (const double n = number(s.reports, "rendering", "buried_samples"); n > 100)
     s.notes.push_back(
         fmt::format("in {} samples the tool was wholly inside a static object, where there is no direction to push: "

@@ -18,11 +18,12 @@ constexpr std::int64_t kPollNs = 50'000'000;
 }  // namespace
 
 DeviceLoop::DeviceLoop(const Settings& settings, Driver& driver, bus::Writer<msg::DeviceState>& states,
-                       bus::Reader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress,
+                       bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress,
                        Requests& requests)
     : settings_(settings), driver_(driver), states_(states), commands_(commands), wait_set_(wait_set),
       progress_(progress), requests_(requests), guard_(guard_config(driver.description())), gate_(settings.session_id),
-      period_ns_(std::llround(1e9 / driver.description().rate_hz)) {}
+      period_ns_(std::llround(1e9 / driver.description().rate_hz)),
+      longest_gap_ns_(std::llround(1e9 * (guard_.config().hold_periods * guard_.config().period_s + guard_.config().fade_s))) {}
 
 End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   runtime::flush_denormals();
@@ -40,6 +41,7 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
 }
 
 End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
+  progress_.heartbeat.beat();
   if (stop.load(kRelaxed)) return End::kStopped;
   if (settings_.max_samples && sequence_ == settings_.max_samples) return End::kFinished;
   if (requests_.rig_taken.load(kRelaxed)) return End::kRigTaken;
@@ -56,19 +58,26 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
     deadline_ns_ =
         runtime::monotonic_ns() - period_ns_ / 4;  // its clock paces: the command is due before its next sample
   }
-  if (!publish(*sample)) return End::kWriteBlocked;
+  if (!publish(*sample, stop))
+    return stop.load(kRelaxed)                  ? End::kStopped
+           : requests_.peer_gone.load(kRelaxed) ? End::kPeerGone
+                                                : End::kWriteBlocked;
 
   End end = End::kNone;
   const auto command = settings_.lockstep ? wait_in_lockstep(stop, end) : wait_in_real_time();
   if (end != End::kNone) return end;
 
+  ++sequence_;
+  progress_.samples.store(sequence_, kRelaxed);
+  if (stood_still()) {
+    let_go();
+    return End::kNone;
+  }
   const Wrench force = guard_.pass(command, sample->time_ns + settings_.epoch_ns);
   const auto written = driver_.write(force);
   note(written ? force : Wrench{});
   progress_.in_trouble.store(!written, kRelaxed);
   if (written) takes_force_ = true;
-  ++sequence_;
-  progress_.samples.store(sequence_, kRelaxed);
   return written ? End::kNone : after(written.error());
 }
 
@@ -77,16 +86,32 @@ End DeviceLoop::after(DeviceError error) noexcept {
   progress_.last_error.store(error, kRelaxed);
   if (error == DeviceError::kDisconnected) return End::kDeviceGone;
   if (error == DeviceError::kFault) return End::kDeviceFault;
+  let_go();
+  progress_.in_trouble.store(true, kRelaxed);
+  last_turn_ns_ = 0;  // it is at zero force: how long it takes to come back tells nothing
+  return End::kNone;
+}
+
+void DeviceLoop::let_go() noexcept {
   driver_.stop();
   guard_.restart();
   progress_.force_n.store(0.0, kRelaxed);
   progress_.zero_force_samples.fetch_add(1, kRelaxed);
   if (std::exchange(takes_force_, false)) progress_.interruptions.fetch_add(1, kRelaxed);
-  progress_.in_trouble.store(true, kRelaxed);
-  return End::kNone;
 }
 
-bool DeviceLoop::publish(const DeviceSample& sample) noexcept {
+/// Whether this process was kept from its work for longer than a command is held and faded. By our clock: that of a simulated device
+/// stands still with the process, and what it pushed with then must not go on.
+bool DeviceLoop::stood_still() noexcept {
+  if (settings_.lockstep) return false;
+  const std::int64_t now_ns = runtime::monotonic_ns(), last_ns = std::exchange(last_turn_ns_, now_ns);
+  const std::int64_t gap_ns = last_ns ? now_ns - last_ns : 0;
+  if (gap_ns <= longest_gap_ns_) return false;
+  if (gap_ns > progress_.longest_gap_ns.load(kRelaxed)) progress_.longest_gap_ns.store(gap_ns, kRelaxed);
+  return true;
+}
+
+bool DeviceLoop::publish(const DeviceSample& sample, const std::atomic<bool>& stop) noexcept {
   msg::DeviceState state{};
   state.session_id = settings_.session_id;
   state.sequence_number = sequence_;
@@ -104,23 +129,25 @@ bool DeviceLoop::publish(const DeviceSample& sample) noexcept {
                 (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) |
                 (trusted ? 0U : msg::device_state::kFlagPoseHeld);
   published_ns_[sequence_ % published_ns_.size()] = runtime::monotonic_ns();
-  return states_.write(state) || !settings_.lockstep;  // best effort: a full socket is a lost sample, not an end
+  if (!settings_.lockstep) return states_.write(state), true;  // best effort: a full socket is a lost sample, not an end
+  return states_.write_until(state, [&] {
+    progress_.heartbeat.beat();
+    return stop.load(kRelaxed) || requests_.peer_gone.load(kRelaxed);
+  });
 }
 
 std::optional<GuardInput> DeviceLoop::take_commands() noexcept {
   std::optional<GuardInput> newest;
-  if (requests_.release_writer.exchange(false, kRelaxed)) gate_.release_writer();
+  // The gate's own rule is the second line: it lets go only of a writer that is not followed any more.
+  if (gate_.writer() && *gate_.writer() != commands_.writer()) gate_.release_writer();
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
-  while (commands_.take(command, &writer)) {
+  for (int i = 0; i < commands_.kMostTakes && commands_.take(command, &writer); ++i) {
     const GateVerdict verdict = gate_.accept(writer, command.session_id, command.sequence_number, sequence_);
     guard_.count(verdict);
-    if (verdict == GateVerdict::kForeignWriter) {
-      progress_.foreign_writer.store(writer, kRelaxed);
-      progress_.foreign_commands.fetch_add(1, kRelaxed);
-    }
     if (verdict != GateVerdict::kAccepted) continue;
-    progress_.followed_writer.store(writer, kRelaxed);
+    if (progress_.first_answered.load(kRelaxed) == Progress::kNone)
+      progress_.first_answered.store(command.sequence_number, kRelaxed);
     if (sequence_ - command.sequence_number < published_ns_.size())
       progress_.latency.record(runtime::monotonic_ns() - published_ns_[command.sequence_number % published_ns_.size()]);
     newest = GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns};
@@ -132,6 +159,7 @@ std::optional<GuardInput> DeviceLoop::wait_in_lockstep(const std::atomic<bool>& 
   const std::int64_t give_up_ns = runtime::monotonic_ns() + settings_.peer_timeout_ns;
   for (;;) {
     wait_set_.wait(kPollNs);
+    progress_.heartbeat.beat();
     const auto command = take_commands();
     if (command && gate_.last_sequence() == sequence_) return command;
     if (stop.load(kRelaxed)) end = End::kStopped;
@@ -170,6 +198,7 @@ void DeviceLoop::next_period() noexcept {
 void DeviceLoop::note(const Wrench& force) noexcept {
   const double magnitude = force.force.norm();
   progress_.force_n.store(magnitude, kRelaxed);
+  if (magnitude > progress_.recent_max_force_n.load(kRelaxed)) progress_.recent_max_force_n.store(magnitude, kRelaxed);
   if (magnitude > progress_.max_force_n.load(kRelaxed)) progress_.max_force_n.store(magnitude, kRelaxed);
   const GuardCounts& counts = guard_.counts();
   progress_.refused.store(counts.refused(), kRelaxed);

@@ -1,9 +1,11 @@
 #include "nodes/device/device_node.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <random>
 #include <thread>
 
 #include <fmt/format.h>
@@ -14,9 +16,12 @@
 #include "devices/registry.hpp"
 #include "devices/settings.hpp"
 #include "nodes/device/device_loop.hpp"
+#include "nodes/device/last_second.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::device {
@@ -27,7 +32,12 @@ using runtime::NodeState;
 /// New at each start. In lockstep the same for the same run, since recordings must not differ by a bit, but for a device that is
 /// started anew among nodes that keep running: `sessions` is how many these have seen.
 std::uint64_t make_session_id(const Options& options, const Scene& scene, std::uint64_t sessions) {
-  if (!options.lockstep) return static_cast<std::uint64_t>(runtime::realtime_ns());
+  if (!options.lockstep) {
+    std::random_device random;  // no clock: two hosts' need not agree, and one host's may be set back
+    std::uint64_t id = 0;
+    while (id == 0) id = (static_cast<std::uint64_t>(random()) << 32U) | random();
+    return id;
+  }
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
   std::string anew = sessions ? fmt::format("/{}", sessions) : "";
   for (const std::string& setting : options.settings) anew += "/" + setting;
@@ -84,7 +94,7 @@ std::string sentence(End end, const Driver& driver) {
     case End::kStopped: return "stopped on request; the device is at zero force";
     case End::kFinished: return "finished; the device is at zero force";
     case End::kPeerSilent: return "no command came for 5 s: is the coupling node alive? The device is at zero force";
-    case End::kPeerGone: return "a node that takes part has gone; the device is at zero force";
+    case End::kPeerGone: return "a node that takes part has gone";
     case End::kDeviceGone:
       return fmt::format("{} does not answer any more, zero force was its last command: {}", driver.description().model,
                          trouble.empty() ? "check its cable and power" : trouble);
@@ -92,7 +102,7 @@ std::string sentence(End end, const Driver& driver) {
       return fmt::format("{} reported a fault and needs a person; it was told to give zero force{}{}",
                          driver.description().model, trouble.empty() ? "" : ": ", trouble);
     case End::kRigTaken:
-      return "another device runs in this rig and was there first; this one is at zero force. Choose another --rig or "
+      return "another device runs in this rig and stays; this one is at zero force. Choose another --rig or "
              "--domain";
     case End::kWriteBlocked: return "a sample could not be handed to DDS; the device is at zero force";
   }
@@ -103,7 +113,10 @@ std::string sentence(End end, const Driver& driver) {
 /// have seen.
 std::uint64_t require_free_rig(const bus::Participant& participant, const Options& options) {
   runtime::Roster roster(participant, options.rig);
-  if (const auto other = runtime::look_for_others(roster, "device", std::chrono::milliseconds(400)))
+  const auto runs = [](const runtime::NodeReport& r) {
+    return r.node == "device" && r.state != NodeState::kStopped && r.state != NodeState::kFailed;
+  };
+  if (const auto other = runtime::look_for(roster, runs, std::chrono::milliseconds(400)))
     throw std::runtime_error(
         fmt::format("a device already runs in rig '{}' on domain {} (process {} on {}). Stop it, or choose another "
                     "--rig or --domain",
@@ -127,7 +140,8 @@ class DeviceNode {
     links_ = {{"device/state", [this] { return states_.matched(); }, {"rendering", "coupling", "logger"}},
               {"device/description", [this] { return descriptions_.matched(); }, {"rendering", "coupling", "logger"}},
               {"coupling/command", [this] { return commands_.matched(); }, {"coupling"}}};
-    publish_description(descriptions_, driver_->description(), session_, driver_->simulated(), options.lockstep);
+    coupling_.emplace("coupling", std::vector{&commands_.following()});
+    describe();
   }
 
   int run(const std::atomic<bool>& stop) {
@@ -136,14 +150,15 @@ class DeviceNode {
     {
       runtime::Housekeeping housekeeping(
           participant_, "device", options_,
-          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+          {{"its loop", [this] { return progress_.heartbeat.sign(); }}});
       end = wait_for_peers(stop);
       if (end == End::kNone) end = loop.run(stop);
       progress_.end.store(end, std::memory_order_release);
       if (options_.lockstep) states_.wait_for_acknowledgments(DDS_SECS(5));
     }
     const bool good = end == End::kFinished || (end == End::kStopped && options_.duration_s == 0.0);
-    if (!good && end != End::kStopped) fmt::print(stderr, "error: device: {}\n", end_sentence(end));
+    if (!good && end != End::kStopped) tell("error: device: {}\n", end_sentence(end));
     return good ? 0 : 1;
   }
 
@@ -169,6 +184,10 @@ class DeviceNode {
       report_failure(error.what());
       throw;
     }
+  }
+
+  void describe() {
+    publish_description(descriptions_, driver_->description(), session_, driver_->simulated(), options_.lockstep);
   }
 
   /// To whoever listens, such as `up`: a node that cannot start says why in its status too.
@@ -197,6 +216,7 @@ class DeviceNode {
   End wait_for_peers(const std::atomic<bool>& stop) {
     const std::int64_t give_up = runtime::monotonic_ns() + 60'000'000'000;
     while (options_.lockstep && !peers_ready_.load(std::memory_order_acquire)) {
+      progress_.heartbeat.beat();
       if (stop.load()) return End::kStopped;
       if (requests_.rig_taken.load()) return End::kRigTaken;
       if (runtime::monotonic_ns() > give_up) {
@@ -209,25 +229,33 @@ class DeviceNode {
   }
 
   std::string end_sentence(End end) const {
+    if (end == End::kPeerGone) return gone_ + "; the device is at zero force";
     return peers_late_ ? "not every node that takes part was ready within 60 s; missing: " + waiting_for_
                        : sentence(end, *driver_);
   }
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
     const End end = progress_.end.load(std::memory_order_acquire);
+    coupling_->update(roster, session_);
     watch_peers(roster);
-    watch_writers(roster);
     watch_rig(roster);
+    if (!options_.lockstep && reminder_.is_due(roster, session_, {"rendering", "coupling"})) describe();
+    const std::string foreign = coupling_->trouble(roster);
     report.session_id = session_;
     const bool running = progress_.started_ns.load() != 0;
     report.state = end == End::kNone                               ? (running ? NodeState::kRunning : NodeState::kReady)
                    : end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                    : NodeState::kFailed;
     if (end == End::kNone && progress_.in_trouble.load()) trouble_ = trouble_of(*driver_, progress_.last_error.load());
+    if (const std::int64_t gap_ns = progress_.longest_gap_ns.load(); gap_ns > told_gap_ns_) {
+      told_gap_ns_ = gap_ns;
+      trouble_ = fmt::format("its process was kept from running for {:.0f} ms", static_cast<double>(gap_ns) * 1e-6);
+    }
     report.message = end != End::kNone ? end_sentence(end)
                      : progress_.in_trouble.load()
                          ? fmt::format("{} is at zero force: {}", driver_->description().model, trouble_)
-                     : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
+                     : !rival_.empty()  ? "another device runs in this rig, one of the two goes: " + rival_
+                     : !foreign.empty() ? foreign
                      : running           ? "running"
                                          : "waiting for " + waiting_for_;
     fill(report);
@@ -239,40 +267,57 @@ class DeviceNode {
         runtime::taking_part(options_, {"rendering", "coupling", "logger", "validator"});
     waiting_for_ = runtime::missing_links(options_, roster, links_);
     bool ready = waiting_for_.empty();
+    const std::vector<runtime::NodeReport> reports = roster.reports();
     for (const std::string& peer : peers) {
-      const auto report = roster.find(peer);
-      if (peers_ready_.load() && (!report || report->state == NodeState::kFailed)) requests_.peer_gone.store(true);
-      const bool answered = report && report->session_id == session_ &&
-                            (report->state == NodeState::kReady || report->state == NodeState::kRunning);
+      const auto one = [&](const auto& holds) {
+        return std::any_of(reports.begin(), reports.end(), [&](const auto& r) { return r.node == peer && holds(r); });
+      };
+      if (peers_ready_.load() && !one([](const auto& r) { return r.state != NodeState::kFailed; }))
+        lose(why_lost(roster, peer, one([](const auto&) { return true; })));
+      const bool answered = one([&](const auto& r) {
+        return r.session_id == session_ && (r.state == NodeState::kReady || r.state == NodeState::kRunning);
+      });
       if (!answered) waiting_for_ += (waiting_for_.empty() ? "" : ", ") + peer + " to be ready";
       ready = ready && answered;
     }
-    if (ready) peers_ready_.store(true, std::memory_order_release);
+    if (ready && coupling_->bound()) peers_ready_.store(true, std::memory_order_release);
+    for (const runtime::Hung& hung : roster.hung())
+      if (options_.has_peer(hung.node) && peers_ready_.load() && hung.for_s * 1e9 >= runtime::kGivenUpNs)
+        lose(why_lost(roster, hung.node, false));
   }
 
-  /// Two that start at the same time see nobody there. The older session stays; in lockstep, where sessions have no age, the smaller id.
+  static std::string why_lost(const runtime::Roster& roster, const std::string& peer, bool failed) {
+    for (const runtime::Hung& hung : roster.hung())
+      if (hung.node == peer) return fmt::format("{} has given no sign of life for {:.1f} s", peer, hung.for_s);
+    return fmt::format("{} takes part and has {}", peer, failed ? "failed" : "gone");
+  }
+
+  /// Lockstep: the run cannot go on without it.
+  void lose(std::string sentence) {
+    if (gone_.empty()) gone_ = std::move(sentence);
+    requests_.peer_gone.store(true);
+  }
+
+  /// Two devices of one rig: after a network split, or after a start at the same time, when neither sees the other. Each says, once,
+  /// how many of its samples had been answered when it first saw the other: the one with more, whose ring is with it, stays; of equal
+  /// ones that with the smaller GUID. Neither number changes any more, so both decide alike, and no clock takes part.
   void watch_rig(const runtime::Roster& roster) {
+    rival_.clear();
     for (const runtime::NodeReport& other : roster.reports()) {
-      if (other.node != "device" || other.participant == participant_.guid()) continue;
-      const bool theirs =
-          other.session_id != session_ ? other.session_id < session_ : other.participant < participant_.guid();
-      if (theirs) requests_.rig_taken.store(true);
+      if (other.node != "device" || other.participant == participant_.guid() || other.state == NodeState::kStopped ||
+          other.state == NodeState::kFailed)
+        continue;
+      rival_ = roster.name_of(other.participant);
+      if (!claim_) claim_ = progress_.latency.count();
+      const auto theirs = other.figures.find(kClaim);
+      if (theirs == other.figures.end()) continue;  // it has not seen this one yet
+      const std::uint64_t count = runtime::as_count(theirs->second.value);
+      if (count != *claim_ ? count > *claim_ : other.participant < participant_.guid()) requests_.rig_taken.store(true);
     }
+    if (rival_.empty()) claim_.reset();
   }
 
-  /// The device's rule for takeover: the followed writer keeps its place until it has gone.
-  void watch_writers(runtime::Roster& roster) {
-    const std::uint64_t followed = progress_.followed_writer.load();
-    if (followed != 0 && !bus::writer_is_matched(commands_.get(), followed)) {
-      progress_.followed_writer.store(0);
-      requests_.release_writer.store(true);
-    }
-    const std::uint64_t foreign = progress_.foreign_writer.load();
-    if (foreign != 0 && foreign_.empty())
-      foreign_ = roster.name_of(bus::participant_of_writer(commands_.get(), foreign));
-  }
-
-  void fill(runtime::NodeReport& report) const {
+  void fill(runtime::NodeReport& report) {
     report.values = {{"scene", scene_.name},
                      {"scene_hash", scene_.hash},
                      {"device", driver_->description().model},
@@ -284,8 +329,14 @@ class DeviceNode {
     const std::uint64_t samples = progress_.samples.load();
     const double own_rate_hz = driver_->description().rate_hz;
     const auto latency_us = [&](double us) { return runtime::Figure(timed ? std::round(us) : 0.0, "us"); };
+    last_second_.look(runtime::monotonic_ns(), samples, progress_.latency.count(),
+                      progress_.recent_max_force_n.exchange(0.0));
     report.figures = {
         {"samples", {samples, "samples"}},
+        {"nominal_rate_hz", {own_rate_hz, "Hz"}},
+        {"last_second_max_force_n", {last_second_.largest_force_n(), "N"}},
+        {"last_second_answered_share", {last_second_.answered_share(), "1"}},
+        {"longest_gap_ms", {static_cast<double>(progress_.longest_gap_ns.load()) * 1e-6, "ms"}},
         {"rate_hz", {timed && elapsed_s > 0 ? static_cast<double>(samples) / elapsed_s : own_rate_hz, "Hz"}},
         {"latency_p50_us", latency_us(progress_.latency.quantile_us(0.5))},
         {"latency_p99_us", latency_us(progress_.latency.quantile_us(0.99))},
@@ -295,15 +346,19 @@ class DeviceNode {
         {"deadline_misses", {ended ? progress_.deadline_misses.load() : commands_.deadlines_missed(), "deadlines"}},
         {"max_force_n", {progress_.max_force_n.load(), "N"}},
         {"force_n", {progress_.force_n.load(), "N"}},
-        {"refused", {progress_.refused.load(), "commands"}},
+        {"refused", {progress_.refused.load() + coupling_->refused(), "commands"}},
         {"clamped", {progress_.clamped.load(), "commands"}},
         {"interruptions", {progress_.interruptions.load(), "times"}},
         {"zero_force_samples", {progress_.zero_force_samples.load(), "samples"}},
         {"held_poses", {progress_.held_poses.load(), "samples"}},
         {"faded", {progress_.faded.load(), "samples"}},
-        {"foreign_commands", {progress_.foreign_commands.load(), "commands"}}};
+        {"foreign_commands", {coupling_->refused(), "commands"}}};
+    if (const std::uint64_t first = progress_.first_answered.load(); first != Progress::kNone)
+      report.figures["first_answered"] = {first, "sample number"};
+    if (claim_) report.figures[kClaim] = {*claim_, "samples"};
   }
 
+  static constexpr char kClaim[] = "answered_before_rival";
   const Options& options_;
   const Scene& scene_;
   bus::Participant participant_;
@@ -311,14 +366,20 @@ class DeviceNode {
   std::unique_ptr<Driver> driver_;
   bus::Writer<msg::DeviceState> states_;
   bus::Writer<msg::DeviceDescription> descriptions_;
-  bus::Reader<msg::ForceCommand> commands_;
+  bus::FollowedReader<msg::ForceCommand> commands_;
+  std::optional<runtime::RoleBinding> coupling_;
+  runtime::Reminder reminder_;
   std::optional<bus::WaitSet> wait_set_;
   std::vector<runtime::Link> links_;
   Progress progress_;
   Requests requests_;
   std::atomic<bool> peers_ready_{false};
   std::atomic<bool> peers_late_{false};
-  std::string foreign_, waiting_for_;
+  std::optional<std::uint64_t> claim_;
+  std::string rival_, waiting_for_;
+  std::string gone_;  ///< lockstep: who was lost, and how
+  LastSecond last_second_;
+  std::int64_t told_gap_ns_ = 0;
   std::string trouble_;  ///< what last kept the device from giving force
 };
 
@@ -334,8 +395,9 @@ void add_device_options(CLI::App& app, std::string& device, std::vector<std::str
 std::string check_duration(const std::string& text) {
   char* end = nullptr;
   const double seconds = std::strtod(text.c_str(), &end);
-  const bool good = end != text.c_str() && *end == '\0' && seconds >= 0.0 && seconds <= 1e8;  // NaN is neither
-  return good ? std::string() : "'" + text + "' is no duration: seconds from 0 (no end) to 1e8";
+  const bool good = end != text.c_str() && *end == '\0' &&
+                    (seconds == 0.0 || (seconds >= 1e-3 && seconds <= 1e8));  // NaN is neither
+  return good ? std::string() : "'" + text.substr(0, 64) + "' is no duration: 0 (no end), or seconds from 1e-3 to 1e8";
 }
 
 Motion choose_motion(const Scene& scene, const std::string& name) {

@@ -12,7 +12,7 @@ namespace voxtouch::logger {
 namespace {
 
 /// The ring's messages begin with session, sequence, sample time: eight bytes each after the 4-byte encapsulation.
-constexpr std::size_t kSampleTimeOffset = 4 + 16;
+constexpr std::size_t kSessionOffset = 4, kSampleTimeOffset = 4 + 16;
 constexpr std::int32_t kDepth = 4096;
 
 template <class T>
@@ -52,10 +52,15 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtim
     const bus::EndpointQos offered = offered_by(profile, row.rate_hz);
     const bool from_outside = row.path == qos::kEffectChange.path;  // whoever asks knows no sample's time
     const bool flows = !from_outside && (row.profile == qos::ProfileId::kStream || row.profile == qos::ProfileId::kEvent);
+    const std::lock_guard lock(numbers_mutex_);
     add(qos::dds_name(row, options.rig), bag::dds_type_name(row.type), recording(profile, offered), offered,
         flows                                    ? Stamp::kSampleTime
         : from_outside || row.profile == qos::ProfileId::kStatus ? Stamp::kNewest
                                                  : Stamp::kZero);
+    if (row.profile == qos::ProfileId::kStream) {
+      entries_.back().stream = row.path;
+      std::replace(entries_.back().stream.begin(), entries_.back().stream.end(), '/', '_');
+    }
   }
 }
 
@@ -91,6 +96,7 @@ std::vector<std::string> RecordedTopics::discover() {
       return;
     }
     try {
+      const std::lock_guard lock(numbers_mutex_);
       add(writer.topic, writer.type_name, bus::recorder_qos(writer.qos, kDepth), writer.qos, Stamp::kNewest);
     } catch (const bus::Error& error) {
       sentences.push_back(fmt::format("topic {} is not recorded: {}", writer.topic, error.what()));
@@ -117,12 +123,33 @@ std::size_t RecordedTopics::drain() {
   for (Entry& entry : entries_) {
     const auto taken = entry.reader.take([&](const bus::RawSample& sample) {
       if (!sample.valid) return;
-      recorder_.push(entry.id, time_of(entry, sample), sample.bytes);
+      const auto pushed = recorder_.push(entry.id, time_of(entry, sample), sample.bytes);
+      if (pushed == bag::PushResult::kQueued && !entry.stream.empty()) note(entry, sample.bytes);
       ++count;
     });
     (void)taken;  // an error here is an empty reader; the next turn asks again
   }
   return count;
+}
+
+void RecordedTopics::note(Entry& entry, std::span<const std::byte> bytes) {
+  std::uint64_t session = 0, sequence = 0;
+  if (bytes.size() < kSampleTimeOffset) return;
+  std::memcpy(&session, bytes.data() + kSessionOffset, sizeof session);
+  std::memcpy(&sequence, bytes.data() + kSessionOffset + sizeof session, sizeof sequence);
+  const std::lock_guard lock(numbers_mutex_);
+  entry.numbers.add(session, sequence);
+}
+
+void RecordedTopics::tell(std::uint64_t session, runtime::Figures& figures) const {
+  const std::lock_guard lock(numbers_mutex_);
+  for (const Entry& entry : entries_) {
+    if (entry.stream.empty()) continue;
+    const SequenceCount::Count count = entry.numbers.of(session);
+    figures[entry.stream + "_recorded"] = {count.samples, "samples"};
+    figures[entry.stream + "_gaps"] = {count.gaps(), "samples"};
+    if (count.samples > 0) figures[entry.stream + "_first"] = {count.first, "sample number"};
+  }
 }
 
 std::vector<runtime::Link> RecordedTopics::links() const {

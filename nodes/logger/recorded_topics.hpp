@@ -4,13 +4,17 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "nodes/bag/bag_recorder.hpp"
 #include "nodes/bus/opaque_discovery.hpp"
 #include "nodes/bus/wait_set.hpp"
+#include "nodes/logger/sequence_count.hpp"
+#include "nodes/runtime/figure.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/participation.hpp"
 
@@ -29,6 +33,8 @@ class RecordedTopics {
   /// Who must have matched what before a lockstep run.
   std::vector<runtime::Link> links() const;
   std::size_t size() const noexcept { return entries_.size(); }
+  /// Which samples of `session` were taken to be written, for each stream of the ring. Any thread.
+  void tell(std::uint64_t session, runtime::Figures& figures) const;
 
  private:
   /// How a message's time in the bag is found in lockstep, where no clock may be asked.
@@ -40,10 +46,13 @@ class RecordedTopics {
     bus::Entity unread;
     bag::TopicId id;
     Stamp stamp;
+    std::string stream{};     ///< "device_state"; empty where samples bear no number
+    SequenceCount numbers{};  ///< under `numbers_mutex_`
   };
   void add(const std::string& name, const std::string& type, const bus::EndpointQos& qos,
            const bus::EndpointQos& offered, Stamp stamp);
   bool wants(const std::string& topic) const;
+  void note(Entry& entry, std::span<const std::byte> bytes);
   std::int64_t time_of(const Entry& entry, const bus::RawSample& sample);
 
   const bus::Participant& participant_;
@@ -55,6 +64,7 @@ class RecordedTopics {
   std::deque<Entry> entries_;  // addresses stay
   std::set<std::string> known_;
   std::int64_t newest_ns_ = 0;
+  mutable std::mutex numbers_mutex_;
 };
 
 }  // namespace voxtouch::logger

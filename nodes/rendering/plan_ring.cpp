@@ -22,7 +22,7 @@ constexpr Caller kCallers[] = {
     {qos::kScenePlan, "rendering", "The coupling is designed for the contact that it tells of. Once a session."},
     {qos::kCouplingDesign, "coupling", "People and bags see from it what runs. Once a session and on a change."},
     {qos::kValidation, "validator", "Verdicts; made only while a validator runs and somebody reads them."},
-    {qos::kNodeStatus, "every node", "Nodes find each other by it. Once a second and on a change."},
+    {qos::kNodeStatus, "every node", "Nodes find each other by it. Ten times a second and on a change."},
     {qos::kEffectChange, "rendering", "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool."},
     {qos::kEffectChanged, "rendering", "What became of each change."},
     {qos::kDiagnostics, "every node", "For ROS tools; made and written only while somebody reads it."},

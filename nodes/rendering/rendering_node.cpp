@@ -1,19 +1,25 @@
 #include "nodes/rendering/rendering_node.hpp"
 
 #include <cmath>
+#include <mutex>
 
 #include <fmt/format.h>
 
 #include "core/scene/device_mapping.hpp"
 #include "core/scene/live_scene.hpp"
 #include "core/scene/scene_file.hpp"
+#include "devices/description_check.hpp"
+#include "nodes/bus/followed_reader.hpp"
+#include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
+#include "nodes/log/progress.hpp"
 #include "nodes/rendering/change_desk.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/stamps.hpp"
 
 namespace voxtouch::rendering {
@@ -21,19 +27,22 @@ namespace {
 
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
+/// What bounds each loop of the thread that answers samples. `run`: it is the process, each turn looks at `stop`. Samples in a turn:
+/// kMostTakes; in real time the history holds one. Descriptions in a turn: kMostTakes, of the bound device, or of anybody while none
+/// is bound and no force can come of it. `change`: in real time no wait, and at most the changes that the line holds; in lockstep it
+/// waits for the desk, in naps that look at `stop`. A frame: the scene's own counts. One lock, where a description has come.
 class RenderingNode {
  public:
   RenderingNode(const Options& options, const Scene& scene, std::unique_ptr<BuiltScene> built)
       : options_(options), scene_(scene), live_(*built), mapping_(scene.device),
         participant_(options.participant("rendering")),
-        descriptions_(participant_, qos::kDeviceDescription, options.rig,
-                      qos::profile_in(qos::kDeviceDescription, options.mode())),
+        descriptions_(participant_, qos::kDeviceDescription, options.rig),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         ros_(participant_, options.rig, scene),
         desk_(participant_, options, scene, std::move(built), line_,
               [this](const Scene& next) { ros_.set_static_meshes(next.static_meshes); }),
-        wait_set_(participant_) {
+        wait_set_(participant_), device_("device", {&descriptions_.following(), &states_.following()}) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
     links_ = {{"device/description", [this] { return descriptions_.matched(); }, {"device"}},
@@ -47,20 +56,36 @@ class RenderingNode {
     stop_ = &stop;
     runtime::Housekeeping housekeeping(
         participant_, "rendering", options_,
-        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
-    while (!stop.load(kRelaxed)) {
+        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+        {{"its loop", [this] { return heartbeat_.sign(); }}});
+    housekeeping_ = &housekeeping;
+    while (!over()) {
+      heartbeat_.beat();
       wait_set_.wait(50'000'000);
-      descriptions_.take_each([this](const msg::DeviceDescription& d) { start_session(d.session_id); });
+      descriptions_.take([this](const msg::DeviceDescription& d) { listen(d); });
+      // The device's status and its description name one session: then it begins.
+      if (described_ && *described_ == device_.session() && descriptions_.current()) start_session(*described_);
       msg::DeviceState state;
       const std::uint64_t before = samples_.load(kRelaxed);
-      while (states_.take(state) && !stop.load(kRelaxed)) answer(state);
+      for (int i = 0; i < states_.kMostTakes && states_.take(state) && !over(); ++i) answer(state);
       if (samples_.load(kRelaxed) == before) idle();
     }
     session_.stop();
-    return 0;
+    return housekeeping.peer_lost() ? 1 : 0;
   }
 
  private:
+  /// Asked to stop, or in lockstep a peer is lost.
+  bool over() const noexcept { return stop_->load(kRelaxed) || housekeeping_->peer_lost(); }
+
+  /// Numbers that cannot be a device's change nothing: what runs goes on, and a session does not begin on them.
+  void listen(const msg::DeviceDescription& description) {
+    std::string wrong = what_is_wrong(description);
+    if (wrong.empty()) described_ = description.session_id;
+    const std::lock_guard lock(wrong_mutex_);
+    wrong_ = std::move(wrong);
+  }
+
   void start_session(std::uint64_t session) {
     if (session == session_in_loop_) return;  // the device has described itself anew; the scene is the same
     live_.reset();
@@ -82,20 +107,24 @@ class RenderingNode {
     if (!options_.lockstep && live_.fading() && runtime::monotonic_ns() - last_answer_ns_ > 500'000'000) live_.finish();
   }
 
-  static void nap() noexcept { runtime::sleep_until(runtime::monotonic_ns() + 200'000); }
+  void nap() noexcept {
+    heartbeat_.beat();
+    runtime::sleep_until(runtime::monotonic_ns() + 200'000);
+  }
 
   /// Between two samples. In lockstep it waits here for what the sample `next` must be answered with: the plan of a change, which
   /// readers must have before it, or a scene that is still being built.
   void change(std::uint64_t next, bool at_sample) noexcept {
-    while (options_.lockstep && at_sample && line_.holds(next) && !stop_->load(kRelaxed)) nap();
+    while (options_.lockstep && at_sample && line_.holds(next) && !over()) nap();
     if (!options_.lockstep) (void)line_.holds(next);
     line_.take(live_, next, at_sample);
-    while (options_.lockstep && !line_.settled(line_.applied()) && !stop_->load(kRelaxed)) nap();
+    while (options_.lockstep && !line_.settled(line_.applied()) && !over()) nap();
   }
 
   /// A sample that cannot be used is answered with the last good pose's contact for as long as a device holds a command.
   void answer(const msg::DeviceState& state) noexcept {
     const std::int64_t begin = runtime::monotonic_ns();
+    heartbeat_.beat();
     if (state.session_id != session_in_loop_) return;  // its description, which is reliable, is on the way
     change(state.sequence_number, true);
     next_sample_ = state.sequence_number + 1;
@@ -149,7 +178,11 @@ class RenderingNode {
         (touch.crossed ? msg::contact_state::kFlagCrossed : 0U) | (touch.missed ? msg::contact_state::kFlagMissed : 0U);
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
-    contacts_.write(m);
+    contacts_.write_until(m, [this] {
+      heartbeat_.beat();
+      return !options_.lockstep || over();
+    });
+    if (samples_.load(kRelaxed) == 0) first_sample_.store(state.sequence_number, kRelaxed);
     ros_.show(
         {state.sample_time_ns, frame_.object, frame_.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
     samples_.fetch_add(1, kRelaxed);
@@ -173,6 +206,7 @@ class RenderingNode {
       report.figures[name] = {samples.load(), "samples"};
     };
     count("samples", samples_);
+    report.figures["first_sample"] = {first_sample_.load(), "sample number"};
     count("contact_samples", contact_samples_);
     count("refused_samples", refused_);
     count("fast_samples", fast_);
@@ -181,10 +215,19 @@ class RenderingNode {
     count("buried_samples", buried_);
     count("held_samples", held_);
     count("saturated_samples", saturated_);
+    report.figures["foreign_samples"] = {device_.refused(), "samples"};
+    device_.update(roster, std::nullopt);
     const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
-    report.message = session_.stopped()
-                         ? "stopped"
+    std::string trouble = device_.trouble(roster);
+    {
+      const std::lock_guard lock(wrong_mutex_);
+      if (!wrong_.empty()) trouble = "the device's description is refused: " + wrong_;
+    }
+    report.message = session_.stopped() ? "stopped"
+                     : !trouble.empty()
+                         ? trouble
                          : "scene '" + scene_.name + "' is built" + (missing.empty() ? "" : "; waiting for " + missing);
+    if (!options_.lockstep && reminder_.is_due(roster, report.session_id, {"coupling", "validator"})) desk_.remind();
   }
 
   static constexpr int kHoldSamples = 3;
@@ -195,14 +238,21 @@ class RenderingNode {
   ChangeLine line_;
   DeviceMapping mapping_;
   bus::Participant participant_;
-  bus::Reader<msg::DeviceDescription> descriptions_;
-  bus::Reader<msg::DeviceState> states_;
+  bus::LatchedReader<msg::DeviceDescription> descriptions_;
+  bus::FollowedReader<msg::DeviceState> states_;
   bus::Writer<msg::ContactState> contacts_;
   RosOutputs ros_;
   ChangeDesk desk_;
   bus::WaitSet wait_set_;
+  runtime::RoleBinding device_;
+  runtime::Reminder reminder_;
+  std::optional<std::uint64_t> described_;  ///< session of the last description that could be a device's
+  std::mutex wrong_mutex_;                  ///< the loop takes it where a description has come, and at no other time
+  std::string wrong_;
   std::vector<runtime::Link> links_;
   const std::atomic<bool>* stop_ = nullptr;
+  const runtime::Housekeeping* housekeeping_ = nullptr;
+  runtime::Heartbeat heartbeat_;
   std::uint64_t session_in_loop_ = 0;
   runtime::Session session_;
   SceneFrame frame_;
@@ -211,7 +261,7 @@ class RenderingNode {
   std::uint64_t next_sample_ = 0;     ///< number of the first one that has not been answered
   std::int64_t last_answer_ns_ = 0;
   std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0}, buried_{0}, saturated_{0};
-  std::atomic<std::uint64_t> crossed_{0}, missed_{0};
+  std::atomic<std::uint64_t> crossed_{0}, missed_{0}, first_sample_{0};
   std::atomic<std::int64_t> longest_ns_{0};
 };
 
@@ -219,8 +269,8 @@ class RenderingNode {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const Scene scene = load_scene(options.scene);
-  std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for());
-  for (const std::string& warning : built->plan().warnings) fmt::print(stderr, "warning: {}\n", warning);
+  std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for(), {}, tell_each_second("rendering"));
+  for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);
 }

@@ -2,6 +2,7 @@
 /// Numbers that a node tells of itself; they stay numbers on the wire.
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -25,10 +26,13 @@ inline std::uint64_t as_count(double value) noexcept {
   return value > 0.0 ? static_cast<std::uint64_t>(value < kMost ? value : kMost) : 0;  // NaN is not over 0
 }
 
+inline std::optional<double> find_value(const Figures& figures, std::string_view name) {
+  const auto found = figures.find(name);
+  return found == figures.end() ? std::nullopt : std::optional(found->second.value);
+}
 /// 0 where there is no figure of that name.
 inline double value_of(const Figures& figures, std::string_view name) {
-  const auto found = figures.find(name);
-  return found == figures.end() ? 0.0 : found->second.value;
+  return find_value(figures, name).value_or(0.0);
 }
 
 }  // namespace voxtouch::runtime

@@ -2,18 +2,27 @@
 
 #include <sched.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include <fmt/format.h>
 
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 
 namespace voxtouch::runtime {
+namespace {
+
+/// With the 20 ms between two looks at least ten times a second.
+constexpr std::int64_t kStatusPeriodNs = 75'000'000;
+
+}  // namespace
 
 Housekeeping::Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
-                           std::function<void(Roster&, NodeReport&)> look)
+                           std::function<void(Roster&, NodeReport&)> look, std::vector<Watched> watched)
     : options_(options), node_(node), writer_(participant, std::move(node), options.rig),
-      roster_(participant, options.rig), look_(std::move(look)) {
+      roster_(participant, options.rig), look_(std::move(look)), watched_(std::move(watched)),
+      own_(participant.guid()) {
   turn();
   thread_ = std::thread([this] {
     const sched_param ordinary{};
@@ -57,20 +66,61 @@ void Housekeeping::compare_scenes(NodeReport& report) const {
   }
 }
 
+/// Its own loop, or what else the node waits for. What has ended stands still by right.
+void Housekeeping::watch_own(NodeReport& report) {
+  clock_.look(monotonic_ns());
+  double longest_s = 0.0;
+  for (Watched& watched : watched_) {
+    const double stalled_s = static_cast<double>(watched.watch.stalled_ns(watched.sign(), clock_)) * 1e-9;
+    if (report.final() || stalled_s <= longest_s) continue;
+    longest_s = stalled_s;
+    report.values[kStalled] = watched.what;
+  }
+  longest_stall_s_ = std::max(longest_stall_s_, longest_s);
+  const bool hangs = longest_s > static_cast<double>(kHungNs) * 1e-9;
+  if (!hangs) report.values.erase(kStalled);
+  report.figures[kStalledFor] = {hangs ? longest_s : 0.0, "s"};
+  report.figures[kLongestStall] = {longest_stall_s_, "s"};
+  if (hangs) report.message += fmt::format("; {} has stood still for {} s", report.values[kStalled], 1e-9 * kHungNs);
+}
+
+void Housekeeping::watch_others(NodeReport& report) {
+  had_session_ = had_session_ || report.session_id != 0;
+  for (const Hung& hung : roster_.hung()) {
+    if (hung.participant == own_) continue;
+    report.message += "; " + hung.sentence;
+    const bool takes_part = hung.node == "device" || options_.has_peer(hung.node);
+    const bool too_long = hung.for_s * 1e9 >= static_cast<double>(kGivenUpNs);
+    if (options_.lockstep && takes_part && had_session_ && too_long && !report.final() && lost_.empty())
+      lost_ = fmt::format("{} has given no sign of life for {} s: the lockstep run ends", hung.node, 1e-9 * kGivenUpNs);
+  }
+  if (lost_.empty()) return;
+  report.state = NodeState::kFailed;
+  report.message = lost_;
+  peer_lost_.store(true, std::memory_order_relaxed);
+}
+
 void Housekeeping::turn() {
   roster_.update();
   NodeReport report = last_;
   look_(roster_, report);
+  report.figures["refused_statuses"] = {roster_.refused(), "statuses"};
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   compare_scenes(report);
-  if (options_.announce && report.message != last_.message) fmt::print(stderr, "{}: {}\n", node_, report.message);
+  if (const std::uint64_t lost = texts_lost()) report.figures["lost_texts"] = {lost, "texts"};
+  watch_own(report);
+  watch_others(report);
+  const bool announce = options_.announce && report.message != last_.message;
   const std::int64_t now = monotonic_ns();
   const bool changed =
       report.state != last_.state || report.session_id != last_.session_id || report.message != last_.message;
-  if (!changed && last_publish_ns_ != 0 && now - last_publish_ns_ < 1'000'000'000) return;
-  writer_.publish(report);
+  if (!changed && last_publish_ns_ != 0 && now - last_publish_ns_ < kStatusPeriodNs) return;
+  const bool tell_ros = changed || now - last_ros_ns_ >= 1'000'000'000;
+  if (tell_ros) last_ros_ns_ = now;
+  writer_.publish(report, tell_ros);
   last_ = std::move(report);
+  if (announce) tell("{}: {}\n", node_, last_.message);  // after the report itself: that one is for the other nodes
   last_publish_ns_ = now;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The slow half of a node: a thread of ordinary priority that reports once a second, so that the loop never has to.
+/// The slow half of a node: a thread of ordinary priority that reports ten times a second, so that the loop never has to, and tells who
+/// hangs: another node, or its own loop.
 #include <atomic>
 #include <functional>
 #include <mutex>
@@ -10,20 +11,32 @@
 
 namespace voxtouch::runtime {
 
+/// What must not stand still beside the housekeeping.
+struct Watched {
+  std::string what;                     ///< "its loop"
+  std::function<std::uint64_t()> sign;  ///< another number at each look while all is well
+  StallWatch watch{};
+};
+
 class Housekeeping {
  public:
   /// `look` is called about every 20 ms: it fills the report (state, session, message, values) from the loop's atomics. The report
-  /// is published when state, session or message change, and once a second.
+  /// is published when state, session or message change, and ten times a second.
   Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
-               std::function<void(Roster&, NodeReport&)> look);
+               std::function<void(Roster&, NodeReport&)> look, std::vector<Watched> watched = {});
   /// Publishes a last report (`look` is asked once more) and waits until readers have it.
   ~Housekeeping();
   Housekeeping(const Housekeeping&) = delete;
   Housekeeping& operator=(const Housekeeping&) = delete;
 
+  /// Lockstep: a node that takes part has given no sign of life for kGivenUpNs. There is nothing more to wait for.
+  bool peer_lost() const noexcept { return peer_lost_.load(std::memory_order_relaxed); }
+
  private:
   void turn();
   void compare_scenes(NodeReport& report) const;
+  void watch_own(NodeReport& report);
+  void watch_others(NodeReport& report);
   void turn_or_skip() noexcept;
 
   const NodeOptions& options_;
@@ -31,8 +44,15 @@ class Housekeeping {
   StatusWriter writer_;
   Roster roster_;
   std::function<void(Roster&, NodeReport&)> look_;
+  WatchClock clock_;
+  std::vector<Watched> watched_;
+  double longest_stall_s_ = 0.0;
+  std::atomic<bool> peer_lost_{false};
+  bus::Guid own_;
   NodeReport last_;
-  std::int64_t last_publish_ns_ = 0;
+  std::int64_t last_publish_ns_ = 0, last_ros_ns_ = 0;
+  bool had_session_ = false;
+  std::string lost_;  ///< the sentence for a peer that was lost
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -1,6 +1,7 @@
 #include "nodes/validator/validator_node.hpp"
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -9,13 +10,16 @@
 #include "core/reference/judgement.hpp"
 #include "core/reference/reference_scene.hpp"
 #include "core/scene/scene_file.hpp"
-#include "nodes/bus/reader.hpp"
+#include "nodes/bus/followed_reader.hpp"
+#include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/strings.hpp"
 
@@ -47,10 +51,10 @@ class ValidatorNode {
  public:
   ValidatorNode(const Options& options, const Scene& scene)
       : options_(options), name_(scene.name), hash_(scene.hash), scene_(scene), reference_(scene), participant_(options.participant("validator")),
-        plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
+        plans_(participant_, qos::kScenePlan, options.rig),
         contacts_(participant_, qos::kContactState, options.rig, contact_profile(options)),
         reports_(participant_, qos::kValidation, options.rig, qos::profile_in(qos::kValidation, options.mode())),
-        wait_set_(participant_) {
+        wait_set_(participant_), rendering_("rendering", {&plans_.following(), &contacts_.following()}) {
     for (const dds_entity_t condition : {plans_.condition(), contacts_.condition()}) wait_set_.attach(condition);
     links_ = {{"rendering/contact", [this] { return contacts_.matched(); }, {"rendering"}},
               {"validation", [this] { return reports_.matched(); }, {"logger"}}};
@@ -60,18 +64,24 @@ class ValidatorNode {
     runtime::flush_denormals();
     runtime::Housekeeping housekeeping(
         participant_, "validator", options_,
-        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); });
+        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+        {{"its loop", [this] { return heartbeat_.sign(); }}});
+    over_ = [&] { return stop.load(std::memory_order_relaxed) || housekeeping.peer_lost(); };
     bool leave = false;
     while (!leave) {
-      leave = stop.load(std::memory_order_relaxed);  // one more turn after the stop: what came before it is judged too
+      heartbeat_.beat();
+      leave = over_();  // one more turn after the stop: what came before it is judged too
       wait_set_.wait(leave ? 100'000'000 : 50'000'000);
-      plans_.take_each([this](const msg::ScenePlan& plan) { take(plan); });
+      plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
       msg::ContactState contact;
-      while (contacts_.take(contact)) check(contact);
+      for (int i = 0; i < contacts_.kMostTakes && contacts_.take(contact); ++i) check(contact);
     }
-    if (options_.lockstep) reports_.wait_for_acknowledgments(DDS_SECS(5));
+    if (options_.lockstep && !housekeeping.peer_lost()) {
+      const runtime::Heartbeat::Busy busy(heartbeat_, 6'000'000'000);
+      reports_.wait_for_acknowledgments(DDS_SECS(5));
+    }
     session_.stop();
-    return 0;
+    return housekeeping.peer_lost() ? 1 : 0;
   }
 
  private:
@@ -108,7 +118,7 @@ class ValidatorNode {
   /// The plan says what the rendering built: another scene file is a disagreement before the first sample.
   void start_session(Built built) {
     if (built.hash != scene_.hash)
-      fmt::print(stderr, "warning: validator: the rendering runs another version of scene '{}' than {}\n", built.scene,
+      tell("warning: validator: the rendering runs another version of scene '{}' than {}\n", built.scene,
                  scene_.file.string());
     built_ = std::move(built);
     next_.reset();
@@ -128,6 +138,7 @@ class ValidatorNode {
     next_.reset();
     if (!another) return;
     if (another_file) {
+      const runtime::Heartbeat::Busy busy(heartbeat_, 60'000'000'000);  // large meshes
       try {
         Scene scene = load_scene(options_.scene);
         blind_ = scene.hash != built_.hash;
@@ -136,20 +147,23 @@ class ValidatorNode {
         blind_ = true;
       }
       if (blind_)
-        fmt::print(stderr, "warning: validator: {} is not what the rendering runs now; nothing is judged any more\n",
+        tell("warning: validator: {} is not what the rendering runs now; nothing is judged any more\n",
                    options_.scene.string());
     }
     if (!blind_) judge_->change(settings());
   }
 
   void check(const msg::ContactState& contact) {
-    if (options_.lockstep) plans_.take_each([this](const msg::ScenePlan& plan) { take(plan); });
+    if (options_.lockstep) plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
     if (!judge_ || contact.session_id != session_in_loop_) return;
     if (next_ && contact.sequence_number >= next_->from_sample) follow_change();
+    heartbeat_.beat();
+    if (blind_ || !is_checked(contact.sequence_number, options_.every)) return;
     // While one scene fades into another, what is felt is neither's; behind a wall crossed too fast it is of where that was entered.
-    if (blind_ || (contact.flags & (msg::contact_state::kFlagFading | msg::contact_state::kFlagCrossed)) ||
-        !is_checked(contact.sequence_number, options_.every))
+    if (contact.flags & (msg::contact_state::kFlagFading | msg::contact_state::kFlagCrossed)) {
+      if (first_checked_.load(std::memory_order_relaxed) != kNone) excused_.fetch_add(1, std::memory_order_relaxed);
       return;
+    }
     unread_.store(reports_.matched_count() == 0, std::memory_order_relaxed);
     if (unread_) return;  // a verdict that nobody reads is not made
     const ReportedContact report = to_report(contact);
@@ -175,7 +189,12 @@ class ValidatorNode {
     m.in_band = counts.in_band;
     m.disagree = counts.disagree;
     m.explanation = runtime::lend(judgement.explanation);
-    reports_.write(m);
+    reports_.write_until(m, [this] {
+      heartbeat_.beat();
+      return !options_.lockstep || over_();
+    });
+    if (first_checked_.load(std::memory_order_relaxed) == kNone)
+      first_checked_.store(contact.sequence_number, std::memory_order_relaxed);
     if (judgement.verdict == Verdict::kDisagree) note(contact.sequence_number, judgement);
     publish_counts();
   }
@@ -205,10 +224,17 @@ class ValidatorNode {
     report.figures = {{"checked", {counts_.checked, "samples"}},       {"decided", {counts_.decided, "samples"}},
                       {"agree", {counts_.agree, "samples"}},           {"in_band", {counts_.in_band, "samples"}},
                       {"disagree", {counts_.disagree, "samples"}},     {"by_rendering", {counts_.rendering, "samples"}},
-                      {"by_reference", {counts_.reference, "samples"}}};
+                      {"by_reference", {counts_.reference, "samples"}},
+                      {"excused", {excused_.load(), "samples"}}};
+    if (const std::uint64_t first = first_checked_.load(); first != kNone)
+      report.figures["first_checked"] = {first, "sample number"};
+    report.figures["foreign_samples"] = {rendering_.refused(), "samples"};
+    rendering_.update(roster, std::nullopt);
+    const std::string trouble = rendering_.trouble(roster);
     const std::string missing =
         session_.report_to(report, options_, roster, links_, "the rendering", counts_.checked > 0);
     report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_
+                     : !trouble.empty()           ? trouble
                      : !missing.empty()           ? "waiting for " + missing
                      : unread_                    ? "idle: nobody reads the verdicts"
                                                   : "no disagreement";
@@ -219,16 +245,22 @@ class ValidatorNode {
   Scene scene_;
   ReferenceScene reference_;
   bus::Participant participant_;
-  bus::Reader<msg::ScenePlan> plans_;
-  bus::Reader<msg::ContactState> contacts_;
+  bus::LatchedReader<msg::ScenePlan> plans_;
+  bus::FollowedReader<msg::ContactState> contacts_;
   bus::Writer<msg::ValidationReport> reports_;
   bus::WaitSet wait_set_;
+  runtime::RoleBinding rendering_;  ///< only its samples are judged
   std::vector<runtime::Link> links_;
   std::unique_ptr<Judge> judge_;
   Built built_;                ///< what is judged
   std::optional<Built> next_;  ///< from its first sample on
   bool blind_ = false;         ///< the rendering runs what this node has no reference for
   std::atomic<bool> unread_ = false;  ///< nobody read the verdicts when the last one was due
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::atomic<std::uint64_t> first_checked_{kNone};  ///< number of the first sample that was judged
+  std::atomic<std::uint64_t> excused_{0};            ///< due since then, but of a kind that is not judged
+  runtime::Heartbeat heartbeat_;
+  std::function<bool()> over_;  ///< asked to stop, or in lockstep a peer is lost
   std::uint64_t session_in_loop_ = 0;
   runtime::Session session_;
   std::mutex mutex_;

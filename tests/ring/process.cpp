@@ -130,4 +130,14 @@ std::vector<pid_t> children_of(pid_t parent) {
   return children;
 }
 
+pid_t child_called(pid_t parent, const std::string& program) {
+  for (const pid_t child : children_of(parent)) {
+    std::ifstream command("/proc/" + std::to_string(child) + "/cmdline");
+    std::string name;
+    std::getline(command, name, '\0');
+    if (name.ends_with(program)) return child;
+  }
+  return 0;
+}
+
 }  // namespace voxtouch::test

@@ -54,5 +54,7 @@ class TemporaryFolder {
 std::string fresh_domain();
 /// Pids of the living children of `parent`.
 std::vector<pid_t> children_of(pid_t parent);
+/// The living child whose program's path ends with `program`; 0 if there is none.
+pid_t child_called(pid_t parent, const std::string& program);
 
 }  // namespace voxtouch::test

@@ -92,6 +92,20 @@ TEST(Up, RefusesARigThatIsInUse) {
   EXPECT_EQ(first.wait().status, 0);
 }
 
+TEST(Up, OfTwoAtOnceExactlyOneRunsAndTheOtherSaysSo) {
+  for (int i = 0; i < 10; ++i) {
+    const auto arguments = up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record", "--duration", "0.2"});
+    Process one(arguments);
+    std::this_thread::sleep_for(milliseconds(30 * i));
+    Process other(arguments);
+    const Finished ends[] = {one.wait(), other.wait()};
+    const auto loser = [](const Finished& end) { return end.err.find("rig 'haptic' is in use") != std::string::npos; };
+    ASSERT_EQ(loser(ends[0]) + loser(ends[1]), 1) << "round " << i << "\n" << ends[0].err << "\n--\n" << ends[1].err;
+    const Finished& winner = ends[loser(ends[0]) ? 1 : 0];
+    EXPECT_GT(parse_summary(winner.out)["samples"], 100) << winner.out << winner.err;
+  }
+}
+
 TEST(Up, StopsInOrderOnCtrlCAndSaysThatTheRunWasCutShort) {
   const TemporaryFolder folder;
   Process up(up_arguments(shipped_scene("plane"),
@@ -124,12 +138,7 @@ TEST(Up, SaysWhichNodeDiedAndLeavesABagThatOpens) {
   Process up(up_arguments(shipped_scene("plane"),
                           {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
-  for (const pid_t node : children_of(up.pid())) {
-    std::ifstream command("/proc/" + std::to_string(node) + "/cmdline");
-    std::string program;
-    std::getline(command, program, '\0');
-    if (program.ends_with("voxtouch_rendering")) ::kill(node, SIGKILL);  // a child of ours' child
-  }
+  ::kill(child_called(up.pid(), "voxtouch_rendering"), SIGKILL);  // a child of ours' child
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1);
   EXPECT_NE(end.out.find("rendering was ended by signal 9"), std::string::npos) << end.out << end.err;

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <thread>
 
@@ -110,16 +109,6 @@ INSTANTIATE_TEST_SUITE_P(Both, WireLockstep, testing::Values("wire-phantom", "wi
                          [](const auto& rig) { return std::string(rig.param) == "wire-lwr" ? "lwr" : "phantom"; });
 
 // --- faults
-
-pid_t child_called(pid_t parent, const std::string& program) {
-  for (const pid_t child : children_of(parent)) {
-    std::ifstream command("/proc/" + std::to_string(child) + "/cmdline");
-    std::string name;
-    std::getline(command, name, '\0');
-    if (name.ends_with(program)) return child;
-  }
-  return 0;
-}
 
 template <class Condition>
 bool wait_until(Condition holds, std::chrono::seconds patience = std::chrono::seconds(30)) {

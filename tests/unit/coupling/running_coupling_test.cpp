@@ -198,6 +198,27 @@ TEST(RunningCoupling, IsToldNoMoreThanTheLargestForceCanDo) {
   EXPECT_LT(running.step(in, kT).energy_j, 1e-9) << "what was supplied before it began is not its";
 }
 
+/// What the bound of the observer's energy is made of: the largest force, and the longest way that a force has worked on.
+TEST(RunningCoupling, CountsTheLargestForceAndTheLongestWayUnderForce) {
+  RunningCoupling running(spec_of("direct"), {}, kT);
+  CouplingInput in = push(Vec3::Zero(), Vec3::Zero(), 0);
+  double x = 0.0;
+  const auto step = [&](double way, double force) {
+    in.tool.position.x() = x += way;
+    in.contact.force.y() = force;
+    in.contact_stiffness_n_per_m = force > 0.0 ? 500 : 0;
+    running.step(in, kT);
+  };
+  for (int n = 0; n < 20; ++n) step(3e-3, 0.0);
+  EXPECT_EQ(running.counters().longest_way_m, 0.0) << "nothing pushed";
+  for (int n = 0; n < 300; ++n) step(1e-3, 2.0);  // its ramp is over
+  step(2e-3, 0.5);
+  for (int n = 0; n < 20; ++n) step(1e-4, 0.0);
+  EXPECT_NEAR(running.counters().longest_way_m, 2e-3, 1e-12);
+  EXPECT_NEAR(running.counters().most_force_n, 2.0, 1e-9);
+  EXPECT_NEAR(energy_bound_j(2.0, 2e-3, 1e-3), 5 * 4e-3 + 2e-3, 1e-15);
+}
+
 TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
   std::mt19937_64 random(77);
   const double special[] = {kNan,    -kNan, kInf,   -kInf, 0.0, -0.0,  5e-324,

@@ -27,6 +27,7 @@ class FaultyDevice final : public Driver {
   std::vector<double> delays_ms; ///< from a tick to the write that answers it
   int skipped_ticks = 0;
   std::uint64_t busy_at = 0;     ///< before this read the thread is kept from its work for three ticks
+  std::map<std::uint64_t, int> stops_ms;  ///< at these reads the whole process is stopped for so long: its own clock too
 
   FaultyDevice() {
     description_.model = "faulty";
@@ -40,6 +41,8 @@ class FaultyDevice final : public Driver {
     pushed.push_back(force);
     ++reads_;
     if (paces) wait_for_tick();
+    if (const auto stop = stops_ms.find(reads_); stop != stops_ms.end())
+      runtime::sleep_until(runtime::monotonic_ns() + stop->second * 1'000'000);
     if (const auto fault = read_faults.find(reads_); fault != read_faults.end()) return std::unexpected(fault->second);
     const auto time_ns = paces ? tick_ns_ : static_cast<std::int64_t>(reads_) * 1'000'000;
     if (const auto odd = odd_samples.find(reads_); odd != odd_samples.end()) {
@@ -90,12 +93,13 @@ class DeviceLoopRun : public testing::Test {
   End run(std::uint64_t samples = 1200) {
     const auto& stream = qos::profile(qos::ProfileId::kStream);
     bus::Writer<msg::DeviceState> states(participant_, qos::kDeviceState, rig_, stream);
-    bus::Reader<msg::ForceCommand> commands(participant_, qos::kForceCommand, rig_, stream);
+    bus::FollowedReader<msg::ForceCommand> commands(participant_, qos::kForceCommand, rig_, stream);
     bus::WaitSet wait_set(participant_);
     wait_set.attach(commands.condition());
     test::NodeThread coupling([this](const std::atomic<bool>& enough) { return answer(enough); });
     DeviceLoop loop({.session_id = 7, .max_samples = samples}, device, states, commands, wait_set, progress, requests);
     test::wait_until([&] { return commands.matched_count() == 1 && states.matched_count() == 1; });
+    EXPECT_TRUE(commands.following().follow(commands.matched().at(0)));
     const std::int64_t begin = runtime::monotonic_ns();
     const End end = loop.run(stop);
     took_s = static_cast<double>(runtime::monotonic_ns() - begin) * 1e-9;
@@ -172,6 +176,39 @@ TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {
   EXPECT_EQ(device.pushed[809], 0.0);
   EXPECT_LT(device.pushed[830], 0.5);
   EXPECT_GT(largest(1000, 1200), 0.5);
+}
+
+TEST_F(DeviceLoopRun, LetsGoOfTheForceThatItHeldWhenItsProcessWasStopped) {
+  device.stops_ms = {{800, 40}};
+  EXPECT_EQ(run(), End::kFinished);
+  EXPECT_GT(largest(700, 800), 1.5) << "the force before the stop";
+  EXPECT_EQ(device.pushed[800], 0.0) << "zero force at once";
+  EXPECT_LT(device.pushed[830], 0.5) << "the force comes back in a ramp";
+  EXPECT_GT(largest(1000, 1200), 0.5);
+  EXPECT_GE(progress.interruptions.load(), 1U);
+  EXPECT_GE(progress.longest_gap_ns.load(), 40'000'000);
+  EXPECT_EQ(progress.samples.load(), 1200U);
+}
+
+TEST_F(DeviceLoopRun, GoesOnAfterAStopThatACommandOutlives) {
+  device.stops_ms = {{800, 2}};
+  EXPECT_EQ(run(), End::kFinished);
+  EXPECT_GT(largest(801, 803), 0.5);
+}
+
+TEST_F(DeviceLoopRun, KeepsTheLargestForceForWhoeverLooksSeldom) {
+  EXPECT_EQ(run(), End::kFinished);
+  EXPECT_EQ(progress.force_n.load(), 0.0) << "it has ended";
+  EXPECT_EQ(progress.recent_max_force_n.exchange(0.0), progress.max_force_n.load());
+  EXPECT_GT(progress.max_force_n.load(), 1.5);
+}
+
+TEST_F(DeviceLoopRun, TellsWhichSampleWasAnsweredFirstAndThatItTurns) {
+  EXPECT_EQ(progress.first_answered.load(), Progress::kNone);
+  const std::uint64_t before = progress.heartbeat.sign();
+  EXPECT_EQ(run(), End::kFinished);
+  EXPECT_LT(progress.first_answered.load(), 1000U);
+  EXPECT_GE(progress.heartbeat.sign() - before, 1200U);
 }
 
 TEST_F(DeviceLoopRun, CountsNoInterruptionWhileADeviceGetsReady) {

@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
+#include <thread>
 
+#include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/roster.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
@@ -74,6 +77,106 @@ TEST(Status, TakesNoFigureForACountThatIsNone) {
   EXPECT_EQ(runtime::as_count(-3.0), 0U);
   EXPECT_EQ(runtime::as_count(std::numeric_limits<double>::infinity()), 9'007'199'254'740'992ULL);
   EXPECT_EQ(runtime::as_count(7.0), 7U);
+}
+
+/// Two nodes of a rig, of which one has a loop that the test holds up, and somebody who reads their statuses.
+class TwoNodes : public testing::Test {
+ protected:
+  TwoNodes() {
+    options.rig = own_rig();
+    const auto well = [](runtime::Roster&, runtime::NodeReport& report) {
+      report.message = "well", report.state = runtime::NodeState::kRunning;
+    };
+    rendering.emplace(first, "rendering", options, well,
+                      std::vector<runtime::Watched>{{"its loop", [this] { return held_up ? 1U : ++turns; }}});
+    device.emplace(second, "device", options, well);
+    roster.emplace(third, options.rig);
+  }
+  /// Whether the last status of `node` comes to satisfy this.
+  bool comes_to(const char* node, const std::function<bool(const runtime::NodeReport&)>& holds) {
+    return wait_until([&] {
+      roster->update();
+      const auto report = roster->find(node);
+      return report && holds(*report);
+    });
+  }
+  std::atomic<bool> held_up{false};
+  std::atomic<std::uint64_t> turns{10};
+  runtime::NodeOptions options;
+  bus::Participant first{{kDomain, "lo", "first"}}, second{{kDomain, "lo", "second"}}, third{{kDomain, "lo", "third"}};
+  std::optional<runtime::Housekeeping> rendering, device;
+  std::optional<runtime::Roster> roster;
+};
+
+TEST_F(TwoNodes, SayThatALoopStandsStillTheOneOfItselfTheOtherOfIt) {
+  const auto is_well = [](const runtime::NodeReport& report) { return report.message == "well"; };
+  ASSERT_TRUE(comes_to("rendering", is_well) && comes_to("device", is_well));
+  held_up = true;
+  EXPECT_TRUE(comes_to("rendering", [](const auto& r) { return r.message == "well; its loop has stood still for 0.4 s"; }));
+  EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message == "well; rendering hangs: its loop has stood still for 0.4 s"; }));
+  ASSERT_EQ(roster->hung().size(), 1U);
+  EXPECT_EQ(roster->hung()[0].node, "rendering");
+  held_up = false;
+  EXPECT_TRUE(comes_to("rendering", is_well));
+  EXPECT_TRUE(comes_to("device", is_well));
+  EXPECT_TRUE(roster->hung().empty());
+  EXPECT_TRUE(comes_to("rendering", [](const auto& r) { return r.figures.at(runtime::kLongestStall).value > 0.4; }));
+}
+
+TEST_F(TwoNodes, ComeTenTimesASecondAndAreNotCalledHung) {
+  ASSERT_TRUE(comes_to("device", [](const auto&) { return true; }));
+  int heard = 0;
+  std::int64_t last = 0;
+  for (int n = 0; n < 100; ++n) {
+    ASSERT_TRUE(comes_to("device", [](const auto&) { return true; }));
+    if (const std::int64_t at = roster->find("device")->heard_ns; at != last) last = at, ++heard;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_GE(heard, 10) << "in two seconds, on a busy machine";
+  EXPECT_TRUE(roster->hung().empty());
+}
+
+TEST_F(TwoNodes, AreNotCalledHungByWhoDidNotLook) {
+  ASSERT_TRUE(comes_to("device", [](const auto&) { return true; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  roster->update();
+  EXPECT_TRUE(roster->hung().empty());
+}
+
+TEST_F(TwoNodes, HangToOthersWhenTheyVanishWithoutALastWord) {
+  ASSERT_TRUE(comes_to("rendering", [](const auto&) { return true; }));
+  rendering.reset();  // its last word was that it runs
+  EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message == "well; rendering hangs: no status has come from it for 0.4 s"; }));
+  EXPECT_FALSE(roster->find("rendering"));
+  runtime::StatusWriter again(first, "rendering", options.rig);
+  EXPECT_TRUE(wait_until([&] {
+    again.publish({});
+    roster->update();
+    return roster->find("device")->message == "well";
+  }));
+}
+
+TEST_F(TwoNodes, DoNotHangOnceTheyHaveSaidThatTheyEnd) {
+  runtime::NodeReport last;
+  last.state = runtime::NodeState::kStopped;
+  {
+    runtime::StatusWriter coupling(first, "coupling", options.rig);
+    ASSERT_TRUE(wait_until([&] {
+      coupling.publish(last);
+      roster->update();
+      return roster->find("coupling").has_value();
+    }));
+    for (int n = 0; n < 30; ++n) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      roster->update();
+    }
+    EXPECT_TRUE(roster->hung().empty());
+  }
+  ASSERT_TRUE(wait_until([&] {
+    roster->update();
+    return !roster->find("coupling");
+  }));
+  EXPECT_TRUE(roster->hung().empty());
 }
 
 }  // namespace

@@ -1,0 +1,48 @@
+#include "nodes/cli/run_figures.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+std::optional<double> find(const Reports& reports, const std::string& node, const std::string& name) {
+  const auto report = reports.find(node);
+  return report == reports.end() ? std::nullopt : runtime::find_value(report->second.figures, name);
+}
+
+/// A stream of samples, who sends it, and what it is called in the logger's figures.
+RunFigures::Stream stream(const Reports& r, const std::string& name, const std::string& sender, const std::string& key) {
+  return {name, find(r, "logger", key + "_first"), number(r, sender, "first_sample"),
+          number(r, "logger", key + "_recorded"), number(r, sender, "samples")};
+}
+
+}  // namespace
+
+RunFigures figures_of(const RunSummary& s) {
+  const Reports& r = s.reports;
+  RunFigures f;
+  f.lockstep = s.mode == "lockstep";
+  f.samples = number(r, "device", "samples");
+  f.nominal_rate_hz = number(r, "device", "nominal_rate_hz"), f.rate_hz = number(r, "device", "rate_hz");
+  f.first_answered = find(r, "device", "first_answered");
+  f.answered = number(r, "device", "answered");
+  f.overruns = number(r, "device", "overruns");
+  f.deadline_misses = number(r, "device", "deadline_misses");
+  f.clamped = number(r, "device", "clamped");
+  f.lowest_energy_j = number(r, "coupling", "lowest_energy_j");
+  f.energy_bound_j = number(r, "coupling", "energy_bound_j");
+  f.lowest_energy_rotation_j = number(r, "coupling", "lowest_energy_rotation_j");
+  f.energy_bound_rotation_j = number(r, "coupling", "energy_bound_rotation_j");
+  f.validate_every = s.validate_every;
+  f.first_judged = find(r, "validator", "first_checked");
+  f.judged = number(r, "validator", "checked"), f.excused = number(r, "validator", "excused");
+  f.recording = !s.bag.empty();
+  f.streams = {stream(r, "device/state", "device", "device_state"),
+               stream(r, "rendering/contact", "rendering", "rendering_contact"),
+               stream(r, "coupling/command", "coupling", "coupling_command")};
+  f.silence_s = s.silence_s, f.silent = s.silent;
+  for (const auto& [node, report] : r)
+    if (const double stall_s = runtime::value_of(report.figures, runtime::kLongestStall); stall_s > f.silence_s)
+      f.silence_s = stall_s, f.silent = node;
+  return f;
+}
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,70 @@
+#pragma once
+/// When a run was a good one: what is measured of it, what is asked of it, and the sentence where it is not met. Pure.
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace voxtouch::cli {
+
+/// One row of the table of limits.
+struct Limit {
+  std::string_view name;   ///< for --limit and --json
+  std::string_view unit;   ///< "1" for a share
+  bool at_least;           ///< else at most
+  double value;            ///< unless --limit says another
+  bool in_lockstep;        ///< judged there too; what hangs on a clock is not
+  std::string_view what;   ///< subject of the sentence: "the share of ..."
+  std::string_view means;  ///< what is wrong where it is not met, and what to do
+};
+/// The one place where the defaults stand.
+std::span<const Limit> limits();
+
+/// Values that were asked for instead of the defaults, by name.
+using AskedLimits = std::map<std::string, double, std::less<>>;
+/// "NAME=VALUE" as typed. Throws std::runtime_error with a sentence that names the limits there are.
+void ask_limit(const std::string& text, AskedLimits& asked);
+/// The same as a check of a command line: the sentence, or nothing.
+std::string check_limit(const std::string& text);
+/// For --help: every limit with its default.
+std::string describe_limits();
+
+/// What of a run is judged, in numbers.
+struct RunFigures {
+  bool lockstep = false;
+  double samples = 0.0;  ///< of the device
+  double nominal_rate_hz = 0.0, rate_hz = 0.0;
+  std::optional<double> first_answered;  ///< number of the first sample that was answered; absent: none was
+  double answered = 0.0;
+  double overruns = 0.0, deadline_misses = 0.0, clamped = 0.0;
+  /// Below zero: what the coupling gave more than it took; and as much as its observer may show of a sound contact [J].
+  double lowest_energy_j = 0.0, energy_bound_j = 0.0, lowest_energy_rotation_j = 0.0, energy_bound_rotation_j = 0.0;
+  double validate_every = 1.0;
+  std::optional<double> first_judged;  ///< likewise, of the validator
+  double judged = 0.0, excused = 0.0;  ///< samples; excused: due, but of a kind that is not judged
+  struct Stream {
+    std::string name;
+    std::optional<double> first;  ///< number of the first sample in the bag
+    double first_sent = 0.0;      ///< likewise, of those that were sent
+    double recorded = 0.0, sent = 0.0;
+  };
+  bool recording = false;
+  std::vector<Stream> streams;
+  double silence_s = 0.0;  ///< longest time for which a node gave no sign of life
+  std::string silent;      ///< which, and of what
+};
+
+/// One limit held against one run.
+struct Judged {
+  const Limit* limit = nullptr;
+  double asked = 0.0;
+  std::optional<double> measured;  ///< absent: not judged in this run
+  bool met = true;
+  std::string sentence;  ///< where it is not met
+};
+/// Every limit, in the table's order. A run without a sample is not judged.
+std::vector<Judged> judge_figures(const RunFigures& run, const AskedLimits& asked);
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,165 @@
+// A node that hangs is named, by `up` and by the other nodes, and the run is no good one; in lockstep nobody waits for it for ever.
+#include <gtest/gtest.h>
+
+#include <signal.h>
+
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "nodes/runtime/roster.hpp"
+#include "tests/ring/ring_run.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using Clock = std::chrono::steady_clock;
+
+bool wait_until(const std::function<bool()>& holds, milliseconds patience) {
+  for (const auto until = Clock::now() + patience; !holds(); std::this_thread::sleep_for(milliseconds(2)))
+    if (Clock::now() > until) return false;
+  return true;
+}
+
+bool runs(const Process& up) { return up.err().find(" samples  force") != std::string::npos; }
+
+double ms_since(Clock::time_point begin) { return std::chrono::duration<double, std::milli>(Clock::now() - begin).count(); }
+
+/// Who hangs by what the others' statuses say.
+class Onlooker {
+ public:
+  Onlooker() : participant_({static_cast<std::uint32_t>(std::stoi(fresh_domain())), "lo", "onlooker"}), roster_(participant_, "haptic") {}
+  bool sees_it_said(const std::string& sentence, const std::string& not_by) {
+    roster_.update();
+    for (const runtime::NodeReport& report : roster_.reports())
+      if (report.node != not_by && report.message.find(sentence) != std::string::npos) return true;
+    return false;
+  }
+
+ private:
+  bus::Participant participant_;
+  runtime::Roster roster_;
+};
+
+class StoppedNode : public testing::TestWithParam<const char*> {};
+
+std::string only_name(const testing::TestParamInfo<const char*>& info) { return info.param; }
+const auto kNodes = testing::Values("device", "rendering", "coupling", "validator", "logger");
+
+TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
+  const std::string node = GetParam();
+  const TemporaryFolder folder;
+  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "6", "--record", (folder / "bag").string(),
+                                                 "--limit", "silence_s=0.4"}));
+  Onlooker onlooker;
+  ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
+  std::this_thread::sleep_for(milliseconds(1500));
+  const pid_t pid = child_called(up.pid(), "voxtouch_" + node);
+  ASSERT_NE(pid, 0);
+  ASSERT_EQ(::kill(pid, SIGSTOP), 0);
+  const auto stopped = Clock::now();
+  double up_ms = 0.0, others_ms = 0.0;
+  const std::string sentence = node + " hangs";
+  EXPECT_TRUE(wait_until(
+      [&] {
+        if (up_ms == 0.0 && up.err().find(sentence) != std::string::npos) up_ms = ms_since(stopped);
+        if (others_ms == 0.0 && onlooker.sees_it_said(sentence, node)) others_ms = ms_since(stopped);
+        return up_ms > 0.0 && others_ms > 0.0;
+      },
+      seconds(4)))
+      << up.err();
+  ::kill(pid, SIGCONT);
+  RecordProperty("named_by_up_ms", std::to_string(up_ms)), RecordProperty("named_by_others_ms", std::to_string(others_ms));
+  std::printf("%s: named by up after %.0f ms, by another node after %.0f ms\n", node.c_str(), up_ms, others_ms);
+  const Finished end = up.wait();
+  EXPECT_EQ(end.status, 1) << end.err;
+  EXPECT_NE(end.err.find(node + " is heard again"), std::string::npos) << end.err;
+  const auto summary = parse_summary(end.out);
+  ASSERT_TRUE(summary.is_object()) << end.out << end.err;
+  EXPECT_EQ(summary["ok"], false);
+  EXPECT_EQ(summary["limits"]["silence_s"]["met"], false) << end.out;
+  EXPECT_GT(summary["limits"]["silence_s"]["value"], 0.4);
+  EXPECT_NE(summary["problems"].dump().find("sign of life of a node is"), std::string::npos) << end.out;
+  EXPECT_NE(summary["problems"].dump().find("(" + node), std::string::npos) << end.out;
+  if (node == "device") {
+    EXPECT_GE(summary["interruptions"], 1) << "it went on with the force that it held";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(RealTime, StoppedNode, kNodes, only_name);
+
+TEST(HungDisk, IsNamedAndTheRunIsNoGoodOne) {
+  const TemporaryFolder folder;
+  const std::string flag = (folder / "hangs").string();
+  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "5", "--record", (folder / "bag").string(),
+                                                 "--limit", "silence_s=0.4"}),
+             {{"LD_PRELOAD", VOXTOUCH_HUNG_DISK}, {"VOXTOUCH_TEST_DISK_HANGS", flag}});
+  Onlooker onlooker;
+  ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
+  std::this_thread::sleep_for(milliseconds(1000));
+  std::ofstream(flag) << "now";
+  const auto stopped = Clock::now();
+  EXPECT_TRUE(wait_until([&] { return up.err().find("logger hangs: its disk has stood still") != std::string::npos; }, seconds(4)))
+      << up.err();
+  std::printf("disk: named by up after %.0f ms\n", ms_since(stopped));
+  EXPECT_TRUE(wait_until([&] { return onlooker.sees_it_said("logger hangs: its disk", "logger"); }, seconds(2)));
+  std::filesystem::remove(flag);
+  const Finished end = up.wait();
+  EXPECT_EQ(end.status, 1) << end.err;
+  const auto summary = parse_summary(end.out);
+  ASSERT_TRUE(summary.is_object()) << end.out << end.err;
+  EXPECT_EQ(summary["limits"]["silence_s"]["met"], false) << end.out;
+  EXPECT_NE(summary["problems"].dump().find("(logger"), std::string::npos) << end.out;
+  EXPECT_EQ(summary["recording"]["dropped"], 0) << "the queue holds more than a second";
+}
+
+class StoppedInLockstep : public testing::TestWithParam<const char*> {};
+
+TEST_P(StoppedInLockstep, EndsTheRunWithASentence) {
+  const std::string node = GetParam();
+  const TemporaryFolder folder;
+  Process up(up_arguments(shipped_scene("cup"),
+                          {"--motion", "slide", "--duration", "3000", "--lockstep", "--record", (folder / "bag").string()}));
+  ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
+  const pid_t pid = child_called(up.pid(), "voxtouch_" + node);
+  ASSERT_NE(pid, 0);
+  ASSERT_EQ(::kill(pid, SIGSTOP), 0);
+  const auto stopped = Clock::now();
+  const Finished end = up.wait(seconds(50));
+  std::printf("%s: the run ended after %.1f s\n", node.c_str(), 1e-3 * ms_since(stopped));
+  EXPECT_EQ(end.status, 1) << "128 + 9: it waited for ever\n" << end.err;
+  const auto summary = parse_summary(end.out);
+  ASSERT_TRUE(summary.is_object()) << end.out << end.err;
+  EXPECT_NE(summary["problems"].dump().find(node + " has given no sign of life for "), std::string::npos) << end.out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Lockstep, StoppedInLockstep, kNodes, only_name);
+
+TEST(StoppedInLockstep, EndsNodesThatWereStartedByHandToo) {
+  const std::string scene = shipped_scene("plane");
+  const auto start = [&](const std::string& node, std::vector<std::string> more) {
+    std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch_" + node, "--scene", scene, "--domain", fresh_domain(),
+                                  "--lockstep", "--peers", "rendering,coupling"};
+    a.insert(a.end(), more.begin(), more.end());
+    return std::make_unique<Process>(a);
+  };
+  const auto rendering = start("rendering", {}), coupling = start("coupling", {});
+  const auto device = start("device", {"--motion", "slide", "--duration", "3000"});
+  ASSERT_TRUE(wait_until([&] { return device->err().find("running") != std::string::npos; }, seconds(30))) << device->err();
+  std::this_thread::sleep_for(milliseconds(500));
+  device->signal(SIGSTOP);
+  for (Process* node : {rendering.get(), coupling.get()}) {
+    const Finished end = node->wait(seconds(30));
+    EXPECT_EQ(end.status, 1) << end.err;
+    EXPECT_NE(end.err.find("device has given no sign of life for 5 s: the lockstep run ends"), std::string::npos) << end.err;
+  }
+  device->signal(SIGCONT);
+  EXPECT_EQ(device->wait(seconds(30)).status, 1);
+}
+
+}  // namespace
+}  // namespace voxtouch::test

@@ -1,0 +1,39 @@
+// What the line that `up` shows once a second says of that second.
+#include "nodes/device/last_second.hpp"
+
+#include <gtest/gtest.h>
+
+namespace voxtouch::device {
+namespace {
+
+TEST(LastSecond, HoldsTheLargestForceForASecondAndNoLonger) {
+  LastSecond last;
+  for (int ms = 0; ms <= 3000; ms += 20) {
+    const bool touches = ms == 1000;
+    last.look(ms * 1'000'000LL, static_cast<std::uint64_t>(ms), static_cast<std::uint64_t>(ms), touches ? 0.32 : 0.0);
+    EXPECT_EQ(last.largest_force_n(), ms >= 1000 && ms < 2000 ? 0.32 : 0.0) << ms;
+  }
+}
+
+TEST(LastSecond, CountsTheShareAnsweredInIt) {
+  LastSecond last;
+  EXPECT_EQ(last.answered_share(), 1.0);
+  std::uint64_t samples = 0, answered = 0;
+  for (int ms = 0; ms <= 4000; ms += 20) {
+    last.look(ms * 1'000'000LL, samples, answered, 0.0);
+    if (ms == 2000) {
+      EXPECT_EQ(last.answered_share(), 1.0);
+    }
+    if (ms == 3000) {
+      EXPECT_EQ(last.answered_share(), 0.5);
+    }
+    if (ms == 4000) {
+      EXPECT_EQ(last.answered_share(), 0.0);
+    }
+    samples += 20;
+    answered += ms < 2000 ? 20U : ms < 3000 ? 10U : 0U;
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch::device
