@@ -50,4 +50,12 @@ struct TrapAsk {
 };
 Findings run_traps(const TrapAsk& ask, const Progress& progress = {});
 
+/// Commands of any bits, with any stamps, sessions, sequence numbers and clocks, with gaps and device errors, through gate and guard
+/// of every shipped device; and straight at the driver's own check, and at what all of them cut with. Judged apart from the guard:
+/// finite, within force, torque and slew limits, ramped, and zero once nobody good speaks.
+struct CommandAsk {
+  std::uint64_t commands = 100'000'000, seed = 1;
+};
+Findings run_commands(const CommandAsk& ask, const Progress& progress = {});
+
 }  // namespace voxtouch::long_runs

@@ -1,5 +1,5 @@
 /// long_runs: a billion filter steps, ten million frames of wandering contact, a billion steps of a tumbling body, a million
-/// frames with floating-point traps. Exit status 1 if something drifts, grows, traps or is no number. The hour of the whole ring is
+/// frames with floating-point traps, a hundred million hostile commands. Exit status 1 if something drifts, grows, traps or is no number. The hour of the whole ring is
 /// hour_of_ring.py.
 #include <fmt/core.h>
 
@@ -40,6 +40,7 @@ int run(int argc, char** argv) {
   ContactAsk contact;
   TumbleAsk tumble;
   TrapAsk traps;
+  CommandAsk commands;
   contact.scene = VOXTOUCH_DEPLOY "/scenes/cup.yaml", traps.scenes = VOXTOUCH_DEPLOY "/scenes";
   CLI::App* f = app.add_subcommand(
       "filter", "a contact held for --steps samples; step responses; clocks that cannot be relied on");
@@ -55,12 +56,15 @@ int run(int argc, char** argv) {
   b->add_option("--steps", tumble.steps, "samples (1e9: about nine minutes)")->capture_default_str();
   CLI::App* t = app.add_subcommand("traps", "random contact with floating-point traps on, in all models and effects");
   t->add_option("--frames", traps.frames, "samples (1e6: a minute)")->capture_default_str();
-  for (CLI::App* sub : {f, c, t}) sub->add_option("--seed", seed, "of all that is random")->capture_default_str();
+  CLI::App* h = app.add_subcommand("commands", "hostile commands of any bits through gate and guard of every shipped device");
+  h->add_option("--commands", commands.commands, "how many (1e8: a minute)")->capture_default_str();
+  for (CLI::App* sub : {f, c, t, h}) sub->add_option("--seed", seed, "of all that is random")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  filter.seed = contact.seed = traps.seed = seed;
+  filter.seed = contact.seed = traps.seed = commands.seed = seed;
   if (f->parsed()) return tell(run_filter(filter, show));
   if (c->parsed()) return tell(run_contact(contact, show));
   if (b->parsed()) return tell(run_tumble(tumble, show));
+  if (h->parsed()) return tell(run_commands(commands, show));
   return tell(run_traps(traps, show));
 }
 

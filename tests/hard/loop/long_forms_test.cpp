@@ -47,6 +47,13 @@ TEST(F8OrientationDrift, StaysARotationOverAMillionIncrements) {
   expect_well(run_tumble(ask));
 }
 
+TEST(HostileCommands, NothingNotFiniteOrOverALimitReachesADriver) {
+  CommandAsk ask;
+  ask.commands = 1'000'000, ask.seed = testing::seed(5);
+  SCOPED_TRACE(testing::seed_trace(ask.seed));
+  expect_well(run_commands(ask));
+}
+
 /// VOXTOUCH_TRAP_FRAMES sets how many; `long_runs traps` runs a million.
 TEST(FloatingPointTraps, NoFrameOfRandomContactIsInvalidOverflowsOrDividesByZero) {
   TrapAsk ask;

@@ -1,0 +1,207 @@
+#include "tests/attack/kills/round.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include "tests/attack/kills/beat.hpp"
+#include "tests/attack/kills/leftovers.hpp"
+#include "tests/attack/kills/tap.hpp"
+#include "tests/ring/ring_run.hpp"
+
+namespace voxtouch::attack {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr double kMsPerNs = 1e-6;
+constexpr double kFeltN = 0.05;      // more than this is commanded: the hand feels the contact
+constexpr double kBagLosesS = 1.0;   // at most
+constexpr auto kStopped = 700ms;     // how long a node stands still
+
+bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds patience) {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > until) return false;
+    std::this_thread::sleep_for(2ms);
+  }
+  return true;
+}
+
+std::vector<std::string> command(const RoundAsk& ask, const std::filesystem::path& bag) {
+  std::vector<std::string> words{VOXTOUCH_BIN "/voxtouch", "up", test::shipped_scene("cup"), "--json", "--domain", std::to_string(ask.domain),
+                                 "--rig", ask.rig, "--motion", "slide", "--record", bag.string()};
+  words.insert(words.end(), ask.options.begin(), ask.options.end());
+  return words;
+}
+
+class Round {
+ public:
+  explicit Round(const RoundAsk& ask)
+      : ask_(ask), names_before_(shared_names()),
+        up_(command(ask, folder_ / "bag")) {
+    tap_.emplace(ask.domain, ask.rig);
+  }
+
+  RoundResult play() {
+    result_.played = reach_contact();
+    if (!result_.played) {
+      up_.signal(SIGINT);
+      result_.faults.push_back("the ring did not come into contact: " + up_.wait(30s).err);
+      return result_;
+    }
+    send();
+    ask_.signal == SIGKILL ? after_kill() : after_stop();
+    look_back();
+    return result_;
+  }
+
+ private:
+  /// Force for half a second, the start's ramp, and the contact felt now.
+  bool reach_contact() {
+    if (!wait_until([this] { return tap_->newest() && tap_->newest()->sequence > 700 && felt(); }, 30s)) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(ask_.after_ms));
+    if (!wait_until([this] { return felt(); }, 10s)) return false;
+    nodes_ = test::children_of(up_.pid());
+    return nodes_.size() == 5;
+  }
+  bool felt() const { return tap_->newest()->force_on && tap_->commanded_n() > kFeltN; }
+
+  void send() {
+    victim_ = up_.pid();
+    for (const pid_t node : nodes_)
+      if (program_of(node) == "voxtouch_" + ask_.victim) victim_ = node;
+    beat_.restart();
+    at_ns_ = monotonic_ns();
+    ::kill(victim_, ask_.signal);
+  }
+
+  bool needed() const { return ask_.victim == "rendering" || ask_.victim == "coupling"; }
+
+  void after_kill() {
+    // A device that is ended in order ends at zero; its last sample may say that there was force in the one before it.
+    wait_until([this] { return zero_at() || ask_.victim == "device" || !program_of(device()).starts_with("voxtouch_device"); }, 3s);
+    judge_zero();
+    if (ask_.victim == "up" && !wait_until([this] { return std::all_of(nodes_.begin(), nodes_.end(), [](pid_t p) { return program_of(p).empty(); }); }, 10s))
+      result_.faults.push_back("nodes outlive `up`");
+    finish();
+    if (ask_.victim != "up" && result_.status == 0) result_.faults.push_back("the run is called good");
+  }
+
+  void after_stop() {
+    if (needed()) {
+      wait_until([this] { return zero_at().has_value(); }, 3s);
+      judge_zero();
+    }
+    std::this_thread::sleep_for(kStopped);
+    if (!needed() && ask_.victim != "device") judge_undisturbed();
+    const std::int64_t on_ns = monotonic_ns();
+    ::kill(victim_, SIGCONT);
+    std::this_thread::sleep_for(300ms);
+    if (ask_.victim == "device") judge_waking(on_ns);
+    up_.signal(SIGINT);
+    finish();
+    if (needed() && result_.status == 0) result_.faults.push_back("a run with a node that hung is called good");
+  }
+
+  pid_t device() const {
+    for (const pid_t node : nodes_)
+      if (program_of(node) == "voxtouch_device") return node;
+    return 0;
+  }
+
+  /// The first sample after the signal that has no force.
+  std::optional<Seen> zero_at() const {
+    for (const Seen& s : tap_->seen())
+      if (s.received_ns >= at_ns_ && !s.force_on) return s;
+    return std::nullopt;
+  }
+
+  void judge_zero() {
+    const std::vector<Seen> seen = tap_->seen();
+    const auto after = std::find_if(seen.begin(), seen.end(), [this](const Seen& s) { return s.received_ns >= at_ns_; });
+    if (ask_.victim == "device") {
+      if (seen.end() - after > 3) result_.faults.push_back("a device that was killed gives samples");
+      return;
+    }
+    const auto zero = std::find_if(after, seen.end(), [](const Seen& s) { return !s.force_on; });
+    const auto last = zero == seen.end() ? seen.end() - 1 : zero;
+    const std::int64_t from_ns = after == seen.begin() ? at_ns_ : (after - 1)->sample_ns;
+    result_.zero_ms = kMsPerNs * static_cast<double>(last->sample_ns - from_ns);
+    result_.zero_wall_ms = kMsPerNs * static_cast<double>(last->received_ns - at_ns_);
+    std::int64_t before_ns = at_ns_, gap_ns = 0;
+    for (auto s = after; s != seen.end() && s <= last; ++s) gap_ns = std::max(gap_ns, s->received_ns - std::exchange(before_ns, s->received_ns));
+    result_.gap_ms = kMsPerNs * static_cast<double>(gap_ns);
+    result_.machine_ms = kMsPerNs * static_cast<double>(beat_.longest_ns());
+    if (needed() && *result_.zero_ms > kZeroWithinMs)
+      result_.faults.push_back(fmt::format("the device is at zero after {:.1f} ms of its samples", *result_.zero_ms));
+    if (zero == seen.end() && program_of(device()) == "voxtouch_device" && needed()) result_.faults.push_back("the device goes on with force");
+  }
+
+  /// What only listens must not be felt.
+  void judge_undisturbed() {
+    const std::vector<Seen> seen = tap_->seen();
+    for (const Seen& s : seen)
+      if (s.received_ns >= at_ns_ && !s.force_on) {
+        result_.faults.push_back("force was lost while " + ask_.victim + " stood still");
+        return;
+      }
+  }
+
+  /// A device that stood still is not to go on with the force that it held: whoever holds it has moved meanwhile.
+  void judge_waking(std::int64_t on_ns) {
+    int samples = 0;
+    bool rested = false;
+    for (const Seen& s : tap_->seen())
+      if (s.received_ns >= on_ns && samples++ < 5) rested |= !s.force_on;
+    if (samples > 0 && !rested) result_.faults.push_back("the device goes on with the force that it held");
+  }
+
+  void finish() {
+    const test::Finished end = up_.wait(30s);
+    result_.status = end.status;
+    if (ask_.victim == "device" && ask_.signal == SIGKILL && end.out.find("device was ended by signal 9") == std::string::npos)
+      result_.faults.push_back("`up` does not say that the device was killed");
+  }
+
+  void look_back() {
+    const std::vector<Seen> seen = tap_->seen();
+    tap_.reset();
+    for (const pid_t node : nodes_)
+      if (program_of(node).starts_with("voxtouch_")) result_.faults.push_back(program_of(node) + " is left behind");
+    for (const std::string& name : shared_names())
+      if (!names_before_.contains(name)) result_.faults.push_back(name + " is left behind");
+    if (const auto ports = held_ports(ask_.domain); !ports.empty()) result_.faults.push_back(fmt::format("port {} is left behind", ports[0]));
+    try {
+      const auto states = test::read_ring_topic<msg::DeviceState>(folder_ / "bag", "/" + ask_.rig + "/device/state");
+      // Of what was there while the logger was.
+      std::int64_t last_ns = 0;
+      for (const Seen& s : seen)
+        if (ask_.victim != "logger" || s.received_ns <= at_ns_ || ask_.signal == SIGSTOP) last_ns = s.sample_ns;
+      result_.bag_lost_s = states.empty() ? 1e9 : 1e-9 * static_cast<double>(std::max<std::int64_t>(0, last_ns - states.back().sample_time_ns));
+      if (*result_.bag_lost_s > kBagLosesS) result_.faults.push_back(fmt::format("the bag lacks the last {:.2f} s", *result_.bag_lost_s));
+    } catch (const std::exception& error) {
+      result_.faults.push_back(std::string("the bag does not open: ") + error.what());
+    }
+  }
+
+  RoundAsk ask_;
+  std::set<std::string> names_before_;
+  test::TemporaryFolder folder_;
+  test::Process up_;
+  std::optional<Tap> tap_;
+  Beat beat_;
+  std::vector<pid_t> nodes_;
+  pid_t victim_ = 0;
+  std::int64_t at_ns_ = 0;
+  RoundResult result_;
+};
+
+}  // namespace
+
+RoundResult play(const RoundAsk& ask) { return Round(ask).play(); }
+
+}  // namespace voxtouch::attack

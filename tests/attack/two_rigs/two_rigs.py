@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""Two rigs on one host: on one DDS domain by their names, or on two domains. None may disturb the other.
+
+    tests/attack/two_rigs/two_rigs.py                       # ten minutes, both forms
+    tests/attack/two_rigs/two_rigs.py --duration 8          # what the test runs
+
+Both feel the cup. In the middle the rendering of the left one is killed. Then the left one has to end with 1 and say so, while the right
+one goes on: its bag holds one session, no command of anybody else, no sample at which force was lost, and no message on its topics that
+came from the left one. Its own verdict has to follow from its own figures: what it names as a problem is a figure of its own (a busy
+machine is one) and never the other rig. Exit status 1 if something did not hold.
+"""
+import argparse
+import json
+import os
+import pathlib
+import signal
+import sqlite3
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parents[3]
+FORCE_ON = 4
+STATE = struct.Struct("<QQq7d6dII")  # DeviceState, as its .msg says
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=HERE / "build", help="build folder")
+    parser.add_argument("--duration", type=float, default=300.0, help="seconds of each form")
+    parser.add_argument("--domains", type=int, nargs=2, default=[66, 67], help="the first for one domain, both for two")
+    parser.add_argument("--forms", choices=["names", "domains", "both"], default="both", help="told apart by rig names, by domains, or first so and then so")
+    return parser.parse_args()
+
+
+class Rig:
+    def __init__(self, ask, name, domain, folder):
+        self.name, self.bag = name, folder / name
+        self.said, self.told = open(folder / f"{name}.err", "w+"), open(folder / f"{name}.out", "w+")
+        self.process = subprocess.Popen(
+            [ask.build / "bin/voxtouch", "up", HERE / "deploy/scenes/cup.yaml", "--motion", "slide", "--duration", str(ask.duration), "--json",
+             "--rig", name, "--domain", str(domain), "--record", self.bag], stdout=self.told, stderr=self.said, stdin=subprocess.DEVNULL)
+
+    def lines(self):
+        return pathlib.Path(self.said.name).read_text()
+
+    def running(self):
+        return " samples  force" in self.lines()
+
+    def node(self, name):
+        for entry in os.scandir("/proc"):
+            if entry.name.isdigit():
+                try:
+                    command = pathlib.Path(entry.path, "cmdline").read_bytes().split(b"\0")
+                    parent = int(pathlib.Path(entry.path, "stat").read_text().rsplit(")", 1)[1].split()[1])
+                except (OSError, IndexError):
+                    continue
+                if parent == self.process.pid and command[0].endswith(f"voxtouch_{name}".encode()):
+                    return int(entry.name)
+        raise RuntimeError(f"{self.name} has no {name}")
+
+    def end(self, patience):
+        self.status = self.process.wait(patience)
+        self.summary = json.loads(pathlib.Path(self.told.name).read_text())
+
+    def states(self):
+        """(session, sequence, force on) of each recorded sample."""
+        found = []
+        for file in sorted(self.bag.glob("*.db3")):
+            with sqlite3.connect(f"file:{file}?mode=ro", uri=True) as database:
+                rows = database.execute("select data from messages join topics on topics.id = topic_id where name = ? order by messages.id",
+                                        (f"/{self.name}/device/state",))
+                for (data,) in rows:
+                    session, sequence, *rest = STATE.unpack(data[4:4 + STATE.size])
+                    found.append((session, sequence, bool(rest[-1] & FORCE_ON)))
+        return found
+
+
+def play(ask, form, domains):
+    faults = []
+    with tempfile.TemporaryDirectory(prefix="voxtouch_test_two_rigs_") as folder:
+        rigs = [Rig(ask, name, domain, pathlib.Path(folder)) for name, domain in zip(("left", "right"), domains)]
+        try:
+            until = time.monotonic() + 60
+            while not all(rig.running() for rig in rigs):
+                if time.monotonic() > until or any(rig.process.poll() is not None for rig in rigs):
+                    return [f"{form}: the rigs did not both start: " + " | ".join(rig.lines()[-300:] for rig in rigs)]
+                time.sleep(0.05)
+            time.sleep(ask.duration / 2)
+            os.kill(rigs[0].node("rendering"), signal.SIGKILL)
+            for rig in rigs:
+                rig.end(ask.duration + 60)
+        finally:
+            for rig in rigs:
+                if rig.process.poll() is None:
+                    rig.process.terminate()
+                    rig.process.wait(30)
+        left, right = rigs
+        if left.status != 1 or not any("rendering" in p for p in left.summary["problems"]):
+            faults.append(f"the left rig lost its rendering and ends with {left.status}: {left.summary['problems']}")
+        faults += [f"the right rig names the left: {p}" for p in right.summary["problems"] if "left" in p or "rendering was ended" in p or "writer" in p]
+        if (right.status == 0) != (not right.summary["problems"]):
+            faults.append(f"the right rig ends with {right.status} and these problems: {right.summary['problems']}")
+        if right.summary["guard"]["refused"]:
+            faults.append(f"the right guard refused {right.summary['guard']['refused']} commands")
+        for rig in rigs:
+            states = rig.states()
+            sessions = {session for session, _, _ in states}
+            if len(sessions) != 1:
+                faults.append(f"the bag of {rig.name} holds {len(sessions)} sessions")
+            if rig is right:
+                first = next((n for n, (_, _, on) in enumerate(states) if on), len(states))
+                lost = sum(not on for _, _, on in states[first:])
+                if first == len(states) or lost:
+                    faults.append(f"the right rig lost its force at {lost} of {len(states) - first} samples")
+        own = "; ".join(right.summary["problems"]) or "none"
+        print(f"figure: {form}: left ended with {left.status}; right ended with {right.status}, {right.summary['samples']} samples at "
+              f"{right.summary['rate_hz']:.0f} Hz, {right.summary['guard']['refused']} refused, problems of its own: {own}")
+    return [f"{form}: {fault}" for fault in faults]
+
+
+def main():
+    ask = arguments()
+    faults = []
+    if ask.forms in ("names", "both"):
+        faults += play(ask, "one domain, two names", [ask.domains[0], ask.domains[0]])
+    if ask.forms in ("domains", "both"):
+        faults += play(ask, "two domains", ask.domains)
+    for fault in faults:
+        print("FAULT:", fault)
+    print("Not well." if faults else "All is well.")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
