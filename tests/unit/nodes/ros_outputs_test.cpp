@@ -110,7 +110,7 @@ TEST(PlanMessage, CarriesThePartsOfPlanAndRingSideBySide) {
   BuildCounts counts;
   counts.shell_points = 100, counts.shell_bytes = 6800, counts.voxmap_bytes = 1234;
   const Plan plan = make_plan(scene, counts);
-  rendering::publish_plan(writer, scene, plan, 0.001, 7);
+  rendering::publish_plan(writer, scene, plan, demand_of(scene), 0.001, 7, 0);
   std::vector<PlanPart> wanted = plan.parts, got;
   for (PlanPart& part : rendering::ring_parts(scene)) wanted.push_back(std::move(part));
   ASSERT_TRUE(wait_until([&] {
