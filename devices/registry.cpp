@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "devices/description_check.hpp"
 #include "devices/lwr/counterpart.hpp"
 #include "devices/phantom/counterpart.hpp"
 #include "devices/settings.hpp"
@@ -54,6 +55,12 @@ const Entry& find(std::string_view name) {
   return *found;
 }
 
+/// A faulty file or a controller that says nonsense must not become what force is limited and designed by.
+void require_possible(std::string_view name, const DeviceDescription& description) {
+  if (const std::string wrong = what_is_wrong(description); !wrong.empty())
+    throw DeviceOpenError(fmt::format("device '{}' cannot be used: {}", name, wrong));
+}
+
 }  // namespace
 
 const std::vector<std::string>& device_names() {
@@ -68,7 +75,9 @@ const std::vector<std::string>& device_names() {
 std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& options) {
   const Entry& entry = find(name);
   try {
-    return entry.open(options);
+    std::unique_ptr<Driver> driver = entry.open(options);
+    require_possible(name, driver->description());
+    return driver;
   } catch (const DeviceOpenError& error) {
     if (entry.hand != nullptr) throw;
     throw DeviceOpenError(fmt::format("{} (without the hardware: '--device wire-{}')", error.what(), name));
@@ -78,7 +87,9 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
 }
 
 DeviceDescription describe_device(std::string_view name, const DeviceOptions& options) {
-  return find(name).describe(options);
+  DeviceDescription description = find(name).describe(options);
+  require_possible(name, description);
+  return description;
 }
 
 bool has_simulated_hand(std::string_view name) { return find(name).hand != nullptr; }

@@ -35,7 +35,12 @@ std::string left_out(std::uint64_t count, const char* what) {
 
 ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& given) {
   const ImportOptions options = checked(path, given);
-  import::MeshFile file = import::open_mesh_file(path, options);
+  return import_mesh(path, read_mesh_bytes(path, options.max_file_bytes), options);
+}
+
+ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, const ImportOptions& given) {
+  const ImportOptions options = checked(path, given);
+  import::MeshFile file = import::open_mesh_file(path, std::move(bytes), options);
   const import::Triangles read = import::read_triangles(file, options);
   import::check_precision(file, read, options);
 

@@ -20,26 +20,21 @@
 /// nothing but the mesh file and, for .gltf, the buffers it names.
 #include <cstdint>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/mesh/mesh_bytes.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace voxtouch {
-
-/// A mesh that cannot be had. The sentence names the file, the reason and what to do.
-struct MeshError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 struct ImportOptions {
   double scale = 1.0;         ///< metres for one unit of the file, > 0; on top of the unit COLLADA declares
   Pose pose = Pose();         ///< after scaling: x -> pose * (scale * x); quaternion within 1e-3 of unit
   double voxel_size_m = 0.0;  ///< voxel edge e, for precision and unit checks; 0: not known
   std::size_t max_triangles = 4'000'000;
-  std::uintmax_t max_file_bytes = std::uintmax_t{512} << 20;
+  std::uintmax_t max_file_bytes = kLargestMeshFile;
 };
 
 struct ImportedMesh {
@@ -50,5 +45,7 @@ struct ImportedMesh {
 
 /// Reads a mesh. Throws MeshError; allocates; not for the loop. Same file and options give the same bits.
 ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& options = {});
+/// The same from the file's bytes, for those who have looked at them already.
+ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, const ImportOptions& options);
 
 }  // namespace voxtouch

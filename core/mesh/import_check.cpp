@@ -1,11 +1,7 @@
 #include "core/mesh/import_check.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <fstream>
-#include <system_error>
 
 namespace voxtouch::import {
 namespace {
@@ -17,55 +13,11 @@ std::string lower_extension(const std::filesystem::path& path) {
   return e;
 }
 
-void check_place(const std::filesystem::path& path, const ImportOptions& options) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) {
-    refuse(path, "there is no such file", "check the path; a scene's paths start at the scene file's folder");
-  }
-  if (status.type() == std::filesystem::file_type::directory) {
-    refuse(path, "is a directory", "name the mesh file in it");
-  }
-  if (status.type() == std::filesystem::file_type::none) {
-    refuse(path, error.message(), "check the rights on its folders");
-  }
-  if (status.type() != std::filesystem::file_type::regular) {
-    refuse(path, "is not a regular file", "name a mesh file");
-  }
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) refuse(path, error.message(), "check the file");
-  if (size == 0) refuse(path, "is empty", "export the mesh again");
-  if (size > options.max_file_bytes) {
-    refuse(path, "has " + std::to_string(size) + " bytes, and at most " +
-        std::to_string(options.max_file_bytes) + " are read",
-           "reduce the mesh, or raise max_file_bytes");
-  }
-}
-
-std::string read_bytes(const std::filesystem::path& path) {
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) {
-    refuse(path, std::string("cannot be opened (") + std::strerror(errno) + ")",
-        "give yourself the right to read it");
-  }
-  std::string bytes(std::filesystem::file_size(path), '\0');
-  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<std::size_t>(in.gcount()) != bytes.size()) {
-    refuse(path, "could not be read to its end", "try again");
-  }
-  return bytes;
-}
-
 bool starts_with_word(std::string_view line, std::string_view word) {
   return line.starts_with(word) && (line.size() == word.size() || is_space(line[word.size()]));
 }
 
 }  // namespace
-
-void refuse(const std::filesystem::path& path, const std::string& reason, const std::string& remedy) {
-  throw MeshError("mesh '" + path.string() + "': " + reason + "; " + remedy);
-}
 
 void refuse_size(const MeshFile& file, std::uint64_t triangles, const ImportOptions& options) {
   refuse(file.path, "has " + std::to_string(triangles) + " triangles or more, and at most " +
@@ -178,16 +130,14 @@ void check_stl(MeshFile& file, const ImportOptions& options) {
   file.faces = count;
 }
 
-MeshFile open_mesh_file(const std::filesystem::path& path, const ImportOptions& options) {
-  check_place(path, options);
-  MeshFile file{path, lower_extension(path), {}, {}, {}};
+MeshFile open_mesh_file(const std::filesystem::path& path, std::string bytes, const ImportOptions& options) {
+  MeshFile file{path, lower_extension(path), std::move(bytes), {}, {}};
   const bool known = file.extension == "obj" || file.extension == "stl" || file.extension == "ply" ||
                      file.extension == "gltf" || file.extension == "glb" || file.extension == "dae";
   if (!known) {
     refuse(path, "the format '" + printable(file.extension) + "' is not known",
            "export it as .obj, .stl, .ply, .gltf, .glb or .dae");
   }
-  file.bytes = read_bytes(path);
   if (file.extension == "obj") check_obj(file);
   if (file.extension == "stl") check_stl(file, options);
   if (file.extension == "ply") check_ply(file, options);

@@ -20,14 +20,11 @@ struct MeshFile {
   std::vector<std::string> warnings;
 };
 
-/// Throws MeshError("<path>: <reason>; <remedy>").
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason,
-    const std::string& remedy);
 [[noreturn]] void refuse_size(const MeshFile& file, std::uint64_t triangles, const ImportOptions& options);
 [[noreturn]] void refuse_truncated(const MeshFile& file, const std::string& found);
 
-/// The file's bytes, checked for its format. Elements that play no part in geometry may be blanked out.
-MeshFile open_mesh_file(const std::filesystem::path& path, const ImportOptions& options);
+/// The file's `bytes`, checked for its format. Elements that play no part in geometry may be blanked out.
+MeshFile open_mesh_file(const std::filesystem::path& path, std::string bytes, const ImportOptions& options);
 
 void check_obj(MeshFile& file);
 void check_stl(MeshFile& file, const ImportOptions& options);

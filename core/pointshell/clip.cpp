@@ -9,8 +9,6 @@ namespace {
 /// A foot this near a side, relative to the lengths involved, is left to the search along the sides, which is
 /// right there: so a sliver's sides, all "inside" by rounding, cannot make a point beyond its end pass.
 constexpr double kOnSide = 1e-14;
-/// [e^2] up to which a polygon's area may be nothing but rounding.
-constexpr double kTouchArea = 1e-14;
 
 /// Keeps the part with side * x[axis] <= limit.
 void cut(VoxelPolygon& polygon, int axis, double side, double limit) noexcept {

@@ -18,6 +18,9 @@ struct VoxelPolygon {
 /// touch), with the least tolerance that leaves something. Never empty.
 VoxelPolygon clip_to_voxel(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
+/// Area [e^2] that rounding can make of a polygon that has none.
+inline constexpr double kTouchArea = 1e-14;
+
 /// Area [voxel faces].
 double area(const VoxelPolygon& polygon) noexcept;
 

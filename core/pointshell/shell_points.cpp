@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kTie = 1e-9;         // [e] distances that count as equal
 constexpr double kSamePoint = 1e-7;   // [e] points that count as one
-constexpr double kTouchArea = 1e-14;  // [e^2] what rounding can make of no area at all
 constexpr std::size_t kTrianglesPerJob = 4096;
 
 /// One triangle in one voxel.

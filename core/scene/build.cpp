@@ -10,18 +10,25 @@
 #include "core/pointshell/build_shell.hpp"
 #include "core/scene/contact_parameters.hpp"
 #include "core/scene/contact_range.hpp"
+#include "core/scene/scene_hash.hpp"
 #include "core/voxmap/distance_thickness.hpp"
 #include "core/voxmap/voxelise.hpp"
 
 namespace voxtouch {
 namespace {
 
-ImportedMesh import(const MeshSpec& spec, double voxel_size_m) {
+/// The mesh that the scene was read with, and no other that stands in its place now.
+ImportedMesh import(const MeshSpec& spec, const Scene& scene) {
   ImportOptions options;
   options.scale = spec.scale;
   options.pose = spec.pose;
-  options.voxel_size_m = voxel_size_m;
-  return import_mesh(spec.path, options);
+  options.voxel_size_m = scene.voxel_size_m;
+  std::string bytes = read_mesh_bytes(spec.path);
+  const auto read = scene.mesh_hashes.find(spec.path);
+  if (read != scene.mesh_hashes.end() && hash_of_bytes(bytes) != read->second)
+    throw MeshError("mesh '" + spec.path.string() +
+                    "': has changed since the scene was read; read the scene again when nothing writes to it");
+  return import_mesh(spec.path, std::move(bytes), options);
 }
 
 void warn(BuildCounts& counts, const MeshSpec& spec, const ImportedMesh& imported) {
@@ -45,11 +52,29 @@ struct ObjectMesh {
   std::size_t open = 0;  ///< how many of the meshes are not closed
 };
 
-ObjectMesh import_object(const Scene& scene, std::uint32_t object, BuildCounts& counts) {
+/// What all objects of a scene are built with.
+struct Kit {
+  const Scene& scene;
+  const ParallelFor& parallel_for;
+  const BuildChoices& choices;
+  const Progress& progress;
+  ContactModelKind model;
+  BuildCounts& counts;
+
+  void step(const std::string& text) const {
+    if (progress) progress(text);
+  }
+};
+
+ObjectMesh import_object(const Kit& kit, std::uint32_t object) {
+  const Scene& scene = kit.scene;
+  BuildCounts& counts = kit.counts;
   ObjectMesh all;
   for (const MeshSpec& spec : scene.static_meshes) {
     if (spec.object != object) continue;
-    const ImportedMesh imported = import(spec, scene.voxel_size_m);
+    if (const auto n = &spec - scene.static_meshes.data(); n > 0)
+      kit.step(fmt::format("reading mesh {} of {}", n + 1, scene.static_meshes.size()));
+    const ImportedMesh imported = import(spec, scene);
     warn(counts, spec, imported);
     counts.closed = counts.closed && imported.report.closed;
     if (!imported.report.closed) counts.open_meshes.push_back(spec.path.filename().string()), ++all.open;
@@ -102,20 +127,6 @@ std::uint64_t shell_bytes(const Pointshell& shell) {
   return shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
 }
 
-/// What all objects of a scene are built with.
-struct Kit {
-  const Scene& scene;
-  const ParallelFor& parallel_for;
-  const BuildChoices& choices;
-  const Progress& progress;
-  ContactModelKind model;
-  BuildCounts& counts;
-
-  void step(const std::string& text) const {
-    if (progress) progress(text);
-  }
-};
-
 /// For scenes whose dynamic object is a body.
 BodyShape body_shape(const Scene& scene, const TriangleMesh& mesh) {
   try {
@@ -140,7 +151,7 @@ struct Tool {
 Tool build_tool(const Kit& kit) {
   const Scene& scene = kit.scene;
   kit.step("reading the dynamic mesh");
-  const ImportedMesh moving = import(scene.dynamic_mesh, scene.voxel_size_m);
+  const ImportedMesh moving = import(scene.dynamic_mesh, scene);
   warn(kit.counts, scene.dynamic_mesh, moving);
   kit.counts.dynamic_triangles = moving.mesh.triangles.size();
   kit.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
@@ -242,7 +253,7 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   std::vector<ObjectMesh> meshes;
   for (std::uint32_t id = 0; id <= scene.objects.size(); ++id) {
     kit.step(id == 0 ? "reading the static meshes" : "reading the meshes of '" + scene.objects[id - 1].name + "'");
-    meshes.push_back(import_object(scene, id, counts));
+    meshes.push_back(import_object(kit, id));
     if (auto object = build_object(kit, id, meshes.back())) objects.push_back(std::move(object));
   }
   counts.objects = objects.size();

@@ -114,7 +114,7 @@ EffectSpec read_effect(const SceneSource& source, const YamlNode& node, const Sc
   if (!spec.kind->needs(spec.values).contact)
     map.refuse("object", fmt::format("does not go with '{}', which feels no contact.", spec.kind->name));
   if (const YamlNode* object = map.find("object")) spec.object = read_object_name(source, *object, scene);
-  map.optional("name", spec.name, read_text);
+  map.optional("name", spec.name, read_name);
   map.optional("on", spec.on, read_flag);
   if (const YamlNode* region = map.find("region")) spec.region = read_region(source, *region);
   if (const YamlNode* region = map.find("region"); region != nullptr && !std::isfinite(bound_of(spec).stiffness_n_per_m))

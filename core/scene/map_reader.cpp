@@ -120,6 +120,24 @@ std::string read_text(const SceneSource& source, const YamlNode& node, std::stri
   return node.text;
 }
 
+std::string fault_of_name(std::string_view name) {
+  const auto plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+  };
+  if (name.empty()) return "is empty";
+  if (name.size() > kLongestName) return fmt::format("is longer than {} characters", kLongestName);
+  if (name.front() == '.') return "begins with a '.'";
+  if (!std::all_of(name.begin(), name.end(), plain)) return "holds other than letters, digits, '_', '-' and '.'";
+  return {};
+}
+
+std::string read_name(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  const std::string name = read_text(source, node, what);
+  if (const std::string fault = fault_of_name(name); !fault.empty())
+    source.fail(node.place, fmt::format("'{}' is a name, and {} {}.", what, describe(node), fault));
+  return name;
+}
+
 Vec3 read_vec3(const SceneSource& source, const YamlNode& node, std::string_view what) {
   if (node.kind != YamlNode::Kind::kSequence || node.items.size() != 3)
     mistyped(source, node, what, "a list of 3 numbers [x, y, z]");

@@ -37,6 +37,11 @@ bool read_flag(const SceneSource& source, const YamlNode& node, std::string_view
 /// [low, high] with 0 <= low <= high.
 std::array<double, 2> read_range(const SceneSource& source, const YamlNode& node, std::string_view what);
 std::string read_text(const SceneSource& source, const YamlNode& node, std::string_view what);     ///< not empty
+/// Letters, digits, '_', '-' and '.' (not in front), kLongestName at most: a name becomes part of file and topic names.
+std::string read_name(const SceneSource& source, const YamlNode& node, std::string_view what);
+/// Empty where `name` is such a name; else what is wrong with it, to follow the name: "holds ...".
+std::string fault_of_name(std::string_view name);
+inline constexpr std::size_t kLongestName = 64;
 Vec3 read_vec3(const SceneSource& source, const YamlNode& node, std::string_view what);
 /// [w, x, y, z] with a norm within 1e-3 of 1, normalised.
 Quat read_quat(const SceneSource& source, const YamlNode& node, std::string_view what);

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "core/mesh/mesh_bytes.hpp"
 #include "core/scene/scene_hash.hpp"
 #include "core/scene/scene_sections.hpp"
 #include "core/scene/text_file.hpp"
@@ -9,12 +10,17 @@
 namespace voxtouch {
 namespace {
 
-std::string hash_of(const std::string& text, const SceneSource& source, const MapReader& map, const Scene& scene) {
+std::string hash_of(const std::string& text, const SceneSource& source, const MapReader& map, Scene& scene) {
   SceneHash hash;
   hash.add(text);
   const auto add = [&](const MeshSpec& mesh, std::string_view key) {
-    if (!hash.add_file(mesh.path))
-      source.fail(map.require(key).place, fmt::format("The mesh file '{}' cannot be read.", mesh.path.string()));
+    try {
+      const std::string bytes = read_mesh_bytes(mesh.path);
+      hash.add(bytes);
+      scene.mesh_hashes.emplace(mesh.path, hash_of_bytes(bytes));
+    } catch (const MeshError& error) {
+      source.fail(map.require(key).place, fmt::format("{}.", error.what()));
+    }
   };
   for (const MeshSpec& mesh : scene.static_meshes) add(mesh, "static");
   add(scene.dynamic_mesh, "dynamic");
@@ -32,7 +38,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
                       {"scene", "voxel_size", "static", "dynamic", "contact", "effects", "coupling", "device", "motions"});
   Scene scene;
   scene.file = file;
-  scene.name = read_text(source, map.require("scene"), "scene");
+  scene.name = read_name(source, map.require("scene"), "scene");
   scene.voxel_size_m = read_positive(source, map.require("voxel_size"), "voxel_size");
   scene.dynamic_mesh = read_dynamic_mesh(source, map.require("dynamic"), scene.shell);
   scene.contact = read_contact(source, map.require("contact"));

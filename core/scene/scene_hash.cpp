@@ -2,9 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <fstream>
-#include <vector>
-
 namespace voxtouch {
 
 void SceneHash::mix(std::string_view bytes) noexcept {
@@ -23,20 +20,12 @@ void SceneHash::add(std::string_view bytes) noexcept {
   close_part(bytes.size());
 }
 
-bool SceneHash::add_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return false;
-  std::vector<char> block(std::size_t{1} << 16);
-  std::uint64_t length = 0;
-  while (in) {
-    in.read(block.data(), static_cast<std::streamsize>(block.size()));
-    mix({block.data(), static_cast<std::size_t>(in.gcount())});
-    length += static_cast<std::uint64_t>(in.gcount());
-  }
-  close_part(length);
-  return in.eof() && !in.bad();
-}
-
 std::string SceneHash::hex() const { return fmt::format("{:016x}", state_); }
+
+std::string hash_of_bytes(std::string_view bytes) {
+  SceneHash hash;
+  hash.add(bytes);
+  return hash.hex();
+}
 
 }  // namespace voxtouch

@@ -1,7 +1,6 @@
 #pragma once
 /// The name of a scene's content: equal where text and meshes are equal byte for byte, wherever the files stand.
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -12,8 +11,6 @@ namespace voxtouch {
 class SceneHash {
  public:
   void add(std::string_view bytes) noexcept;
-  /// Adds a file's bytes; false where it cannot be read to its end.
-  bool add_file(const std::filesystem::path& file);
   std::string hex() const;  ///< 16 digits, lower case
 
  private:
@@ -21,5 +18,8 @@ class SceneHash {
   void close_part(std::uint64_t length) noexcept;
   std::uint64_t state_ = 0xcbf29ce484222325ULL;  // FNV offset basis
 };
+
+/// The same of one part alone.
+std::string hash_of_bytes(std::string_view bytes);
 
 }  // namespace voxtouch

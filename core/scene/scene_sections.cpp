@@ -56,11 +56,8 @@ std::filesystem::path read_mesh_path(const SceneSource& source, const YamlNode& 
 }
 
 void check_name(const SceneSource& source, const YamlEntry& entry) {
-  const auto plain = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  };
-  if (!std::all_of(entry.key.begin(), entry.key.end(), plain))
-    source.fail(entry.key_place, "The name of a motion may hold letters, digits, '_' and '-' only.");
+  if (const std::string fault = fault_of_name(entry.key); !fault.empty())
+    source.fail(entry.key_place, fmt::format("The name of a motion {}.", fault));
 }
 
 ButtonPress read_press(const SceneSource& source, const YamlNode& node) {

@@ -39,7 +39,7 @@ std::uint32_t read_object(const SceneSource& source, const YamlNode& node, Scene
   }
   const MapReader map(source, node, "object", {"name", "stiffness_n_per_m", "stiffness_n_per_m3", "moves"});
   ObjectSpec object;
-  object.name = read_text(source, map.require("name"), "name");
+  object.name = read_name(source, map.require("name"), "name");
   if (object.name == "ground" || place_of(scene, object.name) != 0)
     source.fail(map.place_of("name"), fmt::format("There is an object named '{}' already.", object.name));
   object.contact = read_material(source, map, scene.contact);

@@ -8,6 +8,8 @@
 
 #include <sstream>
 
+#include "core/types/utf8.hpp"
+
 namespace voxtouch {
 namespace {
 
@@ -112,20 +114,6 @@ class TreeBuilder final : public YAML::EventHandler {
   std::vector<Open> open_;
   std::size_t nodes_ = 0;
 };
-
-/// Length of the UTF-8 sequence at `i`, or 0 where the bytes are none.
-std::size_t utf8_length(const std::string& s, std::size_t i) {
-  const auto byte = [&](std::size_t k) -> unsigned { return k < s.size() ? static_cast<unsigned char>(s[k]) : 0U; };
-  const unsigned lead = byte(i);
-  if (lead < 0x80) return 1;
-  std::size_t length = 0;
-  if (lead >= 0xC2 && lead < 0xE0) length = 2;
-  if (lead >= 0xE0 && lead < 0xF0) length = 3;
-  if (lead >= 0xF0 && lead <= 0xF4) length = 4;
-  for (std::size_t k = 1; k < length; ++k)
-    if ((byte(i + k) & 0xC0U) != 0x80U) return 0;
-  return length;
-}
 
 /// Refuses bytes that are no text before the parser sees them, with their place.
 void check_text(const std::string& text, const std::filesystem::path& file, std::string_view what) {

@@ -24,6 +24,10 @@ inline bool clamp_length(Vec3& v, double limit) noexcept {
     return true;
   }
   if (!(length_of(v) > limit)) return false;
+  if (limit < std::numeric_limits<double>::min()) {  // among numbers that coarse a cut would round over it
+    v.setZero();
+    return true;
+  }
   constexpr double kRounding = 1.0 - 16.0 * std::numeric_limits<double>::epsilon();
   const Vec3 direction = v / v.cwiseAbs().maxCoeff();  // components at most one: the norm below cannot overflow
   v = direction * (limit * kRounding / direction.norm());

@@ -26,3 +26,14 @@ voxtouch_forbid_includes(core/reference "core/(mesh|voxmap|pointshell|contact|ef
 voxtouch_forbid_includes(devices "dds|qos/|nodes/|voxtouch_msgs|idl/|core/(mesh|voxmap|pointshell|contact|effects|coupling|scene|reference)/"
   "a device driver sees the value types of core/types and nothing else of the house.")
 voxtouch_forbid_includes(qos "nodes/|devices/|core/" "qos is tables over idl.")
+
+# What nodes say goes through nodes/log: any other way to stderr throws or waits when nobody takes the text.
+file(GLOB_RECURSE speaking CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/nodes/*.hpp ${PROJECT_SOURCE_DIR}/nodes/*.cpp)
+list(FILTER speaking EXCLUDE REGEX "/nodes/log/")
+foreach(file IN LISTS speaking)
+  file(STRINGS ${file} hits REGEX "fmt::print\\(|std::(cerr|cout|clog)|printf\\(std(err|out)|perror\\(")
+  if(hits)
+    list(GET hits 0 first)
+    message(FATAL_ERROR "${file} has '${first}': say it with tell or print_result of nodes/log.")
+  endif()
+endforeach()

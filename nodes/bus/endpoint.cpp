@@ -21,9 +21,8 @@ Guid to_guid(const dds_builtintopic_guid_t& key) {
   return guid;
 }
 
-/// Both directions ask in the same way; `List` and `Data` are the two DDS calls.
-template <class List, class Data>
-std::vector<Guid> matched(dds_entity_t endpoint, List list, Data data) {
+template <class List>
+std::vector<dds_instance_handle_t> matched_handles(dds_entity_t endpoint, List list) {
   // The call says how many there are, also where that is more than it was given room for.
   std::vector<dds_instance_handle_t> handles(64);
   auto count = list(endpoint, handles.data(), handles.size());
@@ -32,8 +31,14 @@ std::vector<Guid> matched(dds_entity_t endpoint, List list, Data data) {
     count = list(endpoint, handles.data(), handles.size());
   }
   handles.resize(static_cast<std::size_t>(std::max(count, 0)));
+  return handles;
+}
+
+/// Both directions ask in the same way; `List` and `Data` are the two DDS calls.
+template <class List, class Data>
+std::vector<Guid> matched(dds_entity_t endpoint, List list, Data data) {
   std::vector<Guid> guids;
-  for (const dds_instance_handle_t handle : handles)
+  for (const dds_instance_handle_t handle : matched_handles(endpoint, list))
     if (dds_builtintopic_endpoint_t* peer = data(endpoint, handle)) {
       guids.push_back(to_guid(peer->participant_key));
       dds_builtintopic_free_endpoint(peer);
@@ -56,12 +61,18 @@ EndpointEntities make_writer(const Participant& participant, const qos::Topic& r
 
 EndpointEntities make_reader(const Participant& participant, const qos::Topic& row, std::string_view rig,
                              const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
-                             std::string_view ros_type) {
+                             std::string_view ros_type, Following* following) {
   Entity topic = make_topic(participant, row, rig, descriptor, ros_type);
+  if (following) {
+    const dds_topic_filter filter = following->filter();
+    if (dds_set_topic_filter_extended(topic.get(), &filter) != DDS_RETCODE_OK)
+      throw Error("the reader on " + qos::dds_name(row, rig) + " could not be told whom to follow");
+  }
   const double period_s = row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0;
   const qos::Qos qos = qos::make_qos(profile, qos::Endpoint::kReader, period_s);
   Entity reader(dds_create_reader(participant.get(), topic.get(), qos.get(), nullptr),
                 "a reader on " + qos::dds_name(row, rig) + " could not be made");
+  if (following) following->attach(reader.get());
   return {std::move(topic), std::move(reader)};
 }
 
@@ -71,6 +82,10 @@ std::vector<Guid> matched_readers(dds_entity_t writer) {
 
 std::vector<Guid> matched_writers(dds_entity_t reader) {
   return matched(reader, dds_get_matched_publications, dds_get_matched_publication_data);
+}
+
+std::vector<dds_instance_handle_t> matched_writer_handles(dds_entity_t reader) {
+  return matched_handles(reader, dds_get_matched_publications);
 }
 
 Guid participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer) {

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "nodes/bus/following.hpp"
 #include "nodes/bus/participant.hpp"
 #include "qos/topics.hpp"
 
@@ -16,13 +17,15 @@ struct EndpointEntities {
 EndpointEntities make_writer(const Participant& participant, const qos::Topic& row, std::string_view rig,
                              const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
                              std::string_view ros_type);
+/// `following` (if given) is asked about each sample before it is stored; it must outlive the reader.
 EndpointEntities make_reader(const Participant& participant, const qos::Topic& row, std::string_view rig,
                              const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
-                             std::string_view ros_type);
+                             std::string_view ros_type, Following* following = nullptr);
 
 /// Participants whose readers (writers) this writer (reader) has matched. Not for the loop.
 std::vector<Guid> matched_readers(dds_entity_t writer);
 std::vector<Guid> matched_writers(dds_entity_t reader);
+std::vector<dds_instance_handle_t> matched_writer_handles(dds_entity_t reader);
 /// The participant of the writer with instance handle `writer`, as this reader has matched it; all zero if it has gone.
 Guid participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer);
 bool writer_is_matched(dds_entity_t reader, dds_instance_handle_t writer);

@@ -9,6 +9,7 @@ add_library(voxtouch_bus_opaque STATIC
   ${CMAKE_CURRENT_LIST_DIR}/opaque_discovery.cpp
   ${CMAKE_CURRENT_LIST_DIR}/opaque_qos.cpp
   ${CMAKE_CURRENT_LIST_DIR}/opaque_serdata.cpp)
+set_target_properties(voxtouch_bus_opaque PROPERTIES UNITY_BUILD OFF)  # each file words its own refusals
 add_library(voxtouch::bus_opaque ALIAS voxtouch_bus_opaque)
 target_link_libraries(voxtouch_bus_opaque PUBLIC voxtouch::root CycloneDDS::ddsc PRIVATE fmt::fmt)
 find_package(fmt REQUIRED)

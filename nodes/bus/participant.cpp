@@ -1,21 +1,57 @@
 #include "nodes/bus/participant.hpp"
 
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/select.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <vector>
 
+#include "nodes/log/tell.hpp"
 #include "qos/profiles.hpp"
 #include "qos_network.hpp"
 
 namespace voxtouch::bus {
 namespace {
 
+/// What DDS has to say, with its time and thread in front: its own way to stderr would hold up the thread that receives.
+void say(void*, const dds_log_data_t* data) {
+  tell("{}\n", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
+}
+
+/// DDS opens sockets, wait sets and files as it starts, and dies where it gets none; it waits by select, which takes no descriptor
+/// beyond FD_SETSIZE. The soft limit is only a default and is raised.
+void require_descriptors() {
+  constexpr std::size_t kNeeded = 64;
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  if (limit.rlim_cur < FD_SETSIZE) {
+    limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, FD_SETSIZE);
+    setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  std::vector<int> taken;
+  int fd = 0;
+  while (taken.size() < kNeeded && fd >= 0 && fd < FD_SETSIZE)
+    if (fd = open("/dev/null", O_RDONLY | O_CLOEXEC); fd >= 0) taken.push_back(fd);
+  for (const int one : taken) close(one);
+  if (taken.size() < kNeeded || fd >= FD_SETSIZE)
+    throw Error("this process can open " + std::to_string(taken.size()) + " more files and sockets, and DDS needs " +
+                std::to_string(kNeeded) + ": allow it more (`ulimit -n` says how many; " + std::to_string(limit.rlim_max) +
+                " is the most here) or have fewer open when it starts");
+}
+
 /// A domain is configured once a process, before its first participant; nodes composed into one process share it.
 void configure_domain(const ParticipantOptions& options) {
   static std::mutex mutex;
   static std::map<std::uint32_t, std::string> configured;
   const std::lock_guard lock(mutex);
+  dds_set_log_sink(say, nullptr);
+  require_descriptors();
   if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri && *uri) return;
   if (const auto known = configured.find(options.domain); known != configured.end()) {
     if (known->second != options.network_interface)

@@ -1,6 +1,8 @@
 #pragma once
 /// A typed DDS reader.
 #include <cassert>
+#include <limits>
+#include <type_traits>
 
 #include "nodes/bus/endpoint.hpp"
 #include "voxtouch_msgs/messages.hpp"
@@ -11,8 +13,9 @@ template <class T>
 class Reader {
  public:
   Reader() = default;
-  Reader(const Participant& participant, const qos::Topic& row, std::string_view rig, const qos::Profile& profile)
-      : entities_(make_reader(participant, row, rig, profile, msg::Type<T>::descriptor, msg::Type<T>::ros_name)),
+  Reader(const Participant& participant, const qos::Topic& row, std::string_view rig, const qos::Profile& profile,
+         Following* following = nullptr)
+      : entities_(make_reader(participant, row, rig, profile, msg::Type<T>::descriptor, msg::Type<T>::ros_name, following)),
         unread_(dds_create_readcondition(entities_.endpoint.get(), DDS_ANY_STATE),
                 "a read condition could not be made") {}
 
@@ -29,20 +32,29 @@ class Reader {
     }
     return false;
   }
-  /// Calls f(const T&) for each waiting sample, oldest first; for types with strings and sequences, which DDS lends. Returns how many.
+  /// Calls f(const T&), or f(const T&, handle of its writer), for each waiting sample, oldest first, for `most` at most; for types
+  /// with strings and sequences, which DDS lends. Returns how many.
   template <class F>
-  int take_each(F&& f) {
+  int take_each(F&& f, int most = std::numeric_limits<int>::max()) {
     int count = 0;
-    for (;;) {
+    while (count < most) {
       void* lent[1] = {nullptr};
       dds_sample_info_t info;
       const auto n = dds_take(entities_.endpoint.get(), lent, &info, 1, 1);
       if (n <= 0) return count;
-      if (info.valid_data) f(*static_cast<const T*>(lent[0])), ++count;
+      if (info.valid_data) {
+        if constexpr (std::is_invocable_v<F, const T&, dds_instance_handle_t>)
+          f(*static_cast<const T*>(lent[0]), info.publication_handle);
+        else
+          f(*static_cast<const T*>(lent[0]));
+        ++count;
+      }
       dds_return_loan(entities_.endpoint.get(), lent, n);
     }
+    return count;
   }
   std::vector<Guid> matched() const { return matched_writers(entities_.endpoint.get()); }
+  std::vector<dds_instance_handle_t> writer_handles() const { return matched_writer_handles(entities_.endpoint.get()); }
   std::uint32_t matched_count() const noexcept { return matched_writer_count(entities_.endpoint.get()); }
   std::uint64_t deadlines_missed() const noexcept { return bus::deadlines_missed(entities_.endpoint.get()); }
   /// Triggers while samples wait: for WaitSet.

@@ -14,7 +14,9 @@
 #include "nodes/cli/accuracy_ask.hpp"
 #include "nodes/cli/accuracy_report.hpp"
 #include "nodes/cli/output_file.hpp"
+#include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -62,7 +64,7 @@ constexpr const char* kFooter =
     "Exit status 0; 1 where the wish is not met by any setting or nothing could be measured.\n"
     "\n"
     "Examples\n"
-    "  voxtouch accuracy deploy/scenes/cup.yaml --plot accuracy.svg             what there is to choose from\n"
+    "  voxtouch accuracy deploy/scenes/cup.yaml --plot accuracy.png             what there is to choose from\n"
     "  voxtouch accuracy deploy/scenes/cup.yaml --want-direction-deg 1          the cheapest that points within 1 deg\n"
     "  voxtouch accuracy deploy/scenes/cup.yaml --within-us 200                 the most accurate within 200 us\n"
     "  voxtouch accuracy deploy/scenes/plane.yaml --models adapted,field --voxel-sizes 0.004,0.002 --shell-densities "
@@ -81,15 +83,15 @@ class ProgressLine {
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
     const std::string line = fmt::format("[{:3.0f} %] {:4.0f} s  {}", 100.0 * share, passed.count(), what);
     if (terminal_)
-      fmt::print(stderr, "\r{:<{}}", line, width_);
+      tell("\r{:<{}}", line, width_);
     else if (what != last_)
-      fmt::print(stderr, "{}\n", line);
+      tell("{}\n", line);
     width_ = line.size();
     last_ = what;
   }
   /// Leaves the line as it is; what follows starts on a new one.
   void end() const {
-    if (terminal_ && width_ > 0) fmt::print(stderr, "\n");
+    if (terminal_ && width_ > 0) tell("\n");
   }
 
  private:
@@ -102,7 +104,7 @@ class ProgressLine {
 AccuracyReport measure(const AccuracyVerb& o) {
   o.wish.validate();
   const Scene scene = load_scene(o.scene);
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
   const std::vector<AccuracySetting> settings = settings_of(o.ask, scene.voxel_size_m);
   AccuracyReport report;
   report.scene = scene.name;
@@ -118,7 +120,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   options.seed = o.seed, options.contacts = o.contacts, options.depth_edges = o.depth_edges;
   options.cpu_time_s = thread_cpu_s;
   options.progress = [&](const std::string& what, double share) { line.show(what, share); };
-  fmt::print(stderr, "{} settings on {} contacts each\n", settings.size(), o.contacts);
+  tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
   report.rows = measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
   line.end();
   report.load_after = load_average();
@@ -126,32 +128,29 @@ AccuracyReport measure(const AccuracyVerb& o) {
   return report;
 }
 
-void keep(OutputFile& file, const std::string& text, const char* what) {
-  file.keep(text);
-  fmt::print(stderr, "{} {}\n", file.path().string(), what);
-}
-
-int accuracy(const AccuracyVerb& o) {
-  std::unique_ptr<OutputFile> plot, csv;
-  if (!o.plot.empty()) plot = std::make_unique<OutputFile>(o.plot);
-  if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
-  const AccuracyReport report = measure(o);
-  if (o.json)
-    fmt::print("{}\n", to_json(report).dump(2));
-  else
-    fmt::print("{}", to_text(report));
-  if (csv) keep(*csv, to_csv(report), "holds the table");
-  if (plot) keep(*plot, to_svg(accuracy_figure(report)), "shows error over time");
+int show(const AccuracyVerb& o, const AccuracyReport& report, OutputFile* csv) {
+  const std::string json = to_json(report).dump(2);
+  print_result("{}", o.json ? json + "\n" : to_text(report));
+  if (csv) {
+    csv->keep(to_csv(report));
+    tell("{} holds the table\n", o.csv.string());
+  }
+  if (!o.plot.empty()) tell("{}\n", draw_picture("accuracy", json, o.plot));
   return !report.advice.front.empty() && report.advice.met.value_or(true) ? 0 : 1;
 }
 
 int run(const AccuracyVerb& o) {
+  std::unique_ptr<OutputFile> csv;
+  AccuracyReport report;
   try {
-    return accuracy(o);
+    if (!o.plot.empty()) check_picture(o.plot);
+    if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
+    report = measure(o);
   } catch (const std::exception& error) {
-    if (o.json) fmt::print("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+    if (o.json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
     throw;
   }
+  return show(o, report, csv.get());  // outside: what was measured is on stdout, and stays the only object there
 }
 
 /// One word after the option, split at its commas: what follows may be the scene.
@@ -199,7 +198,7 @@ void add_accuracy(CLI::App& app, Action& action) {
   add_wishes(*verb, o->wish);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->add_option("--csv", o->csv, "Writes the table as CSV");
-  verb->add_option("--plot", o->plot, "Writes an SVG: direction error and noise over time, with the Pareto front");
+  verb->add_option("--plot", o->plot, "Draws direction error and noise over time, with the Pareto front, as .png, .svg or .pdf");
   verb->callback([o, &action] { action = [o] { return run(*o); }; });
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What accuracy costs, for a person, for a machine, for a spreadsheet, and as a picture.
+/// What accuracy costs, for a person, for a machine (and voxtouch_plot, which draws it), and for a spreadsheet.
 #include <string>
 #include <vector>
 
@@ -7,7 +7,6 @@
 
 #include "core/accuracy/advice.hpp"
 #include "nodes/cli/machine.hpp"
-#include "nodes/cli/svg_chart.hpp"
 
 namespace voxtouch::cli {
 
@@ -30,7 +29,5 @@ std::string to_text(const AccuracyReport& report);
 nlohmann::ordered_json to_json(const AccuracyReport& report);
 /// RFC 4180 with a header; SI units but for degrees and microseconds; the same cells empty that are null in the JSON.
 std::string to_csv(const AccuracyReport& report);
-/// Direction error and, below it, magnitude noise over the time of a frame, both logarithmic, the Pareto front drawn.
-Figure accuracy_figure(const AccuracyReport& report);
 
 }  // namespace voxtouch::cli

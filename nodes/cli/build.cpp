@@ -9,6 +9,7 @@
 #include "core/pointshell/export.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -35,7 +36,7 @@ void write_file(const std::filesystem::path& file, Write&& write) {
 }
 
 int build(const BuildOptions& o) {
-  const auto say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  const auto say = [](const std::string& text) { tell("{}\n", text); };
   say("reading " + o.mesh.string());
   ImportOptions options;
   options.scale = o.scale;
@@ -78,9 +79,9 @@ int build(const BuildOptions& o) {
     j["largest_gap_m"] = largest_gap_m(points);
     j["files"] = {surface.string(), interior.string(), ply.string()};
     j["warnings"] = warnings;
-    fmt::print("{}\n", j.dump(2));
+    print_result("{}\n", j.dump(2));
   } else {
-    fmt::print("{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n",
+    print_result("{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n",
                voxmap.surface_count(), voxmap.interior_count(), voxmap.bytes() / 1024, grid.origin.x(), grid.origin.y(),
                grid.origin.z(), surface.string(), interior.string(), ply.string());
   }
@@ -110,7 +111,7 @@ void add_build(CLI::App& app, Action& action) {
       try {
         return build(*o);
       } catch (const std::exception& error) {
-        if (o->json) fmt::print("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+        if (o->json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
         throw;
       }
     };

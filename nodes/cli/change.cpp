@@ -13,6 +13,7 @@
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/strings.hpp"
 
@@ -132,7 +133,7 @@ class Asker {
       until(kPatience / 10, [&] { return look() || answer; });
     }
     if (!answer) return answer;
-    if (answer->result == msg::effect_changed::kResultWaiting) fmt::print(stderr, "{}\n", answer->sentence);
+    if (answer->result == msg::effect_changed::kResultWaiting) tell("{}\n", answer->sentence);
     while (answer->result == msg::effect_changed::kResultWaiting && changes_.matched_count() > 0)
       until(milliseconds(200), look);
     return answer;
@@ -187,16 +188,16 @@ int change(const ChangeOptions& o) {
                                                                       : "not waited for: " + answer->sentence;
     } else {
       answers.push_back({{"done", answer->sentence}, {"from_sample", answer->from_sample}});
-      if (!o.json) fmt::print("{}\n", answer->sentence);
+      if (!o.json) print_result("{}\n", answer->sentence);
     }
   }
   if (o.json) {
     nlohmann::ordered_json j{
         {"ok", problem.empty()}, {"answers", answers}, {"problems", nlohmann::ordered_json::array()}};
     if (!problem.empty()) j["problems"].push_back(problem);
-    fmt::print("{}\n", j.dump(2));
+    print_result("{}\n", j.dump(2));
   } else if (!problem.empty()) {
-    fmt::print(stderr, "error: {}\n", problem);
+    tell("error: {}\n", problem);
   }
   return problem.empty() ? 0 : 1;
 }

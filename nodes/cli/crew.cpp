@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/realtime.hpp"
 
 extern char** environ;
@@ -85,10 +86,10 @@ class ThreadMember final : public Member {
           int status = 1;
           try {
             options.warnings = runtime::enter_realtime(options.realtime);
-            for (const std::string& warning : options.warnings) fmt::print(stderr, "warning: {}: {}\n", name_, warning);
+            for (const std::string& warning : options.warnings) tell("warning: {}: {}\n", name_, warning);
             status = run(stop_);
           } catch (const std::exception& error) {
-            fmt::print(stderr, "error: {}: {}\n", name_, error.what());
+            tell("error: {}: {}\n", name_, error.what());
           }
           status_.store(status, std::memory_order_release);
         }) {}
@@ -97,8 +98,8 @@ class ThreadMember final : public Member {
     join(kFarewell);
     if (!ended()) {
       // A thread cannot be ended by force, and nothing may be destroyed under it: the process goes instead.
-      fmt::print(stderr, "error: {} did not stop; the process ends without it\n", name_);
-      std::fflush(nullptr);
+      tell("error: {} did not stop; the process ends without it\n", name_);
+      finish_telling();
       std::_Exit(1);
     }
     thread_.join();

@@ -1,4 +1,4 @@
-#include <fstream>
+#include <memory>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -10,7 +10,10 @@
 #include "core/scene/scene_file.hpp"
 #include "nodes/cli/design_report.hpp"
 #include "nodes/cli/known_device.hpp"
+#include "nodes/cli/output_file.hpp"
+#include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/progress.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -18,7 +21,7 @@ namespace {
 
 struct DesignOptions {
   std::string device = "sim-phantom", hand, kind = "auto";
-  std::filesystem::path scene, plot;
+  std::filesystem::path scene, plot, csv;
   double cutoff_hz = 5.0, gain_margin = 2.0, stiffness_n_per_m = 0.0, cap_n_per_m = 0.0;
   bool held = false, no_damping = false, json = false;
 };
@@ -71,8 +74,8 @@ Asked ask(const DesignOptions& o, const DeviceFile& device) {
         fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)", out.request.contact.all_points);
   } else {
     const Scene scene = load_scene(o.scene);
-    fmt::print(stderr, "building {} to count its points\n", scene.name);
-    const auto built = build_scene(scene, serial_for());
+    tell("building {} to count its points\n", scene.name);
+    const auto built = build_scene(scene, serial_for(), {}, tell_each_second("design"));
     const Plan& plan = built->plan();
     out.request = design_request(scene, device.model, device.grip, plan.contact_n_per_m, plan.contact_nm_per_rad);
     if (scene.design) hand = std::string(name_of(scene.design->hand));
@@ -88,31 +91,27 @@ Asked ask(const DesignOptions& o, const DeviceFile& device) {
   return out;
 }
 
-void write_plot(const std::filesystem::path& file, const DesignReport& report) {
-  std::ofstream out(file, std::ios::binary);
-  out << to_svg(region_chart(report));
-  out.close();
-  if (!out)
-    throw std::runtime_error(
-        fmt::format("{} could not be written: is there room, and may you write there?", file.string()));
-  fmt::print(stderr, "{} shows where the loop is stable\n", file.string());
-}
-
 int design(const DesignOptions& o) {
+  std::unique_ptr<OutputFile> csv;
+  if (!o.plot.empty()) check_picture(o.plot);
+  if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
   const DeviceFile device = find_device(o.device);
   const Asked asked = ask(o, device);
   DesignReport report;
   report.request = asked.request;
   report.design = design_coupling(asked.request);
   report.paper = judge_paper_recipe(asked.request);
+  report.region = region_round(asked.request, report.design);
   report.device = device.model.name;
   report.hand = asked.hand;
   report.contact = asked.contact;
-  if (o.json)
-    fmt::print("{}\n", to_json(report).dump(2));
-  else
-    fmt::print("{}", to_text(report));
-  if (!o.plot.empty()) write_plot(o.plot, report);
+  const std::string json = to_json(report).dump(2);
+  print_result("{}", o.json ? json + "\n" : to_text(report));
+  if (csv) {
+    csv->keep(to_csv(report));
+    tell("{} holds the stable region\n", o.csv.string());
+  }
+  if (!o.plot.empty()) tell("{}\n", draw_picture("design", json, o.plot));
   return report.design.status == DesignStatus::kInfeasible ? 1 : 0;
 }
 
@@ -125,7 +124,7 @@ void add_design(CLI::App& app, Action& action) {
                          "The virtual coupling that fits a device, the hands that may hold it and the contact, with "
                          "its margins; or what it would\n"
                          "take. All figures are at the hand. Exit status 1 where nothing holds.\n"
-                         "Try: voxtouch design --device sim-phantom --scene deploy/scenes/cup.yaml --plot region.svg");
+                         "Try: voxtouch design --device sim-phantom --scene deploy/scenes/cup.yaml --plot region.png");
   verb->add_option("--device", o->device, "A device by name, or a file that describes one (deploy/devices/*.yaml)")
       ->capture_default_str();
   verb->add_option("--scene", o->scene,
@@ -147,7 +146,8 @@ void add_design(CLI::App& app, Action& action) {
   verb->add_option("--stiffness", o->stiffness_n_per_m, "Without a scene: the contact's stiffness at the hand [N/m]")
       ->check(runtime::require_positive);
   verb->add_flag("--no-damping", o->no_damping, "No injected damping");
-  verb->add_option("--plot", o->plot, "Writes an SVG of the stable region with the chosen point");
+  verb->add_option("--csv", o->csv, "Writes the stable region: critical and certified stiffness over the cut-off");
+  verb->add_option("--plot", o->plot, "Draws the stable region with the chosen point, as .png, .svg or .pdf");
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->callback([o, &action] { action = [o] { return design(*o); }; });
 }

@@ -9,12 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/coupling/design/design_cases.hpp"
-#include "core/coupling/design/stable_region.hpp"
 
 namespace voxtouch::cli {
 namespace {
 
-constexpr double kPaperCutoffHz = 5.0, kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPaperCutoffHz = 5.0;
 
 LoopController paper_controller() {
   LoopController c;
@@ -87,8 +86,35 @@ std::string list(const char* title, const std::vector<std::string>& sentences) {
   return text;
 }
 
+nlohmann::ordered_json finite(double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(); }
+
+/// A column of the stable region: its key in the JSON and the CSV. Infinite where no stiffness makes the loop unstable.
+struct RegionColumn {
+  const char* key;
+  std::vector<double> values;
+};
+
+std::vector<RegionColumn> region_columns(const DesignReport& r) {
+  std::vector<double> certified = r.region.critical;
+  for (double& k : certified) k /= r.request.wishes.gain_margin;
+  return {{"cutoff_hz", r.region.cutoff_hz},
+          {"critical_n_per_m", r.region.critical},
+          {"certified_n_per_m", certified},
+          {"critical_undamped_n_per_m", r.region.critical_undamped},
+          {"passive_n_per_m", r.region.passive}};
+}
+
+nlohmann::ordered_json region_json(const DesignReport& r) {
+  nlohmann::ordered_json j{{"gain_margin", r.request.wishes.gain_margin},
+                           {"device_limit_n_per_m", finite(r.request.device.translation.max_stiffness)}};
+  for (const RegionColumn& column : region_columns(r)) {
+    j[column.key] = nlohmann::ordered_json::array();
+    for (const double value : column.values) j[column.key].push_back(finite(value));
+  }
+  return j;
+}
+
 nlohmann::ordered_json axis_json(const AxisDesign& a) {
-  const auto finite = [](double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(); };
   return {{"wanted_stiffness", finite(a.wanted_stiffness)},
           {"shown_stiffness", finite(a.shown_stiffness)},
           {"critical_stiffness", finite(a.critical_stiffness)},
@@ -116,6 +142,16 @@ PaperRecipe judge_paper_recipe(const DesignRequest& request) {
     worst = std::isnan(worst) ? critical : std::min(worst, critical);
   }
   return out;
+}
+
+StableRegion region_round(const DesignRequest& request, const Design& design) {
+  const DeviceModel& device = request.device;
+  LoopController chosen;
+  chosen.damping_ratio = design.spec.damping_ratio;
+  chosen.injected_damping = design.translation.injected_damping;
+  chosen.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * design.translation.velocity_filter_hz;
+  const double high_hz = std::max(20.0, 0.6 / (2.0 * std::numbers::pi * device.timing.period_s));
+  return stable_region(device.translation, device.timing, request.hand.translation, chosen, 1.0, high_hz, 64);
 }
 
 std::string to_text(const DesignReport& r) {
@@ -175,71 +211,22 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   verdict("held", r.paper.critical_held);
   j["reasons"] = r.design.reasons;
   j["remedies"] = r.design.remedies;
+  j["region"] = region_json(r);
   return j;
 }
 
-Chart region_chart(const DesignReport& r) {
-  const DeviceModel& device = r.request.device;
-  LoopController chosen;
-  chosen.w0_rad_per_s = 2.0 * std::numbers::pi * r.design.spec.cutoff_hz;
-  chosen.damping_ratio = r.design.spec.damping_ratio;
-  chosen.injected_damping = r.design.translation.injected_damping;
-  chosen.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * r.design.translation.velocity_filter_hz;
-  const double high_hz = 0.6 / (2.0 * std::numbers::pi * device.timing.period_s);
-  const StableRegion region = stable_region(device.translation, device.timing, r.request.hand.translation, chosen, 1.0,
-                                            std::max(20.0, high_hz), 64);
-
-  Chart chart;
-  chart.title = fmt::format("Where the coupling of {} is stable", device.name);
-  chart.subtitle = fmt::format("in the worst of its cases; damping ratio {:.3g}, injected damping {:.3g} Ns/m",
-                               chosen.damping_ratio, chosen.injected_damping);
-  chart.x = {"cut-off of the shaping filter, w0 / 2 pi [Hz]", 1.0, std::max(20.0, high_hz), true};
-  chart.y = {"contact stiffness at the hand, K k [N/m]", 1.0, 1e4, true};
-  std::vector<double> certified = region.critical;
-  for (double& k : certified) k /= r.request.wishes.gain_margin;
-  double lowest = r.design.translation.shown_stiffness;
-  for (const double k : region.critical_undamped)
-    if (k > 0) lowest = std::min(lowest, k);
-  chart.y.low = std::pow(10.0, std::floor(std::log10(std::clamp(lowest, 0.01, 100.0))));
-  const auto known = [](double k) { return k < kInfinity ? k : 0.0; };
-  chart.y.high =
-      2.0 * std::max({known(device.translation.max_stiffness), known(r.design.translation.critical_stiffness), 100.0});
-  chart.curves.push_back(
-      {.label = "stable below", .x = region.cutoff_hz, .y = region.critical, .colour = "#1f4e79", .fill_below = true});
-  chart.curves.push_back({.label = fmt::format("certified below (margin {:.3g})", r.request.wishes.gain_margin),
-                          .x = region.cutoff_hz,
-                          .y = certified,
-                          .colour = "#2e7d32",
-                          .fill_below = true});
-  if (chosen.injected_damping > 0)
-    chart.curves.push_back({.label = "stable below, without injected damping",
-                            .x = region.cutoff_hz,
-                            .y = region.critical_undamped,
-                            .colour = "#1f4e79",
-                            .dashed = true});
-  chart.curves.push_back({.label = "with any hand at all (rule P), no injected damping",
-                          .x = region.cutoff_hz,
-                          .y = region.passive,
-                          .colour = "#8e24aa",
-                          .dashed = true});
-  if (device.translation.max_stiffness < kInfinity)
-    chart.curves.push_back({.label = "most that the device can show",
-                            .x = {chart.x.low, chart.x.high},
-                            .y = {device.translation.max_stiffness, device.translation.max_stiffness},
-                            .colour = "#888",
-                            .width = 1.5});
-  chart.markers.push_back({.x = kPaperCutoffHz,
-                           .y = r.paper.stiffness,
-                           .label = fmt::format("paper: 5 Hz, {:.3g} N/m", r.paper.stiffness),
-                           .colour = "#b3261e",
-                           .hollow = true});
-  if (r.design.spec.kind == "shaping_filter")
-    chart.markers.push_back({.x = r.design.spec.cutoff_hz,
-                             .y = r.design.translation.shown_stiffness,
-                             .label = fmt::format("designed: {:.3g} Hz, {:.3g} N/m", r.design.spec.cutoff_hz,
-                                                  r.design.translation.shown_stiffness),
-                             .colour = "#1b5e20"});
-  return chart;
+std::string to_csv(const DesignReport& report) {
+  const std::vector<RegionColumn> columns = region_columns(report);
+  std::string text;
+  for (const RegionColumn& column : columns) text += fmt::format("{}{}", text.empty() ? "" : ",", column.key);
+  for (std::size_t row = 0; row < report.region.cutoff_hz.size(); ++row) {
+    text += '\n';
+    for (const RegionColumn& column : columns) {
+      if (&column != &columns.front()) text += ',';
+      if (std::isfinite(column.values[row])) text += fmt::format("{}", column.values[row]);
+    }
+  }
+  return text + '\n';
 }
 
 }  // namespace voxtouch::cli

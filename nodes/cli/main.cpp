@@ -1,13 +1,13 @@
-#include <cstdio>
 #include <exception>
-#include <stdexcept>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
+#include "nodes/runtime/main.hpp"
 
 int main(int argc, char** argv) {
+  voxtouch::guard_standard_streams();
   CLI::App app(
       "voxtouch lets a person feel a mesh scene through a force-feedback device, over a ring of DDS processes.\n"
       "Try: voxtouch up deploy/scenes/cup.yaml --device sim-phantom --motion slide --duration 10");
@@ -23,14 +23,17 @@ int main(int argc, char** argv) {
   voxtouch::cli::add_schema(app, action);
   voxtouch::cli::add_change(app, action);
   voxtouch::cli::add_types(app, action);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return voxtouch::runtime::explain(app, error);
+  }
   try {
     const int status = action();
-    if (std::fflush(stdout) != 0 || std::ferror(stdout))
-      throw std::runtime_error("standard output could not be written: is the disk full?");
+    voxtouch::finish_results();
     return status;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    voxtouch::tell("error: {}\n", error.what());
     return 1;
   }
 }

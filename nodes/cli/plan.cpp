@@ -11,6 +11,7 @@
 #include "nodes/cli/known_device.hpp"
 #include "nodes/cli/plan_report.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/progress.hpp"
 #include "nodes/rendering/plan_ring.hpp"
 
 namespace voxtouch::cli {
@@ -70,8 +71,8 @@ DeviceVerdict judge(const PlanVerb& o, const Scene& scene, const Plan& plan, std
 PlanReport make_report(const PlanVerb& o) {
   Scene scene = load_scene(o.scene);
   if (!o.model.empty()) scene.contact.model = o.model;
-  fmt::print(stderr, "building {}\n", scene.name);
-  const std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for());
+  tell("building {}\n", scene.name);
+  const std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for(), {}, tell_each_second("plan"));
   PlanReport report;
   report.plan = built->plan();
   for (PlanPart& part : rendering::ring_parts(scene)) report.plan.parts.push_back(std::move(part));
@@ -84,7 +85,7 @@ PlanReport make_report(const PlanVerb& o) {
                                       ? "The coupling was not measured: none may run."
                                       : "The coupling was not measured: it is designed for a device; name one "
                                         "with --device.";
-  fmt::print(stderr, "measuring {} frames\n", o.frames);
+  tell("measuring {} frames\n", o.frames);
   report.machine = this_machine(), report.load = load_average();
   report.times = measure_plan(scene, *built, ask);
   return report;
@@ -94,12 +95,12 @@ int run(const PlanVerb& o) {
   try {
     const PlanReport report = make_report(o);
     if (o.json)
-      fmt::print("{}\n", to_json(report).dump(2));
+      print_result("{}\n", to_json(report).dump(2));
     else
-      fmt::print("{}", to_text(report));
+      print_result("{}", to_text(report));
     return report.device && !report.device->errors.empty() ? 1 : 0;
   } catch (const std::exception& error) {
-    if (o.json) fmt::print("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+    if (o.json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
     throw;
   }
 }

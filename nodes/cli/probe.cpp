@@ -11,6 +11,7 @@
 #include "core/scene/scene_file.hpp"
 #include "nodes/cli/pose_csv.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -41,11 +42,11 @@ int probe_reference(const Scene& scene, const std::vector<Pose>& poses) {
   const ReferenceScene reference(scene);
   std::optional<ReferenceWrench> truth;
   if (reference.inside_known()) truth.emplace(scene, 0.25 * scene.voxel_size_m);
-  fmt::print("gap_m,dx,dy,dz,unique_face,self_check,fx,fy,fz,tx,ty,tz\n");
+  print_result("gap_m,dx,dy,dz,unique_face,self_check,fx,fy,fz,tx,ty,tz\n");
   for (const Pose& pose : poses) {
     const GapResult g = reference.gap(pose);
     const Wrench w = truth ? truth->at(pose).wrench : Wrench{kUnknown, kUnknown};
-    fmt::print("{},{},{},{},{},{},{},{},{},{},{},{}\n", g.gap_m, g.direction.x(), g.direction.y(), g.direction.z(),
+    print_result("{},{},{},{},{},{},{},{},{},{},{},{}\n", g.gap_m, g.direction.x(), g.direction.y(), g.direction.z(),
                int{g.unique_face}, int{g.self_check}, w.force.x(), w.force.y(), w.force.z(), w.torque.x(), w.torque.y(),
                w.torque.z());
   }
@@ -68,16 +69,16 @@ int probe(const ProbeOptions& o) {
   const std::vector<Pose> poses = read_poses(o.poses);
   if (o.model == "reference") return probe_reference(scene, poses);
   const auto built =
-      build_scene(scene, serial_for(), {.model = model}, [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
-  for (const std::string& warning : built->plan().warnings) fmt::print(stderr, "warning: {}\n", warning);
-  fmt::print("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
+      build_scene(scene, serial_for(), {.model = model}, [](const std::string& text) { tell("{}\n", text); });
+  for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);
+  print_result("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
   std::vector<std::uint32_t> ids;
   for (const Pose& pose : poses) {
     const ContactResult r = built->contacts().probe(pose, ids);
     const Vec3 &f = r.wrench.force, &t = r.wrench.torque;
-    fmt::print("{},{},{},{},{},{},{},{},{}", r.surface_hits, r.interior_hits, r.coherence, f.x(), f.y(), f.z(), t.x(),
+    print_result("{},{},{},{},{},{},{},{},{}", r.surface_hits, r.interior_hits, r.coherence, f.x(), f.y(), f.z(), t.x(),
                t.y(), t.z());
-    fmt::print("{}\n", o.points ? "," + ranges(ids) : "");
+    print_result("{}\n", o.points ? "," + ranges(ids) : "");
   }
   return 0;
 }

@@ -3,6 +3,7 @@
 
 #include "core/scene/schema.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 
 namespace voxtouch::cli {
 
@@ -14,7 +15,7 @@ void add_schema(CLI::App& app, Action& action) {
                                       "scenes name it in their first line.");
   verb->callback([&action] {
     action = [] {
-      fmt::print("{}", scene_schema());
+      print_result("{}", scene_schema());
       return 0;
     };
   });

@@ -8,6 +8,7 @@
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/python_topics.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "voxtouch_msgs/python_types.hpp"
 
 namespace voxtouch::cli {
@@ -21,7 +22,7 @@ int write_types(const std::filesystem::path& folder) {
     throw std::runtime_error(fmt::format("the folder {} could not be made: {}", package.string(), error.message()));
   for (const msg::PythonFile& file : msg::kPythonFiles) OutputFile(package / file.name).keep(std::string(file.text));
   OutputFile(package / "topics.py").keep(python_topics());
-  fmt::print("{} holds the messages for PyPI's cyclonedds 11; its __init__.py shows how to listen in five lines.\n",
+  print_result("{} holds the messages for PyPI's cyclonedds 11; its __init__.py shows how to listen in five lines.\n",
              package.string());
   return 0;
 }

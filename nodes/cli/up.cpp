@@ -16,6 +16,7 @@
 #include "nodes/cli/summary.hpp"
 #include "nodes/cli/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/signals.hpp"
 
@@ -48,7 +49,8 @@ std::filesystem::path default_bag(const std::string& scene) {
 class Run {
  public:
   Run(const UpOptions& options, const Scene& scene)
-      : options_(options), participant_(options.node.participant("up")), roster_(participant_, options.node.rig),
+      : options_(options), participant_(options.node.participant("up")),
+        status_(participant_, "up", options.node.rig), roster_(participant_, options.node.rig),
         verdicts_(participant_, qos::kValidation, options.node.rig, qos::profile(qos::ProfileId::kTap)) {
     summary_.scene = scene.name;
     summary_.device = options.device;
@@ -79,12 +81,28 @@ class Run {
   }
 
  private:
+  /// Says that it is here before it looks, so that of two that are started at once each sees the other: the one with the smaller GUID
+  /// goes on, the other says so before it has started anything. One that runs already stays.
   void require_free_rig() {
-    if (const auto other = runtime::look_for_others(roster_, "", milliseconds(500)))
+    const auto in_the_way = [this](const runtime::NodeReport& other) {
+      if (other.participant == participant_.guid()) return false;
+      if (other.state == runtime::NodeState::kStopped || other.state == runtime::NodeState::kFailed) return false;
+      return other.node != "up" || other.state == runtime::NodeState::kRunning || other.participant < participant_.guid();
+    };
+    announce(runtime::NodeState::kStarting);
+    if (const auto other = runtime::look_for(roster_, in_the_way, milliseconds(500)))
       throw std::runtime_error(
           fmt::format("rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or "
                       "choose another --rig or --domain",
                       options_.node.rig, options_.node.domain, other->node, other->pid, other->host));
+    announce(runtime::NodeState::kRunning);
+  }
+
+  void announce(runtime::NodeState state) {
+    runtime::NodeReport report;
+    report.state = state;
+    report.message = "this ring's `voxtouch up`";
+    status_.publish(report);
   }
 
   CrewOptions crew() const {
@@ -111,12 +129,15 @@ class Run {
   }
 
   void listen() {
-    roster_.update(true);
+    roster_.update([this](const runtime::NodeReport& report) { return is_of_crew(report); });
     verdicts_.take_each([](const msg::ValidationReport&) {});
     for (const runtime::NodeReport& report : roster_.reports())
-      if (std::any_of(crew_.begin(), crew_.end(),
-                      [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; }))
-        summary_.reports[report.node] = report;
+      if (is_of_crew(report)) summary_.reports[report.node] = report;
+  }
+
+  bool is_of_crew(const runtime::NodeReport& report) const {
+    return std::any_of(crew_.begin(), crew_.end(),
+                       [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; });
   }
 
   std::vector<std::string> names() const {
@@ -137,7 +158,7 @@ class Run {
     while (!runtime::stop_requested().load()) {
       listen();
       if (runtime::monotonic_ns() >= next_line) {
-        fmt::print(stderr, "{}\n", status_line(summary_.reports, names()));
+        tell("{}\n", status_line(summary_.reports, names()));
         tell_trouble();
         next_line += 1'000'000'000;
       }
@@ -150,7 +171,7 @@ class Run {
       if (over || note_refusals()) return;
       std::this_thread::sleep_for(milliseconds(20));
     }
-    fmt::print(stderr, "stopping\n");
+    tell("stopping\n");
     if (options_.duration_s > 0)
       summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", options_.duration_s));
   }
@@ -167,7 +188,7 @@ class Run {
       const auto ours = summary_.reports.find(hung.node);
       if (ours == summary_.reports.end() || ours->second.participant != hung.participant || !is_running(hung.node)) continue;
       still.insert(hung.node);
-      if (hanging_.insert(hung.node).second) fmt::print(stderr, "  {}\n", hung.sentence);
+      if (hanging_.insert(hung.node).second) tell("  {}\n", hung.sentence);
       if (hung.for_s * 1e9 < static_cast<double>(runtime::kGivenUpNs)) continue;
       summary_.problems.push_back(fmt::format("{} has given no sign of life for {} s: the run ends without it", hung.node,
                                               runtime::kGivenUpNs / 1'000'000'000));
@@ -175,7 +196,7 @@ class Run {
     }
     std::erase_if(hanging_, [&](const std::string& name) {
       if (still.contains(name)) return false;
-      fmt::print(stderr, "  {} is heard again\n", name);
+      tell("  {} is heard again\n", name);
       return true;
     });
     return false;
@@ -192,7 +213,7 @@ class Run {
     if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
     const std::string& message = report->second.message;
     if (message == told_ || !hanging_.empty()) return;  // who hangs has been named
-    if (message != "running") fmt::print(stderr, "  device: {}\n", message);
+    if (message != "running") tell("  device: {}\n", message);
     told_ = message;
   }
 
@@ -247,6 +268,7 @@ class Run {
 
   const UpOptions& options_;
   bus::Participant participant_;
+  runtime::StatusWriter status_;
   runtime::Roster roster_;
   bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges for whoever reads; its counts come with its status
   CrewOptions crew_options_;
@@ -260,15 +282,15 @@ class Run {
 RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
   const Scene scene = load_scene(options.node.scene);
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
   for (const std::string& note : check_before_start(scene, {options.device, parse_settings(options.settings),
                                                             options.motion, options.no_record ? "" : options.bag}))
-    fmt::print(stderr, "note: {}\n", note);
+    tell("note: {}\n", note);
   return Run(options, scene).go();
 }
 
 void print_json(const nlohmann::ordered_json& json) {
-  fmt::print("{}\n",
+  print_result("{}\n",
              json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
 }
 
@@ -278,7 +300,7 @@ int up(const UpOptions& options) {
     if (options.json)
       print_json(to_json(summary));
     else
-      fmt::print("{}", to_text(summary));
+      print_result("{}", to_text(summary));
     return summary.problems.empty() ? 0 : 1;
   } catch (const std::exception& error) {
     if (options.json) print_json({{"ok", false}, {"problems", {error.what()}}});
@@ -307,10 +329,10 @@ void add_up(CLI::App& app, Action& action) {
   device::add_hand_options(*verb, options->hand);
   verb->add_option("--record", options->bag,
                    "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
-  verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states");
+  verb->add_option("--topic", options->topics, "Record this DDS topic as well, such as rt/joint_states")->check(runtime::check_topic);
   verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")
       ->capture_default_str()
-      ->check(runtime::require_positive);
+      ->check(runtime::require_count);
   verb->add_option("--limit", options->limits,
                    "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets one of them (0 or inf "
                    "lifts it), and may be given more than once. Defaults: " +

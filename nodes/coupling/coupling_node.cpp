@@ -10,6 +10,9 @@
 #include "core/coupling/running_coupling.hpp"
 #include "core/scene/design_request.hpp"
 #include "core/scene/scene_file.hpp"
+#include "devices/description_check.hpp"
+#include "nodes/bus/followed_reader.hpp"
+#include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/coupling/design_message.hpp"
 #include "nodes/coupling/fitting.hpp"
@@ -18,6 +21,7 @@
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/role_binding.hpp"
 
 namespace voxtouch::coupling {
 namespace {
@@ -25,19 +29,24 @@ namespace {
 using runtime::NodeState;
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
+/// What bounds each loop of the thread that answers contacts. `run`: it is the process, each turn looks at `stop`. Contacts in a turn,
+/// and device samples for each: kMostTakes; in real time the histories hold one each. Descriptions and plans in a turn: kMostTakes, of
+/// those who are bound, or of anybody while none is and no force can come of it. A fit, some tenths of a second, where a session begins
+/// and, in lockstep, where it changes; else it runs beside the loop. One lock, where a fit is adopted or a description has come.
 class CouplingNode {
  public:
   CouplingNode(const Options& options, const Scene& scene)
       : options_(options), scene_(scene), participant_(options.participant("coupling")),
-        descriptions_(participant_, qos::kDeviceDescription, options.rig,
-                      qos::profile_in(qos::kDeviceDescription, options.mode())),
-        plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
+        descriptions_(participant_, qos::kDeviceDescription, options.rig),
+        plans_(participant_, qos::kScenePlan, options.rig),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         commands_(participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())),
         designs_(participant_, qos::kCouplingDesign, options.rig,
                  qos::profile_in(qos::kCouplingDesign, options.mode())),
-        wait_set_(participant_), fitting_(scene), to_device_(scene.device) {
+        wait_set_(participant_), device_("device", {&descriptions_.following(), &states_.following()}),
+        rendering_("rendering", {&plans_.following(), &contacts_.following()}), fitting_(scene),
+        to_device_(scene.device) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(plans_.condition());
     wait_set_.attach(states_.condition());
@@ -63,7 +72,7 @@ class CouplingNode {
       wait_set_.wait(50'000'000);
       listen();
       if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
-      while (!over() && turn()) {
+      for (int i = 0; i < contacts_.kMostTakes && !over() && turn(); ++i) {
       }
     }
     session_.stop();
@@ -80,19 +89,34 @@ class CouplingNode {
     return fitting_.fit();
   }
 
+  /// A session is followed where the device's status and description and the rendering's plan, each of the participant that is bound,
+  /// name the same.
   void listen() {
-    descriptions_.take_each([this](const msg::DeviceDescription& d) { fitting_.take(d); });
-    plans_.take_each([this](const msg::ScenePlan& p) {
+    descriptions_.take([this](const msg::DeviceDescription& d) { take(d); });
+    plans_.take([this](const msg::ScenePlan& p) {
       fitting_.take(p);
       voxel_m_.store(p.voxel_size_m, kRelaxed);
     });
-    if (fitting_.changed() && fitting_.session()) follow_change();
+    changed_ = fitting_.changed() || changed_;
+    told_.store(descriptions_.current() && plans_.current(), std::memory_order_release);
+    if (!changed_ || !told_.load(kRelaxed) || fitting_.session() != device_.session()) return;
+    changed_ = false;
+    follow_change();
+  }
+
+  /// Numbers that cannot be a device's change nothing: what runs goes on as it was designed.
+  void take(const msg::DeviceDescription& description) {
+    std::string wrong = what_is_wrong(description);
+    if (wrong.empty()) fitting_.take(description);
+    const std::lock_guard lock(running_mutex_);
+    wrong_ = std::move(wrong);
   }
 
   /// A new session starts with its own fit. A change within one is fitted beside the loop, but for lockstep, where the sample from
   /// which it holds must not depend on how fast the fit is.
   void follow_change() {
-    if (fitting_.session() != session_in_loop_)
+    // A rendering that took another's place may run another scene: nothing of it is felt before the fit.
+    if (fitting_.session() != session_in_loop_ || plans_.following().writer() != plan_writer_)
       start_session();
     else if (options_.lockstep)
       adopt(fit());
@@ -102,6 +126,7 @@ class CouplingNode {
 
   void start_session() {
     const std::uint64_t session = *fitting_.session();
+    plan_writer_ = plans_.following().writer();
     period_s_ = fitting_.device().timing.period_s;
     coupling_.reset();
     session_in_loop_ = session;
@@ -140,12 +165,13 @@ class CouplingNode {
   bool turn() {
     heartbeat_.beat();
     msg::DeviceState state;
-    while (states_.take(state))
+    for (int i = 0; i < states_.kMostTakes && states_.take(state); ++i)
       if (state.session_id == session_in_loop_) recent_[state.sequence_number % recent_.size()] = newest_ = state;
     if (!pending_) {
       msg::ContactState contact;
       if (!contacts_.take(contact)) return false;
-      if (contact.session_id != session_in_loop_ || !coupling_) return true;
+      // What another participant says of itself has yet to be judged before its contacts are felt.
+      if (contact.session_id != session_in_loop_ || !coupling_ || !told_.load(kRelaxed)) return true;
       pending_ = contact;
       // A plan that holds from this sample on is here, for the rendering waited for that: it must not be used a sample later.
       if (options_.lockstep) listen();
@@ -216,10 +242,21 @@ class CouplingNode {
                       {"stiffness_at_hand_n_per_m", {displayed, "N/m"}},
                       {"device_max_stiffness_n_per_m", {running_.device_max_stiffness_n_per_m, "N/m"}}};
     if (running_.made > 0) describe(design, report);
-    const std::string missing =
+    report.figures["foreign_samples"] = {device_.refused() + rendering_.refused(), "samples"};
+    device_.update(roster, std::nullopt);
+    if (device_.bound()) rendering_.update(roster, device_.session());
+    std::string missing =
         session_.report_to(report, options_, roster, links_, "a device and its scene's plan", samples_.load() > 0);
+    if (missing.empty() && !told_.load(std::memory_order_acquire)) {
+      missing = "a device and its scene's plan";
+      report.session_id = 0, report.state = NodeState::kStarting;
+    }
+    std::string trouble = device_.trouble(roster);
+    if (trouble.empty()) trouble = rendering_.trouble(roster);
+    if (!wrong_.empty()) trouble = "the device's description is refused: " + wrong_;
     // The device's limit is held against the total stiffness of the contact, not against one point's.
     report.message = session_.stopped() ? "stopped"
+                     : !trouble.empty() ? trouble
                      : !missing.empty() ? "waiting for " + missing
                      : displayed > running_.device_max_stiffness_n_per_m
                          ? fmt::format(
@@ -252,13 +289,14 @@ class CouplingNode {
   const Options& options_;
   const Scene& scene_;
   bus::Participant participant_;
-  bus::Reader<msg::DeviceDescription> descriptions_;
-  bus::Reader<msg::ScenePlan> plans_;
-  bus::Reader<msg::DeviceState> states_;
-  bus::Reader<msg::ContactState> contacts_;
+  bus::LatchedReader<msg::DeviceDescription> descriptions_;
+  bus::LatchedReader<msg::ScenePlan> plans_;
+  bus::FollowedReader<msg::DeviceState> states_;
+  bus::FollowedReader<msg::ContactState> contacts_;
   bus::Writer<msg::ForceCommand> commands_;
   bus::Writer<msg::CouplingDesign> designs_;
   bus::WaitSet wait_set_;
+  runtime::RoleBinding device_, rendering_;
   std::vector<runtime::Link> links_;
   Fitting fitting_;
   ToDevice to_device_;
@@ -270,8 +308,12 @@ class CouplingNode {
     std::uint64_t made = 0;
   } running_;
   std::mutex running_mutex_;
+  std::string wrong_;               ///< of the device's last description; under the same lock
+  bool changed_ = false;            ///< description or plan have changed and are not followed yet
+  std::atomic<bool> told_{false};   ///< both are there of those who are bound
   double period_s_ = 1e-3;
   std::uint64_t session_in_loop_ = 0;
+  dds_instance_handle_t plan_writer_ = 0;  ///< whose plan the session was begun with
   std::array<msg::DeviceState, 64> recent_{};
   msg::DeviceState newest_{};
   std::optional<msg::ContactState> pending_;

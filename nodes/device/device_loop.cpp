@@ -18,7 +18,7 @@ constexpr std::int64_t kPollNs = 50'000'000;
 }  // namespace
 
 DeviceLoop::DeviceLoop(const Settings& settings, Driver& driver, bus::Writer<msg::DeviceState>& states,
-                       bus::Reader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress,
+                       bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress,
                        Requests& requests)
     : settings_(settings), driver_(driver), states_(states), commands_(commands), wait_set_(wait_set),
       progress_(progress), requests_(requests), guard_(guard_config(driver.description())), gate_(settings.session_id),
@@ -138,20 +138,16 @@ bool DeviceLoop::publish(const DeviceSample& sample, const std::atomic<bool>& st
 
 std::optional<GuardInput> DeviceLoop::take_commands() noexcept {
   std::optional<GuardInput> newest;
-  if (requests_.release_writer.exchange(false, kRelaxed)) gate_.release_writer();
+  // The gate's own rule is the second line: it lets go only of a writer that is not followed any more.
+  if (gate_.writer() && *gate_.writer() != commands_.writer()) gate_.release_writer();
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
-  while (commands_.take(command, &writer)) {
+  for (int i = 0; i < commands_.kMostTakes && commands_.take(command, &writer); ++i) {
     const GateVerdict verdict = gate_.accept(writer, command.session_id, command.sequence_number, sequence_);
     guard_.count(verdict);
-    if (verdict == GateVerdict::kForeignWriter) {
-      progress_.foreign_writer.store(writer, kRelaxed);
-      progress_.foreign_commands.fetch_add(1, kRelaxed);
-    }
     if (verdict != GateVerdict::kAccepted) continue;
     if (progress_.first_answered.load(kRelaxed) == Progress::kNone)
       progress_.first_answered.store(command.sequence_number, kRelaxed);
-    progress_.followed_writer.store(writer, kRelaxed);
     if (sequence_ - command.sequence_number < published_ns_.size())
       progress_.latency.record(runtime::monotonic_ns() - published_ns_[command.sequence_number % published_ns_.size()]);
     newest = GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns};

@@ -1,13 +1,18 @@
 #pragma once
 /// One turn a sample: read, publish, wait for the command, guard, write. Real-time safe after construction. A simulated device is paced
 /// here, at absolute deadlines; a real one paces by its own clock, in `read`, and gets its command as soon as it is there.
+/// Commands are those of the one writer that the reader follows; the housekeeping decides whose it is.
+///
+/// What bounds each loop. `run`: it is the session, each turn looks at `stop`. `read`: ten periods. `take_commands`: kMostTakes
+/// commands, of which the history in real time holds one. `wait_in_real_time`: the sample's own period. `wait_in_lockstep`: peer_timeout,
+/// in steps of 50 ms that look at `stop`. No lock is taken.
 #include <array>
 #include <atomic>
 
 #include "devices/command_gate.hpp"
 #include "devices/driver.hpp"
 #include "devices/force_guard.hpp"
-#include "nodes/bus/reader.hpp"
+#include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/runtime/heartbeat.hpp"
@@ -30,7 +35,7 @@ enum class End : std::uint32_t {
 
 /// What other threads may read while the loop runs.
 struct Progress {
-  std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, clamped{0}, faded{0}, foreign_commands{0};
+  std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, clamped{0}, faded{0};
   /// Times that a device which had taken force gave no samples or took none any more, without ending the session. However long it
   /// lasts it is one; waiting at the start, until the device is ready, is none.
   std::atomic<std::uint64_t> interruptions{0};
@@ -41,8 +46,6 @@ struct Progress {
   std::atomic<bool> in_trouble{false};  ///< the last read or write failed: the device is at zero force
   std::atomic<std::uint64_t> deadline_misses{
       0};  ///< set at the end: a reader goes on counting once nobody writes any more
-  std::atomic<std::uint64_t> foreign_writer{0};   ///< publication handle of the last writer that was ignored
-  std::atomic<std::uint64_t> followed_writer{0};  ///< publication handle of the writer that is followed; 0: none yet
   std::atomic<double> max_force_n{0.0}, force_n{0.0};
   std::atomic<double> recent_max_force_n{0.0};  ///< since whoever shows it last took it out
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
@@ -56,7 +59,6 @@ struct Progress {
 
 /// Asked by other threads of the loop.
 struct Requests {
-  std::atomic<bool> release_writer{false};  ///< the followed writer has gone
   std::atomic<bool> peer_gone{false};       ///< lockstep: a node that takes part has gone
   std::atomic<bool> rig_taken{false};       ///< another device of this rig was there first
 };
@@ -71,7 +73,7 @@ class DeviceLoop {
     std::int64_t peer_timeout_ns = 5'000'000'000;
   };
   DeviceLoop(const Settings& settings, Driver& driver, bus::Writer<msg::DeviceState>& states,
-             bus::Reader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests);
+             bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests);
 
   /// Runs to the end; leaves the driver stopped.
   End run(const std::atomic<bool>& stop) noexcept;
@@ -92,7 +94,7 @@ class DeviceLoop {
   Settings settings_;
   Driver& driver_;
   bus::Writer<msg::DeviceState>& states_;
-  bus::Reader<msg::ForceCommand>& commands_;
+  bus::FollowedReader<msg::ForceCommand>& commands_;
   bus::WaitSet& wait_set_;
   Progress& progress_;
   Requests& requests_;

@@ -1,9 +1,11 @@
 #include "nodes/device/device_node.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <random>
 #include <thread>
 
 #include <fmt/format.h>
@@ -15,9 +17,11 @@
 #include "devices/settings.hpp"
 #include "nodes/device/device_loop.hpp"
 #include "nodes/device/last_second.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::device {
@@ -28,7 +32,12 @@ using runtime::NodeState;
 /// New at each start. In lockstep the same for the same run, since recordings must not differ by a bit, but for a device that is
 /// started anew among nodes that keep running: `sessions` is how many these have seen.
 std::uint64_t make_session_id(const Options& options, const Scene& scene, std::uint64_t sessions) {
-  if (!options.lockstep) return static_cast<std::uint64_t>(runtime::realtime_ns());
+  if (!options.lockstep) {
+    std::random_device random;  // no clock: two hosts' need not agree, and one host's may be set back
+    std::uint64_t id = 0;
+    while (id == 0) id = (static_cast<std::uint64_t>(random()) << 32U) | random();
+    return id;
+  }
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
   std::string anew = sessions ? fmt::format("/{}", sessions) : "";
   for (const std::string& setting : options.settings) anew += "/" + setting;
@@ -93,7 +102,7 @@ std::string sentence(End end, const Driver& driver) {
       return fmt::format("{} reported a fault and needs a person; it was told to give zero force{}{}",
                          driver.description().model, trouble.empty() ? "" : ": ", trouble);
     case End::kRigTaken:
-      return "another device runs in this rig and was there first; this one is at zero force. Choose another --rig or "
+      return "another device runs in this rig and stays; this one is at zero force. Choose another --rig or "
              "--domain";
     case End::kWriteBlocked: return "a sample could not be handed to DDS; the device is at zero force";
   }
@@ -104,7 +113,10 @@ std::string sentence(End end, const Driver& driver) {
 /// have seen.
 std::uint64_t require_free_rig(const bus::Participant& participant, const Options& options) {
   runtime::Roster roster(participant, options.rig);
-  if (const auto other = runtime::look_for_others(roster, "device", std::chrono::milliseconds(400)))
+  const auto runs = [](const runtime::NodeReport& r) {
+    return r.node == "device" && r.state != NodeState::kStopped && r.state != NodeState::kFailed;
+  };
+  if (const auto other = runtime::look_for(roster, runs, std::chrono::milliseconds(400)))
     throw std::runtime_error(
         fmt::format("a device already runs in rig '{}' on domain {} (process {} on {}). Stop it, or choose another "
                     "--rig or --domain",
@@ -128,7 +140,8 @@ class DeviceNode {
     links_ = {{"device/state", [this] { return states_.matched(); }, {"rendering", "coupling", "logger"}},
               {"device/description", [this] { return descriptions_.matched(); }, {"rendering", "coupling", "logger"}},
               {"coupling/command", [this] { return commands_.matched(); }, {"coupling"}}};
-    publish_description(descriptions_, driver_->description(), session_, driver_->simulated(), options.lockstep);
+    coupling_.emplace("coupling", std::vector{&commands_.following()});
+    describe();
   }
 
   int run(const std::atomic<bool>& stop) {
@@ -145,7 +158,7 @@ class DeviceNode {
       if (options_.lockstep) states_.wait_for_acknowledgments(DDS_SECS(5));
     }
     const bool good = end == End::kFinished || (end == End::kStopped && options_.duration_s == 0.0);
-    if (!good && end != End::kStopped) fmt::print(stderr, "error: device: {}\n", end_sentence(end));
+    if (!good && end != End::kStopped) tell("error: device: {}\n", end_sentence(end));
     return good ? 0 : 1;
   }
 
@@ -171,6 +184,10 @@ class DeviceNode {
       report_failure(error.what());
       throw;
     }
+  }
+
+  void describe() {
+    publish_description(descriptions_, driver_->description(), session_, driver_->simulated(), options_.lockstep);
   }
 
   /// To whoever listens, such as `up`: a node that cannot start says why in its status too.
@@ -219,9 +236,11 @@ class DeviceNode {
 
   void look(runtime::Roster& roster, runtime::NodeReport& report) {
     const End end = progress_.end.load(std::memory_order_acquire);
+    coupling_->update(roster, session_);
     watch_peers(roster);
-    watch_writers(roster);
     watch_rig(roster);
+    if (!options_.lockstep && reminder_.is_due(roster, session_, {"rendering", "coupling"})) describe();
+    const std::string foreign = coupling_->trouble(roster);
     report.session_id = session_;
     const bool running = progress_.started_ns.load() != 0;
     report.state = end == End::kNone                               ? (running ? NodeState::kRunning : NodeState::kReady)
@@ -235,7 +254,8 @@ class DeviceNode {
     report.message = end != End::kNone ? end_sentence(end)
                      : progress_.in_trouble.load()
                          ? fmt::format("{} is at zero force: {}", driver_->description().model, trouble_)
-                     : !foreign_.empty() ? "a second command writer is ignored: " + foreign_
+                     : !rival_.empty()  ? "another device runs in this rig, one of the two goes: " + rival_
+                     : !foreign.empty() ? foreign
                      : running           ? "running"
                                          : "waiting for " + waiting_for_;
     fill(report);
@@ -247,16 +267,20 @@ class DeviceNode {
         runtime::taking_part(options_, {"rendering", "coupling", "logger", "validator"});
     waiting_for_ = runtime::missing_links(options_, roster, links_);
     bool ready = waiting_for_.empty();
+    const std::vector<runtime::NodeReport> reports = roster.reports();
     for (const std::string& peer : peers) {
-      const auto report = roster.find(peer);
-      if (peers_ready_.load() && (!report || report->state == NodeState::kFailed))
-        lose(why_lost(roster, peer, report.has_value()));
-      const bool answered = report && report->session_id == session_ &&
-                            (report->state == NodeState::kReady || report->state == NodeState::kRunning);
+      const auto one = [&](const auto& holds) {
+        return std::any_of(reports.begin(), reports.end(), [&](const auto& r) { return r.node == peer && holds(r); });
+      };
+      if (peers_ready_.load() && !one([](const auto& r) { return r.state != NodeState::kFailed; }))
+        lose(why_lost(roster, peer, one([](const auto&) { return true; })));
+      const bool answered = one([&](const auto& r) {
+        return r.session_id == session_ && (r.state == NodeState::kReady || r.state == NodeState::kRunning);
+      });
       if (!answered) waiting_for_ += (waiting_for_.empty() ? "" : ", ") + peer + " to be ready";
       ready = ready && answered;
     }
-    if (ready) peers_ready_.store(true, std::memory_order_release);
+    if (ready && coupling_->bound()) peers_ready_.store(true, std::memory_order_release);
     for (const runtime::Hung& hung : roster.hung())
       if (options_.has_peer(hung.node) && peers_ready_.load() && hung.for_s * 1e9 >= runtime::kGivenUpNs)
         lose(why_lost(roster, hung.node, false));
@@ -274,26 +298,23 @@ class DeviceNode {
     requests_.peer_gone.store(true);
   }
 
-  /// Two that start at the same time see nobody there. The older session stays; in lockstep, where sessions have no age, the smaller id.
+  /// Two devices of one rig: after a network split, or after a start at the same time, when neither sees the other. Each says, once,
+  /// how many of its samples had been answered when it first saw the other: the one with more, whose ring is with it, stays; of equal
+  /// ones that with the smaller GUID. Neither number changes any more, so both decide alike, and no clock takes part.
   void watch_rig(const runtime::Roster& roster) {
+    rival_.clear();
     for (const runtime::NodeReport& other : roster.reports()) {
-      if (other.node != "device" || other.participant == participant_.guid()) continue;
-      const bool theirs =
-          other.session_id != session_ ? other.session_id < session_ : other.participant < participant_.guid();
-      if (theirs) requests_.rig_taken.store(true);
+      if (other.node != "device" || other.participant == participant_.guid() || other.state == NodeState::kStopped ||
+          other.state == NodeState::kFailed)
+        continue;
+      rival_ = roster.name_of(other.participant);
+      if (!claim_) claim_ = progress_.latency.count();
+      const auto theirs = other.figures.find(kClaim);
+      if (theirs == other.figures.end()) continue;  // it has not seen this one yet
+      const std::uint64_t count = runtime::as_count(theirs->second.value);
+      if (count != *claim_ ? count > *claim_ : other.participant < participant_.guid()) requests_.rig_taken.store(true);
     }
-  }
-
-  /// The device's rule for takeover: the followed writer keeps its place until it has gone.
-  void watch_writers(runtime::Roster& roster) {
-    const std::uint64_t followed = progress_.followed_writer.load();
-    if (followed != 0 && !bus::writer_is_matched(commands_.get(), followed)) {
-      progress_.followed_writer.store(0);
-      requests_.release_writer.store(true);
-    }
-    const std::uint64_t foreign = progress_.foreign_writer.load();
-    if (foreign != 0 && foreign_.empty())
-      foreign_ = roster.name_of(bus::participant_of_writer(commands_.get(), foreign));
+    if (rival_.empty()) claim_.reset();
   }
 
   void fill(runtime::NodeReport& report) {
@@ -325,17 +346,19 @@ class DeviceNode {
         {"deadline_misses", {ended ? progress_.deadline_misses.load() : commands_.deadlines_missed(), "deadlines"}},
         {"max_force_n", {progress_.max_force_n.load(), "N"}},
         {"force_n", {progress_.force_n.load(), "N"}},
-        {"refused", {progress_.refused.load(), "commands"}},
+        {"refused", {progress_.refused.load() + coupling_->refused(), "commands"}},
         {"clamped", {progress_.clamped.load(), "commands"}},
         {"interruptions", {progress_.interruptions.load(), "times"}},
         {"zero_force_samples", {progress_.zero_force_samples.load(), "samples"}},
         {"held_poses", {progress_.held_poses.load(), "samples"}},
         {"faded", {progress_.faded.load(), "samples"}},
-        {"foreign_commands", {progress_.foreign_commands.load(), "commands"}}};
+        {"foreign_commands", {coupling_->refused(), "commands"}}};
     if (const std::uint64_t first = progress_.first_answered.load(); first != Progress::kNone)
       report.figures["first_answered"] = {first, "sample number"};
+    if (claim_) report.figures[kClaim] = {*claim_, "samples"};
   }
 
+  static constexpr char kClaim[] = "answered_before_rival";
   const Options& options_;
   const Scene& scene_;
   bus::Participant participant_;
@@ -343,14 +366,17 @@ class DeviceNode {
   std::unique_ptr<Driver> driver_;
   bus::Writer<msg::DeviceState> states_;
   bus::Writer<msg::DeviceDescription> descriptions_;
-  bus::Reader<msg::ForceCommand> commands_;
+  bus::FollowedReader<msg::ForceCommand> commands_;
+  std::optional<runtime::RoleBinding> coupling_;
+  runtime::Reminder reminder_;
   std::optional<bus::WaitSet> wait_set_;
   std::vector<runtime::Link> links_;
   Progress progress_;
   Requests requests_;
   std::atomic<bool> peers_ready_{false};
   std::atomic<bool> peers_late_{false};
-  std::string foreign_, waiting_for_;
+  std::optional<std::uint64_t> claim_;
+  std::string rival_, waiting_for_;
   std::string gone_;  ///< lockstep: who was lost, and how
   LastSecond last_second_;
   std::int64_t told_gap_ns_ = 0;
@@ -369,8 +395,9 @@ void add_device_options(CLI::App& app, std::string& device, std::vector<std::str
 std::string check_duration(const std::string& text) {
   char* end = nullptr;
   const double seconds = std::strtod(text.c_str(), &end);
-  const bool good = end != text.c_str() && *end == '\0' && seconds >= 0.0 && seconds <= 1e8;  // NaN is neither
-  return good ? std::string() : "'" + text + "' is no duration: seconds from 0 (no end) to 1e8";
+  const bool good = end != text.c_str() && *end == '\0' &&
+                    (seconds == 0.0 || (seconds >= 1e-3 && seconds <= 1e8));  // NaN is neither
+  return good ? std::string() : "'" + text.substr(0, 64) + "' is no duration: 0 (no end), or seconds from 1e-3 to 1e8";
 }
 
 Motion choose_motion(const Scene& scene, const std::string& name) {

@@ -20,7 +20,8 @@ void add_hand_options(CLI::App& app, HandChoice& choice) {
       ->check(runtime::require_positive);
   app.add_option("--grip-factor", choice.grip_factor, "How much stiffer it holds then")
       ->capture_default_str()
-      ->check(runtime::require_positive);
+      ->check(runtime::require_positive)  // which refuses nan
+      ->check(CLI::Range(1e-3, 1e3));
 }
 
 std::optional<OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice) {

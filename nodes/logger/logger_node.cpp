@@ -4,9 +4,12 @@
 
 #include "nodes/bag/bag_recorder.hpp"
 #include "nodes/bag/bag_writer.hpp"
+#include "nodes/bus/latched_reader.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/logger/recorded_topics.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/role_binding.hpp"
 
 namespace voxtouch::logger {
 namespace {
@@ -23,10 +26,10 @@ class LoggerNode {
  public:
   explicit LoggerNode(const Options& options)
       : options_(options), participant_(options.participant("logger")),
-        descriptions_(participant_, qos::kDeviceDescription, options.rig,
-                      qos::profile_in(qos::kDeviceDescription, options.mode())),
+        descriptions_(participant_, qos::kDeviceDescription, options.rig),
         wait_set_(participant_), recorder_(open_bag(options.bag), {.lockstep = options.lockstep}),
-        topics_(participant_, options, options.topics, recorder_, wait_set_), links_(topics_.links()) {
+        topics_(participant_, options, options.topics, recorder_, wait_set_),
+        device_("device", {&descriptions_.following()}), links_(topics_.links()) {
     wait_set_.attach(descriptions_.condition());
   }
 
@@ -41,14 +44,14 @@ class LoggerNode {
       while (!stop.load(std::memory_order_relaxed) && !housekeeping.peer_lost()) {
         heartbeat_.beat();
         wait_set_.wait(20'000'000);
-        descriptions_.take_each([this](const msg::DeviceDescription& d) {
+        descriptions_.take([this](const msg::DeviceDescription& d) {
           session_.begin(d.session_id);
           session_in_bag_.store(d.session_id, std::memory_order_relaxed);
         });
         topics_.drain();
         if (const std::int64_t now = runtime::monotonic_ns(); now - last_discovery > 50'000'000) {
           last_discovery = now;
-          for (const std::string& sentence : topics_.discover()) fmt::print(stderr, "warning: logger: {}\n", sentence);
+          for (const std::string& sentence : topics_.discover()) tell("warning: logger: {}\n", sentence);
         }
       }
       // Whatever the others wrote before they stopped has been acknowledged by our readers: it is here, or on its way (best effort).
@@ -56,7 +59,7 @@ class LoggerNode {
       const std::int64_t now = runtime::monotonic_ns(), quiet_until = now + 100'000'000, end = now + kLongestFarewellNs;
       do {
         heartbeat_.beat();
-        descriptions_.take_each([](const msg::DeviceDescription&) {});
+        descriptions_.take([](const msg::DeviceDescription&) {});
         topics_.drain();
       } while (runtime::monotonic_ns() < end && (wait_set_.wait(20'000'000) || runtime::monotonic_ns() < quiet_until));
       lost_peer_ = housekeeping.peer_lost();
@@ -66,10 +69,10 @@ class LoggerNode {
       session_.stop();  // what is final is in place
     }
     const std::uint64_t lost = final_.total(&bag::TopicReport::dropped) + final_.total(&bag::TopicReport::lost);
-    for (const std::string& error : final_.errors) fmt::print(stderr, "error: logger: {}\n", error);
+    for (const std::string& error : final_.errors) tell("error: logger: {}\n", error);
     for (const bag::TopicReport& t : final_.topics)
       if (t.dropped + t.lost > 0)
-        fmt::print(stderr,
+        tell(
                    "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or full\n",
                    t.dropped + t.lost, t.received, t.name);
     return lost == 0 && final_.errors.empty() && !lost_peer_ ? 0 : 1;
@@ -90,15 +93,17 @@ class LoggerNode {
                       {"dropped", {lost, "messages"}},
                       {"topics", {now.topics.size(), "topics"}}};
     topics_.tell(session_in_bag_.load(std::memory_order_relaxed), report.figures);
+    device_.update(roster, std::nullopt);
     session_.report_to(report, options_, roster, links_, "a device", true);
   }
 
   const Options& options_;
   bus::Participant participant_;
-  bus::Reader<msg::DeviceDescription> descriptions_;
+  bus::LatchedReader<msg::DeviceDescription> descriptions_;
   bus::WaitSet wait_set_;
   bag::BagRecorder recorder_;
   RecordedTopics topics_;
+  runtime::RoleBinding device_;  ///< whose session this is; what is recorded is all that is on the wire
   std::vector<runtime::Link> links_;
   bag::RecordingReport final_;
   runtime::Session session_;

@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
       options,
       [&](CLI::App& app) {
         app.add_option("--bag", options.bag, "Folder of the bag; it must not exist")->required();
-        app.add_option("--topic", options.topics, "A further DDS topic, such as rt/joint_states; rt/* for all");
+        app.add_option("--topic", options.topics, "A further DDS topic, such as rt/joint_states; rt/* for all")
+            ->check(voxtouch::runtime::check_topic);
       },
       [&](const std::atomic<bool>& stop) { return voxtouch::logger::run(options, stop); });
 }

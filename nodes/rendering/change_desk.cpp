@@ -291,15 +291,24 @@ void ChangeDesk::applied(Outstanding& done, std::uint64_t sample) {
 
 void ChangeDesk::begin_session(std::uint64_t session) {
   const std::lock_guard lock(plan_mutex_);
-  session_ = session;
+  session_ = session, plan_from_sample_ = 0;
   publish_plan(plans_, scene_, plan_, largest_shell_gap_m_, session);
 }
 
-void ChangeDesk::republish(std::uint64_t from_sample) {
+void ChangeDesk::remind() {
   const std::lock_guard lock(plan_mutex_);
-  if (session_ == 0) return;  // the first one tells
-  publish_plan(plans_, scene_, plan_, largest_shell_gap_m_, session_, from_sample);
-  // In lockstep the loop waits for this: whoever reads the plan has it before the first sample that it holds for.
+  if (session_ != 0) publish_plan(plans_, scene_, plan_, largest_shell_gap_m_, session_, plan_from_sample_);
+}
+
+void ChangeDesk::republish(std::uint64_t from_sample) {
+  {
+    const std::lock_guard lock(plan_mutex_);
+    if (session_ == 0) return;  // the first one tells
+    plan_from_sample_ = from_sample;
+    publish_plan(plans_, scene_, plan_, largest_shell_gap_m_, session_, from_sample);
+  }
+  // In lockstep the loop waits for this: whoever reads the plan has it before the first sample that it holds for. Not under the lock,
+  // which the loop takes where a session begins.
   if (options_.lockstep) plans_.wait_for_acknowledgments(DDS_SECS(2));
 }
 

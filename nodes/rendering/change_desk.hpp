@@ -36,6 +36,8 @@ class ChangeDesk {
 
   /// From the loop: publishes the plan for a session.
   void begin_session(std::uint64_t session);
+  /// Writes the plan of the session once more, for a node that has missed it. Not for the loop.
+  void remind();
   /// Who reads the plan.
   std::vector<bus::Guid> plan_readers() const { return plans_.matched(); }
   /// For the node's report: changes, reloads, warnings, ...
@@ -103,7 +105,7 @@ class ChangeDesk {
   mutable std::mutex plan_mutex_;                            ///< of scene_ too; the loop takes it only where a session begins
   Plan plan_;                                                ///< with the bounds of the effects as they are now
   double largest_shell_gap_m_ = 0.0;
-  std::uint64_t session_ = 0;
+  std::uint64_t session_ = 0, plan_from_sample_ = 0;
   std::atomic<std::uint64_t> done_{0}, refused_{0}, reloads_{0};
   std::atomic<bool> stop_{false};
   std::thread thread_;

@@ -1,19 +1,25 @@
 #include "nodes/rendering/rendering_node.hpp"
 
 #include <cmath>
+#include <mutex>
 
 #include <fmt/format.h>
 
 #include "core/scene/device_mapping.hpp"
 #include "core/scene/live_scene.hpp"
 #include "core/scene/scene_file.hpp"
+#include "devices/description_check.hpp"
+#include "nodes/bus/followed_reader.hpp"
+#include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
+#include "nodes/log/progress.hpp"
 #include "nodes/rendering/change_desk.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/stamps.hpp"
 
 namespace voxtouch::rendering {
@@ -21,19 +27,22 @@ namespace {
 
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
+/// What bounds each loop of the thread that answers samples. `run`: it is the process, each turn looks at `stop`. Samples in a turn:
+/// kMostTakes; in real time the history holds one. Descriptions in a turn: kMostTakes, of the bound device, or of anybody while none
+/// is bound and no force can come of it. `change`: in real time no wait, and at most the changes that the line holds; in lockstep it
+/// waits for the desk, in naps that look at `stop`. A frame: the scene's own counts. One lock, where a description has come.
 class RenderingNode {
  public:
   RenderingNode(const Options& options, const Scene& scene, std::unique_ptr<BuiltScene> built)
       : options_(options), scene_(scene), live_(*built), mapping_(scene.device),
         participant_(options.participant("rendering")),
-        descriptions_(participant_, qos::kDeviceDescription, options.rig,
-                      qos::profile_in(qos::kDeviceDescription, options.mode())),
+        descriptions_(participant_, qos::kDeviceDescription, options.rig),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         ros_(participant_, options.rig, scene),
         desk_(participant_, options, scene, std::move(built), line_,
               [this](const Scene& next) { ros_.set_static_meshes(next.static_meshes); }),
-        wait_set_(participant_) {
+        wait_set_(participant_), device_("device", {&descriptions_.following(), &states_.following()}) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
     links_ = {{"device/description", [this] { return descriptions_.matched(); }, {"device"}},
@@ -53,10 +62,12 @@ class RenderingNode {
     while (!over()) {
       heartbeat_.beat();
       wait_set_.wait(50'000'000);
-      descriptions_.take_each([this](const msg::DeviceDescription& d) { start_session(d.session_id); });
+      descriptions_.take([this](const msg::DeviceDescription& d) { listen(d); });
+      // The device's status and its description name one session: then it begins.
+      if (described_ && *described_ == device_.session() && descriptions_.current()) start_session(*described_);
       msg::DeviceState state;
       const std::uint64_t before = samples_.load(kRelaxed);
-      while (states_.take(state) && !over()) answer(state);
+      for (int i = 0; i < states_.kMostTakes && states_.take(state) && !over(); ++i) answer(state);
       if (samples_.load(kRelaxed) == before) idle();
     }
     session_.stop();
@@ -66,6 +77,14 @@ class RenderingNode {
  private:
   /// Asked to stop, or in lockstep a peer is lost.
   bool over() const noexcept { return stop_->load(kRelaxed) || housekeeping_->peer_lost(); }
+
+  /// Numbers that cannot be a device's change nothing: what runs goes on, and a session does not begin on them.
+  void listen(const msg::DeviceDescription& description) {
+    std::string wrong = what_is_wrong(description);
+    if (wrong.empty()) described_ = description.session_id;
+    const std::lock_guard lock(wrong_mutex_);
+    wrong_ = std::move(wrong);
+  }
 
   void start_session(std::uint64_t session) {
     if (session == session_in_loop_) return;  // the device has described itself anew; the scene is the same
@@ -196,10 +215,19 @@ class RenderingNode {
     count("buried_samples", buried_);
     count("held_samples", held_);
     count("saturated_samples", saturated_);
+    report.figures["foreign_samples"] = {device_.refused(), "samples"};
+    device_.update(roster, std::nullopt);
     const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
-    report.message = session_.stopped()
-                         ? "stopped"
+    std::string trouble = device_.trouble(roster);
+    {
+      const std::lock_guard lock(wrong_mutex_);
+      if (!wrong_.empty()) trouble = "the device's description is refused: " + wrong_;
+    }
+    report.message = session_.stopped() ? "stopped"
+                     : !trouble.empty()
+                         ? trouble
                          : "scene '" + scene_.name + "' is built" + (missing.empty() ? "" : "; waiting for " + missing);
+    if (!options_.lockstep && reminder_.is_due(roster, report.session_id, {"coupling", "validator"})) desk_.remind();
   }
 
   static constexpr int kHoldSamples = 3;
@@ -210,12 +238,17 @@ class RenderingNode {
   ChangeLine line_;
   DeviceMapping mapping_;
   bus::Participant participant_;
-  bus::Reader<msg::DeviceDescription> descriptions_;
-  bus::Reader<msg::DeviceState> states_;
+  bus::LatchedReader<msg::DeviceDescription> descriptions_;
+  bus::FollowedReader<msg::DeviceState> states_;
   bus::Writer<msg::ContactState> contacts_;
   RosOutputs ros_;
   ChangeDesk desk_;
   bus::WaitSet wait_set_;
+  runtime::RoleBinding device_;
+  runtime::Reminder reminder_;
+  std::optional<std::uint64_t> described_;  ///< session of the last description that could be a device's
+  std::mutex wrong_mutex_;                  ///< the loop takes it where a description has come, and at no other time
+  std::string wrong_;
   std::vector<runtime::Link> links_;
   const std::atomic<bool>* stop_ = nullptr;
   const runtime::Housekeeping* housekeeping_ = nullptr;
@@ -236,8 +269,8 @@ class RenderingNode {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const Scene scene = load_scene(options.scene);
-  std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for());
-  for (const std::string& warning : built->plan().warnings) fmt::print(stderr, "warning: {}\n", warning);
+  std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for(), {}, tell_each_second("rendering"));
+  for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);
 }

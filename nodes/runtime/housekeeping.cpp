@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 
 namespace voxtouch::runtime {
@@ -103,12 +104,14 @@ void Housekeeping::turn() {
   roster_.update();
   NodeReport report = last_;
   look_(roster_, report);
+  report.figures["refused_statuses"] = {roster_.refused(), "statuses"};
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   compare_scenes(report);
+  if (const std::uint64_t lost = texts_lost()) report.figures["lost_texts"] = {lost, "texts"};
   watch_own(report);
   watch_others(report);
-  if (options_.announce && report.message != last_.message) fmt::print(stderr, "{}: {}\n", node_, report.message);
+  const bool announce = options_.announce && report.message != last_.message;
   const std::int64_t now = monotonic_ns();
   const bool changed =
       report.state != last_.state || report.session_id != last_.session_id || report.message != last_.message;
@@ -117,6 +120,7 @@ void Housekeeping::turn() {
   if (tell_ros) last_ros_ns_ = now;
   writer_.publish(report, tell_ros);
   last_ = std::move(report);
+  if (announce) tell("{}: {}\n", node_, last_.message);  // after the report itself: that one is for the other nodes
   last_publish_ns_ = now;
 }
 

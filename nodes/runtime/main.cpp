@@ -1,13 +1,26 @@
 #include "nodes/runtime/main.hpp"
 
-#include <cstdio>
 #include <exception>
+#include <sstream>
 
-#include <fmt/format.h>
-
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::runtime {
+
+int explain(const CLI::App& app, const CLI::ParseError& error) noexcept {
+  try {
+    std::ostringstream out, err;
+    const int status = app.exit(error, out, err);
+    tell("{}", err.str());
+    print_result("{}", out.str());
+    finish_results();
+    return status;
+  } catch (const std::exception& failure) {
+    tell("error: {}\n", failure.what());
+    return 1;
+  }
+}
 
 int node_main(int argc, char** argv, const Program& program, NodeOptions& options,
               const std::function<void(CLI::App&)>& configure,
@@ -17,17 +30,22 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   int parent = 0;
   app.add_option("--with-parent", parent, "Stop when this parent process dies (voxtouch up sets this)");
   configure(app);
-  CLI11_PARSE(app, argc, argv);
+  guard_standard_streams();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return explain(app, error);
+  }
   catch_signals();
   if (parent) die_with_parent(parent);
   options.announce = parent == 0;
   try {
     if (!program.in_ring) options.realtime.mode = Realtime::kOff;
     options.warnings = enter_realtime(options.realtime);
-    for (const std::string& warning : options.warnings) fmt::print(stderr, "warning: {}: {}\n", program.name, warning);
+    for (const std::string& warning : options.warnings) tell("warning: {}: {}\n", program.name, warning);
     return run(stop_requested());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}: {}\n", program.name, error.what());
+    tell("error: {}: {}\n", program.name, error.what());
     return 1;
   }
 }

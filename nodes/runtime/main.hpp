@@ -18,6 +18,9 @@ struct Program {
   bool in_ring = true;     ///< asks for real-time scheduling; a tap does not
 };
 
+/// What a command line that asks for help or has a fault leads to: text for a person, and the exit status.
+int explain(const CLI::App& app, const CLI::ParseError& error) noexcept;
+
 /// Parses the command line (`configure` adds the node's own options), catches Ctrl-C and SIGTERM, enters real time, runs. What a
 /// node throws while starting becomes a sentence on stderr and exit status 1.
 int node_main(int argc, char** argv, const Program& program, NodeOptions& options,

@@ -1,5 +1,7 @@
 #include "nodes/runtime/options.hpp"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -21,21 +23,76 @@ std::optional<double> finite_number(const std::string& text) {
   return value;
 }
 
+constexpr std::size_t kShown = 64;  ///< of a faulty text, in messages
+
+/// As a whole it must fit: CLI11 would take the largest number for one beyond it.
+std::optional<std::uint64_t> whole_number(const std::string& text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// A rig becomes part of every topic name.
+std::string check_rig(const std::string& name) {
+  constexpr std::size_t kLongest = 64;
+  const bool good = !name.empty() && name.size() <= kLongest && std::isalpha(static_cast<unsigned char>(name[0])) &&
+                    std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+  return good ? std::string()
+              : fmt::format("'{}' is not a ROS name: letters, digits and _, a letter first, {} of them at most",
+                            name.substr(0, kShown), kLongest);
+}
+
+/// An interface becomes part of the XML that configures DDS. The kernel's own names are shorter; an address may stand here too.
+std::string check_interface(const std::string& name) {
+  constexpr std::size_t kLongest = 64;
+  const bool good = !name.empty() && name.size() <= kLongest && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == ':' || c == '@' || c == '%';
+  });
+  return good ? std::string()
+              : fmt::format("'{}' is no name of a network interface; `ip link` lists them", name.substr(0, kShown));
+}
+
 }  // namespace
+
+std::string require_cpu(const std::string& text) {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return require_whole(text);  // more than a set holds
+  std::string known;
+  for (unsigned cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (!CPU_ISSET(cpu, &allowed)) continue;
+    if (text == fmt::to_string(cpu)) return {};
+    known += (known.empty() ? "" : ", ") + fmt::to_string(cpu);
+  }
+  return fmt::format("'{}' is no CPU that this process may run on; there {}: {}", text.substr(0, kShown),
+                     CPU_COUNT(&allowed) == 1 ? "is 1" : fmt::format("are {}", CPU_COUNT(&allowed)), known);
+}
 
 std::string require_positive(const std::string& text) {
   const auto value = finite_number(text);
-  return value && *value > 0.0 ? "" : "'" + text + "' is not a finite number over 0";
+  return value && *value > 0.0 ? "" : "'" + text.substr(0, kShown) + "' is not a finite number over 0";
 }
 
 std::string require_not_negative(const std::string& text) {
   const auto value = finite_number(text);
-  return value && *value >= 0.0 ? "" : "'" + text + "' is not a finite number of 0 or more";
+  return value && *value >= 0.0 ? "" : "'" + text.substr(0, kShown) + "' is not a finite number of 0 or more";
 }
 
 std::string require_whole(const std::string& text) {
-  const bool good = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-  return good ? "" : "'" + text + "' is not a whole number of 0 or more";
+  return whole_number(text) ? "" : "'" + text.substr(0, kShown) + "' is not a whole number of 0 or more";
+}
+
+std::string require_count(const std::string& text) {
+  return whole_number(text).value_or(0) > 0 ? "" : "'" + text.substr(0, kShown) + "' is not a whole number of 1 or more";
+}
+
+std::string check_topic(const std::string& name) {
+  constexpr std::size_t kLongest = 256;
+  const bool good = !name.empty() && name.size() <= kLongest &&
+                    std::all_of(name.begin(), name.end(), [](unsigned char c) { return c > ' ' && c <= '~'; });
+  return good ? std::string()
+              : fmt::format("'{}' is no name of a DDS topic, such as rt/joint_states", name.substr(0, kShown));
 }
 
 bool NodeOptions::has_peer(std::string_view node) const {
@@ -45,18 +102,14 @@ bool NodeOptions::has_peer(std::string_view node) const {
 void add_rig_options(CLI::App& app, NodeOptions& o) {
   app.add_option("--rig", o.rig, "Rig name: the namespace of all topics")
       ->capture_default_str()
-      ->check([](const std::string& name) {
-        const bool good =
-            !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) &&
-            std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
-        return good ? std::string() : "'" + name + "' is not a ROS name: letters, digits and _, a letter first";
-      });
+      ->check(check_rig);
   app.add_option("--domain", o.domain, "DDS domain, as ROS_DOMAIN_ID")
       ->capture_default_str()
       ->envname("ROS_DOMAIN_ID")
       ->check(CLI::Range(0, 232));
   app.add_option("--interface", o.network_interface, "Network interface (CYCLONEDDS_URI overrides)")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(check_interface);
 }
 
 void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
@@ -72,7 +125,7 @@ void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, Realtime>{{"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}))
       ->option_text("ignore|enforce");
-  app.add_option("--cpu", o.realtime.cpu, "Pin to this CPU");
+  app.add_option("--cpu", o.realtime.cpu, "Pin to this CPU")->check(require_cpu);
 }
 
 std::vector<std::string> to_arguments(const NodeOptions& o, bool with_scene) {

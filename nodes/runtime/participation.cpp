@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "nodes/runtime/clock.hpp"
+
 namespace voxtouch::runtime {
 
 std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std::string> nodes) {
@@ -18,6 +20,18 @@ std::string missing_links(const NodeOptions& options, const Roster& roster, cons
       if (!has_matched(roster, matched, {node})) missing += (missing.empty() ? "" : ", ") + node + " on " + link.what;
   }
   return missing;
+}
+
+bool Reminder::is_due(const Roster& roster, std::uint64_t session, const std::vector<std::string>& readers) {
+  const std::vector<NodeReport> reports = roster.reports();
+  const bool waits = std::any_of(reports.begin(), reports.end(), [&](const NodeReport& report) {
+    return report.session_id != session && std::find(readers.begin(), readers.end(), report.node) != readers.end();
+  });
+  const std::int64_t now = monotonic_ns();
+  if (waits && answered_ns_ != 0 && now - answered_ns_ < 1'000'000'000) return false;
+  const bool due = waits && answered_ns_ != 0;
+  answered_ns_ = now;
+  return due;
 }
 
 std::string Session::report_to(NodeReport& report, const NodeOptions& options, const Roster& roster,

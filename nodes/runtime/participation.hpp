@@ -24,6 +24,16 @@ std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std
 /// time nobody is waited for, so it is always empty there.
 std::string missing_links(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links);
 
+/// When latched values are written once more: once a second while a node that needs them is there and has not answered for the session.
+/// A flood of foreign values may have kept them from it, or it was refused before it was known whose is needed.
+class Reminder {
+ public:
+  bool is_due(const Roster& roster, std::uint64_t session, const std::vector<std::string>& readers);
+
+ private:
+  std::int64_t answered_ns_ = 0;  ///< monotonic: last time that all had, or that one was reminded
+};
+
 /// A device session as one node sees it. The loop writes, the housekeeping reads.
 class Session {
  public:

@@ -1,13 +1,16 @@
 #include "nodes/runtime/roster.hpp"
 
+#include <string.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
 #include <deque>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/strings.hpp"
@@ -26,7 +29,21 @@ StatusWriter::StatusWriter(const bus::Participant& participant, std::string node
   own_.participant = participant.guid();
 }
 
-void StatusWriter::publish(const NodeReport& report, bool tell_ros) {
+namespace {
+
+/// What a roster would refuse is cut where it is made.
+NodeReport cut(NodeReport report) {
+  constexpr std::size_t kMost = Roster::kLongestText;
+  if (report.message.size() > kMost) report.message.resize(kMost);
+  for (auto& [key, value] : report.values)
+    if (value.size() > kMost) value.resize(kMost);
+  return report;
+}
+
+}  // namespace
+
+void StatusWriter::publish(const NodeReport& whole, bool tell_ros) {
+  const NodeReport report = cut(whole);
   std::vector<msg::diagnostic_msgs_KeyValue> values;
   for (const auto& [key, value] : report.values) values.push_back({lend(key), lend(value)});
   std::vector<msg::Figure> figures;
@@ -75,36 +92,94 @@ void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg
 void StatusWriter::flush() noexcept { writer_.wait_for_acknowledgments(DDS_SECS(1)); }
 
 Roster::Roster(const bus::Participant& participant, const std::string& rig)
-    : reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)) {}
+    : senders_(std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll)),
+      reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus), senders_.get()) {}
 
-void Roster::update(bool keep_gone) {
-  clock_.look(monotonic_ns());
-  reader_.take_each([this](const msg::NodeStatus& s) {
-    NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}, {}, 0};
-    std::memcpy(report.participant.data(), s.participant, report.participant.size());
-    for (std::uint32_t i = 0; i < s.values._length; ++i)
-      report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
-    for (std::uint32_t i = 0; i < s.figures._length; ++i)
-      report.figures[s.figures._buffer[i].name] = {s.figures._buffer[i].value, s.figures._buffer[i].unit};
-    report.heard_ns = clock_.now_ns();
-    reports_[report.participant] = std::move(report);
-  });
-  if (keep_gone) return;
-  const std::vector<bus::Guid> here = reader_.matched();
-  remember_vanished(here);
-  std::erase_if(reports_,
-                [&](const auto& entry) { return std::find(here.begin(), here.end(), entry.first) == here.end(); });
+/// A writer that has gone is known as long as its last samples may lie here.
+void Roster::look_who_is_here() {
+  const std::vector<dds_instance_handle_t> handles = reader_.writer_handles();
+  here_.clear();
+  for (const dds_instance_handle_t handle : handles) {
+    auto known = writers_.find(handle);
+    if (known == writers_.end())
+      known = writers_.emplace(handle, bus::participant_of_writer(reader_.get(), handle)).first;
+    here_.insert(known->second);
+  }
 }
 
-void Roster::remember_vanished(const std::vector<bus::Guid>& here) {
+/// Far more than a node sends, turn after turn: after a pause of this process a turn may well find many.
+void Roster::refuse_floods() {
+  constexpr int kMany = 32;
+  for (const auto& [writer, count] : taken_)
+    if (const auto before = taken_before_.find(writer);
+        count >= kMany && before != taken_before_.end() && before->second >= kMany)
+      senders_->refuse(writer);
+  taken_before_ = std::exchange(taken_, {});
+}
+
+bool Roster::fits(const msg::NodeStatus& s) {
+  const auto too_long = [](const char* text, std::size_t most = kLongestText) {
+    return !text || ::strnlen(text, most + 1) > most;
+  };
+  constexpr std::size_t kLongestName = 256;
+  if (too_long(s.node, kLongestName) || too_long(s.host, kLongestName) || too_long(s.message)) return false;
+  if (s.values._length > kMostValues || s.figures._length > kMostValues) return false;
+  const bool figures_fit =
+      std::none_of(s.figures._buffer, s.figures._buffer + s.figures._length, [&](const auto& figure) {
+        return too_long(figure.name, kLongestName) || too_long(figure.unit, kLongestName);
+      });
+  return figures_fit && std::none_of(s.values._buffer, s.values._buffer + s.values._length, [&](const auto& value) {
+    return too_long(value.key, kLongestName) || too_long(value.value);
+  });
+}
+
+/// Of the participant that it names, and one that is known or for whom there is room.
+bool Roster::is_its_own(const msg::NodeStatus& s, dds_instance_handle_t writer) const {
+  const auto sender = writers_.find(writer);
+  if (sender == writers_.end() || std::memcmp(s.participant, sender->second.data(), sender->second.size()) != 0) return false;
+  return reports_.contains(sender->second) || reports_.size() < kMostNodes;
+}
+
+void Roster::take(const msg::NodeStatus& s) {
+  NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}, {}, clock_.now_ns()};
+  std::memcpy(report.participant.data(), s.participant, report.participant.size());
+  for (std::uint32_t i = 0; i < s.values._length; ++i)
+    report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
+  for (std::uint32_t i = 0; i < s.figures._length; ++i)
+    report.figures[s.figures._buffer[i].name] = {s.figures._buffer[i].value, s.figures._buffer[i].unit};
+  reports_[report.participant] = std::move(report);
+}
+
+void Roster::update(const std::function<bool(const NodeReport&)>& keep) {
+  constexpr int kMostTakes = 256;
+  clock_.look(monotonic_ns());
+  look_who_is_here();
+  reader_.take_each(
+      [this](const msg::NodeStatus& status, dds_instance_handle_t writer) {
+        ++taken_[writer];
+        const bool fitting = fits(status);
+        if (!fitting) senders_->refuse(writer);
+        if (fitting && is_its_own(status, writer))
+          take(status);
+        else
+          ++refused_;
+      },
+      kMostTakes);
+  refuse_floods();
+  remember_vanished();
+  std::erase_if(reports_, [&](const auto& entry) { return !is_here(entry.first) && !(keep && keep(entry.second)); });
+  std::erase_if(writers_, [&](const auto& entry) { return !is_here(entry.second); });
+}
+
+void Roster::remember_vanished() {
   constexpr std::size_t kMost = 16;  // names are anybody's to choose
   constexpr double kRememberedS = 10.0;
   for (const auto& [guid, report] : reports_)
-    if (std::find(here.begin(), here.end(), guid) == here.end() && !report.final() && vanished_.size() < kMost)
+    if (!is_here(guid) && !report.final() && vanished_.size() < kMost)
       vanished_[report.node] = report;
   std::erase_if(vanished_, [&](const auto& entry) {
     const bool again = std::any_of(reports_.begin(), reports_.end(), [&](const auto& known) {
-      return known.second.node == entry.first && std::find(here.begin(), here.end(), known.first) != here.end();
+      return known.second.node == entry.first && is_here(known.first);
     });
     return again || silent_s(entry.second) > kRememberedS;
   });
@@ -144,18 +219,24 @@ std::vector<Hung> Roster::hung() const {
   return all;
 }
 
-std::string Roster::name_of(const bus::Guid& guid) const {
-  const auto known = reports_.find(guid);
-  if (known == reports_.end()) return "a participant that gives no name";
-  return known->second.node + " (process " + std::to_string(known->second.pid) + " on " + known->second.host + ")";
+const NodeReport* Roster::report_of(const bus::Guid& participant) const {
+  const auto known = reports_.find(participant);
+  return known == reports_.end() ? nullptr : &known->second;
 }
 
-std::optional<NodeReport> look_for_others(Roster& roster, std::string_view node, std::chrono::milliseconds patience) {
+std::string Roster::name_of(const bus::Guid& guid) const {
+  if (const NodeReport* report = report_of(guid))
+    return fmt::format("{} (process {} on {})", report->node, report->pid, report->host);
+  return fmt::format("a participant that gives no name ({:02x})", fmt::join(guid, ""));
+}
+
+std::optional<NodeReport> look_for(Roster& roster, const std::function<bool(const NodeReport&)>& wanted,
+                                   std::chrono::milliseconds patience) {
   const std::int64_t until = monotonic_ns() + std::chrono::nanoseconds(patience).count();
   for (; monotonic_ns() < until; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
     roster.update();
     for (NodeReport& report : roster.reports())
-      if (node.empty() || report.node == node) return std::move(report);
+      if (wanted(report)) return std::move(report);
   }
   return std::nullopt;
 }
@@ -168,9 +249,11 @@ std::uint64_t sessions_seen(const Roster& roster) {
 }
 
 bool has_matched(const Roster& roster, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes) {
+  const std::vector<NodeReport> reports = roster.reports();
   return std::all_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
-    const auto report = roster.find(node);
-    return report && std::find(matched.begin(), matched.end(), report->participant) != matched.end();
+    return std::any_of(reports.begin(), reports.end(), [&](const NodeReport& report) {
+      return report.node == node && std::find(matched.begin(), matched.end(), report.participant) != matched.end();
+    });
   });
 }
 

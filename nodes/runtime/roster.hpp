@@ -1,9 +1,12 @@
 #pragma once
 /// Who runs in this rig: each node publishes its own status and reads everybody's.
 #include <chrono>
+#include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -73,11 +76,14 @@ struct Hung {
 };
 
 /// The newest report of each participant that is still there.
+/// The newest report of each participant that is still there. Only its own: a status that comes from another participant than it names,
+/// as a bag that is played sends, is refused, and so is one that is longer than any of ours. A writer of such a one, or of a flood, is not
+/// listened to any more.
 class Roster {
  public:
   Roster(const bus::Participant& participant, const std::string& rig);
-  /// Takes what has arrived; forgets nodes whose participant has gone unless `keep_gone`.
-  void update(bool keep_gone = false);
+  /// Takes what has arrived; forgets nodes whose participant has gone, but for those that `keep` holds on to.
+  void update(const std::function<bool(const NodeReport&)>& keep = {});
   /// All reports, sorted by node name.
   std::vector<NodeReport> reports() const;
   std::optional<NodeReport> find(std::string_view node) const;
@@ -89,25 +95,44 @@ class Roster {
   /// gone without a last word, as DDS finds of a stopped one after some seconds, is among them until another takes its name, for 10 s
   /// at most. Call `update` often.
   std::vector<Hung> hung() const;
-  /// Name of the node whose participant is `guid`, or "an unknown participant".
+  const NodeReport* report_of(const bus::Guid& participant) const;
+  /// Whether a status writer of `participant` is there.
+  bool is_here(const bus::Guid& participant) const { return here_.contains(participant); }
+  /// Statuses that were refused.
+  std::uint64_t refused() const noexcept { return refused_; }
+  /// Name of the node whose participant is `guid`, or "a participant that gives no name (GUID)".
   std::string name_of(const bus::Guid& guid) const;
   dds_entity_t condition() const noexcept { return reader_.condition(); }
 
+  static constexpr std::size_t kMostNodes = 64, kMostValues = 256, kLongestText = 1024;
+
  private:
-  void remember_vanished(const std::vector<bus::Guid>& here);
+  void remember_vanished();
   WatchClock clock_;
+  void look_who_is_here();
+  static bool fits(const msg::NodeStatus& status);
+  bool is_its_own(const msg::NodeStatus& status, dds_instance_handle_t writer) const;
+  void take(const msg::NodeStatus& status);
+  void refuse_floods();
+
+  std::unique_ptr<bus::Following> senders_;  // outlives the reader, which asks it
   bus::Reader<msg::NodeStatus> reader_;
+  std::map<dds_instance_handle_t, int> taken_, taken_before_;  ///< statuses of each writer, in this turn and in the last
+  std::map<dds_instance_handle_t, bus::Guid> writers_;  ///< of the statuses: whose each is
+  std::set<bus::Guid> here_;
+  std::uint64_t refused_ = 0;
   std::map<bus::Guid, NodeReport> reports_;
   std::map<std::string, NodeReport> vanished_;  ///< gone without a last word, by name
 };
 
-/// Looks for `patience`: the first report of `node` (of any node where that is empty), if one comes.
-std::optional<NodeReport> look_for_others(Roster& roster, std::string_view node, std::chrono::milliseconds patience);
+/// Looks for `patience`: the first report that `wanted` holds of, if one comes.
+std::optional<NodeReport> look_for(Roster& roster, const std::function<bool(const NodeReport&)>& wanted,
+                                   std::chrono::milliseconds patience);
 
 /// How many device sessions the nodes of the roster have seen: the most that one of them reports.
 std::uint64_t sessions_seen(const Roster& roster);
 
-/// Whether `matched` holds the participant of every node of `nodes` that the roster knows; false where one is not known yet.
+/// Whether for each of `nodes` a participant of that name is in `matched`.
 bool has_matched(const Roster& roster, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes);
 
 }  // namespace voxtouch::runtime

@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
       [&](CLI::App& app) {
         app.add_option("--every", options.every, "Check samples whose sequence number is a multiple of this")
             ->capture_default_str()
-            ->check(voxtouch::runtime::require_positive);
+            ->check(voxtouch::runtime::require_count);
       },
       [&](const std::atomic<bool>& stop) { return voxtouch::validator::run(options, stop); });
 }

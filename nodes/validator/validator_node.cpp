@@ -10,13 +10,16 @@
 #include "core/reference/judgement.hpp"
 #include "core/reference/reference_scene.hpp"
 #include "core/scene/scene_file.hpp"
-#include "nodes/bus/reader.hpp"
+#include "nodes/bus/followed_reader.hpp"
+#include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/strings.hpp"
 
@@ -48,10 +51,10 @@ class ValidatorNode {
  public:
   ValidatorNode(const Options& options, const Scene& scene)
       : options_(options), name_(scene.name), hash_(scene.hash), scene_(scene), reference_(scene), participant_(options.participant("validator")),
-        plans_(participant_, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
+        plans_(participant_, qos::kScenePlan, options.rig),
         contacts_(participant_, qos::kContactState, options.rig, contact_profile(options)),
         reports_(participant_, qos::kValidation, options.rig, qos::profile_in(qos::kValidation, options.mode())),
-        wait_set_(participant_) {
+        wait_set_(participant_), rendering_("rendering", {&plans_.following(), &contacts_.following()}) {
     for (const dds_entity_t condition : {plans_.condition(), contacts_.condition()}) wait_set_.attach(condition);
     links_ = {{"rendering/contact", [this] { return contacts_.matched(); }, {"rendering"}},
               {"validation", [this] { return reports_.matched(); }, {"logger"}}};
@@ -69,9 +72,9 @@ class ValidatorNode {
       heartbeat_.beat();
       leave = over_();  // one more turn after the stop: what came before it is judged too
       wait_set_.wait(leave ? 100'000'000 : 50'000'000);
-      plans_.take_each([this](const msg::ScenePlan& plan) { take(plan); });
+      plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
       msg::ContactState contact;
-      while (contacts_.take(contact)) check(contact);
+      for (int i = 0; i < contacts_.kMostTakes && contacts_.take(contact); ++i) check(contact);
     }
     if (options_.lockstep && !housekeeping.peer_lost()) {
       const runtime::Heartbeat::Busy busy(heartbeat_, 6'000'000'000);
@@ -115,7 +118,7 @@ class ValidatorNode {
   /// The plan says what the rendering built: another scene file is a disagreement before the first sample.
   void start_session(Built built) {
     if (built.hash != scene_.hash)
-      fmt::print(stderr, "warning: validator: the rendering runs another version of scene '{}' than {}\n", built.scene,
+      tell("warning: validator: the rendering runs another version of scene '{}' than {}\n", built.scene,
                  scene_.file.string());
     built_ = std::move(built);
     next_.reset();
@@ -144,14 +147,14 @@ class ValidatorNode {
         blind_ = true;
       }
       if (blind_)
-        fmt::print(stderr, "warning: validator: {} is not what the rendering runs now; nothing is judged any more\n",
+        tell("warning: validator: {} is not what the rendering runs now; nothing is judged any more\n",
                    options_.scene.string());
     }
     if (!blind_) judge_->change(settings());
   }
 
   void check(const msg::ContactState& contact) {
-    if (options_.lockstep) plans_.take_each([this](const msg::ScenePlan& plan) { take(plan); });
+    if (options_.lockstep) plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
     if (!judge_ || contact.session_id != session_in_loop_) return;
     if (next_ && contact.sequence_number >= next_->from_sample) follow_change();
     heartbeat_.beat();
@@ -225,9 +228,13 @@ class ValidatorNode {
                       {"excused", {excused_.load(), "samples"}}};
     if (const std::uint64_t first = first_checked_.load(); first != kNone)
       report.figures["first_checked"] = {first, "sample number"};
+    report.figures["foreign_samples"] = {rendering_.refused(), "samples"};
+    rendering_.update(roster, std::nullopt);
+    const std::string trouble = rendering_.trouble(roster);
     const std::string missing =
         session_.report_to(report, options_, roster, links_, "the rendering", counts_.checked > 0);
     report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_
+                     : !trouble.empty()           ? trouble
                      : !missing.empty()           ? "waiting for " + missing
                      : unread_                    ? "idle: nobody reads the verdicts"
                                                   : "no disagreement";
@@ -238,10 +245,11 @@ class ValidatorNode {
   Scene scene_;
   ReferenceScene reference_;
   bus::Participant participant_;
-  bus::Reader<msg::ScenePlan> plans_;
-  bus::Reader<msg::ContactState> contacts_;
+  bus::LatchedReader<msg::ScenePlan> plans_;
+  bus::FollowedReader<msg::ContactState> contacts_;
   bus::Writer<msg::ValidationReport> reports_;
   bus::WaitSet wait_set_;
+  runtime::RoleBinding rendering_;  ///< only its samples are judged
   std::vector<runtime::Link> links_;
   std::unique_ptr<Judge> judge_;
   Built built_;                ///< what is judged

@@ -302,6 +302,7 @@ void numbers() {
   put("options", "number", "1e-3");
   put("options", "whole", "17");
   put("options", "name", "left_2");
+  put("options", "interface", "fe80::1%eth0.7");
   put("numbers", "poses", "\1qw,qx,qy,qz,tx,ty,tz,more\n1,0,0,0,0.1,0.2,0.3,x\n0.5,0.5,0.5,0.5,-1e-3,0,0,\n");
   HandFile hand;
   hand.motion.path = {Vec3(0.0, 0.0, 0.1), Vec3(0.1, 0.0, 0.05)};

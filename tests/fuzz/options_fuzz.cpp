@@ -1,4 +1,6 @@
 // Texts behind the options of a command line: the check that the house adds, then what CLI11 makes of them.
+#include <sched.h>
+
 #include <CLI/CLI.hpp>
 
 #include "nodes/runtime/options.hpp"
@@ -17,7 +19,7 @@ void command_line(const std::string& text) {
   app.add_option("--not-negative", not_negative)->check(runtime::require_not_negative);
   app.add_option("--whole", whole)->check(runtime::require_whole);
   runtime::add_node_options(app, options, false);
-  for (const char* name : {"--positive=", "--not-negative=", "--whole=", "--seed=", "--domain=", "--rig=", "--cpu="}) {
+  for (const char* name : {"--positive=", "--not-negative=", "--whole=", "--seed=", "--domain=", "--rig=", "--cpu=", "--interface="}) {
     try {
       app.parse(std::vector<std::string>{name + text});
     } catch (const CLI::Error&) {
@@ -26,6 +28,8 @@ void command_line(const std::string& text) {
     FUZZ_REQUIRE(std::isfinite(positive) && positive > 0.0);
     FUZZ_REQUIRE(std::isfinite(not_negative) && not_negative >= 0.0);
     FUZZ_REQUIRE(options.domain <= 232);
+    FUZZ_REQUIRE(!options.realtime.cpu || (*options.realtime.cpu >= 0 && *options.realtime.cpu < CPU_SETSIZE));
+    FUZZ_REQUIRE(options.network_interface.find_first_of("<>&\"'/ \n") == std::string::npos);  // it goes into XML
     const std::string rig = options.rig;
     FUZZ_REQUIRE(!rig.empty() && rig.find_first_of("/ \n\"") == std::string::npos);
   }

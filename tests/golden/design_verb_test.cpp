@@ -1,4 +1,4 @@
-/// `voxtouch design`: the report, its JSON, its picture, and what it refuses.
+/// `voxtouch design`: the report, its JSON, and what it refuses. The stable region and its picture: plot_test.py.
 #include <gtest/gtest.h>
 
 #include "tests/golden/golden.hpp"
@@ -37,19 +37,6 @@ TEST(DesignVerb, ThePapersRecipeIsStableWhereTheContactIsSoftAndTheDeviceDamped)
   const nlohmann::json j = nlohmann::json::parse(run.out);
   EXPECT_EQ(j["paper_recipe"]["released"]["stable"], true);
   EXPECT_EQ(j["paper_recipe"]["held"]["stable"], true);
-}
-
-TEST(DesignVerb, DrawsTheStableRegionWithTheChosenPointInIt) {
-  const TemporaryFolder folder;
-  const Finished run = voxtouch({"design", "--plot", (folder / "region.svg").string()});
-  EXPECT_EQ(run.status, 0) << run.err;
-  const std::string svg = file_text(folder / "region.svg");
-  EXPECT_TRUE(svg.starts_with("<svg")) << svg.substr(0, 80);
-  EXPECT_TRUE(svg.ends_with("</svg>\n"));
-  for (const char* word : {"designed: ", "paper: 5 Hz", "stable below", "certified below"})
-    EXPECT_NE(svg.find(word), std::string::npos) << word;
-  EXPECT_EQ(svg.find("nan"), std::string::npos);
-  EXPECT_EQ(svg.find("inf"), std::string::npos);
 }
 
 TEST(DesignVerb, DesignsForADeviceThatALabHasWrittenDown) {

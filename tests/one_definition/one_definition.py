@@ -44,9 +44,11 @@ class Build:
         self.entries = []  # (source relative to the root, object, flags)
         for entry in json.loads((self.folder / "compile_commands.json").read_text()):
             source = pathlib.Path(entry["file"])
-            if source.suffix != ".cpp" or not source.is_relative_to(self.root):
+            # Files that are compiled together stand in one unit of the build folder; the unit then counts as the source.
+            home = self.folder if source.is_relative_to(self.folder) else self.root
+            if source.suffix not in (".cpp", ".cxx") or not source.is_relative_to(home):
                 continue
-            relative = source.relative_to(self.root)
+            relative = source.relative_to(home)
             words = shlex.split(entry["command"])
             if relative.parts[0] in PRODUCTION:
                 self.entries.append((str(relative), self.folder / words[words.index("-o") + 1], words))

@@ -92,6 +92,20 @@ TEST(Up, RefusesARigThatIsInUse) {
   EXPECT_EQ(first.wait().status, 0);
 }
 
+TEST(Up, OfTwoAtOnceExactlyOneRunsAndTheOtherSaysSo) {
+  for (int i = 0; i < 10; ++i) {
+    const auto arguments = up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record", "--duration", "0.2"});
+    Process one(arguments);
+    std::this_thread::sleep_for(milliseconds(30 * i));
+    Process other(arguments);
+    const Finished ends[] = {one.wait(), other.wait()};
+    const auto loser = [](const Finished& end) { return end.err.find("rig 'haptic' is in use") != std::string::npos; };
+    ASSERT_EQ(loser(ends[0]) + loser(ends[1]), 1) << "round " << i << "\n" << ends[0].err << "\n--\n" << ends[1].err;
+    const Finished& winner = ends[loser(ends[0]) ? 1 : 0];
+    EXPECT_GT(parse_summary(winner.out)["samples"], 100) << winner.out << winner.err;
+  }
+}
+
 TEST(Up, StopsInOrderOnCtrlCAndSaysThatTheRunWasCutShort) {
   const TemporaryFolder folder;
   Process up(up_arguments(shipped_scene("plane"),

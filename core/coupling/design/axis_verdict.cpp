@@ -15,7 +15,6 @@
 namespace voxtouch {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Room for rounding where a bound is met exactly.
 constexpr double kRounding = 1.0 + 1e-9;
 using Law = LoopController::Law;

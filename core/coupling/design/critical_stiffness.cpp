@@ -3,6 +3,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "core/coupling/design/design_axis.hpp"
 #include "core/coupling/design/first_crossing.hpp"
 #include "core/coupling/design/loop_checks.hpp"
 #include "core/coupling/design/loop_response.hpp"
@@ -12,7 +13,6 @@ namespace voxtouch {
 namespace {
 
 using Law = LoopController::Law;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double mass_of(const LoopPlant& p) { return p.mass + p.hand_mass; }
 double damping_of(const LoopPlant& p) { return p.damping + p.hand_damping; }

@@ -11,7 +11,6 @@
 namespace voxtouch {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using Law = LoopController::Law;
 
 /// Noise that is hardly felt [N], and the share of a strong device's force that is not either.

@@ -1,11 +1,19 @@
 #pragma once
 /// One kind of motion, translation or rotation, as a problem to be designed for; and what certifies an answer.
+#include <limits>
 #include <vector>
 
 #include "core/coupling/design/design_cases.hpp"
 #include "core/coupling/design/designer.hpp"
 
 namespace voxtouch {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The design of axis 0, translation, or 1, rotation.
+inline const AxisDesign& axis_of(const Design& design, std::size_t axis) noexcept {
+  return axis == 0 ? design.translation : design.rotation;
+}
 
 struct AxisProblem {
   const AxisUnits* units = &kTranslationUnits;

@@ -10,8 +10,6 @@
 namespace voxtouch {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 void set_cap(CouplingSpec& spec, std::size_t axis, double cap) {
   (axis == 0 ? spec.stiffness_cap_n_per_m : spec.stiffness_cap_nm_per_rad) = cap;
 }

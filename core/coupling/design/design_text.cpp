@@ -10,8 +10,6 @@ namespace voxtouch {
 
 namespace {
 
-const AxisDesign& axis_of(const Design& design, std::size_t a) { return a == 0 ? design.translation : design.rotation; }
-
 std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
   if (d.critical_stiffness <= 0.0)
     return fmt::format("{}: no stiffness is stable ({}).", p.units->name, d.worst_case_text);

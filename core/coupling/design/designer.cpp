@@ -62,8 +62,6 @@ void allow_passivity_damping(const std::vector<AxisProblem>& problems, CouplingS
   if (problems.size() > 1) spec.passivity_damping_limit_nms_per_rad = left(1, spec.injected_damping_nms_per_rad);
 }
 
-const AxisDesign& axis_of(const Design& design, std::size_t a) { return a == 0 ? design.translation : design.rotation; }
-
 bool too_soft(const std::vector<AxisProblem>& problems, const Design& design) {
   for (std::size_t a = 0; a < problems.size(); ++a)
     if (axis_of(design, a).shown_stiffness < std::min(problems[a].useful, 0.999 * problems[a].target)) return true;

@@ -11,7 +11,6 @@
 namespace voxtouch {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// r / c in periods.
 constexpr std::array kLeads{0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0};
 /// Contact over coupling stiffness at which the table is asked; in between, the exact check sees to it.

@@ -15,24 +15,21 @@ import json
 import pathlib
 import platform
 import shutil
-import sqlite3
-import struct
 import subprocess
 import sys
 import time
 
-try:
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-except ImportError:
-    sys.exit(f"make_report.py draws with matplotlib, which {sys.executable} does not have: install python3-matplotlib, and run it "
-             "with the system's Python (/usr/bin/python3 on Debian) where another stands before it.")
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "deploy/tools"))
+import plot  # its colours, and its reader of bags
 
-HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parents[2]
-GREY, BLUE, ORANGE, GREEN = "#666666", "#0071b2", "#c85200", "#008060"
-COLOUR = {"original": GREY, "adapted": BLUE, "clustered": ORANGE, "field": GREEN}
+if plot.NO_MATPLOTLIB:
+    sys.exit(plot.NO_MATPLOTLIB)
+plot.matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+GREY, BLUE, ORANGE = plot.GREY, plot.BLUE, plot.ORANGE
+COLOUR = {model: colour for model, (colour, _) in plot.MODELS.items()}
 plt.rcParams.update({"font.size": 9, "axes.titlesize": 10, "axes.spines.top": False, "axes.spines.right": False,
                      "figure.dpi": 110, "svg.hashsalt": "voxtouch", "axes.grid": True, "grid.color": "#e6e6e6"})
 
@@ -201,23 +198,6 @@ def experiments(page, build, out, quick):
 
 
 # ---------------------------------------------------------------------------------------------------------------- figure 12
-def messages(bag, topic):
-    for file in sorted(pathlib.Path(bag).glob("*.db3")):
-        connection = sqlite3.connect(f"file:{file}?mode=ro", uri=True)
-        yield from (data[4:] for (data,) in connection.execute(
-            "SELECT data FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = ?) ORDER BY id", (topic,)))
-        connection.close()
-
-
-def forces(bag, topic, at):
-    """Lists of seconds and of |force| in newtons; `at`: where the force stands in the message."""
-    pairs = []
-    for m in messages(bag, topic):
-        (t,) = struct.unpack_from("<q", m, 16)
-        pairs.append((t * 1e-9, sum(x * x for x in struct.unpack_from("<3d", m, at)) ** 0.5))
-    return pairs
-
-
 def ring(page, build, out, quick):
     recipe = (ROOT / "deploy/scenes/cup.yaml").read_text().replace("../meshes", str(ROOT / "deploy/meshes"))
     begin = recipe.index("coupling:")
@@ -242,18 +222,18 @@ def ring(page, build, out, quick):
                 rows.append([device, motion, coupling, "refused: " + "; ".join(problems)])
                 axis.text(0.5, 0.5, "refused", transform=axis.transAxes, ha="center")
                 continue
-            raw, returned = forces(bag, "/haptic/rendering/contact", 136), forces(bag, "/haptic/coupling/command", 32)
-            axis.plot([t for t, _ in raw], [f for _, f in raw], lw=0.5, color=ORANGE, label="contact force, raw")
-            axis.plot([t for t, _ in returned], [f for _, f in returned], lw=1.6, color=BLUE, label="returned to the hand")
+            raw, returned = plot.read_contact(bag, "haptic"), plot.read_returned(bag, "haptic")
+            axis.plot(raw["t"], raw["all"], lw=0.5, color=ORANGE, label="contact force, raw")
+            axis.plot(returned["t"], returned["force"], lw=1.6, color=BLUE, label="returned to the hand")
             axis.set_ylabel("force [N]")
-            top = max(max(f for _, f in returned), sorted(f for _, f in raw)[int(0.99 * len(raw))])
+            top = max(max(returned["force"]), sorted(raw["all"])[int(0.99 * len(raw["all"]))])
             axis.set_ylim(0, 1.15 * top if top > 0 else None)
-            tail = [f for t, f in returned if t > 0.6 * seconds]
+            tail = [f for t, f in zip(returned["t"], returned["force"]) if t > 0.6 * seconds]
             summary = json.loads(done.stdout)
-            pushing = sum(1 for _, f in raw if f > 1e-9)
+            pushing = sum(1 for f in raw["all"] if f > 1e-9)
             if pushing != summary["contact_samples"]:  # the messages are not laid out as this script reads them
                 raise ValueError(f"{bag}: {pushing} contact messages hold a force, but the rendering counted {summary['contact_samples']}")
-            rows.append([device, motion, coupling, f"largest raw {max(f for _, f in raw):.1f} N, returned {max(f for _, f in returned):.2f} N; last 40 %: "
+            rows.append([device, motion, coupling, f"largest raw {max(raw['all']):.1f} N, returned {max(returned['force']):.2f} N; last 40 %: "
                          f"{min(tail):.2f} to {max(tail):.2f} N; " + ("all is well" if summary.get("ok") else "; ".join(summary.get("problems", [])))])
     axes[0][0].legend(fontsize=7)
     for axis in axes[-1]:

@@ -1,10 +1,5 @@
 #pragma once
-/// Rows as a run would give them, and a look at SVG as XML.
-#include <cctype>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
+/// Rows as a run would give them.
 #include "nodes/cli/accuracy_report.hpp"
 
 namespace voxtouch::test {
@@ -50,64 +45,6 @@ inline cli::AccuracyReport accuracy_report(const AccuracyWish& wish = {}) {
   r.machine = {.version = "0.1.0", .processor = "Some(R) CPU", .cpus = 2, .compiler = "gcc 12", .flags = "-O3"};
   r.load_before = 0.5, r.load_after = 1.5;
   return r;
-}
-
-/// Throws where `text` is not one well-formed element: tags that do not close in their order, attributes without quotes or twice, an
-/// ampersand that starts no entity. (No comments, processing instructions or CDATA: to_svg writes none.) Gives the number of elements.
-inline std::size_t count_elements(const std::string& text) {
-  std::vector<std::string> open;
-  std::size_t elements = 0, i = 0;
-  const auto fail = [&](const std::string& what) {
-    throw std::runtime_error(what + " at byte " + std::to_string(i) + ": " + text.substr(i, 60));
-  };
-  const auto name = [&] {
-    const std::size_t begin = i;
-    while (i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) || text[i] == '-' || text[i] == ':'))
-      ++i;
-    if (i == begin) fail("no name");
-    return text.substr(begin, i - begin);
-  };
-  const auto character = [&] {
-    if (text[i] == '<') fail("a bare <");
-    if (text[i] == '&') {
-      const std::size_t end = text.find(';', i);
-      const std::string entity = end == std::string::npos ? "" : text.substr(i + 1, end - i - 1);
-      if (entity != "amp" && entity != "lt" && entity != "gt" && entity != "quot") fail("a bare &");
-    }
-    ++i;
-  };
-  while (i < text.size()) {
-    if (text[i] != '<') {
-      if (open.empty() && !std::isspace(static_cast<unsigned char>(text[i]))) fail("text outside the root");
-      character();
-      continue;
-    }
-    ++i;
-    if (text[i] == '/') {
-      ++i;
-      if (const std::string closed = name(); open.empty() || open.back() != closed) fail("</" + closed + ">");
-      open.pop_back();
-    } else {
-      if (open.empty() && elements > 0) fail("a second root");
-      open.push_back(name());
-      ++elements;
-      std::vector<std::string> seen;
-      while (i < text.size() && text[i] == ' ') {
-        ++i;
-        seen.push_back(name());
-        for (std::size_t k = 0; k + 1 < seen.size(); ++k)
-          if (seen[k] == seen.back()) fail("attribute twice");
-        if (text.compare(i, 2, "=\"") != 0) fail("no quoted value");
-        for (i += 2; i < text.size() && text[i] != '"';) character();
-        ++i;
-      }
-      if (i < text.size() && text[i] == '/') open.pop_back(), ++i;
-    }
-    if (i >= text.size() || text[i] != '>') fail("no >");
-    ++i;
-  }
-  if (!open.empty()) fail("<" + open.back() + "> is never closed");
-  return elements;
 }
 
 }  // namespace voxtouch::test

@@ -52,6 +52,29 @@ TEST(Limits, ClampMakesAnythingFinite) {
   EXPECT_NEAR(v.norm(), 2.0, 1e-12);  // overflow on the way must not cost the force
 }
 
+TEST(Limits, ALimitThatIsNoNumberNegativeOrNextToZeroLetsNothingPass) {
+  constexpr double kLeast = std::numeric_limits<double>::denorm_min();
+  for (double limit : {kNan, -1.0, -kInf, 0.0, -0.0, kLeast, 1e-310}) {
+    for (const Vec3& wanted : {Vec3(1, 2, 3), Vec3(kLeast, -kLeast, kLeast), Vec3(1e-309, 0, -1e-309)}) {
+      Vec3 v = wanted;
+      EXPECT_EQ(clamp_length(v, limit), !(length_of(wanted) <= limit)) << limit;
+      EXPECT_TRUE(v.isZero(0.0) || length_of(v) <= limit) << limit;
+    }
+  }
+}
+
+TEST(Limits, ADeviceWithoutTorqueLeavesItOutAndCallsItNoCut) {
+  Wrench wrench{Vec3(1, 0, 0), Vec3(0, 2, 0)};
+  EXPECT_FALSE(clamp_wrench(wrench, 5.0, 0.0).any());
+  EXPECT_EQ(wrench.force, Vec3(1, 0, 0));
+  EXPECT_TRUE(wrench.torque.isZero(0.0));
+  Wrench both{Vec3(9, 0, 0), Vec3(0, 2, 0)};
+  const WrenchCut cut = clamp_wrench(both, 5.0, 1.0);
+  EXPECT_TRUE(cut.force && cut.torque);
+  EXPECT_LE(length_of(both.force), 5.0);
+  EXPECT_LE(length_of(both.torque), 1.0);
+}
+
 TEST(Limits, CheckRefusesEachFieldThatIsNotFiniteOrOverItsLimit) {
   DeviceDescription device;
   device.max_force_n = 8.5;

@@ -11,6 +11,7 @@
 #include "nodes/rendering/change_desk.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/strings.hpp"
+#include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {
@@ -118,7 +119,7 @@ const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
 class RenderingLive : public testing::Test {
  protected:
   RenderingLive()
-      : rig(own_rig("x")), participant({kDomain, "lo", "around"}),
+      : rig(own_rig("x")), device(kDomain, "device", rig), participant(device.participant),
         descriptions(participant, qos::kDeviceDescription, rig, latched()),
         plans(participant, qos::kScenePlan, rig, latched()),
         states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)),
@@ -131,12 +132,8 @@ class RenderingLive : public testing::Test {
     EXPECT_TRUE(asker.send_until_heard(change(99), 1'000'000));
   }
   void begin(std::uint64_t id) {
-    static char text[] = "fake";
-    msg::DeviceDescription m{};
-    m.session_id = session = id;
-    m.model = m.grip = text;
-    m.rate_hz = 1000.0;
-    descriptions.write(m);
+    descriptions.write(stylus(session = id));
+    device.say(id);
     sequence = 0;
     ASSERT_TRUE(wait_until([&] {
       look();
@@ -184,7 +181,8 @@ class RenderingLive : public testing::Test {
 
   SceneCopy scene;
   std::string rig;
-  bus::Participant participant;
+  StandIn device;
+  const bus::Participant& participant;
   bus::Writer<msg::DeviceDescription> descriptions;
   bus::Reader<msg::ScenePlan> plans;
   bus::Writer<msg::DeviceState> states;

@@ -13,6 +13,7 @@
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/roster.hpp"
 #include "nodes/runtime/strings.hpp"
+#include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {
@@ -47,10 +48,12 @@ struct Seen {
 class Around {
  public:
   explicit Around(const std::string& coupling)
-      : rig(own_rig("c")), participant({kDomain, "lo", "around"}), roster(participant, rig),
-        descriptions(participant, qos::kDeviceDescription, rig, latched()),
-        plans(participant, qos::kScenePlan, rig, latched()), states(participant, qos::kDeviceState, rig, stream()),
-        contacts(participant, qos::kContactState, rig, stream()),
+      : rig(own_rig("c")), device(kDomain, "device", rig), rendering(kDomain, "rendering", rig),
+        participant({kDomain, "lo", "around"}), roster(participant, rig),
+        descriptions(device.participant, qos::kDeviceDescription, rig, latched()),
+        plans(rendering.participant, qos::kScenePlan, rig, latched()),
+        states(device.participant, qos::kDeviceState, rig, stream()),
+        contacts(rendering.participant, qos::kContactState, rig, stream()),
         designs(participant, qos::kCouplingDesign, rig, latched()),
         commands(participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kTap)),
         options(options_for(coupling)),
@@ -69,23 +72,10 @@ class Around {
   static const qos::Profile& stream() { return qos::profile(qos::ProfileId::kStream); }
 
   void describe(double damping_ns_per_m, std::uint64_t session = 7) {
-    const std::string model = "stylus", grip = "pen";
-    msg::DeviceDescription m{};
-    m.session_id = session;
-    m.model = runtime::lend(model);
-    m.grip = runtime::lend(grip);
-    m.rate_hz = 1000.0;
-    m.max_force_n = 8.5;
-    m.max_stiffness_n_per_m = 800.0;
-    m.mass_min_kg = 0.05, m.mass_max_kg = 0.1;
+    msg::DeviceDescription m = stylus(session);
     m.damping_ns_per_m = damping_ns_per_m;
-    m.position_resolution_m = 3e-5;
-    m.delay_s = 1e-3;
-    m.force_bandwidth_hz = 1e9;
-    m.jitter = 0.2;
-    m.lost_in_a_row = 1;
-    m.simulated = true;
     descriptions.write(m);
+    device.say(session);
   }
   void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7) {
     const std::string text = "plane";
@@ -95,6 +85,7 @@ class Around {
     m.one_point_stiffness_n_per_m = one_point_n_per_m;
     m.all_points_stiffness_n_per_m = 100 * one_point_n_per_m;
     plans.write(m);
+    rendering.say(session);
   }
   /// Pressed against a floor at one depth, sample after sample.
   void touch(std::uint64_t session = 7) {
@@ -133,6 +124,7 @@ class Around {
   }
 
   std::string rig;
+  StandIn device, rendering;
   bus::Participant participant;
   runtime::Roster roster;
   bus::Writer<msg::DeviceDescription> descriptions;
@@ -267,6 +259,39 @@ TEST(CouplingNode, JudgesACouplingThatIsSetByHandAndRunsIt) {
   EXPECT_EQ(around.seen[0].cutoff_hz, 5.0);
   EXPECT_GT(around.seen[0].reasons, 0U) << "300 N/m through a 5 Hz filter are not stable on this device";
   for (int i = 0; i < 600; ++i) around.touch();
+  ASSERT_FALSE(around.forces.empty());
+  EXPECT_NEAR(around.forces.back(), kForce, 0.1 * kForce);
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan();
+  ASSERT_TRUE(wait_until([&] {
+    around.look();
+    return around.seen.size() == 1;
+  }));
+  for (int i = 0; i < 300; ++i) around.touch();
+  for (const double impossible : {std::nan(""), -1.0, 1e9}) {
+    around.describe(impossible);
+    ASSERT_TRUE(wait_until([&] {
+      around.touch();
+      return around.message().find("damping_ns_per_m is") != std::string::npos;
+    })) << around.message();
+    const std::size_t designs = around.seen.size();
+    around.forces.clear();
+    for (int i = 0; i < 200; ++i) around.touch();
+    EXPECT_EQ(around.seen.size(), designs) << "it designs for a device that cannot be";
+    EXPECT_FALSE(around.forces.empty());
+    around.describe(20.0);
+    ASSERT_TRUE(wait_until([&] {
+      around.touch();
+      return around.message().find("damping_ns_per_m is") == std::string::npos;
+    })) << around.message();
+  }
+  around.forces.clear();
+  for (int i = 0; i < 300; ++i) around.touch();
   ASSERT_FALSE(around.forces.empty());
   EXPECT_NEAR(around.forces.back(), kForce, 0.1 * kForce);
   EXPECT_EQ(around.node.end(), 0);

@@ -93,12 +93,13 @@ class DeviceLoopRun : public testing::Test {
   End run(std::uint64_t samples = 1200) {
     const auto& stream = qos::profile(qos::ProfileId::kStream);
     bus::Writer<msg::DeviceState> states(participant_, qos::kDeviceState, rig_, stream);
-    bus::Reader<msg::ForceCommand> commands(participant_, qos::kForceCommand, rig_, stream);
+    bus::FollowedReader<msg::ForceCommand> commands(participant_, qos::kForceCommand, rig_, stream);
     bus::WaitSet wait_set(participant_);
     wait_set.attach(commands.condition());
     test::NodeThread coupling([this](const std::atomic<bool>& enough) { return answer(enough); });
     DeviceLoop loop({.session_id = 7, .max_samples = samples}, device, states, commands, wait_set, progress, requests);
     test::wait_until([&] { return commands.matched_count() == 1 && states.matched_count() == 1; });
+    EXPECT_TRUE(commands.following().follow(commands.matched().at(0)));
     const std::int64_t begin = runtime::monotonic_ns();
     const End end = loop.run(stop);
     took_s = static_cast<double>(runtime::monotonic_ns() - begin) * 1e-9;

@@ -8,6 +8,7 @@
 #include "nodes/bus/writer.hpp"
 #include "nodes/runtime/roster.hpp"
 #include "nodes/runtime/strings.hpp"
+#include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {
@@ -25,6 +26,7 @@ class ValidatorNodeTest : public testing::Test {
     plan.session_id = 7;
     plan.voxel_size_m = 1e-3, plan.largest_shell_gap_m = 1e-3;
     plans_.write(plan);
+    rendering_.say(7);
     node_ = std::make_unique<NodeThread>([this](const std::atomic<bool>& stop) { return validator::run(options_, stop); });
   }
 
@@ -48,22 +50,23 @@ class ValidatorNodeTest : public testing::Test {
     });
   }
   std::string message() {
-    roster_.update(true);
+    roster_.update([](const auto&) { return true; });
     const auto report = roster_.find("validator");
     return report ? report->message : "no report";
   }
   std::uint64_t checked() {
-    roster_.update(true);
+    roster_.update([](const auto&) { return true; });
     const auto report = roster_.find("validator");
     return report ? runtime::as_count(runtime::value_of(report->figures, "checked")) : 0;
   }
 
   const std::string rig_ = own_rig("v"), none_;
   const Scene scene_ = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
-  bus::Participant rendering_{{kDomain, "lo", "rendering"}}, reader_{{kDomain, "lo", "reader"}};
+  StandIn rendering_{kDomain, "rendering", rig_};
+  bus::Participant reader_{{kDomain, "lo", "reader"}};
   runtime::Roster roster_{reader_, rig_};
-  bus::Writer<msg::ScenePlan> plans_{rendering_, qos::kScenePlan, rig_, qos::profile(qos::ProfileId::kLatched)};
-  bus::Writer<msg::ContactState> contacts_{rendering_, qos::kContactState, rig_, qos::profile(qos::ProfileId::kStream)};
+  bus::Writer<msg::ScenePlan> plans_{rendering_.participant, qos::kScenePlan, rig_, qos::profile(qos::ProfileId::kLatched)};
+  bus::Writer<msg::ContactState> contacts_{rendering_.participant, qos::kContactState, rig_, qos::profile(qos::ProfileId::kStream)};
   validator::Options options_;
   std::uint64_t sequence_ = 0;
   std::unique_ptr<NodeThread> node_;

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <sched.h>
+
 #include <CLI/CLI.hpp>
 
 #include "nodes/runtime/clock.hpp"
@@ -40,6 +42,60 @@ TEST(LatencyHistogram, GivesQuantilesAndMaximum) {
 
 TEST(LatencyHistogram, SaysZeroWithoutSamples) { EXPECT_EQ(LatencyHistogram().quantile_us(0.5), 0.0); }
 
+TEST(NodeOptions, TakeOnlyCpusThatThereAre) {
+  cpu_set_t allowed;
+  ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+  for (int cpu = 0; cpu < 2000; ++cpu)
+    EXPECT_EQ(require_cpu(std::to_string(cpu)).empty(), cpu < CPU_SETSIZE && CPU_ISSET(static_cast<unsigned>(cpu), &allowed)) << cpu;
+  for (const char* text : {"", "-1", "99999", "0x1", "1.0", " 0", "nan"}) {
+    EXPECT_FALSE(require_cpu(text).empty()) << text;
+    EXPECT_NE(require_cpu(text).find("; there "), std::string::npos) << require_cpu(text);
+  }
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  const auto first = static_cast<unsigned>(sched_getcpu());
+  CPU_SET(first, &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  EXPECT_EQ(require_cpu(std::to_string(first)), "");
+  for (unsigned cpu = 0; cpu < CPU_SETSIZE; ++cpu)
+    if (cpu != first) {
+      EXPECT_FALSE(require_cpu(std::to_string(cpu)).empty()) << "not in this process's mask";
+    }
+  sched_setaffinity(0, sizeof allowed, &allowed);
+}
+
+TEST(NodeOptions, RefuseWhatWouldBeTakenForSomethingElse) {
+  for (const char* text : {"", "-1", "+1", "1.5", "1e3", "0x10", "nan", "18446744073709551616", "99999999999999999999999"}) {
+    EXPECT_FALSE(require_whole(text).empty()) << text;
+    EXPECT_FALSE(require_count(text).empty()) << text;
+  }
+  EXPECT_EQ(require_whole("18446744073709551615"), "");
+  EXPECT_EQ(require_whole("0"), "");
+  EXPECT_EQ(require_count("1"), "");
+  EXPECT_FALSE(require_count("0").empty());
+  for (const char* name : {"rt/joint_states", "rt/*", "DCPSTopic"}) EXPECT_EQ(check_topic(name), "") << name;
+  for (const std::string& name : {std::string(), std::string("a b"), std::string("a\x1b[2J"), std::string(257, 'x')})
+    EXPECT_FALSE(check_topic(name).empty()) << name;
+  const auto parses = [](const std::string& argument) {
+    CLI::App app;
+    NodeOptions options;
+    add_node_options(app, options, false);
+    try {
+      app.parse(std::vector<std::string>{argument});
+    } catch (const CLI::Error&) {
+      return false;
+    }
+    return true;
+  };
+  const std::string huge(1 << 20, 'x');
+  for (const std::string& name : {std::string("haptic"), std::string(64, 'x')}) EXPECT_TRUE(parses("--rig=" + name));
+  for (const std::string& name : {huge, std::string(65, 'x'), std::string("a/b"), std::string("9"), std::string("a\n")})
+    EXPECT_FALSE(parses("--rig=" + name)) << name.substr(0, 80);
+  for (const char* name : {"lo", "eth0.7", "wlp2s0", "192.168.0.1", "fe80::1%eth0"}) EXPECT_TRUE(parses(std::string("--interface=") + name)) << name;
+  for (const std::string& name : {huge, std::string("a b"), std::string("\"/><x"), std::string("a\x1b[2J")})
+    EXPECT_FALSE(parses("--interface=" + name)) << name.substr(0, 80);
+}
+
 TEST(NodeOptions, ComeBackFromTheArgumentsThatAChildGets) {
   NodeOptions given;
   given.scene = "/dev/null";
@@ -50,7 +106,7 @@ TEST(NodeOptions, ComeBackFromTheArgumentsThatAChildGets) {
   given.lockstep = true;
   given.peers = {"rendering", "coupling"};
   given.realtime.mode = Realtime::kEnforce;
-  given.realtime.cpu = 1;
+  given.realtime.cpu = sched_getcpu();
   std::vector<std::string> arguments = to_arguments(given, true);
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   CLI::App app;

@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <ctime>
 #include <vector>
 
+#include "core/mesh/import.hpp"
+#include "core/scene/build.hpp"
 #include "tests/unit/scene/scene_fixture.hpp"
 
 namespace voxtouch {
@@ -36,12 +39,23 @@ const std::vector<Bad> kBad = {
     {"shell: naive", "^origin: [0, 0, 0]", "'origin' is no key of 'dynamic'"},
     {"sphere: {centre", "^ball: {centre", "'ball' is no key of 'parts'. Allowed: sphere, box, cylinder."},
     {"radius: 0.04", "^diameter: 0.04", "'diameter' is no key of 'sphere'"},
-    {"  slide:", "  ^sl/ide:", "may hold letters, digits"},
+    {"  slide:", "  ^sl/ide:", "holds other than letters, digits, '_', '-' and '.'"},
     {"scene: full", "^[1]: full", "A key must be a plain word"},
     {"scene: full", "^: full", "A key is missing before the colon"},
     // types
     {"scene: full", "^scene:", "'scene' must be a text, but here is nothing"},
     {"scene: full", "scene: ^''", "'scene' is empty"},
+    // names: they become part of file and topic names, and are shown
+    {"scene: full", "scene: ^../../etc/x", "'scene' is a name, and the word '../../etc/x' begins with a '.'."},
+    {"scene: full", "scene: ^a/b", "the word 'a/b' holds other than letters, digits, '_', '-' and '.'."},
+    {"scene: full", "scene: ^\"a\\x1b[2Jb\"", "holds other than letters, digits, '_', '-' and '.'."},
+    {"scene: full", "scene: ^\"a\\nb\"", "holds other than letters, digits"},
+    {"scene: full", "scene: ^Größe", "holds other than letters, digits"},
+    {"scene: full", "scene: ^two words", "holds other than letters, digits"},
+    {"scene: full", "scene: ^.hidden", "begins with a '.'."},
+    {"scene: full", "scene: ^aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa", "is longer than 64 characters."},
+    {"effects: []", "effects: [{viscosity: {damping_ns_per_m: 1}, name: ^a/b}]", "'name' is a name, and"},
+    {"- mesh: b.obj", "- {mesh: b.obj, object: {name: ^\"o\\e[2J\"}}", "'name' is a name, and"},
     {"2.0e-3", "^two", "'voxel_size' must be a number, but here is the word 'two'"},
     {"2.0e-3", "^'0.002'", "must be a number, but here is the text '0.002'"},
     {"2.0e-3", "^aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaä123456789", "the word 'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa...'."},
@@ -269,6 +283,47 @@ TEST_F(BadScene, BombsDoNotGoOff) {
   std::string keys;
   for (int k = 0; k < 20'000; ++k) keys.append("k").append(std::to_string(k)).append(": 1\n");
   EXPECT_THROW(parse(keys), SceneError);
+}
+
+TEST_F(BadScene, NamesOfEveryPlainKindAreTaken) {
+  for (const std::string& name : std::vector<std::string>{"cup", "Cup-2.1_b", "7", "a.", "-", std::string(64, 'a')}) {
+    std::string text = kSmall;
+    text.replace(text.find("small"), 5, "'" + name + "'");
+    EXPECT_EQ(parse(text).name, name);
+  }
+}
+
+/// Its size is looked at before it is read: these two gigabytes are not on the disk, and reading them takes a minute.
+TEST_F(BadScene, AMeshOfGigabytesIsRefusedBeforeItIsRead) {
+  std::ofstream(folder_ / "huge.obj") << "v 0 0 0\n";
+  std::filesystem::resize_file(folder_ / "huge.obj", std::uintmax_t{2} << 30);
+  for (const char* mesh : {"a.obj", "b.obj"}) {
+    std::string text = kSmall;
+    text.replace(text.find(mesh), 5, "huge.obj");
+    const auto begin = std::clock();
+    try {
+      parse(text);
+      ADD_FAILURE() << "was taken";
+    } catch (const SceneError& error) {
+      EXPECT_NE(error.sentence().find("has 2147483648 bytes, and at most 536870912 are read; reduce the mesh."), std::string::npos)
+          << error.what();
+      EXPECT_GT(error.place().line, 1);
+    }
+    EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 0.5);  // of this process's own time
+  }
+}
+
+/// The bytes that are built from are those that the scene's hash tells of.
+TEST_F(BadScene, AMeshThatChangesBetweenReadingAndBuildingIsNotTheScenes) {
+  const Scene scene = parse(kSmall);
+  EXPECT_EQ(scene.mesh_hashes.size(), 2U);
+  write("b.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nf 1 2 3\n");
+  try {
+    build_scene(scene, serial_for());
+    ADD_FAILURE() << "was built";
+  } catch (const MeshError& error) {
+    EXPECT_NE(std::string(error.what()).find("b.obj': has changed since the scene was read"), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(BadScene, UnreadableMeshesAreNamed) {

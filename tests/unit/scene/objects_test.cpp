@@ -152,6 +152,14 @@ TEST(BodyScene, FallsOnTheTableAndTheHandFeelsTheGripAlone) {
   EXPECT_EQ(Vec3(rest.force + frame.touch.contact.wrench.force), frame.wrench.force);
 }
 
+TEST(Objects, AreBuiltWithAWordForEachMesh) {
+  std::vector<std::string> steps;
+  build_scene(scene_of("  - {mesh: plane.obj}\n  - {mesh: plane.obj}\n  - {mesh: plane.obj}\n"), serial_for(), {},
+              [&](const std::string& step) { steps.push_back(step); });
+  for (const char* step : {"reading the static meshes", "reading mesh 2 of 3", "reading mesh 3 of 3"})
+    EXPECT_EQ(std::count(steps.begin(), steps.end(), step), 1) << step;
+}
+
 TEST(BodyScene, NeedsAToolThatEnclosesAVolume) {
   Scene scene = load_scene(kDeploy + "/scenes/block.yaml");
   const std::string path = ::testing::TempDir() + "voxtouch_flat_body.obj";

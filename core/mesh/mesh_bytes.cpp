@@ -1,0 +1,62 @@
+#include "core/mesh/mesh_bytes.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+namespace voxtouch {
+
+void import::refuse(const std::filesystem::path& path, const std::string& reason, const std::string& remedy) {
+  throw MeshError("mesh '" + path.string() + "': " + reason + "; " + remedy);
+}
+
+namespace {
+
+using import::refuse;
+
+/// Size of the file, which is there and not too large.
+std::uintmax_t size_of(const std::filesystem::path& path, std::uintmax_t most) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) {
+    refuse(path, "there is no such file", "check the path; a scene's paths start at the scene file's folder");
+  }
+  if (status.type() == std::filesystem::file_type::directory) {
+    refuse(path, "is a directory", "name the mesh file in it");
+  }
+  if (status.type() == std::filesystem::file_type::none) {
+    refuse(path, error.message(), "check the rights on its folders");
+  }
+  if (status.type() != std::filesystem::file_type::regular) {
+    refuse(path, "is not a regular file", "name a mesh file");
+  }
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) refuse(path, error.message(), "check the file");
+  if (size == 0) refuse(path, "is empty", "export the mesh again");
+  if (size > most) {
+    refuse(path, "has " + std::to_string(size) + " bytes, and at most " +
+        std::to_string(most) + " are read",
+           "reduce the mesh");
+  }
+  return size;
+}
+
+}  // namespace
+
+std::string read_mesh_bytes(const std::filesystem::path& path, std::uintmax_t most) {
+  const std::uintmax_t size = size_of(path, most);
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) {
+    refuse(path, std::string("cannot be opened (") + std::strerror(errno) + ")", "give yourself the right to read it");
+  }
+  std::string bytes(size, '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (static_cast<std::size_t>(in.gcount()) != bytes.size() || in.peek() != std::ifstream::traits_type::eof()) {
+    refuse(path, "changed while it was read", "try again when nothing writes to it");
+  }
+  return bytes;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,26 @@
+#pragma once
+/// The bytes of a mesh file, read once and no more of them than there may be.
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace voxtouch {
+
+/// A mesh that cannot be had. The sentence names the file, the reason and what to do.
+struct MeshError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+inline constexpr std::uintmax_t kLargestMeshFile = std::uintmax_t{512} << 20;  ///< [bytes]
+
+/// The whole file. Throws MeshError where it is no regular file, is empty, cannot be read or has more than `most` bytes, which is
+/// found before any of it is read.
+std::string read_mesh_bytes(const std::filesystem::path& path, std::uintmax_t most = kLargestMeshFile);
+
+namespace import {
+/// Throws MeshError("<path>: <reason>; <remedy>").
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason, const std::string& remedy);
+}  // namespace import
+
+}  // namespace voxtouch

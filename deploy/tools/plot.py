@@ -1,0 +1,472 @@
+#!/usr/bin/python3
+"""Draws what voxtouch measures; the ending of PICTURE says the format: .png, .svg or .pdf. Needs python3-matplotlib.
+
+  %(prog)s accuracy RUN.json PICTURE    what accuracy costs in time: error of every contact model and voxel size over the time of a frame
+  %(prog)s design RUN.json PICTURE      where a designed coupling is stable: contact stiffness over the filter's cut-off
+  %(prog)s forces BAG PICTURE           contact force, returned force, depth and gap of a recorded run over time
+  %(prog)s stability MAP.csv PICTURE    energy that each contact model gives a hand on closed sliding loops
+  %(prog)s check PICTURE                draws nothing: exit status 0 where a picture could be drawn and written there
+
+Where the data come from (each command with --help says more):
+  voxtouch accuracy deploy/scenes/cup.yaml --json > run.json         or at once: voxtouch accuracy deploy/scenes/cup.yaml --plot cup.png
+  voxtouch design --scene deploy/scenes/cup.yaml --json > run.json   or at once: voxtouch design --scene deploy/scenes/cup.yaml --plot region.png
+  voxtouch up deploy/scenes/cup.yaml --motion slide --duration 10 --lockstep --record bag
+  build/bin/stability_map --out map.csv
+
+PNG is 1600 x 900 pixels. The same data give the same picture. Exit status 0 where the picture is written; else 1 and a sentence on stderr.
+"""
+import argparse
+import csv
+import json
+import math
+import os
+import pathlib
+import sqlite3
+import statistics
+import struct
+import sys
+import textwrap
+
+try:
+    import matplotlib
+    from matplotlib import patheffects
+    from matplotlib.colors import LogNorm
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+    from matplotlib.transforms import Bbox
+    NO_MATPLOTLIB = ""
+except ImportError as error:
+    NO_MATPLOTLIB = (f"Pictures are drawn with matplotlib, which {sys.executable} does not have ({error}): "
+                     "install python3-matplotlib (deploy/setup does).")
+
+# Colours that stay apart for colour-blind eyes (after Okabe and Ito), on an opaque white ground. A model has one colour and one mark in every picture.
+GREY, BLUE, ORANGE, GREEN, PALE_GREEN, PURPLE, RED = "#6b6b6b", "#0072b2", "#c44e00", "#00805f", "#8fd0b5", "#8e24aa", "#b3261e"
+MODELS = {"original": (GREY, "s"), "adapted": (BLUE, "o"), "clustered": (ORANGE, "^"), "field": (GREEN, "D")}
+STYLE = {"font.size": 16, "axes.titlesize": 14, "axes.labelsize": 15, "legend.fontsize": 14, "xtick.labelsize": 14, "ytick.labelsize": 14,
+         "figure.titlesize": 20, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True,
+         "grid.color": "#e3e3e3", "legend.frameon": False, "figure.facecolor": "white", "savefig.facecolor": "white",
+         "svg.hashsalt": "voxtouch", "agg.path.chunksize": 20000}
+NOTE_WIDTH = 140  # characters
+ENDINGS = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}  # metadata that would differ from run to run
+
+
+# ------------------------------------------------------------------------------------------------------------- figures and files
+def new_figure(title, note, rows=1, columns=1, **more):
+    """A figure of 16 x 9 and its axes in rows; the title says what, the note under it the conditions: lines that are broken to fit."""
+    note = "\n".join(textwrap.fill(line, NOTE_WIDTH) for line in note.splitlines())
+    figure = Figure(figsize=(16, 9), dpi=100, layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)
+    axes = figure.subplots(rows, columns, squeeze=False, **more)
+    figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
+    axes[0][0].annotate(note, (0.01, 0.945), xycoords="figure fraction", va="top", color="0.25", fontsize=14).set_in_layout(False)
+    figure.get_layout_engine().set(rect=(0, 0, 1, 0.955 - 0.03 * note.count("\n")))
+    return figure, axes
+
+
+def legend_beside(axis, **more):
+    """Right of the plane, where it covers no data."""
+    return axis.legend(loc="upper left", bbox_to_anchor=(1.005, 1.0), borderaxespad=0.0, **more)
+
+
+def log_axis(axis, low, high):
+    """Logarithmic from `low` to `high`, with plain numbers at 1, 2 and 5, or at decades where there are many."""
+    (axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale)("log")
+    (axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim)(low, high)
+    axis.set_major_locator(LogLocator(subs=(1,) if high / low > 2000 else (1, 2, 5), numticks=20))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_locator(NullLocator())
+
+
+def decade_round(values):
+    """Limits of a logarithmic axis round `values`, at least a decade apart."""
+    low, high = min(values, default=1.0), max(values, default=1.0)
+    spread = max(1.45, math.sqrt(10.0 * low / high))
+    return low / spread, high * spread
+
+
+# Where a text may stand beside its mark, best first: stairs of a front leave a mark to the right and upwards.
+SIDES = ((1, 0.75), (-1, -0.75), (0, 1), (0, -1), (1, 0), (-1, 0), (-1, 0.75), (1, -0.75))
+
+
+def overlap(a, b):
+    """Area that two boxes share [pixels squared]."""
+    return max(0.0, min(a.x1, b.x1) - max(a.x0, b.x0)) * max(0.0, min(a.y1, b.y1) - max(a.y0, b.y0))
+
+
+def label_marks(axis, marks, ringed=(), radius=11.0):
+    """Writes the text of each (x, y, text, colour) beside its mark, where it covers least of the marks, of the rings round the marks
+    at `ringed`, and of the other texts. `radius`: of a mark [px]; a ring's is twice that."""
+    axis.figure.draw_without_rendering()
+    plane, taken, notes = axis.get_window_extent(), [], []
+    for places, r in (([mark[:2] for mark in marks], radius), (ringed, 2.0 * radius)):
+        taken += [Bbox.from_bounds(x - r, y - r, 2 * r, 2 * r) for x, y in map(axis.transData.transform, places)]
+    for x, y, text, colour in marks:
+        note = axis.annotate(text, (x, y), textcoords="offset points", xytext=(0, 0), ha="center", va="center", color=colour, fontsize=13,
+                             path_effects=[patheffects.withStroke(linewidth=3, foreground="white")])
+        note.set_in_layout(False)
+        size = note.get_window_extent()
+
+        def cost(offset):
+            note.set_position(offset)
+            box = note.get_window_extent()
+            return box.width * box.height - overlap(box, plane) + sum(overlap(box, other) for other in taken)
+        points = 72.0 / axis.figure.dpi
+        note.set_position(min(((dx * points * (gap * radius + size.width / 2), dy * points * (gap * radius + size.height / 2))
+                               for gap in (1.1, 2.1) for dx, dy in SIDES), key=cost))
+        taken.append(note.get_window_extent())
+        notes.append(note)
+    return notes
+
+
+def check_picture(picture):
+    """Ends with a sentence where a picture cannot be drawn, or not be written there."""
+    if picture.suffix.lower() not in ENDINGS:
+        sys.exit(f"{picture}: the name of a picture must end in .png, .svg or .pdf.")
+    if NO_MATPLOTLIB:
+        sys.exit(NO_MATPLOTLIB)
+    if picture.is_dir() or not os.access(picture.parent, os.W_OK | os.X_OK):
+        sys.exit(f"{picture} could not be written: is its folder there, is there room, and may you write there?")
+
+
+def save(figure, picture):
+    """Under its own name only when it is whole."""
+    part = picture.with_name(picture.name + ".part")
+    try:
+        figure.savefig(part, format=picture.suffix[1:].lower(), metadata=ENDINGS[picture.suffix.lower()])
+        os.replace(part, picture)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        sys.exit(f"{picture} could not be written: {error.strerror}.")
+
+
+def read_json(file, verb):
+    try:
+        data = json.load(sys.stdin if file == "-" else open(file, encoding="utf-8"))
+    except OSError as error:
+        sys.exit(f"{file} could not be read: {error.strerror}.")
+    except ValueError as error:
+        sys.exit(f"{file} is not JSON ({error}); write it with: voxtouch {verb} ... --json > {file}")
+    if not isinstance(data, dict) or ("rows" if verb == "accuracy" else "region") not in data:
+        sys.exit(f"{file} holds no result of `voxtouch {verb} --json`" +
+                 ("; it says: " + " ".join(data["problems"]) if isinstance(data, dict) and data.get("problems") else "."))
+    return data
+
+
+# ---------------------------------------------------------------------------------------------------------------------- accuracy
+LEAST_DIRECTION_DEG, LEAST_NOISE_PERCENT = 1e-3, 1e-2  # lowest that is shown; no hand feels a tenth of it
+
+
+def size_word(row):
+    edge, shell = row["voxel_m"] * 1e3, row["shell_voxel_m"] * 1e3
+    return f"{edge:.4g}" if edge == shell else f"{edge:.4g}/{shell:.4g}"
+
+
+def lines_of(rows):
+    """Rows that one thin line joins: of the same model, weights and density of the shell."""
+    out = {}
+    for row in rows:
+        out.setdefault((row["model"], row["weights"], round(row["voxel_m"] / row["shell_voxel_m"], 6)), []).append(row)
+    return out
+
+
+def draw_points(axis, rows, value, labelled):
+    """The marks, and for `labelled` their legend and their sizes: filled where points weigh their area, hollow where each weighs one."""
+    named, marks = set(), []
+    for (model, weights, _), line in lines_of(rows).items():
+        colour, mark = MODELS.get(model, (PURPLE, "v"))
+        new = labelled and (model, weights) not in named
+        named.add((model, weights))
+        axis.plot([r["median_us"] for r in line], [value(r) for r in line], "-", marker=mark, color=colour, lw=1.2, ms=11, mew=2.2, zorder=3,
+                  mfc=colour if weights == "area" else "white",
+                  label=f"{model}, weight {weights}" if new else None)
+        marks += [(r["median_us"], value(r), size_word(r), colour) for r in line]
+    return marks
+
+
+def accuracy_figure(data):
+    rows = [r for r in data["rows"] if r.get("median_us") is not None and r.get("direction_median_deg") is not None]
+    wish, advice, missing = data["wish"], data["advice"], len(data["rows"]) - len(rows)
+
+    def direction(row):
+        return max(row["direction_median_deg"], LEAST_DIRECTION_DEG)
+
+    def noise(row):
+        return max(100.0 * (row["magnitude_noise"] or 0.0), LEAST_NOISE_PERCENT)
+    shells = any(r["voxel_m"] != r["shell_voxel_m"] for r in rows)
+    machine, load = data["conditions"], data["conditions"]["load_after"]
+    processor = machine["processor"].replace("(R)", "").replace("(TM)", "").split(" CPU @")[0]
+    note = (f"Scene {data['scene']}: {data['options']['contacts']} random contacts, {data['options']['depth_edges']:g} e deep, seed "
+            f"{data['options']['seed']}{f'; {missing} settings not measured' if missing else ''}. Lower left is better. "
+            "Shell points weigh one each, or their area.\n"
+            f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of {processor[:48]}"
+            f"{'' if load is None else f', load average {load:.1f}'}")
+    figure, axes = new_figure("What accuracy costs: error of the contact force over the time of a frame", note, 2, sharex=True, height_ratios=(2.3, 1))
+    top, bottom = axes[0][0], axes[1][0]
+    marks = draw_points(top, rows, direction, True)
+    draw_points(bottom, rows, noise, False)
+    log_axis(bottom.xaxis, *decade_round([r["median_us"] for r in rows] + ([wish["within_us"]] if wish["within_us"] else [])))
+    log_axis(top.yaxis, *decade_round([direction(r) for r in rows] + ([wish["direction_deg"]] if wish["direction_deg"] else [])))
+    log_axis(bottom.yaxis, *decade_round([noise(r) for r in rows] + ([100 * wish["noise"]] if wish["noise"] else [])))
+    front = [data["rows"][i] for i in advice["front"]]
+    if front:  # from the top edge down to the fastest, along what can be had for each time, to the right edge
+        x, y = [r["median_us"] for r in front], [direction(r) for r in front]
+        top.step([x[0]] + x + [top.get_xlim()[1]], [top.get_ylim()[1]] + y + [y[-1]], where="post", color="#222222", lw=1.8, zorder=2,
+                 label="Pareto front: least\nerror within each time")
+    if advice["row"] is not None:
+        row = data["rows"][advice["row"]]
+        word = "knee" if advice["met"] is None and advice["knee"] is not None else {None: "best", True: "advised", False: "nearest"}[advice["met"]]
+        top.plot([row["median_us"]], [direction(row)], "o", ms=23, mfc="none", mec=RED, mew=2.2, ls="none", zorder=4,
+                 label=f"{word}: {row['model']},\n{row['weights']}, {size_word(row)} mm")
+    if wish["direction_deg"]:
+        top.axhline(wish["direction_deg"], color=RED, ls="--", label=f"wanted: {wish['direction_deg']:.4g} deg")
+    if wish["noise"]:
+        bottom.axhline(100 * wish["noise"], color=RED, ls="--")
+    if wish["within_us"]:
+        top.axvline(wish["within_us"], color=RED, ls="--", label=f"wanted: within {wish['within_us']:.4g} µs")
+    if not rows:
+        top.text(0.5, 0.5, "nothing could be measured", transform=top.transAxes, ha="center")
+    least = any(direction(r) <= LEAST_DIRECTION_DEG for r in rows)
+    top.set_ylabel("direction error, median [deg]" + (f"\nlowest: {LEAST_DIRECTION_DEG:g} or less" if least else ""))
+    least = any(noise(r) <= LEAST_NOISE_PERCENT for r in rows)
+    bottom.set_ylabel("noise, std / mean [%]" + (f"\nlowest: {LEAST_NOISE_PERCENT:g} or less" if least else ""))
+    bottom.set_xlabel("CPU time of one frame, median [µs]")
+    if top.get_legend_handles_labels()[0]:
+        legend_beside(top, labelspacing=0.8)
+    label_marks(top, marks, [] if advice["row"] is None else [(data["rows"][advice["row"]]["median_us"], direction(data["rows"][advice["row"]]))])
+    return figure, f"shows the errors of {len(rows)} settings over their times"
+
+
+# ------------------------------------------------------------------------------------------------------------------------ design
+def design_figure(data):
+    region, coupling, axis_design, paper = data["region"], data["coupling"], data["translation"], data["paper_recipe"]
+    x = region["cutoff_hz"]
+    undamped, limit = region["critical_undamped_n_per_m"], region["device_limit_n_per_m"]
+    lowest = min([axis_design["shown_stiffness"] or 100.0] + [k for k in undamped if k])
+    low = 10.0 ** math.floor(math.log10(min(max(lowest, 0.01), 100.0)))
+    high = 2.0 * max(limit or 0.0, axis_design["critical_stiffness"] or 0.0, 100.0)
+
+    def curve(values):  # None: nothing makes it unstable; what is 0 lies under the plane
+        return [min(high * 10 if k is None else k, high * 10) for k in values]
+    note = (f"{data['device']}; hand: {data['hand']}.\nWorst case of them; damping ratio {coupling['damping_ratio']:.3g}, injected damping "
+            f"{axis_design['injected_damping']:.3g} Ns/m, velocity filter {axis_design['velocity_filter_hz']:.3g} Hz.")
+    figure, axes = new_figure("Where the virtual coupling is stable: contact stiffness over the filter's cut-off", note)
+    axis = axes[0][0]
+    log_axis(axis.xaxis, x[0], x[-1])
+    log_axis(axis.yaxis, low, high)
+    stable, certified = curve(region["critical_n_per_m"]), curve(region["certified_n_per_m"])
+    axis.fill_between(x, low, stable, color=BLUE, alpha=0.12, lw=0)
+    axis.fill_between(x, low, certified, color=GREEN, alpha=0.16, lw=0)
+    axis.plot(x, stable, color=BLUE, lw=2.5, label="stable below")
+    axis.plot(x, certified, color=GREEN, lw=2.5, label=f"certified below\n(gain margin {region['gain_margin']:.3g})")
+    if axis_design["injected_damping"] > 0:
+        axis.plot(x, curve(undamped), color=BLUE, lw=1.8, ls="--", label="stable below,\nwithout injected damping")
+    if any(k is None or k > low for k in region["passive_n_per_m"]):
+        axis.plot(x, curve(region["passive_n_per_m"]), color=PURPLE, lw=1.8, ls="-.", label="stable below with any hand\n(passivity rule), no\ninjected damping")
+    if limit:
+        axis.axhline(limit, color=GREY, lw=1.8, ls=":", label=f"most that the device\ncan show: {limit:.4g} N/m")
+    if paper["stiffness_n_per_m"]:
+        axis.plot([paper["cutoff_hz"]], [paper["stiffness_n_per_m"]], "s", ms=14, mfc="white", mec=RED, mew=2.5, ls="none", zorder=4,
+                  label=f"paper: {paper['cutoff_hz']:g} Hz,\n{paper['stiffness_n_per_m']:.4g} N/m")
+    if coupling["kind"] == "shaping_filter" and axis_design["shown_stiffness"]:
+        axis.plot([coupling["cutoff_hz"]], [axis_design["shown_stiffness"]], "o", ms=14, color="#111111", ls="none", zorder=4,
+                  label=f"designed: {coupling['cutoff_hz']:.3g} Hz,\n{axis_design['shown_stiffness']:.4g} N/m")
+    axis.set_xlabel("cut-off of the shaping filter, w0 / 2π [Hz]")
+    axis.set_ylabel("contact stiffness at the hand [N/m]")
+    legend_beside(axis, labelspacing=0.9)
+    return figure, "shows where the loop is stable"
+
+
+# ------------------------------------------------------------------------------------------------------------------------ forces
+def messages(bag, topic):
+    """CDR payloads (without encapsulation) of a topic, in order of arrival."""
+    for file in sorted(pathlib.Path(bag).glob("*.db3")):
+        connection = sqlite3.connect(f"file:{file}?mode=ro", uri=True)
+        yield from (data[4:] for (data,) in connection.execute(
+            "SELECT data FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = ?) ORDER BY id", (topic,)))
+        connection.close()
+
+
+# Where things stand in a ContactState, a ForceCommand and a ValidationReport, behind the encapsulation (idl/msg).
+TIME, TOOL, OBJECT, CONTACT_WRENCH, DEPTH, EFFECTS, COMMAND_WRENCH, GAP = 16, 24, 80, 136, 232, 424, 32, 24
+
+
+def number(message, at):
+    return struct.unpack_from("<d", message, at)[0]
+
+
+def vector(message, at):
+    return struct.unpack_from("<3d", message, at)
+
+
+def norm(v):
+    return math.sqrt(sum(x * x for x in v))
+
+
+def read(bag, topic, **values):
+    """Times of the device's clock [s], and for each name a list of what its function reads from a message."""
+    out = {"t": [], **{name: [] for name in values}}
+    for message in messages(bag, topic):
+        out["t"].append(struct.unpack_from("<q", message, TIME)[0] * 1e-9)
+        for name, value in values.items():
+            out[name].append(value(message))
+    return out
+
+
+def read_contact(bag, rig):
+    """Forces [N], depth and heights [mm] of every ContactState; `contact` is the contact's alone, `all` with what effects add."""
+    return read(bag, f"/{rig}/rendering/contact", all=lambda m: norm(vector(m, CONTACT_WRENCH)),
+                contact=lambda m: norm([a - b for a, b in zip(vector(m, CONTACT_WRENCH), vector(m, EFFECTS))]),
+                depth=lambda m: 1e3 * number(m, DEPTH), tool=lambda m: 1e3 * vector(m, TOOL)[2], body=lambda m: 1e3 * vector(m, OBJECT)[2])
+
+
+def read_returned(bag, rig):
+    """Forces [N] of every ForceCommand."""
+    return read(bag, f"/{rig}/coupling/command", force=lambda m: norm(vector(m, COMMAND_WRENCH)))
+
+
+def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
+    if not any(pathlib.Path(bag).glob("*.db3")):
+        sys.exit(f"{bag}: there is no bag here; name the folder that holds metadata.yaml and a .db3 file.")
+    try:
+        contact, returned = read_contact(bag, rig), read_returned(bag, rig)
+        gap = read(bag, f"/{rig}/validation", gap=lambda m: 1e3 * number(m, GAP))
+    except (sqlite3.Error, struct.error) as error:
+        sys.exit(f"{bag}: the bag cannot be read ({error}); is it whole, and of this version?")
+    if not contact["t"]:
+        sys.exit(f"{bag}: no messages on /{rig}/rendering/contact; is this a voxtouch bag, and --rig right?")
+    start, length = contact["t"][0], contact["t"][-1] - contact["t"][0]
+
+    def shown(table):
+        rows = [i for i, t in enumerate(table["t"]) if begin <= t - start <= end]
+        return {name: [values[i] - (start if name == "t" else 0.0) for i in rows] for name, values in table.items()}
+    contact, returned, gap = shown(contact), shown(returned), shown(gap)
+    if not contact["t"]:
+        sys.exit(f"{bag}: nothing between --from {begin:g} and --to {end:g}; the recording lasts {length:.3g} s.")
+    body = any(abs(a - b) > 1e-3 for a, b in zip(contact["tool"], contact["body"]))
+    effects = any(abs(a - b) > 1e-9 for a, b in zip(contact["all"], contact["contact"]))
+    figure, axes = new_figure("Forces of a run, and how deep the tool is", note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}",
+                              3 if body else 2, sharex=True, height_ratios=(2, 1, 1) if body else (2, 1))
+    top, middle, bottom = axes[0][0], axes[1][0], axes[-1][0]
+    top.plot(contact["t"], contact["contact"], color=ORANGE, lw=1.1, zorder=4, label="contact (rendering)")
+    if effects:
+        top.plot(contact["t"], contact["all"], color=PALE_GREEN, lw=4.5, zorder=2, label="grip on the body\n(rendering)" if body else "contact and effects\n(rendering)")
+    top.plot(returned["t"], returned["force"], color=BLUE, lw=2.0, zorder=3, label="returned to the hand\n(coupling)")
+    top.set_ylabel("force [N]")
+    top.set_ylim(bottom=0.0)
+    if body:
+        middle.plot(contact["t"], contact["tool"], color=BLUE, lw=2.4, label="tool")
+        middle.plot(contact["t"], contact["body"], color=ORANGE, lw=1.6, ls="--", label="body")
+        middle.set_ylabel("height [mm]")
+        legend_beside(middle)
+    bottom.plot(contact["t"], contact["depth"], color=PURPLE, lw=1.4, label="depth of the deepest\npoint (rendering)")
+    bottom.plot(gap["t"], gap["gap"], color="black", lw=1.6, ls="--", label="gap, < 0: overlap\n(validator)")
+    bottom.axhline(0.0, color="0.5", lw=0.8)
+    deep = max([1.0] + contact["depth"] + [-g for g in gap["gap"] if math.isfinite(g)])
+    bottom.set_ylim(-1.25 * deep, 2.0 * deep)
+    bottom.set_ylabel("distance [mm]")
+    bottom.set_xlabel("time [s]")
+    bottom.set_xlim(contact["t"][0], contact["t"][-1] + 1e-3)
+    legend_beside(top, labelspacing=0.8)
+    legend_beside(bottom, labelspacing=0.8)
+    pushing = sum(1 for force in contact["contact"] if force > 1e-9)
+    return figure, (f"shows {contact['t'][-1] - contact['t'][0]:.3f} s: {len(contact['t'])} samples, {pushing} with contact, "
+                    f"largest contact force {max(contact['contact']):.3f} N, largest returned force {max(returned['force'], default=0.0):.3f} N")
+
+
+# --------------------------------------------------------------------------------------------------------------------- stability
+SHOWN_RADIUS, FLOOR = 5.0, 1e-6  # of the upper row: the ball's radius over the voxel edge, and the lowest share that has a colour
+BOUND = {"original": 0.15, "adapted": 0.15, "clustered": 0.06, "field": None}  # times e/R: what sliding_test holds the models to
+
+
+def draw_heat(axis, rows, model):
+    rows = {(r["depth_voxels"], r["tilt_deg"]): r for r in rows if r["model"] == model and r["radius_voxels"] == SHOWN_RADIUS}
+    depths, tilts = sorted({d for d, _ in rows}), sorted({t for _, t in rows})
+    grid = [[max(rows[d, t]["energy_share"], FLOOR) if rows[d, t]["mean_force_n"] > 0 else math.nan for d in depths] for t in tilts]
+    image = axis.imshow(grid, origin="lower", aspect="auto", norm=LogNorm(FLOOR, 0.1), cmap="viridis")
+    axis.set_facecolor("0.85")
+    axis.set_xticks(range(len(depths)), [f"{d:g}" for d in depths], fontsize=12, rotation=60)
+    axis.set_yticks(range(len(tilts)), [f"{t:g}" for t in tilts], fontsize=12)
+    axis.grid(False)
+    axis.set_title(model, fontweight="bold", fontsize=16)
+    axis.set_xlabel("depth [voxel edges]")
+    return image
+
+
+def draw_largest(axis, rows, model):
+    """Largest and median share over the voxel's size, and the bound. Shares under the plane leave it at its lower edge."""
+    rows = [r for r in rows if r["model"] == model and r["mean_force_n"] > 0]
+    sizes = sorted({r["radius_voxels"] for r in rows})
+    x, of = [1 / s for s in sizes], {s: [max(r["energy_share"], 1e-14) for r in rows if r["radius_voxels"] == s] for s in sizes}
+    axis.loglog(x, [max(of[s]) for s in sizes], "o-", ms=9, lw=2, color=ORANGE, label="largest")
+    axis.loglog(x, [statistics.median(of[s]) for s in sizes], "s-", ms=9, lw=2, color=BLUE, label="median")
+    held = [v for v in x if BOUND[model] or v <= 0.2]
+    axis.loglog(held, [BOUND[model] * v if BOUND[model] else 1e-6 for v in held], "--", color="black", lw=1.8, label="bound")
+    axis.set_title(f"bound: {BOUND[model]:g} e/R" if BOUND[model] else "bound: 1e-6 for R ≥ 5 e")
+    axis.set_xticks(x, [f"1/{s:g}" for s in sizes])
+    axis.xaxis.set_minor_locator(NullLocator())
+    axis.set_ylim(1e-11, 1)
+    axis.set_xlabel("e / R")
+
+
+def stability_figure(file):
+    try:
+        with open(file, encoding="utf-8") as lines:
+            rows = [{k: v if k == "model" else float(v) for k, v in row.items()} for row in csv.DictReader(lines)]
+    except (OSError, ValueError, TypeError) as error:
+        sys.exit(f"{file} could not be read ({error}); write it with: build/bin/stability_map --out {file}")
+    if not rows or "energy_share" not in rows[0]:
+        sys.exit(f"{file} holds no stability map; write it with: build/bin/stability_map --out {file}")
+    note = (f"A ball of radius R slides over a plane of voxels of edge e; the worst of several loops. Above: R = {SHOWN_RADIUS:g} e; below: all depths "
+            "and tilts.\n0.01: as much as a friction coefficient of 0.01 would take. Darkest: next to none, or energy taken; grey: no contact.")
+    figure, axes = new_figure("Energy that the contact gives a hand on a closed sliding loop", note, 2, len(BOUND), sharey="row")
+    for column, model in enumerate(BOUND):
+        image = draw_heat(axes[0][column], rows, model)
+        draw_largest(axes[1][column], rows, model)
+    axes[0][0].set_ylabel("tilt against the grid [deg]")
+    axes[1][0].set_ylabel("energy given / (force × way)")
+    figure.colorbar(image, ax=list(axes[0]), pad=0.01).set_label("energy given / (force × way)")
+    axes[1][1].legend(loc="lower center")
+    return figure, f"shows {len(rows)} loops' energies"
+
+
+# ----------------------------------------------------------------------------------------------------------------------- command
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+
+    def command(name, data, what):
+        one = commands.add_parser(name, help=what, description=what)
+        if data:
+            one.add_argument("data", metavar=data[0], help=data[1])
+        one.add_argument("picture", metavar="PICTURE", type=pathlib.Path, help="file to write; ends in .png, .svg or .pdf")
+        return one
+    for verb in ("accuracy", "design"):
+        command(verb, ("RUN.json", f"what `voxtouch {verb} ... --json` printed; - reads standard input"), f"draws a result of voxtouch {verb}")
+    forces = command("forces", ("BAG", "folder of the bag, which `voxtouch up ... --record BAG` writes"), "draws the forces of a recorded run")
+    forces.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
+    forces.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="first second shown; 0 is the first contact message")
+    forces.add_argument("--to", dest="end", type=float, default=math.inf, metavar="S", help="last second shown")
+    forces.add_argument("--note", default="", help="the conditions, under the title; default: the bag's name")
+    command("stability", ("MAP.csv", "what `build/bin/stability_map --out MAP.csv` wrote"), "draws the stability map")
+    command("check", None, "draws nothing; says what is missing, if anything")
+    a = parser.parse_args(None if arguments is None else [str(word) for word in arguments])
+    check_picture(a.picture)
+    if a.command == "check":
+        return
+    with matplotlib.rc_context(STYLE):
+        if a.command == "forces":
+            figure, shows = forces_figure(a.data, a.rig, a.begin, a.end, a.note)
+        elif a.command == "stability":
+            figure, shows = stability_figure(a.data)
+        else:
+            data = read_json(a.data, a.command)
+            try:
+                figure, shows = {"accuracy": accuracy_figure, "design": design_figure}[a.command](data)
+            except (KeyError, TypeError) as error:
+                sys.exit(f"{a.data} is not as this version of `voxtouch {a.command} --json` prints it: {type(error).__name__} {error}.")
+        save(figure, a.picture)
+    print(f"{a.picture} {shows}")
+
+
+if __name__ == "__main__":
+    main()

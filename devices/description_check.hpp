@@ -1,0 +1,49 @@
+#pragma once
+/// Whether a device's numbers can be a device's at all. One check for whoever opens a device and for whoever is told of one.
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace voxtouch {
+
+/// The first number that cannot be, as a sentence; empty where all can. `Description`: DeviceDescription, or the message, whose fields
+/// have the same names. It cannot know whether the numbers are true.
+template <class Description>
+std::string what_is_wrong(const Description& d) {
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  std::string wrong;
+  const auto within = [&](std::string_view name, double value, double least, double most) {
+    if (wrong.empty() && !(value >= least && value <= most))  // NaN is not within
+      wrong = fmt::format("the device's {} is {:g}, not from {:g} to {:g}", name, value, least, most);
+  };
+  const bool turns = d.max_torque_nm > 0.0;
+  within("rate_hz", d.rate_hz, 10.0, 100'000.0);
+  within("max_force_n", d.max_force_n, 1e-3, 10'000.0);
+  within("max_torque_nm", d.max_torque_nm, 0.0, 10'000.0);
+  within("max_force_rate_n_per_s", d.max_force_rate_n_per_s, 1e-3, kNoLimit);
+  within("max_torque_rate_nm_per_s", d.max_torque_rate_nm_per_s, turns ? 1e-3 : 0.0, kNoLimit);
+  within("max_stiffness_n_per_m", d.max_stiffness_n_per_m, 1e-3, 1e7);
+  within("max_stiffness_nm_per_rad", d.max_stiffness_nm_per_rad, 0.0, 1e7);
+  within("mass_min_kg", d.mass_min_kg, 1e-4, 1'000.0);
+  within("mass_max_kg", d.mass_max_kg, d.mass_min_kg, 1'000.0);
+  within("inertia_min_kg_m2", d.inertia_min_kg_m2, turns ? 1e-9 : 0.0, 1'000.0);
+  within("inertia_max_kg_m2", d.inertia_max_kg_m2, d.inertia_min_kg_m2, 1'000.0);
+  within("damping_ns_per_m", d.damping_ns_per_m, 0.0, 10'000.0);
+  within("damping_nms_per_rad", d.damping_nms_per_rad, 0.0, 10'000.0);
+  within("coulomb_friction_n", d.coulomb_friction_n, 0.0, 10'000.0);
+  within("coulomb_friction_nm", d.coulomb_friction_nm, 0.0, 10'000.0);
+  within("position_resolution_m", d.position_resolution_m, 0.0, 0.1);
+  within("orientation_resolution_rad", d.orientation_resolution_rad, 0.0, 1.0);
+  within("delay_s", d.delay_s, 0.0, 1.0);
+  within("force_bandwidth_hz", d.force_bandwidth_hz, 1e-3, kNoLimit);
+  within("jitter", d.jitter, 0.0, 100.0);
+  within("lost_in_a_row", d.lost_in_a_row, 0.0, 1'000.0);
+  if (const std::string_view grip(d.grip); wrong.empty() && grip != "pen" && grip != "arm")
+    wrong = "the device's grip is neither pen nor arm";
+  return wrong;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,67 @@
+#include "nodes/bus/following.hpp"
+
+#include <algorithm>
+
+#include "nodes/bus/endpoint.hpp"
+
+namespace voxtouch::bus {
+namespace {
+
+bool admit(const dds_sample_info_t* info, void* following) {
+  return static_cast<Following*>(following)->admits(info->publication_handle);
+}
+
+}  // namespace
+
+dds_topic_filter Following::filter() noexcept {
+  dds_topic_filter filter{};
+  filter.mode = DDS_TOPIC_FILTER_SAMPLEINFO_ARG;
+  filter.f.sampleinfo_arg = admit;
+  filter.arg = this;
+  return filter;
+}
+
+bool Following::admits(dds_instance_handle_t writer) noexcept {
+  const dds_instance_handle_t followed = writer_.load(std::memory_order_acquire);
+  if (followed == 0)
+    return rule_ == WhileNobody::kTakeAll &&
+           std::none_of(unwanted_.begin(), unwanted_.end(), [&](const auto& one) { return one.load() == writer; });
+  if (followed == writer) return true;
+  refused_.fetch_add(1, std::memory_order_relaxed);
+  last_refused_[writer % last_refused_.size()].store(writer, std::memory_order_relaxed);
+  return false;
+}
+
+void Following::refuse(dds_instance_handle_t writer) noexcept {
+  unwanted_[unwanted_count_++ % unwanted_.size()].store(writer);
+}
+
+bool Following::follow(const Guid& participant) {
+  dds_instance_handle_t found = 0;
+  for (const dds_instance_handle_t writer : matched_writer_handles(reader_))
+    if (participant_of_writer(reader_, writer) == participant) found = writer;
+  writer_.store(found, std::memory_order_release);
+  return found != 0;
+}
+
+bool Following::has_matched(const Guid& participant) const {
+  for (const Guid& other : matched_writers(reader_))
+    if (other == participant) return true;
+  return false;
+}
+
+bool Following::has_writer() const {
+  const dds_instance_handle_t followed = writer();
+  return followed != 0 && writer_is_matched(reader_, followed);
+}
+
+std::vector<Guid> Following::take_refused() {
+  std::vector<Guid> participants;
+  for (auto& slot : last_refused_)
+    if (const dds_instance_handle_t writer = slot.exchange(0, std::memory_order_relaxed); writer != 0)
+      if (const Guid participant = participant_of_writer(reader_, writer); participant != Guid{})
+        participants.push_back(participant);
+  return participants;
+}
+
+}  // namespace voxtouch::bus

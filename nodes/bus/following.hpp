@@ -1,0 +1,56 @@
+#pragma once
+/// Whose samples a reader takes in: those of one writer. DDS asks before it stores a sample, so what others write, however fast, takes
+/// no place in the reader's history and wakes nobody.
+#include <array>
+#include <atomic>
+#include <vector>
+
+#include "nodes/bus/participant.hpp"
+
+namespace voxtouch::bus {
+
+/// `follow` and all that allocates: one slow thread. `writer`: any thread, real-time safe. Its address stays: the reader keeps it.
+class Following {
+ public:
+  enum class WhileNobody : bool {
+    kTakeNothing,  ///< streams: a sample of nobody in particular is of no use
+    kTakeAll,      ///< latched values, which come before it is known whose is needed
+  };
+  explicit Following(WhileNobody rule) noexcept : rule_(rule) {}
+  Following(const Following&) = delete;
+  Following& operator=(const Following&) = delete;
+
+  /// From now on the writer of `participant`. False, and nobody is followed, where this reader has matched none of it.
+  bool follow(const Guid& participant);
+  void follow_nobody() noexcept { writer_.store(0, std::memory_order_release); }
+  /// Nothing of `writer` is taken while nobody is followed, for one that sends what cannot be ours. The last 16 are remembered.
+  void refuse(dds_instance_handle_t writer) noexcept;
+  /// Its publication handle; 0: nobody's.
+  dds_instance_handle_t writer() const noexcept { return writer_.load(std::memory_order_acquire); }
+
+  /// Whether this reader has matched a writer of `participant`.
+  bool has_matched(const Guid& participant) const;
+  /// Whether the writer that is followed is still there.
+  bool has_writer() const;
+  /// Samples of others that came while somebody was followed; any thread.
+  std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
+  /// Participants of some of those that were refused since the last call; those that have gone are not among them.
+  std::vector<Guid> take_refused();
+
+  // Of the reader.
+  void attach(dds_entity_t reader) noexcept { reader_ = reader; }
+  dds_topic_filter filter() noexcept;
+  /// Whether a sample of `writer` is to be taken; counts. Real-time safe.
+  bool admits(dds_instance_handle_t writer) noexcept;
+
+ private:
+  WhileNobody rule_;
+  dds_entity_t reader_ = 0;
+  std::atomic<dds_instance_handle_t> writer_{0};
+  std::atomic<std::uint64_t> refused_{0};
+  std::array<std::atomic<dds_instance_handle_t>, 16> unwanted_{};
+  std::size_t unwanted_count_ = 0;
+  std::array<std::atomic<dds_instance_handle_t>, 8> last_refused_{};  ///< the handle's low bits choose the slot
+};
+
+}  // namespace voxtouch::bus

@@ -1,0 +1,101 @@
+#pragma once
+/// A reader of a latched control topic: it keeps the last value of each of several writers until it is known whose is needed.
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <dds/ddsi/ddsi_serdata.h>
+
+#include "nodes/bus/following.hpp"
+#include "nodes/bus/reader.hpp"
+
+namespace voxtouch::bus {
+
+/// Values are kept as they came over the wire. Allocates, as DDS does for types with strings.
+template <class T>
+class LatchedReader {
+ public:
+  LatchedReader() = default;
+  LatchedReader(const Participant& participant, const qos::Topic& row, std::string_view rig)
+      : following_(std::make_unique<Following>(Following::WhileNobody::kTakeAll)),
+        // As latched, but the history, which all writers share, has room for many.
+        reader_(participant, row, rig, qos::profile(qos::ProfileId::kStatus), following_.get()) {}
+
+  /// Calls f(const T&) where the writer that is followed has a value that f has not seen of it, the newest if several have come.
+  /// True if so. The same value written again is none. Looks at kMostTakes samples at most.
+  template <class F>
+  bool take(F&& f) {
+    receive();
+    const dds_instance_handle_t writer = following_->writer();
+    if (writer != last_writer_) shown_.clear();
+    last_writer_ = writer;
+    if (writer == 0) return false;
+    const auto kept = find(writer);
+    if (kept == kept_.end() || kept->bytes == shown_) return false;
+    shown_ = kept->bytes;
+    T value{};
+    const bool whole = ddsi_serdata_to_sample(kept->data.get(), &value, nullptr, nullptr);
+    if (whole) f(static_cast<const T&>(value));
+    dds_sample_free(&value, msg::Type<T>::descriptor, DDS_FREE_CONTENTS);
+    return whole;
+  }
+  /// The writer that is followed has had its value taken: what runs is his.
+  bool current() const noexcept { return last_writer_ != 0 && last_writer_ == following_->writer() && !shown_.empty(); }
+
+  Following& following() const noexcept { return *following_; }
+  std::vector<Guid> matched() const { return reader_.matched(); }
+  std::uint32_t matched_count() const noexcept { return reader_.matched_count(); }
+  dds_entity_t condition() const noexcept { return reader_.condition(); }
+
+  static constexpr int kMostTakes = 64;
+  static constexpr std::size_t kMostWriters = 16;
+  static constexpr std::size_t kMostBytes = 1'000'000;  ///< of a value; a longer one is dropped
+
+ private:
+  struct Unref {
+    void operator()(ddsi_serdata* data) const noexcept { ddsi_serdata_unref(data); }
+  };
+  struct Kept {
+    dds_instance_handle_t writer = 0;
+    std::unique_ptr<ddsi_serdata, Unref> data;
+    std::vector<char> bytes;
+  };
+
+  typename std::vector<Kept>::iterator find(dds_instance_handle_t writer) {
+    return std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.writer == writer; });
+  }
+
+  void receive() {
+    for (int i = 0; i < kMostTakes; ++i) {
+      ddsi_serdata* one[1] = {nullptr};
+      dds_sample_info_t info;
+      if (dds_takecdr(reader_.get(), one, 1, &info, DDS_ANY_STATE) != 1) return;
+      std::unique_ptr<ddsi_serdata, Unref> data(one[0]);
+      if (info.valid_data && following_->admits(info.publication_handle)) keep(info.publication_handle, std::move(data));
+    }
+  }
+
+  void keep(dds_instance_handle_t writer, std::unique_ptr<ddsi_serdata, Unref> data) {
+    const std::size_t size = ddsi_serdata_size(data.get());
+    if (size > kMostBytes) return;
+    auto place = find(writer);
+    if (place == kept_.end() && kept_.size() == kMostWriters)
+      std::erase_if(kept_, [this](const Kept& k) { return !writer_is_matched(reader_.get(), k.writer); });
+    if (place = find(writer); place == kept_.end()) {
+      if (kept_.size() >= kMostWriters) return;
+      place = kept_.insert(kept_.end(), Kept{writer, nullptr, {}});
+    }
+    place->bytes.resize(size);
+    ddsi_serdata_to_ser(data.get(), 0, size, place->bytes.data());
+    place->data = std::move(data);
+  }
+
+  std::unique_ptr<Following> following_;  // outlives the reader, which asks it
+  Reader<T> reader_;
+  std::vector<Kept> kept_;
+  std::vector<char> shown_;  ///< the value that f has seen last
+  dds_instance_handle_t last_writer_ = 0;
+};
+
+}  // namespace voxtouch::bus

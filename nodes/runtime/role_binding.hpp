@@ -1,0 +1,52 @@
+#pragma once
+/// Who plays a role for this node: which one participant the device, the rendering or the coupling is.
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "nodes/bus/following.hpp"
+#include "nodes/runtime/roster.hpp"
+
+namespace voxtouch::runtime {
+
+/// The rule. A participant claims a role with a node status that is its own (the roster knows no others), says the role's name, a
+/// session and that it is starting, ready or running, and with a writer on each of the role's topics here. The one that claims while
+/// nobody is bound is bound; of two that claim then none is. Whoever is bound stays it until his participant has gone; then the next
+/// one takes the role. The samples of all others are refused, counted and named.
+/// One thread, the housekeeping's, owns it; `session` and `bound` may be asked by any.
+class RoleBinding {
+ public:
+  /// `inputs`: this node's readers of what the role writes. They follow whoever is bound.
+  RoleBinding(std::string role, std::vector<bus::Following*> inputs) : role_(std::move(role)), inputs_(std::move(inputs)) {}
+
+  /// `session`: only who has answered for it may claim; none: for any.
+  void update(const Roster& roster, std::optional<std::uint64_t> session);
+
+  bool bound() const noexcept { return bound_now_.load(std::memory_order_acquire); }
+  const std::optional<bus::Guid>& participant() const noexcept { return bound_; }
+  /// What the bound participant's status says; 0: nobody is bound. Real-time safe.
+  std::uint64_t session() const noexcept { return session_.load(std::memory_order_acquire); }
+  /// Samples of others that came while somebody was bound.
+  std::uint64_t refused() const noexcept;
+  /// What a person must know: two that claim, or who is refused. Empty: nothing.
+  std::string trouble(const Roster& roster) const;
+
+ private:
+  std::vector<bus::Guid> claimants(const Roster& roster, std::optional<std::uint64_t> session) const;
+  void bind(const bus::Guid& participant);
+  void let_go();
+  void note_others(const Roster& roster);
+
+  std::string role_;
+  std::vector<bus::Following*> inputs_;
+  std::optional<bus::Guid> bound_;
+  std::vector<bus::Guid> rivals_;   ///< who claim while nobody is bound, two or more
+  std::set<bus::Guid> others_;      ///< whose samples or claims have been refused, and who are still there
+  std::atomic<bool> bound_now_{false};
+  std::atomic<std::uint64_t> session_{0};
+};
+
+}  // namespace voxtouch::runtime

@@ -1,0 +1,272 @@
+#!/usr/bin/python3
+"""Pictures: drawn by the verbs through voxtouch_plot and by the tool itself, whole, with what was measured on them; refusals in a sentence.
+
+usage: plot_test.py BIN DEPLOY [arguments of unittest]
+"""
+import contextlib
+import csv
+import importlib.util
+import io
+import json
+import math
+import os
+import pathlib
+import resource
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree as xml
+
+from PIL import Image, ImageColor
+
+BIN, DEPLOY = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+spec = importlib.util.spec_from_file_location("plot", DEPLOY / "tools" / "plot.py")
+plot = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(plot)
+FEW = ["--voxel-sizes", "0.004,0.002", "--contacts", "8"]
+
+
+def voxtouch(*words, **more):
+    return subprocess.run([BIN / "voxtouch", *map(str, words)], capture_output=True, text=True, **more)
+
+
+def tool_alone(*words, **more):
+    """The tool as a process of its own."""
+    return subprocess.run([DEPLOY / "tools" / "plot.py", *map(str, words)], capture_output=True, text=True, **more)
+
+
+def tool(*words):
+    """The tool within this process, which has loaded matplotlib once and for all."""
+    out, err, status = io.StringIO(), io.StringIO(), 0
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            plot.main(words)
+        except SystemExit as end:
+            status = 0 if end.code in (None, 0) else 1
+            if isinstance(end.code, str):
+                print(end.code, file=err)
+    return subprocess.CompletedProcess(words, status, out.getvalue(), err.getvalue())
+
+
+def painted(file, colour):
+    """How many pixels of a picture have exactly this colour."""
+    image = Image.open(file).convert("RGB")
+    return dict((c, n) for n, c in image.getcolors(1 << 24)).get(ImageColor.getrgb(colour), 0)
+
+
+class Pictures(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.at = pathlib.Path(cls.folder.name)
+        run = voxtouch("accuracy", DEPLOY / "scenes/tilted_plane.yaml", *FEW, "--json")
+        assert run.returncode == 0, run.stderr
+        (cls.at / "run.json").write_text(run.stdout)
+        cls.run_json = json.loads(run.stdout)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def refused(self, done, *says):
+        """Ended with a status that is not 0 and a sentence, not with a traceback; nothing was left behind."""
+        self.assertEqual(done.returncode, 1, done.stderr)
+        for word in says:
+            self.assertIn(word, done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
+        self.assertEqual([p.name for p in self.at.glob("refused*")], [])
+
+    # ------------------------------------------------------------------------------------------------------------ the verbs
+    def test_accuracy_draws_the_models_that_were_measured_and_no_other(self):
+        file = self.at / "models.png"
+        done = voxtouch("accuracy", DEPLOY / "scenes/tilted_plane.yaml", *FEW, "--models", "adapted,field", "--plot", file)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(f"{file} shows the errors of 6 settings", done.stderr)
+        with Image.open(file) as image:
+            self.assertEqual(image.size, (1600, 900))
+        for model, (colour, _) in plot.MODELS.items():
+            with self.subTest(model):
+                check = self.assertGreater if model in ("adapted", "field") else self.assertLess
+                check(painted(file, colour), 200)  # the edges of black letters have some grey
+
+    def test_design_draws_a_region_that_holds_the_chosen_point_and_writes_it_as_csv(self):
+        file, table = self.at / "region.png", self.at / "region.csv"
+        done = voxtouch("design", "--device", "sim-phantom", "--plot", file, "--csv", table, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        data = json.loads(done.stdout)
+        region, chosen = data["region"], data["translation"]["shown_stiffness"]
+        with open(table, encoding="utf-8") as lines:
+            rows = list(csv.DictReader(lines))
+        self.assertEqual(len(rows), 64)
+        for key in rows[0]:
+            self.assertEqual([float(r[key]) if r[key] else None for r in rows], region[key], key)
+        above = next(i for i, hz in enumerate(region["cutoff_hz"]) if hz >= data["coupling"]["cutoff_hz"])
+        bracket = [region["certified_n_per_m"][i] for i in (above - 1, above)]
+        self.assertLessEqual(chosen, max(bracket) * 1.001, "the chosen point is not certified in its own region")
+        paper, at_5_hz = data["paper_recipe"], min(range(64), key=lambda i: abs(region["cutoff_hz"][i] - 5.0))
+        self.assertGreater(paper["stiffness_n_per_m"], region["critical_undamped_n_per_m"][at_5_hz], "released, the paper's recipe is unstable")
+        for colour in (plot.BLUE, plot.GREEN, plot.RED):
+            self.assertGreater(painted(file, colour), 300, colour)
+
+    def test_without_matplotlib_one_sentence_says_what_to_install_before_anything_is_measured(self):
+        (self.at / "hidden").mkdir(exist_ok=True)
+        (self.at / "hidden" / "matplotlib.py").write_text('raise ImportError("hidden by this test")\n')
+        environment = {**os.environ, "PYTHONPATH": str(self.at / "hidden")}
+        done = voxtouch("accuracy", DEPLOY / "scenes/tilted_plane.yaml", "--json", "--plot", self.at / "refused.png", env=environment)
+        self.refused(done, "matplotlib", "install python3-matplotlib")
+        self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+        told = json.loads(done.stdout)
+        self.assertIs(told["ok"], False)
+        self.assertIn("install python3-matplotlib", told["problems"][0])
+        done = voxtouch("design", "--plot", self.at / "refused.png", env=environment)
+        self.refused(done, "install python3-matplotlib")
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(tool_alone("--help", env=environment).returncode, 0)
+
+    def test_a_verb_refuses_a_picture_it_cannot_write_before_it_measures(self):
+        for verb, name, says in ((["accuracy", DEPLOY / "scenes/tilted_plane.yaml"], "refused.gif", ".png, .svg or .pdf"),
+                                 (["design"], "none/refused.png", "could not be written")):
+            done = voxtouch(*verb, "--plot", self.at / name)
+            self.refused(done, name, says)
+            self.assertEqual(done.stdout, "")
+            self.assertNotIn(" %]", done.stderr)
+
+    def test_a_picture_whose_name_looks_like_an_option_or_has_blanks_is_a_picture(self):
+        for name in ("--help.png", "a b; c.png"):
+            done = voxtouch("design", f"--plot={name}", cwd=self.at)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue((self.at / name).exists())
+
+    # ------------------------------------------------------------------------------------------------------------- the tool
+    def test_svg_and_pdf_are_whole_and_the_same_data_give_the_same_bytes(self):
+        for ending in ("svg", "pdf", "png"):
+            files = [self.at / f"{name}.{ending}" for name in ("a", "b")]
+            for file in files:
+                self.assertEqual(tool("accuracy", self.at / "run.json", file).returncode, 0)
+            self.assertEqual(files[0].read_bytes(), files[1].read_bytes(), ending)
+        self.assertTrue(xml.parse(self.at / "a.svg").getroot().tag.endswith("svg"))
+        self.assertTrue((self.at / "a.pdf").read_bytes().startswith(b"%PDF"))
+        self.assertTrue((self.at / "a.pdf").read_bytes().rstrip().endswith(b"%%EOF"))
+
+    def test_forces_of_a_bag_are_those_that_the_run_counted(self):
+        bag, file = self.at / "bag", self.at / "forces.png"
+        run = voxtouch("up", DEPLOY / "scenes/cup.yaml", "--device", "sim-phantom", "--motion", "slide", "--duration", "2", "--lockstep",
+                       "--one-process", "--record", bag, "--json")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        summary = json.loads(run.stdout)
+        self.assertGreater(summary["contact_samples"], 100)
+        contact, returned = plot.read_contact(bag, "haptic"), plot.read_returned(bag, "haptic")
+        self.assertEqual(len(contact["t"]), summary["samples"])
+        self.assertEqual(sum(1 for force in contact["all"] if force > 1e-9), summary["contact_samples"])
+        self.assertAlmostEqual(max(returned["force"]), summary["max_force_n"], 5)
+        self.assertGreater(max(contact["depth"]), 0.1)
+        self.assertLess(max(contact["depth"]), 10.0)
+        done = tool("forces", bag, file, "--note", "cup, slide, lockstep")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(f"{summary['samples']} samples, {summary['contact_samples']} with contact", done.stdout)
+        for colour in (plot.ORANGE, plot.BLUE, plot.PURPLE):
+            self.assertGreater(painted(file, colour), 200, colour)
+        with plot.matplotlib.rc_context(plot.STYLE):
+            self.judge(plot.forces_figure(bag)[0])
+            self.judge(plot.forces_figure(bag, note="conditions " * 40)[0])
+        self.refused(tool("forces", bag, self.at / "refused.png", "--from", "50"), "nothing between --from 50")
+        self.refused(tool("forces", bag, self.at / "refused.png", "--rig", "other"), "/other/rendering/contact")
+
+    def test_what_cannot_be_drawn_is_refused_in_a_sentence(self):
+        (self.at / "words.json").write_text("not json")
+        (self.at / "told.json").write_text('{"ok": false, "problems": ["the scene is not there"]}')
+        (self.at / "empty").mkdir(exist_ok=True)
+        (self.at / "broken").mkdir(exist_ok=True)
+        (self.at / "broken" / "a.db3").write_text("no database, but long enough to be read as one" * 10)
+        picture = self.at / "refused.png"
+        self.refused(tool("accuracy", self.at / "none.json", picture), "none.json could not be read")
+        self.refused(tool("design", self.at / "words.json", picture), "is not JSON", "voxtouch design")
+        self.refused(tool("design", self.at / "run.json", picture), "holds no result of `voxtouch design --json`")
+        self.refused(tool("accuracy", self.at / "told.json", picture), "the scene is not there")
+        (self.at / "old.json").write_text('{"rows": [], "wish": null}')
+        self.refused(tool("accuracy", self.at / "old.json", picture), "is not as this version")
+        self.refused(tool("forces", self.at / "empty", picture), "there is no bag here")
+        self.refused(tool("forces", self.at / "broken", picture), "the bag cannot be read")
+        self.refused(tool("stability", self.at / "words.json", picture), "stability_map --out")
+        self.refused(tool("check", self.at / "empty.png" / "refused.png"), "could not be written")
+        for name in ("refused.gif", "refused"):
+            self.refused(tool("accuracy", self.at / "run.json", self.at / name), name, ".png, .svg or .pdf")
+
+    def test_a_full_disk_leaves_no_picture_and_no_part_of_one(self):
+        def small_files():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+        self.refused(tool_alone("accuracy", self.at / "run.json", self.at / "refused.svg", preexec_fn=small_files), "refused.svg could not be written")
+
+    # ---------------------------------------------------------------------------------------------------- what a reader sees
+    def judge(self, figure):
+        """Every text lies within the figure, and no legend covers a curve or a mark."""
+        with plot.matplotlib.rc_context(plot.STYLE):
+            figure.draw_without_rendering()
+        page = figure.bbox
+        texts = list(figure.texts)
+        for axis in figure.axes:
+            texts += [axis.title, axis._left_title, axis.xaxis.label, axis.yaxis.label, *axis.texts]
+            texts += axis.get_legend().get_texts() if axis.get_legend() else []
+        for text in (t for t in texts if t.get_visible() and t.get_text()):
+            box = text.get_window_extent()
+            self.assertGreater(plot.overlap(box, page), 0.98 * box.width * box.height, f"'{text.get_text()}' leaves the picture")
+        for axis in figure.axes:
+            for legend in [axis.get_legend()] if axis.get_legend() else []:
+                box = legend.get_window_extent()
+                for line in axis.lines:
+                    points = line.get_transform().transform(line.get_xydata())
+                    inside = [p for p in points if math.isfinite(p[1]) and box.contains(*p)]
+                    self.assertEqual(len(inside), 0, f"the legend covers '{line.get_label()}'")
+
+    def test_texts_stay_on_the_page_and_legends_and_labels_cover_nothing(self):
+        with plot.matplotlib.rc_context(plot.STYLE):
+            figure, _ = plot.accuracy_figure(self.run_json)
+            self.judge(figure)
+            labels = [t for t in figure.axes[0].texts if t.get_text() in ("2", "4")]
+            self.assertEqual(len(labels), sum(1 for row in self.run_json["rows"] if row["median_us"] is not None))
+            drawn = {tuple(point) for line in figure.axes[0].lines for point in line.get_xydata()}
+            for row in self.run_json["rows"]:
+                self.assertIn((row["median_us"], max(row["direction_median_deg"], plot.LEAST_DIRECTION_DEG)), drawn)
+            boxes = [t.get_window_extent() for t in labels]
+            marks = [figure.axes[0].transData.transform((r["median_us"], max(r["direction_median_deg"], plot.LEAST_DIRECTION_DEG)))
+                     for r in self.run_json["rows"]]
+            for i, box in enumerate(boxes):
+                self.assertFalse(any(box.contains(*mark) for mark in marks), f"label {i} covers a mark")
+                for other in boxes[:i]:
+                    self.assertLess(plot.overlap(box, other), 0.25 * box.width * box.height, f"label {i} lies on another")
+            design = json.loads(voxtouch("design", "--scene", DEPLOY / "scenes/cup.yaml", "--json").stdout)
+            self.judge(plot.design_figure(design)[0])
+
+    def test_a_stability_map_has_a_panel_for_every_model_and_grey_where_nothing_touches(self):
+        table = self.at / "map.csv"
+        with open(table, "w", encoding="utf-8") as out:
+            out.write("model,radius_voxels,depth_voxels,tilt_deg,energy_share,energy_per_crossing,mean_force_n,largest_step\n")
+            for model in plot.BOUND:
+                for radius, depth, tilt in ((r, d, t) for r in (2.5, 5.0, 20.0) for d in (0.1, 1.0) for t in (0.0, 45.0)):
+                    touches = not (model == "adapted" and depth == 0.1 and tilt == 0.0)
+                    out.write(f"{model},{radius},{depth},{tilt},{1e-2 / radius if depth < 1 else -1e-3},0,{1 if touches else 0},0\n")
+        with plot.matplotlib.rc_context(plot.STYLE):
+            figure, _ = plot.stability_figure(table)
+            self.judge(figure)
+        self.assertEqual([axis.get_title() for axis in figure.axes[:4]], list(plot.MODELS))
+        self.assertEqual(tool("stability", table, self.at / "map.png").returncode, 0)
+        self.assertGreater(painted(self.at / "map.png", "#d9d9d9"), 5000, "the cell without contact is not grey")
+
+    def test_wishes_zeros_and_nothing_at_all_are_drawn_too(self):
+        wished = json.loads(json.dumps(self.run_json))
+        wished["wish"].update(direction_deg=0.5, noise=0.02, within_us=3.0)
+        wished["rows"][0].update(direction_median_deg=0.0, magnitude_noise=0.0)
+        nothing = json.loads(json.dumps(self.run_json))
+        for row in nothing["rows"]:
+            row.update(median_us=None, direction_median_deg=None, magnitude_noise=None, refused="too large")
+        nothing["advice"].update(row=None, front=[], knee=None, met=None)
+        for name, data in (("wished", wished), ("nothing", nothing)):
+            with self.subTest(name), plot.matplotlib.rc_context(plot.STYLE):
+                self.judge(plot.accuracy_figure(data)[0])
+                plot.save(plot.accuracy_figure(data)[0], self.at / f"{name}.png")
+        self.assertGreater(painted(self.at / "wished.png", plot.RED), painted(self.at / "nothing.png", plot.RED))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0]] + sys.argv[3:], verbosity=2)

@@ -1,0 +1,41 @@
+#pragma once
+/// What stands in for a node of the ring: a participant with a status, so that the others take it for what it plays.
+#include <string>
+
+#include "nodes/runtime/roster.hpp"
+
+namespace voxtouch::test {
+
+struct StandIn {
+  StandIn(std::uint32_t domain, const std::string& role, const std::string& rig)
+      : participant({domain, "lo", role}), status(participant, role, rig) {}
+  void say(std::uint64_t session, runtime::NodeState state = runtime::NodeState::kRunning,
+           const runtime::Figures& figures = {}) {
+    runtime::NodeReport report;
+    report.session_id = session, report.state = state, report.figures = figures;
+    status.publish(report);
+  }
+  bus::Participant participant;
+  runtime::StatusWriter status;
+};
+
+/// A small stylus, simulated; its strings live for ever.
+inline msg::DeviceDescription stylus(std::uint64_t session) {
+  static char model[] = "stylus", grip[] = "pen";
+  msg::DeviceDescription m{};
+  m.session_id = session;
+  m.model = model, m.grip = grip;
+  m.rate_hz = 1000.0;
+  m.max_force_n = 8.5, m.max_force_rate_n_per_s = 1e4;
+  m.max_stiffness_n_per_m = 800.0;
+  m.mass_min_kg = 0.05, m.mass_max_kg = 0.1;
+  m.damping_ns_per_m = 2.0;
+  m.position_resolution_m = 3e-5;
+  m.delay_s = 1e-3;
+  m.force_bandwidth_hz = 1e9;
+  m.jitter = 0.2, m.lost_in_a_row = 1;
+  m.simulated = true;
+  return m;
+}
+
+}  // namespace voxtouch::test

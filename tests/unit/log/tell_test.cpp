@@ -1,0 +1,192 @@
+// What is told never holds up or ends the one who tells it, whatever stderr is.
+#include "nodes/log/tell.hpp"
+
+#include "nodes/log/progress.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
+#include <thread>
+
+namespace voxtouch {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+/// What `told` leaves in a process of its own, whose stderr is `fd` (-1: closed). The log is one for a process and lives as long.
+int in_a_process_with_stderr(int fd, const std::function<void()>& told) {
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);  // a call that blocks is a death by signal 14
+    if (fd >= 0)
+      dup2(fd, STDERR_FILENO);
+    else
+      close(STDERR_FILENO);
+    told();
+    std::exit(testing::Test::HasFailure() ? 99 : 7);
+  }
+  int raw = 0;
+  waitpid(child, &raw, 0);
+  return WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
+}
+
+std::string drain(int fd) {
+  fcntl(fd, F_SETFL, O_NONBLOCK);
+  std::string all;
+  char part[65536];
+  for (ssize_t n; (n = read(fd, part, sizeof part)) > 0;) all.append(part, static_cast<std::size_t>(n));
+  return all;
+}
+
+struct Pipe {
+  Pipe() { EXPECT_EQ(pipe(end), 0); }
+  ~Pipe() { close(end[0]), close(end[1]); }
+  int end[2] = {-1, -1};
+};
+
+TEST(Tell, WritesWhatItIsGivenToTheLetterAndInOrderByTheEndOfTheProcess) {
+  const Pipe pipe;
+  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
+                                     [] {
+                                       tell("{} of {:.2f} N\n", "force", 1.5);
+                                       tell("\r[{:>3}]", 7);
+                                       tell("{}\n", std::string("two\nlines, Größe"));
+                                     }),
+            7);
+  EXPECT_EQ(drain(pipe.end[0]), "force of 1.50 N\n\r[  7]two\nlines, Größe\n");
+}
+
+TEST(Tell, MakesStringsPrintableAndLeavesItsFormatAlone) {
+  const Pipe pipe;
+  const std::string foreign = "\x1b]0;owned\a";
+  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1], [&] { tell("\x1b[1m{}|{}|{}\n", foreign, foreign.c_str(), std::string_view(foreign)); }), 7);
+  EXPECT_EQ(drain(pipe.end[0]), "\x1b[1m?]0;owned?|?]0;owned?|?]0;owned?\n");
+}
+
+TEST(Tell, CutsATextThatNobodyCouldRead) {
+  const Pipe pipe;
+  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1], [] { tell("{}\n", std::string(50'000, 'x')); }), 7);
+  EXPECT_EQ(drain(pipe.end[0]), std::string(kLongestText, 'x') + "...\n");
+}
+
+void tell_much_and_expect_no_wait() {
+  const auto begin = steady_clock::now();
+  for (int i = 0; i < 20'000; ++i) tell("line {} that nobody reads, of some sixty characters and a bit\n", i);
+  finish_telling();
+  EXPECT_LT(steady_clock::now() - begin, milliseconds(10'000));
+}
+
+TEST(Tell, CountsWhatAFullDiskDoesNotTake) {
+  const int full = open("/dev/full", O_WRONLY);
+  EXPECT_EQ(in_a_process_with_stderr(full,
+                                     [] {
+                                       tell_much_and_expect_no_wait();
+                                       EXPECT_EQ(texts_lost(), 20'000U);
+                                     }),
+            7);
+  close(full);
+}
+
+TEST(Tell, CountsWhatAClosedStreamDoesNotTake) {
+  EXPECT_EQ(in_a_process_with_stderr(-1,
+                                     [] {
+                                       guard_standard_streams();
+                                       tell_much_and_expect_no_wait();
+                                       EXPECT_EQ(texts_lost(), 20'000U);
+                                     }),
+            7);
+  Pipe pipe;  // whose reader has gone; SIGPIPE is as it was at the start
+  close(pipe.end[0]);
+  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
+                                     [&] {
+                                       close(pipe.end[0]);
+                                       tell_much_and_expect_no_wait();
+                                       EXPECT_EQ(texts_lost(), 20'000U);
+                                     }),
+            7);
+  pipe.end[0] = -1;
+}
+
+TEST(Tell, DoesNotWaitForAPipeThatNobodyReadsNorDoesTheEndOfTheProcess) {
+  const Pipe pipe;
+  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
+                                     [] {
+                                       tell_much_and_expect_no_wait();
+                                       EXPECT_GT(texts_lost(), 10'000U);
+                                     }),
+            7);
+}
+
+TEST(Tell, KeepsTheNewestTextsForASlowReaderAndSaysHowManyAreMissing) {
+  const Pipe pipe;
+  std::string all = "\n";
+  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
+                                     [&] {
+                                       tell_much_and_expect_no_wait();
+                                       for (int i = 0; i < 200 && all.find("line 19999 ") == std::string::npos; ++i) {
+                                         all += drain(pipe.end[0]);
+                                         std::this_thread::sleep_for(milliseconds(10));
+                                       }
+                                       EXPECT_NE(all.find("line 19999 "), std::string::npos);
+                                       std::uint64_t missing = 0;  // one gap or several
+                                       for (std::size_t at = 0; (at = all.find("\n(", at)) != std::string::npos; ++at)
+                                         missing += std::strtoull(all.c_str() + at + 2, nullptr, 10);
+                                       EXPECT_NE(all.find(" lines are missing here"), std::string::npos);
+                                       EXPECT_EQ(missing, texts_lost());
+                                     }),
+            7);
+}
+
+TEST(Tell, IsNotSharedWithAFileThatIsOpenedAfterStderrWasClosed) {
+  EXPECT_EQ(in_a_process_with_stderr(-1,
+                                     [] {
+                                       close(STDIN_FILENO), close(STDOUT_FILENO);
+                                       guard_standard_streams();
+                                       const int file = memfd_create("bag", 0);
+                                       if (file <= STDERR_FILENO) std::exit(98);
+                                       tell("into a bag?\n");
+                                       finish_telling();
+                                       if (lseek(file, 0, SEEK_END) != 0) std::exit(97);
+                                     }),
+            7);
+}
+
+TEST(Progress, IsToldOnceASecondAtMostAndNotInTheFirst) {
+  const Pipe pipe;
+  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
+                                     [] {
+                                       const auto step = tell_each_second("rendering");
+                                       const auto begin = steady_clock::now();
+                                       while (steady_clock::now() - begin < milliseconds(1200)) step("reading mesh 2 of 3");
+                                     }),
+            7);
+  EXPECT_EQ(drain(pipe.end[0]), "rendering: reading mesh 2 of 3\n");
+}
+
+TEST(PrintResult, ThrowsWhereTheResultGoesNowhere) {
+  EXPECT_EQ(in_a_process_with_stderr(STDERR_FILENO,
+                                     [] {
+                                       const int full = open("/dev/full", O_WRONLY);
+                                       dup2(full, STDOUT_FILENO);
+                                       const auto result = [] {
+                                         print_result("{}\n", "a result");
+                                         finish_results();
+                                       };
+                                       try {
+                                         result();
+                                         std::_Exit(96);
+                                       } catch (const std::runtime_error&) {
+                                         std::_Exit(7);
+                                       }
+                                     }),
+            7);
+}
+
+}  // namespace
+}  // namespace voxtouch

@@ -1,0 +1,217 @@
+// Who plays a role: whose status counts, whom a reader follows, who is named, and who takes over.
+#include "nodes/runtime/role_binding.hpp"
+
+#include <gtest/gtest.h>
+
+#include "nodes/bus/followed_reader.hpp"
+#include "nodes/bus/latched_reader.hpp"
+#include "tests/support/adversary.hpp"
+#include "tests/support/stand_in.hpp"
+#include "tests/unit/nodes/node_thread.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using runtime::NodeState;
+const qos::Profile& stream() { return qos::profile(qos::ProfileId::kStream); }
+
+class RoleTest : public testing::Test {
+ protected:
+  /// Time for what was written to come.
+  void settle() {
+    for (int i = 0; i < 20; ++i) update(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  void update() {
+    roster.update();
+    role.update(roster, 7);
+  }
+  bool comes(const std::function<bool()>& holds) {
+    return wait_until([&] { return update(), holds(); });
+  }
+  /// A coupling as the real ones are: status and command writer.
+  struct Coupling : StandIn {
+    explicit Coupling(const std::string& rig)
+        : StandIn(kDomain, "coupling", rig), commands(participant, qos::kForceCommand, rig, stream()) {}
+    void command(std::uint64_t sequence) {
+      msg::ForceCommand m{};
+      m.sequence_number = sequence;
+      commands.write(m);
+    }
+    bus::Writer<msg::ForceCommand> commands;
+  };
+
+  const std::string rig = own_rig("role");
+  bus::Participant own{{kDomain, "lo", "device"}};
+  runtime::Roster roster{own, rig};
+  bus::FollowedReader<msg::ForceCommand> commands{own, qos::kForceCommand, rig, stream()};
+  runtime::RoleBinding role{"coupling", {&commands.following()}};
+};
+
+TEST_F(RoleTest, IsOfTheOneWhoClaimsItAndStaysHisUntilHeHasGone) {
+  auto first = std::make_unique<Coupling>(rig);
+  first->say(8), settle();
+  EXPECT_FALSE(role.bound()) << "he answers for another session";
+  first->say(7);
+  ASSERT_TRUE(comes([&] { return role.bound(); }));
+  EXPECT_EQ(role.participant(), first->participant.guid());
+  EXPECT_EQ(role.trouble(roster), "");
+  Coupling second(rig);
+  second.say(7);
+  ASSERT_TRUE(comes([&] { return !role.trouble(roster).empty(); }));
+  EXPECT_EQ(role.participant(), first->participant.guid());
+  first->say(8), settle();
+  EXPECT_EQ(role.participant(), first->participant.guid()) << "a session more is no reason";
+  first.reset();
+  ASSERT_TRUE(comes([&] { return role.participant() == second.participant.guid(); }));
+  EXPECT_EQ(role.trouble(roster), "") << "who is bound is no intruder, even where he was one before";
+}
+
+TEST_F(RoleTest, IsNobodysWhileTwoClaimItAndBothAreNamed) {
+  auto first = std::make_unique<Coupling>(rig);
+  Coupling second(rig);
+  roster.update();  // nobody looks while they come
+  first->say(7), second.say(7);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  update();
+  EXPECT_FALSE(role.bound());
+  const std::string trouble = role.trouble(roster);
+  EXPECT_NE(trouble.find("two coupling nodes claim"), std::string::npos) << trouble;
+  EXPECT_NE(trouble.find(" and coupling (process"), std::string::npos) << trouble;
+  first->command(1), second.command(1), settle();
+  msg::ForceCommand command;
+  EXPECT_FALSE(commands.take(command));
+  first.reset();
+  ASSERT_TRUE(comes([&] { return role.participant() == second.participant.guid(); }));
+  EXPECT_EQ(role.trouble(roster), "");
+}
+
+TEST_F(RoleTest, IsNotClaimedByAStatusOfAnotherParticipantThanItNames) {
+  Coupling real(rig);
+  real.say(7, NodeState::kFailed);
+  Adversary bag(kDomain, rig);
+  bag.writer<msg::ForceCommand>();
+  ASSERT_TRUE(comes([&] { return roster.report_of(real.participant.guid()) != nullptr; }));
+  ASSERT_TRUE(wait_until([&] { return bag.writer<msg::NodeStatus>().matched_count() >= 1; }));
+  bus::Guid gone{};
+  gone[3] = 9;
+  bag.claim("coupling", 7, msg::node_status::kStateRunning, gone);
+  bag.claim("coupling", 7, msg::node_status::kStateRunning, real.participant.guid());
+  ASSERT_TRUE(comes([&] { return roster.refused() >= 2; }));
+  settle();
+  EXPECT_FALSE(role.bound());
+  EXPECT_EQ(roster.report_of(real.participant.guid())->state, NodeState::kFailed) << "his own word stands";
+  EXPECT_EQ(roster.reports().size(), 1U);
+}
+
+TEST_F(RoleTest, GivesHisSamplesAloneAndNamesTheOthersUntilTheyGo) {
+  Coupling real(rig);
+  real.say(7);
+  ASSERT_TRUE(comes([&] { return role.bound(); }));
+  auto other = std::make_unique<Adversary>(kDomain, rig);
+  ASSERT_TRUE(wait_until([&] { return other->writer<msg::ForceCommand>().matched_count() >= 1; }));
+  msg::ForceCommand foreign{}, taken{};
+  foreign.sequence_number = 666;
+  real.command(1);
+  for (int i = 0; i < 10'000; ++i) other->write(foreign);  // one history for all, if it were asked for
+  ASSERT_TRUE(comes([&] { return role.refused() > 100; }));
+  ASSERT_TRUE(wait_until([&] { return commands.take(taken); })) << "pushed out by the foreign ones";
+  EXPECT_EQ(taken.sequence_number, 1U);
+  EXPECT_FALSE(commands.take(taken));
+  ASSERT_TRUE(comes([&] { return other->write(foreign), !role.trouble(roster).empty(); }));
+  EXPECT_NE(role.trouble(roster).find("a participant that gives no name"), std::string::npos) << role.trouble(roster);
+  other.reset();
+  EXPECT_TRUE(comes([&] { return role.trouble(roster).empty(); }));
+  real.command(2);
+  EXPECT_TRUE(wait_until([&] { return commands.take(taken); }));
+}
+
+TEST_F(RoleTest, GivesTheNewestSampleAfterAPause) {
+  Coupling real(rig);
+  real.say(7);
+  ASSERT_TRUE(comes([&] { return role.bound(); }));
+  for (std::uint64_t i = 1; i <= 20; ++i) real.command(i), std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  settle();
+  msg::ForceCommand taken{};
+  ASSERT_TRUE(commands.take(taken));
+  EXPECT_EQ(taken.sequence_number, 20U) << "a loop that stood still would answer what is over";
+}
+
+TEST_F(RoleTest, HasItsLatchedValueEvenIfItCameLongBeforeItWasKnownWhoseIsNeeded) {
+  bus::LatchedReader<msg::DeviceDescription> descriptions(own, qos::kDeviceDescription, rig);
+  StandIn real(kDomain, "device", rig);
+  bus::Writer<msg::DeviceDescription> writer(real.participant, qos::kDeviceDescription, rig,
+                                             qos::profile(qos::ProfileId::kLatched));
+  writer.write(stylus(7));
+  std::uint64_t seen = 0;
+  const auto look = [&] { return descriptions.take([&](const msg::DeviceDescription& d) { seen = d.session_id; }); };
+  ASSERT_TRUE(wait_until([&] { return descriptions.matched_count() == 1; }));
+  for (int i = 0; i < 20; ++i) look(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  Adversary other(kDomain, rig);
+  ASSERT_TRUE(wait_until([&] { return other.writer<msg::DeviceDescription>().matched_count() == 1; }));
+  for (std::uint64_t i = 0; i < 200; ++i) other.write(stylus(1000 + i)), look();
+  EXPECT_EQ(seen, 0U) << "nobody is followed yet";
+  ASSERT_TRUE(descriptions.following().follow(real.participant.guid()));
+  EXPECT_FALSE(descriptions.current());
+  EXPECT_TRUE(look());
+  EXPECT_EQ(seen, 7U);
+  EXPECT_TRUE(descriptions.current());
+  writer.write(stylus(7));
+  other.write(stylus(2000));
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(look()) << "the same again is nothing new", std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  writer.write(stylus(8));
+  EXPECT_TRUE(wait_until(look));
+  EXPECT_EQ(seen, 8U);
+}
+
+TEST_F(RoleTest, RosterHearsTheNodesThroughAFloodOfStatuses) {
+  Adversary flood(kDomain, rig);
+  StandIn node(kDomain, "rendering", rig);
+  ASSERT_TRUE(wait_until([&] { return flood.writer<msg::NodeStatus>().matched_count() >= 1; }));
+  NodeThread writer([&](const std::atomic<bool>& stop) {
+    for (std::uint64_t i = 1; !stop.load(); ++i) flood.claim("device", i);
+    return 0;
+  });
+  ASSERT_TRUE(wait_until([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    roster.update();
+    const auto before = roster.refused();
+    const auto* report = roster.report_of(flood.guid());
+    const auto last = report ? report->session_id : 0;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    roster.update();
+    report = roster.report_of(flood.guid());
+    return report && report->session_id == last && roster.refused() == before;
+  })) << "it is listened to for ever";
+  for (std::uint64_t session = 1; session <= 20; ++session) {
+    node.say(session);
+    ASSERT_TRUE(wait_until([&] {
+      roster.update();
+      const auto* report = roster.report_of(node.participant.guid());
+      return report && report->session_id == session;
+    })) << session;
+  }
+}
+
+TEST_F(RoleTest, RosterRefusesWhatIsLongerThanAnyNodesOwnAndForgetsWhoHasGone) {
+  auto other = std::make_unique<Adversary>(kDomain, rig);
+  ASSERT_TRUE(wait_until([&] { return other->writer<msg::NodeStatus>().matched_count() >= 1; }));
+  other->claim("tool", 1);
+  ASSERT_TRUE(comes([&] { return roster.reports().size() == 1; }));
+  other->claim("tool", 2, 1, other->guid(), std::string(11'000'000, 'x'));
+  ASSERT_TRUE(comes([&] { return roster.refused() == 1; }));
+  EXPECT_EQ(roster.reports().at(0).session_id, 1U);
+  other.reset();
+  EXPECT_TRUE(comes([&] { return roster.reports().empty(); }));
+  for (int i = 0; i < 5; ++i) {
+    Adversary passing(kDomain, rig);
+    passing.claim("up", 1);
+    ASSERT_TRUE(wait_until([&] { return passing.writer<msg::NodeStatus>().matched_count() >= 1; }));
+  }
+  EXPECT_TRUE(wait_until([&] {
+    roster.update([](const runtime::NodeReport& report) { return report.node == "device"; });
+    return roster.reports().empty();
+  })) << "only a child's last word is kept";
+}
+
+}  // namespace
+}  // namespace voxtouch::test
