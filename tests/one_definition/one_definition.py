@@ -41,6 +41,7 @@ class Build:
         cache = (self.folder / "CMakeCache.txt").read_text().splitlines()
         self.root = pathlib.Path(next(l.split("=", 1)[1] for l in cache if l.startswith("CMAKE_HOME_DIRECTORY")))
         self.compiler = next(l.split("=", 1)[1] for l in cache if l.startswith("CMAKE_CXX_COMPILER:"))
+        self.together = set()  # (source, unit of the build folder that includes it)
         self.entries = []  # (source relative to the root, object, flags)
         for entry in json.loads((self.folder / "compile_commands.json").read_text()):
             source = pathlib.Path(entry["file"])
@@ -49,6 +50,9 @@ class Build:
             if source.suffix not in (".cpp", ".cxx") or not source.is_relative_to(home):
                 continue
             relative = source.relative_to(home)
+            if home == self.folder:
+                self.together |= {(str(pathlib.Path(line.split('"')[1]).relative_to(self.root)), str(relative))
+                                  for line in source.read_text().splitlines() if line.startswith("#include") and str(self.root) in line}
             words = shlex.split(entry["command"])
             if relative.parts[0] in PRODUCTION:
                 self.entries.append((str(relative), self.folder / words[words.index("-o") + 1], words))
@@ -109,6 +113,9 @@ def check_headers(build):
         for path, letter, name, _ in symbols(list(objects)):
             if letter in STRONG:
                 strong[name].add(objects[pathlib.Path(path)])
+        # A test may compile a source by itself that stands in a unit as well: it is one definition.
+        for places in strong.values():
+            places -= {source for source, unit in build.together if source in places and unit in places}
         weak = {name: {"a header"} for _, letter, name, _ in symbols([unit_object]) if letter in WEAK}
         if strong.keys() & weak.keys():  # which header takes half a minute to ask
             for _, _, name, place in symbols([unit_object], "-l"):
