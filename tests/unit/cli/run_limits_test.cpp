@@ -85,6 +85,9 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"never_validated",
             [](RunFigures& r) { r.first_judged.reset(), r.judged = 0; },
             {"first_validation_s", "validated_share"}},
+        Bad{"validated_late",
+            [](RunFigures& r) { r.first_judged = 7'000, r.judged = 149; },
+            {"first_validation_s"}},
         Bad{"rate_that_is_none", [](RunFigures& r) { r.rate_hz = std::numeric_limits<double>::quiet_NaN(); }, {"rate_share"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
 

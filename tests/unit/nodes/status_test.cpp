@@ -136,13 +136,6 @@ TEST_F(TwoNodes, ComeTenTimesASecondAndAreNotCalledHung) {
   EXPECT_TRUE(roster->hung().empty());
 }
 
-TEST_F(TwoNodes, AreNotCalledHungByWhoDidNotLook) {
-  ASSERT_TRUE(comes_to("device", [](const auto&) { return true; }));
-  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
-  roster->update();
-  EXPECT_TRUE(roster->hung().empty());
-}
-
 TEST_F(TwoNodes, HangToOthersWhenTheyVanishWithoutALastWord) {
   ASSERT_TRUE(comes_to("rendering", [](const auto&) { return true; }));
   rendering.reset();  // its last word was that it runs
