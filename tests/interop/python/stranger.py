@@ -1,6 +1,6 @@
 """A process of PyPI's cyclonedds in the ring's domain: reads and writes every topic of voxtouch's table, prints what it saw as JSON.
 
-usage: stranger.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN SECONDS ours|foreign
+usage: stranger.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN ours|foreign
 ours: with the types that `voxtouch types` wrote; it writes what it read last. foreign: with types of the same names that hold arrays and nothing of ours.
 """
 import dataclasses
@@ -66,29 +66,29 @@ def typed_endpoints(participant, own):
 
 
 def main():
-    domain, seconds, how = int(sys.argv[2]), float(sys.argv[3]), {"ours": ours, "foreign": foreign}[sys.argv[4]]
+    domain, how = int(sys.argv[2]), {"ours": ours, "foreign": foreign}[sys.argv[3]]
     participant = join(domain)
     rows = {path: how(row) for path, row in TOPICS.items()}
     readers = {path: row.reader(participant) for path, (row, _) in rows.items()}
     seen = {path: [] for path in rows}
 
-    def listen(until):
-        while time.monotonic() < until:
+    def listen(seconds, enough=lambda: True):
+        start = time.monotonic()
+        while (spent := time.monotonic() - start) < seconds or (not enough() and spent < 30):
             for path, reader in readers.items():
                 seen[path] += [s for s in reader.take(N=100) if s.sample_info.valid_data]
             time.sleep(0.01)
 
-    start = time.monotonic()
-    listen(start + seconds / 2)
+    listen(1.5, lambda: how is foreign or len(seen["device/state"]) > 1000)
     found = {path: facts(path, samples) if how is ours else {"count": len(samples)} for path, samples in seen.items()}
     endpoints = typed_endpoints(participant, participant.guid)
     writers = [(row.writer(participant), seen[path][-1] if how is ours and seen[path] else sample) for path, (row, sample) in rows.items()]
     written = 0
-    while time.monotonic() < start + seconds:
+    for _ in range(50):
         for writer, sample in writers:
             writer.write(sample)
             written += 1
-        listen(time.monotonic() + 0.02)
+        listen(0.02)
     print(json.dumps({"topics": found, "endpoints": endpoints, "written": written,
                       "matched": {row.dds_name(): len(w.get_matched_subscriptions()) for (row, _), (w, _) in zip(rows.values(), writers)}}))
 
