@@ -103,6 +103,16 @@ EffectPush EffectChain::apply(const EffectFrame& frame) noexcept {
   return sum;
 }
 
+bool EffectChain::at_rest() const noexcept {
+  // A number that does not count may be none at all: it is nowhere else than where it goes to.
+  const auto moves = [](double now, double goal) { return now != goal && !(std::isnan(now) && std::isnan(goal)); };
+  for (const Link& link : links_)
+    for (std::size_t p = 0; p < link.now.size(); ++p)
+      for (std::size_t n = 0; n < 3; ++n)
+        if (moves(link.now.at(p)[n], link.goal.values.at(p)[n])) return false;
+  return true;
+}
+
 void EffectChain::reset() noexcept {
   for (Link& link : links_) link.effect->reset();
 }

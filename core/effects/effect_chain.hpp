@@ -48,6 +48,9 @@ class EffectChain {
   /// The same for what `judge` has found good. Real-time safe.
   void take(const EffectCommand& command) noexcept;
 
+  /// All numbers have come to where they were to go (gains may still be on their way). Real-time safe.
+  bool at_rest() const noexcept;
+
   std::uint64_t not_finite() const noexcept { return not_finite_; }
 
  private:

@@ -1,8 +1,11 @@
 #pragma once
 /// Does the scene fit the device? Asked where the device is known, which the scene file is not.
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/coupling/design/loop_parts.hpp"
+#include "core/scene/device_demand.hpp"
 #include "core/scene/scene.hpp"
 
 namespace voxtouch {
@@ -25,16 +28,14 @@ struct DeviceCheck {
 /// force_scale newtons there).
 double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept;
 
-/// The effects whose torque a device without torque cannot show: one sentence each, with what to do. Empty where it gives any.
-std::vector<std::string> effects_not_shown(const Scene& scene, bool gives_torque);
+/// Why a device that gives no torque cannot show what is demanded, a sentence with what to do. Empty: it can.
+std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque);
 
 /// Judges `scene.coupling` as it is: for a designed coupling put the design's spec (spec_in_world) there first.
 /// `stiffness_bound_n_per_m`: of all points that can push at once, not of one: the total is what the loop must stand.
-DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m);
-
-/// What any contact shows of stiffness at least, in W: one point alone where points weigh one each, with all that the effects may
-/// show beside it; or the grip of a body.
-double least_stiffness_n_per_m(const Scene& scene) noexcept;
+/// `stiffest`: what the sentence says to lower; empty: the stiffest of the scene as it was read.
+DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m,
+                         std::string_view stiffest = {});
 
 /// What a device needs to stand damping that comes late.
 struct LateDamping {
@@ -43,6 +44,13 @@ struct LateDamping {
 };
 /// Where the effects' dampings together are more than half of what the device can stand, b < (pi/2) m / (lag + delay): a
 /// sentence with the place of the largest. `spec`: the coupling that runs. Empty: they may be felt.
-std::string effects_damp_too_much(const Scene& scene, const CouplingSpec& spec, const LateDamping& device);
+std::string effects_damp_too_much(const DeviceDemand& demand, const DeviceSpec& scales, const CouplingSpec& spec,
+                                  const LateDamping& device);
+
+/// The judgement of a scene on a device, at the start and for each later change: a sentence why its effects and contact must not be
+/// felt, with what to do; empty: they may. `runs`: the coupling, null where it will be designed and is not known yet (then only what
+/// does not depend on it is judged). `least_n_per_m`: in W, that any contact shows at least: of one point, or what is demanded.
+std::string why_not_felt(const Scene& scene, const CouplingSpec* runs, const DeviceModel& device, double least_n_per_m,
+                         const DeviceDemand& demand);
 
 }  // namespace voxtouch

@@ -12,17 +12,6 @@
 namespace voxtouch {
 namespace {
 
-/// A coupling set by hand is the user's own choice: it runs without a certificate, but not where even one point is more than the
-/// device can show.
-std::string refusal_by_hand(const Scene& scene, const DeviceModel& device, double one_point_n_per_m) {
-  const DeviceFacts facts{device.translation.max_stiffness, device.timing.period_s, device.translation.max_effort};
-  const DeviceCheck check = check_device(scene, facts, std::max(one_point_n_per_m, least_stiffness_n_per_m(scene)));
-  return check.fits() ? "" : check.errors.front();
-}
-
-/// A sample, its transport, and half of the period that its force is held for.
-double late_s(const LoopTiming& timing) { return timing.delay_s + 1.5 * timing.period_s; }
-
 std::string refusal_of(const Design& design, const Scene& scene, const DeviceModel& device) {
   if (design.status != DesignStatus::kInfeasible || scene.design->run_infeasible) return "";
   return fmt::format(
@@ -34,16 +23,16 @@ std::string refusal_of(const Design& design, const Scene& scene, const DeviceMod
 
 }  // namespace
 
-FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip grip, const ContactRange& translation,
-                            const ContactRange& rotation) {
+FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip grip, const MetStiffness& met,
+                            const DeviceDemand& demand) {
   FittedCoupling out;
   out.designed = scene.design.has_value();
   try {
-    const DesignRequest request = design_request(scene, device, grip, translation, rotation);
+    const DesignRequest request = design_request(scene, device, grip, met.translation, met.rotation);
     if (out.designed) {
       out.design = design_coupling(request);
       out.spec = spec_in_world(out.design, scene);
-      out.refusal = refusal_of(out.design, scene, device);
+      out.impossible = refusal_of(out.design, scene, device);
     } else {
       out.design = judge_coupling(request, spec_at_hand(scene.coupling, scene.device));
       out.spec = scene.coupling;
@@ -51,15 +40,23 @@ FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip 
       const CouplingSpec judged = spec_in_world(out.design, scene);
       out.spec.passivity_damping_limit_ns_per_m = judged.passivity_damping_limit_ns_per_m;
       out.spec.passivity_damping_limit_nms_per_rad = judged.passivity_damping_limit_nms_per_rad;
-      out.refusal = refusal_by_hand(scene, device, translation.one_point);
     }
-    if (out.refusal.empty())
-      out.refusal = effects_damp_too_much(scene, out.spec,
-                                          {device.translation.inertia_min, late_s(device.timing)});
   } catch (const std::invalid_argument& error) {
-    out.refusal = error.what();
+    out.impossible = error.what();
   }
+  out.refusal = judge_again(out, scene, device, met.translation.one_point, demand);
   return out;
+}
+
+FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip grip, const ContactRange& translation,
+                            const ContactRange& rotation) {
+  return fit_coupling(scene, device, grip, {translation, rotation}, demand_of(scene));
+}
+
+std::string judge_again(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, double one_point_n_per_m,
+                        const DeviceDemand& demand) {
+  if (!fitted.impossible.empty()) return fitted.impossible;
+  return why_not_felt(scene, &fitted.spec, device, one_point_n_per_m, demand);
 }
 
 double stiffness_at_hand_n_per_m(const FittedCoupling& fitted, const DeviceSpec& device,

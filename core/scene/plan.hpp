@@ -45,6 +45,7 @@ struct PlanPart {
 /// In W: of what pushes alone, and of all that may push at once.
 struct MetStiffness {
   ContactRange translation, rotation;  ///< [N/m]; [Nm/rad] about the tool's origin
+  bool operator==(const MetStiffness&) const = default;
 };
 /// What the device meets at most: contact and effects together, or the grip alone where the object is a body.
 MetStiffness with_effects(const MetStiffness& contact, std::span<const EffectSpec> effects);

@@ -75,9 +75,6 @@ std::string why_not_reloaded(const Scene& running, const Scene& next) {
   if (needs_of(running.effects).body || needs_of(next.effects).body)
     return "the scene's dynamic object is a body that lies somewhere by itself, and a scene built anew would not know where: "
            "restart the ring for it";
-  if (needs_of(next.effects).torque && !needs_of(running.effects).torque)
-    return "an effect of the scene now gives torque, which no effect did when the ring was started: restart the ring "
-           "for it, so that the device is asked whether it can";
   return {};
 }
 

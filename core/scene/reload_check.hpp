@@ -9,8 +9,8 @@
 namespace voxtouch {
 
 /// Why `next` cannot take the place of `running` without a restart, as a sentence; empty where it can. Another `device` or
-/// `coupling` section belongs to nodes that do not read the file again; an effect that gives torque where none did before has
-/// not been held against the device. Meshes, voxel size, contact and effects may differ; motions are not looked at.
+/// `coupling` section belongs to nodes that do not read the file again. Meshes, voxel size, contact and effects may differ, and are
+/// held against the device by who knows it (fit_coupling.hpp); motions are not looked at.
 std::string why_not_reloaded(const Scene& running, const Scene& next);
 
 /// The effects of `next` as they are to run. One that the file still asks for in the same words keeps what was changed while

@@ -42,29 +42,25 @@ double thread_cpu_s() {
 DeviceVerdict judge(const PlanVerb& o, const Scene& scene, const Plan& plan, std::optional<CouplingSpec>& fitted) {
   const DeviceFile device = find_device(o.device);
   const AxisModel& axis = device.model.translation;
-  DeviceVerdict out{.device = o.device, .errors = effects_not_shown(scene, device.model.gives_torque), .notes = {}};
+  DeviceVerdict out{.device = o.device, .errors = {}, .notes = {}};
   if (!device.model.gives_torque)
     out.notes.push_back("It gives no torque: the contact's torque about the tool's origin is computed, and not felt.");
-  Scene runs = scene;
+  const FittedCoupling fit =
+      fit_coupling(scene, device.model, device.grip, plan.contact_n_per_m, plan.contact_nm_per_rad);
+  if (!fit.refusal.empty()) {
+    out.errors.push_back(fit.refusal);
+    return out;
+  }
   if (scene.design) {
-    const FittedCoupling fit =
-        fit_coupling(scene, device.model, device.grip, plan.contact_n_per_m, plan.contact_nm_per_rad);
-    if (!fit.refusal.empty()) {
-      out.errors.push_back(fit.refusal);
-      return out;
-    }
-    runs.coupling = fit.spec;
     out.notes.push_back(fmt::format("The designed coupling shows {:.4g} of {:.4g} N/m at the hand.",
                                     fit.design.translation.shown_stiffness, fit.design.translation.wanted_stiffness));
   } else {
     const DeviceFacts facts{axis.max_stiffness, device.model.timing.period_s, axis.max_effort};
-    const DeviceCheck one = check_device(scene, facts, plan.contact_n_per_m.one_point);
-    out.errors.insert(out.errors.end(), one.errors.begin(), one.errors.end());
-    out.notes.insert(out.notes.end(), one.warnings.begin(), one.warnings.end());
-    if (const DeviceCheck all = check_device(scene, facts, plan.contact_n_per_m.all_points); one.fits() && !all.fits())
-      out.notes.push_back("Where all points push together: " + all.errors.front());
+    const DeviceCheck all = check_device(scene, facts, plan.contact_n_per_m.all_points);
+    out.notes.insert(out.notes.end(), all.warnings.begin(), all.warnings.end());
+    if (!all.fits()) out.notes.push_back("Where all points push together: " + all.errors.front());
   }
-  fitted = runs.coupling;
+  fitted = scene.design ? fit.spec : scene.coupling;
   return out;
 }
 

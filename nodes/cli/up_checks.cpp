@@ -13,6 +13,7 @@
 #include "devices/registry.hpp"
 #include "nodes/cli/run_figures.hpp"
 #include "nodes/device/device_node.hpp"
+#include "nodes/runtime/device_model.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -39,20 +40,18 @@ std::vector<std::string> check_before_start(const Scene& scene, const Plans& pla
   const DeviceDescription description = describe_device(plans.device, options);
   device::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
-  if (const auto refused = effects_not_shown(scene, description.max_torque_nm > 0.0); !refused.empty())
-    throw std::runtime_error(
-        fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, refused.front()));
+  // One point alone is the least that any contact shows; how many push together is seen only while the scene runs. A coupling
+  // that is designed caps both, and is judged when it has been: by the coupling node, or by voxtouch plan --device.
+  const std::string why = why_not_felt(scene, scene.design ? nullptr : &scene.coupling,
+                                       runtime::model_of(description, plans.device.starts_with("sim-")), 0.0,
+                                       demand_of(scene));
+  if (!why.empty())
+    throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));
   std::vector<std::string> notes;
-  if (!scene.design) {
-    // One point alone is the least that any contact shows; how many push together is seen only while the scene runs. A coupling
-    // that is designed caps both.
-    const DeviceFacts facts{description.max_stiffness_n_per_m, 1.0 / description.rate_hz, description.max_force_n};
-    const DeviceCheck check = check_device(scene, facts, least_stiffness_n_per_m(scene));
-    if (!check.fits())
-      throw std::runtime_error(fmt::format("{} is too stiff for {} with a single point in contact and its effects: {}",
-                                           scene.file.string(), plans.device, check.errors.front()));
-    notes = check.warnings;
-  }
+  if (!scene.design)
+    notes = check_device(scene, {description.max_stiffness_n_per_m, 1.0 / description.rate_hz, description.max_force_n},
+                         least_stiffness_n_per_m(scene))
+                .warnings;
   const bool simulated_hand = has_simulated_hand(plans.device);
   if (!simulated_hand && !plans.motion.empty())
     notes.push_back(

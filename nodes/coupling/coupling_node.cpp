@@ -113,15 +113,23 @@ class CouplingNode {
   }
 
   /// A new session starts with its own fit. A change within one is fitted beside the loop, but for lockstep, where the sample from
-  /// which it holds must not depend on how fast the fit is.
+  /// which it holds must not depend on how fast the fit is. Meanwhile the coupling that runs is held against what has come: one that
+  /// does not fit any more commands nothing from here on.
   void follow_change() {
     // A rendering that took another's place may run another scene: nothing of it is felt before the fit.
-    if (fitting_.session() != session_in_loop_ || plans_.following().writer() != plan_writer_)
-      start_session();
-    else if (options_.lockstep)
-      adopt(fit());
-    else
-      fitting_.begin();
+    if (fitting_.session() != session_in_loop_ || plans_.following().writer() != plan_writer_) return start_session();
+    if (options_.lockstep && fitting_.outdated()) return adopt(fit());
+    judge_running();
+    if (fitting_.outdated()) fitting_.begin();
+  }
+
+  void judge_running() {
+    std::string refusal = fitting_.judge(running_.fitted);
+    // One that would fit again for another device or contact waits for its own fit.
+    if (refusal.empty() == running_.fitted.refusal.empty() || (refusal.empty() && fitting_.outdated())) return;
+    FittedCoupling judged = running_.fitted;
+    judged.refusal = std::move(refusal);
+    adopt(std::move(judged));
   }
 
   void start_session() {
@@ -175,8 +183,9 @@ class CouplingNode {
       pending_ = contact;
       // A plan that holds from this sample on is here, for the rendering waited for that: it must not be used a sample later.
       if (options_.lockstep) listen();
-      if (!pending_) return true;
     }
+    if (!coupling_) pending_.reset();  // what came meanwhile has left none that may run
+    if (!pending_) return true;
     const msg::DeviceState& own = recent_[pending_->sequence_number % recent_.size()];
     const bool joined = own.session_id == session_in_loop_ && own.sequence_number == pending_->sequence_number;
     if (!joined && options_.lockstep) return false;

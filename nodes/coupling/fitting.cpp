@@ -8,16 +8,33 @@
 
 namespace voxtouch::coupling {
 
+namespace {
+
+DeviceDemand demand_in(const msg::ScenePlan& plan) {
+  return {.least_stiffness_n_per_m = plan.least_stiffness_n_per_m,
+          .stiffest = plan.stiffest,
+          .damping_ns_per_m = plan.effects_damping_ns_per_m,
+          .largest_damping_ns_per_m = plan.largest_damping_ns_per_m,
+          .largest = plan.largest_damping,
+          .largest_place = plan.largest_damping_place,
+          .torque = plan.torque_effect};
+}
+
+}  // namespace
+
 void Fitting::take(const msg::DeviceDescription& device) {
   device_ = runtime::model_of(device, device.simulated);
   parse_grip(device.grip, grip_);
   device_session_ = device.session_id;
-  changed_ = true;
+  changed_ = outdated_ = true;
 }
 
 void Fitting::take(const msg::ScenePlan& plan) {
-  translation_ = {plan.one_point_stiffness_n_per_m, plan.all_points_stiffness_n_per_m};
-  rotation_ = {plan.one_point_stiffness_nm_per_rad, plan.all_points_stiffness_nm_per_rad};
+  const MetStiffness met{{plan.one_point_stiffness_n_per_m, plan.all_points_stiffness_n_per_m},
+                         {plan.one_point_stiffness_nm_per_rad, plan.all_points_stiffness_nm_per_rad}};
+  outdated_ |= plan_session_ != plan.session_id || met != met_;
+  met_ = met;
+  demand_ = demand_in(plan);
   plan_session_ = plan.session_id;
   changed_ = true;
 }
@@ -26,19 +43,23 @@ std::optional<std::uint64_t> Fitting::session() const noexcept {
   return device_session_ == plan_session_ ? device_session_ : std::nullopt;
 }
 
-FittedCoupling Fitting::fit() const { return fit_coupling(scene_, device_, grip_, translation_, rotation_); }
+FittedCoupling Fitting::fit() {
+  outdated_ = false;
+  return fit_coupling(scene_, device_, grip_, met_, demand_);
+}
 
 void Fitting::begin() {
+  outdated_ = false;
   if (under_way_.valid()) {
     again_ = true;
     return;
   }
   again_ = false;
-  under_way_ = std::async(
-      std::launch::async, [this, device = device_, grip = grip_, translation = translation_, rotation = rotation_] {
+  under_way_ =
+      std::async(std::launch::async, [this, device = device_, grip = grip_, met = met_, demand = demand_] {
         const sched_param ordinary{};
         sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the loop, which starts this thread, may run under SCHED_FIFO
-        return fit_coupling(scene_, device, grip, translation, rotation);
+        return fit_coupling(scene_, device, grip, met, demand);
       });
 }
 
@@ -46,8 +67,13 @@ std::optional<FittedCoupling> Fitting::poll() {
   if (!under_way_.valid() || under_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
     return std::nullopt;
   FittedCoupling fitted = under_way_.get();
+  fitted.refusal = judge(fitted);
   if (again_) begin();
   return fitted;
+}
+
+std::string Fitting::judge(const FittedCoupling& fitted) const {
+  return judge_again(fitted, scene_, device_, met_.translation.one_point, demand_);
 }
 
 }  // namespace voxtouch::coupling

@@ -19,15 +19,19 @@ class Fitting {
   void take(const msg::ScenePlan& plan);
   /// The device's session, once device and rendering both have spoken of it.
   std::optional<std::uint64_t> session() const noexcept;
-  /// True once after either message changed within the session.
+  /// True once after either message came.
   bool changed() noexcept { return std::exchange(changed_, false); }
+  /// Whether what came calls for another fit: another device or contact, not only other effects.
+  bool outdated() const noexcept { return outdated_; }
 
   /// Takes up to some tenths of a second.
-  FittedCoupling fit() const;
+  FittedCoupling fit();
   /// The same in a thread of ordinary priority, while the ring runs. A request that comes during a fit is made after it.
   void begin();
-  /// The result of `begin`, once; never waits.
+  /// The result of `begin`, once, judged for what has come meanwhile; never waits.
   std::optional<FittedCoupling> poll();
+  /// Why `fitted` must not run (any more) on the device and for the effects as they were last told; empty: it may.
+  std::string judge(const FittedCoupling& fitted) const;
 
   const DeviceModel& device() const noexcept { return device_; }
 
@@ -35,9 +39,10 @@ class Fitting {
   const Scene& scene_;
   DeviceModel device_;
   Grip grip_ = Grip::kPen;
-  ContactRange translation_, rotation_;  ///< in W
+  MetStiffness met_;  ///< in W
+  DeviceDemand demand_;
   std::optional<std::uint64_t> device_session_, plan_session_;
-  bool changed_ = false, again_ = false;
+  bool changed_ = false, outdated_ = false, again_ = false;
   std::future<FittedCoupling> under_way_;
 };
 

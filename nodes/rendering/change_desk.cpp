@@ -19,8 +19,8 @@ using namespace msg::effect_change;
 namespace result = msg::effect_changed;
 
 constexpr std::size_t kLongestName = 64;
-/// Longer than this nobody waits for a sample on purpose: a quarter of an hour at 1 kHz.
-constexpr std::uint64_t kFarthestSamples = 1'000'000;
+/// What waits for a sample holds up all that is asked for later: no longer than a person would wait.
+constexpr double kLongestWaitS = 10.0;
 
 bool too_long(const char* text) { return text && ::strnlen(text, kLongestName + 1) > kLongestName; }
 std::string_view view(const char* text) { return text ? text : ""; }
@@ -40,21 +40,18 @@ std::string in_words(const msg::EffectChange& m) {
   }
 }
 
-bool same_bounds(const EffectSpec& a, const EffectSpec& b) {
-  const EffectBound one = bound_of(a), two = bound_of(b);
-  return one.stiffness_n_per_m == two.stiffness_n_per_m && one.stiffness_nm_per_rad == two.stiffness_nm_per_rad;
-}
-
 }  // namespace
 
 ChangeDesk::ChangeDesk(const bus::Participant& participant, const Options& options, const Scene& scene,
-                       std::unique_ptr<BuiltScene> first, ChangeLine& line, std::function<void(const Scene&)> swapped)
+                       std::unique_ptr<BuiltScene> first, ChangeLine& line, std::function<void(const Scene&)> swapped,
+                       std::function<void(std::uint64_t)> begun)
     : options_(options), line_(line), swapped_(std::move(swapped)),
       changes_(participant, qos::kEffectChange, options.rig, qos::profile_in(qos::kEffectChange, options.mode())),
       answers_(participant, qos::kEffectChanged, options.rig, qos::profile_in(qos::kEffectChanged, options.mode())),
       plans_(participant, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
-      wait_set_(participant), scene_(scene), settled_(scene.effects), planned_(scene.effects) {
+      wait_set_(participant), scene_(scene), settled_(scene.effects), reach_(at_rest(settled_)), begun_(std::move(begun)) {
   set_plan(*first);
+  sum_up();
   scenes_.push_back(std::move(first));
   wait_set_.attach(changes_.condition());
   thread_ = std::thread([this] { run(); });
@@ -63,6 +60,7 @@ ChangeDesk::ChangeDesk(const bus::Participant& participant, const Options& optio
 ChangeDesk::~ChangeDesk() {
   stop_.store(true, std::memory_order_release);
   thread_.join();
+  delete described_.load();
 }
 
 void ChangeDesk::run() {
@@ -73,15 +71,45 @@ void ChangeDesk::run() {
       turn();
     } catch (const std::exception&) {
       // Out of memory, say. One change is lost; an exception that left this thread would end the process, and the ring with it.
+      if (!reload_) line_.let_go();
     }
   }
 }
 
 void ChangeDesk::turn() {
+  look_after_device();
   ChangeReport report;
   while (line_.next_report(report)) take_report(report);
   look_after_build();
+  if (remind_.exchange(false)) republish();
   changes_.take_each([this](const msg::EffectChange& m) { receive(m); });
+}
+
+/// The plan goes out first, for the coupling waits for it. Then what runs is held against the device, and what was asked for before
+/// the device was known as well: the loop makes none of it before.
+void ChangeDesk::look_after_device() {
+  const std::unique_ptr<DescribedDevice> device(described_.exchange(nullptr));
+  if (!device) return;
+  const bool begins = device->session != session_;
+  session_ = device->session;
+  if (begins) {
+    plan_from_sample_ = 0;
+    publish_plan(plans_, scene_, plan_, shown_, largest_shell_gap_m_, session_, 0);
+  }
+  on_device_.device_is(device->model, device->grip);
+  judge_running();
+  judge_outstanding();
+  line_.found_good_for(session_);
+  if (begins) begun_(session_);
+}
+
+void ChangeDesk::judge_outstanding() {
+  if (outstanding_.empty()) return;
+  const Next all = next();
+  const std::string why = on_device_.why_not(all.scene, all.contact_alone, all.reach);
+  if (why.empty()) return;
+  for (Outstanding& waits : outstanding_) waits.why_not = why;
+  line_.cancel(ticket_);
 }
 
 /// What holds whatever is asked for.
@@ -91,12 +119,14 @@ std::string ChangeDesk::why_not(const msg::EffectChange& m) const {
   if (m.action < kActionSwitch || m.action > kActionReload)
     return fmt::format("there is no action {}; 1 switches, 2 sets a gain, 3 a parameter, 4 builds the scene anew",
                        m.action);
-  const std::uint64_t runs = session();
+  const std::uint64_t runs = session_;
   if (m.session_id != 0 && m.session_id != runs)
     return fmt::format("session {} does not run{}; 0 means whichever does", m.session_id,
                        runs == 0 ? ", no device has begun one" : fmt::format(" ({} does)", runs));
-  if (m.from_sample > line_.answering() + kFarthestSamples)
-    return fmt::format("sample {} is more than {} samples away", m.from_sample, kFarthestSamples);
+  const auto farthest = static_cast<std::uint64_t>(kLongestWaitS / std::clamp(on_device_.period_s(), 1e-5, 1.0));
+  if (m.from_sample > line_.answering() + farthest)
+    return fmt::format("sample {} is more than {} samples away, {:g} s: changes are made in order, and all others would wait",
+                       m.from_sample, farthest, kLongestWaitS);
   if (m.from_sample > 0 && !outstanding_.empty() && m.from_sample < outstanding_.back().change.from_sample)
     return fmt::format("a change asked for earlier waits for sample {}, and changes are made in order",
                        outstanding_.back().change.from_sample);
@@ -117,24 +147,66 @@ void ChangeDesk::receive_effect(const msg::EffectChange& m, Request request) {
   if (reload_ && reload_->from_sample > 0)
     return refuse(request,
                   fmt::format("the scene is being built anew for sample {}; ask again after it", reload_->from_sample));
+  if (options_.lockstep && request.from_sample > 0 && !hold(request))
+    return refuse(request, fmt::format("sample {} has passed", request.from_sample));
+  const std::string why = give(m, request);
+  line_.let_go();
+  if (!why.empty()) return refuse(request, why);
+  if (outstanding_.back().change.from_sample > 0)
+    answer(request, result::kResultWaiting, outstanding_.back().change.from_sample, wait_text(request));
+}
+
+/// Judges and hands over to the loop; a sentence why not.
+std::string ChangeDesk::give(const msg::EffectChange& m, const Request& request) {
   const EffectAction action = m.action == kActionSwitch ? EffectAction::kSwitch
                               : m.action == kActionGain ? EffectAction::kGain
                                                         : EffectAction::kValue;
-  const auto command = judge(planned_, {.action = action,
-                                        .effect = view(m.effect),
-                                        .parameter = view(m.parameter),
-                                        .value = {m.value[0], m.value[1], m.value[2]}});
-  if (!command) return refuse(request, command.error());
-  Outstanding asked{std::move(request), {}, {}};
+  Next after = next();
+  const auto command = judge(after.effects, {.action = action,
+                                             .effect = view(m.effect),
+                                             .parameter = view(m.parameter),
+                                             .value = {m.value[0], m.value[1], m.value[2]}});
+  if (!command) return command.error();
+  EffectSpec& effect = after.effects[command->effect];
+  voxtouch::take(effect, *command);
+  after.reach[command->effect].widen(effect);
+  if (std::string why = on_device_.why_not(after.scene, after.contact_alone, after.reach); !why.empty()) return why;
+  Outstanding asked{request, {}};
   asked.change.effect = *command;
-  const bool waits =
-      asked.request.from_sample > 0 || (!outstanding_.empty() && outstanding_.back().change.from_sample > 0);
-  const Request said = asked.request;
-  if (!ask(std::move(asked))) return refuse(said, "too many changes wait already; wait for their answers");
-  voxtouch::take(planned_[command->effect], *command);
-  if (waits)
-    answer(said, result::kResultWaiting, outstanding_.back().change.from_sample,
-           fmt::format("{}: waits for sample {}", said.what, outstanding_.back().change.from_sample));
+  return ask(std::move(asked)) ? "" : "too many changes wait already; wait for their answers";
+}
+
+/// Lockstep: from here on the loop answers no sample from the request's on. False, and nothing is held, where it has passed.
+bool ChangeDesk::hold(const Request& request) {
+  line_.hold_from(request.from_sample);
+  if (line_.answering() < request.from_sample) return true;
+  line_.let_go();
+  return false;
+}
+
+std::string ChangeDesk::wait_text(const Request& request) const {
+  const std::uint64_t sample = outstanding_.back().change.from_sample, now = line_.answering();
+  const double wait_s = sample > now ? static_cast<double>(sample - now) * on_device_.period_s() : 0.0;
+  return fmt::format("{}: waits for sample {}, {:.1f} s of the device's time from now{}", request.what, sample, wait_s,
+                     request.from_sample > 0 ? "" : ", behind a change that was asked for earlier: changes are made in order");
+}
+
+ChangeDesk::Next ChangeDesk::next() const {
+  const Outstanding* swap = nullptr;
+  for (const Outstanding& waits : outstanding_)
+    if (waits.scene) swap = &waits;
+  Next all = swap ? Next{*swap->scene, swap->change.scene->plan().of_contact_alone, swap->effects, at_rest(swap->effects)}
+                  : Next{scene_, plan_.of_contact_alone, settled_, reach_};
+  bool after = swap == nullptr;
+  for (const Outstanding& waits : outstanding_) {
+    if (after) {
+      EffectSpec& effect = all.effects[waits.change.effect.effect];
+      voxtouch::take(effect, waits.change.effect);
+      all.reach[waits.change.effect.effect].widen(effect);
+    }
+    after |= &waits == swap;
+  }
+  return all;
 }
 
 /// False where the loop's queue is full.
@@ -164,13 +236,8 @@ void ChangeDesk::receive_reload(const msg::EffectChange& m, Request request) {
   if (!outstanding_.empty() && outstanding_.back().change.from_sample > 0)
     return refuse(request, fmt::format("a change waits for sample {}; ask again after it",
                                        outstanding_.back().change.from_sample));
-  if (options_.lockstep && request.from_sample > 0) {
-    line_.hold_from(request.from_sample);
-    if (line_.answering() >= request.from_sample) {
-      line_.let_go();
-      return refuse(request, fmt::format("sample {} has passed", request.from_sample));
-    }
-  }
+  if (options_.lockstep && request.from_sample > 0 && !hold(request))
+    return refuse(request, fmt::format("sample {} has passed", request.from_sample));
   reload_ = request;
   answer(request, result::kResultWaiting, request.from_sample, "the scene is being built beside the loop");
   under_way_ = std::async(std::launch::async, [this, voxel = m.voxel_size_m, model = std::string(view(m.model))] {
@@ -209,106 +276,110 @@ void ChangeDesk::look_after_build() {
   }
   Built result = under_way_.get();
   const Request request = *reload_;
+  std::vector<EffectSpec> effects;
+  if (result.refusal.empty()) {
+    effects = carried_over(scene_.effects, settled_, result.scene.effects);
+    result.refusal = on_device_.why_not(result.scene, result.built->plan().of_contact_alone, at_rest(effects));
+  }
   if (!result.refusal.empty()) {
     line_.let_go();
     reload_.reset();
     return refuse(request, "the old scene goes on: " + result.refusal);
   }
-  std::vector<EffectSpec> effects = carried_over(scene_.effects, settled_, result.scene.effects);
   result.built->scene_renderer().effects() = EffectChain(effects);
-  Outstanding asked{request, {}, std::move(result.scene)};
+  Outstanding asked{request, {}, std::move(result.scene), std::move(effects)};
   asked.change.scene = result.built.get();
   scenes_.push_back(std::move(result.built));
-  planned_ = std::move(effects);
   ask(std::move(asked));  // nothing else is there: it has room
   line_.let_go();
 }
 
 void ChangeDesk::take_report(const ChangeReport& report) {
+  using What = ChangeReport::What;
   epoch_ = report.epoch;
-  if (report.what == ChangeReport::What::kRetired) {
+  if (report.what == What::kRetired) {
     std::erase_if(scenes_, [&](const auto& scene) { return scene.get() == report.scene; });
-    reload_.reset();
-    return;
+    fading_.reset();
+    return show(plan_from_sample_);
+  }
+  if (report.what == What::kAtRest) {
+    reach_ = at_rest(settled_);
+    return show(plan_from_sample_);
   }
   Outstanding done = std::move(outstanding_.front());
   outstanding_.pop_front();
-  if (report.what == ChangeReport::What::kApplied) return applied(done, report.sample);
-  planned_ = settled_;
+  if (report.what == What::kApplied) return applied(done, report.sample);
   if (report.scene) {
     std::erase_if(scenes_, [&](const auto& scene) { return scene.get() == report.scene; });
     reload_.reset();
   }
   refuse(done.request,
-         report.what == ChangeReport::What::kLate
+         !done.why_not.empty() ? done.why_not
+         : report.what == What::kLate
              ? fmt::format("sample {} has passed, the next one is {}", done.request.from_sample, report.sample)
              : "another session has begun, or a change asked for before this one was not made; ask again");
-}
-
-std::uint64_t ChangeDesk::session() const {
-  const std::lock_guard lock(plan_mutex_);
-  return session_;
 }
 
 void ChangeDesk::set_plan(const BuiltScene& built) {
   plan_ = built.plan();
   largest_shell_gap_m_ = built.largest_shell_gap_m();
+  warnings_.store(plan_.warnings.size());
 }
 
-/// What the effects may show as they are set now, which is not as the plan's scene file has them.
-void ChangeDesk::sum_bounds() {
+/// What the effects may show as they are set now, which is not as the plan's scene file has them. True where that is another thing
+/// than before.
+bool ChangeDesk::sum_up() {
   const MetStiffness met = with_effects(plan_.of_contact_alone, settled_);
+  DeviceDemand shown = demand_of(scene_, reach_);
+  if (fading_) shown = larger_of(*fading_, shown);
+  const bool another = shown != shown_ || met != MetStiffness{plan_.contact_n_per_m, plan_.contact_nm_per_rad};
   plan_.contact_n_per_m = met.translation, plan_.contact_nm_per_rad = met.rotation;
+  shown_ = std::move(shown);
+  return another;
+}
+
+/// First the coupling is told, which may have to be designed anew; what the device says to it is found out meanwhile.
+void ChangeDesk::show(std::uint64_t from_sample, bool another_scene) {
+  if (sum_up() || another_scene) {
+    plan_from_sample_ = from_sample;
+    republish();
+  }
+  judge_running();
+}
+
+void ChangeDesk::judge_running() {
+  on_device_.runs(scene_, {plan_.contact_n_per_m, plan_.contact_nm_per_rad}, shown_);
+  const std::lock_guard lock(refusal_mutex_);
+  refusal_ = on_device_.refusal();
 }
 
 void ChangeDesk::applied(Outstanding& done, std::uint64_t sample) {
-  bool another_plan = true;
   if (done.scene) {
-    settled_ = planned_;
-    reload_->from_sample = 0;  // what is left of it is the old scene's fading out
-    const std::lock_guard lock(plan_mutex_);
     scene_ = std::move(*done.scene);
+    settled_ = std::move(done.effects), reach_ = at_rest(settled_);
+    fading_ = shown_;
     set_plan(*done.change.scene);
-    sum_bounds();
-  } else {
-    EffectSpec& effect = settled_[done.change.effect.effect];
-    const EffectSpec before = effect;
-    voxtouch::take(effect, done.change.effect);
-    another_plan = !same_bounds(before, effect);
-    const std::lock_guard lock(plan_mutex_);
-    if (another_plan) sum_bounds();
-  }
-  if (done.change.scene) {
+    reload_.reset();  // the next one may be built while the old scene fades out; the loop takes it after that
     reloads_.fetch_add(1);
     swapped_(scene_);
+  } else {
+    EffectSpec& effect = settled_[done.change.effect.effect];
+    voxtouch::take(effect, done.change.effect);
+    reach_[done.change.effect.effect].widen(effect);
   }
-  if (another_plan) republish(sample);
+  show(sample, done.change.scene != nullptr);
   done_.fetch_add(1);
   answer(done.request, result::kResultDone, sample,
          fmt::format("{}: holds from sample {} on", done.request.what, sample));
   line_.settle(done.change.ticket);
 }
 
-void ChangeDesk::begin_session(std::uint64_t session) {
-  const std::lock_guard lock(plan_mutex_);
-  session_ = session, plan_from_sample_ = 0;
-  publish_plan(plans_, scene_, plan_, largest_shell_gap_m_, session);
-}
-
-void ChangeDesk::remind() {
-  const std::lock_guard lock(plan_mutex_);
-  if (session_ != 0) publish_plan(plans_, scene_, plan_, largest_shell_gap_m_, session_, plan_from_sample_);
-}
-
-void ChangeDesk::republish(std::uint64_t from_sample) {
-  {
-    const std::lock_guard lock(plan_mutex_);
-    if (session_ == 0) return;  // the first one tells
-    plan_from_sample_ = from_sample;
-    publish_plan(plans_, scene_, plan_, largest_shell_gap_m_, session_, from_sample);
-  }
-  // In lockstep the loop waits for this: whoever reads the plan has it before the first sample that it holds for. Not under the lock,
-  // which the loop takes where a session begins.
+/// With the sample from which the scene and what it shows hold; what is demanded no longer, since a ramp or a fade is over, is told
+/// with that of the change that began it.
+void ChangeDesk::republish() {
+  if (session_ == 0) return;  // the first one tells
+  publish_plan(plans_, scene_, plan_, shown_, largest_shell_gap_m_, session_, plan_from_sample_);
+  // In lockstep the loop waits for this: whoever reads the plan has it before the first sample that it holds for.
   if (options_.lockstep) plans_.wait_for_acknowledgments(DDS_SECS(2));
 }
 
@@ -327,7 +398,7 @@ bool ChangeDesk::answered_before(std::uint64_t id) {
 void ChangeDesk::send(const Answered& answer) {
   msg::EffectChanged m{};
   m.request = answer.id;
-  m.session_id = session();
+  m.session_id = session_;
   m.from_sample = answer.sample;
   m.result = answer.result;
   m.sentence = runtime::lend(answer.sentence);
@@ -349,11 +420,15 @@ void ChangeDesk::refuse(const Request& request, const std::string& sentence) {
 }
 
 runtime::Figures ChangeDesk::figures() const {
-  const std::lock_guard lock(plan_mutex_);
-  return {{"warnings", {plan_.warnings.size(), "warnings"}},
+  return {{"warnings", {warnings_.load(), "warnings"}},
           {"changes", {done_.load(), "changes"}},
           {"refused_changes", {refused_.load(), "changes"}},
           {"reloads", {reloads_.load(), "reloads"}}};
+}
+
+std::string ChangeDesk::refusal() const {
+  const std::lock_guard lock(refusal_mutex_);
+  return refusal_;
 }
 
 }  // namespace voxtouch::rendering

@@ -12,8 +12,16 @@ void ChangeLine::retire(LiveScene& live) noexcept {
   if (BuiltScene* scene = live.retired()) reports_.push({ChangeReport::What::kRetired, 0, 0, epoch_, scene});
 }
 
+void ChangeLine::rest(LiveScene& live) noexcept {
+  if (!moving_ || reports_.room() == 0 || !live.effects().at_rest()) return;
+  moving_ = false;
+  reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr});
+}
+
 void ChangeLine::take(LiveScene& live, std::uint64_t next, bool at_sample) noexcept {
   retire(live);
+  rest(live);
+  const bool judged = session_ == 0 || good_for_.load(std::memory_order_acquire) == session_;
   while (const Change* change = changes_.front()) {
     if (reports_.room() < 2) return;
     if (change->epoch != epoch_) {
@@ -21,7 +29,10 @@ void ChangeLine::take(LiveScene& live, std::uint64_t next, bool at_sample) noexc
     } else if (change->session != 0 && change->session != session_) {
       ++epoch_;  // what is behind it was judged as if it had been applied
       report(ChangeReport::What::kDropped, *change, next);
-    } else if (change->from_sample > next || (change->from_sample > 0 && !at_sample) ||
+    } else if (change->ticket <= cancelled_.load(std::memory_order_acquire)) {
+      ++epoch_;
+      report(ChangeReport::What::kDropped, *change, next);
+    } else if (!judged || change->from_sample > next || (change->from_sample > 0 && !at_sample) ||
                (change->scene && live.fading())) {
       return;
     } else if (change->from_sample > 0 && change->from_sample < next) {
@@ -32,6 +43,7 @@ void ChangeLine::take(LiveScene& live, std::uint64_t next, bool at_sample) noexc
         live.swap_to(*change->scene);
       else
         live.effects().take(change->effect);
+      moving_ |= !change->scene && change->effect.action == EffectAction::kValue;
       applied_ = change->ticket;
       report(ChangeReport::What::kApplied, *change, next);
     }

@@ -26,6 +26,7 @@ struct ChangeReport {
     kLate,     ///< its sample had passed: not applied
     kDropped,  ///< what it was judged by is no more: a change before it was not applied, or another session has begun
     kRetired,  ///< `scene` is not rendered any more
+    kAtRest,   ///< all numbers of the effects have come to where they were to go
   } what = What::kApplied;
   std::uint64_t ticket = 0, sample = 0;
   std::uint64_t epoch = 0;  ///< from now on
@@ -33,7 +34,8 @@ struct ChangeReport {
 };
 
 /// Between the desk, which judges, and the loop, which applies. Changes are taken in the order they were asked for, one that waits
-/// for its sample holds up those behind it: so each runs on the values that it was judged by.
+/// for its sample holds up those behind it: so each runs on the values that it was judged by. In a session none is made before the
+/// desk has judged, for its device, what was asked for before that device was known.
 class ChangeLine {
  public:
   static constexpr std::size_t kCapacity = 64;
@@ -48,6 +50,10 @@ class ChangeLine {
     return true;
   }
   void settle(std::uint64_t ticket) noexcept { settled_.store(ticket, std::memory_order_release); }
+  /// All that has been asked for holds on the device of this session.
+  void found_good_for(std::uint64_t session) noexcept { good_for_.store(session, std::memory_order_release); }
+  /// What waits with a ticket up to this one is dropped.
+  void cancel(std::uint64_t ticket) noexcept { cancelled_.store(ticket, std::memory_order_release); }
   /// Lockstep: the loop answers no sample from this one on before the hold is let go.
   void hold_from(std::uint64_t sample) noexcept { hold_.store(sample, std::memory_order_seq_cst); }
   void let_go() noexcept { hold_.store(kNoHold, std::memory_order_seq_cst); }
@@ -66,16 +72,18 @@ class ChangeLine {
     answering_.store(sample, std::memory_order_seq_cst);
     return sample >= hold_.load(std::memory_order_seq_cst);
   }
-  void retire(LiveScene& live) noexcept;
 
  private:
+  void retire(LiveScene& live) noexcept;
+  void rest(LiveScene& live) noexcept;
   static constexpr std::uint64_t kNoHold = ~std::uint64_t{0};
   void report(ChangeReport::What what, const Change& change, std::uint64_t sample) noexcept;
 
   runtime::SpscQueue<Change, kCapacity> changes_;
   runtime::SpscQueue<ChangeReport, 4 * kCapacity> reports_;
-  std::atomic<std::uint64_t> settled_{0}, hold_{kNoHold}, answering_{0};
+  std::atomic<std::uint64_t> settled_{0}, hold_{kNoHold}, answering_{0}, good_for_{0}, cancelled_{0};
   std::uint64_t applied_ = 0, epoch_ = 0, session_ = 0;
+  bool moving_ = false;  ///< numbers of the effects are on their way
 };
 
 }  // namespace voxtouch::rendering

@@ -44,8 +44,8 @@ std::vector<PlanPart> all_parts(const Plan& plan, const Scene& scene) {
 
 }  // namespace
 
-void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const Plan& plan, double largest_shell_gap_m,
-                  std::uint64_t session, std::uint64_t from_sample) {
+void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const Plan& plan,
+                  const DeviceDemand& demand, double largest_shell_gap_m, std::uint64_t session, std::uint64_t from_sample) {
   runtime::LentStrings built(plan.built), left_out(plan.left_out), warnings(plan.warnings);
   Columns columns(all_parts(plan, scene));
   msg::ScenePlan m{};
@@ -65,6 +65,13 @@ void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const
   m.all_points_stiffness_n_per_m = plan.contact_n_per_m.all_points;
   m.one_point_stiffness_nm_per_rad = plan.contact_nm_per_rad.one_point;
   m.all_points_stiffness_nm_per_rad = plan.contact_nm_per_rad.all_points;
+  m.least_stiffness_n_per_m = demand.least_stiffness_n_per_m;
+  m.stiffest = runtime::lend(demand.stiffest);
+  m.effects_damping_ns_per_m = demand.damping_ns_per_m;
+  m.largest_damping_ns_per_m = demand.largest_damping_ns_per_m;
+  m.largest_damping = runtime::lend(demand.largest);
+  m.largest_damping_place = runtime::lend(demand.largest_place);
+  m.torque_effect = runtime::lend(demand.torque);
   built.into(m.built);
   left_out.into(m.left_out);
   warnings.into(m.warnings);

@@ -1,12 +1,14 @@
 #pragma once
 /// The plan as a latched message.
+#include "core/scene/device_demand.hpp"
 #include "core/scene/plan.hpp"
 #include "nodes/bus/writer.hpp"
 
 namespace voxtouch::rendering {
 
-/// With the parts of the ring behind those of the plan. `from_sample`: the first one that it holds for; 0 where a session begins.
-void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const Plan& plan, double largest_shell_gap_m,
-                  std::uint64_t session, std::uint64_t from_sample = 0);
+/// With the parts of the ring behind those of the plan, and what is demanded of the device. `from_sample`: the first one that it
+/// holds for; 0 where a session begins.
+void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const Plan& plan, const DeviceDemand& demand,
+                  double largest_shell_gap_m, std::uint64_t session, std::uint64_t from_sample);
 
 }  // namespace voxtouch::rendering

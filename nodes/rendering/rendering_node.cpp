@@ -17,6 +17,7 @@
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/device_model.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/role_binding.hpp"
@@ -41,7 +42,8 @@ class RenderingNode {
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         ros_(participant_, options.rig, scene),
         desk_(participant_, options, scene, std::move(built), line_,
-              [this](const Scene& next) { ros_.set_static_meshes(next.static_meshes); }),
+              [this](const Scene& next) { ros_.set_static_meshes(next.static_meshes); },
+              [this](std::uint64_t session) { session_.begin(session); }),
         wait_set_(participant_), device_("device", {&descriptions_.following(), &states_.following()}) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
@@ -63,8 +65,8 @@ class RenderingNode {
       heartbeat_.beat();
       wait_set_.wait(50'000'000);
       descriptions_.take([this](const msg::DeviceDescription& d) { listen(d); });
-      // The device's status and its description name one session: then it begins.
-      if (described_ && *described_ == device_.session() && descriptions_.current()) start_session(*described_);
+      // The device's status and its description name one session: then it begins, or goes on with what has changed.
+      if (described_ && described_->session == device_.session() && descriptions_.current()) follow_device();
       msg::DeviceState state;
       const std::uint64_t before = samples_.load(kRelaxed);
       for (int i = 0; i < states_.kMostTakes && states_.take(state) && !over(); ++i) answer(state);
@@ -81,13 +83,23 @@ class RenderingNode {
   /// Numbers that cannot be a device's change nothing: what runs goes on, and a session does not begin on them.
   void listen(const msg::DeviceDescription& description) {
     std::string wrong = what_is_wrong(description);
-    if (wrong.empty()) described_ = description.session_id;
+    if (wrong.empty()) {
+      described_ = DescribedDevice{description.session_id, runtime::model_of(description, description.simulated)};
+      parse_grip(description.grip, described_->grip);
+    }
     const std::lock_guard lock(wrong_mutex_);
     wrong_ = std::move(wrong);
   }
 
+  /// Of the session that runs: the scene is the same, but the device may not be fit for it any more.
+  void follow_device() {
+    if (described_->session != session_in_loop_) start_session(described_->session);
+    desk_.device_is(std::make_unique<DescribedDevice>(std::move(*described_)));
+    described_.reset();
+  }
+
+  /// Ready is said by the desk, when readers have the plan.
   void start_session(std::uint64_t session) {
-    if (session == session_in_loop_) return;  // the device has described itself anew; the scene is the same
     live_.reset();
     line_.begin_session(session);
     next_sample_ = 0;
@@ -96,8 +108,6 @@ class RenderingNode {
     refused_in_a_row_ = 0;
     session_in_loop_ = session;
     session_begin_ns_.reset();
-    desk_.begin_session(session);
-    session_.begin(session);
   }
 
   /// No sample has come: what waits for none is changed now. A fade goes on with the samples; where there are none for long,
@@ -228,6 +238,10 @@ class RenderingNode {
                          ? trouble
                          : "scene '" + scene_.name + "' is built" + (missing.empty() ? "" : "; waiting for " + missing);
     if (!options_.lockstep && reminder_.is_due(roster, report.session_id, {"coupling", "validator"})) desk_.remind();
+    const std::string refusal = desk_.refusal();
+    if (refusal.empty() || session_.stopped()) return;
+    report.state = runtime::NodeState::kFailed;
+    report.message = refusal + " No force is commanded.";
   }
 
   static constexpr int kHoldSamples = 3;
@@ -242,11 +256,12 @@ class RenderingNode {
   bus::FollowedReader<msg::DeviceState> states_;
   bus::Writer<msg::ContactState> contacts_;
   RosOutputs ros_;
+  runtime::Session session_;
   ChangeDesk desk_;
   bus::WaitSet wait_set_;
   runtime::RoleBinding device_;
   runtime::Reminder reminder_;
-  std::optional<std::uint64_t> described_;  ///< session of the last description that could be a device's
+  std::optional<DescribedDevice> described_;  ///< the last that could be a device's, until the session that it names is followed
   std::mutex wrong_mutex_;                  ///< the loop takes it where a description has come, and at no other time
   std::string wrong_;
   std::vector<runtime::Link> links_;
@@ -254,7 +269,6 @@ class RenderingNode {
   const runtime::Housekeeping* housekeeping_ = nullptr;
   runtime::Heartbeat heartbeat_;
   std::uint64_t session_in_loop_ = 0;
-  runtime::Session session_;
   SceneFrame frame_;
   std::optional<std::int64_t> session_begin_ns_;  ///< device clock of the first sample answered
   int refused_in_a_row_ = 0;

@@ -19,7 +19,7 @@ Scene scene_of(bool designed) {
   return scene;
 }
 
-void check(const Scene& scene, const coupling::Fitting& fitting) {
+void check(const Scene& scene, coupling::Fitting& fitting) {
   const FittedCoupling fitted = fitting.fit();
   if (!fitted.refusal.empty()) return;
   const DeviceModel& device = fitting.device();

@@ -309,6 +309,45 @@ TEST(ChangeVerb, SaysWhatWasDoneOrWhyNot) {
   EXPECT_EQ(end.status, 0) << end.err << end.out;
 }
 
+/// What is refused at the start is refused while running: by the same sentence, whichever way it comes.
+TEST(ChangeVerb, IsRefusedWhatTheDeviceDoesNotStand) {
+  const TemporaryFolder folder;
+  const auto file = folder / "cup_viscosity.yaml";
+  const auto write = [&](const std::string& damping) {
+    std::ifstream in(shipped_scene("cup_viscosity"));
+    std::stringstream text;
+    text << in.rdbuf();
+    std::string scene = text.str();
+    for (const auto& [from, to] : {std::pair<std::string, std::string>{"../meshes", std::string(VOXTOUCH_DEPLOY) + "/meshes"},
+                                   {"damping_ns_per_m: 1}", "damping_ns_per_m: " + damping + "}"}})
+      for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
+        scene.replace(at, from.size(), to);
+    std::ofstream(file) << scene;
+  };
+  write("1");
+  Process up(up_arguments(file.string(), {"--motion", "slide", "--no-record"}));
+  for (int i = 0; i < 1500 && up.err().find(" samples  force") == std::string::npos; ++i)
+    std::this_thread::sleep_for(milliseconds(20));
+  const auto refused = [](const Verb& verb, const std::string& text) {
+    EXPECT_EQ(verb.end.status, 1) << verb.end.err << verb.end.out;
+    EXPECT_NE(verb.end.err.find(text), std::string::npos) << verb.end.err << verb.end.out;
+  };
+  const std::string stands = "with a margin of 2: lower it below";
+  refused(change({"viscosity", "damping_ns_per_m=50"}), "the effects damp with up to 50 Ns/m at the hand");
+  refused(change({"viscosity", "damping_ns_per_m=50"}), stands);
+  write("60");
+  refused(change({"--reload"}), stands);
+  refused(change({"viscosity", "off", "--from-sample", "900000"}), "10 s: changes are made in order");
+  write("1.5");
+  for (int i = 0; i < 3; ++i) {
+    const Verb again = change({"--reload", "--voxel-size", i % 2 ? "0.003" : "0.0025"});
+    EXPECT_EQ(again.end.status, 0) << again.end.err;
+  }
+  up.signal(2);
+  const Finished end = up.wait();
+  EXPECT_EQ(end.status, 0) << end.err << end.out;
+}
+
 TEST(ChangeVerb, SaysSoWhereNobodyAnswersWithinTwoSeconds) {
   const Verb verb = change({"viscosity", "off"});
   EXPECT_EQ(verb.end.status, 1);

@@ -53,6 +53,7 @@ struct OperatorRange {
 /// already in it, where there is one).
 struct ContactRange {
   double one_point = 0.0, all_points = 0.0;
+  bool operator==(const ContactRange&) const = default;
 };
 
 /// Longest delay that can be designed for [periods]: the loop's matrix has a state for each.

@@ -126,6 +126,7 @@ TEST_F(ChangeLineTest, AnotherSessionDropsWhatWaitsForTheLastOnesSamples) {
 
 TEST_F(ChangeLineTest, NeverMakesAChangeOfAnotherSession) {
   line_.begin_session(77);
+  line_.found_good_for(77);
   ask(1, 0, 0.25, 76);
   line_.take(*live_, 1, true);
   EXPECT_EQ(gain(), 1.0);
@@ -133,6 +134,39 @@ TEST_F(ChangeLineTest, NeverMakesAChangeOfAnotherSession) {
   ask(2, 0, 0.25, 77);
   line_.take(*live_, 2, true);
   EXPECT_EQ(gain(), 0.25);
+}
+
+TEST_F(ChangeLineTest, MakesNothingInASessionBeforeItWasHeldAgainstItsDevice) {
+  ask(1, 0, 0.25);
+  line_.begin_session(77);
+  line_.take(*live_, 1, true);
+  EXPECT_EQ(gain(), 1.0);
+  line_.found_good_for(77);
+  line_.take(*live_, 2, true);
+  EXPECT_EQ(gain(), 0.25);
+  ask(2, 0, 0.5), ask(3, 0, 0.75);
+  line_.cancel(2);
+  line_.take(*live_, 3, true);
+  EXPECT_EQ(gain(), 0.25);
+  const auto said = reports();
+  ASSERT_EQ(said.size(), 3U);
+  EXPECT_EQ(said[1].what, What::kDropped);
+  EXPECT_EQ(said[2].what, What::kDropped) << "it was judged as if the one before had been made";
+}
+
+TEST_F(ChangeLineTest, SaysWhenAllNumbersHaveCome) {
+  Change change{.ticket = 1, .effect = {.action = EffectAction::kValue, .value = {0.5, 0.0, 0.0}}};
+  ASSERT_TRUE(line_.ask(change));
+  ToolState tool;
+  tool.pose.position = Vec3(0, 0, 0.05);
+  std::uint64_t came = 0;
+  for (std::uint64_t sample = 1; sample < 150; ++sample) {
+    line_.take(*live_, sample, true);
+    for (const ChangeReport& report : reports())
+      if (report.what == What::kAtRest) came = sample;
+    live_->render(tool, 0.001 * static_cast<double>(sample));
+  }
+  EXPECT_NEAR(static_cast<double>(came), 101.0, 2.0);
 }
 
 TEST_F(ChangeLineTest, SwapsASceneAndGivesTheOldOneBackOnlyWhenItHasFadedOut) {

@@ -10,6 +10,7 @@
 #include "core/scene/scene_file.hpp"
 #include "nodes/rendering/change_desk.hpp"
 #include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/roster.hpp"
 #include "nodes/runtime/strings.hpp"
 #include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
@@ -119,7 +120,7 @@ const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
 class RenderingLive : public testing::Test {
  protected:
   RenderingLive()
-      : rig(own_rig("x")), device(kDomain, "device", rig), participant(device.participant),
+      : rig(own_rig("x")), device(kDomain, "device", rig), participant(device.participant), roster(participant, rig),
         descriptions(participant, qos::kDeviceDescription, rig, latched()),
         plans(participant, qos::kScenePlan, rig, latched()),
         states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)),
@@ -131,9 +132,14 @@ class RenderingLive : public testing::Test {
     EXPECT_TRUE(asker.ready());
     EXPECT_TRUE(asker.send_until_heard(change(99), 1'000'000));
   }
-  void begin(std::uint64_t id) {
-    descriptions.write(stylus(session = id));
+  void describe(std::uint64_t id, double mass_kg = 0.1) {
+    msg::DeviceDescription m = stylus(session = id);
+    m.mass_min_kg = mass_kg, m.mass_max_kg = 2.0 * mass_kg;
+    descriptions.write(m);
     device.say(id);
+  }
+  void begin(std::uint64_t id) {
+    describe(id);
     sequence = 0;
     ASSERT_TRUE(wait_until([&] {
       look();
@@ -142,7 +148,7 @@ class RenderingLive : public testing::Test {
   }
   void look() {
     plans.take_each([this](const msg::ScenePlan& p) {
-      planned = p.session_id, plan_from_sample = p.from_sample, voxel_size_m = p.voxel_size_m, model = p.contact_model,
+      planned = p.session_id, demanded_ns_per_m = p.effects_damping_ns_per_m, plan_from_sample = p.from_sample, voxel_size_m = p.voxel_size_m, model = p.contact_model,
       ++plan_count;
     });
     msg::ContactState c;
@@ -176,6 +182,21 @@ class RenderingLive : public testing::Test {
            const std::string& contact_model = "") {
     return asker.last_word(asker.send(m, effect, parameter, contact_model), [this] { sample(); });
   }
+  runtime::NodeReport report() {
+    roster.update();
+    return roster.find("rendering").value_or(runtime::NodeReport{});
+  }
+  /// Samples go on until the node says so of itself.
+  bool says(const std::string& text) {
+    return wait_until([&] {
+      sample();
+      return report().message.find(text) != std::string::npos;
+    });
+  }
+  void refused(const Said& said, const std::string& why) {
+    EXPECT_EQ(said.result, result::kResultRefused) << said.sentence;
+    EXPECT_NE(said.sentence.find(why), std::string::npos) << said.sentence << "\n should say: " << why;
+  }
   double drag() const { return seen.back().effects_wrench.force.x; }
   double push() const { return seen.back().wrench.force.z; }
 
@@ -183,6 +204,7 @@ class RenderingLive : public testing::Test {
   std::string rig;
   StandIn device;
   const bus::Participant& participant;
+  runtime::Roster roster;
   bus::Writer<msg::DeviceDescription> descriptions;
   bus::Reader<msg::ScenePlan> plans;
   bus::Writer<msg::DeviceState> states;
@@ -192,7 +214,7 @@ class RenderingLive : public testing::Test {
   NodeThread node;
   std::uint64_t session = 0, sequence = 0, planned = 0, plan_from_sample = 0;
   int plan_count = 0;
-  double voxel_size_m = 0.0, largest_step = 0.0;
+  double voxel_size_m = 0.0, largest_step = 0.0, demanded_ns_per_m = 0.0;
   std::string model;
   std::vector<msg::ContactState> seen;
 };
@@ -219,7 +241,9 @@ TEST_F(RenderingLive, SwitchesAndSetsAnEffectWithoutAStep) {
   samples(150);
   EXPECT_NEAR(drag(), -0.5 * kSpeed, 1e-12);
   EXPECT_LE(largest_step, 2 * ramp) << "at most two ramps at once";
-  EXPECT_EQ(plan_count, 1) << "damping bounds no stiffness: nothing to design anew";
+  samples(150);
+  EXPECT_EQ(plan_count, 2) << "gain and switch demand nothing else of the device; the smaller value does, once it has come";
+  EXPECT_EQ(demanded_ns_per_m, 1.0);
 }
 
 TEST_F(RenderingLive, RefusesGarbageWithASentenceAndGoesOnAsBefore) {
@@ -248,7 +272,7 @@ TEST_F(RenderingLive, RefusesGarbageWithASentenceAndGoesOnAsBefore) {
   refused(change(4'000'000'000U), v, "", "", "no action");
   refused(change(kActionSwitch, 0.0, 0, 6), v, "", "", "session 6 does not run (5 does)");
   refused(change(kActionSwitch, 0.0, 1), v, "", "", "sample 1 has passed");
-  refused(change(kActionSwitch, 0.0, ~std::uint64_t{0}), v, "", "", "samples away");
+  refused(change(kActionSwitch, 0.0, ~std::uint64_t{0}), v, "", "", "10 s: changes are made in order");
   refused(change(kActionReload), "", "", "best", "no contact model 'best'");
   for (const double bad : {kNan, -0.001, std::numeric_limits<double>::infinity()}) {
     msg::EffectChange reload = change(kActionReload);
@@ -324,7 +348,7 @@ TEST_F(RenderingLive, BuildsTheSceneAnewBesideTheLoopAndFadesOverToIt) {
   samples(260);
   EXPECT_EQ(voxel_size_m, 0.001);
   EXPECT_EQ(plan_from_sample, said.from_sample);
-  EXPECT_EQ(plan_count, 2);
+  EXPECT_EQ(plan_count, 3) << "the session's, the lower damping's, and this one";
   const double after = push();
   EXPECT_GT(std::abs(after - before), 0.5 * before);
   EXPECT_LE(largest_step, 1.01 * std::abs(after - before) * 0.001 / LiveScene::kFadeS);
@@ -369,6 +393,120 @@ TEST_F(RenderingLive, GoesOnWithTheOldSceneWhereTheNewOneCannotBeHad) {
   EXPECT_EQ(plan_count, 1);
 }
 
+constexpr char kStands[] = "with a margin of 2: lower it below";
+
+TEST_F(RenderingLive, RefusesEveryChangeThatTheDeviceDoesNotStand) {
+  begin(5);
+  samples(50);
+  const double before = drag();
+  const std::string v = "viscosity", b = "damping_ns_per_m";
+  refused(ask(change(kActionValue, 50.0), v, b), kStands);
+  EXPECT_EQ(ask(change(kActionSwitch, 0.0)).result, result::kResultDone);
+  refused(ask(change(kActionValue, 50.0), v, b), kStands);
+  EXPECT_EQ(ask(change(kActionGain, 0.05)).result, result::kResultDone);
+  refused(ask(change(kActionValue, 50.0), v, b), kStands);
+  EXPECT_EQ(ask(change(kActionGain, 1.0)).result, result::kResultDone);
+  EXPECT_EQ(ask(change(kActionSwitch, 1.0)).result, result::kResultDone);
+  scene.replace("damping_ns_per_m: 2}", "damping_ns_per_m: 60}");
+  refused(ask(change(kActionReload), ""), "the old scene goes on");
+  refused(ask(change(kActionReload), ""), kStands);
+  scene.replace("damping_ns_per_m: 60}", "damping_ns_per_m: 1, damping_nms_per_rad: 0.01}");
+  refused(ask(change(kActionReload), ""), "gives torque, and the device gives none");
+  samples(150);
+  EXPECT_NEAR(drag(), before, 1e-12);
+  EXPECT_EQ(plan_count, 1);
+  EXPECT_EQ(report().message.find("No force"), std::string::npos) << report().message;
+}
+
+TEST_F(RenderingLive, JudgesWhatWasChangedBeforeADeviceCameWhenItComes) {
+  EXPECT_EQ(ask(change(kActionValue, 50.0), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+  const std::uint64_t waits = asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
+  begin(5);
+  EXPECT_EQ(demanded_ns_per_m, 50.0) << "the coupling is told";
+  EXPECT_TRUE(says("with a margin of 2"));
+  EXPECT_TRUE(says("No force is commanded"));
+  EXPECT_EQ(report().state, runtime::NodeState::kFailed);
+  refused(asker.last_word(waits, [this] { sample(); }), kStands);
+  EXPECT_EQ(ask(change(kActionValue, 1.0), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+  EXPECT_TRUE(says("is built"));
+  EXPECT_EQ(demanded_ns_per_m, 1.0);
+}
+
+TEST_F(RenderingLive, DropsWhatWaitsForASampleWhereTheDeviceThatComesDoesNotStandIt) {
+  const std::uint64_t waits = asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
+  ASSERT_TRUE(wait_until([&] {
+    asker.answers.take_each([&](const msg::EffectChanged& a) { asker.said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence}); });
+    return !asker.said[waits].empty();
+  }));
+  begin(5);
+  samples(400);
+  refused(asker.last_word(waits, [this] { sample(); }), kStands);
+  samples(150);
+  EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12);
+}
+
+TEST_F(RenderingLive, JudgesTheRunningEffectsAnewWhenTheDeviceDescribesItselfAnew) {
+  begin(5);
+  samples(50);
+  EXPECT_TRUE(says("is built"));
+  describe(5, 0.005);
+  EXPECT_TRUE(says("with a margin of 2"));
+  describe(5, 0.1);
+  EXPECT_TRUE(says("is built"));
+  EXPECT_EQ(ask(change(kActionValue, 3.0), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+}
+
+TEST_F(RenderingLive, JudgesAnewWhenASessionOfAnotherDeviceBegins) {
+  begin(5);
+  samples(50);
+  describe(6, 0.005);
+  EXPECT_TRUE(says("with a margin of 2"));
+  refused(ask(change(kActionValue, 3.0), "viscosity", "damping_ns_per_m"), kStands);
+}
+
+/// What fades out counts until it is gone, what goes down until it has come there.
+TEST_F(RenderingLive, TellsTheCouplingTheMostThatIsRenderedUntilItIsOver) {
+  begin(5);
+  samples(20);
+  EXPECT_EQ(demanded_ns_per_m, 2.0);
+  scene.replace("damping_ns_per_m: 2}", "damping_ns_per_m: 1}");
+  EXPECT_EQ(ask(change(kActionReload), "").result, result::kResultDone);
+  EXPECT_EQ(plan_count, 2);
+  EXPECT_EQ(demanded_ns_per_m, 2.0) << "the old scene is still felt";
+  samples(260);
+  EXPECT_EQ(demanded_ns_per_m, 1.0);
+  EXPECT_EQ(ask(change(kActionValue, 0.5), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+  EXPECT_EQ(demanded_ns_per_m, 1.0) << "it is on its way";
+  samples(150);
+  EXPECT_EQ(demanded_ns_per_m, 0.5);
+}
+
+TEST_F(RenderingLive, SaysAtOnceWhatWaitsAndForHowLong) {
+  begin(5);
+  samples(20);
+  refused(ask(change(kActionSwitch, 0.0, sequence + 20'000)), "more than 10000 samples away, 10 s");
+  const std::uint64_t far = asker.send(change(kActionGain, 0.5, sequence + 1'000), "viscosity");
+  const std::uint64_t behind = asker.send(change(kActionSwitch, 0.0), "viscosity");
+  const Said done = asker.last_word(behind, [this] { sample(); });
+  EXPECT_EQ(done.result, result::kResultDone) << done.sentence;
+  EXPECT_EQ(done.from_sample, asker.said[far].back().from_sample) << "in order";
+  const Said waits = asker.said[behind].front();
+  EXPECT_EQ(waits.result, result::kResultWaiting);
+  EXPECT_NE(waits.sentence.find("s of the device's time from now, behind a change"), std::string::npos) << waits.sentence;
+}
+
+TEST_F(RenderingLive, TakesOneReloadAfterTheOther) {
+  begin(5);
+  samples(20);
+  for (const char* contact_model : {"original", "adapted", "original", "adapted"}) {
+    const Said said = ask(change(kActionReload), "", "", contact_model);
+    EXPECT_EQ(said.result, result::kResultDone) << said.sentence;
+  }
+  samples(260);
+  EXPECT_EQ(model, "adapted");
+  EXPECT_EQ(seen.back().flags & msg::contact_state::kFlagFading, 0U);
+}
+
 TEST_F(RenderingLive, StopsWhileASceneIsBeingBuilt) {
   begin(5);
   msg::EffectChange reload = change(kActionReload);
@@ -407,6 +545,38 @@ const EffectKind kSpring = {
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<Spring>()); },
 };
 
+DeviceModel stylus() {
+  DeviceModel model;
+  model.name = "stylus";
+  model.translation = {.inertia_min = 0.1, .inertia_max = 0.2, .damping = 2.0, .max_effort = 8.5};
+  model.timing.delay_s = 1e-3;
+  return model;
+}
+
+/// The desk's thread may be held up by whatever it does; a session begins without it.
+TEST(ChangeDesk, IsNotWaitedForWhereASessionBegins) {
+  const Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  const std::string rig = own_rig("w");
+  const auto options = node_options<rendering::Options>(rig);
+  const bus::Participant participant({kDomain, "lo", "desk"});
+  rendering::ChangeLine line;
+  std::atomic<bool> held{false}, go_on{false};
+  std::atomic<std::uint64_t> last{0};
+  rendering::ChangeDesk desk(participant, options, scene, build_scene(scene, serial_for()), line, [](const Scene&) {},
+                             [&](std::uint64_t session) {
+                               last = session, held = true;
+                               EXPECT_TRUE(wait_until([&] { return go_on.load(); })) << "device_is waits for the desk";
+                             });
+  const auto begin = [&](std::uint64_t session) {
+    desk.device_is(std::make_unique<rendering::DescribedDevice>(rendering::DescribedDevice{session, stylus()}));
+  };
+  begin(3);
+  ASSERT_TRUE(wait_until([&] { return held.load(); }));
+  begin(4), begin(5);
+  go_on = true;
+  EXPECT_TRUE(wait_until([&] { return last == 5; })) << "the last one counts";
+}
+
 TEST(ChangeDesk, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
   Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   scene.effects = {
@@ -420,11 +590,13 @@ TEST(ChangeDesk, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
   bus::Reader<msg::ScenePlan> plans(participant, qos::kScenePlan, rig, latched());
   Asker asker(participant, rig);
   rendering::ChangeLine line;
-  rendering::ChangeDesk desk(participant, options, scene, std::move(built), line, [](const Scene&) {});
+  std::atomic<std::uint64_t> begun{0};
+  rendering::ChangeDesk desk(participant, options, scene, std::move(built), line, [](const Scene&) {},
+                             [&](std::uint64_t session) { begun = session; });
   ASSERT_TRUE(asker.ready());
   ASSERT_TRUE(asker.send_until_heard(change(99), 1'000'000));
-  desk.begin_session(3);
   line.begin_session(3);
+  desk.device_is(std::make_unique<rendering::DescribedDevice>(rendering::DescribedDevice{3, stylus()}));
   std::vector<std::pair<std::uint64_t, double>> seen;
   std::uint64_t sample = 0;
   const auto loop = [&] {
@@ -434,6 +606,7 @@ TEST(ChangeDesk, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
   const auto ask = [&](const msg::EffectChange& m, const std::string& parameter) {
     return asker.last_word(asker.send(m, "spring", parameter), loop);
   };
+  ASSERT_TRUE(wait_until([&] { return begun == 3; }));
   EXPECT_EQ(ask(change(kActionSwitch, 0.0), "").result, result::kResultDone);
   EXPECT_EQ(ask(change(kActionSwitch, 1.0), "").result, result::kResultDone);
   const Said stiffer = ask(change(kActionValue, 350.0), "stiffness_n_per_m");

@@ -71,21 +71,51 @@ class Around {
   static const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
   static const qos::Profile& stream() { return qos::profile(qos::ProfileId::kStream); }
 
-  void describe(double damping_ns_per_m, std::uint64_t session = 7) {
+  void describe(double damping_ns_per_m, std::uint64_t session = 7, double mass_kg = 0.05) {
     msg::DeviceDescription m = stylus(session);
+    m.mass_min_kg = mass_kg, m.mass_max_kg = 2.0 * mass_kg;
     m.damping_ns_per_m = damping_ns_per_m;
     descriptions.write(m);
     device.say(session);
   }
-  void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7) {
-    const std::string text = "plane";
+  /// What the effects demand, beside the contact.
+  struct Demand {
+    double damping_ns_per_m, least_n_per_m;
+    std::string torque;
+  };
+  void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7) { plan(one_point_n_per_m, session, {0.0, 0.0, ""}); }
+  void plan(double one_point_n_per_m, std::uint64_t session, const Demand& demand) {
+    const std::string text = "plane", oil = "oil", none;
     msg::ScenePlan m{};
     m.session_id = session;
     m.scene = m.scene_hash = m.contact_model = runtime::lend(text);
     m.one_point_stiffness_n_per_m = one_point_n_per_m;
     m.all_points_stiffness_n_per_m = 100 * one_point_n_per_m;
+    m.effects_damping_ns_per_m = m.largest_damping_ns_per_m = demand.damping_ns_per_m;
+    m.least_stiffness_n_per_m = demand.least_n_per_m;
+    m.largest_damping = m.stiffest = runtime::lend(oil), m.largest_damping_place = runtime::lend(none);
+    m.torque_effect = runtime::lend(demand.torque);
     plans.write(m);
     rendering.say(session);
+  }
+  /// Force stops within some samples, and the node says why; `text` stands in its sentence.
+  void expect_no_force(const std::string& text) {
+    EXPECT_TRUE(wait_until([&] {
+      touch();
+      return message().find("No force is commanded") != std::string::npos;
+    })) << message();
+    EXPECT_NE(message().find(text), std::string::npos) << message();
+    for (int i = 0; i < 20; ++i) touch();
+    forces.clear();
+    for (int i = 0; i < 100; ++i) touch();
+    EXPECT_TRUE(forces.empty());
+  }
+  bool force_comes() {
+    forces.clear();
+    return wait_until([&] {
+      touch();
+      return !forces.empty() && forces.back() > 0.2 * kForce;
+    });
   }
   /// Pressed against a floor at one depth, sample after sample.
   void touch(std::uint64_t session = 7) {
@@ -244,6 +274,45 @@ TEST(CouplingNode, StopsCommandingWhenAChangedDeviceLeavesNothingThatHolds) {
   around.forces.clear();
   for (int i = 0; i < 100; ++i) around.touch();
   EXPECT_TRUE(around.forces.empty());
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+/// The second line: whatever the rendering has taken, it is held against the device once more where the force is made.
+TEST(CouplingNode, CommandsNothingWhileTheEffectsAskMoreThanTheDeviceStands) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan();
+  ASSERT_TRUE(around.force_comes());
+  around.plan(30.0, 7, {50.0, 0.0, ""});
+  around.expect_no_force("the effects damp with up to 50 Ns/m at the hand, 'oil' most of it");
+  around.plan(30.0, 7, {0.1, 0.0, ""});
+  EXPECT_TRUE(around.force_comes());
+  around.plan(30.0, 7, {0.0, 0.0, "oil"});
+  around.expect_no_force("'oil' gives torque");
+  around.plan();
+  EXPECT_TRUE(around.force_comes());
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, CommandsNothingWhereTheDeviceHasBecomeOneThatDoesNotStandTheEffects) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan(30.0, 7, {1.0, 0.0, ""});
+  ASSERT_TRUE(around.force_comes());
+  around.describe(20.0, 7, 0.001);
+  around.expect_no_force("a device of 0.001 kg let go stands");
+  around.describe(20.0);
+  EXPECT_TRUE(around.force_comes());
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, CommandsNothingWhereACouplingSetByHandMeetsEffectsTooStiffForTheDevice) {
+  Around around("{kind: shaping_filter, cutoff_hz: 100, damping_ratio: 1, gain: 1}");
+  around.describe(2.0);
+  around.plan(30.0, 7, {0.0, 100.0, ""});
+  ASSERT_TRUE(around.force_comes());
+  around.plan(30.0, 7, {0.0, 900.0, ""});
+  around.expect_no_force("900 N/m at the hand; the device can show 800 N/m. Lower oil");
   EXPECT_EQ(around.node.end(), 0);
 }
 

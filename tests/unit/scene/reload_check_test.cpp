@@ -40,11 +40,6 @@ TEST(ReloadCheck, RefusesWhatOtherNodesWouldHaveToReadAgain) {
   EXPECT_TRUE(names(why_not([](Scene& s) { s.design->given_rotation = HandRange{}; }), "'coupling'"));
   EXPECT_TRUE(names(why_not([](Scene& s) { s.design.reset(); }), "'coupling'"));
   EXPECT_TRUE(names(why_not([](Scene& s) { s.coupling.cutoff_hz = 3.0; }), "'coupling'"));
-  EXPECT_TRUE(names(why_not([](Scene& s) {
-                      s.effects = {oil(1.0)};
-                      s.effects[0].values.at(1)[0] = 0.01;
-                    }),
-                    "torque"));
 }
 
 TEST(CarriedOver, KeepsWhatWasChangedWhereTheFileSaysTheSameAndTheFileWhereNot) {

@@ -1,0 +1,35 @@
+#pragma once
+/// What a scene asks of a device beside its contact's stiffness, as plain numbers and names: so that who renders the scene can tell
+/// it to who knows the device.
+#include <span>
+#include <string>
+
+#include "core/effects/effect_reach.hpp"
+#include "core/scene/scene.hpp"
+
+namespace voxtouch {
+
+/// In W. Effects count at full gain, also those that are switched off: what is found good is good whatever gain or switch do.
+struct DeviceDemand {
+  double least_stiffness_n_per_m = 0.0;   ///< that any contact shows, all effects with it; 0 where a designed coupling caps it
+  std::string stiffest;                   ///< what a person would lower first
+  double damping_ns_per_m = 0.0;          ///< of all effects together
+  double largest_damping_ns_per_m = 0.0;  ///< of the one that damps most ...
+  std::string largest, largest_place;     ///< ... its name, and where it was read, which may be empty
+  std::string torque;                     ///< name of an effect that gives torque; empty: none does
+
+  bool operator==(const DeviceDemand&) const = default;
+};
+
+/// Of the scene as it is.
+DeviceDemand demand_of(const Scene& scene);
+/// Of the scene's contact with other effects, wherever they may be on their way.
+DeviceDemand demand_of(const Scene& scene, std::span<const EffectReach> effects);
+/// Both while one fades over to the other: of each figure the larger, since a blend shows no more than the more demanding one.
+DeviceDemand larger_of(const DeviceDemand& a, const DeviceDemand& b);
+
+/// What any contact shows of stiffness at least, in W: one point alone where points weigh one each, with all that the effects may
+/// show beside it; or the grip of a body.
+double least_stiffness_n_per_m(const Scene& scene);
+
+}  // namespace voxtouch
