@@ -396,8 +396,8 @@ std::string check_duration(const std::string& text) {
   char* end = nullptr;
   const double seconds = std::strtod(text.c_str(), &end);
   const bool good = end != text.c_str() && *end == '\0' &&
-                    (seconds == 0.0 || (seconds >= 1e-3 && seconds <= 1e8));  // NaN is neither
-  return good ? std::string() : "'" + text.substr(0, 64) + "' is no duration: 0 (no end), or seconds from 1e-3 to 1e8";
+                    (seconds == 0.0 || (seconds >= 1e-6 && seconds <= 1e8));  // NaN is neither
+  return good ? std::string() : "'" + text.substr(0, 64) + "' is no duration: 0 (no end), or seconds from 1e-6 to 1e8";
 }
 
 Motion choose_motion(const Scene& scene, const std::string& name) {
