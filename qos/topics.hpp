@@ -1,11 +1,26 @@
 #pragma once
-/// The one table of topics: name, type, profile, rate.
+/// The one table of topics: name, type, profile, rate, who writes and who reads, and why.
+#include <algorithm>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "qos/profiles.hpp"
 
 namespace voxtouch::qos {
+
+/// Nodes of the ring, as a set.
+using Nodes = std::uint8_t;
+inline constexpr Nodes kNobody = 0, kDevice = 1, kRendering = 2, kCoupling = 4, kValidator = 8, kLogger = 16, kEveryNode = 31;
+
+/// Names of the nodes in a set, as they stand in statuses and options.
+inline std::vector<std::string> names_of(Nodes nodes) {
+  constexpr std::string_view kNames[] = {"device", "rendering", "coupling", "validator", "logger"};
+  std::vector<std::string> names;
+  for (std::size_t n = 0; n < std::size(kNames); ++n)
+    if ((nodes >> n) & 1U) names.emplace_back(kNames[n]);
+  return names;
+}
 
 /// One row. `path` is relative to the rig's namespace, unless `global`.
 struct Topic {
@@ -13,29 +28,46 @@ struct Topic {
   std::string_view type;   ///< "pkg/msg/Name"
   ProfileId profile;       ///< in real time; see `profile_in`
   double rate_hz;          ///< 0: on a change only
+  Nodes writers = kNobody; ///< kNobody: who is no node of the ring, such as `voxtouch change`
+  Nodes readers = kNobody; ///< of the ring; the logger is one of those that it records unasked
+  std::string_view why = {};  ///< it is written, for the scene's plan
   bool global = false;     ///< outside the rig's namespace: /tf, /diagnostics
-  bool recorded = true;    ///< the logger records it unasked
 };
 
-inline constexpr Topic kDeviceState{"device/state", "voxtouch_msgs/msg/DeviceState", ProfileId::kStream, 1000};
-inline constexpr Topic kContactState{"rendering/contact", "voxtouch_msgs/msg/ContactState", ProfileId::kStream, 1000};
-inline constexpr Topic kForceCommand{"coupling/command", "voxtouch_msgs/msg/ForceCommand", ProfileId::kStream, 1000};
-inline constexpr Topic kDeviceDescription{"device/description", "voxtouch_msgs/msg/DeviceDescription", ProfileId::kLatched, 0};
-inline constexpr Topic kScenePlan{"rendering/plan", "voxtouch_msgs/msg/ScenePlan", ProfileId::kLatched, 0};
-inline constexpr Topic kEffectChange{"rendering/change", "voxtouch_msgs/msg/EffectChange", ProfileId::kEvent, 0};
-inline constexpr Topic kEffectChanged{"rendering/changed", "voxtouch_msgs/msg/EffectChanged", ProfileId::kStatus, 0};
-inline constexpr Topic kCouplingDesign{"coupling/design", "voxtouch_msgs/msg/CouplingDesign", ProfileId::kLatched, 0};
-inline constexpr Topic kValidation{"validation", "voxtouch_msgs/msg/ValidationReport", ProfileId::kEvent, 0};
-inline constexpr Topic kNodeStatus{"node_status", "voxtouch_msgs/msg/NodeStatus", ProfileId::kStatus, 10};
-inline constexpr Topic kDiagnostics{"diagnostics", "diagnostic_msgs/msg/DiagnosticArray", ProfileId::kState, 1, true, false};
-inline constexpr Topic kTf{"tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, true, false};
-inline constexpr Topic kPose{"pose", "geometry_msgs/msg/PoseStamped", ProfileId::kSensor, 100, false, false};
-inline constexpr Topic kWrench{"wrench", "geometry_msgs/msg/WrenchStamped", ProfileId::kSensor, 100, false, false};
-inline constexpr Topic kMarkers{"markers", "visualization_msgs/msg/MarkerArray", ProfileId::kState, 10, false, false};
+inline constexpr Topic kDeviceState{"device/state", "voxtouch_msgs/msg/DeviceState", ProfileId::kStream, 1000, kDevice,
+                                    kRendering | kLogger, "The rendering answers each with a contact."};
+inline constexpr Topic kContactState{"rendering/contact", "voxtouch_msgs/msg/ContactState", ProfileId::kStream, 1000, kRendering,
+                                     kCoupling | kValidator | kLogger, "The coupling turns each into a command."};
+inline constexpr Topic kForceCommand{"coupling/command", "voxtouch_msgs/msg/ForceCommand", ProfileId::kStream, 1000, kCoupling,
+                                     kDevice | kLogger, "The device applies each; this closes the ring."};
+inline constexpr Topic kDeviceDescription{"device/description", "voxtouch_msgs/msg/DeviceDescription", ProfileId::kLatched, 0, kDevice,
+                                          kRendering | kCoupling | kLogger,
+                                          "It begins a session, and the coupling is designed for it. Once a session."};
+inline constexpr Topic kScenePlan{"rendering/plan", "voxtouch_msgs/msg/ScenePlan", ProfileId::kLatched, 0, kRendering,
+                                  kCoupling | kValidator | kLogger,
+                                  "The coupling is designed for the contact that it tells of. Once a session."};
+inline constexpr Topic kCouplingDesign{"coupling/design", "voxtouch_msgs/msg/CouplingDesign", ProfileId::kLatched, 0, kCoupling, kLogger,
+                                       "People and bags see from it what runs. Once a session and on a change."};
+inline constexpr Topic kValidation{"validation", "voxtouch_msgs/msg/ValidationReport", ProfileId::kEvent, 0, kValidator, kLogger,
+                                   "Verdicts; made only while a validator runs and somebody reads them."};
+inline constexpr Topic kNodeStatus{"node_status", "voxtouch_msgs/msg/NodeStatus", ProfileId::kStatus, 10, kEveryNode, kEveryNode,
+                                   "Nodes find each other by it. Ten times a second and on a change."};
+inline constexpr Topic kEffectChange{"rendering/change", "voxtouch_msgs/msg/EffectChange", ProfileId::kEvent, 0, kNobody,
+                                     kRendering | kLogger,
+                                     "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool."};
+inline constexpr Topic kEffectChanged{"rendering/changed", "voxtouch_msgs/msg/EffectChanged", ProfileId::kStatus, 0, kRendering, kLogger,
+                                      "What became of each change."};
+inline constexpr std::string_view kForRos = "For ROS tools; made and written only while somebody reads it, outside the loop.";
+inline constexpr Topic kDiagnostics{"diagnostics", "diagnostic_msgs/msg/DiagnosticArray", ProfileId::kState, 1, kEveryNode, kNobody,
+                                    "For ROS tools; made and written only while somebody reads it.", true};
+inline constexpr Topic kTf{"tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, kRendering, kNobody, kForRos, true};
+inline constexpr Topic kPose{"pose", "geometry_msgs/msg/PoseStamped", ProfileId::kSensor, 100, kRendering, kNobody, kForRos};
+inline constexpr Topic kWrench{"wrench", "geometry_msgs/msg/WrenchStamped", ProfileId::kSensor, 100, kRendering, kNobody, kForRos};
+inline constexpr Topic kMarkers{"markers", "visualization_msgs/msg/MarkerArray", ProfileId::kState, 10, kRendering, kNobody, kForRos};
 
-inline constexpr Topic kTopics[] = {kDeviceState, kContactState,   kForceCommand, kDeviceDescription, kScenePlan,
-                                    kCouplingDesign, kValidation,  kNodeStatus,   kDiagnostics,       kTf,
-                                    kPose,           kWrench,      kMarkers,    kEffectChange,   kEffectChanged};
+inline constexpr Topic kTopics[] = {kDeviceState, kContactState, kForceCommand, kDeviceDescription, kScenePlan,
+                                    kCouplingDesign, kValidation, kNodeStatus, kEffectChange, kEffectChanged,
+                                    kDiagnostics, kTf, kPose, kWrench, kMarkers};
 
 enum class TimeMode : std::uint8_t { kRealTime, kLockstep };
 
@@ -50,6 +82,13 @@ inline std::string dds_name(const Topic& topic, std::string_view rig) {
   std::string name = "rt/";
   if (!topic.global) name.append(rig).append("/");
   return name.append(topic.path);
+}
+
+/// How figures in statuses call a topic: "device_state".
+inline std::string figure_name(const Topic& topic) {
+  std::string name(topic.path);
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name;
 }
 
 }  // namespace voxtouch::qos

@@ -4,11 +4,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
-
-#include "core/coupling/direct.hpp"
-#include "core/coupling/shaping_filter.hpp"
-#include "core/coupling/spring_damper.hpp"
 
 namespace voxtouch {
 namespace {
@@ -104,22 +99,6 @@ std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimi
   find.not_negative("passivity_damping_limit_ns_per_m", spec.passivity_damping_limit_ns_per_m);
   find.not_negative("passivity_damping_limit_nms_per_rad", spec.passivity_damping_limit_nms_per_rad);
   return out;
-}
-
-std::unique_ptr<Coupling> make_coupling(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
-                                        double ramp_s) {
-  for (const CouplingIssue& issue : validate(spec, limits, sample_time_s))
-    if (issue.refuse) throw std::invalid_argument("Coupling: " + issue.sentence);
-  if (!(ramp_s >= 0.0 && std::isfinite(ramp_s)))
-    throw std::invalid_argument(fmt::format("Coupling: ramp_s is {}; it must be 0 or above.", ramp_s));
-  CouplingKind kind{};
-  parse_coupling(spec.kind, kind);
-  switch (kind) {
-    case CouplingKind::kShapingFilter: return std::make_unique<ShapingFilter>(spec, limits, sample_time_s, ramp_s);
-    case CouplingKind::kSpringDamper: return std::make_unique<SpringDamper>(spec, limits, sample_time_s, ramp_s);
-    case CouplingKind::kDirect: break;
-  }
-  return std::make_unique<DirectCoupling>(limits, sample_time_s, ramp_s);
 }
 
 }  // namespace voxtouch

@@ -1,7 +1,6 @@
 #pragma once
-/// The virtual coupling between contact and device: one interface, one sample a step (paper, section 3).
+/// The virtual coupling between contact and device (paper, section 3): its kinds, and what a step is given.
 #include <cstdint>
-#include <memory>
 #include <string_view>
 
 #include "core/coupling/coupling_spec.hpp"
@@ -25,36 +24,7 @@ struct CouplingInput {
   double supplied_energy_j = 0.0;
 };
 
-/// What happened in the last step, for the command's status bits.
-struct CouplingStatus {
-  bool ramping = false;     ///< the input is still being faded in after a start in contact, a reset or a gap
-  bool held_input = false;  ///< the input was not usable; the last good one was held
-  bool clamped = false;     ///< the input was over the device's range and was cut
-};
-
-/// A coupling is stepped once for each device sample. Real-time safe.
-class Coupling {
- public:
-  virtual ~Coupling() = default;
-  virtual CouplingKind kind() const noexcept = 0;
-  /// The wrench for the device, W axes. `dt_s` as measured between samples; out of [T/5, 5T] or not finite: the nominal
-  /// period is used and counted. A gap of more than 10 T starts again at the force given last and fades the new input in. A
-  /// non-finite input holds the last good one and is counted.
-  virtual Wrench step(const CouplingInput& input, double dt_s) noexcept = 0;
-  /// Starts again at rest, giving `held` without a jump and fading from it to the contact. With `held` zero the contact is
-  /// faded in only if the first good sample is in contact already: a contact that begins later begins at depth zero by
-  /// itself, and fading it would let the tool sink below the layer that pushes.
-  virtual void reset(const Wrench& held) noexcept = 0;
-  virtual std::uint64_t faults() const noexcept = 0;  ///< bad periods and bad inputs so far
-  virtual CouplingStatus status() const noexcept = 0; ///< of the last step
-};
-
 /// Seconds over which the input is faded in after a start in contact, a reset to a force or a gap.
 inline constexpr double kDefaultRampS = 0.2;
-
-/// The coupling for `spec` in a loop with period `sample_time_s`. Throws std::invalid_argument with the first refusal of
-/// `validate`.
-std::unique_ptr<Coupling> make_coupling(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
-                                        double ramp_s = kDefaultRampS);
 
 }  // namespace voxtouch

@@ -1,24 +1,22 @@
 #pragma once
 /// The coupling that is none: what the other two are measured against.
-#include "core/coupling/input_policy.hpp"
+#include "core/coupling/law_input.hpp"
 
 namespace voxtouch {
 
-/// Contact straight to the device, under the same input policies.
-class DirectCoupling final : public Coupling {
+/// Contact straight to the device. Real-time safe.
+class DirectCoupling {
  public:
-  DirectCoupling(const CouplingLimits& limits, double sample_time_s, double ramp_s = kDefaultRampS) noexcept
-      : policy_(limits, sample_time_s, ramp_s) {}
-
-  CouplingKind kind() const noexcept override { return CouplingKind::kDirect; }
-  Wrench step(const CouplingInput& input, double dt_s) noexcept override;
-  void reset(const Wrench& held) noexcept override;
-  std::uint64_t faults() const noexcept override { return policy_.faults(); }
-  CouplingStatus status() const noexcept override { return policy_.status(); }
+  Wrench step(const LawInput& in) noexcept {
+    if (in.weight >= 1.0) return in.contact;
+    return {in.weight * in.contact.force + (1.0 - in.weight) * held_.force,
+            in.weight * in.contact.torque + (1.0 - in.weight) * held_.torque};
+  }
+  /// Starts again, giving `held`.
+  void rest_at(const Wrench& held) noexcept { held_ = held; }
 
  private:
-  InputPolicy policy_;
-  Wrench held_, given_;
+  Wrench held_;
 };
 
 }  // namespace voxtouch

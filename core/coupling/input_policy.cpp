@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "core/types/clamp.hpp"
-
 namespace voxtouch {
 namespace {
 
@@ -17,64 +15,47 @@ bool usable(const CouplingInput& in) noexcept {
          in.contact_stiffness.cwiseAbs().maxCoeff() <= kLargestInput;
 }
 
-Wrench InputPolicy::restart(const Wrench& held) noexcept {
-  Wrench start = held.finite() ? held : Wrench{};
-  clamp_wrench(start, limits_.max_force_n, limits_.max_torque_nm);
-  start_ = start.zero() ? Start::kFadeIfInContact : Start::kFade;
-  last_ = {};
+void InputPolicy::restart(bool holds_force) noexcept {
+  start_ = holds_force ? Start::kFade : Start::kFadeIfInContact;
+  in_contact_ = false;
   held_s_ = 0.0, lost_ = false;
-  return start;
 }
 
-PolicedInput InputPolicy::take(const CouplingInput& input, double dt_s, double gain) noexcept {
-  status_ = {};
-  PolicedInput out;
+PolicedSample InputPolicy::take(const CouplingInput& input, double dt_s) noexcept {
+  PolicedSample sample;
   const bool good_period = dt_s >= nominal_s_ / kPeriodBand && dt_s <= nominal_s_ * kPeriodBand;  // false for NaN
-  out.dt_s = good_period ? dt_s : nominal_s_;
-  if (!good_period) ++bad_periods_;
-  const bool good_input = usable(input);
-  out.gap = dt_s > nominal_s_ * kGapPeriods;
-  out.gap |= hold_or_lose(good_input, out.dt_s);
-  if (out.gap) start_ = Start::kFade;
-
-  if (good_input) {
-    last_ = input;
-  } else {
-    ++bad_inputs_;
-    status_.held_input = true;
-  }
-  out.contact = last_.contact;
-  out.stiffness_n_per_m = last_.contact_stiffness_n_per_m;
-  if (gain > 0.0) {
-    status_.clamped |= clamp_wrench(out.contact, limits_.max_force_n / gain, limits_.max_torque_nm / gain).any();
-  } else {
-    out.contact = {};  // gives zero anyhow, and an uncut input must not wait in the law's state for the gain to come back
-  }
-  out.weight = weight_after(out.dt_s, good_input, !last_.contact.zero() || out.stiffness_n_per_m > 0.0);
-  status_.ramping = out.weight < 1.0;
-  return out;
+  sample.dt_s = good_period ? dt_s : nominal_s_;
+  sample.good = usable(input);
+  faults_ += static_cast<std::uint64_t>(!good_period) + static_cast<std::uint64_t>(!sample.good);
+  sample.gap = begins_again(sample) || dt_s > nominal_s_ * kGapPeriods;
+  sample.lost = lost_;
+  if (sample.gap) start_ = Start::kFade;
+  if (sample.good) in_contact_ = !input.contact.zero() || input.contact_stiffness_n_per_m > 0.0;
+  if (sample.lost) in_contact_ = false;
+  sample.weight = weight_after(sample);
+  return sample;
 }
 
-bool InputPolicy::hold_or_lose(bool good, double dt_s) noexcept {
-  if (good) {
+/// True where good inputs have been missing for too long, and where they are back after that.
+bool InputPolicy::begins_again(const PolicedSample& sample) noexcept {
+  if (sample.good) {
     held_s_ = 0.0;
     return std::exchange(lost_, false);
   }
-  held_s_ += dt_s;
+  held_s_ += sample.dt_s;
   if (lost_ || start_ != Start::kRunning || held_s_ <= nominal_s_ * kGapPeriods) return false;
-  last_ = {};
   return lost_ = true;
 }
 
-double InputPolicy::weight_after(double dt_s, bool usable, bool in_contact) noexcept {
+double InputPolicy::weight_after(const PolicedSample& sample) noexcept {
   if (start_ != Start::kRunning) {
-    if (start_ == Start::kFade || (usable && in_contact)) elapsed_s_ = 0.0;
-    else if (usable) elapsed_s_ = ramp_s_;  // started in free space: nothing to fade
-    else return 0.0;                        // nothing known yet
+    if (start_ == Start::kFade || (sample.good && in_contact_)) elapsed_s_ = 0.0;
+    else if (sample.good) elapsed_s_ = ramp_s_;  // started in free space: nothing to fade
+    else return 0.0;                             // nothing known yet
     start_ = Start::kRunning;
   }
   if (elapsed_s_ >= ramp_s_) return 1.0;
-  elapsed_s_ += dt_s;
+  elapsed_s_ += sample.dt_s;
   return elapsed_s_ < ramp_s_ ? elapsed_s_ / ramp_s_ : 1.0;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// What every coupling does with a sample before its own law sees it: mend the period, refuse what is not a number, cut what
-/// the device cannot give, fade in what would otherwise be a step.
+/// What is done with a sample before a law sees it: mend the period, refuse what is not a number, fade in what would otherwise be a
+/// step. Once for whichever law runs.
 #include <cstdint>
 
 #include "core/coupling/coupling.hpp"
@@ -12,13 +12,13 @@ inline constexpr double kPeriodBand = 5.0, kGapPeriods = 10.0;
 /// A component beyond this [N, Nm, N/m] is no force but a fault, and is treated as NaN is.
 inline constexpr double kLargestInput = 1e12;
 
-/// A sample that a law can take as it is.
-struct PolicedInput {
-  Wrench contact;                 ///< finite, within the limits
-  double stiffness_n_per_m = 0;   ///< finite, >= 0
-  double dt_s = 0;                ///< within the band
-  double weight = 1;              ///< share of `contact`; the rest belongs to the force that was held at the start
-  bool gap = false;               ///< the loop stood still: start again at the force given last
+/// What the policy finds about one sample.
+struct PolicedSample {
+  double dt_s = 0;      ///< the period as measured, within the band, or the nominal one
+  double weight = 1;    ///< share of the contact in what the law is given; the rest belongs to the force that was held at the start
+  bool good = false;    ///< the input is made of numbers; else the last good one is held
+  bool lost = false;    ///< none was good for kGapPeriods: from now on the contact is none, until one is
+  bool gap = false;     ///< the loop stood still, or good inputs have ended or come back: start again at the force given last
 };
 
 /// Whether contact, bound and stiffness matrix are numbers that a law can take. The pose is not asked. Real-time safe.
@@ -29,34 +29,24 @@ bool usable(const CouplingInput& input) noexcept;
 /// again at the force given last and fades, first to no contact and, when good inputs are back, to theirs.
 class InputPolicy {
  public:
-  InputPolicy(const CouplingLimits& limits, double nominal_s, double ramp_s) noexcept
-      : limits_(limits), nominal_s_(nominal_s), ramp_s_(ramp_s) {}
+  InputPolicy(double nominal_s, double ramp_s) noexcept : nominal_s_(nominal_s), ramp_s_(ramp_s) {}
 
-  /// `gain` is what the law will multiply by: the input is cut at limit / gain, so that the law's state never winds up on a
-  /// peak that the device cannot give.
-  PolicedInput take(const CouplingInput& input, double dt_s, double gain) noexcept;
-  /// Forgets the last input; the next samples are faded in from `held`, or, where that is zero, only if the first good one is
-  /// in contact. Gives back `held` as far as the limits allow; zero where it is not finite.
-  Wrench restart(const Wrench& held) noexcept;
+  PolicedSample take(const CouplingInput& input, double dt_s) noexcept;
+  /// The next samples are faded in from a force that is held, or, where there is none, only if the first good one is in contact: a
+  /// contact that begins later begins at depth zero by itself, and fading it would let the tool sink below the layer that pushes.
+  void restart(bool holds_force) noexcept;
 
-  std::uint64_t faults() const noexcept { return bad_periods_ + bad_inputs_; }
-  std::uint64_t bad_periods() const noexcept { return bad_periods_; }
-  std::uint64_t bad_inputs() const noexcept { return bad_inputs_; }
-  const CouplingStatus& status() const noexcept { return status_; }
-  double nominal_period_s() const noexcept { return nominal_s_; }
+  std::uint64_t faults() const noexcept { return faults_; }  ///< bad periods and bad inputs so far
 
  private:
   enum class Start : std::uint8_t { kRunning, kFadeIfInContact, kFade };
-  bool hold_or_lose(bool good, double dt_s) noexcept;
-  double weight_after(double dt_s, bool usable, bool in_contact) noexcept;
+  bool begins_again(const PolicedSample& sample) noexcept;
+  double weight_after(const PolicedSample& sample) noexcept;
 
-  CouplingLimits limits_;
   double nominal_s_, ramp_s_, elapsed_s_ = 0, held_s_ = 0;
-  bool lost_ = false;
+  bool lost_ = false, in_contact_ = false;
   Start start_ = Start::kFadeIfInContact;
-  CouplingInput last_;
-  CouplingStatus status_;
-  std::uint64_t bad_periods_ = 0, bad_inputs_ = 0;
+  std::uint64_t faults_ = 0;
 };
 
 }  // namespace voxtouch

@@ -23,7 +23,10 @@ PassivityLimits limits_of(const CouplingSpec& spec) noexcept {
 
 const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s, double ramp_s,
                             const ToolSpeedLimits& speeds) {
-  make_coupling(spec, limits, sample_time_s, ramp_s);  // refuses with a sentence
+  for (const CouplingIssue& issue : validate(spec, limits, sample_time_s))
+    if (issue.refuse) throw std::invalid_argument("Coupling: " + issue.sentence);
+  if (!(ramp_s >= 0.0 && std::isfinite(ramp_s)))
+    throw std::invalid_argument(fmt::format("Coupling: ramp_s is {}; it must be 0 or above.", ramp_s));
   if (!(speeds.linear_m_per_s > 0.0 && speeds.angular_rad_per_s > 0.0))
     throw std::invalid_argument(
         fmt::format("Coupling: the tool's largest speeds are {} m/s and {} rad/s; both must be above 0.",
@@ -41,65 +44,74 @@ bool pushes(const CouplingInput& in) noexcept {
 
 RunningCoupling::RunningCoupling(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
                                  double ramp_s, const ToolSpeedLimits& speeds)
-    : limits_(limits), nominal_s_(sample_time_s), ramp_s_(ramp_s),
-      filter_(checked(spec, limits, sample_time_s, ramp_s, speeds), limits, sample_time_s, ramp_s),
-      spring_(spec, limits, sample_time_s, ramp_s), direct_(limits, sample_time_s, ramp_s), law_(start_law(spec)),
-      cap_(spec), motion_(sample_time_s, spec.velocity_filter_hz, speeds), injected_(spec), passivity_(sample_time_s),
+    : limits_(limits), nominal_s_(sample_time_s), policy_(sample_time_s, ramp_s),
+      law_(law_of(checked(spec, limits, sample_time_s, ramp_s, speeds), sample_time_s)), cap_(spec),
+      motion_(sample_time_s, spec.velocity_filter_hz, speeds), injected_(spec), passivity_(sample_time_s),
       passivity_limits_(limits_of(spec)) {}
 
-Coupling* RunningCoupling::start_law(const CouplingSpec& spec) noexcept {
+RunningCoupling::Law RunningCoupling::law_of(const CouplingSpec& spec, double sample_time_s) noexcept {
   switch (kind_of(spec)) {
-    case CouplingKind::kShapingFilter: return filter_ = ShapingFilter(spec, limits_, nominal_s_, ramp_s_), &filter_;
-    case CouplingKind::kSpringDamper: return spring_ = SpringDamper(spec, limits_, nominal_s_, ramp_s_), &spring_;
+    case CouplingKind::kShapingFilter: return ShapingFilter(spec, sample_time_s);
+    case CouplingKind::kSpringDamper: return SpringDamper(spec);
     case CouplingKind::kDirect: break;
   }
-  return direct_ = DirectCoupling(limits_, nominal_s_, ramp_s_), &direct_;
+  return DirectCoupling();
+}
+
+CouplingKind RunningCoupling::kind() const noexcept { return static_cast<CouplingKind>(law_.index()); }
+
+double RunningCoupling::gain() const noexcept {
+  const ShapingFilter* filter = std::get_if<ShapingFilter>(&law_);
+  return filter ? filter->gain() : 1.0;
+}
+
+/// The next samples fade from `held` to theirs; what is not finite or over the limits is not given.
+void RunningCoupling::start_law_at(const Wrench& held) noexcept {
+  given_ = held.finite() ? held : Wrench{};
+  clamp_wrench(given_, limits_.max_force_n, limits_.max_torque_nm);
+  policy_.restart(!given_.zero());
+  contact_ = {};
+  std::visit([this](auto& law) { law.rest_at(given_); }, law_);
 }
 
 bool RunningCoupling::redesign(const CouplingSpec& spec) {
   for (const CouplingIssue& issue : validate(spec, limits_, nominal_s_))
     if (issue.refuse) return false;
   if (kind_of(spec) != kind()) {
-    faults_before_ += law_->faults();
-    law_ = start_law(spec);
-    law_->reset(given_);
-  } else if (law_ == &filter_) {
-    filter_.set(spec.cutoff_hz, spec.damping_ratio, spec.gain);
-  } else if (law_ == &spring_) {
-    spring_.set(spec.stiffness_n_per_m, spec.damping_ns_per_m);
+    law_ = law_of(spec, nominal_s_);
+    start_law_at(given_);
+  } else if (ShapingFilter* filter = std::get_if<ShapingFilter>(&law_)) {
+    filter->redesign(spec);
+  } else if (SpringDamper* spring = std::get_if<SpringDamper>(&law_)) {
+    spring->redesign(spec);
   }
   cap_.redesign(spec);
-  injected_.redesign(spec, ramp_behind_filter_s(law_ == &filter_ ? cutoff_rad_per_s(spec) : 0.0));
+  injected_.redesign(spec, ramp_behind_filter_s(kind() == CouplingKind::kShapingFilter ? cutoff_rad_per_s(spec) : 0.0));
   motion_.set_filter(spec.velocity_filter_hz);
   passivity_limits_ = limits_of(spec);
   return true;
 }
 
 void RunningCoupling::reset(const Wrench& held) noexcept {
-  law_->reset(held);
+  start_law_at(held);
   cap_.reset();
   motion_.forget();
   passivity_.reset();
-  contact_ = {};
-  given_ = held.finite() ? held : Wrench{};
-  clamp_wrench(given_, limits_.max_force_n, limits_.max_torque_nm);
   in_contact_ = false;
-  held_s_ = 0.0;
   supplied_j_.reset();
 }
 
 CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) noexcept {
-  const bool in_band = dt_s >= nominal_s_ / kPeriodBand && dt_s <= nominal_s_ * kPeriodBand;
-  const double used_dt_s = in_band ? dt_s : nominal_s_;
+  const PolicedSample sample = policy_.take(input, dt_s);
   if (dt_s > kGapPeriods * nominal_s_) passivity_.reset();
   way_ = motion_.step(input.tool, dt_s);
   count_way();
-  passivity_.observe(way_, in_contact_, used_dt_s, newly_supplied(input, used_dt_s));
+  passivity_.observe(way_, in_contact_, sample.dt_s, newly_supplied(input, sample.dt_s));
 
   CouplingOutput out;
-  const Wrench law = run_law(input, dt_s, used_dt_s, out);
+  const Wrench law = run_law(input, sample, out);
   Wrench sum = law;
-  injected_.advance(used_dt_s);
+  injected_.advance(sample.dt_s);
   add_damping(sum, law, out);
   finish(sum, law, out);
   passivity_.command(sum);
@@ -119,31 +131,35 @@ double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) 
   return std::clamp(shown_ * more, -most, most);
 }
 
-/// The contact, capped, through the law.
-Wrench RunningCoupling::run_law(const CouplingInput& input, double dt_s, double used_dt_s,
-                                CouplingOutput& out) noexcept {
-  if (usable(input)) {
-    out.scale = cap_.step(input, used_dt_s);
+/// The contact, capped and cut, through the law.
+Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample& sample, CouplingOutput& out) noexcept {
+  if (sample.good) {
+    out.scale = cap_.step(input, sample.dt_s);
     contact_ = input;
     contact_.contact.force *= out.scale, contact_.contact.torque *= out.scale;
     contact_.contact_stiffness_n_per_m *= out.scale;
     contact_.contact_stiffness *= out.scale;
     out.capped = out.scale < 1.0 && pushes(input);
-    shown_ = out.scale * (law_ == &filter_ ? filter_.gain() : 1.0);
-    held_s_ = 0.0;
-    given_ = law_->step(contact_, dt_s);
-  } else {
-    held_s_ += used_dt_s;
-    if (held_s_ > kGapPeriods * nominal_s_) contact_ = {};  // as the law's policy does
-    given_ = law_->step(input, dt_s);
+    shown_ = out.scale * gain();
+  } else if (sample.lost) {
+    contact_ = {};
   }
   in_contact_ = pushes(contact_);
-  const CouplingStatus status = law_->status();
-  out.ramping = status.ramping, out.held_input = status.held_input, out.clamped = status.clamped;
+  out.ramping = sample.weight < 1.0, out.held_input = !sample.good;
+  LawInput in{contact_.contact, contact_.contact_stiffness_n_per_m, sample.dt_s, sample.weight};
+  ShapingFilter* filter = std::get_if<ShapingFilter>(&law_);
+  if (const double gain = filter ? filter->advance_gain() : 1.0; gain > 0.0) {
+    out.clamped = clamp_wrench(in.contact, limits_.max_force_n / gain, limits_.max_torque_nm / gain).any();
+  } else {
+    in.contact = {};  // gives zero anyhow, and an uncut input must not wait in the law's state for the gain to come back
+  }
+  given_ = std::visit([&](auto& law) {
+    if (sample.gap) law.rest_at(given_);
+    return law.step(in);
+  }, law_);
   if (!given_.finite()) {
     ++counters_.not_finite;
-    law_->reset({});
-    given_ = {};
+    start_law_at({});
   }
   return given_;
 }
@@ -187,7 +203,7 @@ void RunningCoupling::count(const CouplingOutput& out) noexcept {
   counters_.most_torque_nm = std::max(counters_.most_torque_nm, out.wrench.torque.norm());
   const EnergyAccounts& energy = passivity_.energy();
   ++counters_.samples;
-  counters_.faults = faults_before_ + law_->faults();
+  counters_.faults = policy_.faults();
   counters_.held += out.held_input, counters_.clamped += out.clamped, counters_.capped += out.capped;
   counters_.controlled += out.passivity;
   counters_.pose_jumps = motion_.jumps();

@@ -1,14 +1,17 @@
 #pragma once
 /// All that stands between contact and device at run time, in one step a sample.
 ///
-///   contact -> stiffness cap -> law -> + injected damping -> + passivity controller -> never pulling -> limits -> command
+///   contact -> input policy -> stiffness cap -> clamp -> law -> + injected damping -> + passivity controller -> never pulling
+///           -> limits -> command
 ///
-/// The law is one of the couplings; it brings the input policies (period, hold, clamp, fade) with it.
+/// The law is one of the three couplings.
 #include <cstdint>
 #include <optional>
+#include <variant>
 
 #include "core/coupling/direct.hpp"
 #include "core/coupling/injected_damping.hpp"
+#include "core/coupling/input_policy.hpp"
 #include "core/coupling/passivity.hpp"
 #include "core/coupling/shaping_filter.hpp"
 #include "core/coupling/spring_damper.hpp"
@@ -35,7 +38,7 @@ struct CouplingOutput {
 /// Since construction, for diagnostics.
 struct CouplingCounters {
   std::uint64_t samples = 0;
-  std::uint64_t faults = 0;  ///< bad periods and bad inputs, of all laws so far
+  std::uint64_t faults = 0;  ///< bad periods and bad inputs
   std::uint64_t held = 0;    ///< samples answered with a held input
   std::uint64_t clamped = 0, capped = 0;
   std::uint64_t controlled = 0;  ///< samples in which the passivity controller added damping
@@ -54,13 +57,13 @@ class RunningCoupling {
   /// Throws std::invalid_argument with the first refusal of `validate`, or for a ramp or speed limit that is none.
   RunningCoupling(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
                   double ramp_s = kDefaultRampS, const ToolSpeedLimits& speeds = {});
-  RunningCoupling(const RunningCoupling&) = delete;  ///< `law_` points into it
-  RunningCoupling& operator=(const RunningCoupling&) = delete;
 
-  /// Periods, bad inputs and gaps as Coupling::step has them. Without contact nothing is added to the law's force, and where
-  /// the law gives nothing the command is zero.
+  /// `dt_s` as measured between samples; out of [T/5, 5T] or not finite: the nominal period is used and counted. A gap of more than
+  /// 10 T starts again at the force given last and fades the new input in. A non-finite input holds the last good one and is counted.
+  /// Without contact nothing is added to the law's force, and where the law gives nothing the command is zero.
   CouplingOutput step(const CouplingInput& input, double dt_s) noexcept;
-  /// As Coupling::reset; velocity and energy begin again too. For a new session, a clutch, a jump that is meant.
+  /// Starts again at rest, giving `held`, as far as the limits allow, without a jump and fading from it to the contact; with `held`
+  /// zero as InputPolicy::restart says. Velocity and energy begin again too. For a new session, a clutch, a jump that is meant.
   void reset(const Wrench& held) noexcept;
 
   /// Other parameters while running, also in contact, without a jump: cut-off and damping ratio at once (the filter's state
@@ -70,26 +73,27 @@ class RunningCoupling {
   /// allocates only to word what validate finds.
   bool redesign(const CouplingSpec& spec);
 
-  CouplingKind kind() const noexcept { return law_->kind(); }
+  CouplingKind kind() const noexcept;
+  double gain() const noexcept;  ///< of the shaping filter, on its way to the one that was set; 1 of the others
   const CouplingCounters& counters() const noexcept { return counters_; }
   const EnergyAccounts& energy() const noexcept { return passivity_.energy(); }
   const Twist& velocity() const noexcept { return motion_.velocity(); }  ///< v^ of the tool, W axes
 
  private:
-  Coupling* start_law(const CouplingSpec& spec) noexcept;
+  using Law = std::variant<DirectCoupling, ShapingFilter, SpringDamper>;  ///< in the order of CouplingKind
+  static Law law_of(const CouplingSpec& spec, double sample_time_s) noexcept;
+  void start_law_at(const Wrench& held) noexcept;
   double newly_supplied(const CouplingInput& input, double dt_s) noexcept;
-  Wrench run_law(const CouplingInput& input, double dt_s, double used_dt_s, CouplingOutput& out) noexcept;
+  Wrench run_law(const CouplingInput& input, const PolicedSample& sample, CouplingOutput& out) noexcept;
   void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void count_way() noexcept;
   void count(const CouplingOutput& out) noexcept;
 
   CouplingLimits limits_;
-  double nominal_s_, ramp_s_;
-  ShapingFilter filter_;
-  SpringDamper spring_;
-  DirectCoupling direct_;
-  Coupling* law_;
+  double nominal_s_;
+  InputPolicy policy_;
+  Law law_;
   StiffnessCap cap_;
   ToolMotion motion_;
   ToolStep way_;
@@ -99,10 +103,8 @@ class RunningCoupling {
   CouplingInput contact_;  ///< the last usable one, capped
   Wrench given_;           ///< by the law
   bool in_contact_ = false;
-  double held_s_ = 0.0;
   double shown_ = 1.0;                ///< of a force in W, by cap and gain
   std::optional<double> supplied_j_;  ///< as last told
-  std::uint64_t faults_before_ = 0;  ///< of laws that no longer run
   CouplingCounters counters_;
 };
 

@@ -2,7 +2,8 @@
 /// The paper's coupling: each component of the contact's wrench through the same second-order low-pass (pt2.hpp).
 #include <array>
 
-#include "core/coupling/input_policy.hpp"
+#include "core/coupling/coupling_spec.hpp"
+#include "core/coupling/law_input.hpp"
 #include "core/coupling/pt2.hpp"
 
 namespace voxtouch {
@@ -11,31 +12,27 @@ namespace voxtouch {
 inline constexpr double kGainSlewPerS = 1.0;
 
 /// Force in, force out; K dimensionless, so that a held contact is given back times K exactly. Works in W: the axes of the
-/// six components do not turn with the tool.
-class ShapingFilter final : public Coupling {
+/// six components do not turn with the tool. Real-time safe.
+class ShapingFilter {
  public:
-  /// `spec` as `validate` accepts it; make_coupling checks.
-  ShapingFilter(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
-                double ramp_s = kDefaultRampS) noexcept;
+  /// `spec` as `validate` accepts it.
+  ShapingFilter(const CouplingSpec& spec, double nominal_period_s) noexcept;
 
-  CouplingKind kind() const noexcept override { return CouplingKind::kShapingFilter; }
-  Wrench step(const CouplingInput& input, double dt_s) noexcept override;
-  void reset(const Wrench& held) noexcept override;
-  std::uint64_t faults() const noexcept override { return policy_.faults(); }
-  CouplingStatus status() const noexcept override { return policy_.status(); }
-
-  /// New parameters while running: cut-off and damping at once (the state cannot grow by it), the gain no faster than
-  /// kGainSlewPerS. False, and nothing changed, for NaN, Inf, cutoff_hz or damping_ratio <= 0, gain < 0. Real-time safe.
-  bool set(double cutoff_hz, double damping_ratio, double gain) noexcept;
+  Wrench step(const LawInput& input) noexcept;
+  /// Starts again, giving `held` without a jump.
+  void rest_at(const Wrench& held) noexcept;
+  /// New parameters while running, as `validate` accepts them: cut-off and damping at once (the state cannot grow by it), the gain
+  /// no faster than kGainSlewPerS.
+  void redesign(const CouplingSpec& spec) noexcept;
   double gain() const noexcept { return gain_; }  ///< as it is now, on its way to the one that was set
+  /// Moves the gain on by a sample. The input of `step` is to be cut at limit / gain, so that the state never winds up on a peak that
+  /// the device cannot give.
+  double advance_gain() noexcept;
 
  private:
-  void rest_at(const Wrench& held) noexcept;
-
-  InputPolicy policy_;
-  double w0_, d_, gain_, gain_wanted_;
+  double w0_, d_, gain_, gain_wanted_, gain_step_;
   std::array<Pt2State, 6> states_{};  // force x y z, torque x y z
-  Wrench held_, given_;
+  Wrench held_;
 };
 
 }  // namespace voxtouch

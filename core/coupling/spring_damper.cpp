@@ -36,37 +36,27 @@ Vec3 UnilateralSpringDamper::step(const Vec3& f, double k, double c, double r, d
   return given * along;
 }
 
-void SpringDamper::reset(const Wrench& held) noexcept {
-  rest_at(policy_.restart(held));
-}
-
-bool SpringDamper::set(double stiffness_n_per_m, double damping_ns_per_m) noexcept {
-  if (!(stiffness_n_per_m > 0.0 && std::isfinite(stiffness_n_per_m) && damping_ns_per_m >= 0.0 &&
-        std::isfinite(damping_ns_per_m)))
-    return false;
-  c_.head_for(stiffness_n_per_m, kDefaultRampS);
-  r_.head_for(damping_ns_per_m, kDefaultRampS);
-  return true;
+void SpringDamper::redesign(const CouplingSpec& spec) noexcept {
+  c_.head_for(spec.stiffness_n_per_m, kDefaultRampS);
+  r_.head_for(spec.damping_ns_per_m, kDefaultRampS);
 }
 
 void SpringDamper::rest_at(const Wrench& held) noexcept {
-  held_ = given_ = held;
+  held_ = held;
   force_.delta = held.force / c_.now();
   torque_.delta = held.torque / c_.now();
 }
 
-Wrench SpringDamper::step(const CouplingInput& input, double dt_s) noexcept {
-  PolicedInput in = policy_.take(input, dt_s, 1.0);
-  if (in.gap) rest_at(given_);
+Wrench SpringDamper::step(const LawInput& in) noexcept {
   const double c = c_.advance(in.dt_s), r = r_.advance(in.dt_s);
+  Wrench contact = in.contact;
   if (in.weight < 1.0) {
     const double back = (1.0 - in.weight) * (c + in.stiffness_n_per_m) / c;  // f that would keep the held force at rest
-    in.contact.force = in.weight * in.contact.force + back * held_.force;
-    in.contact.torque = in.weight * in.contact.torque + back * held_.torque;
+    contact.force = in.weight * in.contact.force + back * held_.force;
+    contact.torque = in.weight * in.contact.torque + back * held_.torque;
   }
-  given_.force = force_.step(in.contact.force, in.stiffness_n_per_m, c, r, in.dt_s);
-  given_.torque = torque_.step(in.contact.torque, in.stiffness_n_per_m, c, r, in.dt_s);
-  return given_;
+  return {force_.step(contact.force, in.stiffness_n_per_m, c, r, in.dt_s),
+          torque_.step(contact.torque, in.stiffness_n_per_m, c, r, in.dt_s)};
 }
 
 }  // namespace voxtouch

@@ -1,6 +1,7 @@
 #pragma once
-/// The spring-damper coupling that the paper compares its filter with.
-#include "core/coupling/input_policy.hpp"
+/// The spring-damper coupling that the paper compares its filter with. Real-time safe.
+#include "core/coupling/coupling.hpp"
+#include "core/coupling/law_input.hpp"
 #include "core/coupling/ramp.hpp"
 
 namespace voxtouch {
@@ -26,30 +27,21 @@ struct UnilateralSpringDamper {
 /// Forces and torques take the same law with the same c, r and k: the torque is the sum of (arm x force) over the contact's
 /// points, and a law that is linear in the forces acts on that sum as on each of them. The torque thus keeps its proportion
 /// to the force, with no rotational stiffness to be tuned.
-class SpringDamper final : public Coupling {
+class SpringDamper {
  public:
-  SpringDamper(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
-               double ramp_s = kDefaultRampS) noexcept
-      : policy_(limits, sample_time_s, ramp_s), c_(spec.stiffness_n_per_m), r_(spec.damping_ns_per_m) {}
+  explicit SpringDamper(const CouplingSpec& spec) noexcept : c_(spec.stiffness_n_per_m), r_(spec.damping_ns_per_m) {}
 
-  /// New parameters while running; both go there in a straight line over kDefaultRampS. False, and nothing changed, for NaN,
-  /// Inf, c <= 0, r < 0. Real-time safe.
-  bool set(double stiffness_n_per_m, double damping_ns_per_m) noexcept;
-
-  CouplingKind kind() const noexcept override { return CouplingKind::kSpringDamper; }
-  Wrench step(const CouplingInput& input, double dt_s) noexcept override;
-  void reset(const Wrench& held) noexcept override;
-  std::uint64_t faults() const noexcept override { return policy_.faults(); }
-  CouplingStatus status() const noexcept override { return policy_.status(); }
+  Wrench step(const LawInput& input) noexcept;
+  /// Starts again, giving `held` without a jump.
+  void rest_at(const Wrench& held) noexcept;
+  /// New parameters while running, c > 0 and r >= 0; both go there in a straight line over kDefaultRampS.
+  void redesign(const CouplingSpec& spec) noexcept;
   const Vec3& object_offset() const noexcept { return force_.delta; }  ///< object relative to the device [m], W
 
  private:
-  void rest_at(const Wrench& held) noexcept;
-
-  InputPolicy policy_;
   Ramp c_, r_;
   UnilateralSpringDamper force_, torque_;
-  Wrench held_, given_;
+  Wrench held_;
 };
 
 }  // namespace voxtouch

@@ -20,6 +20,11 @@ Wrench wrench_to_device(const DeviceSpec& spec, const Wrench& in_world, const Qu
           spec.force_scale / spec.position_scale * (to_device * torque_at_tip)};
 }
 
+Wrench WrenchToDevice::operator()(const Wrench& in_world, const Quat& tool_in_world) noexcept {
+  if (Quat unit = tool_in_world; normalise_within(unit, 1.0 - 1e-3, 1.0 + 1e-3)) last_tool_in_world_ = tool_in_world;
+  return wrench_to_device(spec_, in_world, last_tool_in_world_);
+}
+
 const ToolState& DeviceMapping::update(const Pose& tip_in_device, const Twist& twist_in_device,
                                        std::uint32_t buttons) noexcept {
   Pose tip = tip_in_device;
@@ -52,10 +57,6 @@ const ToolState& DeviceMapping::update(const Pose& tip_in_device, const Twist& t
     if (!tool_.twist.finite()) tool_.twist = {};  // in the device's units it still was
   }
   return tool_;
-}
-
-Wrench DeviceMapping::to_device(const Wrench& in_world) const noexcept {
-  return tool_.clutched ? Wrench{} : wrench_to_device(spec_, in_world, tool_.pose.orientation);
 }
 
 }  // namespace voxtouch

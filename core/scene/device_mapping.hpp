@@ -22,11 +22,23 @@ namespace voxtouch {
 /// the wrench was computed for. Real-time safe.
 Wrench wrench_to_device(const DeviceSpec& spec, const Wrench& in_world, const Quat& tool_in_world) noexcept;
 
+/// The same from sample to sample: an orientation that is none (not finite, no unit quaternion within 1e-3) must not make the command
+/// none, so the tool is taken to be turned as it was last. Real-time safe.
+class WrenchToDevice {
+ public:
+  explicit WrenchToDevice(const DeviceSpec& spec) noexcept : spec_(spec) {}
+  Wrench operator()(const Wrench& in_world, const Quat& tool_in_world) noexcept;
+
+ private:
+  DeviceSpec spec_;
+  Quat last_tool_in_world_ = Quat::Identity();
+};
+
 /// The tool as the device holds it.
 struct ToolState {
   Pose pose;             ///< T in W [m]
   Twist twist;           ///< of the tool's origin, W axes; zero while clutched
-  bool clutched = false; ///< the button is pressed: the tool stays, the device moves free
+  bool clutched = false; ///< the button is pressed: the tool stays, the device moves free and is to feel nothing
   std::uint32_t buttons = 0;  ///< of the device, bit 0 the first
   bool refused = false;  ///< the sample was not usable (not finite, no unit quaternion); the last pose was kept
 };
@@ -41,10 +53,6 @@ class DeviceMapping {
   /// One sample: tip in D, its twist in D axes, buttons (bit 0 = first). A norm of the quaternion within 1e-3 of 1 is
   /// normalised, any other refuses the sample. A twist that is not finite reads as zero.
   const ToolState& update(const Pose& tip_in_device, const Twist& twist_in_device, std::uint32_t buttons) noexcept;
-
-  /// The wrench for the device at the tool pose of the last update; zero while clutched, so that the device moves free. A
-  /// node fades that step in and out by resetting its coupling where `clutched` changes.
-  Wrench to_device(const Wrench& in_world) const noexcept;
 
   const ToolState& tool() const noexcept { return tool_; }
   /// Forgets the clutch's offset and the last sample: a new device session.

@@ -22,12 +22,6 @@ struct SceneFrame {
   /// What the hand may have been given since the session began, by potentials that fell, moving objects, effects that are
   /// bounded by the way, or the body's weight and speed [J].
   double supplied_energy_j = 0.0;
-
-  /// `wrench` less the contact's own.
-  Wrench beside_contact() const noexcept {
-    const Wrench& contact = touch.contact.wrench;
-    return {wrench.force - contact.force, wrench.torque - contact.torque};
-  }
 };
 
 /// What effects look up, where one asks for it.

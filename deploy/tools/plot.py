@@ -287,7 +287,7 @@ def messages(bag, topic):
 
 
 # Where things stand in a ContactState, a ForceCommand and a ValidationReport, behind the encapsulation (idl/msg).
-TIME, TOOL, OBJECT, CONTACT_WRENCH, DEPTH, EFFECTS, COMMAND_WRENCH, GAP = 16, 24, 80, 136, 232, 424, 32, 24
+TIME, TOOL, OBJECT, WRENCH, CONTACT_WRENCH, DEPTH, COMMAND_WRENCH, GAP = 16, 24, 80, 136, 184, 328, 32, 24
 
 
 def number(message, at):
@@ -314,8 +314,8 @@ def read(bag, topic, **values):
 
 def read_contact(bag, rig):
     """Forces [N], depth and heights [mm] of every ContactState; `contact` is the contact's alone, `all` with what effects add."""
-    return read(bag, f"/{rig}/rendering/contact", all=lambda m: norm(vector(m, CONTACT_WRENCH)),
-                contact=lambda m: norm([a - b for a, b in zip(vector(m, CONTACT_WRENCH), vector(m, EFFECTS))]),
+    return read(bag, f"/{rig}/rendering/contact", all=lambda m: norm(vector(m, WRENCH)),
+                contact=lambda m: norm(vector(m, CONTACT_WRENCH)),
                 depth=lambda m: 1e3 * number(m, DEPTH), tool=lambda m: 1e3 * vector(m, TOOL)[2], body=lambda m: 1e3 * vector(m, OBJECT)[2])
 
 

@@ -1,5 +1,7 @@
 #include "nodes/cli/run_figures.hpp"
 
+#include "qos/topics.hpp"
+
 namespace voxtouch::cli {
 namespace {
 
@@ -8,9 +10,10 @@ std::optional<double> find(const Reports& reports, const std::string& node, cons
   return report == reports.end() ? std::nullopt : runtime::find_value(report->second.figures, name);
 }
 
-/// A stream of samples, who sends it, and what it is called in the logger's figures.
-RunFigures::Stream stream(const Reports& r, const std::string& name, const std::string& sender, const std::string& key) {
-  return {name, find(r, "logger", key + "_first"), number(r, sender, "first_sample"),
+/// Of one stream: what its writer says that it sent, and the logger that it recorded.
+RunFigures::Stream stream(const Reports& r, const qos::Topic& topic) {
+  const std::string sender = qos::names_of(topic.writers).front(), key = qos::figure_name(topic);
+  return {std::string(topic.path), find(r, "logger", key + "_first"), number(r, sender, "first_sample"),
           number(r, "logger", key + "_recorded"), number(r, sender, "samples")};
 }
 
@@ -35,9 +38,7 @@ RunFigures figures_of(const RunSummary& s) {
   f.first_judged = find(r, "validator", "first_checked");
   f.judged = number(r, "validator", "checked"), f.excused = number(r, "validator", "excused");
   f.recording = !s.bag.empty();
-  f.streams = {stream(r, "device/state", "device", "device_state"),
-               stream(r, "rendering/contact", "rendering", "rendering_contact"),
-               stream(r, "coupling/command", "coupling", "coupling_command")};
+  f.streams = {stream(r, qos::kDeviceState), stream(r, qos::kContactState), stream(r, qos::kForceCommand)};
   f.silence_s = s.silence_s, f.silent = s.silent;
   for (const auto& [node, report] : r)
     if (const double stall_s = runtime::value_of(report.figures, runtime::kLongestStall); stall_s > f.silence_s)

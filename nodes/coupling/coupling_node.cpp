@@ -1,6 +1,5 @@
 #include "nodes/coupling/coupling_node.hpp"
 
-#include <array>
 #include <cmath>
 #include <mutex>
 #include <optional>
@@ -9,6 +8,7 @@
 
 #include "core/coupling/running_coupling.hpp"
 #include "core/scene/design_request.hpp"
+#include "core/scene/device_mapping.hpp"
 #include "core/scene/scene_file.hpp"
 #include "devices/description_check.hpp"
 #include "nodes/bus/followed_reader.hpp"
@@ -29,8 +29,8 @@ namespace {
 using runtime::NodeState;
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
-/// What bounds each loop of the thread that answers contacts. `run`: it is the process, each turn looks at `stop`. Contacts in a turn,
-/// and device samples for each: kMostTakes; in real time the histories hold one each. Descriptions and plans in a turn: kMostTakes, of
+/// What bounds each loop of the thread that answers contacts. `run`: it is the process, each turn looks at `stop`. Contacts in a turn:
+/// kMostTakes; in real time the history holds one. Descriptions and plans in a turn: kMostTakes, of
 /// those who are bound, or of anybody while none is and no force can come of it. A fit, some tenths of a second, where a session begins
 /// and, in lockstep, where it changes; else it runs beside the loop. One lock, where a fit is adopted or a description has come.
 class CouplingNode {
@@ -39,24 +39,19 @@ class CouplingNode {
       : options_(options), scene_(scene), participant_(options.participant("coupling")),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
         plans_(participant_, qos::kScenePlan, options.rig),
-        states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         commands_(participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())),
         designs_(participant_, qos::kCouplingDesign, options.rig,
                  qos::profile_in(qos::kCouplingDesign, options.mode())),
-        wait_set_(participant_), device_("device", {&descriptions_.following(), &states_.following()}),
+        wait_set_(participant_), device_("device", {&descriptions_.following()}),
         rendering_("rendering", {&plans_.following(), &contacts_.following()}), fitting_(scene),
         to_device_(scene.device) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(plans_.condition());
-    wait_set_.attach(states_.condition());
     wait_set_.attach(contacts_.condition());
-    links_ = {{"device/description", [this] { return descriptions_.matched(); }, {"device"}},
-              {"device/state", [this] { return states_.matched(); }, {"device"}},
-              {"rendering/plan", [this] { return plans_.matched(); }, {"rendering"}},
-              {"rendering/contact", [this] { return contacts_.matched(); }, {"rendering"}},
-              {"coupling/command", [this] { return commands_.matched(); }, {"device", "logger"}},
-              {"coupling/design", [this] { return designs_.matched(); }, {"logger"}}};
+    links_ = {runtime::link_of_reader(qos::kDeviceDescription, descriptions_), runtime::link_of_reader(qos::kScenePlan, plans_),
+              runtime::link_of_reader(qos::kContactState, contacts_), runtime::link_of_writer(qos::kForceCommand, commands_),
+              runtime::link_of_writer(qos::kCouplingDesign, designs_)};
   }
 
   int run(const std::atomic<bool>& stop) {
@@ -139,9 +134,7 @@ class CouplingNode {
     coupling_.reset();
     session_in_loop_ = session;
     last_time_ns_.reset();
-    pending_.reset();
     clutched_ = false;
-    recent_ = {}, newest_ = {};  // sequence numbers begin again
     stiffness_.store(0.0, kRelaxed);
     adopt(fit());
     if (coupling_) session_.begin(session);
@@ -169,35 +162,23 @@ class CouplingNode {
     return limits;
   }
 
-  /// Joins one contact with its device sample by sequence number. In real time the newest sample must do if its own was lost.
+  /// Answers one contact; false where none waits.
   bool turn() {
     heartbeat_.beat();
-    msg::DeviceState state;
-    for (int i = 0; i < states_.kMostTakes && states_.take(state); ++i)
-      if (state.session_id == session_in_loop_) recent_[state.sequence_number % recent_.size()] = newest_ = state;
-    if (!pending_) {
-      msg::ContactState contact;
-      if (!contacts_.take(contact)) return false;
-      // What another participant says of itself has yet to be judged before its contacts are felt.
-      if (contact.session_id != session_in_loop_ || !coupling_ || !told_.load(kRelaxed)) return true;
-      pending_ = contact;
-      // A plan that holds from this sample on is here, for the rendering waited for that: it must not be used a sample later.
-      if (options_.lockstep) listen();
-    }
-    if (!coupling_) pending_.reset();  // what came meanwhile has left none that may run
-    if (!pending_) return true;
-    const msg::DeviceState& own = recent_[pending_->sequence_number % recent_.size()];
-    const bool joined = own.session_id == session_in_loop_ && own.sequence_number == pending_->sequence_number;
-    if (!joined && options_.lockstep) return false;
-    answer(joined ? own : newest_, *pending_);
-    pending_.reset();
+    msg::ContactState contact;
+    if (!contacts_.take(contact)) return false;
+    // What another participant says of itself has yet to be judged before its contacts are felt.
+    if (contact.session_id != session_in_loop_ || !coupling_ || !told_.load(kRelaxed)) return true;
+    // A plan that holds from this sample on is here, for the rendering waited for that: it must not be used a sample later.
+    if (options_.lockstep) listen();
+    if (coupling_ && contact.session_id == session_in_loop_) answer(contact);  // what came may have left none that may run
     return true;
   }
 
-  void answer(const msg::DeviceState& state, const msg::ContactState& contact) noexcept {
+  void answer(const msg::ContactState& contact) noexcept {
     const double dt_s = last_time_ns_ ? runtime::seconds_between(*last_time_ns_, contact.sample_time_ns) : period_s_;
     last_time_ns_ = contact.sample_time_ns;
-    follow_clutch(state.buttons);
+    follow_clutch((contact.flags & msg::contact_state::kFlagClutched) != 0);
     const CouplingInput input = coupling_input(contact);
     const CouplingOutput out = coupling_->step(input, dt_s);
     const Wrench in_device = clutched_ ? Wrench{} : to_device_(out.wrench, input.tool.orientation);
@@ -225,8 +206,7 @@ class CouplingNode {
   }
 
   /// While the clutch is pressed the tool stays and the device moves free: no force; the contact fades in again afterwards.
-  void follow_clutch(std::uint32_t buttons) noexcept {
-    const bool pressed = scene_.device.clutch_button && ((buttons >> *scene_.device.clutch_button) & 1U) != 0;
+  void follow_clutch(bool pressed) noexcept {
     if (pressed != clutched_) coupling_->reset({});
     clutched_ = pressed;
   }
@@ -300,7 +280,6 @@ class CouplingNode {
   bus::Participant participant_;
   bus::LatchedReader<msg::DeviceDescription> descriptions_;
   bus::LatchedReader<msg::ScenePlan> plans_;
-  bus::FollowedReader<msg::DeviceState> states_;
   bus::FollowedReader<msg::ContactState> contacts_;
   bus::Writer<msg::ForceCommand> commands_;
   bus::Writer<msg::CouplingDesign> designs_;
@@ -308,7 +287,7 @@ class CouplingNode {
   runtime::RoleBinding device_, rendering_;
   std::vector<runtime::Link> links_;
   Fitting fitting_;
-  ToDevice to_device_;
+  WrenchToDevice to_device_;
   std::optional<RunningCoupling> coupling_;  ///< none before the first fit and while what was found must not run
   /// What other threads may ask about; the loop takes the lock only where a fit is adopted.
   struct Running {
@@ -323,9 +302,6 @@ class CouplingNode {
   double period_s_ = 1e-3;
   std::uint64_t session_in_loop_ = 0;
   dds_instance_handle_t plan_writer_ = 0;  ///< whose plan the session was begun with
-  std::array<msg::DeviceState, 64> recent_{};
-  msg::DeviceState newest_{};
-  std::optional<msg::ContactState> pending_;
   std::optional<std::int64_t> last_time_ns_;
   bool clutched_ = false;
   std::atomic<std::uint64_t> samples_{0}, clamped_{0}, capped_{0}, controlled_{0}, faults_{0};

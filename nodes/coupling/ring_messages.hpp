@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "core/coupling/running_coupling.hpp"
-#include "core/scene/device_mapping.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/stamps.hpp"
 
@@ -19,22 +18,6 @@ inline CouplingInput coupling_input(const msg::ContactState& contact) noexcept {
   input.supplied_energy_j = contact.supplied_energy_j;
   return input;
 }
-
-/// What the device is to push with for a wrench in W. A pose that is none must not make the command none: the tool is taken to be
-/// turned as it was last.
-class ToDevice {
- public:
-  explicit ToDevice(const DeviceSpec& device) noexcept : device_(device) {}
-
-  Wrench operator()(const Wrench& in_world, const Quat& tool_in_world) noexcept {
-    if (Quat unit = tool_in_world; normalise_within(unit, 1.0 - 1e-3, 1.0 + 1e-3)) turned_ = tool_in_world;
-    return wrench_to_device(device_, in_world, turned_);
-  }
-
- private:
-  const DeviceSpec& device_;
-  Quat turned_ = Quat::Identity();
-};
 
 inline std::uint32_t status_bits(const CouplingOutput& out) noexcept {
   using namespace msg::force_command;

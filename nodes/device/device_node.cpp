@@ -137,9 +137,8 @@ class DeviceNode {
     commands_ = {participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())};
     wait_set_.emplace(participant_);
     wait_set_->attach(commands_.condition());
-    links_ = {{"device/state", [this] { return states_.matched(); }, {"rendering", "coupling", "logger"}},
-              {"device/description", [this] { return descriptions_.matched(); }, {"rendering", "coupling", "logger"}},
-              {"coupling/command", [this] { return commands_.matched(); }, {"coupling"}}};
+    links_ = {runtime::link_of_writer(qos::kDeviceState, states_), runtime::link_of_writer(qos::kDeviceDescription, descriptions_),
+              runtime::link_of_reader(qos::kForceCommand, commands_)};
     coupling_.emplace("coupling", std::vector{&commands_.following()});
     describe();
   }
@@ -239,7 +238,7 @@ class DeviceNode {
     coupling_->update(roster, session_);
     watch_peers(roster);
     watch_rig(roster);
-    if (!options_.lockstep && reminder_.is_due(roster, session_, {"rendering", "coupling"})) describe();
+    if (!options_.lockstep && reminder_.is_due(roster, session_, qos::kDeviceDescription)) describe();
     const std::string foreign = coupling_->trouble(roster);
     report.session_id = session_;
     const bool running = progress_.started_ns.load() != 0;

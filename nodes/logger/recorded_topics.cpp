@@ -47,7 +47,7 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtim
     : participant_(participant), options_(options), wanted_(std::move(wanted)), recorder_(recorder),
       wait_set_(wait_set), discovery_(value_or_throw(bus::WriterDiscovery::create(participant.get()))) {
   for (const qos::Topic& row : qos::kTopics) {
-    if (!row.recorded) continue;
+    if (!(row.readers & qos::kLogger)) continue;
     const qos::Profile& profile = qos::profile_in(row, options.mode());
     const bus::EndpointQos offered = offered_by(profile, row.rate_hz);
     const bool from_outside = row.path == qos::kEffectChange.path;  // whoever asks knows no sample's time
@@ -58,8 +58,7 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtim
         : from_outside || row.profile == qos::ProfileId::kStatus ? Stamp::kNewest
                                                  : Stamp::kZero);
     if (row.profile == qos::ProfileId::kStream) {
-      entries_.back().stream = row.path;
-      std::replace(entries_.back().stream.begin(), entries_.back().stream.end(), '/', '_');
+      entries_.back().stream = qos::figure_name(row);
     }
   }
 }
@@ -153,19 +152,12 @@ void RecordedTopics::tell(std::uint64_t session, runtime::Figures& figures) cons
 }
 
 std::vector<runtime::Link> RecordedTopics::links() const {
-  static const std::map<std::string_view, std::string> kWriters = {
-      {qos::kDeviceState.path, "device"},     {qos::kDeviceDescription.path, "device"},
-      {qos::kContactState.path, "rendering"}, {qos::kScenePlan.path, "rendering"},
-      {qos::kForceCommand.path, "coupling"},  {qos::kCouplingDesign.path, "coupling"},
-      {qos::kValidation.path, "validator"}};
   std::vector<runtime::Link> links;
   for (const qos::Topic& row : qos::kTopics)
-    if (const auto writer = kWriters.find(row.path); writer != kWriters.end())
-      for (const Entry& entry : entries_)
-        if (entry.name == qos::dds_name(row, options_.rig))
-          links.push_back({std::string(row.path),
-                           [handle = entry.reader.handle()] { return bus::matched_writers(handle); },
-                           {writer->second}});
+    for (const Entry& entry : entries_)
+      if (row.writers != qos::kEveryNode && entry.name == qos::dds_name(row, options_.rig))
+        links.push_back({std::string(row.path), [handle = entry.reader.handle()] { return bus::matched_writers(handle); },
+                         qos::names_of(row.writers)});
   return links;
 }
 

@@ -52,7 +52,7 @@ class ChangeDesk {
   /// Writes the plan of the session once more, for a node that has missed it. Not in lockstep.
   void remind() noexcept { remind_.store(true, std::memory_order_release); }
   /// Who reads the plan.
-  std::vector<bus::Guid> plan_readers() const { return plans_.matched(); }
+  const bus::Writer<msg::ScenePlan>& plans() const noexcept { return plans_; }
   /// For the node's report: changes, reloads, warnings, ...
   runtime::Figures figures() const;
   /// Why what runs does not fit the device, so that the coupling commands no force; empty: it fits.

@@ -1,36 +1,18 @@
 #include "nodes/rendering/plan_ring.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "qos/topics.hpp"
 
 namespace voxtouch::rendering {
 namespace {
 
-struct Caller {
-  const qos::Topic& topic;
-  const char* node;  ///< that writes it
-  const char* why;
-};
-
-// Kept true by ros_outputs.cpp (matched_count before each write), roster.cpp (diagnostics) and the nodes' readers.
-constexpr Caller kCallers[] = {
-    {qos::kDeviceState, "device", "Each sample of it is answered by rendering and coupling."},
-    {qos::kContactState, "rendering", "The coupling turns each into a command."},
-    {qos::kForceCommand, "coupling", "The device applies each; this closes the ring."},
-    {qos::kDeviceDescription, "device", "It begins a session, and the coupling is designed for it. Once a session."},
-    {qos::kScenePlan, "rendering", "The coupling is designed for the contact that it tells of. Once a session."},
-    {qos::kCouplingDesign, "coupling", "People and bags see from it what runs. Once a session and on a change."},
-    {qos::kValidation, "validator", "Verdicts; made only while a validator runs and somebody reads them."},
-    {qos::kNodeStatus, "every node", "Nodes find each other by it. Ten times a second and on a change."},
-    {qos::kEffectChange, "rendering", "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool."},
-    {qos::kEffectChanged, "rendering", "What became of each change."},
-    {qos::kDiagnostics, "every node", "For ROS tools; made and written only while somebody reads it."},
-    {qos::kTf, "rendering", "For ROS tools; made and written only while somebody reads it, outside the loop."},
-    {qos::kPose, "rendering", "For ROS tools; made and written only while somebody reads it, outside the loop."},
-    {qos::kWrench, "rendering", "For ROS tools; made and written only while somebody reads it, outside the loop."},
-    {qos::kMarkers, "rendering", "For ROS tools; made and written only while somebody reads it, outside the loop."},
-};
+/// Who writes a topic, for people.
+std::string writer_of(const qos::Topic& topic) {
+  if (topic.writers == qos::kEveryNode) return "every node";
+  return fmt::format("{}", fmt::join(qos::names_of(topic.writers ? topic.writers : topic.readers & ~qos::kLogger), ", "));
+}
 
 PlanPart node_part(const char* name, std::string why) {
   return {.name = fmt::format("node {}", name), .node = name, .why = std::move(why)};
@@ -40,8 +22,8 @@ PlanPart node_part(const char* name, std::string why) {
 
 std::vector<PlanPart> ring_parts(const Scene& scene) {
   std::vector<PlanPart> parts;
-  for (const Caller& caller : kCallers)
-    parts.push_back({.name = fmt::format("topic {}", caller.topic.path), .node = caller.node, .why = caller.why});
+  for (const qos::Topic& topic : qos::kTopics)
+    parts.push_back({.name = fmt::format("topic {}", topic.path), .node = writer_of(topic), .why = std::string(topic.why)});
   parts.push_back(node_part("device", "Reads the device and keeps its force within limits."));
   parts.push_back(node_part("rendering",
                             scene.effects.empty() ? "Contact of each sample." : "Contact and effects of each sample."));

@@ -47,10 +47,8 @@ class RenderingNode {
         wait_set_(participant_), device_("device", {&descriptions_.following(), &states_.following()}) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
-    links_ = {{"device/description", [this] { return descriptions_.matched(); }, {"device"}},
-              {"device/state", [this] { return states_.matched(); }, {"device"}},
-              {"rendering/contact", [this] { return contacts_.matched(); }, {"coupling", "logger", "validator"}},
-              {"rendering/plan", [this] { return desk_.plan_readers(); }, {"logger", "validator"}}};
+    links_ = {runtime::link_of_reader(qos::kDeviceDescription, descriptions_), runtime::link_of_reader(qos::kDeviceState, states_),
+              runtime::link_of_writer(qos::kContactState, contacts_), runtime::link_of_writer(qos::kScenePlan, desk_.plans())};
   }
 
   int run(const std::atomic<bool>& stop) {
@@ -167,8 +165,9 @@ class RenderingNode {
     m.sample_time_ns = state.sample_time_ns;
     m.tool_pose = runtime::to_msg(mapping_.tool().pose);
     m.wrench = runtime::to_msg(frame_.wrench);
+    m.contact_wrench = runtime::to_msg(c.wrench);
+    m.effects_wrench = runtime::to_msg(frame_.effects.wrench);
     m.object_pose = runtime::to_msg(frame_.object);
-    m.effects_wrench = runtime::to_msg(frame_.beside_contact());
     m.supplied_energy_j = frame_.supplied_energy_j;
     m.scene_time_ns = session_begin_ns_ ? runtime::ns_between(*session_begin_ns_, state.sample_time_ns) : 0;
     m.mean_normal = runtime::to_vector(c.mean_normal);
@@ -185,7 +184,8 @@ class RenderingNode {
         (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.held ? msg::contact_state::kFlagHeld : 0U) |
         (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
         (c.saturated ? msg::contact_state::kFlagSaturated : 0U) | (fading ? msg::contact_state::kFlagFading : 0U) |
-        (touch.crossed ? msg::contact_state::kFlagCrossed : 0U) | (touch.missed ? msg::contact_state::kFlagMissed : 0U);
+        (touch.crossed ? msg::contact_state::kFlagCrossed : 0U) | (touch.missed ? msg::contact_state::kFlagMissed : 0U) |
+        (mapping_.tool().clutched ? msg::contact_state::kFlagClutched : 0U);
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
     contacts_.write_until(m, [this] {
@@ -237,7 +237,7 @@ class RenderingNode {
                      : !trouble.empty()
                          ? trouble
                          : "scene '" + scene_.name + "' is built" + (missing.empty() ? "" : "; waiting for " + missing);
-    if (!options_.lockstep && reminder_.is_due(roster, report.session_id, {"coupling", "validator"})) desk_.remind();
+    if (!options_.lockstep && reminder_.is_due(roster, report.session_id, qos::kScenePlan)) desk_.remind();
     const std::string refusal = desk_.refusal();
     if (refusal.empty() || session_.stopped()) return;
     report.state = runtime::NodeState::kFailed;

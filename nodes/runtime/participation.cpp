@@ -22,7 +22,8 @@ std::string missing_links(const NodeOptions& options, const Roster& roster, cons
   return missing;
 }
 
-bool Reminder::is_due(const Roster& roster, std::uint64_t session, const std::vector<std::string>& readers) {
+bool Reminder::is_due(const Roster& roster, std::uint64_t session, const qos::Topic& topic) {
+  const std::vector<std::string> readers = qos::names_of(static_cast<qos::Nodes>(topic.readers & ~qos::kLogger));
   const std::vector<NodeReport> reports = roster.reports();
   const bool waits = std::any_of(reports.begin(), reports.end(), [&](const NodeReport& report) {
     return report.session_id != session && std::find(readers.begin(), readers.end(), report.node) != readers.end();

@@ -7,6 +7,7 @@
 
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/roster.hpp"
+#include "qos/topics.hpp"
 
 namespace voxtouch::runtime {
 
@@ -16,6 +17,17 @@ struct Link {
   std::function<std::vector<bus::Guid>()> matched;
   std::vector<std::string> nodes;
 };
+
+/// The links of a node's own writer and reader: by the table of topics, who reads what it writes, and who writes what it reads. The
+/// endpoint must outlive the link.
+template <class Writer>
+Link link_of_writer(const qos::Topic& topic, const Writer& writer) {
+  return {std::string(topic.path), [&writer] { return writer.matched(); }, qos::names_of(topic.readers)};
+}
+template <class Reader>
+Link link_of_reader(const qos::Topic& topic, const Reader& reader) {
+  return {std::string(topic.path), [&reader] { return reader.matched(); }, qos::names_of(topic.writers)};
+}
 
 /// Keeps only the nodes that take part in this run ("device" always does).
 std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std::string> nodes);
@@ -28,7 +40,8 @@ std::string missing_links(const NodeOptions& options, const Roster& roster, cons
 /// A flood of foreign values may have kept them from it, or it was refused before it was known whose is needed.
 class Reminder {
  public:
-  bool is_due(const Roster& roster, std::uint64_t session, const std::vector<std::string>& readers);
+  /// For `topic`: its readers but the logger, which needs no session's answer.
+  bool is_due(const Roster& roster, std::uint64_t session, const qos::Topic& topic);
 
  private:
   std::int64_t answered_ns_ = 0;  ///< monotonic: last time that all had, or that one was reminded

@@ -34,9 +34,7 @@ const qos::Profile& contact_profile(const Options& options) {
 ReportedContact to_report(const msg::ContactState& c) {
   ReportedContact r;
   r.tool_in_world = runtime::from_msg(c.object_pose);
-  // The reference knows contact only: what else acts is taken off again.
-  const Wrench all = runtime::from_msg(c.wrench), effects = runtime::from_msg(c.effects_wrench);
-  r.wrench = {all.force - effects.force, all.torque - effects.torque};
+  r.wrench = runtime::from_msg(c.contact_wrench);  // the reference knows contact only
   r.mean_normal = runtime::from_msg(c.mean_normal);
   r.deepest_depth_m = c.deepest_depth_m;
   r.coherence = c.coherence;
@@ -56,8 +54,8 @@ class ValidatorNode {
         reports_(participant_, qos::kValidation, options.rig, qos::profile_in(qos::kValidation, options.mode())),
         wait_set_(participant_), rendering_("rendering", {&plans_.following(), &contacts_.following()}) {
     for (const dds_entity_t condition : {plans_.condition(), contacts_.condition()}) wait_set_.attach(condition);
-    links_ = {{"rendering/contact", [this] { return contacts_.matched(); }, {"rendering"}},
-              {"validation", [this] { return reports_.matched(); }, {"logger"}}};
+    links_ = {runtime::link_of_reader(qos::kScenePlan, plans_), runtime::link_of_reader(qos::kContactState, contacts_),
+              runtime::link_of_writer(qos::kValidation, reports_)};
   }
 
   int run(const std::atomic<bool>& stop) {

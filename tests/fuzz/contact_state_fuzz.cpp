@@ -1,4 +1,5 @@
 // ContactStates from the network, through the coupling as its node runs it: every command is finite and within what the device gives.
+#include "core/scene/device_mapping.hpp"
 #include "nodes/coupling/ring_messages.hpp"
 #include "tests/fuzz/wire.hpp"
 
@@ -32,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const DeviceSpec spec = device();
   if (size == 0) return 0;
   RunningCoupling coupling(spec_of(data[0]), {kMaxForceN, kMaxTorqueNm}, kPeriodS);
-  coupling::ToDevice to_device(spec);
+  WrenchToDevice to_device(spec);
   std::optional<std::int64_t> last_ns;
   const double arm_m = spec.tool_offset.position.norm(), slack = 1.0 + 1e-9;
   fuzz::each_message(wire, data + 1, size - 1, [&](const msg::ContactState& contact) {

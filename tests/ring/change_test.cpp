@@ -158,7 +158,7 @@ double largest_step_in_contact(const std::vector<msg::ContactState>& contacts, c
       most = std::max(most, step(force(all[i - 1]), force(all[i])));
   return most;
 }
-double contact_alone(const msg::ContactState& c) { return c.wrench.force.z - c.effects_wrench.force.z; }
+double contact_alone(const msg::ContactState& c) { return c.contact_wrench.force.z; }
 const auto kForce = [](const auto& m) { return m.wrench.force; };
 const auto kEffects = [](const auto& m) { return m.effects_wrench.force; };
 

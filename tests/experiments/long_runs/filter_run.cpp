@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "core/coupling/shaping_filter.hpp"
+#include "core/coupling/running_coupling.hpp"
 #include "tests/experiments/long_runs/long_runs.hpp"
 #include "tests/experiments/long_runs/loop_rig.hpp"
 
@@ -56,8 +56,7 @@ class Teller {
 
 /// A held contact: the error of all samples after the transient, and of the last tenth alone.
 void hold(const FilterAsk& ask, Teller& teller, Findings& out) {
-  ShapingFilter coupling(filter(5.0, 1.0), {}, kT);
-  coupling.step({}, kT);
+  ShapingFilter coupling(filter(5.0, 1.0), kT);
   double worst = 0.0, first_s = 0.0, last_s = 0.0, last_tenth = 0.0;
   std::uint64_t n = 0;
   for (int tenth = 1; tenth <= 10; ++tenth) {
@@ -66,7 +65,7 @@ void hold(const FilterAsk& ask, Teller& teller, Findings& out) {
     for (const std::uint64_t until = ask.steps / 10 * static_cast<std::uint64_t>(tenth); n < until;) {
       const std::uint64_t piece = std::min<std::uint64_t>(until - n, 100'000);
       for (std::uint64_t i = 0; i < piece; ++i, ++n) {
-        const Wrench y = coupling.step(push(1.0), kT);
+        const Wrench y = coupling.step({push(1.0).contact});
         const double error = std::max(
             {std::abs(y.force.x() - kGain), std::abs(y.force.y() + kGain), std::abs(y.torque.z() + 0.02 * kGain)});
         if (n > kSettled) last_tenth = std::max(last_tenth, error);
@@ -117,14 +116,14 @@ double period(std::mt19937_64& random) {
 void disturb(const FilterAsk& ask, Teller& teller, Findings& out) {
   std::mt19937_64 random(ask.seed);
   const CouplingSpec spec = filter(30.0, 0.577);
-  ShapingFilter coupling(spec, {}, kT);
+  RunningCoupling coupling(spec, {}, kT);
   coupling.step({}, kT);
   const double most_step = 3.0 * kGain * cutoff_rad_per_s(spec) * 5.0 * kT;
   double u = 0.0, peak = 0.0, steepest = 0.0, before = 0.0;
   const std::uint64_t steps = ask.steps / 10;
   for (std::uint64_t n = 0; n < steps; ++n) {
     if (random() % 8 == 0) u = 2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0;
-    const double y = coupling.step(push(u), period(random)).force.x();
+    const double y = coupling.step(push(u), period(random)).wrench.force.x();
     if (!std::isfinite(y)) return out.faults.push_back(fmt::format("sample {} of changing periods is no number", n));
     peak = std::max(peak, std::abs(y)), steepest = std::max(steepest, std::abs(y - before));
     before = y;
@@ -135,13 +134,13 @@ void disturb(const FilterAsk& ask, Teller& teller, Findings& out) {
   if (!(steepest <= most_step)) out.faults.push_back(fmt::format("changing periods give a step of {:.3g} N", steepest));
   out.lines.push_back(fmt::format(
       "changing periods, {} samples, {} of them bad: peak {:.3f} K (limit 2), largest step {:.3f} N (limit {:.2f})",
-      steps, coupling.faults(), peak / kGain, steepest, most_step));
+      steps, coupling.counters().faults, peak / kGain, steepest, most_step));
   Wrench y;
-  for (std::uint64_t n = 0; n < kSettled; ++n) y = coupling.step(push(1.0), kT);
+  for (std::uint64_t n = 0; n < kSettled; ++n) y = coupling.step(push(1.0), kT).wrench;
   const double error = std::abs(y.force.x() - kGain);
   if (!(error <= 1e-14 * kGain))
     out.faults.push_back(fmt::format("afterwards a held contact is off by {:.3g} K", error / kGain));
-  for (std::uint64_t n = 0; n < 60'000; ++n) y = coupling.step({}, kT);
+  for (std::uint64_t n = 0; n < 60'000; ++n) y = coupling.step({}, kT).wrench;
   if (!y.zero()) out.faults.push_back("a minute after the release there is still force");
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/coupling/coupling.hpp"
+#include "core/coupling/running_coupling.hpp"
 #include "tests/experiments/paper/experiments.hpp"
 
 namespace voxtouch::paper {
@@ -13,14 +13,14 @@ constexpr double kStepS = 0.001, kSpeed = 0.1, kCylinder = 20 * kEdge, kDepthEdg
 
 /// Newtons for each unit of the rung's force, so that the mean is 1 N.
 std::vector<double> pass(const CouplingSpec& spec, const std::vector<Vec3>& raw, double stiffness) {
-  const std::unique_ptr<Coupling> coupling = make_coupling(spec, {}, kStepS, 1e-9);
+  RunningCoupling coupling(spec, {}, kStepS, 1e-9);
   std::vector<double> out;
   for (const Vec3& force : raw) {
     CouplingInput input;
     input.contact.force = force;
     input.contact_stiffness_n_per_m = stiffness;
     input.contact_stiffness.topLeftCorner<3, 3>().diagonal().setConstant(stiffness);
-    out.push_back(coupling->step(input, kStepS).force.norm());
+    out.push_back(coupling.step(input, kStepS).wrench.force.norm());
   }
   return out;
 }

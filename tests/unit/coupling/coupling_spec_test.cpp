@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/coupling/coupling.hpp"
+#include "core/coupling/running_coupling.hpp"
 
 namespace voxtouch {
 namespace {
@@ -24,7 +24,7 @@ std::string refused(const CouplingSpec& spec, const CouplingLimits& limits = {},
     field = issue.field;
     EXPECT_NE(issue.sentence.find(issue.field), std::string::npos);
     EXPECT_EQ(issue.sentence.back(), '.');
-    EXPECT_THROW(make_coupling(spec, limits, t), std::invalid_argument);
+    EXPECT_THROW(RunningCoupling(spec, limits, t), std::invalid_argument);
   }
   return field;
 }
@@ -87,7 +87,7 @@ TEST(CouplingSpec, RefusesACutoffBeyondTheSampleRateAndWarnsBefore) {
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_FALSE(warnings[0].refuse);
   EXPECT_TRUE(validate(with(&CouplingSpec::cutoff_hz, 95), {}, kT).empty());
-  EXPECT_NE(make_coupling(with(&CouplingSpec::cutoff_hz, 100), {}, kT), nullptr) << "a warning refuses nothing";
+  EXPECT_NO_THROW(RunningCoupling(with(&CouplingSpec::cutoff_hz, 100), {}, kT)) << "a warning refuses nothing";
 }
 
 TEST(CouplingSpec, CutoffIsTheNaturalFrequencyOverTwoPi) {
@@ -125,8 +125,8 @@ TEST(CouplingSpec, KindsHaveNamesThatAreReadBack) {
 }
 
 TEST(CouplingSpec, RefusesARampThatIsNone) {
-  for (const double bad : {-1.0, kNan, kInf}) EXPECT_THROW(make_coupling({}, {}, kT, bad), std::invalid_argument);
-  EXPECT_NE(make_coupling({}, {}, kT, 0.0), nullptr);
+  for (const double bad : {-1.0, kNan, kInf}) EXPECT_THROW(RunningCoupling({}, {}, kT, bad), std::invalid_argument);
+  EXPECT_NO_THROW(RunningCoupling({}, {}, kT, 0.0));
 }
 
 }  // namespace

@@ -52,7 +52,6 @@ class Around {
         participant({kDomain, "lo", "around"}), roster(participant, rig),
         descriptions(device.participant, qos::kDeviceDescription, rig, latched()),
         plans(rendering.participant, qos::kScenePlan, rig, latched()),
-        states(device.participant, qos::kDeviceState, rig, stream()),
         contacts(rendering.participant, qos::kContactState, rig, stream()),
         designs(participant, qos::kCouplingDesign, rig, latched()),
         commands(participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kTap)),
@@ -60,7 +59,7 @@ class Around {
         node([this](const std::atomic<bool>& stop) { return coupling::run(options, stop); }) {
     EXPECT_TRUE(wait_until([&] {
       return descriptions.matched_count() && plans.matched_count() && contacts.matched_count() &&
-             states.matched_count() && commands.matched_count() && designs.matched_count();
+             commands.matched_count() && designs.matched_count();
     }));
   }
   coupling::Options options_for(const std::string& coupling) const {
@@ -121,20 +120,14 @@ class Around {
   void touch(std::uint64_t session = 7) {
     msg::ContactState c{};
     c.session_id = session;
-    c.sequence_number = sequence;
-    c.sample_time_ns = static_cast<std::int64_t>(sequence) * 1'000'000;
+    c.sequence_number = sequence++;
+    c.sample_time_ns = static_cast<std::int64_t>(c.sequence_number) * 1'000'000;
     c.tool_pose = runtime::to_msg(Pose{Vec3(0, 0, -kDepth), Quat::Identity()});
     c.wrench.force.z = kForce;
     c.stiffness_bound_n_per_m = kStiffness;
     Mat6 stiffness = Mat6::Zero();
     stiffness(2, 2) = kStiffness;
     runtime::to_msg(stiffness, c.stiffness);
-    msg::DeviceState s{};
-    s.session_id = session;
-    s.sequence_number = sequence++;
-    s.sample_time_ns = c.sample_time_ns;
-    s.pose = c.tool_pose;
-    states.write(s);
     contacts.write(c);
     std::this_thread::sleep_for(milliseconds(1));
     look();
@@ -159,7 +152,6 @@ class Around {
   runtime::Roster roster;
   bus::Writer<msg::DeviceDescription> descriptions;
   bus::Writer<msg::ScenePlan> plans;
-  bus::Writer<msg::DeviceState> states;
   bus::Writer<msg::ContactState> contacts;
   bus::Reader<msg::CouplingDesign> designs;
   bus::Reader<msg::ForceCommand> commands;

@@ -39,11 +39,11 @@ TEST(HandScales, AreWhatTheDeviceMappingDoes) {
   const Pose rest = mapping.update({}, {}, 0).pose;
   const double translation_w = 300, rotation_w = 7, step = 1e-3, turn = 1e-4;
   const Pose pulled = mapping.update({Vec3(step, 0, 0), Quat::Identity()}, {}, 0).pose;
-  const Wrench force = mapping.to_device({-translation_w * (pulled.position - rest.position), Vec3::Zero()});
+  const Wrench force = wrench_to_device(spec, {-translation_w * (pulled.position - rest.position), Vec3::Zero()}, pulled.orientation);
   EXPECT_NEAR(-force.force.x() / step, translation_w * scales.translation, 1e-9);
   const Pose turned = mapping.update({Vec3::Zero(), Quat(Eigen::AngleAxisd(turn, Vec3::UnitX()))}, {}, 0).pose;
   const Eigen::AngleAxisd angle(turned.orientation * rest.orientation.conjugate());
-  const Wrench torque = mapping.to_device({Vec3::Zero(), -rotation_w * angle.angle() * angle.axis()});
+  const Wrench torque = wrench_to_device(spec, {Vec3::Zero(), -rotation_w * angle.angle() * angle.axis()}, turned.orientation);
   EXPECT_NEAR(-torque.torque.x() / turn, rotation_w * scales.rotation, 1e-6);
   EXPECT_DOUBLE_EQ(scales.translation, 2.0);
   EXPECT_DOUBLE_EQ(scales.rotation, 0.125);
