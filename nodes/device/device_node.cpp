@@ -241,6 +241,7 @@ class DeviceNode {
     if (!options_.lockstep && reminder_.is_due(roster, session_, qos::kDeviceDescription)) describe();
     const std::string foreign = coupling_->trouble(roster);
     report.session_id = session_;
+    report.partners = partners_.participants();
     const bool running = progress_.started_ns.load() != 0;
     report.state = end == End::kNone                               ? (running ? NodeState::kRunning : NodeState::kReady)
                    : end == End::kStopped || end == End::kFinished ? NodeState::kStopped
@@ -262,33 +263,21 @@ class DeviceNode {
 
   void watch_peers(runtime::Roster& roster) {
     if (!options_.lockstep) return;
-    const std::vector<std::string> peers =
-        runtime::taking_part(options_, {"rendering", "coupling", "logger", "validator"});
+    partners_.update(options_, roster, links_, session_);
     waiting_for_ = runtime::missing_links(options_, roster, links_);
-    bool ready = waiting_for_.empty();
-    const std::vector<runtime::NodeReport> reports = roster.reports();
-    for (const std::string& peer : peers) {
-      const auto one = [&](const auto& holds) {
-        return std::any_of(reports.begin(), reports.end(), [&](const auto& r) { return r.node == peer && holds(r); });
-      };
-      if (peers_ready_.load() && !one([](const auto& r) { return r.state != NodeState::kFailed; }))
-        lose(why_lost(roster, peer, one([](const auto&) { return true; })));
-      const bool answered = one([&](const auto& r) {
-        return r.session_id == session_ && (r.state == NodeState::kReady || r.state == NodeState::kRunning);
-      });
-      if (!answered) waiting_for_ += (waiting_for_.empty() ? "" : ", ") + peer + " to be ready";
-      ready = ready && answered;
+    for (const std::string& peer : partners_.missing())
+      waiting_for_ += (waiting_for_.empty() ? "" : ", ") + peer + " to be ready";
+    if (waiting_for_.empty() && partners_.complete() && coupling_->bound()) peers_ready_.store(true, std::memory_order_release);
+    if (!peers_ready_.load()) return;
+    for (const runtime::Hung& hung : roster.hung())
+      if (partners_.participants().contains(hung.participant) && hung.for_s * 1e9 >= runtime::kGivenUpNs)
+        lose(fmt::format("{} has given no sign of life for {:.1f} s", hung.node, hung.for_s));
+    for (const bus::Guid& partner : partners_.participants()) {
+      const runtime::NodeReport* report = roster.report_of(partner);  // kept by the housekeeping, also of one that has gone
+      const bool failed = report && report->state == NodeState::kFailed;
+      if (failed || !roster.is_here(partner))
+        lose(fmt::format("{} takes part and has {}", report ? report->node : "a node", failed ? "failed" : "gone"));
     }
-    if (ready && coupling_->bound()) peers_ready_.store(true, std::memory_order_release);
-    for (const runtime::Hung& hung : roster.hung())
-      if (options_.has_peer(hung.node) && peers_ready_.load() && hung.for_s * 1e9 >= runtime::kGivenUpNs)
-        lose(why_lost(roster, hung.node, false));
-  }
-
-  static std::string why_lost(const runtime::Roster& roster, const std::string& peer, bool failed) {
-    for (const runtime::Hung& hung : roster.hung())
-      if (hung.node == peer) return fmt::format("{} has given no sign of life for {:.1f} s", peer, hung.for_s);
-    return fmt::format("{} takes part and has {}", peer, failed ? "failed" : "gone");
   }
 
   /// Lockstep: the run cannot go on without it.
@@ -370,6 +359,7 @@ class DeviceNode {
   runtime::Reminder reminder_;
   std::optional<bus::WaitSet> wait_set_;
   std::vector<runtime::Link> links_;
+  runtime::Partners partners_{{"rendering", "coupling", "logger", "validator"}};
   Progress progress_;
   Requests requests_;
   std::atomic<bool> peers_ready_{false};

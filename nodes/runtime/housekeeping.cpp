@@ -89,9 +89,10 @@ void Housekeeping::watch_others(NodeReport& report) {
   for (const Hung& hung : roster_.hung()) {
     if (hung.participant == own_) continue;
     report.message += "; " + hung.sentence;
-    const bool takes_part = hung.node == "device" || options_.has_peer(hung.node);
+    // Strangers are named, whatever they call themselves, but nobody waits for them.
+    const bool is_waited_for = partners_.contains(hung.participant) && hung.node != node_;
     const bool too_long = hung.for_s * 1e9 >= static_cast<double>(kGivenUpNs);
-    if (options_.lockstep && takes_part && had_session_ && too_long && !report.final() && lost_.empty())
+    if (is_waited_for && had_session_ && too_long && !report.final() && lost_.empty())
       lost_ = fmt::format("{} has given no sign of life for {} s: the lockstep run ends", hung.node, 1e-9 * kGivenUpNs);
   }
   if (lost_.empty()) return;
@@ -101,9 +102,10 @@ void Housekeeping::watch_others(NodeReport& report) {
 }
 
 void Housekeeping::turn() {
-  roster_.update();
+  roster_.update([this](const NodeReport& report) { return partners_.contains(report.participant); });
   NodeReport report = last_;
   look_(roster_, report);
+  partners_ = report.partners;
   report.figures["refused_statuses"] = {roster_.refused(), "statuses"};
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "nodes/runtime/options.hpp"
@@ -52,6 +53,7 @@ class Housekeeping {
   NodeReport last_;
   std::int64_t last_publish_ns_ = 0, last_ros_ns_ = 0;
   bool had_session_ = false;
+  std::set<bus::Guid> partners_;  ///< whom this node waits for, as `look` said last
   std::string lost_;  ///< the sentence for a peer that was lost
   std::atomic<bool> stop_{false};
   std::thread thread_;

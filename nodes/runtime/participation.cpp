@@ -22,6 +22,34 @@ std::string missing_links(const NodeOptions& options, const Roster& roster, cons
   return missing;
 }
 
+namespace {
+
+bool is_among(const std::vector<std::string>& nodes, const std::string& node) {
+  return std::find(nodes.begin(), nodes.end(), node) != nodes.end();
+}
+
+}  // namespace
+
+void Partners::update(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links,
+                      std::uint64_t session) {
+  if (session != session_) complete_ = false, participants_.clear(), session_ = session;
+  if (!options.lockstep || session == 0 || complete_) return;
+  participants_.clear();
+  missing_ = taking_part(options, nodes_);
+  for (const NodeReport& report : roster.reports()) {
+    const bool is_ready = report.state == NodeState::kReady || report.state == NodeState::kRunning;
+    if (!is_ready || report.session_id != session || !is_among(taking_part(options, nodes_), report.node)) continue;
+    const bool is_linked = std::all_of(links.begin(), links.end(), [&](const Link& link) {
+      const std::vector<bus::Guid> matched = is_among(link.nodes, report.node) ? link.matched() : std::vector{report.participant};
+      return std::find(matched.begin(), matched.end(), report.participant) != matched.end();
+    });
+    if (!is_linked) continue;
+    participants_.insert(report.participant);
+    std::erase(missing_, report.node);
+  }
+  complete_ = missing_.empty();
+}
+
 bool Reminder::is_due(const Roster& roster, std::uint64_t session, const qos::Topic& topic) {
   const std::vector<std::string> readers = qos::names_of(static_cast<qos::Nodes>(topic.readers & ~qos::kLogger));
   const std::vector<NodeReport> reports = roster.reports();
@@ -36,10 +64,12 @@ bool Reminder::is_due(const Roster& roster, std::uint64_t session, const qos::To
 }
 
 std::string Session::report_to(NodeReport& report, const NodeOptions& options, const Roster& roster,
-                               const std::vector<Link>& links, std::string_view first, bool busy) const {
+                               const std::vector<Link>& links, std::string_view first, bool busy) {
   const std::uint64_t id = id_.load(std::memory_order_acquire);
   std::string missing = id ? missing_links(options, roster, links) : std::string(first);
   const bool ready = missing.empty();
+  partners_.update(options, roster, links, id);
+  report.partners = partners_.participants();
   report.session_id = ready ? id : 0;
   report.state = stopped() ? NodeState::kStopped
                  : !ready  ? NodeState::kStarting

@@ -202,7 +202,8 @@ std::vector<Hung> Roster::hung() const {
   constexpr double kHungS = static_cast<double>(kHungNs) * 1e-9;
   std::vector<Hung> all;
   std::vector<NodeReport> asked = reports();
-  for (const auto& [name, report] : vanished_) asked.push_back(report);
+  for (const auto& [name, report] : vanished_)
+    if (!reports_.contains(report.participant)) asked.push_back(report);  // `update` may have kept it
   for (const NodeReport& report : asked) {
     if (report.final() || report.node == "up") continue;  // `up` has no loop, and says once that it is here
     const double silent = silent_s(report), stalled = value_of(report.figures, kStalledFor);

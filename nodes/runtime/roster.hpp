@@ -43,6 +43,7 @@ struct NodeReport {
   std::map<std::string, std::string> values;  ///< words
   Figures figures;                            ///< numbers
   std::int64_t heard_ns = 0;                  ///< when it came, by the watch of the roster that took it
+  std::set<bus::Guid> partners{};             ///< lockstep: whom the node waits for; known to the node alone, and not published
   /// Nothing more is to come from it.
   bool final() const noexcept { return state == NodeState::kStopped || state == NodeState::kFailed; }
 };

@@ -257,5 +257,45 @@ TEST_F(Attacked, FromTheStartTheRingStillFindsItself) {
   EXPECT_TRUE(sees([&] { return says("rendering", "is refused"); })) << last_report.message;
 }
 
+/// The same ring in lockstep, which waits for its own nodes alone.
+TEST(LockstepAttacked, ByOneWhoCallsHimselfAsItsNodesAndFallsSilentTheRunGoesOn) {
+  const std::string rig = own_rig("l"), scene = pressing_scene();
+  const auto in_lockstep = [&](auto options) {
+    options.rig = rig, options.domain = kDomain, options.scene = scene, options.lockstep = true;
+    options.peers = {"rendering", "coupling"};
+    return options;
+  };
+  auto of_device = in_lockstep(device::Options());
+  of_device.motion = "hit";
+  Node<rendering::Options> rendering(in_lockstep(rendering::Options()), rendering::run);
+  Node<coupling::Options> coupling(in_lockstep(coupling::Options()), coupling::run);
+  Node<device::Options> device(of_device, device::run);
+  bus::Participant listener{{kDomain, "lo", "listener"}};
+  runtime::Roster roster(listener, rig);
+  const auto samples = [&] {
+    roster.update();
+    for (const auto& report : roster.reports())
+      if (report.node == "device" && report.figures.contains("samples")) return report.figures.at("samples").value;
+    return 0.0;
+  };
+  ASSERT_TRUE(wait_until([&] { return samples() > 100.0; }));
+  std::uint64_t session = 0;
+  for (const auto& report : roster.reports()) session = std::max(session, report.session_id);
+  std::vector<std::unique_ptr<Adversary>> silent;
+  for (const char* name : {"rendering", "coupling"}) {
+    silent.push_back(std::make_unique<Adversary>(kDomain, rig, qos::TimeMode::kLockstep));
+    ASSERT_TRUE(wait_until([&] { return silent.back()->writer<msg::NodeStatus>().matched_count() >= 4; }));
+    silent.back()->claim(name, session);
+  }
+  std::this_thread::sleep_for(std::chrono::seconds(7));
+  const double before = samples();
+  EXPECT_TRUE(wait_until([&] { return samples() > before + 100.0; }, std::chrono::seconds(3)));
+  EXPECT_EQ(device.thread.status(), -1) << device.thread.error();
+  EXPECT_EQ(rendering.thread.status(), -1);
+  EXPECT_EQ(coupling.thread.status(), -1);
+  coupling.thread.end();
+  EXPECT_TRUE(wait_until([&] { return device.thread.status() == 1; })) << "he has covered for the coupling, which is gone";
+}
+
 }  // namespace
 }  // namespace voxtouch::test

@@ -5,6 +5,8 @@
 
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
+#include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/participation.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
@@ -211,6 +213,71 @@ TEST_F(RoleTest, RosterRefusesWhatIsLongerThanAnyNodesOwnAndForgetsWhoHasGone) {
     roster.update([](const runtime::NodeReport& report) { return report.node == "device"; });
     return roster.reports().empty();
   })) << "only a child's last word is kept";
+}
+
+/// A coupling in lockstep with a device and a rendering, which speak as long as the test wants.
+class LockstepPeers : public testing::Test {
+ protected:
+  LockstepPeers() {
+    options.rig = rig, options.lockstep = true, options.peers = {"rendering", "coupling"};
+    session.begin(7);
+    coupling.emplace(own, "coupling", options, [this](runtime::Roster& roster, runtime::NodeReport& report) {
+      session.report_to(report, options, roster, {}, "", true);
+      partners = report.partners.size();
+    });
+  }
+  /// Time passes in which `speaking` give signs of life; until it is over or the coupling has lost a peer.
+  bool loses_a_peer(std::vector<StandIn*> speaking, std::chrono::milliseconds within = std::chrono::seconds(7)) {
+    return wait_until([&] {
+      for (StandIn* node : speaking) node->say(7);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      return coupling->peer_lost();
+    }, within);
+  }
+  bool starts() {
+    return wait_until([&] { return device->say(7), rendering->say(7), partners == 3; });
+  }
+
+  const std::string rig = own_rig("peers");
+  runtime::NodeOptions options;
+  bus::Participant own{{kDomain, "lo", "coupling"}};
+  runtime::Session session;
+  std::atomic<std::size_t> partners{0};
+  std::optional<StandIn> device{std::in_place, kDomain, "device", rig}, rendering{std::in_place, kDomain, "rendering", rig};
+  std::optional<runtime::Housekeeping> coupling;
+};
+
+TEST_F(LockstepPeers, AreNotTheStrangersThatCallThemselvesLikeThem) {
+  ASSERT_TRUE(starts());
+  StandIn silent(kDomain, "rendering", rig), of_own_name(kDomain, "coupling", rig);
+  std::optional<StandIn> passing(std::in_place, kDomain, "device", rig);
+  silent.say(7), of_own_name.say(7), passing->say(7);
+  runtime::Roster roster(own, rig);
+  EXPECT_TRUE(wait_until([&] {
+    device->say(7), rendering->say(7);
+    roster.update();
+    for (const auto& report : roster.reports())
+      if (report.participant == own.guid() && report.message.find("rendering hangs") != std::string::npos) return true;
+    return false;
+  })) << "who it is is said";
+  passing.reset();  // without a last word
+  EXPECT_FALSE(loses_a_peer({&*device, &*rendering})) << "strangers ended the run";
+  EXPECT_TRUE(loses_a_peer({&*device, &silent})) << "the stranger has covered for the real one";
+}
+
+TEST_F(LockstepPeers, AreMissedWhereAStrangerHasTheirNameWhenTheyGo) {
+  ASSERT_TRUE(starts());
+  StandIn stranger(kDomain, "device", rig);
+  stranger.say(7);
+  device.reset();  // without a last word
+  EXPECT_TRUE(loses_a_peer({&*rendering, &stranger}));
+}
+
+TEST_F(LockstepPeers, AreNotMissedAfterTheirLastWord) {
+  ASSERT_TRUE(starts());
+  device->say(7, NodeState::kStopped);
+  device.reset();
+  EXPECT_FALSE(loses_a_peer({&*rendering}));
 }
 
 }  // namespace
