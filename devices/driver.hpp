@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/types/device_description.hpp"
 #include "core/types/geometry.hpp"
 
 namespace voxtouch {
@@ -38,32 +39,6 @@ struct DeviceSample {
   Twist twist;                ///< D axes; filtered by the device, so it lags the pose
   std::uint32_t buttons = 0;  ///< bit 0 = first button
   bool pose_valid = true;     ///< false: the device marked the sample as not to be trusted
-};
-
-/// What the device is: the numbers that guard, coupling and people need. "No limit" is infinity.
-struct DeviceDescription {
-  std::string model;                        ///< for example "sim-phantom"
-  double rate_hz = 1000.0;
-  double max_force_n = 0.0;
-  double max_torque_nm = 0.0;               ///< 0: gives no torque
-  double max_force_rate_n_per_s = 0.0;      ///< slew limit that the guard keeps
-  double max_torque_rate_nm_per_s = 0.0;
-  double max_stiffness_n_per_m = 0.0;
-  double mass_min_kg = 0.0, mass_max_kg = 0.0;  ///< apparent mass at the tool over the workspace
-  double damping_ns_per_m = 0.0;
-  double coulomb_friction_n = 0.0;
-  double position_resolution_m = 0.0;
-  double delay_s = 0.0;                     ///< from command to force, beside the sample period
-  double force_bandwidth_hz = 0.0;          ///< first-order lag of the force and the torque; infinity if none
-  double inertia_min_kg_m2 = 0.0, inertia_max_kg_m2 = 0.0;  ///< about any axis at the tool; 0 without torque
-  double damping_nms_per_rad = 0.0;
-  double coulomb_friction_nm = 0.0;
-  double orientation_resolution_rad = 0.0;
-  double max_stiffness_nm_per_rad = 0.0;    ///< 0 without torque
-  double jitter = 0.2;                      ///< the longest sample period is (1 + jitter) / rate_hz
-  std::uint32_t lost_in_a_row = 1;          ///< samples or commands that may be lost one after the other
-  std::string grip = "pen";                 ///< how it is usually held: "pen" or "arm"
-  std::uint32_t input_dof = 6, output_dof = 3;
 };
 
 /// An open device. It exists only while connected; destruction and every error path end in zero force.

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 
-#include "devices/description_check.hpp"
 #include "devices/lwr/counterpart.hpp"
 #include "devices/phantom/counterpart.hpp"
 #include "devices/settings.hpp"
@@ -88,6 +87,7 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
 
 DeviceDescription describe_device(std::string_view name, const DeviceOptions& options) {
   DeviceDescription description = find(name).describe(options);
+  description.simulated = name.starts_with("sim-");
   require_possible(name, description);
   return description;
 }

@@ -39,14 +39,14 @@ HandScales hand_scales(const DeviceSpec& device) noexcept {
   return {device.position_scale * device.force_scale, device.force_scale / device.position_scale};
 }
 
-DesignRequest design_request(const Scene& scene, const DeviceModel& device, Grip grip,
+DesignRequest design_request(const Scene& scene, const DeviceModel& device,
                              const ContactRange& translation_in_world, const ContactRange& rotation_in_world) {
   const DesignAsk ask = scene.design.value_or(DesignAsk{});
   const HandScales scales = hand_scales(scene.device);
   const Caps caps = caps_of(scene);
   DesignRequest request;
   request.device = device;
-  request.hand = operator_range(ask, grip);
+  request.hand = operator_range(ask, device.grip);
   request.contact = at_hand(translation_in_world, caps.n_per_m, scales.translation);
   request.contact_rotation = at_hand(rotation_in_world, caps.nm_per_rad, scales.rotation);
   DesignWishes& wishes = request.wishes;
@@ -73,8 +73,9 @@ CouplingSpec spec_at_hand(const CouplingSpec& in_world, const DeviceSpec& device
   return scaled(in_world, hand_scales(device));
 }
 
-CouplingLimits limits_in_world(const DeviceSpec& device, double max_force_n, double max_torque_nm) noexcept {
-  return {max_force_n / device.force_scale, max_torque_nm * device.position_scale / device.force_scale};
+CouplingLimits limits_in_world(const DeviceSpec& scales, const DeviceModel& device) noexcept {
+  const double max_torque_nm = device.gives_torque ? device.rotation.max_effort : 0.0;
+  return {device.translation.max_effort / scales.force_scale, max_torque_nm * scales.position_scale / scales.force_scale};
 }
 
 }  // namespace voxtouch

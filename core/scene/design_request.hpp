@@ -21,7 +21,7 @@ HandScales hand_scales(const DeviceSpec& device) noexcept;
 /// What the designer is asked for this scene on this device: the scene's `design`, or the defaults of DesignAsk where
 /// the coupling is set by hand (to judge it).
 ///
-///  - `device` as it is, at the hand already; `grip` is how it is held, used unless the scene names a hand.
+///  - `device` as it is, at the hand already; its grip is used unless the scene names a hand.
 ///  - The contact ranges are given in W (contact_range.hpp) and come out at the hand, already under the scene's caps:
 ///    those of the ask, or of the coupling set by hand. Rotation is about the tool's origin; a tool offset between that
 ///    and the hand is not in it.
@@ -30,7 +30,7 @@ HandScales hand_scales(const DeviceSpec& device) noexcept;
 ///    hand. Deeper than that the push does not fall, since the stage holds it (contact_stage.hpp), but it does not grow
 ///    either: an approach that is to be stopped by the wall's stiffness has that much way.
 ///  - The designer may choose caps where the scene gives neither.
-DesignRequest design_request(const Scene& scene, const DeviceModel& device, Grip grip,
+DesignRequest design_request(const Scene& scene, const DeviceModel& device,
                              const ContactRange& translation_in_world, const ContactRange& rotation_in_world);
 
 /// What runs in W for a design: its caps, injected damping and spring-damper brought there, and never above the scene's
@@ -42,6 +42,6 @@ CouplingSpec spec_at_hand(const CouplingSpec& in_world, const DeviceSpec& device
 
 /// The device's largest force [N] and torque [Nm] in the units of W: / f and * s / f. Infinity stays infinity
 /// and 0 stays 0.
-CouplingLimits limits_in_world(const DeviceSpec& device, double max_force_n, double max_torque_nm) noexcept;
+CouplingLimits limits_in_world(const DeviceSpec& scales, const DeviceModel& device) noexcept;
 
 }  // namespace voxtouch

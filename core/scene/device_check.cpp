@@ -84,8 +84,7 @@ DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double s
                                      stiffness_bound_n_per_m, felt, device.max_stiffness_n_per_m,
                                      stiffest.empty() ? demand_of(scene).stiffest : std::string(stiffest),
                                      felt / device.max_stiffness_n_per_m));
-  const CouplingLimits limits =
-      limits_in_world(scene.device, device.max_force_n, std::numeric_limits<double>::infinity());
+  const CouplingLimits limits{device.max_force_n / scene.device.force_scale, std::numeric_limits<double>::infinity()};
   for (const CouplingIssue& issue : validate(scene.coupling, limits, device.sample_time_s))
     (issue.refuse ? out.errors : out.warnings).push_back("Coupling: " + issue.sentence);
   return out;

@@ -84,7 +84,7 @@ LoopTiming read_timing(const SceneSource& source, const MapReader& map, const De
 
 }  // namespace
 
-DeviceFile parse_device_file(const std::string& text, const std::filesystem::path& file) {
+DeviceModel parse_device_file(const std::string& text, const std::filesystem::path& file) {
   const SceneSource source{file, {}};
   const YamlNode root = parse_yaml(text, file, "device file");
   if (root.kind == YamlNode::Kind::kNull)
@@ -94,8 +94,7 @@ DeviceFile parse_device_file(const std::string& text, const std::filesystem::pat
                        "damping_ns_per_m", "coulomb_friction_n", "position_resolution_m", "delay_s",
                        "force_bandwidth_hz", "rotation", "jitter", "lost_in_a_row", "grip"});
   const DeviceReader read(source, map);
-  DeviceFile out;
-  DeviceModel& model = out.model;
+  DeviceModel model;
   model.name = read_text(source, map.require("device"), "device");
   model.timing = read_timing(source, map, read);
   model.translation = read_translation(read);
@@ -109,11 +108,11 @@ DeviceFile parse_device_file(const std::string& text, const std::filesystem::pat
   }
   map.optional("force_bandwidth_hz", model.translation.effort_bandwidth_hz, read_positive);
   model.rotation.effort_bandwidth_hz = model.translation.effort_bandwidth_hz;
-  out.grip = read_choice(source, map.require("grip"), "grip", {"pen", "arm"}) == 0 ? Grip::kPen : Grip::kArm;
-  return out;
+  model.grip = read_choice(source, map.require("grip"), "grip", {"pen", "arm"}) == 0 ? Grip::kPen : Grip::kArm;
+  return model;
 }
 
-DeviceFile load_device_file(const std::filesystem::path& file) {
+DeviceModel load_device_file(const std::filesystem::path& file) {
   return parse_device_file(read_text_file(file, "device"), file);
 }
 

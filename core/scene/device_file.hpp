@@ -25,20 +25,14 @@
 #include <string>
 
 #include "core/coupling/design/loop_parts.hpp"
-#include "core/scene/hand_ranges.hpp"
 #include "core/scene/scene_error.hpp"
 
 namespace voxtouch {
 
-struct DeviceFile {
-  DeviceModel model;
-  Grip grip = Grip::kPen;
-};
-
 /// Reads `file`. Throws SceneError.
-DeviceFile load_device_file(const std::filesystem::path& file);
+DeviceModel load_device_file(const std::filesystem::path& file);
 
 /// The same for text that stands in memory; `file` names it in messages.
-DeviceFile parse_device_file(const std::string& text, const std::filesystem::path& file);
+DeviceModel parse_device_file(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace voxtouch

@@ -23,12 +23,12 @@ std::string refusal_of(const Design& design, const Scene& scene, const DeviceMod
 
 }  // namespace
 
-FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip grip, const MetStiffness& met,
+FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, const MetStiffness& met,
                             const DeviceDemand& demand) {
   FittedCoupling out;
   out.designed = scene.design.has_value();
   try {
-    const DesignRequest request = design_request(scene, device, grip, met.translation, met.rotation);
+    const DesignRequest request = design_request(scene, device, met.translation, met.rotation);
     if (out.designed) {
       out.design = design_coupling(request);
       out.spec = spec_in_world(out.design, scene);
@@ -48,9 +48,9 @@ FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip 
   return out;
 }
 
-FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip grip, const ContactRange& translation,
+FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, const ContactRange& translation,
                             const ContactRange& rotation) {
-  return fit_coupling(scene, device, grip, {translation, rotation}, demand_of(scene));
+  return fit_coupling(scene, device, {translation, rotation}, demand_of(scene));
 }
 
 std::string judge_again(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, double one_point_n_per_m,

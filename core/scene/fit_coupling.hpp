@@ -21,10 +21,10 @@ struct FittedCoupling {
 /// `met`: what the scene's contact and effects can show, in W; `demand`: what they ask beside it. The same arguments give the same
 /// bits. Some milliseconds to some tenths of a second; not for the loop. Numbers that nothing can be designed for (a device without
 /// mass, say) come back as a refusal.
-FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip grip, const MetStiffness& met,
+FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, const MetStiffness& met,
                             const DeviceDemand& demand);
 /// The same with the scene's effects as it has them.
-FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, Grip grip, const ContactRange& translation,
+FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, const ContactRange& translation,
                             const ContactRange& rotation);
 
 /// The refusal of a coupling that has been fitted already, for other effects or a device that has changed: the same code, without

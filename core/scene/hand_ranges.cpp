@@ -14,14 +14,6 @@ HandRange range(double mass_min, double mass_max, double damping_min, double dam
 
 }  // namespace
 
-std::string_view name_of(Grip grip) noexcept { return grip == Grip::kPen ? "pen" : "arm"; }
-
-bool parse_grip(std::string_view word, Grip& grip) noexcept {
-  for (const Grip known : {Grip::kPen, Grip::kArm})
-    if (word == name_of(known)) return grip = known, true;
-  return false;
-}
-
 OperatorRange hand_range(Grip grip) noexcept {
   if (grip == Grip::kPen) return {range(0.02, 0.2, 0.5, 8.0, 20.0, 800.0), range(2e-5, 2e-4, 2e-3, 0.03, 0.1, 2.0)};
   return {range(0.3, 2.0, 3.0, 30.0, 50.0, 600.0), range(2e-3, 2e-2, 0.05, 0.6, 1.0, 15.0)};

@@ -1,17 +1,8 @@
 #pragma once
 /// What a hand may be, by the way it holds a device.
-#include <cstdint>
-#include <string_view>
-
 #include "core/coupling/design/loop_parts.hpp"
 
 namespace voxtouch {
-
-/// How a device is usually held: between the fingers like a pen, or with hand and arm behind it.
-enum class Grip : std::uint8_t { kPen, kArm };
-/// "pen", "arm"; and back (false where the word is unknown, `grip` untouched).
-std::string_view name_of(Grip grip) noexcept;
-bool parse_grip(std::string_view word, Grip& grip) noexcept;
 
 /// The range of hands for a grip; letting go is one of its cases. Apparent at the device, so that they add to its own
 /// mass, damping and stiffness.

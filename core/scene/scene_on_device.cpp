@@ -18,14 +18,14 @@ bool no_more_than(const DeviceDemand& what, const DeviceDemand& shown) {
 
 }  // namespace
 
-void SceneOnDevice::device_is(const DeviceModel& device, Grip grip) {
-  device_ = device, grip_ = grip;
+void SceneOnDevice::device_is(const DeviceModel& device) {
+  device_ = device;
   running_.reset(), next_.reset();
 }
 
 const FittedCoupling& SceneOnDevice::fitted_for(const Scene& scene, const MetStiffness& met) {
   if (running_ && running_->met == met) return running_->coupling;
-  if (!next_ || next_->met != met) next_ = Fit{met, fit_coupling(scene, *device_, grip_, met, {})};
+  if (!next_ || next_->met != met) next_ = Fit{met, fit_coupling(scene, *device_, met, {})};
   return next_->coupling;
 }
 

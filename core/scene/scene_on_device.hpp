@@ -13,7 +13,7 @@ namespace voxtouch {
 class SceneOnDevice {
  public:
   /// A device has described itself, perhaps anew. `runs` follows: nothing is judged by the fit for another device.
-  void device_is(const DeviceModel& device, Grip grip);
+  void device_is(const DeviceModel& device);
   /// What is rendered from now on: `met` in W, and `shown`, what it demands wherever its effects are on their way.
   void runs(const Scene& scene, const MetStiffness& met, const DeviceDemand& shown);
   /// Why what runs must not be felt; empty: it may, or no device is known.
@@ -37,7 +37,6 @@ class SceneOnDevice {
     FittedCoupling coupling;
   };
   std::optional<DeviceModel> device_;
-  Grip grip_ = Grip::kPen;
   std::optional<Fit> running_, next_;
   DeviceDemand shown_;
   std::string refusal_;

@@ -35,13 +35,13 @@ std::string hand_text(const OperatorRange& hand, const std::string& name) {
 }
 
 /// The request without a scene: whatever the device can show, or the stiffness given, in one contact that may be capped.
-DesignRequest request_for_device(const DesignOptions& o, const DeviceFile& device) {
+DesignRequest request_for_device(const DesignOptions& o, const DeviceModel& device) {
   Scene scene;
   scene.voxel_size_m = 0.0;
   scene.design.emplace();
-  const double most = o.stiffness_n_per_m > 0 ? o.stiffness_n_per_m : device.model.translation.max_stiffness;
-  const double most_rotation = device.model.gives_torque ? device.model.rotation.max_stiffness : 0.0;
-  return design_request(scene, device.model, device.grip, {0.01 * most, most}, {0.01 * most_rotation, most_rotation});
+  const double most = o.stiffness_n_per_m > 0 ? o.stiffness_n_per_m : device.translation.max_stiffness;
+  const double most_rotation = device.gives_torque ? device.rotation.max_stiffness : 0.0;
+  return design_request(scene, device, {0.01 * most, most}, {0.01 * most_rotation, most_rotation});
 }
 
 struct Asked {
@@ -50,7 +50,7 @@ struct Asked {
 };
 
 /// What the command line says goes over what the scene says.
-void apply(const DesignOptions& o, const DeviceFile& device, DesignRequest& request, std::string& hand) {
+void apply(const DesignOptions& o, const DeviceModel& device, DesignRequest& request, std::string& hand) {
   if (!o.hand.empty()) {
     DesignAsk ask;
     Grip grip = device.grip;
@@ -65,7 +65,7 @@ void apply(const DesignOptions& o, const DeviceFile& device, DesignRequest& requ
   if (o.no_damping) request.wishes.allow_injected_damping = false;
 }
 
-Asked ask(const DesignOptions& o, const DeviceFile& device) {
+Asked ask(const DesignOptions& o, const DeviceModel& device) {
   Asked out;
   std::string hand = std::string(name_of(device.grip));
   if (o.scene.empty()) {
@@ -77,7 +77,7 @@ Asked ask(const DesignOptions& o, const DeviceFile& device) {
     tell("building {} to count its points\n", scene.name);
     const auto built = build_scene(scene, serial_for(), {}, tell_each_second("design"));
     const Plan& plan = built->plan();
-    out.request = design_request(scene, device.model, device.grip, plan.contact_n_per_m, plan.contact_nm_per_rad);
+    out.request = design_request(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
     if (scene.design) hand = std::string(name_of(scene.design->hand));
     out.contact =
         fmt::format("scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} points, at the hand", scene.name,
@@ -95,14 +95,14 @@ int design(const DesignOptions& o) {
   std::unique_ptr<OutputFile> csv;
   if (!o.plot.empty()) check_picture(o.plot);
   if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
-  const DeviceFile device = find_device(o.device);
+  const DeviceModel device = find_device(o.device);
   const Asked asked = ask(o, device);
   DesignReport report;
   report.request = asked.request;
   report.design = design_coupling(asked.request);
   report.paper = judge_paper_recipe(asked.request);
   report.region = region_round(asked.request, report.design);
-  report.device = device.model.name;
+  report.device = device.name;
   report.hand = asked.hand;
   report.contact = asked.contact;
   const std::string json = to_json(report).dump(2);

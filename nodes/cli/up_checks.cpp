@@ -13,7 +13,6 @@
 #include "devices/registry.hpp"
 #include "nodes/cli/run_figures.hpp"
 #include "nodes/device/device_node.hpp"
-#include "nodes/runtime/device_model.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -43,7 +42,7 @@ std::vector<std::string> check_before_start(const Scene& scene, const Plans& pla
   // One point alone is the least that any contact shows; how many push together is seen only while the scene runs. A coupling
   // that is designed caps both, and is judged when it has been: by the coupling node, or by voxtouch plan --device.
   const std::string why = why_not_felt(scene, scene.design ? nullptr : &scene.coupling,
-                                       runtime::model_of(description, plans.device.starts_with("sim-")), 0.0,
+                                       model_of(description), 0.0,
                                        demand_of(scene));
   if (!why.empty())
     throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));

@@ -10,7 +10,6 @@
 #include "core/scene/design_request.hpp"
 #include "core/scene/device_mapping.hpp"
 #include "core/scene/scene_file.hpp"
-#include "devices/description_check.hpp"
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
@@ -19,6 +18,7 @@
 #include "nodes/coupling/ring_messages.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/role_binding.hpp"
@@ -100,9 +100,10 @@ class CouplingNode {
   }
 
   /// Numbers that cannot be a device's change nothing: what runs goes on as it was designed.
-  void take(const msg::DeviceDescription& description) {
-    std::string wrong = what_is_wrong(description);
-    if (wrong.empty()) fitting_.take(description);
+  void take(const msg::DeviceDescription& message) {
+    const DeviceDescription device = runtime::from_msg(message);
+    std::string wrong = what_is_wrong(device);
+    if (wrong.empty()) fitting_.take(device, message.session_id);
     const std::lock_guard lock(running_mutex_);
     wrong_ = std::move(wrong);
   }
@@ -146,10 +147,7 @@ class CouplingNode {
     if (!fitted.refusal.empty() || (coupling_ && !coupling_->redesign(fitted.spec))) {
       coupling_.reset();
     } else if (!coupling_) {
-      const AxisModel& translation = fitting_.device().translation;
-      const double max_torque_nm = fitting_.device().gives_torque ? fitting_.device().rotation.max_effort : 0.0;
-      coupling_.emplace(fitted.spec, limits_in_world(scene_.device, translation.max_effort, max_torque_nm), period_s_,
-                        kDefaultRampS, speed_limits());
+      coupling_.emplace(fitted.spec, limits_in_world(scene_.device, fitting_.device()), period_s_, kDefaultRampS, speed_limits());
     }
     const std::lock_guard lock(running_mutex_);
     running_ = {std::move(fitted), fitting_.device().translation.max_stiffness, running_.made + 1};

@@ -4,8 +4,6 @@
 
 #include <chrono>
 
-#include "nodes/runtime/device_model.hpp"
-
 namespace voxtouch::coupling {
 
 namespace {
@@ -22,10 +20,9 @@ DeviceDemand demand_in(const msg::ScenePlan& plan) {
 
 }  // namespace
 
-void Fitting::take(const msg::DeviceDescription& device) {
-  device_ = runtime::model_of(device, device.simulated);
-  parse_grip(device.grip, grip_);
-  device_session_ = device.session_id;
+void Fitting::take(const DeviceDescription& device, std::uint64_t session) {
+  device_ = model_of(device);
+  device_session_ = session;
   changed_ = outdated_ = true;
 }
 
@@ -45,7 +42,7 @@ std::optional<std::uint64_t> Fitting::session() const noexcept {
 
 FittedCoupling Fitting::fit() {
   outdated_ = false;
-  return fit_coupling(scene_, device_, grip_, met_, demand_);
+  return fit_coupling(scene_, device_, met_, demand_);
 }
 
 void Fitting::begin() {
@@ -56,10 +53,10 @@ void Fitting::begin() {
   }
   again_ = false;
   under_way_ =
-      std::async(std::launch::async, [this, device = device_, grip = grip_, met = met_, demand = demand_] {
+      std::async(std::launch::async, [this, device = device_, met = met_, demand = demand_] {
         const sched_param ordinary{};
         sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the loop, which starts this thread, may run under SCHED_FIFO
-        return fit_coupling(scene_, device, grip, met, demand);
+        return fit_coupling(scene_, device, met, demand);
       });
 }
 

@@ -15,7 +15,7 @@ class Fitting {
  public:
   explicit Fitting(const Scene& scene) : scene_(scene) {}
 
-  void take(const msg::DeviceDescription& device);
+  void take(const DeviceDescription& device, std::uint64_t session);
   void take(const msg::ScenePlan& plan);
   /// The device's session, once device and rendering both have spoken of it.
   std::optional<std::uint64_t> session() const noexcept;
@@ -38,7 +38,6 @@ class Fitting {
  private:
   const Scene& scene_;
   DeviceModel device_;
-  Grip grip_ = Grip::kPen;
   MetStiffness met_;  ///< in W
   DeviceDemand demand_;
   std::optional<std::uint64_t> device_session_, plan_session_;

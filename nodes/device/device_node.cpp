@@ -19,6 +19,7 @@
 #include "nodes/device/last_second.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/role_binding.hpp"
@@ -45,40 +46,6 @@ std::uint64_t make_session_id(const Options& options, const Scene& scene, std::u
                                   options.seed, anew))
     hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
   return hash;
-}
-
-void publish_description(bus::Writer<msg::DeviceDescription>& writer, const DeviceDescription& d, std::uint64_t session,
-                         bool simulated, bool lockstep) {
-  msg::DeviceDescription m{};
-  m.session_id = session;
-  m.model = runtime::lend(d.model);
-  m.rate_hz = d.rate_hz;
-  m.max_force_n = d.max_force_n;
-  m.max_torque_nm = d.max_torque_nm;
-  m.max_force_rate_n_per_s = d.max_force_rate_n_per_s;
-  m.max_torque_rate_nm_per_s = d.max_torque_rate_nm_per_s;
-  m.max_stiffness_n_per_m = d.max_stiffness_n_per_m;
-  m.mass_min_kg = d.mass_min_kg;
-  m.mass_max_kg = d.mass_max_kg;
-  m.damping_ns_per_m = d.damping_ns_per_m;
-  m.coulomb_friction_n = d.coulomb_friction_n;
-  m.position_resolution_m = d.position_resolution_m;
-  m.delay_s = d.delay_s;
-  m.force_bandwidth_hz = d.force_bandwidth_hz;
-  m.inertia_min_kg_m2 = d.inertia_min_kg_m2;
-  m.inertia_max_kg_m2 = d.inertia_max_kg_m2;
-  m.damping_nms_per_rad = d.damping_nms_per_rad;
-  m.coulomb_friction_nm = d.coulomb_friction_nm;
-  m.orientation_resolution_rad = d.orientation_resolution_rad;
-  m.max_stiffness_nm_per_rad = d.max_stiffness_nm_per_rad;
-  m.jitter = d.jitter;
-  m.lost_in_a_row = d.lost_in_a_row;
-  m.grip = runtime::lend(d.grip);
-  m.input_dof = d.input_dof;
-  m.output_dof = d.output_dof;
-  m.simulated = simulated;
-  m.lockstep = lockstep;
-  writer.write(m);
 }
 
 /// What the device says of its trouble, or else the kind of it.
@@ -186,7 +153,11 @@ class DeviceNode {
   }
 
   void describe() {
-    publish_description(descriptions_, driver_->description(), session_, driver_->simulated(), options_.lockstep);
+    DeviceDescription device = driver_->description();
+    device.simulated = driver_->simulated();
+    msg::DeviceDescription message = runtime::to_msg(device);
+    message.session_id = session_, message.lockstep = options_.lockstep;
+    descriptions_.write(message);
   }
 
   /// To whoever listens, such as `up`: a node that cannot start says why in its status too.

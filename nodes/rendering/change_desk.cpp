@@ -96,7 +96,7 @@ void ChangeDesk::look_after_device() {
     plan_from_sample_ = 0;
     publish_plan(plans_, scene_, plan_, shown_, largest_shell_gap_m_, session_, 0);
   }
-  on_device_.device_is(device->model, device->grip);
+  on_device_.device_is(device->model);
   judge_running();
   judge_outstanding();
   line_.found_good_for(session_);

@@ -27,7 +27,6 @@ namespace voxtouch::rendering {
 struct DescribedDevice {
   std::uint64_t session = 0;
   DeviceModel model;
-  Grip grip = Grip::kPen;
 };
 
 /// A thread of ordinary priority that reads `rendering/change`, judges by its own copy of what the effects are set to and by the

@@ -8,7 +8,6 @@
 #include "core/scene/device_mapping.hpp"
 #include "core/scene/live_scene.hpp"
 #include "core/scene/scene_file.hpp"
-#include "devices/description_check.hpp"
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
@@ -17,7 +16,7 @@
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
-#include "nodes/runtime/device_model.hpp"
+#include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/role_binding.hpp"
@@ -79,12 +78,10 @@ class RenderingNode {
   bool over() const noexcept { return stop_->load(kRelaxed) || housekeeping_->peer_lost(); }
 
   /// Numbers that cannot be a device's change nothing: what runs goes on, and a session does not begin on them.
-  void listen(const msg::DeviceDescription& description) {
-    std::string wrong = what_is_wrong(description);
-    if (wrong.empty()) {
-      described_ = DescribedDevice{description.session_id, runtime::model_of(description, description.simulated)};
-      parse_grip(description.grip, described_->grip);
-    }
+  void listen(const msg::DeviceDescription& message) {
+    const DeviceDescription device = runtime::from_msg(message);
+    std::string wrong = what_is_wrong(device);
+    if (wrong.empty()) described_ = DescribedDevice{message.session_id, model_of(device)};
     const std::lock_guard lock(wrong_mutex_);
     wrong_ = std::move(wrong);
   }

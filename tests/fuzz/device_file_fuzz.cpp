@@ -24,15 +24,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text(reinterpret_cast<const char*>(data), size);
   const std::filesystem::path file = "/fuzz/device.yaml";
   try {
-    const DeviceFile device = parse_device_file(text, file);
-    check(device.model.translation);
-    if (device.model.gives_torque) check(device.model.rotation);
-    const LoopTiming& timing = device.model.timing;
+    const DeviceModel device = parse_device_file(text, file);
+    check(device.translation);
+    if (device.gives_torque) check(device.rotation);
+    const LoopTiming& timing = device.timing;
     FUZZ_REQUIRE(timing.period_s >= 1e-5 && timing.period_s <= 1.0 && timing.delay_s >= 0.0 && timing.delay_s <= 1.0);
     FUZZ_REQUIRE(timing.jitter >= 0.0 && timing.jitter <= 10.0 && timing.lost_in_a_row >= 0);
     Scene scene;
     scene.voxel_size_m = 0.002;
-    const DesignRequest request = design_request(scene, device.model, device.grip, {10.0, 1000.0}, {0.1, 1.0});
+    const DesignRequest request = design_request(scene, device, {10.0, 1000.0}, {0.1, 1.0});
     try {
       refuse_impossible(request);
     } catch (const std::invalid_argument&) {  // a sentence, too

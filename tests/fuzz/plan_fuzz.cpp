@@ -23,8 +23,7 @@ void check(const Scene& scene, coupling::Fitting& fitting) {
   const FittedCoupling fitted = fitting.fit();
   if (!fitted.refusal.empty()) return;
   const DeviceModel& device = fitting.device();
-  const CouplingLimits limits = limits_in_world(scene.device, device.translation.max_effort,
-                                                device.gives_torque ? device.rotation.max_effort : 0.0);
+  const CouplingLimits limits = limits_in_world(scene.device, device);
   RunningCoupling running(fitted.spec, limits, device.timing.period_s);
   CouplingInput input;
   input.contact.force = Vec3(0.0, 0.0, 1.0);
@@ -48,7 +47,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto with_header = [](std::string_view body) { return std::string("\0\1\0\0", 4).append(body); };
   const std::string_view description = in.take(in.take<std::uint16_t>());
   const bool both = descriptions.through(with_header(description), [&](const msg::DeviceDescription& d) {
-    fitting.take(d);
+    fitting.take(runtime::from_msg(d), d.session_id);
   }) && plans.through(with_header(in.rest()), [&](const msg::ScenePlan& p) { fitting.take(p); });
   if (both) check(scene, fitting);
   return 0;

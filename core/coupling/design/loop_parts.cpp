@@ -97,4 +97,40 @@ std::vector<std::string> check(const HandRange& hand) {
   return out;
 }
 
+std::string_view name_of(Grip grip) noexcept { return grip == Grip::kPen ? "pen" : "arm"; }
+
+bool parse_grip(std::string_view word, Grip& grip) noexcept {
+  for (const Grip known : {Grip::kPen, Grip::kArm})
+    if (word == name_of(known)) return grip = known, true;
+  return false;
+}
+
+DeviceModel model_of(const DeviceDescription& d) {
+  DeviceModel m;
+  m.name = d.model;
+  m.translation = {.inertia_min = d.mass_min_kg,
+                   .inertia_max = d.mass_max_kg,
+                   .damping = d.damping_ns_per_m,
+                   .coulomb_friction = d.coulomb_friction_n,
+                   .resolution = d.position_resolution_m,
+                   .max_effort = d.max_force_n,
+                   .max_stiffness = d.max_stiffness_n_per_m,
+                   .effort_bandwidth_hz = d.force_bandwidth_hz};
+  m.gives_torque = d.max_torque_nm > 0.0;
+  m.rotation = {.inertia_min = d.inertia_min_kg_m2,
+                .inertia_max = d.inertia_max_kg_m2,
+                .damping = d.damping_nms_per_rad,
+                .coulomb_friction = d.coulomb_friction_nm,
+                .resolution = d.orientation_resolution_rad,
+                .max_effort = d.max_torque_nm,
+                .max_stiffness = d.max_stiffness_nm_per_rad,
+                .effort_bandwidth_hz = d.force_bandwidth_hz};
+  m.timing.period_s = 1.0 / d.rate_hz;
+  m.timing.delay_s = d.delay_s + (d.simulated ? 0.0 : m.timing.period_s);
+  m.timing.jitter = d.jitter;
+  m.timing.lost_in_a_row = static_cast<int>(d.lost_in_a_row);
+  parse_grip(d.grip, m.grip);
+  return m;
+}
+
 }  // namespace voxtouch

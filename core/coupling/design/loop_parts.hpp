@@ -4,9 +4,13 @@
 /// Translation and rotation are the same arithmetic in other units, so one struct serves both. "Effort" is a force [N] or a
 /// torque [Nm]; inertia [kg] or [kg m^2]; damping [Ns/m] or [Nms/rad]; stiffness [N/m] or [Nm/rad]; resolution [m] or [rad].
 /// Everything is at the hand, in the device's units: scales of the scene are already in it.
+#include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "core/types/device_description.hpp"
 
 namespace voxtouch {
 
@@ -29,12 +33,23 @@ struct LoopTiming {
   int lost_in_a_row = 1;      ///< samples that may be lost one after the other; their input is held
 };
 
+/// How a device is usually held: between the fingers like a pen, or with hand and arm behind it.
+enum class Grip : std::uint8_t { kPen, kArm };
+/// "pen", "arm"; and back (false where the word is unknown, `grip` untouched).
+std::string_view name_of(Grip grip) noexcept;
+bool parse_grip(std::string_view word, Grip& grip) noexcept;
+
 struct DeviceModel {
   std::string name;
   AxisModel translation, rotation;
   bool gives_torque = false;  ///< false: `rotation` is not used
   LoopTiming timing;
+  Grip grip = Grip::kPen;
 };
+
+/// The device as the designer reads it. A real device's command leaves a period after its sample at the latest; a simulated one applies it
+/// within the sample's own period.
+DeviceModel model_of(const DeviceDescription& device);
 
 /// What may hold the device. The ranges are used only where `any_passive` is false.
 struct HandRange {

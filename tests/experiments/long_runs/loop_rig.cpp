@@ -12,7 +12,6 @@
 #include "core/scene/design_request.hpp"
 #include "core/scene/fit_coupling.hpp"
 #include "core/scene/scene_file.hpp"
-#include "nodes/runtime/device_model.hpp"
 
 namespace voxtouch::long_runs {
 namespace {
@@ -27,10 +26,9 @@ std::unique_ptr<BuiltScene> build(Scene scene, const RigAsk& ask) {
 }
 
 CouplingSpec fit(const Scene& scene, const DeviceDescription& description, const Plan& plan) {
-  Grip grip = Grip::kPen;
-  parse_grip(description.grip, grip);
-  FittedCoupling fitted =
-      fit_coupling(scene, runtime::model_of(description, true), grip, plan.contact_n_per_m, plan.contact_nm_per_rad);
+  DeviceDescription simulated = description;
+  simulated.simulated = true;
+  FittedCoupling fitted = fit_coupling(scene, model_of(simulated), plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fitted.refusal.empty()) throw std::runtime_error(fitted.refusal);
   return fitted.spec;
 }
@@ -64,7 +62,7 @@ LoopRig::LoopRig(const RigAsk& ask)
   const DeviceDescription& d = ask.device.description;
   std::unique_ptr<BuiltScene> built = build(scene_, ask);
   spec_ = fit(scene_, d, built->plan());
-  limits_ = limits_in_world(scene_.device, d.max_force_n, d.max_torque_nm);
+  limits_ = limits_in_world(scene_.device, model_of(d));
   front_ = std::make_unique<RigFront>(scene_, std::move(built), spec_, limits_, 1.0 / d.rate_hz);
   const Motion in_world = ask.path ? *ask.path : scene_.motions.at(ask.motion);
   device_ = std::make_unique<SimulatedDevice>(ask.device, ask.hand.value_or(ask.device.hand),

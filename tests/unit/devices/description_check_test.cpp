@@ -1,4 +1,4 @@
-#include "devices/description_check.hpp"
+#include "core/types/device_description.hpp"
 
 #include <gtest/gtest.h>
 

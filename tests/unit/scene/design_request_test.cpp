@@ -29,6 +29,17 @@ DeviceModel device() {
   return d;
 }
 
+DeviceModel giving(double force_n, double torque_nm) {
+  DeviceModel d;
+  d.translation.max_effort = force_n, d.rotation.max_effort = torque_nm, d.gives_torque = torque_nm > 0.0;
+  return d;
+}
+DeviceModel arm() {
+  DeviceModel d = device();
+  d.grip = Grip::kArm;
+  return d;
+}
+
 /// What the hand feels of a spring in W, through the mapping that the ring uses.
 TEST(HandScales, AreWhatTheDeviceMappingDoes) {
   DeviceSpec spec;
@@ -50,7 +61,7 @@ TEST(HandScales, AreWhatTheDeviceMappingDoes) {
 }
 
 TEST(DesignRequest, IsAllAtTheHand) {
-  const DesignRequest r = design_request(scaled_scene(), device(), Grip::kArm, {10, 4000}, {0.01, 8});
+  const DesignRequest r = design_request(scaled_scene(), arm(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.one_point, 20);
   EXPECT_DOUBLE_EQ(r.contact.all_points, 8000);
   EXPECT_DOUBLE_EQ(r.contact_rotation.one_point, 0.00125);
@@ -74,7 +85,7 @@ TEST(DesignRequest, CarriesEveryWishOfTheScene) {
   Scene s = scaled_scene();
   s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5, s.design->inject_damping = false;
   s.design->hand = HandAsk::kAnyPassive;
-  const DesignRequest r = design_request(s, device(), Grip::kPen, {10, 4000}, {0.01, 8});
+  const DesignRequest r = design_request(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_EQ(r.wishes.kind, "direct");
   EXPECT_EQ(r.wishes.cutoff_hz, 300);
   EXPECT_EQ(r.wishes.max_cutoff_hz, 300) << "a wish is not above what is allowed";
@@ -86,13 +97,13 @@ TEST(DesignRequest, CarriesEveryWishOfTheScene) {
 TEST(DesignRequest, PutsTheScenesCapsInAndThenLeavesTheDesignerNone) {
   Scene s = scaled_scene();
   s.design->stiffness_cap_n_per_m = 500;
-  DesignRequest r = design_request(s, device(), Grip::kPen, {10, 4000}, {0.01, 8});
+  DesignRequest r = design_request(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.one_point, 20);
   EXPECT_DOUBLE_EQ(r.contact.all_points, 1000) << "500 N/m in W";
   EXPECT_DOUBLE_EQ(r.contact_rotation.all_points, 1);
   EXPECT_FALSE(r.wishes.free_cap);
   s.design->stiffness_cap_n_per_m = 5, s.design->stiffness_cap_nm_per_rad = 4;
-  r = design_request(s, device(), Grip::kPen, {10, 4000}, {0.01, 8});
+  r = design_request(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.one_point, 10) << "a cap below one point's stiffness caps that too";
   EXPECT_DOUBLE_EQ(r.contact.all_points, 10);
   EXPECT_DOUBLE_EQ(r.contact_rotation.all_points, 0.5);
@@ -103,7 +114,7 @@ TEST(DesignRequest, OfACouplingSetByHandIsForJudgingIt) {
   Scene s = scaled_scene();
   s.design.reset();
   s.coupling.stiffness_cap_n_per_m = 500;
-  const DesignRequest r = design_request(s, device(), Grip::kPen, {10, 4000}, {0.01, 8});
+  const DesignRequest r = design_request(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.all_points, 1000);
   EXPECT_FALSE(r.wishes.free_cap);
   const CouplingSpec hand = spec_at_hand(s.coupling, s.device);
@@ -148,10 +159,10 @@ TEST(SpecInWorld, NeverLosesTheScenesOwnCaps) {
 }
 
 TEST(LimitsInWorld, AreTheDevicesThroughTheScales) {
-  const CouplingLimits limits = limits_in_world(scaled_scene().device, 20, 0.5);
+  const CouplingLimits limits = limits_in_world(scaled_scene().device, giving(20, 0.5));
   EXPECT_DOUBLE_EQ(limits.max_force_n, 40);
   EXPECT_DOUBLE_EQ(limits.max_torque_nm, 4);
-  const CouplingLimits none = limits_in_world(scaled_scene().device, kInfinity, 0);
+  const CouplingLimits none = limits_in_world(scaled_scene().device, giving(kInfinity, 0));
   EXPECT_TRUE(std::isinf(none.max_force_n));
   EXPECT_EQ(none.max_torque_nm, 0);
   // At the limit in W the device gets just its own.

@@ -35,8 +35,8 @@ std::string changed(const std::string& from, const std::string& to) {
 }
 
 TEST(DeviceFile, EveryKeyArrivesWhereItBelongs) {
-  const DeviceFile file = parse_device_file(kArm, "arm.yaml");
-  const DeviceModel& m = file.model;
+  const DeviceModel file = parse_device_file(kArm, "arm.yaml");
+  const DeviceModel& m = file;
   EXPECT_EQ(m.name, "third");
   EXPECT_EQ(file.grip, Grip::kArm);
   EXPECT_EQ(m.timing.period_s, 0.0005);
@@ -64,22 +64,22 @@ TEST(DeviceFile, EveryKeyArrivesWhereItBelongs) {
 
 TEST(DeviceFile, MayLeaveTheBandwidthOut) {
   EXPECT_TRUE(std::isinf(
-      parse_device_file(changed("force_bandwidth_hz: 53\n", ""), "a.yaml").model.translation.effort_bandwidth_hz));
+      parse_device_file(changed("force_bandwidth_hz: 53\n", ""), "a.yaml").translation.effort_bandwidth_hz));
 }
 
 TEST(DeviceFile, OfAllExamplesThatAreShippedIsRead) {
   int read = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(VOXTOUCH_DEPLOY) / "devices")) {
     if (entry.path().extension() != ".yaml") continue;  // the folder also holds pages and rules for a lab
-    const DeviceFile file = load_device_file(entry.path());
-    EXPECT_FALSE(file.model.name.empty());
+    const DeviceModel file = load_device_file(entry.path());
+    EXPECT_FALSE(file.name.empty());
     ++read;
   }
   EXPECT_GE(read, 1);
-  const DeviceFile premium = load_device_file(std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml");
-  EXPECT_EQ(premium.model.translation.max_effort, 22);
-  EXPECT_EQ(premium.model.translation.max_stiffness, 1000);
-  EXPECT_FALSE(premium.model.gives_torque);
+  const DeviceModel premium = load_device_file(std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml");
+  EXPECT_EQ(premium.translation.max_effort, 22);
+  EXPECT_EQ(premium.translation.max_stiffness, 1000);
+  EXPECT_FALSE(premium.gives_torque);
   EXPECT_EQ(premium.grip, Grip::kPen);
 }
 

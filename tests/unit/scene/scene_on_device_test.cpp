@@ -51,11 +51,11 @@ MetStiffness met(const Scene& scene) { return with_effects(kContact, scene.effec
 
 /// What the start says of it.
 std::string at_start(const Scene& scene, const DeviceModel& device) {
-  return fit_coupling(scene, device, Grip::kPen, met(scene).translation, met(scene).rotation).refusal;
+  return fit_coupling(scene, device, met(scene).translation, met(scene).rotation).refusal;
 }
 SceneOnDevice running(const Scene& scene, const DeviceModel& device) {
   SceneOnDevice on;
-  on.device_is(device, Grip::kPen);
+  on.device_is(device);
   on.runs(scene, met(scene), demand_of(scene));
   return on;
 }
@@ -133,7 +133,7 @@ TEST(SceneOnDevice, JudgesWhatIsStillOnItsWay) {
 /// A coupling is fitted anew some tenths of a second after the contact has changed: what damps must be good with both.
 TEST(SceneOnDevice, JudgesDampingOnTheCouplingThatRunsAndOnTheOneThatFollows) {
   const auto lag = [](const MetStiffness& met) {
-    return lag_s(fit_coupling(scene_with({}), stylus(), Grip::kPen, met, {}).spec);
+    return lag_s(fit_coupling(scene_with({}), stylus(), met, {}).spec);
   };
   MetStiffness soft = kContact, stiff = kContact;
   soft.translation = {0.3, 30.0};
@@ -186,12 +186,12 @@ TEST(SceneOnDevice, JudgesAnewWhenTheDeviceIsAnother) {
   DeviceModel late = stylus();
   late.timing.delay_s = 0.05;
   for (const DeviceModel& other : {stylus(0.01), late}) {
-    on.device_is(other, Grip::kPen);
+    on.device_is(other);
     on.runs(now, met(now), demand_of(now));
     EXPECT_NE(on.refusal(), "");
     EXPECT_EQ(on.refusal(), at_start(now, other));
   }
-  on.device_is(arm(), Grip::kPen);
+  on.device_is(arm());
   on.runs(now, met(now), demand_of(now));
   EXPECT_EQ(on.refusal(), at_start(now, arm())) << "another kind of device, whose session begins";
 }
@@ -203,7 +203,7 @@ TEST(SceneOnDevice, TakesEverythingBeforeADeviceIsKnownAndJudgesItWhenOneComes) 
   EXPECT_EQ(asked(on, thick), "");
   on.runs(thick, met(thick), demand_of(thick));
   EXPECT_EQ(on.refusal(), "");
-  on.device_is(stylus(), Grip::kPen);
+  on.device_is(stylus());
   on.runs(thick, met(thick), demand_of(thick));
   EXPECT_EQ(on.refusal(), at_start(thick, stylus()));
 }
@@ -227,7 +227,7 @@ TEST(SceneOnDevice, LetsNothingPassThatIsNoNumber) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto refused = [](const Scene& s, double one_point, const DeviceDemand& demand) {
     const MetStiffness met{{one_point, 3000.0}, {0.003, 0.3}};
-    return !fit_coupling(s, stylus(), Grip::kPen, met, demand).refusal.empty();
+    return !fit_coupling(s, stylus(), met, demand).refusal.empty();
   };
   for (const double bad : {nan, -1.0, std::numeric_limits<double>::infinity()}) {
     DeviceDemand demand;

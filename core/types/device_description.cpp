@@ -1,18 +1,13 @@
-#pragma once
-/// Whether a device's numbers can be a device's at all. One check for whoever opens a device and for whoever is told of one.
-#include <cmath>
+#include "core/types/device_description.hpp"
+
 #include <limits>
-#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
 
 namespace voxtouch {
 
-/// The first number that cannot be, as a sentence; empty where all can. `Description`: DeviceDescription, or the message, whose fields
-/// have the same names. It cannot know whether the numbers are true.
-template <class Description>
-std::string what_is_wrong(const Description& d) {
+std::string what_is_wrong(const DeviceDescription& d) {
   constexpr double kNoLimit = std::numeric_limits<double>::infinity();
   std::string wrong;
   const auto within = [&](std::string_view name, double value, double least, double most) {
@@ -41,7 +36,7 @@ std::string what_is_wrong(const Description& d) {
   within("force_bandwidth_hz", d.force_bandwidth_hz, 1e-3, kNoLimit);
   within("jitter", d.jitter, 0.0, 100.0);
   within("lost_in_a_row", d.lost_in_a_row, 0.0, 1'000.0);
-  if (const std::string_view grip(d.grip); wrong.empty() && grip != "pen" && grip != "arm")
+  if (wrong.empty() && d.grip != "pen" && d.grip != "arm")
     wrong = "the device's grip is neither pen nor arm";
   return wrong;
 }
