@@ -4,6 +4,7 @@
 #include "core/scene/design_request.hpp"
 #include "core/scene/fit_coupling.hpp"
 #include "nodes/coupling/fitting.hpp"
+#include "nodes/runtime/device_message.hpp"
 #include "tests/fuzz/wire.hpp"
 
 namespace {
