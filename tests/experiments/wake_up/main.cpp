@@ -1,0 +1,175 @@
+// How a node of the ring should be woken: three processes hand a sample round as device, rendering and coupling do, once with each way,
+// in turns, and the time of a round is told. What a node computes is left out; the ways differ in nothing else.
+#include <semaphore.h>
+#include <spawn.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "nodes/bus/reader.hpp"
+#include "nodes/bus/wait_set.hpp"
+#include "nodes/bus/writer.hpp"
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/latency.hpp"
+#include "nodes/runtime/realtime.hpp"
+
+extern char** environ;
+
+namespace voxtouch {
+namespace {
+
+constexpr std::int64_t kPeriodNs = 1'000'000;
+const std::vector<std::string> kWays = {"waitset", "listener-wakes", "listener-answers"};
+
+qos::Topic row(std::string_view path) { return {path, "voxtouch_msgs/msg/DeviceState", qos::ProfileId::kStream, 1000}; }
+
+/// A reader that calls `answer` for each sample, woken in one of the ways.
+class Woken {
+ public:
+  using Answer = std::function<void(const msg::DeviceState&)>;
+  Woken(const bus::Participant& participant, std::string_view path, const std::string& way, Answer answer)
+      : reader_(participant, row(path), way, qos::profile(qos::ProfileId::kStream)), answer_(std::move(answer)), answers_in_listener_(way == kWays[2]) {
+    sem_init(&waiting_, 0, 0);
+    if (way == kWays[0]) {
+      wait_set_.emplace(participant);
+      wait_set_->attach(reader_.condition());
+      return;
+    }
+    dds_listener_t* listener = dds_create_listener(this);
+    dds_lset_data_available(listener, [](dds_entity_t, void* self) { static_cast<Woken*>(self)->on_data(); });
+    dds_set_listener(reader_.get(), listener);
+    dds_delete_listener(listener);
+  }
+  ~Woken() { dds_set_listener(reader_.get(), nullptr); }
+
+  /// Answers what comes, until `end_ns` of the monotonic clock.
+  void run_until(std::int64_t end_ns) {
+    while (runtime::monotonic_ns() < end_ns) {
+      if (wait_set_) {
+        wait_set_->wait(std::min<std::int64_t>(end_ns - runtime::monotonic_ns(), 50'000'000));
+        take();
+      } else if (answers_in_listener_) {
+        runtime::sleep_until(end_ns);
+      } else {
+        timespec until{};
+        clock_gettime(CLOCK_REALTIME, &until);
+        const std::int64_t ns = until.tv_nsec + std::min<std::int64_t>(std::max<std::int64_t>(end_ns - runtime::monotonic_ns(), 0), 50'000'000);
+        until.tv_sec += ns / 1'000'000'000, until.tv_nsec = ns % 1'000'000'000;
+        if (sem_timedwait(&waiting_, &until) == 0) take();
+      }
+    }
+  }
+
+ private:
+  void on_data() {
+    if (answers_in_listener_) return take();
+    sem_post(&waiting_);
+  }
+  void take() {
+    msg::DeviceState sample;
+    while (reader_.take(sample)) answer_(sample);
+  }
+
+  bus::Reader<msg::DeviceState> reader_;
+  Answer answer_;
+  bool answers_in_listener_;
+  std::optional<bus::WaitSet> wait_set_;
+  sem_t waiting_;
+};
+
+struct Options {
+  std::string way, relay;  ///< `relay`: "first" or "second" for a child
+  std::uint32_t domain = 93;
+  double seconds = 10.0;
+  int rounds = 3;
+};
+
+bus::Participant join(const Options& o) {
+  runtime::enter_realtime({});
+  return bus::Participant({o.domain, "lo", "wake_up"});
+}
+
+int relay(const Options& o) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const bus::Participant participant = join(o);
+  const bool first = o.relay == "first";
+  bus::Writer<msg::DeviceState> writer(participant, row(first ? "b" : "c"), o.way, qos::profile(qos::ProfileId::kStream));
+  Woken reader(participant, first ? "a" : "b", o.way, [&](const msg::DeviceState& sample) { writer.write(sample); });
+  reader.run_until(runtime::monotonic_ns() + static_cast<std::int64_t>((o.seconds + 30.0) * 1e9));
+  return 0;
+}
+
+pid_t start(const Options& o, const std::string& way, const std::string& relay) {
+  std::vector<std::string> words = {"wake_up", "--way", way, "--relay", relay, "--domain", std::to_string(o.domain), "--seconds", std::to_string(o.seconds)};
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_t pid = 0;
+  return posix_spawn(&pid, "/proc/self/exe", nullptr, nullptr, argv.data(), environ) == 0 ? pid : 0;
+}
+
+/// A device's part for `seconds`: writes at an absolute deadline, counts what comes back.
+void measure(const Options& o, const std::string& way, runtime::LatencyHistogram& latency) {
+  const pid_t children[] = {start(o, way, "first"), start(o, way, "second")};
+  {
+    const bus::Participant participant = join(o);
+    bus::Writer<msg::DeviceState> writer(participant, row("a"), way, qos::profile(qos::ProfileId::kStream));
+    std::uint64_t back = 0;
+    Woken reader(participant, "c", way, [&](const msg::DeviceState& sample) {
+      if (++back > 500) latency.record(runtime::monotonic_ns() - sample.sample_time_ns);
+    });
+    const std::int64_t begin = runtime::monotonic_ns() + 2'000'000'000;
+    reader.run_until(begin);
+    for (std::int64_t n = 0; n < static_cast<std::int64_t>(o.seconds * 1e3); ++n) {
+      runtime::sleep_until(begin + n * kPeriodNs);
+      msg::DeviceState sample{};
+      sample.sequence_number = static_cast<std::uint64_t>(n);
+      sample.sample_time_ns = runtime::monotonic_ns();
+      writer.write(sample);
+      reader.run_until(begin + (n + 1) * kPeriodNs - 100'000);
+    }
+  }
+  for (const pid_t child : children) {
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+  }
+}
+
+int run(const Options& o) {
+  std::map<std::string, runtime::LatencyHistogram> of;
+  for (int round = 0; round < o.rounds; ++round)
+    for (const std::string& way : kWays) {
+      std::fprintf(stderr, "\rround %d of %d: %s          ", round + 1, o.rounds, way.c_str());
+      measure(o, way, of[way]);
+    }
+  std::fprintf(stderr, "\r");
+  std::printf("%-18s %8s %9s %9s %9s\n", "way", "rounds", "p50 us", "p99 us", "p99.9 us");
+  for (const std::string& way : kWays)
+    std::printf("%-18s %8lu %9.0f %9.0f %9.0f\n", way.c_str(), static_cast<unsigned long>(of[way].count()), of[way].quantile_us(0.5), of[way].quantile_us(0.99),
+                of[way].quantile_us(0.999));
+  return 0;
+}
+
+}  // namespace
+}  // namespace voxtouch
+
+int main(int argc, char** argv) {
+  voxtouch::Options o;
+  CLI::App app{"Measures how long a sample takes round three processes over DDS, by the way in which each is woken: a wait set, a listener that wakes a "
+               "thread, a listener that answers. In turns, so that what else the machine does meets all of them."};
+  app.add_option("--seconds", o.seconds, "of each way in a round (10)");
+  app.add_option("--rounds", o.rounds, "how often each way takes its turn (3)");
+  app.add_option("--domain", o.domain, "DDS domain (93)");
+  app.add_option("--way", o.way)->group("");
+  app.add_option("--relay", o.relay)->group("");
+  CLI11_PARSE(app, argc, argv);
+  return o.relay.empty() ? voxtouch::run(o) : voxtouch::relay(o);
+}
