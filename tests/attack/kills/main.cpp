@@ -54,6 +54,9 @@ int run(int argc, char** argv) {
   app.add_flag("--each", o.each, "a line for each round");
   CLI11_PARSE(app, argc, argv);
   if (o.domain.empty()) o.domain = test::fresh_domain();
+  // What other programs of this machine make and remove meanwhile is not ours to judge.
+  const test::TemporaryFolder own;
+  ::setenv("TMPDIR", own.path().c_str(), 1);
   std::mt19937_64 random(o.seed);
   const std::size_t all = o.victims.size() * o.how.size() * static_cast<std::size_t>(o.times);
   std::size_t done = 0;

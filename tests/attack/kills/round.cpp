@@ -120,6 +120,14 @@ class Round {
     return std::nullopt;
   }
 
+  /// The device's clock when the signal was sent: of the last sample before it, or, where this listener had been kept from running
+  /// just then and that sample is old, of the first one behind it less the time since (then a little early, never late).
+  std::int64_t device_time_at_signal(const std::vector<Seen>& seen, std::vector<Seen>::const_iterator after) const {
+    if (after == seen.end()) return seen.empty() ? at_ns_ : seen.back().sample_ns;
+    const std::int64_t less_elapsed_ns = after->sample_ns - (after->received_ns - at_ns_);
+    return after == seen.begin() ? less_elapsed_ns : std::max((after - 1)->sample_ns, less_elapsed_ns);
+  }
+
   void judge_zero() {
     const std::vector<Seen> seen = tap_->seen();
     const auto after = std::find_if(seen.begin(), seen.end(), [this](const Seen& s) { return s.received_ns >= at_ns_; });
@@ -129,7 +137,7 @@ class Round {
     }
     const auto zero = std::find_if(after, seen.end(), [](const Seen& s) { return !s.force_on; });
     const auto last = zero == seen.end() ? seen.end() - 1 : zero;
-    const std::int64_t from_ns = after == seen.begin() ? at_ns_ : (after - 1)->sample_ns;
+    const std::int64_t from_ns = device_time_at_signal(seen, after);
     result_.zero_ms = kMsPerNs * static_cast<double>(last->sample_ns - from_ns);
     result_.zero_wall_ms = kMsPerNs * static_cast<double>(last->received_ns - at_ns_);
     std::int64_t before_ns = at_ns_, gap_ns = 0;
