@@ -1,5 +1,5 @@
 # The layers of the house, checked at configure time: nodes -> qos, idl, devices, core; devices -> core/types; core -> nothing
-# above itself. Only core/mesh/import*, core/reference may see assimp; only core/scene yaml-cpp; only core/reference FCL;
+# above itself. Only core/mesh/import*, core/reference may see assimp; of core only core/scene yaml-cpp, of devices only the hand file; only core/reference FCL;
 # core/reference sees no rendering code.
 function(voxtouch_forbid_includes folder pattern reason)
   file(GLOB_RECURSE files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.hpp ${PROJECT_SOURCE_DIR}/${folder}/*.cpp
@@ -25,6 +25,7 @@ voxtouch_forbid_includes(core/reference "core/(mesh|voxmap|pointshell|contact|ef
   "the reference links no rendering code: it would repeat the faults it has to find.")
 voxtouch_forbid_includes(devices "dds|qos/|nodes/|voxtouch_msgs|idl/|core/(mesh|voxmap|pointshell|contact|effects|coupling|scene|reference)/"
   "a device driver sees the value types of core/types and nothing else of the house.")
+voxtouch_forbid_includes(devices "yaml-cpp/" "only the hand file is YAML." "/devices/operator/hand_file")
 voxtouch_forbid_includes(qos "nodes/|devices/|core/" "qos is tables over idl.")
 
 # What nodes say goes through nodes/log: any other way to stderr throws or waits when nobody takes the text.

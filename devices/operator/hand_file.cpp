@@ -1,208 +1,147 @@
 #include "devices/operator/hand_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
 
 #include <charconv>
 #include <cmath>
+#include <concepts>
 #include <fstream>
-#include <functional>
-#include <set>
+#include <map>
 #include <sstream>
 #include <stdexcept>
-#include <type_traits>
-#include <utility>
 
 namespace voxtouch {
 namespace {
 
-constexpr std::string_view kFormat = "voxtouch-hand-1";
+/// Every key with its value: the one list that reader and writer walk.
+template <class File, class Visit>
+void each_key(File& file, Visit&& visit) {
+  auto& m = file.motion;
+  auto& h = file.hand;
+  visit("seed", file.seed);
+  visit("posture_rad", file.posture_rad);
+  visit("path_m", m.path);
+  visit("speed_m_per_s", m.speed_m_per_s);
+  visit("hold_s", m.hold_s);
+  visit("repeat_from", m.repeat_from);
+  visit("circle_centre_m", m.circle_centre);
+  visit("circle_axis", m.circle_axis);
+  visit("orientation_wxyz", m.orientation);
+  visit("released", h.released);
+  visit("let_go_at_s", h.let_go_at_s);
+  visit("grip_harder_at_s", h.grip_harder_at_s);
+  visit("grip_factor", h.grip_factor);
+  visit("mass_kg", h.mass_kg);
+  visit("damping_ns_per_m", h.damping_ns_per_m);
+  visit("stiffness_n_per_m", h.stiffness_n_per_m);
+  visit("inertia_kg_m2", h.inertia_kg_m2);
+  visit("damping_nms_per_rad", h.damping_nms_per_rad);
+  visit("stiffness_nm_per_rad", h.stiffness_nm_per_rad);
+  visit("carries_tool", h.carries_tool);
+  visit("tremor_n", h.tremor_n);
+  visit("tremor_bandwidth_hz", h.tremor_bandwidth_hz);
+}
 
-/// One line of the file with what a message about it needs.
-struct Line {
-  std::string_view file, key, value;
-  std::size_t number = 0;
+template <class T>
+concept Number = std::floating_point<T> || std::unsigned_integral<T>;
 
-  [[noreturn]] void refuse(const std::string& why) const {
-    throw std::runtime_error(fmt::format("{}:{}: {}", file, number, why));
+/// Sets values from nodes; a wrong one throws with the file, and with its line and column.
+class Reader {
+ public:
+  explicit Reader(std::string_view file) : file_(file) {}
+
+  [[noreturn]] void refuse(const YAML::Mark& at, std::string_view why) const {
+    throw std::runtime_error(fmt::format("{}:{}:{}: {}", file_, at.line + 1, at.column + 1, why));
   }
+  void read(const YAML::Node& node, bool& value) const {
+    value = node.Scalar() == "true";
+    if (!value && node.Scalar() != "false") refuse(node.Mark(), fmt::format("'{}' is neither true nor false", node.Scalar()));
+  }
+  template <Number T>
+  void read(const YAML::Node& node, T& value) const {
+    const std::string text = node.Scalar() == ".inf" ? "inf" : node.Scalar();  // empty where there is a list
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || value != value)
+      refuse(node.Mark(), fmt::format("'{}' is no number that fits", text));
+  }
+  template <class T>
+  void read(const YAML::Node& node, std::optional<T>& value) const {
+    read(node, value.emplace());
+  }
+  template <class T>
+  void read(const YAML::Node& node, std::vector<T>& values) const {
+    if (!node.IsSequence()) refuse(node.Mark(), "this has to be a list");
+    for (const YAML::Node& item : node) read(item, values.emplace_back());
+  }
+  void read(const YAML::Node& node, Vec3& value) const { read_numbers(node, value.data(), 3); }
+  void read(const YAML::Node& node, Quat& value) const {
+    double wxyz[4];
+    read_numbers(node, wxyz, 4);
+    value = Quat(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+    if (!(std::abs(value.norm() - 1.0) < 1e-6)) refuse(node.Mark(), "an orientation has to be of length 1");
+  }
+
+ private:
+  void read_numbers(const YAML::Node& node, double* values, std::size_t count) const {
+    if (!node.IsSequence() || node.size() != count) refuse(node.Mark(), fmt::format("this has to be {} numbers", count));
+    for (std::size_t i = 0; i < count; ++i) read(node[i], values[i]);
+  }
+  std::string_view file_;
 };
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+/// A value as YAML: the shortest text that reads back to the same bits; no locale. Empty where there is none.
+template <class T>
+std::string yaml_of(const T& value) { return fmt::to_string(value); }
+std::string yaml_of(double value) { return std::isinf(value) ? ".inf" : fmt::to_string(value); }
+std::string yaml_of(const Vec3& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); }
+std::string yaml_of(const Quat& q) { return fmt::format("[{}, {}, {}, {}]", q.w(), q.x(), q.y(), q.z()); }
+template <class T>
+std::string yaml_of(const std::optional<T>& value) { return value ? yaml_of(*value) : ""; }
+template <class T>
+std::string yaml_of(const std::vector<T>& values) {
+  std::vector<std::string> texts;
+  for (const T& value : values) texts.push_back(yaml_of(value));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
 }
-
-template <class Number>
-Number number_of(const Line& line, std::string_view word) {
-  Number value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  bool good = error == std::errc() && end == word.data() + word.size();
-  if constexpr (std::is_floating_point_v<Number>) good = good && !std::isnan(value);
-  if (!good) line.refuse(fmt::format("'{}' of {} is no number that fits", word, line.key));
-  return value;
-}
-
-std::vector<double> numbers_of(const Line& line) {
-  std::vector<double> out;
-  for (std::string_view rest = line.value; !rest.empty();) {
-    const auto blank = rest.find_first_of(" \t");
-    out.push_back(number_of<double>(line, rest.substr(0, blank)));
-    rest = blank == std::string_view::npos ? std::string_view() : trimmed(rest.substr(blank));
-  }
-  return out;
-}
-
-std::vector<double> numbers_of(const Line& line, std::size_t count) {
-  std::vector<double> out = numbers_of(line);
-  if (out.size() != count) line.refuse(fmt::format("{} needs {} numbers, not {}", line.key, count, out.size()));
-  return out;
-}
-
-Vec3 vector_of(const Line& line) {
-  const std::vector<double> v = numbers_of(line, 3);
-  return {v[0], v[1], v[2]};
-}
-
-Quat quaternion_of(const Line& line) {
-  const std::vector<double> v = numbers_of(line, 4);
-  const Quat q(v[0], v[1], v[2], v[3]);
-  if (!(std::abs(q.norm() - 1.0) < 1e-6)) line.refuse("orientation_wxyz has to be of length 1");
-  return q;
-}
-
-bool truth_of(const Line& line) {
-  if (line.value != "0" && line.value != "1") line.refuse(fmt::format("{} has to be 0 or 1", line.key));
-  return line.value == "1";
-}
-
-struct Key {
-  std::string_view name;
-  std::function<void(HandFile&, const Line&)> set;
-};
-
-/// A key for a number of the operator or the motion.
-template <class Owner>
-Key number_key(std::string_view name, Owner HandFile::*owner, double Owner::*field) {
-  return {name, [owner, field](HandFile& f, const Line& l) { (f.*owner).*field = numbers_of(l, 1)[0]; }};
-}
-Key truth_key(std::string_view name, bool OperatorConfig::*field) {
-  return {name, [field](HandFile& f, const Line& l) { f.hand.*field = truth_of(l); }};
-}
-
-const std::vector<Key>& keys() {
-  using O = OperatorConfig;
-  static const std::vector<Key> all = {
-      {"seed", [](HandFile& f, const Line& l) { f.seed = number_of<std::uint64_t>(l, l.value); }},
-      {"posture_rad", [](HandFile& f, const Line& l) { f.posture_rad = numbers_of(l); }},
-      {"waypoint_m", [](HandFile& f, const Line& l) { f.motion.path.push_back(vector_of(l)); }},
-      number_key("speed_m_per_s", &HandFile::motion, &Motion::speed_m_per_s),
-      number_key("hold_s", &HandFile::motion, &Motion::hold_s),
-      {"repeat_from", [](HandFile& f, const Line& l) { f.motion.repeat_from = number_of<std::size_t>(l, l.value); }},
-      {"circle_centre_m", [](HandFile& f, const Line& l) { f.motion.circle_centre = vector_of(l); }},
-      {"circle_axis", [](HandFile& f, const Line& l) { f.motion.circle_axis = vector_of(l); }},
-      {"orientation_wxyz", [](HandFile& f, const Line& l) { f.motion.orientation = quaternion_of(l); }},
-      truth_key("released", &O::released),
-      number_key("let_go_at_s", &HandFile::hand, &O::let_go_at_s),
-      number_key("grip_harder_at_s", &HandFile::hand, &O::grip_harder_at_s),
-      number_key("grip_factor", &HandFile::hand, &O::grip_factor),
-      number_key("mass_kg", &HandFile::hand, &O::mass_kg),
-      number_key("damping_ns_per_m", &HandFile::hand, &O::damping_ns_per_m),
-      number_key("stiffness_n_per_m", &HandFile::hand, &O::stiffness_n_per_m),
-      number_key("inertia_kg_m2", &HandFile::hand, &O::inertia_kg_m2),
-      number_key("damping_nms_per_rad", &HandFile::hand, &O::damping_nms_per_rad),
-      number_key("stiffness_nm_per_rad", &HandFile::hand, &O::stiffness_nm_per_rad),
-      truth_key("carries_tool", &O::carries_tool),
-      number_key("tremor_n", &HandFile::hand, &O::tremor_n),
-      number_key("tremor_bandwidth_hz", &HandFile::hand, &O::tremor_bandwidth_hz),
-  };
-  return all;
-}
-
-void take(HandFile& file, const Line& line) {
-  for (const Key& key : keys())
-    if (key.name == line.key) return key.set(file, line);
-  line.refuse(fmt::format("there is no key '{}'; the header hand_file.hpp lists them", line.key));
-}
-
-template <class... Numbers>
-void put(std::string& text, std::string_view key, const Numbers&... numbers) {
-  text += fmt::format("{} =", key);
-  ((text += fmt::format(" {}", numbers)), ...);  // shortest text that reads back to the same bits; no locale
-  text += '\n';
-}
-void put(std::string& text, std::string_view key, const Vec3& v) { put(text, key, v.x(), v.y(), v.z()); }
 
 }  // namespace
 
-std::string to_text(const HandFile& f) {
-  std::string text = fmt::format("format = {}\n", kFormat);
-  put(text, "seed", f.seed);
-  if (!f.posture_rad.empty()) {
-    text += "posture_rad =";
-    for (const double q : f.posture_rad) text += fmt::format(" {}", q);
-    text += '\n';
-  }
-  const Motion& m = f.motion;
-  for (const Vec3& point : m.path) put(text, "waypoint_m", point);
-  put(text, "speed_m_per_s", m.speed_m_per_s);
-  put(text, "hold_s", m.hold_s);
-  if (m.repeat_from) put(text, "repeat_from", *m.repeat_from);
-  if (m.circle_centre) put(text, "circle_centre_m", *m.circle_centre);
-  put(text, "circle_axis", m.circle_axis);
-  put(text, "orientation_wxyz", m.orientation.w(), m.orientation.x(), m.orientation.y(), m.orientation.z());
-  const OperatorConfig& h = f.hand;
-  put(text, "released", static_cast<int>(h.released));
-  put(text, "let_go_at_s", h.let_go_at_s);
-  put(text, "grip_harder_at_s", h.grip_harder_at_s);
-  put(text, "grip_factor", h.grip_factor);
-  put(text, "mass_kg", h.mass_kg);
-  put(text, "damping_ns_per_m", h.damping_ns_per_m);
-  put(text, "stiffness_n_per_m", h.stiffness_n_per_m);
-  put(text, "inertia_kg_m2", h.inertia_kg_m2);
-  put(text, "damping_nms_per_rad", h.damping_nms_per_rad);
-  put(text, "stiffness_nm_per_rad", h.stiffness_nm_per_rad);
-  put(text, "carries_tool", static_cast<int>(h.carries_tool));
-  put(text, "tremor_n", h.tremor_n);
-  put(text, "tremor_bandwidth_hz", h.tremor_bandwidth_hz);
+std::string to_text(const HandFile& file) {
+  std::string text;
+  each_key(file, [&](std::string_view key, const auto& value) {
+    if (const std::string one = yaml_of(value); !one.empty()) text += fmt::format("{}: {}\n", key, one);
+  });
   return text;
 }
 
 HandFile parse_hand(std::string_view text, std::string_view name) {
-  HandFile file;
-  std::set<std::string_view> seen;
-  std::size_t number = 0;
-  bool headed = false;
-  while (!text.empty()) {
-    const auto end = text.find('\n');
-    std::string_view raw = text.substr(0, end);
-    text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
-    ++number;
-    raw = trimmed(raw.substr(0, raw.find('#')));
-    if (raw.empty()) continue;
-    const auto equals = raw.find('=');
-    Line line{name, trimmed(raw.substr(0, equals)), {}, number};
-    if (equals == std::string_view::npos) line.refuse("a line has to be KEY = VALUE");
-    line.value = trimmed(raw.substr(equals + 1));
-    if (!headed && (line.key != "format" || line.value != kFormat))
-      line.refuse(fmt::format("the first line has to be 'format = {}'", kFormat));
-    if (std::exchange(headed, true) == false) continue;
-    if (line.value.empty()) line.refuse(fmt::format("{} has no value", line.key));
-    if (!seen.insert(line.key).second && line.key != "waypoint_m")
-      line.refuse(fmt::format("{} is there twice", line.key));
-    take(file, line);
+  const Reader reader(name);
+  std::map<std::string, YAML::Node> values;
+  std::map<std::string, YAML::Mark> places;
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
+    if (documents.size() != 1 || !documents[0].IsMap())
+      throw std::runtime_error(fmt::format("{}: a hand is one map of keys, from path_m to tremor_bandwidth_hz", name));
+    for (const auto& entry : documents[0]) {
+      const std::string& key = entry.first.Scalar();
+      if (!places.emplace(key, entry.first.Mark()).second) reader.refuse(entry.first.Mark(), fmt::format("{} is there twice", key));
+      values.emplace(key, entry.second);
+    }
+  } catch (const YAML::Exception& error) {
+    reader.refuse(error.mark, error.msg);
   }
-  if (file.motion.path.empty())
-    throw std::runtime_error(fmt::format("{}: no waypoint_m; a hand needs at least one", name));
+  HandFile file;
+  each_key(file, [&](const char* key, auto& value) {
+    if (const auto given = values.extract(key)) reader.read(given.mapped(), value);
+  });
+  if (!values.empty())
+    reader.refuse(places.at(values.begin()->first),
+                  fmt::format("there is no key '{}'; hand_file.hpp lists them", values.begin()->first));
+  if (file.motion.path.empty()) throw std::runtime_error(fmt::format("{}: path_m needs at least one way point", name));
   file.hand.validate();
   return file;
-}
-
-void write_hand(const std::filesystem::path& path, const HandFile& file) {
-  std::ofstream out(path, std::ios::binary);
-  out << to_text(file);
-  out.close();
-  if (!out) throw std::runtime_error(fmt::format("'{}' cannot be written: check folder and disk", path.string()));
 }
 
 HandFile read_hand(const std::filesystem::path& path) {

@@ -16,7 +16,7 @@ struct TopicInfo {
   std::string name;  ///< "/haptic/device/state"
   std::string type;  ///< "voxtouch_msgs/msg/DeviceState"
   std::string serialization_format = "cdr";
-  /// see offered_qos_text(); version 9's list is kept as its YAML text
+  /// of the writers, as YAML text: rmw's numbers up to version 8, version 9's list as it is there
   std::string offered_qos;
   std::uint64_t message_count = 0;
 };

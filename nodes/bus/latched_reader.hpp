@@ -5,10 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include <dds/ddsi/ddsi_serdata.h>
-
 #include "nodes/bus/following.hpp"
 #include "nodes/bus/reader.hpp"
+#include "nodes/bus/serdata.hpp"
 
 namespace voxtouch::bus {
 
@@ -53,12 +52,9 @@ class LatchedReader {
   static constexpr std::size_t kMostBytes = 1'000'000;  ///< of a value; a longer one is dropped
 
  private:
-  struct Unref {
-    void operator()(ddsi_serdata* data) const noexcept { ddsi_serdata_unref(data); }
-  };
   struct Kept {
     dds_instance_handle_t writer = 0;
-    std::unique_ptr<ddsi_serdata, Unref> data;
+    Serdata data;
     std::vector<char> bytes;
   };
 
@@ -71,12 +67,12 @@ class LatchedReader {
       ddsi_serdata* one[1] = {nullptr};
       dds_sample_info_t info;
       if (dds_takecdr(reader_.get(), one, 1, &info, DDS_ANY_STATE) != 1) return;
-      std::unique_ptr<ddsi_serdata, Unref> data(one[0]);
+      Serdata data(one[0]);
       if (info.valid_data && following_->admits(info.publication_handle)) keep(info.publication_handle, std::move(data));
     }
   }
 
-  void keep(dds_instance_handle_t writer, std::unique_ptr<ddsi_serdata, Unref> data) {
+  void keep(dds_instance_handle_t writer, Serdata data) {
     const std::size_t size = ddsi_serdata_size(data.get());
     if (size > kMostBytes) return;
     auto place = find(writer);

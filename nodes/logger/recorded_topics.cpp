@@ -1,79 +1,60 @@
 #include "nodes/logger/recorded_topics.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
 
-#include "nodes/bag/names.hpp"
+#include "nodes/logger/recording_qos.hpp"
+#include "nodes/runtime/clock.hpp"
 
 namespace voxtouch::logger {
 namespace {
 
 /// The ring's messages begin with session, sequence, sample time: eight bytes each after the 4-byte encapsulation.
 constexpr std::size_t kSessionOffset = 4, kSampleTimeOffset = 4 + 16;
-constexpr std::int32_t kDepth = 4096;
+constexpr std::string_view kRosPrefix = "rt";  ///< of every topic of ROS 2 on DDS, before the slash
 
-template <class T>
-T value_or_throw(bus::OpaqueResult<T> result) {
-  if (!result) throw bus::Error(result.error().sentence);
-  return std::move(*result);
+constexpr const msg::AnyType* type_of(const qos::Topic& row) {
+  return std::ranges::find(msg::kAllTypes, row.type, &msg::AnyType::ros_name);
 }
-
-/// A profile of the table as the value that opaque endpoints take.
-bus::EndpointQos offered_by(const qos::Profile& p, double rate_hz) {
-  bus::EndpointQos q;
-  q.reliability = p.reliable ? bus::Reliability::kReliable : bus::Reliability::kBestEffort;
-  q.durability = p.transient_local ? bus::Durability::kTransientLocal : bus::Durability::kVolatile;
-  q.history = p.keep_all ? bus::History::kKeepAll : bus::History::kKeepLast;
-  q.depth = p.id == qos::ProfileId::kStatus ? 1 : p.depth;
-  if (p.deadline_periods > 0 && rate_hz > 0) q.deadline_ns = std::llround(p.deadline_periods / rate_hz * 1e9);
-  return q;
-}
-
-bus::EndpointQos recording(const qos::Profile& p, const bus::EndpointQos& offered) {
-  bus::EndpointQos q = bus::recorder_qos(offered, kDepth);
-  if (p.id != qos::ProfileId::kLockstep) return q;
-  q.history = bus::History::kKeepAll;  // nothing may be lost: a full reader holds the writer up
-  q.max_samples = p.depth;
-  return q;
-}
+static_assert(std::ranges::none_of(qos::kTopics, [](const qos::Topic& row) { return type_of(row) == std::end(msg::kAllTypes); }));
 
 }  // namespace
 
 RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options,
                                std::vector<std::string> wanted, bag::BagRecorder& recorder, bus::WaitSet& wait_set)
     : participant_(participant), options_(options), wanted_(std::move(wanted)), recorder_(recorder),
-      wait_set_(wait_set), discovery_(value_or_throw(bus::WriterDiscovery::create(participant.get()))) {
+      wait_set_(wait_set), discovery_(participant.get()) {
   for (const qos::Topic& row : qos::kTopics) {
     if (!(row.readers & qos::kLogger)) continue;
     const qos::Profile& profile = qos::profile_in(row, options.mode());
-    const bus::EndpointQos offered = offered_by(profile, row.rate_hz);
+    const qos::Qos offered = qos::make_qos(profile, qos::Endpoint::kWriter, row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0);
+    // In lockstep nothing may be lost: a full reader holds the writer up.
+    const qos::Qos asked = profile.id == qos::ProfileId::kLockstep ? qos::make_qos(profile, qos::Endpoint::kReader, 0.0)
+                                                                   : recording_qos(offered.get());
     const bool from_outside = row.path == qos::kEffectChange.path;  // whoever asks knows no sample's time
     const bool flows = !from_outside && (row.profile == qos::ProfileId::kStream || row.profile == qos::ProfileId::kEvent);
     const std::lock_guard lock(numbers_mutex_);
-    add(qos::dds_name(row, options.rig), bag::dds_type_name(row.type), recording(profile, offered), offered,
-        flows                                    ? Stamp::kSampleTime
+    add(qos::dds_name(row, options.rig), *type_of(row), asked, offered.get(),
+        flows                                                    ? Stamp::kSampleTime
         : from_outside || row.profile == qos::ProfileId::kStatus ? Stamp::kNewest
-                                                 : Stamp::kZero);
+                                                                 : Stamp::kZero);
     if (row.profile == qos::ProfileId::kStream) {
       entries_.back().stream = qos::figure_name(row);
     }
   }
 }
 
-void RecordedTopics::add(const std::string& name, const std::string& type, const bus::EndpointQos& qos,
-                         const bus::EndpointQos& offered, Stamp stamp) {
-  auto topic = value_or_throw(bus::OpaqueTopic::create(participant_.get(), name, type));
-  auto reader = value_or_throw(bus::OpaqueReader::create(topic, qos));
-  bus::Entity unread(dds_create_readcondition(reader.handle(), DDS_ANY_STATE), "a read condition could not be made");
-  const auto id = recorder_.add_topic({.name = bag::ros_topic_name(name),
-                                       .type = bag::ros_type_name(type),
-                                       .offered_qos = bag::offered_qos_text({&offered, 1})});
+void RecordedTopics::add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos, const dds_qos_t* offered,
+                         Stamp stamp) {
+  bus::RawReader reader(participant_.get(), name, *type.descriptor, qos.get());
+  const auto id = recorder_.add_topic({.name = name.substr(kRosPrefix.size()),
+                                       .type = std::string(type.ros_name),
+                                       .offered_qos = offered_qos_text(offered)});
   if (!id) throw bus::Error(id.error().sentence);
-  wait_set_.attach(unread.get());
-  entries_.push_back({name, std::move(topic), std::move(reader), std::move(unread), *id, stamp});
+  wait_set_.attach(reader.condition());
+  entries_.push_back({name, std::move(reader), *id, stamp});
   known_.insert(name);
 }
 
@@ -85,32 +66,29 @@ bool RecordedTopics::wants(const std::string& topic) const {
 
 std::vector<std::string> RecordedTopics::discover() {
   std::vector<std::string> sentences;
-  const auto seen = discovery_.take([&](const bus::DiscoveredWriter& writer) {
-    if (!writer.alive || !writer.topic.starts_with("rt/") || known_.contains(writer.topic) || !wants(writer.topic))
-      return;
-    known_.insert(writer.topic);
-    if (writer.keyed) {
-      sentences.push_back(
-          fmt::format("topic {} has a key and cannot be recorded; ROS 2 topics have none", writer.topic));
+  discovery_.take([&](const dds_builtintopic_endpoint_t& writer) {
+    const std::string name = writer.topic_name, type_name = writer.type_name;
+    if (!name.starts_with("rt/") || !wants(name) || !known_.insert(name).second) return;
+    const auto type = std::ranges::find_if(msg::kAllTypes, [&](const msg::AnyType& t) { return type_name == t.descriptor->m_typename; });
+    if (type == std::end(msg::kAllTypes)) {
+      sentences.push_back(fmt::format("topic {} is not recorded: its type {} is none of those compiled in, which idl lists", name, type_name));
       return;
     }
     try {
       const std::lock_guard lock(numbers_mutex_);
-      add(writer.topic, writer.type_name, bus::recorder_qos(writer.qos, kDepth), writer.qos, Stamp::kNewest);
+      add(name, *type, recording_qos(writer.qos), writer.qos, Stamp::kNewest);
     } catch (const bus::Error& error) {
-      sentences.push_back(fmt::format("topic {} is not recorded: {}", writer.topic, error.what()));
+      sentences.push_back(fmt::format("topic {} is not recorded: {}", name, error.what()));
     }
   });
-  if (!seen) sentences.push_back(seen.error().sentence);
   return sentences;
 }
 
-std::int64_t RecordedTopics::time_of(const Entry& entry, const bus::RawSample& sample) {
-  if (!options_.lockstep) return sample.reception_time_ns;
-  if (entry.stamp == Stamp::kSampleTime && sample.bytes.size() >= kSampleTimeOffset + 8) {
+std::int64_t RecordedTopics::time_of(const Entry& entry, std::span<const std::byte> bytes) {
+  if (!options_.lockstep) return runtime::realtime_ns();  // of the take, as ros2 bag: DDS keeps none of the arrival
+  if (entry.stamp == Stamp::kSampleTime && bytes.size() >= kSampleTimeOffset + 8) {
     std::int64_t time_ns = 0;
-    std::memcpy(&time_ns, sample.bytes.data() + kSampleTimeOffset,
-                sizeof time_ns);  // our own writers: this machine's order
+    std::memcpy(&time_ns, bytes.data() + kSampleTimeOffset, sizeof time_ns);
     newest_ns_ = std::max(newest_ns_, time_ns);
     return time_ns;
   }
@@ -119,15 +97,11 @@ std::int64_t RecordedTopics::time_of(const Entry& entry, const bus::RawSample& s
 
 std::size_t RecordedTopics::drain() {
   std::size_t count = 0;
-  for (Entry& entry : entries_) {
-    const auto taken = entry.reader.take([&](const bus::RawSample& sample) {
-      if (!sample.valid) return;
-      const auto pushed = recorder_.push(entry.id, time_of(entry, sample), sample.bytes);
-      if (pushed == bag::PushResult::kQueued && !entry.stream.empty()) note(entry, sample.bytes);
-      ++count;
+  for (Entry& entry : entries_)
+    count += entry.reader.take([&](std::span<const std::byte> bytes) {
+      const auto pushed = recorder_.push(entry.id, time_of(entry, bytes), bytes);
+      if (pushed == bag::PushResult::kQueued && !entry.stream.empty()) note(entry, bytes);
     });
-    (void)taken;  // an error here is an empty reader; the next turn asks again
-  }
   return count;
 }
 
@@ -156,7 +130,7 @@ std::vector<runtime::Link> RecordedTopics::links() const {
   for (const qos::Topic& row : qos::kTopics)
     for (const Entry& entry : entries_)
       if (row.writers != qos::kEveryNode && entry.name == qos::dds_name(row, options_.rig))
-        links.push_back({std::string(row.path), [handle = entry.reader.handle()] { return bus::matched_writers(handle); },
+        links.push_back({std::string(row.path), [handle = entry.reader.get()] { return bus::matched_writers(handle); },
                          qos::names_of(row.writers)});
   return links;
 }

@@ -11,12 +11,14 @@
 #include <vector>
 
 #include "nodes/bag/bag_recorder.hpp"
-#include "nodes/bus/opaque_discovery.hpp"
+#include "nodes/bus/raw_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
+#include "nodes/bus/writer_discovery.hpp"
 #include "nodes/logger/sequence_count.hpp"
 #include "nodes/runtime/figure.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "voxtouch_msgs/all_types.hpp"
 
 namespace voxtouch::logger {
 
@@ -26,7 +28,8 @@ class RecordedTopics {
   RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options,
                  std::vector<std::string> wanted, bag::BagRecorder& recorder, bus::WaitSet& wait_set);
 
-  /// Makes readers for wanted topics whose writers have appeared since. Returns sentences about what cannot be recorded.
+  /// Makes readers for wanted topics whose writers have appeared since. Returns sentences about what cannot be recorded: a topic
+  /// whose type is not compiled in is one.
   std::vector<std::string> discover();
   /// Takes all that is there into the recorder; how many samples that was.
   std::size_t drain();
@@ -41,19 +44,16 @@ class RecordedTopics {
   enum class Stamp { kSampleTime, kZero, kNewest };
   struct Entry {
     std::string name;
-    bus::OpaqueTopic topic;
-    bus::OpaqueReader reader;
-    bus::Entity unread;
+    bus::RawReader reader;
     bag::TopicId id;
     Stamp stamp;
     std::string stream{};     ///< "device_state"; empty where samples bear no number
     SequenceCount numbers{};  ///< under `numbers_mutex_`
   };
-  void add(const std::string& name, const std::string& type, const bus::EndpointQos& qos,
-           const bus::EndpointQos& offered, Stamp stamp);
+  void add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos, const dds_qos_t* offered, Stamp stamp);
   bool wants(const std::string& topic) const;
   void note(Entry& entry, std::span<const std::byte> bytes);
-  std::int64_t time_of(const Entry& entry, const bus::RawSample& sample);
+  std::int64_t time_of(const Entry& entry, std::span<const std::byte> bytes);
 
   const bus::Participant& participant_;
   const runtime::NodeOptions& options_;

@@ -1,8 +1,8 @@
 // A bag's folder. First byte odd: the rest is its metadata.yaml; even: its SQLite file. What is read is counted as it is handed out,
 // hashes twice the same, and messages of the ring are read into their types, or are none.
-#include "nodes/bag/bag_hash.hpp"
 #include "nodes/bag/bag_reader.hpp"
 #include "tests/fuzz/wire.hpp"
+#include "tests/support/bag_hash.hpp"
 
 namespace {
 

@@ -32,35 +32,14 @@ std::string raw(const T& value) {
   return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
-/// The body of a message's CDR, without its header: what Cyclone DDS makes of it for a raw reader.
+/// The body of a message's CDR, without its header.
 template <class T>
 class Encoder {
  public:
-  Encoder() {
-    const std::string name = "corpus/" + std::string(msg::Type<T>::ros_name);
-    const dds_entity_t topic =
-        dds_create_topic(fuzz::participant(), msg::Type<T>::descriptor, name.c_str(), nullptr, nullptr);
-    writer_ = dds_create_writer(fuzz::participant(), topic, nullptr, nullptr);
-    topic_.emplace(bus::OpaqueTopic::create(fuzz::participant(), name, std::string(msg::Type<T>::dds_name)).value());
-    reader_.emplace(bus::OpaqueReader::create(*topic_, bus::EndpointQos{}).value());
-    while (reader_->matched_writers() == 0) dds_sleepfor(DDS_MSECS(1));
-  }
-  std::string operator()(const T& message) {
-    std::string out;
-    for (int tries = 0; out.empty() && tries < 1000; ++tries) {
-      dds_write(writer_, &message);
-      (void)reader_->take([&](const bus::RawSample& sample) {
-        if (sample.valid) out.assign(reinterpret_cast<const char*>(sample.bytes.data()) + 4, sample.bytes.size() - 4);
-      });
-      if (out.empty()) dds_sleepfor(DDS_MSECS(1));
-    }
-    return out;
-  }
+  std::string operator()(const T& message) { return form_.bytes(message).substr(4); }
 
  private:
-  dds_entity_t writer_;
-  std::optional<bus::OpaqueTopic> topic_;
-  std::optional<bus::OpaqueReader> reader_;
+  test::WireForm<T> form_{fuzz::participant()};
 };
 
 void meshes() {

@@ -1,17 +1,11 @@
 #pragma once
-/// Messages as they come from the network: the house's raw writer sends whatever bytes there are, Cyclone DDS reads them into the type
-/// as for any sender, or drops them, and the house's reader hands out what is left.
+/// Messages as they come from the network: Cyclone DDS reads whatever bytes there are into the type as for any sender, or drops them.
 #include <dds/dds.h>
 
-#include <algorithm>
-#include <memory>
 #include <string>
-#include <vector>
 
-#include "nodes/bus/opaque.hpp"
-#include "nodes/bus/reader.hpp"
 #include "tests/fuzz/fuzz.hpp"
-#include "voxtouch_msgs/messages.hpp"
+#include "tests/support/wire_form.hpp"
 
 namespace voxtouch::fuzz {
 
@@ -35,41 +29,14 @@ inline dds_entity_t participant() {
 template <class T>
 class Wire {
  public:
-  Wire() {
-    const std::string name = "fuzz_" + std::to_string(getpid());
-    const std::string type(msg::Type<T>::dds_name);
-    auto raw = bus::OpaqueTopic::create(participant(), name, type);
-    if (!raw) broken("the raw topic can be made", __FILE__, __LINE__);
-    raw_ = std::make_unique<bus::OpaqueTopic>(std::move(*raw));
-    auto writer = bus::OpaqueWriter::create(*raw_, bus::EndpointQos{});
-    if (!writer) broken("the raw writer can be made", __FILE__, __LINE__);
-    writer_ = std::make_unique<bus::OpaqueWriter>(std::move(*writer));
-    const dds_entity_t topic =
-        dds_create_topic(participant(), msg::Type<T>::descriptor, name.c_str(), nullptr, nullptr);
-    dds_qos_t* qos = dds_create_qos();
-    dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);
-    reader_ = dds_create_reader(participant(), topic, qos, nullptr);
-    dds_delete_qos(qos);
-    if (reader_ < 0) broken("the reader can be made", __FILE__, __LINE__);
-    while (writer_->matched_readers() == 0) dds_sleepfor(DDS_MSECS(1));
-  }
-
   /// `cdr`: encapsulation header and body. Calls f(const T&) where it can be read as a T; false where not.
   template <class F>
   bool through(std::string_view cdr, F&& f) {
-    if (!writer_->write(std::as_bytes(std::span(cdr)))) return false;
-    void* lent[1] = {nullptr};
-    dds_sample_info_t info;
-    if (dds_take(reader_, lent, &info, 1, 1) != 1) return false;
-    if (info.valid_data) f(*static_cast<const T*>(lent[0]));
-    dds_return_loan(reader_, lent, 1);
-    return info.valid_data;
+    return form_.read(cdr, f);
   }
 
  private:
-  std::unique_ptr<bus::OpaqueTopic> raw_;
-  std::unique_ptr<bus::OpaqueWriter> writer_;
-  dds_entity_t reader_ = 0;
+  test::WireForm<T> form_{participant()};
 };
 
 /// Types of fixed size: the input is one message after the other, each as little-endian CDR without its header.

@@ -10,11 +10,11 @@
 #include <sstream>
 #include <thread>
 
-#include "nodes/bag/bag_hash.hpp"
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/runtime/strings.hpp"
 #include "tests/ring/ring_run.hpp"
+#include "tests/support/bag_hash.hpp"
 
 namespace voxtouch::test {
 namespace {

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "core/types/geometry.hpp"
-#include "nodes/bag/bag_hash.hpp"
 #include "tests/ring/ring_run.hpp"
+#include "tests/support/bag_hash.hpp"
 
 namespace voxtouch::test {
 namespace {

@@ -52,7 +52,7 @@ void declare(CLI::App& app, Options& o) {
       ->check(CLI::PositiveNumber);
   app.add_option("--duration", o.duration_s, "Seconds of the controller's time, then end; 0: until SIGTERM");
   app.add_option("--hand", o.hand_file,
-                 "File with motion and grip of the operator (format: devices/operator/hand_file.hpp)");
+                 "YAML file with motion and grip of the operator (keys: devices/operator/hand_file.hpp)");
   app.add_flag("--hand-at-once", o.hand_at_once, "The hand moves from the start, not from the first command mode");
   app.add_option("--posture-deg", o.posture_deg, "Joints A1 A2 E1 A3 A4 A5 A6 to start at, or near with --hand")
       ->expected(7);

@@ -9,7 +9,7 @@
 
 #include "nodes/bag/bag_recorder.hpp"
 #include "nodes/bag/bag_writer.hpp"
-#include "nodes/bag/names.hpp"
+#include "nodes/logger/recording_qos.hpp"
 
 namespace {
 
@@ -40,16 +40,13 @@ int main(int argc, char** argv) {
   auto writer = bag::BagWriter::create(argv[1]);
   if (!writer) return fail(writer.error().sentence);
   bag::BagRecorder recorder(std::make_unique<bag::BagWriter>(std::move(*writer)));
-  bus::EndpointQos stream;
-  stream.deadline_ns = 3'000'000;
-  bus::EndpointQos latched{.reliability = bus::Reliability::kReliable,
-                           .durability = bus::Durability::kTransientLocal};
-  const auto state = recorder.add_topic({bag::ros_topic_name("rt/haptic/device/state"),
-                                         bag::ros_type_name("voxtouch_msgs::msg::dds_::DeviceState_"), "cdr",
-                                         bag::offered_qos_text({&stream, 1}), 0});
-  const auto text = recorder.add_topic(
-      {bag::ros_topic_name("rt/haptic/note"), bag::ros_type_name("std_msgs::msg::dds_::String_"),
-                                        "cdr", bag::offered_qos_text({&latched, 1}), 0});
+  const auto offered = [](qos::ProfileId id) {
+    return logger::offered_qos_text(qos::make_qos(qos::profile(id), qos::Endpoint::kWriter, 0.001).get());
+  };
+  const auto state = recorder.add_topic(
+      {"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", offered(qos::ProfileId::kStream), 0});
+  const auto text =
+      recorder.add_topic({"/haptic/note", "std_msgs/msg/String", "cdr", offered(qos::ProfileId::kLatched), 0});
   if (!state || !text) return fail("a topic was refused");
   // header (1 byte of padding is said there), length 6, "hello", padding
   const char hello[] = "\0\1\0\1\6\0\0\0hello\0\0";

@@ -67,36 +67,23 @@ inline bool matched(dds_entity_t reader_or_writer) {
       subscription.current_count > 0;
 }
 
-/// A typed endpoint as a node makes it: reliable, keep all, transient local if asked for.
-inline dds_entity_t typed_endpoint(bool writer, dds_entity_t participant, const dds_topic_descriptor_t& type,
-                                   const std::string& name,
-                                   bool latched = false) {
-  dds_qos_t* qos = dds_create_qos();
-  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(10));
-  dds_qset_history(qos, latched ? DDS_HISTORY_KEEP_LAST : DDS_HISTORY_KEEP_ALL, 1);
-  if (latched) {
-    dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
-    dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST, 1, -1, -1, -1);
-  }
+inline dds_entity_t make_writer(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& name,
+                                const dds_qos_t* qos) {
   const dds_entity_t topic = dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr);
-  const dds_entity_t endpoint = writer ? dds_create_writer(participant, topic, qos, nullptr)
-      : dds_create_reader(participant, topic, qos, nullptr);
-  dds_delete_qos(qos);
-  EXPECT_GT(endpoint, 0) << dds_strretcode(endpoint);
-  return endpoint;
+  const dds_entity_t writer = dds_create_writer(participant, topic, qos, nullptr);
+  EXPECT_GT(writer, 0) << dds_strretcode(writer);
+  return writer;
 }
 
-/// CDR by hand, after the standard (XCDR1): the tests' own idea of what the wire looks like.
+/// CDR by hand, after the standard (XCDR1, little-endian): the tests' own idea of what the wire looks like.
 class CdrBuilder {
  public:
-  explicit CdrBuilder(bool little = true) : little_(little),
-      bytes_{std::byte{0}, little ? std::byte{1} : std::byte{0}, {}, {}} {}
   template <class T>
   CdrBuilder& add(T value) {
     while ((bytes_.size() - 4) % sizeof(T) != 0) bytes_.push_back({});
     std::byte raw[sizeof(T)];
     std::memcpy(raw, &value, sizeof(T));
-    for (std::size_t i = 0; i < sizeof(T); ++i) bytes_.push_back(raw[little_ ? i : sizeof(T) - 1 - i]);
+    bytes_.insert(bytes_.end(), raw, raw + sizeof(T));
     return *this;
   }
   CdrBuilder& add_text(const std::string& text) {
@@ -112,11 +99,9 @@ class CdrBuilder {
     bytes[3] = static_cast<std::byte>(bytes.size() - bytes_.size());
     return bytes;
   }
-  const std::vector<std::byte>& bytes() const { return bytes_; }
 
  private:
-  bool little_;
-  std::vector<std::byte> bytes_;
+  std::vector<std::byte> bytes_{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
 };
 
 }  // namespace voxtouch::bag::test

@@ -1,4 +1,4 @@
-#include "nodes/bag/bag_hash.hpp"
+#include "tests/support/bag_hash.hpp"
 
 #include "nodes/bag/bag_writer.hpp"
 #include "tests/unit/bag/support.hpp"

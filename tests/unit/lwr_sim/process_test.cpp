@@ -101,7 +101,7 @@ TEST(ControllerProgram, LeadsTheArmAlongAHandFilesMotionAndTracesWhatItFeltAfter
   file.motion.path = {rest.position, rest.position + Vec3(0.0, 0.05, 0.0)};
   file.motion.orientation = rest.orientation;
   file.hand = *grip("arm");
-  write_hand(folder / "hand", file);
+  std::ofstream(folder / "hand") << to_text(file);
   UdpSocket socket("127.0.0.1", 0);
   const std::string trace = (folder / "trace.csv").string();
   Process program({kProgram, "--remote", remote_of(socket), "--virtual-time", "--duration", "2.6", "--hand",

@@ -1,4 +1,4 @@
-#include "nodes/bag/bag_hash.hpp"
+#include "tests/support/bag_hash.hpp"
 
 #include <algorithm>
 #include <bit>

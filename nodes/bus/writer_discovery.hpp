@@ -1,0 +1,31 @@
+#pragma once
+/// Which writers are on the network.
+#include "nodes/bus/entity.hpp"
+
+namespace voxtouch::bus {
+
+class WriterDiscovery {
+ public:
+  /// Throws Error.
+  explicit WriterDiscovery(dds_entity_t participant)
+      : reader_(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+                "the writers on the network could not be asked for") {}
+
+  /// Calls f(const dds_builtintopic_endpoint_t&) for each writer that has come or changed since the last call, also those of this
+  /// process; what it is given belongs to DDS. Does not block.
+  template <class F>
+  void take(F&& f) {
+    void* lent[1] = {nullptr};
+    dds_sample_info_t info;
+    while (dds_take(reader_.get(), lent, &info, 1, 1) == 1) {
+      if (info.valid_data && info.instance_state == DDS_ALIVE_INSTANCE_STATE)
+        f(*static_cast<const dds_builtintopic_endpoint_t*>(lent[0]));
+      dds_return_loan(reader_.get(), lent, 1);
+    }
+  }
+
+ private:
+  Entity reader_;
+};
+
+}  // namespace voxtouch::bus

@@ -1,0 +1,83 @@
+#include "nodes/logger/recorded_topics.hpp"
+
+#include "foreign.h"
+#include "nodes/bag/bag_reader.hpp"
+#include "nodes/bag/bag_writer.hpp"
+#include "nodes/logger/recording_qos.hpp"
+#include "tests/unit/bag/dds_support.hpp"
+
+namespace voxtouch::logger {
+namespace {
+
+using namespace bag::test;
+
+TEST(OfferedQos, IsTheTextThatHumbleWrites) {
+  const qos::Qos qos(dds_create_qos());
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, 0);
+  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 7);
+  dds_qset_deadline(qos.get(), 3'000'000);
+  EXPECT_EQ(offered_qos_text(qos.get()),
+            "- history: 1\n  depth: 7\n  reliability: 1\n  durability: 1\n"
+            "  deadline:\n    sec: 0\n    nsec: 3000000\n"
+            "  lifespan:\n    sec: 9223372036\n    nsec: 854775807\n  liveliness: 1\n"
+            "  liveliness_lease_duration:\n    sec: 9223372036\n    nsec: 854775807\n"
+            "  avoid_ros_namespace_conventions: false");
+}
+
+TEST(OfferedQos, HoldsTheOtherPolicies) {
+  const qos::Qos qos(dds_create_qos());
+  EXPECT_TRUE(offered_qos_text(qos.get()).starts_with("- history: 1\n  depth: 1\n  reliability: 2\n  durability: 2\n"))
+      << "what is not announced is the default";
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
+  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, 100'000'000);
+  dds_qset_lifespan(qos.get(), 5'000'000'000);
+  const std::string text = offered_qos_text(qos.get());
+  EXPECT_TRUE(text.starts_with("- history: 2\n  depth: 0\n")) << text;
+  EXPECT_NE(text.find("lifespan:\n    sec: 5\n    nsec: 0\n  liveliness: 3\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("lease_duration:\n    sec: 0\n    nsec: 100000000\n"), std::string::npos) << text;
+}
+
+TEST(RecordedTopics, TakesWantedTopicsWhoseTypeIsCompiledInAndRefusesOthersOnce) {
+  const TemporaryFolder folder;
+  runtime::NodeOptions options;
+  options.rig = "recorded_topics_test";
+  const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(voxtouch::test::fresh_domain())), "lo", "recorder"});
+  bus::WaitSet wait_set(participant);
+  bag::BagRecorder recorder(std::make_unique<bag::BagWriter>(expect_value(bag::BagWriter::create(folder / "bag"))));
+  RecordedTopics topics(participant, options, {"rt/other/*"}, recorder, wait_set);
+  const std::size_t of_the_ring = topics.size();
+
+  const qos::Qos qos = qos::make_qos(qos::profile(qos::ProfileId::kLatched), qos::Endpoint::kWriter, 0.0);
+  const auto write = [&](const std::string& name) {
+    const dds_entity_t writer =
+        make_writer(participant.get(), *msg::Type<msg::std_msgs_Header>::descriptor, name, qos.get());
+    std::string text = "known";
+    const msg::std_msgs_Header header{{1, 2}, text.data()};
+    EXPECT_EQ(dds_write(writer, &header), DDS_RETCODE_OK);
+  };
+  write("rt/other/header"), write("rt/unwanted");
+  make_writer(participant.get(), foreign_msg_dds__Thing__desc, "rt/other/thing", qos.get());
+  make_writer(participant.get(), foreign_msg_dds__Thing__desc, "rt/other/thing", qos.get());
+  std::vector<std::string> sentences;
+  std::size_t messages = 0;
+  ASSERT_TRUE(eventually([&] {
+    for (std::string& sentence : topics.discover()) sentences.push_back(std::move(sentence));
+    messages += topics.drain();
+    return messages > 0 && !sentences.empty();
+  }));
+  EXPECT_EQ(topics.size(), of_the_ring + 1);
+  EXPECT_EQ(sentences, std::vector<std::string>{"topic rt/other/thing is not recorded: its type foreign::msg::dds_::Thing_ is "
+                                                "none of those compiled in, which idl lists"});
+  recorder.stop();
+  const bag::BagReader bag = expect_value(bag::BagReader::open(folder / "bag"));
+  ASSERT_TRUE(bag.find_topic("/other/header"));
+  const bag::TopicInfo& topic = bag.topics()[*bag.find_topic("/other/header")];
+  EXPECT_EQ(topic.type, "std_msgs/msg/Header");
+  EXPECT_EQ(topic.message_count, 1U);
+  EXPECT_EQ(topic.offered_qos, offered_qos_text(qos.get()));
+  EXPECT_FALSE(bag.find_topic("/other/thing") || bag.find_topic("/unwanted"));
+}
+
+}  // namespace
+}  // namespace voxtouch::logger
