@@ -31,7 +31,7 @@ PolicedInput InputPolicy::take(const CouplingInput& input, double dt_s, double g
   PolicedInput out;
   const bool good_period = dt_s >= nominal_s_ / kPeriodBand && dt_s <= nominal_s_ * kPeriodBand;  // false for NaN
   out.dt_s = good_period ? dt_s : nominal_s_;
-  if (!good_period) ++bad_periods_;
+  if (!good_period) ++faults_;
   const bool good_input = usable(input);
   out.gap = dt_s > nominal_s_ * kGapPeriods;
   out.gap |= hold_or_lose(good_input, out.dt_s);
@@ -40,7 +40,7 @@ PolicedInput InputPolicy::take(const CouplingInput& input, double dt_s, double g
   if (good_input) {
     last_ = input;
   } else {
-    ++bad_inputs_;
+    ++faults_;
     status_.held_input = true;
   }
   out.contact = last_.contact;

@@ -39,9 +39,7 @@ class InputPolicy {
   /// in contact. Gives back `held` as far as the limits allow; zero where it is not finite.
   Wrench restart(const Wrench& held) noexcept;
 
-  std::uint64_t faults() const noexcept { return bad_periods_ + bad_inputs_; }
-  std::uint64_t bad_periods() const noexcept { return bad_periods_; }
-  std::uint64_t bad_inputs() const noexcept { return bad_inputs_; }
+  std::uint64_t faults() const noexcept { return faults_; }  ///< bad periods and bad inputs
   const CouplingStatus& status() const noexcept { return status_; }
   double nominal_period_s() const noexcept { return nominal_s_; }
 
@@ -56,7 +54,7 @@ class InputPolicy {
   Start start_ = Start::kFadeIfInContact;
   CouplingInput last_;
   CouplingStatus status_;
-  std::uint64_t bad_periods_ = 0, bad_inputs_ = 0;
+  std::uint64_t faults_ = 0;
 };
 
 }  // namespace voxtouch
