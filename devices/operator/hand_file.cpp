@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <functional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch {
 namespace {
@@ -35,12 +35,10 @@ std::string_view trimmed(std::string_view text) {
 
 template <class Number>
 Number number_of(const Line& line, std::string_view word) {
-  Number value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  bool good = error == std::errc() && end == word.data() + word.size();
-  if constexpr (std::is_floating_point_v<Number>) good = good && !std::isnan(value);
-  if (!good) line.refuse(fmt::format("'{}' of {} is no number that fits", word, line.key));
-  return value;
+  const auto value = parse_number<Number>(word);
+  if (!value || *value != *value)  // NaN
+    line.refuse(fmt::format("'{}' of {} is no number that fits", word, line.key));
+  return *value;
 }
 
 std::vector<double> numbers_of(const Line& line) {
