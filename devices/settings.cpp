@@ -4,24 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <set>
 
+#include "core/types/number.hpp"
 #include "devices/driver.hpp"
 
 namespace voxtouch {
 namespace {
-
-template <class Number>
-std::optional<Number> parse(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  if constexpr (std::is_floating_point_v<Number>)
-    if (!std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 bool among(std::string_view key, std::initializer_list<std::string_view> keys) {
   return std::find(keys.begin(), keys.end(), key) != keys.end();
@@ -76,7 +65,7 @@ void SettingReader::refuse(std::string_view key, std::string_view value, std::st
 std::optional<double> SettingReader::number(std::string_view key) const {
   const auto value = text(key);
   if (!value) return std::nullopt;
-  const auto parsed = parse<double>(*value);
+  const auto parsed = parse_finite(*value);
   if (!parsed) refuse(key, *value, "a finite number");
   return parsed;
 }
@@ -84,17 +73,17 @@ std::optional<double> SettingReader::number(std::string_view key) const {
 std::optional<std::uint32_t> SettingReader::whole(std::string_view key) const {
   const auto value = text(key);
   if (!value) return std::nullopt;
-  const auto parsed = parse<std::uint32_t>(*value);
+  const auto parsed = parse_number<std::uint32_t>(*value);
   if (!parsed) refuse(key, *value, "a whole number of 0 or more");
-  return parsed;
+  return *parsed;
 }
 
 std::optional<std::uint16_t> SettingReader::port(std::string_view key) const {
   const auto value = text(key);
   if (!value) return std::nullopt;
-  const auto parsed = parse<std::uint16_t>(*value);
+  const auto parsed = parse_number<std::uint16_t>(*value);
   if (!parsed || *parsed == 0) refuse(key, *value, "a UDP port, 1 to 65535");
-  return parsed;
+  return *parsed;
 }
 
 std::optional<Vec3> SettingReader::vector(std::string_view key) const {
@@ -104,7 +93,7 @@ std::optional<Vec3> SettingReader::vector(std::string_view key) const {
   std::string_view rest = *value;
   for (int axis = 0; axis < 3; ++axis) {
     const auto comma = rest.find(',');
-    const auto number = parse<double>(rest.substr(0, comma));
+    const auto number = parse_finite(rest.substr(0, comma));
     if (!number || (axis < 2) != (comma != std::string_view::npos)) refuse(key, *value, "three finite numbers X,Y,Z");
     out[axis] = *number;
     if (axis < 2) rest.remove_prefix(comma + 1);

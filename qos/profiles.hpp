@@ -51,14 +51,4 @@ enum class Endpoint : std::uint8_t { kWriter, kReader };
 /// The DDS QoS of one endpoint; `period_s` is the topic's period (0 where it has none).
 Qos make_qos(const Profile& profile, Endpoint endpoint, double period_s);
 
-/// Whether a writer of profile `offered` satisfies a reader of profile `requested` at the same period.
-constexpr bool matches(const Profile& offered, const Profile& requested) {
-  if (requested.reliable && !offered.reliable) return false;
-  if (requested.transient_local && !offered.transient_local) return false;
-  if (requested.deadline_periods > 0 &&
-      (offered.deadline_periods <= 0 || offered.deadline_periods > requested.deadline_periods))
-    return false;
-  return true;
-}
-
 }  // namespace voxtouch::qos

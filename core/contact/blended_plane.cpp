@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "core/contact/limits.hpp"
+#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 
 namespace limits = contact_limits;
 
 double BlendedPlane::depth(const Vec3& direction) const noexcept {
-  const double share = limits::smoothstep(0.0, limits::kSurfaceWeight, surface);
+  const double share = smoothstep(0.0, limits::kSurfaceWeight, surface);
   double depth = surface > 0.0 ? share * direction.dot(offset) : 0.0;
   if (interior > 0.0) depth += (1.0 - share) * limits::kDeepEdges;
   return depth;
@@ -34,7 +35,7 @@ BlendedPlane blended_plane(const Voxmap& voxmap, const Vec3& u) noexcept {
         switch (voxmap.at({at(v.i, x), at(v.j, y), at(v.k, z)})) {
           case VoxelKind::kFree:
             if (const double squared = beyond[0][x] + beyond[1][y] + beyond[2][z]; squared < kNear)
-              plane.inside *= limits::smoothstep(0.0, limits::kBorderEdges, std::sqrt(squared));
+              plane.inside *= smoothstep(0.0, limits::kBorderEdges, std::sqrt(squared));
             break;
           case VoxelKind::kInterior: plane.interior += w; break;
           case VoxelKind::kSurface:

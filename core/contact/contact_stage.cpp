@@ -5,6 +5,7 @@
 
 #include "core/contact/limits.hpp"
 #include "core/contact/stiffness_sum.hpp"
+#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 
@@ -48,7 +49,7 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
     update_shared_direction(hits);
     frame.mean = plain.mean_normal;
     if (config_.model != ContactModelKind::kOriginal)
-      frame.mean_share = limits::smoothstep(limits::kBlendFrom, limits::kBlendTo, plain.coherence);
+      frame.mean_share = smoothstep(limits::kBlendFrom, limits::kBlendTo, plain.coherence);
     surface_points(hits, frame, result);
     interior_points(hits, frame, result);
     if (frame.stiffness.any()) frame.stiffness.add_to(config_.stiffness, result.contact.stiffness);
@@ -77,10 +78,10 @@ void ContactStage::update_shared_direction(const HitList& hits) noexcept {
     }
   const double length = mean.norm();
   const double coherence = weights > 0.0 ? length / weights : 0.0;
-  double share = hits.surface.empty() ? 0.0 : limits::smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
+  double share = hits.surface.empty() ? 0.0 : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
   if (share > 0.0) mean /= length;
   // While points hang on g, it may be led but not turned over.
-  if (shared_points_ > 0) share *= limits::smoothstep(limits::kAgreeFrom, limits::kAgreeTo, mean.dot(shared_));
+  if (shared_points_ > 0) share *= smoothstep(limits::kAgreeFrom, limits::kAgreeTo, mean.dot(shared_));
   if (share >= 1.0) shared_ = mean;
   shared_now_ = shared_;
   // In between only this frame's direction leans: `shared_` itself must not creep while the tool rests. The two are less than

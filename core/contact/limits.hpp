@@ -63,12 +63,4 @@ inline constexpr double kDeepEdges = 1.25;
 /// `clustered`: over this distance from a free voxel a push fades in.
 inline constexpr double kBorderEdges = 0.15;
 
-/// 0 up to `from`, 1 from `to` on, 3t^2 - 2t^3 between: continuous with its first derivative. NaN gives 0.
-inline constexpr double smoothstep(double from, double to, double x) noexcept {
-  const double t = (x - from) / (to - from);
-  if (!(t > 0.0)) return 0.0;
-  if (t >= 1.0) return 1.0;
-  return t * t * (3.0 - 2.0 * t);
-}
-
 }  // namespace voxtouch::contact_limits

@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "core/contact/limits.hpp"
+#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 namespace {
@@ -30,7 +30,7 @@ constexpr double kCosWide = 0.6427876096865394, kCosNarrow = 0.984807753012208; 
 
 double membership(const Vec3& direction, const Vec3& normal) noexcept {
   const double cosine = direction.dot(normal);
-  return cosine <= kCosWide ? 0.0 : contact_limits::smoothstep(kCosWide, kCosNarrow, cosine);
+  return cosine <= kCosWide ? 0.0 : smoothstep(kCosWide, kCosNarrow, cosine);
 }
 
 }  // namespace

@@ -134,27 +134,4 @@ void EffectChain::take(const EffectCommand& command) noexcept {
   for (std::size_t n = 0; n < 3; ++n) link.rate.at(command.parameter)[n] = std::abs(goal[n] - now[n]) / kEffectRampS;
 }
 
-std::string EffectChain::switch_to(std::size_t effect, bool on) {
-  if (links_[effect].goal.kind->everywhere) return no_switch(links_[effect].goal);
-  take({.action = EffectAction::kSwitch,
-        .effect = static_cast<std::uint32_t>(effect),
-        .value = {on ? 1.0 : 0.0, 0.0, 0.0}});
-  return {};
-}
-
-std::string EffectChain::set_gain(std::size_t effect, double gain) {
-  if (links_[effect].goal.kind->everywhere) return no_switch(links_[effect].goal);
-  if (!(gain >= 0.0 && gain <= 1.0)) return "'gain' must be a number from 0 to 1";
-  take({.action = EffectAction::kGain, .effect = static_cast<std::uint32_t>(effect), .value = {gain, 0.0, 0.0}});
-  return {};
-}
-
-std::string EffectChain::set_value(std::size_t effect, std::string_view parameter, const std::array<double, 3>& value) {
-  std::expected<EffectCommand, std::string> command = judge_value(links_[effect].goal, parameter, value);
-  if (!command) return std::move(command.error());
-  command->effect = static_cast<std::uint32_t>(effect);
-  take(*command);
-  return {};
-}
-
 }  // namespace voxtouch

@@ -37,15 +37,9 @@ class EffectChain {
   const EffectValues& values(std::size_t effect) const noexcept { return links_[effect].now; }
   /// -1 where there is none of that name.
   int find(std::string_view name) const noexcept;
-  /// Switches on or off, sets the gain, sets one parameter of one effect; each a sentence saying why not, empty if done.
-  /// Between two calls of `apply`.
-  std::string switch_to(std::size_t effect, bool on);
-  std::string set_gain(std::size_t effect, double gain);
-  std::string set_value(std::size_t effect, std::string_view parameter, const std::array<double, 3>& value);
-
   /// Energy that kinds which may give some were free to give since the chain was made, over a way of `metres` [J].
   double given_over(double metres) const noexcept { return per_metre_j_ * metres; }
-  /// The same for what `judge` has found good. Real-time safe.
+  /// What `judge` has found good: a switch, a gain or a parameter. Between two calls of `apply`. Real-time safe.
   void take(const EffectCommand& command) noexcept;
 
   /// All numbers have come to where they were to go (gains may still be on their way). Real-time safe.

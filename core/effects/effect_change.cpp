@@ -40,8 +40,12 @@ std::array<double, 3> in_shape(const EffectParameter& parameter, const std::arra
   return {unit.x(), unit.y(), unit.z()};
 }
 
-}  // namespace
+/// Why a kind that is `everywhere` is neither switched nor weighed.
+std::string no_switch(const EffectSpec& effect) {
+  return fmt::format("'{}' takes no switch and no gain: half of it would be nothing", effect.name);
+}
 
+/// `judge` for one parameter of one effect.
 Judged judge_value(const EffectSpec& effect, std::string_view parameter, const std::array<double, 3>& value) {
   const std::span<const EffectParameter> all = effect.kind->parameters;
   const auto found =
@@ -66,6 +70,8 @@ Judged judge_value(const EffectSpec& effect, std::string_view parameter, const s
         fmt::format("with this '{}' nothing bounds the stiffness of '{}'", found->name, effect.name));
   return command;
 }
+
+}  // namespace
 
 Judged judge(std::span<const EffectSpec> effects, const EffectWish& wish) {
   const auto found =
@@ -94,10 +100,6 @@ Judged judge(std::span<const EffectSpec> effects, const EffectWish& wish) {
   }
   command.effect = static_cast<std::uint32_t>(found - effects.begin());
   return command;
-}
-
-std::string no_switch(const EffectSpec& effect) {
-  return fmt::format("'{}' takes no switch and no gain: half of it would be nothing", effect.name);
 }
 
 void take(EffectSpec& effect, const EffectCommand& command) noexcept {

@@ -31,17 +31,11 @@ struct EffectCommand {
 /// What `wish` means for `effects`, or a sentence why not: an unknown name, a number that is not finite or out of its range, a
 /// word (which never changes while running), values that together need what was not built or bound the stiffness no more.
 std::expected<EffectCommand, std::string> judge(std::span<const EffectSpec> effects, const EffectWish& wish);
-/// The same for one parameter of one effect.
-std::expected<EffectCommand, std::string> judge_value(const EffectSpec& effect, std::string_view parameter,
-                                                      const std::array<double, 3>& value);
 
 /// Does to the spec what the chain does to the effect, without a ramp: where it will have come to. Real-time safe.
 void take(EffectSpec& effect, const EffectCommand& command) noexcept;
 
 /// `text` for a sentence: at most 64 characters, those that cannot be printed as '?'.
 std::string quotable(std::string_view text);
-
-/// Why a kind that is `everywhere` is neither switched nor weighed.
-std::string no_switch(const EffectSpec& effect);
 
 }  // namespace voxtouch

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/types/smoothstep.hpp"
+
 namespace voxtouch {
 namespace {
 
@@ -35,7 +37,7 @@ GuideForce guide_force(const GuideLaw& law, double s) noexcept {
   if (s <= half) return limited_spring(k, limit, s);
   GuideForce out = limited_spring(k, limit, half);
   const double t = std::min(1.0, (s - half) / half);
-  out.force_n = limit * (1.0 - t * t * (3.0 - 2.0 * t));
+  out.force_n = limit * (1.0 - smoothstep(0.0, 1.0, t));
   out.slope_n_per_m = -6.0 * limit * t * (1.0 - t) / half;
   out.per_metre_n_per_m = out.force_n / s;
   out.potential_j += limit * half * (t - t * t * t + 0.5 * t * t * t * t);

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/contact/limits.hpp"
 #include "core/effects/effect.hpp"
+#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 namespace {
@@ -53,7 +53,7 @@ Layer layer_at(double limit, double range, double d) noexcept {
   const double work =
       limit * range * (u * u * u - 0.5 * u * u * u * u);  // from the layer's border that is on this side
   const double slope = limit / range * 6.0 * u * (1.0 - u);
-  return {d >= 0.0 ? work : limit * range - work, limit * contact_limits::smoothstep(0.0, 1.0, u),
+  return {d >= 0.0 ? work : limit * range - work, limit * smoothstep(0.0, 1.0, u),
           std::copysign(slope, d)};
 }
 

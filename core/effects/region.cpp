@@ -1,6 +1,6 @@
 #include "core/effects/region.hpp"
 
-#include "core/contact/limits.hpp"
+#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 namespace {
@@ -29,7 +29,7 @@ RegionWeight weight_at(const Region& region, const Vec3& x) noexcept {
   if (!(distance > 0.0)) return {};
   if (distance >= region.blend_m) return {0.0, Vec3::Zero()};
   const double t = distance / region.blend_m;
-  return {1.0 - contact_limits::smoothstep(0.0, 1.0, t), (-6.0 * t * (1.0 - t) / region.blend_m) * (away / distance)};
+  return {1.0 - smoothstep(0.0, 1.0, t), (-6.0 * t * (1.0 - t) / region.blend_m) * (away / distance)};
 }
 
 double slope_bound_per_m(const Region& region) noexcept { return everywhere(region) ? 0.0 : 1.5 / region.blend_m; }

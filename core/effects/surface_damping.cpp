@@ -1,8 +1,8 @@
 // Viscous damping where the tool touches: surfaces as if wet, thick or velvety.
 #include <array>
 
-#include "core/contact/limits.hpp"
 #include "core/effects/touch_point.hpp"
+#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 namespace {
@@ -37,7 +37,7 @@ Vec3 cut(const Vec3& v) noexcept {
 }
 
 double weight_of(double push_n, const EffectValues& values) noexcept {
-  return contact_limits::smoothstep(0.0, values.number(kFull), push_n);
+  return smoothstep(0.0, values.number(kFull), push_n);
 }
 
 class SurfaceDamping final : public Effect {

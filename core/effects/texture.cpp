@@ -1,9 +1,9 @@
 // Texture: a relief that is felt as pushes along the surface.
 #include <array>
 
-#include "core/contact/limits.hpp"
 #include "core/effects/texture_pattern.hpp"
 #include "core/effects/touch_point.hpp"
+#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 namespace {
@@ -83,7 +83,7 @@ class Texture final : public Effect {
 
  private:
   static double weight_of(double push_n, const EffectValues& values) noexcept {
-    return contact_limits::smoothstep(0.0, values.number(kFull), push_n);
+    return smoothstep(0.0, values.number(kFull), push_n);
   }
   /// Where several objects touch they share: together they push as one at most.
   static double sum_of_weights(const EffectFrame& frame, const EffectValues& values) noexcept {

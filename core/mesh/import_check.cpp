@@ -1,7 +1,8 @@
 #include "core/mesh/import_check.hpp"
 
 #include <algorithm>
-#include <charconv>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch::import {
 namespace {
@@ -50,10 +51,8 @@ std::string printable(std::string_view text) {
 }
 
 std::optional<std::uint64_t> whole_number(std::string_view word) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (word.empty() || error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
+  const auto value = parse_number<std::uint64_t>(word);
+  return value ? std::optional(*value) : std::nullopt;
 }
 
 /// Objects, groups, materials and smoothing would make assimp sort the faces; as comments they leave the

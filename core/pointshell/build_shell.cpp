@@ -106,12 +106,4 @@ Pointshell make_naive_shell(const std::vector<ShellPoint>& points, const Grid& g
   return shell;
 }
 
-Pointshell build_exact_shell(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for) {
-  return make_exact_shell(shell_points(mesh, grid, parallel_for), grid);
-}
-
-Pointshell build_naive_shell(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for) {
-  return make_naive_shell(shell_points(mesh, grid, parallel_for), grid);
-}
-
 }  // namespace voxtouch

@@ -59,8 +59,4 @@ double largest_gap_m(const std::vector<ShellPoint>& points);
 Pointshell make_exact_shell(const std::vector<ShellPoint>& points, const Grid& grid);
 Pointshell make_naive_shell(const std::vector<ShellPoint>& points, const Grid& grid);
 
-/// `shell_points` and `make_..._shell` in one.
-Pointshell build_exact_shell(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for);
-Pointshell build_naive_shell(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for);
-
 }  // namespace voxtouch

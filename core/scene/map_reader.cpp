@@ -4,9 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numeric>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch {
 namespace {
@@ -67,16 +68,13 @@ std::string listed(const std::vector<std::string_view>& words) { return fmt::for
 double read_number(const SceneSource& source, const YamlNode& node, std::string_view what) {
   if (!is_word(node)) mistyped(source, node, what, "a number");
   if (is_not_finite_word(node.text)) mistyped(source, node, what, "a finite number");
-  // from_chars knows no locale, where strtod and streams would read 0,5 for 0.5 in some.
-  const char* first = node.text.data();
-  const char* const last = first + node.text.size();
-  if (last - first > 1 && *first == '+' && first[1] != '-' && first[1] != '+') ++first;
-  double value = 0;
-  const auto [end, fault] = std::from_chars(first, last, value);
-  if (fault == std::errc::result_out_of_range && end == last)
+  std::string_view digits = node.text;
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-' && digits[1] != '+') digits.remove_prefix(1);
+  const auto value = parse_number<double>(digits);
+  if (!value && value.error() == std::errc::result_out_of_range)
     mistyped(source, node, what, "a finite number within the range of a double");
-  if (fault != std::errc() || end != last) mistyped(source, node, what, "a number");
-  return value;
+  if (!value) mistyped(source, node, what, "a number");
+  return *value;
 }
 
 double read_positive(const SceneSource& source, const YamlNode& node, std::string_view what) {
@@ -93,11 +91,9 @@ double read_not_negative(const SceneSource& source, const YamlNode& node, std::s
 
 std::uint64_t read_count(const SceneSource& source, const YamlNode& node, std::string_view what) {
   if (!is_word(node)) mistyped(source, node, what, "a whole number from 0");
-  std::uint64_t value = 0;
-  const char* const last = node.text.data() + node.text.size();
-  const auto [end, fault] = std::from_chars(node.text.data(), last, value);
-  if (fault != std::errc() || end != last) mistyped(source, node, what, "a whole number from 0");
-  return value;
+  const auto value = parse_number<std::uint64_t>(node.text);
+  if (!value) mistyped(source, node, what, "a whole number from 0");
+  return *value;
 }
 
 bool read_flag(const SceneSource& source, const YamlNode& node, std::string_view what) {

@@ -4,23 +4,18 @@
 
 namespace voxtouch {
 
-void SceneHash::mix(std::string_view bytes) noexcept {
-  constexpr std::uint64_t kPrime = 0x100000001b3ULL;
-  for (const char c : bytes) state_ = (state_ ^ static_cast<unsigned char>(c)) * kPrime;
-}
-
 void SceneHash::close_part(std::uint64_t length) noexcept {
   char bytes[8];
   for (int i = 0; i < 8; ++i) bytes[i] = static_cast<char>((length >> (8 * i)) & 0xFFU);
-  mix({bytes, sizeof bytes});
+  hash_.add({bytes, sizeof bytes});
 }
 
 void SceneHash::add(std::string_view bytes) noexcept {
-  mix(bytes);
+  hash_.add(bytes);
   close_part(bytes.size());
 }
 
-std::string SceneHash::hex() const { return fmt::format("{:016x}", state_); }
+std::string SceneHash::hex() const { return fmt::format("{:016x}", hash_.value()); }
 
 std::string hash_of_bytes(std::string_view bytes) {
   SceneHash hash;

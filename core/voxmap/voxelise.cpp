@@ -144,7 +144,6 @@ Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& p
                .open_parts = shells.open_parts,
                .unoriented_parts = shells.unoriented_parts,
                .turned_triangles = shells.turned_triangles,
-               .enclosed_groups = groups.member.size() - 1,
                .inside_out = shells.signed_volume < 0.0,
                .has_interior = map.interior_count() > 0};
   }

@@ -22,8 +22,6 @@ struct VoxeliseReport {
   std::size_t closed_parts = 0, open_parts = 0, unoriented_parts = 0;
   /// disagreed with their neighbours; counted as turned round for "inside"
   std::size_t turned_triangles = 0;
-  /// groups of voxels that the surface cuts off from outside, inside or not
-  std::size_t enclosed_groups = 0;
   bool inside_out = false;           ///< the closed parts' signed volume is negative
   /// false: open mesh, or everything inside is thinner than the surface layer
   bool has_interior = false;

@@ -100,10 +100,7 @@ bool UdpSocket::wait(std::chrono::nanoseconds timeout) noexcept {
     const int ready = ppoll(&wanted, 1, &limit, nullptr);
     if (ready > 0) return true;
     if (ready == 0) return false;
-    if (errno != EINTR) {
-      last_errno_ = errno;
-      return false;
-    }
+    if (errno != EINTR) return false;
   }
 }
 
@@ -122,7 +119,6 @@ std::optional<UdpSocket::Datagram> UdpSocket::receive(std::span<std::byte> buffe
     const ssize_t size = recvmsg(file_, &message, MSG_TRUNC);  // MSG_TRUNC: the true size, also of one that is too long
     if (size >= 0) return Datagram{static_cast<std::size_t>(size), from_system(from), age_of(message)};
     if (errno == EINTR) continue;
-    if (errno != EAGAIN) last_errno_ = errno;
     return std::nullopt;
   }
 }
@@ -134,7 +130,6 @@ bool UdpSocket::send(std::span<const std::byte> datagram, const UdpEndpoint& to)
                                 reinterpret_cast<const sockaddr*>(&address), sizeof address);
     if (sent == static_cast<ssize_t>(datagram.size())) return true;
     if (sent < 0 && errno == EINTR) continue;
-    last_errno_ = errno;
     return false;
   }
 }

@@ -40,16 +40,14 @@ class UdpSocket {
   bool wait(std::chrono::nanoseconds timeout) noexcept;
   /// The oldest datagram that waits; nullopt: none does.
   std::optional<Datagram> receive(std::span<std::byte> buffer) noexcept;
-  /// False: the system did not take it; `last_errno` tells why.
+  /// False: the system did not take it.
   bool send(std::span<const std::byte> datagram, const UdpEndpoint& to) noexcept;
 
   UdpEndpoint local() const noexcept { return local_; }
-  int last_errno() const noexcept { return last_errno_; }
 
  private:
   int file_ = -1;
   UdpEndpoint local_;
-  int last_errno_ = 0;
 };
 
 }  // namespace voxtouch

@@ -4,13 +4,14 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
-#include <charconv>
 #include <cmath>
 #include <concepts>
 #include <fstream>
 #include <map>
 #include <sstream>
 #include <stdexcept>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch {
 namespace {
@@ -62,9 +63,9 @@ class Reader {
   template <Number T>
   void read(const YAML::Node& node, T& value) const {
     const std::string text = node.Scalar() == ".inf" ? "inf" : node.Scalar();  // empty where there is a list
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || value != value)
-      refuse(node.Mark(), fmt::format("'{}' is no number that fits", text));
+    const auto number = parse_number<T>(text);
+    if (!number || *number != *number) refuse(node.Mark(), fmt::format("'{}' is no number that fits", text));
+    value = *number;
   }
   template <class T>
   void read(const YAML::Node& node, std::optional<T>& value) const {

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
+#include "core/types/number.hpp"
 #include "devices/counterpart.hpp"
 #include "devices/phantom/phantom_driver.hpp"
 #include "devices/phantom/phantom_models.hpp"
@@ -38,11 +38,10 @@ struct Fault {
 };
 
 double number_in(std::string_view text, const SettingReader& settings, const std::string& whole) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(value) <= 1e6))
+  const auto value = parse_number<double>(text);
+  if (!value || !(std::abs(*value) <= 1e6))
     settings.refuse("fault", whole, "KIND@SECONDS[:AMOUNT] with numbers up to a million");
-  return value;
+  return *value;
 }
 
 Fault parse_fault(const std::string& text, const SettingReader& settings) {

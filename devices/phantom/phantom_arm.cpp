@@ -122,10 +122,4 @@ double PhantomDynamics::energy(const Vec3& q, const Vec3& v) const noexcept {
   return 0.5 * v.dot(mass(q) * v) + potential(q);
 }
 
-Vec3 apparent_mass(const PhantomDynamics& dynamics, const Vec3& q) noexcept {
-  const Mat3 j = phantom_jacobian(dynamics.geometry(), q);
-  const Vec3 mobility = (j * dynamics.mass(q).inverse() * j.transpose()).diagonal();
-  return mobility.unaryExpr([](double x) { return x > 0.0 ? 1.0 / x : 0.0; });
-}
-
 }  // namespace voxtouch

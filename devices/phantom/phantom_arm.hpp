@@ -76,7 +76,4 @@ class PhantomDynamics {
   Vec3 rotor_;
 };
 
-/// What one would feel pushing along each axis of D [kg]: 1 / diag(J M^-1 J^T). Zero where the arm is stretched.
-Vec3 apparent_mass(const PhantomDynamics& dynamics, const Vec3& joints) noexcept;
-
 }  // namespace voxtouch

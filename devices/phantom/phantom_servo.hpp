@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/types/latest_value.hpp"
 #include "devices/driver.hpp"
 #include "devices/phantom/hd_errors.hpp"
 #include "devices/phantom/hd_library.hpp"
-#include "devices/phantom/latest_slot.hpp"
 #include "devices/phantom/phantom_models.hpp"
 #include "devices/phantom/thermal_clamp.hpp"
 #include "devices/phantom/twist_estimate.hpp"
@@ -110,8 +110,8 @@ class PhantomServo {
   double set_n_ = 0.0;  // force of the last tick
   bool first_ = true, ended_ = false;
 
-  LatestSlot<ServoSample> samples_;
-  LatestSlot<Command> commands_;
+  LatestValue<ServoSample> samples_;
+  LatestValue<Command> commands_;
   WakeUp wake_up_;
   std::atomic<std::int64_t> last_tick_;  // of Clock
   std::atomic<bool> force_off_{false};

@@ -1,7 +1,5 @@
 #include <array>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <optional>
 #include <random>
 #include <thread>
@@ -10,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/types/number.hpp"
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/cli/verbs.hpp"
@@ -54,11 +53,9 @@ struct Answer {
 }
 
 double number(std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-    misread(fmt::format("'{}' is not a number", text));
-  return value;
+  const auto value = parse_finite(text);
+  if (!value) misread(fmt::format("'{}' is not a number", text));
+  return *value;
 }
 
 /// PARAMETER=VALUE or PARAMETER=X,Y,Z.

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <fstream>
 #include <iostream>
 #include <stdexcept>
 #include <string_view>
 
 #include <fmt/format.h>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -49,10 +50,11 @@ Pose parse_row(const std::vector<std::string_view>& fields, const std::array<std
     if (columns[c] >= fields.size())
       throw std::runtime_error(fmt::format("{}: the row ends before column '{}'", where, kColumns[c]));
     const std::string_view f = fields[columns[c]];
-    const auto [end, error] = std::from_chars(f.data(), f.data() + f.size(), v[c]);
-    if (error != std::errc() || end != f.data() + f.size() || !std::isfinite(v[c]))
+    const auto value = parse_finite(f);
+    if (!value)
       throw std::runtime_error(
           fmt::format("{}: column '{}' holds '{}', which is not a finite number", where, kColumns[c], f));
+    v[c] = *value;
   }
   Pose pose{Vec3(v[4], v[5], v[6]), Quat(v[0], v[1], v[2], v[3])};
   if (!normalise_within(pose.orientation, 1e-3, 1e3))

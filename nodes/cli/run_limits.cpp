@@ -1,12 +1,13 @@
 #include "nodes/cli/run_limits.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -122,13 +123,11 @@ void ask_limit(const std::string& text, AskedLimits& asked) {
   for (const Limit& limit : kLimits) known += (known.empty() ? "" : ", ") + std::string(limit.name);
   if (sign == std::string::npos || !find(name))
     throw std::runtime_error(fmt::format("--limit takes NAME=VALUE and there is no limit '{}'; there are {}", name, known));
-  double value = 0.0;
-  const char *begin = text.data() + sign + 1, *end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(begin, end, value);
-  if (error != std::errc() || stopped != end || !(value >= 0.0))
+  const auto value = parse_number<double>(std::string_view(text).substr(sign + 1));
+  if (!value || !(*value >= 0.0))
     throw std::runtime_error(
         fmt::format("--limit {}: '{}' is not a number of 0 or more (inf: no limit)", name, text.substr(sign + 1)));
-  asked[name] = value;
+  asked[name] = *value;
 }
 
 std::string check_limit(const std::string& text) {

@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/scene/scene_file.hpp"
+#include "core/types/fnv.hpp"
 #include "devices/registry.hpp"
 #include "devices/settings.hpp"
 #include "nodes/device/device_loop.hpp"
@@ -39,13 +40,11 @@ std::uint64_t make_session_id(const Options& options, const Scene& scene, std::u
     while (id == 0) id = (static_cast<std::uint64_t>(random()) << 32U) | random();
     return id;
   }
-  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
   std::string anew = sessions ? fmt::format("/{}", sessions) : "";
   for (const std::string& setting : options.settings) anew += "/" + setting;
-  for (const char c : fmt::format("{}/{}/{}/{}/{}{}", scene.hash, options.device, options.motion, to_text(options.hand),
-                                  options.seed, anew))
-    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-  return hash;
+  Fnv1a hash;
+  hash.add(fmt::format("{}/{}/{}/{}/{}{}", scene.hash, options.device, options.motion, to_text(options.hand), options.seed, anew));
+  return hash.value();
 }
 
 /// What the device says of its trouble, or else the kind of it.

@@ -72,7 +72,7 @@ void RosOutputs::set_static_meshes(std::vector<MeshSpec> meshes) {
 
 void RosOutputs::turn(std::uint64_t count) {
   Shown shown;
-  if (!latest_.read(shown)) return;
+  if (!latest_.take(shown)) return;
   if (pose_.matched_count()) write_pose(shown);
   if (wrench_.matched_count()) write_wrench(shown);
   if (tf_.matched_count()) write_tf(shown);

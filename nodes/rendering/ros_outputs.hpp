@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "core/scene/scene.hpp"
+#include "core/types/latest_value.hpp"
 #include "nodes/bus/writer.hpp"
-#include "nodes/runtime/latest_value.hpp"
 
 namespace voxtouch::rendering {
 
@@ -35,7 +35,7 @@ class RosOutputs {
   RosOutputs& operator=(const RosOutputs&) = delete;
 
   /// From the loop; real-time safe.
-  void show(const Shown& shown) noexcept { latest_.write(shown); }
+  void show(const Shown& shown) noexcept { latest_.put(shown); }
   /// Other meshes from now on. From any thread but the loop's: locks.
   void set_static_meshes(std::vector<MeshSpec> meshes);
 
@@ -58,7 +58,7 @@ class RosOutputs {
   bus::Writer<msg::geometry_msgs_PoseStamped> pose_;
   bus::Writer<msg::geometry_msgs_WrenchStamped> wrench_;
   bus::Writer<msg::visualization_msgs_MarkerArray> markers_;
-  runtime::LatestValue<Shown> latest_;
+  LatestValue<Shown> latest_;
   std::atomic<std::uint64_t> made_tf_{0}, made_pose_{0}, made_wrench_{0}, made_markers_{0};
   std::atomic<bool> stop_{false};
   std::thread thread_;

@@ -3,7 +3,6 @@
 #include <sched.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -12,26 +11,13 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "core/types/number.hpp"
+
 namespace voxtouch::runtime {
 
 namespace {
 
-std::optional<double> finite_number(const std::string& text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 constexpr std::size_t kShown = 64;  ///< of a faulty text, in messages
-
-/// As a whole it must fit: CLI11 would take the largest number for one beyond it.
-std::optional<std::uint64_t> whole_number(const std::string& text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 /// A rig becomes part of every topic name.
 std::string check_rig(const std::string& name) {
@@ -70,21 +56,22 @@ std::string require_cpu(const std::string& text) {
 }
 
 std::string require_positive(const std::string& text) {
-  const auto value = finite_number(text);
+  const auto value = parse_finite(text);
   return value && *value > 0.0 ? "" : "'" + text.substr(0, kShown) + "' is not a finite number over 0";
 }
 
 std::string require_not_negative(const std::string& text) {
-  const auto value = finite_number(text);
+  const auto value = parse_finite(text);
   return value && *value >= 0.0 ? "" : "'" + text.substr(0, kShown) + "' is not a finite number of 0 or more";
 }
 
 std::string require_whole(const std::string& text) {
-  return whole_number(text) ? "" : "'" + text.substr(0, kShown) + "' is not a whole number of 0 or more";
+  // As a whole it must fit: CLI11 would take the largest number for one beyond it.
+  return parse_number<std::uint64_t>(text) ? "" : "'" + text.substr(0, kShown) + "' is not a whole number of 0 or more";
 }
 
 std::string require_count(const std::string& text) {
-  return whole_number(text).value_or(0) > 0 ? "" : "'" + text.substr(0, kShown) + "' is not a whole number of 1 or more";
+  return parse_number<std::uint64_t>(text).value_or(0) > 0 ? "" : "'" + text.substr(0, kShown) + "' is not a whole number of 1 or more";
 }
 
 std::string check_topic(const std::string& name) {

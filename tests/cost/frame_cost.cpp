@@ -19,11 +19,11 @@
 #include <fmt/format.h>
 
 #include "core/mesh/import.hpp"
-#include "core/pointshell/build_shell.hpp"
 #include "core/scene/build.hpp"
 #include "core/scene/contact_parameters.hpp"
 #include "core/scene/scene_file.hpp"
 #include "core/voxmap/voxelise.hpp"
+#include "tests/support/exact_shell.hpp"
 
 namespace {
 std::size_t live_bytes = 0, peak_bytes = 0;
@@ -65,7 +65,7 @@ struct HandBuilt {
     };
     const TriangleMesh fixed = mesh(scene.static_meshes.at(0)), moving = mesh(scene.dynamic_mesh);
     voxmap = std::make_unique<Voxmap>(voxelise(fixed, default_grid(fixed, scene.voxel_size_m), serial_for()));
-    Pointshell shell = build_exact_shell(moving, default_grid(moving, scene.voxel_size_m), serial_for());
+    Pointshell shell = test::exact_shell(moving, scene.voxel_size_m);
     const ContactParameters parameters = contact_parameters(scene.contact, ContactModelKind::kAdapted, shell, {});
     renderer = std::make_unique<ContactRenderer>(*voxmap, std::move(shell), ContactModelKind::kAdapted, parameters);
   }

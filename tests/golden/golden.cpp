@@ -1,9 +1,10 @@
 #include "tests/golden/golden.hpp"
 
-#include <charconv>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch::test {
 namespace {
@@ -54,10 +55,9 @@ const std::string& Table::text(std::size_t row, const std::string& column) const
 
 double Table::number(std::size_t row, const std::string& column) const {
   const std::string& cell = text(row, column);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size()) throw std::runtime_error("no number: '" + cell + "'");
-  return value;
+  const auto value = parse_number<double>(cell);
+  if (!value) throw std::runtime_error("no number: '" + cell + "'");
+  return *value;
 }
 
 const nlohmann::json& vector_index() {

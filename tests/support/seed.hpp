@@ -2,12 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch::testing {
 
@@ -17,11 +18,9 @@ namespace voxtouch::testing {
 inline std::uint64_t seed(std::uint64_t standard) {
   std::uint64_t chosen = standard;
   if (const char* text = std::getenv("VOXTOUCH_SEED")) {
-    const std::string_view digits(text);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), chosen);
-    if (error != std::errc{} || end != digits.data() + digits.size()) {
-      throw std::runtime_error("VOXTOUCH_SEED is '" + std::string(text) + "', not a whole number from 0 to 2^64 - 1.");
-    }
+    const auto wanted = parse_number<std::uint64_t>(text);
+    if (!wanted) throw std::runtime_error("VOXTOUCH_SEED is '" + std::string(text) + "', not a whole number from 0 to 2^64 - 1.");
+    chosen = *wanted;
   }
   ::testing::Test::RecordProperty("seed", std::to_string(chosen));
   return chosen;

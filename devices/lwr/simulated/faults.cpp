@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch::lwr_sim {
 namespace {
@@ -37,11 +38,9 @@ constexpr std::array<Row, kFaultKinds> kRows{{
 }
 
 double number(std::string_view text, std::string_view part, std::string_view name) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-  if (error != std::errc() || end != part.data() + part.size() || std::isnan(value))
-    refuse(text, fmt::format("'{}' is no {}", part, name));
-  return value;
+  const auto value = parse_number<double>(part);
+  if (!value || std::isnan(*value)) refuse(text, fmt::format("'{}' is no {}", part, name));
+  return *value;
 }
 
 /// The part up to the next colon; takes it off `rest`.

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <memory>
 #include <numbers>
 
+#include "core/types/number.hpp"
 #include "devices/lwr/simulated/session.hpp"
 #include "devices/lwr/simulated/start_posture.hpp"
 #include "devices/lwr/simulated/trace.hpp"
@@ -82,13 +82,11 @@ void declare(CLI::App& app, Options& o) {
 /// Splits ADDRESS:PORT.
 void set_remote(Options& o) {
   const auto colon = o.remote.rfind(':');
-  unsigned port = 0;
-  const char* end = o.remote.data() + o.remote.size();
-  const bool good = colon != std::string::npos && std::from_chars(o.remote.data() + colon + 1, end, port).ptr == end &&
-                    port > 0 && port < 65536;
-  if (!good) throw std::runtime_error(fmt::format("--remote '{}' is not ADDRESS:PORT, like 127.0.0.1:49938", o.remote));
+  const auto port = parse_number<std::uint16_t>(std::string_view(o.remote).substr(colon + 1));
+  if (colon == std::string::npos || port.value_or(0) == 0)
+    throw std::runtime_error(fmt::format("--remote '{}' is not ADDRESS:PORT, like 127.0.0.1:49938", o.remote));
   o.session.remote_address = o.remote.substr(0, colon);
-  o.session.remote_port = static_cast<std::uint16_t>(port);
+  o.session.remote_port = *port;
 }
 
 LwrJoints posture(const Options& o, const std::vector<double>& from_file) {

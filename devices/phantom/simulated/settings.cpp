@@ -4,9 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch::hd_sim {
 namespace {
@@ -36,11 +37,10 @@ constexpr std::array kNumbers{
 
 template <class T>
 T number(std::string_view text, std::string_view whole) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);  // no locale
-  if (error != std::errc() || end != text.data() + text.size())
+  const auto value = parse_number<T>(text);
+  if (!value)
     throw std::runtime_error(fmt::format("simulated Phantom: '{}' in its settings has no number behind '='", whole));
-  return value;
+  return *value;
 }
 
 void read_one(Settings& settings, std::string_view item) {

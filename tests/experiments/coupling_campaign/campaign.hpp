@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/coupling/design/nonlinear_loop.hpp"
-#include "core/coupling/design/population.hpp"
+#include "tests/support/coupling_models/nonlinear_loop.hpp"
+#include "tests/support/coupling_models/population.hpp"
 
 namespace voxtouch::campaign {
 

@@ -104,7 +104,7 @@ Touches ball_on(const TriangleMesh& mesh, double e, std::uint32_t poses, Random&
   const DistanceField field = build_distance_field(mesh, voxmap, {}, serial_for());
   has_inside = field.has_inside();
   const TriangleMesh ball = test::sphere_mesh(3.0 * e, 2);
-  Contact contact(voxmap, build_exact_shell(ball, default_grid(ball, e), serial_for()), has_inside ? &field : nullptr);
+  Contact contact(voxmap, test::exact_shell(ball, e), has_inside ? &field : nullptr);
   Touches touches;
   for (std::uint32_t n = 0; n < poses; ++n) {
     const Vec3 away = any_rotation(random) * Vec3(0, 0, uniform(random, 0.0, 4.0 * e));
@@ -118,7 +118,7 @@ Touches mesh_on_block(const TriangleMesh& mesh, double e, std::uint32_t poses, R
   Pose down;
   down.position.z() = -10.0 * e;
   const test::Ground block(test::box_mesh(Vec3(160.0 * e, 160.0 * e, 20.0 * e), down), e);
-  Contact contact(block.voxmap, build_exact_shell(mesh, default_grid(mesh, e), serial_for()), &block.field);
+  Contact contact(block.voxmap, test::exact_shell(mesh, e), &block.field);
   Touches touches;
   for (std::uint32_t n = 0; n < poses; ++n) {
     const Quat turn = any_rotation(random);

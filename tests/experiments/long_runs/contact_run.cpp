@@ -1,12 +1,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include "core/scene/scene_file.hpp"
+#include "core/types/fnv.hpp"
 #include "tests/experiments/long_runs/long_runs.hpp"
 #include "tests/experiments/long_runs/loop_rig.hpp"
 
@@ -40,9 +40,8 @@ struct Tenth {
 };
 
 /// The wrench's bits, mixed.
-void mix(std::uint64_t& hash, const Wrench& w) {
-  for (const double x : w.force) hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x100000001b3ULL;
-  for (const double x : w.torque) hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x100000001b3ULL;
+void mix(Fnv1a& hash, const Wrench& w) {
+  for (const Vec3& part : {w.force, w.torque}) hash.add({reinterpret_cast<const char*>(part.data()), sizeof part});
 }
 
 /// The answers to one fixed motion, after three seconds away from everything, in which what has run must have forgotten it all.
@@ -51,7 +50,7 @@ std::uint64_t answers(RigFront& front, std::int64_t from_ns, bool& touched) {
   motion.path = {
       {-0.07518, -0.02736, 0.025}, {-0.04435, -0.01614, 0.025}, {-0.03866, -0.02707, 0.07}, {-0.06553, -0.04589, 0.07}};
   motion.speed_m_per_s = 0.08;
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  Fnv1a hash;
   for (std::int64_t n = 0; n < 5000; ++n) {
     const MotionPoint at = motion_at(motion, 1e-3 * static_cast<double>(n - 3000));
     DeviceSample sample;
@@ -62,7 +61,7 @@ std::uint64_t answers(RigFront& front, std::int64_t from_ns, bool& touched) {
     mix(hash, wrench);
     touched |= !wrench.zero();
   }
-  return hash;
+  return hash.value();
 }
 
 std::uint64_t play(LoopRig& rig, std::uint64_t frames, Tenth& tenth, Findings& out) {

@@ -56,7 +56,7 @@ Rig::Rig(const TriangleMesh& ground, const Grid& grid, Pointshell tool, const Pa
 }
 
 Rig::Rig(const TriangleMesh& ground, const TriangleMesh& tool, double edge, const ParallelFor& loop)
-    : Rig(ground, default_grid(ground, edge), build_exact_shell(tool, default_grid(tool, edge), loop), loop) {}
+    : Rig(ground, default_grid(ground, edge), test::exact_shell(tool, edge, loop), loop) {}
 
 void Rig::make_models() {
   for (std::size_t m = 0; m < 4; ++m) {

@@ -129,13 +129,13 @@ TEST(CubeSymmetry, TurnsAndMirrorsVoxelsShellAndForceAlike) {
   Random random(seed);
   const TriangleMesh ground = ground_mesh(), tool = tool_mesh();
   const Grid grid{Vec3::Zero(), kEdge};
-  const Rig here(ground, grid, build_exact_shell(tool, grid, serial_for()));
+  const Rig here(ground, grid, test::exact_shell(tool, grid));
   const std::vector<Pose> poses = touching_poses(ground, 25, random);
   Off off, swapped;
   double share = 0.0;
   for (const Mat3& matrix : cube_symmetries()) {
     const Symmetry s(matrix);
-    const Rig there(s.mesh(ground), grid, build_exact_shell(s.mesh(tool), grid, serial_for()));
+    const Rig there(s.mesh(ground), grid, test::exact_shell(s.mesh(tool), grid));
     auto expected = voxels_of(here.voxmap);
     for (auto& [v, kind] : expected) v = s.voxel(v);
     std::sort(expected.begin(), expected.end());

@@ -113,10 +113,6 @@ ContactRenderer Ground::renderer(const Pointshell& tool, ContactModelKind kind) 
   return {voxmap, tool, kind, {kPressure, PointWeights::kArea}, &field};
 }
 
-Pointshell exact_shell(const TriangleMesh& tool, double edge) {
-  return build_exact_shell(tool, default_grid(tool, edge), serial_for());
-}
-
 Ball::Ball(double radius_m, int splits) : mesh(sphere_mesh(radius_m, splits)), centre(0.37e-3, -0.81e-3, 0.19e-3) {
   const Quat askew(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   for (Vec3& v : mesh.vertices) v = askew * v + centre;

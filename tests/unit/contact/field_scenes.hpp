@@ -6,6 +6,7 @@
 
 #include "core/contact/contact_renderer.hpp"
 #include "core/mesh/triangle_mesh.hpp"
+#include "tests/support/exact_shell.hpp"
 
 namespace voxtouch::test {
 

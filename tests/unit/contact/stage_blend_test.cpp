@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/contact/limits.hpp"
+#include "core/types/smoothstep.hpp"
 #include "fixtures.hpp"
 
 namespace voxtouch::test {
@@ -96,7 +97,7 @@ TEST(Blend, StaysFiniteAndContinuousWhereMeanAndOwnNormalCancel) {
       }
       last = r.contact.wrench;
       if (n == 0 && open == half) {
-        EXPECT_NEAR(contact_limits::smoothstep(contact_limits::kBlendFrom, contact_limits::kBlendTo, r.contact.coherence),
+        EXPECT_NEAR(smoothstep(contact_limits::kBlendFrom, contact_limits::kBlendTo, r.contact.coherence),
                     0.5, 1e-9);
       }
     }

@@ -1,11 +1,11 @@
-#include "core/coupling/design/exact_plant.hpp"
+#include "tests/support/coupling_models/exact_plant.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "core/coupling/design/random.hpp"
+#include "tests/support/coupling_models/random.hpp"
 
 namespace voxtouch {
 namespace {

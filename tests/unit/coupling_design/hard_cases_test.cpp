@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/coupling/design/certificates.hpp"
-#include "core/coupling/design/nonlinear_loop.hpp"
+#include "tests/support/coupling_models/nonlinear_loop.hpp"
 
 namespace voxtouch {
 namespace {

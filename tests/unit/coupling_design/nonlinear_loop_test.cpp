@@ -1,4 +1,4 @@
-#include "core/coupling/design/nonlinear_loop.hpp"
+#include "tests/support/coupling_models/nonlinear_loop.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "core/coupling/design/loop_law.hpp"
+#include "tests/support/coupling_models/loop_law.hpp"
 
 namespace voxtouch {
 namespace {

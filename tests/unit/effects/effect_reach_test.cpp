@@ -8,6 +8,7 @@
 #include "core/effects/effect_chain.hpp"
 #include "core/effects/effect_change.hpp"
 #include "tests/support/seed.hpp"
+#include "tests/unit/effects/chain_change.hpp"
 
 namespace voxtouch {
 namespace {
@@ -98,7 +99,7 @@ TEST(EffectReach, BoundsEveryStateOnTheWayForEveryKind) {
 TEST(EffectChainAtRest, IsSoWhenAllNumbersHaveCome) {
   EffectChain chain({oil(3.0)});
   EXPECT_TRUE(chain.at_rest());
-  ASSERT_EQ(chain.set_value(0, "damping_ns_per_m", {1.0, 0.0, 0.0}), "");
+  ASSERT_EQ(test::set_value(chain, "damping_ns_per_m", {1.0, 0.0, 0.0}), "");
   EffectFrame frame;
   frame.dt_s = 0.001;
   int samples = 0;

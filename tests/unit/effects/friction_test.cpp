@@ -1,6 +1,7 @@
 // The friction's law against its closed form.
 #include <algorithm>
 
+#include "tests/unit/effects/chain_change.hpp"
 #include "tests/unit/effects/touch_support.hpp"
 
 namespace voxtouch::test {
@@ -214,7 +215,7 @@ TEST(Friction, KeepsItsForceWhereItsBristlesGetStiffer) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {200}}}));
   slide_to(asked, pressing(2.0, 0));
   slide_to(asked, pressing(2.0, 0.001));
-  asked.chain.set_value(0, "stiffness_n_per_m", {1000, 0, 0});
+  set_value(asked.chain, "stiffness_n_per_m", {1000, 0, 0});
   for (int n = 0; n < 200; ++n) EXPECT_NEAR(slide_to(asked, pressing(2.0, 0.001)).wrench.force.x(), -0.2, 1e-9);
   EXPECT_NEAR(slide_to(asked, pressing(2.0, 0.0011)).wrench.force.x(), -0.3, 1e-9);
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "effect_check.hpp"
+#include "tests/unit/effects/chain_change.hpp"
 
 namespace voxtouch::test {
 namespace {
@@ -215,9 +216,9 @@ TEST(Guides, StayWithinTheirStiffnessWhileAllTheirParametersChangeAtOnce) {
   EffectSpec spec = point_guide(true);
   spec.values.at(0) = just(100), spec.values.at(1) = just(1), spec.values.at(3) = just(0.03);
   Bench bench(spec);
-  EXPECT_EQ(bench.chain().set_value(0, "range_m", just(0.3)), "");
-  EXPECT_EQ(bench.chain().set_value(0, "stiffness_n_per_m", just(1000)), "");
-  EXPECT_EQ(bench.chain().set_value(0, "limit_n", just(100)), "");
+  EXPECT_EQ(set_value(bench.chain(), "range_m", just(0.3)), "");
+  EXPECT_EQ(set_value(bench.chain(), "stiffness_n_per_m", just(1000)), "");
+  EXPECT_EQ(set_value(bench.chain(), "limit_n", just(100)), "");
   for (int n = 1; n <= 100; ++n) {  // on the way 3 F / R is above k
     const double way = 0.01 * n;
     const EffectPush push = bench.at(at({0.1 + 0.75 * (0.03 + 0.27 * way), 0.2, 0.3}));
@@ -231,14 +232,14 @@ TEST(Guides, TurnedAndMovedWhileRunningMakeNoForceStep) {
     const Pose pose = at({0.004, -0.003, 0.012});
     Vec3 last = bench.at(pose).wrench.force;
     const char* const turned = spec.name == "guide_plane" ? "normal" : "direction";
-    EXPECT_EQ(bench.chain().set_value(0, turned, {0, 0, -1}), "");
+    EXPECT_EQ(set_value(bench.chain(), turned, {0, 0, -1}), "");
     double most = 0.0;
     for (int n = 0; n < 250; ++n) {
       if (n == 120) {
-        EXPECT_EQ(bench.chain().set_value(0, turned, kAskew), "");
+        EXPECT_EQ(set_value(bench.chain(), turned, kAskew), "");
       }
       if (n == 130) {
-        EXPECT_EQ(bench.chain().set_value(0, "stiffness_n_per_m", just(900)), "");
+        EXPECT_EQ(set_value(bench.chain(), "stiffness_n_per_m", just(900)), "");
       }
       const Vec3 force = bench.at(pose).wrench.force;
       EXPECT_TRUE(force.allFinite());

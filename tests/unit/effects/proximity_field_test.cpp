@@ -3,8 +3,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "core/pointshell/build_shell.hpp"
 #include "proximity_ground.hpp"
+#include "tests/support/exact_shell.hpp"
 
 namespace voxtouch::test {
 namespace {
@@ -111,7 +111,7 @@ TEST(ProximityField, ContinuesWhereWhatIsStoredEndsAndStandsAnyPoint) {
 
 TEST(ToolPoints, AreShellPointsThatStandForAllOfItsAreaAndLieNearAllOfIt) {
   const TriangleMesh mesh = sphere_mesh(0.01, 4);
-  const Pointshell shell = build_exact_shell(mesh, default_grid(mesh, 0.001), serial_for());
+  const Pointshell shell = exact_shell(mesh, 0.001);
   double last = 1.0;
   for (const std::size_t most : {1u, 16u, 128u, 100000u}) {
     const ToolPoints tool = spread_tool_points(shell, most);

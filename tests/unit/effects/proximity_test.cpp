@@ -3,6 +3,7 @@
 
 #include "proximity_ground.hpp"
 #include "tests/unit/driver_contract/heap_count.hpp"
+#include "tests/unit/effects/chain_change.hpp"
 
 namespace voxtouch::test {
 namespace {
@@ -167,11 +168,11 @@ TEST(Proximity, OfNothingToLookUpGivesNothing) {
 
 TEST(Proximity, MayNotBeChangedToWhatWasNotBuilt) {
   Bench bench(proximity(4.0, kRange, 0.002));
-  EXPECT_EQ(bench.chain().set_value(0, "range_m", {0.008, 0, 0}), "");
-  EXPECT_NE(bench.chain().set_value(0, "range_m", {0.02, 0, 0}), "");
-  EXPECT_NE(bench.chain().set_value(0, "smoothing_m", {0.004, 0, 0}), "");
-  EXPECT_NE(bench.chain().set_value(0, "lever_m", {0.02, 0, 0}), "");
-  EXPECT_EQ(bench.chain().set_value(0, "limit_n", {1, 0, 0}), "");
+  EXPECT_EQ(set_value(bench.chain(), "range_m", {0.008, 0, 0}), "");
+  EXPECT_NE(set_value(bench.chain(), "range_m", {0.02, 0, 0}), "");
+  EXPECT_NE(set_value(bench.chain(), "smoothing_m", {0.004, 0, 0}), "");
+  EXPECT_NE(set_value(bench.chain(), "lever_m", {0.02, 0, 0}), "");
+  EXPECT_EQ(set_value(bench.chain(), "limit_n", {1, 0, 0}), "");
   const EffectSpec spec = proximity(4.0, 0.001, 0.005);
   EXPECT_NE(check_values(*spec.kind, spec.values).find("four times 'range_m'"), std::string::npos);
 }

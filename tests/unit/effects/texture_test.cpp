@@ -1,4 +1,5 @@
 #include "core/effects/texture_pattern.hpp"
+#include "tests/unit/effects/chain_change.hpp"
 #include "tests/unit/effects/touch_support.hpp"
 
 namespace voxtouch::test {
@@ -187,7 +188,7 @@ TEST(Texture, ChangesItsRidgesWithoutAForceStepFarFromTheOrigin) {
   const Pose pose = pressing(2.0, 7.3);
   const double first = asked.at(pose, {plane(pose)}).wrench.force.x();
   double last = first, least = 1.0;
-  EXPECT_EQ(asked.chain.set_value(0, "wavelength_m", {0.0013, 0, 0}), "");
+  EXPECT_EQ(set_value(asked.chain, "wavelength_m", {0.0013, 0, 0}), "");
   for (int n = 0; n < 400; ++n) {
     const double force = asked.at(pose, {plane(pose)}).wrench.force.x();
     EXPECT_LE(std::abs(force - last), 0.021) << n;

@@ -7,9 +7,9 @@
 #include <thread>
 #include <vector>
 
+#include "core/types/latest_value.hpp"
 #include "devices/phantom/hd_errors.hpp"
 #include "devices/phantom/hd_orientation.hpp"
-#include "devices/phantom/latest_slot.hpp"
 #include "devices/phantom/phantom_options.hpp"
 #include "devices/phantom/thermal_clamp.hpp"
 #include "devices/phantom/twist_estimate.hpp"
@@ -20,26 +20,11 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-TEST(LatestSlot, GivesTheNewestOnceAndSaysWhatWasLost) {
-  LatestSlot<int> slot;
-  int out = -1;
-  EXPECT_FALSE(slot.take(out));
-  EXPECT_EQ(out, -1);
-  EXPECT_FALSE(slot.put(1));
-  EXPECT_TRUE(slot.put(2));
-  EXPECT_TRUE(slot.take(out));
-  EXPECT_EQ(out, 2);
-  EXPECT_FALSE(slot.take(out));
-  EXPECT_FALSE(slot.put(3));
-  EXPECT_TRUE(slot.take(out));
-  EXPECT_EQ(out, 3);
-}
-
-TEST(LatestSlot, NeverGivesHalfAValueNorAnOlderOne) {
+TEST(WakeUp, ComesForEachValueThatFoundTheOneBeforeTaken) {
   struct Pair {
     long a = 0, b = 0;
   };
-  LatestSlot<Pair> slot;
+  LatestValue<Pair> slot;
   WakeUp wake_up;
   constexpr long kMany = 200000;
   std::jthread writer([&] {

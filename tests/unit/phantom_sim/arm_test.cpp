@@ -7,6 +7,7 @@
 #include <random>
 
 #include "devices/phantom/phantom_arm.hpp"
+#include "tests/unit/phantom_sim/apparent_mass.hpp"
 
 namespace voxtouch {
 namespace {

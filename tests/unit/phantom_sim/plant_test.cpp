@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "devices/phantom/simulated/sensors.hpp"
+#include "tests/unit/phantom_sim/apparent_mass.hpp"
 
 namespace voxtouch::hd_sim {
 namespace {

@@ -150,8 +150,8 @@ TEST(Pointshell, IsInMortonOrderAndKnowsItsRanks) {
   const TriangleMesh mesh = read_obj("cylinder");
   const Grid grid = vector_grid("cylinder");
   const auto points = shell_points(mesh, grid, serial_for());
-  const Pointshell exact = build_exact_shell(mesh, grid, serial_for());
-  const Pointshell naive = build_naive_shell(mesh, grid, scrambled_for());
+  const Pointshell exact = make_exact_shell(shell_points(mesh, grid, serial_for()), grid);
+  const Pointshell naive = make_naive_shell(shell_points(mesh, grid, scrambled_for()), grid);
   ASSERT_EQ(exact.size(), points.size());
   EXPECT_EQ(exact.id, naive.id);
   EXPECT_EQ(std::set<std::uint32_t>(exact.id.begin(), exact.id.end()).size(), points.size());
@@ -188,10 +188,10 @@ TEST(Pointshell, IsInMortonOrderAndKnowsItsRanks) {
 
 TEST(Pointshell, RefusesWhatCannotBeHad) {
   const TriangleMesh mesh = box(Vec3::Zero(), Vec3::Constant(100.0));
-  EXPECT_THROW(build_exact_shell(mesh, default_grid(mesh, 1e-3), serial_for()), VoxelBudgetError);
+  EXPECT_THROW(shell_points(mesh, default_grid(mesh, 1e-3), serial_for()), VoxelBudgetError);
   TriangleMesh bad = mesh;
   bad.vertices[2].y() = NAN;
-  EXPECT_THROW(build_exact_shell(bad, {}, serial_for()), std::runtime_error);
+  EXPECT_THROW(shell_points(bad, {}, serial_for()), std::runtime_error);
 }
 
 }  // namespace

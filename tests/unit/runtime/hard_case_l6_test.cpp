@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <thread>
 
+#include "core/types/latest_value.hpp"
 #include "nodes/runtime/clock.hpp"
-#include "nodes/runtime/latest_value.hpp"
 
 namespace voxtouch::runtime {
 namespace {
@@ -25,13 +25,13 @@ TEST(HardCaseL6, APoseIsNeverReadHalfOldAndHalfNewAndTimeNeverRunsBack) {
     Sample sample;
     for (std::uint64_t i = 1; !enough.load(std::memory_order_relaxed); ++i) {
       sample.fill(i);
-      latest.write(sample);
+      latest.put(sample);
     }
   });
   std::uint64_t torn = 0, backwards = 0, read = 0, last = 0;
   while (last < kSamples || read < kReads) {
     Sample sample;
-    if (!latest.read(sample)) continue;
+    if (!latest.take(sample)) continue;
     ++read;
     for (const std::uint64_t value : sample) torn += value != sample[0];
     backwards += sample[0] <= last;

@@ -1,10 +1,11 @@
 #include "tests/unit/scene/schema_checker.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <regex>
 #include <set>
 #include <stdexcept>
+
+#include "core/types/number.hpp"
 
 namespace voxtouch::test {
 namespace {
@@ -130,12 +131,10 @@ class Checker {
 Json scalar(const YamlNode& node) {
   if (node.quoted) return node.text;
   if (node.text == "true" || node.text == "false") return node.text == "true";
-  const char *first = node.text.data(), *const last = first + node.text.size();
-  if (last - first > 1 && *first == '+') ++first;  // which YAML knows, and from_chars does not
-  std::int64_t whole = 0;
-  if (const auto [end, fault] = std::from_chars(first, last, whole); fault == std::errc() && end == last) return whole;
-  double real = 0.0;
-  if (const auto [end, fault] = std::from_chars(first, last, real); fault == std::errc() && end == last) return real;
+  std::string_view digits = node.text;
+  if (digits.size() > 1 && digits[0] == '+') digits.remove_prefix(1);  // which YAML knows, and parse_number does not
+  if (const auto whole = parse_number<std::int64_t>(digits)) return *whole;
+  if (const auto real = parse_number<double>(digits)) return *real;
   return node.text;
 }
 

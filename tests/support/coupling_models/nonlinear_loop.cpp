@@ -1,4 +1,4 @@
-#include "core/coupling/design/nonlinear_loop.hpp"
+#include "tests/support/coupling_models/nonlinear_loop.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/coupling/design/loop_run.hpp"
+#include "tests/support/coupling_models/loop_run.hpp"
 
 namespace voxtouch {
 namespace {

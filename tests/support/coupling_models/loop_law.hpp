@@ -1,8 +1,8 @@
 #pragma once
 /// The sampled half of the simulated loop: wall, coupling, injected damping.
-#include "core/coupling/design/nonlinear_loop.hpp"
 #include "core/coupling/pt2.hpp"
 #include "core/coupling/spring_damper.hpp"
+#include "tests/support/coupling_models/nonlinear_loop.hpp"
 
 namespace voxtouch {
 

@@ -1,4 +1,4 @@
-#include "core/coupling/design/loop_law.hpp"
+#include "tests/support/coupling_models/loop_law.hpp"
 
 #include <algorithm>
 #include <cmath>

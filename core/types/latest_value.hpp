@@ -1,13 +1,13 @@
 #pragma once
-/// One value from one thread to another, the newest only.
+/// One value from one thread to another, the newest only: neither ever waits for the other.
 #include <array>
 #include <atomic>
 
 namespace voxtouch {
 
-/// Triple buffer for one writer and one reader; wait-free on both sides. Each value is taken once at most.
+/// Triple buffer for one writer and one reader; wait-free on both sides, real-time safe. Each value is taken once at most.
 template <class T>
-class LatestSlot {
+class LatestValue {
  public:
   /// True: the value before this one had not been taken, and is lost.
   bool put(const T& value) noexcept {

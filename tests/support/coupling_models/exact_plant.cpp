@@ -1,4 +1,4 @@
-#include "core/coupling/design/exact_plant.hpp"
+#include "tests/support/coupling_models/exact_plant.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/coupling/design/exact_plant.hpp"
-#include "core/coupling/design/loop_law.hpp"
-#include "core/coupling/design/random.hpp"
+#include "tests/support/coupling_models/exact_plant.hpp"
+#include "tests/support/coupling_models/loop_law.hpp"
+#include "tests/support/coupling_models/random.hpp"
 
 namespace voxtouch {
 

@@ -1,4 +1,4 @@
-#include "core/coupling/design/population.hpp"
+#include "tests/support/coupling_models/population.hpp"
 
 #include <fmt/core.h>
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/coupling/design/loop_parts.hpp"
-#include "core/coupling/design/random.hpp"
 #include "core/coupling/design/sampled_loop.hpp"
+#include "tests/support/coupling_models/random.hpp"
 
 namespace voxtouch {
 

@@ -1,0 +1,28 @@
+#pragma once
+/// A change of an effect chain by name, judged and taken as a running scene does it.
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/effects/effect_chain.hpp"
+#include "core/effects/effect_change.hpp"
+
+namespace voxtouch::test {
+
+/// Why `wish` cannot be; empty if it was done.
+inline std::string change(EffectChain& chain, const EffectWish& wish) {
+  std::vector<EffectSpec> effects;
+  for (std::size_t i = 0; i < chain.size(); ++i) effects.push_back(chain.spec(i));
+  const auto judged = judge(effects, wish);
+  if (!judged) return judged.error();
+  chain.take(*judged);
+  return {};
+}
+
+/// The same for one parameter of the chain's first effect.
+inline std::string set_value(EffectChain& chain, std::string_view parameter, const std::array<double, 3>& value) {
+  return change(chain, {.action = EffectAction::kValue, .effect = chain.spec(0).name, .parameter = parameter, .value = value});
+}
+
+}  // namespace voxtouch::test
