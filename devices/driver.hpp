@@ -1,5 +1,5 @@
 #pragma once
-/// What every haptic device, real or simulated, is to the rest of the house.
+/// What every haptic device, real or simulated, is to the rest of the project.
 #include <chrono>
 #include <cstdint>
 #include <expected>

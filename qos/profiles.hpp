@@ -1,5 +1,5 @@
 #pragma once
-/// Named QoS profiles: every DDS endpoint of the house uses one of these, so that a single test can hold every writer
+/// Named QoS profiles: every DDS endpoint of the project uses one of these, so that a single test can hold every writer
 /// against every reader.
 #include <cstdint>
 #include <memory>

@@ -10,7 +10,7 @@
 #include "core/accuracy/contact_places.hpp"
 #include "core/reference/reference_scene.hpp"
 #include "core/reference/reference_wrench.hpp"
-#include "core/scene/build.hpp"
+#include "core/rendering/build.hpp"
 
 namespace voxtouch {
 namespace {

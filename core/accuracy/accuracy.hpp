@@ -11,7 +11,7 @@
 
 namespace voxtouch {
 
-/// One rung at one resolution.
+/// One contact model at one resolution.
 struct AccuracySetting {
   ContactModelKind model = ContactModelKind::kAdapted;
   PointWeights weights = PointWeights::kOne;
@@ -23,7 +23,7 @@ struct AccuracySetting {
 struct AccuracyRow {
   AccuracySetting setting;
   std::uint64_t shell_points = 0;
-  std::uint64_t bytes = 0;            ///< voxmap, pointshell, field: all that the rung keeps
+  std::uint64_t bytes = 0;            ///< voxmap, pointshell, field: all that the contact model keeps
   std::uint32_t contacts = 0;         ///< poses that were judged: both this setting and the reference push there
   std::uint32_t missed = 0;           ///< poses where the reference pushes and this setting does not
   double direction_median_deg = 0.0;  ///< angle between this force and the reference's

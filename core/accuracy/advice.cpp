@@ -18,7 +18,7 @@ std::string figure(double value) {
 }
 
 std::string degrees(double value) {
-  return value < kLeastDirectionDeg ? fmt::format("under {} deg", kLeastDirectionDeg) : figure(value) + " deg";
+  return value < kMinDirectionDeg ? fmt::format("under {} deg", kMinDirectionDeg) : figure(value) + " deg";
 }
 
 std::string time_and_error(const AccuracyRow& row) {
@@ -116,7 +116,7 @@ void advise_for_error(const std::vector<AccuracyRow>& rows, const AccuracyWish& 
 void advise_for_time(const std::vector<AccuracyRow>& rows, double within_us, AccuracyAdvice& out) {
   out.row = least(rows, [&](const AccuracyRow& r) {
     const bool within = r.median_us <= within_us;
-    return std::tuple(within ? 0.0 : r.median_us, std::max(r.direction_median_deg, kLeastDirectionDeg), r.median_us,
+    return std::tuple(within ? 0.0 : r.median_us, std::max(r.direction_median_deg, kMinDirectionDeg), r.median_us,
                       r.bytes);
   });
   const AccuracyRow& row = rows[*out.row];
@@ -148,7 +148,7 @@ void name_choices(const std::vector<AccuracyRow>& rows, AccuracyAdvice& out) {
     out.sentence += fmt::format(
         "; the knee is {}: from there to the most accurate the error falls {} times, for {} "
         "times the time",
-        named(*out.knee), figure(from.direction_median_deg / std::max(to.direction_median_deg, kLeastDirectionDeg)),
+        named(*out.knee), figure(from.direction_median_deg / std::max(to.direction_median_deg, kMinDirectionDeg)),
         figure(to.median_us / from.median_us));
   }
   out.sentence += ".";
@@ -189,11 +189,11 @@ std::string describe(const AccuracySetting& s) {
 AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyWish& wish) {
   std::vector<CostError> points;
   for (const AccuracyRow& row : rows)
-    points.push_back(is_judged(row) ? CostError{row.median_us, std::max(row.direction_median_deg, kLeastDirectionDeg)}
+    points.push_back(is_judged(row) ? CostError{row.median_us, std::max(row.direction_median_deg, kMinDirectionDeg)}
                                     : CostError{kInfinity, kInfinity});
   AccuracyAdvice out;
   out.front = pareto_front(points);
-  out.knee = knee(points, out.front, kLeastDirectionDeg);
+  out.knee = knee(points, out.front, kMinDirectionDeg);
   if (out.front.empty()) {
     if (wish.wants_error() || wish.within_us) out.met = false;
     out.sentence =

@@ -12,7 +12,7 @@
 namespace voxtouch {
 
 /// Direction errors below this [deg] are not told apart: no hand feels them, and a tessellated reference has facets larger.
-inline constexpr double kLeastDirectionDeg = 1e-3;
+inline constexpr double kMinDirectionDeg = 1e-3;
 
 /// What the user wants: errors that must not be exceeded (the cheapest setting that keeps all of them), or a time (the most
 /// accurate setting within it). Nothing: what there is to choose from.

@@ -13,7 +13,7 @@ namespace voxtouch {
 namespace {
 
 constexpr int kTrialsPerPlace = 20;
-constexpr int kMostSteps = 80;
+constexpr int kMaxSteps = 80;
 constexpr double kTouchShare = 1e-7;  ///< of the tool's reach: a gap this small is a touch
 constexpr double kClear = 1.02;       ///< the tool starts this many reaches away
 
@@ -89,7 +89,7 @@ std::optional<ContactPlace> approach(const ReferenceScene& reference, const Tool
   place.touch.position = aim.point + kClear * tool.reach * aim.normal - turn * tool.centre;
   double gap = reference.gap(place.touch).gap_m, gone = 0.0;
   if (!(gap > 0.0)) return std::nullopt;  // something else is in the way
-  for (int n = 0; n < kMostSteps && gone <= 2.0 * kClear * tool.reach; ++n) {
+  for (int n = 0; n < kMaxSteps && gone <= 2.0 * kClear * tool.reach; ++n) {
     if (gap <= kTouchShare * tool.reach) return place;
     place.touch.position += gap * place.into;
     gone += gap;

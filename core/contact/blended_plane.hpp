@@ -5,7 +5,7 @@
 
 namespace voxtouch {
 
-/// Rungs 1 and 2 lay the plane through the centre of the voxel that holds the point, which jumps by an edge at every border.
+/// `original` and `adapted` lay the plane through the centre of the voxel that holds the point, which jumps by an edge at every border.
 /// Here the 27 voxels round the point count, each with its weight w_v of the quadratic B-spline about the point, which is
 /// continuous with its slope: the offset is sum_surface w_v (c_v - x) / sum_surface w_v. Over a flat layer one voxel thick that is exact
 /// from half an edge above its middle to one and a half below.

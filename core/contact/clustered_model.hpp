@@ -1,5 +1,5 @@
 #pragma once
-/// Rung 3, `clustered`: the paper's mean normal taken for each patch instead of over all points, points weighed by their area, and
+/// ContactCase 3, `clustered`: the paper's mean normal taken for each patch instead of over all points, points weighed by their area, and
 /// voxel planes blended between neighbouring voxels.
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// One interface for all rungs of accuracy: the hits of a pose in, wrench out.
+/// One interface for all contact models: the hits of a pose in, wrench out.
 #include <cstdint>
 #include <memory>
 #include <string_view>
@@ -100,15 +100,15 @@ struct ContactParameters {
   PointWeights weights = PointWeights::kOne;
 };
 
-/// The static side as the rungs above the paper look it up. Both must outlive the model.
+/// The static side as the models beyond the paper's look it up. Both must outlive the model.
 struct ContactGround {
   const Voxmap* voxmap = nullptr;         ///< for `clustered`
   const DistanceField* field = nullptr;   ///< for `field`
   std::size_t points = 0;                 ///< of the shell: the most hits that a frame can have, for `clustered`
 };
 
-/// The model for `kind`. Throws std::invalid_argument for a stiffness that is not finite and positive, for a rung that
-/// weighs by area given other weights, and where the part of `ground` that the rung looks up is missing.
+/// The model for `kind`. Throws std::invalid_argument for a stiffness that is not finite and positive, for a model that
+/// weighs by area given other weights, and where the part of `ground` that the model looks up is missing.
 std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters,
                                                  const ContactGround& ground = {});
 

@@ -59,7 +59,7 @@ void check(const Pointshell& shell) {
   const std::size_t n = shell.size();
   if (shell.y.size() != n || shell.z.size() != n || shell.nx.size() != n || shell.ny.size() != n || shell.nz.size() != n ||
       shell.id.size() != n)
-    throw std::invalid_argument("contact: the pointshell's arrays differ in length; build it with the pointshell room");
+    throw std::invalid_argument("contact: the pointshell's arrays differ in length; build it with core/pointshell");
   for (std::size_t p = 0; p < n; ++p)
     if (!shell.point(p).allFinite() || !shell.normal(p).allFinite())
       throw std::invalid_argument("contact: point " + std::to_string(shell.id[p]) +

@@ -35,8 +35,8 @@ StageResult ContactRenderer::render_fast(const ContactResult& plain, double move
   } else {
     if (entry_kind_ == Entry::kWatched && !beyond_entry(tool)) entry_kind_ = Entry::kNone;
     const MotionPath path(behind ? entry_pose_ : stage_.last_pose(), tool);
-    const int steps = path.steps(query_.reach_m(), contact_limits::kSubStepEdges * edge, contact_limits::kMostSubPoses);
-    const bool walked = steps <= contact_limits::kMostSubPoses;
+    const int steps = path.steps(query_.reach_m(), contact_limits::kSubStepEdges * edge, contact_limits::kMaxSubPoses);
+    const bool walked = steps <= contact_limits::kMaxSubPoses;
     if (behind) leave_far_side(walked);
     if (walked) {
       result = walk(path, steps, plain);

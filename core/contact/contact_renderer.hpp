@@ -25,7 +25,7 @@ class ContactRenderer {
   /// the reason in `contact.pose_status`, and leaves the stage as it was.
   ///
   /// Fast motion. Where some point may have moved more than e/2 since the last frame, the straight way (screw: slerp) is walked in
-  /// sub-poses e/2 apart, at most kMostSubPoses of them, so that the stage remembers what a slow motion would have made it
+  /// sub-poses e/2 apart, at most kMaxSubPoses of them, so that the stage remembers what a slow motion would have made it
   /// remember and no wall is jumped over. A wall has been crossed where a contact that stood against such a motion is gone, or
   /// pushes on, at a later sub-pose or in a later frame, slow ones included, before the tool was back where it stood against it.
   /// Then the frame's contact is that of the sub-pose where it stood against the motion most, and it is
@@ -39,7 +39,7 @@ class ContactRenderer {
 
   /// Longest way of a point within a frame [m] for which no wall is crossed unseen; over the period it is the top speed.
   double swept_m() const noexcept {
-    return contact_limits::kMostSubPoses * contact_limits::kSubStepEdges * query_.voxmap().grid().edge;
+    return contact_limits::kMaxSubPoses * contact_limits::kSubStepEdges * query_.voxmap().grid().edge;
   }
   /// Sub-poses looked up since construction, the one of the frame itself not counted: what fast motion has cost.
   std::uint64_t sub_poses() const noexcept { return sub_poses_; }

@@ -27,7 +27,7 @@ struct StageConfig {
   ContactModelKind model = ContactModelKind::kAdapted;
 };
 
-/// Whether the stage keeps a depth for each point: for the rungs that know none beyond the surface layer.
+/// Whether the stage keeps a depth for each point: for the contact models that know none beyond the surface layer.
 constexpr bool remembers(ContactModelKind model) noexcept {
   return model == ContactModelKind::kOriginal || model == ContactModelKind::kAdapted;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The contact model `field`, rung 4: depths from the interpolated signed distance, each point's own normal, area weights.
+/// The contact model `field`: depths from the interpolated signed distance, each point's own normal, area weights.
 #include "core/contact/contact_model.hpp"
 #include "core/voxmap/distance_field.hpp"
 

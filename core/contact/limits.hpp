@@ -1,5 +1,5 @@
 #pragma once
-/// Every threshold of the contact room, named in one place. Lengths are in voxel edges of the static grid.
+/// Every threshold of contact models, named in one place. Lengths are in voxel edges of the static grid.
 namespace voxtouch::contact_limits {
 
 /// `adapted` becomes `original` for the frame where |sum n| / |S| is at most this: the points face each other.
@@ -32,11 +32,11 @@ inline constexpr double kAgreeTo = 0.5;
 inline constexpr double kFastEdges = 0.5;
 
 /// A motion above `kFastEdges` a frame is walked in sub-poses between which no point moves more than this: the surface layer is a
-/// voxel thick wherever a triangle passes, however thin the wall, and the half of it behind the centre is where rungs 1 and 2 push.
+/// voxel thick wherever a triangle passes, however thin the wall, and the half of it behind the centre is where `original` and `adapted` push.
 inline constexpr double kSubStepEdges = 0.5;
-/// No frame walks more sub-poses than this. What they reach at most, `kMostSubPoses * kSubStepEdges` edges a frame, is the speed up
+/// No frame walks more sub-poses than this. What they reach at most, `kMaxSubPoses * kSubStepEdges` edges a frame, is the speed up
 /// to which no wall is crossed unseen.
-inline constexpr int kMostSubPoses = 8;
+inline constexpr int kMaxSubPoses = 8;
 /// A contact stands against a motion where its power is below minus this share of |F| |v| + |M| |w|: 60 degrees about straight on.
 /// Flatter, and a tool that slides fast over a bump would be taken for one that goes through.
 inline constexpr double kAgainstShare = 0.5;

@@ -30,7 +30,7 @@ struct CouplingSpec {
 };
 
 /// What the device can give, said in the units of W: its force limit / force_scale, its torque limit * position_scale /
-/// force_scale (see core/scene/device_mapping.hpp). Infinity = no limit; 0 = the device gives none of it.
+/// force_scale (see core/rendering/device_mapping.hpp). Infinity = no limit; 0 = the device gives none of it.
 struct CouplingLimits {
   double max_force_n = std::numeric_limits<double>::infinity();
   double max_torque_nm = std::numeric_limits<double>::infinity();

@@ -7,11 +7,11 @@ namespace voxtouch {
 
 /// Least time [s] over which a parameter that changes the displayed stiffness or damping goes from one value to the next. A
 /// stiffness that rises by dk while pressed in by p gives the hand dk p^2 / 2, which the loop must have time to take.
-inline constexpr double kLeastRampS = 0.02;
+inline constexpr double kMinRampS = 0.02;
 
 /// The same where a filter with w0 [rad/s] stands behind: five of its times, if that is longer. w0 <= 0: there is none.
 inline double ramp_behind_filter_s(double w0_rad_per_s) noexcept {
-  return w0_rad_per_s > 0.0 ? std::max(5.0 / w0_rad_per_s, kLeastRampS) : kLeastRampS;
+  return w0_rad_per_s > 0.0 ? std::max(5.0 / w0_rad_per_s, kMinRampS) : kMinRampS;
 }
 
 /// A finite number on its straight way to another. Real-time safe.

@@ -34,7 +34,7 @@ const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limi
   return spec;
 }
 
-constexpr double kMostSuppliedN = 100.0, kMostSuppliedMPerS = 2.0;
+constexpr double kMaxSuppliedN = 100.0, kMaxSuppliedMPerS = 2.0;
 
 bool pushes(const CouplingInput& in) noexcept {
   return !in.contact.zero() || in.contact_stiffness_n_per_m > 0.0 || !in.contact_stiffness.isZero(0.0);
@@ -127,7 +127,7 @@ double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) 
   if (!std::isfinite(input.supplied_energy_j)) return 0.0;
   const double before = supplied_j_.value_or(input.supplied_energy_j), more = input.supplied_energy_j - before;
   supplied_j_ = input.supplied_energy_j;
-  const double most = std::min(limits_.max_force_n, kMostSuppliedN) * kMostSuppliedMPerS * dt_s;
+  const double most = std::min(limits_.max_force_n, kMaxSuppliedN) * kMaxSuppliedMPerS * dt_s;
   return std::clamp(shown_ * more, -most, most);
 }
 

@@ -7,7 +7,7 @@
 namespace voxtouch {
 namespace {
 
-enum : std::size_t { kCoulomb, kSticking, kStiffness, kMostForce, kReach };
+enum : std::size_t { kCoulomb, kSticking, kStiffness, kMaxForce, kReach };
 
 constexpr std::array kParameters = {
     EffectParameter{.name = "coulomb",
@@ -42,7 +42,7 @@ struct Law {
 /// `share` of the force that the bristles let go at, not of the one they store: half the friction behind a region's rim is a
 /// surface half as rough.
 Law law_at(double push_n, double share, const EffectValues& values) noexcept {
-  const double most = share * values.number(kMostForce), slides = share * values.number(kCoulomb) * push_n;
+  const double most = share * values.number(kMaxForce), slides = share * values.number(kCoulomb) * push_n;
   return {std::min(slides, most), std::min(values.number(kSticking) * slides, most), values.number(kStiffness)};
 }
 
@@ -157,7 +157,7 @@ EffectBound bound(const EffectValues& values) {
   EffectBound bound;
   const double k = values.number(kStiffness), reach = values.number(kReach);
   bound.stiffness_n_per_m = k, bound.stiffness_nm_per_rad = k * reach * reach;
-  bound.force_n = values.number(kMostForce);
+  bound.force_n = values.number(kMaxForce);
   return bound;
 }
 

@@ -94,7 +94,7 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& tool, const Twist& to
     return {};
   }
   twist_ = {velocity.head<3>(), velocity.tail<3>()};
-  cut(twist_.linear, kMostSpeed), cut(twist_.angular, kMostSpin);
+  cut(twist_.linear, kMaxSpeed), cut(twist_.angular, kMaxSpin);
   pose_.position += dt_s * twist_.linear;
   const Vec3 step = dt_s * twist_.angular;
   if (const double angle = step.norm(); angle > 0.0)

@@ -43,8 +43,8 @@ struct BodyGrip {
 ///
 /// K and D are symmetric and positive semidefinite, so a linear contact of any stiffness is stable at any h, and a contact
 /// that stiffens by sudden hits only loses speed. Contact damping is Rayleigh's, D = tau K with tau = 2 zeta sqrt(m / k), k the
-/// contact's bound: zeta = 1/2 for a contact as stiff as its bound. Gyroscopic torque is explicit; speeds are cut at kMostSpeed
-/// and kMostSpin, where a hand has let go of it long ago.
+/// contact's bound: zeta = 1/2 for a contact as stiff as its bound. Gyroscopic torque is explicit; speeds are cut at kMaxSpeed
+/// and kMaxSpin, where a hand has let go of it long ago.
 ///
 /// Holding. While held, spring and damper pull the body to where it hangs on the tool; taken up anew it hangs as it lies, so
 /// that nothing jumps. Strength goes up and down over kGripRampS.
@@ -52,7 +52,7 @@ struct BodyGrip {
 /// Energy: kinetic + m g h + the spring's. Its fall is what the body may give the tool. Real-time safe.
 class RigidBody {
  public:
-  static constexpr double kGripRampS = 0.05, kMostSpeed = 20.0, kMostSpin = 200.0, kContactDampingRatio = 0.5;
+  static constexpr double kGripRampS = 0.05, kMaxSpeed = 20.0, kMaxSpin = 200.0, kContactDampingRatio = 0.5;
 
   explicit RigidBody(const BodyShape& shape) noexcept : shape_(shape) {}
 

@@ -23,7 +23,7 @@ struct TouchPoint {
 };
 
 /// Pushes below this count as none: their direction is rounding.
-inline constexpr double kLeastPushN = 1e-9;
+inline constexpr double kMinPushN = 1e-9;
 
 /// False without contact. Real-time safe.
 inline bool find_touch(const ObjectContact& touch, const Vec3& tool_origin, double reach_m,
@@ -31,7 +31,7 @@ inline bool find_touch(const ObjectContact& touch, const Vec3& tool_origin, doub
   if (touch.contact == nullptr) return false;
   const Wrench& wrench = touch.contact->wrench;
   point.push_n = wrench.force.norm();
-  if (!(point.push_n > kLeastPushN)) return false;
+  if (!(point.push_n > kMinPushN)) return false;
   point.normal = wrench.force / point.push_n;
   point.foot = point.normal.cross(wrench.torque) / point.push_n;
   if (const double length = point.foot.norm(); length > reach_m) point.foot *= reach_m / length;

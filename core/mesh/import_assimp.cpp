@@ -82,16 +82,16 @@ void place(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& oute
 /// Indices in range, numbers finite, polygons not absurd: before assimp cuts polygons, which trusts all
 /// three.
 void check_faces(const MeshFile& file, const aiScene& scene) {
-  constexpr unsigned kMostSides = 1024;  // cutting takes time with the square of the sides, or worse
+  constexpr unsigned kMaxSides = 1024;  // cutting takes time with the square of the sides, or worse
   std::uint64_t number = 0;
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[m];
     for (unsigned f = 0; f < mesh.mNumFaces; ++f, ++number) {
       const aiFace& face = mesh.mFaces[f];
       const std::string name = "face " + std::to_string(number) + " (counted from 0)";
-      if (face.mNumIndices > kMostSides) {
+      if (face.mNumIndices > kMaxSides) {
         refuse(file.path, name + " has " + std::to_string(face.mNumIndices) + " corners, and at most " +
-               std::to_string(kMostSides) + " are read", "triangulate on export");
+               std::to_string(kMaxSides) + " are read", "triangulate on export");
       }
       for (unsigned k = 0; k < face.mNumIndices; ++k) {
         const unsigned v = face.mIndices[k];

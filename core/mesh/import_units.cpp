@@ -19,17 +19,17 @@ std::string text_of(double value) {
 
 void check_precision(const MeshFile& file, const Triangles& triangles, const ImportOptions& options) {
   const double e = options.voxel_size_m, spacing = triangles.spacing * options.scale;
-  if (e <= 0.0 || spacing <= kMostSpacingPerVoxel * e) return;
+  if (e <= 0.0 || spacing <= kMaxSpacingPerVoxel * e) return;
   refuse(file.path,
          "its largest coordinate is " + text_of(triangles.largest * options.scale) +
              " m, where single precision, which the reader holds vertices in, has steps of " + text_of(spacing) +
-             " m; a voxel of " + text_of(e) + " m needs steps of at most " + text_of(kMostSpacingPerVoxel * e) + " m",
+             " m; a voxel of " + text_of(e) + " m needs steps of at most " + text_of(kMaxSpacingPerVoxel * e) + " m",
          "move the mesh to the origin in the file and give its place as the scene's pose, or take larger voxels");
 }
 
 std::string unit_warning(const MeshFile& file, double extent_m, const ImportOptions& options) {
   const double e = options.voxel_size_m;
-  if (e <= 0.0 || (extent_m >= kFewestVoxels * e && extent_m <= kMostVoxels * e)) return {};
+  if (e <= 0.0 || (extent_m >= kFewestVoxels * e && extent_m <= kMaxVoxels * e)) return {};
   const bool unitless = file.extension == "obj" || file.extension == "stl" || file.extension == "ply";
   const bool small = extent_m < kFewestVoxels * e;
   const double voxels = extent_m / e;

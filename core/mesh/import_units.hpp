@@ -7,10 +7,10 @@ namespace voxtouch::import {
 
 /// Largest step of single precision against the voxel edge. At a hundredth, rounding moves a shell point by
 /// less than what one of 100 steps through a voxel does.
-inline constexpr double kMostSpacingPerVoxel = 0.01;
+inline constexpr double kMaxSpacingPerVoxel = 0.01;
 /// Voxels along the longest side of a mesh: fewer than the first, and its shape is lost; more than the
 /// second, and the unit is rarely meant.
-inline constexpr double kFewestVoxels = 4.0, kMostVoxels = 2000.0;
+inline constexpr double kFewestVoxels = 4.0, kMaxVoxels = 2000.0;
 
 /// Throws MeshError if single precision is too coarse for `options.voxel_size_m` where the file's coordinates
 /// lie.

@@ -33,19 +33,19 @@ HandRange axis_range(const SceneSource& source, const MapReader& map, std::strin
   return out;
 }
 
-void read_hand(const SceneSource& source, const YamlNode& node, DesignAsk& ask) {
+void read_hand(const SceneSource& source, const YamlNode& node, DesignOptions& ask) {
   if (node.kind == YamlNode::Kind::kMap) {
     const MapReader map(source, node, "hand",
                         {"mass_kg", "damping_ns_per_m", "stiffness_n_per_m", "inertia_kg_m2", "damping_nms_per_rad",
                          "stiffness_nm_per_rad"});
-    ask.hand = HandAsk::kGiven;
+    ask.hand = HandOption::kGiven;
     ask.given_translation = axis_range(source, map, "mass_kg", "damping_ns_per_m", "stiffness_n_per_m");
     // A hand that is only half known about its rotation would be completed by guessing.
     if (map.has("inertia_kg_m2") || map.has("damping_nms_per_rad") || map.has("stiffness_nm_per_rad"))
       ask.given_rotation = axis_range(source, map, "inertia_kg_m2", "damping_nms_per_rad", "stiffness_nm_per_rad");
     return;
   }
-  constexpr std::array kinds = {HandAsk::kPen, HandAsk::kArm, HandAsk::kAnyPassive};
+  constexpr std::array kinds = {HandOption::kPen, HandOption::kArm, HandOption::kAnyPassive};
   if (node.kind != YamlNode::Kind::kScalar)
     source.fail(node.place,
                 fmt::format("'hand' must be one of: pen, arm, any_passive; or a map of ranges, but here is {}.",
@@ -69,11 +69,11 @@ void judge(SceneSource& source, const YamlNode& node, const MapReader& map, cons
   }
 }
 
-DesignAsk read_ask(SceneSource& source, const YamlNode& node, const MapReader& map) {
+DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReader& map) {
   read_choice(source, map.require("design"), "design", {"auto"});
   for (const std::string_view key : kOnlyByHand)
     map.refuse(key, "is what the designer chooses; leave it out, or set the coupling by hand without 'design'.");
-  DesignAsk ask;
+  DesignOptions ask;
   if (const YamlNode* kind = map.find("kind")) {
     const std::vector<std::string_view> kinds{"auto", "shaping_filter", "spring_damper", "direct"};
     ask.kind = kinds[read_choice(source, *kind, "kind", kinds)];
@@ -91,7 +91,7 @@ DesignAsk read_ask(SceneSource& source, const YamlNode& node, const MapReader& m
   map.optional("released", ask.released, read_flag);
   map.optional("inject_damping", ask.inject_damping, read_flag);
   map.optional("run_infeasible", ask.run_infeasible, read_flag);
-  if (ask.hand == HandAsk::kAnyPassive && !ask.released)
+  if (ask.hand == HandOption::kAnyPassive && !ask.released)
     source.fail(map.place_of("released"),
                 "'released: false' does not go with 'hand: any_passive', among which is no hand at all.");
   return ask;
@@ -130,7 +130,7 @@ CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, const MapRe
 
 }  // namespace
 
-CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignAsk>& design) {
+CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignOptions>& design) {
   std::vector<std::string_view> allowed{"design", "kind", "cutoff_hz", "stiffness_cap_n_per_m",
                                         "stiffness_cap_nm_per_rad"};
   allowed.insert(allowed.end(), kOnlyByHand.begin(), kOnlyByHand.end());

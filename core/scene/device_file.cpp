@@ -11,7 +11,7 @@ namespace {
 /// Above these a number is in the wrong unit (milliseconds, millimetres, per cent), not the property of a haptic device.
 constexpr double kLongestDelayS = 1.0, kCoarsestM = 0.01, kCoarsestRad = 0.1, kLargestJitter = 10.0;
 constexpr double kSlowestHz = 1.0, kFastestHz = 1e5;
-constexpr std::uint64_t kMostLost = 1000;
+constexpr std::uint64_t kMaxLost = 1000;
 
 class DeviceReader {
  public:
@@ -76,8 +76,8 @@ LoopTiming read_timing(const SceneSource& source, const MapReader& map, const De
   timing.jitter = read.at_most("jitter", kLargestJitter, "parts of the period");
   const YamlNode& lost = map.require("lost_in_a_row");
   const std::uint64_t count = read_count(source, lost, "lost_in_a_row");
-  if (count > kMostLost)
-    source.fail(lost.place, fmt::format("'lost_in_a_row' is {}; it must be at most {}.", count, kMostLost));
+  if (count > kMaxLost)
+    source.fail(lost.place, fmt::format("'lost_in_a_row' is {}; it must be at most {}.", count, kMaxLost));
   timing.lost_in_a_row = static_cast<int>(count);
   return timing;
 }

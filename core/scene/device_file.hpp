@@ -1,5 +1,5 @@
 #pragma once
-/// Reads a device file strictly: a device that the house has no driver for, or another one than its driver says, as the
+/// Reads a device file strictly: a device that the project has no driver for, or another one than its driver says, as the
 /// coupling designer needs it. Whatever is unknown, missing, doubled, of the wrong type, not finite or out of its range
 /// is a SceneError that says where and what would be right; nothing is guessed.
 ///

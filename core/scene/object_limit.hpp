@@ -4,6 +4,6 @@
 
 namespace voxtouch {
 
-inline constexpr std::size_t kMostObjects = 16;  ///< the ground among them
+inline constexpr std::size_t kMaxObjects = 16;  ///< the ground among them
 
 }  // namespace voxtouch

@@ -11,7 +11,7 @@
 
 #include "core/coupling/coupling_spec.hpp"
 #include "core/effects/effect_spec.hpp"
-#include "core/scene/design_ask.hpp"
+#include "core/scene/design_options.hpp"
 #include "core/types/geometry.hpp"
 #include "core/types/motion.hpp"
 
@@ -47,7 +47,7 @@ struct ObjectSpec {
 };
 
 /// How the device moves the tool in the world: T in W = device_in_world * scaled(T in D) * tool_offset.
-struct DeviceSpec {
+struct WorkspaceMapping {
   double position_scale = 1.0;  ///< metres in W for one metre of the device
   double force_scale = 1.0;     ///< newtons at the device for one newton in W; loop gain is the product of both
   Pose device_in_world;         ///< D in W
@@ -69,8 +69,8 @@ struct Scene {
   ContactSpec contact;
   std::vector<EffectSpec> effects;  ///< asked for, in the file's order; what is not here is not computed
   CouplingSpec coupling;            ///< as set by hand; not to be used where `design` is asked for
-  std::optional<DesignAsk> design;  ///< the coupling is to be designed for the device, this scene and the hand
-  DeviceSpec device;
+  std::optional<DesignOptions> design;  ///< the coupling is to be designed for the device, this scene and the hand
+  WorkspaceMapping device;
   std::map<std::string, Motion> motions;  ///< in W
   std::vector<std::string> warnings;      ///< doubtful, not wrong: `file:line:column: sentence` each
 };

@@ -136,9 +136,9 @@ ContactSpec read_contact(SceneSource& source, const YamlNode& node) {
   ContactSpec contact;
   bool by_area_only = false;
   if (const YamlNode* model = map.find("model")) {
-    const std::size_t rung = read_choice(source, *model, "model", models);
-    by_area_only = rung >= 2;
-    contact.model = models[rung];
+    const std::size_t choice = read_choice(source, *model, "model", models);
+    by_area_only = choice >= 2;
+    contact.model = models[choice];
   }
   const YamlNode* by_area = map.find("stiffness_n_per_m3");
   if (by_area_only)
@@ -157,9 +157,9 @@ ContactSpec read_contact(SceneSource& source, const YamlNode& node) {
   return contact;
 }
 
-DeviceSpec read_device(SceneSource& source, const YamlNode& node) {
+WorkspaceMapping read_device(SceneSource& source, const YamlNode& node) {
   const MapReader map(source, node, "device", {"position_scale", "force_scale", "pose", "tool", "clutch_button"});
-  DeviceSpec device;
+  WorkspaceMapping device;
   map.optional("position_scale", device.position_scale, read_positive);
   map.optional("force_scale", device.force_scale, read_positive);
   map.optional("pose", device.device_in_world, read_pose);

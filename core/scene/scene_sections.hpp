@@ -17,8 +17,8 @@ ContactSpec read_contact(SceneSource& source, const YamlNode& node);
 /// `scene.objects` are read before. In effects_section.cpp.
 std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node, const Scene& scene);
 /// The coupling as set by hand, or, where it is to be designed, `design` and a spec of defaults. In coupling_section.cpp.
-CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignAsk>& design);
-DeviceSpec read_device(SceneSource& source, const YamlNode& node);
+CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignOptions>& design);
+WorkspaceMapping read_device(SceneSource& source, const YamlNode& node);
 std::map<std::string, Motion> read_motions(SceneSource& source, const YamlNode& node);
 
 }  // namespace voxtouch

@@ -121,7 +121,7 @@ Json dynamic_mesh() {
 
 Json contact() {
   Json out = map_of({{"model", with_default(words({"original", "adapted", "clustered", "field"},
-                                                  "Rung of accuracy: see `voxtouch accuracy`."),
+                                                  "ContactCase of accuracy: see `voxtouch accuracy`."),
                                             "adapted")},
                      {"stiffness_n_per_m", positive("Of each shell point [N/m]; original and adapted.")},
                      {"stiffness_n_per_m3", positive("Per area of the tool's surface [N/m^3]; any model.")}},

@@ -45,8 +45,8 @@ std::uint32_t read_object(const SceneSource& source, const YamlNode& node, Scene
   object.contact = read_material(source, map, scene.contact);
   if (const YamlNode* moves = map.find("moves")) object.moves = read_motion(source, *moves, "moves", false);
   scene.objects.push_back(std::move(object));
-  if (scene.objects.size() >= kMostObjects)
-    source.fail(node.place, fmt::format("A scene has at most {} objects, the ground among them.", kMostObjects));
+  if (scene.objects.size() >= kMaxObjects)
+    source.fail(node.place, fmt::format("A scene has at most {} objects, the ground among them.", kMaxObjects));
   return static_cast<std::uint32_t>(scene.objects.size());
 }
 

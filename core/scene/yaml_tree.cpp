@@ -59,7 +59,7 @@ class TreeBuilder final : public YAML::EventHandler {
     if (anchor != 0) refuse_alias(mark);
     if (!tag.empty() && tag != "?" && tag != "!")
       fail(place_of(mark), fmt::format("A {} has no tags; remove '{}'.", what_, tag));
-    if (++nodes_ > kMostNodes) fail(place_of(mark), fmt::format("The {} has more than {} values.", what_, kMostNodes));
+    if (++nodes_ > kMaxNodes) fail(place_of(mark), fmt::format("The {} has more than {} values.", what_, kMaxNodes));
   }
 
   bool expects_key() const {

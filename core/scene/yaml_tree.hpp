@@ -29,7 +29,7 @@ struct YamlEntry {
 };
 
 /// Deepest nesting and largest number of nodes that a scene may have: far above any real one.
-inline constexpr std::size_t kDeepestNesting = 32, kMostNodes = 200'000;
+inline constexpr std::size_t kDeepestNesting = 32, kMaxNodes = 200'000;
 
 /// Parses one YAML document. Throws SceneError for text that is no YAML, bytes that are no text (UTF-8), a doubled key, a
 /// key that is no plain word, several documents, tags, anchors and aliases (which a scene has no need of, and which let a

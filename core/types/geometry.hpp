@@ -1,5 +1,5 @@
 #pragma once
-/// Value types and frames, defined once for the whole house.
+/// Value types and frames, defined once for the whole project.
 ///
 /// Frames
 ///   W  world: where scenes, voxmaps and contact wrenches live.

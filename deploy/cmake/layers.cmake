@@ -1,4 +1,4 @@
-# The layers of the house, checked at configure time: nodes -> qos, idl, devices, core; devices -> core/types; core -> nothing
+# The layers of the project, checked at configure time: nodes -> qos, idl, devices, core; devices -> core/types; core -> nothing
 # above itself. Only core/mesh/import*, core/reference may see assimp; of core only core/scene yaml-cpp, of devices only the hand file; only core/reference FCL;
 # core/reference sees no rendering code.
 function(voxtouch_forbid_includes folder pattern reason)
@@ -24,7 +24,7 @@ voxtouch_forbid_includes(core "fcl/" "FCL belongs to core/reference only." "/cor
 voxtouch_forbid_includes(core/reference "core/(mesh|voxmap|pointshell|contact|effects|coupling)/"
   "the reference links no rendering code: it would repeat the faults it has to find.")
 voxtouch_forbid_includes(devices "dds|qos/|nodes/|voxtouch_msgs|idl/|core/(mesh|voxmap|pointshell|contact|effects|coupling|scene|reference)/"
-  "a device driver sees the value types of core/types and nothing else of the house.")
+  "a device driver sees the value types of core/types and nothing else of the project.")
 voxtouch_forbid_includes(devices "yaml-cpp/" "only the hand file is YAML." "/devices/operator/hand_file")
 voxtouch_forbid_includes(qos "nodes/|devices/|core/" "qos is tables over idl.")
 

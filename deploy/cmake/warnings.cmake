@@ -1,4 +1,4 @@
-# Two INTERFACE targets that every library of the house links: what the compiler warns of, and what keeps bits equal.
+# Two INTERFACE targets that every library of the project links: what the compiler warns of, and what keeps bits equal.
 find_package(Threads REQUIRED)
 
 add_library(voxtouch_warnings INTERFACE)

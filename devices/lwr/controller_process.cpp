@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kStart = 10s;  // on a machine that is very busy
-constexpr auto kFarewell = 2s;
+constexpr auto kStopTimeout = 2s;
 constexpr std::string_view kReady = "simulated controller:";  // begins its first line
 constexpr int kExecFailed = 127;
 
@@ -109,7 +109,7 @@ ControllerProcess::~ControllerProcess() { end(); }
 void ControllerProcess::end() noexcept {
   const std::lock_guard lock(mutex_);
   if (running()) kill(pid_, SIGTERM);
-  for (const auto give_up = Clock::now() + kFarewell; running() && Clock::now() < give_up;)
+  for (const auto give_up = Clock::now() + kStopTimeout; running() && Clock::now() < give_up;)
     std::this_thread::sleep_for(2ms);
   if (!running()) return;
   kill(pid_, SIGKILL);

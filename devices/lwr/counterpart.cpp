@@ -59,7 +59,7 @@ class WireLwr final : public Counterpart {
       : process_(arguments(driver, options, settings), hand(driver, options)) {
     driver_ = std::make_unique<LwrDriver>(driver);
   }
-  ~WireLwr() override { driver_.reset(); }  // its farewell needs the controller
+  ~WireLwr() override { driver_.reset(); }  // its last messages need the controller
 
   std::string trouble() const override {
     const std::string of_driver = driver_->trouble(), how = process_.ending();

@@ -1,5 +1,5 @@
 #pragma once
-/// Between datagrams, packets and the house's types. Real-time safe throughout: values in, values out.
+/// Between datagrams, packets and the project's types. Real-time safe throughout: values in, values out.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -43,7 +43,7 @@ constexpr std::int32_t sequence_distance(std::uint16_t from, std::uint16_t to) n
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(to - from));
 }
 
-// The wire's rotations come in the order Z, Y, X; the house's in X, Y, Z. All six-vectors and Jacobians pass through here.
+// The wire's rotations come in the order Z, Y, X; the project's in X, Y, Z. All six-vectors and Jacobians pass through here.
 Vec6 from_wire(const CartVector& wire) noexcept;
 CartVector to_wire(const Vec6& xyz) noexcept;
 LwrJacobian from_wire(const JacobianRows& wire) noexcept;

@@ -6,7 +6,7 @@ namespace voxtouch {
 namespace {
 
 // More than any stack holds: a library that never answers "none" must not catch the servo thread.
-constexpr int kMostAtOnce = 256;
+constexpr int kMaxAtOnce = 256;
 
 }  // namespace
 
@@ -51,7 +51,7 @@ void HdTrouble::note(hd::HDerror code) noexcept {
 }
 
 void HdTrouble::drain(const hd::Api& api) noexcept {
-  for (int i = 0; i < kMostAtOnce; ++i) {
+  for (int i = 0; i < kMaxAtOnce; ++i) {
     const hd::HDerror code = api.hdGetError().error_code;
     if (code == hd::kSuccess) return;
     note(code);

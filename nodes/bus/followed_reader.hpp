@@ -18,10 +18,10 @@ class FollowedReader {
         reader_(participant, row, rig, profile, following_.get()) {}
 
   /// The oldest waiting sample of the writer that is followed. Real-time safe apart from what DDS itself does; looks at
-  /// kMostTakes samples at most, what is left comes next time.
+  /// kMaxTakes samples at most, what is left comes next time.
   bool take(T& sample, dds_instance_handle_t* writer = nullptr) noexcept {
     dds_instance_handle_t from = 0;
-    for (int i = 0; i < kMostTakes && reader_.take(sample, &from); ++i) {
+    for (int i = 0; i < kMaxTakes && reader_.take(sample, &from); ++i) {
       if (!following_->admits(from)) continue;  // it was stored before another writer was followed
       if (writer) *writer = from;
       return true;
@@ -29,7 +29,7 @@ class FollowedReader {
     return false;
   }
   /// Loops that answer sample after sample turn to other work after this many.
-  static constexpr int kMostTakes = 64;
+  static constexpr int kMaxTakes = 64;
 
   Following& following() const noexcept { return *following_; }
   dds_instance_handle_t writer() const noexcept { return following_->writer(); }

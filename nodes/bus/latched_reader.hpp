@@ -22,7 +22,7 @@ class LatchedReader {
         reader_(participant, row, rig, qos::profile(qos::ProfileId::kStatus), following_.get()) {}
 
   /// Calls f(const T&) where the writer that is followed has a value that f has not seen of it, the newest if several have come.
-  /// True if so. The same value written again is none. Looks at kMostTakes samples at most.
+  /// True if so. The same value written again is none. Looks at kMaxTakes samples at most.
   template <class F>
   bool take(F&& f) {
     receive();
@@ -47,9 +47,9 @@ class LatchedReader {
   std::uint32_t matched_count() const noexcept { return reader_.matched_count(); }
   dds_entity_t condition() const noexcept { return reader_.condition(); }
 
-  static constexpr int kMostTakes = 64;
-  static constexpr std::size_t kMostWriters = 16;
-  static constexpr std::size_t kMostBytes = 1'000'000;  ///< of a value; a longer one is dropped
+  static constexpr int kMaxTakes = 64;
+  static constexpr std::size_t kMaxWriters = 16;
+  static constexpr std::size_t kMaxBytes = 1'000'000;  ///< of a value; a longer one is dropped
 
  private:
   struct Kept {
@@ -63,7 +63,7 @@ class LatchedReader {
   }
 
   void receive() {
-    for (int i = 0; i < kMostTakes; ++i) {
+    for (int i = 0; i < kMaxTakes; ++i) {
       ddsi_serdata* one[1] = {nullptr};
       dds_sample_info_t info;
       if (dds_takecdr(reader_.get(), one, 1, &info, DDS_ANY_STATE) != 1) return;
@@ -74,12 +74,12 @@ class LatchedReader {
 
   void keep(dds_instance_handle_t writer, Serdata data) {
     const std::size_t size = ddsi_serdata_size(data.get());
-    if (size > kMostBytes) return;
+    if (size > kMaxBytes) return;
     auto place = find(writer);
-    if (place == kept_.end() && kept_.size() == kMostWriters)
+    if (place == kept_.end() && kept_.size() == kMaxWriters)
       std::erase_if(kept_, [this](const Kept& k) { return !writer_is_matched(reader_.get(), k.writer); });
     if (place = find(writer); place == kept_.end()) {
-      if (kept_.size() >= kMostWriters) return;
+      if (kept_.size() >= kMaxWriters) return;
       place = kept_.insert(kept_.end(), Kept{writer, nullptr, {}});
     }
     place->bytes.resize(size);

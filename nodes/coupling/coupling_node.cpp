@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "core/coupling/running_coupling.hpp"
-#include "core/scene/design_request.hpp"
-#include "core/scene/device_mapping.hpp"
+#include "core/fitting/design_problem.hpp"
+#include "core/rendering/device_mapping.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
@@ -30,7 +30,7 @@ using runtime::NodeState;
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
 /// What bounds each loop of the thread that answers contacts. `run`: it is the process, each turn looks at `stop`. Contacts in a turn:
-/// kMostTakes; in real time the history holds one. Descriptions and plans in a turn: kMostTakes, of
+/// kMaxTakes; in real time the history holds one. Descriptions and plans in a turn: kMaxTakes, of
 /// those who are bound, or of anybody while none is and no force can come of it. A fit, some tenths of a second, where a session begins
 /// and, in lockstep, where it changes; else it runs beside the loop. One lock, where a fit is adopted or a description has come.
 class CouplingNode {
@@ -58,7 +58,7 @@ class CouplingNode {
     runtime::flush_denormals();
     runtime::Housekeeping housekeeping(
         participant_, "coupling", options_,
-        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+        [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
         {{"its loop", [this] { return heartbeat_.sign(); }}});
     stop_ = &stop;
     housekeeping_ = &housekeeping;
@@ -67,7 +67,7 @@ class CouplingNode {
       wait_set_.wait(50'000'000);
       listen();
       if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
-      for (int i = 0; i < contacts_.kMostTakes && !over() && turn(); ++i) {
+      for (int i = 0; i < contacts_.kMaxTakes && !over() && turn(); ++i) {
       }
     }
     session_.stop();
@@ -209,7 +209,7 @@ class CouplingNode {
     clutched_ = pressed;
   }
 
-  void look(runtime::Roster& roster, runtime::NodeReport& report) {
+  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
     const std::lock_guard lock(running_mutex_);
     const Design& design = running_.fitted.design;
     const double displayed = stiffness_at_hand_n_per_m(running_.fitted, scene_.device, stiffness_.load());
@@ -230,16 +230,16 @@ class CouplingNode {
                       {"device_max_stiffness_n_per_m", {running_.device_max_stiffness_n_per_m, "N/m"}}};
     if (running_.made > 0) describe(design, report);
     report.figures["foreign_samples"] = {device_.refused() + rendering_.refused(), "samples"};
-    device_.update(roster, std::nullopt);
-    if (device_.bound()) rendering_.update(roster, device_.session());
+    device_.update(registry, std::nullopt);
+    if (device_.bound()) rendering_.update(registry, device_.session());
     std::string missing =
-        session_.report_to(report, options_, roster, links_, "a device and its scene's plan", samples_.load() > 0);
+        session_.report_to(report, options_, registry, links_, "a device and its scene's plan", samples_.load() > 0);
     if (missing.empty() && !told_.load(std::memory_order_acquire)) {
       missing = "a device and its scene's plan";
       report.session_id = 0, report.state = NodeState::kStarting;
     }
-    std::string trouble = device_.trouble(roster);
-    if (trouble.empty()) trouble = rendering_.trouble(roster);
+    std::string trouble = device_.trouble(registry);
+    if (trouble.empty()) trouble = rendering_.trouble(registry);
     if (!wrong_.empty()) trouble = "the device's description is refused: " + wrong_;
     // The device's limit is held against the total stiffness of the contact, not against one point's.
     report.message = session_.stopped() ? "stopped"

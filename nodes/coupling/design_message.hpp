@@ -1,6 +1,6 @@
 #pragma once
 /// The coupling that runs, and what vouches for it, as a latched message.
-#include "core/scene/fit_coupling.hpp"
+#include "core/fitting/fit_coupling.hpp"
 #include "nodes/bus/writer.hpp"
 
 namespace voxtouch::coupling {

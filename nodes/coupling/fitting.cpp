@@ -27,10 +27,10 @@ void Fitting::take(const DeviceDescription& device, std::uint64_t session) {
 }
 
 void Fitting::take(const msg::ScenePlan& plan) {
-  const MetStiffness met{{plan.one_point_stiffness_n_per_m, plan.all_points_stiffness_n_per_m},
+  const StiffnessBounds bounds{{plan.one_point_stiffness_n_per_m, plan.all_points_stiffness_n_per_m},
                          {plan.one_point_stiffness_nm_per_rad, plan.all_points_stiffness_nm_per_rad}};
-  outdated_ |= plan_session_ != plan.session_id || met != met_;
-  met_ = met;
+  outdated_ |= plan_session_ != plan.session_id || bounds != bounds_;
+  bounds_ = bounds;
   demand_ = demand_in(plan);
   plan_session_ = plan.session_id;
   changed_ = true;
@@ -42,7 +42,7 @@ std::optional<std::uint64_t> Fitting::session() const noexcept {
 
 FittedCoupling Fitting::fit() {
   outdated_ = false;
-  return fit_coupling(scene_, device_, met_, demand_);
+  return fit_coupling(scene_, device_, bounds_, demand_);
 }
 
 void Fitting::begin() {
@@ -53,10 +53,10 @@ void Fitting::begin() {
   }
   again_ = false;
   under_way_ =
-      std::async(std::launch::async, [this, device = device_, met = met_, demand = demand_] {
+      std::async(std::launch::async, [this, device = device_, bounds = bounds_, demand = demand_] {
         const sched_param ordinary{};
         sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the loop, which starts this thread, may run under SCHED_FIFO
-        return fit_coupling(scene_, device, met, demand);
+        return fit_coupling(scene_, device, bounds, demand);
       });
 }
 
@@ -70,7 +70,7 @@ std::optional<FittedCoupling> Fitting::poll() {
 }
 
 std::string Fitting::judge(const FittedCoupling& fitted) const {
-  return judge_again(fitted, scene_, device_, met_.translation.one_point, demand_);
+  return judge_again(fitted, scene_, device_, bounds_.translation.one_point, demand_);
 }
 
 }  // namespace voxtouch::coupling

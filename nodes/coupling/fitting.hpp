@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/scene/fit_coupling.hpp"
+#include "core/fitting/fit_coupling.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
 namespace voxtouch::coupling {
@@ -38,7 +38,7 @@ class Fitting {
  private:
   const Scene& scene_;
   DeviceModel device_;
-  MetStiffness met_;  ///< in W
+  StiffnessBounds bounds_;  ///< in W
   DeviceDemand demand_;
   std::optional<std::uint64_t> device_session_, plan_session_;
   bool changed_ = false, outdated_ = false, again_ = false;

@@ -51,7 +51,7 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
   if (!sample) {
     next_period();
     runtime::sleep_until(deadline_ns_);  // a device that fails at once must not make the loop spin
-    return after(sample.error());
+    return on_device_error(sample.error());
   }
   if (!driver_.simulated()) {
     count_skipped(sample->time_ns);
@@ -78,11 +78,11 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
   note(written ? force : Wrench{});
   progress_.in_trouble.store(!written, kRelaxed);
   if (written) takes_force_ = true;
-  return written ? End::kNone : after(written.error());
+  return written ? End::kNone : on_device_error(written.error());
 }
 
 /// Only a device that has gone or needs a person ends the session. All else costs force, not the session: zero now, ramped in anew.
-End DeviceLoop::after(DeviceError error) noexcept {
+End DeviceLoop::on_device_error(DeviceError error) noexcept {
   progress_.last_error.store(error, kRelaxed);
   if (error == DeviceError::kDisconnected) return End::kDeviceGone;
   if (error == DeviceError::kFault) return End::kDeviceFault;
@@ -142,7 +142,7 @@ std::optional<GuardInput> DeviceLoop::take_commands() noexcept {
   if (gate_.writer() && *gate_.writer() != commands_.writer()) gate_.release_writer();
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
-  for (int i = 0; i < commands_.kMostTakes && commands_.take(command, &writer); ++i) {
+  for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer); ++i) {
     const GateVerdict verdict = gate_.accept(writer, command.session_id, command.sequence_number, sequence_);
     guard_.count(verdict);
     if (verdict != GateVerdict::kAccepted) continue;

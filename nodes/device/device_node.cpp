@@ -78,16 +78,16 @@ std::string sentence(End end, const Driver& driver) {
 /// Refuses to be the second device of a rig: two would fight over the same namespace. Returns how many sessions the other nodes
 /// have seen.
 std::uint64_t require_free_rig(const bus::Participant& participant, const Options& options) {
-  runtime::Roster roster(participant, options.rig);
+  runtime::NodeRegistry registry(participant, options.rig);
   const auto runs = [](const runtime::NodeReport& r) {
     return r.node == "device" && r.state != NodeState::kStopped && r.state != NodeState::kFailed;
   };
-  if (const auto other = runtime::look_for(roster, runs, std::chrono::milliseconds(400)))
+  if (const auto other = runtime::look_for(registry, runs, std::chrono::milliseconds(400)))
     throw std::runtime_error(
         fmt::format("a device already runs in rig '{}' on domain {} (process {} on {}). Stop it, or choose another "
                     "--rig or --domain",
                     options.rig, options.domain, other->pid, other->host));
-  return runtime::sessions_seen(roster);
+  return runtime::sessions_seen(registry);
 }
 
 /// All of the node: endpoints, driver, loop; the housekeeping thread looks in from beside.
@@ -115,7 +115,7 @@ class DeviceNode {
     {
       runtime::Housekeeping housekeeping(
           participant_, "device", options_,
-          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+          [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
           {{"its loop", [this] { return progress_.heartbeat.sign(); }}});
       end = wait_for_peers(stop);
       if (end == End::kNone) end = loop.run(stop);
@@ -164,7 +164,7 @@ class DeviceNode {
     runtime::NodeOptions silent = options_;
     silent.announce = false;  // the error itself is printed
     const runtime::Housekeeping housekeeping(participant_, "device", silent,
-                                             [&](runtime::Roster&, runtime::NodeReport& report) {
+                                             [&](runtime::NodeRegistry&, runtime::NodeReport& report) {
                                                report.state = NodeState::kFailed;
                                                report.message = message;
                                              });
@@ -203,13 +203,13 @@ class DeviceNode {
                        : sentence(end, *driver_);
   }
 
-  void look(runtime::Roster& roster, runtime::NodeReport& report) {
+  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
     const End end = progress_.end.load(std::memory_order_acquire);
-    coupling_->update(roster, session_);
-    watch_peers(roster);
-    watch_rig(roster);
-    if (!options_.lockstep && reminder_.is_due(roster, session_, qos::kDeviceDescription)) describe();
-    const std::string foreign = coupling_->trouble(roster);
+    coupling_->update(registry, session_);
+    watch_peers(registry);
+    watch_rig(registry);
+    if (!options_.lockstep && reminder_.is_due(registry, session_, qos::kDeviceDescription)) describe();
+    const std::string foreign = coupling_->trouble(registry);
     report.session_id = session_;
     report.partners = partners_.participants();
     const bool running = progress_.started_ns.load() != 0;
@@ -231,21 +231,21 @@ class DeviceNode {
     fill(report);
   }
 
-  void watch_peers(runtime::Roster& roster) {
+  void watch_peers(runtime::NodeRegistry& registry) {
     if (!options_.lockstep) return;
-    partners_.update(options_, roster, links_, session_);
-    waiting_for_ = runtime::missing_links(options_, roster, links_);
+    partners_.update(options_, registry, links_, session_);
+    waiting_for_ = runtime::missing_links(options_, registry, links_);
     for (const std::string& peer : partners_.missing())
       waiting_for_ += (waiting_for_.empty() ? "" : ", ") + peer + " to be ready";
     if (waiting_for_.empty() && partners_.complete() && coupling_->bound()) peers_ready_.store(true, std::memory_order_release);
     if (!peers_ready_.load()) return;
-    for (const runtime::Hung& hung : roster.hung())
+    for (const runtime::Hung& hung : registry.hung())
       if (partners_.participants().contains(hung.participant) && hung.for_s * 1e9 >= runtime::kGivenUpNs)
         lose(fmt::format("{} has given no sign of life for {:.1f} s", hung.node, hung.for_s));
     for (const bus::Guid& partner : partners_.participants()) {
-      const runtime::NodeReport* report = roster.report_of(partner);  // kept by the housekeeping, also of one that has gone
+      const runtime::NodeReport* report = registry.report_of(partner);  // kept by the housekeeping, also of one that has gone
       const bool failed = report && report->state == NodeState::kFailed;
-      if (failed || !roster.is_here(partner))
+      if (failed || !registry.is_here(partner))
         lose(fmt::format("{} takes part and has {}", report ? report->node : "a node", failed ? "failed" : "gone"));
     }
   }
@@ -259,13 +259,13 @@ class DeviceNode {
   /// Two devices of one rig: after a network split, or after a start at the same time, when neither sees the other. Each says, once,
   /// how many of its samples had been answered when it first saw the other: the one with more, whose ring is with it, stays; of equal
   /// ones that with the smaller GUID. Neither number changes any more, so both decide alike, and no clock takes part.
-  void watch_rig(const runtime::Roster& roster) {
+  void watch_rig(const runtime::NodeRegistry& registry) {
     rival_.clear();
-    for (const runtime::NodeReport& other : roster.reports()) {
+    for (const runtime::NodeReport& other : registry.reports()) {
       if (other.node != "device" || other.participant == participant_.guid() || other.state == NodeState::kStopped ||
           other.state == NodeState::kFailed)
         continue;
-      rival_ = roster.name_of(other.participant);
+      rival_ = registry.name_of(other.participant);
       if (!claim_) claim_ = progress_.latency.count();
       const auto theirs = other.figures.find(kClaim);
       if (theirs == other.figures.end()) continue;  // it has not seen this one yet

@@ -42,13 +42,13 @@ void tell(fmt::format_string<Args...> format, Args&&... args) noexcept {
 inline constexpr std::size_t kLinesKept = 1024;          ///< texts that wait for a slow stream
 inline constexpr std::size_t kLongestText = 16 * 1024;  ///< [bytes]; the rest of a longer text is cut off
 /// How long the end of a process waits for a stream that takes nothing.
-inline constexpr std::chrono::milliseconds kFarewell{500};
+inline constexpr std::chrono::milliseconds kStopTimeout{500};
 
 /// Texts of this process that no stream took, so far.
 std::uint64_t texts_lost() noexcept;
 
 /// Waits until everything said so far is written or lost, `patience` at most. `exit` does it by itself; whoever calls `_Exit` must.
-void finish_telling(std::chrono::milliseconds patience = kFarewell) noexcept;
+void finish_telling(std::chrono::milliseconds patience = kStopTimeout) noexcept;
 
 /// Writes a result on stdout, after what was told before it. Waits for whoever reads; throws std::runtime_error where it cannot be
 /// written, since a result that nobody gets is a failure.

@@ -37,7 +37,7 @@ class LoggerNode {
     {
       runtime::Housekeeping housekeeping(
           participant_, "logger", options_,
-          [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+          [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
           {{"its loop", [this] { return heartbeat_.sign(); }},
            {"its disk", [this] { return recorder_.turns() + closing_.sign(); }}});
       std::int64_t last_discovery = 0;
@@ -79,7 +79,7 @@ class LoggerNode {
   }
 
  private:
-  void look(runtime::Roster& roster, runtime::NodeReport& report) {
+  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
     const bool finished = session_.stopped();
     const bag::RecordingReport now = finished ? final_ : recorder_.report();
     const std::uint64_t lost = now.total(&bag::TopicReport::dropped) + now.total(&bag::TopicReport::lost);
@@ -93,8 +93,8 @@ class LoggerNode {
                       {"dropped", {lost, "messages"}},
                       {"topics", {now.topics.size(), "topics"}}};
     topics_.tell(session_in_bag_.load(std::memory_order_relaxed), report.figures);
-    device_.update(roster, std::nullopt);
-    session_.report_to(report, options_, roster, links_, "a device", true);
+    device_.update(registry, std::nullopt);
+    session_.report_to(report, options_, registry, links_, "a device", true);
   }
 
   const Options& options_;

@@ -15,7 +15,7 @@ class SequenceCount {
 
   /// One that is to be written. Of what comes twice or late only the first counts.
   void add(std::uint64_t session, std::uint64_t sequence) {
-    const auto [found, made] = sessions_.size() < kMostSessions ? sessions_.try_emplace(session) : std::pair{sessions_.find(session), false};
+    const auto [found, made] = sessions_.size() < kMaxSessions ? sessions_.try_emplace(session) : std::pair{sessions_.find(session), false};
     if (found == sessions_.end()) return;
     Count& count = found->second;
     if (made) count.first = sequence;
@@ -29,7 +29,7 @@ class SequenceCount {
   }
 
  private:
-  static constexpr std::size_t kMostSessions = 64;  ///< anybody may send any number: later ones are not counted
+  static constexpr std::size_t kMaxSessions = 64;  ///< anybody may send any number: later ones are not counted
   std::map<std::uint64_t, Count> sessions_;
 };
 

@@ -7,7 +7,7 @@ void ChangeLine::report(ChangeReport::What what, const Change& change, std::uint
 }
 
 void ChangeLine::retire(LiveScene& live) noexcept {
-  // A desk that has not looked for long must not cost a scene's memory: it is asked for again when there is room.
+  // An update server that has not looked for long must not cost a scene's memory: it is asked for again when there is room.
   if (reports_.room() == 0) return;
   if (BuiltScene* scene = live.retired()) reports_.push({ChangeReport::What::kRetired, 0, 0, epoch_, scene});
 }

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/effects/effect_change.hpp"
-#include "core/scene/live_scene.hpp"
+#include "core/rendering/live_scene.hpp"
 #include "nodes/runtime/spsc_queue.hpp"
 
 namespace voxtouch::rendering {
@@ -33,14 +33,14 @@ struct ChangeReport {
   BuiltScene* scene = nullptr;
 };
 
-/// Between the desk, which judges, and the loop, which applies. Changes are taken in the order they were asked for, one that waits
+/// Between the update server, which judges, and the loop, which applies. Changes are taken in the order they were asked for, one that waits
 /// for its sample holds up those behind it: so each runs on the values that it was judged by. In a session none is made before the
-/// desk has judged, for its device, what was asked for before that device was known.
+/// update server has judged, for its device, what was asked for before that device was known.
 class ChangeLine {
  public:
   static constexpr std::size_t kCapacity = 64;
 
-  // Of the desk.
+  // Of the update server.
   bool ask(const Change& change) noexcept { return changes_.push(change); }
   bool next_report(ChangeReport& report) noexcept {
     const ChangeReport* oldest = reports_.front();

@@ -1,7 +1,7 @@
 #pragma once
 /// The plan as a latched message.
-#include "core/scene/device_demand.hpp"
-#include "core/scene/plan.hpp"
+#include "core/fitting/device_demand.hpp"
+#include "core/rendering/plan.hpp"
 #include "nodes/bus/writer.hpp"
 
 namespace voxtouch::rendering {

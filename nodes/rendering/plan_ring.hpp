@@ -2,7 +2,7 @@
 /// Topics and nodes that stand round a scene: which of them work always, which only while somebody reads or runs them.
 #include <vector>
 
-#include "core/scene/plan.hpp"
+#include "core/rendering/plan.hpp"
 
 namespace voxtouch::rendering {
 

@@ -5,14 +5,14 @@
 
 #include <fmt/format.h>
 
-#include "core/scene/device_mapping.hpp"
-#include "core/scene/live_scene.hpp"
+#include "core/rendering/device_mapping.hpp"
+#include "core/rendering/live_scene.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/log/progress.hpp"
-#include "nodes/rendering/change_desk.hpp"
+#include "nodes/rendering/scene_update_server.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
@@ -28,9 +28,9 @@ namespace {
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
 /// What bounds each loop of the thread that answers samples. `run`: it is the process, each turn looks at `stop`. Samples in a turn:
-/// kMostTakes; in real time the history holds one. Descriptions in a turn: kMostTakes, of the bound device, or of anybody while none
+/// kMaxTakes; in real time the history holds one. Descriptions in a turn: kMaxTakes, of the bound device, or of anybody while none
 /// is bound and no force can come of it. `change`: in real time no wait, and at most the changes that the line holds; in lockstep it
-/// waits for the desk, in naps that look at `stop`. A frame: the scene's own counts. One lock, where a description has come.
+/// waits for the update server, asleep for 0.2 ms at a time, and looks at `stop`. A frame: the scene's own counts. One lock, where a description has come.
 class RenderingNode {
  public:
   RenderingNode(const Options& options, const Scene& scene, std::unique_ptr<BuiltScene> built)
@@ -40,14 +40,14 @@ class RenderingNode {
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         ros_(participant_, options.rig, scene),
-        desk_(participant_, options, scene, std::move(built), line_,
+        updates_(participant_, options, scene, std::move(built), line_,
               [this](const Scene& next) { ros_.set_static_meshes(next.static_meshes); },
               [this](std::uint64_t session) { session_.begin(session); }),
         wait_set_(participant_), device_("device", {&descriptions_.following(), &states_.following()}) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
     links_ = {runtime::link_of_reader(qos::kDeviceDescription, descriptions_), runtime::link_of_reader(qos::kDeviceState, states_),
-              runtime::link_of_writer(qos::kContactState, contacts_), runtime::link_of_writer(qos::kScenePlan, desk_.plans())};
+              runtime::link_of_writer(qos::kContactState, contacts_), runtime::link_of_writer(qos::kScenePlan, updates_.plans())};
   }
 
   int run(const std::atomic<bool>& stop) {
@@ -55,7 +55,7 @@ class RenderingNode {
     stop_ = &stop;
     runtime::Housekeeping housekeeping(
         participant_, "rendering", options_,
-        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+        [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
         {{"its loop", [this] { return heartbeat_.sign(); }}});
     housekeeping_ = &housekeeping;
     while (!over()) {
@@ -66,7 +66,7 @@ class RenderingNode {
       if (described_ && described_->session == device_.session() && descriptions_.current()) follow_device();
       msg::DeviceState state;
       const std::uint64_t before = samples_.load(kRelaxed);
-      for (int i = 0; i < states_.kMostTakes && states_.take(state) && !over(); ++i) answer(state);
+      for (int i = 0; i < states_.kMaxTakes && states_.take(state) && !over(); ++i) answer(state);
       if (samples_.load(kRelaxed) == before) idle();
     }
     session_.stop();
@@ -89,11 +89,11 @@ class RenderingNode {
   /// Of the session that runs: the scene is the same, but the device may not be fit for it any more.
   void follow_device() {
     if (described_->session != session_in_loop_) start_session(described_->session);
-    desk_.device_is(std::make_unique<DescribedDevice>(std::move(*described_)));
+    updates_.device_is(std::make_unique<DescribedDevice>(std::move(*described_)));
     described_.reset();
   }
 
-  /// Ready is said by the desk, when readers have the plan.
+  /// Ready is said by the update server, when readers have the plan.
   void start_session(std::uint64_t session) {
     live_.reset();
     line_.begin_session(session);
@@ -112,7 +112,7 @@ class RenderingNode {
     if (!options_.lockstep && live_.fading() && runtime::monotonic_ns() - last_answer_ns_ > 500'000'000) live_.finish();
   }
 
-  void nap() noexcept {
+  void sleep_briefly() noexcept {
     heartbeat_.beat();
     runtime::sleep_until(runtime::monotonic_ns() + 200'000);
   }
@@ -120,10 +120,10 @@ class RenderingNode {
   /// Between two samples. In lockstep it waits here for what the sample `next` must be answered with: the plan of a change, which
   /// readers must have before it, or a scene that is still being built.
   void change(std::uint64_t next, bool at_sample) noexcept {
-    while (options_.lockstep && at_sample && line_.holds(next) && !over()) nap();
+    while (options_.lockstep && at_sample && line_.holds(next) && !over()) sleep_briefly();
     if (!options_.lockstep) (void)line_.holds(next);
     line_.take(live_, next, at_sample);
-    while (options_.lockstep && !line_.settled(line_.applied()) && !over()) nap();
+    while (options_.lockstep && !line_.settled(line_.applied()) && !over()) sleep_briefly();
   }
 
   /// A sample that cannot be used is answered with the last good pose's contact for as long as a device holds a command.
@@ -176,7 +176,7 @@ class RenderingNode {
     m.surface_hits = c.surface_hits;
     m.interior_hits = c.interior_hits;
     m.points_tested = c.points_tested;
-    m.model = static_cast<std::uint32_t>(live_.told().renderer().model());
+    m.model = static_cast<std::uint32_t>(live_.dominant().renderer().model());
     m.flags =
         (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.held ? msg::contact_state::kFlagHeld : 0U) |
         (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
@@ -193,7 +193,7 @@ class RenderingNode {
     ros_.show(
         {state.sample_time_ns, frame_.object, frame_.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
     samples_.fetch_add(1, kRelaxed);
-    const bool touches = c.surface_hits + c.interior_hits > 0, pushes = c.wrench.force.norm() > kDustN;
+    const bool touches = c.surface_hits + c.interior_hits > 0, pushes = c.wrench.force.norm() > kForceEpsilonN;
     if (pushes) contact_samples_.fetch_add(1, kRelaxed);
     if (touches && !pushes && c.interior_hits > c.surface_hits) buried_.fetch_add(1, kRelaxed);
     if (touch.fast) fast_.fetch_add(1, kRelaxed);
@@ -204,9 +204,9 @@ class RenderingNode {
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
   }
 
-  void look(runtime::Roster& roster, runtime::NodeReport& report) {
+  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
     report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash}};
-    report.figures = desk_.figures();
+    report.figures = updates_.figures();
     report.figures["longest_frame_us"] = {
         options_.lockstep ? 0.0 : std::round(static_cast<double>(longest_ns_.load()) * 1e-3), "us"};
     const auto count = [&](const char* name, const std::atomic<std::uint64_t>& samples) {
@@ -223,9 +223,9 @@ class RenderingNode {
     count("held_samples", held_);
     count("saturated_samples", saturated_);
     report.figures["foreign_samples"] = {device_.refused(), "samples"};
-    device_.update(roster, std::nullopt);
-    const std::string missing = session_.report_to(report, options_, roster, links_, "a device", samples_.load() > 0);
-    std::string trouble = device_.trouble(roster);
+    device_.update(registry, std::nullopt);
+    const std::string missing = session_.report_to(report, options_, registry, links_, "a device", samples_.load() > 0);
+    std::string trouble = device_.trouble(registry);
     {
       const std::lock_guard lock(wrong_mutex_);
       if (!wrong_.empty()) trouble = "the device's description is refused: " + wrong_;
@@ -234,15 +234,15 @@ class RenderingNode {
                      : !trouble.empty()
                          ? trouble
                          : "scene '" + scene_.name + "' is built" + (missing.empty() ? "" : "; waiting for " + missing);
-    if (!options_.lockstep && reminder_.is_due(roster, report.session_id, qos::kScenePlan)) desk_.remind();
-    const std::string refusal = desk_.refusal();
+    if (!options_.lockstep && reminder_.is_due(registry, report.session_id, qos::kScenePlan)) updates_.remind();
+    const std::string refusal = updates_.refusal();
     if (refusal.empty() || session_.stopped()) return;
     report.state = runtime::NodeState::kFailed;
     report.message = refusal + " No force is commanded.";
   }
 
   static constexpr int kHoldSamples = 3;
-  static constexpr double kDustN = 1e-9;  ///< below this a sum of forces that cancel is rounding, not force
+  static constexpr double kForceEpsilonN = 1e-9;  ///< below this a sum of forces that cancel is rounding, not force
   const Options& options_;
   const Scene& scene_;
   LiveScene live_;
@@ -254,7 +254,7 @@ class RenderingNode {
   bus::Writer<msg::ContactState> contacts_;
   RosOutputs ros_;
   runtime::Session session_;
-  ChangeDesk desk_;
+  SceneUpdateServer updates_;
   bus::WaitSet wait_set_;
   runtime::RoleBinding device_;
   runtime::Reminder reminder_;

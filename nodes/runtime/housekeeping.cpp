@@ -19,9 +19,9 @@ constexpr std::int64_t kStatusPeriodNs = 75'000'000;
 }  // namespace
 
 Housekeeping::Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
-                           std::function<void(Roster&, NodeReport&)> look, std::vector<Watched> watched)
+                           std::function<void(NodeRegistry&, NodeReport&)> look, std::vector<Watched> watched)
     : options_(options), node_(node), writer_(participant, std::move(node), options.rig),
-      roster_(participant, options.rig), look_(std::move(look)), watched_(std::move(watched)),
+      registry_(participant, options.rig), look_(std::move(look)), watched_(std::move(watched)),
       own_(participant.guid()) {
   turn();
   thread_ = std::thread([this] {
@@ -54,7 +54,7 @@ void Housekeeping::turn_or_skip() noexcept {
 void Housekeeping::compare_scenes(NodeReport& report) const {
   const auto own = report.values.find("scene_hash");
   if (own == report.values.end()) return;
-  for (const NodeReport& other : roster_.reports()) {
+  for (const NodeReport& other : registry_.reports()) {
     const auto its = other.values.find("scene_hash");
     if (its == other.values.end() || its->second == own->second) continue;
     const auto name = other.values.find("scene");
@@ -86,7 +86,7 @@ void Housekeeping::watch_own(NodeReport& report) {
 
 void Housekeeping::watch_others(NodeReport& report) {
   had_session_ = had_session_ || report.session_id != 0;
-  for (const Hung& hung : roster_.hung()) {
+  for (const Hung& hung : registry_.hung()) {
     if (hung.participant == own_) continue;
     report.message += "; " + hung.sentence;
     // Strangers are named, whatever they call themselves, but nobody waits for them.
@@ -102,11 +102,11 @@ void Housekeeping::watch_others(NodeReport& report) {
 }
 
 void Housekeeping::turn() {
-  roster_.update([this](const NodeReport& report) { return partners_.contains(report.participant); });
+  registry_.update([this](const NodeReport& report) { return partners_.contains(report.participant); });
   NodeReport report = last_;
-  look_(roster_, report);
+  look_(registry_, report);
   partners_ = report.partners;
-  report.figures["refused_statuses"] = {roster_.refused(), "statuses"};
+  report.figures["refused_statuses"] = {registry_.refused(), "statuses"};
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   compare_scenes(report);

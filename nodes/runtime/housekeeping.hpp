@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "nodes/runtime/options.hpp"
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 
 namespace voxtouch::runtime {
 
@@ -24,7 +24,7 @@ class Housekeeping {
   /// `look` is called about every 20 ms: it fills the report (state, session, message, values) from the loop's atomics. The report
   /// is published when state, session or message change, and ten times a second.
   Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
-               std::function<void(Roster&, NodeReport&)> look, std::vector<Watched> watched = {});
+               std::function<void(NodeRegistry&, NodeReport&)> look, std::vector<Watched> watched = {});
   /// Publishes a last report (`look` is asked once more) and waits until readers have it.
   ~Housekeeping();
   Housekeeping(const Housekeeping&) = delete;
@@ -43,8 +43,8 @@ class Housekeeping {
   const NodeOptions& options_;
   std::string node_;
   StatusWriter writer_;
-  Roster roster_;
-  std::function<void(Roster&, NodeReport&)> look_;
+  NodeRegistry registry_;
+  std::function<void(NodeRegistry&, NodeReport&)> look_;
   WatchClock clock_;
   std::vector<Watched> watched_;
   double longest_stall_s_ = 0.0;

@@ -11,13 +11,13 @@ std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std
   return nodes;
 }
 
-std::string missing_links(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links) {
+std::string missing_links(const NodeOptions& options, const NodeRegistry& registry, const std::vector<Link>& links) {
   std::string missing;
   if (!options.lockstep) return missing;
   for (const Link& link : links) {
     const std::vector<bus::Guid> matched = link.matched();
     for (const std::string& node : taking_part(options, link.nodes))
-      if (!has_matched(roster, matched, {node})) missing += (missing.empty() ? "" : ", ") + node + " on " + link.what;
+      if (!has_matched(registry, matched, {node})) missing += (missing.empty() ? "" : ", ") + node + " on " + link.what;
   }
   return missing;
 }
@@ -30,13 +30,13 @@ bool is_among(const std::vector<std::string>& nodes, const std::string& node) {
 
 }  // namespace
 
-void Partners::update(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links,
+void Partners::update(const NodeOptions& options, const NodeRegistry& registry, const std::vector<Link>& links,
                       std::uint64_t session) {
   if (session != session_) complete_ = false, participants_.clear(), session_ = session;
   if (!options.lockstep || session == 0 || complete_) return;
   participants_.clear();
   missing_ = taking_part(options, nodes_);
-  for (const NodeReport& report : roster.reports()) {
+  for (const NodeReport& report : registry.reports()) {
     const bool is_ready = report.state == NodeState::kReady || report.state == NodeState::kRunning;
     if (!is_ready || report.session_id != session || !is_among(taking_part(options, nodes_), report.node)) continue;
     const bool is_linked = std::all_of(links.begin(), links.end(), [&](const Link& link) {
@@ -50,9 +50,9 @@ void Partners::update(const NodeOptions& options, const Roster& roster, const st
   complete_ = missing_.empty();
 }
 
-bool Reminder::is_due(const Roster& roster, std::uint64_t session, const qos::Topic& topic) {
+bool Reminder::is_due(const NodeRegistry& registry, std::uint64_t session, const qos::Topic& topic) {
   const std::vector<std::string> readers = qos::names_of(static_cast<qos::Nodes>(topic.readers & ~qos::kLogger));
-  const std::vector<NodeReport> reports = roster.reports();
+  const std::vector<NodeReport> reports = registry.reports();
   const bool waits = std::any_of(reports.begin(), reports.end(), [&](const NodeReport& report) {
     return report.session_id != session && std::find(readers.begin(), readers.end(), report.node) != readers.end();
   });
@@ -63,12 +63,12 @@ bool Reminder::is_due(const Roster& roster, std::uint64_t session, const qos::To
   return due;
 }
 
-std::string Session::report_to(NodeReport& report, const NodeOptions& options, const Roster& roster,
+std::string Session::report_to(NodeReport& report, const NodeOptions& options, const NodeRegistry& registry,
                                const std::vector<Link>& links, std::string_view first, bool busy) {
   const std::uint64_t id = id_.load(std::memory_order_acquire);
-  std::string missing = id ? missing_links(options, roster, links) : std::string(first);
+  std::string missing = id ? missing_links(options, registry, links) : std::string(first);
   const bool ready = missing.empty();
-  partners_.update(options, roster, links, id);
+  partners_.update(options, registry, links, id);
   report.partners = partners_.participants();
   report.session_id = ready ? id : 0;
   report.state = stopped() ? NodeState::kStopped

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "nodes/runtime/options.hpp"
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "qos/topics.hpp"
 
 namespace voxtouch::runtime {
@@ -36,7 +36,7 @@ std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std
 
 /// What is still missing, for people: "validator on rendering/contact". Empty when every link has matched all its nodes; in real
 /// time nobody is waited for, so it is always empty there.
-std::string missing_links(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links);
+std::string missing_links(const NodeOptions& options, const NodeRegistry& registry, const std::vector<Link>& links);
 
 /// Lockstep: the participants that a run waits for, and that alone can end it by their silence: those that were ready for its session, each
 /// at the other end of every link that names its node, when the last node was. Who comes later may call itself what it likes.
@@ -44,7 +44,7 @@ class Partners {
  public:
   explicit Partners(std::vector<std::string> nodes) : nodes_(std::move(nodes)) {}
   /// `session`: a new one begins with nobody. In real time nobody is waited for.
-  void update(const NodeOptions& options, const Roster& roster, const std::vector<Link>& links, std::uint64_t session);
+  void update(const NodeOptions& options, const NodeRegistry& registry, const std::vector<Link>& links, std::uint64_t session);
   /// Whether every node that takes part has been ready; from then on nobody joins.
   bool complete() const noexcept { return complete_; }
   /// The nodes that are not ready yet.
@@ -63,7 +63,7 @@ class Partners {
 class Reminder {
  public:
   /// For `topic`: its readers but the logger, which needs no session's answer.
-  bool is_due(const Roster& roster, std::uint64_t session, const qos::Topic& topic);
+  bool is_due(const NodeRegistry& registry, std::uint64_t session, const qos::Topic& topic);
 
  private:
   std::int64_t answered_ns_ = 0;  ///< monotonic: last time that all had, or that one was reminded
@@ -81,7 +81,7 @@ class Session {
 
   /// What all nodes but the device report alike: session, state, count of sessions. Ready once a session has begun and every link has
   /// matched; running once `busy`. Returns what it waits for (`first` before any session), empty when ready. One thread.
-  std::string report_to(NodeReport& report, const NodeOptions& options, const Roster& roster,
+  std::string report_to(NodeReport& report, const NodeOptions& options, const NodeRegistry& registry,
                         const std::vector<Link>& links, std::string_view first, bool busy);
   bool stopped() const noexcept { return stopped_.load(std::memory_order_acquire); }
 

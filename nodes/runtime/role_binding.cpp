@@ -7,7 +7,7 @@
 namespace voxtouch::runtime {
 namespace {
 
-constexpr std::size_t kMostOthers = 16;
+constexpr std::size_t kMaxOthers = 16;
 
 bool takes_part(const NodeReport& report) {
   return report.session_id != 0 && (report.state == NodeState::kStarting || report.state == NodeState::kReady ||
@@ -16,25 +16,25 @@ bool takes_part(const NodeReport& report) {
 
 }  // namespace
 
-void RoleBinding::update(const Roster& roster, std::optional<std::uint64_t> session) {
-  if (bound_ && !roster.is_here(*bound_)) let_go();
+void RoleBinding::update(const NodeRegistry& registry, std::optional<std::uint64_t> session) {
+  if (bound_ && !registry.is_here(*bound_)) let_go();
   rivals_.clear();
   if (!bound_) {
-    std::vector<bus::Guid> claiming = claimants(roster, session);
+    std::vector<bus::Guid> claiming = claimants(registry, session);
     if (claiming.size() == 1) bind(claiming.front());
     if (claiming.size() > 1) rivals_ = std::move(claiming);
   }
   if (!bound_) return others_.clear();
   for (bus::Following* input : inputs_)
     if (!input->has_writer()) input->follow(*bound_);
-  if (const NodeReport* report = roster.report_of(*bound_); report && report->session_id != 0)
+  if (const NodeReport* report = registry.report_of(*bound_); report && report->session_id != 0)
     session_.store(report->session_id, std::memory_order_release);
-  note_others(roster);
+  note_others(registry);
 }
 
-std::vector<bus::Guid> RoleBinding::claimants(const Roster& roster, std::optional<std::uint64_t> session) const {
+std::vector<bus::Guid> RoleBinding::claimants(const NodeRegistry& registry, std::optional<std::uint64_t> session) const {
   std::vector<bus::Guid> found;
-  for (const NodeReport& report : roster.reports())
+  for (const NodeReport& report : registry.reports())
     if (report.node == role_ && takes_part(report) && (!session || report.session_id == *session) &&
         std::all_of(inputs_.begin(), inputs_.end(),
                     [&](const bus::Following* input) { return input->has_matched(report.participant); }))
@@ -55,15 +55,15 @@ void RoleBinding::let_go() {
   bound_now_.store(false, std::memory_order_release);
 }
 
-void RoleBinding::note_others(const Roster& roster) {
+void RoleBinding::note_others(const NodeRegistry& registry) {
   for (bus::Following* input : inputs_)
     for (const bus::Guid& other : input->take_refused())
-      if (others_.size() < kMostOthers) others_.insert(other);
-  for (const NodeReport& report : roster.reports())
-    if (report.node == role_ && takes_part(report) && others_.size() < kMostOthers) others_.insert(report.participant);
+      if (others_.size() < kMaxOthers) others_.insert(other);
+  for (const NodeReport& report : registry.reports())
+    if (report.node == role_ && takes_part(report) && others_.size() < kMaxOthers) others_.insert(report.participant);
   others_.erase(*bound_);
   std::erase_if(others_, [&](const bus::Guid& other) {
-    return !roster.is_here(other) && std::none_of(inputs_.begin(), inputs_.end(), [&](const bus::Following* input) {
+    return !registry.is_here(other) && std::none_of(inputs_.begin(), inputs_.end(), [&](const bus::Following* input) {
       return input->has_matched(other);
     });
   });
@@ -75,17 +75,17 @@ std::uint64_t RoleBinding::refused() const noexcept {
   return sum;
 }
 
-std::string RoleBinding::trouble(const Roster& roster) const {
+std::string RoleBinding::trouble(const NodeRegistry& registry) const {
   const auto names = [&](const auto& participants) {
     std::string all;
-    for (const bus::Guid& participant : participants) all += (all.empty() ? "" : " and ") + roster.name_of(participant);
+    for (const bus::Guid& participant : participants) all += (all.empty() ? "" : " and ") + registry.name_of(participant);
     return all;
   };
   if (!rivals_.empty())
     return fmt::format("two {} nodes claim this session, and none is followed: {}; stop one", role_, names(rivals_));
   if (others_.empty()) return {};
   return fmt::format("what {} sends is refused: the {} of this session is {}", names(others_), role_,
-                     roster.name_of(*bound_));
+                     registry.name_of(*bound_));
 }
 
 }  // namespace voxtouch::runtime

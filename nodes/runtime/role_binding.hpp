@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "nodes/bus/following.hpp"
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 
 namespace voxtouch::runtime {
 
-/// The rule. A participant claims a role with a node status that is its own (the roster knows no others), says the role's name, a
+/// The rule. A participant claims a role with a node status that is its own (the registry knows no others), says the role's name, a
 /// session and that it is starting, ready or running, and with a writer on each of the role's topics here. The one that claims while
 /// nobody is bound is bound; of two that claim then none is. Whoever is bound stays it until his participant has gone; then the next
 /// one takes the role. The samples of all others are refused, counted and named.
@@ -23,7 +23,7 @@ class RoleBinding {
   RoleBinding(std::string role, std::vector<bus::Following*> inputs) : role_(std::move(role)), inputs_(std::move(inputs)) {}
 
   /// `session`: only who has answered for it may claim; none: for any.
-  void update(const Roster& roster, std::optional<std::uint64_t> session);
+  void update(const NodeRegistry& registry, std::optional<std::uint64_t> session);
 
   bool bound() const noexcept { return bound_now_.load(std::memory_order_acquire); }
   const std::optional<bus::Guid>& participant() const noexcept { return bound_; }
@@ -32,13 +32,13 @@ class RoleBinding {
   /// Samples of others that came while somebody was bound.
   std::uint64_t refused() const noexcept;
   /// What a person must know: two that claim, or who is refused. Empty: nothing.
-  std::string trouble(const Roster& roster) const;
+  std::string trouble(const NodeRegistry& registry) const;
 
  private:
-  std::vector<bus::Guid> claimants(const Roster& roster, std::optional<std::uint64_t> session) const;
+  std::vector<bus::Guid> claimants(const NodeRegistry& registry, std::optional<std::uint64_t> session) const;
   void bind(const bus::Guid& participant);
   void let_go();
-  void note_others(const Roster& roster);
+  void note_others(const NodeRegistry& registry);
 
   std::string role_;
   std::vector<bus::Following*> inputs_;

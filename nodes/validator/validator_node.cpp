@@ -62,7 +62,7 @@ class ValidatorNode {
     runtime::flush_denormals();
     runtime::Housekeeping housekeeping(
         participant_, "validator", options_,
-        [this](runtime::Roster& roster, runtime::NodeReport& report) { look(roster, report); },
+        [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
         {{"its loop", [this] { return heartbeat_.sign(); }}});
     over_ = [&] { return stop.load(std::memory_order_relaxed) || housekeeping.peer_lost(); };
     bool leave = false;
@@ -72,7 +72,7 @@ class ValidatorNode {
       wait_set_.wait(leave ? 100'000'000 : 50'000'000);
       plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
       msg::ContactState contact;
-      for (int i = 0; i < contacts_.kMostTakes && contacts_.take(contact); ++i) check(contact);
+      for (int i = 0; i < contacts_.kMaxTakes && contacts_.take(contact); ++i) check(contact);
     }
     if (options_.lockstep && !housekeeping.peer_lost()) {
       const runtime::Heartbeat::Busy busy(heartbeat_, 6'000'000'000);
@@ -216,7 +216,7 @@ class ValidatorNode {
     counts_ = judge_->counts();
   }
 
-  void look(runtime::Roster& roster, runtime::NodeReport& report) {
+  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
     const std::lock_guard lock(mutex_);
     report.values = {{"scene", name_}, {"scene_hash", hash_}};
     report.figures = {{"checked", {counts_.checked, "samples"}},       {"decided", {counts_.decided, "samples"}},
@@ -227,10 +227,10 @@ class ValidatorNode {
     if (const std::uint64_t first = first_checked_.load(); first != kNone)
       report.figures["first_checked"] = {first, "sample number"};
     report.figures["foreign_samples"] = {rendering_.refused(), "samples"};
-    rendering_.update(roster, std::nullopt);
-    const std::string trouble = rendering_.trouble(roster);
+    rendering_.update(registry, std::nullopt);
+    const std::string trouble = rendering_.trouble(registry);
     const std::string missing =
-        session_.report_to(report, options_, roster, links_, "the rendering", counts_.checked > 0);
+        session_.report_to(report, options_, registry, links_, "the rendering", counts_.checked > 0);
     report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_
                      : !trouble.empty()           ? trouble
                      : !missing.empty()           ? "waiting for " + missing

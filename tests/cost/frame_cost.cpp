@@ -19,8 +19,8 @@
 #include <fmt/format.h>
 
 #include "core/mesh/import.hpp"
-#include "core/scene/build.hpp"
-#include "core/scene/contact_parameters.hpp"
+#include "core/rendering/build.hpp"
+#include "core/rendering/contact_parameters.hpp"
 #include "core/scene/scene_file.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "tests/support/exact_shell.hpp"
@@ -133,7 +133,7 @@ int run(const std::string& file, const std::string& motion, int frames, const st
       const std::span<const ObjectContact> contacts = built->contacts().parts(touch);
       SceneRenderer& renderer = built->scene_renderer();
       counted_frame([&] {
-        frame.effects = renderer.effects().apply(renderer.look(tool, SceneRenderer::kUsualStepS, time_s, contacts));
+        frame.effects = renderer.effects().apply(renderer.look(tool, SceneRenderer::kDefaultStepS, time_s, contacts));
       });
     }
     sum += frame.wrench.force.norm() + frame.effects.wrench.force.norm();

@@ -1,5 +1,5 @@
 // ContactStates from the network, through the coupling as its node runs it: every command is finite and within what the device gives.
-#include "core/scene/device_mapping.hpp"
+#include "core/rendering/device_mapping.hpp"
 #include "nodes/coupling/ring_messages.hpp"
 #include "tests/fuzz/wire.hpp"
 
@@ -19,8 +19,8 @@ CouplingSpec spec_of(std::uint8_t choice) {
   return spec;
 }
 
-DeviceSpec device() {
-  DeviceSpec d;
+WorkspaceMapping device() {
+  WorkspaceMapping d;
   d.device_in_world = {Vec3(0.1, 0.2, 0.3), Quat(0.5, 0.5, 0.5, 0.5)};
   d.tool_offset.position = Vec3(0.0, 0.0, 0.05);
   return d;
@@ -30,7 +30,7 @@ DeviceSpec device() {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static fuzz::Wire<msg::ContactState> wire;
-  static const DeviceSpec spec = device();
+  static const WorkspaceMapping spec = device();
   if (size == 0) return 0;
   RunningCoupling coupling(spec_of(data[0]), {kMaxForceN, kMaxTorqueNm}, kPeriodS);
   WrenchToDevice to_device(spec);

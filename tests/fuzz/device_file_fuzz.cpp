@@ -1,6 +1,6 @@
 // Device files for the coupling's designer: text to numbers that the design's own entrance takes, or a sentence.
 #include "core/coupling/design/design_check.hpp"
-#include "core/scene/design_request.hpp"
+#include "core/fitting/design_problem.hpp"
 #include "core/scene/device_file.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     FUZZ_REQUIRE(timing.jitter >= 0.0 && timing.jitter <= 10.0 && timing.lost_in_a_row >= 0);
     Scene scene;
     scene.voxel_size_m = 0.002;
-    const DesignRequest request = design_request(scene, device, {10.0, 1000.0}, {0.1, 1.0});
+    const DesignProblem request = design_problem(scene, device, {10.0, 1000.0}, {0.1, 1.0});
     try {
       refuse_impossible(request);
     } catch (const std::invalid_argument&) {  // a sentence, too

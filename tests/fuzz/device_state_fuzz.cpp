@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "core/effects/effect_chain.hpp"
-#include "core/scene/device_mapping.hpp"
-#include "core/scene/scene_renderer.hpp"
+#include "core/rendering/device_mapping.hpp"
+#include "core/rendering/scene_renderer.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/stamps.hpp"
 #include "tests/fuzz/effects.hpp"
@@ -14,8 +14,8 @@ namespace {
 
 using namespace voxtouch;
 
-DeviceSpec device() {
-  DeviceSpec d;
+WorkspaceMapping device() {
+  WorkspaceMapping d;
   d.position_scale = 10.0;
   d.device_in_world = {Vec3(0.1, 0.2, 0.3), Quat(0.5, 0.5, 0.5, 0.5)};
   d.tool_offset.position = Vec3(0.0, 0.0, 0.05);
@@ -27,7 +27,7 @@ DeviceSpec device() {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static fuzz::Wire<msg::DeviceState> wire;
-  static const DeviceSpec spec = device();
+  static const WorkspaceMapping spec = device();
   DeviceMapping mapping(spec);
   EffectChain effects(fuzz::all_effects());
   std::optional<std::int64_t> begin_ns;

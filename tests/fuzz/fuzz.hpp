@@ -1,5 +1,5 @@
 #pragma once
-/// What the fuzz targets share. A target is one file with LLVMFuzzerTestOneInput: bytes from outside go through the house's own
+/// What the fuzz targets share. A target is one file with LLVMFuzzerTestOneInput: bytes from outside go through the project's own
 /// reader and checks, and what these let through must keep what is promised of it.
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// make_corpus FOLDER: a few good inputs of every fuzz target, by the house's own writers where it has some. Inputs that a fuzzer has
+// make_corpus FOLDER: a few good inputs of every fuzz target, by the project's own writers where it has some. Inputs that a fuzzer has
 // found stand beside them under names that begin with `found_`; this leaves them alone.
 #include <array>
 #include <cstdio>

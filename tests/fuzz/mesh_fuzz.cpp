@@ -9,11 +9,11 @@ namespace {
 using namespace voxtouch;
 
 constexpr std::array kEndings = {"obj", "stl", "ply", "gltf", "glb", "dae"};
-constexpr std::size_t kMostTriangles = 5000;
+constexpr std::size_t kMaxTriangles = 5000;
 
 void check(const ImportedMesh& read) {
   const TriangleMesh& mesh = read.mesh;
-  FUZZ_REQUIRE(!mesh.triangles.empty() && mesh.triangles.size() <= kMostTriangles);
+  FUZZ_REQUIRE(!mesh.triangles.empty() && mesh.triangles.size() <= kMaxTriangles);
   for (const Vec3& v : mesh.vertices) FUZZ_REQUIRE(v.allFinite());
   for (const auto& triangle : mesh.triangles)
     for (const std::uint32_t corner : triangle) FUZZ_REQUIRE(corner < mesh.vertices.size());
@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const char* ending = kEndings[in.take<std::uint8_t>() % kEndings.size()];
   const auto choice = in.take<std::uint8_t>();
   ImportOptions options;
-  options.max_triangles = kMostTriangles;
+  options.max_triangles = kMaxTriangles;
   options.max_file_bytes = 1 << 16;
   if (choice & 1) options.scale = 0.001;
   if (choice & 2) options.voxel_size_m = 0.002;

@@ -5,7 +5,7 @@
 #include "devices/driver.hpp"
 #include "devices/operator/hand_file.hpp"
 #include "devices/settings.hpp"
-#include "nodes/cli/pose_csv.hpp"
+#include "nodes/cli/probe/pose_csv.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace {

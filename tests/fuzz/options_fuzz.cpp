@@ -1,4 +1,4 @@
-// Texts behind the options of a command line: the check that the house adds, then what CLI11 makes of them.
+// Texts behind the options of a command line: the check that the project adds, then what CLI11 makes of them.
 #include <sched.h>
 
 #include <CLI/CLI.hpp>

@@ -1,8 +1,8 @@
 // DeviceDescription and ScenePlan from the network, as the coupling's node fits a coupling to them: a refusal with a sentence, or one
 // that its loop can be started with and that answers with numbers within the limits.
 #include "core/coupling/running_coupling.hpp"
-#include "core/scene/design_request.hpp"
-#include "core/scene/fit_coupling.hpp"
+#include "core/fitting/design_problem.hpp"
+#include "core/fitting/fit_coupling.hpp"
 #include "nodes/coupling/fitting.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "tests/fuzz/wire.hpp"

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "core/scene/build.hpp"
+#include "core/rendering/build.hpp"
 #include "core/scene/scene_file.hpp"
 #include "core/voxmap/grid_mesh.hpp"
 #include "tests/golden/golden.hpp"

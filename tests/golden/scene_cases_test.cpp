@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/scene/build.hpp"
+#include "core/rendering/build.hpp"
 #include "core/scene/scene_file.hpp"
 #include "core/types/motion.hpp"
 

@@ -9,7 +9,7 @@
 #include <memory>
 #include <thread>
 
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "tests/ring/ring_run.hpp"
 
 namespace voxtouch::test {
@@ -32,17 +32,17 @@ double ms_since(Clock::time_point begin) { return std::chrono::duration<double, 
 /// Who hangs by what the others' statuses say.
 class Onlooker {
  public:
-  Onlooker() : participant_({static_cast<std::uint32_t>(std::stoi(fresh_domain())), "lo", "onlooker"}), roster_(participant_, "haptic") {}
+  Onlooker() : participant_({static_cast<std::uint32_t>(std::stoi(fresh_domain())), "lo", "onlooker"}), registry_(participant_, "haptic") {}
   bool sees_it_said(const std::string& sentence, const std::string& not_by) {
-    roster_.update();
-    for (const runtime::NodeReport& report : roster_.reports())
+    registry_.update();
+    for (const runtime::NodeReport& report : registry_.reports())
       if (report.node != not_by && report.message.find(sentence) != std::string::npos) return true;
     return false;
   }
 
  private:
   bus::Participant participant_;
-  runtime::Roster roster_;
+  runtime::NodeRegistry registry_;
 };
 
 class StoppedNode : public testing::TestWithParam<const char*> {};

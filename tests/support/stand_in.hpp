@@ -2,7 +2,7 @@
 /// What stands in for a node of the ring: a participant with a status, so that the others take it for what it plays.
 #include <string>
 
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 
 namespace voxtouch::test {
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <map>
 
-#include "core/scene/contact_parameters.hpp"
+#include "core/rendering/contact_parameters.hpp"
 #include "core/voxmap/grid_mesh.hpp"
 #include "tests/validator/shipped_scenes.hpp"
 #include "tests/validator/walks.hpp"

@@ -7,7 +7,7 @@
 
 #include "core/reference/judgement.hpp"
 #include "core/reference/reference_scene.hpp"
-#include "core/scene/build.hpp"
+#include "core/rendering/build.hpp"
 
 namespace voxtouch::test {
 

@@ -99,7 +99,7 @@ void find_faults(const AxisProblem& problem, const LoopController& law, const Co
 
 }  // namespace
 
-std::vector<ShownStiffness> shown_stiffness(const DesignRequest& request, const std::vector<AxisProblem>& problems,
+std::vector<ShownStiffness> shown_stiffness(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                                             const CouplingSpec& spec) {
   bool matrix_capped = true;  // K6 <= diag(caps), and neither cap is looser than what coupling can double
   for (const AxisProblem& axis : problems)
@@ -118,7 +118,7 @@ std::vector<ShownStiffness> shown_stiffness(const DesignRequest& request, const 
   return out;
 }
 
-AxisVerdict judge_axis(const DesignRequest& request, const AxisProblem& problem, const CouplingSpec& spec,
+AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec,
                        const ShownStiffness& shown) {
   const LoopController law = controller_of(spec, problem, arm_squared(request));
   AxisVerdict verdict;

@@ -16,7 +16,7 @@ struct ShownStiffness {
   double coupling = 1.0;
 };
 /// For each problem. The caps count as the contact's own bound where they are below it.
-std::vector<ShownStiffness> shown_stiffness(const DesignRequest& request, const std::vector<AxisProblem>& problems,
+std::vector<ShownStiffness> shown_stiffness(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                                             const CouplingSpec& spec);
 
 struct AxisVerdict {
@@ -25,7 +25,7 @@ struct AxisVerdict {
 };
 /// Margin, spectral radius at margin * shown and at a hundredth of it on every case, bounds of the injected damping, the
 /// device's limit.
-AxisVerdict judge_axis(const DesignRequest& request, const AxisProblem& problem, const CouplingSpec& spec,
+AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec,
                        const ShownStiffness& shown);
 
 /// Device damping with which the whole target would be passive with the margin. Filter: at that cut-off and the damping ratio

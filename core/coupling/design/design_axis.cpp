@@ -18,7 +18,7 @@ constexpr double kQuietForce = 0.05, kQuietShare = 0.005;
 /// Torque in place of a force [m], where device limits do not say how one stands to the other.
 constexpr double kHandsArm = 0.05;
 
-double noise_limit(const DesignRequest& request, bool rotation) {
+double noise_limit(const DesignProblem& request, bool rotation) {
   const double force = request.device.translation.max_effort, torque = request.device.rotation.max_effort;
   const double asked = request.wishes.max_injected_damping_effort;
   const double of_force = asked > 0.0 ? asked : std::max(kQuietForce, std::isfinite(force) ? kQuietShare * force : 0.0);
@@ -27,7 +27,7 @@ double noise_limit(const DesignRequest& request, bool rotation) {
   return of_force * (std::isfinite(force) && std::isfinite(torque) ? torque / force : kHandsArm);
 }
 
-AxisProblem problem(const DesignRequest& request, bool rotation) {
+AxisProblem problem(const DesignProblem& request, bool rotation) {
   AxisProblem out;
   out.units = rotation ? &kRotationUnits : &kTranslationUnits;
   out.model = rotation ? request.device.rotation : request.device.translation;
@@ -62,7 +62,7 @@ bool stable_for_all(const AxisProblem& problem, const LoopController& law, doubl
 
 }  // namespace
 
-std::vector<AxisProblem> axis_problems(const DesignRequest& request) {
+std::vector<AxisProblem> axis_problems(const DesignProblem& request) {
   std::vector<AxisProblem> axes{problem(request, false)};
   if (request.device.gives_torque) axes.push_back(problem(request, true));
   double gain = 1.0;  // the most that one gain can show on all axes without overreaching the device on one
@@ -78,7 +78,7 @@ std::vector<AxisProblem> axis_problems(const DesignRequest& request) {
   return axes;
 }
 
-double arm_squared(const DesignRequest& request) {
+double arm_squared(const DesignProblem& request) {
   if (!request.device.gives_torque) return 0.0;
   return request.contact_rotation.all_points / request.contact.all_points;
 }

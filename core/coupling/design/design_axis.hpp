@@ -47,10 +47,10 @@ struct AxisProblem {
 ///
 /// Rule H looks at each axis by itself as well, and there it is an approximation: a plant that moves along and about an axis at
 /// once is not among its cases.
-std::vector<AxisProblem> axis_problems(const DesignRequest& request);
+std::vector<AxisProblem> axis_problems(const DesignProblem& request);
 
 /// Contact's arm [m^2]: rotational over translational stiffness. What one scalar law does to a torque, in terms of a force.
-double arm_squared(const DesignRequest& request);
+double arm_squared(const DesignProblem& request);
 
 /// The law that `spec` gives to the problem's axis, of unit gain, with its injected damping.
 LoopController controller_of(const CouplingSpec& spec, const AxisProblem& problem, double arm_squared_m2);

@@ -28,8 +28,8 @@ void refuse_first(std::string_view whose, const std::vector<std::string>& senten
 
 /// A stiffness that hands and devices have nothing to do with is a unit gone wrong, and the loop's search would not come to an end.
 void quantity(std::string_view field, double value) {
-  require(value >= kLeastQuantity && value <= kMostQuantity, field, value,
-          fmt::format("from {} to {}", kLeastQuantity, kMostQuantity));
+  require(value >= kMinQuantity && value <= kMaxQuantity, field, value,
+          fmt::format("from {} to {}", kMinQuantity, kMaxQuantity));
 }
 
 void check_contact(std::string_view name, const ContactRange& contact) {
@@ -39,8 +39,8 @@ void check_contact(std::string_view name, const ContactRange& contact) {
           fmt::format("at most all_points, {}", contact.all_points));
 }
 
-void check_wishes(const DesignRequest& request) {
-  const DesignWishes& w = request.wishes;
+void check_wishes(const DesignProblem& request) {
+  const DesignGoals& w = request.wishes;
   constexpr std::array kKinds{"auto", "shaping_filter", "spring_damper", "direct"};
   bool known = false;
   for (const std::string_view kind : kKinds) known = known || kind == w.kind;
@@ -63,7 +63,7 @@ void check_wishes(const DesignRequest& request) {
 
 }  // namespace
 
-void refuse_impossible(const DesignRequest& request) {
+void refuse_impossible(const DesignProblem& request) {
   refuse_first("device", check(request.device));
   refuse_first("hand", check(request.hand.translation));
   if (request.device.gives_torque) refuse_first("hand, rotation", check(request.hand.rotation));

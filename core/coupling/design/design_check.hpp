@@ -5,6 +5,6 @@
 namespace voxtouch {
 
 /// Throws std::invalid_argument with the first sentence about what is wrong with device, hands, contact or wishes.
-void refuse_impossible(const DesignRequest& request);
+void refuse_impossible(const DesignProblem& request);
 
 }  // namespace voxtouch

@@ -34,7 +34,7 @@ std::vector<double> fitting(const std::vector<AxisProblem>& problems, const Filt
 
 }  // namespace
 
-Proposal propose_filter(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   const FilterChoice choice = search_filter(problems, filter_settings(request), request.wishes.allow_injected_damping);
   const std::vector<double> fits = fitting(problems, choice);
   Proposal out{{}, choice.status};
@@ -54,7 +54,7 @@ Proposal propose_filter(const DesignRequest& request, const std::vector<AxisProb
   return out;
 }
 
-Proposal propose_direct(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   std::vector<AxisProblem> whole = problems;
   for (AxisProblem& axis : whole) axis.target = axis.wanted;
   const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.wishes.allow_injected_damping);

@@ -29,7 +29,7 @@ struct Trial {
 };
 
 /// Where stiffness is short, the design's own law is tried; where only the cut-off was raised or damping added, the wish's.
-Trial trial_of(const DesignRequest& request, const std::vector<AxisProblem>& problems, const Design& design,
+Trial trial_of(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Design& design,
                bool short_of) {
   Trial trial;
   if (short_of || design.spec.kind != "shaping_filter") {
@@ -48,7 +48,7 @@ Trial trial_of(const DesignRequest& request, const std::vector<AxisProblem>& pro
 
 class Remedies {
  public:
-  Remedies(const DesignRequest& request, const std::vector<AxisProblem>& problems, const Design& design)
+  Remedies(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Design& design)
       : request_(request), problems_(problems), design_(design), short_of_(is_short()),
         trial_(trial_of(request, problems, design, short_of_)) {}
 
@@ -109,7 +109,7 @@ class Remedies {
     const double now = request_.device.timing.delay_s;
     if (now <= 0.0) return;
     for (const double share : kDelayShares) {
-      DesignRequest other = request_;
+      DesignProblem other = request_;
       other.device.timing.delay_s = share * now;
       if (!trial_.holds(same_targets(other))) continue;
       out_.push_back(fmt::format("With a delay of {:.3g} ms (now {:.3g}), {}.", 1e3 * share * now, 1e3 * now, goal()));
@@ -149,7 +149,7 @@ class Remedies {
       out_.push_back("Naming the range of hands that hold the device would allow more than any passive hand does.");
       return;
     }
-    DesignRequest other = request_;
+    DesignProblem other = request_;
     const bool released =
         request_.hand.translation.may_release || (problems_.size() > 1 && request_.hand.rotation.may_release);
     other.hand.translation.may_release = other.hand.rotation.may_release = false;
@@ -171,7 +171,7 @@ class Remedies {
     hand.damping_min = std::lerp(from.damping_min, from.damping_max, share);
     hand.stiffness_min = std::lerp(from.stiffness_min, from.stiffness_max, share);
   }
-  std::string grips(const DesignRequest& other) const {
+  std::string grips(const DesignProblem& other) const {
     std::string out;
     for (const AxisProblem& p : problems_) {
       const HandRange& hand = p.units == &kRotationUnits ? other.hand.rotation : other.hand.translation;
@@ -181,13 +181,13 @@ class Remedies {
     return out;
   }
 
-  std::vector<AxisProblem> same_targets(const DesignRequest& other) const {
+  std::vector<AxisProblem> same_targets(const DesignProblem& other) const {
     std::vector<AxisProblem> problems = axis_problems(other);
     for (std::size_t a = 0; a < problems.size(); ++a) problems[a].target = problems_[a].target;
     return problems;
   }
 
-  const DesignRequest& request_;
+  const DesignProblem& request_;
   const std::vector<AxisProblem>& problems_;
   const Design& design_;
   bool short_of_;
@@ -197,7 +197,7 @@ class Remedies {
 
 }  // namespace
 
-std::vector<std::string> remedies_of(const DesignRequest& request, const std::vector<AxisProblem>& problems,
+std::vector<std::string> remedies_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                                      const Design& design) {
   if (design.status == DesignStatus::kAsRequested) return {};
   return Remedies(request, problems, design).all();

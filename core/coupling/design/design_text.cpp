@@ -33,7 +33,7 @@ std::string damping_reason(const AxisProblem& p, const AxisDesign& d) {
 }
 
 /// What the wish's cut-off allows without injected damping, and what was chosen instead.
-std::string cutoff_reason(const DesignRequest& request, const std::vector<AxisProblem>& problems,
+std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                           const Design& design) {
   std::string held;
   for (const AxisProblem& p : problems) {
@@ -50,7 +50,7 @@ std::string cutoff_reason(const DesignRequest& request, const std::vector<AxisPr
 
 }  // namespace
 
-std::vector<std::string> reasons_of(const DesignRequest& request, const std::vector<AxisProblem>& problems,
+std::vector<std::string> reasons_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                                     const Design& design) {
   std::vector<std::string> out;
   const bool filter = design.spec.kind == "shaping_filter";

@@ -27,7 +27,7 @@ struct Judged {
 };
 
 /// Certificates and what follows from them; status and sentences are the caller's.
-Judged judged(const DesignRequest& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {
+Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {
   Judged out;
   out.design.spec = spec;
   const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
@@ -42,7 +42,7 @@ Judged judged(const DesignRequest& request, const std::vector<AxisProblem>& prob
 }
 
 /// All that is shown, times a factor.
-CouplingSpec shrunk(const DesignRequest& request, CouplingSpec spec, double factor) {
+CouplingSpec shrunk(const DesignProblem& request, CouplingSpec spec, double factor) {
   if (spec.kind == "spring_damper") {
     spec.stiffness_n_per_m *= factor, spec.damping_ns_per_m *= factor;
   } else if (spec.kind == "direct" || request.wishes.free_cap) {
@@ -69,7 +69,7 @@ bool too_soft(const std::vector<AxisProblem>& problems, const Design& design) {
 }
 
 /// Steps 5 and 6.
-Design certified(const DesignRequest& request, const std::vector<AxisProblem>& problems, const Proposal& proposal) {
+Design certified(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Proposal& proposal) {
   Judged result;
   for (const double factor : kShrinks) {
     result = judged(request, problems, shrunk(request, proposal.spec, factor));
@@ -94,7 +94,7 @@ double worth(const std::vector<AxisProblem>& problems, const Design& design) {
   return least;
 }
 
-Design best_of_all(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+Design best_of_all(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   const Proposal filter = propose_filter(request, problems);
   Design best = certified(request, problems, filter);
   if (best.status == DesignStatus::kAsRequested) return best;
@@ -127,7 +127,7 @@ std::string_view name_of(DesignStatus status) noexcept {
   return "unknown";
 }
 
-Design design_coupling(const DesignRequest& request) {
+Design design_coupling(const DesignProblem& request) {
   refuse_impossible(request);
   const std::vector<AxisProblem> problems = axis_problems(request);
   const std::string& kind = request.wishes.kind;
@@ -137,7 +137,7 @@ Design design_coupling(const DesignRequest& request) {
   return best_of_all(request, problems);
 }
 
-Design judge_coupling(const DesignRequest& request, const CouplingSpec& spec) {
+Design judge_coupling(const DesignProblem& request, const CouplingSpec& spec) {
   refuse_impossible(request);
   const std::vector<AxisProblem> problems = axis_problems(request);
   for (const CouplingIssue& issue : validate(spec, CouplingLimits{}, request.device.timing.period_s))

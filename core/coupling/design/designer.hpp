@@ -15,7 +15,7 @@ namespace voxtouch {
 ///
 /// `auto` takes the shaping filter if it does as wished, and else of all kinds that hold the one that shows most; the filter,
 /// which smooths the steps of voxels that are crossed, counts half as much again: another has to show at least 1.5 times as much.
-struct DesignWishes {
+struct DesignGoals {
   std::string kind = "auto";          ///< auto | shaping_filter | spring_damper | direct
   double cutoff_hz = 5.0;             ///< w0 / (2 pi), the paper's
   double max_cutoff_hz = 200.0;
@@ -28,12 +28,12 @@ struct DesignWishes {
   bool free_cap = false;              ///< the designer may cap the contact's total stiffness instead of scaling all of it
 };
 
-struct DesignRequest {
+struct DesignProblem {
   DeviceModel device;
   OperatorRange hand;
   ContactRange contact;               ///< translation, at the hand [N/m]
   ContactRange contact_rotation;      ///< about the tool's origin [Nm/rad]; used if the device gives torque
-  DesignWishes wishes;
+  DesignGoals wishes;
 };
 
 enum class DesignStatus : std::uint8_t { kAsRequested, kBandwidthRaised, kDampingAdded, kStiffnessReduced, kInfeasible };
@@ -77,10 +77,10 @@ struct Design {
 
 /// Pure arithmetic, some milliseconds to some tens; not for the loop. The same request gives the same bits. Throws
 /// std::invalid_argument with the first sentence of `check` for numbers that cannot be designed for.
-Design design_coupling(const DesignRequest& request);
+Design design_coupling(const DesignProblem& request);
 
 /// The design's judgement of parameters that somebody else chose: same certificates, nothing changed. `status` is kAsRequested
 /// where they hold and kInfeasible where not; `reasons` says why.
-Design judge_coupling(const DesignRequest& request, const CouplingSpec& spec);
+Design judge_coupling(const DesignProblem& request, const CouplingSpec& spec);
 
 }  // namespace voxtouch

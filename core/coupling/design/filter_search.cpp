@@ -22,7 +22,7 @@ constexpr std::size_t kLevels = 11;  ///< 0, 10, ... 100 % of what is allowed
 constexpr double kTableDoubt = 0.985;
 /// Of all whose stiffness is within a tenth of the best, the gentlest is taken.
 constexpr double kAsGood = 0.9;
-constexpr std::size_t kMostConfirmations = 24;
+constexpr std::size_t kMaxConfirmations = 24;
 
 struct Axis {
   const AxisProblem* problem;
@@ -178,7 +178,7 @@ class Search {
   std::optional<FilterChoice> with_damping() const {
     std::size_t looks = 0;
     for (const Candidate& candidate : reaching(kTableDoubt)) {
-      if (++looks > kMostConfirmations) break;
+      if (++looks > kMaxConfirmations) break;
       if (confirmed(candidate)) return chosen(candidate, DesignStatus::kDampingAdded);
     }
     return std::nullopt;
@@ -214,7 +214,7 @@ LoopController law_of(const FilterSetting& shape) {
   return law;
 }
 
-std::vector<FilterSetting> filter_settings(const DesignRequest& request) {
+std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
   const bool passive =
       request.hand.translation.any_passive || (request.device.gives_torque && request.hand.rotation.any_passive);
   std::vector<double> ratios{std::numbers::sqrt2 / 2.0, 0.577, 1.0};

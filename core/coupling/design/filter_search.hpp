@@ -17,7 +17,7 @@ LoopController law_of(const FilterSetting& shape);
 /// What may be tried, the wish first, then raised: wished cut-off x {1, 1.5, 2, ... 40} while w0 T <= 0.6 and below the wish's
 /// highest; at each the damping ratios .707, .577 and 1, and where only passivity is known of a hand also .866, which rule P
 /// likes best.
-std::vector<FilterSetting> filter_settings(const DesignRequest& request);
+std::vector<FilterSetting> filter_settings(const DesignProblem& request);
 
 struct FilterChoice {
   FilterSetting shape;

@@ -35,9 +35,9 @@ class CrossingSearch {
       : start_(0.02 / slow_periods), longest_step_(0.5 / (whole_delay + 3)) {}
 
   /// A point that no step may leap over: the top of a resonance, where L turns by pi within a width of no limit, so that two of
-  /// them within one step would look like none. At most kMostStops.
+  /// them within one step would look like none. At most kMaxStops.
   void stop_at(double angle) noexcept {
-    if (stops_count_ < kMostStops) stops_[stops_count_++] = angle;
+    if (stops_count_ < kMaxStops) stops_[stops_count_++] = angle;
   }
 
   template <class Response>
@@ -50,7 +50,7 @@ class CrossingSearch {
       for (const double stop : stops_)
         if (stop > from.angle) next = std::min(next, stop);
       const Point to = at(response, next);
-      look_between(response, from, to, kMostHalvings);
+      look_between(response, from, to, kMaxHalvings);
       from = to;
     }
     // At z = -1 everything is real: the loop may begin to swing from sample to sample.
@@ -65,7 +65,7 @@ class CrossingSearch {
     Complex value, summand;
   };
 
-  static constexpr int kMostStops = 4, kMostHalvings = 60;
+  static constexpr int kMaxStops = 4, kMaxHalvings = 60;
   static constexpr double kGrowth = 1.3;
   static constexpr double kEnd = std::numbers::pi * (1.0 - 1e-7);
   static constexpr double kTurnCosine2 = 0.6;  ///< L may turn by 0.68 rad in a step that is not halved
@@ -158,7 +158,7 @@ class CrossingSearch {
   }
 
   double start_, longest_step_;
-  std::array<double, kMostStops> stops_{};  ///< 0: none
+  std::array<double, kMaxStops> stops_{};  ///< 0: none
   int stops_count_ = 0;
   Point before_{};  ///< the last step's first point
   Crossing best_;

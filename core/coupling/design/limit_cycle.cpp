@@ -13,7 +13,7 @@ namespace {
 
 using Law = LoopController::Law;
 constexpr int kSpan = 4096;  ///< samples looked at together
-constexpr int kMostSpans = 6;
+constexpr int kMaxSpans = 6;
 constexpr double kRest = 1e-6;  ///< a span that adds less than this share ends the sum
 
 /// The law and the injected damping, sample by sample.
@@ -57,7 +57,7 @@ double quantisation_gain(const LoopPlant& p, const LoopController& law, double c
   Eigen::Vector3d state = Eigen::Vector3d::Zero();
   double sum = 0.0, before = 0.0;
   std::size_t now = 0;
-  for (int span = 0; span < kMostSpans; ++span) {
+  for (int span = 0; span < kMaxSpans; ++span) {
     double part = 0.0;
     for (int i = 0; i < kSpan; ++i) {
       commands[now] = -plant.effort_unit * steps.effort(state[0] + (span == 0 && i == 0 ? 1.0 : 0.0));
@@ -70,7 +70,7 @@ double quantisation_gain(const LoopPlant& p, const LoopController& law, double c
     sum += part;
     if (part <= kRest * sum) return sum;
     // What is left decays from span to span by the same share.
-    if (span + 1 == kMostSpans && part < before) return sum + part * part / (before - part);
+    if (span + 1 == kMaxSpans && part < before) return sum + part * part / (before - part);
     before = part;
   }
   return sum;

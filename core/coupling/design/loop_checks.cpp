@@ -42,7 +42,7 @@ void require_loop(const LoopPlant& p) {
           "at most 1e9 masses per period");
   require(p.hand_stiffness * p.period_s * per_mass <= kFastestPlant, "hand_stiffness", p.hand_stiffness,
           "at most 1e9 masses per period squared");
-  require(p.delay_s <= kMostDelayPeriods * p.period_s, "delay_s", p.delay_s, "at most 200 periods");
+  require(p.delay_s <= kMaxDelayPeriods * p.period_s, "delay_s", p.delay_s, "at most 200 periods");
 }
 
 void require_loop(const LoopController& c) {

@@ -8,10 +8,10 @@
 namespace voxtouch {
 namespace {
 
-const std::string kRangeText = fmt::format("from {} to {}", kLeastQuantity, kMostQuantity);
-const std::string kOrZeroText = fmt::format("from 0 to {}", kMostQuantity);
+const std::string kRangeText = fmt::format("from {} to {}", kMinQuantity, kMaxQuantity);
+const std::string kOrZeroText = fmt::format("from 0 to {}", kMaxQuantity);
 const std::string kZeroOrText = "0, or " + kRangeText;
-const std::string kNoLimitText = fmt::format("{} or above, infinity for no limit", kLeastQuantity);
+const std::string kNoLimitText = fmt::format("{} or above, infinity for no limit", kMinQuantity);
 
 /// Collects sentences about fields whose names begin with `prefix`. A comparison with NaN is false, so NaN keeps no rule.
 class Findings {
@@ -19,20 +19,20 @@ class Findings {
   Findings(std::string prefix, std::vector<std::string>& out) : prefix_(std::move(prefix)), out_(out) {}
 
   void positive(std::string_view field, double value) {
-    rule(value >= kLeastQuantity && value <= kMostQuantity, field, value, kRangeText);
+    rule(value >= kMinQuantity && value <= kMaxQuantity, field, value, kRangeText);
   }
   void not_negative(std::string_view field, double value) {
-    rule(value >= 0.0 && value <= kMostQuantity, field, value, kOrZeroText);
+    rule(value >= 0.0 && value <= kMaxQuantity, field, value, kOrZeroText);
   }
   void quantity_or_zero(std::string_view field, double value) {
-    rule(value == 0.0 || (value >= kLeastQuantity && value <= kMostQuantity), field, value, kZeroOrText);
+    rule(value == 0.0 || (value >= kMinQuantity && value <= kMaxQuantity), field, value, kZeroOrText);
   }
   /// A time is a difference of others: rounding may leave next to nothing of it.
   void time_or_none(std::string_view field, double value) {
-    rule(value >= 0.0 && value <= kMostQuantity, field, value, fmt::format("from 0 to {}", kMostQuantity));
+    rule(value >= 0.0 && value <= kMaxQuantity, field, value, fmt::format("from 0 to {}", kMaxQuantity));
   }
   void positive_or_none(std::string_view field, double value) {
-    rule(value >= kLeastQuantity, field, value, kNoLimitText);
+    rule(value >= kMinQuantity, field, value, kNoLimitText);
   }
   void not_below(std::string_view field, double value, std::string_view least_field, double least) {
     if (value < least)
@@ -67,9 +67,9 @@ void check_timing(const LoopTiming& timing, std::vector<std::string>& out) {
   find.time_or_none("delay_s", timing.delay_s);
   find.time_or_none("jitter", timing.jitter);
   find.rule(timing.lost_in_a_row >= 0, "lost_in_a_row", timing.lost_in_a_row, "0 or above");
-  if (timing.period_s > 0.0 && timing.delay_s > kMostDelayPeriods * timing.period_s)
+  if (timing.period_s > 0.0 && timing.delay_s > kMaxDelayPeriods * timing.period_s)
     out.push_back(fmt::format("timing.delay_s is {}; it must be at most {} periods of {} s.", timing.delay_s,
-                              kMostDelayPeriods, timing.period_s));
+                              kMaxDelayPeriods, timing.period_s));
 }
 
 }  // namespace

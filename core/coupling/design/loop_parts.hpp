@@ -72,11 +72,11 @@ struct ContactRange {
 };
 
 /// Longest delay that can be designed for [periods]: the loop's matrix has a state for each.
-inline constexpr double kMostDelayPeriods = 200.0;
+inline constexpr double kMaxDelayPeriods = 200.0;
 
 /// Masses, dampings, stiffnesses, periods, ... outside of these, zero aside where it has a meaning, are numbers in a wrong unit or no
 /// device's at all; the searches of this folder would lose themselves in rounding.
-inline constexpr double kLeastQuantity = 1e-12, kMostQuantity = 1e12;
+inline constexpr double kMinQuantity = 1e-12, kMaxQuantity = 1e12;
 
 /// Everything that is wrong with the numbers, one sentence each that names field, value and rule; empty: they can be designed
 /// for. `rotation` of a device without torque and the ranges of a hand that may be any passive one are not looked at.

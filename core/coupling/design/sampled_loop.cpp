@@ -116,9 +116,9 @@ bool without_integrators(MatrixXd& a) {
 /// Scales the states by powers of two until rows and columns weigh alike (Parlett, Reinsch 1969): Eigen's solver does not, and
 /// a stiff contact or a slow filter sets the states far apart. Exact.
 void balance(MatrixXd& a) {
-  constexpr int kMostRounds = 100;  // a handful do
+  constexpr int kMaxRounds = 100;  // a handful do
   bool changed = true;
-  for (int round = 0; changed && round < kMostRounds; ++round) {
+  for (int round = 0; changed && round < kMaxRounds; ++round) {
     changed = false;
     for (Index i = 0; i < a.rows(); ++i) {
       const double column = a.col(i).cwiseAbs().sum() - std::abs(a(i, i)),

@@ -16,7 +16,7 @@ constexpr std::array kLeads{0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 
 /// Contact over coupling stiffness at which the table is asked; in between, the exact check sees to it.
 constexpr std::array kContacts{kInfinity, 10.0, 3.0, 1.0, 0.3, 0.1};
 constexpr double kShrink = 0.97;
-constexpr int kMostShrinks = 24;
+constexpr int kMaxShrinks = 24;
 
 /// The law of a unit of stiffness and `lead` of damping, before a contact of `contact` units.
 Complex series_at(double lead_s, double contact, const Phasor& at, double period_s) {
@@ -29,9 +29,9 @@ bool passive_only(const std::vector<AxisProblem>& problems) {
 }
 
 /// What one law of translation means to the axis, per unit.
-double arm_of(const DesignRequest& request, std::size_t axis) { return axis == 0 ? 1.0 : arm_squared(request); }
+double arm_of(const DesignProblem& request, std::size_t axis) { return axis == 0 ? 1.0 : arm_squared(request); }
 
-SpringDamperPair passive_pair(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+SpringDamperPair passive_pair(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   const LoopTiming slow = slowest(request.device.timing);
   double lag = 0.0;
   for (const AxisProblem& axis : problems) lag = std::max(lag, effort_lag_s(axis.model));
@@ -43,7 +43,7 @@ SpringDamperPair passive_pair(const DesignRequest& request, const std::vector<Ax
   return {share * pair.stiffness, share * pair.damping};
 }
 
-bool holds(const DesignRequest& request, const std::vector<AxisProblem>& problems, const SpringDamperPair& pair) {
+bool holds(const DesignProblem& request, const std::vector<AxisProblem>& problems, const SpringDamperPair& pair) {
   for (std::size_t a = 0; a < problems.size(); ++a) {
     const double scale = arm_of(request, a) * problems[a].margin;
     LoopController law;
@@ -56,7 +56,7 @@ bool holds(const DesignRequest& request, const std::vector<AxisProblem>& problem
 }
 
 /// The stiffest on the cases, by the table and then made sure of.
-SpringDamperPair ranged_pair(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+SpringDamperPair ranged_pair(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   std::vector<LoopTable> tables;
   for (const AxisProblem& axis : problems) tables.emplace_back(axis.cases, std::vector<double>{});
   SpringDamperPair best;
@@ -72,7 +72,7 @@ SpringDamperPair ranged_pair(const DesignRequest& request, const std::vector<Axi
       }
     if (stiffness > best.stiffness && std::isfinite(stiffness)) best = {stiffness, lead_s * stiffness};
   }
-  for (int i = 0; i < kMostShrinks; ++i) {
+  for (int i = 0; i < kMaxShrinks; ++i) {
     if (best.stiffness <= 0.0 || holds(request, problems, best)) return best;
     best.stiffness *= kShrink, best.damping *= kShrink;
   }
@@ -80,7 +80,7 @@ SpringDamperPair ranged_pair(const DesignRequest& request, const std::vector<Axi
 }
 
 /// c with which the contact's stiffest shows as much as the device can: c k / (c + k) at its limit.
-double most_stiffness(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+double most_stiffness(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   double most = kInfinity;
   for (std::size_t a = 0; a < problems.size(); ++a) {
     const double k = problems[a].contact.all_points, limit = problems[a].model.max_stiffness;
@@ -91,7 +91,7 @@ double most_stiffness(const DesignRequest& request, const std::vector<AxisProble
 
 }  // namespace
 
-Proposal propose_spring_damper(const DesignRequest& request, const std::vector<AxisProblem>& problems) {
+Proposal propose_spring_damper(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   SpringDamperPair pair = passive_pair(request, problems);
   if (!passive_only(problems)) {
     const SpringDamperPair ranged = ranged_pair(request, problems);

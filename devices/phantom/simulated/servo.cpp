@@ -18,7 +18,7 @@ struct InServo {
   InServo& operator=(const InServo&) = delete;
 };
 
-constexpr long kMostMissed = 200;  // periods that the arm catches up at once after a stall of the whole process
+constexpr long kMaxMissed = 200;  // periods that the arm catches up at once after a stall of the whole process
 constexpr int kLongestWaitTicks = 100000;
 
 }  // namespace
@@ -152,7 +152,7 @@ void Library::catch_up(Clock::time_point& due, Clock::duration period) {
   const Clock::time_point now = Clock::now();
   const long missed = (now - due) / period;
   if (missed <= 0) return;
-  device_->advance(static_cast<int>(std::min(missed, kMostMissed)) * device_->substeps());
+  device_->advance(static_cast<int>(std::min(missed, kMaxMissed)) * device_->substeps());
   ticks_without_callbacks_ += static_cast<std::uint64_t>(missed);
   due += missed * period;
 }

@@ -67,7 +67,7 @@ int run(int argc, char** argv) {
     for (const std::string& how : o.how) {
       Row row;
       for (int n = 0; n < o.times; ++n) {
-        RoundAsk ask{.victim = victim, .signal = how == "kill" ? SIGKILL : SIGSTOP, .domain = static_cast<std::uint32_t>(std::stoul(o.domain))};
+        RoundOptions ask{.victim = victim, .signal = how == "kill" ? SIGKILL : SIGSTOP, .domain = static_cast<std::uint32_t>(std::stoul(o.domain))};
         ask.options = o.up;
         ask.after_ms = static_cast<int>(random() % 1000);
         const RoundResult r = play(ask);

@@ -31,7 +31,7 @@ bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds pa
   return true;
 }
 
-std::vector<std::string> command(const RoundAsk& ask, const std::filesystem::path& bag) {
+std::vector<std::string> command(const RoundOptions& ask, const std::filesystem::path& bag) {
   std::vector<std::string> words{VOXTOUCH_BIN "/voxtouch", "up", test::shipped_scene("cup"), "--json", "--domain", std::to_string(ask.domain),
                                  "--rig", ask.rig, "--motion", "slide", "--record", bag.string()};
   words.insert(words.end(), ask.options.begin(), ask.options.end());
@@ -40,7 +40,7 @@ std::vector<std::string> command(const RoundAsk& ask, const std::filesystem::pat
 
 class Round {
  public:
-  explicit Round(const RoundAsk& ask)
+  explicit Round(const RoundOptions& ask)
       : ask_(ask), names_before_(shared_names()),
         up_(command(ask, folder_ / "bag")) {
     tap_.emplace(ask.domain, ask.rig);
@@ -197,7 +197,7 @@ class Round {
     }
   }
 
-  RoundAsk ask_;
+  RoundOptions ask_;
   std::set<std::string> names_before_;
   test::TemporaryFolder folder_;
   test::Process up_;
@@ -211,6 +211,6 @@ class Round {
 
 }  // namespace
 
-RoundResult play(const RoundAsk& ask) { return Round(ask).play(); }
+RoundResult play(const RoundOptions& ask) { return Round(ask).play(); }
 
 }  // namespace voxtouch::attack

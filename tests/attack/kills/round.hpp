@@ -7,7 +7,7 @@
 
 namespace voxtouch::attack {
 
-struct RoundAsk {
+struct RoundOptions {
   std::string victim = "rendering";  ///< device, rendering, coupling, logger, validator or up
   int signal = 9;                    ///< SIGKILL or SIGSTOP
   std::uint32_t domain = 0;
@@ -28,7 +28,7 @@ struct RoundResult {
 };
 
 /// Plays it; takes two to five seconds.
-RoundResult play(const RoundAsk& ask);
+RoundResult play(const RoundOptions& ask);
 
 /// The device has to be at zero by then [ms of its own samples]: three held periods, 20 ms of fade, and the way of a command.
 inline constexpr double kZeroWithinMs = 30.0;

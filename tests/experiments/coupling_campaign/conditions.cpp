@@ -8,7 +8,7 @@
 namespace voxtouch::campaign {
 namespace {
 
-constexpr double kMostSamples = 2e6;
+constexpr double kMaxSamples = 2e6;
 
 /// Slowest decay of the linear loop [s]; 0 where it does not decay.
 double linear_time_constant(const NonlinearLoop& loop) {
@@ -49,7 +49,7 @@ void drive(NonlinearLoop& loop, double shown, double max_effort, Random& random)
   // Up to ten times as deep as the push: more would only be more time in the air.
   loop.start_speed = std::min(random.log_uniform(0.01, 0.3), 10.0 * depth * swing);
   const double slowest = std::max(settling_time(loop), linear_time_constant(loop));
-  const double most = kMostSamples * loop.plant.period_s;
+  const double most = kMaxSamples * loop.plant.period_s;
   loop.duration_s = std::clamp(std::max(8.0 * slowest, 20.0 * 6.283 / swing), 2000.0 * loop.plant.period_s, most);
   loop.longest_s = 8.0 * loop.duration_s;
   loop.wall_knee = depth * random.log_uniform(0.3, 3.0);

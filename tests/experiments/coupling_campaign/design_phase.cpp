@@ -27,8 +27,8 @@ LoopController controller_of(const CouplingSpec& spec) {
   return out;
 }
 
-DesignRequest request_for(const PopulationMember& member, Random& random) {
-  DesignRequest out;
+DesignProblem request_for(const PopulationMember& member, Random& random) {
+  DesignProblem out;
   out.device = member.device;
   out.hand.translation = member.hand;
   out.contact = member.contact;
@@ -120,7 +120,7 @@ class Phase {
 
   void member(const PopulationMember& member, std::uint64_t salt, bool corner) {
     Random random(options_.seed ^ salt, member.index);
-    const DesignRequest request = request_for(member, random);
+    const DesignProblem request = request_for(member, random);
     const Design design = design_coupling(request);
     ++statuses_[static_cast<std::size_t>(design.status)];
     const AxisDesign& axis = design.translation;

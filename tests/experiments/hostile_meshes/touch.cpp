@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kVoxelsLong = 40.0, kStiffness = 100.0, kPressure = 1e8;
 /// Deeper than any model's push: the field holds 12 voxels.
-constexpr double kMostDepthEdges = 12.1;
+constexpr double kMaxDepthEdges = 12.1;
 
 using Random = std::mt19937_64;
 
@@ -63,7 +63,7 @@ class Contact {
   Contact(const Voxmap& voxmap, const Pointshell& shell, const DistanceField* field) {
     double area = 0.0;
     for (const double a : shell.area_m2) area += a;
-    const double depth = kMostDepthEdges * voxmap.grid().edge;
+    const double depth = kMaxDepthEdges * voxmap.grid().edge;
     for (const ContactModelKind kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted}) {
       add(voxmap, shell, kind, {kStiffness, PointWeights::kOne}, nullptr, kStiffness * double(shell.size()) * depth);
       add(voxmap, shell, kind, {kPressure, PointWeights::kArea}, nullptr, kPressure * area * depth);

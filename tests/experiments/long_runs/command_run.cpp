@@ -295,7 +295,7 @@ void require_all_happened(const Sums& s, Findings& out) {
 
 }  // namespace
 
-Findings run_commands(const CommandAsk& ask, const Progress& progress) {
+Findings run_commands(const CommandRunOptions& ask, const Progress& progress) {
   Findings out;
   Sums sums;
   const std::vector<DeviceDescription> devices = shipped_descriptions();

@@ -111,9 +111,9 @@ void judge(const LoopRig& rig, const Tenth& first, const Tenth& last, Findings& 
 
 }  // namespace
 
-Findings run_contact(const ContactAsk& ask, const Progress& progress) {
+Findings run_contact(const ContactRunOptions& ask, const Progress& progress) {
   Findings out;
-  RigAsk rig_ask;
+  RigOptions rig_ask;
   rig_ask.scene = ask.scene, rig_ask.path = wandering(ask.seed), rig_ask.seed = ask.seed;
   ContactModelKind kind{};
   if (parse_contact_model(ask.model, kind)) rig_ask.model = kind;

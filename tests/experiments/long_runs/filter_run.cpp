@@ -55,7 +55,7 @@ class Teller {
 };
 
 /// A held contact: the error of all samples after the transient, and of the last tenth alone.
-void hold(const FilterAsk& ask, Teller& teller, Findings& out) {
+void hold(const FilterRunOptions& ask, Teller& teller, Findings& out) {
   ShapingFilter coupling(filter(5.0, 1.0), kT);
   double worst = 0.0, first_s = 0.0, last_s = 0.0, last_tenth = 0.0;
   std::uint64_t n = 0;
@@ -82,7 +82,7 @@ void hold(const FilterAsk& ask, Teller& teller, Findings& out) {
   if (!(worst < 1e-14 * kGain)) out.faults.push_back(fmt::format("a held contact is off by {:.3g} K", worst / kGain));
 }
 
-void respond(const FilterAsk& ask, Teller& teller, Findings& out) {
+void respond(const FilterRunOptions& ask, Teller& teller, Findings& out) {
   constexpr double kTurns[] = {1e-6, 1e-4, 1e-2, 0.5, 3.0, 3.3, 30.0, 1000.0};
   const std::uint64_t steps = ask.steps / 10 / std::size(kTurns);
   double worst = 0.0;
@@ -113,7 +113,7 @@ double period(std::mt19937_64& random) {
   return kT * (0.2 + 4.8 * static_cast<double>(bits >> 11) * 0x1p-53);
 }
 
-void disturb(const FilterAsk& ask, Teller& teller, Findings& out) {
+void disturb(const FilterRunOptions& ask, Teller& teller, Findings& out) {
   std::mt19937_64 random(ask.seed);
   const CouplingSpec spec = filter(30.0, 0.577);
   RunningCoupling coupling(spec, {}, kT);
@@ -146,7 +146,7 @@ void disturb(const FilterAsk& ask, Teller& teller, Findings& out) {
 
 }  // namespace
 
-Findings run_filter(const FilterAsk& ask, const Progress& progress) {
+Findings run_filter(const FilterRunOptions& ask, const Progress& progress) {
   Findings out;
   Teller teller(progress, ask.steps + ask.steps / 5);
   const Memory before = memory_in_use();

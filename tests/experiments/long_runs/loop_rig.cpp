@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/scene/design_request.hpp"
-#include "core/scene/fit_coupling.hpp"
+#include "core/fitting/design_problem.hpp"
+#include "core/fitting/fit_coupling.hpp"
 #include "core/scene/scene_file.hpp"
 
 namespace voxtouch::long_runs {
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kValidPeriods = 5.0;  ///< as the coupling node has it
 
-std::unique_ptr<BuiltScene> build(Scene scene, const RigAsk& ask) {
+std::unique_ptr<BuiltScene> build(Scene scene, const RigOptions& ask) {
   scene.contact.stiffness_n_per_m *= ask.stiffness_times, scene.contact.stiffness_n_per_m3 *= ask.stiffness_times;
   BuildChoices choices;
   choices.model = ask.model;
@@ -57,7 +57,7 @@ void RigFront::swap_to(std::unique_ptr<BuiltScene> next) {
   old_ = std::exchange(built_, std::move(next));
 }
 
-LoopRig::LoopRig(const RigAsk& ask)
+LoopRig::LoopRig(const RigOptions& ask)
     : ask_(ask), scene_(load_scene(ask.scene)), guard_(guard_config(ask.device.description)) {
   const DeviceDescription& d = ask.device.description;
   std::unique_ptr<BuiltScene> built = build(scene_, ask);
@@ -76,7 +76,7 @@ std::unique_ptr<RigFront> LoopRig::fresh_front() const {
 }
 
 std::unique_ptr<BuiltScene> LoopRig::build_again(double stiffness_times) const {
-  RigAsk ask = ask_;
+  RigOptions ask = ask_;
   ask.stiffness_times = stiffness_times;
   return build(scene_, ask);
 }

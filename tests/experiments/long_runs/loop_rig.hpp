@@ -6,13 +6,13 @@
 #include <optional>
 
 #include "core/coupling/running_coupling.hpp"
-#include "core/scene/live_scene.hpp"
+#include "core/rendering/live_scene.hpp"
 #include "devices/force_guard.hpp"
 #include "devices/sim/simulated_device.hpp"
 
 namespace voxtouch::long_runs {
 
-struct RigAsk {
+struct RigOptions {
   std::filesystem::path scene;            ///< a scene file
   std::optional<ContactModelKind> model;  ///< instead of the scene's
   SimParameters device = sim_phantom();
@@ -39,7 +39,7 @@ class RigFront {
   void swap_to(std::unique_ptr<BuiltScene> next);
 
  private:
-  DeviceSpec device_;
+  WorkspaceMapping device_;
   std::unique_ptr<BuiltScene> built_, old_;
   LiveScene live_;
   RunningCoupling coupling_;
@@ -58,7 +58,7 @@ class LoopRig {
     GuardInput input;
   };
   /// Throws as loading, building and designing do.
-  explicit LoopRig(const RigAsk& ask);
+  explicit LoopRig(const RigOptions& ask);
 
   /// The device's next sample, and its number.
   const DeviceSample& read() noexcept;
@@ -83,7 +83,7 @@ class LoopRig {
   std::uint64_t refused_writes() const noexcept { return refused_writes_; }
 
  private:
-  RigAsk ask_;
+  RigOptions ask_;
   Scene scene_;
   CouplingSpec spec_;
   CouplingLimits limits_;

@@ -36,11 +36,11 @@ int run(int argc, char** argv) {
   CLI::App app("Runs that are long enough for drift, leaks and slow-down to show.");
   app.require_subcommand(1);
   std::uint64_t seed = 1;
-  FilterAsk filter;
-  ContactAsk contact;
-  TumbleAsk tumble;
-  TrapAsk traps;
-  CommandAsk commands;
+  FilterRunOptions filter;
+  ContactRunOptions contact;
+  TumbleRunOptions tumble;
+  TrapRunOptions traps;
+  CommandRunOptions commands;
   contact.scene = VOXTOUCH_DEPLOY "/scenes/cup.yaml", traps.scenes = VOXTOUCH_DEPLOY "/scenes";
   CLI::App* f = app.add_subcommand(
       "filter", "a contact held for --steps samples; step responses; clocks that cannot be relied on");

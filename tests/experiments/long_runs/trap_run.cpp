@@ -190,7 +190,7 @@ struct Count {
 
 volatile double nothing = 0.0;
 
-void shake(const Case& c, const TrapAsk& ask, std::uint64_t frames, Dice& dice, Count& count, Findings& out) {
+void shake(const Case& c, const TrapRunOptions& ask, std::uint64_t frames, Dice& dice, Count& count, Findings& out) {
   constexpr std::uint64_t kPiece = 1000;
   constexpr double kT = 1e-3;
   BuildChoices choices;
@@ -232,8 +232,8 @@ void shake(const Case& c, const TrapAsk& ask, std::uint64_t frames, Dice& dice, 
 }
 
 /// The same round the whole loop, with the simulated device in it.
-void loop(const TrapAsk& ask, std::uint64_t frames, Count& count) {
-  RigAsk rig_ask;
+void loop(const TrapRunOptions& ask, std::uint64_t frames, Count& count) {
+  RigOptions rig_ask;
   rig_ask.scene = ask.scenes / "cup_field.yaml", rig_ask.motion = "slide", rig_ask.seed = ask.seed;
   LoopRig rig(rig_ask);
   std::snprintf(place.name, sizeof place.name, "cup_field in the whole loop");
@@ -246,7 +246,7 @@ void loop(const TrapAsk& ask, std::uint64_t frames, Count& count) {
 
 }  // namespace
 
-Findings run_traps(const TrapAsk& ask, const Progress& progress) {
+Findings run_traps(const TrapRunOptions& ask, const Progress& progress) {
   Findings out;
   Dice dice(ask.seed);
   place.seed = ask.seed;

@@ -11,7 +11,7 @@ namespace voxtouch::long_runs {
 namespace {
 
 constexpr double kPeriod = 1e-3;
-constexpr double kMostNorm = 1e-15, kMostSkew = 1e-14;  ///< what a rotation may be off by
+constexpr double kMaxNorm = 1e-15, kMaxSkew = 1e-14;  ///< what a rotation may be off by
 
 RigidBody tumbling() {
   BodyShape shape;
@@ -32,7 +32,7 @@ BodyLoad push(std::uint64_t n) {
 
 }  // namespace
 
-Findings run_tumble(const TumbleAsk& ask, const Progress& progress) {
+Findings run_tumble(const TumbleRunOptions& ask, const Progress& progress) {
   Findings out;
   RigidBody body = tumbling();
   BodyParameters parameters;
@@ -59,8 +59,8 @@ Findings run_tumble(const TumbleAsk& ask, const Progress& progress) {
       fmt::format("a body that tumbles, {} steps, {:.4g} rad: |q| - 1 at most {:.2g}, R'R - I at most {:.2g}", n, angle,
                   norm, skew));
   // Written so that a NaN, too, is a fault.
-  if (!(norm <= kMostNorm)) out.faults.push_back(fmt::format("a quaternion's norm is off one by {:.3g}", norm));
-  if (!(skew <= kMostSkew)) out.faults.push_back(fmt::format("a rotation matrix is off orthogonal by {:.3g}", skew));
+  if (!(norm <= kMaxNorm)) out.faults.push_back(fmt::format("a quaternion's norm is off one by {:.3g}", norm));
+  if (!(skew <= kMaxSkew)) out.faults.push_back(fmt::format("a rotation matrix is off orthogonal by {:.3g}", skew));
   if (!(angle >= 1e-4 * static_cast<double>(ask.steps)))
     out.faults.push_back(fmt::format("the body turned by {:.3g} rad only, which shows nothing", angle));
   return out;

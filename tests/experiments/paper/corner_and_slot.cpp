@@ -13,9 +13,9 @@ struct Sums {
   double corner = 0.0, walls = 0.0, slot_squares = 0.0, wall = 0.0;
 };
 
-std::vector<Wrench> forces(const Rung& rung, const Ground& ground, const Sphere& sphere,
+std::vector<Wrench> forces(const ContactCase& contact_case, const Ground& ground, const Sphere& sphere,
                            const std::vector<Pose>& poses) {
-  ContactRenderer renderer = renderer_of(rung, ground, sphere);
+  ContactRenderer renderer = renderer_of(contact_case, ground, sphere);
   std::vector<Wrench> out;
   for (const Pose& pose : poses) out.push_back(renderer.probe(pose).wrench);
   return out;
@@ -31,8 +31,8 @@ Vec3 mean(const std::vector<Wrench>& wrenches) {
 
 std::vector<CornerAndSlot> corner_and_slot(std::uint64_t seed) {
   const Sphere sphere;
-  const std::vector<Rung> rungs = all_rungs();
-  std::vector<Sums> sums(rungs.size());
+  const std::vector<ContactCase> contact_cases = all_contact_cases();
+  std::vector<Sums> sums(contact_cases.size());
   std::mt19937_64 random(seed);
   for (int n = 0; n < kGrounds; ++n) {
     const auto shift = [&] { return test::uniform(random, 0, kEdge); };
@@ -51,20 +51,20 @@ std::vector<CornerAndSlot> corner_and_slot(std::uint64_t seed) {
       in_corner.push_back({at * Vec3(kRadius - kDepth, kRadius - kDepth, along()), test::random_rotation(random)});
       in_slot.push_back({at * Vec3(0, along(), along()), test::random_rotation(random)});
     }
-    for (std::size_t k = 0; k < rungs.size(); ++k) {
+    for (std::size_t k = 0; k < contact_cases.size(); ++k) {
       Sums& s = sums[k];
-      s.corner += mean(forces(rungs[k], corner, sphere, in_corner)).norm();
+      s.corner += mean(forces(contact_cases[k], corner, sphere, in_corner)).norm();
       s.walls +=
-          (mean(forces(rungs[k], wall_left, sphere, in_corner)) + mean(forces(rungs[k], wall_below, sphere, in_corner)))
+          (mean(forces(contact_cases[k], wall_left, sphere, in_corner)) + mean(forces(contact_cases[k], wall_below, sphere, in_corner)))
               .norm();
-      for (const Wrench& w : forces(rungs[k], slot, sphere, in_slot))
+      for (const Wrench& w : forces(contact_cases[k], slot, sphere, in_slot))
         s.slot_squares += w.force.squaredNorm() / (kGrounds * kPoses);
-      for (const Wrench& w : forces(rungs[k], wall, sphere, in_slot)) s.wall += w.force.norm() / (kGrounds * kPoses);
+      for (const Wrench& w : forces(contact_cases[k], wall, sphere, in_slot)) s.wall += w.force.norm() / (kGrounds * kPoses);
     }
   }
   std::vector<CornerAndSlot> out;
-  for (std::size_t k = 0; k < rungs.size(); ++k)
-    out.push_back({rungs[k].name, sums[k].corner / sums[k].walls, std::sqrt(sums[k].slot_squares) / sums[k].wall});
+  for (std::size_t k = 0; k < contact_cases.size(); ++k)
+    out.push_back({contact_cases[k].name, sums[k].corner / sums[k].walls, std::sqrt(sums[k].slot_squares) / sums[k].wall});
   return out;
 }
 

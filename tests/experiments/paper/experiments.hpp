@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tests/experiments/paper/merits.hpp"
-#include "tests/experiments/paper/rungs.hpp"
+#include "tests/experiments/paper/contact_cases.hpp"
 
 namespace voxtouch::paper {
 
@@ -21,10 +21,10 @@ struct FilterExperiment {
 };
 FilterExperiment filter_experiment();
 
-/// Where the paper's claim does not hold: a concave corner and a symmetric slot, and what every rung makes of them. Means over
+/// Where the paper's claim does not hold: a concave corner and a symmetric slot, and what every contact model makes of them. Means over
 /// random places and turns; R / e = 10, 0.5 e deep.
 struct CornerAndSlot {
-  std::string rung;
+  std::string contact_model;
   double corner_over_walls = 0.0;  ///< |mean force in the corner| over |sum of the two walls' alone|
   double slot_over_wall = 0.0;     ///< RMS of the net force over one wall's mean force; 0 would be right
 };

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStepS = 0.001, kSpeed = 0.1, kCylinder = 20 * kEdge, kDepthEdges = 1.0;
 
-/// Newtons for each unit of the rung's force, so that the mean is 1 N.
+/// Newtons for each unit of the contact model's force, so that the mean is 1 N.
 std::vector<double> pass(const CouplingSpec& spec, const std::vector<Vec3>& raw, double stiffness) {
   RunningCoupling coupling(spec, {}, kStepS, 1e-9);
   std::vector<double> out;
@@ -27,7 +27,7 @@ std::vector<double> pass(const CouplingSpec& spec, const std::vector<Vec3>& raw,
 
 /// In the frame that turns with the normal: what is left is noise, not the turn itself.
 std::vector<Vec3> raw_force(const Slide& slide, const Ground& ground, const Sphere& sphere) {
-  ContactRenderer renderer = renderer_of(all_rungs()[1], ground, sphere);
+  ContactRenderer renderer = renderer_of(all_contact_cases()[1], ground, sphere);
   const double length = 2.0 * std::numbers::pi * (kCylinder + kRadius);
   const int steps = static_cast<int>(length / (kSpeed * kStepS));
   std::vector<Vec3> out;

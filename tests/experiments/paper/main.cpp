@@ -41,12 +41,12 @@ Json components(const Slide& slide, const Distraction& d) {
       {"noise", d.noise}};
 }
 
-Json through_all_rungs(const Slide& slide, const Sphere& sphere) {
+Json through_all_contact_cases(const Slide& slide, const Sphere& sphere) {
   const Ground ground(slide.mesh);
   Json out = Json::array();
-  for (const Rung& rung : all_rungs()) {
-    Json one = components(slide, distraction(renderer_of(rung, ground, sphere), slide, kSteps));
-    one["rung"] = rung.name;
+  for (const ContactCase& contact_case : all_contact_cases()) {
+    Json one = components(slide, distraction(renderer_of(contact_case, ground, sphere), slide, kSteps));
+    one["contact_model"] = contact_case.name;
     out.push_back(one);
   }
   return out;
@@ -71,14 +71,14 @@ Json shells(const Sphere& sphere) {
   for (const auto& [name, quat] : {std::pair{"still", Quat::Identity()}, std::pair{"turned", turn}}) {
     const Slide slide = round_a_cylinder(20 * kEdge, 0.5, quat, 0.0007);
     const Ground ground(slide.mesh);
-    Rung rung{"original", ContactModelKind::kOriginal, PointWeights::kOne, true};
+    ContactCase contact_case{"original", ContactModelKind::kOriginal, PointWeights::kOne, true};
     out[name]["force_naive_original"] =
-        components(slide, distraction(renderer_of(rung, ground, sphere), slide, kSteps));
-    rung.naive = false;
+        components(slide, distraction(renderer_of(contact_case, ground, sphere), slide, kSteps));
+    contact_case.naive = false;
     out[name]["force_exact_original"] =
-        components(slide, distraction(renderer_of(rung, ground, sphere), slide, kSteps));
-    rung.model = ContactModelKind::kAdapted;
-    out[name]["force_exact_adapted"] = components(slide, distraction(renderer_of(rung, ground, sphere), slide, kSteps));
+        components(slide, distraction(renderer_of(contact_case, ground, sphere), slide, kSteps));
+    contact_case.model = ContactModelKind::kAdapted;
+    out[name]["force_exact_adapted"] = components(slide, distraction(renderer_of(contact_case, ground, sphere), slide, kSteps));
   }
   return out;
 }
@@ -103,11 +103,11 @@ Json all(bool quick) {
   Json out;
   say("experiment 1: a circle over a plane");
   out["plane_aligned"] =
-      through_all_rungs(circle_on_plane("aligned", Quat::Identity(), 0.75, 0.5, Quat::Identity()), sphere);
+      through_all_contact_cases(circle_on_plane("aligned", Quat::Identity(), 0.75, 0.5, Quat::Identity()), sphere);
   out["plane_tilted"] =
-      through_all_rungs(circle_on_plane("tilted", about(26.6, Vec3(1, 0.3, 0)), 0.3, 0.5, Quat::Identity()), sphere);
+      through_all_contact_cases(circle_on_plane("tilted", about(26.6, Vec3(1, 0.3, 0)), 0.3, 0.5, Quat::Identity()), sphere);
   say("experiment 2: round a cylinder");
-  out["cylinder"] = through_all_rungs(round_a_cylinder(20 * kEdge, 0.5, about(25, Vec3(1, 2, 3)), 0.0007), sphere);
+  out["cylinder"] = through_all_contact_cases(round_a_cylinder(20 * kEdge, 0.5, about(25, Vec3(1, 2, 3)), 0.0007), sphere);
   say("pointshells");
   out["shells"] = shells(symmetric);
   say("virtual couplings");
@@ -116,7 +116,7 @@ Json all(bool quick) {
   out["corner_and_slot"] = Json::array();
   for (const CornerAndSlot& c : corner_and_slot(22))
     out["corner_and_slot"].push_back(
-        {{"rung", c.rung}, {"corner_over_walls", c.corner_over_walls}, {"slot_over_wall", c.slot_over_wall}});
+        {{"contact_model", c.contact_model}, {"corner_over_walls", c.corner_over_walls}, {"slot_over_wall", c.slot_over_wall}});
   say("figures of merit");
   out["merits"] = Json::array();
   for (const Merit& m : contact_merits(quick ? 120 : kSteps)) out["merits"].push_back(of(m));
@@ -130,7 +130,7 @@ Json all(bool quick) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "The paper's experiments on contact and coupling (Renz et al. 2001, figures 2, 3, 8, 9, 11), every rung of the "
+      "The paper's experiments on contact and coupling (Renz et al. 2001, figures 2, 3, 8, 9, 11), every contact_case of the "
       "contact\n"
       "beside the paper's two, as one JSON file; tests/experiments/report/make_report.py draws it. Seconds; no random "
       "numbers\n"

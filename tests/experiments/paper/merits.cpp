@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/experiments/paper/rungs.hpp"
+#include "tests/experiments/paper/contact_cases.hpp"
 
 namespace voxtouch::paper {
 namespace {
 
-const Rung kOriginal{"original", ContactModelKind::kOriginal, PointWeights::kOne},
+const ContactCase kOriginal{"original", ContactModelKind::kOriginal, PointWeights::kOne},
     kAdapted{"adapted", ContactModelKind::kAdapted, PointWeights::kOne},
     kNaiveOriginal{"naive, original", ContactModelKind::kOriginal, PointWeights::kOne, true};
 
@@ -19,7 +19,7 @@ std::vector<Quat> turned() {
           Quat(Eigen::AngleAxisd(2.3, Vec3(0.3, -1, 1).normalized()))};
 }
 
-double ratio(const Rung& above, const Rung& below, const Slide& slide, const Ground& ground, const Sphere& sphere,
+double ratio(const ContactCase& above, const ContactCase& below, const Slide& slide, const Ground& ground, const Sphere& sphere,
              int steps, bool about_mean = false) {
   const Distraction a = distraction(renderer_of(above, ground, sphere), slide, steps),
                     b = distraction(renderer_of(below, ground, sphere), slide, steps);

@@ -39,8 +39,8 @@ TEST(PaperExperiments, TheMeanNormalFailsInCornersAndSlotsAndTheRungsAboveMendIt
   const std::vector<CornerAndSlot> all = corner_and_slot(22);
   const auto of = [&](const std::string& name) {
     for (const CornerAndSlot& c : all)
-      if (c.rung == name) return c;
-    throw std::runtime_error("no rung " + name);
+      if (c.contact_model == name) return c;
+    throw std::runtime_error("no contact model " + name);
   };
   EXPECT_GT(of("adapted").corner_over_walls, 1.3);
   for (const char* name : {"original", "clustered", "field"}) {

@@ -89,15 +89,15 @@ def save(figure, out, name):
 
 
 # ------------------------------------------------------------------------------------------------------ experiments 1 and 2
-def rung(data, name):
-    return next(r for r in data if r["rung"] == name)
+def row_of(data, name):
+    return next(r for r in data if r["contact_model"] == name)
 
 
 def draw_circle(data, out):
     figure, axes = plt.subplots(2, 4, figsize=(11, 5.8), sharex="row", sharey="row")
     for row, (key, title) in enumerate((("plane_aligned", "plane along the grid"), ("plane_tilted", "plane tilted by 26.6°"))):
         for axis, name in zip(axes[row], ("original", "adapted", "clustered", "field")):
-            r = rung(data[key], name)
+            r = row_of(data[key], name)
             axis.plot([100 * x for x in r["first"]], [100 * y for y in r["second"]], ".", ms=2, color=COLOUR[name])
             axis.plot(0, 0, "+", color="black", ms=8)
             axis.set_aspect("equal", "box")
@@ -113,7 +113,7 @@ def draw_circle(data, out):
 def draw_cylinder(data, out):
     figure, axes = plt.subplots(4, 1, figsize=(9, 7), sharex=True, sharey=True)
     for axis, name in zip(axes, ("original", "adapted", "clustered", "field")):
-        r = rung(data["cylinder"], name)
+        r = row_of(data["cylinder"], name)
         axis.plot([360 * n / len(r["first"]) for n in range(len(r["first"]))], [100 * x for x in r["first"]], lw=0.8, color=COLOUR[name])
         axis.set_title(f"{name}: RMS {100 * r['rms']:.1f} %", loc="left")
         axis.set_ylabel("across [%]")
@@ -192,8 +192,8 @@ def experiments(page, build, out, quick):
     page.heading("What does not hold: corner and slot")
     page.text("One mean normal over all points is wrong where two walls are touched at once. Sphere of 10 e, 0.5 e deep in a concave corner of two walls, and "
               "between two walls.")
-    page.table(["rung", "corner: force over the sum of both walls alone (1 is right)", "slot: RMS of the net force over one wall's (0 is right)"],
-               [[c["rung"], f"{c['corner_over_walls']:.3f}", f"{c['slot_over_wall']:.3f}"] for c in data["corner_and_slot"]],
+    page.table(["contact model", "corner: force over the sum of both walls alone (1 is right)", "slot: RMS of the net force over one wall's (0 is right)"],
+               [[c["contact_model"], f"{c['corner_over_walls']:.3f}", f"{c['slot_over_wall']:.3f}"] for c in data["corner_and_slot"]],
                "adapted falls back to original in a slot, where the normals cancel")
 
 
@@ -256,7 +256,7 @@ def accuracy(page, build, out, quick):
     if done.returncode != 0:
         return page.fail("voxtouch accuracy", done.stderr[-400:])
     result = json.loads(done.stdout)
-    page.heading("What accuracy costs: every rung of the contact, against the true force")
+    page.heading("What accuracy costs: every contact model, against the true force")
     page.picture("accuracy_cup.svg", "The cup touched at random places with every contact model, voxel size and weight. Truth: the penalty law integrated over the tool's "
                  "triangles, with FCL's distances to the cup's.")
 

@@ -6,13 +6,13 @@
 #include <limits>
 
 #include "core/coupling/running_coupling.hpp"
-#include "core/scene/device_mapping.hpp"
+#include "core/rendering/device_mapping.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
 
 namespace voxtouch::test {
 namespace {
 
-constexpr double kEdge = 2e-3, kPeriod = 1e-3, kMostN = 8.5;
+constexpr double kEdge = 2e-3, kPeriod = 1e-3, kMaxN = 8.5;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
 constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
                                 ContactModelKind::kField};
@@ -38,7 +38,7 @@ std::vector<Pose> broken(const Pose& good) {
 
 /// What the rendering and the coupling node do with a sample, as arithmetic.
 struct Ring {
-  DeviceMapping mapping{DeviceSpec{}};
+  DeviceMapping mapping{WorkspaceMapping{}};
   ContactRenderer& contact;
   RunningCoupling coupling;
   StageResult touch;
@@ -51,7 +51,7 @@ struct Ring {
                                  spec.passivity_damping_limit_ns_per_m = 3;
                                  return spec;
                                }(),
-                               {.max_force_n = kMostN, .max_torque_nm = 0.5}, kPeriod) {}
+                               {.max_force_n = kMaxN, .max_torque_nm = 0.5}, kPeriod) {}
   CouplingOutput sample(const Pose& tip) {
     if (mapping.update(tip, {}, 0).refused)
       ++refused;
@@ -95,13 +95,13 @@ TEST(F7PosesThatAreNone, ForOneToAHundredCyclesLeaveTheForceFiniteWithinItsLimit
           // 1e300 m is a number, but no place.
           refused += !pose.finite() || std::abs(pose.orientation.norm() - 1.0) > 1e-3 || pose.position.norm() > 1e12;
           ASSERT_TRUE(out.wrench.finite());
-          ASSERT_LE(out.wrench.force.norm(), kMostN * (1 + 1e-12));
+          ASSERT_LE(out.wrench.force.norm(), kMaxN * (1 + 1e-12));
         }
         EXPECT_EQ(ring.refused - before, refused);
         for (int n = 0; n < 3; ++n) {
           const CouplingOutput out = ring.sample(good);
           ASSERT_TRUE(out.wrench.finite());
-          ASSERT_LE(out.wrench.force.norm(), kMostN * (1 + 1e-12));
+          ASSERT_LE(out.wrench.force.norm(), kMaxN * (1 + 1e-12));
         }
       }
     EXPECT_LE((rest() - settled).norm(), 0.02 * settled.norm()) << name_of(kind);

@@ -17,7 +17,7 @@ constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::k
                                 ContactModelKind::kField};
 /// [e]; the wall's middle lies askew in its voxel.
 constexpr std::array kWalls = {0.1, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0};
-constexpr double kSwept = contact_limits::kMostSubPoses * contact_limits::kSubStepEdges;  // [e]
+constexpr double kSwept = contact_limits::kMaxSubPoses * contact_limits::kSubStepEdges;  // [e]
 
 double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
@@ -43,7 +43,7 @@ struct Wall {
   double touch_m() const { return 2.5 * kEdge + 0.5 * thick * kEdge; }
 };
 
-/// Whether a model feels a wall at all: rungs 1 and 2 whatever has a surface layer, `clustered` likewise, `field` where
+/// Whether a model feels a wall at all: `original` and `adapted` whatever has a surface layer, `clustered` likewise, `field` where
 /// a voxel's corner lies inside.
 bool felt(const Wall& wall, ContactModelKind kind) {
   return kind != ContactModelKind::kField || (wall.thick >= 1.0 && wall.ground.field.has_inside());
@@ -150,7 +150,7 @@ TEST(FastMotion, AboveTheTopSpeedIsFlaggedAndBelowHalfAVoxelNothingIsWalked) {
     std::uint64_t before = 0;
     for (double z = 30.0; z > -30.0; z -= 3.99) {
       fast.render(wall.at(z * kEdge));
-      EXPECT_LE(fast.sub_poses() - before, contact_limits::kMostSubPoses + 1U);
+      EXPECT_LE(fast.sub_poses() - before, contact_limits::kMaxSubPoses + 1U);
       before = fast.sub_poses();
     }
     EXPECT_GT(before, 0U);

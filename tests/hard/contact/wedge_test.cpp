@@ -77,7 +77,7 @@ TEST(F1NormalsThatCancel, PushNoWayInTheSymmetricPoseAndTurnWithoutAJump) {
         }
         ++fine;
       }
-      const bool steps = m < 2;  // where points cross voxel borders: rungs 1 and 2 only
+      const bool steps = m < 2;  // where points cross voxel borders: `original` and `adapted` only
       std::printf(
           "%-16s %-9s net %.4f of one wall's force %.3g N; largest step over 1e-9 e %.2g, over 1e-3 e %.4f; a turn "
           "%.4f\n",

@@ -25,7 +25,7 @@ void expect_well(const Findings& f) {
 }
 
 TEST(H2BillionSteps, AHeldContactNeitherDriftsNorJumpsWhateverCutoffPeriodsAndClockDo) {
-  FilterAsk ask;
+  FilterRunOptions ask;
   ask.steps = 20'000'000 / kShorter, ask.seed = testing::seed(2);
   SCOPED_TRACE(testing::seed_trace(ask.seed));
   expect_well(run_filter(ask));
@@ -33,7 +33,7 @@ TEST(H2BillionSteps, AHeldContactNeitherDriftsNorJumpsWhateverCutoffPeriodsAndCl
 
 TEST(LongContact, WanderingOverTheCupLeavesNoTraceInWhatHasRun) {
   for (const char* model : {"original", "field"}) {
-    ContactAsk ask;
+    ContactRunOptions ask;
     ask.scene = VOXTOUCH_DEPLOY "/scenes/cup_clustered.yaml", ask.model = model;
     ask.frames = 100'000 / kShorter, ask.seed = testing::seed(3);
     SCOPED_TRACE(testing::seed_trace(ask.seed));
@@ -42,13 +42,13 @@ TEST(LongContact, WanderingOverTheCupLeavesNoTraceInWhatHasRun) {
 }
 
 TEST(F8OrientationDrift, StaysARotationOverAMillionIncrements) {
-  TumbleAsk ask;
+  TumbleRunOptions ask;
   ask.steps = 1'000'000;
   expect_well(run_tumble(ask));
 }
 
 TEST(HostileCommands, NothingNotFiniteOrOverALimitReachesADriver) {
-  CommandAsk ask;
+  CommandRunOptions ask;
   ask.commands = 1'000'000, ask.seed = testing::seed(5);
   SCOPED_TRACE(testing::seed_trace(ask.seed));
   expect_well(run_commands(ask));
@@ -56,7 +56,7 @@ TEST(HostileCommands, NothingNotFiniteOrOverALimitReachesADriver) {
 
 /// VOXTOUCH_TRAP_FRAMES sets how many; `long_runs traps` runs a million.
 TEST(FloatingPointTraps, NoFrameOfRandomContactIsInvalidOverflowsOrDividesByZero) {
-  TrapAsk ask;
+  TrapRunOptions ask;
   const char* frames = std::getenv("VOXTOUCH_TRAP_FRAMES");
   ask.frames = frames ? std::strtoull(frames, nullptr, 10) : 78'000 / std::min<std::uint64_t>(kShorter, 3);
   ask.scenes = VOXTOUCH_DEPLOY "/scenes", ask.seed = testing::seed(4);
@@ -65,7 +65,7 @@ TEST(FloatingPointTraps, NoFrameOfRandomContactIsInvalidOverflowsOrDividesByZero
 }
 
 TEST(FloatingPointTraps, EndTheProcessAndNameTheFrame) {
-  TrapAsk ask;
+  TrapRunOptions ask;
   ask.scenes = VOXTOUCH_DEPLOY "/scenes", ask.frames = 1300, ask.seed = 7, ask.trip_at = 50;
   EXPECT_EXIT(run_traps(ask), ::testing::KilledBySignal(SIGFPE), "division by zero at .*original, frame 50, seed 7");
 }

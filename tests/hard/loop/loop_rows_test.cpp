@@ -11,8 +11,8 @@
 namespace voxtouch::long_runs {
 namespace {
 
-RigAsk asked(const char* scene, const char* motion) {
-  RigAsk ask;
+RigOptions asked(const char* scene, const char* motion) {
+  RigOptions ask;
   ask.scene = std::filesystem::path(VOXTOUCH_DEPLOY) / "scenes" / scene;
   ask.motion = motion;
   return ask;
@@ -67,7 +67,7 @@ Motion gentle_rests() {
 TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLightly) {
   const auto& [model, arm] = GetParam();
   for (const bool friction : {true, false}) {
-    RigAsk ask = asked("cup_clustered.yaml", "");
+    RigOptions ask = asked("cup_clustered.yaml", "");
     ask.path = gentle_rests(), ask.model = model;
     if (arm) ask.device = sim_lwr();
     if (!friction) ask.device.description.coulomb_friction_n = ask.device.coulomb_friction_nm = 0.0;
@@ -100,7 +100,7 @@ TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLig
 
 TEST_P(EncoderResolution, KeepsTheEnergyAboveItsBoundWhileTheToolSlidesOverVoxelBorders) {
   const auto& [model, arm] = GetParam();
-  RigAsk ask = asked("cup_clustered.yaml", "slide");
+  RigOptions ask = asked("cup_clustered.yaml", "slide");
   ask.model = model;
   if (arm) ask.device = sim_lwr();
   LoopRig rig(ask);
@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(
 // --- L1
 
 /// What one step of the encoder, there and back, does to the force through the injected damping: B q/T (1 - e^(-w T)).
-double encoder_step_n(const RigAsk& ask, const CouplingSpec& spec) {
+double encoder_step_n(const RigOptions& ask, const CouplingSpec& spec) {
   const double period_s = 1.0 / ask.device.description.rate_hz, wv = 2.0 * 3.14159265358979 * spec.velocity_filter_hz;
   return 2.0 * spec.injected_damping_ns_per_m * ask.device.description.position_resolution_m / period_s *
          (1.0 - std::exp(-wv * period_s));
@@ -136,7 +136,7 @@ double encoder_step_n(const RigAsk& ask, const CouplingSpec& spec) {
 /// mean of both forces times the way on the hand; a step would do half as much again.
 TEST(L1StiffnessStep, OfASceneThatIsTakenInUnderPressureGivesTheHandWhatTheRampMustAndNoStep) {
   for (const double stiffness_times : {0.03, 0.06}) {  // below the cap, so that the hand meets what the scene shows
-    RigAsk ask = asked("cup_field.yaml", "hit");
+    RigOptions ask = asked("cup_field.yaml", "hit");
     ask.device.description.coulomb_friction_n = 0.0;  // it would hold the tool where it is
     ask.stiffness_times = stiffness_times;
     LoopRig rig(ask);
@@ -209,7 +209,7 @@ TEST(L5Wire, LossDuplicatesAndOvertakingLeaveTheToolAtRestAndTheNewestCommandCou
   SCOPED_TRACE(testing::seed_trace(standard));
   for (const double loss : {0.0, 0.01, 0.03, 0.05})
     for (const bool arm : {false, true}) {
-      RigAsk ask = asked("cup.yaml", "hit");
+      RigOptions ask = asked("cup.yaml", "hit");
       if (arm) ask.device = sim_lwr();
       LoopRig rig(ask);
       Wire wire(loss, standard + (arm ? 100 : 0) + static_cast<std::uint64_t>(1000 * loss));
@@ -253,7 +253,7 @@ enum class Silent { kCommands, kSamples };
 TEST(L5Wire, AHundredMillisecondsOfSilenceFadeTheForceWithinTwentyAndItComesBackWithoutAStep) {
   for (const Silent what : {Silent::kCommands, Silent::kSamples})
     for (const bool arm : {false, true}) {
-      RigAsk ask = asked("cup.yaml", "hit");
+      RigOptions ask = asked("cup.yaml", "hit");
       if (arm) ask.device = sim_lwr();
       LoopRig rig(ask);
       Watch watch;

@@ -33,18 +33,18 @@ class Rest {
   void seen(double amplitude) noexcept { largest_ = std::max(largest_, amplitude); }
   bool covers(double amplitude) {
     if (amplitude <= quiet()) return true;
-    if (asked_ || loop_.resolution <= 0.0 || amplitude > kMostSteps * loop_.resolution) return false;
+    if (asked_ || loop_.resolution <= 0.0 || amplitude > kMaxSteps * loop_.resolution) return false;
     asked_ = true;
     double gain = quantiser_gain(loop_, loop_.contact_stiffness);
     if (loop_.wall == WallLaw::kSoftening || loop_.wall == WallLaw::kHardening)
       gain = std::max(gain, quantiser_gain(loop_, 0.3 * loop_.contact_stiffness));
-    amplitude_ = loop_.resolution * std::clamp(gain, 1.0, kMostSteps);
+    amplitude_ = loop_.resolution * std::clamp(gain, 1.0, kMaxSteps);
     return amplitude <= quiet();
   }
   double quiet() const noexcept { return std::max(amplitude_, 1e-4 * largest_); }
 
  private:
-  static constexpr double kMostSteps = 30.0;
+  static constexpr double kMaxSteps = 30.0;
   const NonlinearLoop& loop_;
   double amplitude_, largest_ = 0.0;
   bool asked_ = false;
@@ -112,7 +112,7 @@ NonlinearVerdict simulate(const NonlinearLoop& loop) {
 }
 
 double quantiser_gain(const NonlinearLoop& loop, double contact_stiffness) {
-  constexpr int kMostSamples = 1'000'000;
+  constexpr int kMaxSamples = 1'000'000;
   NonlinearLoop linear;
   linear.plant = loop.plant;
   linear.controller = loop.controller;
@@ -123,7 +123,7 @@ double quantiser_gain(const NonlinearLoop& loop, double contact_stiffness) {
   LoopRun run(linear);
   run.misread_once(1.0);
   double sum = 0.0;
-  for (int length = 256; length < kMostSamples; length *= 2) {  // the run's length doubles with each block
+  for (int length = 256; length < kMaxSamples; length *= 2) {  // the run's length doubles with each block
     double part = 0.0;
     for (int i = 0; i < length; ++i) run.run(1), part += std::abs(run.position());
     sum += part;

@@ -1,6 +1,6 @@
 #pragma once
 /// Rows as a run would give them.
-#include "nodes/cli/accuracy_report.hpp"
+#include "nodes/cli/accuracy/accuracy_report.hpp"
 
 namespace voxtouch::test {
 

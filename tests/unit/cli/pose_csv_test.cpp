@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "nodes/cli/pose_csv.hpp"
+#include "nodes/cli/probe/pose_csv.hpp"
 
 namespace voxtouch::cli {
 namespace {

@@ -1,5 +1,5 @@
 // When a run is a good one, on figures that are made up: those that were once called good are none.
-#include "nodes/cli/run_limits.hpp"
+#include "nodes/cli/up/run_limits.hpp"
 
 #include <gtest/gtest.h>
 

@@ -21,13 +21,13 @@ const Pointshell& shell() {
   return one;
 }
 
-/// One rung over one voxmap.
-ContactRenderer rung(const Voxmap& voxmap, ContactModelKind kind, PointWeights weights) {
+/// One contact model over one voxmap.
+ContactRenderer model_over(const Voxmap& voxmap, ContactModelKind kind, PointWeights weights) {
   return {voxmap, shell(), kind, {1.0, weights}};
 }
-ContactRenderer clustered(const Voxmap& map) { return rung(map, ContactModelKind::kClustered, PointWeights::kArea); }
-ContactRenderer adapted(const Voxmap& map) { return rung(map, ContactModelKind::kAdapted, PointWeights::kOne); }
-ContactRenderer original(const Voxmap& map) { return rung(map, ContactModelKind::kOriginal, PointWeights::kOne); }
+ContactRenderer clustered(const Voxmap& map) { return model_over(map, ContactModelKind::kClustered, PointWeights::kArea); }
+ContactRenderer adapted(const Voxmap& map) { return model_over(map, ContactModelKind::kAdapted, PointWeights::kOne); }
+ContactRenderer original(const Voxmap& map) { return model_over(map, ContactModelKind::kOriginal, PointWeights::kOne); }
 
 Voxmap voxels(const TriangleMesh& mesh, const Grid& grid) { return voxelise(mesh, grid, serial_for()); }
 
@@ -188,14 +188,14 @@ TEST(ClusteredAccuracy, ASymmetricSlotPushesNoMoreThanOriginalAndWithoutBias) {
   EXPECT_LE(c.sum.norm() / c.one_wall, 0.03) << "what is left has no side";
 }
 
-/// What each ingredient brings: the paper's two rungs with area weights.
+/// What each ingredient brings: the paper's two models with area weights.
 TEST(AreaWeights, TakeNoiseFromTheMeanNormal) {
   std::vector<double> of_original, of_adapted;
   for (const Setting& s : settings()) {
     const Voxmap map = voxels(s.mesh, default_grid(s.mesh, kEdge));
     const auto ratio = [&](ContactModelKind kind) {
-      return measure(rung(map, kind, PointWeights::kArea), s, 24).tangential /
-             measure(rung(map, kind, PointWeights::kOne), s, 24).tangential;
+      return measure(model_over(map, kind, PointWeights::kArea), s, 24).tangential /
+             measure(model_over(map, kind, PointWeights::kOne), s, 24).tangential;
     };
     of_original.push_back(ratio(ContactModelKind::kOriginal));
     of_adapted.push_back(ratio(ContactModelKind::kAdapted));

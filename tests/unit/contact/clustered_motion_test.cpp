@@ -1,4 +1,4 @@
-// `clustered` has no step anywhere: a fine sweep through everything that could switch. The paper's rungs beside it.
+// `clustered` has no step anywhere: a fine sweep through everything that could switch. The paper's models beside it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -96,7 +96,7 @@ TEST(ClusteredMotion, HasNoStepWherePatchesMeetPointsComeAndGoOrVoxelsEnd) {
         way.name, c, finer, o, a);
     EXPECT_LE(c, kStepBound) << way.name;
     EXPECT_LE(finer, 0.2 * c) << way.name << ": a step would stay as large";
-    EXPECT_GT(std::max(o, a), 2 * c) << "the sweep crosses what makes the paper's rungs step";
+    EXPECT_GT(std::max(o, a), 2 * c) << "the sweep crosses what makes the paper's models step";
   }
 }
 

@@ -17,8 +17,8 @@ inline constexpr HandRange kArm{false, true, 0.3, 2.0, 3.0, 30.0, 50.0, 600.0};
 inline constexpr HandRange kWrist{false, true, 0.003, 0.03, 0.1, 1.0, 1.0, 20.0};
 
 /// A stylus with hardly any damping, as in the published table: 1 ms of period and delay, two samples lost in a row.
-inline DesignRequest stylus() {
-  DesignRequest r;
+inline DesignProblem stylus() {
+  DesignProblem r;
   r.device.name = "stylus";
   AxisModel& t = r.device.translation;
   t.inertia_min = 0.05, t.inertia_max = 0.1, t.damping = 0.005;
@@ -31,8 +31,8 @@ inline DesignRequest stylus() {
 }
 
 /// A robot arm as a hand controller, as in the published table: 2 ms of delay, 3 ms of lag, 200 N.
-inline DesignRequest robot(double mass_min, double mass_max, double damping) {
-  DesignRequest r;
+inline DesignProblem robot(double mass_min, double mass_max, double damping) {
+  DesignProblem r;
   r.device.name = "robot";
   AxisModel& t = r.device.translation;
   t.inertia_min = mass_min, t.inertia_max = mass_max, t.damping = damping;
@@ -46,8 +46,8 @@ inline DesignRequest robot(double mass_min, double mass_max, double damping) {
 }
 
 /// The figures that the simulated stylus tells about itself.
-inline DesignRequest sim_stylus() {
-  DesignRequest r = stylus();
+inline DesignProblem sim_stylus() {
+  DesignProblem r = stylus();
   r.device.name = "sim-phantom";
   r.device.translation.inertia_min = 0.035, r.device.translation.inertia_max = 0.08;
   r.device.translation.max_stiffness = 800.0;
@@ -57,8 +57,8 @@ inline DesignRequest sim_stylus() {
 }
 
 /// The figures that the simulated arm tells about itself, with its torque.
-inline DesignRequest sim_arm() {
-  DesignRequest r = robot(3.0, 6.0, 30.0);
+inline DesignProblem sim_arm() {
+  DesignProblem r = robot(3.0, 6.0, 30.0);
   r.device.name = "sim-lwr";
   r.device.gives_torque = true;
   r.device.translation.max_effort = 150.0, r.device.translation.max_stiffness = 5000.0;
@@ -74,9 +74,9 @@ inline DesignRequest sim_arm() {
 }
 
 /// Any device of the population of the published validation, any hand, any wish.
-inline DesignRequest random_request(Random& random) {
+inline DesignProblem random_request(Random& random) {
   const bool light = random.chance(0.5);
-  DesignRequest r = light ? stylus() : robot(2.0, 5.0, 20.0);
+  DesignProblem r = light ? stylus() : robot(2.0, 5.0, 20.0);
   AxisModel& t = r.device.translation;
   t.inertia_min = light ? random.log(0.03, 0.15) : random.log(1.6, 10.0);
   t.inertia_max = t.inertia_min * random.uniform(1.0, 2.5);
@@ -96,7 +96,7 @@ inline DesignRequest random_request(Random& random) {
   return r;
 }
 
-inline LoopController law_of_translation(const DesignRequest& r, const CouplingSpec& spec) {
+inline LoopController law_of_translation(const DesignProblem& r, const CouplingSpec& spec) {
   return voxtouch::controller_of(spec, axis_problems(r)[0], arm_squared(r));
 }
 

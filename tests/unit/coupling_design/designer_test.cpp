@@ -28,14 +28,14 @@ struct Timed {
   Design design;
   double milliseconds = 0.0;
 };
-Timed timed(const DesignRequest& request) {
+Timed timed(const DesignProblem& request) {
   const auto begin = std::chrono::steady_clock::now();
   Timed out{design_coupling(request), 0.0};
   out.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }
 
-void print(const DesignRequest& r, const Timed& t) {
+void print(const DesignProblem& r, const Timed& t) {
   const Design& d = t.design;
   std::printf(
       "%s: %s, %s, %.3g Hz, d %.3g, K %.3g, c %.4g N/m, r %.3g Ns/m, cap %.4g N/m %.4g Nm/rad, B %.3g Ns/m %.3g "
@@ -59,9 +59,9 @@ void print(const DesignRequest& r, const Timed& t) {
   for (const std::string& s : d.remedies) std::printf("  + %s\n", s.c_str());
 }
 
-inline Design designed(const DesignRequest& request) { return design_coupling(request); }
+inline Design designed(const DesignProblem& request) { return design_coupling(request); }
 
-double margin_of(const DesignRequest& r, double cutoff_hz, double ratio, double damping, double filter_hz,
+double margin_of(const DesignProblem& r, double cutoff_hz, double ratio, double damping, double filter_hz,
                  double stiffness) {
   CouplingSpec spec;
   spec.cutoff_hz = cutoff_hz, spec.damping_ratio = ratio, spec.injected_damping_ns_per_m = damping;
@@ -72,7 +72,7 @@ double margin_of(const DesignRequest& r, double cutoff_hz, double ratio, double 
 // --- The published examples. Their mass range is not given; 0.05 to 0.1 kg is used here.
 
 TEST(PublishedExample, AFreeStylusWithoutInjectedDampingIsInfeasible) {
-  DesignRequest r = stylus();
+  DesignProblem r = stylus();
   r.wishes.allow_injected_damping = false;
   const Design d = designed(r);
   EXPECT_EQ(d.status, DesignStatus::kInfeasible);
@@ -85,7 +85,7 @@ TEST(PublishedExample, AFreeStylusWithoutInjectedDampingIsInfeasible) {
 }
 
 TEST(PublishedExample, AFreeStylusWithInjectedDampingShowsPart) {
-  const DesignRequest r = stylus();
+  const DesignProblem r = stylus();
   const Design d = designed(r);
   EXPECT_EQ(d.status, DesignStatus::kStiffnessReduced);
   EXPECT_EQ(d.spec.cutoff_hz, 60.0);
@@ -97,7 +97,7 @@ TEST(PublishedExample, AFreeStylusWithInjectedDampingShowsPart) {
 }
 
 TEST(PublishedExample, AFirmlyHeldStylusShowsPartWithoutDamping) {
-  DesignRequest r = stylus();
+  DesignProblem r = stylus();
   r.hand.translation = kFirmPen;
   r.wishes.allow_injected_damping = false;
   const Design d = designed(r);
@@ -115,7 +115,7 @@ TEST(PublishedExample, ADampedRobotNeedsOnlyMoreBandwidth) {
 }
 
 TEST(PublishedExample, ASoftWallIsShownAsRequested) {
-  DesignRequest r = robot(2.0, 5.0, 50.0);
+  DesignProblem r = robot(2.0, 5.0, 50.0);
   r.contact.all_points = 400.0;
   const Design d = designed(r);
   EXPECT_EQ(d.status, DesignStatus::kAsRequested);
@@ -170,7 +170,7 @@ TEST(Design, IsStableBetweenTheCasesThatItLookedAt) {
   std::map<std::string, int> statuses;
   int loops = 0;
   for (int i = 0; i < 80; ++i) {
-    const DesignRequest r = random_request(random);
+    const DesignProblem r = random_request(random);
     const Timed t = timed(r);
     ++statuses[std::string(name_of(t.design.status)) + " " + t.design.spec.kind];
     if (t.design.translation.shown_stiffness == 0.0) continue;
@@ -197,7 +197,7 @@ TEST(Design, InjectsNoMoreThanTheInnerLoopAndTheNoiseAllow) {
   Random random(41);
   int damped = 0;
   for (int i = 0; i < 60; ++i) {
-    const DesignRequest r = random_request(random);
+    const DesignProblem r = random_request(random);
     const Design d = designed(r);
     const double b = d.spec.injected_damping_ns_per_m, w = 2.0 * std::numbers::pi * d.spec.velocity_filter_hz;
     if (b == 0.0) continue;
@@ -216,7 +216,7 @@ TEST(Design, InjectsNoMoreThanTheInnerLoopAndTheNoiseAllow) {
 TEST(Design, OfForceAndTorqueIsStableBetweenTheCases) {
   Random random(7);
   for (const char* kind : {"shaping_filter", "direct", "spring_damper"}) {
-    DesignRequest r = sim_arm();
+    DesignProblem r = sim_arm();
     r.wishes.kind = kind;
     const Design d = designed(r);
     const std::vector<AxisProblem> problems = axis_problems(r);
@@ -237,7 +237,7 @@ TEST(Design, IsJudgedToHoldByTheJudge) {
   Random random(99);
   int held = 0;
   for (int i = 0; i < 40; ++i) {
-    const DesignRequest r = random_request(random);
+    const DesignProblem r = random_request(random);
     const Design d = designed(r);
     if (d.status == DesignStatus::kInfeasible) continue;
     const Design judged = judge_coupling(r, d.spec);
@@ -250,7 +250,7 @@ TEST(Design, IsJudgedToHoldByTheJudge) {
 }
 
 TEST(Design, ReportsTheMarginThatItHas) {
-  for (const DesignRequest& r : {stylus(), robot(2.0, 5.0, 50.0), robot(2.0, 10.0, 10.0)}) {
+  for (const DesignProblem& r : {stylus(), robot(2.0, 5.0, 50.0), robot(2.0, 10.0, 10.0)}) {
     const Design d = designed(r);
     const LoopController law = law_of_translation(r, d.spec);
     EXPECT_NEAR(d.translation.gain_margin, d.translation.critical_stiffness / d.translation.shown_stiffness, 1e-9);
@@ -262,7 +262,7 @@ TEST(Design, ReportsTheMarginThatItHas) {
 }
 
 TEST(Judge, RefusesWhatTheMarginDoesNotCover) {
-  const DesignRequest r = stylus();
+  const DesignProblem r = stylus();
   CouplingSpec spec = designed(r).spec;
   spec.gain *= 1.05;
   const Design judged = judge_coupling(r, spec);
@@ -273,7 +273,7 @@ TEST(Judge, RefusesWhatTheMarginDoesNotCover) {
 }
 
 TEST(Judge, HoldsAnyPassiveHandAgainstRuleP) {
-  DesignRequest r = robot(2.0, 5.0, 50.0);
+  DesignProblem r = robot(2.0, 5.0, 50.0);
   r.hand.translation.any_passive = true;
   CouplingSpec spec = designed(r).spec;
   EXPECT_EQ(judge_coupling(r, spec).status, DesignStatus::kAsRequested);
@@ -292,7 +292,7 @@ TEST(Judge, RefusesThePapersFilterOnAFreeStylus) {
 }
 
 TEST(Judge, RefusesDampingThatIsTooStrongOrTooNoisy) {
-  DesignRequest r = stylus();
+  DesignProblem r = stylus();
   CouplingSpec spec = designed(r).spec;
   spec.injected_damping_ns_per_m *= 1.2, spec.gain *= 0.5;
   const Design noisy = judge_coupling(r, spec);
@@ -306,7 +306,7 @@ TEST(Judge, RefusesDampingThatIsTooStrongOrTooNoisy) {
 }
 
 TEST(Judge, RefusesMoreThanTheDeviceCanShow) {
-  DesignRequest r = robot(2.0, 5.0, 50.0);
+  DesignProblem r = robot(2.0, 5.0, 50.0);
   r.contact.all_points = 400.0, r.device.translation.max_stiffness = 300.0;
   CouplingSpec spec;
   spec.cutoff_hz = 5.0;
@@ -327,7 +327,7 @@ TEST(Judge, RefusesTheWordAndTheNumberThatAreNone) {
 // --- Rule P.
 
 TEST(AnyPassiveHand, GetsNoInjectedDampingAndRuleP) {
-  DesignRequest r = robot(2.0, 5.0, 50.0);
+  DesignProblem r = robot(2.0, 5.0, 50.0);
   r.hand.translation.any_passive = true;
   const Design d = designed(r);
   EXPECT_EQ(d.spec.injected_damping_ns_per_m, 0.0);
@@ -341,7 +341,7 @@ TEST(AnyPassiveHand, GetsNoInjectedDampingAndRuleP) {
 }
 
 TEST(AnyPassiveHand, IsMetByTheDampingThatTheDesignAsksFor) {
-  DesignRequest r = stylus();
+  DesignProblem r = stylus();
   r.hand.translation.any_passive = true;
   const AxisDesign now = designed(r).translation;
   r.device.translation.damping = 1.001 * now.damping_required;
@@ -364,7 +364,7 @@ TEST(AnyPassiveHand, IsNeverCalledSafeBecauseOfInjectedDamping) {
 // --- Force and torque.
 
 TEST(ForceAndTorque, ShareOneFilterAndGetTwoDampings) {
-  const DesignRequest r = sim_arm();
+  const DesignProblem r = sim_arm();
   const Design d = designed(r);
   EXPECT_NE(d.status, DesignStatus::kInfeasible);
   EXPECT_GE(d.translation.gain_margin, 2.0);
@@ -376,7 +376,7 @@ TEST(ForceAndTorque, ShareOneFilterAndGetTwoDampings) {
 }
 
 TEST(ForceAndTorque, TheWeakerAxisSetsTheGain) {
-  DesignRequest r = sim_arm();
+  DesignProblem r = sim_arm();
   r.wishes.allow_injected_damping = false;
   r.device.rotation.damping = 0.02;
   const Design d = designed(r);
@@ -389,7 +389,7 @@ TEST(ForceAndTorque, TheWeakerAxisSetsTheGain) {
 }
 
 TEST(ForceAndTorque, WithoutCapsTogetherMayBeTwiceAsStiff) {
-  const DesignRequest r = sim_arm();
+  const DesignProblem r = sim_arm();
   CouplingSpec spec = designed(r).spec;
   const Design capped = judge_coupling(r, spec);
   spec.stiffness_cap_n_per_m = spec.stiffness_cap_nm_per_rad = kInfinity;
@@ -406,7 +406,7 @@ TEST(ForceAndTorque, WithoutCapsTogetherMayBeTwiceAsStiff) {
 }
 
 TEST(ForceAndTorque, RotationOfADeviceWithoutTorqueIsNotLookedAt) {
-  DesignRequest r = stylus();
+  DesignProblem r = stylus();
   r.device.rotation.damping = std::nan("");
   r.contact_rotation = {-1.0, -1.0};
   const Design d = designed(r);
@@ -418,7 +418,7 @@ TEST(ForceAndTorque, RotationOfADeviceWithoutTorqueIsNotLookedAt) {
 // --- Caps, gains, limits.
 
 TEST(FreeCap, KeepsEachPointsOwnStiffness) {
-  DesignRequest r = stylus();
+  DesignProblem r = stylus();
   const Design scaled = designed(r);
   r.wishes.free_cap = true;
   const Design capped = designed(r);
@@ -432,7 +432,7 @@ TEST(FreeCap, KeepsEachPointsOwnStiffness) {
 }
 
 TEST(FreeCap, IsWhatADirectCouplingNeeds) {
-  DesignRequest r = stylus();
+  DesignProblem r = stylus();
   r.wishes.kind = "direct";
   const Design refused = designed(r);
   EXPECT_EQ(refused.status, DesignStatus::kInfeasible);
@@ -444,7 +444,7 @@ TEST(FreeCap, IsWhatADirectCouplingNeeds) {
 }
 
 TEST(Design, NeverShowsMoreThanTheDeviceCan) {
-  DesignRequest r = robot(2.0, 5.0, 50.0);
+  DesignProblem r = robot(2.0, 5.0, 50.0);
   r.device.translation.max_stiffness = 300.0;
   for (const char* kind : {"shaping_filter", "direct", "spring_damper", "auto"})
     for (const bool cap : {false, true}) {
@@ -459,7 +459,7 @@ TEST(Design, NeverShowsMoreThanTheDeviceCan) {
 }
 
 TEST(Design, LeavesThePassivityControllerHalfOfWhatTheLoopBears) {
-  const DesignRequest r = sim_arm();
+  const DesignProblem r = sim_arm();
   const Design d = designed(r);
   const std::vector<AxisProblem> problems = axis_problems(r);
   EXPECT_NEAR(d.spec.passivity_damping_limit_ns_per_m + d.spec.injected_damping_ns_per_m,
@@ -470,7 +470,7 @@ TEST(Design, LeavesThePassivityControllerHalfOfWhatTheLoopBears) {
 }
 
 TEST(Design, SaysHowFastOneMayApproach) {
-  DesignRequest r = robot(2.0, 5.0, 50.0);
+  DesignProblem r = robot(2.0, 5.0, 50.0);
   EXPECT_EQ(designed(r).max_approach_m_per_s, 0.0);
   r.wishes.force_layer_depth_m = 0.004;
   const Design d = designed(r);
@@ -490,7 +490,7 @@ TEST(Design, SaysHowFastOneMayApproach) {
 // --- Limit cycles.
 
 TEST(LimitCycle, IsRemovedByFrictionOnly) {
-  DesignRequest r = robot(2.0, 5.0, 50.0);
+  DesignProblem r = robot(2.0, 5.0, 50.0);
   EXPECT_EQ(designed(r).translation.limit_cycle_bound, 0.0);
   r.device.translation.coulomb_friction = 0.0;
   const double bound = designed(r).translation.limit_cycle_bound;
@@ -528,7 +528,7 @@ TEST(LimitCycle, TheNormIsReachedByTheWorstErrors) {
 // --- The other kinds, and auto.
 
 TEST(SpringDamper, ForAnyPassiveHandIsTheDiscreteLlewellynOptimum) {
-  DesignRequest r = robot(2.0, 5.0, 50.0);
+  DesignProblem r = robot(2.0, 5.0, 50.0);
   r.wishes.kind = "spring_damper";
   r.hand.translation.any_passive = true;
   const Design d = designed(r);
@@ -546,7 +546,7 @@ TEST(SpringDamper, ForAnyPassiveHandIsTheDiscreteLlewellynOptimum) {
 }
 
 TEST(SpringDamper, HoldsForContactsOfEveryStiffness) {
-  for (DesignRequest r : {robot(2.0, 5.0, 50.0), stylus()}) {
+  for (DesignProblem r : {robot(2.0, 5.0, 50.0), stylus()}) {
     r.wishes.kind = "spring_damper";
     const Design d = designed(r);
     LoopController law = law_of_translation(r, d.spec);
@@ -558,7 +558,7 @@ TEST(SpringDamper, HoldsForContactsOfEveryStiffness) {
 }
 
 TEST(SpringDamper, OfForceAndTorqueDrawsOnBothDampings) {
-  DesignRequest r = sim_arm();
+  DesignProblem r = sim_arm();
   r.wishes.kind = "spring_damper";
   r.hand.translation.any_passive = r.hand.rotation.any_passive = true;
   const Design d = designed(r);
@@ -570,7 +570,7 @@ TEST(SpringDamper, OfForceAndTorqueDrawsOnBothDampings) {
 }
 
 TEST(Auto, KeepsTheFilterUnlessAnotherShowsHalfAsMuchAgain) {
-  DesignRequest r = robot(2.0, 5.0, 50.0);
+  DesignProblem r = robot(2.0, 5.0, 50.0);
   r.wishes.kind = "auto";
   EXPECT_EQ(designed(r).spec.kind, "shaping_filter");
   r.contact.all_points = 400.0;
@@ -599,7 +599,7 @@ TEST(Design, MoreDampingLessDelayAndALowerWishNeverCostMuch) {
     for (const bool light : {true, false}) {
       double before = 0.0;
       for (double b = light ? 0.01 : 5.0; b < (light ? 20.0 : 100.0); b *= 2.0) {
-        DesignRequest r = light ? stylus() : robot(2.0, 5.0, 1.0);
+        DesignProblem r = light ? stylus() : robot(2.0, 5.0, 1.0);
         r.device.translation.damping = b, r.wishes.kind = kind, r.wishes.free_cap = true;
         const double shown = designed(r).translation.shown_stiffness;
         EXPECT_GE(shown, kGrid * before) << kind << " damping " << b;
@@ -607,7 +607,7 @@ TEST(Design, MoreDampingLessDelayAndALowerWishNeverCostMuch) {
       }
       before = 0.0;
       for (double delay = 6e-3; delay >= 0.0; delay -= 1.5e-3) {
-        DesignRequest r = light ? stylus() : robot(2.0, 5.0, 10.0);
+        DesignProblem r = light ? stylus() : robot(2.0, 5.0, 10.0);
         r.device.timing.delay_s = delay, r.wishes.kind = kind, r.wishes.free_cap = true;
         const double shown = designed(r).translation.shown_stiffness;
         EXPECT_GE(shown, kGrid * before) << kind << " delay " << delay;
@@ -615,7 +615,7 @@ TEST(Design, MoreDampingLessDelayAndALowerWishNeverCostMuch) {
       }
       before = 0.0;
       for (double wish = 4000.0; wish > 20.0; wish /= 2.0) {
-        DesignRequest r = light ? stylus() : robot(2.0, 5.0, 10.0);
+        DesignProblem r = light ? stylus() : robot(2.0, 5.0, 10.0);
         r.contact = {wish / 20.0, wish}, r.wishes.kind = kind, r.wishes.free_cap = true;
         const AxisDesign d = designed(r).translation;
         EXPECT_GE(d.shown_stiffness / d.wanted_stiffness, kGrid * before) << kind << " wish " << wish;
@@ -636,7 +636,7 @@ TEST(Design, ReachesEveryStatusWord) {
 TEST(Design, SaysWhatLimitsAndWhatItWouldTake) {
   Random random(11);
   for (int i = 0; i < 40; ++i) {
-    const DesignRequest r = random_request(random);
+    const DesignProblem r = random_request(random);
     const Design d = designed(r);
     if (d.status == DesignStatus::kAsRequested) {
       EXPECT_TRUE(d.remedies.empty());
@@ -650,7 +650,7 @@ TEST(Design, SaysWhatLimitsAndWhatItWouldTake) {
 }
 
 TEST(Design, WhatTheCapRemedySaysIsTrue) {
-  DesignRequest r = stylus();
+  DesignProblem r = stylus();
   const Design d = designed(r);
   r.contact.all_points = 0.999 * d.translation.shown_stiffness;
   const Design again = designed(r);
@@ -659,7 +659,7 @@ TEST(Design, WhatTheCapRemedySaysIsTrue) {
 }
 
 TEST(Design, GivesTheSameBitsAgain) {
-  for (const DesignRequest& r : {stylus(), sim_stylus(), sim_arm()}) {
+  for (const DesignProblem& r : {stylus(), sim_stylus(), sim_arm()}) {
     const Design a = designed(r), b = designed(r);
     const auto bits = [](double x) {
       std::uint64_t u;
@@ -677,7 +677,7 @@ TEST(Design, GivesTheSameBitsAgain) {
 }
 
 TEST(Design, OfTheSimulatedDevicesIsQuickAndHolds) {
-  for (DesignRequest r : {sim_stylus(), sim_arm()})
+  for (DesignProblem r : {sim_stylus(), sim_arm()})
     for (const char* kind : {"shaping_filter", "spring_damper", "direct", "auto"})
       for (const bool cap : {false, true}) {
         r.wishes.kind = kind, r.wishes.free_cap = cap;
@@ -689,7 +689,7 @@ TEST(Design, OfTheSimulatedDevicesIsQuickAndHolds) {
 
 // --- What cannot be designed for.
 
-void refused(DesignRequest r, const char* word, void (*spoil)(DesignRequest&)) {
+void refused(DesignProblem r, const char* word, void (*spoil)(DesignProblem&)) {
   spoil(r);
   try {
     design_coupling(r);
@@ -700,29 +700,29 @@ void refused(DesignRequest r, const char* word, void (*spoil)(DesignRequest&)) {
 }
 
 TEST(Design, RefusesNumbersThatNothingCanBeDesignedFor) {
-  refused(stylus(), "damping", [](DesignRequest& r) { r.device.translation.damping = -1.0; });
-  refused(stylus(), "inertia_min", [](DesignRequest& r) { r.device.translation.inertia_min = std::nan(""); });
-  refused(stylus(), "period_s", [](DesignRequest& r) { r.device.timing.period_s = 0.0; });
-  refused(stylus(), "mass_max", [](DesignRequest& r) { r.hand.translation.mass_max = 0.0; });
-  refused(stylus(), "contact.all_points", [](DesignRequest& r) { r.contact.all_points = kInfinity; });
-  refused(stylus(), "contact.one_point", [](DesignRequest& r) { r.contact.one_point = 2000.0; });
-  refused(stylus(), "contact.one_point", [](DesignRequest& r) { r.contact.one_point = 1e-180; });
-  refused(stylus(), "contact.all_points", [](DesignRequest& r) { r.contact.all_points = 1e180; });
-  refused(sim_arm(), "contact_rotation", [](DesignRequest& r) { r.contact_rotation = {}; });
-  refused(sim_arm(), "rotation", [](DesignRequest& r) { r.device.rotation.inertia_min = 0.0; });
-  refused(sim_arm(), "rotation", [](DesignRequest& r) { r.hand.rotation.damping_min = -1.0; });
-  refused(stylus(), "rubber", [](DesignRequest& r) { r.wishes.kind = "rubber"; });
-  refused(stylus(), "gain_margin", [](DesignRequest& r) { r.wishes.gain_margin = 0.9; });
-  refused(stylus(), "cutoff_hz", [](DesignRequest& r) { r.wishes.cutoff_hz = 0.0; });
-  refused(stylus(), "max_cutoff_hz", [](DesignRequest& r) { r.wishes.cutoff_hz = 300.0; });
-  refused(stylus(), "rate", [](DesignRequest& r) { r.wishes.cutoff_hz = 600.0, r.wishes.max_cutoff_hz = 1000.0; });
-  refused(stylus(), "force_layer_depth_m", [](DesignRequest& r) { r.wishes.force_layer_depth_m = std::nan(""); });
+  refused(stylus(), "damping", [](DesignProblem& r) { r.device.translation.damping = -1.0; });
+  refused(stylus(), "inertia_min", [](DesignProblem& r) { r.device.translation.inertia_min = std::nan(""); });
+  refused(stylus(), "period_s", [](DesignProblem& r) { r.device.timing.period_s = 0.0; });
+  refused(stylus(), "mass_max", [](DesignProblem& r) { r.hand.translation.mass_max = 0.0; });
+  refused(stylus(), "contact.all_points", [](DesignProblem& r) { r.contact.all_points = kInfinity; });
+  refused(stylus(), "contact.one_point", [](DesignProblem& r) { r.contact.one_point = 2000.0; });
+  refused(stylus(), "contact.one_point", [](DesignProblem& r) { r.contact.one_point = 1e-180; });
+  refused(stylus(), "contact.all_points", [](DesignProblem& r) { r.contact.all_points = 1e180; });
+  refused(sim_arm(), "contact_rotation", [](DesignProblem& r) { r.contact_rotation = {}; });
+  refused(sim_arm(), "rotation", [](DesignProblem& r) { r.device.rotation.inertia_min = 0.0; });
+  refused(sim_arm(), "rotation", [](DesignProblem& r) { r.hand.rotation.damping_min = -1.0; });
+  refused(stylus(), "rubber", [](DesignProblem& r) { r.wishes.kind = "rubber"; });
+  refused(stylus(), "gain_margin", [](DesignProblem& r) { r.wishes.gain_margin = 0.9; });
+  refused(stylus(), "cutoff_hz", [](DesignProblem& r) { r.wishes.cutoff_hz = 0.0; });
+  refused(stylus(), "max_cutoff_hz", [](DesignProblem& r) { r.wishes.cutoff_hz = 300.0; });
+  refused(stylus(), "rate", [](DesignProblem& r) { r.wishes.cutoff_hz = 600.0, r.wishes.max_cutoff_hz = 1000.0; });
+  refused(stylus(), "force_layer_depth_m", [](DesignProblem& r) { r.wishes.force_layer_depth_m = std::nan(""); });
 }
 
 TEST(Design, OfADeviceWithoutAnyDampingThatMayBeReleasedIsInfeasibleNotANumber) {
   for (const char* kind : {"shaping_filter", "spring_damper", "direct", "auto"})
     for (const bool cap : {false, true}) {
-      DesignRequest r = stylus();
+      DesignProblem r = stylus();
       r.device.translation.damping = 0.0;
       r.wishes.allow_injected_damping = false, r.wishes.kind = kind, r.wishes.free_cap = cap;
       const Design d = designed(r);
@@ -739,7 +739,7 @@ TEST(LoopTable, IsWithinAPercentOfTheExactLimit) {
   Random random(5);
   double worst = 0.0;
   for (int i = 0; i < 60; ++i) {
-    const DesignRequest r = random_request(random);
+    const DesignProblem r = random_request(random);
     const std::vector<DesignCase> cases = axis_problems(r)[0].cases;
     LoopController law = random_filter(random);
     if (law.damping_ratio < 0.5) law.damping_ratio = 0.577;

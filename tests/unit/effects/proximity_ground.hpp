@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/scene/proximity_field.hpp"
+#include "core/rendering/proximity_field.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "effect_check.hpp"
 #include "tests/unit/contact/field_scenes.hpp"

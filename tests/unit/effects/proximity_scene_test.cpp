@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/scene/build.hpp"
+#include "core/rendering/build.hpp"
 #include "tests/unit/scene/scene_fixture.hpp"
 
 namespace voxtouch {

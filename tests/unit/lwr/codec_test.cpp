@@ -105,10 +105,10 @@ TEST(FriCodec, RefusesACommandWithAnyNumberThatIsNone) {
 
 TEST(FriCodec, TurnsTheRotationsRoundBetweenWireAndHouse) {
   const CartVector wire = {1, 2, 3, 40, 50, 60};  // x y z, about z, y, x
-  Vec6 house;
-  house << 1, 2, 3, 60, 50, 40;
-  EXPECT_EQ(from_wire(wire), house);
-  EXPECT_EQ(to_wire(house), wire);
+  Vec6 ours;
+  ours << 1, 2, 3, 60, 50, 40;
+  EXPECT_EQ(from_wire(wire), ours);
+  EXPECT_EQ(to_wire(ours), wire);
   LwrJacobian jacobian;
   for (int row = 0; row < 6; ++row)
     for (int col = 0; col < 7; ++col) jacobian(row, col) = 10 * row + col;

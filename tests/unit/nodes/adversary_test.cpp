@@ -50,7 +50,7 @@ struct Node {
 class Attacked : public testing::Test {
  protected:
   Attacked()
-      : roster(listener, rig), contacts(listener, qos::kContactState, rig, stream()),
+      : registry(listener, rig), contacts(listener, qos::kContactState, rig, stream()),
         commands(listener, qos::kForceCommand, rig, stream()), states(listener, qos::kDeviceState, rig, stream()),
         rendering(options<rendering::Options>(), rendering::run), coupling(options<coupling::Options>(), coupling::run) {}
   static const qos::Profile& stream() { return qos::profile(qos::ProfileId::kStream); }
@@ -67,7 +67,7 @@ class Attacked : public testing::Test {
   }
   /// Listens to the ring's own nodes alone.
   void look() {
-    roster.update();
+    registry.update();
     follow("rendering", contacts);
     follow("coupling", commands);
     follow("device", states);
@@ -85,14 +85,14 @@ class Attacked : public testing::Test {
   template <class Reader>
   void follow(const std::string& role, Reader& reader) {
     if (reader.writer() != 0) return;
-    for (const auto& report : roster.reports())
+    for (const auto& report : registry.reports())
       if (report.node == role && report.pid == static_cast<std::uint32_t>(getpid())) reader.following().follow(report.participant);
   }
   bool sees(const std::function<bool()>& holds, milliseconds patience = std::chrono::seconds(15)) {
     return wait_until([&] { return look(), holds(); }, patience);
   }
   const runtime::NodeReport* report_of(const std::string& role) {
-    for (const auto& report : roster.reports())
+    for (const auto& report : registry.reports())
       if (report.node == role && report.host != "elsewhere") return &(last_report = report);
     return nullptr;
   }
@@ -147,7 +147,7 @@ class Attacked : public testing::Test {
 
   const std::string rig = own_rig("a"), scene = pressing_scene();
   bus::Participant listener{{kDomain, "lo", "listener"}};
-  runtime::Roster roster;
+  runtime::NodeRegistry registry;
   bus::FollowedReader<msg::ContactState> contacts;
   bus::FollowedReader<msg::ForceCommand> commands;
   bus::FollowedReader<msg::DeviceState> states;
@@ -212,7 +212,7 @@ TEST_F(Attacked, ByForeignSamplesTheRingFeelsNoneOfThemAndNamesWhoSendsThem) {
   attack("statuses of its own", [&](Adversary& a) {
     a.claim("device", session), a.claim("rendering", session), a.claim("coupling", session);
   }, "");
-  const auto real = roster.reports();
+  const auto real = registry.reports();
   attack("statuses in the others' names", [&](Adversary& a) {
     for (const auto& report : real) a.claim(report.node, report.session_id + 1, msg::node_status::kStateFailed, report.participant);
   }, "");
@@ -271,16 +271,16 @@ TEST(LockstepAttacked, ByOneWhoCallsHimselfAsItsNodesAndFallsSilentTheRunGoesOn)
   Node<coupling::Options> coupling(in_lockstep(coupling::Options()), coupling::run);
   Node<device::Options> device(of_device, device::run);
   bus::Participant listener{{kDomain, "lo", "listener"}};
-  runtime::Roster roster(listener, rig);
+  runtime::NodeRegistry registry(listener, rig);
   const auto samples = [&] {
-    roster.update();
-    for (const auto& report : roster.reports())
+    registry.update();
+    for (const auto& report : registry.reports())
       if (report.node == "device" && report.figures.contains("samples")) return report.figures.at("samples").value;
     return 0.0;
   };
   ASSERT_TRUE(wait_until([&] { return samples() > 100.0; }));
   std::uint64_t session = 0;
-  for (const auto& report : roster.reports()) session = std::max(session, report.session_id);
+  for (const auto& report : registry.reports()) session = std::max(session, report.session_id);
   std::vector<std::unique_ptr<Adversary>> silent;
   for (const char* name : {"rendering", "coupling"}) {
     silent.push_back(std::make_unique<Adversary>(kDomain, rig, qos::TimeMode::kLockstep));

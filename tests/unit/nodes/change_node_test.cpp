@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "core/scene/scene_file.hpp"
-#include "nodes/rendering/change_desk.hpp"
+#include "nodes/rendering/scene_update_server.hpp"
 #include "nodes/runtime/convert.hpp"
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/strings.hpp"
 #include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
@@ -120,7 +120,7 @@ const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
 class RenderingLive : public testing::Test {
  protected:
   RenderingLive()
-      : rig(own_rig("x")), device(kDomain, "device", rig), participant(device.participant), roster(participant, rig),
+      : rig(own_rig("x")), device(kDomain, "device", rig), participant(device.participant), registry(participant, rig),
         descriptions(participant, qos::kDeviceDescription, rig, latched()),
         plans(participant, qos::kScenePlan, rig, latched()),
         states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)),
@@ -183,8 +183,8 @@ class RenderingLive : public testing::Test {
     return asker.last_word(asker.send(m, effect, parameter, contact_model), [this] { sample(); });
   }
   runtime::NodeReport report() {
-    roster.update();
-    return roster.find("rendering").value_or(runtime::NodeReport{});
+    registry.update();
+    return registry.find("rendering").value_or(runtime::NodeReport{});
   }
   /// Samples go on until the node says so of itself.
   bool says(const std::string& text) {
@@ -204,7 +204,7 @@ class RenderingLive : public testing::Test {
   std::string rig;
   StandIn device;
   const bus::Participant& participant;
-  runtime::Roster roster;
+  runtime::NodeRegistry registry;
   bus::Writer<msg::DeviceDescription> descriptions;
   bus::Reader<msg::ScenePlan> plans;
   bus::Writer<msg::DeviceState> states;
@@ -518,7 +518,7 @@ TEST_F(RenderingLive, StopsWhileASceneIsBeingBuilt) {
   EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(10));
 }
 
-// --- the desk alone: an effect whose stiffness changes with its parameter
+// --- the update server alone: an effect whose stiffness changes with its parameter
 
 constexpr std::array kSpringParameters = {
     EffectParameter{.name = "stiffness_n_per_m", .high = 1000.0, .standard = {{100.0, 0.0, 0.0}}}};
@@ -553,22 +553,22 @@ DeviceModel stylus() {
   return model;
 }
 
-/// The desk's thread may be held up by whatever it does; a session begins without it.
-TEST(ChangeDesk, IsNotWaitedForWhereASessionBegins) {
+/// The update server's thread may be held up by whatever it does; a session begins without it.
+TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
   const Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   const std::string rig = own_rig("w");
   const auto options = node_options<rendering::Options>(rig);
-  const bus::Participant participant({kDomain, "lo", "desk"});
+  const bus::Participant participant({kDomain, "lo", "update server"});
   rendering::ChangeLine line;
   std::atomic<bool> held{false}, go_on{false};
   std::atomic<std::uint64_t> last{0};
-  rendering::ChangeDesk desk(participant, options, scene, build_scene(scene, serial_for()), line, [](const Scene&) {},
+  rendering::SceneUpdateServer server(participant, options, scene, build_scene(scene, serial_for()), line, [](const Scene&) {},
                              [&](std::uint64_t session) {
                                last = session, held = true;
-                               EXPECT_TRUE(wait_until([&] { return go_on.load(); })) << "device_is waits for the desk";
+                               EXPECT_TRUE(wait_until([&] { return go_on.load(); })) << "device_is waits for the update server";
                              });
   const auto begin = [&](std::uint64_t session) {
-    desk.device_is(std::make_unique<rendering::DescribedDevice>(rendering::DescribedDevice{session, stylus()}));
+    server.device_is(std::make_unique<rendering::DescribedDevice>(rendering::DescribedDevice{session, stylus()}));
   };
   begin(3);
   ASSERT_TRUE(wait_until([&] { return held.load(); }));
@@ -577,7 +577,7 @@ TEST(ChangeDesk, IsNotWaitedForWhereASessionBegins) {
   EXPECT_TRUE(wait_until([&] { return last == 5; })) << "the last one counts";
 }
 
-TEST(ChangeDesk, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
+TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
   Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   scene.effects = {
       EffectSpec{.name = "spring", .kind = &kSpring, .values = EffectValues(kSpringParameters), .region = {}}};
@@ -586,17 +586,17 @@ TEST(ChangeDesk, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
   const double with_100 = built->plan().contact_n_per_m.all_points;
   const std::string rig = own_rig("d");
   const auto options = node_options<rendering::Options>(rig);
-  const bus::Participant participant({kDomain, "lo", "desk"});
+  const bus::Participant participant({kDomain, "lo", "update server"});
   bus::Reader<msg::ScenePlan> plans(participant, qos::kScenePlan, rig, latched());
   Asker asker(participant, rig);
   rendering::ChangeLine line;
   std::atomic<std::uint64_t> begun{0};
-  rendering::ChangeDesk desk(participant, options, scene, std::move(built), line, [](const Scene&) {},
+  rendering::SceneUpdateServer server(participant, options, scene, std::move(built), line, [](const Scene&) {},
                              [&](std::uint64_t session) { begun = session; });
   ASSERT_TRUE(asker.ready());
   ASSERT_TRUE(asker.send_until_heard(change(99), 1'000'000));
   line.begin_session(3);
-  desk.device_is(std::make_unique<rendering::DescribedDevice>(rendering::DescribedDevice{3, stylus()}));
+  server.device_is(std::make_unique<rendering::DescribedDevice>(rendering::DescribedDevice{3, stylus()}));
   std::vector<std::pair<std::uint64_t, double>> seen;
   std::uint64_t sample = 0;
   const auto loop = [&] {

@@ -11,7 +11,7 @@
 #include "nodes/bus/writer.hpp"
 #include "nodes/coupling/coupling_node.hpp"
 #include "nodes/runtime/convert.hpp"
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/strings.hpp"
 #include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
@@ -49,7 +49,7 @@ class Around {
  public:
   explicit Around(const std::string& coupling)
       : rig(own_rig("c")), device(kDomain, "device", rig), rendering(kDomain, "rendering", rig),
-        participant({kDomain, "lo", "around"}), roster(participant, rig),
+        participant({kDomain, "lo", "around"}), registry(participant, rig),
         descriptions(device.participant, qos::kDeviceDescription, rig, latched()),
         plans(rendering.participant, qos::kScenePlan, rig, latched()),
         contacts(rendering.participant, qos::kContactState, rig, stream()),
@@ -141,15 +141,15 @@ class Around {
     });
   }
   std::string message() {
-    roster.update();
-    const auto report = roster.find("coupling");
+    registry.update();
+    const auto report = registry.find("coupling");
     return report ? report->message : "";
   }
 
   std::string rig;
   StandIn device, rendering;
   bus::Participant participant;
-  runtime::Roster roster;
+  runtime::NodeRegistry registry;
   bus::Writer<msg::DeviceDescription> descriptions;
   bus::Writer<msg::ScenePlan> plans;
   bus::Writer<msg::ContactState> contacts;

@@ -24,8 +24,8 @@ class RoleTest : public testing::Test {
     for (int i = 0; i < 20; ++i) update(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   void update() {
-    roster.update();
-    role.update(roster, 7);
+    registry.update();
+    role.update(registry, 7);
   }
   bool comes(const std::function<bool()>& holds) {
     return wait_until([&] { return update(), holds(); });
@@ -44,7 +44,7 @@ class RoleTest : public testing::Test {
 
   const std::string rig = own_rig("role");
   bus::Participant own{{kDomain, "lo", "device"}};
-  runtime::Roster roster{own, rig};
+  runtime::NodeRegistry registry{own, rig};
   bus::FollowedReader<msg::ForceCommand> commands{own, qos::kForceCommand, rig, stream()};
   runtime::RoleBinding role{"coupling", {&commands.following()}};
 };
@@ -56,27 +56,27 @@ TEST_F(RoleTest, IsOfTheOneWhoClaimsItAndStaysHisUntilHeHasGone) {
   first->say(7);
   ASSERT_TRUE(comes([&] { return role.bound(); }));
   EXPECT_EQ(role.participant(), first->participant.guid());
-  EXPECT_EQ(role.trouble(roster), "");
+  EXPECT_EQ(role.trouble(registry), "");
   Coupling second(rig);
   second.say(7);
-  ASSERT_TRUE(comes([&] { return !role.trouble(roster).empty(); }));
+  ASSERT_TRUE(comes([&] { return !role.trouble(registry).empty(); }));
   EXPECT_EQ(role.participant(), first->participant.guid());
   first->say(8), settle();
   EXPECT_EQ(role.participant(), first->participant.guid()) << "a session more is no reason";
   first.reset();
   ASSERT_TRUE(comes([&] { return role.participant() == second.participant.guid(); }));
-  EXPECT_EQ(role.trouble(roster), "") << "who is bound is no intruder, even where he was one before";
+  EXPECT_EQ(role.trouble(registry), "") << "who is bound is no intruder, even where he was one before";
 }
 
 TEST_F(RoleTest, IsNobodysWhileTwoClaimItAndBothAreNamed) {
   auto first = std::make_unique<Coupling>(rig);
   Coupling second(rig);
-  roster.update();  // nobody looks while they come
+  registry.update();  // nobody looks while they come
   first->say(7), second.say(7);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   update();
   EXPECT_FALSE(role.bound());
-  const std::string trouble = role.trouble(roster);
+  const std::string trouble = role.trouble(registry);
   EXPECT_NE(trouble.find("two coupling nodes claim"), std::string::npos) << trouble;
   EXPECT_NE(trouble.find(" and coupling (process"), std::string::npos) << trouble;
   first->command(1), second.command(1), settle();
@@ -84,7 +84,7 @@ TEST_F(RoleTest, IsNobodysWhileTwoClaimItAndBothAreNamed) {
   EXPECT_FALSE(commands.take(command));
   first.reset();
   ASSERT_TRUE(comes([&] { return role.participant() == second.participant.guid(); }));
-  EXPECT_EQ(role.trouble(roster), "");
+  EXPECT_EQ(role.trouble(registry), "");
 }
 
 TEST_F(RoleTest, IsNotClaimedByAStatusOfAnotherParticipantThanItNames) {
@@ -92,17 +92,17 @@ TEST_F(RoleTest, IsNotClaimedByAStatusOfAnotherParticipantThanItNames) {
   real.say(7, NodeState::kFailed);
   Adversary bag(kDomain, rig);
   bag.writer<msg::ForceCommand>();
-  ASSERT_TRUE(comes([&] { return roster.report_of(real.participant.guid()) != nullptr; }));
+  ASSERT_TRUE(comes([&] { return registry.report_of(real.participant.guid()) != nullptr; }));
   ASSERT_TRUE(wait_until([&] { return bag.writer<msg::NodeStatus>().matched_count() >= 1; }));
   bus::Guid gone{};
   gone[3] = 9;
   bag.claim("coupling", 7, msg::node_status::kStateRunning, gone);
   bag.claim("coupling", 7, msg::node_status::kStateRunning, real.participant.guid());
-  ASSERT_TRUE(comes([&] { return roster.refused() >= 2; }));
+  ASSERT_TRUE(comes([&] { return registry.refused() >= 2; }));
   settle();
   EXPECT_FALSE(role.bound());
-  EXPECT_EQ(roster.report_of(real.participant.guid())->state, NodeState::kFailed) << "his own word stands";
-  EXPECT_EQ(roster.reports().size(), 1U);
+  EXPECT_EQ(registry.report_of(real.participant.guid())->state, NodeState::kFailed) << "his own word stands";
+  EXPECT_EQ(registry.reports().size(), 1U);
 }
 
 TEST_F(RoleTest, GivesHisSamplesAloneAndNamesTheOthersUntilTheyGo) {
@@ -119,10 +119,10 @@ TEST_F(RoleTest, GivesHisSamplesAloneAndNamesTheOthersUntilTheyGo) {
   ASSERT_TRUE(wait_until([&] { return commands.take(taken); })) << "pushed out by the foreign ones";
   EXPECT_EQ(taken.sequence_number, 1U);
   EXPECT_FALSE(commands.take(taken));
-  ASSERT_TRUE(comes([&] { return other->write(foreign), !role.trouble(roster).empty(); }));
-  EXPECT_NE(role.trouble(roster).find("a participant that gives no name"), std::string::npos) << role.trouble(roster);
+  ASSERT_TRUE(comes([&] { return other->write(foreign), !role.trouble(registry).empty(); }));
+  EXPECT_NE(role.trouble(registry).find("a participant that gives no name"), std::string::npos) << role.trouble(registry);
   other.reset();
-  EXPECT_TRUE(comes([&] { return role.trouble(roster).empty(); }));
+  EXPECT_TRUE(comes([&] { return role.trouble(registry).empty(); }));
   real.command(2);
   EXPECT_TRUE(wait_until([&] { return commands.take(taken); }));
 }
@@ -175,20 +175,20 @@ TEST_F(RoleTest, RosterHearsTheNodesThroughAFloodOfStatuses) {
   });
   ASSERT_TRUE(wait_until([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    roster.update();
-    const auto before = roster.refused();
-    const auto* report = roster.report_of(flood.guid());
+    registry.update();
+    const auto before = registry.refused();
+    const auto* report = registry.report_of(flood.guid());
     const auto last = report ? report->session_id : 0;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    roster.update();
-    report = roster.report_of(flood.guid());
-    return report && report->session_id == last && roster.refused() == before;
+    registry.update();
+    report = registry.report_of(flood.guid());
+    return report && report->session_id == last && registry.refused() == before;
   })) << "it is listened to for ever";
   for (std::uint64_t session = 1; session <= 20; ++session) {
     node.say(session);
     ASSERT_TRUE(wait_until([&] {
-      roster.update();
-      const auto* report = roster.report_of(node.participant.guid());
+      registry.update();
+      const auto* report = registry.report_of(node.participant.guid());
       return report && report->session_id == session;
     })) << session;
   }
@@ -198,20 +198,20 @@ TEST_F(RoleTest, RosterRefusesWhatIsLongerThanAnyNodesOwnAndForgetsWhoHasGone) {
   auto other = std::make_unique<Adversary>(kDomain, rig);
   ASSERT_TRUE(wait_until([&] { return other->writer<msg::NodeStatus>().matched_count() >= 1; }));
   other->claim("tool", 1);
-  ASSERT_TRUE(comes([&] { return roster.reports().size() == 1; }));
+  ASSERT_TRUE(comes([&] { return registry.reports().size() == 1; }));
   other->claim("tool", 2, 1, other->guid(), std::string(11'000'000, 'x'));
-  ASSERT_TRUE(comes([&] { return roster.refused() == 1; }));
-  EXPECT_EQ(roster.reports().at(0).session_id, 1U);
+  ASSERT_TRUE(comes([&] { return registry.refused() == 1; }));
+  EXPECT_EQ(registry.reports().at(0).session_id, 1U);
   other.reset();
-  EXPECT_TRUE(comes([&] { return roster.reports().empty(); }));
+  EXPECT_TRUE(comes([&] { return registry.reports().empty(); }));
   for (int i = 0; i < 5; ++i) {
     Adversary passing(kDomain, rig);
     passing.claim("up", 1);
     ASSERT_TRUE(wait_until([&] { return passing.writer<msg::NodeStatus>().matched_count() >= 1; }));
   }
   EXPECT_TRUE(wait_until([&] {
-    roster.update([](const runtime::NodeReport& report) { return report.node == "device"; });
-    return roster.reports().empty();
+    registry.update([](const runtime::NodeReport& report) { return report.node == "device"; });
+    return registry.reports().empty();
   })) << "only a child's last word is kept";
 }
 
@@ -221,8 +221,8 @@ class LockstepPeers : public testing::Test {
   LockstepPeers() {
     options.rig = rig, options.lockstep = true, options.peers = {"rendering", "coupling"};
     session.begin(7);
-    coupling.emplace(own, "coupling", options, [this](runtime::Roster& roster, runtime::NodeReport& report) {
-      session.report_to(report, options, roster, {}, "", true);
+    coupling.emplace(own, "coupling", options, [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) {
+      session.report_to(report, options, registry, {}, "", true);
       partners = report.partners.size();
     });
   }
@@ -252,11 +252,11 @@ TEST_F(LockstepPeers, AreNotTheStrangersThatCallThemselvesLikeThem) {
   StandIn silent(kDomain, "rendering", rig), of_own_name(kDomain, "coupling", rig);
   std::optional<StandIn> passing(std::in_place, kDomain, "device", rig);
   silent.say(7), of_own_name.say(7), passing->say(7);
-  runtime::Roster roster(own, rig);
+  runtime::NodeRegistry registry(own, rig);
   EXPECT_TRUE(wait_until([&] {
     device->say(7), rendering->say(7);
-    roster.update();
-    for (const auto& report : roster.reports())
+    registry.update();
+    for (const auto& report : registry.reports())
       if (report.participant == own.guid() && report.message.find("rendering hangs") != std::string::npos) return true;
     return false;
   })) << "who it is is said";

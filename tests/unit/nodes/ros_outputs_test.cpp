@@ -10,7 +10,7 @@
 #include "nodes/bus/reader.hpp"
 #include "nodes/rendering/plan_message.hpp"
 #include "nodes/rendering/plan_ring.hpp"
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {

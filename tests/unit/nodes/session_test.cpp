@@ -11,7 +11,7 @@
 #include "nodes/device/device_node.hpp"
 #include "nodes/rendering/rendering_node.hpp"
 #include "nodes/runtime/convert.hpp"
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
@@ -27,12 +27,12 @@ double force(const T& m) { return std::hypot(m.wrench.force.x, m.wrench.force.y,
 class Bystander {
  public:
   explicit Bystander(const std::string& rig)
-      : participant({kDomain, "lo", "bystander"}), roster(participant, rig),
+      : participant({kDomain, "lo", "bystander"}), registry(participant, rig),
         descriptions(participant, qos::kDeviceDescription, rig, latched()), plans(participant, qos::kScenePlan, rig, latched()),
         designs(participant, qos::kCouplingDesign, rig, latched()), states(participant, qos::kDeviceState, rig, tap()),
         contacts(participant, qos::kContactState, rig, tap()), commands(participant, qos::kForceCommand, rig, tap()) {}
   void look() {
-    roster.update();
+    registry.update();
     descriptions.take_each([this](const auto& m) { note(described, m.session_id); });
     plans.take_each([this](const auto& m) { note(planned, m.session_id); });
     designs.take_each([this](const auto& m) { note(designed, m.session_id); });
@@ -58,7 +58,7 @@ class Bystander {
   static const qos::Profile& tap() { return qos::profile(qos::ProfileId::kTap); }
 
   bus::Participant participant;
-  runtime::Roster roster;
+  runtime::NodeRegistry registry;
   bus::Reader<msg::DeviceDescription> descriptions;
   bus::Reader<msg::ScenePlan> plans;
   bus::Reader<msg::CouplingDesign> designs;
@@ -121,7 +121,7 @@ TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
   }
   double foreign = -1.0, largest = 0.0;
   ASSERT_TRUE(bystander.sees([&] {
-    if (const auto report = bystander.roster.find("device")) {
+    if (const auto report = bystander.registry.find("device")) {
       foreign = report->figures.at("foreign_commands").value;
       largest = report->figures.at("max_force_n").value;
     }
@@ -156,7 +156,7 @@ TEST(Session, IsNewInLockstepTooWhenTheNodesHaveSeenTheSameRunBefore) {
     Node device(lockstep(device_options(rig, 0.5)), device::run);
     ASSERT_TRUE(bystander.sees([&] { return device.thread.status() >= 0; })) << device.thread.error();
     EXPECT_EQ(device.thread.status(), 0);
-    ASSERT_TRUE(bystander.sees([&] { return !bystander.roster.find("device"); }));
+    ASSERT_TRUE(bystander.sees([&] { return !bystander.registry.find("device"); }));
   }
   ASSERT_EQ(bystander.described.size(), 2U);
   EXPECT_NE(bystander.described[0], bystander.described[1]);
@@ -321,7 +321,7 @@ TEST(Rigs, AfterASplitTheDeviceStaysThatHadMoreSamplesAnsweredWhateverAnyClockSa
   Node coupling(node_options<coupling::Options>(rig, "plane"), coupling::run);
   Node device(device_options(rig, 0.0), device::run);
   const auto figure = [&](const char* name) {
-    const auto report = bystander.roster.find("device");
+    const auto report = bystander.registry.find("device");
     return report ? runtime::value_of(report->figures, name) : 0.0;
   };
   ASSERT_TRUE(bystander.sees([&] { return figure("answered") > 500; })) << device.thread.error();
@@ -330,8 +330,8 @@ TEST(Rigs, AfterASplitTheDeviceStaysThatHadMoreSamplesAnsweredWhateverAnyClockSa
     StandIn other(kDomain, "device", rig);  // an earlier session by its number, as a clock that is behind would give it
     other.say(1, runtime::NodeState::kRunning, {{kClaim, {3, "samples"}}});
     ASSERT_TRUE(wait_until([&] {
-      bystander.roster.update();
-      for (const auto& report : bystander.roster.reports())
+      bystander.registry.update();
+      for (const auto& report : bystander.registry.reports())
         if (report.figures.contains(kClaim) && report.session_id != 1) return true;
       return false;
     })) << "it does not say what it claims";
@@ -354,7 +354,7 @@ TEST(Rigs, ARenderingThatWaitsTakesTheRoleWhenTheFirstHasGoneAndIsFelt) {
   ASSERT_TRUE(bystander.sees([&] { return bystander.last_command.sequence_number > 200; }));
   Node second(node_options<rendering::Options>(rig, "plane"), rendering::run);
   ASSERT_TRUE(bystander.sees([&] {
-    const auto report = bystander.roster.find("coupling");
+    const auto report = bystander.registry.find("coupling");
     return report && report->message.find("is refused") != std::string::npos;
   })) << "the second one is not named";
   first->thread.end();
@@ -362,7 +362,7 @@ TEST(Rigs, ARenderingThatWaitsTakesTheRoleWhenTheFirstHasGoneAndIsFelt) {
   EXPECT_TRUE(bystander.sees([&] { return bystander.last_command.sequence_number > then + 500; }))
       << "the plan of the second came while it was not followed";
   EXPECT_TRUE(bystander.sees([&] {
-    const auto report = bystander.roster.find("coupling");
+    const auto report = bystander.registry.find("coupling");
     return report && report->message.find("is refused") == std::string::npos;
   })) << "the one who is bound now is called foreign";
 }

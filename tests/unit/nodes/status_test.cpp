@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "nodes/runtime/housekeeping.hpp"
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {
@@ -54,15 +54,15 @@ TEST(Diagnostics, AreMadeWhileSomebodyReadsThemAndAtNoOtherTime) {
 TEST(Status, CarriesFiguresAsNumbersToTheLastBit) {
   const bus::Participant node({kDomain, "lo", "device"}), other({kDomain, "lo", "other"});
   runtime::StatusWriter status(node, "device", own_rig());
-  runtime::Roster roster(other, own_rig());
+  runtime::NodeRegistry registry(other, own_rig());
   runtime::NodeReport report;
   report.values = {{"scene", "cup"}};
   report.figures = {{"third", {1.0 / 3.0, "N"}}, {"samples", {9'007'199'254'740'992ULL, "samples"}}};
   std::optional<runtime::NodeReport> seen;
   ASSERT_TRUE(wait_until([&] {
     status.publish(report);
-    roster.update();
-    return (seen = roster.find("device")).has_value();
+    registry.update();
+    return (seen = registry.find("device")).has_value();
   }));
   EXPECT_EQ(seen->values, report.values);
   ASSERT_EQ(seen->figures.size(), 2U);
@@ -84,19 +84,19 @@ class TwoNodes : public testing::Test {
  protected:
   TwoNodes() {
     options.rig = own_rig();
-    const auto well = [](runtime::Roster&, runtime::NodeReport& report) {
+    const auto well = [](runtime::NodeRegistry&, runtime::NodeReport& report) {
       report.message = "well", report.state = runtime::NodeState::kRunning;
     };
     rendering.emplace(first, "rendering", options, well,
                       std::vector<runtime::Watched>{{"its loop", [this] { return held_up ? 1U : ++turns; }}});
     device.emplace(second, "device", options, well);
-    roster.emplace(third, options.rig);
+    registry.emplace(third, options.rig);
   }
   /// Whether the last status of `node` comes to satisfy this.
   bool comes_to(const char* node, const std::function<bool(const runtime::NodeReport&)>& holds) {
     return wait_until([&] {
-      roster->update();
-      const auto report = roster->find(node);
+      registry->update();
+      const auto report = registry->find(node);
       return report && holds(*report);
     });
   }
@@ -105,7 +105,7 @@ class TwoNodes : public testing::Test {
   runtime::NodeOptions options;
   bus::Participant first{{kDomain, "lo", "first"}}, second{{kDomain, "lo", "second"}}, third{{kDomain, "lo", "third"}};
   std::optional<runtime::Housekeeping> rendering, device;
-  std::optional<runtime::Roster> roster;
+  std::optional<runtime::NodeRegistry> registry;
 };
 
 TEST_F(TwoNodes, SayThatALoopStandsStillTheOneOfItselfTheOtherOfIt) {
@@ -114,12 +114,12 @@ TEST_F(TwoNodes, SayThatALoopStandsStillTheOneOfItselfTheOtherOfIt) {
   held_up = true;
   EXPECT_TRUE(comes_to("rendering", [](const auto& r) { return r.message == "well; its loop has stood still for 0.4 s"; }));
   EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message == "well; rendering hangs: its loop has stood still for 0.4 s"; }));
-  ASSERT_EQ(roster->hung().size(), 1U);
-  EXPECT_EQ(roster->hung()[0].node, "rendering");
+  ASSERT_EQ(registry->hung().size(), 1U);
+  EXPECT_EQ(registry->hung()[0].node, "rendering");
   held_up = false;
   EXPECT_TRUE(comes_to("rendering", is_well));
   EXPECT_TRUE(comes_to("device", is_well));
-  EXPECT_TRUE(roster->hung().empty());
+  EXPECT_TRUE(registry->hung().empty());
   EXPECT_TRUE(comes_to("rendering", [](const auto& r) { return r.figures.at(runtime::kLongestStall).value > 0.4; }));
 }
 
@@ -129,23 +129,23 @@ TEST_F(TwoNodes, ComeTenTimesASecondAndAreNotCalledHung) {
   std::int64_t last = 0;
   for (int n = 0; n < 100; ++n) {
     ASSERT_TRUE(comes_to("device", [](const auto&) { return true; }));
-    if (const std::int64_t at = roster->find("device")->heard_ns; at != last) last = at, ++heard;
+    if (const std::int64_t at = registry->find("device")->heard_ns; at != last) last = at, ++heard;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   EXPECT_GE(heard, 10) << "in two seconds, on a busy machine";
-  EXPECT_TRUE(roster->hung().empty());
+  EXPECT_TRUE(registry->hung().empty());
 }
 
 TEST_F(TwoNodes, HangToOthersWhenTheyVanishWithoutALastWord) {
   ASSERT_TRUE(comes_to("rendering", [](const auto&) { return true; }));
   rendering.reset();  // its last word was that it runs
   EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message == "well; rendering hangs: no status has come from it for 0.4 s"; }));
-  EXPECT_FALSE(roster->find("rendering"));
+  EXPECT_FALSE(registry->find("rendering"));
   runtime::StatusWriter again(first, "rendering", options.rig);
   EXPECT_TRUE(wait_until([&] {
     again.publish({});
-    roster->update();
-    return roster->find("device")->message == "well";
+    registry->update();
+    return registry->find("device")->message == "well";
   }));
 }
 
@@ -156,20 +156,20 @@ TEST_F(TwoNodes, DoNotHangOnceTheyHaveSaidThatTheyEnd) {
     runtime::StatusWriter coupling(first, "coupling", options.rig);
     ASSERT_TRUE(wait_until([&] {
       coupling.publish(last);
-      roster->update();
-      return roster->find("coupling").has_value();
+      registry->update();
+      return registry->find("coupling").has_value();
     }));
     for (int n = 0; n < 30; ++n) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
-      roster->update();
+      registry->update();
     }
-    EXPECT_TRUE(roster->hung().empty());
+    EXPECT_TRUE(registry->hung().empty());
   }
   ASSERT_TRUE(wait_until([&] {
-    roster->update();
-    return !roster->find("coupling");
+    registry->update();
+    return !registry->find("coupling");
   }));
-  EXPECT_TRUE(roster->hung().empty());
+  EXPECT_TRUE(registry->hung().empty());
 }
 
 }  // namespace

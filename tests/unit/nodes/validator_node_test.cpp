@@ -6,7 +6,7 @@
 #include "core/scene/scene_file.hpp"
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/writer.hpp"
-#include "nodes/runtime/roster.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/strings.hpp"
 #include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
@@ -50,13 +50,13 @@ class ValidatorNodeTest : public testing::Test {
     });
   }
   std::string message() {
-    roster_.update([](const auto&) { return true; });
-    const auto report = roster_.find("validator");
+    registry_.update([](const auto&) { return true; });
+    const auto report = registry_.find("validator");
     return report ? report->message : "no report";
   }
   std::uint64_t checked() {
-    roster_.update([](const auto&) { return true; });
-    const auto report = roster_.find("validator");
+    registry_.update([](const auto&) { return true; });
+    const auto report = registry_.find("validator");
     return report ? runtime::as_count(runtime::value_of(report->figures, "checked")) : 0;
   }
 
@@ -64,7 +64,7 @@ class ValidatorNodeTest : public testing::Test {
   const Scene scene_ = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   StandIn rendering_{kDomain, "rendering", rig_};
   bus::Participant reader_{{kDomain, "lo", "reader"}};
-  runtime::Roster roster_{reader_, rig_};
+  runtime::NodeRegistry registry_{reader_, rig_};
   bus::Writer<msg::ScenePlan> plans_{rendering_.participant, qos::kScenePlan, rig_, qos::profile(qos::ProfileId::kLatched)};
   bus::Writer<msg::ContactState> contacts_{rendering_.participant, qos::kContactState, rig_, qos::profile(qos::ProfileId::kStream)};
   validator::Options options_;

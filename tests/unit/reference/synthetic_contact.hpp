@@ -47,7 +47,7 @@ struct Fault {
   bool flipped = false;            ///< normals point out of the dynamic object
 };
 
-/// A sphere's shell over a voxelised solid, felt by the adapted law (rung 2) with its fallback.
+/// A sphere's shell over a voxelised solid, felt by the adapted law with its fallback.
 class Rendering {
  public:
   Rendering(Solid solid, double edge, Vec3 origin, double radius)

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/mesh/import.hpp"
-#include "core/scene/build.hpp"
+#include "core/rendering/build.hpp"
 #include "tests/unit/scene/scene_fixture.hpp"
 
 namespace voxtouch {

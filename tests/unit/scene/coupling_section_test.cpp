@@ -38,7 +38,7 @@ TEST_F(CouplingSection, ADesignHasDefaultsForAllItsKeys) {
   EXPECT_EQ(s.design->cutoff_hz, 5);
   EXPECT_EQ(s.design->gain_margin, 2);
   EXPECT_FALSE(s.design->stiffness_cap_n_per_m || s.design->stiffness_cap_nm_per_rad);
-  EXPECT_EQ(s.design->hand, HandAsk::kAsDeviceIsHeld);
+  EXPECT_EQ(s.design->hand, HandOption::kAsDeviceIsHeld);
   EXPECT_TRUE(s.design->released && s.design->inject_damping);
   EXPECT_FALSE(s.design->run_infeasible);
   EXPECT_TRUE(s.warnings.empty());
@@ -54,7 +54,7 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   EXPECT_EQ(s.design->gain_margin, 1);
   EXPECT_EQ(s.design->stiffness_cap_n_per_m, 700);
   EXPECT_EQ(s.design->stiffness_cap_nm_per_rad, 0.25);
-  EXPECT_EQ(s.design->hand, HandAsk::kArm);
+  EXPECT_EQ(s.design->hand, HandOption::kArm);
   EXPECT_FALSE(s.design->released || s.design->inject_damping);
   EXPECT_TRUE(s.design->run_infeasible);
   EXPECT_EQ(with("design: auto, kind: spring_damper").design->kind, "spring_damper");
@@ -64,10 +64,10 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
 
 TEST_F(CouplingSection, AHandMayBeGivenInRanges) {
   const std::string translation = "mass_kg: [0.1, 0.2], damping_ns_per_m: [0, 3], stiffness_n_per_m: [5, 5]";
-  const DesignAsk half = *with("design: auto, hand: {" + translation + "}").design;
-  EXPECT_EQ(half.hand, HandAsk::kGiven);
+  const DesignOptions half = *with("design: auto, hand: {" + translation + "}").design;
+  EXPECT_EQ(half.hand, HandOption::kGiven);
   EXPECT_FALSE(half.given_rotation);
-  const DesignAsk whole = *with("design: auto, hand: {" + translation +
+  const DesignOptions whole = *with("design: auto, hand: {" + translation +
                                 ", inertia_kg_m2: [1, 2], damping_nms_per_rad: "
                                 "[3, 4], stiffness_nm_per_rad: [5, 6]}")
                                .design;
@@ -89,17 +89,17 @@ TEST_F(CouplingSection, AHandMayBeGivenInRanges) {
 }
 
 TEST(HandRanges, AreNamedOrTheDevicesOwn) {
-  DesignAsk ask;
+  DesignOptions ask;
   EXPECT_EQ(operator_range(ask, Grip::kPen).translation.mass_max, 0.2);
   EXPECT_EQ(operator_range(ask, Grip::kArm).translation.mass_max, 2.0);
-  ask.hand = HandAsk::kPen;
+  ask.hand = HandOption::kPen;
   EXPECT_EQ(operator_range(ask, Grip::kArm).translation.mass_max, 0.2) << "the scene has the last word";
   EXPECT_TRUE(operator_range(ask, Grip::kArm).translation.may_release);
-  ask.hand = HandAsk::kArm, ask.released = false;
+  ask.hand = HandOption::kArm, ask.released = false;
   const OperatorRange held = operator_range(ask, Grip::kPen);
   EXPECT_EQ(held.rotation.stiffness_max, 15.0);
   EXPECT_FALSE(held.translation.may_release || held.rotation.may_release || held.translation.any_passive);
-  ask.hand = HandAsk::kAnyPassive, ask.released = true;
+  ask.hand = HandOption::kAnyPassive, ask.released = true;
   const OperatorRange any = operator_range(ask, Grip::kPen);
   EXPECT_TRUE(any.translation.any_passive && any.rotation.any_passive && any.translation.may_release);
 }

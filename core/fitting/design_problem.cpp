@@ -1,0 +1,81 @@
+#include "core/fitting/design_problem.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace voxtouch {
+namespace {
+
+/// The scene's own caps in W; infinity where there is none.
+struct Caps {
+  double n_per_m, nm_per_rad;
+};
+Caps caps_of(const Scene& scene) noexcept {
+  if (!scene.design) return {scene.coupling.stiffness_cap_n_per_m, scene.coupling.stiffness_cap_nm_per_rad};
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  return {scene.design->stiffness_cap_n_per_m.value_or(kNone), scene.design->stiffness_cap_nm_per_rad.value_or(kNone)};
+}
+
+ContactRange at_hand(const ContactRange& in_world, double cap, double scale) noexcept {
+  return {std::min(in_world.one_point, cap) * scale, std::min(in_world.all_points, cap) * scale};
+}
+
+/// All that is stiffness or damping, times `scales`.
+CouplingSpec scaled(CouplingSpec spec, const HandScales& scales) noexcept {
+  spec.stiffness_n_per_m *= scales.translation;
+  spec.damping_ns_per_m *= scales.translation;
+  spec.stiffness_cap_n_per_m *= scales.translation;
+  spec.injected_damping_ns_per_m *= scales.translation;
+  spec.passivity_damping_limit_ns_per_m *= scales.translation;
+  spec.stiffness_cap_nm_per_rad *= scales.rotation;
+  spec.injected_damping_nms_per_rad *= scales.rotation;
+  spec.passivity_damping_limit_nms_per_rad *= scales.rotation;
+  return spec;
+}
+
+}  // namespace
+
+HandScales hand_scales(const WorkspaceMapping& device) noexcept {
+  return {device.position_scale * device.force_scale, device.force_scale / device.position_scale};
+}
+
+DesignProblem design_problem(const Scene& scene, const DeviceModel& device,
+                             const ContactRange& translation_in_world, const ContactRange& rotation_in_world) {
+  const DesignOptions ask = scene.design.value_or(DesignOptions{});
+  const HandScales scales = hand_scales(scene.device);
+  const Caps caps = caps_of(scene);
+  DesignProblem request;
+  request.device = device;
+  request.hand = operator_range(ask, device.grip);
+  request.contact = at_hand(translation_in_world, caps.n_per_m, scales.translation);
+  request.contact_rotation = at_hand(rotation_in_world, caps.nm_per_rad, scales.rotation);
+  DesignGoals& wishes = request.wishes;
+  wishes.kind = ask.kind;
+  wishes.cutoff_hz = ask.cutoff_hz;
+  wishes.max_cutoff_hz = std::max(wishes.max_cutoff_hz, ask.cutoff_hz);
+  wishes.gain_margin = ask.gain_margin;
+  wishes.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
+  wishes.allow_injected_damping = ask.inject_damping;
+  wishes.free_cap = scene.design && !ask.stiffness_cap_n_per_m && !ask.stiffness_cap_nm_per_rad;
+  return request;
+}
+
+CouplingSpec spec_in_world(const Design& design, const Scene& scene) noexcept {
+  const HandScales scales = hand_scales(scene.device);
+  const Caps caps = caps_of(scene);
+  CouplingSpec spec = scaled(design.spec, {1.0 / scales.translation, 1.0 / scales.rotation});
+  spec.stiffness_cap_n_per_m = std::min(spec.stiffness_cap_n_per_m, caps.n_per_m);
+  spec.stiffness_cap_nm_per_rad = std::min(spec.stiffness_cap_nm_per_rad, caps.nm_per_rad);
+  return spec;
+}
+
+CouplingSpec spec_at_hand(const CouplingSpec& in_world, const WorkspaceMapping& device) noexcept {
+  return scaled(in_world, hand_scales(device));
+}
+
+CouplingLimits limits_in_world(const WorkspaceMapping& scales, const DeviceModel& device) noexcept {
+  const double max_torque_nm = device.gives_torque ? device.rotation.max_effort : 0.0;
+  return {device.translation.max_effort / scales.force_scale, max_torque_nm * scales.position_scale / scales.force_scale};
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,47 @@
+#pragma once
+/// Between W, where a scene speaks of stiffness, and the hand, where a coupling is designed; and back.
+///
+/// With position_scale s and force_scale f (device_mapping.hpp) a stiffness or damping against translation is felt
+/// times s f: a metre of the hand is s metres in W, a newton in W is f newtons at the hand. Against rotation it is felt
+/// times f / s: angles are not scaled, and torques carry f / s. Both are the same contact, since levers at the hand are
+/// those of W divided by s, and s f / s^2 = f / s.
+#include "core/coupling/design/designer.hpp"
+#include "core/scene/hand_ranges.hpp"
+#include "core/scene/scene.hpp"
+
+namespace voxtouch {
+
+/// What one [N/m, Ns/m] of W, and one [Nm/rad, Nms/rad] of W, are at the hand.
+struct HandScales {
+  double translation = 1.0;  ///< s f
+  double rotation = 1.0;     ///< f / s
+};
+HandScales hand_scales(const WorkspaceMapping& device) noexcept;
+
+/// What the designer is asked for this scene on this device: the scene's `design`, or the defaults of DesignOptions where
+/// the coupling is set by hand (to judge it).
+///
+///  - `device` as it is, at the hand already; its grip is used unless the scene names a hand.
+///  - The contact ranges are given in W (contact_range.hpp) and come out at the hand, already under the scene's caps:
+///    those of the ask, or of the coupling set by hand. Rotation is about the tool's origin; a tool offset between that
+///    and the hand is not in it.
+///  - The force layer: a point's push grows with its depth below its voxel's centre, and within the surface layer that
+///    is e/2 at least, for a wall along the grid (up to sqrt(3)/2 e for other directions): e/2 in W, e / (2 s) at the
+///    hand. Deeper than that the push does not fall, since the stage holds it (contact_stage.hpp), but it does not grow
+///    either: an approach that is to be stopped by the wall's stiffness has that much way.
+///  - The designer may choose caps where the scene gives neither.
+DesignProblem design_problem(const Scene& scene, const DeviceModel& device,
+                             const ContactRange& translation_in_world, const ContactRange& rotation_in_world);
+
+/// What runs in W for a design: its caps, injected damping and spring-damper brought there, and never above the scene's
+/// own caps, which the designer took as given. Gain, cut-off, damping ratio and velocity filter have no scale.
+CouplingSpec spec_in_world(const Design& design, const Scene& scene) noexcept;
+
+/// The other way, for a coupling that is set by hand and to be judged at the hand.
+CouplingSpec spec_at_hand(const CouplingSpec& in_world, const WorkspaceMapping& device) noexcept;
+
+/// The device's largest force [N] and torque [Nm] in the units of W: / f and * s / f. Infinity stays infinity
+/// and 0 stays 0.
+CouplingLimits limits_in_world(const WorkspaceMapping& scales, const DeviceModel& device) noexcept;
+
+}  // namespace voxtouch

@@ -1,0 +1,93 @@
+#include "core/fitting/device_check.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/coupling/coupling_spec.hpp"
+#include "core/fitting/design_problem.hpp"
+
+namespace voxtouch {
+
+namespace {
+
+/// A sample, its transport, and half of the period that its force is held for.
+double late_s(const LoopTiming& timing) { return timing.delay_s + 1.5 * timing.period_s; }
+
+/// A coupling set by hand is the user's own choice: it runs without a certificate, but not where even what any contact shows is more
+/// than the device can.
+std::string too_stiff_by_hand(const Scene& scene, const DeviceModel& device, double least_n_per_m,
+                              const DeviceDemand& demand) {
+  const DeviceFacts facts{device.translation.max_stiffness, device.timing.period_s, device.translation.max_effort};
+  const double demanded = demand.least_stiffness_n_per_m;
+  const double shown = std::isunordered(least_n_per_m, demanded) ? std::numeric_limits<double>::quiet_NaN()
+                                                                 : std::max(least_n_per_m, demanded);
+  const DeviceCheck check = check_device(scene, facts, shown, demand.stiffest);
+  return check.fits() ? "" : check.errors.front();
+}
+
+}  // namespace
+
+double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept {
+  const double capped = std::min(stiffness_bound_n_per_m, scene.coupling.stiffness_cap_n_per_m);
+  return displayed_stiffness_n_per_m(scene.coupling, capped) * hand_scales(scene.device).translation;
+}
+
+std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque) {
+  if (gives_torque || demand.torque.empty()) return {};
+  return fmt::format(
+      "The effect '{}' gives torque, and the device gives none. Leave the effect out, set what turns the tool to 0, or use "
+      "a device of six degrees of freedom.",
+      demand.torque);
+}
+
+std::string effects_damp_too_much(const DeviceDemand& demand, const WorkspaceMapping& scales, const CouplingSpec& spec,
+                                  const LateDamping& device) {
+  if (demand.damping_ns_per_m == 0.0) return {};
+  const double at_hand = demand.damping_ns_per_m * hand_scales(scales).translation, late_s = lag_s(spec) + device.delay_s;
+  const double limit = 0.25 * std::numbers::pi * device.mass_kg / late_s;
+  if (at_hand >= 0.0 && at_hand <= limit) return {};
+  return fmt::format("{}{}the effects damp with up to {:.3g} Ns/m at the hand, '{}' most of it. The force is {:.3g} ms late, and a "
+                     "device of {:.3g} kg let go stands {:.3g} Ns/m with a margin of 2: lower it below {:.3g} Ns/m.",
+                     demand.largest_place, demand.largest_place.empty() ? "" : ": ", at_hand, demand.largest, 1e3 * late_s,
+                     device.mass_kg, limit, demand.largest_damping_ns_per_m * limit / at_hand);
+}
+
+std::string why_not_felt(const Scene& scene, const CouplingSpec* runs, const DeviceModel& device, double least_n_per_m,
+                         const DeviceDemand& demand) {
+  std::string why = torque_not_shown(demand, device.gives_torque);
+  if (!why.empty() || runs == nullptr) return why;
+  if (!scene.design) why = too_stiff_by_hand(scene, device, least_n_per_m, demand);
+  if (!why.empty()) return why;
+  return effects_damp_too_much(demand, scene.device, *runs, {device.translation.inertia_min, late_s(device.timing)});
+}
+
+DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m,
+                         std::string_view stiffest) {
+  DeviceCheck out;
+  if (!(stiffness_bound_n_per_m >= 0.0) || !std::isfinite(stiffness_bound_n_per_m)) {
+    out.errors.push_back(fmt::format("The scene's stiffness bound is {} N/m, which is no stiffness.", stiffness_bound_n_per_m));
+    return out;
+  }
+  if (!(device.max_stiffness_n_per_m > 0.0))
+    out.errors.push_back(fmt::format("The device gives a largest stiffness of {} N/m; it must be above 0.",
+                                     device.max_stiffness_n_per_m));
+  const double felt = stiffness_at_hand_n_per_m(scene, stiffness_bound_n_per_m);
+  // Written so that NaN does not pass.
+  if (device.max_stiffness_n_per_m > 0.0 && !(felt <= device.max_stiffness_n_per_m))
+    out.errors.push_back(fmt::format("The contact's {:.4g} N/m are {:.4g} N/m at the hand; the "
+                                     "device can show {:.4g} N/m. Lower {} by a factor of {:.3g}, or the "
+                                     "coupling's gain, or a scale of the device.",
+                                     stiffness_bound_n_per_m, felt, device.max_stiffness_n_per_m,
+                                     stiffest.empty() ? demand_of(scene).stiffest : std::string(stiffest),
+                                     felt / device.max_stiffness_n_per_m));
+  const CouplingLimits limits{device.max_force_n / scene.device.force_scale, std::numeric_limits<double>::infinity()};
+  for (const CouplingIssue& issue : validate(scene.coupling, limits, device.sample_time_s))
+    (issue.refuse ? out.errors : out.warnings).push_back("Coupling: " + issue.sentence);
+  return out;
+}
+
+}  // namespace voxtouch

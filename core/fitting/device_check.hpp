@@ -1,0 +1,56 @@
+#pragma once
+/// Does the scene fit the device? Asked where the device is known, which the scene file is not.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/coupling/design/loop_parts.hpp"
+#include "core/fitting/device_demand.hpp"
+#include "core/scene/scene.hpp"
+
+namespace voxtouch {
+
+/// What the check needs from a device and from the built scene.
+struct DeviceFacts {
+  double max_stiffness_n_per_m = 0.0;  ///< what the device can show; infinity = no limit
+  double sample_time_s = 1e-3;
+  double max_force_n = 0.0;            ///< infinity = no limit
+};
+
+/// Sentences for people; a scene with errors must not run on this device.
+struct DeviceCheck {
+  std::vector<std::string> errors, warnings;
+  bool fits() const noexcept { return errors.empty(); }
+};
+
+/// Stiffness [N/m] at the hand for a contact of `stiffness_bound_n_per_m` in W: what the coupling shows of it, up to
+/// its cap, times both scales of the device (a metre of the hand is position_scale metres in W, a newton in W is
+/// force_scale newtons there).
+double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept;
+
+/// Why a device that gives no torque cannot show what is demanded, a sentence with what to do. Empty: it can.
+std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque);
+
+/// Judges `scene.coupling` as it is: for a designed coupling put the design's spec (spec_in_world) there first.
+/// `stiffness_bound_n_per_m`: of all points that can push at once, not of one: the total is what the loop must stand.
+/// `stiffest`: what the sentence says to lower; empty: the stiffest of the scene as it was read.
+DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m,
+                         std::string_view stiffest = {});
+
+/// What a device needs to stand damping that comes late.
+struct LateDamping {
+  double mass_kg = 0.0;   ///< at the tip, the least
+  double delay_s = 0.0;   ///< from a sample to the force that answers it, beside the coupling's lag
+};
+/// Where the effects' dampings together are more than half of what the device can stand, b < (pi/2) m / (lag + delay): a
+/// sentence with the place of the largest. `spec`: the coupling that runs. Empty: they may be felt.
+std::string effects_damp_too_much(const DeviceDemand& demand, const WorkspaceMapping& scales, const CouplingSpec& spec,
+                                  const LateDamping& device);
+
+/// The judgement of a scene on a device, at the start and for each later change: a sentence why its effects and contact must not be
+/// felt, with what to do; empty: they may. `runs`: the coupling, null where it will be designed and is not known yet (then only what
+/// does not depend on it is judged). `least_n_per_m`: in W, that any contact shows at least: of one point, or what is demanded.
+std::string why_not_felt(const Scene& scene, const CouplingSpec* runs, const DeviceModel& device, double least_n_per_m,
+                         const DeviceDemand& demand);
+
+}  // namespace voxtouch

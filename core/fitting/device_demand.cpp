@@ -1,0 +1,68 @@
+#include "core/fitting/device_demand.hpp"
+
+#include <fmt/core.h>
+
+namespace voxtouch {
+namespace {
+
+void add_stiffness(const Scene& scene, std::span<const EffectReach> effects, DeviceDemand& demand) {
+  double most = demand.least_stiffness_n_per_m = scene.contact.stiffness_n_per_m;
+  demand.stiffest = "contact.stiffness_n_per_m";
+  for (const EffectReach& effect : effects) {
+    const EffectSpec& spec = effect.spec();
+    const double own = effect.bound().stiffness_n_per_m;
+    if (own > most) {
+      const std::string place = spec.place.empty() ? "" : fmt::format(" ({})", spec.place);
+      most = own, demand.stiffest = fmt::format("the effect '{}'{} ({:.4g} N/m)", spec.name, place, own);
+    }
+    if (spec.kind->needs(spec.values).body) {
+      demand.least_stiffness_n_per_m = own;
+      return;
+    }
+    demand.least_stiffness_n_per_m += own;
+  }
+}
+
+void add_damping(std::span<const EffectReach> effects, DeviceDemand& demand) {
+  for (const EffectReach& effect : effects) {
+    const EffectSpec& spec = effect.spec();
+    if (spec.kind->needs(spec.values).body) continue;  // damps against the body, which gives way
+    const double own = effect.bound().damping_ns_per_m;
+    demand.damping_ns_per_m += own;
+    if (own > demand.largest_damping_ns_per_m)
+      demand.largest_damping_ns_per_m = own, demand.largest = spec.name, demand.largest_place = spec.place;
+  }
+}
+
+}  // namespace
+
+DeviceDemand demand_of(const Scene& scene) { return demand_of(scene, at_rest(scene.effects)); }
+
+DeviceDemand demand_of(const Scene& scene, std::span<const EffectReach> effects) {
+  DeviceDemand demand;
+  if (!scene.design) add_stiffness(scene, effects, demand);
+  add_damping(effects, demand);
+  for (const EffectReach& effect : effects)
+    if (demand.torque.empty() && effect.spec().kind->needs(effect.spec().values).torque) demand.torque = effect.spec().name;
+  return demand;
+}
+
+DeviceDemand larger_of(const DeviceDemand& a, const DeviceDemand& b) {
+  DeviceDemand out = b;
+  if (a.least_stiffness_n_per_m > b.least_stiffness_n_per_m)
+    out.least_stiffness_n_per_m = a.least_stiffness_n_per_m, out.stiffest = a.stiffest;
+  if (a.damping_ns_per_m > b.damping_ns_per_m) {
+    out.damping_ns_per_m = a.damping_ns_per_m, out.largest_damping_ns_per_m = a.largest_damping_ns_per_m;
+    out.largest = a.largest, out.largest_place = a.largest_place;
+  }
+  if (out.torque.empty()) out.torque = a.torque;
+  return out;
+}
+
+double least_stiffness_n_per_m(const Scene& scene) {
+  DeviceDemand demand;
+  add_stiffness(scene, at_rest(scene.effects), demand);
+  return demand.least_stiffness_n_per_m;
+}
+
+}  // namespace voxtouch

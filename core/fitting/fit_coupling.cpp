@@ -1,0 +1,67 @@
+#include "core/fitting/fit_coupling.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/fitting/design_problem.hpp"
+#include "core/fitting/device_check.hpp"
+
+namespace voxtouch {
+namespace {
+
+std::string refusal_of(const Design& design, const Scene& scene, const DeviceModel& device) {
+  if (design.status != DesignStatus::kInfeasible || scene.design->run_infeasible) return "";
+  return fmt::format(
+      "No coupling holds for {} with this scene: {} To have it: {} Or set coupling.run_infeasible: true in the scene "
+      "to run "
+      "what was found ({:.3g} N/m).",
+      device.name, fmt::join(design.reasons, " "), fmt::join(design.remedies, " "), design.translation.shown_stiffness);
+}
+
+}  // namespace
+
+FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds,
+                            const DeviceDemand& demand) {
+  FittedCoupling out;
+  out.designed = scene.design.has_value();
+  try {
+    const DesignProblem request = design_problem(scene, device, bounds.translation, bounds.rotation);
+    if (out.designed) {
+      out.design = design_coupling(request);
+      out.spec = spec_in_world(out.design, scene);
+      out.impossible = refusal_of(out.design, scene, device);
+    } else {
+      out.design = judge_coupling(request, spec_at_hand(scene.coupling, scene.device));
+      out.spec = scene.coupling;
+      // The controller is a safety net for every coupling; how much it may add is the device's matter, not the scene's.
+      const CouplingSpec judged = spec_in_world(out.design, scene);
+      out.spec.passivity_damping_limit_ns_per_m = judged.passivity_damping_limit_ns_per_m;
+      out.spec.passivity_damping_limit_nms_per_rad = judged.passivity_damping_limit_nms_per_rad;
+    }
+  } catch (const std::invalid_argument& error) {
+    out.impossible = error.what();
+  }
+  out.refusal = judge_again(out, scene, device, bounds.translation.one_point, demand);
+  return out;
+}
+
+FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, const ContactRange& translation,
+                            const ContactRange& rotation) {
+  return fit_coupling(scene, device, {translation, rotation}, demand_of(scene));
+}
+
+std::string judge_again(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, double one_point_n_per_m,
+                        const DeviceDemand& demand) {
+  if (!fitted.impossible.empty()) return fitted.impossible;
+  return why_not_felt(scene, &fitted.spec, device, one_point_n_per_m, demand);
+}
+
+double stiffness_at_hand_n_per_m(const FittedCoupling& fitted, const WorkspaceMapping& device,
+                                 double bound_n_per_m) noexcept {
+  return displayed_stiffness_n_per_m(fitted.spec, bound_n_per_m) * hand_scales(device).translation;
+}
+
+}  // namespace voxtouch

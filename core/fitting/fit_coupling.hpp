@@ -1,0 +1,38 @@
+#pragma once
+/// The coupling that a scene runs with on a device: designed where the scene asks for that, set by hand and judged where not.
+#include <string>
+
+#include "core/coupling/design/designer.hpp"
+#include "core/fitting/device_demand.hpp"
+#include "core/scene/hand_ranges.hpp"
+#include "core/rendering/plan.hpp"
+#include "core/scene/scene.hpp"
+
+namespace voxtouch {
+
+struct FittedCoupling {
+  CouplingSpec spec;      ///< what to run, in W
+  Design design;          ///< at the hand: what was found, or the judgement of what was set by hand
+  bool designed = false;  ///< false: set by hand in the scene
+  std::string impossible;  ///< why there is none that may run, whatever the effects do; empty: there is one
+  std::string refusal;     ///< why it must not run with the effects as they are, a sentence with what to do; empty: it may
+};
+
+/// `bounds`: what the scene's contact and effects can show, in W; `demand`: what they ask beside it. The same arguments give the same
+/// bits. Some milliseconds to some tenths of a second; not for the loop. Numbers that nothing can be designed for (a device without
+/// mass, say) come back as a refusal.
+FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds,
+                            const DeviceDemand& demand);
+/// The same with the scene's effects as it has them.
+FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, const ContactRange& translation,
+                            const ContactRange& rotation);
+
+/// The refusal of a coupling that has been fitted already, for other effects or a device that has changed: the same code, without
+/// a new fit. Some microseconds.
+std::string judge_again(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, double one_point_n_per_m,
+                        const DeviceDemand& demand);
+
+/// Stiffness [N/m] at the hand where the contact's bound is `bound_n_per_m` in W: what the coupling lets through, times both scales.
+double stiffness_at_hand_n_per_m(const FittedCoupling& fitted, const WorkspaceMapping& device, double bound_n_per_m) noexcept;
+
+}  // namespace voxtouch

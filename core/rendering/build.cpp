@@ -1,0 +1,270 @@
+#include "core/rendering/build.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "core/mesh/import.hpp"
+#include "core/mesh/mass_properties.hpp"
+#include "core/pointshell/build_shell.hpp"
+#include "core/rendering/contact_parameters.hpp"
+#include "core/rendering/contact_range.hpp"
+#include "core/scene/scene_hash.hpp"
+#include "core/voxmap/distance_thickness.hpp"
+#include "core/voxmap/voxelise.hpp"
+
+namespace voxtouch {
+namespace {
+
+/// The mesh that the scene was read with, and no other that stands in its place now.
+ImportedMesh import(const MeshSpec& spec, const Scene& scene) {
+  ImportOptions options;
+  options.scale = spec.scale;
+  options.pose = spec.pose;
+  options.voxel_size_m = scene.voxel_size_m;
+  std::string bytes = read_mesh_bytes(spec.path);
+  const auto read = scene.mesh_hashes.find(spec.path);
+  if (read != scene.mesh_hashes.end() && hash_of_bytes(bytes) != read->second)
+    throw MeshError("mesh '" + spec.path.string() +
+                    "': has changed since the scene was read; read the scene again when nothing writes to it");
+  return import_mesh(spec.path, std::move(bytes), options);
+}
+
+void warn(BuildCounts& counts, const MeshSpec& spec, const ImportedMesh& imported) {
+  const std::string name = spec.path.filename().string();
+  for (const std::string& sentence : imported.warnings) counts.mesh_warnings.push_back(name + ": " + sentence);
+  for (const std::string& sentence : imported.report.sentences())
+    counts.mesh_warnings.push_back(name + ": " + sentence);
+}
+
+void append(TriangleMesh& all, const TriangleMesh& mesh) {
+  const auto offset = static_cast<std::uint32_t>(all.vertices.size());
+  all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+  for (const auto& t : mesh.triangles) all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+}
+
+/// The meshes of one object as one, in W; `last_triangle`: the number of triangles up to each mesh, it included.
+struct ObjectMesh {
+  TriangleMesh mesh;
+  std::vector<const MeshSpec*> specs;
+  std::vector<std::size_t> last_triangle;
+  std::size_t open = 0;  ///< how many of the meshes are not closed
+};
+
+/// What all objects of a scene are built with.
+struct Kit {
+  const Scene& scene;
+  const ParallelFor& parallel_for;
+  const BuildChoices& choices;
+  const Progress& progress;
+  ContactModelKind model;
+  BuildCounts& counts;
+
+  void step(const std::string& text) const {
+    if (progress) progress(text);
+  }
+};
+
+ObjectMesh import_object(const Kit& kit, std::uint32_t object) {
+  const Scene& scene = kit.scene;
+  BuildCounts& counts = kit.counts;
+  ObjectMesh all;
+  for (const MeshSpec& spec : scene.static_meshes) {
+    if (spec.object != object) continue;
+    if (const auto n = &spec - scene.static_meshes.data(); n > 0)
+      kit.step(fmt::format("reading mesh {} of {}", n + 1, scene.static_meshes.size()));
+    const ImportedMesh imported = import(spec, scene);
+    warn(counts, spec, imported);
+    counts.closed = counts.closed && imported.report.closed;
+    if (!imported.report.closed) counts.open_meshes.push_back(spec.path.filename().string()), ++all.open;
+    append(all.mesh, imported.mesh);
+    all.specs.push_back(&spec);
+    all.last_triangle.push_back(all.mesh.triangles.size());
+  }
+  counts.static_triangles += all.mesh.triangles.size();
+  return all;
+}
+
+/// What is known about the meshes so far belongs to the reason why they do not fit.
+template <class Build>
+auto with_hints(const BuildCounts& counts, Build&& build) {
+  try {
+    return build();
+  } catch (const VoxelBudgetError& error) {
+    std::string text = error.what();
+    for (const std::string& hint : counts.mesh_warnings) text += ". " + hint;
+    throw VoxelBudgetError(text);
+  }
+}
+
+/// Only a body with an inside can push by depth.
+DistanceField build_field(const Scene& scene, const ObjectMesh& fixed, const Voxmap& voxmap,
+                          const ParallelFor& parallel_for, BuildCounts& counts) {
+  DistanceField field =
+      with_hints(counts, [&] { return build_distance_field(fixed.mesh, voxmap, DistanceFieldOptions{}, parallel_for); });
+  if (!field.has_inside())
+    throw std::invalid_argument(fmt::format(
+        "{}: the contact model 'field' pushes by the depth inside a static mesh, but {}. Close the mesh, use a smaller "
+        "voxel_size, or choose the model 'adapted', which needs a surface only.",
+        scene.file.string(),
+        fixed.open == fixed.specs.size() ? "no static mesh is closed, so none has an inside"
+                                         : fmt::format("at {:g} m no corner of a voxel lies in one", scene.voxel_size_m)));
+  counts.field_bytes += field.bytes();
+  counts.field_nodes += field.stored_nodes();
+  counts.field_depth_m = field.depth_m();
+  const ThinnestWall thinnest = thinnest_wall(fixed.mesh, voxmap.grid(), parallel_for);
+  if (!(thinnest.thickness_m < counts.thinnest_m)) return field;
+  const auto mesh =
+      std::upper_bound(fixed.last_triangle.begin(), fixed.last_triangle.end(), std::size_t{thinnest.triangle});
+  counts.thinnest_m = thinnest.thickness_m;
+  counts.thinnest_mesh =
+      fixed.specs[static_cast<std::size_t>(mesh - fixed.last_triangle.begin())]->path.filename().string();
+  return field;
+}
+
+std::uint64_t shell_bytes(const Pointshell& shell) {
+  return shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
+}
+
+/// For scenes whose dynamic object is a body.
+BodyShape body_shape(const Scene& scene, const TriangleMesh& mesh) {
+  try {
+    const MassProperties mass = mass_properties(mesh);
+    BodyShape shape{.centre = mass.centre, .inertia_m2 = mass.inertia_m2};
+    for (const Vec3& v : mesh.vertices) shape.reach_m = std::max(shape.reach_m, v.norm());
+    return shape;
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: the effect 'body' gives the dynamic object {} a weight, but {}.",
+                                            scene.file.string(), scene.dynamic_mesh.path.filename().string(),
+                                            error.what()));
+  }
+}
+
+/// What is made of the dynamic mesh.
+struct Tool {
+  Pointshell shell;
+  double largest_gap = 0.0;
+  std::optional<BodyShape> body;
+};
+
+Tool build_tool(const Kit& kit) {
+  const Scene& scene = kit.scene;
+  kit.step("reading the dynamic mesh");
+  const ImportedMesh moving = import(scene.dynamic_mesh, scene);
+  warn(kit.counts, scene.dynamic_mesh, moving);
+  kit.counts.dynamic_triangles = moving.mesh.triangles.size();
+  kit.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
+  const Grid grid = default_grid(moving.mesh, kit.choices.shell_voxel_m.value_or(scene.voxel_size_m));
+  const std::vector<ShellPoint> points =
+      with_hints(kit.counts, [&] { return shell_points(moving.mesh, grid, kit.parallel_for); });
+  Tool tool;
+  tool.largest_gap = largest_gap_m(points);
+  tool.shell = scene.shell == ShellKind::kExact ? make_exact_shell(points, grid) : make_naive_shell(points, grid);
+  kit.counts.shell_points = tool.shell.size();
+  if (needs_of(scene.effects).body) tool.body = body_shape(scene, moving.mesh);
+  return tool;
+}
+
+/// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
+std::unique_ptr<StaticObject> build_object(const Kit& kit, std::uint32_t id, const ObjectMesh& fixed) {
+  const Scene& scene = kit.scene;
+  if (fixed.specs.empty()) return nullptr;
+  const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
+  kit.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
+  Grid grid = default_grid(fixed.mesh, scene.voxel_size_m);
+  if (id == 0 && scene.grid_origin) grid.origin = *scene.grid_origin;
+  auto object = std::make_unique<StaticObject>(
+      StaticObject{.id = id,
+                   .name = name,
+                   .voxmap = with_hints(kit.counts, [&] { return voxelise(fixed.mesh, grid, kit.parallel_for); }),
+                   .field = {},
+                   .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
+                   .renderer = {}});
+  kit.counts.surface_voxels += object->voxmap.surface_count();
+  kit.counts.interior_voxels += object->voxmap.interior_count();
+  kit.counts.voxmap_bytes += object->voxmap.bytes();
+  if (kit.model == ContactModelKind::kField) {
+    kit.step("distance field");
+    object->field = build_field(scene, fixed, object->voxmap, kit.parallel_for, kit.counts);
+  }
+  return object;
+}
+
+/// The force law of one object, with its own material; what all objects can show together is the sum of what each can.
+void add_contact_law(const Kit& kit, const Pointshell& shell, StaticObject& object) {
+  const ContactSpec& material = object.id == 0 ? kit.scene.contact : kit.scene.objects[object.id - 1].contact;
+  const ContactParameters parameters = contact_parameters(material, kit.model, shell, kit.choices.weights);
+  object.renderer.emplace(object.voxmap, shell, kit.model, parameters, object.field ? &*object.field : nullptr);
+  const ContactStiffness contact =
+      contact_stiffness(shell, parameters, object.field ? object.field->steepest_gradient() : 1.0);
+  BuildCounts& counts = kit.counts;
+  counts.shell_bytes += shell_bytes(shell);
+  const auto add = [](const ContactRange& one, ContactRange& sum) {
+    sum.one_point = std::max(sum.one_point, one.one_point);
+    sum.all_points += one.all_points;
+  };
+  add(contact.translation, counts.contact_n_per_m), add(contact.rotation, counts.contact_nm_per_rad);
+}
+
+/// What `needs` asks for round the ground; the shell's points are where the tool is looked at.
+void build_proximity(const Kit& kit, const EffectNeeds& needs, const ObjectMesh& fixed, const Voxmap& voxmap,
+                     const Pointshell& shell, EffectGround& ground) {
+  const Scene& scene = kit.scene;
+  BuildCounts& counts = kit.counts;
+  if (fixed.open == fixed.specs.size())
+    throw std::invalid_argument(fmt::format(
+        "{}: the effect 'proximity' asks for distances to the static meshes of the ground, but {}, and only a closed "
+        "mesh has an outside. Close it or leave the effect out.",
+        scene.file.string(), fixed.specs.empty() ? "all of them belong to objects" : "none of them is closed"));
+  kit.step("distances round the static meshes");
+  ground.tool = spread_tool_points(shell);
+  if (ground.tool.reach_m > needs.lever_m)
+    throw std::invalid_argument(fmt::format(
+        "{}: 'lever_m' of the effect 'proximity' is {:g} m, but the tool reaches {:.4g} m from its origin. Say at least that.",
+        scene.file.string(), needs.lever_m, ground.tool.reach_m));
+  with_hints(counts, [&] {
+    ground.proximity.emplace(fixed.mesh, voxmap, needs.proximity_m, needs.smoothing_m, kit.parallel_for);
+    return true;
+  });
+  counts.proximity_bytes = ground.proximity->bytes() + ground.tool.points.size() * sizeof(ToolPoint);
+  counts.proximity_nodes = ground.proximity->nodes();
+  counts.proximity_m = needs.proximity_m, counts.proximity_smoothing_m = ground.proximity->smoothing_m();
+  counts.tool_points = ground.tool.points.size(), counts.tool_gap_m = ground.tool.gap_m;
+}
+
+}  // namespace
+
+BuiltScene::BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<EffectSpec> effects,
+                       EffectGround ground, Plan plan, double largest_shell_gap_m)
+    : contacts_(std::move(objects)), ground_(std::move(ground)),
+      scene_(contacts_, std::move(effects),
+             {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body}),
+      plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
+
+std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
+                                        const BuildChoices& choices, const Progress& progress) {
+  ContactModelKind kind = ContactModelKind::kAdapted;
+  if (!choices.model && !parse_contact_model(scene.contact.model, kind))
+    throw std::invalid_argument(scene.file.string() + ": there is no contact model '" + scene.contact.model + "'");
+  BuildCounts counts;
+  const Kit kit{scene, parallel_for, choices, progress, choices.model.value_or(kind), counts};
+  std::vector<std::unique_ptr<StaticObject>> objects;
+  std::vector<ObjectMesh> meshes;
+  for (std::uint32_t id = 0; id <= scene.objects.size(); ++id) {
+    kit.step(id == 0 ? "reading the static meshes" : "reading the meshes of '" + scene.objects[id - 1].name + "'");
+    meshes.push_back(import_object(kit, id));
+    if (auto object = build_object(kit, id, meshes.back())) objects.push_back(std::move(object));
+  }
+  counts.objects = objects.size();
+  const Tool tool = build_tool(kit);
+  for (auto& object : objects) add_contact_law(kit, tool.shell, *object);
+  EffectGround ground;
+  ground.body = tool.body;
+  if (const EffectNeeds needs = needs_of(scene.effects); needs.proximity_m > 0.0)
+    build_proximity(kit, needs, meshes.front(), objects.front()->voxmap, tool.shell, ground);
+  return std::make_unique<BuiltScene>(std::move(objects), scene.effects, std::move(ground), make_plan(scene, counts),
+                                      tool.largest_gap);
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,70 @@
+#pragma once
+/// From a scene to something that renders: import, voxmap, pointshell, contact renderer, and the plan that tells of them.
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/rendering/object_contacts.hpp"
+#include "core/rendering/plan.hpp"
+#include "core/rendering/proximity_field.hpp"
+#include "core/scene/scene.hpp"
+#include "core/rendering/scene_renderer.hpp"
+#include "core/types/parallel.hpp"
+
+namespace voxtouch {
+
+/// What effects look up beside the contact; nothing of it is there unless one asks.
+struct EffectGround {
+  std::optional<ProximityField> proximity;
+  ToolPoints tool;
+  std::optional<BodyShape> body;  ///< of the dynamic object, where it moves by itself
+};
+
+/// Everything of one scene in memory. Stays where it is: the renderer points into it.
+class BuiltScene {
+ public:
+  BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<EffectSpec> effects,
+             EffectGround ground, Plan plan, double largest_shell_gap_m);
+  BuiltScene(const BuiltScene&) = delete;
+  BuiltScene& operator=(const BuiltScene&) = delete;
+
+  SceneRenderer& scene_renderer() noexcept { return scene_; }  ///< contact and effects: what the ring runs
+  ObjectContacts& contacts() noexcept { return contacts_; }    ///< contact alone, with all objects
+  ContactRenderer& renderer() noexcept { return *contacts_.object(0).renderer; }  ///< contact with the first object alone
+  const Voxmap& voxmap() const noexcept { return contacts_.object(0).voxmap; }     ///< of the first object
+  /// Of the first object; null where the contact model looks up none.
+  const DistanceField* field() const noexcept {
+    const StaticObject& first = contacts_.object(0);
+    return first.field ? &*first.field : nullptr;
+  }
+  const EffectGround& effect_ground() const noexcept { return ground_; }
+  const Plan& plan() const noexcept { return plan_; }
+  /// Largest distance between shell points of neighbouring surface voxels [m].
+  double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
+
+ private:
+  ObjectContacts contacts_;
+  EffectGround ground_;
+  SceneRenderer scene_;
+  Plan plan_;
+  double largest_shell_gap_m_;
+};
+
+/// Called before each step with a short sentence, for progress.
+using Progress = std::function<void(const std::string&)>;
+
+/// What may be built otherwise than the scene says, to compare.
+struct BuildChoices {
+  std::optional<ContactModelKind> model = {};
+  std::optional<PointWeights> weights = {};  ///< std::invalid_argument where the model does not weigh so
+  std::optional<double> shell_voxel_m = {};  ///< voxel edge that the pointshell is made with, instead of the scene's
+};
+
+/// Reads the scene's meshes and builds what it calls for, and nothing else. Throws MeshError,
+/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for `field` where no static mesh has an inside,
+/// and for effects that ask for distances where no static mesh is closed or for a lever that the tool is longer than.
+std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
+                                        const BuildChoices& choices = {}, const Progress& progress = {});
+
+}  // namespace voxtouch

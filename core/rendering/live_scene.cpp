@@ -1,0 +1,84 @@
+#include "core/rendering/live_scene.hpp"
+
+#include <utility>
+
+namespace voxtouch {
+namespace {
+
+Wrench blend(const Wrench& a, const Wrench& b, double w) noexcept {
+  return {(1.0 - w) * a.force + w * b.force, (1.0 - w) * a.torque + w * b.torque};
+}
+
+/// A sum of both, told by `told`.
+SceneFrame blend(const SceneFrame& a, const SceneFrame& b, double w) noexcept {
+  const auto mix = [w](double x, double y) { return (1.0 - w) * x + w * y; };
+  SceneFrame frame = w < 0.5 ? a : b;
+  const ContactResult &one = a.touch.contact, &two = b.touch.contact;
+  ContactResult& contact = frame.touch.contact;
+  contact.wrench = blend(one.wrench, two.wrench, w);
+  contact.stiffness = (1.0 - w) * one.stiffness + w * two.stiffness;
+  contact.stiffness_bound_n_per_m = mix(one.stiffness_bound_n_per_m, two.stiffness_bound_n_per_m);
+  frame.effects.wrench = blend(a.effects.wrench, b.effects.wrench, w);
+  frame.effects.stiffness = (1.0 - w) * a.effects.stiffness + w * b.effects.stiffness;
+  frame.effects.stiffness_bound_n_per_m = mix(a.effects.stiffness_bound_n_per_m, b.effects.stiffness_bound_n_per_m);
+  frame.effects.potential_j = mix(a.effects.potential_j, b.effects.potential_j);
+  frame.wrench = blend(a.wrench, b.wrench, w);
+  frame.stiffness = (1.0 - w) * a.stiffness + w * b.stiffness;
+  frame.stiffness_bound_n_per_m = mix(a.stiffness_bound_n_per_m, b.stiffness_bound_n_per_m);
+  return frame;
+}
+
+}  // namespace
+
+void LiveScene::advance(double time_s) noexcept {
+  const double step = last_s_ < 0.0 ? SceneRenderer::kDefaultStepS : time_s - last_s_;
+  const bool usual = step >= SceneRenderer::kMinStepS && step <= SceneRenderer::kLongestStepS;
+  weight_ += (usual ? step : SceneRenderer::kDefaultStepS) / kFadeS;
+  if (weight_ > 1.0 - 1e-9) weight_ = 1.0;  // what was lost in rounding is no sample more
+}
+
+SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
+  if (!fading()) {
+    last_s_ = time_s;
+    SceneFrame frame = now_->scene_renderer().render(tool, time_s);
+    supplied_j_ += frame.supplied_energy_j - std::exchange(supplied_now_j_, frame.supplied_energy_j);
+    frame.supplied_energy_j = supplied_j_;
+    return frame;
+  }
+  advance(time_s);
+  last_s_ = time_s;
+  const SceneFrame before = old_->scene_renderer().render(tool, time_s);
+  const SceneFrame after = now_->scene_renderer().render(tool, time_s);
+  dominant_ = weight_ < 0.5 ? old_ : now_;
+  SceneFrame frame = blend(before, after, weight_);
+  // What each of them may have given counts as much as its force.
+  supplied_j_ += (1.0 - weight_) * (before.supplied_energy_j - std::exchange(supplied_old_j_, before.supplied_energy_j)) +
+                 weight_ * (after.supplied_energy_j - std::exchange(supplied_now_j_, after.supplied_energy_j));
+  frame.supplied_energy_j = supplied_j_;
+  if (weight_ >= 1.0) finish();
+  return frame;
+}
+
+void LiveScene::swap_to(BuiltScene& next) noexcept {
+  old_ = std::exchange(now_, &next);
+  supplied_old_j_ = std::exchange(supplied_now_j_, 0.0);
+  weight_ = 0.0;
+}
+
+void LiveScene::finish() noexcept {
+  if (!fading()) return;
+  retired_ = std::exchange(old_, nullptr);
+  dominant_ = now_;
+  weight_ = 1.0;
+}
+
+void LiveScene::reset() noexcept {
+  finish();
+  now_->scene_renderer().reset();
+  last_s_ = -1.0;
+  supplied_j_ = supplied_now_j_ = supplied_old_j_ = 0.0;
+}
+
+BuiltScene* LiveScene::retired() noexcept { return std::exchange(retired_, nullptr); }
+
+}  // namespace voxtouch

@@ -1,0 +1,46 @@
+#pragma once
+/// The scene that runs, and the one that takes its place while a hand is in contact.
+#include "core/rendering/build.hpp"
+
+namespace voxtouch {
+
+/// Renders one scene; after `swap_to`, for kFadeS, the old and the new one, and gives (1 - w) old + w new with w on a straight
+/// line from 0 to 1. Force, torque, stiffness and its bound are all blended so: a convex sum of symmetric positive
+/// semidefinite matrices is one, and the bound stays a bound. Between two samples the blend adds to what each scene does at most
+/// |new - old| dt / kFadeS. What cannot be blended (hits, normal, deepest point, model) is told by the one with more weight.
+///
+/// Owns no scene: whoever gave the old one takes it back from `retired`. Costs twice a frame while it fades. Real-time safe.
+class LiveScene {
+ public:
+  static constexpr double kFadeS = 0.2;
+
+  explicit LiveScene(BuiltScene& first) noexcept : dominant_(&first), now_(&first) {}
+
+  SceneFrame render(const ToolState& tool, double time_s) noexcept;
+  /// Not while one is still fading in.
+  void swap_to(BuiltScene& next) noexcept;
+  bool fading() const noexcept { return old_ != nullptr; }
+  /// Ends a fade at once, where nobody feels it: no session runs.
+  void finish() noexcept;
+  /// Forgets all samples so far, and a fade with them: a new session.
+  void reset() noexcept;
+  /// The scene that is not rendered any more, once; null where there is none.
+  BuiltScene* retired() noexcept;
+
+  EffectChain& effects() noexcept { return now_->scene_renderer().effects(); }  ///< of the newest scene
+  /// The scene that the last frame's hits, normal and model belong to.
+  BuiltScene& dominant() noexcept { return *dominant_; }
+
+ private:
+  void advance(double time_s) noexcept;
+
+  BuiltScene* dominant_;
+  BuiltScene* now_;
+  BuiltScene* old_ = nullptr;  ///< fading out
+  BuiltScene* retired_ = nullptr;
+  double weight_ = 1.0;   ///< of now_
+  double last_s_ = -1.0;  ///< time of the last frame; below 0: none
+  double supplied_j_ = 0.0, supplied_now_j_ = 0.0, supplied_old_j_ = 0.0;  ///< told to the hand; by each scene so far
+};
+
+}  // namespace voxtouch

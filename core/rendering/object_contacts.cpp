@@ -1,0 +1,122 @@
+#include "core/rendering/object_contacts.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace voxtouch {
+namespace {
+
+/// Sum of the colliding points' normals over their number; what `coherence` and `mean_normal` are made of.
+Vec3 normal_sum(const ContactResult& c) noexcept { return (c.coherence * c.surface_hits) * c.mean_normal; }
+
+Pose moved_back(const Pose& tool, const Vec3& shift) noexcept { return {tool.position - shift, tool.orientation}; }
+
+}  // namespace
+
+void add_contact(const ContactResult& other, ContactResult& sum) noexcept {
+  const Vec3 normals = normal_sum(sum) + normal_sum(other);
+  sum.wrench.force += other.wrench.force, sum.wrench.torque += other.wrench.torque;
+  sum.surface_hits += other.surface_hits, sum.interior_hits += other.interior_hits;
+  const double length = normals.norm();
+  sum.coherence = sum.surface_hits > 0 ? length / sum.surface_hits : 0.0;
+  sum.mean_normal = length > 0.0 ? Vec3(normals / length) : Vec3::Zero();
+  if (other.deepest_depth_m > sum.deepest_depth_m) {
+    sum.deepest_depth_m = other.deepest_depth_m;
+    sum.deepest_point = other.deepest_point;
+  }
+  sum.stiffness_bound_n_per_m += other.stiffness_bound_n_per_m;
+  sum.stiffness += other.stiffness;
+  sum.fallback |= other.fallback, sum.saturated |= other.saturated;
+  if (sum.pose_status == PoseStatus::kUsable) sum.pose_status = other.pose_status;
+  sum.points_tested += other.points_tested;
+}
+
+ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> objects) : objects_(std::move(objects)) {
+  if (objects_.empty() || objects_.size() > kMaxObjects)
+    throw std::invalid_argument(
+        fmt::format("a scene has 1 to {} static objects, not {}", kMaxObjects, objects_.size()));
+  for (const auto& object : objects_) {
+    moves_ = moves_ || object->moves;
+    parts_.push_back({.object = object->id, .contact = nullptr, .twist = {}});
+  }
+  if (objects_.size() == 1 && !moves_) {
+    alone_ = &*objects_[0]->renderer;
+    return;
+  }
+  results_.resize(objects_.size());
+  for (std::size_t n = 0; n < objects_.size(); ++n) parts_[n].contact = &results_[n];
+}
+
+StageResult ObjectContacts::render_all(const Pose& tool, double time_s) noexcept {
+  StageResult all;
+  power_w_ = 0.0;
+  for (std::size_t n = 0; n < objects_.size(); ++n) {
+    StaticObject& object = *objects_[n];
+    const MotionPoint at = object.moves ? motion_at(*object.moves, time_s) : MotionPoint{};
+    StageResult one = object.renderer->render(object.moves ? moved_back(tool, at.position) : tool);
+    if (one.contact.deepest_depth_m > 0.0) one.contact.deepest_point += at.position;
+    results_[n] = one.contact;
+    parts_[n].twist.linear = at.velocity;
+    power_w_ += one.contact.wrench.force.dot(at.velocity);
+    if (n == 0) {
+      all = one;
+    } else {
+      add_contact(one.contact, all.contact);
+      all.held |= one.held, all.fast |= one.fast;
+      all.crossed |= one.crossed, all.missed |= one.missed;
+    }
+  }
+  if (all.contact.pose_status != PoseStatus::kUsable && objects_.size() > 1) {
+    const PoseStatus why = all.contact.pose_status;
+    all = {};
+    all.contact.pose_status = why;
+    power_w_ = 0.0;
+    for (std::size_t n = 0; n < objects_.size(); ++n) results_[n] = all.contact;
+  }
+  return all;
+}
+
+void ObjectContacts::reset() noexcept {
+  for (auto& object : objects_) object->renderer->reset();
+  power_w_ = 0.0;
+}
+
+ContactResult ObjectContacts::probe(const Pose& tool, double time_s) noexcept {
+  ContactResult sum;
+  for (std::size_t n = 0; n < objects_.size(); ++n) {
+    StaticObject& object = *objects_[n];
+    const Vec3 shift = object.moves ? motion_at(*object.moves, time_s).position : Vec3::Zero();
+    ContactResult one = object.renderer->probe(object.moves ? moved_back(tool, shift) : tool);
+    if (one.deepest_depth_m > 0.0) one.deepest_point += shift;
+    if (n == 0) {
+      sum = one;
+    } else {
+      add_contact(one, sum);
+    }
+  }
+  return sum;
+}
+
+ContactResult ObjectContacts::probe(const Pose& tool, std::vector<std::uint32_t>& surface_ids) {
+  surface_ids.clear();
+  std::vector<std::uint32_t> of_one;
+  ContactResult sum;
+  for (std::size_t n = 0; n < objects_.size(); ++n) {
+    StaticObject& object = *objects_[n];
+    const Vec3 shift = object.moves ? motion_at(*object.moves, 0.0).position : Vec3::Zero();
+    const ContactResult one = object.renderer->probe(object.moves ? moved_back(tool, shift) : tool, of_one);
+    surface_ids.insert(surface_ids.end(), of_one.begin(), of_one.end());
+    if (n == 0) {
+      sum = one;
+    } else {
+      add_contact(one, sum);
+    }
+  }
+  std::sort(surface_ids.begin(), surface_ids.end());
+  surface_ids.erase(std::unique(surface_ids.begin(), surface_ids.end()), surface_ids.end());
+  return sum;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,242 @@
+#include "core/rendering/plan.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/contact/limits.hpp"
+#include "core/coupling/coupling_spec.hpp"
+
+namespace voxtouch {
+namespace {
+
+/// A body this thick keeps pushing back more the deeper a tool goes, down to ten voxels.
+constexpr double kThickVoxels = 25.0;
+
+std::string counted(std::uint64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+
+std::string law_sentence(const CouplingSpec& c) {
+  if (c.kind == "shaping_filter")
+    return fmt::format("Coupling: shaping filter, w0/(2 pi) = {:g} Hz, damping ratio {:g}, gain {:g}; it lags by {:.3g} ms.",
+                       c.cutoff_hz, c.damping_ratio, c.gain, 1e3 * lag_s(c));
+  if (c.kind == "spring_damper")
+    return fmt::format("Coupling: spring-damper of {:g} N/m and {:g} Ns/m to a massless object.", c.stiffness_n_per_m,
+                       c.damping_ns_per_m);
+  return "Coupling: none; the contact goes straight to the device.";
+}
+
+std::string coupling_sentence(const CouplingSpec& c) {
+  std::string text = law_sentence(c);
+  if (std::isfinite(c.stiffness_cap_n_per_m))
+    text += fmt::format(" The contact's stiffness is capped at {:g} N/m.", c.stiffness_cap_n_per_m);
+  if (std::isfinite(c.stiffness_cap_nm_per_rad))
+    text += fmt::format(" The contact's stiffness against rotation is capped at {:g} Nm/rad.", c.stiffness_cap_nm_per_rad);
+  if (c.injected_damping_ns_per_m > 0.0 || c.injected_damping_nms_per_rad > 0.0)
+    text += fmt::format(" In contact it damps with {:g} Ns/m and {:g} Nms/rad.", c.injected_damping_ns_per_m,
+                        c.injected_damping_nms_per_rad);
+  return text;
+}
+
+std::string design_sentence(const DesignOptions& ask) {
+  std::string text = fmt::format("Coupling: designed when the device is known; kind {}, ", ask.kind);
+  if (ask.kind == "auto" || ask.kind == "shaping_filter") text += fmt::format("wished cut-off {:g} Hz, ", ask.cutoff_hz);
+  text += fmt::format("gain margin {:g}, hand: {}, {}", ask.gain_margin, name_of(ask.hand),
+                      ask.released ? "and it may be let go" : "but it is never let go");
+  if (ask.stiffness_cap_n_per_m) text += fmt::format(", stiffness capped at {:g} N/m", *ask.stiffness_cap_n_per_m);
+  if (ask.stiffness_cap_nm_per_rad) text += fmt::format(", capped at {:g} Nm/rad", *ask.stiffness_cap_nm_per_rad);
+  if (!ask.inject_damping) text += ", no injected damping";
+  return text + ".";
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
+std::string needs_text(const EffectNeeds& needs) {
+  std::vector<std::string> parts;
+  if (needs.contact) parts.push_back("the contact");
+  if (needs.twist) parts.push_back("the tool's velocity");
+  if (needs.orientation) parts.push_back("the tool's orientation");
+  if (needs.proximity_m > 0.0) parts.push_back(fmt::format("distances out to {:g} m", needs.proximity_m));
+  return parts.empty() ? "nothing but the tool's position" : joined(parts);
+}
+
+std::string bound_text(const EffectBound& bound) {
+  std::vector<std::string> parts;
+  if (bound.stiffness_n_per_m > 0.0) parts.push_back(fmt::format("{:.4g} N/m", bound.stiffness_n_per_m));
+  if (bound.stiffness_nm_per_rad > 0.0) parts.push_back(fmt::format("{:.4g} Nm/rad", bound.stiffness_nm_per_rad));
+  if (bound.damping_ns_per_m > 0.0) parts.push_back(fmt::format("{:.4g} Ns/m", bound.damping_ns_per_m));
+  if (bound.damping_nms_per_rad > 0.0) parts.push_back(fmt::format("{:.4g} Nms/rad", bound.damping_nms_per_rad));
+  if (std::isfinite(bound.force_n)) parts.push_back(fmt::format("{:.4g} N", bound.force_n));
+  return parts.empty() ? "" : " At most " + joined(parts) + ".";
+}
+
+std::string effect_sentence(const EffectSpec& effect) {
+  const std::string title = effect.name == effect.kind->name
+                                ? fmt::format("Effect '{}'", effect.name)
+                                : fmt::format("Effect '{}' ({})", effect.name, effect.kind->name);
+  return fmt::format("{}: {} Needs {}.{}{}", title, effect.kind->says, needs_text(effect.kind->needs(effect.values)),
+                     bound_text(bound_of(effect)), effect.on ? "" : " Switched off at the start.");
+}
+
+std::string absent_effects(const Scene& scene) {
+  std::vector<std::string> absent;
+  for (const EffectKind* kind : effect_kinds())
+    if (std::none_of(scene.effects.begin(), scene.effects.end(), [&](const EffectSpec& e) { return e.kind == kind; }))
+      absent.emplace_back(kind->name);
+  return joined(absent);
+}
+
+void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
+  const std::size_t meshes = scene.static_meshes.size();
+  plan.built.push_back(fmt::format("Voxmap of {} ({}) at {:g} m: {}, {}, {}; every contact model asks it.",
+                                   counted(meshes, "static mesh", "static meshes"),
+                                   counted(n.static_triangles, "triangle", "triangles"), scene.voxel_size_m,
+                                   counted(n.surface_voxels, "surface voxel", "surface voxels"),
+                                   counted(n.interior_voxels, "interior voxel", "interior voxels"), bytes_text(n.voxmap_bytes)));
+  if (n.field_bytes > 0)
+    plan.built.push_back(fmt::format(
+        "Signed distance field to {:g} mm inside: {} of 4 bytes, {} ({:.3g} bytes a surface or interior voxel); the "
+        "contact model 'field' asks it.",
+        1e3 * n.field_depth_m, counted(n.field_nodes, "node", "nodes"), bytes_text(n.field_bytes),
+        static_cast<double>(n.field_bytes) /
+            static_cast<double>(std::max<std::uint64_t>(1, n.surface_voxels + n.interior_voxels))));
+  if (n.proximity_bytes > 0)
+    plan.built.push_back(fmt::format(
+        "Distances round the static meshes out to {:g} mm, smoothed over {:g} mm: {} of 4 bytes, {}; effects look them up "
+        "for {} of the tool a frame ({:.1f} us at most), from which no point of its shell is farther than {:.2g} mm.",
+        1e3 * n.proximity_m, 1e3 * n.proximity_smoothing_m, counted(n.proximity_nodes, "node", "nodes"),
+        bytes_text(n.proximity_bytes), counted(n.tool_points, "point", "points"),
+        1e-3 * kNsPerProximityPoint * static_cast<double>(n.tool_points), 1e3 * n.tool_gap_m));
+  plan.built.push_back(fmt::format("{} pointshell of the dynamic mesh ({}): {}, {}; the scene asks for shell: {}.",
+                                   scene.shell == ShellKind::kExact ? "Exact" : "Naive",
+                                   counted(n.dynamic_triangles, "triangle", "triangles"),
+                                   counted(n.shell_points, "point", "points"), bytes_text(n.shell_bytes),
+                                   scene.shell == ShellKind::kExact ? "exact" : "naive"));
+  plan.built.push_back(scene.contact.stiffness_n_per_m3 > 0.0
+                           ? fmt::format("Contact model '{}' with {:g} N/m^3, shell points weighed by their area.",
+                                         scene.contact.model, scene.contact.stiffness_n_per_m3)
+                           : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
+                                         scene.contact.stiffness_n_per_m));
+  plan.built.push_back(fmt::format(
+      "Fast motion: no wall is crossed unseen up to {:.3g} mm a sample ({:.3g} m/s at 1 kHz); beyond half a voxel, {:.3g} m/s, a "
+      "frame costs up to {} times as much. What is faster is flagged.",
+      1e3 * plan.swept_m, 1e3 * plan.swept_m, 1e3 * contact_limits::kFastEdges * scene.voxel_size_m,
+      contact_limits::kMaxSubPoses + 2));
+  plan.built.push_back(fmt::format("{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin "
+                                   "by one point, {:.6g} N/m and {:.6g} Nm/rad {}.",
+                                   needs_of(scene.effects).body ? "Stiffness of the grip on the body" : "Contact stiffness",
+                                   plan.contact_n_per_m.one_point, plan.contact_nm_per_rad.one_point,
+                                   plan.contact_n_per_m.all_points, plan.contact_nm_per_rad.all_points,
+                                   scene.effects.empty() ? "by all points" : "by all that may push at once"));
+  plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
+  for (const EffectSpec& effect : scene.effects) plan.built.push_back(effect_sentence(effect));
+  std::size_t parts = 0;
+  for (const MeshSpec& mesh : scene.static_meshes) parts += mesh.primitives.size();
+  parts += scene.dynamic_mesh.primitives.size();
+  if (parts > 0)
+    plan.built.push_back(fmt::format("Reference from {} for the validator.", counted(parts, "closed form", "closed forms")));
+}
+
+void say_left_out(const Scene& scene, const BuildCounts& n, Plan& plan) {
+  if (n.field_bytes == 0)
+    plan.left_out.push_back("Signed distance field: only the contact model 'field' would ask for it.");
+  const EffectNeeds needs = needs_of(scene.effects);
+  if (!(needs.proximity_m > 0.0)) plan.left_out.push_back("Distances outside the surface: no effect asks for them.");
+  if (!needs.twist) plan.left_out.push_back("The tool's velocity: no effect asks for it.");
+  if (const std::string absent = absent_effects(scene); !absent.empty())
+    plan.left_out.push_back(fmt::format("Effects that the scene does not name: {}.", absent));
+  if (n.interior_voxels == 0)
+    plan.left_out.push_back(n.closed ? "Interior: no voxel lies wholly inside at this voxel size."
+                                     : "Interior: a static mesh is open and so has none.");
+  if (!scene.device.clutch_button) plan.left_out.push_back("Clutch: the scene names no button.");
+}
+
+void say_field_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
+  for (const std::string& mesh : n.open_meshes)
+    plan.warnings.push_back(fmt::format(
+        "{}: the mesh is open. What of it is not closed has no inside, and the contact model 'field' gives no force there.", mesh));
+  if (n.thinnest_m < kThickVoxels * scene.voxel_size_m)
+    plan.warnings.push_back(fmt::format(
+        "{}: the thinnest wall is about {:.3g} mm ({:.3g} voxels; {:g} are asked for). There the push of 'field' grows down to "
+        "{:.3g} mm only, and a tool pushed deeper comes out on the other side.",
+        n.thinnest_mesh, 1e3 * n.thinnest_m, n.thinnest_m / scene.voxel_size_m, kThickVoxels, 0.5e3 * n.thinnest_m));
+}
+
+void say_proximity_warnings(const BuildCounts& n, Plan& plan) {
+  for (const std::string& mesh : n.open_meshes)
+    plan.warnings.push_back(fmt::format(
+        "{}: the mesh is open. What of it is not closed has no outside, and no effect feels it from a distance.", mesh));
+}
+
+void say_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
+  plan.warnings = scene.warnings;
+  plan.warnings.insert(plan.warnings.end(), n.mesh_warnings.begin(), n.mesh_warnings.end());
+  if (n.surface_voxels == 0) plan.warnings.push_back("The voxmap is empty: nothing can be touched.");
+  if (n.shell_points == 0) plan.warnings.push_back("The pointshell is empty: nothing can touch.");
+  if (n.field_bytes > 0) say_field_warnings(scene, n, plan);
+  if (n.proximity_bytes > 0) say_proximity_warnings(n, plan);
+  if (plan.expected_ns_per_frame > 1e6)
+    plan.warnings.push_back(fmt::format("A frame with every point looked up takes about {:.1f} ms, longer than a period of 1 ms.",
+                                        plan.expected_ns_per_frame / 1e6));
+}
+
+}  // namespace
+
+std::string bytes_text(std::uint64_t bytes) {
+  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
+  if (bytes < 10'000'000) return fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1e3);
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const EffectSpec> effects) {
+  StiffnessBounds bounds = contact;
+  for (const EffectSpec& effect : effects) {
+    const EffectBound bound = bound_of(effect);
+    if (effect.kind->needs(effect.values).body)
+      return {{bound.stiffness_n_per_m, bound.stiffness_n_per_m}, {bound.stiffness_nm_per_rad, bound.stiffness_nm_per_rad}};
+    bounds.translation.all_points += bound.stiffness_n_per_m;
+    bounds.rotation.all_points += bound.stiffness_nm_per_rad;
+  }
+  return bounds;
+}
+
+Plan make_plan(const Scene& scene, const BuildCounts& counts) {
+  Plan plan;
+  plan.scene = scene.name, plan.scene_hash = scene.hash, plan.contact_model = scene.contact.model;
+  plan.voxel_size_m = scene.voxel_size_m;
+  plan.swept_m = contact_limits::kMaxSubPoses * contact_limits::kSubStepEdges * scene.voxel_size_m;
+  plan.shell_points = counts.shell_points;
+  plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
+  plan.of_contact_alone = {counts.contact_n_per_m, counts.contact_nm_per_rad};
+  const StiffnessBounds bounds = with_effects(plan.of_contact_alone, scene.effects);
+  plan.contact_n_per_m = bounds.translation, plan.contact_nm_per_rad = bounds.rotation;
+  plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes + counts.proximity_bytes;
+  plan.parts = plan_parts(scene, counts);
+  for (const PlanPart& part : plan.parts)
+    if (part.node == "rendering") plan.expected_ns_per_frame += part.expected_ns;
+  say_built(scene, counts, plan);
+  say_left_out(scene, counts, plan);
+  say_warnings(scene, counts, plan);
+  return plan;
+}
+
+std::string to_text(const Plan& plan) {
+  std::string text = fmt::format("Scene {} ({})\n", plan.scene, plan.scene_hash);
+  const auto section = [&](const char* title, const std::vector<std::string>& lines) {
+    if (lines.empty()) return;
+    text += fmt::format("{}:\n", title);
+    for (const std::string& line : lines) text += fmt::format("  - {}\n", line);
+  };
+  section("Built", plan.built);
+  section("Left out", plan.left_out);
+  section("Warnings", plan.warnings);
+  text += fmt::format("Memory: {}. Expected: at most about {:.1f} us a frame.\n", bytes_text(plan.bytes),
+                      plan.expected_ns_per_frame / 1e3);
+  return text;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,100 @@
+// What the frames of a scene are made of, each with what calls for it and what it costs at most.
+#include <fmt/core.h>
+
+#include "core/contact/contact_model.hpp"
+#include "core/contact/sphere_tree.hpp"
+#include "core/rendering/plan.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr const char* kRendering = "rendering";
+/// What the stage behind the contact model remembers of a point: its depth, when that was, and which way it pushed; now, and where
+/// a fast motion met a wall. `clustered` and `field` remember nothing.
+std::uint64_t stage_bytes_per_point(std::string_view contact_model) {
+  return contact_model == "original" || contact_model == "adapted" ? 48 : 0;
+}
+
+std::uint64_t tree_bytes(std::uint64_t points) {
+  std::uint64_t nodes = 0;
+  for (std::uint64_t level = (points + SphereTree::kLeafPoints - 1) / SphereTree::kLeafPoints; level > 0;
+       level = level > 1 ? (level + SphereTree::kFanOut - 1) / SphereTree::kFanOut : 0)
+    nodes += level;
+  return nodes * sizeof(SphereTree::Sphere);
+}
+
+PlanPart effect_part(const EffectSpec& effect, const BuildCounts& n) {
+  const std::uint64_t numbers = 3 * effect.values.size() * sizeof(std::array<double, 3>);  // goal, now, rate
+  return {.name = "effect " + effect.name,
+          .node = kRendering,
+          .why = fmt::format("The scene's list of effects names '{}'{}.", effect.kind->name,
+                             effect.on ? "" : "; it is off at the start, ready to be switched on"),
+          .bytes = numbers,
+          .expected_ns = expected_ns(effect, n.tool_points)};
+}
+
+PlanPart coupling_part(const Scene& scene) {
+  return {.name = "coupling",
+          .node = "coupling",
+          .why = scene.design ? "The scene asks for a coupling that is designed for its device."
+                 : scene.coupling.kind == "direct"
+                     ? "The contact goes straight to the device; limits and the energy observer are kept all the same."
+                     : fmt::format("The scene sets a {} by hand.",
+                                   scene.coupling.kind == "spring_damper" ? "spring-damper" : "shaping filter"),
+          .expected_ns = kNsPerCoupling};
+}
+
+}  // namespace
+
+double ns_per_contact_point(std::string_view contact_model) noexcept {
+  return contact_model == "field"       ? kNsPerFieldPoint
+         : contact_model == "clustered" ? kNsPerClusteredPoint
+                                        : kNsPerPlainPoint;
+}
+
+double expected_ns(const EffectSpec& effect, std::uint64_t tool_points) noexcept {
+  if (!effect.on) return kNsPerEffectOff;
+  const bool looks_round = effect.kind->needs(effect.values).proximity_m > 0.0;
+  return kNsPerEffect + effect.kind->expected_ns +
+         (looks_round ? kNsPerProximityPoint * static_cast<double>(tool_points) : 0.0);
+}
+
+std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& n) {
+  const double points = static_cast<double>(n.objects * n.shell_points);  // each object is asked for all of them
+  std::vector<PlanPart> parts;
+  parts.push_back(
+      {.name = "voxmap",
+       .node = kRendering,
+       .why = "Every contact model asks it where the static objects are; asking is counted with the pointshell.",
+       .bytes = n.voxmap_bytes});
+  if (n.field_bytes > 0)
+    parts.push_back({.name = "distance field",
+                     .node = kRendering,
+                     .why = "The contact model 'field' reads depth and direction from it; reading is counted with the model.",
+                     .bytes = n.field_bytes});
+  if (n.proximity_bytes > 0)
+    parts.push_back({.name = "distances round",
+                     .node = kRendering,
+                     .why = "The effect 'proximity' looks them up for points of the tool; that is counted with the effect.",
+                     .bytes = n.proximity_bytes});
+  parts.push_back({.name = "pointshell",
+                   .node = kRendering,
+                   .why = "The tool touches with its points; at most all of them are turned and looked up.",
+                   .bytes = n.shell_bytes,
+                   .expected_ns = kNsPerPoint * points});
+  parts.push_back({.name = "culling tree",
+                   .node = kRendering,
+                   .why = "Leaves out the points that are far from everything; it only lowers the pointshell's share.",
+                   .bytes = tree_bytes(n.shell_points)});
+  parts.push_back(
+      {.name = "contact model " + scene.contact.model,
+       .node = kRendering,
+       .why = "The scene's contact section names it; with it goes the memory of points that have gone through.",
+       .bytes = n.shell_points * (2 * sizeof(Hit) + stage_bytes_per_point(scene.contact.model)),
+       .expected_ns = kNsPerFrame + ns_per_contact_point(scene.contact.model) * points});
+  for (const EffectSpec& effect : scene.effects) parts.push_back(effect_part(effect, n));
+  parts.push_back(coupling_part(scene));
+  return parts;
+}
+
+}  // namespace voxtouch

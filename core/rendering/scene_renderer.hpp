@@ -1,0 +1,77 @@
+#pragma once
+/// One sample of the whole scene: contact, then the effects that the scene lists, then their sum.
+#include <optional>
+#include <span>
+
+#include "core/effects/effect_chain.hpp"
+#include "core/effects/rigid_body.hpp"
+#include "core/rendering/device_mapping.hpp"
+#include "core/rendering/object_contacts.hpp"
+
+namespace voxtouch {
+
+/// W axes. Without a body all of it is about the tool's origin, which is the object's; with one, `touch` and `effects` act on
+/// the body, about its origin, and `wrench` and the stiffness are the grip's, about the tool's.
+struct SceneFrame {
+  Pose object;         ///< where the dynamic object was when the contact was found: the tool, or the body
+  StageResult touch;   ///< contact alone
+  EffectPush effects;  ///< effects alone; all zero where the scene lists none
+  Wrench wrench;       ///< for the hand: the sum of both, or the grip
+  Mat6 stiffness = Mat6::Zero();
+  double stiffness_bound_n_per_m = 0.0;
+  /// What the hand may have been given since the session began, by potentials that fell, moving objects, effects that are
+  /// bounded by the way, or the body's weight and speed [J].
+  double supplied_energy_j = 0.0;
+};
+
+/// What effects look up, where one asks for it.
+struct SceneSurroundings {
+  const Proximity* proximity = nullptr;
+  std::span<const ToolPoint> tool_points = {};
+  std::optional<BodyShape> body = {};  ///< of the dynamic object, for scenes with the effect of that name
+};
+
+/// One thread at a time. `contact` and what `surroundings` points to must outlive it.
+class SceneRenderer {
+ public:
+  /// Time steps that effects are given lie within these: a first sample, or one after a gap, counts as one of `kDefaultStepS`.
+  static constexpr double kDefaultStepS = 0.001, kMinStepS = 1e-5, kLongestStepS = 0.05;
+
+  /// std::invalid_argument where a body's shape is missing.
+  SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> effects, const SceneSurroundings& surroundings = {});
+
+  /// `time_s` counts from the session's begin. A pose that cannot be looked up gives no force from anything. Real-time safe.
+  SceneFrame render(const ToolState& tool, double time_s) noexcept;
+  /// Forgets all samples so far.
+  void reset() noexcept;
+
+  /// What the effects are given for a sample `step_s` after the last one; points into `contacts`. Real-time safe.
+  EffectFrame look(const ToolState& object, double step_s, double time_s,
+                   std::span<const ObjectContact> contacts) const noexcept;
+
+  EffectChain& effects() noexcept { return effects_; }
+  const EffectChain& effects() const noexcept { return effects_; }
+
+ private:
+  struct BodyPart {
+    RigidBody body;
+    std::size_t effect = 0;  ///< place in the chain
+  };
+  double step_to(double time_s) noexcept;
+  const Pose& object_pose(const Pose& tool) const noexcept;
+  void add_rest(const ToolState& tool, double time_s, SceneFrame& frame) noexcept;
+  void add_effects(const ToolState& object, double time_s, double dt_s, SceneFrame& frame) noexcept;
+  void supply(const Pose& object, double dt_s, SceneFrame& frame) noexcept;
+  void move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept;
+
+  ObjectContacts& contact_;
+  EffectChain effects_;
+  SceneSurroundings surroundings_;
+  bool has_effects_or_motion_;  ///< than contact with what rests
+  std::optional<BodyPart> body_;
+  std::optional<double> last_s_, potential_j_;
+  std::optional<Vec3> last_position_;
+  double supplied_j_ = 0.0;
+};
+
+}  // namespace voxtouch

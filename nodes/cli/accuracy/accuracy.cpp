@@ -1,0 +1,205 @@
+#include <time.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <memory>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/accuracy/accuracy.hpp"
+#include "core/accuracy/advice.hpp"
+#include "core/scene/scene_file.hpp"
+#include "nodes/cli/accuracy/accuracy_choice.hpp"
+#include "nodes/cli/accuracy/accuracy_report.hpp"
+#include "nodes/cli/output_file.hpp"
+#include "nodes/cli/plot_tool.hpp"
+#include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
+#include "nodes/runtime/options.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+struct AccuracyVerb {
+  std::filesystem::path scene, plot, csv;
+  AccuracyChoice ask;
+  AccuracyWish wish;
+  std::uint64_t seed = 1;
+  std::uint32_t contacts = 200;
+  double depth_edges = 0.5;
+  bool json = false;
+};
+
+constexpr const char* kDescription =
+    "What accuracy costs in time: every contact model at every voxel size and shell density asked for, measured on "
+    "the\n"
+    "same random contacts of the scene against the reference (closed forms or the exact mesh), with the time of a "
+    "frame.\n"
+    "A table, one sentence of advice, and on demand JSON, CSV and a picture.";
+
+constexpr const char* kFooter =
+    "How it is measured: the tool is brought into contact with the wall in --contacts random places and attitudes, "
+    "each\n"
+    "--depth-edges voxel edges deep, and the force of each setting is held beside the reference's.\n"
+    "\n"
+    "What the figures mean\n"
+    "  direction  angle between the force and the true one [deg], median and 95th percentile. A person feels it as a "
+    "wall\n"
+    "             that is tilted or that grates when slid over\n"
+    "  noise      scatter (standard deviation over mean) of the force's magnitude beside the true one: a wall that "
+    "ripples\n"
+    "  torque     error of the torque over the force: by how much the force seems to act beside its true line [mm]\n"
+    "  onset      gap at which the force begins: > 0 before the wall is touched, < 0 inside it [mm]\n"
+    "  time       CPU time of one frame [us]; a 1 kHz loop has 1000 for everything\n"
+    "  memory     voxmap, pointshell, distance field; build: CPU time from the meshes to the first frame [s]\n"
+    "\n"
+    "Where to look: rows marked * are on the Pareto front, all others are beaten by one of them in time and in "
+    "direction.\n"
+    "Settings that point within 0.001 deg count as equal. Times are of this machine and of what else runs on it: "
+    "compare\n"
+    "their ratios. Halving e makes about four times the points.\n"
+    "\n"
+    "Exit status 0; 1 where the wish is not met by any setting or nothing could be measured.\n"
+    "\n"
+    "Examples\n"
+    "  voxtouch accuracy deploy/scenes/cup.yaml --plot accuracy.png             what there is to choose from\n"
+    "  voxtouch accuracy deploy/scenes/cup.yaml --want-direction-deg 1          the cheapest that points within 1 deg\n"
+    "  voxtouch accuracy deploy/scenes/cup.yaml --within-us 200                 the most accurate within 200 us\n"
+    "  voxtouch accuracy deploy/scenes/plane.yaml --models adapted,field --voxel-sizes 0.004,0.002 --shell-densities "
+    "1,2";
+
+double thread_cpu_s() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Share and what is measured now, on standard error: one line that is written over on a terminal, else a line for each new step.
+class ProgressLine {
+ public:
+  void show(const std::string& what, double share) {
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
+    const std::string line = fmt::format("[{:3.0f} %] {:4.0f} s  {}", 100.0 * share, passed.count(), what);
+    if (terminal_)
+      tell("\r{:<{}}", line, width_);
+    else if (what != last_)
+      tell("{}\n", line);
+    width_ = line.size();
+    last_ = what;
+  }
+  /// Leaves the line as it is; what follows starts on a new one.
+  void end() const {
+    if (terminal_ && width_ > 0) tell("\n");
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+  std::size_t width_ = 0;
+  std::string last_;
+};
+
+AccuracyReport measure(const AccuracyVerb& o) {
+  o.wish.validate();
+  const Scene scene = load_scene(o.scene);
+  for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
+  const std::vector<AccuracySetting> settings = settings_of(o.ask, scene.voxel_size_m);
+  AccuracyReport report;
+  report.scene = scene.name;
+  report.scene_hash = scene.hash;
+  report.scene_voxel_m = scene.voxel_size_m;
+  report.seed = o.seed, report.contacts = o.contacts, report.depth_edges = o.depth_edges;
+  report.wish = o.wish;
+  report.machine = this_machine();
+  report.load_before = load_average();
+
+  ProgressLine line;
+  AccuracyOptions options;
+  options.seed = o.seed, options.contacts = o.contacts, options.depth_edges = o.depth_edges;
+  options.cpu_time_s = thread_cpu_s;
+  options.progress = [&](const std::string& what, double share) { line.show(what, share); };
+  tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
+  report.rows = measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
+  line.end();
+  report.load_after = load_average();
+  report.advice = advise(report.rows, o.wish);
+  return report;
+}
+
+int show(const AccuracyVerb& o, const AccuracyReport& report, OutputFile* csv) {
+  const std::string json = to_json(report).dump(2);
+  print_result("{}", o.json ? json + "\n" : to_text(report));
+  if (csv) {
+    csv->keep(to_csv(report));
+    tell("{} holds the table\n", o.csv.string());
+  }
+  if (!o.plot.empty()) tell("{}\n", draw_picture("accuracy", json, o.plot));
+  return !report.advice.front.empty() && report.advice.met.value_or(true) ? 0 : 1;
+}
+
+int run(const AccuracyVerb& o) {
+  std::unique_ptr<OutputFile> csv;
+  AccuracyReport report;
+  try {
+    if (!o.plot.empty()) check_picture(o.plot);
+    if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
+    report = measure(o);
+  } catch (const std::exception& error) {
+    if (o.json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+    throw;
+  }
+  return show(o, report, csv.get());  // outside: what was measured is on stdout, and stays the only object there
+}
+
+/// One word after the option, split at its commas: what follows may be the scene.
+template <class T>
+CLI::Option* add_list(CLI::App& verb, const char* name, std::vector<T>& list, const char* help) {
+  return verb.add_option(name, list, help)->delimiter(',')->allow_extra_args(false);
+}
+
+void add_wishes(CLI::App& verb, AccuracyWish& wish) {
+  constexpr const char* kGroup = "What you want (errors, all of which must be kept, or a time)";
+  const auto add = [&](const char* name, std::optional<double>& value, const char* help) {
+    verb.add_option(name, value, help)->group(kGroup);
+  };
+  add("--want-direction-deg", wish.direction_deg,
+      "Names the cheapest setting whose median direction error is at most this");
+  add("--want-noise", wish.noise, "... whose magnitude noise is at most this, 0.01 for 1 %");
+  add("--want-torque-m", wish.torque_m, "... whose median torque error, as a lever arm, is at most this [m]");
+  add("--want-onset-m", wish.onset_m, "... whose median onset is at most this far from the wall, either way [m]");
+  add("--within-us", wish.within_us,
+      "Names the setting with the least direction error whose median frame stays within this");
+}
+
+}  // namespace
+
+void add_accuracy(CLI::App& app, Action& action) {
+  auto o = std::make_shared<AccuracyVerb>();
+  CLI::App* verb = app.add_subcommand("accuracy", kDescription);
+  verb->footer(kFooter);
+  verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
+  add_list(*verb, "--models", o->ask.models, "original,adapted,clustered,field; default: all");
+  add_list(*verb, "--weights", o->ask.weights,
+           "one,area: what a shell point counts; default: both. clustered and field know area only");
+  add_list(*verb, "--voxel-sizes", o->ask.voxel_sizes_m,
+           "Voxel edges e of the static map [m]; default: the scene's own times 2, 1 and 1/2");
+  add_list(*verb, "--shell-densities", o->ask.shell_densities,
+           "The shell is made with voxels of e / density, so 2 makes about four times the points; default: 1");
+  verb->add_option("--contacts", o->contacts, "Contact poses, the same for every setting")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
+  verb->add_option("--depth-edges", o->depth_edges, "How deep each contact is, in e of the setting")
+      ->capture_default_str()
+      ->check(runtime::require_positive)  // a range lets NaN through
+      ->check(CLI::Range(1e-3, 20.0));
+  verb->add_option("--seed", o->seed, "Chooses the contact poses")->capture_default_str()->check(runtime::require_whole);
+  add_wishes(*verb, o->wish);
+  verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
+  verb->add_option("--csv", o->csv, "Writes the table as CSV");
+  verb->add_option("--plot", o->plot, "Draws direction error and noise over time, with the Pareto front, as .png, .svg or .pdf");
+  verb->callback([o, &action] { action = [o] { return run(*o); }; });
+}
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,89 @@
+#include "nodes/cli/accuracy/accuracy_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace voxtouch::cli {
+namespace {
+
+template <class T>
+void add_once(std::vector<T>& list, const T& value) {
+  if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
+}
+
+std::vector<ContactModelKind> models_of(const AccuracyChoice& ask) {
+  std::vector<ContactModelKind> out;
+  for (const std::string& word : ask.models) {
+    ContactModelKind kind{};
+    if (!parse_contact_model(word, kind))
+      throw std::invalid_argument(fmt::format(
+          "--models: there is no contact model '{}'; known are original, adapted, clustered and field", word));
+    add_once(out, kind);
+  }
+  if (out.empty())
+    out = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
+           ContactModelKind::kField};
+  return out;
+}
+
+std::vector<PointWeights> weights_of(const AccuracyChoice& ask) {
+  std::vector<PointWeights> out;
+  for (const std::string& word : ask.weights) {
+    if (word != "one" && word != "area")
+      throw std::invalid_argument(fmt::format(
+          "--weights: points cannot weigh '{}'; known are one (each the same) and area (its share of the tool's "
+          "surface)",
+          word));
+    add_once(out, word == "one" ? PointWeights::kOne : PointWeights::kArea);
+  }
+  if (out.empty()) out = {PointWeights::kOne, PointWeights::kArea};
+  return out;
+}
+
+std::vector<double> positive(const char* option, const std::vector<double>& values, std::vector<double> otherwise) {
+  std::vector<double> out;
+  for (const double value : values) {
+    if (!(std::isfinite(value) && value > 0.0))
+      throw std::invalid_argument(
+          fmt::format("{}: {} will not do; it must be finite and greater than 0", option, value));
+    add_once(out, value);
+  }
+  return out.empty() ? otherwise : out;
+}
+
+bool knows_area_only(ContactModelKind model) {
+  return model == ContactModelKind::kClustered || model == ContactModelKind::kField;
+}
+
+}  // namespace
+
+std::vector<AccuracySetting> settings_of(const AccuracyChoice& ask, double scene_voxel_m) {
+  const std::vector<PointWeights> weights = weights_of(ask);
+  const std::vector<double> voxels =
+      positive("--voxel-sizes", ask.voxel_sizes_m, {2.0 * scene_voxel_m, scene_voxel_m, 0.5 * scene_voxel_m});
+  const std::vector<double> densities = positive("--shell-densities", ask.shell_densities, {1.0});
+  const bool area = std::find(weights.begin(), weights.end(), PointWeights::kArea) != weights.end();
+  std::vector<AccuracySetting> out;
+  for (const ContactModelKind model : models_of(ask)) {
+    if (knows_area_only(model) && !area && !ask.models.empty())
+      throw std::invalid_argument(
+          fmt::format("--weights one: the model '{}' weighs points by their area only; add area to --weights, or leave "
+                      "the model out of --models",
+                      name_of(model)));
+    for (const PointWeights weight : weights) {
+      if (knows_area_only(model) && weight != PointWeights::kArea) continue;
+      for (const double voxel : voxels)
+        for (const double density : densities) out.push_back({model, weight, voxel, voxel / density});
+    }
+  }
+  if (out.size() > kMaxSettings)
+    throw std::invalid_argument(fmt::format(
+        "{} settings are asked for, {} at most can be measured in one run; name fewer models, voxel sizes or densities",
+        out.size(), kMaxSettings));
+  return out;
+}
+
+}  // namespace voxtouch::cli

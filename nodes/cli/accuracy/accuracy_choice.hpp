@@ -1,0 +1,26 @@
+#pragma once
+/// From the words of `voxtouch accuracy` to the settings that are measured.
+#include <string>
+#include <vector>
+
+#include "core/accuracy/accuracy.hpp"
+
+namespace voxtouch::cli {
+
+/// As given on the command line; empty: the default.
+struct AccuracyChoice {
+  std::vector<std::string> models = {};      ///< default: all
+  std::vector<std::string> weights = {};     ///< one, area; default: every one that the model knows
+  std::vector<double> voxel_sizes_m = {};    ///< e; default: twice the scene's, the scene's, half of it
+  std::vector<double> shell_densities = {};  ///< e / voxel edge that the shell is made with; default 1
+};
+
+/// Most settings of one run: more is a slip of the pen, and would take hours.
+inline constexpr std::size_t kMaxSettings = 500;
+
+/// Grouped by model and weights, in the order asked for; what is asked for twice comes once. `clustered` and `field` weigh
+/// by area only: where both weights are meant they come once, where `one` alone is asked for they are left out if no model
+/// was named, and refused if they were. Throws std::invalid_argument, a sentence that names the option.
+std::vector<AccuracySetting> settings_of(const AccuracyChoice& ask, double scene_voxel_m);
+
+}  // namespace voxtouch::cli

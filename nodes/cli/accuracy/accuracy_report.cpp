@@ -1,0 +1,185 @@
+#include "nodes/cli/accuracy/accuracy_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace voxtouch::cli {
+namespace {
+
+bool on_front(const AccuracyReport& r, std::size_t row) {
+  return std::find(r.advice.front.begin(), r.advice.front.end(), row) != r.advice.front.end();
+}
+
+/// Why a row has no figures; empty where it has.
+std::string no_figures(const AccuracyRow& row) {
+  if (!row.refused.empty()) return row.refused;
+  return row.contacts == 0 ? "no pose met the wall" : "";
+}
+
+/// Three digits in a column, never an exponent that would break it.
+std::string cell(double value) {
+  if (!std::isfinite(value)) return "-";
+  const double size = std::abs(value);
+  if (size >= 99.95) return fmt::format("{:.0f}", value);
+  if (size >= 9.995) return fmt::format("{:.1f}", value);
+  if (size >= 0.9995) return fmt::format("{:.2f}", value);
+  if (size < 0.0005) return "0.000";
+  return fmt::format("{:.3f}", value);
+}
+
+constexpr const char* kHead =
+    "     weights  e [mm]  shell    points  poses  direction [deg]   noise  torque     onset [mm]       time [us]     "
+    "memory   build\n"
+    "                       [mm]                    median     p95     [%]    [mm]  median   worst   median   worst    "
+    " "
+    "[MB]     [s]\n";
+
+std::string table_row(const AccuracyReport& report, std::size_t index) {
+  const AccuracyRow& r = report.rows[index];
+  std::string text = fmt::format("  {}{} {:<7} {:>7.4g} {:>6.4g}", on_front(report, index) ? '*' : ' ',
+                                 report.advice.row == index ? '>' : ' ', weights_word(r.setting.weights),
+                                 r.setting.voxel_m * 1e3, r.setting.shell_voxel_m * 1e3);
+  if (const std::string why = no_figures(r); !why.empty())
+    return text + fmt::format("  {}{}\n", r.refused.empty() ? "" : "refused: ", why);
+  return text + fmt::format(" {:>9} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>7} {:>8} {:>7}\n",
+                            r.shell_points, r.contacts, cell(r.direction_median_deg), cell(r.direction_p95_deg),
+                            cell(r.magnitude_noise * 100.0), cell(r.torque_error_m * 1e3), cell(r.onset_error_m * 1e3),
+                            cell(r.onset_worst_m * 1e3), cell(r.median_us), cell(r.worst_us),
+                            cell(static_cast<double>(r.bytes) / 1e6), cell(r.build_s));
+}
+
+std::string table(const AccuracyReport& report) {
+  std::string text = kHead;
+  for (std::size_t i = 0; i < report.rows.size(); ++i) {
+    const ContactModelKind model = report.rows[i].setting.model;
+    if (i == 0 || report.rows[i - 1].setting.model != model) text += fmt::format("  {}\n", name_of(model));
+    text += table_row(report, i);
+  }
+  return text;
+}
+
+std::string load_text(const AccuracyReport& r) {
+  if (r.load_before < 0.0 || r.load_after < 0.0) return "load not known";
+  return fmt::format("load {:.1f} before and {:.1f} after", r.load_before, r.load_after);
+}
+
+nlohmann::ordered_json number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
+
+template <class T>
+nlohmann::ordered_json given(const std::optional<T>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+}
+
+/// A figure of a row: its key in the JSON and the CSV. Absent (not finite) where the row has none.
+struct Entry {
+  const char* key;
+  double value;
+};
+
+std::vector<Entry> figures(const AccuracyRow& r) {
+  std::vector<Entry> out{{"direction_median_deg", r.direction_median_deg},
+                         {"direction_p95_deg", r.direction_p95_deg},
+                         {"magnitude_noise", r.magnitude_noise},
+                         {"torque_error_m", r.torque_error_m},
+                         {"onset_error_m", r.onset_error_m},
+                         {"onset_worst_m", r.onset_worst_m},
+                         {"median_us", r.median_us},
+                         {"worst_us", r.worst_us},
+                         {"build_s", r.build_s}};
+  if (!no_figures(r).empty())
+    for (Entry& f : out) f.value = std::numeric_limits<double>::quiet_NaN();
+  return out;
+}
+
+nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index) {
+  const AccuracyRow& r = report.rows[index];
+  const bool built = r.refused.empty();
+  nlohmann::ordered_json j{{"model", name_of(r.setting.model)},
+                           {"weights", weights_word(r.setting.weights)},
+                           {"voxel_m", r.setting.voxel_m},
+                           {"shell_voxel_m", r.setting.shell_voxel_m},
+                           {"shell_points", built ? nlohmann::ordered_json(r.shell_points) : nlohmann::ordered_json()},
+                           {"bytes", built ? nlohmann::ordered_json(r.bytes) : nlohmann::ordered_json()},
+                           {"contacts", r.contacts}};
+  for (const Entry& f : figures(r)) j[f.key] = number(f.value);
+  j["pareto"] = on_front(report, index);
+  j["recommended"] = report.advice.row == index;
+  j["refused"] = built ? nlohmann::ordered_json() : nlohmann::ordered_json(r.refused);
+  return j;
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
+}  // namespace
+
+std::string to_text(const AccuracyReport& r) {
+  std::string text = fmt::format("\n  What accuracy costs: scene {}, {} contacts, each {} e deep, seed {}\n\n{}\n",
+                                 r.scene, r.contacts, r.depth_edges, r.seed, table(r));
+  text += "  *  on the Pareto front: no other setting is both faster and closer in direction";
+  if (r.advice.row) text += ";  > the one that the advice names";
+  text += fmt::format(
+      "\n  Times: CPU time of one frame, median and worst, on {} ({} CPUs, {}; {}, {}).\n"
+      "  Other work on the machine moves them: compare their ratios.\n\n  {}\n",
+      r.machine.processor, r.machine.cpus, load_text(r), r.machine.compiler, r.machine.flags, r.advice.sentence);
+  return text;
+}
+
+nlohmann::ordered_json to_json(const AccuracyReport& r) {
+  nlohmann::ordered_json j;
+  j["ok"] = !r.advice.front.empty() && r.advice.met.value_or(true);
+  j["scene"] = r.scene;
+  j["scene_hash"] = r.scene_hash;
+  j["scene_voxel_m"] = r.scene_voxel_m;
+  j["options"] = {{"seed", r.seed}, {"contacts", r.contacts}, {"depth_edges", r.depth_edges}};
+  j["wish"] = {{"direction_deg", given(r.wish.direction_deg)},
+               {"noise", given(r.wish.noise)},
+               {"torque_m", given(r.wish.torque_m)},
+               {"onset_m", given(r.wish.onset_m)},
+               {"within_us", given(r.wish.within_us)}};
+  const auto load = [](double value) { return value < 0.0 ? nlohmann::ordered_json() : nlohmann::ordered_json(value); };
+  j["conditions"] = {
+      {"time", "CPU time of one frame on this thread; ratios carry over to another machine, figures do not"},
+      {"version", r.machine.version},
+      {"processor", r.machine.processor},
+      {"cpus", r.machine.cpus},
+      {"load_before", load(r.load_before)},
+      {"load_after", load(r.load_after)},
+      {"compiler", r.machine.compiler},
+      {"flags", r.machine.flags}};
+  j["rows"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < r.rows.size(); ++i) j["rows"].push_back(row_json(r, i));
+  j["advice"] = {{"sentence", r.advice.sentence},
+                 {"row", given(r.advice.row)},
+                 {"met", given(r.advice.met)},
+                 {"front", r.advice.front},
+                 {"knee", given(r.advice.knee)}};
+  return j;
+}
+
+std::string to_csv(const AccuracyReport& report) {
+  std::string text = "model,weights,voxel_m,shell_voxel_m,shell_points,bytes,contacts";
+  for (const Entry& f : figures({})) text += fmt::format(",{}", f.key);
+  text += ",pareto,recommended,refused\n";
+  for (std::size_t i = 0; i < report.rows.size(); ++i) {
+    const AccuracyRow& r = report.rows[i];
+    text += fmt::format("{},{},{},{}", name_of(r.setting.model), weights_word(r.setting.weights), r.setting.voxel_m,
+                        r.setting.shell_voxel_m);
+    text += r.refused.empty() ? fmt::format(",{},{},{}", r.shell_points, r.bytes, r.contacts) : std::string(",,,0");
+    for (const Entry& f : figures(r)) text += std::isfinite(f.value) ? fmt::format(",{}", f.value) : std::string(",");
+    text += fmt::format(",{:d},{:d},{}\n", on_front(report, i), report.advice.row == i,
+                        r.refused.empty() ? std::string() : quoted(r.refused));
+  }
+  return text;
+}
+
+}  // namespace voxtouch::cli

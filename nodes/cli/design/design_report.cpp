@@ -1,0 +1,232 @@
+#include "nodes/cli/design/design_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/coupling/design/design_cases.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+constexpr double kPaperCutoffHz = 5.0;
+
+LoopController paper_controller() {
+  LoopController c;
+  c.w0_rad_per_s = 2.0 * std::numbers::pi * kPaperCutoffHz;
+  c.damping_ratio = 1.0;
+  return c;
+}
+
+std::string range(double low, double high) {
+  return low == high ? fmt::format("{:.3g}", low) : fmt::format("{:.3g} to {:.3g}", low, high);
+}
+
+std::string device_lines(const DeviceModel& d) {
+  const AxisModel& a = d.translation;
+  std::string text = fmt::format("{} kg, {:.3g} Ns/m, {:.3g} N friction, step {:.3g} mm, {:.3g} N, {:.4g} N/m at most",
+                                 range(a.inertia_min, a.inertia_max), a.damping, a.coulomb_friction, a.resolution * 1e3,
+                                 a.max_effort, a.max_stiffness);
+  text += fmt::format(
+      "\n                {:.4g} Hz, {:.3g} ms from sample to force, periods up to +{:.0f} %, {} lost in a row",
+      1.0 / d.timing.period_s, d.timing.delay_s * 1e3, d.timing.jitter * 100, d.timing.lost_in_a_row);
+  return text;
+}
+
+std::string coupling_lines(const Design& design) {
+  const CouplingSpec& s = design.spec;
+  std::string text;
+  if (s.kind == "shaping_filter")
+    text = fmt::format("shaping filter, {:.3g} Hz (w0 / 2 pi), damping ratio {:.3g}, gain {:.3g}; {:.2g} ms behind",
+                       s.cutoff_hz, s.damping_ratio, s.gain, design.lag_s * 1e3);
+  else if (s.kind == "spring_damper")
+    text = fmt::format("spring-damper, {:.4g} N/m and {:.3g} Ns/m", s.stiffness_n_per_m, s.damping_ns_per_m);
+  else
+    text = fmt::format("direct, gain {:.3g}", s.gain);
+  if (s.injected_damping_ns_per_m > 0)
+    text += fmt::format("\n                {:.3g} Ns/m of damping while in contact, velocity filtered at {:.3g} Hz",
+                        s.injected_damping_ns_per_m, s.velocity_filter_hz);
+  if (std::isfinite(s.stiffness_cap_n_per_m))
+    text += fmt::format("\n                contact capped at {:.4g} N/m", s.stiffness_cap_n_per_m);
+  return text;
+}
+
+std::string axis_lines(const AxisDesign& a, const char* unit) {
+  std::string text = fmt::format("{:.4g} {} of {:.4g} wanted", a.shown_stiffness, unit, a.wanted_stiffness);
+  if (std::isfinite(a.critical_stiffness))
+    text += fmt::format("; unstable from {:.4g}: {}\n                margin {:.3g}", a.critical_stiffness,
+                        a.worst_case_text, a.gain_margin);
+  else
+    text += "; no stiffness makes it unstable";
+  text += a.passive ? "; stable with every hand that creates no energy"
+          : a.injected_damping > 0.0
+              ? "; holds for the hands above, not for any hand at all"
+              : fmt::format("; with any hand at all only up to {:.3g} {}", a.passive_stiffness, unit);
+  return text;
+}
+
+std::string paper_line(const PaperRecipe& p) {
+  const auto verdict = [&](const char* who, double critical) {
+    if (std::isnan(critical)) return std::string();
+    return fmt::format("{} {} (limit {:.3g} N/m)", who, p.stiffness < critical ? "stable" : "UNSTABLE", critical);
+  };
+  const std::string released = verdict("released", p.critical_released), held = verdict("held", p.critical_held);
+  return fmt::format("5 Hz, damping ratio 1, at {:.4g} N/m: {}{}{}", p.stiffness, released,
+                     released.empty() || held.empty() ? "" : "; ", held);
+}
+
+std::string list(const char* title, const std::vector<std::string>& sentences) {
+  if (sentences.empty()) return "";
+  std::string text = fmt::format("\n  {}\n", title);
+  for (const std::string& s : sentences) text += "   - " + s + "\n";
+  return text;
+}
+
+nlohmann::ordered_json finite(double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(); }
+
+/// A column of the stable region: its key in the JSON and the CSV. Infinite where no stiffness makes the loop unstable.
+struct RegionColumn {
+  const char* key;
+  std::vector<double> values;
+};
+
+std::vector<RegionColumn> region_columns(const DesignReport& r) {
+  std::vector<double> certified = r.region.critical;
+  for (double& k : certified) k /= r.request.wishes.gain_margin;
+  return {{"cutoff_hz", r.region.cutoff_hz},
+          {"critical_n_per_m", r.region.critical},
+          {"certified_n_per_m", certified},
+          {"critical_undamped_n_per_m", r.region.critical_undamped},
+          {"passive_n_per_m", r.region.passive}};
+}
+
+nlohmann::ordered_json region_json(const DesignReport& r) {
+  nlohmann::ordered_json j{{"gain_margin", r.request.wishes.gain_margin},
+                           {"device_limit_n_per_m", finite(r.request.device.translation.max_stiffness)}};
+  for (const RegionColumn& column : region_columns(r)) {
+    j[column.key] = nlohmann::ordered_json::array();
+    for (const double value : column.values) j[column.key].push_back(finite(value));
+  }
+  return j;
+}
+
+nlohmann::ordered_json axis_json(const AxisDesign& a) {
+  return {{"wanted_stiffness", finite(a.wanted_stiffness)},
+          {"shown_stiffness", finite(a.shown_stiffness)},
+          {"critical_stiffness", finite(a.critical_stiffness)},
+          {"gain_margin", finite(a.gain_margin)},
+          {"worst_case", a.worst_case_text},
+          {"passive", a.passive},
+          {"passive_stiffness", finite(a.passive_stiffness)},
+          {"spectral_radius", finite(a.spectral_radius)},
+          {"limit_cycle_bound", finite(a.limit_cycle_bound)},
+          {"damping_required", finite(a.damping_required)},
+          {"injected_damping", a.injected_damping},
+          {"velocity_filter_hz", a.velocity_filter_hz}};
+}
+
+}  // namespace
+
+PaperRecipe judge_paper_recipe(const DesignProblem& request) {
+  PaperRecipe out;
+  const AxisModel& axis = request.device.translation;
+  out.stiffness = std::min(request.contact.all_points, axis.max_stiffness);
+  out.critical_released = out.critical_held = std::numeric_limits<double>::quiet_NaN();
+  for (const DesignCase& one : design_cases(axis, request.device.timing, request.hand.translation)) {
+    const double critical = critical_stiffness(one.plant, paper_controller()).stiffness;
+    double& worst = one.held ? out.critical_held : out.critical_released;
+    worst = std::isnan(worst) ? critical : std::min(worst, critical);
+  }
+  return out;
+}
+
+StableRegion region_round(const DesignProblem& request, const Design& design) {
+  const DeviceModel& device = request.device;
+  LoopController chosen;
+  chosen.damping_ratio = design.spec.damping_ratio;
+  chosen.injected_damping = design.translation.injected_damping;
+  chosen.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * design.translation.velocity_filter_hz;
+  const double high_hz = std::max(20.0, 0.6 / (2.0 * std::numbers::pi * device.timing.period_s));
+  return stable_region(device.translation, device.timing, request.hand.translation, chosen, 1.0, high_hz, 64);
+}
+
+std::string to_text(const DesignReport& r) {
+  const Design& d = r.design;
+  std::string text = fmt::format("\n  {}\n\n", std::string(name_of(d.status)));
+  const auto row = [&](const char* name, const std::string& value) {
+    text += fmt::format("  {:<13} {}\n", name, value);
+  };
+  row("device", r.device);
+  text += fmt::format("                {}\n", device_lines(r.request.device));
+  row("hand", r.hand);
+  row("contact", r.contact);
+  row("coupling", coupling_lines(d));
+  row("stiffness", axis_lines(d.translation, "N/m"));
+  if (r.request.device.gives_torque) row("rotation", axis_lines(d.rotation, "Nm/rad"));
+  row("encoder", d.translation.limit_cycle_bound > 0 ? fmt::format("its steps may leave up to {:.3g} mm peak to peak",
+                                                                   d.translation.limit_cycle_bound * 1e3)
+                                                     : "friction stops what its steps could leave");
+  if (d.max_approach_m_per_s > 0)
+    row("approach",
+        fmt::format(
+            "up to {:.2g} m/s stays within the layer that pushes ({:.2g} mm); faster goes deeper, and is held there",
+            d.max_approach_m_per_s, r.request.wishes.force_layer_depth_m * 1e3));
+  row("paper's way", paper_line(r.paper));
+  return text + list("What limits:", d.reasons) + list("What would help:", d.remedies);
+}
+
+nlohmann::ordered_json to_json(const DesignReport& r) {
+  const CouplingSpec& s = r.design.spec;
+  nlohmann::ordered_json j;
+  j["ok"] = r.design.status != DesignStatus::kInfeasible;
+  j["status"] = std::string(name_of(r.design.status));
+  j["device"] = r.device;
+  j["hand"] = r.hand;
+  j["contact"] = r.contact;
+  j["coupling"] = {{"kind", s.kind},
+                   {"cutoff_hz", s.cutoff_hz},
+                   {"damping_ratio", s.damping_ratio},
+                   {"gain", s.gain},
+                   {"stiffness_n_per_m", s.stiffness_n_per_m},
+                   {"damping_ns_per_m", s.damping_ns_per_m},
+                   {"injected_damping_ns_per_m", s.injected_damping_ns_per_m},
+                   {"injected_damping_nms_per_rad", s.injected_damping_nms_per_rad},
+                   {"velocity_filter_hz", s.velocity_filter_hz}};
+  if (std::isfinite(s.stiffness_cap_n_per_m)) j["coupling"]["stiffness_cap_n_per_m"] = s.stiffness_cap_n_per_m;
+  if (std::isfinite(s.stiffness_cap_nm_per_rad)) j["coupling"]["stiffness_cap_nm_per_rad"] = s.stiffness_cap_nm_per_rad;
+  j["lag_s"] = r.design.lag_s;
+  j["max_approach_m_per_s"] = r.design.max_approach_m_per_s;
+  j["translation"] = axis_json(r.design.translation);
+  if (r.request.device.gives_torque) j["rotation"] = axis_json(r.design.rotation);
+  j["paper_recipe"] = {{"cutoff_hz", kPaperCutoffHz}, {"damping_ratio", 1.0}, {"stiffness_n_per_m", r.paper.stiffness}};
+  const auto verdict = [&](const char* who, double critical) {
+    if (!std::isnan(critical))
+      j["paper_recipe"][who] = {{"stable", r.paper.stiffness < critical}, {"critical_stiffness", critical}};
+  };
+  verdict("released", r.paper.critical_released);
+  verdict("held", r.paper.critical_held);
+  j["reasons"] = r.design.reasons;
+  j["remedies"] = r.design.remedies;
+  j["region"] = region_json(r);
+  return j;
+}
+
+std::string to_csv(const DesignReport& report) {
+  const std::vector<RegionColumn> columns = region_columns(report);
+  std::string text;
+  for (const RegionColumn& column : columns) text += fmt::format("{}{}", text.empty() ? "" : ",", column.key);
+  for (std::size_t row = 0; row < report.region.cutoff_hz.size(); ++row) {
+    text += '\n';
+    for (const RegionColumn& column : columns) {
+      if (&column != &columns.front()) text += ',';
+      if (std::isfinite(column.values[row])) text += fmt::format("{}", column.values[row]);
+    }
+  }
+  return text + '\n';
+}
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,36 @@
+#pragma once
+/// A designed coupling for a person, for a machine (and voxtouch_plot, which draws it), and its stable region for a spreadsheet.
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/coupling/design/designer.hpp"
+#include "core/coupling/design/stable_region.hpp"
+
+namespace voxtouch::cli {
+
+/// How the paper's literal recipe (5 Hz, damping ratio 1, no margin) would do in the same loop.
+struct PaperRecipe {
+  double stiffness = 0.0;          ///< that the device is asked to show: the smaller of contact and device limit
+  double critical_released = 0.0;  ///< where nobody holds it; NaN where that is not among the cases
+  double critical_held = 0.0;      ///< worst of the hands
+};
+PaperRecipe judge_paper_recipe(const DesignProblem& request);
+/// Stiffness at the hand over the filter's cut-off, from 1 Hz on: where the loop is stable with the damping that was chosen.
+StableRegion region_round(const DesignProblem& request, const Design& design);
+
+struct DesignReport {
+  DesignProblem request;
+  Design design;
+  PaperRecipe paper;
+  StableRegion region;                ///< of the chosen damping, over the cut-off
+  std::string device, hand, contact;  ///< where the numbers come from, for a person
+};
+
+std::string to_text(const DesignReport& report);
+nlohmann::ordered_json to_json(const DesignReport& report);
+/// The region: RFC 4180 with a header, a row for each cut-off, columns as in the JSON; empty where that is null: nothing makes it unstable.
+std::string to_csv(const DesignReport& report);
+
+}  // namespace voxtouch::cli

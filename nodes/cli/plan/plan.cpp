@@ -1,0 +1,122 @@
+#include <ctime>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/rendering/build.hpp"
+#include "core/fitting/device_check.hpp"
+#include "core/fitting/fit_coupling.hpp"
+#include "core/scene/scene_file.hpp"
+#include "nodes/cli/known_device.hpp"
+#include "nodes/cli/plan/plan_report.hpp"
+#include "nodes/cli/verbs.hpp"
+#include "nodes/log/progress.hpp"
+#include "nodes/rendering/plan_ring.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+constexpr const char* kDescription =
+    "What a scene calls for: which parts are built for it and why, what they weigh in memory, what they are expected "
+    "to take "
+    "in a\n"
+    "frame and what they take here; which topics and nodes stand round it; what is left out and why.\n"
+    "Exit status 1 where the device named cannot run it.\n"
+    "Try: voxtouch plan deploy/scenes/cup.yaml --device sim-phantom";
+
+struct PlanVerb {
+  std::filesystem::path scene;
+  std::string device, model;
+  int frames = 1000;
+  bool json = false, no_measure = false;
+};
+
+double thread_cpu_s() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// The coupling on this device goes to `fitted`, where there is one that may run.
+DeviceVerdict judge(const PlanVerb& o, const Scene& scene, const Plan& plan, std::optional<CouplingSpec>& fitted) {
+  const DeviceModel device = find_device(o.device);
+  const AxisModel& axis = device.translation;
+  DeviceVerdict out{.device = o.device, .errors = {}, .notes = {}};
+  if (!device.gives_torque)
+    out.notes.push_back("It gives no torque: the contact's torque about the tool's origin is computed, and not felt.");
+  const FittedCoupling fit =
+      fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
+  if (!fit.refusal.empty()) {
+    out.errors.push_back(fit.refusal);
+    return out;
+  }
+  if (scene.design) {
+    out.notes.push_back(fmt::format("The designed coupling shows {:.4g} of {:.4g} N/m at the hand.",
+                                    fit.design.translation.shown_stiffness, fit.design.translation.wanted_stiffness));
+  } else {
+    const DeviceFacts facts{axis.max_stiffness, device.timing.period_s, axis.max_effort};
+    const DeviceCheck all = check_device(scene, facts, plan.contact_n_per_m.all_points);
+    out.notes.insert(out.notes.end(), all.warnings.begin(), all.warnings.end());
+    if (!all.fits()) out.notes.push_back("Where all points push together: " + all.errors.front());
+  }
+  fitted = scene.design ? fit.spec : scene.coupling;
+  return out;
+}
+
+PlanReport make_report(const PlanVerb& o) {
+  Scene scene = load_scene(o.scene);
+  if (!o.model.empty()) scene.contact.model = o.model;
+  tell("building {}\n", scene.name);
+  const std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for(), {}, tell_each_second("plan"));
+  PlanReport report;
+  report.plan = built->plan();
+  for (PlanPart& part : rendering::ring_parts(scene)) report.plan.parts.push_back(std::move(part));
+  MeasureOptions ask{.frames = o.frames, .cpu_time_s = thread_cpu_s, .coupling = {}};
+  if (!scene.design) ask.coupling = scene.coupling;
+  if (!o.device.empty()) report.device = judge(o, scene, report.plan, ask.coupling);
+  if (o.no_measure) return report;
+  if (!ask.coupling)
+    report.why_no_coupling_time = report.device
+                                      ? "The coupling was not measured: none may run."
+                                      : "The coupling was not measured: it is designed for a device; name one "
+                                        "with --device.";
+  tell("measuring {} frames\n", o.frames);
+  report.machine = this_machine(), report.load = load_average();
+  report.times = measure_plan(scene, *built, ask);
+  return report;
+}
+
+int run(const PlanVerb& o) {
+  try {
+    const PlanReport report = make_report(o);
+    if (o.json)
+      print_result("{}\n", to_json(report).dump(2));
+    else
+      print_result("{}", to_text(report));
+    return report.device && !report.device->errors.empty() ? 1 : 0;
+  } catch (const std::exception& error) {
+    if (o.json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+    throw;
+  }
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, Action& action) {
+  auto o = std::make_shared<PlanVerb>();
+  CLI::App* verb = app.add_subcommand("plan", kDescription);
+  verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
+  verb->add_option("--device", o->device,
+                   "Also says what this device cannot show: a name, or a file (deploy/devices/*.yaml)");
+  verb->add_option("--model", o->model, "This contact model instead of the scene's")
+      ->check(CLI::IsMember({"original", "adapted", "clustered", "field"}));
+  verb->add_option("--frames", o->frames, "How many frames are measured")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
+  verb->add_flag("--no-measure", o->no_measure, "Only what is expected, which is the same on every machine");
+  verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
+  verb->callback([o, &action] { action = [o] { return run(*o); }; });
+}
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,215 @@
+#include "nodes/cli/plan/plan_measure.hpp"
+
+#include <algorithm>
+#include <array>
+#include <random>
+
+#include "core/effects/body.hpp"
+#include "core/coupling/running_coupling.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+/// Calls in one reading of the clock: enough that its own steps do not show, few enough that a frame stays short.
+constexpr int kBatch = 16;
+/// Of a circle or of a way back and forth, for motions that never end.
+constexpr double kAfterApproachS = 4.0;
+constexpr std::uint32_t kSeed = 1;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Where the tool is in frame `n` of `frames`: spread evenly over the first motion by name, or about its own size from a voxel
+/// of the surface that is drawn with a fixed seed.
+class Way {
+ public:
+  Way(const Scene& scene, const Voxmap& voxmap, double reach_m, int frames) : frames_(frames), random_(kSeed) {
+    if (!scene.motions.empty()) {
+      name_ = scene.motions.begin()->first, motion_ = scene.motions.begin()->second;
+      duration_s_ =
+          approach_duration(*motion_) + (motion_->circle_centre || motion_->repeat_from ? kAfterApproachS : 0.0);
+      return;
+    }
+    reach_m_ = reach_m;
+    voxmap.for_each_occupied([&](const VoxelIndex& v, VoxelKind kind) {
+      if (kind == VoxelKind::kSurface) surface_.push_back(voxmap.grid().centre(v));
+    });
+  }
+  const std::string& name() const { return name_; }
+  double step_s() const { return motion_ ? duration_s_ / frames_ : 1e-3; }
+  ToolState at(int n) {
+    ToolState tool;
+    if (motion_) {
+      const MotionPoint point = motion_at(*motion_, step_s() * n);
+      tool.pose = {point.position, motion_->orientation};
+      tool.twist.linear = point.velocity;
+      return tool;
+    }
+    if (surface_.empty()) return tool;
+    const auto draw = [this] {
+      return 2.0 * static_cast<double>(random_()) / static_cast<double>(std::mt19937::max()) - 1.0;
+    };
+    const double x = draw(), y = draw(), z = draw();
+    tool.pose.position = surface_[random_() % surface_.size()] + reach_m_ * Vec3(x, y, z).normalized();
+    return tool;
+  }
+
+ private:
+  int frames_;
+  std::mt19937 random_;
+  std::string name_;
+  std::optional<Motion> motion_;
+  double duration_s_ = 0.0;
+  double reach_m_ = 0.0;
+  std::vector<Vec3> surface_;  ///< centres of voxels; empty where there is a motion
+};
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(const std::function<double()>& clock) : clock_(clock) {
+    for (int n = 0; n < 100; ++n) {
+      const double begin = clock_();
+      overhead_s_ = std::min(overhead_s_, clock_() - begin);
+    }
+  }
+  /// Nanoseconds of one call, the best of three batches: what else ran in between is not the code's.
+  template <class Call>
+  double ns(Call&& call) const {
+    double best = 1e9;
+    for (int round = 0; round < 3; ++round) {
+      const double begin = clock_();
+      for (int n = 0; n < kBatch; ++n) call();
+      best = std::min(best, clock_() - begin - overhead_s_);
+    }
+    return std::max(0.0, best) * 1e9 / kBatch;
+  }
+
+ private:
+  const std::function<double()>& clock_;
+  double overhead_s_ = 1.0;
+};
+
+struct Samples {
+  std::vector<double> find, rest, frame, tested, hits, coupling;
+  std::vector<std::vector<double>> effects;
+};
+
+class Measurement {
+ public:
+  Measurement(const Scene& scene, BuiltScene& built, const MeasureOptions& ask)
+      : scene_(scene), built_(built), way_(scene, built.voxmap(), built.renderer().query().reach_m(), ask.frames),
+        watch_(ask.cpu_time_s) {
+    samples_.effects.resize(scene.effects.size());
+    for (const EffectSpec& effect : scene.effects) alone_.emplace_back(std::vector<EffectSpec>{effect});
+    if (ask.coupling) coupling_.emplace(*ask.coupling, CouplingLimits{}, kDefaultS);
+    hits_.reserve(built.renderer().query().shell().size());
+    built.scene_renderer().reset();
+  }
+
+  /// Frames in contact are what counts, where there are any: those without are told apart.
+  void frame(int n, PlanTimes& out) {
+    const ToolState tool = way_.at(n);
+    ObjectContacts& contacts = built_.contacts();
+    double time_s = static_cast<double>(n), hits = 0.0, tested = 0.0;
+    for (std::size_t o = 0; o < contacts.size(); ++o) {
+      contacts.object(o).renderer->query().find(tool.pose, hits_);
+      hits += static_cast<double>(hits_.surface.size() + hits_.interior.size()), tested += hits_.tested;
+    }
+    const bool touches = hits > 0.0;
+    if (!touches && out.touching > 0) return free_frame(tool, time_s);
+    if (touches && out.touching++ == 0) begin_contact();
+    double find = 0.0;
+    for (std::size_t o = 0; o < contacts.size(); ++o)
+      find += watch_.ns([&] { contacts.object(o).renderer->query().find(tool.pose, hits_); });
+    StageResult touch;
+    const double whole = watch_.ns([&] { touch = contacts.render(tool.pose, 0.0); });
+    samples_.find.push_back(find);
+    samples_.rest.push_back(std::max(0.0, whole - find));
+    samples_.tested.push_back(tested);
+    samples_.hits.push_back(hits);
+    const EffectFrame in = built_.scene_renderer().look(tool, kDefaultS, time_s, contacts.parts(touch));
+    for (std::size_t e = 0; e < alone_.size(); ++e)
+      samples_.effects[e].push_back(watch_.ns([&] { push_ = alone_[e].apply(in); }));
+    SceneFrame all;
+    samples_.frame.push_back(watch_.ns([&] { all = built_.scene_renderer().render(tool, time_s += kDefaultS); }));
+    if (coupling_) {
+      const CouplingInput input{all.wrench, all.stiffness_bound_n_per_m, all.stiffness, tool.pose};
+      samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
+    }
+  }
+
+  /// A body's motion is in the frame, not in its effect: it is timed by itself.
+  double measured(std::size_t effect) {
+    const EffectSpec& spec = scene_.effects[effect];
+    const std::optional<BodyShape>& shape = built_.effect_ground().body;
+    if (!spec.kind->needs(spec.values).body || !shape) return median(samples_.effects[effect]);
+    RigidBody body(*shape);
+    body.place({}, true);
+    const BodyParameters parameters = body_parameters(spec.values);
+    return watch_.ns([&] { grip_ = body.step({}, {}, {}, true, 0.0, parameters, kDefaultS); });
+  }
+
+  /// What was taken so far was out of contact.
+  void begin_contact() {
+    free_ = std::move(samples_.frame);
+    samples_ = {};
+    samples_.effects.resize(scene_.effects.size());
+  }
+
+  void free_frame(const ToolState& tool, double time_s) {
+    free_.push_back(watch_.ns([&] { built_.scene_renderer().render(tool, time_s += kDefaultS); }));
+  }
+
+  void sum_up(PlanTimes& out) {
+    out.along = way_.name();
+    out.points_tested = median(samples_.tested), out.hits = median(samples_.hits);
+    out.parts.push_back({"pointshell", kNsPerPoint * out.points_tested, median(samples_.find)});
+    const std::string& model = built_.plan().contact_model;
+    out.parts.push_back(
+        {"contact model " + model, kNsPerFrame + ns_per_contact_point(model) * out.hits, median(samples_.rest)});
+    for (std::size_t e = 0; e < alone_.size(); ++e) {
+      const EffectSpec& effect = scene_.effects[e];
+      out.parts.push_back({"effect " + effect.name,
+                           expected_ns(effect, built_.effect_ground().tool.points.size()), measured(e)});
+    }
+    if (coupling_) out.parts.push_back({"coupling", kNsPerCoupling, median(samples_.coupling)});
+    std::vector<double> frames = samples_.frame;
+    std::sort(frames.begin(), frames.end());
+    if (frames.empty()) return;
+    out.frame_free_ns = out.touching > 0 ? median(free_) : median(frames);
+    out.frame_median_ns = median(frames), out.frame_worst_ns = frames.back();
+    out.frame_p95_ns = frames[std::min(frames.size() - 1, frames.size() * 95 / 100)];
+  }
+
+ private:
+  static constexpr double kDefaultS = SceneRenderer::kDefaultStepS;
+  const Scene& scene_;
+  BuiltScene& built_;
+  Way way_;
+  Stopwatch watch_;
+  std::vector<EffectChain> alone_;
+  std::optional<RunningCoupling> coupling_;
+  HitList hits_;
+  EffectPush push_;
+  BodyGrip grip_;
+  Samples samples_;
+  std::vector<double> free_;  ///< whole frames out of contact
+};
+
+}  // namespace
+
+PlanTimes measure_plan(const Scene& scene, BuiltScene& built, const MeasureOptions& ask) {
+  PlanTimes out;
+  out.frames = ask.frames;
+  Measurement measurement(scene, built, ask);
+  for (int n = 0; n < ask.frames; ++n) measurement.frame(n, out);
+  measurement.sum_up(out);
+  built.scene_renderer().reset();
+  return out;
+}
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,34 @@
+#pragma once
+/// A plan for a person and for a machine: parts as a table, measured beside expected.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/rendering/plan.hpp"
+#include "nodes/cli/machine.hpp"
+#include "nodes/cli/plan/plan_measure.hpp"
+
+namespace voxtouch::cli {
+
+/// How the scene and a device go together. Sentences.
+struct DeviceVerdict {
+  std::string device;
+  std::vector<std::string> errors;  ///< it must not run so
+  std::vector<std::string> notes;   ///< what is not felt, or felt less
+};
+
+struct PlanReport {
+  Plan plan;                       ///< its parts with those of the ring behind them
+  std::optional<PlanTimes> times;  ///< none: nothing was measured
+  std::optional<DeviceVerdict> device;
+  std::string why_no_coupling_time;  ///< empty: it was measured, or nothing was
+  Machine machine;
+  double load = -1.0;
+};
+
+std::string to_text(const PlanReport& report);
+nlohmann::ordered_json to_json(const PlanReport& report);
+
+}  // namespace voxtouch::cli

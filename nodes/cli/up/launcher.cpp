@@ -1,0 +1,190 @@
+#include "nodes/cli/up/launcher.hpp"
+
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "nodes/log/tell.hpp"
+#include "nodes/runtime/realtime.hpp"
+
+extern char** environ;
+
+namespace voxtouch::cli {
+namespace {
+
+constexpr std::chrono::milliseconds kStopTimeout{8'000};
+
+class ChildProcess final : public RunningNode {
+ public:
+  ChildProcess(std::string name, const std::vector<std::string>& arguments) : name_(std::move(name)) {
+    const std::filesystem::path program =
+        std::filesystem::read_symlink("/proc/self/exe").parent_path() / ("voxtouch_" + name_);
+    std::vector<std::string> texts = {program.string()};
+    texts.insert(texts.end(), arguments.begin(), arguments.end());
+    texts.insert(texts.end(), {"--with-parent", fmt::to_string(getpid())});
+    std::vector<char*> argv;
+    for (std::string& text : texts) argv.push_back(text.data());
+    argv.push_back(nullptr);
+    // Its own process group: Ctrl-C reaches `up` alone, which stops the nodes in order. stdout goes to stderr: `up --json` owns it.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    // SIGTERM waits until the node can act on it: a stop during the start is a stop, not a death.
+    sigset_t blocked;
+    sigemptyset(&blocked);
+    sigaddset(&blocked, SIGTERM);
+    posix_spawnattr_setsigmask(&attributes, &blocked);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", 0, 0);
+    const int error = posix_spawn(&pid_, program.c_str(), &actions, &attributes, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    if (error != 0)
+      throw std::runtime_error(fmt::format("{} could not be started ({}); it should stand beside voxtouch",
+                                           program.string(), std::strerror(error)));
+  }
+  ~ChildProcess() override {
+    request_stop();
+    join(kStopTimeout);  // an exception got us here: the device still has to reach zero by itself
+  }
+  const std::string& name() const noexcept override { return name_; }
+  void request_stop() override {
+    if (!status_) ::kill(pid_, SIGTERM);
+  }
+  std::optional<int> ended() override {
+    int raw = 0;
+    if (!status_ && waitpid(pid_, &raw, WNOHANG) == pid_)
+      status_ = WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
+    return status_;
+  }
+  std::uint32_t pid() const noexcept override { return static_cast<std::uint32_t>(pid_); }
+
+ private:
+  void kill() override { ::kill(pid_, SIGKILL); }
+  std::string name_;
+  pid_t pid_ = 0;
+  std::optional<int> status_;
+};
+
+class ThreadOfThisProcess final : public RunningNode {
+ public:
+  using Run = std::function<int(const std::atomic<bool>&)>;
+  ThreadOfThisProcess(std::string name, runtime::NodeOptions& options, Run run)
+      : name_(std::move(name)), thread_([this, &options, run = std::move(run)] {
+          int status = 1;
+          try {
+            options.warnings = runtime::enter_realtime(options.realtime);
+            for (const std::string& warning : options.warnings) tell("warning: {}: {}\n", name_, warning);
+            status = run(stop_);
+          } catch (const std::exception& error) {
+            tell("error: {}: {}\n", name_, error.what());
+          }
+          status_.store(status, std::memory_order_release);
+        }) {}
+  ~ThreadOfThisProcess() override {
+    stop_.store(true);
+    join(kStopTimeout);
+    if (!ended()) {
+      // A thread cannot be ended by force, and nothing may be destroyed under it: the process goes instead.
+      tell("error: {} did not stop; the process ends without it\n", name_);
+      finish_telling();
+      std::_Exit(1);
+    }
+    thread_.join();
+  }
+  const std::string& name() const noexcept override { return name_; }
+  void request_stop() override { stop_.store(true); }
+  std::optional<int> ended() override {
+    const int status = status_.load(std::memory_order_acquire);
+    return status < 0 ? std::nullopt : std::optional(status);
+  }
+  std::uint32_t pid() const noexcept override { return static_cast<std::uint32_t>(getpid()); }
+
+ private:
+  void kill() override { stop_.store(true); }  // by force only in the destructor, with the process
+  std::string name_;
+  std::atomic<bool> stop_{false};
+  std::atomic<int> status_{-1};
+  std::thread thread_;
+};
+
+std::vector<std::string> device_arguments(const device::Options& o) {
+  std::vector<std::string> a = runtime::to_arguments(o, true);
+  a.insert(a.end(), {"--device", o.device, "--duration", fmt::format("{}", o.duration_s)});
+  if (!o.motion.empty()) a.insert(a.end(), {"--motion", o.motion});
+  device::append_arguments(o.hand, a);
+  for (const std::string& setting : o.settings) a.insert(a.end(), {"--device-option", setting});
+  return a;
+}
+
+std::vector<std::string> logger_arguments(const logger::Options& o) {
+  std::vector<std::string> a = runtime::to_arguments(o, false);
+  a.insert(a.end(), {"--bag", o.bag.string()});
+  for (const std::string& topic : o.topics) a.insert(a.end(), {"--topic", topic});
+  return a;
+}
+
+std::vector<std::string> validator_arguments(const validator::Options& o) {
+  std::vector<std::string> a = runtime::to_arguments(o, true);
+  a.insert(a.end(), {"--every", fmt::to_string(o.every)});
+  return a;
+}
+
+}  // namespace
+
+int RunningNode::join(std::chrono::milliseconds patience) {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!ended()) {
+    if (std::chrono::steady_clock::now() >= until) {
+      kill();
+      for (int i = 0; i < 200 && !ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      return ended().value_or(1) == 0 ? 1 : ended().value_or(1);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return *ended();
+}
+
+std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
+  std::vector<std::unique_ptr<RunningNode>> nodes;
+  const auto start = [&](const std::string& name, runtime::NodeOptions& options, auto arguments,
+                         ThreadOfThisProcess::Run run) {
+    if (o.one_process)
+      nodes.push_back(std::make_unique<ThreadOfThisProcess>(name, options, std::move(run)));
+    else
+      nodes.push_back(std::make_unique<ChildProcess>(name, arguments()));
+  };
+  using Stop = const std::atomic<bool>&;
+  o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps
+  if (o.record)
+    start(
+        "logger", o.logger, [&] { return logger_arguments(o.logger); },
+        [&o](Stop stop) { return logger::run(o.logger, stop); });
+  start(
+      "validator", o.validator, [&] { return validator_arguments(o.validator); },
+      [&o](Stop stop) { return validator::run(o.validator, stop); });
+  start(
+      "coupling", o.coupling, [&] { return runtime::to_arguments(o.coupling, true); },
+      [&o](Stop stop) { return coupling::run(o.coupling, stop); });
+  start(
+      "rendering", o.rendering, [&] { return runtime::to_arguments(o.rendering, true); },
+      [&o](Stop stop) { return rendering::run(o.rendering, stop); });
+  start(
+      "device", o.device, [&] { return device_arguments(o.device); },
+      [&o](Stop stop) { return device::run(o.device, stop); });
+  return nodes;
+}
+
+}  // namespace voxtouch::cli

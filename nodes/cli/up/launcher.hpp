@@ -1,0 +1,49 @@
+#pragma once
+/// The nodes that `up` runs, as processes or as threads of this process; one interface for both.
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "nodes/coupling/coupling_node.hpp"
+#include "nodes/device/device_node.hpp"
+#include "nodes/logger/logger_node.hpp"
+#include "nodes/rendering/rendering_node.hpp"
+#include "nodes/validator/validator_node.hpp"
+
+namespace voxtouch::cli {
+
+/// A node that has been started.
+class RunningNode {
+ public:
+  virtual ~RunningNode() = default;
+  virtual const std::string& name() const noexcept = 0;
+  virtual void request_stop() = 0;
+  /// Exit status once it has ended (128 + signal number if one ended it); does not wait.
+  virtual std::optional<int> ended() = 0;
+  /// Waits; ends it by force if it has not gone by then. Returns the exit status.
+  int join(std::chrono::milliseconds patience);
+  virtual std::uint32_t pid() const noexcept = 0;
+
+ protected:
+  virtual void kill() = 0;
+};
+
+/// What each node is started with.
+struct LauncherOptions {
+  device::Options device;
+  rendering::Options rendering;
+  coupling::Options coupling;
+  logger::Options logger;
+  validator::Options validator;
+  bool record = true;
+  bool one_process = false;
+};
+
+/// Starts logger, validator, coupling, rendering, device. Order does not matter to them; this is the order of the returned list.
+/// `options` must outlive the members. Throws std::runtime_error if a program cannot be started.
+std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& options);
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,170 @@
+#include "nodes/cli/up/run_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "core/types/number.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+constexpr Limit kLimits[] = {
+    {"first_answer_s", "s", false, 2.0, false, "the time to the first answered sample",
+     "until then nothing is felt; the coupling is designed in it, in some tenths of a second"},
+    {"answered_share", "1", true, 0.95, false, "the share of samples answered, from the first answer on,",
+     "the ring did not keep up, so that forces were held and faded; see what else the machine does"},
+    {"rate_share", "1", true, 0.95, false, "the rate, as a share of the device's own,",
+     "the coupling is certified for the device's rate only"},
+    {"overrun_share", "1", false, 0.05, false, "the share of periods that were skipped",
+     "the device's loop was kept from running; see what else the machine does, and whether it has real-time priority"},
+    {"deadline_miss_share", "1", false, 0.01, false, "deadlines missed, as a share of the samples,",
+     "for three periods and more no command came"},
+    {"clamped_share", "1", false, 0.001, true, "the share of commands that the guard cut",
+     "the scene asks for more than the device may give: less stiffness or gain"},
+    {"energy_debt", "1", false, 1.0, true, "the energy that the coupling gave away, over what its observer may show of a sound contact,",
+     "the contact was not passive: less stiffness or gain, or let the coupling be designed (coupling: {design: auto})"},
+    {"first_validation_s", "s", false, 5.0, true, "the time to the first validated sample",
+     "what came before it was not checked"},
+    {"validated_share", "1", true, 0.9, true, "the share of due samples validated, from the first on,",
+     "the validator did not keep up: a larger --validate-every asks for less"},
+    {"first_recorded_s", "s", false, 3.0, true, "the time to the first recorded sample",
+     "what came before it is not in the bag"},
+    {"recorded_share", "1", true, 0.99, true, "the share of sent samples in the bag, from the first on,",
+     "the logger did not keep up: a faster disk, or --no-record"},
+    {"silence_s", "s", false, 0.4, false, "the longest time without a sign of life of a node",
+     "a node that hangs leaves the others without what it should tell them"},
+};
+
+struct Measured {
+  std::optional<double> value;
+  std::string of;  ///< which of several; empty: there is but one
+};
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+/// 1 where nothing was due.
+double share(double part, double whole) { return whole > 0.0 ? part / whole : 1.0; }
+
+double seconds_to(const RunFigures& run, const std::optional<double>& sample) {
+  return sample ? *sample / run.nominal_rate_hz : kNever;
+}
+
+/// Samples 0, every, 2 every, ... that lie in [first, samples).
+double due(const RunFigures& run) {
+  const double every = std::max(run.validate_every, 1.0), first = run.first_judged.value_or(0.0);
+  return std::ceil(run.samples / every) - std::ceil(first / every);
+}
+
+Measured energy_debt(const RunFigures& run) {
+  const auto debt = [](double lowest_j, double bound_j) {
+    return lowest_j < 0.0 ? (bound_j > 0.0 ? -lowest_j / bound_j : kNever) : 0.0;
+  };
+  const double translation = debt(run.lowest_energy_j, run.energy_bound_j),
+               rotation = debt(run.lowest_energy_rotation_j, run.energy_bound_rotation_j);
+  return rotation > translation ? Measured{rotation, "rotation"} : Measured{translation, "translation"};
+}
+
+/// Samples that were sent before the first one in the bag.
+double head(const RunFigures::Stream& s) { return std::max(s.first.value_or(s.first_sent) - s.first_sent, 0.0); }
+
+/// The worst stream's.
+Measured recorded_share(const RunFigures& run) {
+  Measured worst{1.0, ""};
+  for (const RunFigures::Stream& s : run.streams)
+    if (const double part = share(s.recorded, s.sent - head(s)); part < *worst.value) worst = {part, s.name};
+  return worst;
+}
+
+Measured first_recorded(const RunFigures& run) {
+  Measured worst{0.0, ""};
+  for (const RunFigures::Stream& s : run.streams)
+    if (const double late_s = s.first ? head(s) / run.nominal_rate_hz : kNever; s.sent > 0.0 && late_s > *worst.value)
+      worst = {late_s, s.name};
+  return worst;
+}
+
+Measured measure(std::string_view name, const RunFigures& run) {
+  if (name == "first_answer_s") return {seconds_to(run, run.first_answered), ""};
+  if (name == "answered_share") return {share(run.answered, run.samples - run.first_answered.value_or(0.0)), ""};
+  if (name == "rate_share") return {share(run.rate_hz, run.nominal_rate_hz), ""};
+  if (name == "overrun_share") return {run.overruns / (run.samples + run.overruns), ""};
+  if (name == "deadline_miss_share") return {run.deadline_misses / run.samples, ""};
+  if (name == "clamped_share") return {run.clamped / run.samples, ""};
+  if (name == "energy_debt") return energy_debt(run);
+  if (name == "first_validation_s") return {due(run) > 0.0 ? seconds_to(run, run.first_judged) : 0.0, ""};
+  if (name == "validated_share") return {share(run.judged, due(run) - run.excused), ""};
+  if (name == "silence_s") return {run.silence_s, run.silent};
+  if (!run.recording) return {};
+  return name == "first_recorded_s" ? first_recorded(run) : recorded_share(run);
+}
+
+const Limit* find(std::string_view name) {
+  const auto found = std::find_if(std::begin(kLimits), std::end(kLimits), [&](const Limit& l) { return l.name == name; });
+  return found == std::end(kLimits) ? nullptr : &*found;
+}
+
+std::string with_unit(double value, std::string_view unit) {
+  const std::string number = std::isinf(value) ? "without end" : fmt::format("{:.4g}", value);
+  return unit == "1" || std::isinf(value) ? number : fmt::format("{} {}", number, unit);
+}
+
+}  // namespace
+
+std::span<const Limit> limits() { return kLimits; }
+
+void ask_limit(const std::string& text, AskedLimits& asked) {
+  const std::size_t sign = text.find('=');
+  const std::string name = text.substr(0, sign);
+  std::string known;
+  for (const Limit& limit : kLimits) known += (known.empty() ? "" : ", ") + std::string(limit.name);
+  if (sign == std::string::npos || !find(name))
+    throw std::runtime_error(fmt::format("--limit takes NAME=VALUE and there is no limit '{}'; there are {}", name, known));
+  const auto value = parse_number<double>(std::string_view(text).substr(sign + 1));
+  if (!value || !(*value >= 0.0))
+    throw std::runtime_error(
+        fmt::format("--limit {}: '{}' is not a number of 0 or more (inf: no limit)", name, text.substr(sign + 1)));
+  asked[name] = *value;
+}
+
+std::string check_limit(const std::string& text) {
+  AskedLimits ignored;
+  try {
+    ask_limit(text, ignored);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string describe_limits() {
+  std::string text;
+  for (const Limit& limit : kLimits)
+    text += fmt::format("{}{} {} {}", text.empty() ? "" : ", ", limit.name, limit.at_least ? "at least" : "at most",
+                        with_unit(limit.value, limit.unit));
+  return text;
+}
+
+std::vector<Judged> judge_figures(const RunFigures& run, const AskedLimits& asked) {
+  std::vector<Judged> all;
+  for (const Limit& limit : kLimits) {
+    const auto other = asked.find(limit.name);
+    Judged judged{&limit, other == asked.end() ? limit.value : other->second, std::nullopt, true, ""};
+    const bool applies = run.samples > 0.0 && (limit.in_lockstep || !run.lockstep);
+    const Measured measured = applies ? measure(limit.name, run) : Measured{};
+    judged.measured = measured.value;
+    if (measured.value) judged.met = limit.at_least ? *measured.value >= judged.asked : *measured.value <= judged.asked;
+    if (!judged.met)
+      judged.sentence = fmt::format("{} is {}{}, {} than the {} that a good run has: {}", limit.what,
+                                    with_unit(*measured.value, limit.unit),
+                                    measured.of.empty() ? "" : " (" + measured.of + ")",
+                                    limit.at_least ? "less" : "more", with_unit(judged.asked, limit.unit), limit.means);
+    all.push_back(std::move(judged));
+  }
+  return all;
+}
+
+}  // namespace voxtouch::cli

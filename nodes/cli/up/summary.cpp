@@ -1,0 +1,153 @@
+#include "nodes/cli/up/summary.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace voxtouch::cli {
+
+double number(const Reports& reports, const std::string& node, const std::string& name) {
+  const auto report = reports.find(node);
+  return report == reports.end() ? 0.0 : runtime::value_of(report->second.figures, name);
+}
+
+std::string word(const Reports& reports, const std::string& node, const std::string& key) {
+  const auto report = reports.find(node);
+  if (report == reports.end()) return "";
+  const auto value = report->second.values.find(key);
+  return value == report->second.values.end() ? "" : value->second;
+}
+
+namespace {
+
+std::uint64_t count(const Reports& reports, const std::string& node, const std::string& name) {
+  return runtime::as_count(number(reports, node, name));
+}
+
+nlohmann::ordered_json coupling_json(const Reports& r) {
+  nlohmann::ordered_json j;
+  j["status"] = word(r, "coupling", "design_status");
+  j["kind"] = word(r, "coupling", "design_kind");
+  j["cutoff_hz"] = number(r, "coupling", "design_cutoff_hz");
+  j["gain"] = number(r, "coupling", "design_gain");
+  j["injected_damping_ns_per_m"] = number(r, "coupling", "design_injected_damping_ns_per_m");
+  j["shown_stiffness_n_per_m"] = number(r, "coupling", "design_shown_n_per_m");
+  j["critical_stiffness_n_per_m"] = number(r, "coupling", "design_critical_n_per_m");
+  j["gain_margin"] = number(r, "coupling", "design_gain_margin");
+  j["worst_case"] = word(r, "coupling", "design_worst_case");
+  j["designs"] = count(r, "coupling", "designs");
+  j["capped_samples"] = count(r, "coupling", "capped_samples");
+  j["passivity_samples"] = count(r, "coupling", "passivity_samples");
+  j["passivity_most_damping_ns_per_m"] = number(r, "coupling", "passivity_most_damping_ns_per_m");
+  j["lowest_energy_j"] = number(r, "coupling", "lowest_energy_j");
+  j["lowest_energy_rotation_j"] = number(r, "coupling", "lowest_energy_rotation_j");
+  j["energy_bound_j"] = number(r, "coupling", "energy_bound_j");
+  j["energy_bound_rotation_j"] = number(r, "coupling", "energy_bound_rotation_j");
+  return j;
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const RunSummary& s) {
+  const Reports& r = s.reports;
+  nlohmann::ordered_json j;
+  j["ok"] = s.problems.empty();
+  j["scene"] = s.scene;
+  j["device"] = s.device;
+  j["motion"] = s.motion;
+  j["mode"] = s.mode;
+  j["seed"] = s.seed;
+  j["samples"] = count(r, "device", "samples");
+  j["rate_hz"] = number(r, "device", "rate_hz");
+  j["ring_latency_us"] = {{"p50", number(r, "device", "latency_p50_us")},
+                          {"p99", number(r, "device", "latency_p99_us")},
+                          {"max", number(r, "device", "latency_max_us")}};
+  j["answered"] = count(r, "device", "answered");
+  j["overruns"] = count(r, "device", "overruns");
+  j["deadline_misses"] = count(r, "device", "deadline_misses");
+  j["contact_samples"] = count(r, "rendering", "contact_samples");
+  j["held_samples"] = count(r, "rendering", "held_samples");
+  j["saturated_samples"] = count(r, "rendering", "saturated_samples");
+  j["fast_samples"] = count(r, "rendering", "fast_samples");
+  j["crossed_samples"] = count(r, "rendering", "crossed_samples");
+  j["missed_samples"] = count(r, "rendering", "missed_samples");
+  j["zero_force_samples"] = count(r, "device", "zero_force_samples");
+  j["interruptions"] = count(r, "device", "interruptions");
+  j["max_force_n"] = number(r, "device", "max_force_n");
+  j["coupling"] = coupling_json(r);
+  j["guard"] = {{"refused", count(r, "device", "refused")}, {"clamped", count(r, "device", "clamped")}};
+  nlohmann::ordered_json validator;
+  for (const char* key : {"checked", "decided", "agree", "in_band", "disagree"})
+    validator[key] = count(r, "validator", key);
+  j["validator"] = validator;
+  j["recording"] = {{"written", count(r, "logger", "written")}, {"dropped", count(r, "logger", "dropped")}};
+  for (const char* stream : {"device_state", "rendering_contact", "coupling_command"})
+    j["recording"]["streams"][stream] = {{"recorded", count(r, "logger", stream + std::string("_recorded"))},
+                                         {"gaps", count(r, "logger", stream + std::string("_gaps"))}};
+  for (const Judged& judged : s.judged)
+    j["limits"][std::string(judged.limit->name)] = {{"value", judged.measured ? nlohmann::ordered_json(*judged.measured) : nullptr},
+                                                    {judged.limit->at_least ? "at_least" : "at_most", judged.asked},
+                                                    {"unit", judged.limit->unit},
+                                                    {"met", judged.met}};
+  j["bag"] = s.bag.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(s.bag);
+  j["problems"] = s.problems;
+  j["notes"] = s.notes;
+  return j;
+}
+
+namespace {
+
+std::string figures(const RunSummary& s) {
+  const Reports& r = s.reports;
+  std::string text = fmt::format(
+      "\n  device      {} samples at {:.1f} Hz, {} overruns, largest force {:.2f} N\n"
+      "  ring        {} answered, latency p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us, {} deadlines missed\n"
+      "  contact     {} samples with force, {} held, {} faster than half a voxel a sample\n"
+      "  coupling    {}, {}: {:.4g} N/m of certified stiffness, margin {:.3g}; capped in {} samples, passivity "
+      "controller in {}\n"
+      "  guard       {} commands refused, {} clamped\n"
+      "  validator   {} checked: {} decided, {} agree, {} in band, {} disagree\n",
+      count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
+      number(r, "device", "max_force_n"), count(r, "device", "answered"), number(r, "device", "latency_p50_us"),
+      number(r, "device", "latency_p99_us"), number(r, "device", "latency_max_us"),
+      count(r, "device", "deadline_misses"), count(r, "rendering", "contact_samples"),
+      count(r, "rendering", "held_samples"), count(r, "rendering", "fast_samples"), word(r, "coupling", "design_kind"),
+      word(r, "coupling", "design_status"), number(r, "coupling", "design_shown_n_per_m"),
+      number(r, "coupling", "design_gain_margin"), count(r, "coupling", "capped_samples"),
+      count(r, "coupling", "passivity_samples"), count(r, "device", "refused"), count(r, "device", "clamped"),
+      count(r, "validator", "checked"), count(r, "validator", "decided"), count(r, "validator", "agree"),
+      count(r, "validator", "in_band"), count(r, "validator", "disagree"));
+  if (!s.bag.empty())
+    text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag, count(r, "logger", "written"),
+                        count(r, "logger", "dropped"));
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const RunSummary& s) {
+  std::string text = count(s.reports, "device", "samples") > 0 ? figures(s) : "\n";
+  for (const std::string& note : s.notes) text += "  NOTE        " + note + "\n";
+  for (const std::string& problem : s.problems) text += "  PROBLEM     " + problem + "\n";
+  text += s.problems.empty() ? "  All is well.\n" : "";
+  return text;
+}
+
+std::string status_line(const Reports& r, const std::vector<std::string>& nodes) {
+  const auto device = r.find("device");
+  if (device == r.end() || device->second.state == runtime::NodeState::kStarting) {
+    std::string waiting;
+    for (const std::string& node : nodes)
+      if (const auto report = r.find(node); report == r.end() || report->second.session_id == 0)
+        waiting += (waiting.empty() ? "" : ", ") + node;
+    return "starting: waiting for " + waiting;
+  }
+  return fmt::format(
+      "{:>7} samples  force {:6.2f} N at most  answered {:5.1f} %  latency p50 {:>4.0f} us p99 {:>5.0f} us  overruns {}  "
+      "contacts {}  validator {}/{} agree",
+      count(r, "device", "samples"), number(r, "device", "last_second_max_force_n"),
+      100.0 * number(r, "device", "last_second_answered_share"), number(r, "device", "latency_p50_us"),
+      number(r, "device", "latency_p99_us"), count(r, "device", "overruns"), count(r, "rendering", "contact_samples"),
+      count(r, "validator", "agree"), count(r, "validator", "decided"));
+}
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,40 @@
+#pragma once
+/// What a run did, for a person and for a machine.
+#include <map>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "nodes/cli/up/run_limits.hpp"
+#include "nodes/runtime/node_registry.hpp"
+
+namespace voxtouch::cli {
+
+using Reports = std::map<std::string, runtime::NodeReport>;  ///< last report of each node
+
+/// A figure of a node's last report, by its name; 0 where there is none.
+double number(const Reports& reports, const std::string& node, const std::string& name);
+/// A word of it, by its key; empty where there is none.
+std::string word(const Reports& reports, const std::string& node, const std::string& key);
+
+/// Everything that `up` knows at the end.
+struct RunSummary {
+  std::string scene, device, motion, mode, bag;
+  std::uint64_t seed = 0;
+  double validate_every = 1.0;
+  double silence_s = 0.0;  ///< longest time without a status, as `up` saw it
+  std::string silent;      ///< whose
+  AskedLimits asked;
+  std::vector<Judged> judged;  ///< by `judge`
+  Reports reports;
+  std::vector<std::string> problems;  ///< sentences; empty: all is well
+  std::vector<std::string> notes;     ///< sentences that spoil nothing
+};
+
+nlohmann::ordered_json to_json(const RunSummary& summary);
+std::string to_text(const RunSummary& summary);
+/// One line while the ring runs, on the last second; `nodes` are those that take part.
+std::string status_line(const Reports& reports, const std::vector<std::string>& nodes);
+
+}  // namespace voxtouch::cli

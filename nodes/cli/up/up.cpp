@@ -1,0 +1,348 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <ctime>
+#include <set>
+#include <thread>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/scene/scene_file.hpp"
+#include "devices/settings.hpp"
+#include "nodes/bus/reader.hpp"
+#include "nodes/cli/up/launcher.hpp"
+#include "nodes/cli/up/summary.hpp"
+#include "nodes/cli/up/up_checks.hpp"
+#include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/signals.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+using std::chrono::milliseconds;
+
+struct UpOptions {
+  runtime::NodeOptions node;
+  std::string device = "sim-phantom", motion;
+  device::HandChoice hand;
+  double duration_s = 0.0;
+  std::filesystem::path bag;
+  std::vector<std::string> settings, topics, limits;
+  std::uint64_t every = 20;
+  bool no_record = false, one_process = false, json = false;
+};
+
+std::filesystem::path default_bag(const std::string& scene) {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char stamp[32];
+  std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &local);
+  return std::filesystem::path("recordings") / (scene + "-" + stamp);
+}
+
+/// Runs the ring once: start, watch, stop in order, sum up.
+class Run {
+ public:
+  Run(const UpOptions& options, const Scene& scene)
+      : options_(options), participant_(options.node.participant("up")),
+        status_(participant_, "up", options.node.rig), registry_(participant_, options.node.rig),
+        verdicts_(participant_, qos::kValidation, options.node.rig, qos::profile(qos::ProfileId::kTap)) {
+    summary_.scene = scene.name;
+    summary_.device = options.device;
+    summary_.motion = options.motion;
+    summary_.mode = options.node.lockstep ? "lockstep" : "real time";
+    summary_.seed = options.node.seed;
+    summary_.validate_every = static_cast<double>(options.every);
+    for (const std::string& text : options.limits) ask_limit(text, summary_.asked);
+    if (!options.no_record)
+      summary_.bag = options.bag.empty() ? default_bag(scene.name).string() : options.bag.string();
+  }
+
+  /// Also after an exception: the device goes first.
+  ~Run() {
+    while (!children_.empty()) children_.pop_back();
+  }
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  RunSummary go() {
+    require_free_rig();
+    launcher_options_ = launcher_options();
+    if (!runtime::stop_requested().load()) children_ = launch(launcher_options_);
+    watch();
+    stop_all();
+    judge(summary_);
+    return std::move(summary_);
+  }
+
+ private:
+  /// Says that it is here before it looks, so that of two that are started at once each sees the other: the one with the smaller GUID
+  /// goes on, the other says so before it has started anything. One that runs already stays.
+  void require_free_rig() {
+    const auto in_the_way = [this](const runtime::NodeReport& other) {
+      if (other.participant == participant_.guid()) return false;
+      if (other.state == runtime::NodeState::kStopped || other.state == runtime::NodeState::kFailed) return false;
+      return other.node != "up" || other.state == runtime::NodeState::kRunning || other.participant < participant_.guid();
+    };
+    announce(runtime::NodeState::kStarting);
+    if (const auto other = runtime::look_for(registry_, in_the_way, milliseconds(500)))
+      throw std::runtime_error(
+          fmt::format("rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or "
+                      "choose another --rig or --domain",
+                      options_.node.rig, options_.node.domain, other->node, other->pid, other->host));
+    announce(runtime::NodeState::kRunning);
+  }
+
+  void announce(runtime::NodeState state) {
+    runtime::NodeReport report;
+    report.state = state;
+    report.message = "this ring's `voxtouch up`";
+    status_.publish(report);
+  }
+
+  LauncherOptions launcher_options() const {
+    runtime::NodeOptions node = options_.node;
+    if (node.lockstep) node.peers = {"rendering", "coupling", "validator"};
+    if (node.lockstep && !options_.no_record) node.peers.push_back("logger");
+    LauncherOptions c;
+    static_cast<runtime::NodeOptions&>(c.device) = node;
+    static_cast<runtime::NodeOptions&>(c.rendering) = node;
+    static_cast<runtime::NodeOptions&>(c.coupling) = node;
+    static_cast<runtime::NodeOptions&>(c.logger) = node;
+    static_cast<runtime::NodeOptions&>(c.validator) = node;
+    c.device.device = options_.device;
+    c.device.motion = options_.motion;
+    c.device.duration_s = options_.duration_s;
+    c.device.hand = options_.hand;
+    c.device.settings = options_.settings;
+    c.validator.every = options_.every;
+    c.logger.bag = summary_.bag;
+    c.logger.topics = options_.topics;
+    c.record = !options_.no_record;
+    c.one_process = options_.one_process;
+    return c;
+  }
+
+  void listen() {
+    registry_.update([this](const runtime::NodeReport& report) { return is_child(report); });
+    verdicts_.take_each([](const msg::ValidationReport&) {});
+    for (const runtime::NodeReport& report : registry_.reports())
+      if (is_child(report)) summary_.reports[report.node] = report;
+  }
+
+  bool is_child(const runtime::NodeReport& report) const {
+    return std::any_of(children_.begin(), children_.end(),
+                       [&](const auto& m) { return m->name() == report.node && m->pid() == report.pid; });
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& child : children_) all.push_back(child->name());
+    return all;
+  }
+
+  RunningNode* find(const std::string& name) {
+    for (const auto& child : children_)
+      if (child->name() == name) return child.get();
+    return nullptr;
+  }
+
+  /// Returns when the device has finished, a node has died, or Ctrl-C came.
+  void watch() {
+    std::int64_t next_line = runtime::monotonic_ns();
+    while (!runtime::stop_requested().load()) {
+      listen();
+      if (runtime::monotonic_ns() >= next_line) {
+        tell("{}\n", status_line(summary_.reports, names()));
+        tell_trouble();
+        next_line += 1'000'000'000;
+      }
+      bool over = watch_for_hung();
+      for (const auto& child : children_)
+        if (const auto status = child->ended()) {
+          if (child->name() != "device" || *status != 0) note_end(child->name(), *status);
+          over = true;
+        }
+      if (over || note_refusals()) return;
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    tell("stopping\n");
+    if (options_.duration_s > 0)
+      summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", options_.duration_s));
+  }
+
+  /// Names who hangs as soon as it is known, and when it is heard again. True once one has been silent for too long to wait for.
+  bool watch_for_hung() {
+    for (const auto& [name, report] : summary_.reports) {
+      if (report.final() || !is_running(name)) continue;
+      if (const double silent_s = registry_.silent_s(report); silent_s > summary_.silence_s)
+        summary_.silence_s = silent_s, summary_.silent = name;
+    }
+    std::set<std::string> still;
+    for (const runtime::Hung& hung : registry_.hung()) {
+      const auto ours = summary_.reports.find(hung.node);
+      if (ours == summary_.reports.end() || ours->second.participant != hung.participant || !is_running(hung.node)) continue;
+      still.insert(hung.node);
+      if (hanging_.insert(hung.node).second) tell("  {}\n", hung.sentence);
+      if (hung.for_s * 1e9 < static_cast<double>(runtime::kGivenUpNs)) continue;
+      summary_.problems.push_back(fmt::format("{} has given no sign of life for {} s: the run ends without it", hung.node,
+                                              runtime::kGivenUpNs / 1'000'000'000));
+      return true;
+    }
+    std::erase_if(hanging_, [&](const std::string& name) {
+      if (still.contains(name)) return false;
+      tell("  {} is heard again\n", name);
+      return true;
+    });
+    return false;
+  }
+
+  bool is_running(const std::string& name) {
+    RunningNode* child = find(name);
+    return child && !child->ended();
+  }
+
+  /// What keeps a device that runs from giving force is said when it begins, not only in the end.
+  void tell_trouble() {
+    const auto report = summary_.reports.find("device");
+    if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
+    const std::string& message = report->second.message;
+    if (message == told_ || !hanging_.empty()) return;  // who hangs has been named
+    if (message != "running") tell("  device: {}\n", message);
+    told_ = message;
+  }
+
+  /// A node that has failed but goes on, to say so, ends the run: without it there is no force.
+  bool note_refusals() {
+    bool any = false;
+    for (const auto& [name, report] : summary_.reports)
+      if (report.state == runtime::NodeState::kFailed && name != "device" && noted_.insert(name).second) {
+        summary_.problems.push_back(name + ": " + report.message);
+        any = true;
+      }
+    return any;
+  }
+
+  /// The device is at zero first; the logger goes last, so that the bag holds how the others ended.
+  void stop_all() {
+    for (const char* name : {"device", "rendering", "coupling", "validator", "logger"}) {
+      RunningNode* child = find(name);
+      if (!child) continue;
+      child->request_stop();
+      const int patience_ms = hanging_.contains(name) ? 1'000 : name == std::string("logger") ? 20'000 : 8'000;
+      const int status = child->join(milliseconds(patience_ms));
+      listen();
+      if (status != 0 && !was_cut_short(name, status)) note_end(name, status);
+    }
+  }
+
+  /// A device that is stopped before its duration is over says so by its status; why it was stopped is known here already.
+  bool was_cut_short(const std::string& name, int status) {
+    return name == "device" && status == 1 && options_.duration_s > 0 &&
+           summary_.reports[name].state != runtime::NodeState::kFailed;
+  }
+
+  void note_end(const std::string& name, int status) {
+    if (!noted_.insert(name).second) return;
+    if (std::string sentence = summary_.reports[name].message;
+        summary_.reports[name].state == runtime::NodeState::kFailed)
+      summary_.problems.push_back(name + ": " + sentence);
+    else if (status > 128 && name == "device")
+      summary_.problems.push_back(fmt::format(
+          "device was ended by signal {} and could not command zero force any more: a real device has only its "
+          "own watchdog then; see that it is at rest before the next start",
+          status - 128));
+    else if (status > 128)
+      summary_.problems.push_back(
+          fmt::format("{} was ended by signal {}; the device went to zero force", name, status - 128));
+    else if (status != 0)
+      summary_.problems.push_back(fmt::format("{} ended with status {}; its message stands above", name, status));
+    else
+      summary_.problems.push_back(fmt::format("{} ended before the device did", name));
+  }
+
+  const UpOptions& options_;
+  bus::Participant participant_;
+  runtime::StatusWriter status_;
+  runtime::NodeRegistry registry_;
+  bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges for whoever reads; its counts come with its status
+  LauncherOptions launcher_options_;
+  std::vector<std::unique_ptr<RunningNode>> children_;
+  std::string told_ = "running";  ///< of the device
+  std::set<std::string> hanging_;         ///< members that give no sign of life now
+  std::set<std::string> noted_;  ///< members whose end is among the problems
+  RunSummary summary_;
+};
+
+RunSummary run_up(const UpOptions& options) {
+  runtime::catch_signals();
+  const Scene scene = load_scene(options.node.scene);
+  for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
+  for (const std::string& note : check_before_start(scene, {options.device, parse_settings(options.settings),
+                                                            options.motion, options.no_record ? "" : options.bag}))
+    tell("note: {}\n", note);
+  return Run(options, scene).go();
+}
+
+void print_json(const nlohmann::ordered_json& json) {
+  print_result("{}\n",
+             json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
+}
+
+int up(const UpOptions& options) {
+  try {
+    const RunSummary summary = run_up(options);
+    if (options.json)
+      print_json(to_json(summary));
+    else
+      print_result("{}", to_text(summary));
+    return summary.problems.empty() ? 0 : 1;
+  } catch (const std::exception& error) {
+    if (options.json) print_json({{"ok", false}, {"problems", {error.what()}}});
+    throw;
+  }
+}
+
+}  // namespace
+
+void add_up(CLI::App& app, Action& action) {
+  auto options = std::make_shared<UpOptions>();
+  CLI::App* verb = app.add_subcommand(
+      "up",
+      "Start the whole ring (device, rendering, coupling, logger, validator), watch it, stop it on Ctrl-C, sum it up");
+  verb->add_option("SCENE", options->node.scene, "Scene file (YAML); deploy/scenes has some")
+      ->required()
+      ->check(CLI::ExistingFile);
+  runtime::add_node_options(*verb, options->node, false);
+  verb->remove_option(verb->get_option("--peers"));
+  device::add_device_options(*verb, options->device, options->settings);
+  verb->add_option("--motion", options->motion,
+                   "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
+  verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")
+      ->capture_default_str()
+      ->check(device::check_duration);
+  device::add_hand_options(*verb, options->hand);
+  verb->add_option("--record", options->bag,
+                   "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
+  verb->add_option("--topic", options->topics, "Record this DDS topic as well, of a type that is compiled in, such as rt/tf")->check(runtime::check_topic);
+  verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")
+      ->capture_default_str()
+      ->check(runtime::require_count);
+  verb->add_option("--limit", options->limits,
+                   "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets one of them (0 or inf "
+                   "lifts it), and may be given more than once. Defaults: " +
+                       describe_limits())
+      ->allow_extra_args(false)
+      ->check(check_limit);
+  verb->add_flag("--no-record", options->no_record, "No logger, no bag");
+  verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
+  verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");
+  verb->callback([options, &action] { action = [options] { return up(*options); }; });
+}
+
+}  // namespace voxtouch::cli

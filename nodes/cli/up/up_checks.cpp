@@ -1,0 +1,116 @@
+#include "nodes/cli/up/up_checks.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "core/fitting/device_check.hpp"
+#include "devices/registry.hpp"
+#include "nodes/cli/up/run_figures.hpp"
+#include "nodes/device/device_node.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+void check_bag(const std::filesystem::path& bag) {
+  if (bag.empty()) return;
+  std::error_code ignored;
+  if (std::filesystem::exists(bag, ignored))
+    throw std::runtime_error(fmt::format(
+        "the bag folder {} exists already and is left as it is; choose another with --record", bag.string()));
+  std::filesystem::path parent = std::filesystem::absolute(bag).parent_path();
+  while (!std::filesystem::exists(parent, ignored) && parent.has_relative_path()) parent = parent.parent_path();
+  if (::access(parent.c_str(), W_OK | X_OK) != 0)
+    throw std::runtime_error(
+        fmt::format("no bag can be made in {} ({}); choose another folder with --record, or --no-record",
+                    parent.string(), std::strerror(errno)));
+}
+
+}  // namespace
+
+std::vector<std::string> check_before_start(const Scene& scene, const Plans& plans) {
+  DeviceOptions options;
+  options.settings = plans.settings;
+  const DeviceDescription description = describe_device(plans.device, options);
+  device::choose_motion(scene, plans.motion);
+  check_bag(plans.bag);
+  // One point alone is the least that any contact shows; how many push together is seen only while the scene runs. A coupling
+  // that is designed caps both, and is judged when it has been: by the coupling node, or by voxtouch plan --device.
+  const std::string why = why_not_felt(scene, scene.design ? nullptr : &scene.coupling,
+                                       model_of(description), 0.0,
+                                       demand_of(scene));
+  if (!why.empty())
+    throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));
+  std::vector<std::string> notes;
+  if (!scene.design)
+    notes = check_device(scene, {description.max_stiffness_n_per_m, 1.0 / description.rate_hz, description.max_force_n},
+                         least_stiffness_n_per_m(scene))
+                .warnings;
+  const bool simulated_hand = has_simulated_hand(plans.device);
+  if (!simulated_hand && !plans.motion.empty())
+    notes.push_back(
+        fmt::format("--motion {} moves a simulated hand; {} is moved by a person", plans.motion, plans.device));
+  if (simulated_hand && plans.motion.empty())
+    notes.push_back("no --motion is given: the simulated hand rests where the scene's first motion starts");
+  return notes;
+}
+
+void judge(RunSummary& s) {
+  const auto message = [&](const std::string& node) { return s.reports[node].message; };
+  if (const double n = number(s.reports, "validator", "disagree"); n > 0)
+    s.problems.push_back(fmt::format("the validator disagrees with {} samples: {}", n, message("validator")));
+  if (const double n = number(s.reports, "device", "foreign_commands"); n > 0)
+    s.problems.push_back(fmt::format("{} commands of a second writer were ignored ({})", n, message("device")));
+  const double felt = number(s.reports, "coupling", "stiffness_at_hand_n_per_m"),
+               most = number(s.reports, "coupling", "device_max_stiffness_n_per_m");
+  if (most > 0 && felt > most)
+    s.problems.push_back(fmt::format(
+        "all points in contact together showed {:.0f} N/m at the hand, more than the {:.0f} N/m that {} can show "
+        "stably: lower the contact's stiffness, the coupling's gain or a scale of the device",
+        felt, most, s.device));
+  if (s.problems.empty() && number(s.reports, "device", "samples") == 0)
+    s.problems.push_back("the device gave no sample");
+  const double zero_force = number(s.reports, "device", "zero_force_samples"),
+               interruptions = number(s.reports, "device", "interruptions");
+  const std::string trouble = word(s.reports, "device", "trouble");
+  if (zero_force > 0 && zero_force >= number(s.reports, "device", "samples"))
+    s.problems.push_back(fmt::format("{} took no force in the whole run: {}", s.device, trouble));
+  else if (interruptions > 0)
+    s.notes.push_back(fmt::format("{} gave no force in {} samples (lost {}x on the way); the last reason: {}", s.device,
+                                  zero_force, interruptions, trouble));
+  s.judged = judge_figures(figures_of(s), s.asked);
+  for (const Judged& judged : s.judged)
+    if (!judged.met) s.problems.push_back(judged.sentence);
+  if (const double n = number(s.reports, "rendering", "buried_samples"); n > 100)
+    s.notes.push_back(
+        fmt::format("in {} samples the tool was wholly inside a static object, where there is no direction to push: "
+                    "does the motion "
+                    "start inside?",
+                    n));
+  if (const double n = number(s.reports, "rendering", "crossed_samples"); n > 0)
+    s.notes.push_back(
+        fmt::format("in {} samples the tool was behind a wall that it had crossed in one sample: it was pushed back to "
+                    "where it came from",
+                    n));
+  if (const double n = number(s.reports, "rendering", "missed_samples"); n > 0)
+    s.notes.push_back(
+        fmt::format("in {} samples the tool was too fast to be followed, or let go of behind a wall: what lay in "
+                    "between was not felt",
+                    n));
+  if (const double n = number(s.reports, "rendering", "saturated_samples"); n > 0)
+    s.notes.push_back(fmt::format(
+        "in {} samples the tool was so deep, or a wall so thin, that going deeper meets no more force: more "
+        "stiffness, a thicker body or a stronger device holds it out",
+        n));
+  std::vector<std::string> unique;
+  for (std::string& p : s.problems)
+    if (std::find(unique.begin(), unique.end(), p) == unique.end()) unique.push_back(std::move(p));
+  s.problems = std::move(unique);
+}
+
+}  // namespace voxtouch::cli

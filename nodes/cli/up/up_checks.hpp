@@ -1,0 +1,27 @@
+#pragma once
+/// What can be known before any node starts is said before any node starts.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "devices/device_options.hpp"
+#include "nodes/cli/up/summary.hpp"
+
+namespace voxtouch::cli {
+
+struct Plans {
+  std::string device;
+  DeviceSettings settings;
+  std::string motion;
+  std::filesystem::path bag;  ///< empty: none
+};
+
+/// Throws std::runtime_error, a sentence: unknown device, device option or motion, a scene that is too stiff for the device even with one point in
+/// contact, a bag folder that exists or could not be made. Returns what a user may want to know, as sentences.
+std::vector<std::string> check_before_start(const Scene& scene, const Plans& plans);
+
+/// Sorts what the nodes have reported into problems and notes.
+void judge(RunSummary& summary);
+
+}  // namespace voxtouch::cli

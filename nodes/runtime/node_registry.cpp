@@ -1,0 +1,261 @@
+#include "nodes/runtime/node_registry.hpp"
+
+#include <string.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <deque>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/strings.hpp"
+
+namespace voxtouch::runtime {
+
+StatusWriter::StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig)
+    : writer_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)),
+      diagnostics_(participant, qos::kDiagnostics, rig, qos::profile(qos::kDiagnostics.profile)),
+      full_name_(rig + "/" + node) {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  own_.node = std::move(node);
+  own_.host = host;
+  own_.pid = static_cast<std::uint32_t>(getpid());
+  own_.participant = participant.guid();
+}
+
+namespace {
+
+/// What a registry would refuse is cut where it is made.
+NodeReport cut(NodeReport report) {
+  constexpr std::size_t kMost = NodeRegistry::kLongestText;
+  if (report.message.size() > kMost) report.message.resize(kMost);
+  for (auto& [key, value] : report.values)
+    if (value.size() > kMost) value.resize(kMost);
+  return report;
+}
+
+}  // namespace
+
+void StatusWriter::publish(const NodeReport& whole, bool tell_ros) {
+  const NodeReport report = cut(whole);
+  std::vector<msg::diagnostic_msgs_KeyValue> values;
+  for (const auto& [key, value] : report.values) values.push_back({lend(key), lend(value)});
+  std::vector<msg::Figure> figures;
+  for (const auto& [name, figure] : report.figures) figures.push_back({lend(name), lend(figure.unit), figure.value});
+  msg::NodeStatus sample{};
+  sample.node = lend(own_.node);
+  sample.host = lend(own_.host);
+  sample.pid = own_.pid;
+  std::memcpy(sample.participant, own_.participant.data(), own_.participant.size());
+  sample.session_id = report.session_id;
+  sample.state = static_cast<std::uint32_t>(report.state);
+  sample.message = lend(report.message);
+  sample.values._buffer = values.data();
+  sample.values._length = sample.values._maximum = static_cast<std::uint32_t>(values.size());
+  sample.figures._buffer = figures.data();
+  sample.figures._length = sample.figures._maximum = static_cast<std::uint32_t>(figures.size());
+  writer_.write(sample);
+  if (tell_ros && diagnostics_.matched_count() > 0) publish_diagnostics(report, std::move(values));
+}
+
+void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue> values) {
+  namespace level = msg::diagnostic_msgs_DiagnosticStatus_constants;
+  ++diagnostics_made_;
+  std::deque<std::string> texts;  // ROS knows words only; addresses stay
+  for (const auto& [name, figure] : report.figures)
+    values.push_back({lend(name), lend(texts.emplace_back(fmt::format("{:.9g} {}", figure.value, figure.unit)))});
+  msg::diagnostic_msgs_DiagnosticStatus status{};
+  status.level = report.state == NodeState::kFailed     ? level::kError
+                 : report.state == NodeState::kStarting ? level::kWarn
+                                                        : level::kOk;
+  status.name = lend(full_name_);
+  status.message = lend(report.message);
+  status.hardware_id = lend(own_.host);
+  status.values._buffer = values.data();
+  status.values._length = status.values._maximum = static_cast<std::uint32_t>(values.size());
+  const std::int64_t now = realtime_ns();
+  msg::diagnostic_msgs_DiagnosticArray array{};
+  array.header.stamp = {static_cast<std::int32_t>(now / 1'000'000'000),
+                        static_cast<std::uint32_t>(now % 1'000'000'000)};
+  array.header.frame_id = const_cast<char*>("");
+  array.status._buffer = &status;
+  array.status._length = array.status._maximum = 1;
+  diagnostics_.write(array);
+}
+
+void StatusWriter::flush() noexcept { writer_.wait_for_acknowledgments(DDS_SECS(1)); }
+
+NodeRegistry::NodeRegistry(const bus::Participant& participant, const std::string& rig)
+    : senders_(std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll)),
+      reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus), senders_.get()) {}
+
+/// A writer that has gone is known as long as its last samples may lie here.
+void NodeRegistry::look_who_is_here() {
+  const std::vector<dds_instance_handle_t> handles = reader_.writer_handles();
+  here_.clear();
+  for (const dds_instance_handle_t handle : handles) {
+    auto known = writers_.find(handle);
+    if (known == writers_.end())
+      known = writers_.emplace(handle, bus::participant_of_writer(reader_.get(), handle)).first;
+    here_.insert(known->second);
+  }
+}
+
+/// Far more than a node sends, turn after turn: after a pause of this process a turn may well find many.
+void NodeRegistry::refuse_floods() {
+  constexpr int kMany = 32;
+  for (const auto& [writer, count] : taken_)
+    if (const auto before = taken_before_.find(writer);
+        count >= kMany && before != taken_before_.end() && before->second >= kMany)
+      senders_->refuse(writer);
+  taken_before_ = std::exchange(taken_, {});
+}
+
+bool NodeRegistry::fits(const msg::NodeStatus& s) {
+  const auto too_long = [](const char* text, std::size_t most = kLongestText) {
+    return !text || ::strnlen(text, most + 1) > most;
+  };
+  constexpr std::size_t kLongestName = 256;
+  if (too_long(s.node, kLongestName) || too_long(s.host, kLongestName) || too_long(s.message)) return false;
+  if (s.values._length > kMaxValues || s.figures._length > kMaxValues) return false;
+  const bool figures_fit =
+      std::none_of(s.figures._buffer, s.figures._buffer + s.figures._length, [&](const auto& figure) {
+        return too_long(figure.name, kLongestName) || too_long(figure.unit, kLongestName);
+      });
+  return figures_fit && std::none_of(s.values._buffer, s.values._buffer + s.values._length, [&](const auto& value) {
+    return too_long(value.key, kLongestName) || too_long(value.value);
+  });
+}
+
+/// Of the participant that it names, and one that is known or for whom there is room.
+bool NodeRegistry::is_its_own(const msg::NodeStatus& s, dds_instance_handle_t writer) const {
+  const auto sender = writers_.find(writer);
+  if (sender == writers_.end() || std::memcmp(s.participant, sender->second.data(), sender->second.size()) != 0) return false;
+  return reports_.contains(sender->second) || reports_.size() < kMaxNodes;
+}
+
+void NodeRegistry::take(const msg::NodeStatus& s) {
+  NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}, {}, clock_.now_ns()};
+  std::memcpy(report.participant.data(), s.participant, report.participant.size());
+  for (std::uint32_t i = 0; i < s.values._length; ++i)
+    report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
+  for (std::uint32_t i = 0; i < s.figures._length; ++i)
+    report.figures[s.figures._buffer[i].name] = {s.figures._buffer[i].value, s.figures._buffer[i].unit};
+  reports_[report.participant] = std::move(report);
+}
+
+void NodeRegistry::update(const std::function<bool(const NodeReport&)>& keep) {
+  constexpr int kMaxTakes = 256;
+  clock_.look(monotonic_ns());
+  look_who_is_here();
+  reader_.take_each(
+      [this](const msg::NodeStatus& status, dds_instance_handle_t writer) {
+        ++taken_[writer];
+        const bool fitting = fits(status);
+        if (!fitting) senders_->refuse(writer);
+        if (fitting && is_its_own(status, writer))
+          take(status);
+        else
+          ++refused_;
+      },
+      kMaxTakes);
+  refuse_floods();
+  remember_vanished();
+  std::erase_if(reports_, [&](const auto& entry) { return !is_here(entry.first) && !(keep && keep(entry.second)); });
+  std::erase_if(writers_, [&](const auto& entry) { return !is_here(entry.second); });
+}
+
+void NodeRegistry::remember_vanished() {
+  constexpr std::size_t kMost = 16;  // names are anybody's to choose
+  constexpr double kRememberedS = 10.0;
+  for (const auto& [guid, report] : reports_)
+    if (!is_here(guid) && !report.final() && vanished_.size() < kMost)
+      vanished_[report.node] = report;
+  std::erase_if(vanished_, [&](const auto& entry) {
+    const bool again = std::any_of(reports_.begin(), reports_.end(), [&](const auto& known) {
+      return known.second.node == entry.first && is_here(known.first);
+    });
+    return again || silent_s(entry.second) > kRememberedS;
+  });
+}
+
+std::vector<NodeReport> NodeRegistry::reports() const {
+  std::vector<NodeReport> all;
+  for (const auto& [guid, report] : reports_) all.push_back(report);
+  std::sort(all.begin(), all.end(), [](const NodeReport& a, const NodeReport& b) { return a.node < b.node; });
+  return all;
+}
+
+std::optional<NodeReport> NodeRegistry::find(std::string_view node) const {
+  for (const auto& [guid, report] : reports_)
+    if (report.node == node) return report;
+  return std::nullopt;
+}
+
+std::vector<Hung> NodeRegistry::hung() const {
+  constexpr double kHungS = static_cast<double>(kHungNs) * 1e-9;
+  std::vector<Hung> all;
+  std::vector<NodeReport> asked = reports();
+  for (const auto& [name, report] : vanished_)
+    if (!reports_.contains(report.participant)) asked.push_back(report);  // `update` may have kept it
+  for (const NodeReport& report : asked) {
+    if (report.final() || report.node == "up") continue;  // `up` has no loop, and says once that it is here
+    const double silent = silent_s(report), stalled = value_of(report.figures, kStalledFor);
+    if (silent > kHungS) {
+      all.push_back({report.node, report.participant, silent,
+                     fmt::format("{} hangs: no status has come from it for {} s", report.node, kHungS)});
+    } else if (stalled > kHungS) {
+      const auto what = report.values.find(kStalled);
+      all.push_back({report.node, report.participant, stalled,
+                     fmt::format("{} hangs: {} has stood still for {} s", report.node,
+                                 what == report.values.end() ? "its loop" : what->second, kHungS)});
+    }
+  }
+  return all;
+}
+
+const NodeReport* NodeRegistry::report_of(const bus::Guid& participant) const {
+  const auto known = reports_.find(participant);
+  return known == reports_.end() ? nullptr : &known->second;
+}
+
+std::string NodeRegistry::name_of(const bus::Guid& guid) const {
+  if (const NodeReport* report = report_of(guid))
+    return fmt::format("{} (process {} on {})", report->node, report->pid, report->host);
+  return fmt::format("a participant that gives no name ({:02x})", fmt::join(guid, ""));
+}
+
+std::optional<NodeReport> look_for(NodeRegistry& registry, const std::function<bool(const NodeReport&)>& wanted,
+                                   std::chrono::milliseconds patience) {
+  const std::int64_t until = monotonic_ns() + std::chrono::nanoseconds(patience).count();
+  for (; monotonic_ns() < until; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+    registry.update();
+    for (NodeReport& report : registry.reports())
+      if (wanted(report)) return std::move(report);
+  }
+  return std::nullopt;
+}
+
+std::uint64_t sessions_seen(const NodeRegistry& registry) {
+  std::uint64_t most = 0;
+  for (const NodeReport& report : registry.reports())
+    most = std::max(most, as_count(value_of(report.figures, kSessions)));
+  return most;
+}
+
+bool has_matched(const NodeRegistry& registry, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes) {
+  const std::vector<NodeReport> reports = registry.reports();
+  return std::all_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
+    return std::any_of(reports.begin(), reports.end(), [&](const NodeReport& report) {
+      return report.node == node && std::find(matched.begin(), matched.end(), report.participant) != matched.end();
+    });
+  });
+}
+
+}  // namespace voxtouch::runtime

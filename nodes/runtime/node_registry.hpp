@@ -1,0 +1,139 @@
+#pragma once
+/// Who runs in this rig: each node publishes its own status and reads everybody's.
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "nodes/bus/reader.hpp"
+#include "nodes/bus/writer.hpp"
+#include "nodes/runtime/figure.hpp"
+#include "nodes/runtime/heartbeat.hpp"
+
+namespace voxtouch::runtime {
+
+enum class NodeState : std::uint32_t {
+  kStarting = msg::node_status::kStateStarting,
+  kReady = msg::node_status::kStateReady,
+  kRunning = msg::node_status::kStateRunning,
+  kStopped = msg::node_status::kStateStopped,
+  kFailed = msg::node_status::kStateFailed,
+};
+
+/// Name of a report's figure: how many device sessions the node has seen.
+inline constexpr char kSessions[] = "sessions";
+
+/// Figures and word of a report: for how long what is watched beside the housekeeping has not turned, and what it is.
+inline constexpr char kStalledFor[] = "stalled_s", kLongestStall[] = "longest_stall_s", kStalled[] = "stalled";
+
+/// One node's status as a value.
+struct NodeReport {
+  std::string node;
+  std::string host;
+  std::uint32_t pid = 0;
+  bus::Guid participant{};
+  std::uint64_t session_id = 0;
+  NodeState state = NodeState::kStarting;
+  std::string message;
+  std::map<std::string, std::string> values;  ///< words
+  Figures figures;                            ///< numbers
+  std::int64_t heard_ns = 0;                  ///< when it came, by the watch of the registry that took it
+  std::set<bus::Guid> partners{};             ///< lockstep: whom the node waits for; known to the node alone, and not published
+  /// Nothing more is to come from it.
+  bool final() const noexcept { return state == NodeState::kStopped || state == NodeState::kFailed; }
+};
+
+/// Publishes this node's report, and the same as /diagnostics while somebody reads that. Not for the loop: allocates.
+class StatusWriter {
+ public:
+  StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig);
+  /// Node, host, pid and participant are filled in here. `tell_ros`: as /diagnostics too.
+  void publish(const NodeReport& report, bool tell_ros = true);
+  /// Waits until readers have the last report; for the way out.
+  void flush() noexcept;
+  /// How often /diagnostics was made.
+  std::uint64_t diagnostics_made() const noexcept { return diagnostics_made_; }
+
+ private:
+  void publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue> values);
+  bus::Writer<msg::NodeStatus> writer_;
+  bus::Writer<msg::diagnostic_msgs_DiagnosticArray> diagnostics_;
+  std::string full_name_;  // "haptic/device"
+  std::uint64_t diagnostics_made_ = 0;
+  NodeReport own_;
+};
+
+/// A node that gives no sign of life.
+struct Hung {
+  std::string node;
+  bus::Guid participant{};
+  double for_s = 0.0;
+  std::string sentence;
+};
+
+/// The newest report of each participant that is still there.
+/// The newest report of each participant that is still there. Only its own: a status that comes from another participant than it names,
+/// as a bag that is played sends, is refused, and so is one that is longer than any of ours. A writer of such a one, or of a flood, is not
+/// listened to any more.
+class NodeRegistry {
+ public:
+  NodeRegistry(const bus::Participant& participant, const std::string& rig);
+  /// Takes what has arrived; forgets nodes whose participant has gone, but for those that `keep` holds on to.
+  void update(const std::function<bool(const NodeReport&)>& keep = {});
+  /// All reports, sorted by node name.
+  std::vector<NodeReport> reports() const;
+  std::optional<NodeReport> find(std::string_view node) const;
+  /// For how long no status of a node has come, while this registry was looked at [s].
+  double silent_s(const NodeReport& report) const noexcept {
+    return static_cast<double>(clock_.now_ns() - report.heard_ns) * 1e-9;
+  }
+  /// Nodes of the ring that hang: no status for kHungNs, or one that says that its loop stands still. A node whose participant has
+  /// gone without a last word, as DDS finds of a stopped one after some seconds, is among them until another takes its name, for 10 s
+  /// at most. Call `update` often.
+  std::vector<Hung> hung() const;
+  const NodeReport* report_of(const bus::Guid& participant) const;
+  /// Whether a status writer of `participant` is there.
+  bool is_here(const bus::Guid& participant) const { return here_.contains(participant); }
+  /// Statuses that were refused.
+  std::uint64_t refused() const noexcept { return refused_; }
+  /// Name of the node whose participant is `guid`, or "a participant that gives no name (GUID)".
+  std::string name_of(const bus::Guid& guid) const;
+  dds_entity_t condition() const noexcept { return reader_.condition(); }
+
+  static constexpr std::size_t kMaxNodes = 64, kMaxValues = 256, kLongestText = 1024;
+
+ private:
+  void remember_vanished();
+  WatchClock clock_;
+  void look_who_is_here();
+  static bool fits(const msg::NodeStatus& status);
+  bool is_its_own(const msg::NodeStatus& status, dds_instance_handle_t writer) const;
+  void take(const msg::NodeStatus& status);
+  void refuse_floods();
+
+  std::unique_ptr<bus::Following> senders_;  // outlives the reader, which asks it
+  bus::Reader<msg::NodeStatus> reader_;
+  std::map<dds_instance_handle_t, int> taken_, taken_before_;  ///< statuses of each writer, in this turn and in the last
+  std::map<dds_instance_handle_t, bus::Guid> writers_;  ///< of the statuses: whose each is
+  std::set<bus::Guid> here_;
+  std::uint64_t refused_ = 0;
+  std::map<bus::Guid, NodeReport> reports_;
+  std::map<std::string, NodeReport> vanished_;  ///< gone without a last word, by name
+};
+
+/// Looks for `patience`: the first report that `wanted` holds of, if one comes.
+std::optional<NodeReport> look_for(NodeRegistry& registry, const std::function<bool(const NodeReport&)>& wanted,
+                                   std::chrono::milliseconds patience);
+
+/// How many device sessions the nodes of the registry have seen: the most that one of them reports.
+std::uint64_t sessions_seen(const NodeRegistry& registry);
+
+/// Whether for each of `nodes` a participant of that name is in `matched`.
+bool has_matched(const NodeRegistry& registry, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes);
+
+}  // namespace voxtouch::runtime

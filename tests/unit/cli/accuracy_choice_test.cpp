@@ -1,0 +1,88 @@
+/// From words to settings: defaults, order, and what is refused with which sentence.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "core/accuracy/advice.hpp"
+#include "nodes/cli/accuracy/accuracy_choice.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+std::vector<std::string> names(const std::vector<AccuracySetting>& settings) {
+  std::vector<std::string> out;
+  for (const AccuracySetting& s : settings) out.push_back(describe(s));
+  return out;
+}
+
+void expect_refused(const AccuracyChoice& ask, const std::vector<std::string>& words) {
+  try {
+    settings_of(ask, 0.002);
+    ADD_FAILURE() << "accepted; expected " << words[0];
+  } catch (const std::invalid_argument& error) {
+    for (const std::string& word : words)
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << word << " in " << error.what();
+  }
+}
+
+TEST(AccuracyChoice, MeansEveryRungAtThreeVoxelSizesRoundTheScenesOwn) {
+  const auto settings = settings_of({}, 0.002);
+  ASSERT_EQ(settings.size(), 18u) << "original and adapted twice, clustered and field by area, three sizes each";
+  EXPECT_EQ(describe(settings[0]), "original/one, e = 4 mm");
+  EXPECT_EQ(describe(settings[5]), "original/area, e = 1 mm");
+  EXPECT_EQ(describe(settings[12]), "clustered/area, e = 4 mm");
+  EXPECT_EQ(describe(settings[17]), "field/area, e = 1 mm");
+}
+
+TEST(AccuracyChoice, KeepsTheOrderAskedForAndTakesWhatComesTwiceOnce) {
+  EXPECT_EQ(names(settings_of({.models = {"field", "adapted", "field"},
+                               .weights = {"area", "one"},
+                               .voxel_sizes_m = {0.001, 0.004, 0.001},
+                               .shell_densities = {}},
+                              0.002)),
+            (std::vector<std::string>{"field/area, e = 1 mm", "field/area, e = 4 mm", "adapted/area, e = 1 mm",
+                                      "adapted/area, e = 4 mm", "adapted/one, e = 1 mm", "adapted/one, e = 4 mm"}));
+}
+
+TEST(AccuracyChoice, MakesADenserShellWithSmallerVoxels) {
+  EXPECT_EQ(
+      names(settings_of(
+          {.models = {"adapted"}, .weights = {"one"}, .voxel_sizes_m = {0.002}, .shell_densities = {1, 2, 0.5}}, 0.1)),
+      (std::vector<std::string>{"adapted/one, e = 2 mm", "adapted/one, e = 2 mm, shell 1 mm",
+                                "adapted/one, e = 2 mm, shell 4 mm"}));
+}
+
+TEST(AccuracyChoice, LeavesOutTheRungsByAreaWhereOnlyWeightsOfOneAreAskedForAndNoModelIsNamed) {
+  EXPECT_EQ(names(settings_of({.weights = {"one"}, .voxel_sizes_m = {0.002}}, 0.1)),
+            (std::vector<std::string>{"original/one, e = 2 mm", "adapted/one, e = 2 mm"}));
+}
+
+TEST(AccuracyChoice, RefusesARungByAreaWithWeightsOfOne) {
+  expect_refused({.models = {"adapted", "clustered"}, .weights = {"one"}},
+                 {"--weights one", "'clustered'", "add area"});
+  expect_refused({.models = {"field"}, .weights = {"one"}}, {"--weights one", "'field'"});
+}
+
+TEST(AccuracyChoice, RefusesWordsThatItDoesNotKnowAndNamesThoseThatItDoes) {
+  expect_refused({.models = {"best"}}, {"--models", "'best'", "original, adapted, clustered and field"});
+  expect_refused({.models = {""}}, {"--models"});
+  expect_refused({.weights = {"two"}}, {"--weights", "'two'", "one", "area"});
+}
+
+TEST(AccuracyChoice, RefusesSizesAndDensitiesThatAreNone) {
+  for (const double bad :
+       {0.0, -0.001, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    expect_refused({.voxel_sizes_m = {0.001, bad}}, {"--voxel-sizes", "greater than 0"});
+    expect_refused({.shell_densities = {bad}}, {"--shell-densities", "greater than 0"});
+  }
+}
+
+TEST(AccuracyChoice, RefusesMoreSettingsThanAnyoneWouldWaitFor) {
+  std::vector<double> sizes;
+  for (int i = 1; i <= 200; ++i) sizes.push_back(0.001 * i);
+  expect_refused({.voxel_sizes_m = sizes}, {"1200 settings", "500 at most"});
+}
+
+}  // namespace
+}  // namespace voxtouch::cli

@@ -1,0 +1,256 @@
+// Whatever may change while a scene runs is held against the device by the code of the start.
+#include "core/fitting/scene_on_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/rendering/reload_check.hpp"
+#include "core/scene/scene_file.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr StiffnessBounds kContact = {{30.0, 3000.0}, {0.003, 0.3}};
+
+/// As the simulated Phantom.
+DeviceModel stylus(double mass_kg = 0.1) {
+  DeviceModel model;
+  model.name = "stylus";
+  model.translation = {.inertia_min = mass_kg, .inertia_max = 2.0 * mass_kg, .damping = 2.0, .resolution = 3e-5, .max_effort = 8.5, .max_stiffness = 800.0};
+  model.timing.delay_s = 1e-3;
+  return model;
+}
+DeviceModel arm() {
+  DeviceModel model = stylus(2.0);
+  model.name = "arm";
+  model.gives_torque = true;
+  model.rotation = {.inertia_min = 0.01, .inertia_max = 0.02, .damping = 0.05, .resolution = 1e-5, .max_effort = 5.0, .max_stiffness = 50.0};
+  return model;
+}
+
+EffectSpec effect(const char* kind, std::initializer_list<double> first) {
+  EffectSpec spec{.name = kind, .kind = find_effect_kind(kind), .values = {}, .region = {}};
+  spec.values = EffectValues(spec.kind->parameters);
+  std::size_t n = 0;
+  for (const double value : first) spec.values.at(n++)[0] = value;
+  spec.place = "a.yaml:7:5";
+  return spec;
+}
+EffectSpec oil(double damping, double turning = 0.0) { return effect("viscosity", {damping, turning}); }
+
+Scene scene_with(std::vector<EffectSpec> effects) {
+  Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  scene.effects = std::move(effects);
+  return scene;
+}
+Scene by_hand(std::vector<EffectSpec> effects) {
+  Scene scene = scene_with(std::move(effects));
+  scene.design.reset();
+  return scene;
+}
+StiffnessBounds bounds(const Scene& scene) { return with_effects(kContact, scene.effects); }
+
+/// What the start says of it.
+std::string at_start(const Scene& scene, const DeviceModel& device) {
+  return fit_coupling(scene, device, bounds(scene).translation, bounds(scene).rotation).refusal;
+}
+SceneOnDevice running(const Scene& scene, const DeviceModel& device) {
+  SceneOnDevice on;
+  on.device_is(device);
+  on.runs(scene, bounds(scene), demand_of(scene));
+  return on;
+}
+std::string asked(SceneOnDevice& on, const Scene& next) { return on.why_not(next, kContact, at_rest(next.effects)); }
+
+/// The damping that this device stands with this contact, by what the start takes.
+double most_damping(const DeviceModel& device) {
+  double low = 0.0, high = 100.0;
+  while (high - low > 1e-6) (at_start(scene_with({oil(0.5 * (low + high))}), device).empty() ? low : high) = 0.5 * (low + high);
+  return low;
+}
+
+TEST(SceneOnDevice, RefusesEveryValueThatTheStartRefusesWithTheSameSentence) {
+  const Scene now = scene_with({oil(0.5)});
+  SceneOnDevice on = running(now, stylus());
+  ASSERT_EQ(on.refusal(), "");
+  int taken = 0, refused = 0;
+  for (double damping = 0.25; damping < 100.0; damping *= 1.3) {
+    const Scene next = scene_with({oil(damping)});
+    const std::string start = at_start(next, stylus());
+    EXPECT_EQ(asked(on, next), start) << damping;
+    (start.empty() ? taken : refused)++;
+    if (!start.empty()) {
+      EXPECT_NE(start.find("with a margin of 2"), std::string::npos) << start;
+    }
+  }
+  EXPECT_GT(taken, 2);
+  EXPECT_GT(refused, 5);
+}
+
+TEST(SceneOnDevice, JudgesTheSumOfAllEffects) {
+  const double most = most_damping(stylus());
+  const Scene now = scene_with({oil(0.6 * most), effect("surface_damping", {0.3 * most})});
+  SceneOnDevice on = running(now, stylus());
+  ASSERT_EQ(on.refusal(), "");
+  Scene next = now;
+  next.effects[1].values.at(0)[0] = 0.5 * most;
+  EXPECT_NE(asked(on, next), "");
+  EXPECT_EQ(asked(on, next), at_start(next, stylus()));
+}
+
+TEST(SceneOnDevice, CountsEffectsAtFullGainSoThatNoGainAndNoSwitchBringsOutMore) {
+  const double most = most_damping(stylus());
+  Scene off = scene_with({oil(1.5 * most)});
+  off.effects[0].on = false;
+  EXPECT_NE(at_start(off, stylus()), "");
+  off.effects[0].on = true, off.effects[0].gain = 0.1;
+  EXPECT_NE(at_start(off, stylus()), "");
+  Scene now = scene_with({oil(0.5 * most)});
+  now.effects[0].on = false, now.effects[0].gain = 0.1;
+  SceneOnDevice on = running(now, stylus());
+  EXPECT_NE(asked(on, off), "") << "a value that is too much is refused also where the gain is low";
+  now.effects[0].on = true, now.effects[0].gain = 1.0;
+  EXPECT_EQ(asked(on, now), "");
+}
+
+/// The first effect is on its way down from nearly all that may be felt when the second one is to rise.
+TEST(SceneOnDevice, JudgesWhatIsStillOnItsWay) {
+  const double most = most_damping(stylus());
+  const Scene now = scene_with({oil(0.9 * most), effect("surface_damping", {0.05 * most})});
+  SceneOnDevice on = running(now, stylus());
+  Scene next = scene_with({oil(0.05 * most), effect("surface_damping", {0.9 * most})});
+  ASSERT_EQ(at_start(next, stylus()), "");
+  std::vector<EffectReach> reach = at_rest(now.effects);
+  reach[0].widen(next.effects[0]), reach[1].widen(next.effects[1]);
+  const std::string why = on.why_not(next, kContact, reach);
+  EXPECT_NE(why.find("with a margin of 2"), std::string::npos) << why;
+  EXPECT_NE(why.find("on the way"), std::string::npos) << why;
+  Scene lower = now;
+  lower.effects[0] = next.effects[0];
+  on.runs(lower, bounds(lower), demand_of(lower));
+  EXPECT_EQ(asked(on, next), "") << "once the first one has come to rest";
+}
+
+/// A coupling is fitted anew some tenths of a second after the contact has changed: what damps must be good with both.
+TEST(SceneOnDevice, JudgesDampingOnTheCouplingThatRunsAndOnTheOneThatFollows) {
+  const auto lag = [](const StiffnessBounds& bounds) {
+    return lag_s(fit_coupling(scene_with({}), stylus(), bounds, {}).spec);
+  };
+  StiffnessBounds soft = kContact, stiff = kContact;
+  soft.translation = {0.3, 30.0};
+  ASSERT_GT(lag(soft), 1.2 * lag(stiff)) << "a soft contact may be filtered more";
+  const double most = most_damping(stylus());
+  const Scene scene = scene_with({oil(0.95 * most)});
+  SceneOnDevice on = running(scene, stylus());
+  ASSERT_EQ(on.refusal(), "");
+  EXPECT_NE(on.why_not(scene, soft, at_rest(scene.effects)), "") << "the coupling that follows lags more";
+  const Scene thin = scene_with({});
+  on.runs(thin, soft, demand_of(thin));
+  const std::string why = on.why_not(scene, kContact, at_rest(scene.effects));
+  EXPECT_NE(why.find("on the way"), std::string::npos) << "the one that runs still lags more: " << why;
+}
+
+TEST(SceneOnDevice, RefusesAnEffectThatGivesTorqueWhereTheDeviceGivesNone) {
+  const Scene now = scene_with({oil(0.5)}), next = scene_with({oil(0.5, 0.01)});
+  SceneOnDevice on = running(now, stylus());
+  EXPECT_NE(asked(on, next).find("gives torque, and the device gives none"), std::string::npos) << asked(on, next);
+  EXPECT_EQ(asked(on, next), at_start(next, stylus()));
+  SceneOnDevice on_arm = running(now, arm());
+  ASSERT_EQ(on_arm.refusal(), "");
+  EXPECT_EQ(asked(on_arm, next), "");
+}
+
+TEST(SceneOnDevice, RefusesStiffnessThatADeviceCannotShowWhereTheCouplingIsSetByHand) {
+  const auto guide = [](double stiffness) {
+    EffectSpec spec = effect("guide_point", {});
+    for (std::size_t n = 0; n < spec.kind->parameters.size(); ++n) {
+      if (spec.kind->parameters[n].name == "stiffness_n_per_m") spec.values.at(n)[0] = stiffness;
+      if (spec.kind->parameters[n].name == "limit_n") spec.values.at(n)[0] = 2;
+    }
+    return spec;
+  };
+  const Scene now = by_hand({guide(100)}), next = by_hand({guide(5000)});
+  SceneOnDevice on = running(now, stylus());
+  ASSERT_EQ(on.refusal(), "");
+  EXPECT_NE(asked(on, next).find("5000 N/m"), std::string::npos) << asked(on, next);
+  EXPECT_EQ(asked(on, next), at_start(next, stylus()));
+  Scene stiffer = now;
+  stiffer.contact.stiffness_n_per_m = 900.0;
+  EXPECT_NE(asked(on, stiffer).find("contact.stiffness_n_per_m"), std::string::npos) << asked(on, stiffer);
+}
+
+TEST(SceneOnDevice, JudgesAnewWhenTheDeviceIsAnother) {
+  const double most = most_damping(stylus());
+  const Scene now = scene_with({oil(0.9 * most)});
+  SceneOnDevice on = running(now, stylus());
+  ASSERT_EQ(on.refusal(), "");
+  DeviceModel late = stylus();
+  late.timing.delay_s = 0.05;
+  for (const DeviceModel& other : {stylus(0.01), late}) {
+    on.device_is(other);
+    on.runs(now, bounds(now), demand_of(now));
+    EXPECT_NE(on.refusal(), "");
+    EXPECT_EQ(on.refusal(), at_start(now, other));
+  }
+  on.device_is(arm());
+  on.runs(now, bounds(now), demand_of(now));
+  EXPECT_EQ(on.refusal(), at_start(now, arm())) << "another kind of device, whose session begins";
+}
+
+TEST(SceneOnDevice, TakesEverythingBeforeADeviceIsKnownAndJudgesItWhenOneComes) {
+  SceneOnDevice on;
+  const Scene thick = scene_with({oil(50.0)});
+  on.runs(scene_with({oil(1.0)}), kContact, {});
+  EXPECT_EQ(asked(on, thick), "");
+  on.runs(thick, bounds(thick), demand_of(thick));
+  EXPECT_EQ(on.refusal(), "");
+  on.device_is(stylus());
+  on.runs(thick, bounds(thick), demand_of(thick));
+  EXPECT_EQ(on.refusal(), at_start(thick, stylus()));
+}
+
+/// No force is commanded then: what demands less is on the way out of it.
+TEST(SceneOnDevice, TakesWhatDemandsLessWhereNothingIsFelt) {
+  const Scene two = scene_with({oil(50.0), effect("surface_damping", {50.0})});
+  SceneOnDevice on = running(two, stylus());
+  ASSERT_NE(on.refusal(), "");
+  Scene one = two;
+  one.effects[0].values.at(0)[0] = 1.0;
+  EXPECT_EQ(asked(on, one), "") << "the other one is still too much, but must be lowered somehow";
+  Scene more = two;
+  more.effects[0].values.at(0)[0] = 60.0;
+  EXPECT_NE(asked(on, more), "");
+}
+
+TEST(SceneOnDevice, LetsNothingPassThatIsNoNumber) {
+  const Scene scene = scene_with({oil(0.5)});
+  const Scene hand = by_hand({});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [](const Scene& s, double one_point, const DeviceDemand& demand) {
+    const StiffnessBounds bounds{{one_point, 3000.0}, {0.003, 0.3}};
+    return !fit_coupling(s, stylus(), bounds, demand).refusal.empty();
+  };
+  for (const double bad : {nan, -1.0, std::numeric_limits<double>::infinity()}) {
+    DeviceDemand demand;
+    demand.damping_ns_per_m = bad;
+    EXPECT_TRUE(refused(scene, 30.0, demand)) << bad;
+    EXPECT_TRUE(refused(hand, bad, {})) << bad;
+  }
+  DeviceDemand stiff;
+  stiff.least_stiffness_n_per_m = nan;
+  EXPECT_TRUE(refused(hand, 30.0, stiff));
+  EXPECT_FALSE(refused(scene, 30.0, {}));
+  EXPECT_FALSE(refused(hand, 30.0, {}));
+}
+
+TEST(DeviceDemand, OfTwoScenesThatFadeIsTheLargerOfEachFigure) {
+  const DeviceDemand a = demand_of(by_hand({oil(5.0)})), b = demand_of(by_hand({oil(1.0, 0.1), effect("magnet", {0, 0.001, 3})}));
+  const DeviceDemand both = larger_of(a, b);
+  EXPECT_EQ(both.damping_ns_per_m, 5.0);
+  EXPECT_EQ(both.largest_damping_ns_per_m, 5.0);
+  EXPECT_EQ(both.least_stiffness_n_per_m, b.least_stiffness_n_per_m);
+  EXPECT_EQ(both.torque, "viscosity");
+  EXPECT_TRUE(larger_of(b, a) == both);
+}
+
+}  // namespace
+}  // namespace voxtouch

@@ -1,0 +1,70 @@
+// The shipped scenes of the effects that act where the tool touches, rendered without a ring.
+#include <gtest/gtest.h>
+
+#include "core/rendering/build.hpp"
+#include "core/scene/scene_file.hpp"
+
+namespace voxtouch {
+namespace {
+
+Scene shipped(const std::string& name) {
+  return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml");
+}
+
+struct Slide {
+  double given_j = 0.0, largest_step_n = 0.0, most_n = 0.0;  ///< by the effects alone
+  int touched = 0;
+};
+
+/// The tool along the path of the scene's motion `slide`, in steps of 0.05 mm, with what the effects do.
+Slide slide(const Scene& scene) {
+  const auto built = build_scene(scene, serial_for());
+  constexpr double kStep = 5e-5, kDt = 1e-3;
+  Slide out;
+  Vec3 last = Vec3::Zero();
+  double time = 0.0;
+  const std::vector<Vec3>& path = scene.motions.at("slide").path;
+  for (std::size_t leg = 0; leg + 1 < path.size(); ++leg) {
+    const Vec3 way = path[leg + 1] - path[leg];
+    const int steps = static_cast<int>(way.norm() / kStep);
+    const Vec3 step = way / steps;
+    for (int n = 0; n < steps; ++n) {
+      ToolState tool;
+      tool.pose.position = path[leg] + n * step;
+      tool.twist.linear = step / kDt;
+      const SceneFrame frame = built->scene_renderer().render(tool, time += kDt);
+      EXPECT_TRUE(frame.wrench.finite());
+      const bool touching = !frame.touch.contact.wrench.zero();
+      EXPECT_TRUE(touching || frame.effects.wrench.zero());
+      const Vec3& force = frame.effects.wrench.force;
+      if (n > 0)
+        out.given_j += 0.5 * (last + force).dot(step),
+            out.largest_step_n = std::max(out.largest_step_n, (force - last).norm());
+      out.most_n = std::max(out.most_n, force.norm()), out.touched += touching ? 1 : 0;
+      last = force;
+    }
+  }
+  return out;
+}
+
+TEST(CupScenes, RubDampAndHaveARelief) {
+  for (const char* name : {"cup_friction", "cup_surface_damping", "cup_texture"}) {
+    const Scene scene = shipped(name);
+    ASSERT_FALSE(scene.effects.empty()) << name;
+    const Slide result = slide(scene);
+    RecordProperty(std::string(name) + "_given_j", std::to_string(result.given_j));
+    RecordProperty(std::string(name) + "_largest_step_n", std::to_string(result.largest_step_n));
+    RecordProperty(std::string(name) + "_most_n", std::to_string(result.most_n));
+    std::printf("%s: %d samples in contact, %.4f J, at most %.3f N, largest step %.4f N\n", name, result.touched,
+                result.given_j, result.most_n, result.largest_step_n);
+    EXPECT_GT(result.touched, 300) << name;
+    EXPECT_GT(result.most_n, 0.02) << name;
+    EXPECT_LT(result.largest_step_n, 0.05) << name;
+    if (scene.effects[0].kind->energy == EnergyBehaviour::kDissipative) {
+      EXPECT_LT(result.given_j, -1e-4) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch
