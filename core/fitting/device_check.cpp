@@ -29,6 +29,22 @@ std::string too_stiff_by_hand(const Scene& scene, const DeviceModel& device, dou
   return check.fits() ? "" : check.errors.front();
 }
 
+/// The words of a sentence about one of the two.
+struct DampingWords {
+  const char *damp, *unit, *effort, *inertia;
+};
+constexpr DampingWords kMoving{"damp", "Ns/m", "force", "kg"}, kTurning{"damp turning", "Nms/rad", "torque", "kg m^2"};
+
+std::string damps_too_much(const DampingDemand& demand, double scale, double late_s, double inertia, const DampingWords& words) {
+  if (demand.all == 0.0) return {};
+  const double at_hand = demand.all * scale, limit = 0.25 * std::numbers::pi * inertia / late_s;
+  if (at_hand >= 0.0 && at_hand <= limit) return {};
+  return fmt::format("{}{}the effects {} with up to {:.3g} {} at the hand, '{}' most of it. The {} is {:.3g} ms late, and a "
+                     "device of {:.3g} {} let go stands {:.3g} {} with a margin of 2: lower it below {:.3g} {}.",
+                     demand.place, demand.place.empty() ? "" : ": ", words.damp, at_hand, words.unit, demand.name, words.effort,
+                     1e3 * late_s, inertia, words.inertia, limit, words.unit, demand.largest * limit / at_hand, words.unit);
+}
+
 }  // namespace
 
 double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept {
@@ -46,14 +62,10 @@ std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque) {
 
 std::string effects_damp_too_much(const DeviceDemand& demand, const WorkspaceMapping& scales, const CouplingSpec& spec,
                                   const LateDamping& device) {
-  if (demand.damping_ns_per_m == 0.0) return {};
-  const double at_hand = demand.damping_ns_per_m * hand_scales(scales).translation, late_s = lag_s(spec) + device.delay_s;
-  const double limit = 0.25 * std::numbers::pi * device.mass_kg / late_s;
-  if (at_hand >= 0.0 && at_hand <= limit) return {};
-  return fmt::format("{}{}the effects damp with up to {:.3g} Ns/m at the hand, '{}' most of it. The force is {:.3g} ms late, and a "
-                     "device of {:.3g} kg let go stands {:.3g} Ns/m with a margin of 2: lower it below {:.3g} Ns/m.",
-                     demand.largest_place, demand.largest_place.empty() ? "" : ": ", at_hand, demand.largest, 1e3 * late_s,
-                     device.mass_kg, limit, demand.largest_damping_ns_per_m * limit / at_hand);
+  const double late_s = lag_s(spec) + device.delay_s;
+  const std::string why = damps_too_much(demand.damping, hand_scales(scales).translation, late_s, device.mass_kg, kMoving);
+  if (!why.empty() || !device.gives_torque) return why;
+  return damps_too_much(demand.turning, hand_scales(scales).rotation, late_s, device.inertia_kg_m2, kTurning);
 }
 
 std::string why_not_felt(const Scene& scene, const CouplingSpec* runs, const DeviceModel& device, double least_n_per_m,
@@ -62,7 +74,11 @@ std::string why_not_felt(const Scene& scene, const CouplingSpec* runs, const Dev
   if (!why.empty() || runs == nullptr) return why;
   if (!scene.design) why = too_stiff_by_hand(scene, device, least_n_per_m, demand);
   if (!why.empty()) return why;
-  return effects_damp_too_much(demand, scene.device, *runs, {device.translation.inertia_min, late_s(device.timing)});
+  return effects_damp_too_much(demand, scene.device, *runs,
+                               {.mass_kg = device.translation.inertia_min,
+                                .delay_s = late_s(device.timing),
+                                .gives_torque = device.gives_torque,
+                                .inertia_kg_m2 = device.rotation.inertia_min});
 }
 
 DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m,

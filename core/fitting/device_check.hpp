@@ -39,11 +39,13 @@ DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double s
 
 /// What a device needs to stand damping that comes late.
 struct LateDamping {
-  double mass_kg = 0.0;   ///< at the tip, the least
-  double delay_s = 0.0;   ///< from a sample to the force that answers it, beside the coupling's lag
+  double mass_kg = 0.0;        ///< at the tip, the least
+  double delay_s = 0.0;        ///< from a sample to the force that answers it, beside the coupling's lag
+  bool gives_torque = false;   ///< where not, nothing damps its turning ...
+  double inertia_kg_m2 = 0.0;  ///< ... and where it does: the least
 };
-/// Where the effects' dampings together are more than half of what the device can stand, b < (pi/2) m / (lag + delay): a
-/// sentence with the place of the largest. `spec`: the coupling that runs. Empty: they may be felt.
+/// Where the effects' dampings together are more than half of what the device can stand, b < (pi/2) m / (lag + delay), or the same of
+/// its turning: a sentence with the place of the largest. `spec`: the coupling that runs. Empty: they may be felt.
 std::string effects_damp_too_much(const DeviceDemand& demand, const WorkspaceMapping& scales, const CouplingSpec& spec,
                                   const LateDamping& device);
 

@@ -23,14 +23,18 @@ void add_stiffness(const Scene& scene, std::span<const EffectReach> effects, Dev
   }
 }
 
+void add(DampingDemand& damping, double own, const EffectSpec& spec) {
+  damping.all += own;
+  if (own > damping.largest) damping.largest = own, damping.name = spec.name, damping.place = spec.place;
+}
+
 void add_damping(std::span<const EffectReach> effects, DeviceDemand& demand) {
   for (const EffectReach& effect : effects) {
     const EffectSpec& spec = effect.spec();
     if (spec.kind->needs(spec.values).body) continue;  // damps against the body, which gives way
-    const double own = effect.bound().damping_ns_per_m;
-    demand.damping_ns_per_m += own;
-    if (own > demand.largest_damping_ns_per_m)
-      demand.largest_damping_ns_per_m = own, demand.largest = spec.name, demand.largest_place = spec.place;
+    const EffectBound bound = effect.bound();
+    add(demand.damping, bound.damping_ns_per_m, spec);
+    add(demand.turning, bound.damping_nms_per_rad, spec);
   }
 }
 
@@ -51,10 +55,8 @@ DeviceDemand larger_of(const DeviceDemand& a, const DeviceDemand& b) {
   DeviceDemand out = b;
   if (a.least_stiffness_n_per_m > b.least_stiffness_n_per_m)
     out.least_stiffness_n_per_m = a.least_stiffness_n_per_m, out.stiffest = a.stiffest;
-  if (a.damping_ns_per_m > b.damping_ns_per_m) {
-    out.damping_ns_per_m = a.damping_ns_per_m, out.largest_damping_ns_per_m = a.largest_damping_ns_per_m;
-    out.largest = a.largest, out.largest_place = a.largest_place;
-  }
+  if (a.damping.all > b.damping.all) out.damping = a.damping;
+  if (a.turning.all > b.turning.all) out.turning = a.turning;
   if (out.torque.empty()) out.torque = a.torque;
   return out;
 }

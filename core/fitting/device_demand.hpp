@@ -9,13 +9,20 @@
 
 namespace voxtouch {
 
+/// What effects damp with, along the axes [Ns/m] or about them [Nms/rad].
+struct DampingDemand {
+  double all = 0.0;            ///< of all effects together
+  double largest = 0.0;        ///< of the one that damps most ...
+  std::string name, place;     ///< ... its name, and where it was read, which may be empty
+
+  bool operator==(const DampingDemand&) const = default;
+};
+
 /// In W. Effects count at full gain, also those that are switched off: what is found good is good whatever gain or switch do.
 struct DeviceDemand {
   double least_stiffness_n_per_m = 0.0;   ///< that any contact shows, all effects with it; 0 where a designed coupling caps it
   std::string stiffest;                   ///< what a person would lower first
-  double damping_ns_per_m = 0.0;          ///< of all effects together
-  double largest_damping_ns_per_m = 0.0;  ///< of the one that damps most ...
-  std::string largest, largest_place;     ///< ... its name, and where it was read, which may be empty
+  DampingDemand damping, turning;         ///< of the tool's motion, and of its turning
   std::string torque;                     ///< name of an effect that gives torque; empty: none does
 
   bool operator==(const DeviceDemand&) const = default;

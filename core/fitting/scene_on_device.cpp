@@ -12,8 +12,8 @@ std::vector<EffectSpec> ends_of(std::span<const EffectReach> effects) {
 }
 
 bool no_more_than(const DeviceDemand& what, const DeviceDemand& shown) {
-  return what.least_stiffness_n_per_m <= shown.least_stiffness_n_per_m && what.damping_ns_per_m <= shown.damping_ns_per_m &&
-         (what.torque.empty() || !shown.torque.empty());
+  return what.least_stiffness_n_per_m <= shown.least_stiffness_n_per_m && what.damping.all <= shown.damping.all &&
+         what.turning.all <= shown.turning.all && (what.torque.empty() || !shown.torque.empty());
 }
 
 }  // namespace

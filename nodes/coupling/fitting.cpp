@@ -11,10 +11,10 @@ namespace {
 DeviceDemand demand_in(const msg::ScenePlan& plan) {
   return {.least_stiffness_n_per_m = plan.least_stiffness_n_per_m,
           .stiffest = plan.stiffest,
-          .damping_ns_per_m = plan.effects_damping_ns_per_m,
-          .largest_damping_ns_per_m = plan.largest_damping_ns_per_m,
-          .largest = plan.largest_damping,
-          .largest_place = plan.largest_damping_place,
+          .damping = {plan.effects_damping_ns_per_m, plan.largest_damping_ns_per_m, plan.largest_damping,
+                      plan.largest_damping_place},
+          .turning = {plan.effects_damping_nms_per_rad, plan.largest_damping_nms_per_rad, plan.largest_turning_damping,
+                      plan.largest_turning_damping_place},
           .torque = plan.torque_effect};
 }
 

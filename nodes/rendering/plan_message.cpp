@@ -67,10 +67,14 @@ void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const
   m.all_points_stiffness_nm_per_rad = plan.contact_nm_per_rad.all_points;
   m.least_stiffness_n_per_m = demand.least_stiffness_n_per_m;
   m.stiffest = runtime::lend(demand.stiffest);
-  m.effects_damping_ns_per_m = demand.damping_ns_per_m;
-  m.largest_damping_ns_per_m = demand.largest_damping_ns_per_m;
-  m.largest_damping = runtime::lend(demand.largest);
-  m.largest_damping_place = runtime::lend(demand.largest_place);
+  m.effects_damping_ns_per_m = demand.damping.all;
+  m.largest_damping_ns_per_m = demand.damping.largest;
+  m.largest_damping = runtime::lend(demand.damping.name);
+  m.largest_damping_place = runtime::lend(demand.damping.place);
+  m.effects_damping_nms_per_rad = demand.turning.all;
+  m.largest_damping_nms_per_rad = demand.turning.largest;
+  m.largest_turning_damping = runtime::lend(demand.turning.name);
+  m.largest_turning_damping_place = runtime::lend(demand.turning.place);
   m.torque_effect = runtime::lend(demand.torque);
   built.into(m.built);
   left_out.into(m.left_out);

@@ -65,6 +65,22 @@ TEST(DeviceCheck, RefusesDampingThatComesTooLateForTheDevice) {
   EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "") << "the hand feels half of it";
 }
 
+TEST(DeviceCheck, RefusesDampingOfTurningThatComesTooLateForADeviceThatGivesTorque) {
+  Scene s = scene_with(80);
+  LateDamping device{.mass_kg = 0.1, .delay_s = 0.002, .gives_torque = true, .inertia_kg_m2 = 1e-3};
+  const double limit = 0.25 * 3.14159265358979 * 1e-3 / (lag_s(s.coupling) + 0.002);
+  s.effects = {effect("viscosity", {0.0, 0.99 * limit})};
+  EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "");
+  s.effects = {effect("viscosity", {0.0, 0.6 * limit}), effect("viscosity", {0.0, 0.5 * limit})};
+  const std::string why = effects_damp_too_much(demand_of(s), s.device, s.coupling, device);
+  EXPECT_EQ(why.find("a.yaml:7:5: the effects damp turning with up to"), 0U) << why;
+  EXPECT_NE(why.find("0.001 kg m^2 let go"), std::string::npos) << why;
+  s.device.position_scale = 2.0;
+  EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "") << "the hand feels half of it";
+  s.device.position_scale = 1.0, device.gives_torque = false;
+  EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "") << "nothing of it is felt";
+}
+
 TEST(DeviceCheck, CountsTheScalesAndTheCoupling) {
   Scene s = scene_with();
   s.device.position_scale = 4, s.device.force_scale = 0.5;

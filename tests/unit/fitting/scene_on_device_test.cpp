@@ -159,6 +159,25 @@ TEST(SceneOnDevice, RefusesAnEffectThatGivesTorqueWhereTheDeviceGivesNone) {
   EXPECT_EQ(asked(on_arm, next), "");
 }
 
+TEST(SceneOnDevice, JudgesDampingOfTurningAsDampingOfMotion) {
+  const auto turning = [](double a, double b = 0.0) { return scene_with({oil(0.5, a), oil(0.5, b)}); };
+  double most = 0.0, high = 100.0;
+  while (high - most > 1e-6) (at_start(turning(0.5 * (most + high)), arm()).empty() ? most : high) = 0.5 * (most + high);
+  ASSERT_GT(most, 0.01);
+  const Scene now = turning(0.9 * most), next = turning(0.6 * most, 0.5 * most), other = turning(0.05 * most, 0.9 * most);
+  SceneOnDevice on = running(now, arm());
+  ASSERT_EQ(on.refusal(), "");
+  EXPECT_NE(asked(on, next).find("damp turning"), std::string::npos) << asked(on, next);
+  EXPECT_EQ(asked(on, next), at_start(next, arm()));
+  EXPECT_EQ(asked(on, turning(0.95 * most)), "");
+  std::vector<EffectReach> reach = at_rest(now.effects);
+  reach[0].widen(other.effects[0]), reach[1].widen(other.effects[1]);
+  EXPECT_NE(on.why_not(other, kContact, reach).find("on the way"), std::string::npos);
+  SceneOnDevice still = running(next, arm());
+  EXPECT_EQ(still.refusal(), at_start(next, arm()));
+  EXPECT_NE(asked(still, turning(0.7 * most, 0.6 * most)), "") << "it demands more of what is too much already";
+}
+
 TEST(SceneOnDevice, RefusesStiffnessThatADeviceCannotShowWhereTheCouplingIsSetByHand) {
   const auto guide = [](double stiffness) {
     EffectSpec spec = effect("guide_point", {});
@@ -230,9 +249,10 @@ TEST(SceneOnDevice, LetsNothingPassThatIsNoNumber) {
     return !fit_coupling(s, stylus(), bounds, demand).refusal.empty();
   };
   for (const double bad : {nan, -1.0, std::numeric_limits<double>::infinity()}) {
-    DeviceDemand demand;
-    demand.damping_ns_per_m = bad;
+    DeviceDemand demand, turning;
+    demand.damping.all = turning.turning.all = bad;
     EXPECT_TRUE(refused(scene, 30.0, demand)) << bad;
+    EXPECT_FALSE(fit_coupling(scene, arm(), Grip::kPen, kContact, turning).refusal.empty()) << bad;
     EXPECT_TRUE(refused(hand, bad, {})) << bad;
   }
   DeviceDemand stiff;
@@ -245,8 +265,9 @@ TEST(SceneOnDevice, LetsNothingPassThatIsNoNumber) {
 TEST(DeviceDemand, OfTwoScenesThatFadeIsTheLargerOfEachFigure) {
   const DeviceDemand a = demand_of(by_hand({oil(5.0)})), b = demand_of(by_hand({oil(1.0, 0.1), effect("magnet", {0, 0.001, 3})}));
   const DeviceDemand both = larger_of(a, b);
-  EXPECT_EQ(both.damping_ns_per_m, 5.0);
-  EXPECT_EQ(both.largest_damping_ns_per_m, 5.0);
+  EXPECT_EQ(both.damping.all, 5.0);
+  EXPECT_EQ(both.damping.largest, 5.0);
+  EXPECT_EQ(both.turning.all, 0.1);
   EXPECT_EQ(both.least_stiffness_n_per_m, b.least_stiffness_n_per_m);
   EXPECT_EQ(both.torque, "viscosity");
   EXPECT_TRUE(larger_of(b, a) == both);

@@ -77,10 +77,19 @@ class Around {
     descriptions.write(m);
     device.say(session);
   }
+  void describe_one_that_gives_torque() {
+    msg::DeviceDescription m = stylus(7);
+    m.damping_ns_per_m = 20.0;
+    m.max_torque_nm = 1.0, m.max_torque_rate_nm_per_s = 1e3, m.max_stiffness_nm_per_rad = 10.0;
+    m.inertia_min_kg_m2 = 1e-3, m.inertia_max_kg_m2 = 2e-3, m.damping_nms_per_rad = 0.2;
+    descriptions.write(m);
+    device.say(7);
+  }
   /// What the effects demand, beside the contact.
   struct Demand {
     double damping_ns_per_m, least_n_per_m;
     std::string torque;
+    double damping_nms_per_rad = 0.0;
   };
   void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7) { plan(one_point_n_per_m, session, {0.0, 0.0, ""}); }
   void plan(double one_point_n_per_m, std::uint64_t session, const Demand& demand) {
@@ -90,9 +99,12 @@ class Around {
     m.scene = m.scene_hash = m.contact_model = runtime::lend(text);
     m.one_point_stiffness_n_per_m = one_point_n_per_m;
     m.all_points_stiffness_n_per_m = 100 * one_point_n_per_m;
+    m.one_point_stiffness_nm_per_rad = 1e-4 * one_point_n_per_m, m.all_points_stiffness_nm_per_rad = 1e-2 * one_point_n_per_m;
     m.effects_damping_ns_per_m = m.largest_damping_ns_per_m = demand.damping_ns_per_m;
     m.least_stiffness_n_per_m = demand.least_n_per_m;
     m.largest_damping = m.stiffest = runtime::lend(oil), m.largest_damping_place = runtime::lend(none);
+    m.effects_damping_nms_per_rad = m.largest_damping_nms_per_rad = demand.damping_nms_per_rad;
+    m.largest_turning_damping = runtime::lend(oil), m.largest_turning_damping_place = runtime::lend(none);
     m.torque_effect = runtime::lend(demand.torque);
     plans.write(m);
     rendering.say(session);
@@ -283,6 +295,18 @@ TEST(CouplingNode, CommandsNothingWhileTheEffectsAskMoreThanTheDeviceStands) {
   around.expect_no_force("'oil' gives torque");
   around.plan();
   EXPECT_TRUE(around.force_comes());
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, CommandsNothingWhileTheEffectsDampTurningMoreThanTheDeviceStands) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe_one_that_gives_torque();
+  around.plan(30.0, 7, {0.0, 0.0, "oil", 0.01});
+  ASSERT_TRUE(around.force_comes()) << around.message();
+  around.plan(30.0, 7, {0.0, 0.0, "oil", 5.0});
+  around.expect_no_force("the effects damp turning with up to 5 Nms/rad at the hand, 'oil' most of it");
+  around.plan(30.0, 7, {0.0, 0.0, "oil", 0.01});
+  EXPECT_TRUE(around.force_comes()) << around.message();
   EXPECT_EQ(around.node.end(), 0);
 }
 
