@@ -15,17 +15,16 @@ namespace voxtouch {
 namespace {
 
 /// A sample, its transport, and half of the period that its force is held for.
-double late_s(const LoopTiming& timing) { return timing.delay_s + 1.5 * timing.period_s; }
+double force_delay_s(const LoopTiming& timing) { return timing.delay_s + 1.5 * timing.period_s; }
 
 /// A coupling set by hand is the user's own choice: it runs without a certificate, but not where even what any contact shows is more
 /// than the device can.
 std::string too_stiff_by_hand(const Scene& scene, const DeviceModel& device, double least_n_per_m,
                               const DeviceDemand& demand) {
-  const DeviceFacts facts{device.translation.max_stiffness, device.timing.period_s, device.translation.max_effort};
   const double demanded = demand.least_stiffness_n_per_m;
   const double shown = std::isunordered(least_n_per_m, demanded) ? std::numeric_limits<double>::quiet_NaN()
                                                                  : std::max(least_n_per_m, demanded);
-  const DeviceCheck check = check_device(scene, facts, shown, demand.stiffest);
+  const DeviceCheck check = check_device(scene, device, shown, demand.stiffest);
   return check.fits() ? "" : check.errors.front();
 }
 
@@ -61,11 +60,11 @@ std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque) {
 }
 
 std::string effects_damp_too_much(const DeviceDemand& demand, const WorkspaceMapping& scales, const CouplingSpec& spec,
-                                  const LateDamping& device) {
-  const double late_s = lag_s(spec) + device.delay_s;
-  const std::string why = damps_too_much(demand.damping, hand_scales(scales).translation, late_s, device.mass_kg, kMoving);
+                                  const DeviceModel& device) {
+  const double late_s = lag_s(spec) + force_delay_s(device.timing);
+  const std::string why = damps_too_much(demand.damping, hand_scales(scales).translation, late_s, device.translation.inertia_min, kMoving);
   if (!why.empty() || !device.gives_torque) return why;
-  return damps_too_much(demand.turning, hand_scales(scales).rotation, late_s, device.inertia_kg_m2, kTurning);
+  return damps_too_much(demand.turning, hand_scales(scales).rotation, late_s, device.rotation.inertia_min, kTurning);
 }
 
 std::string why_not_felt(const Scene& scene, const CouplingSpec* runs, const DeviceModel& device, double least_n_per_m,
@@ -74,34 +73,31 @@ std::string why_not_felt(const Scene& scene, const CouplingSpec* runs, const Dev
   if (!why.empty() || runs == nullptr) return why;
   if (!scene.design) why = too_stiff_by_hand(scene, device, least_n_per_m, demand);
   if (!why.empty()) return why;
-  return effects_damp_too_much(demand, scene.device, *runs,
-                               {.mass_kg = device.translation.inertia_min,
-                                .delay_s = late_s(device.timing),
-                                .gives_torque = device.gives_torque,
-                                .inertia_kg_m2 = device.rotation.inertia_min});
+  return effects_damp_too_much(demand, scene.device, *runs, device);
 }
 
-DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m,
+DeviceCheck check_device(const Scene& scene, const DeviceModel& device, double stiffness_bound_n_per_m,
                          std::string_view stiffest) {
   DeviceCheck out;
+  const double max_stiffness = device.translation.max_stiffness;
   if (!(stiffness_bound_n_per_m >= 0.0) || !std::isfinite(stiffness_bound_n_per_m)) {
     out.errors.push_back(fmt::format("The scene's stiffness bound is {} N/m, which is no stiffness.", stiffness_bound_n_per_m));
     return out;
   }
-  if (!(device.max_stiffness_n_per_m > 0.0))
+  if (!(max_stiffness > 0.0))
     out.errors.push_back(fmt::format("The device gives a largest stiffness of {} N/m; it must be above 0.",
-                                     device.max_stiffness_n_per_m));
+                                     max_stiffness));
   const double felt = stiffness_at_hand_n_per_m(scene, stiffness_bound_n_per_m);
   // Written so that NaN does not pass.
-  if (device.max_stiffness_n_per_m > 0.0 && !(felt <= device.max_stiffness_n_per_m))
+  if (max_stiffness > 0.0 && !(felt <= max_stiffness))
     out.errors.push_back(fmt::format("The contact's {:.4g} N/m are {:.4g} N/m at the hand; the "
                                      "device can show {:.4g} N/m. Lower {} by a factor of {:.3g}, or the "
                                      "coupling's gain, or a scale of the device.",
-                                     stiffness_bound_n_per_m, felt, device.max_stiffness_n_per_m,
+                                     stiffness_bound_n_per_m, felt, max_stiffness,
                                      stiffest.empty() ? demand_of(scene).stiffest : std::string(stiffest),
-                                     felt / device.max_stiffness_n_per_m));
-  const CouplingLimits limits{device.max_force_n / scene.device.force_scale, std::numeric_limits<double>::infinity()};
-  for (const CouplingIssue& issue : validate(scene.coupling, limits, device.sample_time_s))
+                                     felt / max_stiffness));
+  const CouplingLimits limits{device.translation.max_effort / scene.device.force_scale, std::numeric_limits<double>::infinity()};
+  for (const CouplingIssue& issue : validate(scene.coupling, limits, device.timing.period_s))
     (issue.refuse ? out.errors : out.warnings).push_back("Coupling: " + issue.sentence);
   return out;
 }

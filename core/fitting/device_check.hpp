@@ -10,13 +10,6 @@
 
 namespace voxtouch {
 
-/// What the check needs from a device and from the built scene.
-struct DeviceFacts {
-  double max_stiffness_n_per_m = 0.0;  ///< what the device can show; infinity = no limit
-  double sample_time_s = 1e-3;
-  double max_force_n = 0.0;            ///< infinity = no limit
-};
-
 /// Sentences for people; a scene with errors must not run on this device.
 struct DeviceCheck {
   std::vector<std::string> errors, warnings;
@@ -34,20 +27,14 @@ std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque);
 /// Judges `scene.coupling` as it is: for a designed coupling put the design's spec (spec_in_world) there first.
 /// `stiffness_bound_n_per_m`: of all points that can push at once, not of one: the total is what the loop must stand.
 /// `stiffest`: what the sentence says to lower; empty: the stiffest of the scene as it was read.
-DeviceCheck check_device(const Scene& scene, const DeviceFacts& device, double stiffness_bound_n_per_m,
+DeviceCheck check_device(const Scene& scene, const DeviceModel& device, double stiffness_bound_n_per_m,
                          std::string_view stiffest = {});
 
-/// What a device needs to stand damping that comes late.
-struct LateDamping {
-  double mass_kg = 0.0;        ///< at the tip, the least
-  double delay_s = 0.0;        ///< from a sample to the force that answers it, beside the coupling's lag
-  bool gives_torque = false;   ///< where not, nothing damps its turning ...
-  double inertia_kg_m2 = 0.0;  ///< ... and where it does: the least
-};
 /// Where the effects' dampings together are more than half of what the device can stand, b < (pi/2) m / (lag + delay), or the same of
-/// its turning: a sentence with the place of the largest. `spec`: the coupling that runs. Empty: they may be felt.
+/// its turning: a sentence with the place of the largest. m is the least mass (inertia), the delay that from a sample to the middle of the
+/// period for which its force is held. `spec`: the coupling that runs. Empty: they may be felt.
 std::string effects_damp_too_much(const DeviceDemand& demand, const WorkspaceMapping& scales, const CouplingSpec& spec,
-                                  const LateDamping& device);
+                                  const DeviceModel& device);
 
 /// The judgement of a scene on a device, at the start and for each later change: a sentence why its effects and contact must not be
 /// felt, with what to do; empty: they may. `runs`: the coupling, null where it will be designed and is not known yet (then only what

@@ -41,7 +41,6 @@ double thread_cpu_s() {
 /// The coupling on this device goes to `fitted`, where there is one that may run.
 DeviceVerdict judge(const PlanVerb& o, const Scene& scene, const Plan& plan, std::optional<CouplingSpec>& fitted) {
   const DeviceModel device = find_device(o.device);
-  const AxisModel& axis = device.translation;
   DeviceVerdict out{.device = o.device, .errors = {}, .notes = {}};
   if (!device.gives_torque)
     out.notes.push_back("It gives no torque: the contact's torque about the tool's origin is computed, and not felt.");
@@ -55,8 +54,7 @@ DeviceVerdict judge(const PlanVerb& o, const Scene& scene, const Plan& plan, std
     out.notes.push_back(fmt::format("The designed coupling shows {:.4g} of {:.4g} N/m at the hand.",
                                     fit.design.translation.shown_stiffness, fit.design.translation.wanted_stiffness));
   } else {
-    const DeviceFacts facts{axis.max_stiffness, device.timing.period_s, axis.max_effort};
-    const DeviceCheck all = check_device(scene, facts, plan.contact_n_per_m.all_points);
+    const DeviceCheck all = check_device(scene, device, plan.contact_n_per_m.all_points);
     out.notes.insert(out.notes.end(), all.warnings.begin(), all.warnings.end());
     if (!all.fits()) out.notes.push_back("Where all points push together: " + all.errors.front());
   }

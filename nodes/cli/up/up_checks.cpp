@@ -48,8 +48,7 @@ std::vector<std::string> check_before_start(const Scene& scene, const Plans& pla
     throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));
   std::vector<std::string> notes;
   if (!scene.design)
-    notes = check_device(scene, {description.max_stiffness_n_per_m, 1.0 / description.rate_hz, description.max_force_n},
-                         least_stiffness_n_per_m(scene))
+    notes = check_device(scene, model_of(description), least_stiffness_n_per_m(scene))
                 .warnings;
   const bool simulated_hand = has_simulated_hand(plans.device);
   if (!simulated_hand && !plans.motion.empty())

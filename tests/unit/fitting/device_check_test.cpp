@@ -13,7 +13,19 @@ Scene scene_with(double cutoff_hz = 20) {
   s.coupling.cutoff_hz = cutoff_hz;
   return s;
 }
-DeviceFacts phantom() { return {1000, 1e-3, 3.3}; }
+DeviceModel device_with(double max_stiffness, double period_s, double max_effort) {
+  DeviceModel device;
+  device.translation.max_stiffness = max_stiffness, device.translation.max_effort = max_effort, device.timing.period_s = period_s;
+  return device;
+}
+DeviceModel phantom() { return device_with(1000, 1e-3, 3.3); }
+/// Its force comes this long after the sample, counted to the middle of the period that it is held for.
+DeviceModel late(double mass_kg, double delay_s) {
+  DeviceModel device = phantom();
+  device.translation.inertia_min = mass_kg;
+  device.timing.delay_s = delay_s - 1.5 * device.timing.period_s;
+  return device;
+}
 
 TEST(DeviceCheck, ComparesTheTotalStiffnessAndNotOnePoint) {
   EXPECT_TRUE(check_device(scene_with(), phantom(), 999).fits());
@@ -54,7 +66,7 @@ TEST(DeviceCheck, SeesTheGripAloneWhereTheObjectIsABody) {
 
 TEST(DeviceCheck, RefusesDampingThatComesTooLateForTheDevice) {
   Scene s = scene_with(80);
-  const LateDamping device{.mass_kg = 0.1, .delay_s = 0.002};
+  const DeviceModel device = late(0.1, 0.002);
   const double limit = 0.25 * 3.14159265358979 * 0.1 / (lag_s(s.coupling) + 0.002);
   s.effects = {effect("viscosity", {0.99 * limit})};
   EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "");
@@ -67,7 +79,8 @@ TEST(DeviceCheck, RefusesDampingThatComesTooLateForTheDevice) {
 
 TEST(DeviceCheck, RefusesDampingOfTurningThatComesTooLateForADeviceThatGivesTorque) {
   Scene s = scene_with(80);
-  LateDamping device{.mass_kg = 0.1, .delay_s = 0.002, .gives_torque = true, .inertia_kg_m2 = 1e-3};
+  DeviceModel device = late(0.1, 0.002);
+  device.gives_torque = true, device.rotation.inertia_min = 1e-3;
   const double limit = 0.25 * 3.14159265358979 * 1e-3 / (lag_s(s.coupling) + 0.002);
   s.effects = {effect("viscosity", {0.0, 0.99 * limit})};
   EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "");
@@ -106,8 +119,8 @@ TEST(DeviceCheck, CountsTheCouplingsCap) {
 }
 
 TEST(DeviceCheck, JudgesTheFilterForTheDevicesOwnPeriod) {
-  DeviceFacts slow = phantom();
-  slow.sample_time_s = 5e-3;
+  DeviceModel slow = phantom();
+  slow.timing.period_s = 5e-3;
   EXPECT_TRUE(check_device(scene_with(20), phantom(), 1).warnings.empty());
   EXPECT_EQ(check_device(scene_with(20), slow, 1).warnings.size(), 1U);
   EXPECT_FALSE(check_device(scene_with(150), slow, 1).fits());
@@ -116,10 +129,10 @@ TEST(DeviceCheck, JudgesTheFilterForTheDevicesOwnPeriod) {
 TEST(DeviceCheck, LetsNothingPassThatIsNoNumber) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, inf, -1.0}) EXPECT_FALSE(check_device(scene_with(), phantom(), bad).fits());
-  for (const double bad : {nan, 0.0, -1.0}) EXPECT_FALSE(check_device(scene_with(), {bad, 1e-3, 3.3}, 10).fits());
-  for (const double bad : {nan, 0.0, -1.0, inf}) EXPECT_FALSE(check_device(scene_with(), {1000, bad, 3.3}, 10).fits());
-  EXPECT_FALSE(check_device(scene_with(), {1000, 1e-3, nan}, 10).fits());
-  EXPECT_TRUE(check_device(scene_with(), {inf, 1e-3, inf}, 1e6).fits()) << "infinity is no limit";
+  for (const double bad : {nan, 0.0, -1.0}) EXPECT_FALSE(check_device(scene_with(), device_with(bad, 1e-3, 3.3), 10).fits());
+  for (const double bad : {nan, 0.0, -1.0, inf}) EXPECT_FALSE(check_device(scene_with(), device_with(1000, bad, 3.3), 10).fits());
+  EXPECT_FALSE(check_device(scene_with(), device_with(1000, 1e-3, nan), 10).fits());
+  EXPECT_TRUE(check_device(scene_with(), device_with(inf, 1e-3, inf), 1e6).fits()) << "infinity is no limit";
 }
 
 TEST(DeviceCheck, NamesAnEffectWhoseTorqueADeviceWithoutTorqueCannotShow) {
