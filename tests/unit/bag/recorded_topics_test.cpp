@@ -38,27 +38,32 @@ TEST(OfferedQos, HoldsTheOtherPolicies) {
   EXPECT_NE(text.find("lease_duration:\n    sec: 0\n    nsec: 100000000\n"), std::string::npos) << text;
 }
 
-TEST(RecordedTopics, TakesWantedTopicsWhoseTypeIsCompiledInAndRefusesOthersOnce) {
-  const TemporaryFolder folder;
-  runtime::NodeOptions options;
-  options.rig = "recorded_topics_test";
-  const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(voxtouch::test::fresh_domain())), "lo", "recorder"});
-  bus::WaitSet wait_set(participant);
-  bag::BagRecorder recorder(std::make_unique<bag::BagWriter>(expect_value(bag::BagWriter::create(folder / "bag"))));
-  RecordedTopics topics(participant, options, {"rt/other/*"}, recorder, wait_set);
-  const std::size_t of_the_ring = topics.size();
-
-  const qos::Qos qos = qos::make_qos(qos::profile(qos::ProfileId::kLatched), qos::Endpoint::kWriter, 0.0);
-  const auto write = [&](const std::string& name) {
-    const dds_entity_t writer =
-        make_writer(participant.get(), *msg::Type<msg::std_msgs_Header>::descriptor, name, qos.get());
-    std::string text = "known";
+/// What a recording needs, with a queue of 1 MB, and writers of the one topic or other.
+class Recording : public testing::Test {
+ protected:
+  Recording() { options_.rig = "recording_test"; }
+  dds_entity_t writer(const char* name, const dds_topic_descriptor_t& type = *msg::Type<msg::std_msgs_Header>::descriptor) const {
+    return make_writer(participant_.get(), type, name, latched_.get());
+  }
+  static void write(dds_entity_t writer, std::string text) {
     const msg::std_msgs_Header header{{1, 2}, text.data()};
     EXPECT_EQ(dds_write(writer, &header), DDS_RETCODE_OK);
-  };
-  write("rt/other/header"), write("rt/unwanted");
-  make_writer(participant.get(), foreign_msg_dds__Thing__desc, "rt/other/thing", qos.get());
-  make_writer(participant.get(), foreign_msg_dds__Thing__desc, "rt/other/thing", qos.get());
+  }
+
+  const TemporaryFolder folder_;
+  runtime::NodeOptions options_;
+  const bus::Participant participant_{{static_cast<std::uint32_t>(std::stoul(voxtouch::test::fresh_domain())), "lo", "recorder"}};
+  const qos::Qos latched_ = qos::make_qos(qos::profile(qos::ProfileId::kLatched), qos::Endpoint::kWriter, 0.0);
+  bus::WaitSet wait_set_{participant_};
+  bag::BagRecorder recorder_{std::make_unique<bag::BagWriter>(expect_value(bag::BagWriter::create(folder_ / "bag"))),
+                             {.queue_bytes = 1 << 20}};
+};
+
+TEST_F(Recording, TakesWantedTopicsWhoseTypeIsCompiledInAndRefusesOthersOnce) {
+  RecordedTopics topics(participant_, options_, {"rt/other/*"}, recorder_, wait_set_);
+  const std::size_t of_the_ring = topics.size();
+  write(writer("rt/other/header"), "wanted"), write(writer("rt/unwanted"), "not");
+  writer("rt/other/thing", foreign_msg_dds__Thing__desc), writer("rt/other/thing", foreign_msg_dds__Thing__desc);
   std::vector<std::string> sentences;
   std::size_t messages = 0;
   ASSERT_TRUE(eventually([&] {
@@ -69,14 +74,30 @@ TEST(RecordedTopics, TakesWantedTopicsWhoseTypeIsCompiledInAndRefusesOthersOnce)
   EXPECT_EQ(topics.size(), of_the_ring + 1);
   EXPECT_EQ(sentences, std::vector<std::string>{"topic rt/other/thing is not recorded: its type foreign::msg::dds_::Thing_ is "
                                                 "none of those compiled in, which idl lists"});
-  recorder.stop();
-  const bag::BagReader bag = expect_value(bag::BagReader::open(folder / "bag"));
+  recorder_.stop();
+  const bag::BagReader bag = expect_value(bag::BagReader::open(folder_ / "bag"));
   ASSERT_TRUE(bag.find_topic("/other/header"));
   const bag::TopicInfo& topic = bag.topics()[*bag.find_topic("/other/header")];
   EXPECT_EQ(topic.type, "std_msgs/msg/Header");
   EXPECT_EQ(topic.message_count, 1U);
-  EXPECT_EQ(topic.offered_qos, offered_qos_text(qos.get()));
+  EXPECT_EQ(topic.offered_qos, offered_qos_text(latched_.get()));
   EXPECT_FALSE(bag.find_topic("/other/thing") || bag.find_topic("/unwanted"));
+}
+
+TEST_F(Recording, DropsAForeignMessageThatIsLargerThanTheQueueAndCountsIt) {
+  RecordedTopics topics(participant_, options_, {"rt/other/huge"}, recorder_, wait_set_);
+  const dds_entity_t huge = writer("rt/other/huge");
+  for (const std::size_t size : {std::size_t{2} << 20, std::size_t{1000}}) {
+    write(huge, std::string(size, 'h'));
+    ASSERT_TRUE(eventually([&] {
+      EXPECT_TRUE(topics.discover().empty());
+      return topics.drain() > 0;
+    }));
+  }
+  const bag::RecordingReport report = recorder_.stop();
+  EXPECT_EQ(report.total(&bag::TopicReport::received), 2U);
+  EXPECT_EQ(report.total(&bag::TopicReport::dropped), 1U);
+  EXPECT_EQ(report.total(&bag::TopicReport::written), 1U);
 }
 
 }  // namespace
