@@ -11,6 +11,7 @@
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
+#include "nodes/runtime/parallel_for.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -49,9 +50,10 @@ int build(const BuildOptions& o) {
   Grid grid = default_grid(imported.mesh, o.voxel_m);
   if (!o.origin.empty()) grid.origin = Vec3(o.origin[0], o.origin[1], o.origin[2]);
   say(fmt::format("voxmap of {} triangles at {} m", imported.mesh.triangles.size(), o.voxel_m));
-  const Voxmap voxmap = voxelise(imported.mesh, grid, serial_for());
+  const ParallelFor parallel_for = runtime::threaded_for();
+  const Voxmap voxmap = voxelise(imported.mesh, grid, parallel_for);
   say(fmt::format("pointshell of {} surface voxels", voxmap.surface_count()));
-  const std::vector<ShellPoint> points = shell_points(imported.mesh, grid, serial_for());
+  const std::vector<ShellPoint> points = shell_points(imported.mesh, grid, parallel_for);
 
   std::error_code refused;
   std::filesystem::create_directories(o.out, refused);

@@ -18,6 +18,7 @@
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/parallel_for.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/stamps.hpp"
@@ -280,7 +281,7 @@ class RenderingNode {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const Scene scene = load_scene(options.scene);
-  std::unique_ptr<BuiltScene> built = build_scene(scene, serial_for(), {}, tell_each_second("rendering"));
+  std::unique_ptr<BuiltScene> built = build_scene(scene, runtime::threaded_for(), {}, tell_each_second("rendering"));
   for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);

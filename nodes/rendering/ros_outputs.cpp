@@ -1,10 +1,9 @@
 #include "nodes/rendering/ros_outputs.hpp"
 
-#include <sched.h>
-
 #include <chrono>
 
 #include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::rendering {
@@ -48,8 +47,7 @@ RosOutputs::RosOutputs(const bus::Participant& participant, const std::string& r
       pose_(participant, qos::kPose, rig, qos::profile(qos::kPose.profile)),
       wrench_(participant, qos::kWrench, rig, qos::profile(qos::kWrench.profile)),
       markers_(participant, qos::kMarkers, rig, qos::profile(qos::kMarkers.profile)), thread_([this] {
-        const sched_param ordinary{};
-        sched_setscheduler(0, SCHED_OTHER, &ordinary);
+        runtime::ordinary_priority();
         for (std::uint64_t count = 0; !stop_.load(std::memory_order_acquire); ++count) {
           try {
             turn(count);

@@ -1,7 +1,6 @@
 #include "nodes/rendering/scene_update_server.hpp"
 
 #include <fmt/format.h>
-#include <sched.h>
 #include <string.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/rendering/plan_message.hpp"
+#include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::rendering {
@@ -24,11 +24,6 @@ constexpr double kLongestWaitS = 10.0;
 
 bool too_long(const char* text) { return text && ::strnlen(text, kLongestName + 1) > kLongestName; }
 std::string_view view(const char* text) { return text ? text : ""; }
-
-void ordinary_priority() {
-  const sched_param ordinary{};
-  sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the creator may run under SCHED_FIFO
-}
 
 std::string in_words(const msg::EffectChange& m) {
   const std::string effect = quotable(view(m.effect));
@@ -64,7 +59,7 @@ SceneUpdateServer::~SceneUpdateServer() {
 }
 
 void SceneUpdateServer::run() {
-  ordinary_priority();
+  runtime::ordinary_priority();
   while (!stop_.load(std::memory_order_acquire)) {
     wait_set_.wait(outstanding_.empty() && !reload_ ? 20'000'000 : 1'000'000);
     try {
@@ -241,7 +236,7 @@ void SceneUpdateServer::receive_reload(const msg::EffectChange& m, Request reque
   reload_ = request;
   answer(request, result::kResultWaiting, request.from_sample, "the scene is being built beside the loop");
   under_way_ = std::async(std::launch::async, [this, voxel = m.voxel_size_m, model = std::string(view(m.model))] {
-    ordinary_priority();
+    runtime::ordinary_priority();
     return build(voxel, model);
   });
 }

@@ -57,6 +57,11 @@ std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
   return refused;
 }
 
+void ordinary_priority() noexcept {
+  const sched_param ordinary{};
+  sched_setscheduler(0, SCHED_OTHER, &ordinary);
+}
+
 void flush_denormals() noexcept {
 #if defined(__SSE2__)
   _mm_setcsr(_mm_getcsr() | 0x8040U);  // FTZ and DAZ

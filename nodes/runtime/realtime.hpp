@@ -23,6 +23,9 @@ struct RealtimeOptions {
 /// kEnforce.
 std::vector<std::string> enter_realtime(const RealtimeOptions& options);
 
+/// Ordinary priority for the calling thread: whoever started it may run under SCHED_FIFO, which threads inherit.
+void ordinary_priority() noexcept;
+
 /// Flush denormals to zero in the calling thread: they cost a hundred times a normal operation. Call first in each loop thread.
 void flush_denormals() noexcept;
 

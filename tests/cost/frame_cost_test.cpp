@@ -6,7 +6,7 @@
 
 #include "core/scene/scene_file.hpp"
 #include "tests/cost/cost.hpp"
-#include "tests/ring/process.hpp"
+#include "tests/support/process/process.hpp"
 
 namespace voxtouch::test {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/ring/process.hpp"
+#include "tests/support/process/process.hpp"
 
 namespace voxtouch::test {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <thread>
 
-#include "tests/ring/process.hpp"
+#include "tests/support/process/process.hpp"
 
 namespace voxtouch::test {
 namespace {

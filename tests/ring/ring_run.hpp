@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "nodes/bag/bag_reader.hpp"
-#include "tests/ring/process.hpp"
+#include "tests/support/process/process.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
 namespace voxtouch::test {

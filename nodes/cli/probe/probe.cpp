@@ -12,6 +12,7 @@
 #include "nodes/cli/probe/pose_csv.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/runtime/parallel_for.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -69,7 +70,7 @@ int probe(const ProbeOptions& o) {
   const std::vector<Pose> poses = read_poses(o.poses);
   if (o.model == "reference") return probe_reference(scene, poses);
   const auto built =
-      build_scene(scene, serial_for(), {.model = model}, [](const std::string& text) { tell("{}\n", text); });
+      build_scene(scene, runtime::threaded_for(), {.model = model}, [](const std::string& text) { tell("{}\n", text); });
   for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);
   print_result("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
   std::vector<std::uint32_t> ids;

@@ -3,7 +3,7 @@
 #include <signal.h>
 
 #include "tests/attack/kills/round.hpp"
-#include "tests/ring/process.hpp"
+#include "tests/support/process/process.hpp"
 
 namespace voxtouch::attack {
 namespace {

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "tests/attack/kills/round.hpp"
-#include "tests/ring/process.hpp"
+#include "tests/support/process/process.hpp"
 
 namespace voxtouch::attack {
 namespace {

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -13,6 +12,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "tests/support/process/forked.hpp"
+
 namespace voxtouch::hostile {
 namespace {
 
@@ -21,8 +22,8 @@ void set_limit(decltype(RLIMIT_CPU) what, rlim_t soft, rlim_t hard) {
   ::setrlimit(what, &limit);
 }
 
-/// The forked half: never returns.
-[[noreturn]] void run_child(const std::filesystem::path& file, const Limits& limits, int out) {
+/// The forked half.
+int run_child(const std::filesystem::path& file, const Limits& limits, int out) {
   set_limit(RLIMIT_CPU, limits.cpu_s, limits.cpu_s + 2);
   set_limit(RLIMIT_CORE, 0, 0);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -37,7 +38,7 @@ void set_limit(decltype(RLIMIT_CPU) what, rlim_t soft, rlim_t hard) {
     if (n <= 0) break;
     at += static_cast<std::size_t>(n);
   }
-  ::_exit(0);
+  return 0;
 }
 
 /// What the child says until it closes its end; false where the clock ran out first.
@@ -62,32 +63,29 @@ bool listen(int in, std::chrono::seconds patience, std::string& text) {
 Verdict trial(const std::filesystem::path& file, const Limits& limits) {
   int ends[2];
   if (::pipe(ends) != 0) throw std::runtime_error(std::string("no pipe: ") + std::strerror(errno));
-  const pid_t child = ::fork();
-  if (child < 0) throw std::runtime_error(std::string("no process: ") + std::strerror(errno));
-  if (child == 0) {
+  test::Forked child([&] {
     ::close(ends[0]);
-    run_child(file, limits, ends[1]);
-  }
+    return run_child(file, limits, ends[1]);
+  });
   ::close(ends[1]);
   std::string text;
   const bool heard = listen(ends[0], std::chrono::seconds(10 * limits.cpu_s), text);
   ::close(ends[0]);
-  if (!heard) ::kill(child, SIGKILL);
-  int status = 0;
-  rusage used{};
-  while (::wait4(child, &status, 0, &used) < 0 && errno == EINTR) continue;
+  if (!heard) child.signal(SIGKILL);
+  const auto [status, used] = child.wait();
+  const int by_signal = status > 128 ? status - 128 : 0;
 
   Verdict verdict{.file = file, .outcome = Outcome::kCrashed, .sentence = {}, .cpu_s = 0.0, .peak_mib = 0};
   verdict.cpu_s = double(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
                   1e-6 * double(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
   verdict.peak_mib = static_cast<std::uint64_t>(used.ru_maxrss) >> 10;
-  if (!heard || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)) {
+  if (!heard || by_signal == SIGXCPU) {
     verdict.outcome = Outcome::kOutOfTime;
     verdict.sentence = "took more than " + std::to_string(limits.cpu_s) + " s";
-  } else if (WIFSIGNALED(status)) {
-    verdict.sentence = std::string("ended by a signal (") + ::strsignal(WTERMSIG(status)) + ")";
-  } else if (WEXITSTATUS(status) != 0 || text.size() < 3) {
-    verdict.sentence = "ended with status " + std::to_string(WEXITSTATUS(status)) + " and without a word";
+  } else if (by_signal != 0) {
+    verdict.sentence = std::string("ended by a signal (") + ::strsignal(by_signal) + ")";
+  } else if (status != 0 || text.size() < 3) {
+    verdict.sentence = "ended with status " + std::to_string(status) + " and without a word";
   } else {
     verdict.outcome = static_cast<Outcome>(text[0] - '0');
     verdict.sentence = text.substr(2);

@@ -1,5 +1,4 @@
 #include <sys/resource.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,6 +8,7 @@
 
 #include "nodes/bag/bag_reader.hpp"
 #include "nodes/bag/bag_writer.hpp"
+#include "tests/support/process/forked.hpp"
 #include "tests/unit/bag/support.hpp"
 
 namespace voxtouch::bag {
@@ -199,9 +199,7 @@ TEST(Bag, CountsWhatAFullDiskRefusesAndStaysReadable) {
 // too.
 TEST(Bag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
   const TemporaryFolder folder;
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
+  voxtouch::test::Forked child([&] {
     std::signal(SIGXFSZ, SIG_IGN);
     auto writer = BagWriter::create(folder / "run");
     const auto state = writer->add_topic(kState);
@@ -228,12 +226,9 @@ TEST(Bag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
     writer->fill_counts(counts);
     const bool adds_up = counts[0].lost > 0 && counts[0].written + counts[0].lost == time &&
         counts[0].written >= 200;
-    _exit((before ? 0 : 1) | (during ? 2 : 0) | (after ? 0 : 4) | (closed ? 0 : 8) | (adds_up ? 0 : 16));
-  }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 0);
+    return (before ? 0 : 1) | (during ? 2 : 0) | (after ? 0 : 4) | (closed ? 0 : 8) | (adds_up ? 0 : 16);
+  });
+  EXPECT_EQ(child.wait().status, 0);
   const auto bag = expect_value(BagReader::open(folder / "run"));
   EXPECT_EQ(bag.metadata()->message_count, bag.message_count());
   EXPECT_GE(bag.message_count(), 200u);

@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "tests/ring/process.hpp"
+#include "tests/support/process/process.hpp"
 #include "tests/unit/bag/support.hpp"
 
 namespace voxtouch::bag::test {

@@ -1,14 +1,13 @@
 /// A recorder that is killed: what is in the bag then.
 #include <sys/mman.h>
-#include <sys/wait.h>
 
 #include <atomic>
-#include <csignal>
 #include <thread>
 
 #include "nodes/bag/bag_reader.hpp"
 #include "nodes/bag/bag_recorder.hpp"
 #include "nodes/bag/bag_writer.hpp"
+#include "tests/support/process/forked.hpp"
 #include "tests/unit/bag/support.hpp"
 
 namespace voxtouch::bag {
@@ -51,15 +50,11 @@ TEST_P(KilledRecorder, LeavesABagThatOpensAndLacksAtMostASecond) {
   void* memory = mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(memory, MAP_FAILED);
   auto& shared = *new (memory) Shared();
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) record_for_ever(folder / "run", shared);
+  voxtouch::test::Forked child([&]() -> int { record_for_ever(folder / "run", shared); });
   while (shared.pushed == 0) std::this_thread::sleep_for(1ms);
   std::this_thread::sleep_for(std::chrono::milliseconds(GetParam()));
-  kill(child, SIGKILL);
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  ASSERT_TRUE(WIFSIGNALED(status)) << "the recorder ended by itself, status " << WEXITSTATUS(status);
+  child.signal(SIGKILL);
+  ASSERT_EQ(child.wait().status, 128 + SIGKILL) << "the recorder ended by itself";
 
   const auto bag = expect_value(BagReader::open(folder / "run"));
   const auto messages = expect_value(bag.read_topic("/haptic/device/state"));

@@ -31,8 +31,6 @@ struct Ground {
 
 inline constexpr double kPressure = 1e9;  ///< k [N/m^3]
 
-Pointshell exact_shell(const TriangleMesh& tool, double edge);
-
 /// A ball whose centre is not the origin of T and lies askew in its voxel: a shell on a grid through the centre would be
 /// symmetric, and its errors would cancel.
 struct Ball {

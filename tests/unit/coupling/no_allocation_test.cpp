@@ -5,51 +5,13 @@
 #include <string>
 
 #include "core/coupling/running_coupling.hpp"
-
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__GLIBC__)
-#define VOXTOUCH_COUNTS_MALLOC 1
-namespace {
-thread_local bool counting = false;
-thread_local long asked = 0;
-}  // namespace
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* old, std::size_t size);
-void* malloc(std::size_t size) {
-  asked += counting;
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  asked += counting;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* old, std::size_t size) {
-  asked += counting;
-  return __libc_realloc(old, size);
-}
-}
-#endif
+#include "tests/support/heap_count/heap_count.hpp"
 
 namespace voxtouch {
 namespace {
 
-#ifdef VOXTOUCH_COUNTS_MALLOC
-template <class Body>
-long count(Body body) {
-  asked = 0;
-  counting = true;
-  body();
-  counting = false;
-  return asked;
-}
-
-TEST(NoAllocation, TheCounterSeesNewAndMalloc) {
-  EXPECT_GE(count([] { delete new volatile int(1); }), 1);
-  EXPECT_GE(count([] { std::string(100, 'x').push_back('y'); }), 1);
-}
-
 TEST(NoAllocation, AStepAResetAndACleanRedesignTakeNothingFromTheHeap) {
+  if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
   CouplingSpec spec;
   spec.cutoff_hz = 50;
   spec.stiffness_cap_n_per_m = 300, spec.stiffness_cap_nm_per_rad = 0.1;
@@ -58,7 +20,7 @@ TEST(NoAllocation, AStepAResetAndACleanRedesignTakeNothingFromTheHeap) {
   CouplingSpec other = spec, third = spec;
   other.kind = "spring_damper", third.kind = "direct";
   RunningCoupling coupling(spec, {8.5, 0.1}, 1e-3);
-  EXPECT_EQ(count([&] {
+  EXPECT_EQ(test::heap_count_of([&] {
               for (int n = 0; n < 3000; ++n) {
                 CouplingInput in;
                 if (n % 100 > 20) {
@@ -77,9 +39,6 @@ TEST(NoAllocation, AStepAResetAndACleanRedesignTakeNothingFromTheHeap) {
   EXPECT_GT(coupling.counters().capped, 1000U);
   EXPECT_GT(coupling.counters().controlled, 10U);
 }
-#else
-TEST(NoAllocation, IsNotCountedUnderASanitiser) { GTEST_SKIP() << "the sanitiser owns malloc"; }
-#endif
 
 }  // namespace
 }  // namespace voxtouch

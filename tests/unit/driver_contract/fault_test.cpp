@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "devices/lwr/lwr_driver.hpp"
-#include "tests/ring/process.hpp"
+#include "tests/support/process/process.hpp"
 #include "tests/unit/driver_contract/subject.hpp"
 
 namespace voxtouch::contract {

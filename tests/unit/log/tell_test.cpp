@@ -7,11 +7,12 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <functional>
 #include <thread>
+
+#include "tests/support/process/forked.hpp"
 
 namespace voxtouch {
 namespace {
@@ -21,19 +22,16 @@ using std::chrono::steady_clock;
 
 /// What `told` leaves in a process of its own, whose stderr is `fd` (-1: closed). The log is one for a process and lives as long.
 int in_a_process_with_stderr(int fd, const std::function<void()>& told) {
-  const pid_t child = fork();
-  if (child == 0) {
+  test::Forked child([&]() -> int {
     alarm(20);  // a call that blocks is a death by signal 14
     if (fd >= 0)
       dup2(fd, STDERR_FILENO);
     else
       close(STDERR_FILENO);
     told();
-    std::exit(testing::Test::HasFailure() ? 99 : 7);
-  }
-  int raw = 0;
-  waitpid(child, &raw, 0);
-  return WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
+    std::exit(testing::Test::HasFailure() ? 99 : 7);  // not _exit: the log writes its last lines at the end
+  });
+  return child.wait().status;
 }
 
 std::string drain(int fd) {

@@ -10,7 +10,7 @@
 #include "devices/lwr/udp_socket.hpp"
 #include "devices/operator/hand.hpp"
 #include "devices/operator/hand_file.hpp"
-#include "tests/ring/process.hpp"
+#include "tests/support/process/process.hpp"
 #include "tests/unit/lwr_sim/scripted_remote.hpp"
 
 namespace voxtouch {

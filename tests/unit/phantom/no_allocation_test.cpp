@@ -1,39 +1,9 @@
 /// Counts what any thread asks of the heap while an open driver runs: the loop's calls, and the servo thread's callback.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstddef>
-
 #include "devices/phantom/phantom_driver.hpp"
+#include "tests/support/heap_count/heap_count.hpp"
 #include "tests/unit/phantom_sim/library.hpp"
-
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__GLIBC__)
-#define VOXTOUCH_COUNTS_MALLOC 1
-namespace {
-std::atomic<bool> counting{false};
-std::atomic<long> asked{0};
-void note() noexcept {
-  if (counting.load(std::memory_order_relaxed)) asked.fetch_add(1, std::memory_order_relaxed);
-}
-}  // namespace
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* old, std::size_t size);
-void* malloc(std::size_t size) {
-  note();
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  note();
-  return __libc_calloc(count, size);
-}
-void* realloc(void* old, std::size_t size) {
-  note();
-  return __libc_realloc(old, size);
-}
-}
-#endif
 
 namespace voxtouch {
 namespace {
@@ -57,24 +27,11 @@ class NoAllocation : public hd_sim_test::SimulatedLibrary {
   }
 };
 
-#ifdef VOXTOUCH_COUNTS_MALLOC
-template <class Body>
-long count(Body body) {
-  asked = 0;
-  counting = true;
-  body();
-  counting = false;
-  return asked;
-}
-
-TEST_F(NoAllocation, TheCounterSeesNew) {
-  EXPECT_GE(count([] { delete new volatile int(1); }), 1);
-}
-
 TEST_F(NoAllocation, AnOpenDriverAndItsCallbackTakeNothingFromTheHeap) {
+  if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
   PhantomDriver driver(options(true));
   for (int i = 0; i < 10; ++i) turn(driver, i);
-  EXPECT_EQ(count([&] {
+  EXPECT_EQ(test::heap_count_of([&] {
               for (int i = 0; i < 500; ++i) {
                 turn(driver, i);
                 if (i == 100) sim.inject(HDSIM_WARM_MOTORS, 1.0);
@@ -83,23 +40,21 @@ TEST_F(NoAllocation, AnOpenDriverAndItsCallbackTakeNothingFromTheHeap) {
                 if (i == 250) sim.inject(HDSIM_SKIPPED_TICKS, 600);
                 if (i == 300) sim.inject(HDSIM_COMM_ERROR, -1);
               }
-            }),
+            }, test::HeapOf::kAllThreads),
             0);
   EXPECT_EQ(driver.read(10ms).error(), DeviceError::kDisconnected);
 }
 
 TEST_F(NoAllocation, NorDoTheyInTheServoThread) {
+  if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
   PhantomDriver driver(options(false));
   for (int i = 0; i < 50; ++i) turn(driver, i);
-  EXPECT_EQ(count([&] {
+  EXPECT_EQ(test::heap_count_of([&] {
               for (int i = 0; i < 300; ++i) turn(driver, i);
-            }),
+            }, test::HeapOf::kAllThreads),
             0);
   EXPECT_GT(driver.status().pushed, 0u);
 }
-#else
-TEST_F(NoAllocation, IsNotCountedUnderASanitiser) { GTEST_SKIP() << "the sanitiser owns malloc"; }
-#endif
 
 }  // namespace
 }  // namespace voxtouch

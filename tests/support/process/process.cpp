@@ -1,4 +1,4 @@
-#include "tests/ring/process.hpp"
+#include "tests/support/process/process.hpp"
 
 #include <fcntl.h>
 #include <signal.h>

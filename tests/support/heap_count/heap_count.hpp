@@ -1,0 +1,35 @@
+#pragma once
+/// What is asked of the heap, beneath `operator new` too: Eigen calls malloc itself. Linking `voxtouch_heap_count` replaces malloc,
+/// calloc, realloc and aligned_alloc for the whole program.
+#include <cstddef>
+
+namespace voxtouch::test {
+
+struct HeapUse {
+  long calls = 0;
+  std::size_t bytes = 0;  ///< asked for, whether or not given back
+};
+enum class HeapOf { kThisThread, kAllThreads };
+
+/// False under a sanitiser, which owns malloc: nothing can be counted then.
+bool heap_is_counted() noexcept;
+
+namespace heap_count {
+/// Counts from here on. Throws std::logic_error where a call of malloc is not seen.
+void begin(HeapOf whose);
+HeapUse end() noexcept;
+}  // namespace heap_count
+
+/// While `body` runs. One at a time.
+template <class Body>
+HeapUse heap_use_of(Body body, HeapOf whose = HeapOf::kThisThread) {
+  heap_count::begin(whose);
+  body();
+  return heap_count::end();
+}
+template <class Body>
+long heap_count_of(Body body, HeapOf whose = HeapOf::kThisThread) {
+  return heap_use_of(body, whose).calls;
+}
+
+}  // namespace voxtouch::test
