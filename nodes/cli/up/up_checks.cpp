@@ -9,10 +9,15 @@
 
 #include <fmt/format.h>
 
+#include "core/rendering/build.hpp"
 #include "core/fitting/device_check.hpp"
+#include "core/fitting/fit_coupling.hpp"
+#include "devices/description_check.hpp"
 #include "devices/registry.hpp"
 #include "nodes/cli/up/run_figures.hpp"
 #include "nodes/device/device_node.hpp"
+#include "nodes/log/progress.hpp"
+#include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -31,6 +36,27 @@ void check_bag(const std::filesystem::path& bag) {
                     parent.string(), std::strerror(errno)));
 }
 
+/// Ctrl-C ends it: there is nothing to stop in order yet.
+std::unique_ptr<BuiltScene> build_unless_stopped(const Scene& scene) {
+  const ParallelFor until_stopped = [](std::size_t count, const std::function<void(std::size_t)>& body) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (runtime::stop_requested().load(std::memory_order_relaxed)) throw std::runtime_error("stopped before the start");
+      body(i);
+    }
+  };
+  return build_scene(scene, until_stopped, {}, tell_each_second("up"));
+}
+
+/// What the coupling node will say of this device and scene, by its own code: a sentence; empty: it will command forces. What all
+/// points show together is known only of the scene as built, so it is built here as well.
+std::string why_no_force(const Scene& scene, const DeviceDescription& description) {
+  if (std::string wrong = what_is_wrong(description); !wrong.empty()) return wrong;
+  const std::unique_ptr<BuiltScene> built = build_unless_stopped(scene);
+  const Plan& plan = built->plan();
+  return fit_coupling(scene, model_of(description), {plan.contact_n_per_m, plan.contact_nm_per_rad}, demand_of(scene))
+      .refusal;
+}
+
 }  // namespace
 
 std::vector<std::string> check_before_start(const Scene& scene, const Plans& plans) {
@@ -39,12 +65,7 @@ std::vector<std::string> check_before_start(const Scene& scene, const Plans& pla
   const DeviceDescription description = describe_device(plans.device, options);
   device::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
-  // One point alone is the least that any contact shows; how many push together is seen only while the scene runs. A coupling
-  // that is designed caps both, and is judged when it has been: by the coupling node, or by voxtouch plan --device.
-  const std::string why = why_not_felt(scene, scene.design ? nullptr : &scene.coupling,
-                                       model_of(description), 0.0,
-                                       demand_of(scene));
-  if (!why.empty())
+  if (const std::string why = why_no_force(scene, description); !why.empty())
     throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));
   std::vector<std::string> notes;
   if (!scene.design)

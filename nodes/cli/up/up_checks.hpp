@@ -17,8 +17,9 @@ struct Plans {
   std::filesystem::path bag;  ///< empty: none
 };
 
-/// Throws std::runtime_error, a sentence: unknown device, device option or motion, a scene that is too stiff for the device even with one point in
-/// contact, a bag folder that exists or could not be made. Returns what a user may want to know, as sentences.
+/// Throws std::runtime_error, a sentence: unknown device, device option or motion, a scene that cannot be built, a device that the
+/// coupling node would command no force for with this scene, a bag folder that exists or could not be made. Returns what a user may
+/// want to know, as sentences. Takes as long as the scene is built for.
 std::vector<std::string> check_before_start(const Scene& scene, const Plans& plans);
 
 /// Sorts what the nodes have reported into problems and notes.
