@@ -105,7 +105,10 @@ class Measurement {
     scene.contact.model = name_of(setting.model);
     scene.effects.clear();
     return build_scene(scene, parallel_for_,
-                       {.model = setting.model, .weights = setting.weights, .shell_voxel_m = setting.shell_voxel_m});
+                       {.model = setting.model,
+                        .weights = setting.weights,
+                        .shell_voxel_m = setting.shell_voxel_m,
+                        .read = options_.read});
   }
 
   const Truth& truth_at(double depth_m) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/contact/contact_model.hpp"
+#include "core/mesh/import.hpp"
 #include "core/scene/scene.hpp"
 #include "core/types/parallel.hpp"
 
@@ -47,6 +48,7 @@ struct AccuracyOptions {
   double depth_edges = 0.5;            ///< depth of each contact, in e of its setting
   std::function<double()> cpu_time_s;  ///< a clock that counts this thread's CPU time [s]; none: times read 0
   std::function<void(const std::string& what, double share)> progress;  ///< called between steps, 0 <= share <= 1
+  TriangleReader read = read_triangles;  ///< see BuildChoices
 };
 
 /// Places: random points of the static surface, area for area, which the tool meets along the surface's normal there, turned

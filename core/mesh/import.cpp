@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "core/mesh/import_assimp.hpp"
 #include "core/mesh/import_units.hpp"
 #include "core/mesh/weld.hpp"
 
@@ -33,19 +32,19 @@ std::string left_out(std::uint64_t count, const char* what) {
 
 }  // namespace
 
-ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& given) {
+ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& given, const TriangleReader& reader) {
   const ImportOptions options = checked(path, given);
-  return import_mesh(path, read_mesh_bytes(path, options.max_file_bytes), options);
+  return import_mesh(path, read_mesh_bytes(path, options.max_file_bytes), options, reader);
 }
 
-ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, const ImportOptions& given) {
+ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, const ImportOptions& given,
+                         const TriangleReader& reader) {
   const ImportOptions options = checked(path, given);
-  import::MeshFile file = import::open_mesh_file(path, std::move(bytes), options);
-  const import::Triangles read = import::read_triangles(file, options);
-  import::check_precision(file, read, options);
+  FileTriangles read = reader(path, std::move(bytes), options);
+  import::check_precision(path, read, options);
 
   ImportedMesh result;
-  result.warnings = std::move(file.warnings);
+  result.warnings = std::move(read.warnings);
   if (read.points > 0) result.warnings.push_back(left_out(read.points, "point"));
   if (read.lines > 0) result.warnings.push_back(left_out(read.lines, "line"));
   if (read.uncut > 0) {
@@ -56,7 +55,7 @@ ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, c
   // Welded before scaling: the file's own numbers say what coincides.
   const TriangleMesh welded = weld(read.mesh);
   const Eigen::AlignedBox3d box = bounds(welded);
-  const std::string unit = import::unit_warning(file, options.scale * box.sizes().maxCoeff(), options);
+  const std::string unit = import::unit_warning(path, options.scale * box.sizes().maxCoeff(), options);
   if (!unit.empty()) result.warnings.push_back(unit);
   result.mesh = transform(welded, options.scale, options.pose);
   result.report = inspect(result.mesh);

@@ -16,10 +16,12 @@
 ///   and X_UP files to Y up; that is switched off), so that coordinates read as the modelling tool shows them.
 ///   Turn the mesh with `pose`.
 ///   A node that mirrors (negative determinant) keeps its triangles facing outward.
-/// Files are not trusted: counts and nesting are checked before assimp sees the bytes, and assimp reads
-/// nothing but the mesh file and, for .gltf, the buffers it names.
+/// Files are not trusted: what assimp would take for another shape is refused before it sees the bytes, and it reads
+/// nothing but the mesh file and, for .gltf, the buffers it names. A broken file may still crash it, hang it or fill memory:
+/// where that must not be, it reads in a process of its own (nodes/mesh_import).
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,23 @@ struct ImportOptions {
   std::uintmax_t max_file_bytes = kLargestMeshFile;
 };
 
+/// What a file holds, as assimp and the checks before it found it.
+struct FileTriangles {
+  TriangleMesh mesh;                    ///< nodes applied, in the file's unit (COLLADA: metres); not welded
+  std::uint64_t points = 0, lines = 0;  ///< left out
+  std::uint64_t uncut = 0;              ///< triangles missing from polygons that could not be cut
+  double spacing = 0.0;                 ///< widest step of single precision at the coordinates, after nodes
+  double largest = 0.0;                 ///< the coordinate it belongs to
+  std::vector<std::string> warnings;    ///< what was left out beside points and lines
+};
+
+/// From a file's bytes to triangles, at most as many as the options say. Throws MeshError; what it gives is finite, with every
+/// corner there.
+using TriangleReader =
+    std::function<FileTriangles(const std::filesystem::path&, std::string bytes, const ImportOptions&)>;
+/// The reader that does it here and now.
+FileTriangles read_triangles(const std::filesystem::path& path, std::string bytes, const ImportOptions& options);
+
 struct ImportedMesh {
   TriangleMesh mesh;                  ///< scaled and posed [m], welded
   MeshReport report;                  ///< of `mesh`; its sentences() say what is wrong with the surface
@@ -44,8 +63,10 @@ struct ImportedMesh {
 };
 
 /// Reads a mesh. Throws MeshError; allocates; not for the loop. Same file and options give the same bits.
-ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& options = {});
+ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& options = {},
+                         const TriangleReader& read = read_triangles);
 /// The same from the file's bytes, for those who have looked at them already.
-ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, const ImportOptions& options);
+ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, const ImportOptions& options,
+                         const TriangleReader& read = read_triangles);
 
 }  // namespace voxtouch

@@ -1,7 +1,7 @@
 #pragma once
 /// Whether a file's numbers are fine enough, and of a size that makes sense, for a voxel size. Private to the
 /// import.
-#include "core/mesh/import_assimp.hpp"
+#include "core/mesh/import.hpp"
 
 namespace voxtouch::import {
 
@@ -14,9 +14,9 @@ inline constexpr double kFewestVoxels = 4.0, kMaxVoxels = 2000.0;
 
 /// Throws MeshError if single precision is too coarse for `options.voxel_size_m` where the file's coordinates
 /// lie.
-void check_precision(const MeshFile& file, const Triangles& triangles, const ImportOptions& options);
+void check_precision(const std::filesystem::path& path, const FileTriangles& read, const ImportOptions& options);
 
 /// A warning that names extent and voxel size where their ratio is odd, else empty. `extent_m`: longest side.
-std::string unit_warning(const MeshFile& file, double extent_m, const ImportOptions& options);
+std::string unit_warning(const std::filesystem::path& path, double extent_m, const ImportOptions& options);
 
 }  // namespace voxtouch::import

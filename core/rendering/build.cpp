@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/mesh/import.hpp"
 #include "core/mesh/mass_properties.hpp"
 #include "core/pointshell/build_shell.hpp"
 #include "core/rendering/contact_parameters.hpp"
@@ -18,7 +17,7 @@ namespace voxtouch {
 namespace {
 
 /// The mesh that the scene was read with, and no other that stands in its place now.
-ImportedMesh import(const MeshSpec& spec, const Scene& scene) {
+ImportedMesh import(const MeshSpec& spec, const Scene& scene, const TriangleReader& reader) {
   ImportOptions options;
   options.scale = spec.scale;
   options.pose = spec.pose;
@@ -28,7 +27,7 @@ ImportedMesh import(const MeshSpec& spec, const Scene& scene) {
   if (read != scene.mesh_hashes.end() && hash_of_bytes(bytes) != read->second)
     throw MeshError("mesh '" + spec.path.string() +
                     "': has changed since the scene was read; read the scene again when nothing writes to it");
-  return import_mesh(spec.path, std::move(bytes), options);
+  return import_mesh(spec.path, std::move(bytes), options, reader);
 }
 
 void warn(BuildCounts& counts, const MeshSpec& spec, const ImportedMesh& imported) {
@@ -74,7 +73,7 @@ ObjectMesh import_object(const Kit& kit, std::uint32_t object) {
     if (spec.object != object) continue;
     if (const auto n = &spec - scene.static_meshes.data(); n > 0)
       kit.step(fmt::format("reading mesh {} of {}", n + 1, scene.static_meshes.size()));
-    const ImportedMesh imported = import(spec, scene);
+    const ImportedMesh imported = import(spec, scene, kit.choices.read);
     warn(counts, spec, imported);
     counts.closed = counts.closed && imported.report.closed;
     if (!imported.report.closed) counts.open_meshes.push_back(spec.path.filename().string()), ++all.open;
@@ -151,7 +150,7 @@ struct Tool {
 Tool build_tool(const Kit& kit) {
   const Scene& scene = kit.scene;
   kit.step("reading the dynamic mesh");
-  const ImportedMesh moving = import(scene.dynamic_mesh, scene);
+  const ImportedMesh moving = import(scene.dynamic_mesh, scene, kit.choices.read);
   warn(kit.counts, scene.dynamic_mesh, moving);
   kit.counts.dynamic_triangles = moving.mesh.triangles.size();
   kit.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "core/mesh/import.hpp"
 #include "core/rendering/object_contacts.hpp"
 #include "core/rendering/plan.hpp"
 #include "core/rendering/proximity_field.hpp"
@@ -54,11 +55,12 @@ class BuiltScene {
 /// Called before each step with a short sentence, for progress.
 using Progress = std::function<void(const std::string&)>;
 
-/// What may be built otherwise than the scene says, to compare.
+/// What may be built otherwise than the scene says, to compare; and who reads the meshes.
 struct BuildChoices {
   std::optional<ContactModelKind> model = {};
   std::optional<PointWeights> weights = {};  ///< std::invalid_argument where the model does not weigh so
   std::optional<double> shell_voxel_m = {};  ///< voxel edge that the pointshell is made with, instead of the scene's
+  TriangleReader read = read_triangles;  ///< programs give one that a broken file cannot take with it (nodes/mesh_import)
 };
 
 /// Reads the scene's meshes and builds what it calls for, and nothing else. Throws MeshError,

@@ -10,6 +10,7 @@
 #include "core/voxmap/voxelise.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/parallel_for.hpp"
 
@@ -42,7 +43,7 @@ int build(const BuildOptions& o) {
   ImportOptions options;
   options.scale = o.scale;
   options.voxel_size_m = o.voxel_m;
-  const ImportedMesh imported = import_mesh(o.mesh, options);
+  const ImportedMesh imported = import_mesh(o.mesh, options, mesh_process());
   std::vector<std::string> warnings = imported.warnings;
   for (const std::string& sentence : imported.report.sentences()) warnings.push_back(sentence);
   for (const std::string& warning : warnings) say("warning: " + warning);

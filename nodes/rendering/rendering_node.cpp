@@ -12,6 +12,7 @@
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/log/progress.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/rendering/scene_update_server.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
@@ -281,7 +282,8 @@ class RenderingNode {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const Scene scene = load_scene(options.scene);
-  std::unique_ptr<BuiltScene> built = build_scene(scene, runtime::threaded_for(), {}, tell_each_second("rendering"));
+  std::unique_ptr<BuiltScene> built =
+      build_scene(scene, runtime::threaded_for(), {.read = mesh_process()}, tell_each_second("rendering"));
   for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);

@@ -8,6 +8,7 @@
 
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/rendering/plan_message.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/strings.hpp"
@@ -256,7 +257,7 @@ SceneUpdateServer::Built SceneUpdateServer::build(double voxel_size_m, const std
     const ParallelFor until_stopped = [&](std::size_t count, const std::function<void(std::size_t)>& body) {
       for (std::size_t i = 0; i < count; ++i) go_on(), body(i);
     };
-    out.built = build_scene(out.scene, until_stopped, {}, [&](const std::string&) { go_on(); });
+    out.built = build_scene(out.scene, until_stopped, {.read = mesh_process()}, [&](const std::string&) { go_on(); });
   } catch (const std::exception& error) {
     out.refusal = error.what();
   }

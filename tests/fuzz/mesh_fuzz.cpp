@@ -1,7 +1,10 @@
-// Mesh files of every format, through the checks, assimp and what is made of its result. First byte: the format; second: options.
+// Mesh files of every format, through the checks and assimp in a process of their own, and what is made of the result; and answers as such a
+// process might give them. First byte: the format, or an answer; second: options.
+#include <algorithm>
 #include <array>
 
-#include "core/mesh/import.hpp"
+#include "nodes/mesh_import/answer.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace {
@@ -22,22 +25,33 @@ void check(const ImportedMesh& read) {
   for (const std::string& sentence : read.report.sentences()) FUZZ_REQUIRE(!sentence.empty());
 }
 
+void check_answer(std::string_view bytes) {
+  try {
+    const FileTriangles read = decode(bytes);
+    FUZZ_REQUIRE(decode(encode(read)).mesh.triangles == read.mesh.triangles);
+    for (const Vec3& v : read.mesh.vertices) FUZZ_REQUIRE(v.allFinite());
+    for (const auto& t : read.mesh.triangles) FUZZ_REQUIRE(std::max({t[0], t[1], t[2]}) < read.mesh.vertices.size());
+  } catch (const std::runtime_error&) {
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const fuzz::Folder folder;
   fuzz::Bytes in(data, size);
-  const char* ending = kEndings[in.take<std::uint8_t>() % kEndings.size()];
+  const std::size_t format = in.take<std::uint8_t>() % (kEndings.size() + 1);
   const auto choice = in.take<std::uint8_t>();
+  if (format == kEndings.size()) return check_answer(in.rest()), 0;
   ImportOptions options;
   options.max_triangles = kMaxTriangles;
   options.max_file_bytes = 1 << 16;
   if (choice & 1) options.scale = 0.001;
   if (choice & 2) options.voxel_size_m = 0.002;
   if (choice & 4) options.pose = {Vec3(0.1, -0.2, 0.3), Quat(0.5, 0.5, -0.5, 0.5)};
-  const std::filesystem::path file = folder.write(std::string("mesh.") + ending, in.rest());
+  const std::filesystem::path file = folder.write(std::string("mesh.") + kEndings[format], in.rest());
   try {
-    check(import_mesh(file, options));
+    check(import_mesh(file, options, mesh_process({.cpu_s = 5})));
   } catch (const MeshError& refused) {
     FUZZ_REQUIRE(std::string_view(refused.what()).starts_with("mesh '"));
   }

@@ -17,6 +17,7 @@
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -119,6 +120,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   AccuracyOptions options;
   options.seed = o.seed, options.contacts = o.contacts, options.depth_edges = o.depth_edges;
   options.cpu_time_s = thread_cpu_s;
+  options.read = mesh_process();
   options.progress = [&](const std::string& what, double share) { line.show(what, share); };
   tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
   report.rows = measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's

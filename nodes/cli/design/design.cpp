@@ -14,6 +14,7 @@
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/progress.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/parallel_for.hpp"
 
@@ -76,7 +77,7 @@ Asked ask(const DesignVerbOptions& o, const DeviceModel& device) {
   } else {
     const Scene scene = load_scene(o.scene);
     tell("building {} to count its points\n", scene.name);
-    const auto built = build_scene(scene, runtime::threaded_for(), {}, tell_each_second("design"));
+    const auto built = build_scene(scene, runtime::threaded_for(), {.read = mesh_process()}, tell_each_second("design"));
     const Plan& plan = built->plan();
     out.request = design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
     if (scene.design) hand = std::string(name_of(scene.design->hand));

@@ -12,6 +12,7 @@
 #include "nodes/cli/plan/plan_report.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/progress.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/rendering/plan_ring.hpp"
 #include "nodes/runtime/parallel_for.hpp"
 
@@ -67,7 +68,8 @@ PlanReport make_report(const PlanVerb& o) {
   Scene scene = load_scene(o.scene);
   if (!o.model.empty()) scene.contact.model = o.model;
   tell("building {}\n", scene.name);
-  const std::unique_ptr<BuiltScene> built = build_scene(scene, runtime::threaded_for(), {}, tell_each_second("plan"));
+  const std::unique_ptr<BuiltScene> built =
+      build_scene(scene, runtime::threaded_for(), {.read = mesh_process()}, tell_each_second("plan"));
   PlanReport report;
   report.plan = built->plan();
   for (PlanPart& part : rendering::ring_parts(scene)) report.plan.parts.push_back(std::move(part));

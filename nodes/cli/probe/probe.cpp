@@ -12,6 +12,7 @@
 #include "nodes/cli/probe/pose_csv.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/parallel_for.hpp"
 
 namespace voxtouch::cli {
@@ -69,8 +70,8 @@ int probe(const ProbeOptions& o) {
   const Scene scene = load_scene(o.scene);
   const std::vector<Pose> poses = read_poses(o.poses);
   if (o.model == "reference") return probe_reference(scene, poses);
-  const auto built =
-      build_scene(scene, runtime::threaded_for(), {.model = model}, [](const std::string& text) { tell("{}\n", text); });
+  const auto built = build_scene(scene, runtime::threaded_for(), {.model = model, .read = mesh_process()},
+                                 [](const std::string& text) { tell("{}\n", text); });
   for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);
   print_result("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
   std::vector<std::uint32_t> ids;

@@ -17,6 +17,7 @@
 #include "nodes/cli/up/run_figures.hpp"
 #include "nodes/device/device_node.hpp"
 #include "nodes/log/progress.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::cli {
@@ -44,7 +45,7 @@ std::unique_ptr<BuiltScene> build_unless_stopped(const Scene& scene) {
       body(i);
     }
   };
-  return build_scene(scene, until_stopped, {}, tell_each_second("up"));
+  return build_scene(scene, until_stopped, {.read = mesh_process()}, tell_each_second("up"));
 }
 
 /// What the coupling node will say of this device and scene, by its own code: a sentence; empty: it will command forces. What all

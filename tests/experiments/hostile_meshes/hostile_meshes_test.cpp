@@ -30,9 +30,9 @@ TEST(HostileMeshes, MadeForThisAreTouchedOrRefusedForTheRightReason) {
       {"wrong_index.obj", "index"},     {"nan.obj", "not finite"},
       {"overflow.obj", "not finite"},   {"truncated.stl", "1000 triangles"},
       {"no_end.stl", "endsolid"},       {"absurd_count.ply", "4000000000"},
-      {"negative_index.ply", "of 3"},   {"ring.gltf", "ring"},
-      {"deep.gltf", "nested"},          {"no_text.dae", "control characters"},
-      {"open_tag.dae", "does not end"}, {"nothing.obj", "is empty"},
+      {"negative_index.ply", "not there"},   {"ring.gltf", "recursive"},
+      {"deep.gltf", "cannot be read"},  {"no_text.dae", "No document element"},
+      {"open_tag.dae", "tags mismatch"}, {"nothing.obj", "is empty"},
       {"cut.glb", "4096 bytes"}};
   const std::set<std::string> touched{
       "inside_out.obj", "one_face_turned.obj", "hole.obj",        "litter.obj",  "shared_edge.obj",

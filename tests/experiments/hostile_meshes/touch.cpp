@@ -10,6 +10,7 @@
 #include "core/mesh/weld.hpp"
 #include "core/pointshell/build_shell.hpp"
 #include "core/voxmap/voxelise.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "tests/experiments/hostile_meshes/trial.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
 
@@ -133,10 +134,10 @@ Touches mesh_on_block(const TriangleMesh& mesh, double e, std::uint32_t poses, R
 Verdict touch(const std::filesystem::path& file, const Limits& limits) {
   Verdict verdict{.file = file, .outcome = Outcome::kRefused, .sentence = {}, .cpu_s = 0.0, .peak_mib = 0};
   try {
-    const double extent = bounds(import_mesh(file).mesh).sizes().maxCoeff();
+    const double extent = bounds(import_mesh(file, {}, mesh_process()).mesh).sizes().maxCoeff();
     ImportOptions options;
     options.voxel_size_m = extent > 0.0 ? extent / kVoxelsLong : 1e-3;
-    const ImportedMesh read = import_mesh(file, options);
+    const ImportedMesh read = import_mesh(file, options, mesh_process());
     const double e = options.voxel_size_m;
     Random random(limits.seed);
     bool has_inside = false;

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "samples.hpp"
 
 using namespace voxtouch;
@@ -98,6 +101,24 @@ TEST(Import, CutsPolygonsInPlace) {
   EXPECT_NEAR(got.report.signed_volume_m3, 1.0, 1e-15);
   for (int t = 0; t < 2; ++t) EXPECT_EQ(got.mesh.corner(static_cast<std::size_t>(t), 0).z(), 0.0);
   for (int t = 2; t < 4; ++t) EXPECT_EQ(got.mesh.corner(static_cast<std::size_t>(t), 0).z(), 1.0);
+}
+
+TEST(Import, CutsAPolygonOfManyCorners) {
+  const Folder folder;
+  constexpr int kCorners = 3000;
+  std::string vertices, face = "f";
+  for (int k = 0; k < kCorners; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kCorners;
+    vertices += "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
+    face += " " + std::to_string(k + 1);
+  }
+  const ImportedMesh got = import_mesh(folder.write("disc.obj", vertices + face + "\n"));
+  double area = 0.0;
+  for (std::size_t t = 0; t < got.mesh.triangles.size(); ++t) {
+    const Vec3 a = got.mesh.corner(t, 0);
+    area += 0.5 * (got.mesh.corner(t, 1) - a).cross(got.mesh.corner(t, 2) - a).z();
+  }
+  EXPECT_NEAR(area, std::numbers::pi, 1e-4);
 }
 
 TEST(Import, LeavesLinesAndPointsOutAndSaysSo) {

@@ -1,0 +1,20 @@
+#pragma once
+/// What the reading process hands back, as plain bytes of this machine: a head of fixed size, vertices, triangles, text. It
+/// takes the place of the mesh's bytes in the file in memory that both processes have.
+#include <string>
+#include <string_view>
+
+#include "core/mesh/import.hpp"
+
+namespace voxtouch {
+
+inline constexpr int kSharedFile = 3;  ///< its descriptor in the reading process
+
+std::string encode(const FileTriangles& read);
+std::string encode_refusal(const std::string& sentence);
+
+/// Throws MeshError with the refusal's sentence, and std::runtime_error where the bytes are no whole answer, where a vertex is
+/// not finite or where a triangle names one that is not there.
+FileTriangles decode(std::string_view answer);
+
+}  // namespace voxtouch

@@ -1,0 +1,42 @@
+/// voxtouch_import_mesh PATH MAX_TRIANGLES CPU_S MEMORY_MIB PARENT: what mesh_process() starts. The mesh's bytes are behind
+/// kSharedFile, and the answer takes their place.
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+
+#include "nodes/mesh_import/answer.hpp"
+
+namespace {
+
+void limit(decltype(RLIMIT_CPU) what, std::uint64_t most, std::uint64_t grace = 0) {
+  const rlimit both{most, most + grace};
+  ::setrlimit(what, &both);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto number = [argv](int n) { return std::strtoull(argv[n], nullptr, 10); };
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (argc != 6 || static_cast<unsigned long long>(::getppid()) != number(5)) return 2;  // gone before that could be heard
+  limit(RLIMIT_CPU, number(3), 1);
+  limit(RLIMIT_CORE, 0);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(VOXTOUCH_SANITIZED)
+  limit(RLIMIT_AS, number(4) << 20);
+#endif
+  ::alarm(static_cast<unsigned>(3 * number(3)));
+  voxtouch::ImportOptions options;
+  options.max_triangles = number(2);
+  const std::string shared = "/proc/self/fd/" + std::to_string(voxtouch::kSharedFile);
+  std::string answer;
+  try {
+    answer = voxtouch::encode(voxtouch::read_triangles(argv[1], voxtouch::read_mesh_bytes(shared), options));
+  } catch (const voxtouch::MeshError& refusal) {
+    answer = voxtouch::encode_refusal(refusal.what());
+  }
+  return std::ofstream(shared, std::ios::binary) << answer << std::flush ? 0 : 1;
+}

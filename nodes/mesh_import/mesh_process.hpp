@@ -1,0 +1,19 @@
+#pragma once
+/// Reads a mesh in a process of its own (voxtouch_import_mesh, which stands beside this program), so that a file that crashes
+/// assimp, hangs it or fills memory is refused with a sentence, and nothing else happens.
+#include "core/mesh/import.hpp"
+
+namespace voxtouch {
+
+/// What reading one mesh may take.
+struct ReadLimits {
+  unsigned cpu_s = 20;              ///< CPU time; the clock may show three times as much
+  std::uint64_t memory_mib = 4096;  ///< address space; not held where a sanitizer needs it
+};
+
+/// The reader for import_mesh() and build_scene(). Throws MeshError. One process a mesh, about 10 ms; it ends with the calling
+/// thread, has ordinary priority whatever the caller has, and of the caller's files it sees only the mesh's bytes and stderr.
+/// For any thread, not for the loop.
+TriangleReader mesh_process(const ReadLimits& limits = {});
+
+}  // namespace voxtouch
