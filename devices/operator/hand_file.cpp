@@ -122,10 +122,11 @@ HandFile parse_hand(std::string_view text, std::string_view name) {
   std::map<std::string, YAML::Node> values;
   std::map<std::string, YAML::Mark> places;
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
-    if (documents.size() != 1 || !documents[0].IsMap())
-      throw std::runtime_error(fmt::format("{}: a hand is one map of keys, from path_m to tremor_bandwidth_hz", name));
-    for (const auto& entry : documents[0]) {
+    const YAML::Node root = YAML::Load(std::string(text));  // the first document alone: LoadAll does not end with every text
+    // Behind a map in braces, or a mark between documents, anything could follow unread.
+    if (!root.IsMap() || root.Style() == YAML::EmitterStyle::Flow || text.find("\n---") != text.npos || text.find("\n...") != text.npos)
+      throw std::runtime_error(fmt::format("{}: a hand is one map, one key a line, from path_m to tremor_bandwidth_hz", name));
+    for (const auto& entry : root) {
       const std::string& key = entry.first.Scalar();
       if (!places.emplace(key, entry.first.Mark()).second) reader.refuse(entry.first.Mark(), fmt::format("{} is there twice", key));
       values.emplace(key, entry.second);

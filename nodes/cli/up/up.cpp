@@ -329,7 +329,8 @@ void add_up(CLI::App& app, Action& action) {
   device::add_hand_options(*verb, options->hand);
   verb->add_option("--record", options->bag,
                    "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
-  verb->add_option("--topic", options->topics, "Record this DDS topic as well, of a type that is compiled in, such as rt/tf")->check(runtime::check_topic);
+  verb->add_option("--topic", options->topics, "Record this DDS topic as well (its type has to be compiled in), such as rt/tf")
+      ->check(runtime::check_topic);
   verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")
       ->capture_default_str()
       ->check(runtime::require_count);

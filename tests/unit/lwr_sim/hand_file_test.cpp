@@ -107,8 +107,10 @@ TEST(HandFile, RefusesWhatIsWrongAndSaysWhere) {
   EXPECT_EQ(message(head + "hold_s:  x"), "file:2:10: 'x' is no number that fits");
   EXPECT_EQ(message(head + "hold_s: 1\nspeed: 1"), "file:3:1: there is no key 'speed'; hand_file.hpp lists them");
   EXPECT_NE(message("hold_s: 1").find("path_m"), std::string::npos);
-  for (const char* text : {"", "path_m", "- path_m", "--- {path_m: [[0, 0, 0]]}\n--- {path_m: [[0, 0, 0]]}\n"})
+  for (const char* text : {"", "path_m", "- path_m", "path_m: [[0, 0, 0]]\n---\nspeed: 1\n", "path_m: [[0, 0, 0]]\n...\nspeed: 1\n",
+                           "{path_m: [[0, 0, 0]]}\n{speed: 1}\n"})
     EXPECT_NE(message(text).find("one map"), std::string::npos) << text;
+  EXPECT_NE(message(",\x9a\nv=0,n\xcbn,\x9a" "1"), "taken") << "what yaml-cpp takes for documents without end";
   EXPECT_NE(message(head + "mass_kg: -1").find("mass_kg"), std::string::npos);
   EXPECT_THROW(read_hand("/nonexistent/hand"), std::runtime_error);
 }
