@@ -219,26 +219,17 @@ class Pictures(unittest.TestCase):
                     inside = [p for p in points if math.isfinite(p[1]) and box.contains(*p)]
                     self.assertEqual(len(inside), 0, f"the legend covers '{line.get_label()}'")
 
-    def test_texts_stay_on_the_page_and_legends_and_labels_cover_nothing(self):
+    def test_texts_stay_on_the_page_legends_cover_nothing_and_every_row_is_drawn(self):
         with plot.matplotlib.rc_context(plot.STYLE):
             figure, _ = plot.accuracy_figure(self.run_json)
             self.judge(figure)
-            labels = [t for t in figure.axes[0].texts if t.get_text() in ("2", "4")]
-            self.assertEqual(len(labels), sum(1 for row in self.run_json["rows"] if row["median_us"] is not None))
             drawn = {tuple(point) for line in figure.axes[0].lines for point in line.get_xydata()}
             for row in self.run_json["rows"]:
                 self.assertIn((row["median_us"], max(row["direction_median_deg"], plot.LEAST_DIRECTION_DEG)), drawn)
-            boxes = [t.get_window_extent() for t in labels]
-            marks = [figure.axes[0].transData.transform((r["median_us"], max(r["direction_median_deg"], plot.LEAST_DIRECTION_DEG)))
-                     for r in self.run_json["rows"]]
-            for i, box in enumerate(boxes):
-                self.assertFalse(any(box.contains(*mark) for mark in marks), f"label {i} covers a mark")
-                for other in boxes[:i]:
-                    self.assertLess(plot.overlap(box, other), 0.25 * box.width * box.height, f"label {i} lies on another")
             design = json.loads(voxtouch("design", "--scene", DEPLOY / "scenes/cup.yaml", "--json").stdout)
             self.judge(plot.design_figure(design)[0])
 
-    def test_a_stability_map_has_a_panel_for_every_model_and_grey_where_nothing_touches(self):
+    def test_a_stability_map_is_grey_where_nothing_touches(self):
         table = self.at / "map.csv"
         with open(table, "w", encoding="utf-8") as out:
             out.write("model,radius_voxels,depth_voxels,tilt_deg,energy_share,energy_per_crossing,mean_force_n,largest_step\n")
@@ -249,7 +240,6 @@ class Pictures(unittest.TestCase):
         with plot.matplotlib.rc_context(plot.STYLE):
             figure, _ = plot.stability_figure(table)
             self.judge(figure)
-        self.assertEqual([axis.get_title() for axis in figure.axes[:4]], list(plot.MODELS))
         self.assertEqual(tool("stability", table, self.at / "map.png").returncode, 0)
         self.assertGreater(painted(self.at / "map.png", "#d9d9d9"), 5000, "the cell without contact is not grey")
 

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "core/reference/reference_scene.hpp"
-#include "synthetic_contact.hpp"
-#include "test_scenes.hpp"
+#include "tests/unit/reference/test_scenes.hpp"
+#include "tests/validator/synthetic_contact.hpp"
 
 namespace voxtouch {
 namespace {
