@@ -9,7 +9,7 @@
 #include "core/pointshell/build_shell.hpp"
 #include "core/rendering/contact_parameters.hpp"
 #include "core/rendering/contact_range.hpp"
-#include "core/scene/scene_hash.hpp"
+#include "core/scene/mesh_parts.hpp"
 #include "core/voxmap/distance_thickness.hpp"
 #include "core/voxmap/voxelise.hpp"
 
@@ -24,7 +24,7 @@ ImportedMesh import(const MeshSpec& spec, const Scene& scene, const TriangleRead
   options.voxel_size_m = scene.voxel_size_m;
   std::string bytes = read_mesh_bytes(spec.path);
   const auto read = scene.mesh_hashes.find(spec.path);
-  if (read != scene.mesh_hashes.end() && hash_of_bytes(bytes) != read->second)
+  if (read != scene.mesh_hashes.end() && hash_of_mesh(spec.path, bytes) != read->second)
     throw MeshError("mesh '" + spec.path.string() +
                     "': has changed since the scene was read; read the scene again when nothing writes to it");
   return import_mesh(spec.path, std::move(bytes), options, reader);

@@ -59,7 +59,7 @@ struct Scene {
   std::string name;
   std::filesystem::path file;     ///< where it was read from
   std::string hash;               ///< 16 hex digits over the scene's text and the bytes of its meshes
-  std::map<std::filesystem::path, std::string> mesh_hashes;  ///< of each mesh file's bytes, as the scene was read
+  std::map<std::filesystem::path, std::string> mesh_hashes;  ///< of each mesh's bytes (mesh_parts.hpp), as the scene was read
   double voxel_size_m = 0.0;
   std::vector<MeshSpec> static_meshes;
   std::vector<ObjectSpec> objects;  ///< beside the ground, which all meshes belong to that name no object

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "core/mesh/mesh_bytes.hpp"
+#include "core/scene/mesh_parts.hpp"
 #include "core/scene/scene_hash.hpp"
 #include "core/scene/scene_sections.hpp"
 #include "core/scene/text_file.hpp"
@@ -16,8 +17,9 @@ std::string hash_of(const std::string& text, const SceneSource& source, const Ma
   const auto add = [&](const MeshSpec& mesh, std::string_view key) {
     try {
       const std::string bytes = read_mesh_bytes(mesh.path);
-      hash.add(bytes);
-      scene.mesh_hashes.emplace(mesh.path, hash_of_bytes(bytes));
+      SceneHash own;
+      for_each_mesh_part(mesh.path, bytes, [&](std::string_view part) { hash.add(part), own.add(part); });
+      scene.mesh_hashes.emplace(mesh.path, own.hex());
     } catch (const MeshError& error) {
       source.fail(map.require(key).place, fmt::format("{}.", error.what()));
     }

@@ -6,12 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
 #include <vector>
 
+#include "nodes/log/few_a_second.hpp"
 #include "nodes/log/tell.hpp"
 #include "qos/profiles.hpp"
 #include "qos_network.hpp"
@@ -19,8 +21,14 @@
 namespace voxtouch::bus {
 namespace {
 
-/// What DDS has to say, with its time and thread in front: its own way to stderr would hold up the thread that receives.
+/// What DDS has to say, with its time and thread in front: its own way to stderr would hold up the thread that receives. It has a line
+/// for every malformed datagram, so anybody who sends such could fill a disk with them. Our configuration sets up no tracing, for DDS
+/// writes what it traces by itself.
 void say(void*, const dds_log_data_t* data) {
+  static FewASecond few(4);
+  const auto [is_said, left_out] = few.take(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+  if (left_out > 0) tell("({} more lines of DDS are left out here)\n", left_out);
+  if (!is_said && (data->priority & DDS_LC_FATAL) == 0) return;
   tell("{}\n", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
 }
 

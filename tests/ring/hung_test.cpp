@@ -6,6 +6,7 @@
 #include <chrono>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <memory>
 #include <thread>
 
@@ -91,6 +92,43 @@ TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(RealTime, StoppedNode, kNodes, only_name);
+
+/// A node, and the limit that a second and a half of its standstill breaks. Validator and logger find all that came meanwhile in the
+/// buffers of their sockets.
+struct Broken {
+  const char *node, *limit;
+};
+
+class StoppedForAWhile : public testing::TestWithParam<Broken> {};
+
+TEST_P(StoppedForAWhile, BreaksTheLimitThatIsThereForIt) {
+  const auto [node, limit] = GetParam();
+  const TemporaryFolder folder;
+  std::vector<std::string> more = {"--motion", "slide", "--duration", "5", "--record", (folder / "bag").string(),
+                                   "--limit", "silence_s=inf"};
+  const std::map<std::string, std::string> values = {
+      {"rate_share", "0.95"}, {"overrun_share", "0.05"}, {"answered_share", "0.95"}, {"deadline_miss_share", "0.0001"}};
+  more.insert(more.end(), {"--limit", std::string(limit) + "=" + values.at(limit)});
+  Process up(up_arguments(shipped_scene("cup"), more));
+  ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
+  std::this_thread::sleep_for(milliseconds(1500));
+  const pid_t pid = child_called(up.pid(), std::string("voxtouch_") + node);
+  ASSERT_NE(pid, 0);
+  ASSERT_EQ(::kill(pid, SIGSTOP), 0);
+  std::this_thread::sleep_for(milliseconds(1500));
+  ::kill(pid, SIGCONT);
+  const Finished end = up.wait();
+  EXPECT_EQ(end.status, 1) << end.err;
+  const auto summary = parse_summary(end.out);
+  ASSERT_TRUE(summary.is_object()) << end.out << end.err;
+  EXPECT_EQ(summary["ok"], false);
+  EXPECT_EQ(summary["limits"][limit]["met"], false) << summary["limits"].dump();
+}
+
+INSTANTIATE_TEST_SUITE_P(RealTime, StoppedForAWhile,
+                         testing::Values(Broken{"device", "rate_share"}, Broken{"device", "overrun_share"},
+                                         Broken{"rendering", "answered_share"}, Broken{"coupling", "deadline_miss_share"}),
+                         [](const auto& one) { return std::string(one.param.node) + "_" + one.param.limit; });
 
 TEST(HungDisk, IsNamedAndTheRunIsNoGoodOne) {
   const TemporaryFolder folder;

@@ -4,6 +4,7 @@
 
 #include "core/mesh/import.hpp"
 #include "core/rendering/build.hpp"
+#include "tests/unit/mesh/samples.hpp"
 #include "tests/unit/scene/scene_fixture.hpp"
 
 namespace voxtouch {
@@ -323,6 +324,29 @@ TEST_F(BadScene, AMeshThatChangesBetweenReadingAndBuildingIsNotTheScenes) {
     ADD_FAILURE() << "was built";
   } catch (const MeshError& error) {
     EXPECT_NE(std::string(error.what()).find("b.obj': has changed since the scene was read"), std::string::npos) << error.what();
+  }
+}
+
+/// Only its JSON stands in the .gltf.
+TEST_F(BadScene, AMeshWhoseBufferFileChangesIsAnotherAndIsNotBuilt) {
+  samples::Gltf gltf;
+  gltf.buffer = R"({"byteLength":72,"uri":"b.bin"})";
+  write("b.gltf", gltf.json());
+  std::string buffer = samples::gltf_buffer();
+  write("b.bin", buffer);
+  std::string text = kSmall;
+  text.replace(text.find("b.obj"), 5, "b.gltf, scale: 0.01");
+  const Scene scene = parse(text);
+  EXPECT_EQ(parse(text).hash, scene.hash);
+  EXPECT_NO_THROW(build_scene(scene, serial_for()));
+  buffer[14] ^= 0x40;  // another coordinate
+  write("b.bin", buffer);
+  EXPECT_NE(parse(text).hash, scene.hash);
+  try {
+    build_scene(scene, serial_for());
+    ADD_FAILURE() << "was built";
+  } catch (const MeshError& error) {
+    EXPECT_NE(std::string(error.what()).find("b.gltf': has changed since the scene was read"), std::string::npos) << error.what();
   }
 }
 
