@@ -9,16 +9,6 @@
 namespace voxtouch {
 namespace {
 
-std::vector<std::string_view> words_of(std::string_view list) {
-  std::vector<std::string_view> words;
-  while (!list.empty()) {
-    const std::size_t end = std::min(list.find(' '), list.size());
-    words.push_back(list.substr(0, end));
-    list.remove_prefix(std::min(end + 1, list.size()));
-  }
-  return words;
-}
-
 std::array<double, 3> read_value(const SceneSource& source, const YamlNode& node, const EffectParameter& parameter) {
   const auto three = [](const Vec3& v) { return std::array{v.x(), v.y(), v.z()}; };
   switch (parameter.shape) {
@@ -53,24 +43,16 @@ EffectValues read_values(const SceneSource& source, const YamlNode& node, const 
   return values;
 }
 
-Region read_region(const SceneSource& source, const YamlNode& node) {
-  const MapReader map(source, node, "region", {"sphere", "box", "blend_m"});
+Region read_region(const SceneSource& source, const YamlNode& node, const MapReader& map) {
   Region region;
-  map.optional("blend_m", region.blend_m, read_positive);
+  map.read("blend_m", region.blend_m);
   if (map.has("sphere") == map.has("box")) source.fail(node.place, "'region' needs one of: sphere, box.");
-  if (const YamlNode* sphere = map.find("sphere")) {
-    const MapReader shape(source, *sphere, "sphere", {"centre", "radius"});
-    region.shape = SphereRegion{read_vec3(source, shape.require("centre"), "centre"),
-                                read_positive(source, shape.require("radius"), "radius")};
+  if (map.has("sphere")) {
+    const MapReader sphere = map.inner("sphere");
+    region.shape = SphereRegion{sphere.get<Vec3>("centre"), sphere.get<double>("radius")};
   } else {
-    const MapReader shape(source, map.require("box"), "box", {"size", "position", "orientation"});
-    BoxRegion box;
-    box.size_m = read_vec3(source, shape.require("size"), "size");
-    if (!(box.size_m.minCoeff() > 0.0))
-      source.fail(shape.place_of("size"), "'size' of a box must be above 0 on every side.");
-    shape.optional("position", box.pose.position, read_vec3);
-    shape.optional("orientation", box.pose.orientation, read_quat);
-    region.shape = box;
+    const MapReader box = map.inner("box");
+    region.shape = BoxRegion{read_pose(box), box.get<Vec3>("size")};
   }
   return region;
 }
@@ -89,9 +71,7 @@ EffectSpec read_effect(const SceneSource& source, const YamlNode& node, const Sc
     source.fail(node.place,
                 fmt::format("An effect is a map such as {{viscosity: {{damping_ns_per_m: 1}}}}, but here is {}.",
                             describe(node)));
-  std::vector<std::string_view> allowed = kinds;
-  allowed.insert(allowed.end(), {"name", "region", "object", "gain", "on"});
-  const MapReader map(source, node, "an effect", allowed);
+  const MapReader map(source, node, "an effect", keys::effect, kinds);
   EffectSpec spec;
   for (const EffectKind* kind : effect_kinds()) {
     const YamlNode* values = map.find(kind->name);
@@ -109,22 +89,21 @@ EffectSpec read_effect(const SceneSource& source, const YamlNode& node, const Sc
   spec.name = spec.kind->name;
   spec.place = fmt::format("{}:{}:{}", source.file.string(), node.place.line, node.place.column);
   if (spec.kind->everywhere)
-    for (const std::string_view key : {"region", "gain", "on"})
+    for (const std::string_view key : words_of(keys::kNotEverywhere))
       map.refuse(key, fmt::format("does not go with '{}', which is all or nothing.", spec.kind->name));
   if (!spec.kind->needs(spec.values).contact)
     map.refuse("object", fmt::format("does not go with '{}', which feels no contact.", spec.kind->name));
   if (const YamlNode* object = map.find("object")) spec.object = read_object_name(source, *object, scene);
-  map.optional("name", spec.name, read_name);
-  map.optional("on", spec.on, read_flag);
-  if (const YamlNode* region = map.find("region")) spec.region = read_region(source, *region);
-  if (const YamlNode* region = map.find("region"); region != nullptr && !std::isfinite(bound_of(spec).stiffness_n_per_m))
-    source.fail(region->place, fmt::format("'{}' with these values has no largest force, so at the region's rim nothing would "
-                                           "bound its stiffness; leave the region out, or limit the effect.",
-                                           spec.kind->name));
-  if (const YamlNode* gain = map.find("gain")) {
-    spec.gain = read_not_negative(source, *gain, "gain");
-    if (spec.gain > 1.0) source.fail(gain->place, fmt::format("'gain' is {}; it goes from 0 to 1.", spec.gain));
+  map.read("name", spec.name);
+  map.read("on", spec.on);
+  if (const YamlNode* region = map.find("region")) {
+    spec.region = read_region(source, *region, map.inner("region"));
+    if (!std::isfinite(bound_of(spec).stiffness_n_per_m))
+      source.fail(region->place, fmt::format("'{}' with these values has no largest force, so at the region's rim nothing would "
+                                             "bound its stiffness; leave the region out, or limit the effect.",
+                                             spec.kind->name));
   }
+  map.read("gain", spec.gain);
   return spec;
 }
 

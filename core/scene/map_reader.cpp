@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <stdexcept>
 
 #include "core/types/number.hpp"
 
@@ -40,6 +42,11 @@ bool is_not_finite_word(std::string text) {
   if (!text.empty() && (text[0] == '+' || text[0] == '-')) text.erase(0, 1);
   if (!text.empty() && text[0] == '.') text.erase(0, 1);
   return text == "inf" || text == "infinity" || text == "nan";
+}
+
+std::vector<std::string_view> with_keys_of(const KeyGroup& group, std::vector<std::string_view> words) {
+  for (const Key& key : group.keys) words.push_back(key.name);
+  return words;
 }
 
 }  // namespace
@@ -77,6 +84,14 @@ double read_number(const SceneSource& source, const YamlNode& node, std::string_
   return *value;
 }
 
+static double read_within(const SceneSource& source, const YamlNode& node, std::string_view what, double low,
+                          double high) {
+  const double value = read_number(source, node, what);
+  if (value < low) source.fail(node.place, fmt::format("'{}' is {}; it must be {} or above.", what, value, low));
+  if (value > high) source.fail(node.place, fmt::format("'{}' is {}; it goes from {} to {}.", what, value, low, high));
+  return value;
+}
+
 double read_positive(const SceneSource& source, const YamlNode& node, std::string_view what) {
   const double value = read_number(source, node, what);
   if (!(value > 0.0)) source.fail(node.place, fmt::format("'{}' is {}; it must be above 0.", what, value));
@@ -84,9 +99,7 @@ double read_positive(const SceneSource& source, const YamlNode& node, std::strin
 }
 
 double read_not_negative(const SceneSource& source, const YamlNode& node, std::string_view what) {
-  const double value = read_number(source, node, what);
-  if (value < 0.0) source.fail(node.place, fmt::format("'{}' is {}; it must be 0 or above.", what, value));
-  return value;
+  return read_within(source, node, what, 0.0, std::numeric_limits<double>::infinity());
 }
 
 std::uint64_t read_count(const SceneSource& source, const YamlNode& node, std::string_view what) {
@@ -94,11 +107,6 @@ std::uint64_t read_count(const SceneSource& source, const YamlNode& node, std::s
   const auto value = parse_number<std::uint64_t>(node.text);
   if (!value) mistyped(source, node, what, "a whole number from 0");
   return *value;
-}
-
-bool read_flag(const SceneSource& source, const YamlNode& node, std::string_view what) {
-  if (!is_word(node) || (node.text != "true" && node.text != "false")) mistyped(source, node, what, "true or false");
-  return node.text == "true";
 }
 
 std::array<double, 2> read_range(const SceneSource& source, const YamlNode& node, std::string_view what) {
@@ -127,29 +135,11 @@ std::string fault_of_name(std::string_view name) {
   return {};
 }
 
-std::string read_name(const SceneSource& source, const YamlNode& node, std::string_view what) {
-  const std::string name = read_text(source, node, what);
-  if (const std::string fault = fault_of_name(name); !fault.empty())
-    source.fail(node.place, fmt::format("'{}' is a name, and {} {}.", what, describe(node), fault));
-  return name;
-}
-
 Vec3 read_vec3(const SceneSource& source, const YamlNode& node, std::string_view what) {
   if (node.kind != YamlNode::Kind::kSequence || node.items.size() != 3)
     mistyped(source, node, what, "a list of 3 numbers [x, y, z]");
   return {read_number(source, node.items[0], what), read_number(source, node.items[1], what),
           read_number(source, node.items[2], what)};
-}
-
-Quat read_quat(const SceneSource& source, const YamlNode& node, std::string_view what) {
-  if (node.kind != YamlNode::Kind::kSequence || node.items.size() != 4)
-    mistyped(source, node, what, "a unit quaternion [w, x, y, z]");
-  const auto number = [&](std::size_t i) { return read_number(source, node.items[i], what); };
-  Quat q(number(0), number(1), number(2), number(3));
-  if (!normalise_within(q, 1.0 - 1e-3, 1.0 + 1e-3))
-    source.fail(node.place, fmt::format("'{}' is a quaternion of norm {:.6g}; it must be within 0.001 of 1 (order w, x, y, z).",
-                                        what, q.norm()));
-  return q;
 }
 
 std::size_t read_choice(const SceneSource& source, const YamlNode& node, std::string_view what,
@@ -165,6 +155,63 @@ std::size_t read_choice(const SceneSource& source, const YamlNode& node, std::st
 const std::vector<YamlNode>& read_list(const SceneSource& source, const YamlNode& node, std::string_view what) {
   if (node.kind != YamlNode::Kind::kSequence) mistyped(source, node, what, "a list");
   return node.items;
+}
+
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, double& out) {
+  if (key.kind == KeyKind::kPositive)
+    out = read_positive(source, node, key.name);
+  else
+    out = read_within(source, node, key.name, key.low, key.high);
+}
+
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::size_t& out) {
+  out = read_count(source, node, key.name);
+}
+
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::uint32_t& out) {
+  const std::uint64_t button = read_count(source, node, key.name);
+  if (button > kLastButton)
+    source.fail(node.place, fmt::format("'{}' is {}; buttons count from 0 to {}.", key.name, button, kLastButton));
+  out = static_cast<std::uint32_t>(button);
+}
+
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, bool& out) {
+  if (!is_word(node) || (node.text != "true" && node.text != "false")) mistyped(source, node, key.name, "true or false");
+  out = node.text == "true";
+}
+
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::string& out) {
+  if (!key.words.empty()) read_choice(source, node, key.name, words_of(key.words));
+  out = read_text(source, node, key.name);
+  if (key.kind != KeyKind::kName) return;
+  if (const std::string fault = fault_of_name(out); !fault.empty())
+    source.fail(node.place, fmt::format("'{}' is a name, and {} {}.", key.name, describe(node), fault));
+}
+
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::array<double, 2>& out) {
+  out = read_range(source, node, key.name);
+}
+
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, Vec3& out) {
+  out = read_vec3(source, node, key.name);
+  if (key.kind == KeyKind::kSize && !(out.minCoeff() > 0.0))
+    source.fail(node.place, fmt::format("'{}' must be above 0 along each axis.", key.name));
+}
+
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, Quat& out) {
+  if (node.kind != YamlNode::Kind::kSequence || node.items.size() != 4)
+    mistyped(source, node, key.name, "a unit quaternion [w, x, y, z]");
+  const auto number = [&](std::size_t i) { return read_number(source, node.items[i], key.name); };
+  out = Quat(number(0), number(1), number(2), number(3));
+  if (!normalise_within(out, 1.0 - 1e-3, 1.0 + 1e-3))
+    source.fail(node.place, fmt::format("'{}' is a quaternion of norm {:.6g}; it must be within 0.001 of 1 (order w, x, y, z).",
+                                        key.name, out.norm()));
+}
+
+MapReader::MapReader(const SceneSource& source, const YamlNode& node, std::string_view what, const KeyGroup& group,
+                     std::vector<std::string_view> also)
+    : MapReader(source, node, what, with_keys_of(group, std::move(also))) {
+  group_ = &group;
 }
 
 MapReader::MapReader(const SceneSource& source, const YamlNode& node, std::string_view what,
@@ -189,6 +236,23 @@ const YamlNode* MapReader::find(std::string_view key) const {
 const YamlNode& MapReader::require(std::string_view key) const {
   if (const YamlNode* value = find(key)) return *value;
   source_.fail(node_.place, fmt::format("'{}' is missing in '{}'.", key, what_));
+}
+
+const Key& MapReader::row_of(std::string_view key) const {
+  for (const Key& row : group_->keys)
+    if (row.name == key) return row;
+  throw std::logic_error(fmt::format("the table has no key '{}' in '{}'", key, what_));
+}
+
+std::size_t MapReader::choice(std::string_view key) const {
+  const std::vector<std::string_view> words = words_of(row_of(key).words);
+  return static_cast<std::size_t>(std::find(words.begin(), words.end(), get<std::string>(key)) - words.begin());
+}
+
+const std::vector<YamlNode>& MapReader::list(std::string_view key) const {
+  static const std::vector<YamlNode> none;
+  if (!has(key) && row_of(key).rule != KeyRule::kRequired) return none;
+  return read_list(source_, require(key), key);
 }
 
 void MapReader::refuse(std::string_view key, std::string_view why) const {

@@ -1,13 +1,14 @@
 #pragma once
-/// Reads one map of a scene strictly: it names the keys that it allows, and everything else is an error with its place.
+/// Reads one map of a scene strictly: the table of keys says which it may have and how they are written, and everything else
+/// is an error with its place.
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/scene/keys.hpp"
 #include "core/scene/yaml_tree.hpp"
 #include "core/types/geometry.hpp"
 
@@ -33,26 +34,40 @@ double read_number(const SceneSource& source, const YamlNode& node, std::string_
 double read_positive(const SceneSource& source, const YamlNode& node, std::string_view what);
 double read_not_negative(const SceneSource& source, const YamlNode& node, std::string_view what);
 std::uint64_t read_count(const SceneSource& source, const YamlNode& node, std::string_view what);  ///< 0, 1, 2, ...
-bool read_flag(const SceneSource& source, const YamlNode& node, std::string_view what);            ///< true or false
 /// [low, high] with 0 <= low <= high.
 std::array<double, 2> read_range(const SceneSource& source, const YamlNode& node, std::string_view what);
 std::string read_text(const SceneSource& source, const YamlNode& node, std::string_view what);     ///< not empty
-/// Letters, digits, '_', '-' and '.' (not in front), kLongestName at most: a name becomes part of file and topic names.
-std::string read_name(const SceneSource& source, const YamlNode& node, std::string_view what);
-/// Empty where `name` is such a name; else what is wrong with it, to follow the name: "holds ...".
+/// Empty where `name` has letters, digits, '_', '-' and '.' (not in front), kLongestName at most: a name becomes part of file
+/// and topic names. Else what is wrong with it, to follow the name: "holds ...".
 std::string fault_of_name(std::string_view name);
 inline constexpr std::size_t kLongestName = 64;
 Vec3 read_vec3(const SceneSource& source, const YamlNode& node, std::string_view what);
-/// [w, x, y, z] with a norm within 1e-3 of 1, normalised.
-Quat read_quat(const SceneSource& source, const YamlNode& node, std::string_view what);
 /// Index of the word among `allowed`.
 std::size_t read_choice(const SceneSource& source, const YamlNode& node, std::string_view what,
                         const std::vector<std::string_view>& allowed);
 const std::vector<YamlNode>& read_list(const SceneSource& source, const YamlNode& node, std::string_view what);
 
+/// A value as the key's row wants it written.
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, double& out);
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::size_t& out);
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::uint32_t& out);
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, bool& out);
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::string& out);
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::array<double, 2>& out);
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, Vec3& out);
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, Quat& out);  ///< normalised
+template <class T>
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::optional<T>& out) {
+  read_value(source, node, key, out.emplace());
+}
+
 class MapReader {
  public:
-  /// Throws SceneError if `node` is no map or has a key that is not in `allowed`. `what` names the map in messages.
+  /// Throws SceneError if `node` is no map or has a key that is neither in `also` nor in `group`. `what` names the map in
+  /// messages.
+  MapReader(const SceneSource& source, const YamlNode& node, std::string_view what, const KeyGroup& group,
+            std::vector<std::string_view> also = {});
+  /// The same for keys that are in no table: only what takes a function to read a value may be asked for.
   MapReader(const SceneSource& source, const YamlNode& node, std::string_view what, std::vector<std::string_view> allowed);
 
   /// The key's value, or null where it is absent.
@@ -62,19 +77,50 @@ class MapReader {
   bool has(std::string_view key) const { return find(key) != nullptr; }
   /// Throws where a key is there that does not go with another choice; `why` completes "'key' ...".
   void refuse(std::string_view key, std::string_view why) const;
-  /// Sets `out` from `read(source, node, key)` if the key is there.
+  /// Sets `out` to the key's value, or to its standard where it is absent; leaves it where there is no standard either.
+  /// Throws where the key is required.
+  template <class T>
+  void read(std::string_view key, T& out) const {
+    if (!take(key, out) && row_of(key).rule == KeyRule::kRequired) require(key);
+  }
+  /// The key's value or its standard; throws where there is neither.
+  template <class T>
+  T get(std::string_view key) const {
+    T out{};
+    if (!take(key, out)) require(key);
+    return out;
+  }
+  /// Place among the row's words of the key's value or standard; throws where there is neither.
+  std::size_t choice(std::string_view key) const;
+  /// The map that the key holds; throws where it is absent.
+  MapReader inner(std::string_view key) const { return {source_, require(key), key, *row_of(key).group}; }
+  /// What the list that the key holds is made of: nothing where it is absent, unless it is required.
+  const std::vector<YamlNode>& list(std::string_view key) const;
+  /// Sets `out` from `reader(source, node, key)` if the key is there.
   template <class T, class Read>
-  void optional(std::string_view key, T& out, Read read) const {
-    if (const YamlNode* value = find(key)) out = read(source_, *value, key);
+  void optional(std::string_view key, T& out, Read reader) const {
+    if (const YamlNode* value = find(key)) out = reader(source_, *value, key);
   }
   /// The key's place, or the map's where it is absent.
   SourcePlace place_of(std::string_view key) const;
 
  private:
+  static constexpr KeyGroup kNoKeys = {};
+
+  const Key& row_of(std::string_view key) const;
+  template <class T>
+  bool take(std::string_view key, T& out) const {
+    const Key& row = row_of(key);
+    if (const YamlNode* value = find(key)) return read_value(source_, *value, row, out), true;
+    if (row.standard.empty()) return false;
+    return read_value(source_, parse_yaml(std::string(row.standard), source_.file), row, out), true;
+  }
+
   const SceneSource& source_;
   const YamlNode& node_;
   std::string what_;
   std::vector<std::string_view> allowed_;
+  const KeyGroup* group_ = &kNoKeys;
 };
 
 }  // namespace voxtouch

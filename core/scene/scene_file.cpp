@@ -36,18 +36,17 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   const YamlNode root = parse_yaml(text, file);
   if (root.kind == YamlNode::Kind::kNull)
     source.fail({1, 1}, "The scene is empty; it needs at least the keys scene, voxel_size, static, dynamic and contact.");
-  const MapReader map(source, root, "scene file",
-                      {"scene", "voxel_size", "static", "dynamic", "contact", "effects", "coupling", "device", "motions"});
+  const MapReader map(source, root, "scene file", keys::scene);
   Scene scene;
   scene.file = file;
-  scene.name = read_name(source, map.require("scene"), "scene");
-  scene.voxel_size_m = read_positive(source, map.require("voxel_size"), "voxel_size");
-  scene.dynamic_mesh = read_dynamic_mesh(source, map.require("dynamic"), scene.shell);
-  scene.contact = read_contact(source, map.require("contact"));
+  map.read("scene", scene.name);
+  map.read("voxel_size", scene.voxel_size_m);
+  scene.dynamic_mesh = read_dynamic_mesh(source, map.inner("dynamic"), scene.shell);
+  scene.contact = read_contact(source, map.inner("contact"));
   read_static(source, map.require("static"), scene);
   if (const YamlNode* node = map.find("effects")) scene.effects = read_effects(source, *node, scene);
   if (const YamlNode* node = map.find("coupling")) scene.coupling = read_coupling(source, *node, scene.design);
-  if (const YamlNode* node = map.find("device")) scene.device = read_device(source, *node);
+  if (map.has("device")) scene.device = read_device(map.inner("device"));
   if (const YamlNode* node = map.find("motions")) scene.motions = read_motions(source, *node);
   scene.hash = hash_of(text, source, map, scene);
   scene.warnings = std::move(source.warnings);

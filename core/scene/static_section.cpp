@@ -10,14 +10,13 @@ namespace voxtouch {
 namespace {
 
 /// The object's own stiffness in the scene's unit, or the scene's.
-ContactSpec read_material(const SceneSource& source, const MapReader& map, const ContactSpec& scenes) {
+ContactSpec read_material(const MapReader& map, const ContactSpec& scenes) {
   ContactSpec contact = scenes;
   const bool by_area = scenes.stiffness_n_per_m3 > 0.0;
   const char* key = by_area ? "stiffness_n_per_m3" : "stiffness_n_per_m";
   map.refuse(by_area ? "stiffness_n_per_m" : "stiffness_n_per_m3",
              fmt::format("is another unit than the scene's contact has; give {}.", key));
-  if (const YamlNode* value = map.find(key))
-    (by_area ? contact.stiffness_n_per_m3 : contact.stiffness_n_per_m) = read_positive(source, *value, key);
+  map.read(key, by_area ? contact.stiffness_n_per_m3 : contact.stiffness_n_per_m);
   return contact;
 }
 
@@ -37,12 +36,12 @@ std::uint32_t read_object(const SceneSource& source, const YamlNode& node, Scene
                                           name));
     return place;
   }
-  const MapReader map(source, node, "object", {"name", "stiffness_n_per_m", "stiffness_n_per_m3", "moves"});
+  const MapReader map(source, node, "object", keys::object);
   ObjectSpec object;
-  object.name = read_name(source, map.require("name"), "name");
+  map.read("name", object.name);
   if (object.name == "ground" || place_of(scene, object.name) != 0)
     source.fail(map.place_of("name"), fmt::format("There is an object named '{}' already.", object.name));
-  object.contact = read_material(source, map, scene.contact);
+  object.contact = read_material(map, scene.contact);
   if (const YamlNode* moves = map.find("moves")) object.moves = read_motion(source, *moves, "moves", false);
   scene.objects.push_back(std::move(object));
   if (scene.objects.size() >= kMaxObjects)
@@ -54,18 +53,16 @@ std::uint32_t read_object(const SceneSource& source, const YamlNode& node, Scene
 
 void read_static(SceneSource& source, const YamlNode& node, Scene& scene) {
   for (const YamlNode& item : read_list(source, node, "static")) {
-    const MapReader map(source, item, "static",
-                        {"mesh", "scale", "position", "orientation", "origin", "parts", "object"});
+    const MapReader map(source, item, "static", keys::static_mesh);
     MeshSpec mesh = read_mesh(source, map);
     if (const YamlNode* object = map.find("object")) mesh.object = read_object(source, *object, scene);
     const bool on_ground = mesh.object == 0;
     scene.static_meshes.push_back(std::move(mesh));
-    const YamlNode* here = map.find("origin");
-    if (here == nullptr) continue;
+    if (!map.has("origin")) continue;
     if (!on_ground)
       source.fail(map.place_of("origin"), "'origin' is of the ground's grid; the grid of an object follows its meshes.");
     if (scene.grid_origin) source.fail(map.place_of("origin"), "'origin' is given twice; all meshes of the ground share one grid.");
-    scene.grid_origin = read_vec3(source, *here, "origin");
+    map.read("origin", scene.grid_origin);
   }
   if (scene.static_meshes.empty()) source.fail(node.place, "'static' needs at least one mesh.");
 }

@@ -99,6 +99,41 @@ TEST_F(SceneFile, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(s.dynamic_mesh.scale, 1);
 }
 
+TEST_F(SceneFile, AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesThatAreMadeWithoutAScene) {
+  const Scene s = parse(kSmall +
+                        "coupling: {}\ndevice: {}\nmotions: {m: {path: [[0, 0, 0]]}}\neffects: [{viscosity: "
+                        "{damping_ns_per_m: 1}, region: {sphere: {centre: [0, 0, 0], radius: 1}}}]\n");
+  const CouplingSpec coupling;
+  EXPECT_EQ(s.coupling.damping_ratio, coupling.damping_ratio);
+  EXPECT_EQ(s.coupling.gain, coupling.gain);
+  EXPECT_EQ(s.coupling.stiffness_n_per_m, coupling.stiffness_n_per_m);
+  EXPECT_EQ(s.coupling.damping_ns_per_m, coupling.damping_ns_per_m);
+  EXPECT_EQ(s.coupling.injected_damping_ns_per_m, coupling.injected_damping_ns_per_m);
+  EXPECT_EQ(s.coupling.injected_damping_nms_per_rad, coupling.injected_damping_nms_per_rad);
+  EXPECT_EQ(s.coupling.velocity_filter_hz, coupling.velocity_filter_hz);
+  const DesignOptions asked = *parse(kSmall + "coupling: {design: auto}\n").design, ask;
+  EXPECT_EQ(asked.gain_margin, ask.gain_margin);
+  EXPECT_EQ(asked.released, ask.released);
+  EXPECT_EQ(asked.inject_damping, ask.inject_damping);
+  EXPECT_EQ(asked.run_infeasible, ask.run_infeasible);
+  EXPECT_EQ(s.device.position_scale, WorkspaceMapping().position_scale);
+  EXPECT_EQ(s.device.force_scale, WorkspaceMapping().force_scale);
+  EXPECT_EQ(s.contact.model, ContactSpec().model);
+  EXPECT_EQ(s.shell, Scene().shell);
+  const MeshSpec& mesh = s.static_meshes.at(0);
+  EXPECT_EQ(mesh.scale, MeshSpec().scale);
+  EXPECT_EQ(mesh.pose.position, MeshSpec().pose.position);
+  EXPECT_EQ(mesh.pose.orientation.coeffs(), MeshSpec().pose.orientation.coeffs());
+  const Motion& motion = s.motions.at("m");
+  EXPECT_EQ(motion.speed_m_per_s, Motion().speed_m_per_s);
+  EXPECT_EQ(motion.hold_s, Motion().hold_s);
+  EXPECT_EQ(motion.orientation.coeffs(), Motion().orientation.coeffs());
+  const EffectSpec& effect = s.effects.at(0);
+  EXPECT_EQ(effect.gain, EffectSpec().gain);
+  EXPECT_EQ(effect.on, EffectSpec().on);
+  EXPECT_EQ(effect.region.blend_m, Region().blend_m);
+}
+
 TEST_F(SceneFile, OtherCouplingsTakeTheirOwnKeys) {
   const Scene s = parse(kSmall + "coupling: {kind: spring_damper, stiffness_n_per_m: 300, damping_ns_per_m: 0}\n");
   EXPECT_EQ(s.coupling.kind, "spring_damper");
