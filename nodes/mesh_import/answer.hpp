@@ -9,6 +9,7 @@
 namespace voxtouch {
 
 inline constexpr int kSharedFile = 3;  ///< its descriptor in the reading process
+inline constexpr const char* kAsItIs = "as_it_is";  ///< the file is read without checks, and nothing of it handed back
 
 std::string encode(const FileTriangles& read);
 std::string encode_refusal(const std::string& sentence);

@@ -1,9 +1,11 @@
-/// voxtouch_import_mesh PATH MAX_TRIANGLES CPU_S MEMORY_MIB PARENT: what mesh_process() starts. The mesh's bytes are behind
+/// voxtouch_import_mesh PATH MAX_TRIANGLES CPU_S MEMORY_MIB PARENT HOW: what mesh_process() starts. The mesh's bytes are behind
 /// kSharedFile, and the answer takes their place.
+#include <assimp/postprocess.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <assimp/Importer.hpp>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
@@ -22,7 +24,7 @@ void limit(decltype(RLIMIT_CPU) what, std::uint64_t most, std::uint64_t grace = 
 int main(int argc, char** argv) {
   const auto number = [argv](int n) { return std::strtoull(argv[n], nullptr, 10); };
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (argc != 6 || static_cast<unsigned long long>(::getppid()) != number(5)) return 2;  // gone before that could be heard
+  if (argc != 7 || static_cast<unsigned long long>(::getppid()) != number(5)) return 2;  // gone before that could be heard
   limit(RLIMIT_CPU, number(3), 1);
   limit(RLIMIT_CORE, 0);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(VOXTOUCH_SANITIZED)
@@ -34,7 +36,12 @@ int main(int argc, char** argv) {
   const std::string shared = "/proc/self/fd/" + std::to_string(voxtouch::kSharedFile);
   std::string answer;
   try {
-    answer = voxtouch::encode(voxtouch::read_triangles(argv[1], voxtouch::read_mesh_bytes(shared), options));
+    if (argv[6] == std::string_view(voxtouch::kAsItIs)) {
+      Assimp::Importer().ReadFile(argv[1], aiProcess_Triangulate);
+      answer = voxtouch::encode({});
+    } else {
+      answer = voxtouch::encode(voxtouch::read_triangles(argv[1], voxtouch::read_mesh_bytes(shared), options));
+    }
   } catch (const voxtouch::MeshError& refusal) {
     answer = voxtouch::encode_refusal(refusal.what());
   }

@@ -57,14 +57,14 @@ pid_t spawn(const std::vector<std::string>& words, int shared) {
 }
 
 FileTriangles read_apart(const std::filesystem::path& path, const std::string& bytes, const ImportOptions& options,
-                         const ReadLimits& limits) {
+                         const ReadLimits& limits, const std::string& how) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> shared(::fdopen(::memfd_create("mesh", MFD_CLOEXEC), "r+"), ::fclose);
   if (!shared || std::fwrite(bytes.data(), 1, bytes.size(), shared.get()) != bytes.size() || std::fflush(shared.get()) != 0) {
     throw std::runtime_error(fmt::format("no memory for its bytes: {}", std::strerror(errno)));
   }
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "voxtouch_import_mesh";
   const pid_t child = spawn({program, path, std::to_string(options.max_triangles), std::to_string(limits.cpu_s),
-                             std::to_string(limits.memory_mib), std::to_string(::getpid())},
+                             std::to_string(limits.memory_mib), std::to_string(::getpid()), how},
                             ::fileno(shared.get()));
   int status = 127 << 8;  // where it cannot be told how it ended
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
@@ -79,19 +79,30 @@ FileTriangles read_apart(const std::filesystem::path& path, const std::string& b
   return decode(read_mesh_bytes(fmt::format("/proc/self/fd/{}", ::fileno(shared.get())), ~std::uintmax_t{0}));
 }
 
+/// The same with every reason in a sentence.
+FileTriangles read_or_refuse(const std::filesystem::path& path, const std::string& bytes, const ImportOptions& options,
+                             const ReadLimits& limits, const std::string& how) {
+  try {
+    return read_apart(path, bytes, options, limits, how);
+  } catch (const MeshError&) {
+    throw;
+  } catch (const std::exception& error) {
+    import::refuse(path, fmt::format("was not read: {}", error.what()),
+                   "see that voxtouch_import_mesh stands beside this program");
+  }
+}
+
 }  // namespace
 
 TriangleReader mesh_process(const ReadLimits& limits) {
   return [limits](const std::filesystem::path& path, const std::string& bytes, const ImportOptions& options) {
-    try {
-      return read_apart(path, bytes, options, limits);
-    } catch (const MeshError&) {
-      throw;
-    } catch (const std::exception& error) {
-      import::refuse(path, fmt::format("was not read: {}", error.what()),
-                     "see that voxtouch_import_mesh stands beside this program");
-    }
+    return read_or_refuse(path, bytes, options, limits, "checked");
   };
+}
+
+void rehearse_reading(const Scene& scene) {
+  for (const MeshSpec& mesh : scene.static_meshes) read_or_refuse(mesh.path, {}, {}, {}, kAsItIs);
+  read_or_refuse(scene.dynamic_mesh.path, {}, {}, {}, kAsItIs);
 }
 
 }  // namespace voxtouch

@@ -2,6 +2,7 @@
 /// Reads a mesh in a process of its own (voxtouch_import_mesh, which stands beside this program), so that a file that crashes
 /// assimp, hangs it or fills memory is refused with a sentence, and nothing else happens.
 #include "core/mesh/import.hpp"
+#include "core/scene/scene.hpp"
 
 namespace voxtouch {
 
@@ -15,5 +16,10 @@ struct ReadLimits {
 /// thread, has ordinary priority whatever the caller has, and of the caller's files it sees only the mesh's bytes and stderr.
 /// For any thread, not for the loop.
 TriangleReader mesh_process(const ReadLimits& limits = {});
+
+/// For those who let assimp read a scene's meshes in this process and without checks, as core/reference does: it reads each in
+/// a process of its own first. Throws MeshError where that crashes, hangs or fills memory. What assimp refuses passes: it will
+/// do so again.
+void rehearse_reading(const Scene& scene);
 
 }  // namespace voxtouch

@@ -15,6 +15,7 @@
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
@@ -140,6 +141,7 @@ class ValidatorNode {
       try {
         Scene scene = load_scene(options_.scene);
         blind_ = scene.hash != built_.hash;
+        rehearse_reading(scene);
         if (!blind_) reference_ = ReferenceScene(scene), scene_ = std::move(scene);
       } catch (const std::exception&) {
         blind_ = true;
@@ -270,6 +272,7 @@ class ValidatorNode {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const Scene scene = load_scene(options.scene);
+  rehearse_reading(scene);
   ValidatorNode node(options, scene);
   return node.run(stop);
 }

@@ -121,6 +121,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   options.seed = o.seed, options.contacts = o.contacts, options.depth_edges = o.depth_edges;
   options.cpu_time_s = thread_cpu_s;
   options.read = mesh_process();
+  rehearse_reading(scene);
   options.progress = [&](const std::string& what, double share) { line.show(what, share); };
   tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
   report.rows = measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's

@@ -69,7 +69,7 @@ int probe(const ProbeOptions& o) {
   const std::optional<ContactModelKind> model = chosen_model(o.model);
   const Scene scene = load_scene(o.scene);
   const std::vector<Pose> poses = read_poses(o.poses);
-  if (o.model == "reference") return probe_reference(scene, poses);
+  if (o.model == "reference") return rehearse_reading(scene), probe_reference(scene, poses);
   const auto built = build_scene(scene, runtime::threaded_for(), {.model = model, .read = mesh_process()},
                                  [](const std::string& text) { tell("{}\n", text); });
   for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);

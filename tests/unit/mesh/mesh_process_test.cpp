@@ -119,6 +119,20 @@ TEST(MeshProcess, EndsWithWhoAskedAndHasNoneOfItsFiles) {
   ::close(open_beside);
 }
 
+TEST(MeshProcess, RehearsesWhatIsReadWithoutChecks) {
+  const Folder folder;
+  samples::Collada self;
+  self.nodes = R"(<node id="n"><instance_geometry url="#g"/><instance_node url="#n"/></node>)";
+  Scene scene;
+  scene.dynamic_mesh.path = folder.write("good.dae", samples::Collada().xml());
+  EXPECT_NO_THROW(rehearse_reading(scene));
+  scene.static_meshes.resize(1);
+  scene.static_meshes[0].path = folder.write("self.dae", self.xml());
+  EXPECT_THROW(rehearse_reading(scene), MeshError);
+  scene.static_meshes[0].path = folder.write("none.dae", "no XML");
+  EXPECT_NO_THROW(rehearse_reading(scene));
+}
+
 TEST(MeshProcess, RefusesAnswersThatDoNotFit) {
   const FileTriangles read{.mesh = samples::tetrahedron(),
                            .points = 1,
