@@ -294,7 +294,7 @@ TEST(LockstepAttacked, ByOneWhoCallsHimselfAsItsNodesAndFallsSilentTheRunGoesOn)
   EXPECT_EQ(rendering.thread.status(), -1);
   EXPECT_EQ(coupling.thread.status(), -1);
   coupling.thread.end();
-  EXPECT_TRUE(wait_until([&] { return device.thread.status() == 1; })) << "he has covered for the coupling, which is gone";
+  EXPECT_TRUE(wait_until([&] { return device.thread.status() == 1; }, std::chrono::seconds(3))) << "he has covered for the coupling, which is gone";
 }
 
 }  // namespace

@@ -495,6 +495,31 @@ TEST_F(RenderingLive, SaysAtOnceWhatWaitsAndForHowLong) {
   EXPECT_NE(waits.sentence.find("s of the device's time from now, behind a change"), std::string::npos) << waits.sentence;
 }
 
+TEST_F(RenderingLive, GoesOnWhereItsDeviceSaysWhatCannotBe) {
+  begin(5);
+  samples(20);
+  msg::DeviceDescription none = stylus(5);
+  none.mass_min_kg = std::numeric_limits<double>::quiet_NaN();
+  descriptions.write(none);
+  EXPECT_TRUE(says("the device's description is refused")) << report().message;
+  samples(50);
+  EXPECT_EQ(report().message.find("No force"), std::string::npos) << report().message;
+  descriptions.write(stylus(9));  // its status says 5
+  samples(100);
+  EXPECT_EQ(planned, 5U) << "a session is what status and description name";
+  session = 9;
+  samples(50);
+  for (const msg::ContactState& c : seen) ASSERT_EQ(c.session_id, 5U) << "no sample of another session is answered";
+}
+
+TEST_F(RenderingLive, RefusesASampleBeforeThatOfAnEarlierChange) {
+  begin(5);
+  samples(20);
+  const std::uint64_t far = asker.send(change(kActionGain, 0.5, sequence + 1'000), "viscosity");
+  refused(ask(change(kActionSwitch, 0.0, sequence + 500)), "a change asked for earlier waits for sample");
+  EXPECT_EQ(asker.last_word(far, [this] { sample(); }).result, result::kResultDone);
+}
+
 TEST_F(RenderingLive, TakesOneReloadAfterTheOther) {
   begin(5);
   samples(20);

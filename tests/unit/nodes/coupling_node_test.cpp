@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
 
 #include "core/types/geometry.hpp"
@@ -48,11 +49,11 @@ struct Seen {
 class Around {
  public:
   explicit Around(const std::string& coupling)
-      : rig(own_rig("c")), device(kDomain, "device", rig), rendering(kDomain, "rendering", rig),
+      : rig(own_rig("c")), device(kDomain, "device", rig), rendering(std::make_unique<StandIn>(kDomain, "rendering", rig)),
         participant({kDomain, "lo", "around"}), registry(participant, rig),
         descriptions(device.participant, qos::kDeviceDescription, rig, latched()),
-        plans(rendering.participant, qos::kScenePlan, rig, latched()),
-        contacts(rendering.participant, qos::kContactState, rig, stream()),
+        plans(rendering->participant, qos::kScenePlan, rig, latched()),
+        contacts(rendering->participant, qos::kContactState, rig, stream()),
         designs(participant, qos::kCouplingDesign, rig, latched()),
         commands(participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kTap)),
         options(options_for(coupling)),
@@ -107,7 +108,7 @@ class Around {
     m.largest_turning_damping = runtime::lend(oil), m.largest_turning_damping_place = runtime::lend(none);
     m.torque_effect = runtime::lend(demand.torque);
     plans.write(m);
-    rendering.say(session);
+    rendering->say(session);
   }
   /// Force stops within some samples, and the node says why; `text` stands in its sentence.
   void expect_no_force(const std::string& text) {
@@ -159,7 +160,8 @@ class Around {
   }
 
   std::string rig;
-  StandIn device, rendering;
+  StandIn device;
+  std::unique_ptr<StandIn> rendering;
   bus::Participant participant;
   runtime::NodeRegistry registry;
   bus::Writer<msg::DeviceDescription> descriptions;
@@ -307,6 +309,33 @@ TEST(CouplingNode, CommandsNothingWhileTheEffectsDampTurningMoreThanTheDeviceSta
   around.expect_no_force("the effects damp turning with up to 5 Nms/rad at the hand, 'oil' most of it");
   around.plan(30.0, 7, {0.0, 0.0, "oil", 0.01});
   EXPECT_TRUE(around.force_comes()) << around.message();
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+/// Another rendering may run another scene: nothing of it is felt before its plan has come and has been fitted to.
+TEST(CouplingNode, CommandsNothingForARenderingThatTakesTheRoleBeforeItsPlanIsFittedTo) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan();
+  ASSERT_TRUE(around.force_comes());
+  around.forces.clear();
+  for (int i = 0; i < 100; ++i) around.touch(8);
+  EXPECT_TRUE(around.forces.empty()) << "contacts of another session";
+  auto second = std::make_unique<StandIn>(kDomain, "rendering", around.rig);
+  bus::Writer<msg::ScenePlan> plans(second->participant, qos::kScenePlan, around.rig, Around::latched());
+  bus::Writer<msg::ContactState> contacts(second->participant, qos::kContactState, around.rig, Around::stream());
+  ASSERT_TRUE(wait_until([&] { return plans.matched_count() > 0 && contacts.matched_count() > 0; }));
+  second->say(7);
+  around.contacts = {}, around.plans = {}, around.rendering.reset();
+  around.contacts = std::move(contacts), around.plans = std::move(plans), around.rendering = std::move(second);
+  for (int i = 0; i < 50; ++i) around.touch();
+  around.forces.clear();
+  for (int i = 0; i < 500; ++i) around.touch();
+  EXPECT_TRUE(around.forces.empty()) << "by the plan of the one before";
+  const std::size_t designs = around.seen.size();
+  around.plan();
+  EXPECT_TRUE(around.force_comes()) << around.message();
+  EXPECT_EQ(around.seen.size(), designs + 1) << "by the coupling of the one before";
   EXPECT_EQ(around.node.end(), 0);
 }
 

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <vector>
+
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/runtime/housekeeping.hpp"
@@ -15,6 +18,7 @@ namespace voxtouch::test {
 namespace {
 
 using runtime::NodeState;
+using runtime::NodeRegistry;
 const qos::Profile& stream() { return qos::profile(qos::ProfileId::kStream); }
 
 class RoleTest : public testing::Test {
@@ -103,6 +107,33 @@ TEST_F(RoleTest, IsNotClaimedByAStatusOfAnotherParticipantThanItNames) {
   EXPECT_FALSE(role.bound());
   EXPECT_EQ(registry.report_of(real.participant.guid())->state, NodeState::kFailed) << "his own word stands";
   EXPECT_EQ(registry.reports().size(), 1U);
+}
+
+TEST_F(RoleTest, IsNotClaimedWithoutASessionNorByOneWhoWritesNoneOfItsTopics) {
+  runtime::RoleBinding any("coupling", {&commands.following()});
+  StandIn talker(kDomain, "coupling", rig);
+  Coupling real(rig);
+  talker.say(7), real.say(0);
+  ASSERT_TRUE(comes([&] { return registry.reports().size() == 2; }));
+  for (int i = 0; i < 20; ++i) update(), any.update(registry, std::nullopt), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_FALSE(role.bound()) << "by a status alone";
+  EXPECT_FALSE(any.bound()) << "without a session, or by a status alone";
+  real.say(7);
+  ASSERT_TRUE(comes([&] { return any.update(registry, std::nullopt), role.bound() && any.bound(); }));
+  EXPECT_EQ(role.participant(), real.participant.guid());
+  EXPECT_EQ(any.participant(), real.participant.guid());
+}
+
+TEST_F(RoleTest, FollowsAnotherWriterOfTheSameParticipant) {
+  Coupling real(rig);
+  real.say(7);
+  ASSERT_TRUE(comes([&] { return role.bound(); }));
+  real.commands = {};
+  ASSERT_TRUE(comes([&] { return !commands.following().has_matched(real.participant.guid()); }));
+  real.commands = {real.participant, qos::kForceCommand, rig, stream()};
+  msg::ForceCommand taken{};
+  EXPECT_TRUE(comes([&] { return real.command(1), commands.take(taken); }));
+  EXPECT_EQ(role.participant(), real.participant.guid());
 }
 
 TEST_F(RoleTest, GivesHisSamplesAloneAndNamesTheOthersUntilTheyGo) {
@@ -215,6 +246,96 @@ TEST_F(RoleTest, RosterRefusesWhatIsLongerThanAnyNodesOwnAndForgetsWhoHasGone) {
   })) << "only a child's last word is kept";
 }
 
+/// A status with one thing in it that no node's own has.
+struct Unlikely {
+  const char* what;
+  std::size_t name = 4, values = 0, figures = 0, key = 3, value = 3, unit = 1;
+};
+const Unlikely kUnlikely[] = {{.what = "name", .name = 257},
+                              {.what = "count of words", .values = NodeRegistry::kMaxValues + 1},
+                              {.what = "count of figures", .figures = NodeRegistry::kMaxValues + 1},
+                              {.what = "name of a word", .values = 1, .key = 257},
+                              {.what = "word", .values = 1, .value = NodeRegistry::kLongestText + 1},
+                              {.what = "name of a figure", .figures = 1, .key = 257},
+                              {.what = "unit", .figures = 1, .unit = 257}};
+
+void write(Adversary& writer, const Unlikely& u, std::uint64_t session) {
+  std::string name(u.name, 'n'), host = "elsewhere", key(u.key, 'k'), value(u.value, 'v'), unit(u.unit, 'u'), message = "well";
+  std::vector<msg::diagnostic_msgs_KeyValue> values(u.values, {key.data(), value.data()});
+  std::vector<msg::Figure> figures(u.figures, {key.data(), unit.data(), 1.0});
+  msg::NodeStatus status{};
+  status.node = name.data(), status.host = host.data(), status.message = message.data();
+  std::memcpy(status.participant, writer.guid().data(), writer.guid().size());
+  status.session_id = session;
+  status.values._buffer = values.data(), status.values._length = status.values._maximum = static_cast<std::uint32_t>(values.size());
+  status.figures._buffer = figures.data(), status.figures._length = status.figures._maximum = static_cast<std::uint32_t>(figures.size());
+  writer.write(status);
+}
+
+TEST_F(RoleTest, RosterRefusesWhatNoNodeSaysAndHearsItsWriterNoMore) {
+  std::uint64_t refused = 0;
+  for (const Unlikely& unlikely : kUnlikely) {
+    SCOPED_TRACE(unlikely.what);
+    Adversary other(kDomain, rig);
+    ASSERT_TRUE(wait_until([&] { return other.writer<msg::NodeStatus>().matched_count() >= 1; }));
+    write(other, {.what = "", .values = 1, .figures = 1}, 1);
+    ASSERT_TRUE(comes([&] { return registry.report_of(other.guid()) != nullptr; }));
+    write(other, unlikely, 2);
+    ASSERT_TRUE(comes([&] { return registry.refused() > refused; }));
+    EXPECT_EQ(registry.report_of(other.guid())->session_id, 1U);
+    refused = registry.refused();
+    write(other, {.what = ""}, 3), settle();
+    EXPECT_EQ(registry.report_of(other.guid())->session_id, 1U) << "it is listened to again";
+  }
+}
+
+TEST_F(RoleTest, RosterHasRoomForSoManyAndForThoseWhoAreKnown) {
+  StandIn known(kDomain, "rendering", rig);
+  known.say(1);
+  Coupling real(rig);
+  real.say(7);
+  ASSERT_TRUE(comes([&] { return role.bound() && registry.report_of(known.participant.guid()) != nullptr; }));
+  std::vector<std::unique_ptr<Adversary>> crowd;
+  for (std::size_t n = 0; n < NodeRegistry::kMaxNodes + 2; ++n) {
+    crowd.push_back(std::make_unique<Adversary>(kDomain, rig));
+    ASSERT_TRUE(wait_until([&] { return crowd.back()->writer<msg::NodeStatus>().matched_count() >= 1; }));
+    crowd.back()->claim("coupling", 7);
+    update();
+  }
+  ASSERT_TRUE(comes([&] { return registry.refused() >= 4; }));
+  EXPECT_EQ(registry.reports().size(), NodeRegistry::kMaxNodes);
+  known.say(2);
+  EXPECT_TRUE(comes([&] { return registry.report_of(known.participant.guid())->session_id == 2; }));
+  EXPECT_EQ(role.participant(), real.participant.guid());
+  const std::string trouble = role.trouble(registry);
+  std::size_t named = 1;
+  for (std::size_t at = trouble.find(" and "); at != std::string::npos; at = trouble.find(" and ", at + 1)) ++named;
+  EXPECT_EQ(named, 16U) << "a person reads it, and it is sent ten times a second";
+}
+
+TEST_F(RoleTest, StatusesOfOurOwnAreCutToWhatARosterTakes) {
+  StandIn node(kDomain, "rendering", rig);
+  runtime::NodeReport report;
+  report.session_id = 5, report.message = std::string(3000, 'm'), report.values["word"] = std::string(3000, 'w');
+  node.status.publish(report);
+  ASSERT_TRUE(comes([&] { return registry.report_of(node.participant.guid()) != nullptr; }));
+  EXPECT_EQ(registry.report_of(node.participant.guid())->message.size(), NodeRegistry::kLongestText);
+  EXPECT_EQ(registry.report_of(node.participant.guid())->values.at("word").size(), NodeRegistry::kLongestText);
+  EXPECT_EQ(registry.refused(), 0U);
+}
+
+TEST_F(RoleTest, RosterForgetsThoseWhoVanishedAfterAWhileAndRemembersAFew) {
+  for (int n = 0; n < 20; ++n) {
+    StandIn passing(kDomain, "passing" + std::to_string(n), rig);
+    passing.say(1);
+    ASSERT_TRUE(comes([&] { return registry.report_of(passing.participant.guid()) != nullptr; }));
+  }
+  ASSERT_TRUE(comes([&] { return registry.reports().empty(); }));
+  for (int i = 0; i < 60; ++i) update(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(registry.hung().size(), 16U);
+  EXPECT_TRUE(comes([&] { return registry.hung().empty(); })) << "after 10 s";
+}
+
 /// A coupling in lockstep with a device and a rendering, which speak as long as the test wants.
 class LockstepPeers : public testing::Test {
  protected:
@@ -222,7 +343,7 @@ class LockstepPeers : public testing::Test {
     options.rig = rig, options.lockstep = true, options.peers = {"rendering", "coupling"};
     session.begin(7);
     coupling.emplace(own, "coupling", options, [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) {
-      session.report_to(report, options, registry, {}, "", true);
+      session.report_to(report, options, registry, links, "", true);
       partners = report.partners.size();
     });
   }
@@ -244,6 +365,8 @@ class LockstepPeers : public testing::Test {
   runtime::Session session;
   std::atomic<std::size_t> partners{0};
   std::optional<StandIn> device{std::in_place, kDomain, "device", rig}, rendering{std::in_place, kDomain, "rendering", rig};
+  const std::vector<runtime::Link> links{
+      {"contacts", [guid = rendering->participant.guid()] { return std::vector{guid}; }, {"rendering"}}};
   std::optional<runtime::Housekeeping> coupling;
 };
 
@@ -263,6 +386,14 @@ TEST_F(LockstepPeers, AreNotTheStrangersThatCallThemselvesLikeThem) {
   passing.reset();  // without a last word
   EXPECT_FALSE(loses_a_peer({&*device, &*rendering})) << "strangers ended the run";
   EXPECT_TRUE(loses_a_peer({&*device, &silent})) << "the stranger has covered for the real one";
+}
+
+TEST_F(LockstepPeers, AreNotThoseOfAnotherSessionNorThoseWhoAreNotLinkedNorOneOfOurOwnName) {
+  StandIn of_another(kDomain, "device", rig), unlinked(kDomain, "rendering", rig), namesake(kDomain, "coupling", rig);
+  of_another.say(8), unlinked.say(7), namesake.say(7);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  ASSERT_TRUE(wait_until([&] { return device->say(7), rendering->say(7), partners >= 3; })) << partners;
+  EXPECT_FALSE(loses_a_peer({&*device, &*rendering})) << "these fell silent before the start";
 }
 
 TEST_F(LockstepPeers, AreMissedWhereAStrangerHasTheirNameWhenTheyGo) {
