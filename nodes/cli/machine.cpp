@@ -1,6 +1,7 @@
 #include "nodes/cli/machine.hpp"
 
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <thread>
 
@@ -37,6 +38,12 @@ Machine this_machine() {
 double load_average() {
   double one_minute = 0.0;
   return ::getloadavg(&one_minute, 1) == 1 ? one_minute : -1.0;
+}
+
+double thread_cpu_s() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace voxtouch::cli

@@ -15,6 +15,7 @@
 #include "nodes/cli/accuracy/accuracy_report.hpp"
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/plot_tool.hpp"
+#include "nodes/cli/machine.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
@@ -33,7 +34,7 @@ struct AccuracyVerb {
   bool json = false;
 };
 
-constexpr const char* kDescription =
+constexpr const char* kAccuracyDescription =
     "What accuracy costs in time: every contact model at every voxel size and shell density asked for, measured on "
     "the\n"
     "same random contacts of the scene against the reference (closed forms or the exact mesh), with the time of a "
@@ -70,12 +71,6 @@ constexpr const char* kFooter =
     "  voxtouch accuracy deploy/scenes/cup.yaml --within-us 200                 the most accurate within 200 us\n"
     "  voxtouch accuracy deploy/scenes/plane.yaml --models adapted,field --voxel-sizes 0.004,0.002 --shell-densities "
     "1,2";
-
-double thread_cpu_s() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// Share and what is measured now, on standard error: one line that is written over on a terminal, else a line for each new step.
 class ProgressLine {
@@ -180,7 +175,7 @@ void add_wishes(CLI::App& verb, AccuracyWish& wish) {
 
 void add_accuracy(CLI::App& app, Action& action) {
   auto o = std::make_shared<AccuracyVerb>();
-  CLI::App* verb = app.add_subcommand("accuracy", kDescription);
+  CLI::App* verb = app.add_subcommand("accuracy", kAccuracyDescription);
   verb->footer(kFooter);
   verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
   add_list(*verb, "--models", o->ask.models, "original,adapted,clustered,field; default: all");

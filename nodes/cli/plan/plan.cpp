@@ -10,6 +10,7 @@
 #include "core/scene/scene_file.hpp"
 #include "nodes/cli/known_device.hpp"
 #include "nodes/cli/plan/plan_report.hpp"
+#include "nodes/cli/machine.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/progress.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
@@ -19,7 +20,7 @@
 namespace voxtouch::cli {
 namespace {
 
-constexpr const char* kDescription =
+constexpr const char* kPlanDescription =
     "What a scene calls for: which parts are built for it and why, what they weigh in memory, what they are expected "
     "to take "
     "in a\n"
@@ -33,12 +34,6 @@ struct PlanVerb {
   int frames = 1000;
   bool json = false, no_measure = false;
 };
-
-double thread_cpu_s() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// The coupling on this device goes to `fitted`, where there is one that may run.
 DeviceVerdict judge(const PlanVerb& o, const Scene& scene, const Plan& plan, std::optional<CouplingSpec>& fitted) {
@@ -106,7 +101,7 @@ int run(const PlanVerb& o) {
 
 void add_plan(CLI::App& app, Action& action) {
   auto o = std::make_shared<PlanVerb>();
-  CLI::App* verb = app.add_subcommand("plan", kDescription);
+  CLI::App* verb = app.add_subcommand("plan", kPlanDescription);
   verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
   verb->add_option("--device", o->device,
                    "Also says what this device cannot show: a name, or a file (deploy/devices/*.yaml)");

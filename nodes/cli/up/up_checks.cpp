@@ -12,7 +12,7 @@
 #include "core/rendering/build.hpp"
 #include "core/fitting/device_check.hpp"
 #include "core/fitting/fit_coupling.hpp"
-#include "devices/description_check.hpp"
+#include "core/types/device_description.hpp"
 #include "devices/registry.hpp"
 #include "nodes/cli/up/run_figures.hpp"
 #include "nodes/device/device_node.hpp"
