@@ -252,7 +252,7 @@ TEST(SceneOnDevice, LetsNothingPassThatIsNoNumber) {
     DeviceDemand demand, turning;
     demand.damping.all = turning.turning.all = bad;
     EXPECT_TRUE(refused(scene, 30.0, demand)) << bad;
-    EXPECT_FALSE(fit_coupling(scene, arm(), Grip::kPen, kContact, turning).refusal.empty()) << bad;
+    EXPECT_FALSE(fit_coupling(scene, arm(), kContact, turning).refusal.empty()) << bad;
     EXPECT_TRUE(refused(hand, bad, {})) << bad;
   }
   DeviceDemand stiff;
