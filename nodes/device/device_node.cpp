@@ -239,14 +239,19 @@ class DeviceNode {
       waiting_for_ += (waiting_for_.empty() ? "" : ", ") + peer + " to be ready";
     if (waiting_for_.empty() && partners_.complete() && coupling_->bound()) peers_ready_.store(true, std::memory_order_release);
     if (!peers_ready_.load()) return;
-    for (const runtime::Hung& hung : registry.hung())
-      if (partners_.participants().contains(hung.participant) && hung.for_s * 1e9 >= runtime::kGivenUpNs)
-        lose(fmt::format("{} has given no sign of life for {:.1f} s", hung.node, hung.for_s));
+    const std::vector<runtime::Hung> all_hung = registry.hung();
     for (const bus::Guid& partner : partners_.participants()) {
       const runtime::NodeReport* report = registry.report_of(partner);  // kept by the housekeeping, also of one that has gone
-      const bool failed = report && report->state == NodeState::kFailed;
-      if (failed || !registry.is_here(partner))
-        lose(fmt::format("{} takes part and has {}", report ? report->node : "a node", failed ? "failed" : "gone"));
+      const std::string node = report ? report->node : "a node";
+      const auto hung = std::find_if(all_hung.begin(), all_hung.end(), [&](const runtime::Hung& h) { return h.participant == partner; });
+      // DDS takes one that stands still for gone after some seconds.
+      const bool gone = !registry.is_here(partner), silent = hung != all_hung.end();
+      if (report && report->state == NodeState::kFailed)
+        lose(node + " takes part and has failed");
+      else if (silent && (gone || hung->for_s * 1e9 >= runtime::kGivenUpNs))
+        lose(fmt::format("{} has given no sign of life for {:.1f} s", node, hung->for_s));
+      else if (gone)
+        lose(node + " takes part and has gone");
     }
   }
 

@@ -1,7 +1,6 @@
 // The clutch through the whole ring: pressed in contact, the tool stays, nothing is felt, and the contact fades in again afterwards.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -50,11 +49,11 @@ TEST(Clutch, PressedInContactTheToolStaysNothingIsFeltAndTheContactFadesIn) {
     ASSERT_EQ(contacts[i].tool_pose.position.z, contacts[kPress].tool_pose.position.z) << i;
     ASSERT_GT(contacts[i].surface_hits, 0U) << "what is shown stays true: the tool stands in the plane";
   }
-  // It fades in over 0.2 s: no step is larger than a tenth of what was felt before.
+  // It fades in over 0.2 s. (Later the hand gives way, and the damping that answers each step of the encoder is a step of its own.)
+  const double before = force(commands[kPress - 1]);
   EXPECT_TRUE(commands[kRelease].status & msg::force_command::kStatusRamping);
-  double largest = 0.0;
-  for (std::size_t i = kRelease; i < commands.size(); ++i) largest = std::max(largest, std::abs(force(commands[i]) - force(commands[i - 1])));
-  EXPECT_LT(largest, 0.1 * force(commands[kPress - 1]));
+  for (std::size_t i = kRelease; i < kRelease + 50; ++i)
+    ASSERT_LT(std::abs(force(commands[i]) - force(commands[i - 1])), 0.02 * before) << i;
   EXPECT_GT(force(commands.back()), 0.02) << "felt again";
 }
 
