@@ -27,7 +27,7 @@ namespace voxtouch {
 namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000;
-const std::vector<std::string> kWays = {"waitset", "listener-wakes", "listener-answers"};
+const std::vector<std::string> kWays = {"waitset", "listener_wakes", "listener_answers"};
 
 qos::Topic row(std::string_view path) { return {path, "voxtouch_msgs/msg/DeviceState", qos::ProfileId::kStream, 1000}; }
 
