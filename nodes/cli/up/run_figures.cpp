@@ -1,5 +1,8 @@
 #include "nodes/cli/up/run_figures.hpp"
 
+#include <algorithm>
+#include <map>
+
 #include "qos/topics.hpp"
 
 namespace voxtouch::cli {
@@ -15,6 +18,22 @@ RunFigures::Stream stream(const Reports& r, const qos::Topic& topic) {
   const std::string sender = qos::names_of(topic.writers).front(), key = qos::figure_name(topic);
   return {std::string(topic.path), find(r, "logger", key + "_first"), number(r, sender, "first_sample"),
           number(r, "logger", key + "_recorded"), number(r, sender, "samples")};
+}
+
+/// The longest time for which a node, or its loop, gave no sign of life; and who was silent for as long as counts as hanging, the
+/// longest first.
+void add_silence(const RunSummary& s, RunFigures& f) {
+  std::map<std::string, double> silent = s.silence_s;
+  for (const auto& [node, report] : s.reports)
+    silent[node] = std::max(silent[node], runtime::value_of(report.figures, runtime::kLongestStall));
+  for (const auto& [node, time_s] : silent) {
+    if (time_s > f.silence_s) {
+      f.silent = node + (f.silence_s * 1e9 >= runtime::kHungNs ? ", " + f.silent : "");
+      f.silence_s = time_s;
+    } else if (time_s * 1e9 >= runtime::kHungNs) {
+      f.silent += ", " + node;
+    }
+  }
 }
 
 }  // namespace
@@ -39,10 +58,7 @@ RunFigures figures_of(const RunSummary& s) {
   f.judged = number(r, "validator", "checked"), f.excused = number(r, "validator", "excused");
   f.recording = !s.bag.empty();
   f.streams = {stream(r, qos::kDeviceState), stream(r, qos::kContactState), stream(r, qos::kForceCommand)};
-  f.silence_s = s.silence_s, f.silent = s.silent;
-  for (const auto& [node, report] : r)
-    if (const double stall_s = runtime::value_of(report.figures, runtime::kLongestStall); stall_s > f.silence_s)
-      f.silence_s = stall_s, f.silent = node;
+  add_silence(s, f);
   return f;
 }
 

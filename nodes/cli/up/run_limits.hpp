@@ -53,7 +53,7 @@ struct RunFigures {
   bool recording = false;
   std::vector<Stream> streams;
   double silence_s = 0.0;  ///< longest time for which a node gave no sign of life
-  std::string silent;      ///< which, and of what
+  std::string silent;      ///< which, and who else hung
 };
 
 /// One limit held against one run.

@@ -23,8 +23,7 @@ struct RunSummary {
   std::string scene, device, motion, mode, bag;
   std::uint64_t seed = 0;
   double validate_every = 1.0;
-  double silence_s = 0.0;  ///< longest time without a status, as `up` saw it
-  std::string silent;      ///< whose
+  std::map<std::string, double> silence_s;  ///< of each node: longest time without a status, as `up` saw it
   AskedLimits asked;
   std::vector<Judged> judged;  ///< by `judge`
   Reports reports;

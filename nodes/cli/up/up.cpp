@@ -180,8 +180,8 @@ class Run {
   bool watch_for_hung() {
     for (const auto& [name, report] : summary_.reports) {
       if (report.final() || !is_running(name)) continue;
-      if (const double silent_s = registry_.silent_s(report); silent_s > summary_.silence_s)
-        summary_.silence_s = silent_s, summary_.silent = name;
+      double& longest_s = summary_.silence_s[name];
+      longest_s = std::max(longest_s, registry_.silent_s(report));
     }
     std::set<std::string> still;
     for (const runtime::Hung& hung : registry_.hung()) {
