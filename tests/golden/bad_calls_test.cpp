@@ -6,7 +6,7 @@
 #include "tests/golden/golden.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace bad_calls_test {
 
 const std::string kScene = (kData / "scenes/sphere__cylinder__exact.yaml").string();
 const std::string kPoses = (kVectors / "poses/sphere__cylinder__exact.csv").string();
@@ -90,5 +90,5 @@ TEST_F(BadCall, OfBuild) {
   EXPECT_FALSE(std::filesystem::exists(out)) << "a call that was refused leaves nothing behind";
 }
 
-}  // namespace
+}  // namespace bad_calls_test
 }  // namespace voxtouch::test

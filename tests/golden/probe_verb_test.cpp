@@ -10,7 +10,7 @@
 #include "tests/golden/golden.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace probe_verb_test {
 
 constexpr double kTolerance = 1e-7;  // of the vectors, for double code
 
@@ -106,5 +106,5 @@ TEST(Probe, ReferencePrintsTheGapToDeclaredPrimitives) {
   EXPECT_EQ(gaps.text(1, "self_check"), "1");
 }
 
-}  // namespace
+}  // namespace probe_verb_test
 }  // namespace voxtouch::test

@@ -192,7 +192,7 @@ volatile double nothing = 0.0;
 
 void shake(const Case& c, const TrapRunOptions& ask, std::uint64_t frames, Dice& dice, Count& count, Findings& out) {
   constexpr std::uint64_t kPiece = 1000;
-  constexpr double kT = 1e-3;
+  constexpr double kPeriodS = 1e-3;
   BuildChoices choices;
   choices.model = c.model;
   std::unique_ptr<BuiltScene> built = build_scene(c.scene, serial_for(), choices);
@@ -203,14 +203,14 @@ void shake(const Case& c, const TrapRunOptions& ask, std::uint64_t frames, Dice&
   for (std::uint64_t done = 0; done < frames; done += kPiece) {
     const CouplingLimits limits =
         dice.chance(0.2) ? CouplingLimits{} : CouplingLimits{device.max_force_n, device.max_torque_nm};
-    RunningCoupling coupling(any_coupling(dice), limits, kT);
+    RunningCoupling coupling(any_coupling(dice), limits, kPeriodS);
     DeviceMapping mapping(c.scene.device);
     if (c.home || dice.chance(0.3)) built->scene_renderer().reset(), shaken.go_home();
     const TrapsOn traps;
     for (std::uint64_t n = 0; n < std::min(kPiece, frames - done); ++n) {
       place.frame = done + n;
       if (ask.trip_at == place.frame) nothing = 1.0 / nothing;
-      const double dt_s = dice.chance(0.95) ? kT : kT * dice.log(1e-3, 100);
+      const double dt_s = dice.chance(0.95) ? kPeriodS : kPeriodS * dice.log(1e-3, 100);
       const DeviceSample& sample = shaken.next(dt_s);
       const ToolState& tool = mapping.update(sample.pose, sample.twist, sample.buttons);
       const SceneFrame frame = built->scene_renderer().render(tool, static_cast<double>(sample.time_ns) * 1e-9);

@@ -10,7 +10,7 @@
 #include "tests/unit/contact/field_scenes.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace poses_test {
 
 constexpr double kEdge = 2e-3, kPeriod = 1e-3, kMaxN = 8.5;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
@@ -157,5 +157,5 @@ TEST(F7PosesThatAreNone, AQuaternionAndItsNegativeAreOneOrientationToTheBit) {
   }
 }
 
-}  // namespace
+}  // namespace poses_test
 }  // namespace voxtouch::test

@@ -9,7 +9,7 @@
 #include "tests/unit/contact/field_scenes.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace wedge_test {
 
 constexpr double kEdge = 1e-3;
 constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
@@ -202,5 +202,5 @@ TEST(F6SharpEdge, ChangesTheForceByNoMoreThanTwiceItselfAndGainsNoAmplitude) {
   }
 }
 
-}  // namespace
+}  // namespace wedge_test
 }  // namespace voxtouch::test

@@ -8,7 +8,7 @@
 #include "tests/support/coupling_models/nonlinear_loop.hpp"
 
 namespace voxtouch {
-namespace {
+namespace design_rows_test {
 
 constexpr double kPi = 3.14159265358979323846;
 
@@ -232,5 +232,5 @@ TEST(HardCaseL8, WithinARangeOfMassesTheWorstIsAtAnEnd) {
   for (const double mass : {2.5, 3.5, 5.0, 7.0, 8.5}) EXPECT_GE(limit(mass), 0.98 * worst) << mass;
 }
 
-}  // namespace
+}  // namespace design_rows_test
 }  // namespace voxtouch

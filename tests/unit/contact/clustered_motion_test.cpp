@@ -9,7 +9,7 @@
 #include "fixtures.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace clustered_motion_test {
 
 constexpr double kEdge = 2e-3, kRadius = 10 * kEdge;
 
@@ -204,5 +204,5 @@ TEST(ClusteredModel, RefusesWhatItCannotDoWithASentence) {
   EXPECT_THROW(make_contact_model(ContactModelKind::kClustered, {1.0, PointWeights::kArea}, {}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace clustered_motion_test
 }  // namespace voxtouch::test

@@ -7,7 +7,7 @@
 #include "fixtures.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace culling_test {
 
 struct BruteForce {
   std::vector<std::uint32_t> surface, interior;
@@ -219,5 +219,5 @@ TEST(Query, FindsNothingForAnEmptyShell) {
   EXPECT_TRUE(renderer.render({Vec3(0.5, 0.5, 0.5), Quat::Identity()}).contact.wrench.zero());
 }
 
-}  // namespace
+}  // namespace culling_test
 }  // namespace voxtouch::test

@@ -8,7 +8,7 @@
 #include "fixtures.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace field_deep_test {
 
 constexpr double kEdge = 1e-3;
 
@@ -90,5 +90,5 @@ TEST(FieldDepth, APushThatGrowsNoMoreIsFlaggedBeforeItFalls) {
     }
 }
 
-}  // namespace
+}  // namespace field_deep_test
 }  // namespace voxtouch::test

@@ -11,7 +11,7 @@
 #include "fixtures.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace field_model_test {
 
 constexpr double kEdge = 1e-3;
 
@@ -184,5 +184,5 @@ TEST(FieldModel, TellsItsCostBesideAdapted) {
   EXPECT_GT(field, 0.0);
 }
 
-}  // namespace
+}  // namespace field_model_test
 }  // namespace voxtouch::test

@@ -8,7 +8,7 @@
 #include "fixtures.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace field_motion_test {
 
 constexpr double kEdge = 1e-3, kStep = 1e-3 * kEdge;
 
@@ -145,5 +145,5 @@ TEST(FieldMotion, SlidingRoundAClosedLoopGivesHardlyAnyEnergy) {
       1e-4);
 }
 
-}  // namespace
+}  // namespace field_motion_test
 }  // namespace voxtouch::test

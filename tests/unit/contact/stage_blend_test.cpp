@@ -9,7 +9,7 @@
 #include "fixtures.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace stage_blend_test {
 
 constexpr double kEdge = 0.001;
 const Grid kGrid{Vec3::Zero(), kEdge};
@@ -151,5 +151,5 @@ TEST(Blend, KeepsTheStiffnessBoundBetweenItsEnds) {
   EXPECT_LE(stiffness.jacobiSvd().singularValues()[0], r.contact.stiffness_bound_n_per_m * (1 + 1e-5));
 }
 
-}  // namespace
+}  // namespace stage_blend_test
 }  // namespace voxtouch::test

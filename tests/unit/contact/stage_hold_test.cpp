@@ -9,7 +9,7 @@
 #include "fixtures.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace stage_hold_test {
 
 constexpr double kEdge = 0.001;
 constexpr double kStiffness = 1000.0;
@@ -408,5 +408,5 @@ TEST(Fast, MotionBoundHoldsForEveryPoint) {
   }
 }
 
-}  // namespace
+}  // namespace stage_hold_test
 }  // namespace voxtouch::test

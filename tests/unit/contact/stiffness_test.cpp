@@ -7,7 +7,7 @@
 #include "fixtures.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace stiffness_test {
 
 constexpr double kEdge = 0.001, kStiffness = 100.0;
 const Grid kGrid{Vec3::Zero(), kEdge};
@@ -181,5 +181,5 @@ TEST(Stiffness, CountsPointsThatHaveGoneThroughAndThoseOnTheirWayBack) {
   }
 }
 
-}  // namespace
+}  // namespace stiffness_test
 }  // namespace voxtouch::test

@@ -10,7 +10,7 @@
 #include "core/coupling/running_coupling.hpp"
 
 namespace voxtouch {
-namespace {
+namespace coupling_spec_test {
 
 constexpr double kT = 1e-3;
 const double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
@@ -129,5 +129,5 @@ TEST(CouplingSpec, RefusesARampThatIsNone) {
   EXPECT_NO_THROW(RunningCoupling({}, {}, kT, 0.0));
 }
 
-}  // namespace
+}  // namespace coupling_spec_test
 }  // namespace voxtouch

@@ -10,7 +10,7 @@
 #include "core/coupling/tool_motion.hpp"
 
 namespace voxtouch {
-namespace {
+namespace injected_damping_test {
 
 constexpr double kT = 1e-3;
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -208,5 +208,5 @@ TEST(InjectedDamping, HasNoSpikeAfterAJumpAResetOrAGap) {
   EXPECT_LE((m.coupling.step(in, 0.5).wrench.force - Vec3(3, 0, 0)).norm(), 1e-9) << "gap";
 }
 
-}  // namespace
+}  // namespace injected_damping_test
 }  // namespace voxtouch

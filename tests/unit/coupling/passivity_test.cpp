@@ -9,7 +9,7 @@
 #include "tests/unit/coupling/haptic_loop.hpp"
 
 namespace voxtouch {
-namespace {
+namespace passivity_test {
 
 constexpr double kT = 1e-3;
 
@@ -346,5 +346,5 @@ TEST(Passivity, DiffersFromTheTrueEnergyByNoMoreThanTheEncoderHides) {
   }
 }
 
-}  // namespace
+}  // namespace passivity_test
 }  // namespace voxtouch

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace voxtouch {
-namespace {
+namespace running_coupling_test {
 
 constexpr double kT = 1e-3;
 const double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
@@ -292,5 +292,5 @@ TEST(RunningCoupling, StaysWithinTheLimitsWithDampingOnTop) {
   EXPECT_NEAR(out.wrench.force.y(), 3.3, 1e-12);
 }
 
-}  // namespace
+}  // namespace running_coupling_test
 }  // namespace voxtouch

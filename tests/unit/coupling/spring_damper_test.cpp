@@ -6,7 +6,7 @@
 #include <random>
 
 namespace voxtouch {
-namespace {
+namespace spring_damper_test {
 
 constexpr double kT = 1e-3;
 
@@ -112,5 +112,5 @@ TEST(SpringDamper, StandsAnyContactStiffness) {
   }
 }
 
-}  // namespace
+}  // namespace spring_damper_test
 }  // namespace voxtouch

@@ -10,7 +10,7 @@
 #include "core/coupling/running_coupling.hpp"
 
 namespace voxtouch {
-namespace {
+namespace stiffness_cap_test {
 
 constexpr double kT = 1e-3;
 const double kInf = std::numeric_limits<double>::infinity();
@@ -233,5 +233,5 @@ TEST(StiffnessCap, FallsAtOnceAndRisesOverItsRamp) {
   }
 }
 
-}  // namespace
+}  // namespace stiffness_cap_test
 }  // namespace voxtouch

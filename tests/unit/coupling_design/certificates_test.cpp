@@ -13,7 +13,7 @@
 #include "tests/unit/coupling_design/support.hpp"
 
 namespace voxtouch {
-namespace {
+namespace certificates_test {
 
 using testing::loop_cases;
 using testing::Random;
@@ -241,5 +241,5 @@ TEST(LimitCycle, FrictionIsHalfAStepOfTheForce) {
   EXPECT_DOUBLE_EQ(limit_cycle_friction(0.577, 1000.0, 3e-5), 0.015 * overshoot_shape(0.577));
 }
 
-}  // namespace
+}  // namespace certificates_test
 }  // namespace voxtouch

@@ -19,7 +19,7 @@
 #include "tests/unit/coupling_design/designer_support.hpp"
 
 namespace voxtouch {
-namespace {
+namespace designer_test {
 
 using namespace testing;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -760,5 +760,5 @@ TEST(LoopTable, IsWithinAPercentOfTheExactLimit) {
   std::printf("worst %.2g\n", worst);
 }
 
-}  // namespace
+}  // namespace designer_test
 }  // namespace voxtouch

@@ -11,7 +11,7 @@
 #include "tests/unit/coupling_design/support.hpp"
 
 namespace voxtouch {
-namespace {
+namespace sampled_loop_test {
 
 using testing::controller_of;
 using testing::loop_cases;
@@ -204,5 +204,5 @@ TEST(SampledLoop, RefusesWhatIsNoLoop) {
   EXPECT_THROW(routh_stiffness(good, {.law = Law::kDirect}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace sampled_loop_test
 }  // namespace voxtouch

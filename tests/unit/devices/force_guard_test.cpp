@@ -8,7 +8,7 @@
 #include "devices/limits.hpp"
 
 namespace voxtouch {
-namespace {
+namespace force_guard_test {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -332,5 +332,5 @@ TEST(GuardConfig, NamesTheFieldThatIsWrong) {
   EXPECT_NE(with(&GuardConfig::max_torque_rate_nm_per_s, kNan).find("max_torque_rate_nm_per_s"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace force_guard_test
 }  // namespace voxtouch

@@ -6,7 +6,7 @@
 #include <random>
 
 namespace voxtouch {
-namespace {
+namespace limits_test {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -96,5 +96,5 @@ TEST(Limits, EveryErrorHasItsOwnName) {
   EXPECT_NE(name_of(DeviceError::kLimit), name_of(DeviceError::kNotFinite));
 }
 
-}  // namespace
+}  // namespace limits_test
 }  // namespace voxtouch

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace voxtouch {
-namespace {
+namespace simulated_device_test {
 
 using std::chrono::microseconds;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -213,5 +213,5 @@ TEST(SimulatedDevice, NamesWhatCannotBeSimulated) {
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.orientation.coeffs().setZero(); }), "no rotation"));
 }
 
-}  // namespace
+}  // namespace simulated_device_test
 }  // namespace voxtouch

@@ -5,7 +5,7 @@
 #include "tests/unit/effects/touch_support.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace friction_test {
 
 const BallTool kBall;
 constexpr double kWall = 1000.0;  // N/m of the object
@@ -263,5 +263,5 @@ TEST(Friction, ReportsAStiffnessThatCoversAPushThatEasesWhileItLetsGo) {
   EXPECT_GT(change, 0.7 * before.stiffness_bound_n_per_m);
 }
 
-}  // namespace
+}  // namespace friction_test
 }  // namespace voxtouch::test

@@ -5,7 +5,7 @@
 #include "effect_check.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace magnet_test {
 
 EffectSpec magnet(const Vec3& point, double radius, double force) {
   return effect("magnet",
@@ -91,5 +91,5 @@ TEST(Magnet, IsFiniteAtItsPointItsRimAndFarOff) {
     }
 }
 
-}  // namespace
+}  // namespace magnet_test
 }  // namespace voxtouch::test

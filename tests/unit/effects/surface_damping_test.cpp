@@ -1,7 +1,7 @@
 #include "tests/unit/effects/touch_support.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace surface_damping_test {
 
 const BallTool kBall;
 const Vec3 kUp = Vec3::UnitZ();
@@ -91,5 +91,5 @@ TEST(SurfaceDamping, ReportsAStiffnessNotLessThanItsChangeWithDepth) {
   }
 }
 
-}  // namespace
+}  // namespace surface_damping_test
 }  // namespace voxtouch::test

@@ -3,7 +3,7 @@
 #include "tests/unit/effects/touch_support.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace texture_test {
 
 enum : int { kGrating, kNoise };
 const BallTool kBall;
@@ -236,5 +236,5 @@ TEST(Texture, ActsAtTheFootOfTheContactForceButNoFartherOutThanItsReach) {
   }
 }
 
-}  // namespace
+}  // namespace texture_test
 }  // namespace voxtouch::test

@@ -7,7 +7,7 @@
 #include "core/scene/scene_file.hpp"
 
 namespace voxtouch {
-namespace {
+namespace scene_on_device_test {
 
 constexpr StiffnessBounds kContact = {{30.0, 3000.0}, {0.003, 0.3}};
 
@@ -273,5 +273,5 @@ TEST(DeviceDemand, OfTwoScenesThatFadeIsTheLargerOfEachFigure) {
   EXPECT_TRUE(larger_of(b, a) == both);
 }
 
-}  // namespace
+}  // namespace scene_on_device_test
 }  // namespace voxtouch

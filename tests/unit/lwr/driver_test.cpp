@@ -8,7 +8,7 @@
 #include "fake_controller.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace driver_test {
 
 using namespace std::chrono_literals;
 
@@ -352,5 +352,5 @@ TEST(LwrDriver, WaitsForAControllerInVirtualTime) {
   EXPECT_EQ(pushes, 100);
 }
 
-}  // namespace
+}  // namespace driver_test
 }  // namespace voxtouch::test

@@ -6,7 +6,7 @@
 #include "devices/lwr/posture_torque.hpp"
 
 namespace voxtouch {
-namespace {
+namespace posture_test {
 
 LwrJoints random_posture(std::mt19937& random) {
   const LwrLimits limits = lwr_limits();
@@ -69,5 +69,5 @@ TEST(PostureTorque, FadesAtASingularityAndForWhatIsNoNumber) {
   EXPECT_EQ(posture_torque(rules, arm.jacobian(bad), rules.posture, LwrJoints::Zero()), LwrJoints::Zero());
 }
 
-}  // namespace
+}  // namespace posture_test
 }  // namespace voxtouch

@@ -6,7 +6,7 @@
 #include "devices/lwr/fri_session.hpp"
 
 namespace voxtouch::fri {
-namespace {
+namespace session_test {
 
 constexpr double kDt = 1e-3;
 using Phase = FriSession::Phase;
@@ -207,5 +207,5 @@ TEST(FriSession, HasASentenceForEveryTrouble) {
   EXPECT_EQ(sentences.count("unknown"), 0U);
 }
 
-}  // namespace
+}  // namespace session_test
 }  // namespace voxtouch::fri

@@ -11,7 +11,7 @@
 #include "devices/sim/plant.hpp"
 
 namespace voxtouch {
-namespace {
+namespace hand_test {
 
 constexpr double kStep = 1.0 / 8000.0;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -185,5 +185,5 @@ TEST(Hand, RefusesWhatIsNoMotion) {
   EXPECT_THROW(Hand(bad, motion, kStep), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace hand_test
 }  // namespace voxtouch

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace voxtouch {
-namespace {
+namespace device_file_test {
 
 const std::string kArm = R"(device: third
 rate_hz: 2000
@@ -192,5 +192,5 @@ TEST(DeviceFile, IsAFileWithADeviceInIt) {
   EXPECT_THROW(parse_device_file("scene: cup\n", "a.yaml"), SceneError);
 }
 
-}  // namespace
+}  // namespace device_file_test
 }  // namespace voxtouch

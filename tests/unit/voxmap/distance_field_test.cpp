@@ -13,7 +13,7 @@
 #include "tests/unit/contact/field_scenes.hpp"
 
 namespace voxtouch::test {
-namespace {
+namespace distance_field_test {
 
 constexpr double kEdge = 0.001;
 
@@ -363,5 +363,5 @@ TEST(ThinnestWall, IsFoundThroughTheSolidOnly) {
   EXPECT_TRUE(std::isinf(thinnest(open)));
 }
 
-}  // namespace
+}  // namespace distance_field_test
 }  // namespace voxtouch::test
