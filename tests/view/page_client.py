@@ -165,6 +165,13 @@ class WebSocket:
     def frame(self, holds, patience_s, what):
         return self.wait_for(lambda m: m["type"] == "frame" and holds(m), patience_s, what)
 
+    def code_of_the_end(self, patience_s):
+        """With which the server closes within so long; None where it does not."""
+        end = time.monotonic() + patience_s
+        while time.monotonic() < end and self.receive() is not None:
+            pass
+        return self.closed
+
     def close(self):
         self.socket.close()
 

@@ -1,4 +1,5 @@
 """The page's server as a plain client sees it: who is let in, what it may cost, and what of the ring comes through."""
+import json
 import os
 import pathlib
 import signal
@@ -7,7 +8,7 @@ import time
 import unittest
 import urllib.parse
 
-from page_client import DOMAIN, Process, WebSocket, page, pid_of, request, ring, scene, size, state_of
+from page_client import DOMAIN, Process, WebSocket, page, pid_of, request, ring, scene, size, state_of, until
 
 
 class Guards(unittest.TestCase):
@@ -41,18 +42,14 @@ class Guards(unittest.TestCase):
     def test_ends_a_client_that_sends_too_much(self):
         with WebSocket(self.address) as socket:
             socket.send('{"words": "' + "x" * 5000 + '"}')
-            while socket.receive() is not None:
-                pass
-            self.assertEqual(socket.closed, 1009)
+            self.assertEqual(socket.code_of_the_end(5), 1009)
         with WebSocket(self.address) as socket:
             for _ in range(200):
                 try:
                     socket.send("{}")
                 except OSError:
                     break
-            while socket.receive() is not None:
-                pass
-            self.assertIn(socket.closed, (1008, 1006))
+            self.assertIn(socket.code_of_the_end(5), (1008, 1006))
         self.assertEqual(request(self.address)[0], 200)
 
     def test_serves_eight_pages_and_no_more(self):
@@ -127,6 +124,33 @@ class Live(unittest.TestCase):
             with ring("cup_viscosity"):
                 socket.facts(lambda m: state_of(m, "coupling") == "running", 30, "the node's return")
                 socket.frame(lambda m: m["session"] != felt["session"] and size(m.get("force")) > 0.05, 20, "force of the next session")
+
+
+class Status(unittest.TestCase):
+    @staticmethod
+    def status(*more):
+        with Process("status", "--domain", DOMAIN, *more) as run:
+            return run.process.wait(20), run.told()
+
+    def test_names_all_rigs_with_their_nodes(self):
+        code, told = self.status()
+        self.assertEqual((code, "no node is heard" in told), (1, True), told)
+        with ring("cup") as here, ring("plane", "--rig", "left"):
+            until(lambda: here.told().count("samples") > 2, 30, here.told())
+            code, told = self.status("--json")
+            found = json.loads(told)
+            self.assertEqual((code, found["ok"]), (0, True), told)
+            self.assertEqual(sorted(found["rigs"]), ["haptic", "left"])
+            device = found["rigs"]["left"][0]
+            self.assertEqual((device["node"], device["state"]), ("device", "running"))
+            self.assertGreater(device["rate_hz"], 300)
+            self.assertGreater(device["answered_share"], 0.1)
+            self.assertNotIn("haptic", self.status("--rig", "left")[1])
+            dead = found["rigs"]["haptic"]
+            os.kill(next(n["pid"] for n in dead if n["node"] == "validator"), signal.SIGSTOP)
+            told = self.status()[1]  # who hangs says nothing to who comes later; the others name it
+            os.kill(next(n["pid"] for n in dead if n["node"] == "validator"), signal.SIGCONT)
+            self.assertIn("validator hangs", told)
 
 
 class Recorded(unittest.TestCase):
