@@ -7,7 +7,15 @@ namespace {
 
 constexpr int kMostAtOnce = 256;  ///< of what comes seldom: a flood of it must not hold up the picture
 
-const qos::Profile& tap() { return qos::profile(qos::ProfileId::kTap); }
+/// As every tap, with room for a second of the ring: this process waits for all others.
+const qos::Profile& tap() {
+  static const qos::Profile profile = [] {
+    qos::Profile deep = qos::profile(qos::ProfileId::kTap);
+    deep.depth = 1024;
+    return deep;
+  }();
+  return profile;
+}
 
 }  // namespace
 

@@ -12,7 +12,7 @@ namespace voxtouch::view {
 class RingTap {
  public:
   RingTap(const bus::Participant& participant, const runtime::NodeOptions& options);
-  /// Takes what has come since the last call: 64 samples of a stream at most, so call it more than 16 times a second.
+  /// Takes what has come since the last call, at most the last second of a stream.
   void take(Picture& picture, Facts& facts, NodeTable& nodes, std::int64_t now_ns);
   /// The scene's file on this host, as the rendering node says it; empty where it runs elsewhere or has not said it.
   std::string scene_file() const;

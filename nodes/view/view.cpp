@@ -1,5 +1,7 @@
 #include "nodes/view/view.hpp"
 
+#include <sys/resource.h>
+
 #include <deque>
 #include <mutex>
 #include <optional>
@@ -95,7 +97,7 @@ class View {
   }
 
  private:
-  static constexpr std::int64_t kTurnNs = 11'000'000;
+  static constexpr std::int64_t kTurnNs = 16'500'000;
 
   void advance(std::int64_t now_ns, double elapsed_s) {
     if (tap_) {
@@ -103,8 +105,6 @@ class View {
     } else if (player_->advance(server_.clients() > 0 ? elapsed_s : 0.0, picture_, facts_, nodes_)) {
       server_.send_fact(text_of(picture_.past(known_scene())));
     }
-    if (const auto& contact = picture_.contact())
-      points_.ask(runtime::from_msg(contact->object_pose), static_cast<double>(contact->scene_time_ns) * 1e-9);
   }
 
   void send_frame() {
@@ -117,7 +117,10 @@ class View {
           for (const double x : {p.x(), p.y(), p.z()}) all.push_back(rounded(x));
         frame["points"] = std::move(all);
       }
-    if (server_.clients() > 0) server_.send_frame(text_of(frame));
+    if (server_.clients() == 0) return;
+    if (const auto& contact = picture_.contact())  // for the next frame
+      points_.ask(runtime::from_msg(contact->object_pose), static_cast<double>(contact->scene_time_ns) * 1e-9);
+    server_.send_frame(text_of(frame));
   }
 
   void send_facts(std::int64_t now_ns) {
@@ -239,6 +242,9 @@ class View {
 
 }  // namespace
 
-int run(const Options& options, const std::atomic<bool>& stop) { return View(options).run(stop); }
+int run(const Options& options, const std::atomic<bool>& stop) {
+  setpriority(PRIO_PROCESS, 0, 10);  // this thread and those that it starts, DDS's too: who looks on comes after everything else
+  return View(options).run(stop);
+}
 
 }  // namespace voxtouch::view
