@@ -126,6 +126,23 @@ class Live(unittest.TestCase):
                 socket.frame(lambda m: m["session"] != felt["session"] and size(m.get("force")) > 0.05, 20, "force of the next session")
 
 
+class Together(unittest.TestCase):
+    def test_up_serves_the_page_within_two_seconds_and_takes_it_along(self):
+        began = time.monotonic()
+        with ring("cup", "--view") as run:
+            with WebSocket(run.address()) as socket:
+                socket.wait_for(lambda m: m["type"] == "scene" and m["meshes"], 10, "the scene")
+                took = time.monotonic() - began
+                socket.frame(lambda m: "tool" in m, 20, "a sample")
+                run.end()
+                while socket.receive() is not None:
+                    pass
+            address = run.address()
+        self.assertLess(took, 2.0)
+        with self.assertRaises(OSError):
+            request(address)
+
+
 class Status(unittest.TestCase):
     @staticmethod
     def status(*more):
