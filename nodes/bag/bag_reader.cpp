@@ -43,7 +43,7 @@ std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<B
 
 }  // namespace
 
-Result<BagReader> BagReader::open(const fs::path& path) {
+Result<BagReader> BagReader::open(const fs::path& path, Counts counts) {
   BagReader reader;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -73,11 +73,11 @@ Result<BagReader> BagReader::open(const fs::path& path) {
     return refuse(BagFault::kDisk, "'{}' is not there. Name a folder that holds a bag.", path.string());
   }
   for (const auto& file : files)
-    if (auto added = reader.add_file(file); !added) return std::unexpected(added.error());
+    if (auto added = reader.add_file(file, counts); !added) return std::unexpected(added.error());
   return reader;
 }
 
-Result<void> BagReader::add_file(const fs::path& path) {
+Result<void> BagReader::add_file(const fs::path& path, Counts counts) {
   auto opened = Database::open(path, Database::Mode::kReadOnly);
   if (!opened) return std::unexpected(opened.error());
   File file{std::move(*opened), {}};
@@ -97,7 +97,8 @@ Result<void> BagReader::add_file(const fs::path& path) {
     file.topics.emplace_back(rows->integer(0), *index);
   }
   if (code != SQLITE_DONE) return std::unexpected(file.database.error("read the topics of"));
-  if (auto counted = count_messages(file); !counted) return counted;
+  if (counts == Counts::kYes)
+    if (auto counted = count_messages(file); !counted) return counted;
   files_.push_back(std::move(file));
   return {};
 }

@@ -35,7 +35,9 @@ struct StoredMessage {
 class BagReader {
  public:
   /// `path`: the folder, or one .db3. Errors: kDisk, kFormat (compressed, mcap, no database at all).
-  static Result<BagReader> open(const std::filesystem::path& path);
+  /// Counting looks at every message, which takes seconds for minutes of a ring; without it all counts are 0.
+  enum class Counts : bool { kYes, kLeftOut };
+  static Result<BagReader> open(const std::filesystem::path& path, Counts counts = Counts::kYes);
 
   /// Topics of all files, by name; message_count as counted in the database.
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
@@ -69,7 +71,7 @@ class BagReader {
   };
   Result<bool> hand_out(const File& file, Statement& rows, const std::function<bool(const BagMessage&)>& f) const;
   Result<void> count_messages(const File& file);
-  Result<void> add_file(const std::filesystem::path& file);
+  Result<void> add_file(const std::filesystem::path& file, Counts counts);
 
   std::vector<File> files_;
   std::vector<TopicInfo> topics_;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "nodes/bus/wire_form.hpp"
+#include "nodes/runtime/realtime.hpp"
 #include "nodes/view/rounded.hpp"
 #include "qos/topics.hpp"
 
@@ -25,7 +26,7 @@ bool read_stream(std::span<const std::byte> bytes, T& message) {
 }
 
 bag::BagReader open(const std::filesystem::path& path) {
-  auto reader = bag::BagReader::open(path);
+  auto reader = bag::BagReader::open(path, bag::BagReader::Counts::kLeftOut);
   if (!reader) throw std::runtime_error(reader.error().sentence);
   return std::move(*reader);
 }
@@ -50,7 +51,7 @@ struct BagPlayer::Types {
     std::size_t topic = 0;
     std::vector<std::byte> bytes;
   };
-  std::vector<Seldom> facts;  ///< all messages of those, by time
+  std::vector<Seldom> facts;  ///< all messages of those, by time; of the thread that collects them, until it has
 };
 
 BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem::path& path)
@@ -77,15 +78,28 @@ BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem:
   if (!times) throw std::runtime_error(times.error().sentence);
   if (!*times) throw std::runtime_error(fmt::format("{} is empty", path.string()));
   std::tie(begin_ns_, end_ns_) = **times;
-  for (const std::size_t topic : types_->seldom)
-    (void)reader_.for_each([&](const bag::BagMessage& m) {
-      types_->facts.push_back({m.time_ns, m.topic, {m.bytes.begin(), m.bytes.end()}});
-      return true;
-    }, topic);
-  std::ranges::stable_sort(types_->facts, {}, &Types::Seldom::time_ns);
+  collecting_ = std::thread([this, path] {
+    runtime::ordinary_priority();
+    collect_facts(path);
+  });
 }
 
-BagPlayer::~BagPlayer() = default;
+/// What is said seldom may lie anywhere in a long recording: it is looked for beside the picture.
+void BagPlayer::collect_facts(const std::filesystem::path& path) {
+  const auto reader = bag::BagReader::open(path, bag::BagReader::Counts::kLeftOut);
+  if (!reader) return;
+  (void)reader->for_each_between(begin_ns_, end_ns_ + 1, [&](const bag::BagMessage& m) {
+    if (std::ranges::find(types_->seldom, m.topic) != types_->seldom.end())
+      types_->facts.push_back({m.time_ns, m.topic, {m.bytes.begin(), m.bytes.end()}});
+    return !stop_.load();
+  });
+  collected_.store(true, std::memory_order_release);
+}
+
+BagPlayer::~BagPlayer() {
+  stop_.store(true);
+  if (collecting_.joinable()) collecting_.join();
+}
 
 void BagPlayer::play(bool on) {
   const double end_s = static_cast<double>(end_ns_ - begin_ns_) * 1e-9;
@@ -97,13 +111,16 @@ void BagPlayer::seek(double to_s) { seek_s_ = std::clamp(to_s, 0.0, static_cast<
 std::int64_t BagPlayer::now_ns() const noexcept { return begin_ns_ + static_cast<std::int64_t>(at_s_ * 1e9); }
 
 bool BagPlayer::advance(double elapsed_s, Picture& picture, Facts& facts, NodeTable& nodes) {
+  const bool all_known = collected_.load(std::memory_order_acquire);
+  if (all_known && !std::exchange(knew_all_, true) && at_s_ > kPastS && !seek_s_) seek_s_ = at_s_;  // the same place, with all that is known
   const bool jump = seek_s_.has_value();
   if (jump) {
     at_s_ = *std::exchange(seek_s_, std::nullopt);
     picture.forget(), nodes.forget(), facts.restart();
     const std::int64_t from_ns = now_ns() - static_cast<std::int64_t>(kPastS * 1e9);
-    for (const Types::Seldom& fact : types_->facts)  // whatever was said before holds
-      if (fact.time_ns < from_ns) take({fact.topic, fact.time_ns, 0, fact.bytes}, picture, facts, nodes);
+    for (const Types::Seldom& fact : all_known ? std::span<const Types::Seldom>(types_->facts) : std::span<const Types::Seldom>())
+      if (fact.time_ns < from_ns)  // whatever was said before holds
+        take({fact.topic, fact.time_ns, 0, fact.bytes}, picture, facts, nodes);
     feed(from_ns, now_ns() + 1, picture, facts, nodes);
   }
   if (!playing_) return jump;

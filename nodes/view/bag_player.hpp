@@ -1,8 +1,10 @@
 #pragma once
 /// A recorded run as if it ran now: play, pause, speed, any place.
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "nodes/bag/bag_reader.hpp"
 #include "nodes/bus/participant.hpp"
@@ -39,6 +41,8 @@ class BagPlayer {
   void feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts, NodeTable& nodes);
   void take(const bag::BagMessage& message, Picture& picture, Facts& facts, NodeTable& nodes);
 
+  void collect_facts(const std::filesystem::path& path);
+
   bag::BagReader reader_;
   std::unique_ptr<Types> types_;
   std::int64_t begin_ns_ = 0, end_ns_ = 0;
@@ -46,6 +50,9 @@ class BagPlayer {
   bool playing_ = true;
   std::optional<double> seek_s_ = 0.0;
   std::string scene_file_;
+  std::atomic<bool> stop_{false}, collected_{false};
+  bool knew_all_ = false;
+  std::thread collecting_;
 };
 
 }  // namespace voxtouch::view
