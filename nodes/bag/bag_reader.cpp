@@ -43,7 +43,7 @@ std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<B
 
 }  // namespace
 
-Result<BagReader> BagReader::open(const fs::path& path) {
+Result<BagReader> BagReader::open(const fs::path& path, Counts counts) {
   BagReader reader;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -73,11 +73,11 @@ Result<BagReader> BagReader::open(const fs::path& path) {
     return refuse(BagFault::kDisk, "'{}' is not there. Name a folder that holds a bag.", path.string());
   }
   for (const auto& file : files)
-    if (auto added = reader.add_file(file); !added) return std::unexpected(added.error());
+    if (auto added = reader.add_file(file, counts); !added) return std::unexpected(added.error());
   return reader;
 }
 
-Result<void> BagReader::add_file(const fs::path& path) {
+Result<void> BagReader::add_file(const fs::path& path, Counts counts) {
   auto opened = Database::open(path, Database::Mode::kReadOnly);
   if (!opened) return std::unexpected(opened.error());
   File file{std::move(*opened), {}};
@@ -97,7 +97,8 @@ Result<void> BagReader::add_file(const fs::path& path) {
     file.topics.emplace_back(rows->integer(0), *index);
   }
   if (code != SQLITE_DONE) return std::unexpected(file.database.error("read the topics of"));
-  if (auto counted = count_messages(file); !counted) return counted;
+  if (counts == Counts::kYes)
+    if (auto counted = count_messages(file); !counted) return counted;
   files_.push_back(std::move(file));
   return {};
 }
@@ -131,21 +132,60 @@ std::uint64_t BagReader::message_count() const noexcept {
   return count;
 }
 
+/// Gives the rows of a statement to f; false where f wanted no more.
+Result<bool> BagReader::hand_out(const File& file, Statement& rows, const std::function<bool(const BagMessage&)>& f) const {
+  int code = rows.step();
+  for (; code == SQLITE_ROW; code = rows.step())
+    if (const auto index = file.index_of(rows.integer(0)))
+      if (!f({*index, rows.integer(1), rows.integer(2), rows.blob(3)})) return false;
+  if (code != SQLITE_DONE) return std::unexpected(file.database.error("read the messages of"));
+  return true;
+}
+
 Result<void> BagReader::for_each(const std::function<bool(const BagMessage&)>& f, std::optional<std::size_t> topic,
                                  Order order) const {
   for (const auto& file : files_) {
-    const std::string by = order == Order::kTime ? "timestamp, id" : "id";
-    auto rows = file.database.prepare("SELECT topic_id, timestamp, id, data FROM messages ORDER BY " + by);
+    std::vector<std::int64_t> wanted;
+    for (const auto& [row, index] : file.topics)
+      if (!topic || index == *topic) wanted.push_back(row);
+    auto rows = file.database.prepare(fmt::format("SELECT topic_id, timestamp, id, data FROM messages {} ORDER BY {}",
+                                                  topic ? fmt::format("WHERE topic_id IN ({})", fmt::join(wanted, ",")) : "",
+                                                  order == Order::kTime ? "timestamp, id" : "id"));
     if (!rows) return std::unexpected(rows.error());
-    int code = rows->step();
-    for (; code == SQLITE_ROW; code = rows->step()) {
-      const auto index = file.index_of(rows->integer(0));
-      if (!index || (topic && *index != *topic)) continue;
-      if (!f({*index, rows->integer(1), rows->integer(2), rows->blob(3)})) return {};
-    }
-    if (code != SQLITE_DONE) return std::unexpected(file.database.error("read the messages of"));
+    const auto more = hand_out(file, *rows, f);
+    if (!more) return std::unexpected(more.error());
+    if (!*more) return {};
   }
   return {};
+}
+
+Result<void> BagReader::for_each_between(std::int64_t from_ns, std::int64_t to_ns,
+                                         const std::function<bool(const BagMessage&)>& f) const {
+  for (const auto& file : files_) {
+    auto rows = file.database.prepare(
+        "SELECT topic_id, timestamp, id, data FROM messages WHERE timestamp >= ? AND timestamp < ? ORDER BY timestamp, id");
+    if (!rows) return std::unexpected(rows.error());
+    rows->bind(1, from_ns), rows->bind(2, to_ns);
+    const auto more = hand_out(file, *rows, f);
+    if (!more) return std::unexpected(more.error());
+    if (!*more) return {};
+  }
+  return {};
+}
+
+Result<std::optional<std::pair<std::int64_t, std::int64_t>>> BagReader::times() const {
+  std::optional<std::pair<std::int64_t, std::int64_t>> all;
+  for (const auto& file : files_) {
+    // One at a time: only then the index alone is looked at.
+    auto rows = file.database.prepare(
+        "SELECT (SELECT min(timestamp) FROM messages), (SELECT max(timestamp) FROM messages), EXISTS (SELECT 1 FROM messages)");
+    if (!rows) return std::unexpected(rows.error());
+    if (rows->step() != SQLITE_ROW) return std::unexpected(file.database.error("read the times of"));
+    if (rows->integer(2) == 0) continue;
+    const std::pair own{rows->integer(0), rows->integer(1)};
+    all = all ? std::pair{std::min(all->first, own.first), std::max(all->second, own.second)} : own;
+  }
+  return all;
 }
 
 Result<std::vector<StoredMessage>> BagReader::read_topic(std::string_view name, Order order) const {

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "nodes/bag/bag_metadata.hpp"
@@ -34,7 +35,9 @@ struct StoredMessage {
 class BagReader {
  public:
   /// `path`: the folder, or one .db3. Errors: kDisk, kFormat (compressed, mcap, no database at all).
-  static Result<BagReader> open(const std::filesystem::path& path);
+  /// Counting looks at every message, which takes seconds for minutes of a ring; without it all counts are 0.
+  enum class Counts : bool { kYes, kLeftOut };
+  static Result<BagReader> open(const std::filesystem::path& path, Counts counts = Counts::kYes);
 
   /// Topics of all files, by name; message_count as counted in the database.
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
@@ -51,6 +54,10 @@ class BagReader {
   /// damaged database.
   Result<void> for_each(const std::function<bool(const BagMessage&)>& f, std::optional<std::size_t> topic = {},
                         Order order = Order::kTime) const;
+  /// The same for what was recorded from `from_ns` on and before `to_ns`, by time; quick, wherever that lies.
+  Result<void> for_each_between(std::int64_t from_ns, std::int64_t to_ns, const std::function<bool(const BagMessage&)>& f) const;
+  /// Times of the first and of the last message; nothing where there is none.
+  Result<std::optional<std::pair<std::int64_t, std::int64_t>>> times() const;
   /// All messages of a topic. Error: kNoSuchTopic names what there is.
   Result<std::vector<StoredMessage>> read_topic(std::string_view name, Order order = Order::kTime) const;
 
@@ -62,8 +69,9 @@ class BagReader {
     std::vector<std::pair<std::int64_t, std::size_t>> topics;  // row in this file, index into topics_
     std::optional<std::size_t> index_of(std::int64_t row) const noexcept;
   };
+  Result<bool> hand_out(const File& file, Statement& rows, const std::function<bool(const BagMessage&)>& f) const;
   Result<void> count_messages(const File& file);
-  Result<void> add_file(const std::filesystem::path& file);
+  Result<void> add_file(const std::filesystem::path& file, Counts counts);
 
   std::vector<File> files_;
   std::vector<TopicInfo> topics_;

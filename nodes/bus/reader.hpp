@@ -32,7 +32,7 @@ class Reader {
     }
     return false;
   }
-  /// Calls f(const T&), or f(const T&, handle of its writer), for each waiting sample, oldest first, for `most` at most; for types
+  /// Calls f(const T&), f(const T&, handle of its writer), or f(const T&, const dds_sample_info_t&), for each waiting sample, oldest first, for `most` at most; for types
   /// with strings and sequences, which DDS lends. Returns how many.
   template <class F>
   int take_each(F&& f, int most = std::numeric_limits<int>::max()) {
@@ -45,6 +45,8 @@ class Reader {
       if (info.valid_data) {
         if constexpr (std::is_invocable_v<F, const T&, dds_instance_handle_t>)
           f(*static_cast<const T*>(lent[0]), info.publication_handle);
+        else if constexpr (std::is_invocable_v<F, const T&, const dds_sample_info_t&>)
+          f(*static_cast<const T*>(lent[0]), info);
         else
           f(*static_cast<const T*>(lent[0]));
         ++count;

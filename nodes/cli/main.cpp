@@ -23,6 +23,8 @@ int main(int argc, char** argv) {
   voxtouch::cli::add_schema(app, action);
   voxtouch::cli::add_change(app, action);
   voxtouch::cli::add_types(app, action);
+  voxtouch::cli::add_view(app, action);
+  voxtouch::cli::add_status(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -207,7 +207,9 @@ class RenderingNode {
   }
 
   void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
-    report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash}};
+    report.values = {{"scene", scene_.name},
+                     {"scene_hash", scene_.hash},
+                     {"scene_file", std::filesystem::absolute(scene_.file).string()}};  // for who looks on from this host
     report.figures = updates_.figures();
     report.figures["longest_frame_us"] = {
         options_.lockstep ? 0.0 : std::round(static_cast<double>(longest_ns_.load()) * 1e-3), "us"};

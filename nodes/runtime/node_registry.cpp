@@ -140,13 +140,19 @@ bool NodeRegistry::is_its_own(const msg::NodeStatus& s, dds_instance_handle_t wr
   return reports_.contains(sender->second) || reports_.size() < kMaxNodes;
 }
 
-void NodeRegistry::take(const msg::NodeStatus& s) {
-  NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}, {}, clock_.now_ns()};
+NodeReport to_report(const msg::NodeStatus& s) {
+  NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}, {}, 0};
   std::memcpy(report.participant.data(), s.participant, report.participant.size());
   for (std::uint32_t i = 0; i < s.values._length; ++i)
     report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
   for (std::uint32_t i = 0; i < s.figures._length; ++i)
     report.figures[s.figures._buffer[i].name] = {s.figures._buffer[i].value, s.figures._buffer[i].unit};
+  return report;
+}
+
+void NodeRegistry::take(const msg::NodeStatus& status) {
+  NodeReport report = to_report(status);
+  report.heard_ns = clock_.now_ns();
   reports_[report.participant] = std::move(report);
 }
 

@@ -48,6 +48,9 @@ struct NodeReport {
   bool final() const noexcept { return state == NodeState::kStopped || state == NodeState::kFailed; }
 };
 
+/// A status as its node meant it; nobody has looked at its lengths.
+NodeReport to_report(const msg::NodeStatus& status);
+
 /// Publishes this node's report, and the same as /diagnostics while somebody reads that. Not for the loop: allocates.
 class StatusWriter {
  public:

@@ -39,7 +39,7 @@ class Encoder {
   std::string operator()(const T& message) { return form_.bytes(message).substr(4); }
 
  private:
-  test::WireForm<T> form_{fuzz::participant()};
+  bus::WireForm<T> form_{fuzz::participant()};
 };
 
 void meshes() {

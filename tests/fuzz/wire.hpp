@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tests/fuzz/fuzz.hpp"
-#include "tests/support/wire_form.hpp"
+#include "nodes/bus/wire_form.hpp"
 
 namespace voxtouch::fuzz {
 
@@ -36,7 +36,7 @@ class Wire {
   }
 
  private:
-  test::WireForm<T> form_{participant()};
+  bus::WireForm<T> form_{participant()};
 };
 
 /// Types of fixed size: the input is one message after the other, each as little-endian CDR without its header.

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <csignal>
 #include <ctime>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -13,6 +14,7 @@
 #include "devices/settings.hpp"
 #include "nodes/bus/reader.hpp"
 #include "nodes/cli/up/launcher.hpp"
+#include "nodes/cli/up/page_process.hpp"
 #include "nodes/cli/up/summary.hpp"
 #include "nodes/cli/up/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
@@ -33,7 +35,7 @@ struct UpOptions {
   std::filesystem::path bag;
   std::vector<std::string> settings, topics, limits;
   std::uint64_t every = 20;
-  bool no_record = false, one_process = false, json = false;
+  bool no_record = false, one_process = false, json = false, view = false;
 };
 
 std::filesystem::path default_bag(const std::string& scene) {
@@ -283,6 +285,8 @@ RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
   const Scene scene = load_scene(options.node.scene);
   for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
+  std::optional<PageProcess> page;  // first: what takes long to build can be looked at meanwhile
+  if (options.view) page.emplace(options.node);
   for (const std::string& note : check_before_start(scene, {options.device, parse_settings(options.settings),
                                                             options.motion, options.no_record ? "" : options.bag}))
     tell("note: {}\n", note);
@@ -342,6 +346,7 @@ void add_up(CLI::App& app, Action& action) {
       ->check(check_limit);
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
   verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
+  verb->add_flag("--view", options->view, "Serves a page that shows the ring, and tells its address: see voxtouch view --help");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");
   verb->callback([options, &action] { action = [options] { return up(*options); }; });
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The wire form of a type, as Cyclone DDS itself writes and reads it, without a network between.
+/// The wire form of a type, as Cyclone DDS itself writes and reads it, without a network between: what bags hold.
 #include <dds/dds.h>
 
 #include <span>
@@ -10,7 +10,7 @@
 #include "nodes/bus/serdata.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
-namespace voxtouch::test {
+namespace voxtouch::bus {
 
 template <class T>
 class WireForm {
@@ -35,7 +35,7 @@ class WireForm {
 
   /// Encapsulation header and CDR.
   std::string bytes(const T& message) const {
-    const bus::Serdata data(ddsi_serdata_from_sample(sample_->type, SDK_DATA, &message));
+    const Serdata data(ddsi_serdata_from_sample(sample_->type, SDK_DATA, &message));
     std::string out(ddsi_serdata_size(data.get()), '\0');
     ddsi_serdata_to_ser(data.get(), 0, out.size(), out.data());
     return out;
@@ -45,7 +45,7 @@ class WireForm {
   bool read(std::string_view cdr, F&& f) const {
     if (cdr.size() < 4) return false;  // no header: asked before DDS is
     const ddsrt_iovec_t part{const_cast<char*>(cdr.data()), cdr.size()};
-    const bus::Serdata data(ddsi_serdata_from_ser_iov(sample_->type, SDK_DATA, 1, &part, cdr.size()));
+    const Serdata data(ddsi_serdata_from_ser_iov(sample_->type, SDK_DATA, 1, &part, cdr.size()));
     if (!data) return false;
     T message{};
     const bool whole = ddsi_serdata_to_sample(data.get(), &message, nullptr, nullptr);
@@ -55,7 +55,7 @@ class WireForm {
   }
 
  private:
-  bus::Serdata sample_;
+  Serdata sample_;
 };
 
-}  // namespace voxtouch::test
+}  // namespace voxtouch::bus

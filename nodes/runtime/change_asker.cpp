@@ -1,0 +1,149 @@
+#include "nodes/runtime/change_asker.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "core/types/number.hpp"
+#include "nodes/runtime/strings.hpp"
+
+namespace voxtouch::runtime {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+using namespace msg::effect_change;
+
+constexpr milliseconds kPatience{2000};
+
+[[noreturn]] void misread(const std::string& what) {
+  throw std::runtime_error(
+      what + ". Say EFFECT on, EFFECT off, EFFECT gain 0.5, or EFFECT PARAMETER=VALUE; see voxtouch change --help");
+}
+
+double number(std::string_view text) {
+  const auto value = parse_finite(text);
+  if (!value) misread(fmt::format("'{}' is not a number", text));
+  return *value;
+}
+
+/// PARAMETER=VALUE or PARAMETER=X,Y,Z.
+ChangeWish assignment(const std::string& effect, const std::string& word) {
+  const std::size_t equals = word.find('=');
+  if (equals == std::string::npos || equals == 0)
+    misread(fmt::format("'{}' is neither on, off, gain nor PARAMETER=VALUE", word));
+  ChangeWish wish{kActionValue, effect, word.substr(0, equals), {}};
+  std::string_view rest = std::string_view(word).substr(equals + 1);
+  for (std::size_t n = 0;; ++n) {
+    if (n == 3) misread(fmt::format("'{}' holds more than three numbers", word));
+    const std::size_t comma = rest.find(',');
+    wish.value[n] = number(rest.substr(0, comma));
+    if (comma == std::string_view::npos) return wish;
+    rest.remove_prefix(comma + 1);
+  }
+}
+
+std::uint64_t request_number() {
+  std::random_device random;
+  return (std::uint64_t{random()} << 32) | random();
+}
+
+template <class Holds>
+bool until(Clock::duration patience, Holds&& holds) {
+  for (const auto end = Clock::now() + patience; !holds(); std::this_thread::sleep_for(milliseconds(2)))
+    if (Clock::now() > end) return false;
+  return true;
+}
+
+}  // namespace
+
+std::vector<ChangeWish> read_wishes(const ChangeWords& o) {
+  if (o.reload) {
+    if (!o.words.empty()) misread("--reload takes no effect");
+    return {{kActionReload, {}, {}, {}}};
+  }
+  if (o.voxel_size_m > 0.0 || !o.model.empty()) misread("--voxel-size and --model belong to --reload");
+  if (o.words.size() < 2) misread("an effect and what is to become of it are missing");
+  const std::string& effect = o.words[0];
+  std::vector<ChangeWish> wishes;
+  for (std::size_t n = 1; n < o.words.size(); ++n) {
+    const std::string& word = o.words[n];
+    if (word == "on" || word == "off") {
+      wishes.push_back({kActionSwitch, effect, {}, {word == "on" ? 1.0 : 0.0, 0.0, 0.0}});
+    } else if (word == "gain") {
+      if (++n == o.words.size()) misread("'gain' needs a number from 0 to 1");
+      wishes.push_back({kActionGain, effect, {}, {number(o.words[n]), 0.0, 0.0}});
+    } else {
+      wishes.push_back(assignment(effect, word));
+    }
+  }
+  return wishes;
+}
+
+ChangeAsker::ChangeAsker(const bus::Participant& participant, const NodeOptions& options)
+    : rig_(options.rig), domain_(options.domain),
+      changes_(participant, qos::kEffectChange, options.rig, qos::profile(qos::kEffectChange.profile)),
+      answers_(participant, qos::kEffectChanged, options.rig, qos::profile(qos::kEffectChanged.profile)) {}
+
+std::string ChangeAsker::ask(const ChangeWords& words, const std::function<void(const ChangeAnswer&)>& heard,
+                             const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
+  const std::vector<ChangeWish> wishes = read_wishes(words);
+  if (!until(kPatience, [&] { return leave() || (changes_.matched_count() > 0 && answers_.matched_count() > 0); })) return nobody();
+  for (const ChangeWish& wish : wishes) {
+    const std::optional<Message> answer = ask_one(wish, words, waits, leave);
+    if (!answer) return nobody();
+    if (answer->result == msg::effect_changed::kResultRefused) return answer->sentence;
+    if (answer->result != msg::effect_changed::kResultDone) return "not waited for: " + answer->sentence;
+    heard({answer->from_sample, answer->sentence});
+  }
+  return {};
+}
+
+/// None where nobody answers.
+std::optional<ChangeAsker::Message> ChangeAsker::ask_one(const ChangeWish& wish, const ChangeWords& words,
+                                                         const std::function<void(const std::string&)>& waits,
+                                                         const std::function<bool()>& leave) {
+  const std::uint64_t request = request_number();
+  std::optional<Message> answer;
+  const auto look = [&] {
+    answers_.take_each([&](const msg::EffectChanged& m) {
+      if (m.request == request) answer = Message{m.result, m.from_sample, m.sentence};
+    });
+    return leave() || (answer && answer->result != msg::effect_changed::kResultWaiting);
+  };
+  // A first message may go before the other end knows this one; asked again, it is answered and not done again.
+  for (int tries = 0; !answer && tries < 10 && !leave(); ++tries) {
+    send(wish, words, request);
+    until(kPatience / 10, [&] { return look() || answer; });
+  }
+  if (!answer) return answer;
+  if (answer->result == msg::effect_changed::kResultWaiting) waits(answer->sentence);
+  while (answer->result == msg::effect_changed::kResultWaiting && changes_.matched_count() > 0 && !leave())
+    until(milliseconds(200), look);
+  return answer;
+}
+
+void ChangeAsker::send(const ChangeWish& wish, const ChangeWords& words, std::uint64_t request) {
+  msg::EffectChange m{};
+  m.request = request;
+  m.from_sample = words.from_sample;
+  m.action = wish.action;
+  m.effect = lend(wish.effect);
+  m.parameter = lend(wish.parameter);
+  std::copy(wish.value.begin(), wish.value.end(), m.value);
+  m.voxel_size_m = words.voxel_size_m;
+  m.model = lend(words.model);
+  changes_.write(m);
+}
+
+std::string ChangeAsker::nobody() const {
+  return fmt::format(
+      "no rendering of rig '{}' answers on domain {}: is the ring running, with the same --rig, --domain and "
+      "--interface?",
+      rig_, domain_);
+}
+
+}  // namespace voxtouch::runtime

@@ -1,0 +1,38 @@
+#include "nodes/view/access.hpp"
+
+#include <sys/random.h>
+
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace voxtouch::view {
+
+std::string make_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw std::runtime_error("the kernel gives no random numbers for the page's token");
+  std::string token;
+  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
+  return token;
+}
+
+bool Access::admits_host(std::string_view host) const {
+  return host == fmt::format("{}:{}", address, port) || (address.starts_with("127.") && host == fmt::format("localhost:{}", port));
+}
+
+bool Access::admits_origin(std::string_view origin) const {
+  constexpr std::string_view kScheme = "http://";
+  return origin.empty() || (origin.starts_with(kScheme) && admits_host(origin.substr(kScheme.size())));
+}
+
+bool Access::admits_token(std::string_view given) const noexcept {
+  if (token.empty() || given.size() != token.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t n = 0; n < token.size(); ++n)
+    difference |= static_cast<unsigned char>(token[n]) ^ static_cast<unsigned>(static_cast<unsigned char>(given[n]));
+  return difference == 0;
+}
+
+}  // namespace voxtouch::view

@@ -1,0 +1,58 @@
+#pragma once
+/// A recorded run as if it ran now: play, pause, speed, any place.
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "nodes/bag/bag_reader.hpp"
+#include "nodes/bus/participant.hpp"
+#include "nodes/view/facts.hpp"
+#include "nodes/view/node_table.hpp"
+#include "nodes/view/picture.hpp"
+
+namespace voxtouch::view {
+
+class BagPlayer {
+ public:
+  /// Throws std::runtime_error, a sentence, where `path` is no bag or holds nothing of a ring.
+  BagPlayer(const bus::Participant& participant, const std::filesystem::path& path);
+  ~BagPlayer();
+
+  void play(bool on);
+  void speed(double times);  ///< kSlowest to kFastest
+  /// Goes to a time since the first message and shows what was then, with the kPastS before it.
+  void seek(double to_s);
+  /// Takes what was recorded up to where the clock now is. True where a jump was made: what was shown before is gone.
+  bool advance(double elapsed_s, Picture& picture, Facts& facts, NodeTable& nodes);
+
+  /// {t, duration, playing, speed}
+  nlohmann::json to_json() const;
+  /// As the rendering node said it; empty where it did not.
+  const std::string& scene_file() const noexcept { return scene_file_; }
+  /// Of the bag's times, as NodeTable is told them [ns].
+  std::int64_t now_ns() const noexcept;
+
+  static constexpr double kSlowest = 0.01, kFastest = 16.0;
+
+ private:
+  struct Types;
+  void feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts, NodeTable& nodes);
+  void take(const bag::BagMessage& message, Picture& picture, Facts& facts, NodeTable& nodes);
+
+  void collect_facts(const std::filesystem::path& path);
+
+  bag::BagReader reader_;
+  std::unique_ptr<Types> types_;
+  std::int64_t begin_ns_ = 0, end_ns_ = 0;
+  double at_s_ = 0.0, speed_ = 1.0;
+  bool playing_ = true;
+  std::optional<double> seek_s_ = 0.0;
+  std::string scene_file_;
+  std::atomic<bool> stop_{false}, collected_{false};
+  bool knew_all_ = false;
+  std::thread collecting_;
+};
+
+}  // namespace voxtouch::view

@@ -1,0 +1,111 @@
+#include "nodes/view/contact_points.hpp"
+
+#include <sys/resource.h>
+
+#include <exception>
+#include <utility>
+
+#include "core/rendering/build.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
+#include "nodes/runtime/realtime.hpp"
+
+namespace voxtouch::view {
+namespace {
+
+std::vector<Vec3> find(BuiltScene& built, const Pose& object, double scene_time_s) {
+  std::vector<Vec3> all;
+  ObjectContacts& contacts = built.contacts();
+  for (std::size_t n = 0; n < contacts.size(); ++n) {
+    const StaticObject& rests = contacts.object(n);
+    const Vec3 moved = rests.moves ? motion_at(*rests.moves, scene_time_s).position : Vec3::Zero();
+    Pose pose = object;
+    pose.position -= moved;
+    ContactRenderer& renderer = *contacts.object(n).renderer;
+    (void)renderer.probe(pose);
+    const HitList& hits = renderer.hits();
+    for (const auto* kind : {&hits.surface, &hits.interior})
+      for (const Hit& hit : *kind) all.push_back(object.position + hit.arm);
+  }
+  if (all.size() <= ContactPoints::kMost) return all;
+  std::vector<Vec3> some;
+  for (std::size_t n = 0; n < ContactPoints::kMost; ++n) some.push_back(all[n * all.size() / ContactPoints::kMost]);
+  return some;
+}
+
+}  // namespace
+
+ContactPoints::ContactPoints() : thread_([this] { run(); }) {}
+
+ContactPoints::~ContactPoints() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  something_.notify_one();
+  thread_.join();
+}
+
+void ContactPoints::scene_is(const Scene& scene) {
+  forget();
+  const std::lock_guard lock(mutex_);
+  scene_ = scene;
+  why_not_ = "the scene is being built here once more";
+  something_.notify_one();
+}
+
+void ContactPoints::forget() {
+  const std::lock_guard lock(mutex_);
+  ++wanted_;
+  scene_.reset(), question_.reset(), points_.reset();
+  why_not_ = "the scene's file is not at hand";
+}
+
+void ContactPoints::ask(const Pose& object, double scene_time_s) {
+  const std::lock_guard lock(mutex_);
+  question_ = Question{object, scene_time_s};
+  something_.notify_one();
+}
+
+std::optional<std::vector<Vec3>> ContactPoints::points() const {
+  const std::lock_guard lock(mutex_);
+  return points_;
+}
+
+std::string ContactPoints::why_not() const {
+  const std::lock_guard lock(mutex_);
+  return why_not_;
+}
+
+void ContactPoints::run() {
+  runtime::ordinary_priority();
+  setpriority(PRIO_PROCESS, 0, 19);  // this thread alone: building must not take time from a ring on the same machine
+  std::unique_ptr<BuiltScene> built;
+  std::uint64_t built_for = 0;
+  std::unique_lock lock(mutex_);
+  while (!stop_) {
+    something_.wait(lock, [&] { return stop_ || scene_ || (question_ && built && built_for == wanted_); });
+    if (stop_) return;
+    const std::uint64_t wanted = wanted_;
+    if (auto scene = std::exchange(scene_, std::nullopt)) {
+      lock.unlock();
+      std::string why_not;
+      try {
+        built = build_scene(*scene, serial_for(), {.read = mesh_process()});
+      } catch (const std::exception& error) {
+        built.reset();
+        why_not = error.what();
+      }
+      lock.lock();
+      built_for = wanted;
+      if (wanted == wanted_) why_not_ = why_not;
+      continue;
+    }
+    const Question question = *std::exchange(question_, std::nullopt);
+    lock.unlock();
+    std::vector<Vec3> found = find(*built, question.object, question.scene_time_s);
+    lock.lock();
+    if (wanted == wanted_) points_ = std::move(found);
+  }
+}
+
+}  // namespace voxtouch::view

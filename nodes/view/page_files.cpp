@@ -1,0 +1,52 @@
+#include "nodes/view/page_files.hpp"
+
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace voxtouch::view {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The folder stands beside the program under its own name, as the nodes do.
+fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path() / "voxtouch_page"; }
+
+constexpr const char* kOwn[] = {"index.html", "page.css", "main.js", "scene3d.js", "charts.js", "panels.js"};
+constexpr const char* kScript = "text/javascript; charset=utf-8";
+
+struct Library {
+  const char *asked, *path, *mime, *package;
+};
+constexpr Library kLibraries[] = {
+    {"/three.js", "/usr/share/javascript/three/three.min.js", kScript, "libjs-three"},
+    {"/orbit.js", "/usr/share/javascript/three/examples/js/controls/OrbitControls.js", kScript, "libjs-three"},
+    {"/dygraph.js", "/usr/share/javascript/dygraphs/dygraph.min.js", kScript, "libjs-dygraphs"},
+    {"/dygraph.css", "/usr/share/javascript/dygraphs/dygraph.min.css", "text/css; charset=utf-8", "libjs-dygraphs"},
+};
+
+const char* mime_of(const fs::path& file) {
+  if (file.extension() == ".html") return "text/html; charset=utf-8";
+  return file.extension() == ".css" ? "text/css; charset=utf-8" : kScript;
+}
+
+}  // namespace
+
+std::map<std::string, PageFile> find_page_files() {
+  std::map<std::string, PageFile> files;
+  for (const char* name : kOwn) {
+    const fs::path file = own_folder() / name;
+    if (!fs::exists(file)) throw std::runtime_error(fmt::format("{} is missing: it should stand beside voxtouch", file.string()));
+    files["/" + std::string(name)] = {file.string(), mime_of(file)};
+  }
+  files["/"] = files.extract("/index.html").mapped();
+  for (const Library& library : kLibraries) {
+    if (!fs::exists(library.path))
+      throw std::runtime_error(fmt::format("{} is missing: install {} (deploy/setup does)", library.path, library.package));
+    files[library.asked] = {library.path, library.mime};
+  }
+  return files;
+}
+
+}  // namespace voxtouch::view

@@ -1,0 +1,309 @@
+#include "nodes/view/page_server.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <deque>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <libwebsockets.h>
+
+#include "nodes/log/tell.hpp"
+#include "nodes/runtime/realtime.hpp"
+#include "nodes/view/access.hpp"
+#include "nodes/view/page_files.hpp"
+
+namespace voxtouch::view {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::string header(lws* wsi, lws_token_indexes which) {
+  char text[512];
+  const int length = lws_hdr_copy(wsi, text, sizeof text, which);
+  return length > 0 ? std::string(text, static_cast<std::size_t>(length)) : std::string();
+}
+
+std::string token_of(lws* wsi) {
+  char text[128];
+  const char* token = lws_get_urlarg_by_name(wsi, "token=", text, sizeof text);
+  return token ? token : "";
+}
+
+/// Whether `port` is free at `address` now; throws where the address is none of this machine's.
+bool is_free(const std::string& address, int port) {
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_port = htons(static_cast<std::uint16_t>(port));
+  const bool is_one = inet_pton(AF_INET, address.c_str(), &place.sin_addr) == 1 && place.sin_addr.s_addr != INADDR_ANY;
+  if (!is_one) throw std::runtime_error(fmt::format("'{}' is no IPv4 address of one interface, such as 127.0.0.1", address));
+  const int socket_fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int yes = 1;
+  setsockopt(socket_fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  const bool bound = bind(socket_fd, reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0 && listen(socket_fd, 1) == 0;
+  const int error = errno;
+  close(socket_fd);
+  if (!bound && error != EADDRINUSE)
+    throw std::runtime_error(fmt::format("{}:{} cannot be listened on: {}", address, port, std::strerror(error)));
+  return bound;
+}
+
+int choose_port(const ServerOptions& options) {
+  if (options.port == 0 || is_free(options.address, options.port)) return options.port;
+  if (options.port_is_wished)
+    throw std::runtime_error(fmt::format("port {} of {} is taken: choose another --port, or 0 for any that is free", options.port,
+                                         options.address));
+  return 0;
+}
+
+/// What browsers are told about every file: nothing from elsewhere, no frame around it, no name of it to others.
+constexpr std::string_view kPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+}  // namespace
+
+class PageServer::Impl {
+  /// A message with the room in front of it that libwebsockets writes its header into.
+  struct Outgoing {
+    std::vector<unsigned char> bytes;
+    bool frame = false;
+  };
+  using Shared = std::shared_ptr<Outgoing>;
+
+  static Shared outgoing(std::string_view text, bool frame) {
+    auto message = std::make_shared<Outgoing>();
+    message->frame = frame;
+    message->bytes.resize(LWS_PRE + text.size());
+    std::memcpy(message->bytes.data() + LWS_PRE, text.data(), text.size());
+    return message;
+  }
+
+  /// One WebSocket.
+  struct Client {
+    std::deque<Shared> waiting;
+    std::size_t frames = 0;  ///< among them
+    std::string incoming;
+    Clock::time_point second{};
+    int messages = 0;  ///< in this second
+  };
+
+ public:
+  Impl(const ServerOptions& options, std::function<std::string()> greeting, std::function<void(std::string)> heard)
+      : files_(find_page_files()), greeting_(std::move(greeting)), heard_(std::move(heard)) {
+    access_ = {options.address, choose_port(options), make_token()};
+    lws_set_log_level(LLL_ERR, [](int, const char* line) { tell("page server: {}", line); });
+    lws_context_creation_info info{};
+    info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND |
+                   LWS_SERVER_OPTION_DISABLE_IPV6;
+    info.fd_limit_per_thread = kMostConnections + 8;  // and the server's own
+    info.pt_serv_buf_size = 16 * 1024;
+    info.timeout_secs = 10;
+    context_ = lws_create_context(&info);
+    if (!context_) throw std::runtime_error("the page's server could not be made");
+    static const lws_protocols protocols[] = {{"voxtouch-view", &Impl::called, sizeof(Client*), kLongestMessage, 0, nullptr, 0}, {}};
+    info.port = access_.port;
+    info.iface = access_.address.c_str();
+    info.protocols = protocols;
+    info.user = this;
+    info.keepalive_timeout = 30;
+    lws_vhost* vhost = lws_create_vhost(context_, &info);
+    if (!vhost) {
+      lws_context_destroy(context_);
+      throw std::runtime_error(fmt::format("{}:{} cannot be listened on", access_.address, access_.port));
+    }
+    access_.port = lws_get_vhost_listen_port(vhost);
+    thread_ = std::thread([this] {
+      runtime::ordinary_priority();
+      while (!stop_.load()) lws_service(context_, 0);
+    });
+  }
+  ~Impl() {
+    stop_.store(true);
+    lws_cancel_service(context_);
+    thread_.join();
+    lws_context_destroy(context_);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  std::string address() const { return fmt::format("http://{}:{}/?token={}", access_.address, access_.port, access_.token); }
+  std::size_t clients() const noexcept { return count_.load(); }
+
+  void send(std::string_view text, bool frame) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (frame && to_send_.size() > kMostWaiting) return;
+      to_send_.push_back(outgoing(text, frame));
+    }
+    lws_cancel_service(context_);
+  }
+
+ private:
+  static int called(lws* wsi, lws_callback_reasons reason, void* session, void* in, std::size_t length) {
+    lws_vhost* vhost = lws_get_vhost(wsi);
+    auto* self = vhost ? static_cast<Impl*>(lws_get_vhost_user(vhost)) : nullptr;
+    if (!self) return 0;
+    try {
+      return self->call(wsi, reason, static_cast<Client**>(session), in, length);
+    } catch (const std::exception& error) {
+      tell("page server: {}\n", error.what());
+      return -1;
+    }
+  }
+
+  int call(lws* wsi, lws_callback_reasons reason, Client** client, void* in, std::size_t length) {
+    switch (reason) {
+      case LWS_CALLBACK_HTTP: return serve(wsi, std::string(static_cast<const char*>(in), length));
+      case LWS_CALLBACK_HTTP_FILE_COMPLETION: return lws_http_transaction_completed(wsi) ? -1 : 0;
+      case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: return why_no_client(wsi).empty() ? 0 : -1;
+      case LWS_CALLBACK_ESTABLISHED: return open(wsi, client);
+      case LWS_CALLBACK_RECEIVE: return hear(wsi, **client, {static_cast<const char*>(in), length});
+      case LWS_CALLBACK_SERVER_WRITEABLE: return write(wsi, **client);
+      case LWS_CALLBACK_CLOSED: return close(wsi, client);
+      case LWS_CALLBACK_EVENT_WAIT_CANCELLED: return hand_out();
+      default: return lws_callback_http_dummy(wsi, reason, client, in, length);
+    }
+  }
+
+  /// Host and Origin of any request; empty: it may come in.
+  std::string why_not(lws* wsi) const {
+    if (!access_.admits_host(header(wsi, WSI_TOKEN_HOST)))
+      return "This server answers to its own address only.";
+    if (!access_.admits_origin(header(wsi, WSI_TOKEN_ORIGIN))) return "Pages of other sites get nothing here.";
+    return {};
+  }
+
+  std::string why_no_client(lws* wsi) const {
+    std::string why = why_not(wsi);
+    if (why.empty() && !access_.admits_token(token_of(wsi))) why = "The token in the address is missing or wrong.";
+    if (why.empty() && clients_.size() >= kMostClients) why = "Too many pages are open.";
+    return why;
+  }
+
+  int serve(lws* wsi, const std::string& asked) {
+    std::string why = why_not(wsi);
+    if (why.empty() && asked == "/" && !access_.admits_token(token_of(wsi)))
+      why = "The token in the address is missing or wrong: use the address that voxtouch printed when it started.";
+    if (!why.empty()) return refuse(wsi, HTTP_STATUS_FORBIDDEN, why);
+    const auto file = files_.find(asked);
+    if (file == files_.end()) return refuse(wsi, HTTP_STATUS_NOT_FOUND, "There is no such page.");
+    unsigned char more[1024];
+    unsigned char *at = more, *const end = more + sizeof more;
+    const auto add = [&](const char* name, std::string_view value) {
+      return lws_add_http_header_by_name(wsi, reinterpret_cast<const unsigned char*>(name),
+                                         reinterpret_cast<const unsigned char*>(value.data()), static_cast<int>(value.size()), &at, end);
+    };
+    if (add("content-security-policy:", kPolicy) || add("x-content-type-options:", "nosniff") ||
+        add("referrer-policy:", "no-referrer") || add("cache-control:", "no-cache"))
+      return -1;
+    const int sent = lws_serve_http_file(wsi, file->second.path.c_str(), file->second.mime.c_str(), reinterpret_cast<char*>(more),
+                                         static_cast<int>(at - more));
+    if (sent < 0) return -1;
+    return sent > 0 && lws_http_transaction_completed(wsi) ? -1 : 0;
+  }
+
+  static int refuse(lws* wsi, unsigned status, const std::string& sentence) {
+    if (lws_return_http_status(wsi, status, sentence.c_str()) != 0) return -1;
+    return lws_http_transaction_completed(wsi) ? -1 : 0;
+  }
+
+  int open(lws* wsi, Client** client) {
+    *client = new Client;  // libwebsockets keeps the pointer; `close` ends it
+    clients_.insert({wsi, *client});
+    count_.store(clients_.size());
+    (*client)->waiting.push_back(outgoing(greeting_(), false));
+    lws_callback_on_writable(wsi);
+    return 0;
+  }
+
+  int close(lws* wsi, Client** client) {
+    clients_.erase({wsi, *client});
+    count_.store(clients_.size());
+    delete std::exchange(*client, nullptr);
+    return 0;
+  }
+
+  int hear(lws* wsi, Client& client, std::string_view part) {
+    const auto end_it = [&](lws_close_status status, const char* why) {
+      std::string text = why;
+      lws_close_reason(wsi, status, reinterpret_cast<unsigned char*>(text.data()), text.size());
+      return -1;
+    };
+    if (client.incoming.size() + part.size() > kLongestMessage) return end_it(LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "too long");
+    client.incoming += part;
+    if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0) return 0;
+    if (const auto now = Clock::now(); now - client.second > std::chrono::seconds(1)) client.second = now, client.messages = 0;
+    if (++client.messages > kMostMessagesASecond) return end_it(LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
+    heard_(std::exchange(client.incoming, {}));
+    return 0;
+  }
+
+  int write(lws* wsi, Client& client) {
+    if (client.waiting.empty()) return 0;
+    const Shared message = client.waiting.front();
+    client.waiting.pop_front();
+    if (message->frame) --client.frames;
+    const std::size_t size = message->bytes.size() - LWS_PRE;
+    // Several clients get the same bytes: the header in front is written anew for each.
+    if (lws_write(wsi, message->bytes.data() + LWS_PRE, size, LWS_WRITE_TEXT) < static_cast<int>(size)) return -1;
+    if (!client.waiting.empty()) lws_callback_on_writable(wsi);
+    return 0;
+  }
+
+  /// Facts are few; a client that lets so many lie is gone.
+  int hand_out() {
+    std::deque<Shared> messages;
+    {
+      const std::lock_guard lock(mutex_);
+      messages.swap(to_send_);
+    }
+    for (const auto& [wsi, client] : clients_) {
+      for (const Shared& message : messages) {
+        if (message->frame && client->frames >= kMostWaiting) continue;
+        if (client->waiting.size() >= 8 * kMostWaiting) {
+          lws_set_timeout(wsi, PENDING_TIMEOUT_CLOSE_SEND, LWS_TO_KILL_ASYNC);
+          break;
+        }
+        client->frames += message->frame ? 1 : 0;
+        client->waiting.push_back(message);
+      }
+      if (!client->waiting.empty()) lws_callback_on_writable(wsi);
+    }
+    return 0;
+  }
+
+  std::map<std::string, PageFile> files_;
+  std::function<std::string()> greeting_;
+  std::function<void(std::string)> heard_;
+  Access access_;
+  lws_context* context_ = nullptr;
+  std::set<std::pair<lws*, Client*>> clients_;  ///< the server's thread alone
+  std::atomic<std::size_t> count_{0};
+  std::mutex mutex_;
+  std::deque<Shared> to_send_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+PageServer::PageServer(const ServerOptions& options, std::function<std::string()> greeting, std::function<void(std::string)> heard)
+    : impl_(std::make_unique<Impl>(options, std::move(greeting), std::move(heard))) {}
+PageServer::~PageServer() = default;
+std::string PageServer::address() const { return impl_->address(); }
+void PageServer::send_frame(std::string text) { impl_->send(text, true); }
+void PageServer::send_fact(std::string text) { impl_->send(text, false); }
+std::size_t PageServer::clients() const noexcept { return impl_->clients(); }
+
+}  // namespace voxtouch::view

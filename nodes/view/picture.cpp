@@ -1,0 +1,203 @@
+#include "nodes/view/picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/stamps.hpp"
+#include "nodes/view/rounded.hpp"
+
+namespace voxtouch::view {
+namespace {
+
+using nlohmann::json;
+using runtime::from_msg;
+
+json to_json(const Vec3& v) { return {rounded(v.x()), rounded(v.y()), rounded(v.z())}; }
+json to_json(const Pose& p) {
+  return {rounded(p.position.x()),    rounded(p.position.y()),    rounded(p.position.z()),   rounded(p.orientation.x()),
+          rounded(p.orientation.y()), rounded(p.orientation.z()), rounded(p.orientation.w())};
+}
+
+/// The force of a command in the world's axes; its size is what the device gives.
+Vec3 in_world(const msg::ForceCommand& command, const Scene* scene) {
+  const Vec3 force = from_msg(command.wrench.force);
+  return scene ? scene->device.device_in_world.orientation * force : force;
+}
+
+json flags_of(const msg::ContactState& c) {
+  using namespace msg::contact_state;
+  constexpr std::pair<std::uint32_t, const char*> kWords[] = {
+      {kFlagHeld, "held"},       {kFlagFast, "fast"},       {kFlagRefusedSample, "sample refused"}, {kFlagSaturated, "saturated"},
+      {kFlagFading, "fading"},   {kFlagCrossed, "crossed"}, {kFlagMissed, "missed"},                {kFlagClutched, "clutch"},
+      {kFlagFallback, "fallback"}};
+  json words = json::array();
+  for (const auto& [flag, word] : kWords)
+    if (c.flags & flag) words.push_back(word);
+  return words;
+}
+
+json limits_of(const msg::ForceCommand& c) {
+  using namespace msg::force_command;
+  constexpr std::pair<std::uint32_t, const char*> kWords[] = {{kStatusRamping, "ramping"},
+                                                              {kStatusHeldInput, "input held"},
+                                                              {kStatusClamped, "clamped"},
+                                                              {kStatusCapped, "capped"},
+                                                              {kStatusPassivity, "passivity"}};
+  json words = json::array();
+  for (const auto& [flag, word] : kWords)
+    if (c.status & flag) words.push_back(word);
+  return words;
+}
+
+double size_of(const msg::geometry_msgs_Wrench& wrench) { return from_msg(wrench.force).norm(); }
+
+}  // namespace
+
+void LatencyCounts::sample(std::uint64_t sequence, std::int64_t written_ns) noexcept {
+  if (written_ns > 0) written_[sequence % kKept] = {sequence, written_ns};
+}
+
+void LatencyCounts::command(std::uint64_t sequence, std::int64_t written_ns) noexcept {
+  const Written& sample = written_[sequence % kKept];
+  if (sample.sequence != sequence || written_ns < sample.at_ns) return;
+  recent_us_.push_back(static_cast<float>(static_cast<double>(written_ns - sample.at_ns) * 1e-3));
+  if (recent_us_.size() > kRecent) recent_us_.pop_front();
+}
+
+json LatencyCounts::to_json() const {
+  if (recent_us_.empty()) return nullptr;
+  std::vector<float> sorted(recent_us_.begin(), recent_us_.end());
+  std::ranges::sort(sorted);
+  std::vector<int> counts(kBins, 0);
+  for (const float us : sorted) ++counts[std::min(kBins - 1, static_cast<std::size_t>(us / kBinUs))];
+  const auto quantile = [&](double q) { return std::round(sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))]); };
+  return {{"bin_us", kBinUs}, {"counts", counts}, {"p50_us", quantile(0.5)}, {"p99_us", quantile(0.99)}, {"samples", sorted.size()}};
+}
+
+void Picture::begin(std::uint64_t session, std::int64_t sample_time_ns) {
+  if (session == session_ && begin_ns_) return;
+  forget();
+  session_ = session;
+  begin_ns_ = sample_time_ns;
+}
+
+void Picture::take(const msg::DeviceState& state, std::int64_t written_ns) {
+  begin(state.session_id, state.sample_time_ns);
+  state_ = state;
+  time_s_ = runtime::seconds_between(*begin_ns_, state.sample_time_ns);
+  latency_.sample(state.sequence_number, written_ns);
+  news_ = true;
+}
+
+void Picture::take(const msg::ContactState& contact) {
+  if (contact.session_id != session_) return;
+  if (!contact_) {  // the rendering knows when the session began
+    begin_ns_ = runtime::ns_between(contact.scene_time_ns, contact.sample_time_ns);
+    open_.clear();
+  }
+  contact_ = contact;
+  news_ = true;
+  Row* at = row(contact.sample_time_ns);
+  if (!at) return;
+  const auto more = [](const msg::ContactState& c) { return std::pair{c.deepest_depth_m, size_of(c.contact_wrench)}; };
+  if (!at->contact || more(contact) > more(*at->contact)) at->contact = contact;
+}
+
+void Picture::take(const msg::ForceCommand& command, std::int64_t written_ns) {
+  if (command.session_id != session_ || !begin_ns_) return;
+  command_ = command;
+  latency_.command(command.sequence_number, written_ns);
+  news_ = true;
+  Row* at = row(command.sample_time_ns);
+  if (at && (!at->command || size_of(command.wrench) > size_of(at->command->wrench))) at->command = command;
+}
+
+/// None for a sample whose row has been given away, and for stamps that cannot be: anybody may send some.
+Picture::Row* Picture::row(std::int64_t sample_time_ns) {
+  constexpr std::size_t kMostOpen = 4096;
+  const std::int64_t index = runtime::ns_between(*begin_ns_, sample_time_ns) / kRowNs;
+  if (index <= closed_to_ || (open_.size() >= kMostOpen && !open_.contains(index))) return nullptr;
+  return &open_[index];
+}
+
+/// A row is closed once samples have come that are well behind it: its command is one way round the ring later than its contact.
+void Picture::close_rows(const Scene* scene) {
+  constexpr std::int64_t kRowsBehind = 2;
+  while (!open_.empty() && open_.begin()->first + kRowsBehind < open_.rbegin()->first) {
+    const auto oldest = open_.begin();
+    closed_.push_back(row_json(oldest->first, oldest->second, scene));
+    closed_to_ = oldest->first;
+    ++fresh_;
+    open_.erase(oldest);
+  }
+  const double newest_s = closed_.empty() ? 0.0 : closed_.back()[0].get<double>();
+  while (!closed_.empty() && closed_.front()[0].get<double>() < newest_s - kPastS) closed_.pop_front();
+  fresh_ = std::min(fresh_, closed_.size());
+}
+
+/// s; returned force x, y, z and size, contact force [N]; depth [mm]; energy [mJ]; added damping [Ns/m]. Null where nothing came.
+json Picture::row_json(std::int64_t index, const Row& row, const Scene* scene) const {
+  json r = {rounded(static_cast<double>(index * kRowNs) * 1e-9)};
+  if (row.command) {
+    const Vec3 force = in_world(*row.command, scene);
+    for (const double x : {force.x(), force.y(), force.z(), force.norm()}) r.push_back(rounded(x));
+  } else {
+    r.insert(r.end(), 4, nullptr);
+  }
+  if (row.contact) {
+    r.push_back(rounded(size_of(row.contact->contact_wrench)));
+    r.push_back(rounded(row.contact->deepest_depth_m * 1e3));
+  } else {
+    r.insert(r.end(), 2, nullptr);
+  }
+  if (row.command) {
+    r.push_back(rounded(row.command->energy_j * 1e3));
+    r.push_back(rounded(row.command->damping_ns_per_m));
+  } else {
+    r.insert(r.end(), 2, nullptr);
+  }
+  return r;
+}
+
+json Picture::frame(const Scene* scene) {
+  close_rows(scene);
+  json f = {{"type", "frame"}, {"session", std::to_string(session_)}, {"t", rounded(time_s_)}};
+  if (state_) f["sample"] = state_->sequence_number;
+  if (contact_) {
+    const msg::ContactState& c = *contact_;
+    f["tool"] = to_json(from_msg(c.tool_pose));
+    f["object"] = to_json(from_msg(c.object_pose));
+    f["contact_force"] = to_json(from_msg(c.contact_wrench.force));
+    f["effects_force"] = to_json(from_msg(c.effects_wrench.force));
+    f["depth"] = rounded(c.deepest_depth_m);
+    f["deepest"] = to_json(from_msg(c.deepest_point));
+    f["hits"] = c.surface_hits + c.interior_hits;
+    f["stiffness"] = rounded(c.stiffness_bound_n_per_m);
+    f["supplied"] = rounded(c.supplied_energy_j);
+    f["flags"] = flags_of(c);
+    if (scene)
+      for (std::size_t n = 0; n < scene->objects.size(); ++n)
+        if (const auto& moves = scene->objects[n].moves)
+          f["moved"][std::to_string(n + 1)] = to_json(motion_at(*moves, static_cast<double>(c.scene_time_ns) * 1e-9).position);
+  }
+  if (command_) {
+    f["force"] = to_json(in_world(*command_, scene));
+    f["energy"] = rounded(command_->energy_j);
+    f["damping"] = rounded(command_->damping_ns_per_m);
+    f["limits"] = limits_of(*command_);
+  }
+  f["rows"] = std::vector<json>(closed_.end() - static_cast<std::ptrdiff_t>(fresh_), closed_.end());
+  fresh_ = 0;
+  news_ = false;
+  return f;
+}
+
+json Picture::past(const Scene* scene) {
+  close_rows(scene);
+  return {{"type", "past"}, {"session", std::to_string(session_)}, {"rows", closed_}};
+}
+
+}  // namespace voxtouch::view

@@ -1,0 +1,250 @@
+#include "nodes/view/view.hpp"
+
+#include <sys/resource.h>
+
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/scene/scene_file.hpp"
+#include "nodes/log/tell.hpp"
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/convert.hpp"
+#include "nodes/view/bag_player.hpp"
+#include "nodes/view/changer.hpp"
+#include "nodes/view/contact_points.hpp"
+#include "nodes/view/ring_tap.hpp"
+#include "nodes/view/rounded.hpp"
+#include "nodes/view/shapes.hpp"
+
+namespace voxtouch::view {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::int64_t kFrameNs = 33'333'333, kFactsNs = 200'000'000;
+
+/// Text of anybody's may stand in it, also such as is no UTF-8.
+std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+bool is_bag(const std::filesystem::path& path) {
+  return std::filesystem::is_directory(path) || path.extension() == ".db3";
+}
+
+json to_json(const std::vector<NodeRow>& rows) {
+  json all = json::array();
+  for (const NodeRow& row : rows)
+    all.push_back({{"node", row.report.node},
+                   {"host", row.report.host},
+                   {"pid", row.report.pid},
+                   {"state", row.state},
+                   {"rate_hz", row.rate_hz ? rounded(*row.rate_hz) : json()},
+                   {"counted", row.counted},
+                   {"answered", row.answered_share ? rounded(*row.answered_share) : json()},
+                   {"sentence", row.report.message}});
+  return all;
+}
+
+/// What the device's guard and clock have counted, for the line above the charts.
+json counts_of(const std::vector<NodeRow>& rows) {
+  for (const NodeRow& row : rows) {
+    if (row.report.node != "device") continue;
+    json counts;
+    for (const char* name : {"refused", "clamped", "overruns", "deadline_misses", "latency_p50_us", "latency_p99_us", "latency_max_us"})
+      if (const auto value = runtime::find_value(row.report.figures, name)) counts[name] = rounded(*value);
+    return counts;
+  }
+  return nullptr;
+}
+
+class View {
+ public:
+  explicit View(const Options& options)
+      : options_(options), participant_(options.node.participant("view")),
+        server_(options.server, [this] { return greeting(); }, [this](std::string text) { hear(std::move(text)); }) {
+    if (is_bag(options.shown))
+      player_.emplace(participant_, options.shown);
+    else
+      tap_.emplace(participant_, options.node);
+    if (tap_)
+      changer_.emplace(participant_, options.node, [this](const auto& words, const std::string& problem) {
+        server_.send_fact(text_of({{"type", "answer"}, {"words", words}, {"ok", problem.empty()}, {"sentence", problem}}));
+      });
+    if (!player_ && !options.shown.empty()) show(options.shown);
+  }
+
+  int run(const std::atomic<bool>& stop) {
+    const std::string line = fmt::format("view: {}", server_.address());
+    if (options_.to_stderr)
+      tell("{}\n", line);
+    else
+      print_result("{}\n", line), finish_results();
+    std::int64_t before_ns = runtime::monotonic_ns(), frame_at_ns = 0, facts_at_ns = 0;
+    while (!stop.load()) {
+      const std::int64_t now_ns = runtime::monotonic_ns();
+      obey();
+      advance(now_ns, static_cast<double>(now_ns - before_ns) * 1e-9);
+      before_ns = now_ns;
+      if (now_ns >= frame_at_ns) send_frame(), frame_at_ns = now_ns + kFrameNs - kTurnNs / 2;
+      if (now_ns >= facts_at_ns) send_facts(now_ns), facts_at_ns = now_ns + kFactsNs;
+      runtime::sleep_until(now_ns + kTurnNs);
+    }
+    return 0;
+  }
+
+ private:
+  static constexpr std::int64_t kTurnNs = 16'500'000;
+
+  void advance(std::int64_t now_ns, double elapsed_s) {
+    if (tap_) {
+      tap_->take(picture_, facts_, nodes_, now_ns);
+    } else if (player_->advance(server_.clients() > 0 ? elapsed_s : 0.0, picture_, facts_, nodes_)) {
+      server_.send_fact(text_of(picture_.past(known_scene())));
+    }
+  }
+
+  void send_frame() {
+    if (!picture_.has_news()) return;
+    json frame = picture_.frame(known_scene());
+    if (is_same_scene())
+      if (const auto points = points_.points()) {
+        json all = json::array();
+        for (const Vec3& p : *points)
+          for (const double x : {p.x(), p.y(), p.z()}) all.push_back(rounded(x));
+        frame["points"] = std::move(all);
+      }
+    if (server_.clients() == 0) return;
+    if (const auto& contact = picture_.contact())  // for the next frame
+      points_.ask(runtime::from_msg(contact->object_pose), static_cast<double>(contact->scene_time_ns) * 1e-9);
+    server_.send_frame(text_of(frame));
+  }
+
+  void send_facts(std::int64_t now_ns) {
+    follow_scene();
+    if (server_.clients() == 0) return;
+    const std::vector<NodeRow> rows = nodes_.rows(player_ ? player_->now_ns() : now_ns);
+    json facts = facts_.to_json();
+    facts["type"] = "facts";
+    facts["rig"] = options_.node.rig;
+    facts["nodes"] = to_json(rows);
+    facts["counts"] = counts_of(rows);
+    facts["latency"] = picture_.latency();
+    facts["scene_note"] = scene_note();
+    if (player_) facts["bag"] = player_->to_json();
+    server_.send_fact(text_of(facts));
+  }
+
+  const Scene* known_scene() const { return scene_ ? &*scene_ : nullptr; }
+
+  /// The scene that the ring runs, or ran, is the one that is shown here.
+  bool is_same_scene() const { return scene_ && (facts_.scene_hash().empty() || facts_.scene_hash() == scene_->hash); }
+
+  std::string scene_note() const {
+    if (!scene_) return why_no_scene_.empty() ? "The scene's file is not known here: give it to voxtouch view." : why_no_scene_;
+    if (!is_same_scene()) return fmt::format("{} is another version than the ring runs: its meshes may differ.", scene_->file.filename().string());
+    const std::string why = points_.why_not();
+    return why.empty() ? "" : "No contact points: " + why + ".";
+  }
+
+  /// A ring, or a bag, names its scene's file; another version of it is read again.
+  void follow_scene() {
+    const std::string named = player_ ? player_->scene_file() : tap_->scene_file();
+    const std::filesystem::path file = !named.empty() ? std::filesystem::path(named) : player_ ? "" : options_.shown;
+    if (file.empty() || facts_.scene_hash().empty() || is_same_scene()) return;
+    if (tried_ == std::pair(file, facts_.scene_hash())) return;
+    tried_ = {file, facts_.scene_hash()};
+    show(file);
+  }
+
+  void show(const std::filesystem::path& file) {
+    try {
+      scene_ = load_scene(file);
+      why_no_scene_.clear();
+    } catch (const std::exception& error) {
+      why_no_scene_ = error.what();
+      tell("warning: view: {}\n", why_no_scene_);
+      return;
+    }
+    facts_.scene_is(*scene_);
+    json scene = shapes_of(*scene_);
+    scene["type"] = "scene";
+    scene["name"] = scene_->name;
+    scene["file"] = file.filename().string();
+    points_.scene_is(*scene_);
+    const std::lock_guard lock(mutex_);
+    scene_text_ = text_of(scene);
+    server_.send_fact(scene_text_);
+  }
+
+  /// From the server's thread.
+  std::string greeting() {
+    const std::lock_guard lock(mutex_);
+    orders_.push_back(json::object({{"past", true}}));
+    return scene_text_;
+  }
+  void hear(std::string text) {
+    json order = json::parse(text, nullptr, false);
+    constexpr std::size_t kMost = 64;
+    const std::lock_guard lock(mutex_);
+    if (order.is_object() && orders_.size() < kMost) orders_.push_back(std::move(order));
+  }
+
+  /// What pages have asked for.
+  void obey() {
+    std::deque<json> orders;
+    {
+      const std::lock_guard lock(mutex_);
+      orders.swap(orders_);
+    }
+    for (const json& order : orders) {
+      try {
+        obey(order);
+      } catch (const json::exception&) {
+        // It is none of ours: a page sends no such thing.
+      }
+    }
+  }
+
+  void obey(const json& order) {
+    if (order.contains("past")) server_.send_fact(text_of(picture_.past(known_scene())));
+    if (order.contains("change") && changer_) {
+      const auto words = order["change"].get<std::vector<std::string>>();
+      if (!changer_->change(words))
+        server_.send_fact(text_of({{"type", "answer"}, {"words", words}, {"ok", false}, {"sentence", "too many changes wait for an answer"}}));
+    }
+    if (!player_) return;
+    if (order.contains("play")) player_->play(order["play"].get<bool>());
+    if (order.contains("speed")) player_->speed(order["speed"].get<double>());
+    if (order.contains("seek")) player_->seek(order["seek"].get<double>());
+  }
+
+  const Options& options_;
+  bus::Participant participant_;
+  Picture picture_;
+  Facts facts_;
+  NodeTable nodes_;
+  std::optional<Scene> scene_;
+  std::string why_no_scene_;
+  std::pair<std::filesystem::path, std::string> tried_;
+  ContactPoints points_;
+  std::mutex mutex_;
+  std::string scene_text_ = R"({"type":"scene","meshes":[],"notes":[]})";
+  std::deque<json> orders_;
+  PageServer server_;
+  std::optional<RingTap> tap_;
+  std::optional<BagPlayer> player_;
+  std::optional<Changer> changer_;
+};
+
+}  // namespace
+
+int run(const Options& options, const std::atomic<bool>& stop) {
+  setpriority(PRIO_PROCESS, 0, 10);  // this thread and those that it starts, DDS's too: who looks on comes after everything else
+  return View(options).run(stop);
+}
+
+}  // namespace voxtouch::view

@@ -1,0 +1,21 @@
+#pragma once
+/// A page that shows a ring while it runs, or a recorded run.
+#include <atomic>
+#include <filesystem>
+
+#include "nodes/runtime/options.hpp"
+#include "nodes/view/page_server.hpp"
+
+namespace voxtouch::view {
+
+struct Options {
+  runtime::NodeOptions node;     ///< rig, domain, interface
+  std::filesystem::path shown;   ///< a bag, a scene file, or empty: the ring's own scene, if its file is at hand
+  ServerOptions server;
+  bool to_stderr = false;        ///< the address is told there, since stdout belongs to somebody else
+};
+
+/// Serves until `stop`. Throws std::runtime_error, a sentence.
+int run(const Options& options, const std::atomic<bool>& stop);
+
+}  // namespace voxtouch::view

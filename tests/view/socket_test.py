@@ -1,0 +1,197 @@
+"""The page's server as a plain client sees it: who is let in, what it may cost, and what of the ring comes through."""
+import json
+import os
+import pathlib
+import signal
+import tempfile
+import time
+import unittest
+import urllib.parse
+
+from page_client import DOMAIN, Process, WebSocket, page, pid_of, request, ring, scene, size, state_of, until
+
+
+class Guards(unittest.TestCase):
+    def setUp(self):
+        self.page = page()
+        self.addCleanup(self.page.end)
+        self.address = self.page.address()
+        self.parts = urllib.parse.urlsplit(self.address)
+
+    def test_needs_the_token(self):
+        self.assertEqual(request(self.address)[0], 200)
+        self.assertEqual(request(self.address, "/")[0], 403)
+        self.assertEqual(request(self.address, "/?token=" + "0" * 32)[0], 403)
+        with WebSocket(self.address) as good, WebSocket(self.address, token="0" * 32) as bad, WebSocket(self.address, token="") as none:
+            self.assertEqual([good.status, bad.status == 101, none.status == 101], [101, False, False])
+
+    def test_refuses_pages_of_other_sites(self):
+        own = f"http://{self.parts.netloc}"
+        for origin, admitted in (own, True), ("http://example.org", False), ("null", False), (own + "0", False), (own.replace("http:", "https:"), False):
+            with WebSocket(self.address, origin=origin) as socket:
+                self.assertEqual(socket.status == 101, admitted, origin)
+        self.assertEqual(request(self.address, headers=["Origin: http://example.org"])[0], 403)
+
+    def test_refuses_names_of_other_sites(self):
+        local = f"localhost:{self.parts.port}"
+        for host, admitted in (local, True), ("example.org", False), (f"example.org:{self.parts.port}", False), ("127.0.0.1:1", False):
+            with WebSocket(self.address, host=host) as socket:
+                self.assertEqual(socket.status == 101, admitted, host)
+            self.assertEqual(request(self.address, host=host)[0], 200 if admitted else 403, host)
+
+    def test_ends_a_client_that_sends_too_much(self):
+        with WebSocket(self.address) as socket:
+            socket.send('{"words": "' + "x" * 5000 + '"}')
+            self.assertEqual(socket.code_of_the_end(5), 1009)
+        with WebSocket(self.address) as socket:
+            for _ in range(200):
+                try:
+                    socket.send("{}")
+                except OSError:
+                    break
+            self.assertIn(socket.code_of_the_end(5), (1008, 1006))
+        self.assertEqual(request(self.address)[0], 200)
+
+    def test_serves_eight_pages_and_no_more(self):
+        sockets = [WebSocket(self.address) for _ in range(10)]
+        self.assertEqual(sum(s.status == 101 for s in sockets), 8)
+        for s in sockets:
+            s.close()
+        time.sleep(0.5)
+        with WebSocket(self.address) as socket:
+            self.assertEqual(socket.status, 101)
+
+    def test_serves_the_pages_files_and_no_others(self):
+        for path in "/main.js", "/page.css", "/three.js", "/orbit.js", "/dygraph.js":
+            status, head, body = request(self.address, path)
+            self.assertEqual(status, 200, path)
+            self.assertGreater(len(body), 500, path)
+            self.assertIn("content-security-policy: default-src 'none'", head)
+        for path in "/../CMakeLists.txt", "/%2e%2e/view.cpp", "/etc/passwd", "//etc/passwd", "/index.html.bak", "/voxtouch_page/main.js":
+            self.assertNotEqual(request(self.address, path)[0], 200, path)
+
+    def test_words_that_are_none_change_nothing(self):
+        with WebSocket(self.address) as socket:
+            for text in "", "[]", "{", '{"change": 5}', '{"change": [1]}', '{"seek": "x"}', '{"play": true}', "\x00":
+                socket.send(text)
+            socket.order(change=["viscosity"])
+            answer = socket.wait_for(lambda m: m["type"] == "answer", 10, "an answer to half a change")
+            self.assertFalse(answer["ok"])
+            self.assertIn("missing", answer["sentence"])
+
+    def test_takes_another_port_where_nobody_asked_for_this_one(self):
+        port = str(self.parts.port)
+        with Process("view", "--domain", DOMAIN, "--port", port) as second:
+            self.assertEqual(second.process.wait(10), 1)
+            self.assertIn("is taken", second.told())
+        with Process("view", "--domain", DOMAIN) as one, Process("view", "--domain", DOMAIN) as other:
+            self.assertNotEqual(urllib.parse.urlsplit(one.address()).port, urllib.parse.urlsplit(other.address()).port)
+            self.assertNotEqual(one.address().split("=")[1], other.address().split("=")[1])
+
+
+class Live(unittest.TestCase):
+    def test_shows_force_effects_and_who_has_died(self):
+        with page() as shown, WebSocket(shown.address()) as socket:
+            with ring("cup_viscosity") as first:
+                drawn = socket.wait_for(lambda m: m["type"] == "scene" and m["meshes"], 20, "the scene that the ring names")
+                self.assertEqual({m["role"] for m in drawn["meshes"]}, {"static", "dynamic"})
+                touched = socket.frame(lambda m: m.get("hits", 0) > 0, 20, "contact")
+                felt = socket.frame(lambda m: size(m.get("force")) > 0.05, 10, "force")
+                self.assertLess(felt["t"] - touched["t"], 1.0)
+                points = socket.frame(lambda m: len(m.get("points", [])) >= 3, 20, "points in contact")
+                self.assertEqual(len(points["points"]) % 3, 0)
+                socket.frame(lambda m: size(m.get("effects_force")) > 0.005, 10, "drag")
+
+                socket.order(change=["viscosity", "off"])
+                facts = socket.facts(lambda m: m["effects"] and not m["effects"][0]["on"], 10, "the effect off")
+                self.assertEqual(facts["answers"][-1]["result"], "done")
+                off_at = socket.frame(lambda m: size(m.get("effects_force")) == 0.0, 10, "no drag")["t"]
+                later = socket.frame(lambda m: m["t"] > off_at + 1.0, 10, "a second more")
+                self.assertEqual(size(later["effects_force"]), 0.0)
+
+                socket.order(change=["viscosity", "damping_ns_per_m=1e5"])
+                facts = socket.facts(lambda m: m["answers"] and m["answers"][-1]["result"] == "refused", 10, "a refusal")
+                self.assertGreater(len(facts["answers"][-1]["sentence"]), 20)
+
+                facts = socket.facts(lambda m: state_of(m, "coupling") == "running" and m["latency"] and m["design"], 10, "all that is known")
+                self.assertGreater(facts["latency"]["samples"], 100)
+                self.assertIn("shaping filter", facts["design"]["sentence"])
+                rate = socket.facts(lambda m: any(n["node"] == "device" and n["rate_hz"] for n in m["nodes"]), 10, "a rate")
+                self.assertTrue(rate)
+                os.kill(pid_of(facts, "coupling"), signal.SIGKILL)
+                socket.facts(lambda m: state_of(m, "coupling") in ("hangs", "gone"), 15, "the dead node")
+                first.process.wait(30)
+            with ring("cup_viscosity"):
+                socket.facts(lambda m: state_of(m, "coupling") == "running", 30, "the node's return")
+                socket.frame(lambda m: m["session"] != felt["session"] and size(m.get("force")) > 0.05, 20, "force of the next session")
+
+
+class Together(unittest.TestCase):
+    def test_up_serves_the_page_within_two_seconds_and_takes_it_along(self):
+        began = time.monotonic()
+        with ring("cup", "--view") as run:
+            with WebSocket(run.address()) as socket:
+                socket.wait_for(lambda m: m["type"] == "scene" and m["meshes"], 10, "the scene")
+                took = time.monotonic() - began
+                socket.frame(lambda m: "tool" in m, 20, "a sample")
+                run.end()
+                while socket.receive() is not None:
+                    pass
+            address = run.address()
+        self.assertLess(took, 2.0)
+        with self.assertRaises(OSError):
+            request(address)
+
+
+class Status(unittest.TestCase):
+    @staticmethod
+    def status(*more):
+        with Process("status", "--domain", DOMAIN, *more) as run:
+            return run.process.wait(20), run.told()
+
+    def test_names_all_rigs_with_their_nodes(self):
+        code, told = self.status()
+        self.assertEqual((code, "no node is heard" in told), (1, True), told)
+        with ring("cup") as here, ring("plane", "--rig", "left"):
+            until(lambda: here.told().count("samples") > 2, 30, here.told())
+            code, told = self.status("--json")
+            found = json.loads(told)
+            self.assertEqual((code, found["ok"]), (0, True), told)
+            self.assertEqual(sorted(found["rigs"]), ["haptic", "left"])
+            device = found["rigs"]["left"][0]
+            self.assertEqual((device["node"], device["state"]), ("device", "running"))
+            self.assertGreater(device["rate_hz"], 300)
+            self.assertGreater(device["answered_share"], 0.1)
+            self.assertNotIn("haptic", self.status("--rig", "left")[1])
+            dead = found["rigs"]["haptic"]
+            os.kill(next(n["pid"] for n in dead if n["node"] == "validator"), signal.SIGSTOP)
+            told = self.status()[1]  # who hangs says nothing to who comes later; the others name it
+            os.kill(next(n["pid"] for n in dead if n["node"] == "validator"), signal.SIGCONT)
+            self.assertIn("validator hangs", told)
+
+
+class Recorded(unittest.TestCase):
+    def test_plays_seeks_and_ends(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bag = str(pathlib.Path(folder) / "bag")
+            with Process("up", scene("cup"), "--motion", "slide", "--domain", DOMAIN, "--lockstep", "--duration", "6", "--record", bag) as run:
+                self.assertEqual(run.process.wait(60), 0, run.told())
+            with page(bag) as shown, WebSocket(shown.address()) as socket:
+                socket.frame(lambda m: size(m.get("force")) > 0.05, 10, "force")
+                socket.order(speed=4)
+                end = socket.facts(lambda m: not m["bag"]["playing"], 15, "the end")
+                self.assertAlmostEqual(end["bag"]["t"], end["bag"]["duration"], 2)
+                self.assertAlmostEqual(end["bag"]["duration"], 6.0, delta=1.0)
+                self.assertEqual(state_of(end, "device"), "stopped")
+                socket.order(seek=2.0)
+                past = socket.wait_for(lambda m: m["type"] == "past" and m["rows"], 10, "what was before")
+                self.assertLess(past["rows"][-1][0], 2.1)
+                self.assertGreater(len(past["rows"]), 200)
+                frame = socket.frame(lambda m: True, 5, "the place")
+                self.assertAlmostEqual(frame["t"], 2.0, delta=0.1)
+                socket.order(play=True, speed=1)
+                socket.frame(lambda m: m["t"] > 2.5, 5, "that it goes on")
+
+
+if __name__ == "__main__":
+    unittest.main()
