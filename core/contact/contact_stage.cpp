@@ -149,7 +149,7 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult
     contact.stiffness.setZero();
   }
   returning_.clear();
-  std::size_t summed = 0;
+  std::size_t summed = 0, next = 0;
   const auto sum_up_to = [&](std::size_t end) {
     if (blended)
       push_along_directions(hits.surface, summed, end, frame.direction, config_.stiffness, hits.pose.position, contact,
@@ -157,10 +157,11 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult
     summed = end;
   };
   for (const Held& before : held_) {  // ascending, so that every sum runs over the hits in their order
-    const std::size_t n = hits.surface.find(before.point);
-    if (n == hits.surface.size()) continue;
-    sum_up_to(n + 1);
-    returning_point(hits, hits.surface[n], before, frame, result);
+    next = hits.surface.not_below(before.point, next);
+    if (next == hits.surface.size()) break;
+    if (hits.surface.point(next) != before.point) continue;
+    sum_up_to(next + 1);
+    returning_point(hits, hits.surface[next], before, frame, result);
   }
   sum_up_to(hits.surface.size());
 }

@@ -23,9 +23,17 @@ Hit HitSource::hit(std::uint32_t point) const noexcept {
   return out;
 }
 
-std::size_t Hits::find(std::uint32_t point) const noexcept {
-  const auto place = std::lower_bound(points_.begin(), points_.end(), point);
-  return place != points_.end() && *place == point ? static_cast<std::size_t>(place - points_.begin()) : size();
+std::size_t Hits::not_below(std::uint32_t point, std::size_t from) const noexcept {
+  std::size_t step = 1, low = from;
+  while (low + step < size() && points_[low + step] < point) low += step, step *= 2;
+  const auto place = std::lower_bound(points_.begin() + static_cast<std::ptrdiff_t>(std::min(low, size())),
+                                      points_.begin() + static_cast<std::ptrdiff_t>(std::min(low + step + 1, size())), point);
+  return static_cast<std::size_t>(place - points_.begin());
+}
+
+std::size_t Hits::find(std::uint32_t point, std::size_t from) const noexcept {
+  const std::size_t n = not_below(point, from);
+  return n < size() && points_[n] == point ? n : size();
 }
 
 void Hits::push_back(const Hit& hit) {

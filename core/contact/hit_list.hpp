@@ -89,8 +89,10 @@ class Hits {
   Iterator end() const noexcept { return {*this, size()}; }
 
   std::uint32_t point(std::size_t n) const noexcept { return points_[n]; }
-  /// Where `point` stands in the list, or size().
-  std::size_t find(std::uint32_t point) const noexcept;
+  /// Where `point` stands in the list, or size(). Looks from `from` on, near it first: for points that are asked for in order.
+  std::size_t find(std::uint32_t point, std::size_t from = 0) const noexcept;
+  /// Where the first point that is not below `point` stands, likewise.
+  std::size_t not_below(std::uint32_t point, std::size_t from) const noexcept;
   /// Sum of weight * normal and of weight, added in the list's order; a query gives them for the surface layer alone.
   const Vec3& normal_sum() const noexcept { return normal_sum_; }
   double weight_sum() const noexcept { return weight_sum_; }
