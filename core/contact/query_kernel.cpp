@@ -69,6 +69,10 @@ VOXTOUCH_INLINE std::uint32_t near_spheres(const QueryFrame& f, const Voxmap::Ar
   return near;
 }
 
+using HalfWord = std::uint32_t __attribute__((may_alias));
+constexpr std::int32_t kHalfWords = sizeof(Voxmap::Brick) / sizeof(HalfWord);
+static_assert(std::endian::native == std::endian::little);  // the lower half comes first
+
 /// Leaves collected until there is a block of points of them.
 struct Block {
   std::uint32_t leaf[kRuns];
@@ -115,11 +119,11 @@ VOXTOUCH_INLINE Kinds classify(const QueryData& data, const QueryFrame& f, const
   }
   static_assert(Voxmap::kFreeBrick == 0);
   if (any == 0) return kinds;
+  // In halves of the bricks' words, so that a look is one of 32 bits for each point at once.
+  const auto* const words = reinterpret_cast<const HalfWord*>(map.bricks);
   alignas(64) std::uint32_t kind[kPoints];
-  for (std::size_t p = 0; p < kPoints; ++p) {
-    const std::uint64_t word = map.bricks[static_cast<std::size_t>(brick[p])][static_cast<std::size_t>(voxel[p] >> 5)];
-    kind[p] = static_cast<std::uint32_t>(word >> (2 * (voxel[p] & 31)));
-  }
+  for (std::size_t p = 0; p < kPoints; ++p) kind[p] = words[brick[p] * kHalfWords + (voxel[p] >> 4)];
+  for (std::size_t p = 0; p < kPoints; ++p) kind[p] >>= 2 * (voxel[p] & 15);
   for (std::size_t p = 0; p < kPoints; ++p) {
     kinds.surface |= (kind[p] & 1U) != 0 ? kBit[p] : 0U;
     kinds.interior |= (kind[p] & 2U) != 0 ? kBit[p] : 0U;
@@ -178,7 +182,8 @@ bool make_query_frame(const Voxmap& voxmap, const HitSource& source, double reac
   // A point: 3 roundings of each product, 2 inner sums, the last one and that of the shift come to 2^-24 (8 reach + 6).
   const double band = 16.0 * kFloat * (reach + 4.0) + of_doubles;
   constexpr double kMost = 0x1p20;  // beyond that the single numbers of voxels are not whole any more
-  f.certain = reach < kMost && largest < kMost ? static_cast<float>(0.5 - 2.0 * kFloat - band) : -1.0F;
+  const bool small = reach < kMost && largest < kMost && voxmap.arrays().brick_count < std::size_t{1} << 26;
+  f.certain = small ? static_cast<float>(0.5 - 2.0 * kFloat - band) : -1.0F;
   f.per_metre = static_cast<float>(1.0 / edge * (1.0 + 8.0 * kFloat));
   f.margin = static_cast<float>(contact_limits::kCullSafetyVoxels + 16.0 * kFloat * (reach + largest) + of_doubles);
   return beyond <= reach + f.margin;

@@ -82,9 +82,10 @@ class Voxmap {
   struct Arrays {
     const std::int32_t* table;       ///< brick of the 8-voxel cell x + cells[0] (y + cells[1] z)
     const Brick* bricks;
+    std::size_t brick_count;
     const std::uint8_t* free;        ///< free_distance of the 4-voxel cell (x 2 cells[1] + y) 2 cells[2] + z; null before `finish`
   };
-  Arrays arrays() const noexcept { return {table_.data(), bricks_.data(), near_.empty() ? nullptr : near_.data()}; }
+  Arrays arrays() const noexcept { return {table_.data(), bricks_.data(), bricks_.size(), near_.empty() ? nullptr : near_.data()}; }
 
  private:
   static constexpr std::int32_t kInteriorBrick = 1;
