@@ -68,8 +68,7 @@ SphereTree::SphereTree(const Pointshell& shell) {
     for (std::size_t begin = 0; begin < shell.size(); begin += span)
       add_sphere({shell, begin, std::min(shell.size(), begin + span)}, level);
     const std::size_t filled = in_groups(level.count);
-    level.x.resize(filled), level.y.resize(filled), level.z.resize(filled);
-    level.radius.resize(filled, -1e18F);
+    for (std::vector<float>* const column : {&level.x, &level.y, &level.z, &level.radius}) column->resize(filled);
   }
 }
 

@@ -19,7 +19,7 @@ class SphereTree {
   static constexpr int kMaxLevels = 8;  ///< 8 * 16^7 points: 2^31
 
   /// The spheres of one level in single precision, frame T [m]: each encloses the points of its run for certain. Filled up to a
-  /// multiple of kFanOut with spheres of a radius far below zero, which are nowhere near anything.
+  /// multiple of kFanOut with zeros, which kernels look at and do not count.
   struct Level {
     std::vector<float> x, y, z, radius;
     std::size_t count = 0;  ///< without those

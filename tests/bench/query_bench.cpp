@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/contact/contact_renderer.hpp"
+#include "core/types/clones.hpp"
 #include "tests/bench/bench_scene.hpp"
 
 namespace voxtouch::bench {
@@ -23,14 +24,17 @@ void count(benchmark::State& state, std::size_t points, double tested, double hi
   state.counters["hits%"] = 100.0 * hits / frames / static_cast<double>(points);
 }
 
+/// Sixteen sums, so that no addition waits for the one before; in the widest vectors that there are.
+VOXTOUCH_CLONES void add_up(const float* values, std::size_t count, float (&sums)[16]) {
+  for (std::size_t n = 0; n + 16 <= count; n += 16)
+    for (std::size_t lane = 0; lane < 16; ++lane) sums[lane] += values[n + lane];
+}
+
 void read_12_bytes(benchmark::State& state, std::size_t points) {
   const std::vector<float> x(points, 1.0F), y(points, 2.0F), z(points, 3.0F);
   for (auto _ : state) {
-    // Sixteen sums, so that no addition waits for the one before.
     float sums[16] = {};
-    for (const std::vector<float>* const axis : {&x, &y, &z})
-      for (std::size_t n = 0; n + 16 <= points; n += 16)
-        for (std::size_t lane = 0; lane < 16; ++lane) sums[lane] += (*axis)[n + lane];
+    for (const std::vector<float>* const axis : {&x, &y, &z}) add_up(axis->data(), points, sums);
     benchmark::DoNotOptimize(sums);
   }
   count(state, points, 0.0, 0.0);
