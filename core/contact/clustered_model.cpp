@@ -18,7 +18,7 @@ ClusteredModel::ClusteredModel(const Voxmap& voxmap, std::size_t points, double 
 template <class F>
 static void for_each(const HitList& hits, const std::vector<BlendedPlane>& planes, F&& f) noexcept {
   const BlendedPlane* plane = planes.data();
-  for (const std::vector<Hit>* list : {&hits.surface, &hits.interior})
+  for (const Hits* list : {&hits.surface, &hits.interior})
     for (const Hit& hit : *list) f(hit, *plane++);
 }
 
@@ -26,7 +26,7 @@ void ClusteredModel::look_up(const HitList& hits) const noexcept {
   const Grid& grid = voxmap_.grid();
   const Vec3 local = hits.pose.position - grid.origin;  // first, so that a grid at 1e6 m costs no digits of the arms
   std::size_t n = 0;
-  for (const std::vector<Hit>* list : {&hits.surface, &hits.interior})
+  for (const Hits* list : {&hits.surface, &hits.interior})
     for (const Hit& hit : *list) planes_[n++] = blended_plane(voxmap_, (local + hit.arm) / grid.edge);
 }
 

@@ -8,7 +8,9 @@
 #include "core/contact/clustered_model.hpp"
 #include "core/contact/field_model.hpp"
 #include "core/contact/limits.hpp"
+#include "core/contact/push_sums.hpp"
 #include "core/contact/stiffness_sum.hpp"
+#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 namespace {
@@ -23,58 +25,17 @@ bool summarise(const HitList& hits, ContactResult& result) noexcept {
   result.points_tested = hits.tested;
   result.pose_status = hits.pose_status;
   if (hits.surface.empty()) return true;
-  Vec3 sum = Vec3::Zero();
-  double weights = 0.0;
-  for (const Hit& hit : hits.surface) {
-    sum += hit.weight * hit.normal;
-    weights += hit.weight;
-  }
-  const double length = sum.norm();
+  const double length = hits.surface.normal_sum().norm(), weights = hits.surface.weight_sum();
   if (weights > 0.0) result.coherence = length / weights;
-  if (length > 0.0) result.mean_normal = sum / length;
+  if (length > 0.0) result.mean_normal = hits.surface.normal_sum() / length;
   return result.coherence > contact_limits::kFallbackCoherence;
-}
-
-/// Counts a point that pushes and remembers the deepest; the first of equals wins.
-void note_depth(const HitList& hits, const Hit& hit, double depth, double stiffness, ContactResult& result) noexcept {
-  if (depth > 0.0) result.stiffness_bound_n_per_m += stiffness * hit.weight;
-  if (depth > result.deepest_depth_m) {
-    result.deepest_depth_m = depth;
-    result.deepest_point = hits.pose.position + hit.arm;
-  }
 }
 
 /// McNeely 1999: F = K sum w_i d_i n_i, d_i = max(0, n_i . (c_i - x_i)).
 void push_along_own_normals(const HitList& hits, double stiffness, ContactResult& result) noexcept {
   StiffnessSum sum;
-  for (const Hit& hit : hits.surface) {
-    const double depth = std::max(0.0, hit.normal.dot(hit.to_centre));
-    const Vec3 force = (stiffness * (hit.weight * depth)) * hit.normal;
-    result.wrench.force += force;
-    result.wrench.torque += hit.arm.cross(force);
-    note_depth(hits, hit, depth, stiffness, result);
-    if (depth > 0.0) sum.add(hit.arm, hit.normal, hit.weight);
-  }
+  push_along_directions(hits.surface, 0, hits.surface.size(), {}, stiffness, hits.pose.position, result, sum);
   if (sum.any()) sum.add_to(stiffness, result.stiffness);
-}
-
-/// Paper, section 2.2: F = K m sum w_i d_i, d_i = max(0, m . (c_i - x_i)), m the mean normal.
-void push_along_mean_normal(const HitList& hits, double stiffness, ContactResult& result) noexcept {
-  const Vec3 mean = result.mean_normal;
-  double depths = 0.0;
-  Vec3 moment = Vec3::Zero();
-  CommonDirectionSum sum;
-  for (const Hit& hit : hits.surface) {
-    const double depth = std::max(0.0, mean.dot(hit.to_centre));
-    const double weighed = hit.weight * depth;
-    depths += weighed;
-    moment += weighed * hit.arm;
-    note_depth(hits, hit, depth, stiffness, result);
-    if (depth > 0.0) sum.add(hit.arm, hit.weight);
-  }
-  result.wrench.force = (stiffness * depths) * mean;
-  result.wrench.torque = moment.cross(stiffness * mean);
-  result.stiffness = sum.matrix(stiffness, mean);
 }
 
 std::unique_ptr<ContactModel> make_field_model(const ContactParameters& parameters, const ContactGround& ground) {
@@ -104,19 +65,32 @@ class AdaptedModel final : public ContactModel {
   explicit AdaptedModel(double stiffness) : stiffness_(stiffness) {}
   ContactModelKind kind() const noexcept override { return ContactModelKind::kAdapted; }
   void evaluate(const HitList& hits, ContactResult& result) const noexcept override {
-    if (summarise(hits, result)) {
-      push_along_mean_normal(hits, stiffness_, result);
-    } else {
-      push_along_own_normals(hits, stiffness_, result);
-      result.fallback = true;
-    }
+    evaluate(hits, false, result);
   }
+  void evaluate_for_stage(const HitList& hits, ContactResult& result) const noexcept override { evaluate(hits, true, result); }
 
  private:
+  void evaluate(const HitList& hits, bool stage_blends, ContactResult& result) const noexcept {
+    const bool agree = summarise(hits, result);
+    result.fallback = !agree;
+    const double share = mean_share(kind(), result.coherence);
+    if (stage_blends && share > 0.0 && share < 1.0) return;
+    if (agree)
+      // Paper, section 2.2: F = K m sum w_i d_i, d_i = max(0, m . (c_i - x_i)), m the mean normal.
+      push_along_mean(hits.surface, result.mean_normal, stiffness_, hits.pose.position, result);
+    else
+      push_along_own_normals(hits, stiffness_, result);
+  }
+
   double stiffness_;
 };
 
 }  // namespace
+
+double mean_share(ContactModelKind kind, double coherence) noexcept {
+  return kind == ContactModelKind::kOriginal ? 0.0
+                                             : smoothstep(contact_limits::kBlendFrom, contact_limits::kBlendTo, coherence);
+}
 
 std::string_view name_of(ContactModelKind kind) noexcept {
   const auto index = static_cast<std::size_t>(kind) - 1;

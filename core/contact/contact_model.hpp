@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/contact/hit_list.hpp"
 #include "core/types/geometry.hpp"
 #include "core/voxmap/distance_field.hpp"
 #include "core/voxmap/voxmap.hpp"
@@ -16,13 +17,6 @@ enum class ContactModelKind : std::uint8_t { kOriginal = 1, kAdapted = 2, kClust
 /// "original", "adapted", ... ; and back (false where the word is unknown).
 std::string_view name_of(ContactModelKind kind) noexcept;
 bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept;
-
-/// Whether a pose could be looked up at all. Anything but kUsable comes with no hits and no force.
-enum class PoseStatus : std::uint8_t {
-  kUsable = 0,
-  kNotAPose = 1,    ///< NaN, Inf, or a quaternion norm outside [1e-3, 1e3]
-  kOutOfRange = 2,  ///< so far from the grid that voxel indices leave int32
-};
 
 /// What one pose gives. All in W; torque about the tool's origin.
 struct ContactResult {
@@ -55,27 +49,6 @@ struct ContactResult {
   std::uint32_t points_tested = 0;      ///< points that culling left to test
 };
 
-/// One colliding point of a frame.
-struct Hit {
-  std::uint32_t point = 0;        ///< index into the pointshell's arrays
-  Vec3 arm = Vec3::Zero();        ///< from the tool's origin to the point, W axes [m]
-  Vec3 normal = Vec3::Zero();     ///< inward normal, W axes
-  Vec3 to_centre = Vec3::Zero();  ///< from the point to its voxel's centre, W axes [m]
-  double weight = 1.0;            ///< w_i: 1, or the point's area [m^2]; see PointWeights
-};
-
-/// The hits of one frame, in the shell's order. Reserved once for the whole shell: filling it never allocates.
-struct HitList {
-  std::vector<Hit> surface;   ///< points in surface voxels: the set S
-  std::vector<Hit> interior;  ///< points in interior voxels: gone through
-  Pose pose;                  ///< the pose looked up, T in W, its quaternion brought to unit norm
-  PoseStatus pose_status = PoseStatus::kUsable;
-  std::uint32_t tested = 0;   ///< points that culling left to test
-
-  void reserve(std::size_t points) { surface.reserve(points), interior.reserve(points); }
-  void clear() noexcept { surface.clear(), interior.clear(), pose = {}, pose_status = PoseStatus::kUsable, tested = 0; }
-};
-
 /// Turns the hits of one frame into a wrench. Memoryless; interior voxels give no force. Sums run over the hits in their
 /// order, in double, so that a list gives the same bits whenever it is evaluated. Real-time safe: no allocation, lock, throw.
 class ContactModel {
@@ -84,7 +57,12 @@ class ContactModel {
   virtual ContactModelKind kind() const noexcept = 0;
   /// Overwrites all of `result`.
   virtual void evaluate(const HitList& hits, ContactResult& result) const noexcept = 0;
+  /// The same for a result that goes to the stage: where that blends directions it sums up all pushes anew, and they may be missing.
+  virtual void evaluate_for_stage(const HitList& hits, ContactResult& result) const noexcept { evaluate(hits, result); }
 };
+
+/// The share of the mean normal in a surface point's direction, as the stage behind the model blends it; 1 or 0: as the model itself.
+double mean_share(ContactModelKind kind, double coherence) noexcept;
 
 /// What a shell point counts in every sum of a contact model.
 enum class PointWeights : std::uint8_t {

@@ -13,16 +13,23 @@ class ContactQuery {
   /// Throws std::invalid_argument where the shell's arrays differ in length or hold a number that is not finite, or where
   /// points are to be weighed by areas that are missing or negative.
   ContactQuery(const Voxmap& voxmap, Pointshell shell, PointWeights weights = PointWeights::kOne);
+  ContactQuery(const ContactQuery&) = delete;  // hits point into the shell's arrays, which stay where they are when it is moved
+  ContactQuery(ContactQuery&&) = default;
   ContactQuery(Voxmap&&, Pointshell, PointWeights = PointWeights::kOne) = delete;
 
   /// All hits at `tool_in_world`, in a fixed order (the shell's), so that sums give the same bits on every run.
   /// Arithmetic is local to the grid: the grid's origin is taken off the pose first, so a scene at 1e6 m gives what it gives
   /// at 0. The quaternion is brought to unit norm. A pose that cannot be looked up gives no hits and says so in
   /// `hits.pose_status`. Real-time safe once `hits.reserve(shell().size())` has been called.
+  ///
+  /// Single precision decides where it is certain, doubles in a band beside the voxels' faces (query_kernel.hpp): which points
+  /// hit is what doubles alone would say, to the last bit of the pose, on every processor.
   void find(const Pose& tool_in_world, HitList& hits) const noexcept;
 
   const Pointshell& shell() const noexcept { return shell_; }
   const Voxmap& voxmap() const noexcept { return voxmap_; }
+  /// What a query over that many points takes beside the shell itself.
+  static std::size_t lookup_bytes(std::size_t points) noexcept { return SphereTree::bytes(points) + 3 * sizeof(float) * points; }
   const SphereTree& tree() const noexcept { return tree_; }
   /// Largest distance of a shell point from the tool's origin [m].
   double reach_m() const noexcept { return reach_m_; }
@@ -30,8 +37,9 @@ class ContactQuery {
  private:
   const Voxmap& voxmap_;
   Pointshell shell_;
+  std::vector<float> x_, y_, z_;  ///< the points once more, for what is decided in single precision
   SphereTree tree_;
-  PointWeights weights_;
+  HitSource source_;  ///< the shell's part of it
   double reach_m_ = 0.0;
 };
 

@@ -14,7 +14,7 @@ ContactRenderer::ContactRenderer(const Voxmap& voxmap, Pointshell shell, Contact
 }
 
 StageResult ContactRenderer::render(const Pose& tool_in_world) noexcept {
-  const ContactResult plain = probe(tool_in_world);
+  const ContactResult plain = evaluate_for_stage(tool_in_world);
   if (hits_.pose_status != PoseStatus::kUsable) return stage_.apply(hits_, plain, 0.0);
   const double moved_m = stage_.motion_to(hits_.pose);
   if (entry_kind_ != Entry::kNone || moved_m > contact_limits::kFastEdges * query_.voxmap().grid().edge)
@@ -76,7 +76,7 @@ StageResult ContactRenderer::walk(const MotionPath& path, int steps, const Conta
   for (int n = watched ? 1 : 0; n <= steps; ++n) {
     const bool looked_up = watched && steps == 1;
     const Pose pose = path.at(static_cast<double>(n) / steps);
-    const ContactResult plain = looked_up ? plain_at_end : probe(pose);
+    const ContactResult plain = looked_up ? plain_at_end : evaluate_for_stage(pose);
     if (!looked_up) ++sub_poses_;
     result = stage_.apply(hits_, plain, stage_.motion_to(hits_.pose));
     const Wrench& wrench = result.contact.wrench;
@@ -94,6 +94,13 @@ StageResult ContactRenderer::walk(const MotionPath& path, int steps, const Conta
       entry_pose_ = hits_.pose;
     }
   }
+  return result;
+}
+
+ContactResult ContactRenderer::evaluate_for_stage(const Pose& tool_in_world) noexcept {
+  ContactResult result;
+  query_.find(tool_in_world, hits_);
+  model_->evaluate_for_stage(hits_, result);
   return result;
 }
 

@@ -55,6 +55,7 @@ class ContactRenderer {
   ContactModelKind model() const noexcept { return model_->kind(); }
 
  private:
+  ContactResult evaluate_for_stage(const Pose& tool_in_world) noexcept;
   StageResult render_fast(const ContactResult& plain, double moved_m) noexcept;
   void leave_far_side(bool to_entry) noexcept;
   bool beyond_entry(const Pose& tool) const noexcept;

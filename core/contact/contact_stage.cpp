@@ -14,19 +14,21 @@ namespace limits = contact_limits;
 /// What one call of `apply` carries along.
 struct ContactStage::Frame {
   double moved_m = 0.0;             ///< bound on every point's way since the last pose
-  double mean_share = 0.0;          ///< s of the surface law: 0 own normals, 1 mean normal
-  Vec3 mean = Vec3::Zero();
+  PushDirection direction;          ///< of the surface law; its share is 1 here where the mean normal alone is meant
   std::uint32_t shared_points = 0;  ///< that push along g in this frame
   StiffnessSum stiffness;           ///< of the points that the model has not summed ...
   CommonDirectionSum shared;        ///< ... and of those that push along g
 };
 
-ContactStage::ContactStage(const StageConfig& config)
-    : config_(config), memory_(remembers(config.model) ? config.points : 0) {}
+ContactStage::ContactStage(const StageConfig& config) : config_(config) {
+  if (!remembers(config.model)) return;
+  last_surface_.reserve(config.points);
+  for (std::vector<Held>* const list : {&held_, &returning_, &inside_}) list->reserve(config.points);
+}
 
 void ContactStage::reset() noexcept {
-  ++frame_;  // makes every point's memory stale ...
-  ++frame_;  // ... also that of the frame before
+  last_surface_.clear();
+  held_.clear();
   has_last_pose_ = false;
   shared_.setZero();
   shared_points_ = 0;
@@ -40,20 +42,24 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
   Frame frame;
   frame.moved_m = moved_m;
   result.fast = frame.moved_m > limits::kFastEdges * config_.edge_m;
-  ++frame_;
   if (!remembers(config_.model)) {
     // Nothing to blend, and nothing to hold: their depths reach into interior voxels.
   } else if (hits.surface.empty() && hits.interior.empty()) {
     shared_.setZero();
+    last_surface_.clear();
+    held_.clear();
   } else {
     update_shared_direction(hits);
-    frame.mean = plain.mean_normal;
-    if (config_.model != ContactModelKind::kOriginal)
-      frame.mean_share = smoothstep(limits::kBlendFrom, limits::kBlendTo, plain.coherence);
+    frame.direction = {plain.mean_normal, mean_share(config_.model, plain.coherence)};
     surface_points(hits, frame, result);
     interior_points(hits, frame, result);
     if (frame.stiffness.any()) frame.stiffness.add_to(config_.stiffness, result.contact.stiffness);
     if (frame.shared.any()) result.contact.stiffness += frame.shared.matrix(config_.stiffness, shared_now_);
+    held_.resize(returning_.size() + inside_.size());
+    std::merge(returning_.begin(), returning_.end(), inside_.begin(), inside_.end(), held_.begin(),
+               [](const Held& a, const Held& b) { return a.point < b.point; });
+    last_surface_ = hits.surface;
+    last_direction_ = frame.direction;
   }
   shared_points_ = frame.shared_points;
   last_pose_ = hits.pose;
@@ -69,13 +75,9 @@ double ContactStage::motion_bound(const Pose& pose) const noexcept {
 
 void ContactStage::update_shared_direction(const HitList& hits) noexcept {
   // Over the points gone through as well: the rim alone is few points and turns over beyond the tool's equator.
-  Vec3 mean = Vec3::Zero();
-  double weights = 0.0;
-  for (const std::vector<Hit>* list : {&hits.surface, &hits.interior})
-    for (const Hit& hit : *list) {
-      mean += hit.weight * hit.normal;
-      weights += hit.weight;
-    }
+  Vec3 mean = hits.surface.normal_sum();
+  double weights = hits.surface.weight_sum();
+  add_normals(hits.interior, mean, weights);
   const double length = mean.norm();
   const double coherence = weights > 0.0 ? length / weights : 0.0;
   double share = hits.surface.empty() ? 0.0 : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
@@ -89,11 +91,14 @@ void ContactStage::update_shared_direction(const HitList& hits) noexcept {
   if (share > 0.0 && share < 1.0 && shared_points_ > 0) shared_now_ = (share * mean + (1.0 - share) * shared_).normalized();
 }
 
-Vec3 ContactStage::surface_direction(const Frame& frame, const Hit& hit) const noexcept {
-  if (frame.mean_share >= 1.0) return frame.mean;
-  if (frame.mean_share <= 0.0) return hit.normal;
-  const Vec3 mix = frame.mean_share * frame.mean + (1.0 - frame.mean_share) * hit.normal;
-  return mix / std::max(mix.norm(), limits::kShortestDirection);
+double ContactStage::plain_depth(const Hit& hit, const PushDirection& direction) const noexcept {
+  const double share = direction.mean_share;
+  Vec3 along = share >= 1.0 ? direction.mean : hit.normal;
+  if (share > 0.0 && share < 1.0) {
+    const Vec3 mix = share * direction.mean + (1.0 - share) * hit.normal;
+    along = mix / std::max(mix.norm(), limits::kShortestDirection);
+  }
+  return std::max(0.0, along.dot(hit.to_centre));
 }
 
 Vec3 ContactStage::held_direction(Push push, const Hit& hit) const noexcept {
@@ -134,52 +139,70 @@ void ContactStage::count_held(Push push, const Hit& hit, Frame& frame, ContactRe
 
 void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
   // At both ends of the blend the model has already summed exactly this; only in between is the sum made anew.
-  const bool blended = frame.mean_share > 0.0 && frame.mean_share < 1.0;
+  const bool blended = frame.direction.mean_share > 0.0 && frame.direction.mean_share < 1.0;
+  ContactResult& contact = result.contact;
   if (blended) {
-    result.contact.wrench = {};
-    result.contact.deepest_depth_m = 0.0;
-    result.contact.deepest_point.setZero();
-    result.contact.stiffness_bound_n_per_m = 0.0;
-    result.contact.stiffness.setZero();
+    contact.wrench = {};
+    contact.deepest_depth_m = 0.0;
+    contact.deepest_point.setZero();
+    contact.stiffness_bound_n_per_m = 0.0;
+    contact.stiffness.setZero();
   }
-  for (const Hit& hit : hits.surface) {
-    const Vec3 direction = surface_direction(frame, hit);
-    const double depth = std::max(0.0, direction.dot(hit.to_centre));
-    if (blended) {
-      push(hits, hit, depth, direction, result.contact);
-      if (depth > 0.0) {
-        result.contact.stiffness_bound_n_per_m += config_.stiffness * hit.weight;
-        frame.stiffness.add(hit.arm, direction, hit.weight);
-      }
-    }
-    Memory& memory = memory_[hit.point];
-    const bool returns = memory.frame + 1 == frame_ && memory.push != Push::kPlain;
-    const double remembered = returns ? memory.depth_m - limits::kFadePerMetre * frame.moved_m : 0.0;
-    if (remembered > depth) {
-      push(hits, hit, remembered - depth, held_direction(memory.push, hit), result.contact);
-      if (!(depth > 0.0)) count_held(memory.push, hit, frame, result.contact);
-      frame.shared_points += memory.push == Push::kShared;
-      result.held = true;
-      memory = {remembered, frame_, memory.push};
-    } else {
-      memory = {depth, frame_, Push::kPlain};
-    }
+  returning_.clear();
+  std::size_t summed = 0, next = 0;
+  const auto sum_up_to = [&](std::size_t end) {
+    if (blended)
+      push_along_directions(hits.surface, summed, end, frame.direction, config_.stiffness, hits.pose.position, contact,
+                            frame.stiffness);
+    summed = end;
+  };
+  for (const Held& before : held_) {  // ascending, so that every sum runs over the hits in their order
+    next = hits.surface.not_below(before.point, next);
+    if (next == hits.surface.size()) break;
+    if (hits.surface.point(next) != before.point) continue;
+    sum_up_to(next + 1);
+    returning_point(hits, hits.surface[next], before, frame, result);
   }
+  sum_up_to(hits.surface.size());
+}
+
+void ContactStage::returning_point(const HitList& hits, const Hit& hit, const Held& before, Frame& frame,
+                                   StageResult& result) noexcept {
+  const double depth = plain_depth(hit, frame.direction);
+  const double left = before.depth_m - limits::kFadePerMetre * frame.moved_m;
+  if (!(left > depth)) return;
+  push(hits, hit, left - depth, held_direction(before.push, hit), result.contact);
+  if (!(depth > 0.0)) count_held(before.push, hit, frame, result.contact);
+  frame.shared_points += before.push == Push::kShared;
+  result.held = true;
+  returning_.push_back({hit.point, before.push, left});
+}
+
+/// What a point in an interior voxel pushes with from now on. `next_held` walks through held_, as the points do.
+ContactStage::Held ContactStage::remembered(const HitList& hits, const Hit& hit, std::size_t& next_held) const noexcept {
+  while (next_held < held_.size() && held_[next_held].point < hit.point) ++next_held;
+  Held out{hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
+  if (next_held < held_.size() && held_[next_held].point == hit.point) {
+    out = held_[next_held];
+  } else if (const std::size_t n = last_surface_.find(hit.point); n < last_surface_.size()) {
+    out = {hit.point, choose_direction(hits, hit), plain_depth(last_surface_[n], last_direction_)};
+  } else {
+    return out;
+  }
+  out.depth_m = std::max(out.depth_m, limits::kHeldDepthFloorEdges * config_.edge_m);
+  return out;
 }
 
 void ContactStage::interior_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
+  inside_.clear();
+  std::size_t next_held = 0;
   for (const Hit& hit : hits.interior) {
-    Memory& memory = memory_[hit.point];
-    if (memory.frame + 1 != frame_) {
-      memory = {limits::kUnseenDepthEdges * config_.edge_m, frame_, Push::kOwn};
-    } else {
-      const Push kind = memory.push == Push::kPlain ? choose_direction(hits, hit) : memory.push;
-      memory = {std::max(memory.depth_m, limits::kHeldDepthFloorEdges * config_.edge_m), frame_, kind};
-    }
-    push(hits, hit, memory.depth_m, held_direction(memory.push, hit), result.contact);
-    count_held(memory.push, hit, frame, result.contact);
-    frame.shared_points += memory.push == Push::kShared;
+    const Held held = remembered(hits, hit, next_held);
+    push(hits, hit, held.depth_m, held_direction(held.push, hit), result.contact);
+    count_held(held.push, hit, frame, result.contact);
+    frame.shared_points += held.push == Push::kShared;
     result.held = true;
+    inside_.push_back(held);
   }
 }
 

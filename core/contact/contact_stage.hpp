@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/contact/contact_model.hpp"
+#include "core/contact/push_sums.hpp"
 
 namespace voxtouch {
 
@@ -51,6 +52,8 @@ constexpr bool remembers(ContactModelKind model) noexcept {
 /// that way (and by the turn from g to u_i), and strengthens it by at most K w_i sqrt(3)/2 e, which is the step of the plain law
 /// at any voxel border. A point that reaches free space forgets; without any contact the stage forgets all.
 ///
+/// Where nothing is held, and directions are not blended, this costs a copy of the points' numbers and nothing else a point.
+///
 /// `clustered` and `field` pass through with the fast flag only: they have neither a fallback to blend nor a layer to go through.
 ///
 /// All memory is taken at construction; `apply` and `reset` are real-time safe. Not safe to share between threads.
@@ -74,26 +77,33 @@ class ContactStage {
 
  private:
   enum class Push : std::uint8_t { kPlain, kShared, kOwn };  ///< surface law; held along g; held along the own normal
-  struct Memory {
+  /// A point whose remembered depth pushes.
+  struct Held {
+    std::uint32_t point = 0;
+    Push push = Push::kOwn;
     double depth_m = 0.0;
-    std::uint64_t frame = 0;  ///< when it was last a hit; any but the last frame: forgotten
-    Push push = Push::kPlain;
   };
   struct Frame;
 
   double motion_bound(const Pose& pose) const noexcept;
   void update_shared_direction(const HitList& hits) noexcept;
-  Vec3 surface_direction(const Frame& frame, const Hit& hit) const noexcept;
+  double plain_depth(const Hit& hit, const PushDirection& direction) const noexcept;
   Vec3 held_direction(Push push, const Hit& hit) const noexcept;
   Push choose_direction(const HitList& hits, const Hit& hit) const noexcept;
   void surface_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
+  void returning_point(const HitList& hits, const Hit& hit, const Held& before, Frame& frame, StageResult& result) noexcept;
   void interior_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
+  Held remembered(const HitList& hits, const Hit& hit, std::size_t& next_held) const noexcept;
   void push(const HitList& hits, const Hit& hit, double depth, const Vec3& direction, ContactResult& result) const noexcept;
   void count_held(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept;
 
   StageConfig config_;
-  std::vector<Memory> memory_;
-  std::uint64_t frame_ = 1;       ///< of the frame in work; memory of frame_ - 1 is alive
+  // Of the last frame: the points in the surface layer, whose depths are worked out only should they go through, with the direction
+  // they pushed along; and those that were held, ascending.
+  Hits last_surface_;
+  PushDirection last_direction_;
+  std::vector<Held> held_;
+  std::vector<Held> returning_, inside_;  ///< of the frame in work
   Pose last_pose_;
   bool has_last_pose_ = false;
   Vec3 shared_ = Vec3::Zero();    ///< last good direction; zero: none yet

@@ -46,7 +46,7 @@ void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noex
   const Grid& grid = field_.grid();
   const Vec3 local = hits.pose.position - grid.origin;  // first, so that a grid at 1e6 m costs no digits of the arms
   Sums sums;
-  for (const std::vector<Hit>* list : {&hits.surface, &hits.interior})
+  for (const Hits* list : {&hits.surface, &hits.interior})
     for (const Hit& hit : *list) {
       sums.normals += hit.weight * hit.normal;
       sums.weights += hit.weight;

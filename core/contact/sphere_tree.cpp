@@ -1,5 +1,6 @@
 #include "core/contact/sphere_tree.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -26,7 +27,7 @@ struct Run {
 
 /// Badoiu-Clarkson: from the box's centre, step towards the farthest point by 1/(i+1); the best centre seen is kept. Twenty
 /// steps come within a few per cent of the smallest sphere, and a smaller sphere culls more.
-SphereTree::Sphere enclose(const Run& run) {
+Vec3 middle(const Run& run) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (std::size_t p = run.begin; p < run.end; ++p) {
     low = low.cwiseMin(run.shell.point(p));
@@ -40,24 +41,44 @@ SphereTree::Sphere enclose(const Run& run) {
     if (radius < best) best = radius, best_centre = centre;
     centre += (run.shell.point(point) - centre) / (step + 1.0);
   }
-  // The square root rounds: a few ulp more, so that the farthest point is inside for certain.
-  return {best_centre.x(), best_centre.y(), best_centre.z(), best * (1.0 + 1e-14)};
+  return best_centre;
+}
+
+void add_sphere(const Run& run, SphereTree::Level& level) {
+  const Eigen::Vector3f centre = middle(run).cast<float>();
+  double radius = 0.0;
+  run.farthest(centre.cast<double>(), radius);  // of the rounded centre
+  level.x.push_back(centre.x()), level.y.push_back(centre.y()), level.z.push_back(centre.z());
+  // Square root and conversion round: a few ulp more, so that the farthest point is inside for certain.
+  level.radius.push_back(std::nextafter(static_cast<float>(radius * (1.0 + 1e-6)), std::numeric_limits<float>::infinity()));
+  ++level.count;
+}
+
+constexpr std::size_t in_groups(std::size_t nodes) {
+  return (nodes + SphereTree::kFanOut - 1) / SphereTree::kFanOut * SphereTree::kFanOut;
 }
 
 }  // namespace
 
 SphereTree::SphereTree(const Pointshell& shell) {
-  if (shell.size() > std::numeric_limits<std::uint32_t>::max() - kLeafPoints)
-    throw std::length_error("contact: the pointshell has more than 2^32 points; use a larger voxel size");
-  points_ = static_cast<std::uint32_t>(shell.size());
-  if (points_ == 0) return;
-  std::size_t span = kLeafPoints;
-  do {
-    std::vector<Sphere>& level = levels_.emplace_back();
+  if (shell.size() > std::size_t{1} << 31)
+    throw std::length_error("contact: the pointshell has more than 2^31 points; use a larger voxel size");
+  for (std::size_t span = kLeafPoints; levels_.empty() ? shell.size() > 0 : levels_.back().count > kFanOut; span *= kFanOut) {
+    Level& level = levels_.emplace_back();
     for (std::size_t begin = 0; begin < shell.size(); begin += span)
-      level.push_back(enclose({shell, begin, std::min(shell.size(), begin + span)}));
-    span *= kFanOut;
-  } while (levels_.back().size() > 1);
+      add_sphere({shell, begin, std::min(shell.size(), begin + span)}, level);
+    const std::size_t filled = in_groups(level.count);
+    for (std::vector<float>* const column : {&level.x, &level.y, &level.z, &level.radius}) column->resize(filled);
+  }
+}
+
+std::size_t SphereTree::bytes(std::size_t points) noexcept {
+  std::size_t nodes = 0;
+  for (std::size_t level = (points + kLeafPoints - 1) / kLeafPoints; level > 0; level = (level + kFanOut - 1) / kFanOut) {
+    nodes += in_groups(level);
+    if (level <= kFanOut) break;
+  }
+  return 4 * sizeof(float) * nodes;
 }
 
 }  // namespace voxtouch

@@ -18,9 +18,11 @@ class StiffnessSum {
     std::size_t n = 0;
     for (std::size_t row = 0; row < 6; ++row)
       for (std::size_t column = row; column < 6; ++column) sums_[n++] += weight * (j[row] * j[column]);
-    any_ = true;
   }
-  bool any() const noexcept { return any_; }
+  /// Whether anything was added that pushes.
+  bool any() const noexcept { return sums_[0] > 0.0 || sums_[6] > 0.0 || sums_[11] > 0.0; }
+  /// The upper triangle by rows.
+  std::array<double, 21>& entries() noexcept { return sums_; }
   /// Adds the sum times `stiffness` (of a weight of one); the matrix stays symmetric to the bit.
   void add_to(double stiffness, Mat6& matrix) const noexcept {
     std::size_t n = 0;
@@ -32,14 +34,20 @@ class StiffnessSum {
   }
 
  private:
-  std::array<double, 21> sums_{};  ///< upper triangle by rows
-  bool any_ = false;
+  std::array<double, 21> sums_{};
 };
 
 /// For points that all push along one direction m: arm x m is linear in the arm, so that the arms' own moments will do,
 /// which is half the work a point.
 class CommonDirectionSum {
  public:
+  /// Of weights w: w; w arm; then w arm arm' by rows of the upper triangle.
+  static constexpr std::size_t kSums = 10;
+  CommonDirectionSum() = default;
+  explicit CommonDirectionSum(const double (&sums)[kSums]) noexcept
+      : weights_(sums[0]), arms_(sums[1], sums[2], sums[3]), xx_(sums[4]), xy_(sums[5]), xz_(sums[6]), yy_(sums[7]), yz_(sums[8]),
+        zz_(sums[9]) {}
+
   void add(const Vec3& arm, double weight = 1.0) noexcept {
     const Vec3 weighed = weight * arm;
     weights_ += weight;

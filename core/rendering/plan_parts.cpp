@@ -2,25 +2,17 @@
 #include <fmt/core.h>
 
 #include "core/contact/contact_model.hpp"
-#include "core/contact/sphere_tree.hpp"
+#include "core/contact/contact_query.hpp"
 #include "core/rendering/plan.hpp"
 
 namespace voxtouch {
 namespace {
 
 constexpr const char* kRendering = "rendering";
-/// What the stage behind the contact model remembers of a point: its depth, when that was, and which way it pushed; now, and where
-/// a fast motion met a wall. `clustered` and `field` remember nothing.
+/// What the stage behind the contact model may remember of a point: that it was in the surface layer, and thrice the depth it is held
+/// with; now, and where a fast motion met a wall. `clustered` and `field` remember nothing.
 std::uint64_t stage_bytes_per_point(std::string_view contact_model) {
-  return contact_model == "original" || contact_model == "adapted" ? 48 : 0;
-}
-
-std::uint64_t tree_bytes(std::uint64_t points) {
-  std::uint64_t nodes = 0;
-  for (std::uint64_t level = (points + SphereTree::kLeafPoints - 1) / SphereTree::kLeafPoints; level > 0;
-       level = level > 1 ? (level + SphereTree::kFanOut - 1) / SphereTree::kFanOut : 0)
-    nodes += level;
-  return nodes * sizeof(SphereTree::Sphere);
+  return contact_model == "original" || contact_model == "adapted" ? 104 : 0;
 }
 
 PlanPart effect_part(const EffectSpec& effect, const BuildCounts& n) {
@@ -84,13 +76,13 @@ std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& n) {
                    .expected_ns = kNsPerPoint * points});
   parts.push_back({.name = "culling tree",
                    .node = kRendering,
-                   .why = "Leaves out the points that are far from everything; it only lowers the pointshell's share.",
-                   .bytes = tree_bytes(n.shell_points)});
+                   .why = "Leaves out the points that are far from everything; with it, the points in single precision, which decide most.",
+                   .bytes = ContactQuery::lookup_bytes(n.shell_points)});
   parts.push_back(
       {.name = "contact model " + scene.contact.model,
        .node = kRendering,
        .why = "The scene's contact section names it; with it goes the memory of points that have gone through.",
-       .bytes = n.shell_points * (2 * sizeof(Hit) + stage_bytes_per_point(scene.contact.model)),
+       .bytes = n.shell_points * (2 * sizeof(std::uint32_t) + stage_bytes_per_point(scene.contact.model)),
        .expected_ns = kNsPerFrame + ns_per_contact_point(scene.contact.model) * points});
   for (const EffectSpec& effect : scene.effects) parts.push_back(effect_part(effect, n));
   parts.push_back(coupling_part(scene));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <stdexcept>
 
 namespace voxtouch {
@@ -9,9 +10,7 @@ namespace {
 
 std::int32_t floor_to_brick(std::int64_t v) { return static_cast<std::int32_t>((v >> 3) << 3); }
 
-constexpr std::uint8_t kFarthest = 255;
 constexpr std::uint64_t kLowBits = 0x5555555555555555ULL;  // of each 2-bit voxel
-constexpr std::uint64_t kLowX4 = 0x00ff00ff00ff00ffULL;    // voxels with x < 4 of a row
 
 std::uint64_t all_of(VoxelKind kind) { return static_cast<std::uint64_t>(kind) * kLowBits; }
 
@@ -87,74 +86,49 @@ void Voxmap::set_cell(const VoxelIndex& v, const BrickMask& surface, const Brick
 void Voxmap::finish() {
   surface_count_ = interior_count_ = 0;
   bricks_.shrink_to_fit();
-  near_cells_ = {cells_[0] * 2, cells_[1] * 2, cells_[2] * 2};
-  near_.assign(static_cast<std::size_t>(near_cells_[0] * near_cells_[1] * near_cells_[2]), kFarthest);
+  free_distance::Occupancy occupancy(cells_);
   for (std::int64_t x = 0; x < cells_[0]; ++x)
     for (std::int64_t y = 0; y < cells_[1]; ++y)
-      for (std::int64_t z = 0; z < cells_[2]; ++z) count_brick(x, y, z);
-  spread_near();
+      for (std::int64_t z = 0; z < cells_[2]; ++z) count_brick(x, y, z, occupancy);
+  near_ = occupancy.bytes();
 }
 
-void Voxmap::count_brick(std::int64_t x, std::int64_t y, std::int64_t z) {
+void Voxmap::count_brick(std::int64_t x, std::int64_t y, std::int64_t z, free_distance::Occupancy& occupancy) {
   const std::int32_t entry = table_[table_index(x, y, z)];
   if (entry == kFreeBrick) return;
   const Brick& brick = bricks_[static_cast<std::size_t>(entry)];
+  std::array<std::array<unsigned, 4>, 4> columns{};  // of 2x2x2-cells along z
   for (std::size_t word = 0; word < brick.size(); ++word) {
     surface_count_ += static_cast<std::size_t>(std::popcount(brick[word] & kLowBits));
     interior_count_ += static_cast<std::size_t>(std::popcount(brick[word] & ~kLowBits));
-    // A word is half a slice: 8 voxels along x, 4 along y. Its low and high half bytes belong to different
-    // 4-voxel cells.
-    const auto half_y = static_cast<std::int64_t>(word & 1), half_z = static_cast<std::int64_t>(word >> 3);
-    if ((brick[word] & kLowX4) != 0) near_[near_index(2 * x, 2 * y + half_y, 2 * z + half_z)] = 0;
-    if ((brick[word] & ~kLowX4) != 0) near_[near_index(2 * x + 1, 2 * y + half_y, 2 * z + half_z)] = 0;
+    // A word is half a slice: 8 voxels along x, 4 along y; 16 bits a row of x, 4 bits a pair of voxels.
+    const std::uint64_t rows[2] = {brick[word] | brick[word] >> 16, brick[word] >> 32 | brick[word] >> 48};
+    for (std::size_t y2 = 0; y2 < 2; ++y2)
+      for (std::size_t x2 = 0; x2 < 4; ++x2)
+        if ((rows[y2] >> (4 * x2) & 15U) != 0) columns[x2][2 * (word & 1) + y2] |= 1U << (word >> 2);
   }
-}
-
-/// Chessboard distance in cells: one sweep forward and one back over the 26 neighbours is exact for this
-/// metric.
-void Voxmap::spread_near() {
-  const auto line = static_cast<std::size_t>(near_cells_[2]);
-  // over the neighbours in lines already swept; one cell of margin each end
-  std::vector<std::uint8_t> best(line + 2, kFarthest);
-  const auto sweep_line = [&](std::int64_t x, std::int64_t y, int step) {
-    std::fill(best.begin(), best.end(), kFarthest);
-    const auto take = [&](std::int64_t nx, std::int64_t ny) {
-      if (nx < 0 || nx >= near_cells_[0] || ny < 0 || ny >= near_cells_[1]) return;
-      const std::uint8_t* const from = &near_[near_index(nx, ny, 0)];
-      for (std::size_t z = 0; z < line; ++z) best[z + 1] = std::min(best[z + 1], from[z]);
-    };
-    for (int dy = -1; dy <= 1; ++dy) take(x - step, y + dy);
-    take(x, y - step);
-    std::uint8_t* const row = &near_[near_index(x, y, 0)];
-    const auto farther = [](std::uint8_t d) { return d == kFarthest ? d : static_cast<std::uint8_t>(d + 1); };
-    for (std::size_t z = 0; z < line; ++z)
-      row[z] = std::min(row[z], farther(std::min(best[z], std::min(best[z + 1], best[z + 2]))));
-    if (step > 0)
-      for (std::size_t z = 1; z < line; ++z) row[z] = std::min(row[z], farther(row[z - 1]));
-    else
-      for (std::size_t z = line - 1; z-- > 0;) row[z] = std::min(row[z], farther(row[z + 1]));
-  };
-  for (std::int64_t x = 0; x < near_cells_[0]; ++x)
-    for (std::int64_t y = 0; y < near_cells_[1]; ++y) sweep_line(x, y, 1);
-  for (std::int64_t x = near_cells_[0]; x-- > 0;)
-    for (std::int64_t y = near_cells_[1]; y-- > 0;) sweep_line(x, y, -1);
+  for (std::int64_t x2 = 0; x2 < 4; ++x2)
+    for (std::int64_t y2 = 0; y2 < 4; ++y2)
+      occupancy.mark(4 * x + x2, 4 * y + y2, z, columns[static_cast<std::size_t>(x2)][static_cast<std::size_t>(y2)]);
 }
 
 double Voxmap::free_distance_voxels(const Vec3& u) const noexcept {
   const Vec3 local = u - Vec3(base_.i, base_.j, base_.k);
   if (near_.empty() || local.hasNaN()) return 0.0;
-  double outside = 0.0;
+  double outside = 0.0, squared = 0.0;
   std::array<std::int64_t, 3> cell{};
   for (int axis = 0; axis < 3; ++axis) {
     const double size = static_cast<double>(cells_[static_cast<std::size_t>(axis)] * kBrickEdge);
     outside = std::max({outside, -local[axis], local[axis] - size});
-    cell[static_cast<std::size_t>(axis)] =
-        static_cast<std::int64_t>(std::clamp(local[axis], 0.0, size - 1.0)) >> 2;
+    const auto nearest = static_cast<std::int64_t>(std::clamp(local[axis], 0.0, size - 1.0)) / free_distance::kCellEdge;
+    const double way = local[axis] - (free_distance::kCellEdge * static_cast<double>(nearest) + 0.5 * free_distance::kCellEdge);
+    squared += way * way;
+    cell[static_cast<std::size_t>(axis)] = nearest;
   }
-  const std::uint8_t distance = near_[near_index(cell[0], cell[1], cell[2])];
-  // A cell whose nearest occupied cell is n cells away is at least (n - 1) * 4 voxels from anything in it. A
-  // point outside the table is no nearer to anything in the table than its projection onto the table is.
-  return std::max(outside, distance == 0 ? 0.0 : (distance - 1) * static_cast<double>(kCellEdge));
+  // No distance falls faster than the way from the cell's centre. A point outside the table is no nearer to anything in the
+  // table than its projection onto the table is.
+  const double from_centre = free_distance::voxels(near_[near_index(cell[0], cell[1], cell[2])]);
+  return std::max(outside, from_centre - std::sqrt(squared));
 }
 
 std::size_t Voxmap::bytes() const noexcept {

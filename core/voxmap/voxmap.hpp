@@ -5,13 +5,14 @@
 /// each 8-voxel cell, with shared bricks for "all free" and "all interior". One border cell of free bricks
 /// surrounds the object. The table's strides are exact: rounded up to powers of two they would save a
 /// multiplication and cost up to four times the table. Beside it, one byte for each 4x4x4-voxel cell says how
-/// far, in cells, the nearest surface or interior is at least: what the culling tree asks.
+/// far the nearest surface or interior is at least (free_distance.hpp): what the culling tree asks.
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "core/voxmap/brick_bits.hpp"
+#include "core/voxmap/free_distance.hpp"
 #include "core/voxmap/grid.hpp"
 
 namespace voxtouch {
@@ -21,7 +22,6 @@ enum class VoxelKind : std::uint8_t { kFree = 0, kSurface = 1, kInterior = 2 };
 class Voxmap {
  public:
   static constexpr int kBrickEdge = 8;      ///< voxels
-  static constexpr int kCellEdge = 4;       ///< voxels, of the free-distance cells
   /// 512 voxels x 2 bits; voxel (x,y,z) at bit 2*(x + 8*(y + 8*z))
   using Brick = std::array<std::uint64_t, 16>;
 
@@ -57,9 +57,8 @@ class Voxmap {
   /// Counts voxels and computes the free-distance bytes; call after the last change.
   void finish();
 
-  /// Lower bound of the distance [voxels] from anywhere in the 4-voxel cell of `u` (grid coordinates) to the
-  /// nearest voxel that is not free; 0 where unknown (before `finish`, NaN) or near. Outside the table: the
-  /// distance to the table at least. Real-time safe.
+  /// Lower bound of the distance [voxels] from `u` (grid coordinates) to the nearest voxel that is not free; 0 where
+  /// unknown (before `finish`, NaN) or near. Outside the table: the distance to the table at least. Real-time safe.
   double free_distance_voxels(const Vec3& u) const noexcept;
 
   /// Surface and interior voxels, counted.
@@ -77,8 +76,19 @@ class Voxmap {
 
   static constexpr std::int64_t kMaxTableCells = std::int64_t{1} << 28;
 
+  static constexpr std::int32_t kFreeBrick = 0;
+
+  /// The arrays themselves, for kernels that look up many points at once. Valid while the map is.
+  struct Arrays {
+    const std::int32_t* table;       ///< brick of the 8-voxel cell x + cells[0] (y + cells[1] z)
+    const Brick* bricks;
+    std::size_t brick_count;
+    const std::uint8_t* free;        ///< free_distance of the 4-voxel cell (x 2 cells[1] + y) 2 cells[2] + z; null before `finish`
+  };
+  Arrays arrays() const noexcept { return {table_.data(), bricks_.data(), bricks_.size(), near_.empty() ? nullptr : near_.data()}; }
+
  private:
-  static constexpr std::int32_t kFreeBrick = 0, kInteriorBrick = 1;
+  static constexpr std::int32_t kInteriorBrick = 1;
   /// Voxel counted from the first of the table.
   std::array<std::int64_t, 3> local(const VoxelIndex& v) const noexcept {
     return {std::int64_t{v.i} - base_.i, std::int64_t{v.j} - base_.j, std::int64_t{v.k} - base_.k};
@@ -87,19 +97,17 @@ class Voxmap {
     return static_cast<std::size_t>(x + cells_[0] * (y + cells_[1] * z));
   }
   std::size_t near_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
-    return static_cast<std::size_t>((x * near_cells_[1] + y) * near_cells_[2] + z);
+    return static_cast<std::size_t>((x * 2 * cells_[1] + y) * 2 * cells_[2] + z);
   }
   Brick& own_brick(std::size_t index);
-  void count_brick(std::int64_t x, std::int64_t y, std::int64_t z);
-  void spread_near();
+  void count_brick(std::int64_t x, std::int64_t y, std::int64_t z, free_distance::Occupancy& occupancy);
 
   Grid grid_;
   VoxelIndex base_;                       ///< first voxel of the table, a multiple of 8
   std::array<std::int64_t, 3> cells_{};   ///< table size in bricks
   std::vector<std::int32_t> table_;
   std::vector<Brick> bricks_;
-  std::array<std::int64_t, 3> near_cells_{};
-  std::vector<std::uint8_t> near_;        ///< free distance in 4-voxel cells, saturated at 255
+  std::vector<std::uint8_t> near_;        ///< free_distance bytes
   std::size_t surface_count_ = 0, interior_count_ = 0;
 };
 

@@ -34,7 +34,7 @@ class Crossings {
   double count(const HitList& hits, const Grid& grid) {
     ++frame_;
     double sum = 0.0, stayed = 0.0, now = 0.0;
-    for (const std::vector<Hit>* list : {&hits.surface, &hits.interior})
+    for (const Hits* list : {&hits.surface, &hits.interior})
       for (const Hit& hit : *list) {
         const VoxelIndex v = Grid::voxel_of((hits.pose.position + hit.arm - grid.origin) / grid.edge);
         now += hit.weight;

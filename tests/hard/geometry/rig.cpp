@@ -93,7 +93,7 @@ double pull(const Rig& rig, const Pose& pose, std::size_t model) {
   if (!rig.models[model]) return 0.0;
   rig.models[model]->probe(pose);
   double weights = 0.0;
-  for (const std::vector<Hit>* list : {&rig.models[model]->hits().surface, &rig.models[model]->hits().interior})
+  for (const Hits* list : {&rig.models[model]->hits().surface, &rig.models[model]->hits().interior})
     for (const Hit& hit : *list) weights += hit.weight;
   return weights * (model >= 2 ? kPerVolume : kPerPoint);
 }

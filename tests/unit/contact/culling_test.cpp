@@ -30,9 +30,9 @@ BruteForce brute_force(const Voxmap& voxmap, const Pointshell& shell, const Pose
   return out;
 }
 
-std::vector<std::uint32_t> points(const std::vector<Hit>& hits) {
+std::vector<std::uint32_t> points(const Hits& hits) {
   std::vector<std::uint32_t> out;
-  for (const Hit& hit : hits) out.push_back(hit.point);
+  for (std::size_t n = 0; n < hits.size(); ++n) out.push_back(hits.point(n));
   return out;
 }
 
@@ -49,29 +49,35 @@ Voxmap scene(const Grid& grid) {
 TEST(SphereTree, EnclosesItsPoints) {
   const Pointshell shell = sphere_shell(0.03, 0.001);
   const SphereTree tree(shell);
-  std::size_t span = SphereTree::kLeafPoints;
-  for (const auto& level : tree.levels()) {
-    for (std::size_t node = 0; node < level.size(); ++node)
+  std::size_t span = SphereTree::kLeafPoints, floats = 0;
+  for (const SphereTree::Level& level : tree.levels()) {
+    EXPECT_EQ(level.count, (shell.size() + span - 1) / span);
+    EXPECT_EQ(level.x.size() % SphereTree::kFanOut, 0U);
+    floats += level.x.size() + level.y.size() + level.z.size() + level.radius.size();
+    for (std::size_t node = 0; node < level.count; ++node)
       for (std::size_t p = node * span; p < std::min(shell.size(), (node + 1) * span); ++p) {
-        const Vec3 centre(level[node].x, level[node].y, level[node].z);
-        ASSERT_LE((shell.point(p) - centre).norm(), level[node].radius);
+        const Vec3 centre(level.x[node], level.y[node], level.z[node]);
+        ASSERT_LE((shell.point(p) - centre).norm(), level.radius[node]);
       }
     span *= SphereTree::kFanOut;
   }
-  EXPECT_EQ(tree.levels().back().size(), 1U);
+  EXPECT_LE(tree.levels().back().count, SphereTree::kFanOut);
+  EXPECT_EQ(SphereTree::bytes(shell.size()), floats * sizeof(float));
 }
 
-TEST(SphereTree, VisitsEveryPointOnceAndInOrderWhereNothingIsCulled) {
-  for (const std::size_t count : {0U, 1U, 31U, 32U, 33U, 512U, 513U, 8193U}) {
+TEST(SphereTree, HasALeafForEveryPointOfAnyCount) {
+  for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 128U, 129U, 2048U, 2049U}) {
     std::vector<std::pair<Vec3, Vec3>> list(count, {Vec3(1, 2, 3), Vec3::UnitX()});
-    const SphereTree tree(shell_of(list, 1.0));
-    std::uint32_t next = 0;
-    tree.visit([](const SphereTree::Sphere&) { return false; },
-               [&](std::uint32_t begin, std::uint32_t end) {
-                 EXPECT_EQ(begin, next);
-                 next = end;
-               });
-    EXPECT_EQ(next, count);
+    const Pointshell shell = shell_of(list, 1.0);
+    const SphereTree tree(shell);
+    EXPECT_EQ(tree.levels().empty(), count == 0);
+    // All in one voxel: every point is found, once and in order.
+    const Voxmap voxmap = block({Vec3::Zero(), 1.0}, {0, 0, 0}, {8, 8, 8});
+    HitList hits;
+    ContactQuery(voxmap, shell).find({Vec3(2.5, 1.5, 0.5), Quat::Identity()}, hits);
+    ASSERT_EQ(hits.interior.size(), count);
+    EXPECT_EQ(hits.tested, count);
+    for (std::uint32_t p = 0; p < count; ++p) EXPECT_EQ(hits.interior.point(p), p);
   }
 }
 

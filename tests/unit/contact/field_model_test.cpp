@@ -37,7 +37,7 @@ TEST(FieldModel, PushesEachPointAlongItsNormalWithItsAreaAndItsDepth) {
     Wrench sum;
     double deepest = 0.0;
     const HitList& hits = s.renderer.hits();
-    for (const std::vector<Hit>* list : {&hits.surface, &hits.interior})
+    for (const Hits* list : {&hits.surface, &hits.interior})
       for (const Hit& hit : *list) {
         const Vec3 u = s.ground.field.grid().to_grid(hits.pose.position + hit.arm);
         const double depth = std::max(0.0, -s.ground.field.at(u).distance_m);

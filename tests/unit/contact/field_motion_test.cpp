@@ -16,7 +16,7 @@ constexpr double kEdge = 1e-3, kStep = 1e-3 * kEdge;
 std::vector<double> depths_of(const ContactRenderer& renderer, const Ground& ground, std::size_t points) {
   std::vector<double> depth(points, 0.0);
   const HitList& hits = renderer.hits();
-  for (const std::vector<Hit>* list : {&hits.surface, &hits.interior})
+  for (const Hits* list : {&hits.surface, &hits.interior})
     for (const Hit& hit : *list) {
       const Vec3 x = hits.pose.position - ground.field.grid().origin + hit.arm;
       depth[hit.point] = std::max(0.0, -ground.field.at(x / kEdge).distance_m);

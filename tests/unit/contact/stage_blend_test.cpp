@@ -144,8 +144,11 @@ TEST(Blend, KeepsTheStiffnessBoundBetweenItsEnds) {
   const double step = 1e-9;
   Mat3 stiffness;
   for (int axis = 0; axis < 3; ++axis) {
-    HitList moved = hits;
-    for (Hit& hit : moved.surface) hit.to_centre[axis] -= step;
+    HitList moved;
+    for (Hit hit : hits.surface) {
+      hit.to_centre[axis] -= step;
+      moved.surface.push_back(hit);
+    }
     stiffness.col(axis) = (r.contact.wrench.force - laws.staged(moved).contact.wrench.force) / step;
   }
   EXPECT_LE(stiffness.jacobiSvd().singularValues()[0], r.contact.stiffness_bound_n_per_m * (1 + 1e-5));

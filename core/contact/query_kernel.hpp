@@ -1,0 +1,51 @@
+#pragma once
+/// The part of the query that runs over many points: plain loops, compiled for what the processor has.
+#include <cstdint>
+
+#include "core/contact/hit_list.hpp"
+#include "core/contact/sphere_tree.hpp"
+#include "core/voxmap/voxmap.hpp"
+
+namespace voxtouch {
+
+/// One pose as the kernel sees it. The decision is that of doubles, u = (R p + t) / e: single precision only says where it is
+/// certain. Its coordinates are counted from the voxel that holds the tool's origin, so that their error grows with the tool's
+/// size and not with where it is.
+struct QueryFrame {
+  HitSource source;  ///< in doubles: what decides
+
+  // In single precision, in voxels: a p + shift is a point's place from the voxel `first` on, always above zero.
+  float a[3][3] = {};           ///< R / e
+  float shift[3] = {};
+  float low[3] = {}, high[3] = {};  ///< what lies outside the table is put into its border, which is free
+  std::int32_t first[3] = {};   ///< counted from the table's first voxel
+  /// A coordinate is certain where it is less than this from the middle of its voxel; below zero: nowhere.
+  float certain = -1.0F;
+
+  // The same for the tree, counted from the table's corner.
+  float corner_shift[3] = {};
+  float size[3] = {};           ///< of the table
+  float per_metre = 0.0F;       ///< 1 / e, rounded up
+  float margin = 0.0F;          ///< added to every radius: all that rounds
+};
+
+/// What a kernel looks up. Single precision coordinates are filled up to a multiple of SphereTree::kLeafPoints.
+struct QueryData {
+  const Voxmap* voxmap = nullptr;
+  std::size_t points = 0;
+  const SphereTree* tree = nullptr;
+  const float* x = nullptr;
+  const float* y = nullptr;
+  const float* z = nullptr;
+};
+
+/// The frame for a tool at `source`, none of whose points is farther than `reach_m` from its origin. False where the tool is wholly
+/// outside the table: it hits nothing.
+bool make_query_frame(const Voxmap& voxmap, const HitSource& source, double reach_m, QueryFrame& frame) noexcept;
+
+/// Writes the points that collide, ascending, to `surface` and `interior`, each with room for all points of the shell, and how many
+/// they are. \returns the points that culling left to test.
+std::uint32_t search(const QueryData& data, const QueryFrame& frame, std::uint32_t* surface, std::size_t& surface_count,
+                     std::uint32_t* interior, std::size_t& interior_count) noexcept;
+
+}  // namespace voxtouch

@@ -1,0 +1,92 @@
+// Times of the contact query and of what comes after its hits, by place and number of points, beside reading 12 bytes a point: what
+// any query that looks at every point costs at least. Ratios are what counts; deploy/bench writes them down.
+#include <benchmark/benchmark.h>
+
+#include <map>
+
+#include "core/contact/contact_renderer.hpp"
+#include "core/types/clones.hpp"
+#include "tests/bench/bench_scene.hpp"
+
+namespace voxtouch::bench {
+namespace {
+
+const Voxmap& ground() {
+  static const Voxmap map = cup();
+  return map;
+}
+
+void count(benchmark::State& state, std::size_t points, double tested, double hits) {
+  const auto frames = static_cast<double>(state.iterations());
+  state.counters["ns/point"] = benchmark::Counter(static_cast<double>(points) * 1e-9 * frames,
+                                                  benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["tested%"] = 100.0 * tested / frames / static_cast<double>(points);
+  state.counters["hits%"] = 100.0 * hits / frames / static_cast<double>(points);
+}
+
+/// Sixteen sums, so that no addition waits for the one before; in the widest vectors that there are.
+VOXTOUCH_CLONES void add_up(const float* values, std::size_t count, float (&sums)[16]) {
+  for (std::size_t n = 0; n + 16 <= count; n += 16)
+    for (std::size_t lane = 0; lane < 16; ++lane) sums[lane] += values[n + lane];
+}
+
+void read_12_bytes(benchmark::State& state, std::size_t points) {
+  const std::vector<float> x(points, 1.0F), y(points, 2.0F), z(points, 3.0F);
+  for (auto _ : state) {
+    float sums[16] = {};
+    for (const std::vector<float>* const axis : {&x, &y, &z}) add_up(axis->data(), points, sums);
+    benchmark::DoNotOptimize(sums);
+  }
+  count(state, points, 0.0, 0.0);
+}
+
+void find(benchmark::State& state, Place place, std::size_t points) {
+  const ContactQuery query(ground(), tool(place, points));
+  const std::vector<Pose> poses = path(place);
+  HitList hits;
+  hits.reserve(points);
+  double tested = 0.0, hit = 0.0;
+  std::size_t n = 0;
+  for (auto _ : state) {
+    query.find(poses[n++ % poses.size()], hits);
+    tested += hits.tested, hit += static_cast<double>(hits.surface.size() + hits.interior.size());
+  }
+  count(state, points, tested, hit);
+}
+
+void render(benchmark::State& state, Place place, std::size_t points, ContactModelKind model) {
+  ContactRenderer renderer(ground(), tool(place, points), model, {1.0, PointWeights::kArea});
+  const std::vector<Pose> poses = path(place);
+  double tested = 0.0, hit = 0.0;
+  std::size_t n = 0;
+  for (auto _ : state) {
+    const ContactResult contact = renderer.render(poses[n++ % poses.size()]).contact;
+    tested += contact.points_tested, hit += contact.surface_hits + contact.interior_hits;
+  }
+  count(state, points, tested, hit);
+}
+
+void add_all() {
+  for (const std::size_t points : {1000U, 10'000U, 100'000U, 1'000'000U}) {
+    const std::string size = "/" + std::to_string(points);
+    benchmark::RegisterBenchmark(("read 12 bytes a point" + size).c_str(), read_12_bytes, points);
+    for (const Place place : {Place::kFar, Place::kNear, Place::kLight, Place::kHeavy}) {
+      const std::string row = "/" + name_of(place) + size;
+      benchmark::RegisterBenchmark(("find" + row).c_str(), find, place, points);
+      for (const auto model : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered})
+        benchmark::RegisterBenchmark(("render " + std::string(name_of(model)) + row).c_str(), render, place, points, model);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch::bench
+
+int main(int argc, char** argv) {
+  voxtouch::bench::add_all();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}

@@ -1,0 +1,210 @@
+// Single precision and culling change nothing: the hits are those of doubles, point by point, bit by bit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/contact/query_kernel.hpp"
+#include "fixtures.hpp"
+#include "tests/support/reference_query.hpp"
+#include "tests/support/seed.hpp"
+
+#ifdef VOXTOUCH_NO_CLONES  // compiled a second time, with the kernels as any x86-64 runs them
+#define QueryEquality QueryEqualityOnAnyProcessor
+#endif
+
+namespace voxtouch::test {
+namespace {
+
+/// A floor, a wall, a block with an inside and a lone voxel in the far corner.
+Voxmap ground(const Grid& grid) {
+  Voxmap voxmap(grid, {0, 0, 0}, {63, 63, 63});
+  add_block(voxmap, {0, 0, 0}, {63, 63, 6});
+  add_block(voxmap, {0, 0, 0}, {9, 63, 40});
+  voxmap.set({63, 63, 63}, VoxelKind::kSurface);
+  voxmap.finish();
+  return voxmap;
+}
+
+/// Points anywhere within `reach` of the tool's origin, in no order.
+Pointshell cloud(std::mt19937_64& random, std::size_t count, double reach) {
+  std::vector<std::pair<Vec3, Vec3>> points;
+  for (std::size_t n = 0; n < count; ++n) {
+    const Vec3 at(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+    points.emplace_back(reach / std::sqrt(3.0) * at, (random_rotation(random) * Vec3::UnitX()));
+  }
+  Pointshell shell = shell_of(points, 1.0);
+  for (double& area : shell.area_m2) area = uniform(random, 0.0, 1e-5);
+  return shell;
+}
+
+class Compared {
+ public:
+  Compared(const Voxmap& voxmap, const Pointshell& shell, PointWeights weights = PointWeights::kOne)
+      : voxmap_(voxmap), shell_(shell), by_area_(weights == PointWeights::kArea), query_(voxmap, shell, weights) {
+    hits_.reserve(shell.size());
+  }
+  void at(const Pose& pose) {
+    query_.find(pose, hits_);
+    ASSERT_EQ(hits_.pose_status, PoseStatus::kUsable);
+    const ReferenceHits reference = reference_hits(voxmap_, shell_, hits_.pose, by_area_);
+    ASSERT_TRUE(same(hits_.surface, reference.surface)) << pose.position.transpose() << ", " << pose.orientation.coeffs().transpose();
+    ASSERT_TRUE(same(hits_.interior, reference.interior)) << pose.position.transpose();
+    Vec3 sum = Vec3::Zero();
+    for (const Hit& one : reference.surface) sum += one.weight * one.normal;
+    ASSERT_EQ(hits_.surface.normal_sum(), sum);
+    decided += shell_.size();
+    hit += reference.surface.size() + reference.interior.size();
+  }
+  std::size_t decided = 0, hit = 0;
+
+ private:
+  const Voxmap& voxmap_;
+  const Pointshell& shell_;
+  bool by_area_;
+  ContactQuery query_;
+  HitList hits_;
+};
+
+TEST(QueryEquality, HoldsInRandomPoses) {
+  const std::uint64_t seed = testing::seed(20260101);
+  SCOPED_TRACE(testing::seed_trace(seed));
+  std::mt19937_64 random(seed);
+  std::size_t decided = 0, hit = 0;
+  // The grid: about the origin, off it by no round number, 1e6 m away; the voxel no power of two.
+  for (const Vec3& origin : {Vec3(0, 0, 0), Vec3(-0.7, 0.31, 0.123), Vec3(1e6, -1e6, 1e6)})
+    for (const double e : {0.003, 0.25}) {
+      const Grid grid{origin, e};
+      const Voxmap voxmap = ground(grid);
+      for (const double reach : {3.0, 20.0, 90.0}) {
+        const Pointshell shell = cloud(random, 1001, reach * e);
+        Compared compared(voxmap, shell, random() % 2 == 0 ? PointWeights::kOne : PointWeights::kArea);
+        for (int n = 0; n < 560; ++n) {
+          const Vec3 u(uniform(random, -30, 90), uniform(random, -30, 90), uniform(random, -30, 90));
+          ASSERT_NO_FATAL_FAILURE(compared.at({origin + e * u, random_rotation(random)}));
+        }
+        decided += compared.decided, hit += compared.hit;
+      }
+    }
+  RecordProperty("points", std::to_string(decided));
+  EXPECT_GT(decided, 10'000'000U);
+  EXPECT_GT(hit, decided / 50);
+}
+
+/// x, or a step of one unit in the last place beside it.
+double beside(std::mt19937_64& random, double x) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  switch (random() % 3) {
+    case 0: return std::nextafter(x, infinity);
+    case 1: return std::nextafter(x, -infinity);
+    default: return x;
+  }
+}
+
+TEST(QueryEquality, HoldsOnTheBordersOfVoxelsAndAStepBesideThem) {
+  std::mt19937_64 random(7);
+  for (const double e : {0x1p-8, 0.003})
+    for (const Vec3& origin : {Vec3(0, 0, 0), Vec3(-0.7, 0.31, 0.123), Vec3(1048576, -1048576, 1048576)}) {
+      const Voxmap voxmap = ground({origin, e});
+      std::vector<std::pair<Vec3, Vec3>> points;
+      for (int n = 0; n < 1000; ++n) {
+        Vec3 at;
+        for (int a = 0; a < 3; ++a) at[a] = beside(random, e * (static_cast<double>(random() % 41) - 20.0));
+        points.emplace_back(at, Vec3::UnitZ());
+      }
+      const Pointshell shell = shell_of(points, e);
+      Compared compared(voxmap, shell);
+      for (int n = 0; n < 300; ++n) {
+        Vec3 at;
+        for (int a = 0; a < 3; ++a) at[a] = beside(random, origin[a] + e * static_cast<double>(random() % 64));
+        // Along the axes as well: quarter turns, whose matrix may or may not be exact.
+        const Quat turn = n % 2 == 0 ? Quat::Identity()
+                                     : Quat(Eigen::AngleAxisd(std::numbers::pi / 2 * static_cast<double>(random() % 4),
+                                                              Vec3::Unit(static_cast<Eigen::Index>(random() % 3))));
+        ASSERT_NO_FATAL_FAILURE(compared.at({at, turn}));
+      }
+      EXPECT_GT(compared.hit, compared.decided / 50);
+    }
+}
+
+TEST(QueryEquality, HoldsWithinAHairOfFacesThatTurnedToolsTouch) {
+  // Every point lies 1e-9 to 1e-4 voxels from a face, where single precision does not know the side any more, and what is on either
+  // side is drawn at random.
+  std::mt19937_64 random(17);
+  const double e = 0.003;
+  Voxmap voxmap({Vec3(-0.7, 0.31, 0.123), e}, {0, 0, 0}, {63, 63, 63});
+  for (std::int32_t i = 0; i < 64; ++i)
+    for (std::int32_t j = 0; j < 64; ++j)
+      for (std::int32_t k = 0; k < 64; ++k) voxmap.set({i, j, k}, static_cast<VoxelKind>(random() % 3));
+  voxmap.finish();
+  for (int n = 0; n < 200; ++n) {
+    const Pose pose{voxmap.grid().origin + e * Vec3(uniform(random, 20, 44), uniform(random, 20, 44), uniform(random, 20, 44)),
+                    random_rotation(random)};
+    std::vector<std::pair<Vec3, Vec3>> points;
+    for (int m = 0; m < 1000; ++m) {
+      Vec3 u(uniform(random, 0, 64), uniform(random, 0, 64), uniform(random, 0, 64));
+      const auto axis = static_cast<Eigen::Index>(random() % 3);
+      u[axis] = std::floor(u[axis]) + (random() % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, uniform(random, -9, -4));
+      points.emplace_back(pose.inverse() * (voxmap.grid().origin + e * u), Vec3::UnitZ());
+    }
+    const Pointshell shell = shell_of(points, e);
+    Compared compared(voxmap, shell);
+    ASSERT_NO_FATAL_FAILURE(compared.at(pose));
+    EXPECT_GT(compared.hit, compared.decided / 2);
+  }
+}
+
+TEST(QueryEquality, HoldsForQuaternionsOfAnyUsableNorm) {
+  std::mt19937_64 random(11);
+  const double e = 0.003;
+  const Voxmap voxmap = ground({Vec3::Zero(), e});
+  const Pointshell shell = sphere_shell(20 * e, e);
+  Compared compared(voxmap, shell);
+  for (const double norm : {1.001e-3, 0.1, 1.0 + 1e-15, 999.0})
+    for (int n = 0; n < 50; ++n) {
+      Quat q = random_rotation(random);
+      if (n % 5 == 0) q = Quat(1.0, 1e-300, -1e-200, 1e-17);
+      if (n % 5 == 1) q = Quat(-1e-9, 1.0, 1e-9, 0.0);
+      q.coeffs() *= norm;
+      ASSERT_NO_FATAL_FAILURE(compared.at({e * Vec3(uniform(random, 0, 64), uniform(random, 0, 64), uniform(random, 0, 30)), q}));
+    }
+  EXPECT_GT(compared.hit, 0U);
+}
+
+TEST(QueryEquality, HoldsFarFromTheGridAndForToolsThatDwarfIt) {
+  std::mt19937_64 random(13);
+  const double e = 0.003;
+  const Voxmap voxmap = ground({Vec3(0.1, 0.2, 0.3), e});
+  for (const double reach : {1e3, 1e5, 2e6, 1e8}) {  // [voxels]; from 2^20 on doubles decide everything
+    const Pointshell shell = cloud(random, 501, reach * e);
+    Compared compared(voxmap, shell);
+    for (int n = 0; n < 100; ++n) {
+      // One of its points lies within the grid.
+      const Quat turn = random_rotation(random);
+      const auto point = static_cast<std::size_t>(random() % shell.size());
+      const Vec3 at = voxmap.grid().origin + e * Vec3(uniform(random, 0, 64), uniform(random, 0, 64), uniform(random, 0, 6));
+      ASSERT_NO_FATAL_FAILURE(compared.at({at - turn * shell.point(point), turn}));
+    }
+    EXPECT_GT(compared.hit, 0U) << reach;
+  }
+  const Pointshell shell = sphere_shell(20 * e, e);
+  Compared compared(voxmap, shell);
+  for (const double away : {100.0, 1e4, 1e8, 2e9})
+    ASSERT_NO_FATAL_FAILURE(compared.at({voxmap.grid().origin + Vec3(away * e, 0.02, 0.01), random_rotation(random)}));
+  EXPECT_EQ(compared.hit, 0U);
+}
+
+TEST(QueryEquality, LeavesFewPointsToDoubles) {
+  // The band is what is slow: one point in a thousand for a tool of 200 voxels.
+  const Voxmap voxmap = ground({Vec3::Zero(), 0.001});
+  HitSource source;
+  source.edge = 0.001;
+  for (int n = 0; n < 3; ++n) source.r[n][n] = 1.0;
+  QueryFrame frame;
+  ASSERT_TRUE(make_query_frame(voxmap, source, 0.1, frame));
+  EXPECT_GT(frame.certain, 0.5 - 0.001 / 6.0);
+}
+
+}  // namespace
+}  // namespace voxtouch::test
