@@ -1,6 +1,7 @@
 #include "core/fitting/fit_coupling.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -57,6 +58,15 @@ std::string judge_again(const FittedCoupling& fitted, const Scene& scene, const 
                         const DeviceDemand& demand) {
   if (!fitted.impossible.empty()) return fitted.impossible;
   return why_not_felt(scene, &fitted.spec, device, one_point_n_per_m, demand);
+}
+
+double spring_n_per_m(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds) noexcept {
+  if (!fitted.impossible.empty() || !is_spring(bounds)) return 0.0;
+  const CouplingSpec& spec = fitted.spec;
+  double spring = std::min(largest_spring_n_per_m(scene, device), spec.stiffness_cap_n_per_m);
+  const double lever2 = bounds.rotation.one_point / bounds.translation.one_point;
+  if (lever2 > 0.0) spring = std::min(spring, spec.stiffness_cap_nm_per_rad / lever2);
+  return std::isfinite(spring) ? std::max(spring, 0.0) : 0.0;
 }
 
 double stiffness_at_hand_n_per_m(const FittedCoupling& fitted, const WorkspaceMapping& device,

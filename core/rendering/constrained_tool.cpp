@@ -67,6 +67,7 @@ ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt
           .unplaced = frame_.unplaced,
           .residual_m = frame_.residual_m,
           .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0))};
+  if (frame_.unplaced) frame_.tool = hand;
   const double k = spring_.advance(dt_s), felt = k * frame_.share;
   ContactResult contact;
   contact.pose_status = frame_.pose_status;

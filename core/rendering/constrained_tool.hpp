@@ -40,6 +40,7 @@ class ConstrainedTool {
 
   /// Of the last `render`: the virtual tool, and its motion since the one before.
   const Pose& pose() const noexcept { return frame_.tool; }
+  bool placed() const noexcept { return tool_.placed(); }
   const Twist& twist() const noexcept { return twist_; }
   /// The object that it leans on, as StaticObject::id.
   std::uint32_t leans_on() const noexcept { return parts_[frame_.contact_object].object; }

@@ -30,12 +30,4 @@ struct ContactStiffness {
 /// An empty shell gives zeros. Not for the loop.
 ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParameters& parameters, double steepest = 1.0);
 
-/// Of a virtual tool's spring, before anybody knows the device: as stiff as any device can show, and against rotation that times the
-/// square of its lever. The fit brings it down to what the device and the certificates allow (design_problem.hpp).
-inline constexpr double kSpringOfAnyDevice = 1e7;  ///< [N/m]
-inline ContactStiffness spring_range(double lever_m) noexcept {
-  const double k = kSpringOfAnyDevice, kr = k * lever_m * lever_m;
-  return {{k, k}, {kr, kr}};
-}
-
 }  // namespace voxtouch
