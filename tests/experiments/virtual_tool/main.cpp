@@ -12,9 +12,9 @@ namespace {
 void tell_press(const PressOptions& o) {
   const PressFigures f = press(o);
   fmt::print("press {:22} e {:g} mm{} | dir {:.2f} {:.2f} deg | |F| {:+.2f} % ({:+.2f} to {:+.2f}) | rest {:.4f} {:.4f} {:.4f} N | queries {:.2f} / {} | "
-             "depth {:.4f} e, residual {:.4f} e | {:.1f} us\n",
+             "depth {:.4f} e, residual {:.4f} e | slid {} of {} | {:.1f} us\n",
              o.scene, 1e3 * o.edge, o.turned ? " turned" : "", f.direction_median, f.direction_95, 100 * f.size_median, 100 * f.size_least,
-             100 * f.size_most, f.rest_median, f.rest_95, f.rest_worst, f.queries_mean, f.queries_most, f.depth_worst, f.residual_95, f.frame_us);
+             100 * f.size_most, f.rest_median, f.rest_95, f.rest_worst, f.queries_mean, f.queries_most, f.depth_worst, f.residual_95, f.slid, f.places, f.frame_us);
   std::fflush(stdout);
 }
 
@@ -48,6 +48,11 @@ int main(int argc, char** argv) {
   if (all || what == "press" || what == "plates") {
     for (const double e : {0.002, 0.001})
       for (const char* scene : {"plate:0.002", "plate:0.0005", "plate:0.002:askew", "plate:0.0005:askew"})
+        for (const bool turned : {false, true}) tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
+  }
+  if (what == "one") {
+    for (const double e : {0.002})
+      for (const char* scene : {"tilted", "cylinder", "cup", "plate:0.002:askew", "plate:0.0005:askew"})
         for (const bool turned : {false, true}) tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
   }
   if (all || what == "slide") {

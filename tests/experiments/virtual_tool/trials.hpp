@@ -24,7 +24,7 @@ struct PressFigures {
   int queries_most = 0;
   double depth_worst = 0.0;  ///< of a row, at rest [e]
   double residual_95 = 0.0;  ///< [e]
-  int places = 0;
+  int places = 0, slid = 0;  ///< slid: the truth went more than 5 mm aside, round an edge; not in the figures
   double frame_us = 0.0;
 };
 PressFigures press(const PressOptions& options);
