@@ -1,7 +1,9 @@
 #include "core/contact/constraint_rows.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "core/contact/limits.hpp"
 #include "core/contact/patch_normals.hpp"
@@ -14,24 +16,74 @@ struct Plane {
   double gap_m = 0.0;
 };
 
-/// Whether any corner of the point's voxel is inside.
-bool inside_near(const DistanceField& field, const Vec3& u) noexcept {
-  const VoxelIndex v = Grid::voxel_of(u);
-  for (int corner = 0; corner < 8; ++corner)
-    if (field.node({v.i + (corner & 1), v.j + (corner >> 1 & 1), v.k + (corner >> 2 & 1)}) < 0.0) return true;
-  return false;
+/// Distances at the corners of two voxels: the point's own, and the one an edge farther out along the tool's normal.
+struct Corners {
+  std::array<Vec3, 16> from_point;  ///< [e]
+  std::array<double, 16> distance;  ///< [e], as the field has it
+  std::size_t count = 0;
+};
+
+Corners corners_near(const DistanceField& field, const Vec3& u, const Vec3& outward) noexcept {
+  Corners corners;
+  const VoxelIndex here = Grid::voxel_of(u), out = Grid::voxel_of(u + outward);
+  for (int voxel = 0; voxel < (out == here ? 1 : 2); ++voxel) {
+    const VoxelIndex& v = voxel == 0 ? here : out;
+    for (int k = 0; k < 8; ++k) {
+      const VoxelIndex at{v.i + (k & 1), v.j + (k >> 1 & 1), v.k + (k >> 2 & 1)};
+      const double distance = field.node(at);
+      if (distance > contact_limits::kSheetFarEdges) continue;  // may be cut off
+      corners.from_point[corners.count] = Vec3(at.i, at.j, at.k) - u;
+      corners.distance[corners.count++] = distance;
+    }
+  }
+  return corners;
 }
 
-/// The wall's plane as the field has it an edge farther out along the point's own normal. False where that is no plane of this wall:
-/// the normal runs along it, or the field is bent there too.
+/// The plane n.x = c through the wall's face on the side of `normal`, fitted to the corners that lie on this side. For these n.x_k - d_k is c;
+/// behind the wall it falls short of c by its thickness and twice the distance, so they are those near the largest.
+/// \returns how many they are; `normal` is turned to the plane's.
+std::size_t fit_face(const Corners& corners, double tolerance, Vec3& normal, double& c) noexcept {
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < corners.count; ++k)
+    most = std::max(most, normal.dot(corners.from_point[k]) - corners.distance[k]);
+  const auto on_this_side = [&](std::size_t k) noexcept {
+    return normal.dot(corners.from_point[k]) - corners.distance[k] >= most - tolerance;
+  };
+  Vec3 middle = Vec3::Zero();
+  double mean = 0.0;
+  std::size_t used = 0;
+  for (std::size_t k = 0; k < corners.count; ++k)
+    if (on_this_side(k)) middle += corners.from_point[k], mean += corners.distance[k], ++used;
+  middle /= static_cast<double>(used), mean /= static_cast<double>(used);
+  constexpr double kKeep = 1e-3;  // where the corners leave a direction open, the one before stays
+  Mat3 moments = kKeep * Mat3::Identity();
+  Vec3 slopes = kKeep * normal;
+  for (std::size_t k = 0; k < corners.count; ++k)
+    if (on_this_side(k)) {
+      const Vec3 from = corners.from_point[k] - middle;
+      moments += from * from.transpose();
+      slopes += (corners.distance[k] - mean) * from;
+    }
+  const Vec3 next = moments.ldlt().solve(slopes);
+  const double length = next.norm();
+  if (!(length > 0.5)) return 0;
+  normal = next / length;
+  c = normal.dot(middle) - mean;
+  return used;
+}
+
+/// The wall's face on the tool's side. False where there is none that the tool's normal agrees with.
 bool plane_of_sheet(const Hit& hit, const DistanceField& field, const Vec3& u, Plane& plane) noexcept {
-  const FieldSample out = field.at(u + hit.normal);
-  const double steepness = out.gradient.norm();
-  if (!(steepness >= contact_limits::kSheetGradient)) return false;
-  plane.normal = out.gradient / steepness;
-  const double agree = plane.normal.dot(hit.normal);
-  plane.gap_m = out.distance_m / steepness - field.grid().edge * agree;
-  return agree >= contact_limits::kSheetAgree;
+  const Corners corners = corners_near(field, u, hit.normal);
+  if (corners.count < contact_limits::kSheetCorners) return false;
+  const Vec3 out = field.at(u + hit.normal).gradient;
+  const double steepness = out.norm();
+  Vec3 normal = steepness > 0.3 && out.dot(hit.normal) > 0.5 * steepness ? Vec3(out / steepness) : hit.normal;
+  double c = 0.0;
+  for (const double tolerance : {contact_limits::kSheetCoarse, contact_limits::kSheetFine, contact_limits::kSheetFine})
+    if (fit_face(corners, tolerance, normal, c) < contact_limits::kSheetCorners) return false;
+  plane = {normal, -c * field.grid().edge};
+  return normal.dot(hit.normal) >= contact_limits::kSheetAgree;
 }
 
 bool is_bent(const Hit& hit, const FieldSample& at, double steepness) noexcept {
@@ -62,7 +114,7 @@ bool make_row(const Hit& hit, bool in_surface, const DistanceField& field, const
   const FieldSample at = field.at(u);
   const double steepness = at.gradient.norm();
   Plane plane;
-  if (!(in_surface && is_bent(hit, at, steepness) && !inside_near(field, u) && plane_of_sheet(hit, field, u, plane))) {
+  if (!(in_surface && is_bent(hit, at, steepness) && plane_of_sheet(hit, field, u, plane))) {
     if (!(steepness >= contact_limits::kLeastGradient)) return false;
     plane = {at.gradient / steepness, at.distance_m / steepness};
   }

@@ -28,9 +28,10 @@ struct RowFrame {
 
 /// The row of one hit. False where the field has no direction there, or the gap is so wide that no step can close it.
 ///
-/// As a rule u and the gap are the field's: u = g / |g|, gap = distance / |g|. A wall thinner than a voxel bends the field, so that it
-/// has no inside: there (`sheet`) plane and direction are those of the field an edge farther out along the point's own normal, where
-/// the wall no longer bends it. Real-time safe.
+/// As a rule u and the gap are the field's: u = g / |g|, gap = distance / |g|: the static side's gradient, not the point's own normal, along which the
+/// tool sticks on its own facets. A wall of a voxel or two bends the field, or has no inside in it at all: there, in surface voxels, u and
+/// gap are those of the wall's face on the tool's side, which the point's own normal names, fitted to the corners' distances.
+/// Where tool and wall are both thinner than a voxel, the normals of the tool's far side name the wrong face. Real-time safe.
 bool make_row(const Hit& hit, bool in_surface, const DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept;
 
 /// Leaves at most kMaxRows of them. Of the rows in each of 42 directions (PatchNormals' bins) the one of least gap stays, and those that a tilt

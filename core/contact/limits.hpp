@@ -84,16 +84,27 @@ inline constexpr double kPullEdges = 60.0;
 inline constexpr std::size_t kMaxRows = 96;
 /// A gradient below this has no direction.
 inline constexpr double kLeastGradient = 0.1;
-/// A wall thinner than a voxel bends the field: its gradient is shorter than the first, or points against the tool's own normal by
-/// more than the second. Its plane is taken where the tool's normal and the wall's agree by the third.
-inline constexpr double kSheetGradient = 0.7;
+/// A wall of some two voxels or less bends the field: its gradient is shorter than the first, or points against the tool's own normal by
+/// more than the second. There the plane of the wall's face is taken, if it and the tool's normal agree by the third.
+inline constexpr double kSheetGradient = 0.97;
 inline constexpr double kSheetAgainst = 0.5;
 inline constexpr double kSheetAgree = 0.6;
+/// That plane is fitted to the voxels' corners on the tool's side, at least so many of them, first coarsely [e], then finely; distances
+/// beyond the last [e] may be cut off.
+inline constexpr std::size_t kSheetCorners = 3;
+inline constexpr double kSheetCoarse = 0.4;
+inline constexpr double kSheetFine = 0.1;
+inline constexpr double kSheetFarEdges = 1.9;
 /// A pose is no start where a point is deeper than this.
 inline constexpr double kPlacedDepthEdges = 0.5;
 /// In contact the virtual tool goes at most as far as the hand went, and this share of the spring's length, or this many edges: an edge
 /// that gives way becomes a ramp.
-inline constexpr double kSnapShare = 0.05;
-inline constexpr double kSnapEdges = 0.05;
+inline constexpr double kSnapShare = 0.03;
+inline constexpr double kSnapEdges = 0.02;
+/// A frame keeps a pose only where the energy is lower than where it began, or higher by at most this share of the spring's pull times the
+/// hand's way: a hand that rests is pulled by a tool that rests, one that moves is carried over the bumps of the field.
+inline constexpr double kBumpShare = 2.0;
+/// So many queries may pass without such a pose before the frame goes back to the best one.
+inline constexpr int kMaxWorse = 3;
 
 }  // namespace voxtouch::contact_limits

@@ -49,9 +49,8 @@ Vec3 on_lattice(const Vec3& position, double edge) noexcept {
   return {std::round(position.x() / step) * step, std::round(position.y() / step) * step, std::round(position.z() / step) * step};
 }
 
-/// |spring|^2 / 2, and straight on from where the pull grows no more.
-double spring_energy(const Vec6& spring, double most) noexcept {
-  const double length = spring.norm();
+/// length^2 / 2, and straight on from where the pull grows no more.
+double spring_energy(double length, double most) noexcept {
   return length <= most ? 0.5 * length * length : most * (length - 0.5 * most);
 }
 
@@ -189,49 +188,66 @@ EquilibriumStep VirtualTool::solve(const Vec6& spring, double friction) const no
   return friction > 0.0 ? with_friction(rows_, spring, options_.lever_m, friction, free) : free;
 }
 
-/// Moves the virtual tool towards its balance with `hand`. `way_left_m`: in contact it goes no farther.
-EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span<const ToolGround> grounds, double way_left_m,
+/// Goes back to a pose that was looked up before, whose rows are in `others_`.
+void VirtualTool::go_back_to(const Kept& kept, VirtualToolFrame& out) noexcept {
+  tool_ = kept.tool;
+  rows_ = others_;  // of the same capacity: nothing is allocated
+  rows_energy_ = kept.rows_energy, worst_depth_m_ = kept.worst_depth_m;
+  out.surface_hits = kept.surface_hits, out.interior_hits = kept.interior_hits, out.points_tested = kept.points_tested;
+}
+
+/// Moves the virtual tool towards its balance with `hand`. \returns the last step that was solved, which is not taken.
+EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span<const ToolGround> grounds, const Reach& reach,
                                     VirtualToolFrame& out) noexcept {
-  const double edge = options_.edge_m, rest = contact_limits::kRestEdges * edge, pull = contact_limits::kPullEdges * edge;
-  double trust = std::numeric_limits<double>::infinity();
-  for (int queries = 0;;) {
-    Vec6 spring = spring_to(hand);
-    const double energy = spring_energy(spring, pull) + rows_energy_;
-    if (const double length = spring.norm(); !rows_.empty() && length > pull) spring *= pull / length, out.saturated = true;
-    EquilibriumStep step = solve(spring, friction);
-    out.iterations += step.iterations;
+  const double rest = contact_limits::kRestEdges * options_.edge_m, pull = contact_limits::kPullEdges * options_.edge_m;
+  double way_left_m = reach.tool_m;
+  Kept best;
+  int worse = 0;
+  for (int queries = 0;; ++queries) {
+    const Vec6 spring = spring_to(hand);
+    const double length = spring.norm();
+    const Vec6 cut = !rows_.empty() && length > pull ? Vec6(spring * (pull / length)) : spring;
+    // Where the way is used up, what still is inside is pushed out, and no more.
+    const bool pulled = way_left_m > 0.1 * rest;
+    const EquilibriumStep step = pulled ? solve(cut, friction) : equilibrium_step(rows_, Vec6::Zero());
     const double way = way_of(step.delta);
+    out.iterations += step.iterations;
     out.residual_m = way;
-    if (way == 0.0 && (step.pushed || same(tool_, hand))) return step;
-    if (step.pushed && way < rest) return step;
-    if (queries == contact_limits::kMaxQueries || way_left_m <= 0.1 * rest || trust < rest) return step;
-    const double most = std::min({longest_step(grounds), way_left_m, trust});
-    const bool whole = way <= most;
-    const double share = whole ? 1.0 : most / way;
-    const Pose before = tool_;
-    const double rows_energy = rows_energy_, worst = worst_depth_m_;
-    const VirtualToolFrame told = out;
-    std::swap(rows_, others_);
-    if (whole && !step.pushed && !out.saturated) {
+    const bool done = queries == contact_limits::kMaxQueries || (way < rest && (step.pushed || !pulled)) ||
+                      (way == 0.0 && same(tool_, hand));
+    const double energy = spring_energy(length, pull) + rows_energy_;
+    const double bump = contact_limits::kBumpShare * reach.hand_m * std::min(length, pull);
+    if (worse == 0 || energy <= best.energy + bump) {
+      best = {tool_, energy, rows_energy_, worst_depth_m_, out.surface_hits, out.interior_hits, out.points_tested};
+      worse = 0;
+    } else if (done || worse >= contact_limits::kMaxWorse) {
+      go_back_to(best, out);
+      return balance(hand, friction, out);
+    }
+    if (done) return pulled ? step : balance(hand, friction, out);
+    const double most = pulled ? std::min(longest_step(grounds), way_left_m) : longest_step(grounds);
+    const double share = way <= most ? 1.0 : most / way;
+    if (worse++ == 0) others_ = rows_;
+    if (pulled && !step.pushed && way <= most && length <= pull) {
       tool_ = hand;
     } else {
-      tool_.position = on_lattice(tool_.position + share * step.delta.head<3>(), edge);
+      tool_.position = on_lattice(tool_.position + share * step.delta.head<3>(), options_.edge_m);
       tool_.orientation = turned(tool_.orientation, share * step.delta.tail<3>() / options_.lever_m);
     }
     look_up(tool_, grounds, out);
-    ++queries;
-    const double after = spring_energy(spring_to(hand), pull) + rows_energy_;
-    if (after <= energy) {
-      way_left_m -= share * way;
-      trust = std::numeric_limits<double>::infinity();
-      continue;
-    }
-    trust = 0.25 * share * way;
-    tool_ = before;
-    std::swap(rows_, others_);
-    rows_energy_ = rows_energy, worst_depth_m_ = worst;
-    out.surface_hits = told.surface_hits, out.interior_hits = told.interior_hits, out.points_tested = told.points_tested;
+    way_left_m -= share * way;
   }
+}
+
+/// The step from where the tool is: what still pulls and pushes there.
+EquilibriumStep VirtualTool::balance(const Pose& hand, double friction, VirtualToolFrame& out) noexcept {
+  const double pull = contact_limits::kPullEdges * options_.edge_m;
+  Vec6 spring = spring_to(hand);
+  if (const double length = spring.norm(); !rows_.empty() && length > pull) spring *= pull / length;
+  const EquilibriumStep step = solve(spring, friction);
+  out.iterations += step.iterations;
+  out.residual_m = way_of(step.delta);
+  return step;
 }
 
 void VirtualTool::tell(const EquilibriumStep& step, VirtualToolFrame& out) noexcept {
@@ -240,6 +256,7 @@ void VirtualTool::tell(const EquilibriumStep& step, VirtualToolFrame& out) noexc
   out.shift = spring.head<3>();
   out.turn = turn_ = spring.tail<3>() / options_.lever_m;
   out.worst_depth_m = worst_depth_m_;
+  out.saturated = step.pushed && spring.norm() > contact_limits::kPullEdges * options_.edge_m;
   if (step.pushed) out.shown = Mat6::Identity() - step.hessian.inverse();
   double most = 0.0;
   for (const ConstraintRow& row : rows_) {
@@ -279,16 +296,14 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const To
   }
   if (!rows_known_) look_up(tool_, grounds, out);
 
-  // In contact the tool snaps slowly; free, it is the hand.
-  double way_left_m = std::numeric_limits<double>::infinity();
-  if (pressed_) {
-    Vec6 hands;
-    hands << hand.position - hand_.position, options_.lever_m * rotation_vector(hand_.orientation, hand.orientation);
-    way_left_m = way_of(hands) + moved +
-                 std::max(contact_limits::kSnapShare * way_of(spring_to(hand)), contact_limits::kSnapEdges * options_.edge_m);
-  }
+  Vec6 hands_way;
+  hands_way << hand.position - hand_.position, options_.lever_m * rotation_vector(hand_.orientation, hand.orientation);
+  Reach reach{way_of(hands_way) + moved, std::numeric_limits<double>::infinity()};
+  if (pressed_)  // in contact the tool snaps slowly; free, it is the hand
+    reach.tool_m = reach.hand_m + std::max(contact_limits::kSnapShare * way_of(spring_to(hand)),
+                                           contact_limits::kSnapEdges * options_.edge_m);
   hand_ = hand;
-  const EquilibriumStep step = follow(hand, std::max(0.0, sample.friction), grounds, way_left_m, out);
+  const EquilibriumStep step = follow(hand, std::max(0.0, sample.friction), grounds, reach, out);
   tell(step, out);
   const bool free = same(tool_, hand);
   out.lag = !free && !step.pushed && !pressed_;

@@ -6,7 +6,8 @@
 ///     E = |d|^2 / 2 + rho/2 sum of the rows' depths squared        (constraint_rows.hpp, kRowStiffness)
 /// and the hand is pulled by k d. No mass, no velocity, no time step; k does not enter. Where no row pushes, the tool is the hand, to the bit.
 /// Between two queries no point of the tool moves more than half a voxel, so that no wall is passed, however thin and however far
-/// away the hand is. E only falls within a frame: energy is stored in the spring or lost.
+/// away the hand is. A frame ends at the pose of least E that it met (kBumpShare), so that a hand at rest has a tool at rest. In contact the
+/// tool goes no farther in a frame than the hand and a share of d (kSnapShare), so that an edge that gives way is a ramp.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -72,7 +73,7 @@ struct VirtualToolFrame {
   Mat6 stiffness(double k) const noexcept;
 };
 
-/// State: the tool's pose with its rows, and where hand and objects were. All memory is taken at construction; `frame` and `reset`
+/// State: the tool's pose with its rows, and where hand and objects were in the last frame. All memory is taken at construction; `frame` and `reset`
 /// neither allocate nor throw nor lock. One thread at a time. The same frames give the same bits.
 class VirtualTool {
  public:
@@ -100,6 +101,17 @@ class VirtualTool {
   const VirtualToolOptions& options() const noexcept { return options_; }
 
  private:
+  /// How far hand and tool may have gone or go in a frame [m].
+  struct Reach {
+    double hand_m = 0.0;  ///< the hand went, objects included
+    double tool_m = 0.0;  ///< the tool may go
+  };
+  /// A pose that was looked up.
+  struct Kept {
+    Pose tool;
+    double energy = 0.0, rows_energy = 0.0, worst_depth_m = 0.0;
+    std::uint32_t surface_hits = 0, interior_hits = 0, points_tested = 0;
+  };
   PoseStatus status_of(Pose& hand, std::span<const ToolGround> grounds) const noexcept;
   void look_up(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept;
   bool start(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept;
@@ -108,8 +120,10 @@ class VirtualTool {
   double way_of(const Vec6& delta) const noexcept;
   double longest_step(std::span<const ToolGround> grounds) const noexcept;
   EquilibriumStep solve(const Vec6& spring, double friction) const noexcept;
-  EquilibriumStep follow(const Pose& hand, double friction, std::span<const ToolGround> grounds, double way_left_m,
+  void go_back_to(const Kept& kept, VirtualToolFrame& out) noexcept;
+  EquilibriumStep follow(const Pose& hand, double friction, std::span<const ToolGround> grounds, const Reach& reach,
                          VirtualToolFrame& out) noexcept;
+  EquilibriumStep balance(const Pose& hand, double friction, VirtualToolFrame& out) noexcept;
   void tell(const EquilibriumStep& step, VirtualToolFrame& out) noexcept;
 
   VirtualToolOptions options_;
