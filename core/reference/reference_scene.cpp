@@ -104,6 +104,13 @@ void ReferenceScene::move_to(double time_s) noexcept {
 
 double ReferenceScene::chord_error_m() const noexcept { return parts_->chord; }
 
+Vec3 ReferenceScene::nearest(const Vec3& x) const {
+  Vec3 best = parts_->statics.front().nearest(x);
+  for (std::size_t n = 1; n < parts_->statics.size(); ++n)
+    if (const Vec3 other = parts_->statics[n].nearest(x); (other - x).squaredNorm() < (best - x).squaredNorm()) best = other;
+  return best;
+}
+
 double ReferenceScene::tool_reach_m() const noexcept { return parts_->tool_reach; }
 
 bool ReferenceScene::inside_known() const noexcept { return parts_->all_closed; }

@@ -140,6 +140,8 @@ TEST(VirtualToolScene, ChangesItsSpringOnARampAndTellsWhatThatGave) {
   EXPECT_NEAR(frame.supplied_energy_j - supplied, 0.5 * kSpring * 1e-4, 1e-3);
   rig.live.aim_for_spring(std::nan(""));
   EXPECT_LT(rig.hold(at(0.0), 250).wrench.force.z(), 1e-9) << "no number is no spring";
+  rig.live.aim_for_spring(kSpring);
+  EXPECT_GT(rig.hold(at(0.0), 250).wrench.force.z(), 2.9) << "and not for ever";
 }
 
 TEST(VirtualToolScene, KeepsTheToolWhenASceneThatWasBuiltAnewTakesItsPlace) {
