@@ -142,7 +142,6 @@ bool VirtualTool::place(const Pose& tool, std::span<const ToolGround> grounds) n
   if (grounds.size() > options_.objects || !start(tool, grounds, out)) return false;
   hand_ = tool;
   placed_s_ = options_.fade_s;
-  pressed_ = true;
   return true;
 }
 
