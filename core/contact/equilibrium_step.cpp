@@ -46,38 +46,42 @@ double line_minimum(const Gaps& gaps, double linear, double square) noexcept {
 
 }  // namespace
 
-EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6& spring, const Mat6* free) noexcept {
+EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6& spring, const Restriction* allowed) noexcept {
   EquilibriumStep step;
+  if (allowed != nullptr) step.delta = allowed->from;
   Gaps gaps;
   gaps.count = std::min(rows.size(), contact_limits::kMaxRows);
-  for (std::size_t n = 0; n < gaps.count; ++n) gaps.gap[n] = rows[n].gap_m, gaps.slope[n] = 0.0;
-  Active active = gaps.active(0.0);
+  const auto move_to = [&](const Vec6& delta) noexcept {
+    step.delta = delta;
+    for (std::size_t n = 0; n < gaps.count; ++n) gaps.gap[n] = rows[n].gap_m + rows[n].jacobian.dot(delta);
+  };
   const auto assemble = [&](const Active& set) noexcept {
     step.hessian.setIdentity();
     for (std::size_t n = 0; n < gaps.count; ++n)
-      if (set[n]) step.hessian.noalias() += kRho * rows[n].jacobian * rows[n].jacobian.transpose();
+      if (set[n]) step.hessian.noalias() += (kRho * rows[n].jacobian) * rows[n].jacobian.transpose();
   };
+  gaps.slope.fill(0.0);
+  move_to(step.delta);
+  Active active = gaps.active(0.0);
   for (; step.iterations < contact_limits::kMaxIterations && !step.converged; ++step.iterations) {
     assemble(active);
     Vec6 down = spring - step.delta;
     for (std::size_t n = 0; n < gaps.count; ++n)
       if (active[n]) down -= (kRho * gaps.gap[n]) * rows[n].jacobian;
     Mat6 system = step.hessian;
-    if (free != nullptr) {
-      down = *free * down;
-      system = *free * (step.hessian - Mat6::Identity()) * *free + Mat6::Identity();
+    if (allowed != nullptr) {
+      down = allowed->free * down;
+      system = allowed->free * (step.hessian - Mat6::Identity()) * allowed->free + Mat6::Identity();
     }
     const Vec6 way = system.llt().solve(down);
     for (std::size_t n = 0; n < gaps.count; ++n) gaps.slope[n] = rows[n].jacobian.dot(way);
-    double share = 1.0;
     step.converged = gaps.active(1.0) == active;
-    if (!step.converged) share = line_minimum(gaps, way.dot(step.delta - spring), way.squaredNorm());
-    step.delta += share * way;
-    for (std::size_t n = 0; n < gaps.count; ++n) gaps.gap[n] = rows[n].gap_m + rows[n].jacobian.dot(step.delta);
+    const double share = step.converged ? 1.0 : line_minimum(gaps, way.dot(step.delta - spring), way.squaredNorm());
+    move_to(step.delta + share * way);
     active = gaps.active(0.0);
   }
   step.pushed = active.any();
-  if (!step.pushed && step.converged) step.delta = free != nullptr ? Vec6(*free * spring) : spring;
+  if (!step.pushed && step.converged && allowed == nullptr) step.delta = spring;
   assemble(active);
   return step;
 }

@@ -107,4 +107,7 @@ inline constexpr double kBumpShare = 2.0;
 /// So many queries may pass without such a pose before the frame goes back to the best one.
 inline constexpr int kMaxWorse = 3;
 
+/// Friction: a patch of pushes smaller than this share of the lever is a point.
+inline constexpr double kLeastPatch = 1e-4;
+
 }  // namespace voxtouch::contact_limits

@@ -1,7 +1,7 @@
 #include "core/contact/tool_friction.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "core/contact/limits.hpp"
 
@@ -19,7 +19,7 @@ double push_of(const ConstraintRow& row, const Vec6& delta) noexcept {
   return contact_limits::kRowStiffness * depth_after(row, delta);
 }
 
-Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta) noexcept {
+Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta, double lever_m) noexcept {
   Patch patch;
   for (const ConstraintRow& row : rows) {
     const double push = push_of(row, delta);
@@ -36,21 +36,25 @@ Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta) noexcept 
     patch.radius_m += push_of(row, delta) * (from_centre - patch.normal * patch.normal.dot(from_centre)).norm();
   }
   patch.radius_m /= patch.push_m;
+  if (!(patch.radius_m > contact_limits::kLeastPatch * lever_m)) patch.radius_m = 0.0;  // a point does not hold against turning
   return patch;
 }
 
-using Slip = Eigen::Matrix<double, 3, 6>;
+Vec3 across(const Vec3& normal, const Vec3& v) noexcept { return v - normal * normal.dot(v); }
 
-/// y = slip * delta. A patch without an extent does not hold against turning.
-Slip slip_of(const Patch& patch, double lever_m, int& count) noexcept {
-  Slip slip = Slip::Zero();
-  const Vec3 a = patch.normal.unitOrthogonal(), b = patch.normal.cross(a);
-  slip.row(0) << a.transpose(), patch.centre.cross(a).transpose() / lever_m;
-  slip.row(1) << b.transpose(), patch.centre.cross(b).transpose() / lever_m;
-  const double turn = patch.radius_m / lever_m;
-  count = turn > 1e-6 ? 3 : 2;
-  if (count == 3) slip.row(2).tail<3>() = turn * patch.normal.transpose();
-  return slip;
+/// The step without slip.
+EquilibriumStep held_step(std::span<const ConstraintRow> rows, const Vec6& spring, double lever_m, const Patch& patch,
+                          const Vec6& free) noexcept {
+  const Vec3& m = patch.normal;
+  Restriction allowed;
+  const Vec3 turn = patch.radius_m > 0.0 ? across(m, free.tail<3>()) : Vec3(free.tail<3>());
+  allowed.from << -across(m, (turn / lever_m).cross(patch.centre)), turn;
+  allowed.free.setZero();
+  allowed.free.topLeftCorner<3, 3>() = m * m.transpose();
+  EquilibriumStep held = equilibrium_step(rows, spring, &allowed);
+  held.loose.topLeftCorner<3, 3>() = m * m.transpose();
+  if (patch.radius_m > 0.0) held.loose.bottomRightCorner<3, 3>() -= m * m.transpose();
+  return held;
 }
 
 }  // namespace
@@ -58,16 +62,10 @@ Slip slip_of(const Patch& patch, double lever_m, int& count) noexcept {
 EquilibriumStep with_friction(std::span<const ConstraintRow> rows, const Vec6& spring, double lever_m, double friction,
                               const EquilibriumStep& free) noexcept {
   if (!(friction > 0.0) || !free.pushed) return free;
-  const Patch patch = patch_of(rows, free.delta);
+  const Patch patch = patch_of(rows, free.delta, lever_m);
   if (!(patch.push_m > 0.0)) return free;
-  int count = 0;
-  const Slip slip = slip_of(patch, lever_m, count);
-  // Projector on the steps without slip, and the friction wrench that a slip of one costs, by the pseudo-inverse.
-  Mat3 gram = slip * slip.transpose();
-  if (count == 2) gram(2, 2) = 1.0;
-  const Mat3 inverse = gram.inverse();
-  const Mat6 stick = Mat6::Identity() - slip.transpose() * inverse * slip;
-  EquilibriumStep held = equilibrium_step(rows, spring, &stick);
+  EquilibriumStep held = held_step(rows, spring, lever_m, patch, free.delta);
+  held.iterations += free.iterations;
 
   Vec6 unheld = spring - held.delta;  // what neither spring nor rows balance
   double push_held = 0.0;
@@ -76,19 +74,15 @@ EquilibriumStep with_friction(std::span<const ConstraintRow> rows, const Vec6& s
     unheld += push * row.jacobian;
     push_held += push;
   }
-  const double needed = (inverse * (slip * unheld)).norm();
-  const double at_most = friction * push_held;
-  if (needed <= at_most) {
-    held.iterations += free.iterations;
-    held.hessian = stick * (held.hessian - Mat6::Identity()) * stick + Mat6::Identity();
-    return held;
-  }
+  const double shift = across(patch.normal, unheld.head<3>()).norm();
+  const double turn = patch.radius_m > 0.0 ? patch.normal.dot(unheld.tail<3>()) * lever_m / patch.radius_m : 0.0;
+  const double needed = std::hypot(shift, turn), at_most = friction * push_held;
+  if (needed <= at_most) return held;
   // needed (1 - slide) = friction (push_held + slide (patch.push_m - push_held))
-  const double slide =
-      std::clamp((needed - at_most) / (needed + friction * (patch.push_m - push_held)), 0.0, 1.0);
+  const double slide = std::clamp((needed - at_most) / (needed + friction * (patch.push_m - push_held)), 0.0, 1.0);
   EquilibriumStep step = free;
   step.delta = held.delta + slide * (free.delta - held.delta);
-  step.iterations += held.iterations;
+  step.iterations = held.iterations;
   return step;
 }
 

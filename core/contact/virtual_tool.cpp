@@ -142,7 +142,6 @@ bool VirtualTool::place(const Pose& tool, std::span<const ToolGround> grounds) n
   if (grounds.size() > options_.objects || !start(tool, grounds, out)) return false;
   hand_ = tool;
   placed_s_ = options_.fade_s;
-  pressed_ = true;
   return true;
 }
 
@@ -257,7 +256,7 @@ void VirtualTool::tell(const EquilibriumStep& step, VirtualToolFrame& out) noexc
   out.turn = turn_ = spring.tail<3>() / options_.lever_m;
   out.worst_depth_m = worst_depth_m_;
   out.saturated = step.pushed && spring.norm() > contact_limits::kPullEdges * options_.edge_m;
-  if (step.pushed) out.shown = Mat6::Identity() - step.hessian.inverse();
+  if (step.pushed) out.shown = Mat6::Identity() - step.loose * step.hessian.inverse() * step.loose;
   double most = 0.0;
   for (const ConstraintRow& row : rows_) {
     const double push = contact_limits::kRowStiffness * depth_after(row, step.delta);
