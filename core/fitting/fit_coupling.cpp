@@ -22,6 +22,12 @@ std::string refusal_of(const Design& design, const Scene& scene, const DeviceMod
       device.name, fmt::join(design.reasons, " "), fmt::join(design.remedies, " "), design.translation.shown_stiffness);
 }
 
+/// What is left of a cap for the spring.
+double beside_effects(double cap, const ContactRange& range) noexcept {
+  constexpr double kLeast = 0.5;
+  return std::max(cap - (range.all_points - range.one_point), kLeast * cap);
+}
+
 }  // namespace
 
 FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds,
@@ -63,9 +69,9 @@ std::string judge_again(const FittedCoupling& fitted, const Scene& scene, const 
 double spring_n_per_m(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds) noexcept {
   if (!fitted.impossible.empty() || !is_spring(bounds)) return 0.0;
   const CouplingSpec& spec = fitted.spec;
-  double spring = std::min(largest_spring_n_per_m(scene, device), spec.stiffness_cap_n_per_m);
+  double spring = std::min(largest_spring_n_per_m(scene, device), beside_effects(spec.stiffness_cap_n_per_m, bounds.translation));
   const double lever2 = bounds.rotation.one_point / bounds.translation.one_point;
-  if (lever2 > 0.0) spring = std::min(spring, spec.stiffness_cap_nm_per_rad / lever2);
+  if (lever2 > 0.0) spring = std::min(spring, beside_effects(spec.stiffness_cap_nm_per_rad, bounds.rotation) / lever2);
   return std::isfinite(spring) ? std::max(spring, 0.0) : 0.0;
 }
 

@@ -215,6 +215,7 @@ std::string bytes_text(std::uint64_t bytes) {
 StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const EffectSpec> effects) {
   StiffnessBounds bounds = contact;
   for (const EffectSpec& effect : effects) {
+    if (is_spring(contact) && effect.kind->friction != nullptr) continue;  // a virtual tool rubs by itself, and shows no more for it
     const EffectBound bound = bound_of(effect);
     if (effect.kind->needs(effect.values).body)
       return {{bound.stiffness_n_per_m, bound.stiffness_n_per_m}, {bound.stiffness_nm_per_rad, bound.stiffness_nm_per_rad}};

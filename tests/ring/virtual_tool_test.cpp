@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <numeric>
 
@@ -163,6 +164,19 @@ TEST(VirtualToolRing, SlidesQuietlyOverPlaneCylinderAndCup) {
         EXPECT_LE(share, 0.02);
       }
     }
+}
+
+TEST(VirtualToolRing, GivesTheSameBitsInFiveProcessesAndInOne) {
+  const std::string scene = shipped_scene("cup_virtual_tool");
+  const Recorded five = run(scene, "slide", "sim-lwr", 3.0), one = run(scene, "slide", "sim-lwr", 3.0, {"--one-process"});
+  ASSERT_EQ(five.contacts.size(), one.contacts.size());
+  std::size_t pressed = 0;
+  for (std::size_t i = 0; i < five.contacts.size(); ++i) {
+    msg::ContactState a = five.contacts[i], b = one.contacts[i];
+    ASSERT_EQ(std::memcmp(&a, &b, sizeof a), 0) << i;
+    pressed += (a.flags & msg::contact_state::kFlagConstrained) != 0 ? 1 : 0;
+  }
+  EXPECT_GT(pressed, 500U);
 }
 
 }  // namespace

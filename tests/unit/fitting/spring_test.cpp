@@ -58,6 +58,28 @@ TEST(Spring, IsAllThatIsCertifiedAndNothingIsTakenOffItAgain) {
     }
 }
 
+TEST(Spring, LeavesRoomForEffectsSoThatTheCapTakesNothingFromBoth) {
+  Scene scene = scene_of();
+  EffectSpec guide{.name = "guide", .kind = find_effect_kind("guide_plane"), .values = {}, .region = {}};
+  guide.values = EffectValues(guide.kind->parameters);
+  guide.values.at(0) = {0, 0, 0};
+  for (std::size_t p = 0; p < guide.values.size(); ++p) {
+    const std::string_view name = guide.kind->parameters[p].name;
+    if (name == "normal") guide.values.at(p) = {0, 0, 1};
+    if (name == "stiffness_n_per_m") guide.values.at(p)[0] = 60.0;
+    if (name == "limit_n") guide.values.at(p)[0] = 3.0;
+  }
+  const StiffnessBounds alone = spring_of_any_device(kLever), all = with_effects(alone, std::vector{guide});
+  ASSERT_NEAR(all.translation.all_points - alone.translation.all_points, 60.0, 1e-6);
+  const FittedCoupling fitted = fit_coupling(scene, stylus(), all, {});
+  const double spring = spring_n_per_m(fitted, scene, stylus(), all);
+  EXPECT_NEAR(spring + 60.0, fitted.spec.stiffness_cap_n_per_m, 1e-6);
+  EffectSpec friction{.name = "dry", .kind = find_effect_kind("friction"), .values = {}, .region = {}};
+  friction.values = EffectValues(friction.kind->parameters);
+  friction.values.at(0)[0] = 0.4;
+  EXPECT_EQ(with_effects(alone, std::vector{friction}), alone) << "which the virtual tool does";
+}
+
 TEST(Spring, IsNoStifferThanTheDeviceCanShow) {
   DeviceModel device = arm();
   device.translation.max_stiffness = 60.0;
