@@ -27,7 +27,7 @@ bool same_pose(const Pose& a, const Pose& b) {
 
 std::string state_breach(const ReportedTool& r) {
   const bool force = !r.wrench.zero();
-  if (force && (r.unplaced || r.lag)) return fmt::format("a force of {:.3g} N without a virtual tool in its place", r.wrench.force.norm());
+  if (force && r.unplaced) return fmt::format("a force of {:.3g} N without a virtual tool in its place", r.wrench.force.norm());
   if (force && !r.constrained) return fmt::format("a force of {:.3g} N, though nothing constrains the virtual tool", r.wrench.force.norm());
   if (!r.unplaced && !r.lag && !r.constrained && !same_pose(r.tool, r.hand))
     return fmt::format("nothing constrains the virtual tool, but it is {:.3g} mm away from the hand", in_mm((r.tool.position - r.hand.position).norm()));

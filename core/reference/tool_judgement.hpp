@@ -6,7 +6,8 @@
 /// that has farthest to go from the virtual tool to the hand.
 ///
 /// Every sample is decided; nothing is held and there is no band. Each breach is a disagreement:
-///  - A force, but no constraint; or a force while there is no virtual tool or it lags.
+///  - A force, but no constraint; or a force while there is no virtual tool. One that lags may be anywhere on its way, or on the wrong side of an
+///    object that moved through it: then only the spring's own rules are asked.
 ///  - No force, tool placed and not lagging, but the virtual tool is not the hand.
 ///  - The force is not along the way from the hand to the virtual tool.
 ///  - A force, and the virtual tool is deeper in the wall than e/10 + c; or farther off than sag + e/50 + c + r, where it touches one

@@ -64,7 +64,7 @@ ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt
   frame_ = tool_.frame({.pose = hand, .period_s = dt_s, .friction = friction}, grounds_);
   told = {.constrained = frame_.constrained,
           .lag = frame_.lag || frame_.moved_too_far,
-          .unplaced = frame_.unplaced,
+          .unplaced = frame_.unplaced || frame_.pose_status != PoseStatus::kUsable,
           .residual_m = frame_.residual_m,
           .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0))};
   if (frame_.unplaced) frame_.tool = hand;

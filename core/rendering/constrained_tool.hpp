@@ -12,8 +12,8 @@ namespace voxtouch {
 /// What a frame of a virtual tool says beside its contact.
 struct ToolFrame {
   bool constrained = false;  ///< something holds it off the hand's pose
-  bool lag = false;          ///< it has not come to its place within the frame
-  bool unplaced = false;     ///< it has none: the hand has not been outside yet
+  bool lag = false;          ///< it has not come to its place within the frame, or an object moved so far that it may have passed it
+  bool unplaced = false;     ///< it has none: the hand has not been outside yet, or is where nothing can be looked up
   double residual_m = 0.0;   ///< way that its last step would still have gone
   std::uint32_t queries = 0;
 };

@@ -122,6 +122,7 @@ TEST(VirtualToolScene, LeavesTheToolWhereItIsForAPoseThatIsNone) {
   const SceneFrame frame = rig(none);
   EXPECT_TRUE(frame.wrench.zero());
   EXPECT_TRUE(frame.wrench.finite() && frame.stiffness.allFinite());
+  EXPECT_TRUE(frame.tool.unplaced);
   EXPECT_NEAR(rig(at(0.0)).wrench.force.z(), before, 1e-6);
 }
 
