@@ -83,7 +83,9 @@ bool plane_of_sheet(const Hit& hit, const DistanceField& field, const Vec3& u, P
   for (const double tolerance : {contact_limits::kSheetCoarse, contact_limits::kSheetFine, contact_limits::kSheetFine})
     if (fit_face(corners, tolerance, normal, c) < contact_limits::kSheetCorners) return false;
   plane = {normal, -c * field.grid().edge};
-  return normal.dot(hit.normal) >= contact_limits::kSheetAgree;
+  if (!(normal.dot(hit.normal) >= contact_limits::kSheetAgree)) return false;
+  // In a thick body one is deeper an edge farther in. Without this a round hole would be too narrow for its pin.
+  return field.at(u - normal).distance_m >= plane.gap_m;
 }
 
 bool is_bent(const Hit& hit, const FieldSample& at, double steepness) noexcept {

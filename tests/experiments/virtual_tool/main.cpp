@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "loops.hpp"
 #include "trials.hpp"
 
 using namespace voxtouch::virtual_tool;
@@ -34,7 +35,7 @@ int main(int argc, char** argv) {
   std::string what = "all";
   std::uint64_t seed = 1;
   int places = 60;
-  app.add_option("what", what, "press, slide, walls, tumble, edge or all");
+  app.add_option("what", what, "press, plates, slide, friction, walls, tumble, edge, stability, torque or all");
   app.add_option("--seed", seed, "of the random places");
   app.add_option("--places", places, "of each press");
   CLI11_PARSE(app, argc, argv);
@@ -47,12 +48,7 @@ int main(int argc, char** argv) {
   }
   if (all || what == "press" || what == "plates") {
     for (const double e : {0.002, 0.001})
-      for (const char* scene : {"plate:0.002", "plate:0.0005", "plate:0.002:askew", "plate:0.0005:askew"})
-        for (const bool turned : {false, true}) tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
-  }
-  if (what == "one") {
-    for (const double e : {0.002})
-      for (const char* scene : {"tilted", "cylinder", "cup", "plate:0.002:askew", "plate:0.0005:askew"})
+      for (const char* scene : {"plate:0.002", "plate:0.0005", "plate:0.002:askew", "plate:0.0005:askew", "plate:0.0025:askew"})
         for (const bool turned : {false, true}) tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
   }
   if (all || what == "slide") {
@@ -96,5 +92,26 @@ int main(int argc, char** argv) {
                    f.step_worst, f.step_over_force, f.force_mean, 1e3 * f.energy);
         std::fflush(stdout);
       }
+  }
+  if (all || what == "stability") {
+    for (const double delay : {0.001, 0.002}) {
+      const double linear = largest_stable_stiffness({.scene = "linear", .delay_s = delay});
+      for (const char* scene : {"plane", "tilted"})
+        fmt::print("stability, force {:g} ms late: {} {:.0f} N/m, linear wall {:.0f} N/m\n", 1e3 * delay, scene,
+                   largest_stable_stiffness({.scene = scene, .delay_s = delay}), linear);
+    }
+  }
+  if (all || what == "torque") {
+    for (const double e : {0.002, 0.001}) {
+      const LeverFigures f = lever(e, seed);
+      fmt::print("lever e {:g} mm | torque off by {:.4f} | step {:.4f} of it\n", 1e3 * e, f.torque_error, f.step_over_torque);
+    }
+    for (const double clearance : {2e-4, 1e-4})
+      for (const double e : {0.0005, 0.001, 0.002})
+        for (const bool turned : {false, true}) {
+          const PegFigures f = peg(e, clearance, turned);
+          fmt::print("peg clearance {:g} mm e {:g} mm {:6} | {} {:.3f} mm short | drag {:.4f} N | torque off by {:.3f}\n", 1e3 * clearance, 1e3 * e,
+                     turned ? "turned" : "aside", f.entered ? "in," : "OUT,", 1e3 * f.short_m, f.drag_n, f.torque_error);
+        }
   }
 }
