@@ -8,6 +8,7 @@
 
 #include "core/accuracy/contact_errors.hpp"
 #include "core/accuracy/contact_places.hpp"
+#include "core/accuracy/tool_row.hpp"
 #include "core/reference/reference_scene.hpp"
 #include "core/reference/reference_wrench.hpp"
 #include "core/rendering/build.hpp"
@@ -79,6 +80,12 @@ class Measurement {
       const std::unique_ptr<BuiltScene> built = build(setting);
       row.build_s = now() - begin;
       row.shell_points = built->plan().shell_points, row.bytes = built->plan().bytes;
+      if (setting.virtual_tool) {
+        say("virtual tool", share());
+        judge_tool(scene_, *built, reference_, places_, options_, row);
+        ++done_;
+        return row;
+      }
       const Truth& truth = truth_at(options_.depth_edges * setting.voxel_m);
       say(std::string(name_of(setting.model)), share());
       judge(built->contacts().object(0).renderer.value(), truth, row);
@@ -103,6 +110,7 @@ class Measurement {
     Scene scene = scene_;
     scene.voxel_size_m = setting.voxel_m;
     scene.contact.model = name_of(setting.model);
+    if (setting.virtual_tool) scene.contact.rendering = RenderingKind::kVirtualTool;
     scene.effects.clear();
     return build_scene(scene, parallel_for_,
                        {.model = setting.model,

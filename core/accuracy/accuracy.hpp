@@ -18,6 +18,7 @@ struct AccuracySetting {
   PointWeights weights = PointWeights::kOne;
   double voxel_m = 0.0;        ///< e of the static voxmap
   double shell_voxel_m = 0.0;  ///< voxel edge that the pointshell is made with; e, or another for another density
+  bool virtual_tool = false;   ///< the spring to a virtual tool, with `field`; its truth is the exact ball drawn to the same hand (tool_row.hpp)
 };
 
 /// What one setting gives and costs.

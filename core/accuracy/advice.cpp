@@ -181,7 +181,8 @@ bool is_judged(const AccuracyRow& row) noexcept {
 std::string_view weights_word(PointWeights weights) noexcept { return weights == PointWeights::kArea ? "area" : "one"; }
 
 std::string describe(const AccuracySetting& s) {
-  std::string text = fmt::format("{}/{}, e = {:.4g} mm", name_of(s.model), weights_word(s.weights), s.voxel_m * 1e3);
+  std::string text = s.virtual_tool ? fmt::format("virtual tool, e = {:.4g} mm", s.voxel_m * 1e3)
+                                    : fmt::format("{}/{}, e = {:.4g} mm", name_of(s.model), weights_word(s.weights), s.voxel_m * 1e3);
   if (s.shell_voxel_m != s.voxel_m) text += fmt::format(", shell {:.4g} mm", s.shell_voxel_m * 1e3);
   return text;
 }

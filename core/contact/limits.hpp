@@ -1,4 +1,6 @@
 #pragma once
+#include <cstddef>
+
 /// Every threshold of contact models, named in one place. Lengths are in voxel edges of the static grid.
 namespace voxtouch::contact_limits {
 
@@ -62,5 +64,50 @@ inline constexpr double kSurfaceWeight = 0.125;
 inline constexpr double kDeepEdges = 1.25;
 /// `clustered`: over this distance from a free voxel a push fades in.
 inline constexpr double kBorderEdges = 0.15;
+
+/// The virtual tool (virtual_tool.hpp). Stiffness of one row over the spring's: so hard that the result is the constraint's, so soft
+/// that rows which oppose each other need no common point.
+inline constexpr double kRowStiffness = 1000.0;
+/// Rows with a wider gap are left out: no step is longer, so they cannot become active within it.
+inline constexpr double kRowGapEdges = 0.5;
+/// Longest way of any point of the tool between two queries: no thicker layer of surface voxels is passed unseen.
+inline constexpr double kToolStepEdges = 0.5;
+/// Queries a frame, iterations a step, evaluations a line search: the most, whatever the hand does.
+inline constexpr int kMaxQueries = 8;
+inline constexpr int kMaxIterations = 8;
+inline constexpr int kMaxLineEvaluations = 6;
+/// In contact a frame ends where the way that is left is shorter than this.
+inline constexpr double kRestEdges = 1e-3;
+/// Farther than this in contact the hand does not pull a row deeper.
+inline constexpr double kPullEdges = 60.0;
+/// The most rows of a step.
+inline constexpr std::size_t kMaxRows = 96;
+/// A gradient below this has no direction.
+inline constexpr double kLeastGradient = 0.1;
+/// A wall of some two voxels or less bends the field: its gradient is shorter than the first, or points against the tool's own normal by
+/// more than the second. There the plane of the wall's face is taken, if it and the tool's normal agree by the third.
+inline constexpr double kSheetGradient = 0.97;
+inline constexpr double kSheetAgainst = 0.5;
+inline constexpr double kSheetAgree = 0.6;
+/// That plane is fitted to the voxels' corners on the tool's side, at least so many of them, first coarsely [e], then finely; distances
+/// beyond the last [e] may be cut off.
+inline constexpr std::size_t kSheetCorners = 3;
+inline constexpr double kSheetCoarse = 0.4;
+inline constexpr double kSheetFine = 0.1;
+inline constexpr double kSheetFarEdges = 1.9;
+/// A pose is no start where a point is deeper than this.
+inline constexpr double kPlacedDepthEdges = 0.5;
+/// In contact the virtual tool goes at most as far as the hand went, and this share of the spring's length, or this many edges: an edge
+/// that gives way becomes a ramp.
+inline constexpr double kSnapShare = 0.03;
+inline constexpr double kSnapEdges = 0.02;
+/// A frame keeps a pose only where the energy is lower than where it began, or higher by at most this share of the spring's pull times the
+/// hand's way: a hand that rests is pulled by a tool that rests, one that moves is carried over the bumps of the field.
+inline constexpr double kBumpShare = 2.0;
+/// So many queries may pass without such a pose before the frame goes back to the best one.
+inline constexpr int kMaxWorse = 3;
+
+/// Friction: a patch of pushes smaller than this share of the lever is a point.
+inline constexpr double kLeastPatch = 1e-4;
 
 }  // namespace voxtouch::contact_limits

@@ -48,4 +48,11 @@ Vec3 PatchNormals::mean_near(const Vec3& normal) const noexcept {
   return length > 0.0 ? Vec3(sum / length) : normal;
 }
 
+std::size_t PatchNormals::nearest_bin(const Vec3& normal) noexcept {
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < kBins; ++k)
+    if (kDirections[k].dot(normal) > kDirections[best].dot(normal)) best = k;
+  return best;
+}
+
 }  // namespace voxtouch

@@ -20,6 +20,8 @@ class PatchNormals {
   /// The unit mean of the patch that `normal` lies in: sum_k b_k(normal) M_k, M_k = sum_j b_k(n_j) w_j n_j. `normal` itself
   /// where that vanishes.
   Vec3 mean_near(const Vec3& normal) const noexcept;
+  /// The bin whose direction is nearest to `normal`.
+  static std::size_t nearest_bin(const Vec3& normal) noexcept;
 
  private:
   std::array<Vec3, kBins> sums_ = zeros();

@@ -78,10 +78,20 @@ void EffectChain::weigh(const Link& link, const RegionWeight& weight, const Effe
   sum.stiffness_bound_n_per_m += added;
 }
 
-EffectPush EffectChain::apply(const EffectFrame& frame) noexcept {
+double EffectChain::friction_at(const Vec3& x, std::uint32_t object) const noexcept {
+  double sum = 0.0;
+  for (const Link& link : links_)
+    if (link.goal.kind->friction != nullptr && link.goal.object.value_or(object) == object)
+      sum += link.gain.now() * weight_at(link.goal.region, x).weight * link.goal.kind->friction(link.now);
+  return sum;
+}
+
+EffectPush EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* surface) noexcept {
   EffectPush sum;
   for (Link& link : links_) {
-    advance(link, frame.dt_s);
+    advance(link, at_hand.dt_s);
+    if (surface != nullptr && link.goal.kind->friction != nullptr) continue;
+    const EffectFrame& frame = surface != nullptr && link.goal.kind->needs(link.now).contact ? *surface : at_hand;
     const RegionWeight weight = link.gain.now() > 0.0 ? weight_at(link.goal.region, frame.tool.position) : RegionWeight{0.0};
     if (weight.weight <= 0.0 && (link.goal.kind->takes_share || weight.gradient.isZero(0.0))) {
       link.effect->reset();  // what it remembers must not push when it comes back

@@ -27,7 +27,12 @@ class EffectChain {
 
   /// Sum over all effects with a gain above zero. Never a number that is not finite: an effect that gives one is left out of
   /// this sample and counted. Real-time safe.
-  EffectPush apply(const EffectFrame& frame) noexcept;
+  EffectPush apply(const EffectFrame& frame) noexcept { return apply(frame, nullptr); }
+  /// The same beside a virtual tool: kinds that feel the contact are given `surface`, the tool where it touches, all others `frame`,
+  /// the tool at the hand. Kinds with a `friction` of their own give nothing: the virtual tool rubs. Real-time safe.
+  EffectPush apply(const EffectFrame& frame, const EffectFrame* surface) noexcept;
+  /// Sum of the coefficients of such kinds behind their gains and regions, for a tool at `x` in W that touches `object`. Real-time safe.
+  double friction_at(const Vec3& x, std::uint32_t object) const noexcept;
   void reset() noexcept;
 
   std::size_t size() const noexcept { return links_.size(); }

@@ -94,6 +94,8 @@ struct EffectKind {
   bool takes_share =
       false;  ///< stores energy: scales its limits by EffectFrame::share itself, since a stored force that is
               ///< scaled from outside comes back larger than it was put in
+  /// Coulomb's coefficient, of a kind whose work a virtual tool does itself where there is one; null of all others.
+  double (*friction)(const EffectValues&) = nullptr;
   std::span<const EffectParameter> parameters;
   EffectNeeds (*needs)(const EffectValues&) = nullptr;
   EffectBound (*bound)(const EffectValues&) = nullptr;

@@ -184,6 +184,7 @@ const EffectKind kFriction = {
         "times the contact's as a coupling between depth and force.",
     .energy = EnergyBehaviour::kDissipative,
     .takes_share = true,
+    .friction = [](const EffectValues& values) { return values.number(kCoulomb); },
     .parameters = kParameters,
     .needs = needs,
     .bound = bound,

@@ -6,6 +6,9 @@
 namespace voxtouch {
 namespace {
 
+/// A range must not begin at zero.
+constexpr double kAnyShare = 1e-6;
+
 /// The scene's own caps in W; infinity where there is none.
 struct Caps {
   double n_per_m, nm_per_rad;
@@ -18,6 +21,15 @@ Caps caps_of(const Scene& scene) noexcept {
 
 ContactRange at_hand(const ContactRange& in_world, double cap, double scale) noexcept {
   return {std::min(in_world.one_point, cap) * scale, std::min(in_world.all_points, cap) * scale};
+}
+
+/// Of a virtual tool's spring: no stiffer than the device can show. What is capped is the spring and nothing else, so the designer may
+/// take any share of it (`one_point`), and effects come on top.
+StiffnessBounds of_spring(const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds) noexcept {
+  const ContactRange &t = bounds.translation, &r = bounds.rotation;
+  const double spring = std::min(t.one_point, largest_spring_n_per_m(scene, device)), share = spring / t.one_point;
+  const double turning = share * r.one_point;
+  return {{kAnyShare * spring, spring + (t.all_points - t.one_point)}, {kAnyShare * turning, turning + (r.all_points - r.one_point)}};
 }
 
 /// All that is stiffness or damping, times `scales`.
@@ -47,17 +59,24 @@ DesignProblem design_problem(const Scene& scene, const DeviceModel& device,
   DesignProblem request;
   request.device = device;
   request.hand = operator_range(ask, device.grip);
-  request.contact = at_hand(translation_in_world, caps.n_per_m, scales.translation);
-  request.contact_rotation = at_hand(rotation_in_world, caps.nm_per_rad, scales.rotation);
+  StiffnessBounds bounds{translation_in_world, rotation_in_world};
+  const bool spring = is_spring(bounds);
+  if (spring) bounds = of_spring(scene, device, bounds);
+  request.contact = at_hand(bounds.translation, caps.n_per_m, scales.translation);
+  request.contact_rotation = at_hand(bounds.rotation, caps.nm_per_rad, scales.rotation);
   DesignGoals& wishes = request.wishes;
   wishes.kind = ask.kind;
   wishes.cutoff_hz = ask.cutoff_hz;
   wishes.max_cutoff_hz = std::max(wishes.max_cutoff_hz, ask.cutoff_hz);
   wishes.gain_margin = ask.gain_margin;
-  wishes.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
+  if (!spring) wishes.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
   wishes.allow_injected_damping = ask.inject_damping;
   wishes.free_cap = scene.design && !ask.stiffness_cap_n_per_m && !ask.stiffness_cap_nm_per_rad;
   return request;
+}
+
+double largest_spring_n_per_m(const Scene& scene, const DeviceModel& device) noexcept {
+  return device.translation.max_stiffness / hand_scales(scene.device).translation;
 }
 
 CouplingSpec spec_in_world(const Design& design, const Scene& scene) noexcept {

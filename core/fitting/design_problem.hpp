@@ -6,6 +6,7 @@
 /// times f / s: angles are not scaled, and torques carry f / s. Both are the same contact, since levers at the hand are
 /// those of W divided by s, and s f / s^2 = f / s.
 #include "core/coupling/design/designer.hpp"
+#include "core/rendering/plan.hpp"
 #include "core/scene/hand_ranges.hpp"
 #include "core/scene/scene.hpp"
 
@@ -29,9 +30,14 @@ HandScales hand_scales(const WorkspaceMapping& device) noexcept;
 ///    is e/2 at least, for a wall along the grid (up to sqrt(3)/2 e for other directions): e/2 in W, e / (2 s) at the
 ///    hand. Deeper than that the push does not fall, since the stage holds it (contact_stage.hpp), but it does not grow
 ///    either: an approach that is to be stopped by the wall's stiffness has that much way.
+///  - A virtual tool's spring (plan.hpp, spring_of_any_device) is brought down to the device's largest stiffness, and grows with the
+///    way without end: there is no force layer.
 ///  - The designer may choose caps where the scene gives neither.
 DesignProblem design_problem(const Scene& scene, const DeviceModel& device,
                              const ContactRange& translation_in_world, const ContactRange& rotation_in_world);
+
+/// Of a virtual tool, in W: what the device can show at most.
+double largest_spring_n_per_m(const Scene& scene, const DeviceModel& device) noexcept;
 
 /// What runs in W for a design: its caps, injected damping and spring-damper brought there, and never above the scene's
 /// own caps, which the designer took as given. Gain, cut-off, damping ratio and velocity filter have no scale.

@@ -7,7 +7,7 @@ namespace {
 
 void add_stiffness(const Scene& scene, std::span<const EffectReach> effects, DeviceDemand& demand) {
   double most = demand.least_stiffness_n_per_m = scene.contact.stiffness_n_per_m;
-  demand.stiffest = "contact.stiffness_n_per_m";
+  demand.stiffest = scene.virtual_tool() ? "coupling.stiffness_cap_n_per_m" : "contact.stiffness_n_per_m";
   for (const EffectReach& effect : effects) {
     const EffectSpec& spec = effect.spec();
     const double own = effect.bound().stiffness_n_per_m;

@@ -1,6 +1,7 @@
 #include "core/fitting/fit_coupling.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -19,6 +20,12 @@ std::string refusal_of(const Design& design, const Scene& scene, const DeviceMod
       "to run "
       "what was found ({:.3g} N/m).",
       device.name, fmt::join(design.reasons, " "), fmt::join(design.remedies, " "), design.translation.shown_stiffness);
+}
+
+/// What is left of a cap for the spring.
+double beside_effects(double cap, const ContactRange& range) noexcept {
+  constexpr double kLeast = 0.5;
+  return std::max(cap - (range.all_points - range.one_point), kLeast * cap);
 }
 
 }  // namespace
@@ -57,6 +64,15 @@ std::string judge_again(const FittedCoupling& fitted, const Scene& scene, const 
                         const DeviceDemand& demand) {
   if (!fitted.impossible.empty()) return fitted.impossible;
   return why_not_felt(scene, &fitted.spec, device, one_point_n_per_m, demand);
+}
+
+double spring_n_per_m(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds) noexcept {
+  if (!fitted.impossible.empty() || !is_spring(bounds)) return 0.0;
+  const CouplingSpec& spec = fitted.spec;
+  double spring = std::min(largest_spring_n_per_m(scene, device), beside_effects(spec.stiffness_cap_n_per_m, bounds.translation));
+  const double lever2 = bounds.rotation.one_point / bounds.translation.one_point;
+  if (lever2 > 0.0) spring = std::min(spring, beside_effects(spec.stiffness_cap_nm_per_rad, bounds.rotation) / lever2);
+  return std::isfinite(spring) ? std::max(spring, 0.0) : 0.0;
 }
 
 double stiffness_at_hand_n_per_m(const FittedCoupling& fitted, const WorkspaceMapping& device,

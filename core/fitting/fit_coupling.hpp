@@ -32,6 +32,11 @@ FittedCoupling fit_coupling(const Scene& scene, const DeviceModel& device, const
 std::string judge_again(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, double one_point_n_per_m,
                         const DeviceDemand& demand);
 
+/// Stiffness [N/m] in W of a virtual tool's spring under this coupling: what the caps let through, of which none is taken off any more, and
+/// no more than the device can show. Effects may add their stiffness to it, so theirs is left free, up to half of the caps: else the cap
+/// would make both weaker at once, in the moment of a touch. Against turning the lever goes with it (`bounds`, as it was fitted to). 0: none may be felt, or there is no spring.
+double spring_n_per_m(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds) noexcept;
+
 /// Stiffness [N/m] at the hand where the contact's bound is `bound_n_per_m` in W: what the coupling lets through, times both scales.
 double stiffness_at_hand_n_per_m(const FittedCoupling& fitted, const WorkspaceMapping& device, double bound_n_per_m) noexcept;
 

@@ -39,6 +39,7 @@ void SceneOnDevice::runs(const Scene& scene, const StiffnessBounds& bounds, cons
   if (!device_) return;
   running_ = Fit{bounds, fitted_for(scene, bounds)};
   refusal_ = judged(running_->coupling, scene, bounds, shown);
+  spring_n_per_m_ = voxtouch::spring_n_per_m(running_->coupling, scene, *device_, bounds);
 }
 
 std::string SceneOnDevice::why_not(const Scene& scene, const StiffnessBounds& contact_alone,

@@ -19,6 +19,9 @@ class SceneOnDevice {
   /// Why what runs must not be felt; empty: it may, or no device is known.
   const std::string& refusal() const noexcept { return refusal_; }
 
+  /// Of a virtual tool, in W, under the coupling that runs [N/m]; 0 where no device is known.
+  double spring_n_per_m() const noexcept { return spring_n_per_m_; }
+
   /// Why `scene` with these effects must not follow what runs, the sentence of the start; empty: it may. Judged are the end and all
   /// states on the way there, on the coupling that runs and on the one that will be fitted. Where no force is commanded already,
   /// a change that demands no more than what runs may be made. Before a device is known everything may: `runs` tells then.
@@ -40,6 +43,7 @@ class SceneOnDevice {
   std::optional<Fit> running_, next_;
   DeviceDemand shown_;
   std::string refusal_;
+  double spring_n_per_m_ = 0.0;
 };
 
 }  // namespace voxtouch

@@ -111,6 +111,9 @@ constexpr bool is_checked(std::uint64_t sequence_number, std::uint64_t every) no
   return every > 0 && sequence_number % every == 0;
 }
 
+struct ToolSettings;
+struct ReportedTool;
+
 /// Keeps the counts and the last wrench; samples must come in the order of their sequence numbers. Not real-time (sentences).
 class Judge {
  public:
@@ -118,6 +121,8 @@ class Judge {
   explicit Judge(const JudgeSettings& settings);
 
   Judgement judge(const GapResult& gap, const ReportedContact& report);
+  /// Of a virtual tool, by other rules: tool_judgement.hpp.
+  Judgement judge(const GapResult& at_tool, const GapResult& at_hand, const ToolSettings& tool, const ReportedTool& report);
 
   const JudgeCounts& counts() const noexcept { return counts_; }
   /// Another scene within the session: counts go on, memory begins anew. Throws as the constructor.

@@ -55,7 +55,7 @@ bool stands_for_patch(const Union& all, const Vec3& centre, double distance, con
 }  // namespace
 
 struct ReferenceScene::Parts {
-  double edge = 0.0, chord = 0.0;
+  double edge = 0.0, chord = 0.0, tool_reach = 0.0;
   bool all_closed = true;
   std::vector<PosedMesh> statics;
   std::vector<std::pair<std::size_t, Motion>> moving;  ///< which of them, and how
@@ -90,6 +90,9 @@ ReferenceScene::ReferenceScene(const Scene& scene) : parts_(std::make_unique<Par
     p.chord = static_chord;
     p.mesh.emplace(tool);
   }
+  for (const Vec3& vertex : read_reference_mesh(tool).vertices)
+    p.tool_reach = std::max(p.tool_reach, (tool.pose * vertex).norm());
+  if (p.sphere) p.tool_reach = std::max(p.tool_reach, p.sphere->centre.norm() + p.sphere->radius_m);
 }
 ReferenceScene::~ReferenceScene() = default;
 ReferenceScene::ReferenceScene(ReferenceScene&&) noexcept = default;
@@ -100,6 +103,15 @@ void ReferenceScene::move_to(double time_s) noexcept {
 }
 
 double ReferenceScene::chord_error_m() const noexcept { return parts_->chord; }
+
+Vec3 ReferenceScene::nearest(const Vec3& x) const {
+  Vec3 best = parts_->statics.front().nearest(x);
+  for (std::size_t n = 1; n < parts_->statics.size(); ++n)
+    if (const Vec3 other = parts_->statics[n].nearest(x); (other - x).squaredNorm() < (best - x).squaredNorm()) best = other;
+  return best;
+}
+
+double ReferenceScene::tool_reach_m() const noexcept { return parts_->tool_reach; }
 
 bool ReferenceScene::inside_known() const noexcept { return parts_->all_closed; }
 

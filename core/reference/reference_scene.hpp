@@ -41,6 +41,12 @@ class ReferenceScene {
   /// of the static ones [m]. What a Judge wants to know.
   double chord_error_m() const noexcept;
 
+  /// The point of the static surface that is nearest to `x`, which lies outside.
+  Vec3 nearest(const Vec3& x) const;
+
+  /// No point of the dynamic object is farther from the tool's origin [m].
+  double tool_reach_m() const noexcept;
+
   /// False where a static mesh is open or inconsistent: then nothing that hangs on being inside is judged.
   bool inside_known() const noexcept;
 

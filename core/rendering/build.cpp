@@ -60,6 +60,8 @@ struct Kit {
   ContactModelKind model;
   BuildCounts& counts;
 
+  /// Rendered through another model, it is a scene without one.
+  bool has_virtual_tool() const noexcept { return scene.virtual_tool() && model == ContactModelKind::kField; }
   void step(const std::string& text) const {
     if (progress) progress(text);
   }
@@ -102,7 +104,8 @@ DistanceField build_field(const Scene& scene, const ObjectMesh& fixed, const Vox
                           const ParallelFor& parallel_for, BuildCounts& counts) {
   DistanceField field =
       with_hints(counts, [&] { return build_distance_field(fixed.mesh, voxmap, DistanceFieldOptions{}, parallel_for); });
-  if (!field.has_inside())
+  const bool surface_will_do = scene.virtual_tool() && fixed.open < fixed.specs.size();  // thin walls hold without an inside
+  if (!field.has_inside() && !surface_will_do)
     throw std::invalid_argument(fmt::format(
         "{}: the contact model 'field' pushes by the depth inside a static mesh, but {}. Close the mesh, use a smaller "
         "voxel_size, or choose the model 'adapted', which needs a surface only.",
@@ -195,15 +198,27 @@ void add_contact_law(const Kit& kit, const Pointshell& shell, StaticObject& obje
   const ContactSpec& material = object.id == 0 ? kit.scene.contact : kit.scene.objects[object.id - 1].contact;
   const ContactParameters parameters = contact_parameters(material, kit.model, shell, kit.choices.weights);
   object.renderer.emplace(object.voxmap, shell, kit.model, parameters, object.field ? &*object.field : nullptr);
+  kit.counts.shell_bytes += shell_bytes(shell);
+  if (kit.has_virtual_tool()) return;  // one spring for all objects
   const ContactStiffness contact =
       contact_stiffness(shell, parameters, object.field ? object.field->steepest_gradient() : 1.0);
   BuildCounts& counts = kit.counts;
-  counts.shell_bytes += shell_bytes(shell);
   const auto add = [](const ContactRange& one, ContactRange& sum) {
     sum.one_point = std::max(sum.one_point, one.one_point);
     sum.all_points += one.all_points;
   };
   add(contact.translation, counts.contact_n_per_m), add(contact.rotation, counts.contact_nm_per_rad);
+}
+
+/// One spring, whatever it touches.
+void add_virtual_tool(const Kit& kit, const ContactRenderer& renderer, EffectGround& ground) {
+  if (!kit.has_virtual_tool()) return;
+  ground.virtual_tool_lever_m = kit.scene.lever_m.value_or(0.0);
+  const double reach = renderer.query().reach_m(), lever = kit.scene.lever_m.value_or(reach);
+  if (!(reach > 0.0)) throw std::invalid_argument(kit.scene.file.string() + ": the tool is a point at its origin; a virtual tool needs one with a size");
+  const StiffnessBounds spring = spring_of_any_device(lever);
+  kit.counts.contact_n_per_m = spring.translation, kit.counts.contact_nm_per_rad = spring.rotation;
+  kit.counts.virtual_tool_lever_m = lever;
 }
 
 /// What `needs` asks for round the ground; the shell's points are where the tool is looked at.
@@ -238,7 +253,7 @@ BuiltScene::BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::
                        EffectGround ground, Plan plan, double largest_shell_gap_m)
     : contacts_(std::move(objects)), ground_(std::move(ground)),
       scene_(contacts_, std::move(effects),
-             {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body}),
+             {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body, ground_.virtual_tool_lever_m}),
       plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
 
 std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
@@ -260,6 +275,7 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   for (auto& object : objects) add_contact_law(kit, tool.shell, *object);
   EffectGround ground;
   ground.body = tool.body;
+  add_virtual_tool(kit, *objects.front()->renderer, ground);
   if (const EffectNeeds needs = needs_of(scene.effects); needs.proximity_m > 0.0)
     build_proximity(kit, needs, meshes.front(), objects.front()->voxmap, tool.shell, ground);
   return std::make_unique<BuiltScene>(std::move(objects), scene.effects, std::move(ground), make_plan(scene, counts),

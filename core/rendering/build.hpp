@@ -20,6 +20,7 @@ struct EffectGround {
   std::optional<ProximityField> proximity;
   ToolPoints tool;
   std::optional<BodyShape> body;  ///< of the dynamic object, where it moves by itself
+  std::optional<double> virtual_tool_lever_m;  ///< where the scene has one; 0: the tool's reach
 };
 
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.

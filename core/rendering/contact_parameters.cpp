@@ -17,8 +17,10 @@ PointWeights weights_of(const ContactSpec& spec, ContactModelKind kind) {
 
 }  // namespace
 
-ContactParameters contact_parameters(const ContactSpec& spec, ContactModelKind kind, const Pointshell& shell,
+ContactParameters contact_parameters(const ContactSpec& given, ContactModelKind kind, const Pointshell& shell,
                                      std::optional<PointWeights> weights) {
+  ContactSpec spec = given;
+  if (spec.rendering == RenderingKind::kVirtualTool) spec.stiffness_n_per_m3 = kProbeStiffness;
   const PointWeights chosen = weights.value_or(weights_of(spec, kind));
   const bool by_area = spec.stiffness_n_per_m3 > 0.0;
   if (chosen == PointWeights::kArea)

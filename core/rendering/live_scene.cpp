@@ -61,8 +61,22 @@ SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
 
 void LiveScene::swap_to(BuiltScene& next) noexcept {
   old_ = std::exchange(now_, &next);
+  now_->scene_renderer().aim_for_spring(spring_n_per_m_);
+  now_->scene_renderer().take_over_tool(old_->scene_renderer(), last_s_ < 0.0 ? 0.0 : last_s_);
   supplied_old_j_ = std::exchange(supplied_now_j_, 0.0);
   weight_ = 0.0;
+}
+
+void LiveScene::aim_for_spring(double n_per_m) noexcept {
+  if (n_per_m == spring_n_per_m_) return;
+  spring_n_per_m_ = n_per_m;
+  for (BuiltScene* scene : {now_, old_})
+    if (scene != nullptr) scene->scene_renderer().aim_for_spring(n_per_m);
+}
+
+void LiveScene::lose_tool() noexcept {
+  for (BuiltScene* scene : {now_, old_})
+    if (scene != nullptr) scene->scene_renderer().lose_tool();
 }
 
 void LiveScene::finish() noexcept {

@@ -17,8 +17,11 @@ class LiveScene {
   explicit LiveScene(BuiltScene& first) noexcept : dominant_(&first), now_(&first) {}
 
   SceneFrame render(const ToolState& tool, double time_s) noexcept;
-  /// Not while one is still fading in.
+  /// Not while one is still fading in. Where both have a virtual tool, the next one's begins at the present one's place, if that is free.
   void swap_to(BuiltScene& next) noexcept;
+  /// Of a virtual tool, in all scenes from now on: the spring's stiffness in W [N/m], and that it is placed anew; see SceneRenderer.
+  void aim_for_spring(double n_per_m) noexcept;
+  void lose_tool() noexcept;
   bool fading() const noexcept { return old_ != nullptr; }
   /// Ends a fade at once, where nobody feels it: no session runs.
   void finish() noexcept;
@@ -39,6 +42,7 @@ class LiveScene {
   BuiltScene* old_ = nullptr;  ///< fading out
   BuiltScene* retired_ = nullptr;
   double weight_ = 1.0;   ///< of now_
+  double spring_n_per_m_ = 0.0;
   double last_s_ = -1.0;  ///< time of the last frame; below 0: none
   double supplied_j_ = 0.0, supplied_now_j_ = 0.0, supplied_old_j_ = 0.0;  ///< told to the hand; by each scene so far
 };

@@ -116,17 +116,24 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
                                    counted(n.dynamic_triangles, "triangle", "triangles"),
                                    counted(n.shell_points, "point", "points"), bytes_text(n.shell_bytes),
                                    scene.shell == ShellKind::kExact ? "exact" : "naive"));
-  plan.built.push_back(scene.contact.stiffness_n_per_m3 > 0.0
+  if (n.virtual_tool_lever_m > 0.0)
+    plan.built.push_back(fmt::format(
+        "Virtual tool, which stays outside what it touches; its spring to the hand is as stiff as the coupling is certified for, and a turn "
+        "counts with a lever of {:g} mm. At most {} queries and {} steps of {} iterations a frame; no wall is passed at any speed, and {:.3g} "
+        "mm a sample are followed without lag.",
+        1e3 * n.virtual_tool_lever_m, contact_limits::kMaxQueries, contact_limits::kMaxQueries, contact_limits::kMaxIterations,
+        1e3 * plan.swept_m));
+  else plan.built.push_back(scene.contact.stiffness_n_per_m3 > 0.0
                            ? fmt::format("Contact model '{}' with {:g} N/m^3, shell points weighed by their area.",
                                          scene.contact.model, scene.contact.stiffness_n_per_m3)
                            : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
                                          scene.contact.stiffness_n_per_m));
-  plan.built.push_back(fmt::format(
+  if (!(n.virtual_tool_lever_m > 0.0)) plan.built.push_back(fmt::format(
       "Fast motion: no wall is crossed unseen up to {:.3g} mm a sample ({:.3g} m/s at 1 kHz); beyond half a voxel, {:.3g} m/s, a "
       "frame costs up to {} times as much. What is faster is flagged.",
       1e3 * plan.swept_m, 1e3 * plan.swept_m, 1e3 * contact_limits::kFastEdges * scene.voxel_size_m,
       contact_limits::kMaxSubPoses + 2));
-  plan.built.push_back(fmt::format("{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin "
+  if (!(n.virtual_tool_lever_m > 0.0)) plan.built.push_back(fmt::format("{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin "
                                    "by one point, {:.6g} N/m and {:.6g} Nm/rad {}.",
                                    needs_of(scene.effects).body ? "Stiffness of the grip on the body" : "Contact stiffness",
                                    plan.contact_n_per_m.one_point, plan.contact_nm_per_rad.one_point,
@@ -155,7 +162,20 @@ void say_left_out(const Scene& scene, const BuildCounts& n, Plan& plan) {
   if (!scene.device.clutch_button) plan.left_out.push_back("Clutch: the scene names no button.");
 }
 
+/// It holds a tool out at walls of any thickness, but not everywhere alike.
+void say_virtual_tool_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
+  for (const std::string& mesh : n.open_meshes)
+    plan.warnings.push_back(
+        fmt::format("{}: the mesh is open. What of it is not closed has no inside, and does not hold a virtual tool.", mesh));
+  if (n.thinnest_m < scene.voxel_size_m)
+    plan.warnings.push_back(fmt::format(
+        "{}: the thinnest wall is about {:.3g} mm, less than a voxel. It holds a virtual tool, but pushes some degrees askew; voxels of "
+        "half of that push straight.",
+        n.thinnest_mesh, 1e3 * n.thinnest_m));
+}
+
 void say_field_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
+  if (n.virtual_tool_lever_m > 0.0) return say_virtual_tool_warnings(scene, n, plan);
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(fmt::format(
         "{}: the mesh is open. What of it is not closed has no inside, and the contact model 'field' gives no force there.", mesh));
@@ -195,6 +215,7 @@ std::string bytes_text(std::uint64_t bytes) {
 StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const EffectSpec> effects) {
   StiffnessBounds bounds = contact;
   for (const EffectSpec& effect : effects) {
+    if (is_spring(contact) && effect.kind->friction != nullptr) continue;  // a virtual tool rubs by itself, and shows no more for it
     const EffectBound bound = bound_of(effect);
     if (effect.kind->needs(effect.values).body)
       return {{bound.stiffness_n_per_m, bound.stiffness_n_per_m}, {bound.stiffness_nm_per_rad, bound.stiffness_nm_per_rad}};

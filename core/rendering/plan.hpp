@@ -28,6 +28,7 @@ struct BuildCounts {
   std::uint64_t tool_points = 0;                           ///< points of the tool that they are looked up for
   double tool_gap_m = 0.0;                                 ///< no point of the tool's shell is farther from one of these [m]
   std::vector<std::string> open_meshes;              ///< static meshes that are not closed
+  double virtual_tool_lever_m = 0.0;                 ///< [m]; 0: there is no virtual tool
   ContactRange contact_n_per_m, contact_nm_per_rad;  ///< in W, without effects; see contact_range.hpp
   bool closed = true;                       ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;   ///< what is wrong with the meshes, as sentences
@@ -47,6 +48,16 @@ struct StiffnessBounds {
   ContactRange translation, rotation;  ///< [N/m]; [Nm/rad] about the tool's origin
   bool operator==(const StiffnessBounds&) const = default;
 };
+/// Of a virtual tool's spring, before anybody knows the device: stiffer than any device can show, and against rotation that times the
+/// square of its lever. The fit brings it down to what the device and the certificates allow (design_problem.hpp).
+inline constexpr double kSpringOfAnyDevice = 1e8;  ///< [N/m]
+inline StiffnessBounds spring_of_any_device(double lever_m) noexcept {
+  const double k = kSpringOfAnyDevice, kr = k * lever_m * lever_m;
+  return {{k, k}, {kr, kr}};
+}
+/// Whether the contact is such a spring, effects aside: so the plan tells who fits a coupling, whatever scene that one has read.
+inline bool is_spring(const StiffnessBounds& bounds) noexcept { return bounds.translation.one_point == kSpringOfAnyDevice; }
+
 /// What the device meets at most: contact and effects together, or the grip alone where the object is a body.
 StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const EffectSpec> effects);
 
@@ -70,6 +81,8 @@ inline constexpr double kNsPerPoint = 6.0, kNsPerFrame = 150.0;
 /// A point in contact, with the sums for the stiffness and what the stage remembers of it [ns]: `original` and `adapted`;
 /// `clustered`, which looks for its patch; `field`, eight nodes.
 inline constexpr double kNsPerPlainPoint = 12.0, kNsPerClusteredPoint = 250.0, kNsPerFieldPoint = 35.0;
+/// An iteration of a virtual tool's step, with the most rows that one has [ns].
+inline constexpr double kNsPerIteration = 3000.0;
 /// An effect's gate and sum beside its own law, one that is switched off, and a step of the coupling with cap, law, damping
 /// and observer [ns].
 inline constexpr double kNsPerEffect = 60.0, kNsPerEffectOff = 15.0, kNsPerCoupling = 300.0;

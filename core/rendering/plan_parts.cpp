@@ -1,8 +1,10 @@
 // What the frames of a scene are made of, each with what calls for it and what it costs at most.
 #include <fmt/core.h>
 
+#include "core/contact/constraint_rows.hpp"
 #include "core/contact/contact_model.hpp"
 #include "core/contact/contact_query.hpp"
+#include "core/contact/limits.hpp"
 #include "core/rendering/plan.hpp"
 
 namespace voxtouch {
@@ -84,6 +86,13 @@ std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& n) {
        .why = "The scene's contact section names it; with it goes the memory of points that have gone through.",
        .bytes = n.shell_points * (2 * sizeof(std::uint32_t) + stage_bytes_per_point(scene.contact.model)),
        .expected_ns = kNsPerFrame + ns_per_contact_point(scene.contact.model) * points});
+  if (n.virtual_tool_lever_m > 0.0)
+    parts.push_back({.name = "virtual tool",
+                     .node = kRendering,
+                     .why = "The scene's contact section asks for it: the hand feels the spring to a tool that stays outside.",
+                     .bytes = 2 * n.objects * n.shell_points * sizeof(ConstraintRow),
+                     .expected_ns = contact_limits::kMaxQueries * (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * points +
+                                                                   contact_limits::kMaxIterations * kNsPerIteration)});
   for (const EffectSpec& effect : scene.effects) parts.push_back(effect_part(effect, n));
   parts.push_back(coupling_part(scene));
   return parts;

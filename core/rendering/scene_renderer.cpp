@@ -15,9 +15,11 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> ef
     if (!surroundings.body) throw std::invalid_argument("the effect 'body' needs the shape of the dynamic object");
     body_.emplace(BodyPart{RigidBody(*surroundings.body), n});
   }
+  if (surroundings.virtual_tool_lever_m) constrained_.emplace(contact, *surroundings.virtual_tool_lever_m);
 }
 
 SceneFrame SceneRenderer::render(const ToolState& tool, double time_s) noexcept {
+  if (constrained_) return render_constrained(tool, time_s);
   SceneFrame frame;
   frame.object = body_ ? object_pose(tool.pose) : tool.pose;
   frame.touch = contact_.render(frame.object, time_s);
@@ -27,6 +29,37 @@ SceneFrame SceneRenderer::render(const ToolState& tool, double time_s) noexcept 
   frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
   if (has_effects_or_motion_ && contact.pose_status == PoseStatus::kUsable) add_rest(tool, time_s, frame);
   return frame;
+}
+
+/// The contact is the spring between hand and virtual tool, which is placed anew when the clutch is pressed.
+SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_s) noexcept {
+  if (tool.clutched && !clutched_) constrained_->reset();
+  clutched_ = tool.clutched;
+  const double dt_s = step_to(time_s);
+  SceneFrame frame;
+  const double friction = effects_.friction_at(constrained_->pose().position, constrained_->leans_on());
+  frame.touch.contact = constrained_->render(tool.pose, time_s, dt_s, friction, frame.tool);
+  const ContactResult& contact = frame.touch.contact;
+  frame.object = constrained_->pose();
+  frame.wrench = contact.wrench;
+  frame.stiffness = contact.stiffness;
+  frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
+  if (contact.pose_status != PoseStatus::kUsable) return frame;
+  if (!effects_.empty()) add_effects_at_both(tool, time_s, dt_s, frame);
+  supply(tool.pose, dt_s * constrained_->power_w() + constrained_->stiffened_j(), frame);
+  return frame;
+}
+
+/// Effects of the surface where the virtual tool touches it, those of space where the hand is.
+void SceneRenderer::add_effects_at_both(const ToolState& hand, double time_s, double dt_s, SceneFrame& frame) noexcept {
+  ToolState tool = hand;
+  tool.pose = frame.object, tool.twist = constrained_->twist();
+  const EffectFrame surface = look(tool, dt_s, time_s, constrained_->parts());
+  add(effects_.apply(look(hand, dt_s, time_s, constrained_->parts()), &surface), frame);
+}
+
+void SceneRenderer::take_over_tool(const SceneRenderer& before, double time_s) noexcept {
+  if (constrained_ && before.constrained_ && before.constrained_->placed()) constrained_->take_over(before.constrained_->pose(), time_s);
 }
 
 const Pose& SceneRenderer::object_pose(const Pose& tool) const noexcept {
@@ -42,7 +75,7 @@ void SceneRenderer::add_rest(const ToolState& tool, double time_s, SceneFrame& f
   if (body_) {
     move_body(tool, dt_s, frame);
   } else {
-    supply(object.pose, dt_s, frame);
+    supply(object.pose, dt_s * contact_.power_w(), frame);
   }
 }
 
@@ -53,7 +86,11 @@ double SceneRenderer::step_to(double time_s) noexcept {
 }
 
 void SceneRenderer::add_effects(const ToolState& object, double time_s, double dt_s, SceneFrame& frame) noexcept {
-  frame.effects = effects_.apply(look(object, dt_s, time_s, contact_.parts(frame.touch)));
+  add(effects_.apply(look(object, dt_s, time_s, contact_.parts(frame.touch))), frame);
+}
+
+void SceneRenderer::add(const EffectPush& effects, SceneFrame& frame) noexcept {
+  frame.effects = effects;
   frame.wrench.force += frame.effects.wrench.force;
   frame.wrench.torque += frame.effects.wrench.torque;
   frame.stiffness += frame.effects.stiffness;
@@ -72,9 +109,10 @@ EffectFrame SceneRenderer::look(const ToolState& object, double step_s, double t
   return in;
 }
 
-void SceneRenderer::supply(const Pose& object, double dt_s, SceneFrame& frame) noexcept {
+/// `given_j`: by what is no effect.
+void SceneRenderer::supply(const Pose& object, double given_j, SceneFrame& frame) noexcept {
   const double potential = frame.effects.potential_j;
-  supplied_j_ += potential_j_.value_or(potential) - potential + dt_s * contact_.power_w() +
+  supplied_j_ += potential_j_.value_or(potential) - potential + given_j +
                  effects_.given_over((object.position - last_position_.value_or(object.position)).norm());
   potential_j_ = potential;
   last_position_ = object.position;
@@ -110,6 +148,8 @@ void SceneRenderer::reset() noexcept {
   contact_.reset();
   effects_.reset();
   if (body_) body_->body = RigidBody(body_->body.shape());
+  if (constrained_) constrained_->reset();
+  clutched_ = false;
   last_s_.reset(), potential_j_.reset(), last_position_.reset();
   supplied_j_ = 0.0;
 }

@@ -5,15 +5,19 @@
 
 #include "core/effects/effect_chain.hpp"
 #include "core/effects/rigid_body.hpp"
+#include "core/rendering/constrained_tool.hpp"
 #include "core/rendering/device_mapping.hpp"
 #include "core/rendering/object_contacts.hpp"
 
 namespace voxtouch {
 
 /// W axes. Without a body all of it is about the tool's origin, which is the object's; with one, `touch` and `effects` act on
-/// the body, about its origin, and `wrench` and the stiffness are the grip's, about the tool's.
+/// the body, about its origin, and `wrench` and the stiffness are the grip's, about the tool's. With a virtual tool `touch` is the
+/// spring's wrench, which acts on both of its ends alike; what effects of the surface give where the virtual tool is, the hand feels
+/// as it is.
 struct SceneFrame {
-  Pose object;         ///< where the dynamic object was when the contact was found: the tool, or the body
+  Pose object;         ///< where the dynamic object was when the contact was found: the tool, the virtual tool, or the body
+  ToolFrame tool;      ///< of a virtual tool; all zero without one
   StageResult touch;   ///< contact alone
   EffectPush effects;  ///< effects alone; all zero where the scene lists none
   Wrench wrench;       ///< for the hand: the sum of both, or the grip
@@ -29,6 +33,7 @@ struct SceneSurroundings {
   const Proximity* proximity = nullptr;
   std::span<const ToolPoint> tool_points = {};
   std::optional<BodyShape> body = {};  ///< of the dynamic object, for scenes with the effect of that name
+  std::optional<double> virtual_tool_lever_m = {};  ///< there is a virtual tool, with this lever; 0: the tool's reach
 };
 
 /// One thread at a time. `contact` and what `surroundings` points to must outlive it.
@@ -44,6 +49,16 @@ class SceneRenderer {
   SceneFrame render(const ToolState& tool, double time_s) noexcept;
   /// Forgets all samples so far.
   void reset() noexcept;
+  /// A virtual tool is placed anew: where samples were missing for longer than the last one is held. Real-time safe.
+  void lose_tool() noexcept {
+    if (constrained_) constrained_->reset();
+  }
+  /// Stiffness of the virtual tool's spring, in W [N/m]; see ConstrainedTool::aim_for. Real-time safe.
+  void aim_for_spring(double n_per_m) noexcept {
+    if (constrained_) constrained_->aim_for(n_per_m);
+  }
+  /// The virtual tool of `before`, where both scenes have one and its place is free in this one, is this one's from now on. Real-time safe.
+  void take_over_tool(const SceneRenderer& before, double time_s) noexcept;
 
   /// What the effects are given for a sample `step_s` after the last one; points into `contacts`. Real-time safe.
   EffectFrame look(const ToolState& object, double step_s, double time_s,
@@ -57,11 +72,14 @@ class SceneRenderer {
     RigidBody body;
     std::size_t effect = 0;  ///< place in the chain
   };
+  SceneFrame render_constrained(const ToolState& tool, double time_s) noexcept;
+  void add_effects_at_both(const ToolState& hand, double time_s, double dt_s, SceneFrame& frame) noexcept;
+  void add(const EffectPush& effects, SceneFrame& frame) noexcept;
   double step_to(double time_s) noexcept;
   const Pose& object_pose(const Pose& tool) const noexcept;
   void add_rest(const ToolState& tool, double time_s, SceneFrame& frame) noexcept;
   void add_effects(const ToolState& object, double time_s, double dt_s, SceneFrame& frame) noexcept;
-  void supply(const Pose& object, double dt_s, SceneFrame& frame) noexcept;
+  void supply(const Pose& object, double given_j, SceneFrame& frame) noexcept;
   void move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept;
 
   ObjectContacts& contact_;
@@ -69,6 +87,8 @@ class SceneRenderer {
   SceneSurroundings surroundings_;
   bool has_effects_or_motion_;  ///< than contact with what rests
   std::optional<BodyPart> body_;
+  std::optional<ConstrainedTool> constrained_;
+  bool clutched_ = false;
   std::optional<double> last_s_, potential_j_;
   std::optional<Vec3> last_position_;
   double supplied_j_ = 0.0;

@@ -69,8 +69,15 @@ constexpr auto kDynamicMesh = joined(kMesh, std::to_array<Key>({
 constexpr auto kContact = std::to_array<Key>({
   {"model", kWord, kOptional, "adapted", "Contact model, from the fastest to the most accurate: see `voxtouch accuracy`.",
    "original adapted clustered field"},
+  {"rendering", kWord, kOptional, "",
+   "A virtual tool that stays outside what it touches, with `field` (then the standard model): the coupling's certified stiffness is felt, and none is given here. Left out: penalty, forces that grow with the depth.",
+   "virtual_tool penalty"},
   {"stiffness_n_per_m", kPositive, kOneOf, "", "Of each shell point [N/m]; original and adapted."},
   {"stiffness_n_per_m3", kPositive, kOneOf, "", "Per area of the tool's surface [N/m^3]; any model."}});
+
+constexpr auto kTool = std::to_array<Key>({
+  {"lever_m", kPositive, kOptional, "",
+   "Lever by which a virtual tool weighs turns against shifts [m]; left out: as far as the tool reaches from its origin."}});
 
 constexpr auto kRegion = std::to_array<Key>({
   {"sphere", kMap, kOneOf, "", "", "", &region_sphere},
@@ -140,6 +147,7 @@ constexpr auto kScene = std::to_array<Key>({
   {"static", kMaps, kRequired, "", "What can be touched.", "", &static_mesh, 1},
   {"dynamic", kMap, kRequired, "", "", "", &dynamic_mesh},
   {"contact", kMap, kRequired, "", "", "", &contact},
+  {"tool", kMap, kOptional, "", "", "", &tool},
   {"effects", kMaps, kOptional, "", "What is felt beside the contact; what is not here is not computed.", "", &effect},
   {"coupling", kMap, kOptional, "", "", "", &coupling},
   {"device", kMap, kOptional, "", "", "", &device},
@@ -153,6 +161,7 @@ constinit const KeyGroup static_mesh{"static_mesh", "", kStaticMesh};
 constinit const KeyGroup dynamic_mesh{"", "The tool: what the hand moves.", kDynamicMesh};
 constinit const KeyGroup object{"object", "Made here.", kObject};
 constinit const KeyGroup contact{"", "How the tool is pushed out of what it touches.", kContact};
+constinit const KeyGroup tool{"", "What a virtual tool must know of the tool.", kTool};
 constinit const KeyGroup effect{"effect", "One effect.", kEffect};
 constinit const KeyGroup coupling{"", "Between contact and device.", kCoupling};
 constinit const KeyGroup device{"", "How the device moves the tool.", kDevice};

@@ -73,7 +73,7 @@ namespace keys {
 inline constexpr std::string_view kModelsByArea = "clustered field", kKindsByHand = "shaping_filter spring_damper direct",
                                   kNotEverywhere = "region gain on";
 
-extern const KeyGroup scene, static_mesh, dynamic_mesh, object, contact, effect, coupling, device, motion;
+extern const KeyGroup scene, static_mesh, dynamic_mesh, object, contact, tool, effect, coupling, device, motion;
 extern const KeyGroup pose, part, sphere, box, cylinder, region, region_sphere, hand, press, circle;
 /// A motion without what only a hand has.
 extern const KeyGroup way;

@@ -33,10 +33,17 @@ struct MeshSpec {
 
 enum class ShellKind { kExact, kNaive };
 
+/// How a contact becomes what the hand feels.
+enum class RenderingKind {
+  kPenalty,      ///< the contact model's forces at the hand's pose
+  kVirtualTool,  ///< a spring from the hand to a tool that stays outside
+};
+
 struct ContactSpec {
   std::string model = "adapted";    ///< original | adapted | clustered | field
   double stiffness_n_per_m = 0.0;   ///< per shell point: original and adapted, as in the paper. 0 where the other is given
   double stiffness_n_per_m3 = 0.0;  ///< per area of the tool's surface: any model; 0 where the other is given
+  RenderingKind rendering = RenderingKind::kPenalty;  ///< kVirtualTool: with `field` alone, and both stiffnesses are 0
 };
 
 /// Static meshes with a material of their own, and a motion if they have one.
@@ -67,6 +74,8 @@ struct Scene {
   MeshSpec dynamic_mesh;
   ShellKind shell = ShellKind::kExact;
   ContactSpec contact;
+  std::optional<double> lever_m;  ///< of a virtual tool; left out: the tool's reach
+  bool virtual_tool() const noexcept { return contact.rendering == RenderingKind::kVirtualTool; }
   std::vector<EffectSpec> effects;  ///< asked for, in the file's order; what is not here is not computed
   CouplingSpec coupling;            ///< as set by hand; not to be used where `design` is asked for
   std::optional<DesignOptions> design;  ///< the coupling is to be designed for the device, this scene and the hand

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace voxtouch {
 namespace {
@@ -108,7 +109,25 @@ MeshSpec read_dynamic_mesh(const SceneSource& source, const MapReader& map, Shel
   return read_mesh(source, map);
 }
 
+namespace {
+
+/// No stiffness of its own: what is felt is what the coupling is certified for.
+ContactSpec read_virtual_tool(const SceneSource& source, const MapReader& map) {
+  ContactSpec contact;
+  contact.model = "field", contact.rendering = RenderingKind::kVirtualTool;
+  if (map.has("model")) map.read("model", contact.model);
+  if (contact.model != "field")
+    source.fail(map.place_of("model"),
+                fmt::format("'rendering: virtual_tool' goes with model: field, not with {}.", contact.model));
+  for (const auto key : {"stiffness_n_per_m", "stiffness_n_per_m3"})
+    map.refuse(key, "does not go with 'rendering: virtual_tool': the coupling's certified stiffness is felt.");
+  return contact;
+}
+
+}  // namespace
+
 ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
+  if (map.has("rendering") && map.choice("rendering") == 0) return read_virtual_tool(source, map);
   ContactSpec contact;
   map.read("model", contact.model);
   const std::vector<std::string_view> models = words_of(keys::kModelsByArea);
@@ -127,6 +146,19 @@ ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
   else
     contact.stiffness_n_per_m = map.get<double>("stiffness_n_per_m");
   return contact;
+}
+
+void check_virtual_tool(SceneSource& source, const MapReader& map, const Scene& scene) {
+  if (!scene.virtual_tool()) {
+    if (scene.lever_m) source.warn(map.place_of("tool"), "'lever_m' is read for 'rendering: virtual_tool' only.");
+    return;
+  }
+  if (!scene.design && !std::isfinite(scene.coupling.stiffness_cap_n_per_m))
+    source.fail(map.inner("contact").place_of("rendering"),
+                "'rendering: virtual_tool' shows as much stiffness as the coupling lets through, and the coupling names none: give "
+                "coupling: {design: auto}, or its stiffness_cap_n_per_m.");
+  if (needs_of(scene.effects).body)
+    source.fail(map.place_of("effects"), "The effect 'body' has a contact of its own and does not go with 'rendering: virtual_tool'.");
 }
 
 WorkspaceMapping read_device(const MapReader& map) {

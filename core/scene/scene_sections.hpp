@@ -16,6 +16,8 @@ MeshSpec read_mesh(const SceneSource& source, const MapReader& map);
 Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_view what, bool by_hand);
 MeshSpec read_dynamic_mesh(const SceneSource& source, const MapReader& map, ShellKind& shell);
 ContactSpec read_contact(const SceneSource& source, const MapReader& map);
+/// Of the whole scene as read: refuses what a virtual tool does not go with, and warns of what only it would read.
+void check_virtual_tool(SceneSource& source, const MapReader& map, const Scene& scene);
 /// `scene.objects` are read before. In effects_section.cpp.
 std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node, const Scene& scene);
 /// The coupling as set by hand, or, where it is to be designed, `design` and a spec of defaults. In coupling_section.cpp.

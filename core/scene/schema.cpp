@@ -193,7 +193,10 @@ std::string scene_schema() {
   schema.update(map_of(keys::scene));
   Json& contact = schema["properties"]["contact"];
   contact["if"] = {{"properties", {{"model", {{"enum", words_of(keys::kModelsByArea)}}}}}, {"required", {"model"}}};
-  contact["then"] = has("stiffness_n_per_m3");
+  contact["then"] = none_of({"stiffness_n_per_m"});
+  Json virtual_tool = has("rendering");
+  virtual_tool["properties"]["rendering"]["enum"] = {"virtual_tool"};
+  contact["oneOf"].push_back(std::move(virtual_tool));
   Json& by_hand = schema["properties"]["coupling"]["else"];
   by_hand["properties"]["kind"] = {{"enum", words_of(keys::kKindsByHand)}};
   schema["$defs"] = definitions();

@@ -12,6 +12,11 @@ namespace {
 /// The object's own stiffness in the scene's unit, or the scene's.
 ContactSpec read_material(const MapReader& map, const ContactSpec& scenes) {
   ContactSpec contact = scenes;
+  if (scenes.rendering == RenderingKind::kVirtualTool) {
+    for (const auto key : {"stiffness_n_per_m", "stiffness_n_per_m3"})
+      map.refuse(key, "does not go with 'rendering: virtual_tool': the coupling's certified stiffness is felt.");
+    return contact;
+  }
   const bool by_area = scenes.stiffness_n_per_m3 > 0.0;
   const char* key = by_area ? "stiffness_n_per_m3" : "stiffness_n_per_m";
   map.refuse(by_area ? "stiffness_n_per_m" : "stiffness_n_per_m3",

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/contact/limits.hpp"
 #include "core/rendering/device_mapping.hpp"
 #include "core/rendering/live_scene.hpp"
 #include "core/scene/scene_file.hpp"
@@ -136,6 +137,7 @@ class RenderingNode {
     change(state.sequence_number, true);
     next_sample_ = state.sequence_number + 1;
     last_answer_ns_ = begin;
+    live_.aim_for_spring(updates_.spring_n_per_m());
     const bool fading = live_.fading();
     const bool good =
         !(state.flags & msg::device_state::kFlagPoseHeld) &&
@@ -146,7 +148,7 @@ class RenderingNode {
       refused_in_a_row_ = 0;
     } else {
       refused_.fetch_add(1, kRelaxed);
-      if (++refused_in_a_row_ > kHoldSamples) frame_ = {};
+      if (++refused_in_a_row_ > kHoldSamples) frame_ = {}, live_.lose_tool();
     }
     publish(state, good, fading, begin);
   }
@@ -172,6 +174,8 @@ class RenderingNode {
     m.mean_normal = runtime::to_vector(c.mean_normal);
     m.deepest_point = runtime::to_point(c.deepest_point);
     m.deepest_depth_m = c.deepest_depth_m;
+    m.residual_m = frame_.tool.residual_m;
+    m.queries = frame_.tool.queries;
     m.coherence = c.coherence;
     m.stiffness_bound_n_per_m = frame_.stiffness_bound_n_per_m;
     runtime::to_msg(frame_.stiffness, m.stiffness);
@@ -184,7 +188,9 @@ class RenderingNode {
         (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
         (c.saturated ? msg::contact_state::kFlagSaturated : 0U) | (fading ? msg::contact_state::kFlagFading : 0U) |
         (touch.crossed ? msg::contact_state::kFlagCrossed : 0U) | (touch.missed ? msg::contact_state::kFlagMissed : 0U) |
-        (mapping_.tool().clutched ? msg::contact_state::kFlagClutched : 0U);
+        (mapping_.tool().clutched ? msg::contact_state::kFlagClutched : 0U) |
+        (frame_.tool.constrained ? msg::contact_state::kFlagConstrained : 0U) | (frame_.tool.lag ? msg::contact_state::kFlagLag : 0U) |
+        (frame_.tool.unplaced ? msg::contact_state::kFlagUnplaced : 0U);
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
     contacts_.write_until(m, [this] {
@@ -203,6 +209,11 @@ class RenderingNode {
     if (touch.missed) missed_.fetch_add(1, kRelaxed);
     if (touch.held) held_.fetch_add(1, kRelaxed);
     if (c.saturated) saturated_.fetch_add(1, kRelaxed);
+    if (frame_.tool.lag) lag_.fetch_add(1, kRelaxed);
+    if (frame_.tool.unplaced) unplaced_.fetch_add(1, kRelaxed);
+    if (frame_.tool.queries >= contact_limits::kMaxQueries) full_frames_.fetch_add(1, kRelaxed);
+    if (frame_.tool.residual_m > most_residual_m_.load(kRelaxed)) most_residual_m_.store(frame_.tool.residual_m, kRelaxed);
+    if (frame_.tool.constrained && c.deepest_depth_m > most_depth_m_.load(kRelaxed)) most_depth_m_.store(c.deepest_depth_m, kRelaxed);
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
   }
 
@@ -227,6 +238,14 @@ class RenderingNode {
     count("held_samples", held_);
     count("saturated_samples", saturated_);
     report.figures["foreign_samples"] = {device_.refused(), "samples"};
+    if (scene_.virtual_tool()) {
+      count("lag_samples", lag_);
+      count("unplaced_samples", unplaced_);
+      count("samples_at_most_queries", full_frames_);
+      report.figures["most_residual_m"] = {most_residual_m_.load(), "m"};
+      report.figures["most_penetration_m"] = {most_depth_m_.load(), "m"};
+      report.figures["spring_n_per_m"] = {updates_.spring_n_per_m(), "N/m"};
+    }
     device_.update(registry, std::nullopt);
     const std::string missing = session_.report_to(report, options_, registry, links_, "a device", samples_.load() > 0);
     std::string trouble = device_.trouble(registry);
@@ -277,6 +296,8 @@ class RenderingNode {
   std::int64_t last_answer_ns_ = 0;
   std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0}, buried_{0}, saturated_{0};
   std::atomic<std::uint64_t> crossed_{0}, missed_{0}, first_sample_{0};
+  std::atomic<std::uint64_t> lag_{0}, unplaced_{0}, full_frames_{0};
+  std::atomic<double> most_residual_m_{0.0}, most_depth_m_{0.0};  ///< of a virtual tool
   std::atomic<std::int64_t> longest_ns_{0};
 };
 

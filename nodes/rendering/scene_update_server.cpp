@@ -250,6 +250,10 @@ SceneUpdateServer::Built SceneUpdateServer::build(double voxel_size_m, const std
     out.refusal = why_not_reloaded(scene_, out.scene);
     if (!out.refusal.empty()) return out;
     if (voxel_size_m > 0.0) out.scene.voxel_size_m = voxel_size_m;
+    if (!model.empty() && out.scene.virtual_tool() && model != out.scene.contact.model) {
+      out.refusal = fmt::format("a virtual tool goes with the contact model {}, not with {}", out.scene.contact.model, model);
+      return out;
+    }
     if (!model.empty()) out.scene.contact.model = model;
     const auto go_on = [this] {
       if (stop_.load(std::memory_order_acquire)) throw std::runtime_error("the ring has stopped");
@@ -345,6 +349,7 @@ void SceneUpdateServer::show(std::uint64_t from_sample, bool another_scene) {
 
 void SceneUpdateServer::judge_running() {
   on_device_.runs(scene_, {plan_.contact_n_per_m, plan_.contact_nm_per_rad}, shown_);
+  spring_n_per_m_.store(on_device_.spring_n_per_m(), std::memory_order_release);
   const std::lock_guard lock(refusal_mutex_);
   refusal_ = on_device_.refusal();
 }

@@ -56,6 +56,8 @@ class SceneUpdateServer {
   runtime::Figures figures() const;
   /// Why what runs does not fit the device, so that the coupling commands no force; empty: it fits.
   std::string refusal() const;
+  /// Of a virtual tool, under the coupling that is certified now, in W [N/m]. From any thread. Real-time safe.
+  double spring_n_per_m() const noexcept { return spring_n_per_m_.load(std::memory_order_acquire); }
 
  private:
   struct Request {  ///< what of an EffectChange is needed later
@@ -142,6 +144,7 @@ class SceneUpdateServer {
   std::function<void(std::uint64_t)> begun_;
   mutable std::mutex refusal_mutex_;
   std::string refusal_;
+  std::atomic<double> spring_n_per_m_{0.0};
   std::atomic<std::size_t> warnings_{0};
   std::atomic<std::uint64_t> done_{0}, refused_{0}, reloads_{0};
   std::atomic<bool> stop_{false}, remind_{false};

@@ -1,5 +1,6 @@
 #include "nodes/validator/validator_node.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "core/reference/judgement.hpp"
 #include "core/reference/reference_scene.hpp"
+#include "core/reference/tool_judgement.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
@@ -44,6 +46,16 @@ ReportedContact to_report(const msg::ContactState& c) {
   r.held = (c.flags & (msg::contact_state::kFlagHeld | msg::contact_state::kFlagRefusedSample)) != 0;
   r.fallback = (c.flags & msg::contact_state::kFlagFallback) != 0;
   return r;
+}
+
+ReportedTool to_tool(const msg::ContactState& c) {
+  return {.tool = runtime::from_msg(c.object_pose),
+          .hand = runtime::from_msg(c.tool_pose),
+          .wrench = runtime::from_msg(c.contact_wrench),
+          .residual_m = c.residual_m,
+          .constrained = (c.flags & msg::contact_state::kFlagConstrained) != 0,
+          .lag = (c.flags & msg::contact_state::kFlagLag) != 0,
+          .unplaced = (c.flags & msg::contact_state::kFlagUnplaced) != 0};
 }
 
 class ValidatorNode {
@@ -160,16 +172,18 @@ class ValidatorNode {
     heartbeat_.beat();
     if (blind_ || !is_checked(contact.sequence_number, options_.every)) return;
     // While one scene fades into another, what is felt is neither's; behind a wall crossed too fast it is of where that was entered.
-    if (contact.flags & (msg::contact_state::kFlagFading | msg::contact_state::kFlagCrossed)) {
+    // A virtual tool that is told of a refused sample is that of another one.
+    const std::uint32_t unlike = msg::contact_state::kFlagFading | msg::contact_state::kFlagCrossed |
+                                 (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
+    if (contact.flags & unlike) {
       if (first_checked_.load(std::memory_order_relaxed) != kNone) excused_.fetch_add(1, std::memory_order_relaxed);
       return;
     }
     unread_.store(reports_.matched_count() == 0, std::memory_order_relaxed);
     if (unread_) return;  // a verdict that nobody reads is not made
-    const ReportedContact report = to_report(contact);
     reference_.move_to(static_cast<double>(contact.scene_time_ns) * 1e-9);
-    const GapResult gap = reference_.gap(report.tool_in_world);
-    const Judgement judgement = judge_->judge(gap, report);
+    GapResult gap;
+    const Judgement judgement = scene_.virtual_tool() ? judge_tool(contact, gap) : judge_contact(contact, gap);
     const JudgeCounts& counts = judge_->counts();
     msg::ValidationReport m{};
     m.session_id = contact.session_id;
@@ -197,6 +211,19 @@ class ValidatorNode {
       first_checked_.store(contact.sequence_number, std::memory_order_relaxed);
     if (judgement.verdict == Verdict::kDisagree) note(contact.sequence_number, judgement);
     publish_counts();
+  }
+
+  Judgement judge_contact(const msg::ContactState& contact, GapResult& gap) {
+    const ReportedContact report = to_report(contact);
+    gap = reference_.gap(report.tool_in_world);
+    return judge_->judge(gap, report);
+  }
+  Judgement judge_tool(const msg::ContactState& contact, GapResult& gap) {
+    const ReportedTool report = to_tool(contact);
+    gap = reference_.gap(report.tool);
+    const bool rubs = std::any_of(scene_.effects.begin(), scene_.effects.end(),
+                                  [](const EffectSpec& effect) { return effect.kind->friction != nullptr; });
+    return judge_->judge(gap, reference_.gap(report.hand), {.reach_m = reference_.tool_reach_m(), .rubs = rubs}, report);
   }
 
   void note(std::uint64_t sequence, const Judgement& judgement) {

@@ -24,7 +24,7 @@ std::vector<std::string> resting_scene_names() {
   std::vector<std::string> names = shipped_scene_names();
   std::erase_if(names, [](const std::string& name) {
     const Scene scene = shipped_scene(name);
-    return !scene.effects.empty() || !scene.objects.empty();
+    return !scene.effects.empty() || !scene.objects.empty() || scene.virtual_tool();
   });
   return names;
 }

@@ -44,7 +44,8 @@ constexpr const char* kAccuracyDescription =
 constexpr const char* kFooter =
     "How it is measured: the tool is brought into contact with the wall in --contacts random places and attitudes, "
     "each\n"
-    "--depth-edges voxel edges deep, and the force of each setting is held beside the reference's.\n"
+    "--depth-edges voxel edges deep, and the force of each setting is held beside the reference's. A virtual tool is pressed\n"
+    "with the hand 5 edges deep, and held beside the exact ball that is drawn to the same hand; it has no onset.\n"
     "\n"
     "What the figures mean\n"
     "  direction  angle between the force and the true one [deg], median and 95th percentile. A person feels it as a "
@@ -178,7 +179,7 @@ void add_accuracy(CLI::App& app, Action& action) {
   CLI::App* verb = app.add_subcommand("accuracy", kAccuracyDescription);
   verb->footer(kFooter);
   verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
-  add_list(*verb, "--models", o->ask.models, "original,adapted,clustered,field; default: all");
+  add_list(*verb, "--models", o->ask.models, "original,adapted,clustered,field,virtual_tool; default: all");
   add_list(*verb, "--weights", o->ask.weights,
            "one,area: what a shell point counts; default: both. clustered and field know area only");
   add_list(*verb, "--voxel-sizes", o->ask.voxel_sizes_m,

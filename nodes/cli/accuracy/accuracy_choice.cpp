@@ -9,6 +9,8 @@
 namespace voxtouch::cli {
 namespace {
 
+constexpr std::string_view kVirtualTool = "virtual_tool";
+
 template <class T>
 void add_once(std::vector<T>& list, const T& value) {
   if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
@@ -17,13 +19,14 @@ void add_once(std::vector<T>& list, const T& value) {
 std::vector<ContactModelKind> models_of(const AccuracyChoice& ask) {
   std::vector<ContactModelKind> out;
   for (const std::string& word : ask.models) {
+    if (word == kVirtualTool) continue;
     ContactModelKind kind{};
     if (!parse_contact_model(word, kind))
       throw std::invalid_argument(fmt::format(
-          "--models: there is no contact model '{}'; known are original, adapted, clustered and field", word));
+          "--models: there is no contact model '{}'; known are original, adapted, clustered and field, and virtual_tool", word));
     add_once(out, kind);
   }
-  if (out.empty())
+  if (ask.models.empty())
     out = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
            ContactModelKind::kField};
   return out;
@@ -79,6 +82,11 @@ std::vector<AccuracySetting> settings_of(const AccuracyChoice& ask, double scene
         for (const double density : densities) out.push_back({model, weight, voxel, voxel / density});
     }
   }
+  // One row of it where nothing is said: at the scene's own voxels.
+  const bool tool = std::find(ask.models.begin(), ask.models.end(), kVirtualTool) != ask.models.end();
+  if (tool || (ask.models.empty() && area))
+    for (const double voxel : tool || !ask.voxel_sizes_m.empty() ? voxels : std::vector{scene_voxel_m})
+      for (const double density : densities) out.push_back({ContactModelKind::kField, PointWeights::kArea, voxel, voxel / density, true});
   if (out.size() > kMaxSettings)
     throw std::invalid_argument(fmt::format(
         "{} settings are asked for, {} at most can be measured in one run; name fewer models, voxel sizes or densities",

@@ -14,6 +14,8 @@ bool on_front(const AccuracyReport& r, std::size_t row) {
   return std::find(r.advice.front.begin(), r.advice.front.end(), row) != r.advice.front.end();
 }
 
+std::string_view model_word(const AccuracySetting& setting) { return setting.virtual_tool ? "virtual_tool" : name_of(setting.model); }
+
 /// Why a row has no figures; empty where it has.
 std::string no_figures(const AccuracyRow& row) {
   if (!row.refused.empty()) return row.refused;
@@ -56,7 +58,9 @@ std::string table(const AccuracyReport& report) {
   std::string text = kHead;
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
     const ContactModelKind model = report.rows[i].setting.model;
-    if (i == 0 || report.rows[i - 1].setting.model != model) text += fmt::format("  {}\n", name_of(model));
+    const bool tool = report.rows[i].setting.virtual_tool;
+    if (i == 0 || report.rows[i - 1].setting.model != model || report.rows[i - 1].setting.virtual_tool != tool)
+      text += fmt::format("  {}\n", tool ? "virtual tool, hand 5 e deep, against the exact ball" : name_of(model));
     text += table_row(report, i);
   }
   return text;
@@ -100,7 +104,7 @@ std::vector<Entry> figures(const AccuracyRow& r) {
 nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index) {
   const AccuracyRow& r = report.rows[index];
   const bool built = r.refused.empty();
-  nlohmann::ordered_json j{{"model", name_of(r.setting.model)},
+  nlohmann::ordered_json j{{"model", model_word(r.setting)},
                            {"weights", weights_word(r.setting.weights)},
                            {"voxel_m", r.setting.voxel_m},
                            {"shell_voxel_m", r.setting.shell_voxel_m},
@@ -172,7 +176,7 @@ std::string to_csv(const AccuracyReport& report) {
   text += ",pareto,recommended,refused\n";
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
     const AccuracyRow& r = report.rows[i];
-    text += fmt::format("{},{},{},{}", name_of(r.setting.model), weights_word(r.setting.weights), r.setting.voxel_m,
+    text += fmt::format("{},{},{},{}", model_word(r.setting), weights_word(r.setting.weights), r.setting.voxel_m,
                         r.setting.shell_voxel_m);
     text += r.refused.empty() ? fmt::format(",{},{},{}", r.shell_points, r.bytes, r.contacts) : std::string(",,,0");
     for (const Entry& f : figures(r)) text += std::isfinite(f.value) ? fmt::format(",{}", f.value) : std::string(",");

@@ -81,8 +81,10 @@ Asked ask(const DesignVerbOptions& o, const DeviceModel& device) {
     const Plan& plan = built->plan();
     out.request = design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
     if (scene.design) hand = std::string(name_of(scene.design->hand));
-    out.contact =
-        fmt::format("scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} points, at the hand", scene.name,
+    const bool spring = is_spring({plan.contact_n_per_m, plan.contact_nm_per_rad});
+    out.contact = spring ? fmt::format("scene {}: the spring of a virtual tool, up to the {:.4g} N/m that the device can show, at the hand",
+                                       scene.name, out.request.contact.all_points)
+                         : fmt::format("scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} points, at the hand", scene.name,
                     out.request.contact.one_point, out.request.contact.all_points, plan.shell_points);
   }
   if (o.scene.empty() || o.kind != "auto") out.request.wishes.kind = o.kind;

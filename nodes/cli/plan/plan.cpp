@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/rendering/build.hpp"
+#include "core/fitting/felt.hpp"
 #include "core/fitting/device_check.hpp"
 #include "core/fitting/fit_coupling.hpp"
 #include "core/scene/scene_file.hpp"
@@ -55,12 +56,16 @@ DeviceVerdict judge(const PlanVerb& o, const Scene& scene, const Plan& plan, std
     out.notes.insert(out.notes.end(), all.warnings.begin(), all.warnings.end());
     if (!all.fits()) out.notes.push_back("Where all points push together: " + all.errors.front());
   }
+  const StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
+  if (std::string felt = felt_sentence(fit, scene, device, bounds); !felt.empty()) out.notes.push_back(std::move(felt));
   fitted = scene.design ? fit.spec : scene.coupling;
   return out;
 }
 
 PlanReport make_report(const PlanVerb& o) {
   Scene scene = load_scene(o.scene);
+  if (!o.model.empty() && scene.virtual_tool() && o.model != scene.contact.model)
+    throw std::runtime_error(fmt::format("a virtual tool goes with the contact model {}, not with {}", scene.contact.model, o.model));
   if (!o.model.empty()) scene.contact.model = o.model;
   tell("building {}\n", scene.name);
   const std::unique_ptr<BuiltScene> built =

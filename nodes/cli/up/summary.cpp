@@ -17,6 +17,8 @@ std::string word(const Reports& reports, const std::string& node, const std::str
   return value == report->second.values.end() ? "" : value->second;
 }
 
+bool has_virtual_tool(const RunSummary& summary) { return number(summary.reports, "rendering", "spring_n_per_m") > 0.0; }
+
 namespace {
 
 std::uint64_t count(const Reports& reports, const std::string& node, const std::string& name) {
@@ -70,6 +72,13 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["fast_samples"] = count(r, "rendering", "fast_samples");
   j["crossed_samples"] = count(r, "rendering", "crossed_samples");
   j["missed_samples"] = count(r, "rendering", "missed_samples");
+  if (has_virtual_tool(s))
+    j["virtual_tool"] = {{"spring_n_per_m", number(r, "rendering", "spring_n_per_m")},
+                         {"most_penetration_m", number(r, "rendering", "most_penetration_m")},
+                         {"most_residual_m", number(r, "rendering", "most_residual_m")},
+                         {"samples_at_most_queries", count(r, "rendering", "samples_at_most_queries")},
+                         {"lag_samples", count(r, "rendering", "lag_samples")},
+                         {"unplaced_samples", count(r, "rendering", "unplaced_samples")}};
   j["zero_force_samples"] = count(r, "device", "zero_force_samples");
   j["interruptions"] = count(r, "device", "interruptions");
   j["max_force_n"] = number(r, "device", "max_force_n");
@@ -116,6 +125,12 @@ std::string figures(const RunSummary& s) {
       count(r, "coupling", "passivity_samples"), count(r, "device", "refused"), count(r, "device", "clamped"),
       count(r, "validator", "checked"), count(r, "validator", "decided"), count(r, "validator", "agree"),
       count(r, "validator", "in_band"), count(r, "validator", "disagree"));
+  if (has_virtual_tool(s))
+    text += fmt::format("  virtual     {:.4g} N/m of spring; at most {:.3g} mm in a wall and {:.3g} mm from rest; {} samples took all queries, {} lagged, "
+                        "{} without a place\n",
+                        number(r, "rendering", "spring_n_per_m"), 1e3 * number(r, "rendering", "most_penetration_m"),
+                        1e3 * number(r, "rendering", "most_residual_m"), count(r, "rendering", "samples_at_most_queries"),
+                        count(r, "rendering", "lag_samples"), count(r, "rendering", "unplaced_samples"));
   if (!s.bag.empty())
     text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag, count(r, "logger", "written"),
                         count(r, "logger", "dropped"));

@@ -31,6 +31,9 @@ struct RunSummary {
   std::vector<std::string> notes;     ///< sentences that spoil nothing
 };
 
+/// Its rendering had one.
+bool has_virtual_tool(const RunSummary& summary);
+
 nlohmann::ordered_json to_json(const RunSummary& summary);
 std::string to_text(const RunSummary& summary);
 /// One line while the ring runs, on the last second; `nodes` are those that take part.

@@ -11,6 +11,7 @@
 
 #include "core/rendering/build.hpp"
 #include "core/fitting/device_check.hpp"
+#include "core/fitting/felt.hpp"
 #include "core/fitting/fit_coupling.hpp"
 #include "core/types/device_description.hpp"
 #include "devices/registry.hpp"
@@ -48,14 +49,17 @@ std::unique_ptr<BuiltScene> build_unless_stopped(const Scene& scene) {
   return build_scene(scene, until_stopped, {.read = mesh_process()}, tell_each_second("up"));
 }
 
-/// What the coupling node will say of this device and scene, by its own code: a sentence; empty: it will command forces. What all
+/// `felt`: what will be felt of a virtual tool. What the coupling node will say of this device and scene, by its own code: a sentence; empty: it will command forces. What all
 /// points show together is known only of the scene as built, so it is built here as well.
-std::string why_no_force(const Scene& scene, const DeviceDescription& description) {
+std::string why_no_force(const Scene& scene, const DeviceDescription& description, std::string& felt) {
   if (std::string wrong = what_is_wrong(description); !wrong.empty()) return wrong;
   const std::unique_ptr<BuiltScene> built = build_unless_stopped(scene);
   const Plan& plan = built->plan();
-  return fit_coupling(scene, model_of(description), {plan.contact_n_per_m, plan.contact_nm_per_rad}, demand_of(scene))
-      .refusal;
+  const DeviceModel device = model_of(description);
+  const StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
+  const FittedCoupling fitted = fit_coupling(scene, device, bounds, demand_of(scene));
+  felt = felt_sentence(fitted, scene, device, bounds);
+  return fitted.refusal;
 }
 
 }  // namespace
@@ -66,12 +70,14 @@ std::vector<std::string> check_before_start(const Scene& scene, const Plans& pla
   const DeviceDescription description = describe_device(plans.device, options);
   device::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
-  if (const std::string why = why_no_force(scene, description); !why.empty())
+  std::string felt;
+  if (const std::string why = why_no_force(scene, description, felt); !why.empty())
     throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));
   std::vector<std::string> notes;
   if (!scene.design)
     notes = check_device(scene, model_of(description), least_stiffness_n_per_m(scene))
                 .warnings;
+  if (!felt.empty()) notes.insert(notes.begin(), std::move(felt));
   const bool simulated_hand = has_simulated_hand(plans.device);
   if (!simulated_hand && !plans.motion.empty())
     notes.push_back(
@@ -123,7 +129,12 @@ void judge(RunSummary& s) {
         fmt::format("in {} samples the tool was too fast to be followed, or let go of behind a wall: what lay in "
                     "between was not felt",
                     n));
-  if (const double n = number(s.reports, "rendering", "saturated_samples"); n > 0)
+  if (const double n = number(s.reports, "rendering", "unplaced_samples"); n > 100)
+    s.notes.push_back(fmt::format(
+        "in {} samples there was no virtual tool, for the hand was inside a static object since it came in without one: nothing was felt", n));
+  if (const double n = number(s.reports, "rendering", "lag_samples"); n > 0)
+    s.notes.push_back(fmt::format("in {} samples the hand was too fast for the virtual tool, or an object moved more than half a voxel", n));
+  if (const double n = number(s.reports, "rendering", "saturated_samples"); n > 0 && !has_virtual_tool(s))
     s.notes.push_back(fmt::format(
         "in {} samples the tool was so deep, or a wall so thin, that going deeper meets no more force: more "
         "stiffness, a thicker body or a stronger device holds it out",

@@ -134,5 +134,31 @@ TEST(Accuracy, ASettingThatCannotBeBuiltIsARowThatSaysWhy) {
   EXPECT_GT(rows[2].contacts, 0u);
 }
 
+TEST(ToolRow, HoldsTheVirtualToolBesideTheExactBall) {
+  for (const char* name : {"plane", "cylinder", "cup"}) {
+    AccuracyOptions options;
+    options.contacts = 40;
+    AccuracySetting tool = setting(ContactModelKind::kField, 0.002, PointWeights::kArea);
+    tool.virtual_tool = true;
+    const AccuracyRow row = measure_accuracy(shipped(name), {tool}, options, serial_for()).front();
+    ASSERT_EQ(row.refused, "") << name;
+    std::printf("%s: direction %.3f, 95 %% %.2f deg, noise %.4f, missed %u of %u\n", name, row.direction_median_deg, row.direction_p95_deg,
+                row.magnitude_noise, row.missed, row.contacts + row.missed);
+    EXPECT_EQ(row.missed, 0u) << name;
+    EXPECT_LT(row.direction_median_deg, 2.5) << name;
+    EXPECT_LT(row.magnitude_noise, 0.05) << name;
+  }
+}
+
+TEST(ToolRow, IsRefusedWhereTheExactToolIsNotKnown) {
+  Scene scene = shipped("plane");
+  scene.dynamic_mesh.primitives.clear();
+  AccuracyOptions options;
+  options.contacts = 4;
+  AccuracySetting tool = setting(ContactModelKind::kField, 0.002, PointWeights::kArea);
+  tool.virtual_tool = true;
+  EXPECT_NE(measure_accuracy(scene, {tool}, options, serial_for()).front().refused.find("a ball about its origin"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace voxtouch

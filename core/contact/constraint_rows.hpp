@@ -1,0 +1,42 @@
+#pragma once
+/// What keeps the virtual tool out of the static scene: one linear constraint a shell point near it, from the signed distance.
+#include <cstdint>
+#include <vector>
+
+#include "core/contact/contact_query.hpp"
+#include "core/voxmap/distance_field.hpp"
+
+namespace voxtouch {
+
+/// gap + jacobian . delta >= 0 for a step delta = [shift; lever * turn] of the tool, all in metres.
+struct ConstraintRow {
+  Vec6 jacobian = Vec6::Zero();  ///< [u ; arm x u / lever]
+  Vec3 arm = Vec3::Zero();       ///< from the tool's origin to the point, W axes [m]
+  double gap_m = 0.0;            ///< below zero: so deep is the point inside
+  std::uint32_t point = 0;       ///< index into the shell
+  std::uint32_t object = 0;      ///< whose wall it is
+
+  Vec3 normal() const noexcept { return jacobian.head<3>(); }  ///< u: unit, out of the static object, W
+};
+
+/// What all rows of one object share.
+struct RowFrame {
+  Vec3 local = Vec3::Zero();  ///< tool's origin less the grid's and the object's displacement [m]
+  double lever_m = 1.0;
+  std::uint32_t object = 0;
+};
+
+/// The row of one hit. False where the field has no direction there, or the gap is so wide that no step can close it.
+///
+/// As a rule u and the gap are the field's: u = g / |g|, gap = distance / |g|: the static side's gradient, not the point's own normal, along which the
+/// tool sticks on its own facets. A wall of a voxel or two bends the field, or has no inside in it at all: there, in surface voxels, u and
+/// gap are those of the wall's face on the tool's side, which the point's own normal names, fitted to the corners' distances.
+/// Where tool and wall are both thinner than a voxel, the normals of the tool's far side name the wrong face. Real-time safe.
+bool make_row(const Hit& hit, bool in_surface, const DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept;
+
+/// Leaves at most kMaxRows of them. Of the rows in each of 42 directions (PatchNormals' bins) the one of least gap stays, and those that a tilt
+/// of `tilt` [rad] towards one of eight sides would bring deepest: the corners of a flat contact, however many points
+/// it has. Linear in the rows; their order stays. Real-time safe.
+void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept;
+
+}  // namespace voxtouch

@@ -1,0 +1,89 @@
+#include "core/contact/tool_friction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/contact/limits.hpp"
+
+namespace voxtouch {
+namespace {
+
+/// The rows that push, as one patch.
+struct Patch {
+  double push_m = 0.0;  ///< sum of the pushes' sizes, over k
+  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
+  double radius_m = 0.0;
+};
+
+double push_of(const ConstraintRow& row, const Vec6& delta) noexcept {
+  return contact_limits::kRowStiffness * depth_after(row, delta);
+}
+
+Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta, double lever_m) noexcept {
+  Patch patch;
+  for (const ConstraintRow& row : rows) {
+    const double push = push_of(row, delta);
+    patch.push_m += push;
+    patch.centre += push * row.arm;
+    patch.normal += push * row.normal();
+  }
+  const double length = patch.normal.norm();
+  if (!(patch.push_m > 0.0 && length > 0.0)) return {};
+  patch.centre /= patch.push_m;
+  patch.normal /= length;
+  for (const ConstraintRow& row : rows) {
+    const Vec3 from_centre = row.arm - patch.centre;
+    patch.radius_m += push_of(row, delta) * (from_centre - patch.normal * patch.normal.dot(from_centre)).norm();
+  }
+  patch.radius_m /= patch.push_m;
+  if (!(patch.radius_m > contact_limits::kLeastPatch * lever_m)) patch.radius_m = 0.0;  // a point does not hold against turning
+  return patch;
+}
+
+Vec3 across(const Vec3& normal, const Vec3& v) noexcept { return v - normal * normal.dot(v); }
+
+/// The step without slip.
+EquilibriumStep held_step(std::span<const ConstraintRow> rows, const Vec6& spring, double lever_m, const Patch& patch,
+                          const Vec6& free) noexcept {
+  const Vec3& m = patch.normal;
+  Restriction allowed;
+  const Vec3 turn = patch.radius_m > 0.0 ? across(m, free.tail<3>()) : Vec3(free.tail<3>());
+  allowed.from << -across(m, (turn / lever_m).cross(patch.centre)), turn;
+  allowed.free.setZero();
+  allowed.free.topLeftCorner<3, 3>() = m * m.transpose();
+  EquilibriumStep held = equilibrium_step(rows, spring, &allowed);
+  held.loose.topLeftCorner<3, 3>() = m * m.transpose();
+  if (patch.radius_m > 0.0) held.loose.bottomRightCorner<3, 3>() -= m * m.transpose();
+  return held;
+}
+
+}  // namespace
+
+EquilibriumStep with_friction(std::span<const ConstraintRow> rows, const Vec6& spring, double lever_m, double friction,
+                              const EquilibriumStep& free) noexcept {
+  if (!(friction > 0.0) || !free.pushed) return free;
+  const Patch patch = patch_of(rows, free.delta, lever_m);
+  if (!(patch.push_m > 0.0)) return free;
+  EquilibriumStep held = held_step(rows, spring, lever_m, patch, free.delta);
+  held.iterations += free.iterations;
+
+  Vec6 unheld = spring - held.delta;  // what neither spring nor rows balance
+  double push_held = 0.0;
+  for (const ConstraintRow& row : rows) {
+    const double push = push_of(row, held.delta);
+    unheld += push * row.jacobian;
+    push_held += push;
+  }
+  const double shift = across(patch.normal, unheld.head<3>()).norm();
+  const double turn = patch.radius_m > 0.0 ? patch.normal.dot(unheld.tail<3>()) * lever_m / patch.radius_m : 0.0;
+  const double needed = std::hypot(shift, turn), at_most = friction * push_held;
+  if (needed <= at_most) return held;
+  // needed (1 - slide) = friction (push_held + slide (patch.push_m - push_held))
+  const double slide = std::clamp((needed - at_most) / (needed + friction * (patch.push_m - push_held)), 0.0, 1.0);
+  EquilibriumStep step = free;
+  step.delta = held.delta + slide * (free.delta - held.delta);
+  step.iterations = held.iterations;
+  return step;
+}
+
+}  // namespace voxtouch

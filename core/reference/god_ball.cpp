@@ -1,0 +1,27 @@
+#include "core/reference/god_ball.hpp"
+
+namespace voxtouch {
+
+Vec3 drawn_ball(const ReferenceScene& reference, double radius_m, const Vec3& start, const Vec3& hand) {
+  constexpr double kStepShare = 0.02, kEndShare = 1e-6;  // of the radius
+  constexpr int kMost = 2000, kWalls = 8;
+  Vec3 centre = start;
+  double step = kStepShare * radius_m;
+  for (int n = 0; n < kMost && step > kEndShare * radius_m; ++n) {
+    const Vec3 way = hand - centre, before = centre;
+    centre += way.norm() > step ? Vec3(step / way.norm() * way) : way;
+    for (int wall = 0; wall < kWalls; ++wall) {
+      const Vec3 out = centre - reference.nearest(centre);
+      const double gap = out.norm() - radius_m;
+      if (!(gap < 0.0)) break;
+      centre -= gap * out.normalized();
+    }
+    if ((hand - centre).norm() > (hand - before).norm() - 1e-3 * step) {  // no nearer: finer
+      if ((hand - centre).norm() > (hand - before).norm()) centre = before;
+      step *= 0.5;
+    }
+  }
+  return centre;
+}
+
+}  // namespace voxtouch

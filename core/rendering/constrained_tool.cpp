@@ -1,0 +1,144 @@
+#include "core/rendering/constrained_tool.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/types/motion.hpp"
+
+namespace voxtouch {
+namespace {
+
+VirtualToolOptions options_of(const ObjectContacts& objects, double lever_m) {
+  const ContactQuery& query = objects.object(0).renderer->query();
+  VirtualToolOptions options{.points = query.shell().size(),
+                             .objects = objects.size(),
+                             .reach_m = query.reach_m(),
+                             .edge_m = query.voxmap().grid().edge,
+                             .lever_m = lever_m};
+  for (std::size_t n = 1; n < objects.size(); ++n)
+    options.edge_m = std::min(options.edge_m, objects.object(n).voxmap.grid().edge);
+  return options;
+}
+
+Vec3 rotation_vector(const Quat& turn) noexcept {
+  const Eigen::AngleAxisd angle(turn.w() < 0.0 ? Quat(-turn.coeffs()) : turn);
+  return angle.angle() * angle.axis();
+}
+
+}  // namespace
+
+ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m)
+    : objects_(objects), tool_(options_of(objects, lever_m)), results_(objects.size()) {
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    const StaticObject& object = objects.object(n);
+    grounds_.push_back({&object.renderer->query(), &*object.field, Vec3::Zero()});
+    parts_.push_back({.object = object.id, .contact = &results_[n], .twist = {}});
+  }
+}
+
+void ConstrainedTool::aim_for(double spring_n_per_m) noexcept {
+  const double aim = std::isfinite(spring_n_per_m) ? std::max(spring_n_per_m, 0.0) : 0.0;
+  if (aim == aim_n_per_m_) return;
+  aim_n_per_m_ = aim;
+  if (fresh_)
+    spring_ = Ramp(aim);
+  else
+    spring_.head_for(aim, kSpringRampS);
+}
+
+void ConstrainedTool::put_objects(double time_s) noexcept {
+  for (std::size_t n = 0; n < grounds_.size(); ++n) {
+    const StaticObject& object = objects_.object(n);
+    if (!object.moves) continue;
+    const MotionPoint at = motion_at(*object.moves, time_s);
+    grounds_[n].displacement = at.position;
+    parts_[n].twist.linear = at.velocity;
+  }
+}
+
+ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& told) noexcept {
+  const bool was_placed = tool_.placed() && !fresh_;
+  if (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s) tool_.reset();
+  const Pose before = frame_.tool;
+  put_objects(time_s);
+  frame_ = tool_.frame({.pose = hand, .period_s = dt_s, .friction = friction}, grounds_);
+  told = {.constrained = frame_.constrained,
+          .lag = frame_.lag || frame_.moved_too_far,
+          .unplaced = frame_.unplaced || frame_.pose_status != PoseStatus::kUsable,
+          .residual_m = frame_.residual_m,
+          .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0))};
+  if (frame_.unplaced) frame_.tool = hand;
+  const double k = spring_.advance(dt_s), felt = k * frame_.share;
+  ContactResult contact;
+  contact.pose_status = frame_.pose_status;
+  contact.surface_hits = frame_.surface_hits, contact.interior_hits = frame_.interior_hits;
+  contact.points_tested = frame_.points_tested;
+  if (frame_.pose_status == PoseStatus::kUsable) {
+    hand_ = hand;
+    fresh_ = false;
+  }
+  const bool felt_at_all = frame_.constrained && felt > 0.0;
+  if (frame_.constrained) {
+    contact.deepest_point = frame_.contact_point, contact.deepest_depth_m = frame_.worst_depth_m;
+    contact.mean_normal = frame_.contact_normal;
+    contact.coherence = frame_.contact_normal.isZero(0.0) ? 0.0 : 1.0;
+    contact.saturated = frame_.saturated;
+  }
+  if (felt_at_all) {
+    contact.wrench = frame_.wrench(k);
+    contact.stiffness = frame_.stiffness(k);
+    contact.stiffness_bound_n_per_m = k;
+  }
+  if (!contact.wrench.finite() || !contact.stiffness.allFinite()) {  // nothing that is no number goes on from here
+    contact.wrench = {}, contact.stiffness.setZero(), contact.stiffness_bound_n_per_m = 0.0;
+    tool_.reset();
+    told.unplaced = true;
+  }
+  const bool follows = was_placed && tool_.placed() && dt_s > 0.0;
+  twist_ = {};
+  if (follows) {
+    twist_.linear = (frame_.tool.position - before.position) / dt_s;
+    twist_.angular = rotation_vector(frame_.tool.orientation * before.orientation.conjugate()) / dt_s;
+  }
+  stiffened_j_ = felt > felt_n_per_m_ ? 0.5 * (felt - felt_n_per_m_) * depth_of_spring2() : 0.0;
+  felt_n_per_m_ = felt;
+  tell_parts(felt_at_all ? felt : 0.0);
+  return contact;
+}
+
+double ConstrainedTool::depth_of_spring2() const noexcept {
+  return frame_.constrained ? frame_.shift.squaredNorm() + frame_.lever_m * frame_.lever_m * frame_.turn.squaredNorm() : 0.0;
+}
+
+void ConstrainedTool::tell_parts(double felt_n_per_m) noexcept {
+  power_w_ = 0.0;
+  const std::span<const Wrench> pushes = tool_.pushes();
+  for (std::size_t n = 0; n < results_.size(); ++n) {
+    ContactResult& part = results_[n];
+    part = {};
+    if (n >= pushes.size() || !(felt_n_per_m > 0.0) || pushes[n].zero()) continue;
+    part.wrench = {felt_n_per_m * pushes[n].force, felt_n_per_m * pushes[n].torque};
+    part.deepest_point = n == frame_.contact_object ? frame_.contact_point : frame_.tool.position;
+    part.deepest_depth_m = frame_.worst_depth_m;
+    part.stiffness_bound_n_per_m = felt_n_per_m;
+    power_w_ += part.wrench.force.dot(parts_[n].twist.linear);
+  }
+}
+
+void ConstrainedTool::take_over(const Pose& tool, double time_s) noexcept {
+  reset();
+  put_objects(time_s);
+  if (tool_.place(tool, grounds_)) frame_.tool = tool;
+}
+
+void ConstrainedTool::reset() noexcept {
+  tool_.reset();
+  frame_ = {};
+  twist_ = {};
+  spring_ = Ramp(aim_n_per_m_);
+  felt_n_per_m_ = power_w_ = stiffened_j_ = 0.0;
+  fresh_ = true;
+  for (ContactResult& part : results_) part = {};
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,77 @@
+#pragma once
+/// The virtual tool in a scene: against all objects where they are, with the spring that the coupling is certified for.
+#include <span>
+#include <vector>
+
+#include "core/contact/virtual_tool.hpp"
+#include "core/coupling/ramp.hpp"
+#include "core/rendering/object_contacts.hpp"
+
+namespace voxtouch {
+
+/// What a frame of a virtual tool says beside its contact.
+struct ToolFrame {
+  bool constrained = false;  ///< something holds it off the hand's pose
+  bool lag = false;          ///< it has not come to its place within the frame, or an object moved so far that it may have passed it
+  bool unplaced = false;     ///< it has none: the hand has not been outside yet, or is where nothing can be looked up
+  double residual_m = 0.0;   ///< way that its last step would still have gone
+  std::uint32_t queries = 0;
+};
+
+/// Faster than this [m/s] in W no hand goes: the pose has jumped, and the tool is placed anew.
+inline constexpr double kJumpMPerS = 20.0;
+
+/// One thread at a time. The objects must outlive it.
+class ConstrainedTool {
+ public:
+  /// Over this time the spring goes from one stiffness to the next [s].
+  static constexpr double kSpringRampS = 0.2;
+
+  /// `lever_m` 0: the tool's reach. Every object must have its field.
+  ConstrainedTool(ObjectContacts& objects, double lever_m);
+
+  /// The stiffness of the spring [N/m] in W from the next frames on, on a straight line over kSpringRampS; at once after `reset`. One
+  /// that is no number, or below zero, is 0. Real-time safe.
+  void aim_for(double spring_n_per_m) noexcept;
+
+  /// One frame: the spring's wrench on the hand, stiffness and what is touched, as a contact. `contact.stiffness_bound_n_per_m` is the
+  /// spring's own. Real-time safe.
+  ContactResult render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& told) noexcept;
+
+  /// Of the last `render`: the virtual tool, and its motion since the one before.
+  const Pose& pose() const noexcept { return frame_.tool; }
+  bool placed() const noexcept { return tool_.placed(); }
+  const Twist& twist() const noexcept { return twist_; }
+  /// The object that it leans on, as StaticObject::id.
+  std::uint32_t leans_on() const noexcept { return parts_[frame_.contact_object].object; }
+  /// Each object's part; points into this.
+  std::span<const ObjectContact> parts() const noexcept { return parts_; }
+  /// Power of moving objects [W], and what a spring that became stiffer gave the hand [J].
+  double power_w() const noexcept { return power_w_; }
+  double stiffened_j() const noexcept { return stiffened_j_; }
+
+  /// Starts from `tool`, the virtual tool of a scene that this one takes the place of, where that is free here. Real-time safe.
+  void take_over(const Pose& tool, double time_s) noexcept;
+  /// There is no virtual tool any more, until the hand is outside. Real-time safe.
+  void reset() noexcept;
+
+ private:
+  void put_objects(double time_s) noexcept;
+  void tell_parts(double felt_n_per_m) noexcept;
+  double depth_of_spring2() const noexcept;
+
+  ObjectContacts& objects_;
+  std::vector<ToolGround> grounds_;
+  VirtualTool tool_;
+  VirtualToolFrame frame_;
+  Ramp spring_;
+  double aim_n_per_m_ = 0.0, felt_n_per_m_ = 0.0;  ///< felt: with the fade that a tool that was placed begins with
+  bool fresh_ = true;                             ///< no frame since `reset`
+  Pose hand_;
+  Twist twist_;
+  std::vector<ContactResult> results_;
+  std::vector<ObjectContact> parts_;
+  double power_w_ = 0.0, stiffened_j_ = 0.0;
+};
+
+}  // namespace voxtouch

@@ -1,0 +1,117 @@
+// Measures the virtual tool: presses, slides, walls, tumbling, edges.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+
+#include "loops.hpp"
+#include "trials.hpp"
+
+using namespace voxtouch::virtual_tool;
+
+namespace {
+
+void tell_press(const PressOptions& o) {
+  const PressFigures f = press(o);
+  fmt::print("press {:22} e {:g} mm{} | dir {:.2f} {:.2f} deg | |F| {:+.2f} % ({:+.2f} to {:+.2f}) | rest {:.4f} {:.4f} {:.4f} N | queries {:.2f} / {} | "
+             "depth {:.4f} e, residual {:.4f} e | slid {} of {} | {:.1f} us\n",
+             o.scene, 1e3 * o.edge, o.turned ? " turned" : "", f.direction_median, f.direction_95, 100 * f.size_median, 100 * f.size_least,
+             100 * f.size_most, f.rest_median, f.rest_95, f.rest_worst, f.queries_mean, f.queries_most, f.depth_worst, f.residual_95, f.slid, f.places, f.frame_us);
+  std::fflush(stdout);
+}
+
+void tell_slide(const SlideOptions& o) {
+  const SlideFigures f = slide(o);
+  fmt::print("slide {:10} e {:g} mm {:g} m/s mu {:g} | {:.3f} N, noise {:.3f} % | dir {:.2f} {:.2f} deg | step {:.4f} N, {:.4f} | E/FL {:+.5f} | "
+             "queries {:.2f} / {} | {:.1f}, {:.1f} us\n",
+             o.scene, 1e3 * o.edge, o.speed, o.friction, f.mean, 100 * f.noise, f.direction_median, f.direction_95, f.step_worst,
+             f.step_over_force, f.energy_over_way, f.queries_mean, f.queries_most, f.frame_us, f.frame_us_999);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Measures the virtual tool"};
+  std::string what = "all";
+  std::uint64_t seed = 1;
+  int places = 60;
+  app.add_option("what", what, "press, plates, slide, friction, walls, tumble, edge, stability, torque or all");
+  app.add_option("--seed", seed, "of the random places");
+  app.add_option("--places", places, "of each press");
+  CLI11_PARSE(app, argc, argv);
+  fmt::print("seed {}\n", seed);
+  const bool all = what == "all";
+  if (all || what == "press") {
+    for (const double e : {0.002, 0.001})
+      for (const char* scene : {"plane", "tilted", "cylinder", "cup"})
+        for (const bool turned : {false, true}) tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
+  }
+  if (all || what == "press" || what == "plates") {
+    for (const double e : {0.002, 0.001})
+      for (const char* scene : {"plate:0.002", "plate:0.0005", "plate:0.002:askew", "plate:0.0005:askew", "plate:0.0025:askew"})
+        for (const bool turned : {false, true}) tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
+  }
+  if (all || what == "slide") {
+    for (const double e : {0.002, 0.001})
+      for (const char* scene : {"plane", "tilted", "cylinder"})
+        for (const double speed : {0.05, 0.5}) tell_slide({.scene = scene, .edge = e, .speed = speed, .seed = seed});
+  }
+  if (all || what == "slide" || what == "friction") {
+    for (const char* scene : {"plane", "tilted", "cylinder"}) tell_slide({.scene = scene, .friction = 0.4, .seed = seed});
+  }
+  if (all || what == "walls") {
+    int runs = 0, passed = 0;
+    for (const double thick : {0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0})
+      for (const bool askew : {false, true})
+        for (const double phase : {0.0, 0.25, 0.5}) {
+          const WallFigures f = walls({.thick_edges = thick, .askew = askew, .phase_edges = phase, .seed = seed});
+          runs += f.runs, passed += f.passed;
+          fmt::print("wall {:4} e {:5} phase {:4} | passed {} of {} | depth {:.3f} e | rest {:.4f} {:.4f} {:.4f} N | queries {:.2f}\n", thick,
+                     askew ? "askew" : "", phase, f.passed, f.runs, f.depth_worst, f.rest_median, f.rest_95, f.rest_worst, f.queries_mean);
+          std::fflush(stdout);
+        }
+    fmt::print("walls: passed {} of {}\n", passed, runs);
+  }
+  if (all || what == "tumble") {
+    for (const double e : {0.002, 0.001})
+      for (const bool box : {false, true})
+        for (const double speed : {1.0, 3.0}) {
+          const TumbleFigures f = tumble({.box = box, .edge = e, .speed = speed, .spin = 30 * speed, .seed = seed});
+          fmt::print("tumble {:4} e {:g} mm {:g} m/s | contact {:.2f} lag {:.2f} | inside {} not exact {} | depth {:.3f} e | queries {:.2f} iterations {:.1f} | "
+                     "{:.1f} {:.1f} {:.1f} us\n",
+                     box ? "box" : "ball", 1e3 * e, speed, f.contact_share, f.lag_share, f.inside, f.not_exact, f.depth_worst, f.queries_mean,
+                     f.iterations_mean, f.frame_us, f.frame_us_999, f.frame_us_worst);
+          std::fflush(stdout);
+        }
+  }
+  if (all || what == "edge") {
+    for (const double e : {0.002, 0.001})
+      for (const double depth : {0.003, 0.01}) {
+        const EdgeFigures f = over_edge(e, depth, 0.05, seed, 10);
+        fmt::print("edge e {:g} mm, {:g} mm deep | step {:.4f} N, {:.4f} of the force | mean {:.3f} N | energy {:+.3f} mJ\n", 1e3 * e, 1e3 * depth,
+                   f.step_worst, f.step_over_force, f.force_mean, 1e3 * f.energy);
+        std::fflush(stdout);
+      }
+  }
+  if (all || what == "stability") {
+    for (const double delay : {0.001, 0.002}) {
+      const double linear = largest_stable_stiffness({.scene = "linear", .delay_s = delay});
+      for (const char* scene : {"plane", "tilted"})
+        fmt::print("stability, force {:g} ms late: {} {:.0f} N/m, linear wall {:.0f} N/m\n", 1e3 * delay, scene,
+                   largest_stable_stiffness({.scene = scene, .delay_s = delay}), linear);
+    }
+  }
+  if (all || what == "torque") {
+    for (const double e : {0.002, 0.001}) {
+      const LeverFigures f = lever(e, seed);
+      fmt::print("lever e {:g} mm | torque off by {:.4f} | step {:.4f} of it\n", 1e3 * e, f.torque_error, f.step_over_torque);
+    }
+    for (const double clearance : {2e-4, 1e-4})
+      for (const double e : {0.0005, 0.001, 0.002})
+        for (const bool turned : {false, true}) {
+          const PegFigures f = peg(e, clearance, turned);
+          fmt::print("peg clearance {:g} mm e {:g} mm {:6} | {} {:.3f} mm short | drag {:.4f} N | torque off by {:.3f}\n", 1e3 * clearance, 1e3 * e,
+                     turned ? "turned" : "aside", f.entered ? "in," : "OUT,", 1e3 * f.short_m, f.drag_n, f.torque_error);
+        }
+  }
+}

@@ -1,0 +1,67 @@
+#include "rig.hpp"
+
+#include <cmath>
+
+#include "core/mesh/import.hpp"
+#include "tests/support/exact_shell.hpp"
+
+namespace voxtouch::virtual_tool {
+
+Rig::Rig(const TriangleMesh& of, double edge_m, const Pointshell& shell, double lever_m)
+    : mesh(of), ground(mesh, edge_m), query(ground.voxmap, shell),
+      tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = edge_m, .lever_m = lever_m}),
+      grounds{{&query, &ground.field, Vec3::Zero()}}, edge(edge_m) {}
+
+Pointshell shell_of(const TriangleMesh& mesh, double edge) { return test::exact_shell(mesh, edge); }
+Pointshell ball_shell(double edge, double radius_m) { return shell_of(test::sphere_mesh(radius_m, 4), edge); }
+
+Quat tilt() { return Quat(0.961463877, 0.169532022, 0.213151410, -0.037584345).normalized(); }
+
+TriangleMesh scene_mesh(const std::string& name) {
+  if (name == "plane") return test::box_mesh(Vec3(0.12, 0.12, 0.06), {Vec3(0, 0, -0.03), Quat::Identity()});
+  if (name == "tilted") return test::box_mesh(Vec3(0.12, 0.12, 0.06), {tilt() * Vec3(0, 0, -0.03), tilt()});
+  if (name.starts_with("plate:")) {
+    const bool askew = name.ends_with(":askew");
+    const double thick = std::stod(name.substr(6));
+    return test::box_mesh(Vec3(0.08, 0.08, thick), {Vec3(0.37e-3, 0.11e-3, 0.0), askew ? tilt() : Quat::Identity()});
+  }
+  return import_mesh(std::string(VOXTOUCH_DEPLOY "/meshes/") + name + ".obj").mesh;
+}
+
+double uniform(std::mt19937_64& random, double low, double high) {
+  return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
+}
+
+Vec3 random_direction(std::mt19937_64& random) {
+  for (;;) {
+    const Vec3 v(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+    if (v.norm() > 0.1 && v.norm() < 1.0) return v.normalized();
+  }
+}
+
+Place random_place(const std::string& scene, const TriangleMesh& mesh, std::mt19937_64& random) {
+  const auto on_face = [&](double top, const Quat& turn) -> Place {
+    return {turn * Vec3(uniform(random, -0.02, 0.02), uniform(random, -0.02, 0.02), top), turn * Vec3::UnitZ()};
+  };
+  if (scene == "plane") return on_face(0.0, Quat::Identity());
+  if (scene == "tilted") return on_face(0.0, tilt());
+  if (scene.starts_with("plate:"))
+    return on_face(0.5 * std::stod(scene.substr(6)), scene.ends_with(":askew") ? tilt() : Quat::Identity());
+  for (;;) {
+    std::vector<double> sums;
+    double sum = 0.0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      sums.push_back(sum += (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm());
+    const auto found = std::lower_bound(sums.begin(), sums.end(), uniform(random, 0.0, sum));
+    const auto t = static_cast<std::size_t>(found - sums.begin());
+    const double a = std::sqrt(uniform(random, 0, 1)), b = uniform(random, 0, 1);
+    Place place;
+    place.point = (1 - a) * mesh.corner(t, 0) + a * (1 - b) * mesh.corner(t, 1) + a * b * mesh.corner(t, 2);
+    place.normal = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).normalized();
+    // Round about its axis only: the ends are planes.
+    if (scene == "cylinder" && (std::abs(place.normal.y()) > 0.5 || std::abs(place.point.y()) > 0.07)) continue;
+    return place;
+  }
+}
+
+}  // namespace voxtouch::virtual_tool

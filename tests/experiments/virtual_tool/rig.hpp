@@ -1,0 +1,56 @@
+#pragma once
+/// Scenes with a virtual tool, and a hand that moves in them.
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/contact/virtual_tool.hpp"
+#include "core/mesh/triangle_mesh.hpp"
+#include "core/pointshell/pointshell.hpp"
+#include "tests/unit/contact/field_scenes.hpp"
+
+namespace voxtouch::virtual_tool {
+
+inline constexpr double kStiffness = 300.0;  ///< [N/m]
+inline constexpr double kPeriod = 1e-3;      ///< [s]
+inline constexpr double kBall = 0.01;        ///< [m], radius of the ball that is usual
+
+/// A static mesh and a tool in it. Stays where it is: the query points into it.
+struct Rig {
+  TriangleMesh mesh;
+  test::Ground ground;
+  ContactQuery query;
+  VirtualTool tool;
+  std::vector<ToolGround> grounds;
+  double edge;
+  Rig(const TriangleMesh& mesh, double edge, const Pointshell& shell, double lever_m = 0.0);
+  Rig(const Rig&) = delete;
+
+  VirtualToolFrame frame(const Pose& hand, double friction = 0.0) { return tool.frame({hand, kPeriod, friction}, grounds); }
+  VirtualToolFrame frame(const Vec3& hand, const Quat& turn = Quat::Identity(), double friction = 0.0) {
+    return frame(Pose{hand, turn}, friction);
+  }
+  /// Forgets the tool and places it anew, with the whole force. The caller sees to it that the pose is free.
+  bool place(const Pose& at) { return tool.place(at, grounds); }
+};
+
+Pointshell ball_shell(double edge, double radius_m = kBall);
+/// The shell of `mesh`, on a grid of `edge`.
+Pointshell shell_of(const TriangleMesh& mesh, double edge);
+
+/// "plane", "tilted", "cylinder", "cup", or "plate:<thickness in m>[:askew]".
+TriangleMesh scene_mesh(const std::string& name);
+/// Turn of what is tilted in `scene_mesh`.
+Quat tilt();
+
+double uniform(std::mt19937_64& random, double low, double high);
+Vec3 random_direction(std::mt19937_64& random);
+
+/// A point of the surface by area and its outward normal; of "plane", "tilted" and plates on the upper face, away from edges.
+struct Place {
+  Vec3 point, normal;
+};
+Place random_place(const std::string& scene, const TriangleMesh& mesh, std::mt19937_64& random);
+
+}  // namespace voxtouch::virtual_tool

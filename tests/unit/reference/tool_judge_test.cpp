@@ -1,0 +1,127 @@
+/// Each rule for a virtual tool, on both sides of its limit.
+#include "core/reference/tool_judgement.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace voxtouch {
+namespace {
+
+constexpr double kE = 0.002, kR = 0.01, kChord = 0.1 * kE, kGap = 1.2 * kE, kSag = kGap * kGap / (8.0 * kR);
+const JudgeSettings kSettings{kE, kChord, kGap, 0.0};
+const ToolSettings kTool{.reach_m = kR, .rubs = false};
+
+/// A ball over a level plane.
+GapResult gap_of(double gap_m, bool one_face = true) {
+  GapResult gap;
+  gap.gap_m = gap_m;
+  gap.direction = Vec3::UnitZ();
+  gap.sphere_radius_m = kR;
+  gap.unique_face = one_face, gap.depth_exact = gap.self_check = true;
+  gap.method = GapMethod::kClosedForm;
+  gap.self_error_m = 0;
+  return gap;
+}
+
+/// The hand that far below the virtual tool, which is `off_m` off the plane; the spring `degrees` askew.
+ReportedTool tool(double way_m, double degrees = 0.0) {
+  ReportedTool report;
+  const double angle = degrees * std::numbers::pi / 180.0;
+  const Vec3 up(std::sin(angle), 0.0, std::cos(angle));
+  report.tool.position = Vec3(0, 0, kR);
+  report.hand.position = report.tool.position - way_m * up;
+  report.wrench.force = 300.0 * way_m * up;
+  report.constrained = way_m > 0.0;
+  return report;
+}
+
+std::string said(const ReportedTool& report, double at_tool, double at_hand, const ToolSettings& settings = kTool, bool one_face = true) {
+  Judgement out;
+  return tool_breach(kSettings, settings, gap_of(at_tool, one_face), gap_of(at_hand), report, out);
+}
+bool finds(const std::string& sentence, const char* part) { return sentence.find(part) != std::string::npos; }
+
+TEST(ToolJudge, AgreesWithASpringThatPressesABallOnAPlane) {
+  EXPECT_EQ(said(tool(0.01), 0.0, -0.01), "");
+  EXPECT_EQ(said(tool(0.0), 0.02, 0.02), "") << "free";
+}
+
+TEST(ToolJudge, FindsForcesWithoutATool) {
+  ReportedTool report = tool(0.01);
+  report.unplaced = true;
+  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "without a virtual tool in its place"));
+  report.wrench = {};
+  EXPECT_EQ(said(report, 0.0, -0.01), "");
+  report = tool(0.01);
+  report.lag = true;
+  EXPECT_EQ(said(report, -0.005, -0.01), "") << "an object has moved through it";
+  report = tool(0.01);
+  report.constrained = false;
+  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "nothing constrains the virtual tool"));
+}
+
+TEST(ToolJudge, FindsAFreeToolThatIsNotTheHand) {
+  ReportedTool report = tool(0.0);
+  report.hand.position.x() += 1e-9;
+  EXPECT_TRUE(finds(said(report, 0.02, 0.02), "away from the hand"));
+}
+
+TEST(ToolJudge, FindsAForceThatIsNotTheSprings) {
+  ReportedTool report = tool(0.01);
+  report.wrench.force.x() = 1e-5 * report.wrench.force.z();
+  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "off the spring's way"));
+  report = tool(0.01);
+  report.wrench.force = -report.wrench.force;
+  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "off the spring's way"));
+}
+
+TEST(ToolJudge, FindsAToolInTheWallOrOffIt) {
+  const double deep = 0.1 * kE + kChord, off = 0.02 * kE + kSag + kChord;
+  EXPECT_EQ(said(tool(0.01), -0.99 * deep, -0.01), "");
+  EXPECT_TRUE(finds(said(tool(0.01), -1.01 * deep, -0.01), "is inside") || finds(said(tool(0.01), -1.01 * deep, -0.01), "mm inside"));
+  EXPECT_EQ(said(tool(0.01), 0.99 * off, -0.01), "");
+  EXPECT_TRUE(finds(said(tool(0.01), 1.01 * off, -0.01), "is 0.3"));
+  EXPECT_EQ(said(tool(0.01), 1.01 * off, -0.01, kTool, false), "") << "in a corner the distance is blunt";
+  EXPECT_NE(said(tool(0.01), 1.01 * (kE + kSag + kChord), -0.01, kTool, false), "");
+  ReportedTool on_its_way = tool(0.01);
+  on_its_way.residual_m = off;
+  EXPECT_EQ(said(on_its_way, 1.9 * off, -0.01), "");
+}
+
+TEST(ToolJudge, FindsAForceOverNothingAndNoForceInTheWall) {
+  const double slack = 0.2 * kE + kChord;
+  EXPECT_EQ(said(tool(0.001), 0.0, 0.001 + 0.99 * slack), "");
+  EXPECT_TRUE(finds(said(tool(0.001), 0.0, 0.001 + 1.01 * slack), "nothing lies between"));
+  EXPECT_EQ(said(tool(0.03), 0.0, 0.01), "") << "the hand is through a thin wall";
+  EXPECT_EQ(said(tool(0.0), -0.99 * (slack + kSag), -0.99 * (slack + kSag)), "");
+  EXPECT_TRUE(finds(said(tool(0.0), -0.01, -0.01), "no force, though"));
+}
+
+TEST(ToolJudge, FindsAPushAskewWhereThereIsOneFace) {
+  EXPECT_EQ(said(tool(0.01, 5.9), 0.0, -0.01), "");
+  EXPECT_TRUE(finds(said(tool(0.01, 6.1), 0.0, -0.01), "off the contact's normal"));
+  EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, {.reach_m = kR, .rubs = true}), "") << "friction may";
+  EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, kTool, false), "") << "at an edge there are two";
+}
+
+TEST(ToolJudge, DecidesEverySampleAndBlamesTheReferenceForItsOwnFaults) {
+  Judge judge(kSettings);
+  EXPECT_EQ(judge.judge(gap_of(0.0), gap_of(-0.01), kTool, tool(0.01)).verdict, Verdict::kAgree);
+  const Judgement wrong = judge.judge(gap_of(-0.002), gap_of(-0.01), kTool, tool(0.01));
+  EXPECT_EQ(wrong.verdict, Verdict::kDisagree);
+  EXPECT_EQ(wrong.cause, Cause::kRendering);
+  GapResult doubtful = gap_of(-0.002);
+  doubtful.self_check = false;
+  EXPECT_EQ(judge.judge(doubtful, gap_of(-0.01), kTool, tool(0.01)).cause, Cause::kReference);
+  ReportedTool none = tool(0.01);
+  none.wrench.force.x() = std::nan("");
+  EXPECT_EQ(judge.judge(gap_of(0.0), gap_of(-0.01), kTool, none).verdict, Verdict::kDisagree);
+  EXPECT_EQ(judge.counts().checked, 4u);
+  EXPECT_EQ(judge.counts().decided, 3u);
+  EXPECT_EQ(judge.counts().in_band, 0u);
+}
+
+}  // namespace
+}  // namespace voxtouch

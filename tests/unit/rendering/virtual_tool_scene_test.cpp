@@ -1,0 +1,248 @@
+// A scene with a virtual tool: what the hand gets, and when there is none.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "core/rendering/live_scene.hpp"
+#include "core/scene/scene_file.hpp"
+#include "tests/support/heap_count/heap_count.hpp"
+
+namespace voxtouch {
+namespace {
+
+constexpr double kSpring = 300.0;
+
+Scene scene_of(const std::string& effects = "[]", const std::string& statics = "[{mesh: plane.obj}]", const std::string& more = "") {
+  return parse_scene("scene: tool\nvoxel_size: 0.002\nstatic: " + statics +
+                         "\ndynamic: {mesh: sphere.obj, scale: 0.01}\ncontact: {rendering: virtual_tool}\ncoupling: {design: auto}\neffects: " +
+                         effects + "\n" + more,
+                     std::string(VOXTOUCH_DEPLOY) + "/meshes/test.yaml");
+}
+
+/// The tool's origin is at z; the block's top is z = 0 and its bottom z = -0.02, the ball's radius 10 mm.
+ToolState at(double z, double x = 0.003) {
+  ToolState tool;
+  tool.pose.position = Vec3(x, 0.002, z);
+  return tool;
+}
+
+/// A scene that renders a frame a millisecond.
+struct Rig {
+  explicit Rig(const Scene& scene) : built(build_scene(scene, serial_for())), live(*built) { live.aim_for_spring(kSpring); }
+  SceneFrame operator()(const ToolState& tool) { return live.render(tool, 1e-3 * n++); }
+  SceneFrame hold(const ToolState& tool, int frames) {
+    SceneFrame frame;
+    for (int i = 0; i < frames; ++i) frame = (*this)(tool);
+    return frame;
+  }
+  /// From above down to z, 50 mm/s, after the fade.
+  SceneFrame press(double z) {
+    SceneFrame frame = hold(at(0.012), 250);
+    for (double now = 0.012; now > z; now -= 5e-5) frame = (*this)(at(now));
+    return hold(at(z), 20);
+  }
+  std::unique_ptr<BuiltScene> built;
+  LiveScene live;
+  int n = 0;
+};
+
+TEST(VirtualToolScene, IsTheHandToTheBitWhereNothingIsTouched) {
+  Rig rig(scene_of());
+  for (int i = 0; i < 300; ++i) {
+    const ToolState hand = at(0.03 + 0.01 * std::sin(0.01 * i), 0.01 * std::cos(0.017 * i));
+    const SceneFrame frame = rig(hand);
+    ASSERT_EQ(frame.object.position, hand.pose.position);
+    ASSERT_TRUE(frame.wrench.zero());
+    ASSERT_FALSE(frame.tool.constrained || frame.tool.unplaced || frame.tool.lag);
+    ASSERT_EQ(frame.stiffness_bound_n_per_m, 0.0);
+  }
+}
+
+TEST(VirtualToolScene, GivesTheSpringTimesTheHandsWayAtEveryDepthAndRisesAllTheWay) {
+  Rig rig(scene_of());
+  rig.press(0.0095);
+  double last = 0.0;
+  for (double depth = 0.001; depth <= 0.04; depth += 0.001) {
+    for (int i = 1; i <= 20; ++i) rig(at(0.01 - depth + 1e-3 - 5e-5 * i));
+    const SceneFrame frame = rig.hold(at(0.01 - depth), 20);
+    const double force = frame.wrench.force.z();
+    ASSERT_TRUE(frame.tool.constrained);
+    EXPECT_NEAR(force, kSpring * depth, 0.07) << depth << ": what the shell's points lack of a ball";
+    EXPECT_GT(force, last);
+    EXPECT_LT(frame.wrench.force.head<2>().norm(), 1e-3 * force);
+    EXPECT_NEAR(frame.object.position.z(), 0.01, 3e-4) << "outside";
+    EXPECT_EQ(frame.stiffness_bound_n_per_m, kSpring);
+    const double most = Eigen::SelfAdjointEigenSolver<Mat3>(frame.stiffness.topLeftCorner<3, 3>()).eigenvalues()[2];
+    EXPECT_LE(most, kSpring);
+    EXPECT_GE(most, 0.99 * kSpring);
+    last = force;
+  }
+}
+
+TEST(VirtualToolScene, GivesNoForceBeforeTheHandHasBeenOutsideAndThenFadesIn) {
+  Rig rig(scene_of());
+  const SceneFrame inside = rig.hold(at(-0.01), 50);
+  EXPECT_TRUE(inside.tool.unplaced);
+  EXPECT_TRUE(inside.wrench.zero());
+  EXPECT_EQ(inside.stiffness_bound_n_per_m, 0.0);
+  double largest_step = 0.0, last = 0.0;
+  for (double z = -0.01; z < 0.013; z += 1e-4) {
+    const double force = rig(at(z)).wrench.force.norm();
+    largest_step = std::max(largest_step, std::abs(force - last)), last = force;
+  }
+  EXPECT_EQ(last, 0.0);
+  EXPECT_LT(largest_step, 0.05);
+  EXPECT_GT(rig.press(0.005).wrench.force.z(), 1.3);
+}
+
+TEST(VirtualToolScene, IsPlacedAnewAfterTheClutchALossAJumpAndASession) {
+  const auto pressed = [](Rig& rig) { ASSERT_GT(rig.press(0.0).wrench.force.z(), 2.8); };
+  Rig clutch(scene_of()), loss(scene_of()), jump(scene_of()), session(scene_of());
+  for (Rig* rig : {&clutch, &loss, &jump, &session}) pressed(*rig);
+  ToolState held = at(0.0);
+  held.clutched = true;
+  EXPECT_TRUE(clutch(held).wrench.zero());
+  EXPECT_TRUE(clutch(at(0.0)).tool.unplaced);
+  loss.live.lose_tool();
+  EXPECT_TRUE(loss(at(0.0)).wrench.zero());
+  EXPECT_TRUE(jump(at(-0.005, 0.05)).wrench.zero()) << "50 m/s";
+  session.live.reset();
+  EXPECT_TRUE(session(at(0.0)).tool.unplaced);
+}
+
+TEST(VirtualToolScene, LeavesTheToolWhereItIsForAPoseThatIsNone) {
+  Rig rig(scene_of());
+  const double before = rig.press(0.0).wrench.force.z();
+  ToolState none = at(0.0);
+  none.pose.position.x() = std::nan("");
+  const SceneFrame frame = rig(none);
+  EXPECT_TRUE(frame.wrench.zero());
+  EXPECT_TRUE(frame.wrench.finite() && frame.stiffness.allFinite());
+  EXPECT_TRUE(frame.tool.unplaced);
+  EXPECT_NEAR(rig(at(0.0)).wrench.force.z(), before, 1e-6);
+}
+
+TEST(VirtualToolScene, ChangesItsSpringOnARampAndTellsWhatThatGave) {
+  Rig rig(scene_of());
+  SceneFrame frame = rig.press(0.0);
+  const double supplied = frame.supplied_energy_j;
+  rig.live.aim_for_spring(2.0 * kSpring);
+  double last = frame.wrench.force.z(), largest_step = 0.0;
+  for (int i = 0; i < 250; ++i) {
+    frame = rig(at(0.0));
+    largest_step = std::max(largest_step, std::abs(frame.wrench.force.z() - last)), last = frame.wrench.force.z();
+  }
+  EXPECT_NEAR(last, 2.0 * kSpring * 0.01, 0.1);
+  EXPECT_LT(largest_step, 0.02);
+  EXPECT_NEAR(frame.supplied_energy_j - supplied, 0.5 * kSpring * 1e-4, 1e-3);
+  rig.live.aim_for_spring(std::nan(""));
+  EXPECT_LT(rig.hold(at(0.0), 250).wrench.force.z(), 1e-9) << "no number is no spring";
+  rig.live.aim_for_spring(kSpring);
+  EXPECT_GT(rig.hold(at(0.0), 250).wrench.force.z(), 2.9) << "and not for ever";
+}
+
+TEST(VirtualToolScene, KeepsTheToolWhenASceneThatWasBuiltAnewTakesItsPlace) {
+  Rig rig(scene_of());
+  const double before = rig.press(0.0).wrench.force.z();
+  Scene finer = scene_of();
+  finer.voxel_size_m = 0.001;
+  const auto next = build_scene(finer, serial_for());
+  rig.live.swap_to(*next);
+  for (int i = 0; i < 300; ++i) EXPECT_NEAR(rig(at(0.0)).wrench.force.z(), before, 0.1) << i;
+  EXPECT_EQ(rig.live.retired(), rig.built.get());
+}
+
+TEST(VirtualToolScene, DropsTheToolWhereTheNewSceneHasAWallThere) {
+  Rig rig(scene_of());
+  rig.press(0.0);
+  const auto next = build_scene(scene_of("[]", "[{mesh: plane.obj, position: [0, 0, 0.012]}]"), serial_for());
+  rig.live.swap_to(*next);
+  const SceneFrame frame = rig.hold(at(0.0), 300);
+  EXPECT_TRUE(frame.wrench.zero());
+  EXPECT_TRUE(frame.tool.unplaced);
+}
+
+TEST(VirtualToolScene, IsPushedByWhatMovesWhichTellsItsWork) {
+  Rig rig(scene_of("[]", "[{mesh: plane.obj, object: {name: lift, moves: {path: [[0, 0, -0.02], [0, 0, 0.02]], speed_m_per_s: 0.02}}}]"));
+  SceneFrame frame;
+  double work = 0.0, last_z = 0.0;
+  for (int i = 0; i < 5000; ++i) {
+    frame = rig(at(0.01));
+    work += frame.wrench.force.z() * (i == 0 ? 0.0 : frame.object.position.z() - last_z);
+    last_z = frame.object.position.z();
+  }
+  EXPECT_NEAR(frame.wrench.force.z(), kSpring * 0.02, 0.1);
+  EXPECT_GT(work, 0.04);
+  EXPECT_NEAR(frame.supplied_energy_j, work, 0.05 * work);
+  EXPECT_LT(frame.tool.queries, 9u);
+}
+
+TEST(VirtualToolScene, PutsEffectsOfSpaceAtTheHandAndThoseOfTheSurfaceAtTheTool) {
+  Rig magnet(scene_of("[{guide_plane: {point: [0, 0, 0], normal: [0, 0, 1], stiffness_n_per_m: 100, limit_n: 5}}]"));
+  const SceneFrame drawn = magnet.press(0.0);
+  Rig none(scene_of());
+  const SceneFrame bare = none.press(0.0);
+  EXPECT_NEAR(drawn.effects.wrench.force.norm(), 0.0, 1e-6) << "the hand is in the plane; the tool is 10 mm above it";
+  EXPECT_NEAR((drawn.touch.contact.wrench.force - bare.touch.contact.wrench.force).norm(), 0.0, 1e-9);
+
+  Rig oil(scene_of("[{surface_damping: {damping_ns_per_m: 2}}]"));
+  oil.press(0.0);
+  SceneFrame frame;
+  for (int i = 0; i < 200; ++i) frame = oil(at(0.0, 0.003 + 5e-5 * i));
+  EXPECT_NEAR(frame.effects.wrench.force.x(), -2.0 * 0.05, 0.02) << "50 mm/s of the tool";
+}
+
+TEST(VirtualToolScene, RubsByTheEffectOfThatName) {
+  Rig rig(scene_of("[{friction: {coulomb: 0.4}}]"));
+  rig.press(0.0);
+  SceneFrame frame;
+  for (int i = 0; i < 600; ++i) frame = rig(at(0.0, 0.003 + 5e-5 * i));
+  EXPECT_NEAR(-frame.wrench.force.x() / frame.wrench.force.z(), 0.4, 0.01);
+  EXPECT_TRUE(frame.effects.wrench.zero()) << "not twice";
+}
+
+TEST(VirtualToolScene, AsksNoMemoryInAFrame) {
+  if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitizer owns malloc";
+  Rig rig(scene_of("[{friction: {coulomb: 0.4}}, {texture: {pattern: noise, wavelength_m: 0.006, force_n: 0.1, full_force_n: 0.3, reach_m: 0.02}}]"));
+  rig.press(0.0);
+  EXPECT_EQ(test::heap_count_of([&] {
+              for (int i = 0; i < 200; ++i) rig(at(0.0, 0.003 + 5e-5 * i));
+              rig.live.lose_tool();
+              rig.live.aim_for_spring(100.0);
+              rig(at(0.0));
+              rig(at(0.03));
+            }),
+            0);
+}
+
+/// A plate of 60 mm whose top is z = 0, as a file.
+std::string plate(double thick) {
+  const std::string file = std::filesystem::temp_directory_path() / ("voxtouch_plate_" + std::to_string(thick) + ".obj");
+  std::ofstream out(file);
+  for (int k = 0; k < 8; ++k)
+    out << "v " << (k & 1 ? 0.03 : -0.03) << " " << (k & 2 ? 0.03 : -0.03) << " " << (k & 4 ? 0.0 : -thick) << "\n";
+  out << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+  return file;
+}
+
+void holds_plate(double thick) {
+  SCOPED_TRACE(thick);
+  Rig rig(scene_of("[]", "[{mesh: " + plate(thick) + "}]"));
+  ToolState hand = at(0.012, 0.0);
+  hand.pose.position.y() = 0.0;
+  rig.hold(hand, 250);
+  SceneFrame frame;
+  for (double z = 0.012; z > -0.02; z -= 1e-4) hand.pose.position.z() = z, frame = rig(hand);
+  EXPECT_GT(frame.wrench.force.z(), 0.95 * kSpring * 0.03) << "the hand is through; the tool at " << frame.object.position.transpose();
+}
+
+TEST(VirtualToolScene, HoldsPlatesOfAVoxelAndLess) {
+  for (const double thick : {0.0005, 0.002, 0.003}) holds_plate(thick);
+}
+
+}  // namespace
+}  // namespace voxtouch
