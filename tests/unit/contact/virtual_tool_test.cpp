@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
+#include <ostream>
 
 #include "tests/experiments/virtual_tool/trials.hpp"
 #include "tests/support/seed.hpp"
@@ -23,6 +24,7 @@ struct PressCase {
   bool turned;
   double direction_95, size;  ///< [degrees]; |F| over the truth's, less one
 };
+void PrintTo(const PressCase& c, std::ostream* out) { *out << c.scene << (c.turned ? ", turned" : ""); }
 class Press : public ::testing::TestWithParam<PressCase> {};
 
 /// The shell lacks s^2 / 8R between its points: 1.2 % of 10 mm at e = 2 mm.
