@@ -33,7 +33,7 @@ struct PushCase {
   std::uint64_t seed;
 };
 
-class DeepPush : public testing::TestWithParam<PushCase> {};
+class DeepPush : public ::testing::TestWithParam<PushCase> {};
 
 TEST_P(DeepPush, NeverLosesForceOnTheWayInAndReturnsToZeroWhenOut) {
   const PushCase& c = GetParam();
@@ -77,7 +77,7 @@ TEST_P(DeepPush, NeverLosesForceOnTheWayInAndReturnsToZeroWhenOut) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pushes, DeepPush,
-                         testing::Values(PushCase{12, 10, 0.05, ContactModelKind::kAdapted, 1},
+                         ::testing::Values(PushCase{12, 10, 0.05, ContactModelKind::kAdapted, 1},
                                          PushCase{12, 10, 0.05, ContactModelKind::kOriginal, 1},
                                          PushCase{12, 10, 0.31, ContactModelKind::kAdapted, 2},
                                          PushCase{12, 10, 0.013, ContactModelKind::kAdapted, 3},

@@ -16,7 +16,7 @@ struct Case {
 
 constexpr double kTolerance = 1e-7;  // FORMAT.md, double code
 
-class Vectors : public testing::TestWithParam<Case> {};
+class Vectors : public ::testing::TestWithParam<Case> {};
 
 double worst(const Wrench& a, const Wrench& b) {
   return std::max((a.force - b.force).cwiseAbs().maxCoeff(), (a.torque - b.torque).cwiseAbs().maxCoeff());
@@ -78,7 +78,7 @@ TEST_P(Vectors, GiveTheSameHitsAndForcesWhenTheShellIsPermuted) {
 }
 
 INSTANTIATE_TEST_SUITE_P(PoseFiles, Vectors,
-                         testing::Values(Case{"aligned_box", "aligned_box", "exact"}, Case{"degenerate_tris", "lshape", "exact"},
+                         ::testing::Values(Case{"aligned_box", "aligned_box", "exact"}, Case{"degenerate_tris", "lshape", "exact"},
                                          Case{"sphere", "cylinder", "exact"}, Case{"sphere", "slab_tilted", "exact"},
                                          Case{"sphere", "slab_tilted", "naive"}),
                          [](const auto& test) { return test.param.dynamic + "_on_" + test.param.fixed + "_" + test.param.shell; });

@@ -7,7 +7,7 @@
 #include "core/scene/scene_file.hpp"
 
 namespace voxtouch {
-namespace {
+namespace spring_test {
 
 constexpr double kLever = 0.01;
 
@@ -175,5 +175,5 @@ TEST(SceneOnDevice, JudgesASceneWithAVirtualToolByTheSameCode) {
   EXPECT_EQ(on.refusal(), fit(now, light).refusal);
 }
 
-}  // namespace
+}  // namespace spring_test
 }  // namespace voxtouch

@@ -7,7 +7,7 @@
 #include <numbers>
 
 namespace voxtouch {
-namespace {
+namespace tool_judge_test {
 
 constexpr double kE = 0.002, kR = 0.01, kChord = 0.1 * kE, kGap = 1.2 * kE, kSag = kGap * kGap / (8.0 * kR);
 const JudgeSettings kSettings{kE, kChord, kGap, 0.0};
@@ -123,5 +123,5 @@ TEST(ToolJudge, DecidesEverySampleAndBlamesTheReferenceForItsOwnFaults) {
   EXPECT_EQ(judge.counts().in_band, 0u);
 }
 
-}  // namespace
+}  // namespace tool_judge_test
 }  // namespace voxtouch
