@@ -72,6 +72,7 @@ class SceneRenderer {
     RigidBody body;
     std::size_t effect = 0;  ///< place in the chain
   };
+  SceneFrame render_pushed(const ToolState& tool, double time_s) noexcept;
   SceneFrame render_constrained(const ToolState& tool, double time_s) noexcept;
   void add_effects_at_both(const ToolState& hand, double time_s, double dt_s, SceneFrame& frame) noexcept;
   void add(const EffectPush& effects, SceneFrame& frame) noexcept;
