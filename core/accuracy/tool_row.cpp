@@ -19,17 +19,19 @@ double radius_of(const Scene& scene) {
   return ball->radius_m;
 }
 
-/// Goes in from the touch by an eighth of a voxel a frame, and rests.
+/// Goes in by an eighth of a voxel a frame, and rests. It begins a voxel before the touch: a virtual tool is placed where nothing touches,
+/// and at a rim the touch itself may count as inside.
 class Press {
  public:
-  Press(SceneRenderer& renderer, double edge_m) : renderer_(renderer), step_m_(edge_m / 8.0) { renderer_.aim_for_spring(1.0); }
+  Press(SceneRenderer& renderer, double edge_m) : renderer_(renderer), edge_m_(edge_m), step_m_(edge_m / 8.0) { renderer_.aim_for_spring(1.0); }
 
   SceneFrame into(const ContactPlace& place, double depth_m) {
     constexpr int kFadeFrames = 5, kRestFrames = 100;
+    const double start_m = -kStartEdges * edge_m_;
     renderer_.reset();
     time_s_ = 0.0;
-    for (int n = 0; n < kFadeFrames; ++n) at(place.at(0.0), SceneRenderer::kLongestStepS);
-    for (double depth = step_m_; depth < depth_m; depth += step_m_) at(place.at(depth), SceneRenderer::kDefaultStepS);
+    for (int n = 0; n < kFadeFrames; ++n) at(place.at(start_m), SceneRenderer::kLongestStepS);
+    for (double depth = start_m + step_m_; depth < depth_m; depth += step_m_) at(place.at(depth), SceneRenderer::kDefaultStepS);
     SceneFrame frame;
     for (int n = 0; n < kRestFrames; ++n) frame = at(place.at(depth_m), SceneRenderer::kDefaultStepS);
     return frame;
@@ -41,8 +43,10 @@ class Press {
   }
 
  private:
+  static constexpr double kStartEdges = 1.0;
+
   SceneRenderer& renderer_;
-  double step_m_, time_s_ = 0.0;
+  double edge_m_, step_m_, time_s_ = 0.0;
 };
 
 }  // namespace
