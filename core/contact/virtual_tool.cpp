@@ -201,6 +201,7 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
   const double rest = contact_limits::kRestEdges * options_.edge_m, pull = contact_limits::kPullEdges * options_.edge_m;
   double way_left_m = reach.tool_m;
   Kept best;
+  blocked_ = false;
   int worse = 0;
   for (int queries = 0;; ++queries) {
     const Vec6 spring = spring_to(hand);
@@ -221,6 +222,7 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
       worse = 0;
     } else if (done || worse >= contact_limits::kMaxWorse) {
       go_back_to(best, out);
+      blocked_ = true;
       return balance(hand, friction, out);
     }
     if (done) return pulled ? step : balance(hand, friction, out);
@@ -256,7 +258,11 @@ void VirtualTool::tell(const EquilibriumStep& step, VirtualToolFrame& out) noexc
   out.turn = turn_ = spring.tail<3>() / options_.lever_m;
   out.worst_depth_m = worst_depth_m_;
   out.saturated = step.pushed && spring.norm() > contact_limits::kPullEdges * options_.edge_m;
-  if (step.pushed) out.shown = Mat6::Identity() - step.loose * step.hessian.inverse() * step.loose;
+  if (step.pushed) {
+    out.shown = Mat6::Identity() - step.loose * step.hessian.inverse() * step.loose;
+  } else if (blocked_) {
+    out.shown.setIdentity();  // no row tells which way it gives: as if none
+  }
   double most = 0.0;
   for (const ConstraintRow& row : rows_) {
     const double push = contact_limits::kRowStiffness * depth_after(row, step.delta);
@@ -305,7 +311,8 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const To
   const EquilibriumStep step = follow(hand, std::max(0.0, sample.friction), grounds, reach, out);
   tell(step, out);
   const bool free = same(tool_, hand);
-  out.lag = !free && !step.pushed && !pressed_;
+  // Short of a face, where no point is in its voxels any more, no row pushes; but the way on was tried, and led into the wall.
+  out.lag = !free && !step.pushed && !pressed_ && !blocked_;
   out.constrained = !free && !out.lag;
   pressed_ = out.constrained;
   if (!out.lag) out.share = options_.fade_s > 0.0 ? std::min(1.0, placed_s_ / options_.fade_s) : 1.0;

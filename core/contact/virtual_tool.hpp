@@ -138,6 +138,7 @@ class VirtualTool {
   double placed_s_ = 0.0;
   bool placed_ = false, rows_known_ = false;
   bool pressed_ = false;           ///< the last frame gave a force
+  bool blocked_ = false;  ///< the last frame went back to a better pose than the way on led to
 };
 
 }  // namespace voxtouch
