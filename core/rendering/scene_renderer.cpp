@@ -18,11 +18,6 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> ef
   if (surroundings.virtual_tool_lever_m) constrained_.emplace(contact, *surroundings.virtual_tool_lever_m);
 }
 
-/// Two functions, so that each builds its frame in place: one with two ways out would copy it.
-SceneFrame SceneRenderer::render(const ToolState& tool, double time_s) noexcept {
-  return constrained_ ? render_constrained(tool, time_s) : render_pushed(tool, time_s);
-}
-
 /// The contact pushes the tool where the hand has it.
 SceneFrame SceneRenderer::render_pushed(const ToolState& tool, double time_s) noexcept {
   SceneFrame frame;

@@ -46,7 +46,10 @@ class SceneRenderer {
   SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> effects, const SceneSurroundings& surroundings = {});
 
   /// `time_s` counts from the session's begin. A pose that cannot be looked up gives no force from anything. Real-time safe.
-  SceneFrame render(const ToolState& tool, double time_s) noexcept;
+  SceneFrame render(const ToolState& tool, double time_s) noexcept {
+    // Two functions, so that each builds its frame in place: one with two ways out would copy it.
+    return constrained_ ? render_constrained(tool, time_s) : render_pushed(tool, time_s);
+  }
   /// Forgets all samples so far.
   void reset() noexcept;
   /// A virtual tool is placed anew: where samples were missing for longer than the last one is held. Real-time safe.

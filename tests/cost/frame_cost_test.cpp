@@ -15,7 +15,7 @@ constexpr double kShare = 0.005;
 /// Building frame and sum of the effects, which neither the contact nor a single effect has.
 constexpr double kGlue = 400.0;
 /// Asking whether there is any effect, and whether a virtual tool, where a frame out of contact is 1,800 instructions.
-constexpr double kAsking = 30.0;
+constexpr double kAsking = 20.0;
 const std::filesystem::path kScenes = std::string(VOXTOUCH_DEPLOY) + "/scenes";
 
 class FrameCostTest : public testing::Test {
