@@ -120,6 +120,10 @@ class PageServer::Impl {
     info.user = this;
     info.keepalive_timeout = 30;
     lws_vhost* vhost = lws_create_vhost(context_, &info);
+    if (!vhost && !options.port_is_wished && info.port != 0) {  // another took it between our look and our claim
+      info.port = 0;
+      vhost = lws_create_vhost(context_, &info);
+    }
     if (!vhost) {
       lws_context_destroy(context_);
       throw std::runtime_error(fmt::format("{}:{} cannot be listened on", access_.address, access_.port));
