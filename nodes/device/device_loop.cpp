@@ -202,6 +202,7 @@ void DeviceLoop::note(const Wrench& force) noexcept {
   if (magnitude > progress_.max_force_n.load(kRelaxed)) progress_.max_force_n.store(magnitude, kRelaxed);
   const GuardCounts& counts = guard_.counts();
   progress_.refused.store(counts.refused(), kRelaxed);
+  progress_.refused_late.store(counts.refused_stale, kRelaxed);
   progress_.clamped.store(counts.clamped(), kRelaxed);
   progress_.faded.store(counts.faded, kRelaxed);
 }

@@ -35,7 +35,7 @@ enum class End : std::uint32_t {
 
 /// What other threads may read while the loop runs.
 struct Progress {
-  std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, clamped{0}, faded{0};
+  std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, refused_late{0}, clamped{0}, faded{0};
   /// Times that a device which had taken force gave no samples or took none any more, without ending the session. However long it
   /// lasts it is one; waiting at the start, until the device is ready, is none.
   std::atomic<std::uint64_t> interruptions{0};

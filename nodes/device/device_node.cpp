@@ -310,6 +310,7 @@ class DeviceNode {
         {"max_force_n", {progress_.max_force_n.load(), "N"}},
         {"force_n", {progress_.force_n.load(), "N"}},
         {"refused", {progress_.refused.load() + coupling_->refused(), "commands"}},
+        {"refused_late", {progress_.refused_late.load(), "commands"}},
         {"clamped", {progress_.clamped.load(), "commands"}},
         {"interruptions", {progress_.interruptions.load(), "times"}},
         {"zero_force_samples", {progress_.zero_force_samples.load(), "samples"}},

@@ -124,6 +124,7 @@ TEST_P(StoppedForAWhile, BreaksTheLimitThatIsThereForIt) {
   ASSERT_TRUE(summary.is_object()) << end.out << end.err;
   EXPECT_EQ(summary["ok"], false);
   EXPECT_EQ(summary["limits"][limit]["met"], false) << summary["limits"].dump();
+  EXPECT_EQ(summary["guard"]["refused"], summary["guard"]["refused_late"]) << "nobody else sent a command";
 }
 
 INSTANTIATE_TEST_SUITE_P(RealTime, StoppedForAWhile,

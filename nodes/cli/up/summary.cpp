@@ -83,7 +83,9 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["interruptions"] = count(r, "device", "interruptions");
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);
-  j["guard"] = {{"refused", count(r, "device", "refused")}, {"clamped", count(r, "device", "clamped")}};
+  j["guard"] = {{"refused", count(r, "device", "refused")},
+                {"refused_late", count(r, "device", "refused_late")},
+                {"clamped", count(r, "device", "clamped")}};
   nlohmann::ordered_json validator;
   for (const char* key : {"checked", "decided", "agree", "in_band", "disagree"})
     validator[key] = count(r, "validator", key);
@@ -113,7 +115,7 @@ std::string figures(const RunSummary& s) {
       "  contact     {} samples with force, {} held, {} faster than half a voxel a sample\n"
       "  coupling    {}, {}: {:.4g} N/m of certified stiffness, margin {:.3g}; capped in {} samples, passivity "
       "controller in {}\n"
-      "  guard       {} commands refused, {} clamped\n"
+      "  guard       {} commands refused, {} of them as too late, {} clamped\n"
       "  validator   {} checked: {} decided, {} agree, {} in band, {} disagree\n",
       count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
       number(r, "device", "max_force_n"), count(r, "device", "answered"), number(r, "device", "latency_p50_us"),
@@ -122,9 +124,9 @@ std::string figures(const RunSummary& s) {
       count(r, "rendering", "held_samples"), count(r, "rendering", "fast_samples"), word(r, "coupling", "design_kind"),
       word(r, "coupling", "design_status"), number(r, "coupling", "design_shown_n_per_m"),
       number(r, "coupling", "design_gain_margin"), count(r, "coupling", "capped_samples"),
-      count(r, "coupling", "passivity_samples"), count(r, "device", "refused"), count(r, "device", "clamped"),
-      count(r, "validator", "checked"), count(r, "validator", "decided"), count(r, "validator", "agree"),
-      count(r, "validator", "in_band"), count(r, "validator", "disagree"));
+      count(r, "coupling", "passivity_samples"), count(r, "device", "refused"), count(r, "device", "refused_late"),
+      count(r, "device", "clamped"), count(r, "validator", "checked"), count(r, "validator", "decided"),
+      count(r, "validator", "agree"), count(r, "validator", "in_band"), count(r, "validator", "disagree"));
   if (has_virtual_tool(s))
     text += fmt::format("  virtual     {:.4g} N/m of spring; at most {:.3g} mm in a wall and {:.3g} mm from rest; {} samples took all queries, {} lagged, "
                         "{} without a place\n",
