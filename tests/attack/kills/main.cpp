@@ -26,11 +26,11 @@ struct Options {
 struct Row {
   std::vector<double> zero_ms, zero_wall_ms;
   double machine_ms = 0.0, gap_ms = 0.0, bag_lost_s = 0.0;
-  int played = 0, bad = 0;
+  int played = 0, stalled = 0, bad = 0;
 };
 
 void add(Row& row, const RoundResult& r) {
-  row.played += r.played, row.bad += !r.faults.empty();
+  row.played += r.played, row.stalled += r.stalled, row.bad += !r.faults.empty();
   if (r.zero_ms) row.zero_ms.push_back(*r.zero_ms), row.zero_wall_ms.push_back(*r.zero_wall_ms);
   row.machine_ms = std::max(row.machine_ms, r.machine_ms), row.gap_ms = std::max(row.gap_ms, r.gap_ms);
   row.bag_lost_s = std::max(row.bag_lost_s, r.bag_lost_s.value_or(0.0));
@@ -45,7 +45,9 @@ std::string span(std::vector<double> values) {
 int run(int argc, char** argv) {
   Options o;
   CLI::App app("Kills and stops each process of the ring while the hand feels a contact.");
-  app.add_option("--victim", o.victims, "which")->check(CLI::IsMember(o.victims));
+  std::vector<std::string> known = o.victims;
+  known.push_back("nobody");
+  app.add_option("--victim", o.victims, "which; nobody: what the machine itself does meanwhile, with --how stop")->check(CLI::IsMember(known));
   app.add_option("--how", o.how, "kill (SIGKILL), stop (SIGSTOP, and on after 0.7 s)")->check(CLI::IsMember(o.how));
   app.add_option("--times", o.times, "each (100: about two hours for all)")->capture_default_str();
   app.add_option("--seed", o.seed, "of the moments")->capture_default_str();
@@ -76,12 +78,15 @@ int run(int argc, char** argv) {
         if (o.each && r.zero_ms)
           fmt::print("{} {}: zero after {:.1f} ms of samples, {:.1f} ms here; machine {:.1f} ms, gap {:.1f} ms\n", victim, how, *r.zero_ms,
                      *r.zero_wall_ms, r.machine_ms, r.gap_ms);
+        if (r.stalled)
+          fmt::print("{} {}, round {}: the machine kept a thread waiting for {:.1f} ms, and {} samples were without force\n", victim, how, n,
+                     r.machine_ms, r.unforced);
         for (const std::string& fault : r.faults) fmt::print("FAULT: {} {}, round {}: {}\n", victim, how, n, fault);
         std::fflush(stdout);
       }
       bad += row.bad;
-      fmt::print("figure: {} {}: {} rounds, zero after {} ms of samples, machine {:.1f} ms, bag loses {:.2f} s, {} bad\n", victim, how, row.played,
-                 span(row.zero_ms), row.machine_ms, row.bag_lost_s, row.bad);
+      fmt::print("figure: {} {}: {} rounds, zero after {} ms of samples, machine {:.1f} ms, bag loses {:.2f} s, {} lost force to the machine, {} bad\n",
+                 victim, how, row.played, span(row.zero_ms), row.machine_ms, row.bag_lost_s, row.stalled, row.bad);
       table += fmt::format("{:10} {:5} {:7} {:>25} {:>25} {:12.1f} {:10.1f} {:9.2f} {:5}\n", victim, how, row.played, span(row.zero_ms),
                            span(row.zero_wall_ms), row.machine_ms, row.gap_ms, row.bag_lost_s, row.bad);
     }

@@ -8,7 +8,7 @@
 namespace voxtouch::attack {
 
 struct RoundOptions {
-  std::string victim = "rendering";  ///< device, rendering, coupling, logger, validator or up
+  std::string victim = "rendering";  ///< device, rendering, coupling, logger, validator, up; or nobody, to compare with
   int signal = 9;                    ///< SIGKILL or SIGSTOP
   std::uint32_t domain = 0;
   std::string rig = "haptic";
@@ -23,6 +23,8 @@ struct RoundResult {
   double machine_ms = 0.0;                ///< the longest time in this span that the machine kept another thread waiting
   double gap_ms = 0.0;                    ///< the longest time in this span without a sample of the device
   std::optional<double> bag_lost_s;       ///< of the device's samples that were seen, how much is missing at the bag's end
+  int unforced = 0;                       ///< samples without force while what only listens stood still
+  bool stalled = false;                   ///< the machine kept threads waiting for so long just then that force had to fade
   int status = 0;                         ///< of `up`
   std::vector<std::string> faults;        ///< what did not hold, a sentence each
 };

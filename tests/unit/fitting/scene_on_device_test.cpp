@@ -149,6 +149,20 @@ TEST(SceneOnDevice, JudgesDampingOnTheCouplingThatRunsAndOnTheOneThatFollows) {
   EXPECT_NE(why.find("on the way"), std::string::npos) << "the one that runs still lags more: " << why;
 }
 
+/// Damping that goes down is felt until it is down; the coupling that follows may be there before.
+TEST(SceneOnDevice, JudgesTheWayOnTheCouplingThatFollows) {
+  StiffnessBounds soft = kContact;
+  soft.translation = {0.3, 30.0};
+  const Scene scene = scene_with({oil(0.95 * most_damping(stylus()))}), thin = scene_with({oil(0.1)});
+  SceneOnDevice on = running(scene, stylus());
+  ASSERT_EQ(on.refusal(), "");
+  ASSERT_EQ(on.why_not(thin, kContact, at_rest(thin.effects)), "") << "with the lag as it is";
+  const std::string why = on.why_not(thin, soft, at_rest(thin.effects));
+  EXPECT_NE(why.find("on the way"), std::string::npos) << "the one that follows lags more: " << why;
+  on.runs(thin, kContact, demand_of(thin));
+  EXPECT_EQ(on.why_not(thin, soft, at_rest(thin.effects)), "") << "once it has settled";
+}
+
 TEST(SceneOnDevice, RefusesAnEffectThatGivesTorqueWhereTheDeviceGivesNone) {
   const Scene now = scene_with({oil(0.5)}), next = scene_with({oil(0.5, 0.01)});
   SceneOnDevice on = running(now, stylus());

@@ -602,51 +602,159 @@ TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
   EXPECT_TRUE(wait_until([&] { return last == 5; })) << "the last one counts";
 }
 
+/// The update server of plane.yaml with one effect, a device and a loop that takes what is handed over.
+class UpdateServer {
+ public:
+  UpdateServer(EffectSpec effect, const DeviceModel& device)
+      : name_(effect.name), scene_(plane_with(std::move(effect))), built_(build_scene(scene_, serial_for())), live_(*built_),
+        of_contact(built_->plan().of_contact_alone.translation.all_points), rig_(own_rig("d")), options_(node_options<rendering::Options>(rig_)),
+        participant_({kDomain, "lo", "update server"}), plans_(participant_, qos::kScenePlan, rig_, latched()), asker_(participant_, rig_),
+        server_(participant_, options_, scene_, std::move(built_), line_, [](const Scene&) {}, [this](std::uint64_t session) { begun_ = session; }) {
+    EXPECT_TRUE(asker_.ready());
+    EXPECT_TRUE(asker_.send_until_heard(change(99), 1'000'000));
+    line_.begin_session(3);
+    server_.device_is(std::make_unique<rendering::DescribedDevice>(rendering::DescribedDevice{3, device}));
+    EXPECT_TRUE(wait_until([&] { return begun_ == 3 && (loop(), !plans.empty()); }));
+  }
+  /// One sample, as the loop takes it, and the plans that have come.
+  void loop() {
+    line_.take(live_, ++sample_, true);
+    EffectFrame frame;
+    frame.dt_s = 1e-3;
+    live_.effects().apply(frame);
+    plans_.take_each([&](const msg::ScenePlan& p) {
+      plans.push_back({p.from_sample, p.all_points_stiffness_n_per_m, p.effects_damping_ns_per_m, p.effects_damping_nms_per_rad,
+                       p.largest_damping_nms_per_rad, p.largest_turning_damping, p.largest_turning_damping_place});
+    });
+  }
+  Said ask(const msg::EffectChange& m, const std::string& parameter) {
+    return asker_.last_word(asker_.send(m, name_, parameter), [this] { loop(); });
+  }
+  /// What is answered at once, if only that it waits; the loop goes nowhere meanwhile.
+  Said ask_and_wait(const msg::EffectChange& m, const std::string& parameter) {
+    const std::uint64_t request = asker_.send(m, name_, parameter);
+    EXPECT_TRUE(wait_until([&] {
+      asker_.answers.take_each([&](const msg::EffectChanged& a) { asker_.said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence}); });
+      return !asker_.said[request].empty();
+    }));
+    return asker_.said[request].empty() ? Said{} : asker_.said[request].back();
+  }
+  void samples(int count) {
+    for (int n = 0; n < count; ++n) loop(), std::this_thread::sleep_for(milliseconds(1));
+  }
+
+  struct Plan {
+    std::uint64_t from_sample;
+    double stiffness_n_per_m, damping_ns_per_m, damping_nms_per_rad, largest_nms_per_rad;
+    std::string largest, place;
+  };
+  std::vector<Plan> plans;
+
+ private:
+  static Scene plane_with(EffectSpec effect) {
+    Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+    scene.effects = {std::move(effect)};
+    return scene;
+  }
+  std::string name_;
+  Scene scene_;
+  std::unique_ptr<BuiltScene> built_;
+  LiveScene live_;
+
+ public:
+  const double of_contact;  ///< all points' stiffness [N/m]
+
+ private:
+  std::string rig_;
+  rendering::Options options_;
+  bus::Participant participant_;
+  bus::Reader<msg::ScenePlan> plans_;
+  Asker asker_;
+  rendering::ChangeLine line_;
+  std::atomic<std::uint64_t> begun_{0};
+  rendering::SceneUpdateServer server_;
+  std::uint64_t sample_ = 0;
+};
+
 TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
-  Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
-  scene.effects = {
-      EffectSpec{.name = "spring", .kind = &kSpring, .values = EffectValues(kSpringParameters), .region = {}}};
-  auto built = build_scene(scene, serial_for());
-  LiveScene live(*built);
-  const double with_100 = built->plan().contact_n_per_m.all_points;
-  const std::string rig = own_rig("d");
-  const auto options = node_options<rendering::Options>(rig);
-  const bus::Participant participant({kDomain, "lo", "update server"});
-  bus::Reader<msg::ScenePlan> plans(participant, qos::kScenePlan, rig, latched());
-  Asker asker(participant, rig);
-  rendering::ChangeLine line;
-  std::atomic<std::uint64_t> begun{0};
-  rendering::SceneUpdateServer server(participant, options, scene, std::move(built), line, [](const Scene&) {},
-                             [&](std::uint64_t session) { begun = session; });
-  ASSERT_TRUE(asker.ready());
-  ASSERT_TRUE(asker.send_until_heard(change(99), 1'000'000));
-  line.begin_session(3);
-  server.device_is(std::make_unique<rendering::DescribedDevice>(rendering::DescribedDevice{3, stylus()}));
-  std::vector<std::pair<std::uint64_t, double>> seen;
-  std::uint64_t sample = 0;
-  const auto loop = [&] {
-    line.take(live, ++sample, true);
-    plans.take_each([&](const msg::ScenePlan& p) { seen.emplace_back(p.from_sample, p.all_points_stiffness_n_per_m); });
-  };
-  const auto ask = [&](const msg::EffectChange& m, const std::string& parameter) {
-    return asker.last_word(asker.send(m, "spring", parameter), loop);
-  };
-  ASSERT_TRUE(wait_until([&] { return begun == 3; }));
-  EXPECT_EQ(ask(change(kActionSwitch, 0.0), "").result, result::kResultDone);
-  EXPECT_EQ(ask(change(kActionSwitch, 1.0), "").result, result::kResultDone);
-  const Said stiffer = ask(change(kActionValue, 350.0), "stiffness_n_per_m");
+  UpdateServer on({.name = "spring", .kind = &kSpring, .values = EffectValues(kSpringParameters), .region = {}}, stylus());
+  EXPECT_EQ(on.ask(change(kActionSwitch, 0.0), "").result, result::kResultDone);
+  EXPECT_EQ(on.ask(change(kActionSwitch, 1.0), "").result, result::kResultDone);
+  const Said stiffer = on.ask(change(kActionValue, 350.0), "stiffness_n_per_m");
   EXPECT_EQ(stiffer.result, result::kResultDone) << stiffer.sentence;
-  const Said softer = ask(change(kActionValue, 50.0), "stiffness_n_per_m");
-  ASSERT_TRUE(wait_until([&] {
-    loop();
-    return seen.size() >= 3;
-  }));
-  ASSERT_EQ(seen.size(), 3U) << "the session's, and one for each change of the bound";
-  EXPECT_EQ(seen[0], (std::pair<std::uint64_t, double>{0, with_100}));
-  EXPECT_EQ(seen[1].first, stiffer.from_sample);
-  EXPECT_NEAR(seen[1].second, with_100 + 250.0, 1e-9);
-  EXPECT_EQ(seen[2].first, softer.from_sample);
-  EXPECT_NEAR(seen[2].second, with_100 - 50.0, 1e-9);
+  const Said softer = on.ask(change(kActionValue, 50.0), "stiffness_n_per_m");
+  ASSERT_TRUE(wait_until([&] { return on.loop(), on.plans.size() >= 3; }));
+  ASSERT_EQ(on.plans.size(), 3U) << "the session's, and one for each change of the bound";
+  EXPECT_EQ(on.plans[0].from_sample, 0U);
+  EXPECT_NEAR(on.plans[0].stiffness_n_per_m, on.of_contact + 100.0, 1e-9);
+  EXPECT_EQ(on.plans[1].from_sample, stiffer.from_sample);
+  EXPECT_NEAR(on.plans[1].stiffness_n_per_m, on.of_contact + 350.0, 1e-9);
+  EXPECT_EQ(on.plans[2].from_sample, softer.from_sample);
+  EXPECT_NEAR(on.plans[2].stiffness_n_per_m, on.of_contact + 50.0, 1e-9);
+}
+
+// --- and one whose damping is a product: two numbers that change one after the other may meet where neither change comes to rest
+
+constexpr std::array kPasteParameters = {EffectParameter{.name = "share", .high = 10.0, .standard = {{2.0, 0.0, 0.0}}},
+                                         EffectParameter{.name = "thickness_ns_per_m", .high = 10.0, .standard = {{1.0, 0.0, 0.0}}},
+                                         EffectParameter{.name = "lever_m", .high = 1.0, .standard = {{0.0, 0.0, 0.0}}}};
+
+class Paste final : public Effect {
+ public:
+  void apply(const EffectFrame&, const EffectValues&, EffectPush&) noexcept override {}
+};
+
+const EffectKind kPaste = {
+    .name = "paste",
+    .says = "",
+    .equations = "",
+    .parameters = kPasteParameters,
+    .needs = [](const EffectValues&) { return EffectNeeds{}; },
+    .bound =
+        [](const EffectValues& v) {
+          EffectBound bound;
+          bound.damping_ns_per_m = v.number(0) * v.number(1);
+          bound.damping_nms_per_rad = bound.damping_ns_per_m * v.number(2) * v.number(2);
+          return bound;
+        },
+    .make = [] { return std::unique_ptr<Effect>(std::make_unique<Paste>()); },
+};
+
+EffectSpec paste(double lever_m = 0.0) {
+  EffectSpec spec{.name = "paste", .kind = &kPaste, .values = EffectValues(kPasteParameters), .region = {}};
+  spec.values.at(2)[0] = lever_m;
+  spec.place = "a.yaml:7:5";
+  return spec;
+}
+
+TEST(SceneUpdateServer, JudgesWhatTwoChangesMayComeToOnTheirWay) {
+  UpdateServer on(paste(), stylus());
+  EXPECT_EQ(on.ask(change(kActionValue, 0.2), "share").result, result::kResultDone);
+  const Said thicker = on.ask(change(kActionValue, 9.0), "thickness_ns_per_m");
+  EXPECT_EQ(thicker.result, result::kResultRefused) << "2 * 9 Ns/m may be felt before the share is down";
+  EXPECT_NE(thicker.sentence.find("on the way"), std::string::npos) << thicker.sentence;
+  on.samples(400);
+  EXPECT_EQ(on.ask(change(kActionValue, 9.0), "thickness_ns_per_m").result, result::kResultDone) << "it has settled";
+}
+
+TEST(SceneUpdateServer, JudgesWhatTwoChangesThatWaitMayComeToOnTheirWay) {
+  UpdateServer on(paste(), stylus());
+  EXPECT_EQ(on.ask_and_wait(change(kActionValue, 0.2, 5'000), "share").result, result::kResultWaiting);
+  const Said thicker = on.ask_and_wait(change(kActionValue, 9.0, 5'000), "thickness_ns_per_m");
+  EXPECT_EQ(thicker.result, result::kResultRefused) << "2 * 9 Ns/m may be felt before the share is down";
+  EXPECT_NE(thicker.sentence.find("on the way"), std::string::npos) << thicker.sentence;
+}
+
+TEST(SceneUpdateServer, TellsWhatTheEffectsDampOfTurning) {
+  DeviceModel arm = stylus();
+  arm.gives_torque = true;
+  arm.rotation = {.inertia_min = 0.01, .inertia_max = 0.02, .damping = 0.2, .max_effort = 5.0, .max_stiffness = 50.0};
+  UpdateServer on(paste(0.05), arm);
+  EXPECT_NEAR(on.plans[0].damping_ns_per_m, 2.0, 1e-12);
+  EXPECT_NEAR(on.plans[0].damping_nms_per_rad, 0.005, 1e-12);
+  EXPECT_NEAR(on.plans[0].largest_nms_per_rad, 0.005, 1e-12);
+  EXPECT_EQ(on.plans[0].largest, "paste");
+  EXPECT_EQ(on.plans[0].place, "a.yaml:7:5");
 }
 
 }  // namespace

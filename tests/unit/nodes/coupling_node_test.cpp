@@ -7,11 +7,14 @@
 #include <memory>
 #include <sstream>
 
+#include "core/scene/scene_file.hpp"
 #include "core/types/geometry.hpp"
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/coupling/coupling_node.hpp"
+#include "nodes/coupling/fitting.hpp"
 #include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/strings.hpp"
 #include "tests/support/stand_in.hpp"
@@ -94,7 +97,12 @@ class Around {
   };
   void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7) { plan(one_point_n_per_m, session, {0.0, 0.0, ""}); }
   void plan(double one_point_n_per_m, std::uint64_t session, const Demand& demand) {
-    const std::string text = "plane", oil = "oil", none;
+    plans.write(message_of(one_point_n_per_m, session, demand));
+    rendering->say(session);
+  }
+  /// `demand` has to live as long as the message.
+  static msg::ScenePlan message_of(double one_point_n_per_m, std::uint64_t session, const Demand& demand) {
+    static const std::string text = "plane", oil = "oil", none;
     msg::ScenePlan m{};
     m.session_id = session;
     m.scene = m.scene_hash = m.contact_model = runtime::lend(text);
@@ -107,8 +115,7 @@ class Around {
     m.effects_damping_nms_per_rad = m.largest_damping_nms_per_rad = demand.damping_nms_per_rad;
     m.largest_turning_damping = runtime::lend(oil), m.largest_turning_damping_place = runtime::lend(none);
     m.torque_effect = runtime::lend(demand.torque);
-    plans.write(m);
-    rendering->say(session);
+    return m;
   }
   /// Force stops within some samples, and the node says why; `text` stands in its sentence.
   void expect_no_force(const std::string& text) {
@@ -409,6 +416,21 @@ TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
   ASSERT_FALSE(around.forces.empty());
   EXPECT_NEAR(around.forces.back(), kForce, 0.1 * kForce);
   EXPECT_EQ(around.node.end(), 0);
+}
+
+/// A fit takes some tenths of a second; what comes meanwhile is not in it.
+TEST(Fitting, IsJudgedOnceMoreForWhatHasComeMeanwhile) {
+  const Scene scene = load_scene(scene_with("{design: auto, kind: shaping_filter}"));
+  const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};
+  coupling::Fitting fitting(scene);
+  fitting.take(runtime::from_msg(stylus(7)), 7);
+  fitting.take(Around::message_of(30.0, 7, little));
+  ASSERT_EQ(fitting.fit().refusal, "");
+  fitting.begin();
+  fitting.take(Around::message_of(30.0, 7, much));
+  std::optional<FittedCoupling> fitted;
+  ASSERT_TRUE(wait_until([&] { return (fitted = fitting.poll()).has_value(); }));
+  EXPECT_NE(fitted->refusal.find("'oil' most of it"), std::string::npos) << fitted->refusal;
 }
 
 }  // namespace
