@@ -6,6 +6,8 @@
 #include <set>
 #include <thread>
 
+#include <unistd.h>
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -26,6 +28,7 @@ namespace voxtouch::cli {
 namespace {
 
 using std::chrono::milliseconds;
+constexpr useconds_t kWatchPeriodUs = 20'000;
 
 struct UpOptions {
   runtime::NodeOptions node;
@@ -171,7 +174,7 @@ class Run {
           over = true;
         }
       if (over || note_refusals()) return;
-      std::this_thread::sleep_for(milliseconds(20));
+      usleep(kWatchPeriodUs);  // ended at once by a signal: Ctrl-C, or that a node has died
     }
     tell("stopping\n");
     if (options_.duration_s > 0)
@@ -283,6 +286,7 @@ class Run {
 
 RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
+  signal(SIGCHLD, [](int) {});  // is not to be ignored by `usleep`
   const Scene scene = load_scene(options.node.scene);
   for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
   std::optional<PageProcess> page;  // first: what takes long to build can be looked at meanwhile
