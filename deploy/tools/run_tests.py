@@ -65,8 +65,8 @@ def run_cases(build, wanted):
 def named_in(output):
     """Cases of GoogleTest that failed by what a program has said; where it ended in the middle, the one that ran then."""
     failed = list(dict.fromkeys(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", output, re.MULTILINE)))
-    begun = re.findall(r"^\[ (RUN     |      OK|  FAILED|  SKIPPED) \] ([\w/]+\.[\w/]+)", output, re.MULTILINE)
-    if begun and begun[-1][0] == "RUN     ":
+    begun = re.findall(r"^\[ +(RUN|OK|FAILED|SKIPPED) +\] ([\w/]+\.[\w/]+)", output, re.MULTILINE)
+    if begun and begun[-1][0] == "RUN":
         failed.append(begun[-1][1] + " (it was running when the program ended; the cases after it did not run)")
     return failed
 

@@ -13,6 +13,7 @@ RUN_TESTS = sys.argv.pop(1)
 HEAD = "[==========] Running 3 tests from 1 test suite.\n[ RUN      ] Guard.Holds\n[       OK ] Guard.Holds (0 ms)\n[ RUN      ] Guard.{0}\n"
 END = "[  FAILED  ] Guard.{0} (0 ms)\n[ RUN      ] Guard.Last\n[       OK ] Guard.Last (0 ms)\n[  FAILED  ] Guard.{0}\n"
 GOOD = "exit 0"
+LAST = f"printf '{HEAD.format('Fails')}[  FAILED  ] Guard.Fails (0 ms)\n'; exit 1".replace("\n", "\\n")
 BAD = f"printf '{HEAD.format('Fails') + END.format('Fails')}'; exit 1".replace("\n", "\\n")
 CRASHING = f"printf '{HEAD.format('Crashes')}'; kill -SEGV $$".replace("\n", "\\n")
 ONCE = f"if [ -e been ]; then exit 0; fi; touch been; printf '{HEAD.format('OfALateRing') + END.format('OfALateRing')}'; exit 1".replace("\n", "\\n")
@@ -42,8 +43,14 @@ class Runner(unittest.TestCase):
         last = told[told.index("these FAILED twice"):]
         self.assertIn("devices_test: Guard.Fails ", last)
         self.assertNotIn("Guard.Holds", last)
+        self.assertNotIn("was running", last)
         self.assertNotIn("passed alone", told)
         self.assertEqual(sorted(f.name for f in (build / "failed").iterdir()), ["devices_test.alone.txt", "devices_test.beside_others.txt"])
+
+    def test_knows_a_last_case_that_fails_from_one_that_crashes(self):
+        _, told, _ = self.run_with(devices_test=LAST)
+        self.assertIn("devices_test: Guard.Fails ", told)
+        self.assertNotIn("was running", told)
 
     def test_names_the_case_in_which_a_program_crashes(self):
         status, told, _ = self.run_with(devices_test=CRASHING)
