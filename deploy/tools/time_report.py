@@ -39,10 +39,17 @@ def compiling(build, rows):
         print(f"  {took:7.1f} s  {files[target]:4d} steps  {target}")
 
 
+def cases_in(output):
+    """How many cases a program of GoogleTest has run, by its first lines; 1 of any other."""
+    found = re.search(r"^\[=+\] Running (\d+) test", output or "", re.MULTILINE)
+    return int(found.group(1)) if found else 1
+
+
 def testing(junit, rows):
     all_cases = list(xml.parse(junit).getroot().iter("testcase"))
     cases = [(float(case.get("time", 0)), case.get("name")) for case in all_cases]
-    print(f"tests: {sum(time for time, _ in cases):.0f} s in {len(cases)} tests; the {rows} slowest:")
+    count = sum(cases_in(case.findtext("system-out")) for case in all_cases)
+    print(f"tests: {sum(time for time, _ in cases):.0f} s in {len(cases)} tests of {count} cases; the {rows} slowest:")
     for time, name in sorted(cases, reverse=True)[:rows]:
         print(f"  {time:7.1f} s  {name}")
     failed = sum(case.get("status") == "fail" for case in all_cases)

@@ -16,7 +16,7 @@ constexpr int kFrames = 300;
 FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion, const std::string& way) {
   const Finished run =
       Process({"/bin/sh", "-c",
-               "exec valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect=counted_frame "
+               "exec valgrind --tool=callgrind --callgrind-out-file=/dev/null --instr-atstart=no --toggle-collect=counted_frame "
                "\"$PROGRAM\" \"$SCENE\" \"$MOTION\" \"$FRAMES\" \"$WAY\""},
               {{"PROGRAM", VOXTOUCH_FRAME_COST},
                {"SCENE", scene.string()},

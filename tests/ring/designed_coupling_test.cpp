@@ -29,7 +29,7 @@ struct Recorded {
 
 Recorded touch_cup(const std::string& device, const std::string& motion, std::vector<std::string> hand) {
   const TemporaryFolder folder;
-  hand.insert(hand.end(), {"--device", device, "--motion", motion, "--lockstep", "--duration",
+  hand.insert(hand.end(), {"--device", device, "--motion", motion, "--lockstep", "--one-process", "--duration",
                            std::to_string(kDurationS), "--record", (folder / "bag").string()});
   const RingResult run = run_ring(shipped_scene("cup"), hand);
   EXPECT_EQ(run.process.status, 0) << run.process.err << run.process.out;

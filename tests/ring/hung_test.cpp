@@ -54,11 +54,11 @@ const auto kNodes = testing::Values("device", "rendering", "coupling", "validato
 TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
   const std::string node = GetParam();
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "6", "--record", (folder / "bag").string(),
+  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "4.5", "--record", (folder / "bag").string(),
                                                  "--limit", "silence_s=0.4"}));
   Onlooker onlooker;
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
-  std::this_thread::sleep_for(milliseconds(1500));
+  std::this_thread::sleep_for(milliseconds(500));
   const pid_t pid = child_called(up.pid(), "voxtouch_" + node);
   ASSERT_NE(pid, 0);
   ASSERT_EQ(::kill(pid, SIGSTOP), 0);
@@ -105,14 +105,14 @@ class StoppedForAWhile : public testing::TestWithParam<Broken> {};
 TEST_P(StoppedForAWhile, BreaksTheLimitThatIsThereForIt) {
   const auto [node, limit] = GetParam();
   const TemporaryFolder folder;
-  std::vector<std::string> more = {"--motion", "slide", "--duration", "5", "--record", (folder / "bag").string(),
+  std::vector<std::string> more = {"--motion", "slide", "--duration", "4", "--record", (folder / "bag").string(),
                                    "--limit", "silence_s=inf"};
   const std::map<std::string, std::string> values = {
       {"rate_share", "0.95"}, {"overrun_share", "0.05"}, {"answered_share", "0.95"}, {"deadline_miss_share", "0.0001"}};
   more.insert(more.end(), {"--limit", std::string(limit) + "=" + values.at(limit)});
   Process up(up_arguments(shipped_scene("cup"), more));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
-  std::this_thread::sleep_for(milliseconds(1500));
+  std::this_thread::sleep_for(milliseconds(500));
   const pid_t pid = child_called(up.pid(), std::string("voxtouch_") + node);
   ASSERT_NE(pid, 0);
   ASSERT_EQ(::kill(pid, SIGSTOP), 0);

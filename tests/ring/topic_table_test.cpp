@@ -56,7 +56,7 @@ Names set_of(qos::Nodes nodes) {
 
 TEST(TopicTable, SaysWhoWritesAndWhoReadsInARunningRing) {
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("plane"), {"--device", "sim-phantom", "--motion", "slide", "--duration", "6", "--record", (folder / "bag").string()}));
+  Process up(up_arguments(shipped_scene("plane"), {"--device", "sim-phantom", "--motion", "slide", "--duration", "5", "--record", (folder / "bag").string()}));
   const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "observer"});
   runtime::NodeRegistry registry(participant, "haptic");
   Announced writers(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION), readers(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);

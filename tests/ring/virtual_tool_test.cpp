@@ -1,4 +1,5 @@
-// A scene with a virtual tool through the whole ring, in lockstep: what comes back to a hand that presses and slides.
+// A scene with a virtual tool through the whole ring, in lockstep: what comes back to a hand that presses and slides. In one process,
+// which is twice as fast; the last case holds that five give the same bits.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +42,7 @@ struct Recorded {
   double certified = 0.0;
 };
 
-Recorded run(const std::string& scene, const std::string& motion, const std::string& device, double duration_s, std::vector<std::string> more = {}) {
+Recorded run(const std::string& scene, const std::string& motion, const std::string& device, double duration_s, std::vector<std::string> more = {"--one-process"}) {
   const TemporaryFolder folder;
   more.insert(more.end(), {"--device", device, "--motion", motion, "--lockstep", "--duration", std::to_string(duration_s), "--record",
                            (folder / "bag").string()});
@@ -114,7 +115,7 @@ void holds(double edges, double speed, const std::string& device) {
   write_plate(folder / "plate.obj", 0.002 * edges);
   const std::string scene = write_scene(folder, (folder / "plate.obj").string(), "[0.003, 0.002, 0.03], [0.003, 0.002, -0.02]", speed);
   // A blow at 3 m/s is steeper than the guard lets a force rise.
-  const Recorded r = run(scene, "it", device, 0.3 + 0.1 / speed + 0.5, {"--limit", "clamped_share=0.01"});
+  const Recorded r = run(scene, "it", device, 0.3 + 0.1 / speed + 0.5, {"--one-process", "--limit", "clamped_share=0.01"});
   double least = 1.0;
   for (const auto& c : r.contacts) least = std::min(least, c.object_pose.position.z);
   EXPECT_GT(least, kRadius - 5e-4) << "the virtual tool has passed";
@@ -168,7 +169,7 @@ TEST(VirtualToolRing, SlidesQuietlyOverPlaneCylinderAndCup) {
 
 TEST(VirtualToolRing, GivesTheSameBitsInFiveProcessesAndInOne) {
   const std::string scene = shipped_scene("cup_virtual_tool");
-  const Recorded five = run(scene, "slide", "sim-lwr", 3.0), one = run(scene, "slide", "sim-lwr", 3.0, {"--one-process"});
+  const Recorded five = run(scene, "slide", "sim-lwr", 3.0, {}), one = run(scene, "slide", "sim-lwr", 3.0);
   ASSERT_EQ(five.contacts.size(), one.contacts.size());
   std::size_t pressed = 0;
   for (std::size_t i = 0; i < five.contacts.size(); ++i) {

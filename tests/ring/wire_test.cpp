@@ -51,13 +51,13 @@ TEST(WireWithoutForce, IsSaidWhileItLastsAndIsNoRunThatWentWell) {
 // Nothing about deadlines: on a busy machine samples come late, and what is felt stays right.
 TEST_P(WireTouchesTheCup, AndTheHandFeelsIt) {
   const Case& c = GetParam();
-  std::vector<std::string> more = {"--device", c.device, "--motion", c.motion, "--duration", "5", "--no-record"};
+  std::vector<std::string> more = {"--device", c.device, "--motion", c.motion, "--duration", "4", "--no-record"};
   if (c.lockstep) more.push_back("--lockstep");
   const RingResult r = run_ring(shipped_scene("cup"), more);
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   ASSERT_TRUE(r.summary.is_object()) << r.process.out;
   EXPECT_EQ(r.summary["ok"], true);
-  EXPECT_EQ(r.summary["samples"], 5000);
+  EXPECT_EQ(r.summary["samples"], 4000);
   EXPECT_GT(r.summary["contact_samples"], 500);
   EXPECT_EQ(r.summary["validator"]["disagree"], 0) << r.process.out;
   EXPECT_GT(r.summary["validator"]["decided"], 0);

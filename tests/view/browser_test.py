@@ -124,7 +124,7 @@ class InABrowser(unittest.TestCase):
                 self.assertGreater(len(places), 3, "the tool moves")
                 until(lambda: browser.js("voxtouch.scene3d.arrows.returned.visible"), 10, "an arrow")
                 until(lambda: len(browser.frame().get("points", [])) > 0, 20, "points in contact")
-                time.sleep(6)  # for charts that are full
+                time.sleep(3)  # for charts that show something
                 until(lambda: browser.frame().get("hits", 0) > 0, 10, "contact")
                 self.judge("ring_light.png")
                 self.assertEqual(browser.nameless(), [])

@@ -31,9 +31,9 @@ TEST_P(KilledOrStopped, LeavesTheDeviceAtZeroAndNothingBehind) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Ring, KilledOrStopped,
-                         testing::Values(Case{"rendering", SIGKILL, 3}, Case{"rendering", SIGSTOP, 2}, Case{"coupling", SIGKILL, 2},
-                                         Case{"coupling", SIGSTOP, 2}, Case{"device", SIGKILL, 2}, Case{"device", SIGSTOP, 2},
-                                         Case{"logger", SIGKILL, 2}, Case{"validator", SIGSTOP, 1}, Case{"up", SIGKILL, 2}),
+                         testing::Values(Case{"rendering", SIGKILL, 2}, Case{"rendering", SIGSTOP, 1}, Case{"coupling", SIGKILL, 2},
+                                         Case{"coupling", SIGSTOP, 1}, Case{"device", SIGKILL, 1}, Case{"device", SIGSTOP, 1},
+                                         Case{"logger", SIGKILL, 1}, Case{"validator", SIGSTOP, 1}, Case{"up", SIGKILL, 1}),
                          [](const auto& c) { return std::string(c.param.victim) + (c.param.signal == SIGKILL ? "_killed" : "_stopped"); });
 
 }  // namespace

@@ -1,14 +1,16 @@
-"""The table of hard cases, and other READMEs, name tests: each must exist among those that ctest knows.
+"""The table of hard cases, and other READMEs, name tests: each must exist, as a case of a test program or as a test of ctest.
 
-usage: check_table.py tests/hard/README.md CTEST BUILD_FOLDER [README.md ...]
+usage: check_table.py tests/hard/README.md BUILD_FOLDER [README.md ...]
 
 Every row of the first file's table must name a test; of the other files every name of a test in backticks is looked up.
 """
 import fnmatch
+import pathlib
 import re
-import subprocess
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "deploy/tools"))
+import run_tests
 
 # Commands and pictures are named there too: a test is Suite.Name, a program's name does not begin with a capital.
 NAME = r"`([A-Z][\w/]*\.[A-Z*][\w*]*)`"
@@ -27,16 +29,15 @@ def text_of(path):
         return file.read()
 
 
-def main(readme_file, ctest, build, *others):
-    listed = subprocess.run([ctest, "--test-dir", build, "-N"], capture_output=True, text=True, check=True).stdout
-    known = re.findall(r"Test +#\d+: (\S+)", listed)
+def main(readme_file, build, *others):
+    known = [case for cases in run_tests.all_cases(pathlib.Path(build)).values() for case in cases]
     table = list(rows(text_of(readme_file)))
     wrong = [f"'{case}' names no test." for case, names in table if not names]
     for case, names in table + [(other, re.findall(NAME, text_of(other))) for other in others]:
         for name in names:
             forms = (name, "*/" + name, name + "/*", "*/" + name + "/*")  # the latter: of a test with parameters
             if not any(fnmatch.fnmatchcase(test, form) for test in known for form in forms):
-                wrong.append(f"'{case}' names '{name}', which ctest does not know.")
+                wrong.append(f"'{case}' names '{name}', which no test program has.")
     print(f"{len(table)} rows, {sum(len(names) for _, names in table)} names, {len(known)} tests known")
     print("\n".join(wrong))
     return 1 if wrong or len(table) < 38 else 0

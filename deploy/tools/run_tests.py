@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""Runs the tests of a build, and those that fail once more, alone. `deploy/test` calls it.
+
+usage: run_tests.py BUILD [arguments of ctest]
+       run_tests.py BUILD --case FILTER     the cases of this name of every test program, by a filter of GoogleTest such as 'Guard.*'
+
+A test of the ring in real time needs its share of the processor; on a machine of unknown load one failure says little, two say much. So
+up to MOST tests that fail beside others run once more, one after the other, and the end of the output says which failed then too and which
+passed. Both outputs of each stay in BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST failed.
+"""
+import concurrent.futures
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as xml
+
+HERE = pathlib.Path(__file__).resolve().parent
+MOST = 5  # more have a cause that is not the machine's load
+
+
+def listing(build):
+    """All tests, as ctest knows them."""
+    command = ["ctest", "--test-dir", str(build), "--show-only=json-v1"]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["tests"]
+
+
+def cases_of(program):
+    """Suite.Case of each test case of a program of GoogleTest; none of any other."""
+    if not program.name.endswith("_test"):
+        return []
+    names, suite = [], ""
+    for line in subprocess.run([program, "--gtest_list_tests"], check=True, capture_output=True, text=True).stdout.splitlines():
+        word = line.split("#")[0].strip()
+        if line.startswith("  "):
+            names.append(suite + word)
+        elif word.endswith("."):
+            suite = word
+    return names
+
+
+def all_cases(build):
+    """The cases of each test program of the build, and under None the tests that are no such program."""
+    tests = [(pathlib.Path(test["command"][0]), test["name"]) for test in listing(build) if "command" in test]
+    programs = sorted({program for program, _ in tests if program.name.endswith("_test")})
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        found = dict(zip(programs, pool.map(cases_of, programs)))
+    found[None] = [name for program, name in tests if program not in found]
+    return found
+
+
+def run_cases(build, wanted):
+    """Runs what a filter of GoogleTest names, in every program that has it. True if something ran and nothing failed."""
+    parts = [re.compile("".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in part)) for part in wanted.split("-")[0].split(":")]
+    with_it = [program for program, cases in all_cases(build).items()
+               if program and any(part.fullmatch(case) for part in parts for case in cases)]
+    good = [subprocess.run([program, f"--gtest_filter={wanted}"]).returncode == 0 for program in with_it]
+    if not with_it:
+        print(f"No test program has a case '{wanted}'. 'Suite.*' are all cases of a suite, '*/Suite.*' those of one with parameters.", file=sys.stderr)
+    return all(good) and bool(good)
+
+
+def named_in(output):
+    """Cases of GoogleTest that failed by what a program has said; where it ended in the middle, the one that ran then."""
+    failed = list(dict.fromkeys(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", output, re.MULTILINE)))
+    begun = re.findall(r"^\[ +(RUN|OK|FAILED|SKIPPED) +\] ([\w/]+\.[\w/]+)", output, re.MULTILINE)
+    if begun and begun[-1][0] == "RUN":
+        failed.append(begun[-1][1] + " (it was running when the program ended; the cases after it did not run)")
+    return failed
+
+
+def failures(junit):
+    """Name and output of each test that failed or was not run for want of one that failed."""
+    if not junit.exists():
+        return {}
+    cases = xml.parse(junit).getroot().iter("testcase")
+    out = {}
+    for case in cases:
+        skipped = case.find("skipped")
+        if case.get("status") == "fail" or (case.get("status") == "notrun" and skipped is not None and "SKIP" not in (skipped.get("message") or "")):
+            out[case.get("name")] = case.findtext("system-out") or ""
+    return out
+
+
+def ctest(build, junit, *arguments):
+    junit.unlink(missing_ok=True)
+    status = subprocess.run(["ctest", "--test-dir", str(build), "--output-on-failure", "--output-junit", str(junit), *arguments]).returncode
+    return status, failures(junit)
+
+
+def keep(folder, outputs, when):
+    """Each output as a file, and for the end of ours a line for each test."""
+    lines = []
+    folder.mkdir(exist_ok=True)
+    for name, output in outputs.items():
+        file = folder / (re.sub(r"[^\w.]+", "_", name.split("#")[0].strip())[:150] + f".{when}.txt")
+        file.write_text(output, encoding="utf-8")
+        cases = [case for case in named_in(output) if case != name.split("#")[0].strip()]
+        lines.append("  " + name.split("#")[0].strip() + (": " + ", ".join(cases) if cases else "") + f"    ({file})")
+    return lines
+
+
+def main(build, *arguments):
+    build = pathlib.Path(build).resolve()
+    if arguments and arguments[0] == "--case":
+        return 0 if run_cases(build, arguments[1] if len(arguments) > 1 else "*") else 1
+    junit, kept, end = build / "tests.xml", build / "failed", []
+    shutil.rmtree(kept, ignore_errors=True)
+    status, first = ctest(build, junit, "-j", "2", *arguments)
+    if status and first:
+        lines = keep(kept, first, "beside_others")
+        if len(first) > MOST:
+            end = [f"{len(first)} tests failed, which are too many to blame the machine's load; none was run once more:", *lines]
+        else:
+            print(f"{len(first)} failed and run once more, alone:", file=sys.stderr, flush=True)
+            status, second = ctest(build, build / "tests_again.xml", "--rerun-failed", "-j", "1")
+            again = keep(kept, second, "alone")
+            passed = [line for line, name in zip(lines, first) if name not in second]
+            if passed:
+                end += ["these failed beside others and passed alone:", *passed]
+            if second:
+                end += ["these FAILED twice, beside others and alone:", *again]
+    if junit.exists():
+        subprocess.run([sys.executable, HERE / "time_report.py", build, "--tests", junit, "--rows", "20"], stdout=sys.stderr)
+    if end:
+        print("\n".join(end), file=sys.stderr)
+    return 1 if status else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2 or sys.argv[1] in ("-h", "--help"):
+        sys.exit(__doc__)
+    sys.exit(main(*sys.argv[1:]))
