@@ -39,7 +39,6 @@ class ClusteredModel final : public ContactModel {
   void evaluate(const HitList& hits, ContactResult& result) const noexcept override;
 
  private:
-  struct Touch;
   void look_up(const HitList& hits) const noexcept;
 
   const Voxmap& voxmap_;

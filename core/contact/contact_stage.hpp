@@ -76,7 +76,7 @@ class ContactStage {
   void reset() noexcept;
 
  private:
-  enum class Push : std::uint8_t { kPlain, kShared, kOwn };  ///< surface law; held along g; held along the own normal
+  enum class Push : std::uint8_t { kShared, kOwn };  ///< held along g; along the own normal
   /// A point whose remembered depth pushes.
   struct Held {
     std::uint32_t point = 0;

@@ -27,6 +27,7 @@ struct CouplingSpec {
   double velocity_filter_hz = 100.0;          ///< > 0
   double passivity_damping_limit_ns_per_m = 0.0;      ///< most that the passivity controller may add; 0: it only observes
   double passivity_damping_limit_nms_per_rad = 0.0;
+  bool operator==(const CouplingSpec&) const = default;
 };
 
 /// What the device can give, said in the units of W: its force limit / force_scale, its torque limit * position_scale /

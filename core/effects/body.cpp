@@ -11,37 +11,22 @@ namespace {
 enum : std::size_t { kMass, kGravity, kGrip, kGripTurn, kGripDamping, kGrabButton, kGrabDistance };
 
 constexpr std::array kParameters = {
-    EffectParameter{.name = "mass_kg", .low = 0.001, .high = 100.0, .meaning = "Mass of the dynamic object [kg]."},
+    row::number("mass_kg", 0.001, 100.0, "Mass of the dynamic object [kg]."),
     EffectParameter{.name = "gravity_m_per_s2",
                     .shape = ParameterShape::kVector,
                     .high = 100.0,
                     .standard = {{0.0, 0.0, -9.81}},
                     .meaning = "Acceleration that it falls with, in W [m/s^2]."},
-    EffectParameter{.name = "grip_n_per_m",
-                    .low = 1.0,
-                    .high = 1e4,
-                    .standard = {{200.0, 0.0, 0.0}},
-                    .meaning = "Spring between the tool and the body while it is held [N/m]: all that the hand feels of it."},
-    EffectParameter{.name = "grip_nm_per_rad",
-                    .low = 0.0,
-                    .high = 100.0,
-                    .standard = {{0.3, 0.0, 0.0}},
-                    .meaning = "The same against turning [Nm/rad]; a device without torque turns the body all the same."},
-    EffectParameter{.name = "grip_damping_ratio",
-                    .low = 0.1,
-                    .high = 2.0,
-                    .standard = {{1.0, 0.0, 0.0}},
-                    .meaning = "Damping of that spring with the body's mass; 1: it comes to rest without swinging."},
-    EffectParameter{.name = "grab_button",
-                    .low = -1.0,
-                    .high = 31.0,
-                    .standard = {{-1.0, 0.0, 0.0}},
-                    .meaning = "Button of the device that holds the body while pressed, counted from 0; -1: always held."},
-    EffectParameter{.name = "grab_distance_m",
-                    .low = 0.0,
-                    .high = 10.0,
-                    .standard = {{0.02, 0.0, 0.0}},
-                    .meaning = "The button takes the body up where the tool is this near to the body's origin [m]."},
+    row::number("grip_n_per_m", 1.0, 1e4, 200.0,
+                "Spring between the tool and the body while it is held [N/m]: all that the hand feels of it."),
+    row::number("grip_nm_per_rad", 0.0, 100.0, 0.3,
+                "The same against turning [Nm/rad]; a device without torque turns the body all the same."),
+    row::number("grip_damping_ratio", 0.1, 2.0, 1.0,
+                "Damping of that spring with the body's mass; 1: it comes to rest without swinging."),
+    row::number("grab_button", -1.0, 31.0, -1.0,
+                "Button of the device that holds the body while pressed, counted from 0; -1: always held."),
+    row::number("grab_distance_m", 0.0, 10.0, 0.02,
+                "The button takes the body up where the tool is this near to the body's origin [m]."),
 };
 
 /// All of it is in the body's motion: nothing is added to what acts on it.
@@ -50,21 +35,15 @@ class Body final : public Effect {
   void apply(const EffectFrame&, const EffectValues&, EffectPush&) noexcept override {}
 };
 
-EffectNeeds needs(const EffectValues&) {
-  EffectNeeds needs;
-  needs.twist = needs.orientation = needs.body = true;
-  return needs;
-}
+EffectNeeds needs(const EffectValues&) { return {.twist = true, .orientation = true, .body = true}; }
 
 EffectBound bound(const EffectValues& values) {
-  EffectBound bound;
   const BodyParameters p = body_parameters(values);
-  bound.stiffness_n_per_m = p.grip_n_per_m;
   // Taken up off its origin it turns the hand by its lever as well.
-  bound.stiffness_nm_per_rad =
-      p.grip_nm_per_rad + (grab_button(values) < 0 ? 0.0 : p.grip_n_per_m * std::pow(grab_distance_m(values), 2));
-  bound.damping_ns_per_m = 2.0 * p.grip_damping_ratio * std::sqrt(p.grip_n_per_m * p.mass_kg);
-  return bound;
+  const double lever = grab_button(values) < 0 ? 0.0 : p.grip_n_per_m * std::pow(grab_distance_m(values), 2);
+  return {.stiffness_n_per_m = p.grip_n_per_m,
+          .stiffness_nm_per_rad = p.grip_nm_per_rad + lever,
+          .damping_ns_per_m = 2.0 * p.grip_damping_ratio * std::sqrt(p.grip_n_per_m * p.mass_kg)};
 }
 
 std::string check(const EffectValues& values) {
@@ -85,8 +64,7 @@ BodyParameters body_parameters(const EffectValues& values) noexcept {
 int grab_button(const EffectValues& values) noexcept { return static_cast<int>(std::lround(values.number(kGrabButton))); }
 double grab_distance_m(const EffectValues& values) noexcept { return values.number(kGrabDistance); }
 
-extern const EffectKind kBody;
-const EffectKind kBody = {
+extern const EffectKind kBody = {
     .name = "body",
     .says = "The dynamic object has weight and inertia: it is carried on a spring, falls when let go, rests on what it meets.",
     .equations =

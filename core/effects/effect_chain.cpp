@@ -127,12 +127,6 @@ void EffectChain::reset() noexcept {
   for (Link& link : links_) link.effect->reset();
 }
 
-int EffectChain::find(std::string_view name) const noexcept {
-  for (std::size_t n = 0; n < links_.size(); ++n)
-    if (links_[n].goal.name == name) return static_cast<int>(n);
-  return -1;
-}
-
 void EffectChain::take(const EffectCommand& command) noexcept {
   Link& link = links_[command.effect];
   voxtouch::take(link.goal, command);

@@ -40,8 +40,6 @@ class EffectChain {
   const EffectSpec& spec(std::size_t effect) const noexcept { return links_[effect].goal; }
   /// As they are now, on their way to what the spec says.
   const EffectValues& values(std::size_t effect) const noexcept { return links_[effect].now; }
-  /// -1 where there is none of that name.
-  int find(std::string_view name) const noexcept;
   /// Energy that kinds which may give some were free to give since the chain was made, over a way of `metres` [J].
   double given_over(double metres) const noexcept { return per_metre_j_ * metres; }
   /// What `judge` has found good: a switch, a gain or a parameter. Between two calls of `apply`. Real-time safe.

@@ -35,6 +35,26 @@ struct EffectParameter {
   std::string_view words = {};                         ///< kWord: the choices, parted by single spaces
 };
 
+/// The rows of a kind's table; without a standard the scene must give the value.
+namespace row {
+constexpr EffectParameter number(std::string_view name, double low, double high, std::string_view meaning) {
+  return {.name = name, .low = low, .high = high, .meaning = meaning};
+}
+constexpr EffectParameter number(std::string_view name, double low, double high, double standard, std::string_view meaning) {
+  return {.name = name, .low = low, .high = high, .standard = {{standard, 0.0, 0.0}}, .meaning = meaning};
+}
+constexpr EffectParameter place(std::string_view name, std::string_view meaning) {
+  return {.name = name, .shape = ParameterShape::kVector, .meaning = meaning};
+}
+constexpr EffectParameter direction(std::string_view name, std::string_view meaning) {
+  return {.name = name, .shape = ParameterShape::kDirection, .meaning = meaning};
+}
+/// Its standard is the first of `words`.
+constexpr EffectParameter word(std::string_view name, std::string_view words, std::string_view meaning) {
+  return {.name = name, .shape = ParameterShape::kWord, .standard = {{0.0, 0.0, 0.0}}, .meaning = meaning, .words = words};
+}
+}  // namespace row
+
 /// Values of one effect's parameters, three numbers each (a number or word uses the first). Fixed in size once made.
 class EffectValues {
  public:
@@ -97,7 +117,7 @@ struct EffectKind {
   /// Coulomb's coefficient, of a kind whose work a virtual tool does itself where there is one; null of all others.
   double (*friction)(const EffectValues&) = nullptr;
   std::span<const EffectParameter> parameters;
-  EffectNeeds (*needs)(const EffectValues&) = nullptr;
+  EffectNeeds (*needs)(const EffectValues&) = [](const EffectValues&) { return EffectNeeds{}; };  ///< nothing but the position
   EffectBound (*bound)(const EffectValues&) = nullptr;
   /// What the ranges alone do not say, e.g. low > high: a sentence, empty where all is well.
   std::string (*check)(const EffectValues&) = nullptr;

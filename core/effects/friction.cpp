@@ -10,27 +10,11 @@ namespace {
 enum : std::size_t { kCoulomb, kSticking, kStiffness, kMaxForce, kReach };
 
 constexpr std::array kParameters = {
-    EffectParameter{.name = "coulomb",
-                    .high = 2.0,
-                    .meaning = "Friction while sliding as a share of the force that the surface pushes with [1]."},
-    EffectParameter{.name = "sticking",
-                    .low = 1.0,
-                    .high = 2.0,
-                    .standard = {{1.0, 0.0, 0.0}},
-                    .meaning = "How many times the sliding friction holds before it lets go [1]."},
-    EffectParameter{.name = "stiffness_n_per_m",
-                    .low = 10.0,
-                    .high = 5000.0,
-                    .standard = {{300.0, 0.0, 0.0}},
-                    .meaning = "Of the bristles that hold the tool while it sticks [N/m]."},
-    EffectParameter{.name = "most_n",
-                    .high = 200.0,
-                    .standard = {{20.0, 0.0, 0.0}},
-                    .meaning = "No object rubs with more than this, however hard the tool is pressed [N]."},
-    EffectParameter{.name = "reach_m",
-                    .high = 1.0,
-                    .standard = {{0.1, 0.0, 0.0}},
-                    .meaning = "Touched points farther from the tool's origin count as this far [m]."},
+    row::number("coulomb", 0.0, 2.0, "Friction while sliding as a share of the force that the surface pushes with [1]."),
+    row::number("sticking", 1.0, 2.0, 1.0, "How many times the sliding friction holds before it lets go [1]."),
+    row::number("stiffness_n_per_m", 10.0, 5000.0, 300.0, "Of the bristles that hold the tool while it sticks [N/m]."),
+    row::number("most_n", 0.0, 200.0, 20.0, "No object rubs with more than this, however hard the tool is pressed [N]."),
+    kReachParameter,
 };
 
 struct Law {
@@ -146,25 +130,17 @@ class Friction final : public Effect {
   double stiffness_ = 0.0;  ///< of the last sample
 };
 
-EffectNeeds needs(const EffectValues&) {
-  EffectNeeds needs;
-  needs.contact = needs.orientation =
-      true;  // torque like the contact's own: a device that cannot give it leaves it out
-  return needs;
-}
+/// Torque like the contact's own: a device that cannot give it leaves it out.
+EffectNeeds needs(const EffectValues&) { return {.contact = true, .orientation = true}; }
 
 EffectBound bound(const EffectValues& values) {
-  EffectBound bound;
   const double k = values.number(kStiffness), reach = values.number(kReach);
-  bound.stiffness_n_per_m = k, bound.stiffness_nm_per_rad = k * reach * reach;
-  bound.force_n = values.number(kMaxForce);
-  return bound;
+  return {.stiffness_n_per_m = k, .stiffness_nm_per_rad = k * reach * reach, .force_n = values.number(kMaxForce)};
 }
 
 }  // namespace
 
-extern const EffectKind kFriction;
-const EffectKind kFriction = {
+extern const EffectKind kFriction = {
     .name = "friction",
     .says = "Surfaces hold the tool until it is pulled hard enough, and rub while it slides.",
     .equations =

@@ -88,9 +88,7 @@ std::string check_guide(const EffectValues& values) {
 
 EffectBound guide_bound(const EffectValues& values) {
   const GuideLaw law = guide_law(values);
-  EffectBound bound;
-  bound.stiffness_n_per_m = law.stiffness_n_per_m, bound.force_n = law.limit_n, bound.potential_j = guide_depth_j(law);
-  return bound;
+  return {.stiffness_n_per_m = law.stiffness_n_per_m, .force_n = law.limit_n, .potential_j = guide_depth_j(law)};
 }
 
 }  // namespace voxtouch

@@ -1,5 +1,6 @@
 #pragma once
 /// What the guides along points, lines and planes share: a spring whose force is limited, and how it pushes.
+#include <array>
 #include <limits>
 #include <string>
 
@@ -43,26 +44,20 @@ double guide_potential_j(const GuideLaw& law, double from_guide_j) noexcept;
 /// `away`. Real-time safe.
 void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& held, EffectPush& push) noexcept;
 
-/// Parameters that every guide has, at these places of its list; its own come behind.
+/// Parameters that every guide has, at these places of its table.
 enum GuideParameter : std::size_t { kGuideStiffness, kGuideLimit, kGuideBeyond, kGuideRange, kGuideOwn };
-inline constexpr EffectParameter kGuideStiffnessParameter = {
-    .name = "stiffness_n_per_m", .high = 10000.0, .meaning = "Of the spring to the guide, near it [N/m]."};
-inline constexpr EffectParameter kGuideLimitParameter = {
-    .name = "limit_n",
-    .high = 100.0,
-    .meaning = "Largest force of the guide [N]; the spring goes over to it smoothly."};
-inline constexpr EffectParameter kGuideBeyondParameter = {
-    .name = "beyond",
-    .shape = ParameterShape::kWord,
-    .standard = {{0.0, 0.0, 0.0}},
-    .meaning = "Far from the guide: hold keeps pulling with limit_n, release lets go at range_m.",
-    .words = "hold release"};
-inline constexpr EffectParameter kGuideRangeParameter = {.name = "range_m",
-                                                         .high = 10.0,
-                                                         .standard = {{0.0, 0.0, 0.0}},
-                                                         .meaning =
-                                                             "Only for beyond: release: distance at which the guide "
-                                                             "has let go [m]; at least 3 limit_n / stiffness_n_per_m."};
+/// The rows of a guide's table: those, and behind them its own.
+template <class... Own>
+constexpr std::array<EffectParameter, kGuideOwn + sizeof...(Own)> guide_rows(const Own&... own) {
+  return {row::number("stiffness_n_per_m", 0.0, 10000.0, "Of the spring to the guide, near it [N/m]."),
+          row::number("limit_n", 0.0, 100.0, "Largest force of the guide [N]; the spring goes over to it smoothly."),
+          row::word("beyond", "hold release",
+                    "Far from the guide: hold keeps pulling with limit_n, release lets go at range_m."),
+          row::number("range_m", 0.0, 10.0, 0.0,
+                      "Only for beyond: release: distance at which the guide has let go [m]; at least 3 limit_n / "
+                      "stiffness_n_per_m."),
+          own...};
+}
 
 GuideLaw guide_law(const EffectValues& values) noexcept;
 std::string check_guide(const EffectValues& values);

@@ -1,6 +1,5 @@
 // A guide to a line: the tool's origin slides along it freely and is held across it.
 #include <algorithm>
-#include <array>
 
 #include "core/effects/guide_law.hpp"
 
@@ -10,28 +9,12 @@ namespace {
 enum : std::size_t { kPoint = kGuideOwn, kDirection, kEnds, kHalfLength };
 constexpr double kSegment = 1.0;  // place of the word
 
-constexpr std::array kParameters = {
-    kGuideStiffnessParameter,
-    kGuideLimitParameter,
-    kGuideBeyondParameter,
-    kGuideRangeParameter,
-    EffectParameter{.name = "point",
-                    .shape = ParameterShape::kVector,
-                    .meaning = "A point of the line, its middle if it ends, W [m]."},
-    EffectParameter{
-        .name = "direction", .shape = ParameterShape::kDirection, .meaning = "Along the line, W; either way round."},
-    EffectParameter{
-        .name = "ends",
-        .shape = ParameterShape::kWord,
-        .standard = {{0.0, 0.0, 0.0}},
-        .meaning =
-            "Whether the line goes on for ever (none) or is a segment, at whose ends the tool is held as by a point.",
-        .words = "none segment"},
-    EffectParameter{.name = "half_length_m",
-                    .high = 100.0,
-                    .standard = {{0.0, 0.0, 0.0}},
-                    .meaning = "Only for ends: segment: from its middle to an end [m]."},
-};
+constexpr auto kParameters = guide_rows(
+    row::place("point", "A point of the line, its middle if it ends, W [m]."),
+    row::direction("direction", "Along the line, W; either way round."),
+    row::word("ends", "none segment",
+              "Whether the line goes on for ever (none) or is a segment, at whose ends the tool is held as by a point."),
+    row::number("half_length_m", 0.0, 100.0, 0.0, "Only for ends: segment: from its middle to an end [m]."));
 
 class GuideLine final : public Effect {
  public:
@@ -62,8 +45,7 @@ std::string check(const EffectValues& values) {
 
 }  // namespace
 
-extern const EffectKind kGuideLine;
-const EffectKind kGuideLine = {
+extern const EffectKind kGuideLine = {
     .name = "guide_line",
     .says = "The tool's origin slides freely along a line and is held across it with a limited force.",
     .equations =
@@ -73,7 +55,6 @@ const EffectKind kGuideLine = {
         "Schenkel 1997), b the damping of hand and device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,
-    .needs = [](const EffectValues&) { return EffectNeeds{}; },
     .bound = guide_bound,
     .check = check,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<GuideLine>()); },

@@ -1,6 +1,5 @@
 // A guide to a plane: holds the tool's origin on it, or keeps it out of the half-space behind it.
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/effects/guide_law.hpp"
@@ -11,21 +10,10 @@ namespace {
 enum : std::size_t { kPoint = kGuideOwn, kNormal, kSides };
 constexpr double kOne = 1.0;  // place of the word
 
-constexpr std::array kParameters = {
-    kGuideStiffnessParameter,
-    kGuideLimitParameter,
-    kGuideBeyondParameter,
-    kGuideRangeParameter,
-    EffectParameter{.name = "point", .shape = ParameterShape::kVector, .meaning = "A point of the plane, W [m]."},
-    EffectParameter{.name = "normal",
-                    .shape = ParameterShape::kDirection,
-                    .meaning = "Of the plane, W; with sides: one it points to where the tool may be."},
-    EffectParameter{.name = "sides",
-                    .shape = ParameterShape::kWord,
-                    .standard = {{0.0, 0.0, 0.0}},
-                    .meaning = "Whether the tool is held on the plane (both), or only kept from going behind it (one).",
-                    .words = "both one"},
-};
+constexpr auto kParameters = guide_rows(
+    row::place("point", "A point of the plane, W [m]."),
+    row::direction("normal", "Of the plane, W; with sides: one it points to where the tool may be."),
+    row::word("sides", "both one", "Whether the tool is held on the plane (both), or only kept from going behind it (one)."));
 
 bool one_sided(const EffectValues& values) noexcept { return values.number(kSides) == kOne; }
 
@@ -47,8 +35,7 @@ class GuidePlane final : public Effect {
 
 }  // namespace
 
-extern const EffectKind kGuidePlane;
-const EffectKind kGuidePlane = {
+extern const EffectKind kGuidePlane = {
     .name = "guide_plane",
     .says = "The tool's origin is held on a plane, or kept from going behind it, with a limited force.",
     .equations =
@@ -59,7 +46,6 @@ const EffectKind kGuidePlane = {
         "side. Stable for k < b / (T/2 + t_d) (Colgate and Schenkel 1997), b the damping of hand and device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,
-    .needs = [](const EffectValues&) { return EffectNeeds{}; },
     .bound = guide_bound,
     .check = check_guide,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<GuidePlane>()); },

@@ -1,6 +1,4 @@
 // A guide to a point: the tool's origin is held there by a spring of limited force.
-#include <array>
-
 #include "core/effects/guide_law.hpp"
 
 namespace voxtouch {
@@ -8,14 +6,7 @@ namespace {
 
 enum : std::size_t { kPoint = kGuideOwn };
 
-constexpr std::array kParameters = {
-    kGuideStiffnessParameter,
-    kGuideLimitParameter,
-    kGuideBeyondParameter,
-    kGuideRangeParameter,
-    EffectParameter{
-        .name = "point", .shape = ParameterShape::kVector, .meaning = "Where the tool's origin is held, W [m]."},
-};
+constexpr auto kParameters = guide_rows(row::place("point", "Where the tool's origin is held, W [m]."));
 
 class GuidePoint final : public Effect {
  public:
@@ -26,8 +17,7 @@ class GuidePoint final : public Effect {
 
 }  // namespace
 
-extern const EffectKind kGuidePoint;
-const EffectKind kGuidePoint = {
+extern const EffectKind kGuidePoint = {
     .name = "guide_point",
     .says = "The tool's origin is drawn to a point and held there with a limited force.",
     .equations =
@@ -38,7 +28,6 @@ const EffectKind kGuidePoint = {
         "hand and device of damping b it stays stable for k < b / (T/2 + t_d) (Colgate and Schenkel 1997).",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,
-    .needs = [](const EffectValues&) { return EffectNeeds{}; },
     .bound = guide_bound,
     .check = check_guide,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<GuidePoint>()); },

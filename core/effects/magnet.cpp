@@ -11,11 +11,9 @@ namespace {
 enum : std::size_t { kPoint, kRadius, kForce };
 
 constexpr std::array kParameters = {
-    EffectParameter{
-        .name = "point", .shape = ParameterShape::kVector, .meaning = "What the tool's origin is drawn to, W [m]."},
-    EffectParameter{
-        .name = "radius_m", .low = 0.0005, .high = 10.0, .meaning = "Distance from which on nothing is felt [m]."},
-    EffectParameter{.name = "force_n", .high = 100.0, .meaning = "Largest pull [N], felt at 0.447 of the radius."},
+    row::place("point", "What the tool's origin is drawn to, W [m]."),
+    row::number("radius_m", 0.0005, 10.0, "Distance from which on nothing is felt [m]."),
+    row::number("force_n", 0.0, 100.0, "Largest pull [N], felt at 0.447 of the radius."),
 };
 
 /// F = 6 U0 r / R^2 (1 - q)^2 with q = r^2 / R^2 is largest at q = 1/5.
@@ -45,17 +43,12 @@ class Magnet final : public Effect {
 
 EffectBound bound(const EffectValues& values) {
   const double force = values.number(kForce), radius = values.number(kRadius);
-  EffectBound bound;
-  bound.stiffness_n_per_m = 6.0 * kDepth * force / radius;
-  bound.force_n = force;
-  bound.potential_j = kDepth * force * radius;
-  return bound;
+  return {.stiffness_n_per_m = 6.0 * kDepth * force / radius, .force_n = force, .potential_j = kDepth * force * radius};
 }
 
 }  // namespace
 
-extern const EffectKind kMagnet;
-const EffectKind kMagnet = {
+extern const EffectKind kMagnet = {
     .name = "magnet",
     .says = "The tool's origin snaps to a point when it comes near, and comes off when it is pulled away.",
     .equations =
@@ -70,7 +63,6 @@ const EffectKind kMagnet = {
         "and device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,
-    .needs = [](const EffectValues&) { return EffectNeeds{}; },
     .bound = bound,
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<Magnet>()); },
     .expected_ns = 40.0,

@@ -12,28 +12,15 @@ namespace {
 enum : std::size_t { kLimit, kRange, kSmoothing, kLever };
 
 constexpr std::array kParameters = {
-    EffectParameter{
-        .name = "limit_n",
-        .high = 100.0,
-        .meaning =
-            "Push on a tool all of whose surface were at the object [N]; each part pushes by its share of the area."},
-    EffectParameter{.name = "range_m",
-                    .low = 0.0005,
-                    .high = 1.0,
-                    .meaning = "Distance from the static surface at which it begins [m]."},
-    EffectParameter{.name = "smoothing_m",
-                    .low = 0.0005,
-                    .high = 1.0,
-                    .standard = {{0.002, 0.0, 0.0}},
-                    .meaning = "Length over which edges of the field are rounded [m], brought up to whole voxels: the "
-                               "longer the softer, and "
-                               "the blurrier round walls thinner than that."},
-    EffectParameter{.name = "lever_m",
-                    .high = 10.0,
-                    .standard = {{0.0, 0.0, 0.0}},
-                    .meaning = "Above 0: gives torque too, for a tool that reaches no farther than this from its "
-                               "origin [m]; needs a device "
-                               "that gives torque."},
+    row::number("limit_n", 0.0, 100.0,
+                "Push on a tool all of whose surface were at the object [N]; each part pushes by its share of the area."),
+    row::number("range_m", 0.0005, 1.0, "Distance from the static surface at which it begins [m]."),
+    row::number("smoothing_m", 0.0005, 1.0, 0.002,
+                "Length over which edges of the field are rounded [m], brought up to whole voxels: the longer the softer, "
+                "and the blurrier round walls thinner than that."),
+    row::number("lever_m", 0.0, 10.0, 0.0,
+                "Above 0: gives torque too, for a tool that reaches no farther than this from its origin [m]; needs a "
+                "device that gives torque."),
 };
 
 /// |gradient| and h |curvature| of a smoothed distance at most, see ProximitySample.
@@ -57,10 +44,10 @@ Layer layer_at(double limit, double range, double d) noexcept {
           std::copysign(slope, d)};
 }
 
-/// Sums over the tool's points; the arms are W axes.
+/// Adds one of the tool's points after the other; the arms are W axes.
 class Sums {
  public:
-  explicit Sums(bool torque) noexcept : torque_(torque) {}
+  Sums(bool torque, EffectPush& push) noexcept : torque_(torque), push_(push) {}
 
   void add(const Vec3& arm, double share, const Layer& layer, const ProximitySample& sample) noexcept {
     const Vec3 force = (share * layer.force_n) * sample.gradient;
@@ -77,13 +64,11 @@ class Sums {
         share * (std::abs(layer.slope_n_per_m) * sample.gradient.squaredNorm() + layer.force_n * rows.maxCoeff());
     if (torque_) add_turning(arm, force, stiffness);
   }
-  const EffectPush& push() const noexcept { return push_; }
 
  private:
   void add_turning(const Vec3& arm, const Vec3& force, const Mat3& stiffness) noexcept {
     push_.wrench.torque += arm.cross(force);
-    Mat3 cross;  // of the arm
-    cross << 0.0, -arm.z(), arm.y(), arm.z(), 0.0, -arm.x(), -arm.y(), arm.x(), 0.0;
+    const Mat3 cross = cross_matrix(arm);
     push_.stiffness.topRightCorner<3, 3>() -= stiffness * cross;
     push_.stiffness.bottomLeftCorner<3, 3>() += cross * stiffness;
     push_.stiffness.bottomRightCorner<3, 3>() -= cross * stiffness * cross;
@@ -92,7 +77,7 @@ class Sums {
   }
 
   bool torque_;
-  EffectPush push_;
+  EffectPush& push_;
 };
 
 class ProximityEffect final : public Effect {
@@ -100,35 +85,28 @@ class ProximityEffect final : public Effect {
   void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
     if (frame.proximity == nullptr) return;
     const double limit = values.number(kLimit), range = values.number(kRange);
-    Sums sums(values.number(kLever) > 0.0);
+    Sums sums(values.number(kLever) > 0.0, push);
     for (const ToolPoint& point : frame.tool_points) {
       const Vec3 arm = frame.tool.orientation * point.position;
       const ProximitySample sample = frame.proximity->at(frame.tool.position + arm);
       const Layer layer = layer_at(limit, range, sample.distance_m);
       if (layer.potential_j > 0.0) sums.add(arm, point.share, layer, sample);
     }
-    push.wrench.force += sums.push().wrench.force, push.wrench.torque += sums.push().wrench.torque;
-    push.stiffness += sums.push().stiffness;
-    push.stiffness_bound_n_per_m += sums.push().stiffness_bound_n_per_m;
-    push.potential_j += sums.push().potential_j;
   }
 };
 
 EffectNeeds needs(const EffectValues& values) {
-  EffectNeeds needs;
-  needs.orientation = true;
-  needs.proximity_m = values.number(kRange), needs.smoothing_m = values.number(kSmoothing);
+  EffectNeeds needs{.orientation = true, .proximity_m = values.number(kRange), .smoothing_m = values.number(kSmoothing)};
   if (values.number(kLever) > 0.0) needs.torque = true, needs.lever_m = values.number(kLever);
   return needs;
 }
 
 EffectBound bound(const EffectValues& values) {
   const double limit = values.number(kLimit), range = values.number(kRange), lever = values.number(kLever);
-  EffectBound bound;
-  bound.force_n = kSteepest * limit;
-  bound.stiffness_n_per_m = 3.0 * 1.5 * limit / range + kBent * limit / values.number(kSmoothing);
+  EffectBound bound{.stiffness_n_per_m = 3.0 * 1.5 * limit / range + kBent * limit / values.number(kSmoothing),
+                    .force_n = kSteepest * limit,
+                    .potential_j = limit * range};
   if (lever > 0.0) bound.stiffness_nm_per_rad = lever * (lever * bound.stiffness_n_per_m + bound.force_n);
-  bound.potential_j = limit * range;
   return bound;
 }
 
@@ -140,8 +118,7 @@ std::string check(const EffectValues& values) {
 
 }  // namespace
 
-extern const EffectKind kProximity;
-const EffectKind kProximity = {
+extern const EffectKind kProximity = {
     .name = "proximity",
     .says = "Static objects push the tool off before it touches them, the more the nearer it comes.",
     .equations =

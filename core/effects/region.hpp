@@ -6,14 +6,18 @@
 
 namespace voxtouch {
 
-struct EverywhereRegion {};
+struct EverywhereRegion {
+  bool operator==(const EverywhereRegion&) const = default;
+};
 struct SphereRegion {
   Vec3 centre = Vec3::Zero();
   double radius_m = 0.0;
+  bool operator==(const SphereRegion&) const = default;
 };  ///< W
 struct BoxRegion {
   Pose pose;
   Vec3 size_m = Vec3::Zero();
+  bool operator==(const BoxRegion&) const = default;
 };  ///< centred at the pose, W
 
 /// Full inside the shape, none beyond `blend_m` > 0 outside it, smoothstep of the distance between: continuous with its
@@ -21,6 +25,7 @@ struct BoxRegion {
 struct Region {
   std::variant<EverywhereRegion, SphereRegion, BoxRegion> shape;
   double blend_m = 0.002;
+  bool operator==(const Region&) const = default;
 };
 
 struct RegionWeight {

@@ -7,12 +7,6 @@
 namespace voxtouch {
 namespace {
 
-Mat3 cross_matrix(const Vec3& v) noexcept {
-  Mat3 m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
 /// Rotation vector that turns `from` into `to`, the short way, W axes.
 Vec3 turn_between(const Quat& from, const Quat& to) noexcept {
   Quat q = to * from.conjugate();

@@ -2,7 +2,6 @@
 #include <array>
 
 #include "core/effects/touch_point.hpp"
-#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 namespace {
@@ -10,41 +9,18 @@ namespace {
 enum : std::size_t { kAlong, kAgainst, kFull, kReach };
 
 constexpr std::array kParameters = {
-    EffectParameter{.name = "damping_ns_per_m",
-                    .high = 100.0,
-                    .meaning = "Force for each metre a second along the surface [Ns/m]."},
-    EffectParameter{.name = "normal_damping_ns_per_m",
-                    .high = 100.0,
-                    .standard = {{0.0, 0.0, 0.0}},
-                    .meaning = "Force for each metre a second into the surface and out of it [Ns/m]."},
-    EffectParameter{.name = "full_force_n",
-                    .low = 0.01,
-                    .high = 100.0,
-                    .standard = {{0.5, 0.0, 0.0}},
-                    .meaning = "Damping grows from nothing to all with the surface's push up to this one [N]."},
-    EffectParameter{.name = "reach_m",
-                    .high = 1.0,
-                    .standard = {{0.1, 0.0, 0.0}},
-                    .meaning = "Touched points farther from the tool's origin count as this far [m]."},
+    row::number("damping_ns_per_m", 0.0, 100.0, "Force for each metre a second along the surface [Ns/m]."),
+    row::number("normal_damping_ns_per_m", 0.0, 100.0, 0.0,
+                "Force for each metre a second into the surface and out of it [Ns/m]."),
+    row::number("full_force_n", 0.01, 100.0, 0.5,
+                "Damping grows from nothing to all with the surface's push up to this one [N]."),
+    kReachParameter,
 };
-
-/// No hand slides a tool faster; beyond it the film grows thinner, so that its force has a bound.
-constexpr double kFastestMPerS = 2.0;
-
-Vec3 cut(const Vec3& v) noexcept {
-  const double speed = v.stableNorm();
-  return speed > kFastestMPerS ? Vec3(v * (kFastestMPerS / speed)) : v;
-}
-
-double weight_of(double push_n, const EffectValues& values) noexcept {
-  return smoothstep(0.0, values.number(kFull), push_n);
-}
 
 class SurfaceDamping final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
-    const double reach = values.number(kReach);
-    const double share = 1.0 / std::max(1.0, sum_of_weights(frame, values));
+    const double reach = values.number(kReach), share = share_of_each(frame, values.number(kFull));
     step_.advance(frame.tool);
     heights_.begin();
     for (const ObjectContact& touch : frame.contacts) {
@@ -63,28 +39,19 @@ class SurfaceDamping final : public Effect {
   }
 
  private:
-  /// Where several objects touch they share: together they damp as one.
-  static double sum_of_weights(const EffectFrame& frame, const EffectValues& values) noexcept {
-    double sum = 0.0;
-    for (const ObjectContact& touch : frame.contacts)
-      if (touch.contact != nullptr) sum += weight_of(touch.contact->wrench.force.norm(), values);
-    return sum;
-  }
-
   /// The weight grows with the depth, by `slope` for each metre: the force then changes by slope |b v|, along another line
   /// than the depth's, which half of it on every axis is not less than.
   static void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point, const Vec3& arm,
                   double share, const EffectValues& values, EffectPush& push) noexcept {
     const Vec3 way =
-        cut(frame.twist.linear - touch.twist.linear + (frame.twist.angular - touch.twist.angular).cross(arm));
+        within_hand_speed(frame.twist.linear - touch.twist.linear + (frame.twist.angular - touch.twist.angular).cross(arm));
     const double into = point.normal.dot(way);
     const Vec3 full =
         -values.number(kAlong) * (way - into * point.normal) - values.number(kAgainst) * into * point.normal;
-    const Vec3 force = share * weight_of(point.push_n, values) * full;
+    const Vec3 force = share * smoothstep(0.0, values.number(kFull), point.push_n) * full;
     push.wrench.force += force;
     push.wrench.torque += arm.cross(force);
-    constexpr double kSteepest = 1.5;  // of a smoothstep
-    const double slope = kSteepest / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
+    const double slope = kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
     const double coupling =
         (share < 1.0 ? 2.0 : 1.0) * slope * full.norm();  // each one's share moves with the others' as well
     push.stiffness += seen_from_origin(0.5 * coupling * Mat3::Identity(), arm);
@@ -95,25 +62,16 @@ class SurfaceDamping final : public Effect {
   ToolDisplacement step_;
 };
 
-EffectNeeds needs(const EffectValues&) {
-  EffectNeeds needs;
-  needs.twist = needs.contact = needs.orientation = true;
-  return needs;
-}
+EffectNeeds needs(const EffectValues&) { return {.twist = true, .contact = true, .orientation = true}; }
 
 EffectBound bound(const EffectValues& values) {
-  EffectBound bound;
-  const double reach = values.number(kReach);
-  bound.damping_ns_per_m = std::max(values.number(kAlong), values.number(kAgainst));
-  bound.force_n = bound.damping_ns_per_m * kFastestMPerS;
-  bound.damping_nms_per_rad = bound.damping_ns_per_m * reach * reach;
-  return bound;
+  const double reach = values.number(kReach), damping = std::max(values.number(kAlong), values.number(kAgainst));
+  return {.damping_ns_per_m = damping, .damping_nms_per_rad = damping * reach * reach, .force_n = damping * kFastestMPerS};
 }
 
 }  // namespace
 
-extern const EffectKind kSurfaceDamping;
-const EffectKind kSurfaceDamping = {
+extern const EffectKind kSurfaceDamping = {
     .name = "surface_damping",
     .says = "Sliding over a surface is slow going, as through a film of oil, and lifting off it too if asked for.",
     .equations =

@@ -3,7 +3,6 @@
 
 #include "core/effects/texture_pattern.hpp"
 #include "core/effects/touch_point.hpp"
-#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 namespace {
@@ -16,24 +15,15 @@ constexpr std::array kParameters = {
                     .shape = ParameterShape::kWord,
                     .meaning = "Straight parallel ridges, or bumps without an order.",
                     .words = "grating noise"},
-    EffectParameter{.name = "wavelength_m",
-                    .low = 0.0005,
-                    .high = 0.1,
-                    .meaning = "From ridge to ridge; for noise about from bump to bump [m]."},
-    EffectParameter{.name = "force_n", .high = 20.0, .meaning = "Push along the surface at the steepest place [N]."},
+    row::number("wavelength_m", 0.0005, 0.1, "From ridge to ridge; for noise about from bump to bump [m]."),
+    row::number("force_n", 0.0, 20.0, "Push along the surface at the steepest place [N]."),
     EffectParameter{.name = "direction",
                     .shape = ParameterShape::kDirection,
                     .standard = {{1.0, 0.0, 0.0}},
                     .meaning = "Across the ridges of a grating, in W."},
-    EffectParameter{.name = "full_force_n",
-                    .low = 0.01,
-                    .high = 100.0,
-                    .standard = {{0.5, 0.0, 0.0}},
-                    .meaning = "The relief grows from flat to full with the surface's push up to this one [N]."},
-    EffectParameter{.name = "reach_m",
-                    .high = 1.0,
-                    .standard = {{0.1, 0.0, 0.0}},
-                    .meaning = "Touched points farther from the tool's origin count as this far [m]."},
+    row::number("full_force_n", 0.01, 100.0, 0.5,
+                "The relief grows from flat to full with the surface's push up to this one [N]."),
+    kReachParameter,
 };
 
 /// What a change while running would whirl under the tool: a relief far from W's origin moves by many ridges while its
@@ -71,8 +61,7 @@ class Texture final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
     const double most = relief_.follow(values, frame.dt_s) * values.number(kForce);
-    const double reach = values.number(kReach);
-    const double share = 1.0 / std::max(1.0, sum_of_weights(frame, values));
+    const double reach = values.number(kReach), share = share_of_each(frame, values.number(kFull));
     for (const ObjectContact& touch : frame.contacts) {
       TouchPoint point;
       if (!find_touch(touch, frame.tool.position, reach, point)) continue;
@@ -82,27 +71,15 @@ class Texture final : public Effect {
   void reset() noexcept override { relief_.forget(); }
 
  private:
-  static double weight_of(double push_n, const EffectValues& values) noexcept {
-    return smoothstep(0.0, values.number(kFull), push_n);
-  }
-  /// Where several objects touch they share: together they push as one at most.
-  static double sum_of_weights(const EffectFrame& frame, const EffectValues& values) noexcept {
-    double sum = 0.0;
-    for (const ObjectContact& touch : frame.contacts)
-      if (touch.contact != nullptr) sum += weight_of(touch.contact->wrench.force.norm(), values);
-    return sum;
-  }
-
   void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point, double most, bool shared,
            const EffectValues& values, EffectPush& push) const noexcept {
     const Vec3& n = point.normal;
     const PatternSample relief =
         relief_.at(frame.tool.position + point.foot, static_cast<int>(values.number(kPattern)));
-    const Vec3 force = -most * weight_of(point.push_n, values) * (relief.slope - n.dot(relief.slope) * n);
+    const Vec3 force = -most * smoothstep(0.0, values.number(kFull), point.push_n) * (relief.slope - n.dot(relief.slope) * n);
     push.wrench.force += force;
     push.wrench.torque += point.foot.cross(force);
-    constexpr double kSteepest = 1.5;  // of a smoothstep
-    const double slope = kSteepest / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
+    const double slope = kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
     const double coupling = (shared ? 2.0 : 1.0) * slope * most;
     const double own = most * bend_of(values) / relief_.wavelength_m();
     push.stiffness += seen_from_origin((own + 0.5 * coupling) * Mat3::Identity(), point.foot);
@@ -112,25 +89,20 @@ class Texture final : public Effect {
   Relief relief_;
 };
 
-EffectNeeds needs(const EffectValues&) {
-  EffectNeeds needs;
-  needs.contact = true;
-  return needs;
-}
+EffectNeeds needs(const EffectValues&) { return {.contact = true}; }
 
 EffectBound bound(const EffectValues& values) {
-  EffectBound bound;
-  const double reach = values.number(kReach);
-  bound.force_n = bound.energy_per_metre_j = values.number(kForce);
-  bound.stiffness_n_per_m = values.number(kForce) * bend_of(values) / values.number(kWavelength);
-  bound.stiffness_nm_per_rad = bound.stiffness_n_per_m * reach * reach;
-  return bound;
+  const double reach = values.number(kReach), force = values.number(kForce);
+  const double stiffness = force * bend_of(values) / values.number(kWavelength);
+  return {.stiffness_n_per_m = stiffness,
+          .stiffness_nm_per_rad = stiffness * reach * reach,
+          .force_n = force,
+          .energy_per_metre_j = force};
 }
 
 }  // namespace
 
-extern const EffectKind kTexture;
-const EffectKind kTexture = {
+extern const EffectKind kTexture = {
     .name = "texture",
     .says = "Surfaces have a relief, ridges or bumps, that pushes the tool along the surface.",
     .equations =

@@ -7,6 +7,7 @@
 
 #include "core/contact/contact_model.hpp"
 #include "core/effects/effect.hpp"
+#include "core/types/smoothstep.hpp"
 
 namespace voxtouch {
 
@@ -40,11 +41,31 @@ inline bool find_touch(const ObjectContact& touch, const Vec3& tool_origin, doub
   return true;
 }
 
+/// The row of an effect that acts at touched points.
+inline constexpr EffectParameter kReachParameter =
+    row::number("reach_m", 0.0, 1.0, 0.1, "Touched points farther from the tool's origin count as this far [m].");
+
+/// Where several objects touch, effects that grow with an object's push up to `full_n` [N], by a smoothstep, share: together they
+/// act as one at most. What each has of its own. Real-time safe.
+inline double share_of_each(const EffectFrame& frame, double full_n) noexcept {
+  double sum = 0.0;
+  for (const ObjectContact& touch : frame.contacts)
+    if (touch.contact != nullptr) sum += smoothstep(0.0, full_n, touch.contact->wrench.force.norm());
+  return 1.0 / std::max(1.0, sum);
+}
+inline constexpr double kSteepestStep = 1.5;  ///< largest slope of a smoothstep from 0 to 1
+
+/// No hand moves a tool faster; beyond it what damps grows thinner, so that its force has a bound.
+inline constexpr double kFastestMPerS = 2.0;
+inline Vec3 within_hand_speed(const Vec3& v) noexcept {
+  const double speed = v.stableNorm();
+  return speed > kFastestMPerS ? Vec3(v * (kFastestMPerS / speed)) : v;
+}
+
 /// Displacement v of the tool's origin and turn w, as seen at `arm` from it: J = [1, -[arm]x]. Gives J' M J, M a stiffness or
 /// damping against translation there. Symmetric, positive semidefinite if M is.
 inline Mat6 seen_from_origin(const Mat3& there, const Vec3& arm) noexcept {
-  Mat3 cross;
-  cross << 0.0, -arm.z(), arm.y(), arm.z(), 0.0, -arm.x(), -arm.y(), arm.x(), 0.0;
+  const Mat3 cross = cross_matrix(arm);
   Mat6 out;
   out.topLeftCorner<3, 3>() = there;
   out.topRightCorner<3, 3>() = -there * cross;

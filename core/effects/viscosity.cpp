@@ -1,7 +1,7 @@
 // Viscosity of a medium: the tool moves as through oil.
 #include <array>
 
-#include "core/effects/effect.hpp"
+#include "core/effects/touch_point.hpp"
 
 namespace voxtouch {
 namespace {
@@ -9,49 +9,29 @@ namespace {
 enum : std::size_t { kDamping, kTurning };
 
 constexpr std::array kParameters = {
-    EffectParameter{.name = "damping_ns_per_m",
-                    .high = 100.0,
-                    .meaning = "Force for each metre a second of the tool's origin [Ns/m]."},
-    EffectParameter{.name = "damping_nms_per_rad",
-                    .high = 10.0,
-                    .standard = {{0.0, 0.0, 0.0}},
-                    .meaning = "Torque for each radian a second [Nms/rad]; needs a device that gives torque."},
+    row::number("damping_ns_per_m", 0.0, 100.0, "Force for each metre a second of the tool's origin [Ns/m]."),
+    row::number("damping_nms_per_rad", 0.0, 10.0, 0.0,
+                "Torque for each radian a second [Nms/rad]; needs a device that gives torque."),
 };
-
-/// No hand moves a tool faster; beyond it the liquid grows thinner, so that its force has a bound.
-constexpr double kFastestMPerS = 2.0;
-
-Vec3 cut(const Vec3& v) noexcept {
-  const double speed = v.stableNorm();
-  return speed > kFastestMPerS ? Vec3(v * (kFastestMPerS / speed)) : v;
-}
 
 class Viscosity final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
-    push.wrench.force -= values.number(kDamping) * cut(frame.twist.linear);
+    push.wrench.force -= values.number(kDamping) * within_hand_speed(frame.twist.linear);
     push.wrench.torque -= values.number(kTurning) * frame.twist.angular;
   }
 };
 
-EffectNeeds needs(const EffectValues& values) {
-  EffectNeeds needs;
-  needs.twist = true;
-  needs.torque = values.number(kTurning) > 0.0;
-  return needs;
-}
+EffectNeeds needs(const EffectValues& values) { return {.twist = true, .torque = values.number(kTurning) > 0.0}; }
 
 EffectBound bound(const EffectValues& values) {
-  EffectBound bound;
-  bound.force_n = values.number(kDamping) * kFastestMPerS;
-  bound.damping_ns_per_m = values.number(kDamping), bound.damping_nms_per_rad = values.number(kTurning);
-  return bound;
+  const double damping = values.number(kDamping);
+  return {.damping_ns_per_m = damping, .damping_nms_per_rad = values.number(kTurning), .force_n = damping * kFastestMPerS};
 }
 
 }  // namespace
 
-extern const EffectKind kViscosity;
-const EffectKind kViscosity = {
+extern const EffectKind kViscosity = {
     .name = "viscosity",
     .says = "The tool moves as through a thick liquid, everywhere alike.",
     .equations =

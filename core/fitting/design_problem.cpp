@@ -92,6 +92,10 @@ CouplingSpec spec_at_hand(const CouplingSpec& in_world, const WorkspaceMapping& 
   return scaled(in_world, hand_scales(device));
 }
 
+double stiffness_at_hand_n_per_m(const CouplingSpec& spec, const WorkspaceMapping& device, double bound_n_per_m) noexcept {
+  return displayed_stiffness_n_per_m(spec, bound_n_per_m) * hand_scales(device).translation;
+}
+
 CouplingLimits limits_in_world(const WorkspaceMapping& scales, const DeviceModel& device) noexcept {
   const double max_torque_nm = device.gives_torque ? device.rotation.max_effort : 0.0;
   return {device.translation.max_effort / scales.force_scale, max_torque_nm * scales.position_scale / scales.force_scale};

@@ -7,7 +7,7 @@
 /// those of W divided by s, and s f / s^2 = f / s.
 #include "core/coupling/design/designer.hpp"
 #include "core/rendering/plan.hpp"
-#include "core/scene/hand_ranges.hpp"
+#include "core/scene/design_options.hpp"
 #include "core/scene/scene.hpp"
 
 namespace voxtouch {
@@ -45,6 +45,10 @@ CouplingSpec spec_in_world(const Design& design, const Scene& scene) noexcept;
 
 /// The other way, for a coupling that is set by hand and to be judged at the hand.
 CouplingSpec spec_at_hand(const CouplingSpec& in_world, const WorkspaceMapping& device) noexcept;
+
+/// Stiffness [N/m] at the hand for a contact of `bound_n_per_m` in W: what the coupling shows of it, up to its cap, times both
+/// scales of the device (a metre of the hand is position_scale metres in W, a newton in W is force_scale newtons there).
+double stiffness_at_hand_n_per_m(const CouplingSpec& spec, const WorkspaceMapping& device, double bound_n_per_m) noexcept;
 
 /// The device's largest force [N] and torque [Nm] in the units of W: / f and * s / f. Infinity stays infinity
 /// and 0 stays 0.

@@ -46,11 +46,6 @@ std::string damps_too_much(const DampingDemand& demand, double scale, double lat
 
 }  // namespace
 
-double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept {
-  const double capped = std::min(stiffness_bound_n_per_m, scene.coupling.stiffness_cap_n_per_m);
-  return displayed_stiffness_n_per_m(scene.coupling, capped) * hand_scales(scene.device).translation;
-}
-
 std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque) {
   if (gives_torque || demand.torque.empty()) return {};
   return fmt::format(
@@ -87,7 +82,7 @@ DeviceCheck check_device(const Scene& scene, const DeviceModel& device, double s
   if (!(max_stiffness > 0.0))
     out.errors.push_back(fmt::format("The device gives a largest stiffness of {} N/m; it must be above 0.",
                                      max_stiffness));
-  const double felt = stiffness_at_hand_n_per_m(scene, stiffness_bound_n_per_m);
+  const double felt = stiffness_at_hand_n_per_m(scene.coupling, scene.device, stiffness_bound_n_per_m);
   // Written so that NaN does not pass.
   if (max_stiffness > 0.0 && !(felt <= max_stiffness))
     out.errors.push_back(fmt::format("The contact's {:.4g} N/m are {:.4g} N/m at the hand; the "

@@ -16,11 +16,6 @@ struct DeviceCheck {
   bool fits() const noexcept { return errors.empty(); }
 };
 
-/// Stiffness [N/m] at the hand for a contact of `stiffness_bound_n_per_m` in W: what the coupling shows of it, up to
-/// its cap, times both scales of the device (a metre of the hand is position_scale metres in W, a newton in W is
-/// force_scale newtons there).
-double stiffness_at_hand_n_per_m(const Scene& scene, double stiffness_bound_n_per_m) noexcept;
-
 /// Why a device that gives no torque cannot show what is demanded, a sentence with what to do. Empty: it can.
 std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque);
 

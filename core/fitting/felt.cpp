@@ -13,7 +13,7 @@ std::string felt_sentence(const FittedCoupling& fitted, const Scene& scene, cons
   constexpr double kDepthM = 0.01, kLittle = 0.2;
   if (!is_spring(bounds) || !fitted.refusal.empty()) return {};
   const double shown = spring_n_per_m(fitted, scene, device, bounds);
-  const double at_hand = displayed_stiffness_n_per_m(fitted.spec, shown) * hand_scales(scene.device).translation;
+  const double at_hand = stiffness_at_hand_n_per_m(fitted.spec, scene.device, shown);
   const double most = device.translation.max_effort, force = std::min(at_hand * kDepthM, most), share = force / most;
   if (!(at_hand > 0.0)) return {};
   std::string text = fmt::format(

@@ -75,9 +75,4 @@ double spring_n_per_m(const FittedCoupling& fitted, const Scene& scene, const De
   return std::isfinite(spring) ? std::max(spring, 0.0) : 0.0;
 }
 
-double stiffness_at_hand_n_per_m(const FittedCoupling& fitted, const WorkspaceMapping& device,
-                                 double bound_n_per_m) noexcept {
-  return displayed_stiffness_n_per_m(fitted.spec, bound_n_per_m) * hand_scales(device).translation;
-}
-
 }  // namespace voxtouch

@@ -4,7 +4,7 @@
 
 #include "core/coupling/design/designer.hpp"
 #include "core/fitting/device_demand.hpp"
-#include "core/scene/hand_ranges.hpp"
+#include "core/scene/design_options.hpp"
 #include "core/rendering/plan.hpp"
 #include "core/scene/scene.hpp"
 
@@ -36,8 +36,5 @@ std::string judge_again(const FittedCoupling& fitted, const Scene& scene, const 
 /// no more than the device can show. Effects may add their stiffness to it, so theirs is left free, up to half of the caps: else the cap
 /// would make both weaker at once, in the moment of a touch. Against turning the lever goes with it (`bounds`, as it was fitted to). 0: none may be felt, or there is no spring.
 double spring_n_per_m(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds) noexcept;
-
-/// Stiffness [N/m] at the hand where the contact's bound is `bound_n_per_m` in W: what the coupling lets through, times both scales.
-double stiffness_at_hand_n_per_m(const FittedCoupling& fitted, const WorkspaceMapping& device, double bound_n_per_m) noexcept;
 
 }  // namespace voxtouch

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <locale>
 #include <sstream>
-#include <utility>
 
 #include "core/mesh/topology.hpp"
 #include "core/mesh/weld.hpp"
@@ -54,16 +53,6 @@ void count_kinds(const std::vector<TriangleKind>& kinds, MeshReport& report) {
     if (kinds[t] == TriangleKind::kDuplicate) report.duplicates.add(t);
     if (kinds[t] == TriangleKind::kOppositeDuplicate) report.opposite_duplicates.add(t);
   }
-}
-
-/// Points of the sound triangles alone, for the Euler characteristic.
-long count_points(const std::vector<Side>& sides, std::size_t vertices) {
-  std::vector<std::uint8_t> seen(vertices, 0);
-  long points = 0;
-  for (const Side& s : sides) {
-    for (const std::uint32_t v : {s.low, s.high}) points += !std::exchange(seen[v], std::uint8_t{1});
-  }
-  return points;
 }
 
 void count_edges(const std::vector<Side>& sides, MeshReport& report) {
@@ -119,10 +108,6 @@ std::string counted(const Finding& f, const char* one, const char* many, const c
 
 }  // namespace
 
-std::vector<std::uint32_t> sound_triangles(const TriangleMesh& mesh) {
-  return of_kind(triangle_kinds(mesh, standing_vertices(mesh, 0.0)), false);
-}
-
 MeshReport inspect(const TriangleMesh& mesh) {
   MeshReport report;
   report.vertices = mesh.vertices.size();
@@ -140,9 +125,6 @@ MeshReport inspect(const TriangleMesh& mesh) {
     if (filled.count < report.open_edges.count) report.open_edges = filled;
   }
   report.closed = !sound.empty() && report.open_edges.count == 0 && report.not_finite_vertices.count == 0;
-  report.euler_characteristic =
-      count_points(sides, mesh.vertices.size()) - static_cast<long>(report.edges) +
-          static_cast<long>(sound.size());
   judge_orientation(mesh, sides, sound, report);
   return report;
 }

@@ -45,7 +45,6 @@ struct MeshReport {
   bool closed = false;
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< box of the used vertices [m]
   double signed_volume_m3 = 0.0;     ///< of the sound triangles as they are; has a meaning for a closed mesh only
-  long euler_characteristic = 0;     ///< of the sound triangles: 2 a closed part, less 2 for each handle
 
   /// Nothing to say at all.
   bool clean() const { return sentences().empty(); }
@@ -56,9 +55,5 @@ struct MeshReport {
 /// Looks at every triangle and edge; O(n log n). Throws std::runtime_error if a triangle names a vertex that
 /// is not there.
 MeshReport inspect(const TriangleMesh& mesh);
-
-/// The triangles that say what is inside: without zero-area ones, without repetitions of an earlier triangle
-/// (in either orientation), without those that have a corner that is not finite. Ascending.
-std::vector<std::uint32_t> sound_triangles(const TriangleMesh& mesh);
 
 }  // namespace voxtouch

@@ -1,11 +1,15 @@
 #pragma once
 /// What the reference says about one pose of the tool.
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
 #include "core/types/geometry.hpp"
 
 namespace voxtouch {
+
+/// [rad]
+inline double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 /// How a gap was found, from the best known to the least.
 enum class GapMethod : std::uint8_t {

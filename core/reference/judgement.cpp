@@ -26,7 +26,6 @@ constexpr int kFrozenSamples = 3;
 constexpr double kFrozenGap = 0.25;                          ///< in edges
 
 double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
-double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 void require(bool ok, std::string_view field, double value, std::string_view rule) {
   if (!ok) throw std::invalid_argument(fmt::format("{} = {:g} must be {}", field, value, rule));
@@ -52,8 +51,6 @@ void Judge::change(const JudgeSettings& settings) {
   run_ = {};
 }
 
-void Judge::reset() noexcept { counts_ = {}, run_ = {}; }
-
 double Judge::free_limit_m() const noexcept {
   return kDiagonal * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
 }
@@ -72,14 +69,7 @@ Judgement Judge::judge(const GapResult& gap, const ReportedContact& report) {
   } else {
     follow(gap, report);
     out.explanation = breach(gap, report, out);
-    if (!out.explanation.empty()) {
-      out.verdict = Verdict::kDisagree, out.cause = gap.self_check ? Cause::kRendering : Cause::kReference;
-    } else if (!gap.self_check) {
-      out.cause = Cause::kReference;
-      out.explanation = "nothing is wrong with the contact, but the reference's own cross-check fails";
-    } else if (out.decided) {
-      out.verdict = Verdict::kAgree;
-    }
+    conclude(gap.self_check, out);
     if (!gap.self_check) {
       out.decided = false;
       out.explanation += fmt::format(" (two ways to the same distance differ by {:.3g} mm)", mm(gap.self_error_m));
@@ -87,6 +77,17 @@ Judgement Judge::judge(const GapResult& gap, const ReportedContact& report) {
   }
   count(out);
   return out;
+}
+
+void Judge::conclude(bool checked, Judgement& out) {
+  if (!out.explanation.empty()) {
+    out.verdict = Verdict::kDisagree, out.cause = checked ? Cause::kRendering : Cause::kReference;
+  } else if (!checked) {
+    out.cause = Cause::kReference;
+    out.explanation = "nothing is wrong with the contact, but the reference's own cross-check fails";
+  } else if (out.decided) {
+    out.verdict = Verdict::kAgree;
+  }
 }
 
 void Judge::count(const Judgement& judgement) noexcept {

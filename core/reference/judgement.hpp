@@ -97,14 +97,7 @@ struct Judgement {
 struct JudgeCounts {
   std::uint64_t checked = 0, decided = 0, agree = 0, in_band = 0, disagree = 0;
   std::uint64_t rendering = 0, reference = 0;  ///< the disagreements by cause
-  /// Share of decided samples; 0 before the first.
-  double decided_share() const noexcept {
-    return checked > 0 ? static_cast<double>(decided) / static_cast<double>(checked) : 0.0;
-  }
 };
-
-/// At least this share of the checked samples should be decided, or the run says little.
-inline constexpr double kMinDecidedShare = 0.2;
 
 /// Which samples are checked: every n-th by sequence number, so that the choice does not depend on timing.
 constexpr bool is_checked(std::uint64_t sequence_number, std::uint64_t every) noexcept {
@@ -127,8 +120,6 @@ class Judge {
   const JudgeCounts& counts() const noexcept { return counts_; }
   /// Another scene within the session: counts go on, memory begins anew. Throws as the constructor.
   void change(const JudgeSettings& settings);
-  /// A new session: counts and memory begin anew.
-  void reset() noexcept;
 
   double free_limit_m() const noexcept;    ///< a gap above it is free
   double buried_limit_m() const noexcept;  ///< a depth above it must collide
@@ -148,6 +139,8 @@ class Judge {
   std::string depth_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const;
   std::string direction_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const;
   std::string torque_breach(const GapResult& gap, const ReportedContact& report) const;
+  /// Verdict and cause from the explanation found; `checked`: the reference's own cross-checks hold.
+  static void conclude(bool checked, Judgement& out);
   void count(const Judgement& judgement) noexcept;
 
   JudgeSettings settings_;

@@ -29,16 +29,15 @@ struct Union {
       if (const SignedPoint other = objects[i].mesh_signed_distance(x); other.distance_m < best.distance_m) best = other;
     return best;
   }
-  /// Unit vector from the nearest surface point to `x`, reversed if `inside`.
-  Vec3 direction(const Vec3& x, bool inside) const {
-    Vec3 arm = x - objects.front().nearest(x);
+  Vec3 nearest(const Vec3& x) const {
+    Vec3 best = objects.front().nearest(x);
     for (std::size_t i = 1; i < objects.size(); ++i)
-      if (const Vec3 other = x - objects[i].nearest(x); other.squaredNorm() < arm.squaredNorm()) arm = other;
-    return (inside ? -1.0 : 1.0) * arm.normalized();
+      if (const Vec3 other = objects[i].nearest(x); (x - other).squaredNorm() < (x - best).squaredNorm()) best = other;
+    return best;
   }
+  /// Unit vector from the nearest surface point to `x`, reversed if `inside`.
+  Vec3 direction(const Vec3& x, bool inside) const { return (inside ? -1.0 : 1.0) * (x - nearest(x)).normalized(); }
 };
-
-double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 /// See ReferenceScene: does `up`, found at `centre`, stand for the whole patch?
 bool stands_for_patch(const Union& all, const Vec3& centre, double distance, const Vec3& up, double reach, double lift) {
@@ -104,12 +103,7 @@ void ReferenceScene::move_to(double time_s) noexcept {
 
 double ReferenceScene::chord_error_m() const noexcept { return parts_->chord; }
 
-Vec3 ReferenceScene::nearest(const Vec3& x) const {
-  Vec3 best = parts_->statics.front().nearest(x);
-  for (std::size_t n = 1; n < parts_->statics.size(); ++n)
-    if (const Vec3 other = parts_->statics[n].nearest(x); (other - x).squaredNorm() < (best - x).squaredNorm()) best = other;
-  return best;
-}
+Vec3 ReferenceScene::nearest(const Vec3& x) const { return Union{parts_->statics}.nearest(x); }
 
 double ReferenceScene::tool_reach_m() const noexcept { return parts_->tool_reach; }
 

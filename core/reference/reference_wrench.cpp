@@ -184,10 +184,6 @@ ReferenceWrench::ReferenceWrench(const Scene& scene, double resolution_m) {
       Parts{std::move(statics), TriangleTree(outward_triangles(tool, scene.dynamic_mesh.pose)), resolution_m});
 }
 ReferenceWrench::~ReferenceWrench() = default;
-ReferenceWrench::ReferenceWrench(ReferenceWrench&&) noexcept = default;
-ReferenceWrench& ReferenceWrench::operator=(ReferenceWrench&&) noexcept = default;
-
-double ReferenceWrench::resolution_m() const noexcept { return parts_->resolution; }
 
 TrueWrench ReferenceWrench::at(const Pose& tool_in_world) const {
   if (!tool_in_world.finite()) return {};

@@ -36,13 +36,9 @@ class ReferenceWrench {
   /// static mesh, or if a static mesh is open: it has no inside to be in. Several static meshes count as their union.
   ReferenceWrench(const Scene& scene, double resolution_m);
   ~ReferenceWrench();
-  ReferenceWrench(ReferenceWrench&&) noexcept;
-  ReferenceWrench& operator=(ReferenceWrench&&) noexcept;
 
   /// A pose that is not finite gives zeros.
   TrueWrench at(const Pose& tool_in_world) const;
-
-  double resolution_m() const noexcept;
 
  private:
   struct Parts;

@@ -14,7 +14,6 @@ constexpr double kDirection = 6.0 * std::numbers::pi / 180.0;
 constexpr double kAlongSpring = 1e-6;  ///< rad
 constexpr double kSamePose = 1e-12;    ///< m, and of a unit quaternion
 
-double angle_off(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 double in_degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 double in_mm(double metres) { return 1e3 * metres; }
 
@@ -32,7 +31,7 @@ std::string state_breach(const ReportedTool& r) {
   if (!r.unplaced && !r.lag && !r.constrained && !same_pose(r.tool, r.hand))
     return fmt::format("nothing constrains the virtual tool, but it is {:.3g} mm away from the hand", in_mm((r.tool.position - r.hand.position).norm()));
   if (!force || r.wrench.force.isZero(0.0)) return "";
-  const double off = angle_off(r.wrench.force, r.tool.position - r.hand.position);
+  const double off = angle_between(r.wrench.force, r.tool.position - r.hand.position);
   if (off > kAlongSpring && (r.tool.position - r.hand.position).norm() > kSamePose)
     return fmt::format("the force is {:.3g} degrees off the spring's way", in_degrees(off));
   return "";
@@ -67,7 +66,7 @@ std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const 
     return fmt::format("a force of {:.3g} N, though nothing lies between the virtual tool and the hand, which is {:.3g} mm off the surface",
                        r.wrench.force.norm(), in_mm(at_hand.gap_m));
   if (!at_tool.unique_face || at_tool.direction.isZero() || tool.rubs || !settled || shift.norm() < kShortSpring * e) return "";
-  out.direction_error_rad = angle_off(r.wrench.force, at_tool.direction);
+  out.direction_error_rad = angle_between(r.wrench.force, at_tool.direction);
   if (out.direction_error_rad > kDirection)
     return fmt::format("the force is {:.3g} degrees off the contact's normal, more than {:.3g}", in_degrees(out.direction_error_rad),
                        in_degrees(kDirection));
@@ -85,14 +84,7 @@ Judgement Judge::judge(const GapResult& at_tool, const GapResult& at_hand, const
   } else {
     out.explanation = tool_breach(settings_, tool, at_tool, at_hand, report, out);
     out.decided = checked;
-    if (!out.explanation.empty()) {
-      out.verdict = Verdict::kDisagree, out.cause = checked ? Cause::kRendering : Cause::kReference;
-    } else if (checked) {
-      out.verdict = Verdict::kAgree;
-    } else {
-      out.cause = Cause::kReference;
-      out.explanation = "nothing is wrong with the contact, but the reference's own cross-check fails";
-    }
+    conclude(checked, out);
   }
   count(out);
   return out;

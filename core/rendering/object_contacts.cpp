@@ -83,22 +83,6 @@ void ObjectContacts::reset() noexcept {
   power_w_ = 0.0;
 }
 
-ContactResult ObjectContacts::probe(const Pose& tool, double time_s) noexcept {
-  ContactResult sum;
-  for (std::size_t n = 0; n < objects_.size(); ++n) {
-    StaticObject& object = *objects_[n];
-    const Vec3 shift = object.moves ? motion_at(*object.moves, time_s).position : Vec3::Zero();
-    ContactResult one = object.renderer->probe(object.moves ? moved_back(tool, shift) : tool);
-    if (one.deepest_depth_m > 0.0) one.deepest_point += shift;
-    if (n == 0) {
-      sum = one;
-    } else {
-      add_contact(one, sum);
-    }
-  }
-  return sum;
-}
-
 ContactResult ObjectContacts::probe(const Pose& tool, std::vector<std::uint32_t>& surface_ids) {
   surface_ids.clear();
   std::vector<std::uint32_t> of_one;

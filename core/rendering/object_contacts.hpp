@@ -47,9 +47,7 @@ class ObjectContacts {
   double power_w() const noexcept { return power_w_; }
   void reset() noexcept;
 
-  /// The models alone, without memory. Real-time safe.
-  ContactResult probe(const Pose& tool, double time_s = 0.0) noexcept;
-  /// The same, with the ids of the points in surface voxels of any object, ascending, each once. Allocates.
+  /// The models alone, without memory, with the ids of the points in surface voxels of any object, ascending, each once. Allocates.
   ContactResult probe(const Pose& tool, std::vector<std::uint32_t>& surface_ids);
 
   std::size_t size() const noexcept { return objects_.size(); }

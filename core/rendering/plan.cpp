@@ -245,19 +245,4 @@ Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   return plan;
 }
 
-std::string to_text(const Plan& plan) {
-  std::string text = fmt::format("Scene {} ({})\n", plan.scene, plan.scene_hash);
-  const auto section = [&](const char* title, const std::vector<std::string>& lines) {
-    if (lines.empty()) return;
-    text += fmt::format("{}:\n", title);
-    for (const std::string& line : lines) text += fmt::format("  - {}\n", line);
-  };
-  section("Built", plan.built);
-  section("Left out", plan.left_out);
-  section("Warnings", plan.warnings);
-  text += fmt::format("Memory: {}. Expected: at most about {:.1f} us a frame.\n", bytes_text(plan.bytes),
-                      plan.expected_ns_per_frame / 1e3);
-  return text;
-}
-
 }  // namespace voxtouch

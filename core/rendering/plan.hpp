@@ -103,7 +103,4 @@ double ns_per_contact_point(std::string_view contact_model) noexcept;
 /// "812 bytes", "96.0 kB", "2.5 MB".
 std::string bytes_text(std::uint64_t bytes);
 
-/// The plan as lines for a terminal.
-std::string to_text(const Plan& plan);
-
 }  // namespace voxtouch

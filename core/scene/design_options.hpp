@@ -1,11 +1,11 @@
 #pragma once
-/// What a scene asks of a coupling that is to be designed, instead of setting its parameters.
+/// What a scene asks of a coupling that is to be designed, instead of setting its parameters; and what a hand may be.
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "core/scene/hand_ranges.hpp"
+#include "core/coupling/design/loop_parts.hpp"
 
 namespace voxtouch {
 
@@ -33,7 +33,21 @@ struct DesignOptions {
   bool released = true;                     ///< nobody holding the device is one of the cases
   bool inject_damping = true;               ///< damping while in contact is allowed
   bool run_infeasible = false;              ///< run what was found even where the design is called infeasible
+  bool operator==(const DesignOptions&) const = default;
 };
+
+/// The range of hands for a grip; letting go is one of its cases. Apparent at the device, so that they add to its own
+/// mass, damping and stiffness.
+///
+/// Translation: engineering ranges. Arm: round published fits of its end point (0.55 kg, 6.5 Ns/m, 135 N/m; 1.3 kg).
+/// Pen: no published coefficients could be confirmed. Both are opened towards the light and soft end, the hard one.
+///
+/// Rotation: ASSUMPTIONS; no published ranges were found. Each is the translational one times the square of a lever at
+/// which the grip takes hold. Pen: the fingers' mass sits 3 cm from the tool's origin (2e-5 to 2e-4 kg m^2); they hold
+/// it at two places, tip and the fold of the thumb, 5 to 7 cm apart (0.1 to 2 Nm/rad, 2e-3 to 0.03 Nms/rad). Arm: fist
+/// and forearm at 8 to 10 cm (2e-3 to 2e-2 kg m^2), held by wrist and elbow through 13 to 16 cm (1 to 15 Nm/rad, 0.05
+/// to 0.6 Nms/rad).
+OperatorRange hand_range(Grip grip) noexcept;
 
 /// The hands that `ask` means on a device that is held by `grip`.
 OperatorRange operator_range(const DesignOptions& ask, Grip grip) noexcept;

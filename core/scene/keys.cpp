@@ -141,6 +141,30 @@ constexpr auto kMotion = joined(kWay, std::to_array<Key>({
   {"orientation", kQuaternion, kOptional, "[1, 0, 0, 0]"},
   {"press", kMaps, kOptional, "", "Buttons that the hand holds down meanwhile.", "", &press}}));
 
+// Above the largest a number is in the wrong unit (milliseconds, millimetres, per cent), not the property of a haptic device.
+constexpr auto kDeviceFile = std::to_array<Key>({
+  {"device", kText, kRequired, "", "Its name."},
+  {"rate_hz", kNumber, kRequired, "", "Samples a second [Hz].", "", nullptr, 1, 1e5},
+  {"max_force_n", kPositive, kRequired, "", "[N]"},
+  {"max_torque_nm", kNotNegative, kRequired, "", "0: gives none [Nm]."},
+  {"max_stiffness_n_per_m", kPositive, kRequired, "", "What it can show, not what its structure has [N/m]."},
+  {"mass_kg", kRange, kRequired, "", "Apparent at the tool, least and most over workspace and axes [kg]."},
+  {"damping_ns_per_m", kNotNegative, kRequired, "", "The least [Ns/m]."},
+  {"coulomb_friction_n", kNotNegative, kRequired, "", "[N]"},
+  {"position_resolution_m", kNumber, kRequired, "", "[m]", "", nullptr, 0, 0.01},
+  {"delay_s", kNumber, kRequired, "", "From the sample to the force, beside the hold of a period [s].", "", nullptr, 0, 1},
+  {"force_bandwidth_hz", kPositive, kOptional, "", "Left out: no lag [Hz]."},
+  {"rotation", kMap, kOptional, "", "", "", &device_rotation},
+  {"jitter", kNumber, kRequired, "", "The longest period is (1 + jitter) / rate_hz.", "", nullptr, 0, 10},
+  {"lost_in_a_row", kCount, kRequired, "", "Samples that may be lost one after the other.", "", nullptr, 0, 1000},
+  {"grip", kWord, kRequired, "", "How it is held.", "pen arm"}});
+constexpr auto kDeviceRotation = std::to_array<Key>({
+  {"inertia_kg_m2", kRange, kRequired, "", "[kg m^2]"},
+  {"damping_nms_per_rad", kNotNegative, kRequired, "", "[Nms/rad]"},
+  {"coulomb_friction_nm", kNotNegative, kRequired, "", "[Nm]"},
+  {"orientation_resolution_rad", kNumber, kRequired, "", "[rad]", "", nullptr, 0, 0.1},
+  {"max_stiffness_nm_per_rad", kPositive, kRequired, "", "[Nm/rad]"}});
+
 constexpr auto kScene = std::to_array<Key>({
   {"scene", kName, kRequired, "", "The scene's name."},
   {"voxel_size", kPositive, kRequired, "", "Edge of a voxel [m]."},
@@ -165,6 +189,8 @@ constinit const KeyGroup tool{"", "What a virtual tool must know of the tool.", 
 constinit const KeyGroup effect{"effect", "One effect.", kEffect};
 constinit const KeyGroup coupling{"", "Between contact and device.", kCoupling};
 constinit const KeyGroup device{"", "How the device moves the tool.", kDevice};
+constinit const KeyGroup device_file{"", "A device, as the coupling designer needs it.", kDeviceFile};
+constinit const KeyGroup device_rotation{"", "Only and always where max_torque_nm is above 0.", kDeviceRotation};
 constinit const KeyGroup motion{"motion", "What a simulated hand does with the tool's origin, in the scene.", kMotion};
 constinit const KeyGroup pose{"pose", "", kPose};
 constinit const KeyGroup part{"part", "A closed form that stands for the mesh, or a convex part of it, in the validator.", kPart};

@@ -1,5 +1,5 @@
 #pragma once
-/// The keys of a scene file: one table that the reader, its schema and the manual are made from. What a kind of effect takes
+/// The keys of scene and device files: one table that the reader, its schema and the manual are made from. What a kind of effect takes
 /// stands in the effects' own table, core/effects/effect_kind.hpp.
 #include <array>
 #include <cstdint>
@@ -53,7 +53,7 @@ struct Key {
   std::string_view meaning = {};   ///< a sentence for the manual and for editors; that of a single map stands in its group
   std::string_view words = {};     ///< the choices, parted by single spaces
   const KeyGroup* group = nullptr;
-  double low = 0.0, high = std::numeric_limits<double>::infinity();  ///< of a kNumber; `low`: least entries of a list
+  double low = 0.0, high = std::numeric_limits<double>::infinity();  ///< of a kNumber or kCount; `low`: least entries of a list
 };
 
 /// The keys of one map, in the order in which people are told of them.
@@ -75,6 +75,8 @@ inline constexpr std::string_view kModelsByArea = "clustered field", kKindsByHan
 
 extern const KeyGroup scene, static_mesh, dynamic_mesh, object, contact, tool, effect, coupling, device, motion;
 extern const KeyGroup pose, part, sphere, box, cylinder, region, region_sphere, hand, press, circle;
+/// A device file and its part for devices that give torque.
+extern const KeyGroup device_file, device_rotation;
 /// A motion without what only a hand has.
 extern const KeyGroup way;
 

@@ -84,40 +84,6 @@ double read_number(const SceneSource& source, const YamlNode& node, std::string_
   return *value;
 }
 
-static double read_within(const SceneSource& source, const YamlNode& node, std::string_view what, double low,
-                          double high) {
-  const double value = read_number(source, node, what);
-  if (value < low) source.fail(node.place, fmt::format("'{}' is {}; it must be {} or above.", what, value, low));
-  if (value > high) source.fail(node.place, fmt::format("'{}' is {}; it goes from {} to {}.", what, value, low, high));
-  return value;
-}
-
-double read_positive(const SceneSource& source, const YamlNode& node, std::string_view what) {
-  const double value = read_number(source, node, what);
-  if (!(value > 0.0)) source.fail(node.place, fmt::format("'{}' is {}; it must be above 0.", what, value));
-  return value;
-}
-
-double read_not_negative(const SceneSource& source, const YamlNode& node, std::string_view what) {
-  return read_within(source, node, what, 0.0, std::numeric_limits<double>::infinity());
-}
-
-std::uint64_t read_count(const SceneSource& source, const YamlNode& node, std::string_view what) {
-  if (!is_word(node)) mistyped(source, node, what, "a whole number from 0");
-  const auto value = parse_number<std::uint64_t>(node.text);
-  if (!value) mistyped(source, node, what, "a whole number from 0");
-  return *value;
-}
-
-std::array<double, 2> read_range(const SceneSource& source, const YamlNode& node, std::string_view what) {
-  if (node.kind != YamlNode::Kind::kSequence || node.items.size() != 2)
-    mistyped(source, node, what, "a range [low, high]");
-  const std::array range = {read_not_negative(source, node.items[0], what), read_not_negative(source, node.items[1], what)};
-  if (range[0] > range[1])
-    source.fail(node.place, fmt::format("'{}' goes from {} to {}; the lower end comes first.", what, range[0], range[1]));
-  return range;
-}
-
 std::string read_text(const SceneSource& source, const YamlNode& node, std::string_view what) {
   if (node.kind != YamlNode::Kind::kScalar) mistyped(source, node, what, "a text");
   if (node.text.empty()) source.fail(node.place, fmt::format("'{}' is empty.", what));
@@ -157,15 +123,34 @@ const std::vector<YamlNode>& read_list(const SceneSource& source, const YamlNode
   return node.items;
 }
 
+namespace {
+
+double read_within(const SceneSource& source, const YamlNode& node, std::string_view what, double low, double high) {
+  const double value = read_number(source, node, what);
+  if (value < low) source.fail(node.place, fmt::format("'{}' is {}; it must be {} or above.", what, value, low));
+  if (value > high) source.fail(node.place, fmt::format("'{}' is {}; it goes from {} to {}.", what, value, low, high));
+  return value;
+}
+
+std::uint64_t read_count(const SceneSource& source, const YamlNode& node, std::string_view what) {
+  if (!is_word(node)) mistyped(source, node, what, "a whole number from 0");
+  const auto value = parse_number<std::uint64_t>(node.text);
+  if (!value) mistyped(source, node, what, "a whole number from 0");
+  return *value;
+}
+
+}  // namespace
+
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, double& out) {
-  if (key.kind == KeyKind::kPositive)
-    out = read_positive(source, node, key.name);
-  else
-    out = read_within(source, node, key.name, key.low, key.high);
+  if (key.kind != KeyKind::kPositive) return void(out = read_within(source, node, key.name, key.low, key.high));
+  out = read_number(source, node, key.name);
+  if (!(out > 0.0)) source.fail(node.place, fmt::format("'{}' is {}; it must be above 0.", key.name, out));
 }
 
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::size_t& out) {
   out = read_count(source, node, key.name);
+  if (static_cast<double>(out) > key.high)
+    source.fail(node.place, fmt::format("'{}' is {}; it goes from 0 to {}.", key.name, out, key.high));
 }
 
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::uint32_t& out) {
@@ -189,7 +174,11 @@ void read_value(const SceneSource& source, const YamlNode& node, const Key& key,
 }
 
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::array<double, 2>& out) {
-  out = read_range(source, node, key.name);
+  if (node.kind != YamlNode::Kind::kSequence || node.items.size() != 2)
+    mistyped(source, node, key.name, "a range [low, high]");
+  for (std::size_t n = 0; n < 2; ++n) out[n] = read_within(source, node.items[n], key.name, 0.0, key.high);
+  if (out[0] > out[1])
+    source.fail(node.place, fmt::format("'{}' goes from {} to {}; the lower end comes first.", key.name, out[0], out[1]));
 }
 
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, Vec3& out) {

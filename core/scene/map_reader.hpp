@@ -31,11 +31,6 @@ std::string listed(const std::vector<std::string_view>& words);
 
 /// Values of one node. `what` names it in messages, for example "voxel_size". All throw SceneError at the node's place.
 double read_number(const SceneSource& source, const YamlNode& node, std::string_view what);  ///< finite
-double read_positive(const SceneSource& source, const YamlNode& node, std::string_view what);
-double read_not_negative(const SceneSource& source, const YamlNode& node, std::string_view what);
-std::uint64_t read_count(const SceneSource& source, const YamlNode& node, std::string_view what);  ///< 0, 1, 2, ...
-/// [low, high] with 0 <= low <= high.
-std::array<double, 2> read_range(const SceneSource& source, const YamlNode& node, std::string_view what);
 std::string read_text(const SceneSource& source, const YamlNode& node, std::string_view what);     ///< not empty
 /// Empty where `name` has letters, digits, '_', '-' and '.' (not in front), kLongestName at most: a name becomes part of file
 /// and topic names. Else what is wrong with it, to follow the name: "holds ...".
@@ -96,11 +91,6 @@ class MapReader {
   MapReader inner(std::string_view key) const { return {source_, require(key), key, *row_of(key).group}; }
   /// What the list that the key holds is made of: nothing where it is absent, unless it is required.
   const std::vector<YamlNode>& list(std::string_view key) const;
-  /// Sets `out` from `reader(source, node, key)` if the key is there.
-  template <class T, class Read>
-  void optional(std::string_view key, T& out, Read reader) const {
-    if (const YamlNode* value = find(key)) out = reader(source_, *value, key);
-  }
   /// The key's place, or the map's where it is absent.
   SourcePlace place_of(std::string_view key) const;
 

@@ -12,7 +12,7 @@ namespace voxtouch {
 void for_each_mesh_part(const std::filesystem::path& mesh, const std::string& bytes,
                         const std::function<void(std::string_view)>& take);
 
-/// hash_of_bytes over all of them: that of the file alone where there are no others.
+/// SceneHash over all of them: that of the file alone where there are no others.
 std::string hash_of_mesh(const std::filesystem::path& mesh, const std::string& bytes);
 
 }  // namespace voxtouch

@@ -60,6 +60,7 @@ struct WorkspaceMapping {
   Pose device_in_world;         ///< D in W
   Pose tool_offset;             ///< T in the device's tip frame
   std::optional<std::uint32_t> clutch_button;  ///< while pressed the tool stays and the device moves free
+  bool operator==(const WorkspaceMapping&) const = default;
 };
 
 struct Scene {

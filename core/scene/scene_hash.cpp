@@ -17,10 +17,4 @@ void SceneHash::add(std::string_view bytes) noexcept {
 
 std::string SceneHash::hex() const { return fmt::format("{:016x}", hash_.value()); }
 
-std::string hash_of_bytes(std::string_view bytes) {
-  SceneHash hash;
-  hash.add(bytes);
-  return hash.hex();
-}
-
 }  // namespace voxtouch

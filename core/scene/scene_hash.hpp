@@ -19,7 +19,4 @@ class SceneHash {
   Fnv1a hash_;
 };
 
-/// The same of one part alone.
-std::string hash_of_bytes(std::string_view bytes);
-
 }  // namespace voxtouch

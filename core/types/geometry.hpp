@@ -36,6 +36,7 @@ struct Pose {
     return {-(back * position), back};
   }
   bool finite() const noexcept { return position.allFinite() && orientation.coeffs().allFinite(); }
+  bool operator==(const Pose&) const = default;
 };
 
 /// Velocity of a frame's origin [m/s] and angular velocity [rad/s], both in the outer frame's axes.
@@ -52,6 +53,11 @@ struct Wrench {
   bool finite() const noexcept { return force.allFinite() && torque.allFinite(); }
   bool zero() const noexcept { return force.isZero(0.0) && torque.isZero(0.0); }
 };
+
+/// The matrix of v x: cross_matrix(v) * x = v x x. Real-time safe.
+inline Mat3 cross_matrix(const Vec3& v) noexcept {
+  return (Mat3() << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0).finished();
+}
 
 /// Normalises `q` if its norm lies in [`low`, `high`]; false and `q` untouched otherwise (also for NaN and Inf).
 inline bool normalise_within(Quat& q, double low, double high) noexcept {

@@ -256,4 +256,16 @@ ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uin
   return shells;
 }
 
+ClosedShells find_closed_shells(const GridMesh& mesh) {
+  const std::vector<std::uint32_t> welded = weld_vertices(mesh);
+  return find_closed_shells(mesh, welded, judge_triangles(mesh, welded));
+}
+
+std::vector<std::uint32_t> triangles_of_closed_parts(const ClosedShells& shells) {
+  std::vector<std::uint32_t> chosen;
+  for (std::uint32_t t = 0; t < shells.role.size(); ++t)
+    if (shells.role[t] != ShellRole::kNone) chosen.push_back(t);
+  return chosen;
+}
+
 }  // namespace voxtouch

@@ -40,5 +40,9 @@ struct ClosedShells {
 
 ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
                                 const std::vector<TriangleState>& state);
+/// The same from the mesh alone.
+ClosedShells find_closed_shells(const GridMesh& mesh);
+/// Triangles of the parts that enclose space, ascending.
+std::vector<std::uint32_t> triangles_of_closed_parts(const ClosedShells& shells);
 
 }  // namespace voxtouch

@@ -43,18 +43,6 @@ class Kinds {
   std::array<VoxelKind, kSide * kSide * kSide> kinds_;
 };
 
-std::vector<std::uint32_t> triangles_of_closed_parts(const ClosedShells& shells) {
-  std::vector<std::uint32_t> chosen;
-  for (std::size_t t = 0; t < shells.role.size(); ++t)
-    if (shells.role[t] != ShellRole::kNone) chosen.push_back(static_cast<std::uint32_t>(t));
-  return chosen;
-}
-
-ClosedShells closed_shells_of(const GridMesh& mesh) {
-  const std::vector<std::uint32_t> welded = weld_vertices(mesh);
-  return find_closed_shells(mesh, welded, judge_triangles(mesh, welded));
-}
-
 /// Eight values at the corners of a box, and what the interpolation between them does.
 using Corners = std::array<double, 8>;  // corner (x, y, z) at x + 2 y + 4 z
 
@@ -101,7 +89,7 @@ double steepest_square_inside(const Corners& d, double side, int splits, double 
 class DistanceFieldBuilder {
  public:
   DistanceFieldBuilder(const TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options)
-      : voxmap_(voxmap), mesh_(mesh, voxmap.grid()), shells_(closed_shells_of(mesh_)),
+      : voxmap_(voxmap), mesh_(mesh, voxmap.grid()), shells_(find_closed_shells(mesh_)),
         tree_(mesh_, triangles_of_closed_parts(shells_)) {
     field_.grid_ = voxmap.grid(), field_.base_ = voxmap.base(), field_.cells_ = voxmap.cells();
     field_.depth_voxels_ = static_cast<float>(options.depth_voxels);  // as the nodes hold it

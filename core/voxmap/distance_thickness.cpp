@@ -72,11 +72,8 @@ double solid_ahead(const GridMesh& mesh, const ClosedShells& shells, const Dista
 ThinnestWall thinnest_wall(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
                            std::size_t most_rays) {
   const GridMesh in_grid(mesh, grid);
-  const std::vector<std::uint32_t> welded = weld_vertices(in_grid);
-  const ClosedShells shells = find_closed_shells(in_grid, welded, judge_triangles(in_grid, welded));
-  std::vector<std::uint32_t> chosen;
-  for (std::size_t t = 0; t < in_grid.size(); ++t)
-    if (shells.role[t] != ShellRole::kNone) chosen.push_back(static_cast<std::uint32_t>(t));
+  const ClosedShells shells = find_closed_shells(in_grid);
+  const std::vector<std::uint32_t> chosen = triangles_of_closed_parts(shells);
   const DistanceTree tree(in_grid, chosen);
   const std::size_t stride = chosen.size() / std::max<std::size_t>(most_rays, 1) + 1;
   std::vector<double> found((chosen.size() + stride - 1) / stride, kNowhere);

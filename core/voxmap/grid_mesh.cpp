@@ -73,20 +73,14 @@ double expected_cells(const TriangleMesh& mesh, double edge_m) {
 
 }  // namespace
 
-Grid default_grid(std::span<const TriangleMesh* const> meshes, double edge) {
+Grid default_grid(const TriangleMesh& mesh, double edge) {
   check_edge(edge);
   Bounds bounds;
-  for (const TriangleMesh* mesh : meshes) add_bounds(*mesh, bounds);
-  if (meshes.empty()) throw std::runtime_error("no mesh was given: nothing to lay a grid around");
+  add_bounds(mesh, bounds);
   Grid grid;
   grid.edge = edge;
   for (int axis = 0; axis < 3; ++axis) grid.origin[axis] = edge * (std::floor(bounds.low[axis] / edge) - 1.0);
   return grid;
-}
-
-Grid default_grid(const TriangleMesh& mesh, double edge) {
-  const TriangleMesh* const one[] = {&mesh};
-  return default_grid(one, edge);
 }
 
 VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid) {

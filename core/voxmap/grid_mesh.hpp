@@ -3,7 +3,6 @@
 /// spent.
 #include <array>
 #include <cstdint>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -36,11 +35,10 @@ inline constexpr std::uint64_t kVoxelMemoryLimit = std::uint64_t{4} << 30;  ///<
 /// Voxel indices stay within +-2^30, so that borders and differences fit int32.
 inline constexpr double kMaxVoxelIndex = 1073741824.0;
 
-/// e * (floor(min / e) - 1) an axis over the used vertices of one or several meshes: one layer of free voxels
-/// before them. Throws std::runtime_error for no triangles, a vertex that is not finite, a bad index, or an
+/// e * (floor(min / e) - 1) an axis over the used vertices: one layer of free voxels before
+/// them. Throws std::runtime_error for no triangles, a vertex that is not finite, a bad index, or an
 /// edge that is not a positive number.
 Grid default_grid(const TriangleMesh& mesh, double edge);
-Grid default_grid(std::span<const TriangleMesh* const> meshes, double edge);
 
 /// Throws std::runtime_error like `default_grid`; else never refuses.
 VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid);

@@ -46,7 +46,7 @@ double six_volumes(const GridMesh& mesh, const ClosedShells& shells, Members::co
 class Sides {
  public:
   Sides(const GridMesh& mesh, const ClosedShells& shells)
-      : mesh_(mesh), shells_(shells), tree_(mesh, closed_triangles(shells)) {}
+      : mesh_(mesh), shells_(shells), tree_(mesh, triangles_of_closed_parts(shells)) {}
 
   /// +1 or -1 for the triangle as the file has it; nothing where both sides are alike.
   std::optional<int> outward(std::uint32_t t) const {
@@ -61,12 +61,6 @@ class Sides {
   }
 
  private:
-  static std::vector<std::uint32_t> closed_triangles(const ClosedShells& shells) {
-    std::vector<std::uint32_t> chosen;
-    for (std::uint32_t t = 0; t < shells.role.size(); ++t)
-      if (shells.role[t] != ShellRole::kNone) chosen.push_back(t);
-    return chosen;
-  }
   bool inside(const Vec3& at) const {
     std::vector<std::uint32_t> above;
     tree_.each_on_ray(at, Vec3::UnitZ(), [&](std::uint32_t triangle) { above.push_back(triangle); });

@@ -114,7 +114,6 @@ void write_map(const SurfaceBits& surface, const VoxelGroups& groups,
 }  // namespace
 
 Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
-                VoxeliseReport* report,
                 std::uint64_t memory_limit_bytes) {
   const VoxelEstimate estimate = estimate_voxels(mesh, grid);
   require_affordable(estimate, grid, memory_limit_bytes);
@@ -127,43 +126,11 @@ Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& p
   const Slabs slabs(in_grid, map.base().i, static_cast<std::size_t>(map.cells()[0]));
   const SurfaceBits surface = mark_surface(in_grid, slabs, map, parallel_for, estimate, memory_limit_bytes);
 
-  const std::vector<std::uint32_t> welded = weld_vertices(in_grid);
-  const std::vector<TriangleState> state = judge_triangles(in_grid, welded);
-  const ClosedShells shells = find_closed_shells(in_grid, welded, state);
+  const ClosedShells shells = find_closed_shells(in_grid);
   const VoxelGroups groups = group_voxels(surface, parallel_for);
   write_map(surface, groups, judge_groups(in_grid, slabs, shells, groups, parallel_for), map);
 
-  if (report) {
-    const auto count = [&](TriangleState s) {
-      return static_cast<std::size_t>(std::count(state.begin(), state.end(), s));
-    };
-    *report = {.triangles = mesh.triangles.size(),
-               .zero_area = count(TriangleState::kZeroArea),
-               .duplicates = count(TriangleState::kDuplicate),
-               .closed_parts = shells.closed_parts,
-               .open_parts = shells.open_parts,
-               .unoriented_parts = shells.unoriented_parts,
-               .turned_triangles = shells.turned_triangles,
-               .inside_out = shells.signed_volume < 0.0,
-               .has_interior = map.interior_count() > 0};
-  }
   return map;
-}
-
-std::string VoxeliseReport::warnings() const {
-  std::string text;
-  const auto say = [&](std::size_t count, const char* what) {
-    if (count > 0) text += std::to_string(count) + what;
-  };
-  say(zero_area, " zero-area triangles count as segments and have no normal.\n");
-  say(duplicates, " duplicate triangles were left out.\n");
-  say(open_parts, " open parts have a surface but no interior.\n");
-  say(turned_triangles, " triangles face the other way than their neighbours.\n");
-  say(unoriented_parts, " closed parts cannot be oriented; inside them was judged by parity.\n");
-  if (inside_out) text += "The mesh is inside out: its triangles run clockwise seen from outside.\n";
-  if (closed_parts > 0 && !has_interior)
-    text += "No voxel lies inside: the mesh is thinner than its surface layer.\n";
-  return text;
 }
 
 }  // namespace voxtouch

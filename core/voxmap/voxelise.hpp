@@ -8,33 +8,16 @@
 /// parts (`closed_shells.hpp`). Voxels that are not surface are grouped by common faces; a group's winding
 /// number is one number, found exactly for one voxel centre. So nested shells, overlapping shells, cavities
 /// and inverted meshes come out as the winding number says, and an open part has a surface but no interior.
-#include <string>
-
 #include "core/types/parallel.hpp"
 #include "core/voxmap/grid_mesh.hpp"
 #include "core/voxmap/voxmap.hpp"
 
 namespace voxtouch {
 
-/// What was found while making voxels.
-struct VoxeliseReport {
-  std::size_t triangles = 0, zero_area = 0, duplicates = 0;
-  std::size_t closed_parts = 0, open_parts = 0, unoriented_parts = 0;
-  /// disagreed with their neighbours; counted as turned round for "inside"
-  std::size_t turned_triangles = 0;
-  bool inside_out = false;           ///< the closed parts' signed volume is negative
-  /// false: open mesh, or everything inside is thinner than the surface layer
-  bool has_interior = false;
-
-  /// One sentence a finding, empty where there is nothing to say.
-  std::string warnings() const;
-};
-
 /// Throws std::runtime_error for a mesh that cannot be used and VoxelBudgetError for one that would not fit;
 /// both before memory is spent. Several static meshes: concatenate them; surface wins over interior. Same
 /// bits whatever `parallel_for` does.
 Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
-                VoxeliseReport* report = nullptr,
                 std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
 
 }  // namespace voxtouch

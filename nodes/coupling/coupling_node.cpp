@@ -212,7 +212,7 @@ class CouplingNode {
   void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
     const std::lock_guard lock(running_mutex_);
     const Design& design = running_.fitted.design;
-    const double displayed = stiffness_at_hand_n_per_m(running_.fitted, scene_.device, stiffness_.load());
+    const double displayed = stiffness_at_hand_n_per_m(running_.fitted.spec, scene_.device, stiffness_.load());
     report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash}};
     report.figures = {{"samples", {samples_.load(), "samples"}},
                       {"clamped_inputs", {clamped_.load(), "samples"}},

@@ -1,5 +1,5 @@
 // Device files for the coupling's designer: text to numbers that the design's own entrance takes, or a sentence.
-#include "core/coupling/design/design_check.hpp"
+#include "core/coupling/design/design_steps.hpp"
 #include "core/fitting/design_problem.hpp"
 #include "core/scene/device_file.hpp"
 #include "tests/fuzz/fuzz.hpp"

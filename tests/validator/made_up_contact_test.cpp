@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/reference/reference_scene.hpp"
+#include "tests/support/decided_share.hpp"
 #include "tests/unit/reference/test_scenes.hpp"
 #include "tests/validator/synthetic_contact.hpp"
 
@@ -91,7 +92,7 @@ TEST_P(PlantedFaults, NoneMeansNoAlarmAndAFifthDecided) {
   std::string sentence;
   const Judge judge = judged(GetParam()(), {}, &sentence);
   EXPECT_EQ(judge.counts().disagree, 0U) << sentence;
-  EXPECT_GT(judge.counts().decided_share(), kMinDecidedShare);
+  EXPECT_GT(test::decided_share(judge.counts()), test::kMinDecidedShare);
   EXPECT_EQ(judge.counts().checked, judge.counts().agree + judge.counts().in_band);
 }
 

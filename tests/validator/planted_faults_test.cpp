@@ -8,6 +8,7 @@
 
 #include "core/rendering/contact_parameters.hpp"
 #include "core/voxmap/grid_mesh.hpp"
+#include "tests/support/decided_share.hpp"
 #include "tests/validator/shipped_scenes.hpp"
 #include "tests/validator/walks.hpp"
 
@@ -30,10 +31,10 @@ TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
     EXPECT_EQ(c.checked, walk.gaps.size());
     EXPECT_EQ(c.checked, c.agree + c.in_band);
     if (walk.name.find(',') == std::string::npos) {
-      EXPECT_GE(c.decided_share(), kMinDecidedShare) << walk.name;
+      EXPECT_GE(test::decided_share(c), test::kMinDecidedShare) << walk.name;
     }
     std::printf("%-12s %-18s %4zu checked, %4zu in contact, %3.0f %% decided, %zu disagree\n", GetParam().c_str(),
-                walk.name.c_str(), walk.gaps.size(), walk.contacts(), 100 * c.decided_share(),
+                walk.name.c_str(), walk.gaps.size(), walk.contacts(), 100 * test::decided_share(c),
                 static_cast<std::size_t>(c.disagree));
   }
 }

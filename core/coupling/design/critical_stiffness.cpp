@@ -1,7 +1,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
 
 #include "core/coupling/design/design_axis.hpp"
 #include "core/coupling/design/first_crossing.hpp"
@@ -43,8 +42,7 @@ double transport(const LoopPlant& p) { return p.period_s + p.delay_s + p.effort_
 
 Crossing inner_crossing(const LoopPlant& bare, double velocity_filter_rad_per_s) {
   const LoopPlant p = with_a_hair_of_damping(bare);
-  const SampledPlant plant =
-      sample_plant(mass_of(p), damping_of(p), p.hand_stiffness, p.period_s, p.delay_s, p.effort_lag_s);
+  const SampledPlant plant = sample_plant(p);
   const VelocityResponse velocity(p.period_s, velocity_filter_rad_per_s);
   const auto response = [&](const Phasor& at) {
     const Complex value = plant_response(plant, at) * velocity(at);
@@ -118,19 +116,6 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
   if (c.law != Law::kSpringDamper && c.gain < 0.0 && -plant.hand_stiffness / c.gain < first.gain)
     first = {-plant.hand_stiffness / c.gain, 0.0};
   return {first.gain, first.angle / p.period_s};
-}
-
-double routh_stiffness(const LoopPlant& p, const LoopController& c) {
-  require_loop(p);
-  require_loop(c);
-  if (c.law != Law::kShapingFilter || c.injected_damping > 0.0)
-    throw std::invalid_argument("Routh's limit is known for a shaping filter without injected damping only.");
-  require_positive("gain", c.gain);
-  const double m = mass_of(p), b = damping_of(p), k_h = p.hand_stiffness, w0 = c.w0_rad_per_s;
-  const double twice = 2.0 * c.damping_ratio * w0;
-  // (m s^2 + b s + k_h)(s^2 + 2 d w0 s + w0^2) + K k w0^2, from s^4 down.
-  const double a4 = m, a3 = twice * m + b, a2 = m * w0 * w0 + twice * b + k_h, a1 = b * w0 * w0 + twice * k_h;
-  return std::max(0.0, ((a2 - a4 * a1 / a3) * a1 / a3 / (w0 * w0) - k_h) / c.gain);
 }
 
 }  // namespace voxtouch

@@ -1,4 +1,4 @@
-#include "core/coupling/design/design_kinds.hpp"
+#include "core/coupling/design/design_steps.hpp"
 
 #include <algorithm>
 #include <cmath>

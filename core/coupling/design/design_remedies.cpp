@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/coupling/design/axis_verdict.hpp"
-#include "core/coupling/design/design_text.hpp"
+#include "core/coupling/design/design_steps.hpp"
 #include "core/coupling/design/filter_search.hpp"
 
 namespace voxtouch {

@@ -1,4 +1,4 @@
-#include "core/coupling/design/design_text.hpp"
+#include "core/coupling/design/design_steps.hpp"
 
 #include <fmt/format.h>
 

@@ -9,9 +9,7 @@
 #include <stdexcept>
 
 #include "core/coupling/design/axis_verdict.hpp"
-#include "core/coupling/design/design_check.hpp"
-#include "core/coupling/design/design_kinds.hpp"
-#include "core/coupling/design/design_text.hpp"
+#include "core/coupling/design/design_steps.hpp"
 
 namespace voxtouch {
 namespace {

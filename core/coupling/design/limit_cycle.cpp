@@ -49,8 +49,7 @@ class Steps {
 }  // namespace
 
 double quantisation_gain(const LoopPlant& p, const LoopController& law, double contact_stiffness) {
-  const SampledPlant plant = sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness,
-                                          p.period_s, p.delay_s, p.effort_lag_s);
+  const SampledPlant plant = sample_plant(p);
   Steps steps(law, contact_stiffness, p.period_s);
   const std::size_t places = static_cast<std::size_t>(plant.whole_delay) + 2;
   std::vector<double> commands(places, 0.0);  // ring of the last ones

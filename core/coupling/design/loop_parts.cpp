@@ -21,15 +21,12 @@ class Findings {
   void positive(std::string_view field, double value) {
     rule(value >= kMinQuantity && value <= kMaxQuantity, field, value, kRangeText);
   }
+  /// For times, which are differences of others: rounding may leave next to nothing of them.
   void not_negative(std::string_view field, double value) {
     rule(value >= 0.0 && value <= kMaxQuantity, field, value, kOrZeroText);
   }
   void quantity_or_zero(std::string_view field, double value) {
     rule(value == 0.0 || (value >= kMinQuantity && value <= kMaxQuantity), field, value, kZeroOrText);
-  }
-  /// A time is a difference of others: rounding may leave next to nothing of it.
-  void time_or_none(std::string_view field, double value) {
-    rule(value >= 0.0 && value <= kMaxQuantity, field, value, fmt::format("from 0 to {}", kMaxQuantity));
   }
   void positive_or_none(std::string_view field, double value) {
     rule(value >= kMinQuantity, field, value, kNoLimitText);
@@ -64,8 +61,8 @@ void check_axis(const AxisModel& axis, const char* prefix, std::vector<std::stri
 void check_timing(const LoopTiming& timing, std::vector<std::string>& out) {
   Findings find("timing.", out);
   find.positive("period_s", timing.period_s);
-  find.time_or_none("delay_s", timing.delay_s);
-  find.time_or_none("jitter", timing.jitter);
+  find.not_negative("delay_s", timing.delay_s);
+  find.not_negative("jitter", timing.jitter);
   find.rule(timing.lost_in_a_row >= 0, "lost_in_a_row", timing.lost_in_a_row, "0 or above");
   if (timing.period_s > 0.0 && timing.delay_s > kMaxDelayPeriods * timing.period_s)
     out.push_back(fmt::format("timing.delay_s is {}; it must be at most {} periods of {} s.", timing.delay_s,

@@ -58,6 +58,7 @@ struct HandRange {
   double mass_min = 0.0, mass_max = 0.0;
   double damping_min = 0.0, damping_max = 0.0;
   double stiffness_min = 0.0, stiffness_max = 0.0;
+  bool operator==(const HandRange&) const = default;
 };
 
 struct OperatorRange {

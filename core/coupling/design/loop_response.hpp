@@ -66,9 +66,7 @@ inline Complex filter_response(double g, double damping_ratio, const Phasor& p) 
 class LoopResponse {
  public:
   LoopResponse(const LoopPlant& p, const LoopController& c)
-      : plant_(sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, p.period_s, p.delay_s,
-                            p.effort_lag_s)),
-        velocity_(p.period_s, c.velocity_filter_rad_per_s), c_(c), g_(0.5 * c.w0_rad_per_s * p.period_s),
+      : plant_(sample_plant(p)), velocity_(p.period_s, c.velocity_filter_rad_per_s), c_(c), g_(0.5 * c.w0_rad_per_s * p.period_s),
         period_(p.period_s) {}
 
   const SampledPlant& plant() const noexcept { return plant_; }

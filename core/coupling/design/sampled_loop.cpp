@@ -18,17 +18,12 @@ using Eigen::MatrixXd;
 using Row = Eigen::RowVectorXd;
 using Law = LoopController::Law;
 
-SampledPlant sample(const LoopPlant& p) {
-  return sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, p.period_s, p.delay_s,
-                      p.effort_lag_s);
-}
-
 /// The loop's matrix, built row by row: every signal of this instant is a row vector over the states, every state's next value
 /// a sum of signals. States: [x, T v, (f)] | commands of the past | controller | velocity filter. Efforts are in m/T^2.
 class LoopMatrix {
  public:
   LoopMatrix(const LoopPlant& p, const LoopController& c, double contact_stiffness)
-      : plant_(sample(p)), past_(plant_.whole_delay + (plant_.splits_period() ? 1 : 0)) {
+      : plant_(sample_plant(p)), past_(plant_.whole_delay + (plant_.splits_period() ? 1 : 0)) {
     const Index law_states = c.law == Law::kShapingFilter ? 2 : c.law == Law::kSpringDamper ? 1 : 0;
     const Index estimator = c.injected_damping > 0.0 ? 2 : 0;
     const Index n = plant_.order + past_ + law_states + estimator;

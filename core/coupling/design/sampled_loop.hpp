@@ -54,9 +54,4 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
 /// B up to which the inner loop (injected damping alone, no contact) is stable: stable for all 0 < B < result.
 double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s);
 
-/// Continuous approximation without hold, delay and lag (Routh): a hint only, at 1 kHz and 1 ms of delay 2 % too high at 5 Hz
-/// and twice too high at 40 Hz with a lag. Contact stiffness, K taken into account. Only for a shaping filter with gain > 0 and
-/// no injected damping; throws std::invalid_argument otherwise.
-double routh_stiffness(const LoopPlant& plant, const LoopController& controller);
-
 }  // namespace voxtouch

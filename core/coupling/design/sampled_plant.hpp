@@ -6,6 +6,8 @@
 /// Time is counted in periods and effort in m/T^2, so that the numbers are near 1 for a device of any size.
 #include <Eigen/Core>
 
+#include "core/coupling/design/sampled_loop.hpp"
+
 namespace voxtouch {
 
 /// States X = [x, T v, T^2/m f]; a command u [N or Nm] enters as (T^2/m) u. Without a lag f is no state: order 2, last row and
@@ -26,5 +28,9 @@ struct SampledPlant {
 /// of exp(A) - 1: near z = 1, where all that matters of a slow loop happens, the difference z - exp(A) keeps all its digits.
 SampledPlant sample_plant(double mass, double damping, double stiffness, double period_s, double delay_s,
                           double effort_lag_s);
+/// Device and hand together.
+inline SampledPlant sample_plant(const LoopPlant& p) {
+  return sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, p.period_s, p.delay_s, p.effort_lag_s);
+}
 
 }  // namespace voxtouch

@@ -5,7 +5,7 @@
 
 #include "core/coupling/design/axis_verdict.hpp"
 #include "core/coupling/design/certificates.hpp"
-#include "core/coupling/design/design_kinds.hpp"
+#include "core/coupling/design/design_steps.hpp"
 #include "core/coupling/design/loop_table.hpp"
 
 namespace voxtouch {

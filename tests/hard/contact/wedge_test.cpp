@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/coupling/pt2.hpp"
+#include "tests/support/coupling_models/pt2.hpp"
 #include "tests/support/seed.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
 

@@ -12,6 +12,7 @@
 #include "tests/hard/geometry/rig.hpp"
 #include "tests/support/heap_count/heap_count.hpp"
 #include "tests/support/seed.hpp"
+#include "tests/support/voxel_report.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
 
 namespace voxtouch::hard {
@@ -188,11 +189,10 @@ TEST(V2DegenerateTriangles, AThousandOfThemChangeNoVoxelNoPointAndNoForce) {
   std::printf("%s\n", off.text().c_str());
   EXPECT_GE(off.touching, 150U);
   for (std::size_t m = 0; m < 4; ++m) EXPECT_LT(off.metres[m], 1e-9) << model_name(m);
-  VoxeliseReport found;
-  voxelise(bad_ground, default_grid(bad_ground, kEdge), serial_for(), &found);
+  const test::VoxelReport found = test::voxel_report(bad_ground, default_grid(bad_ground, kEdge));
   EXPECT_EQ(found.zero_area, 143U + 143U + 143U + 143U);
   EXPECT_GE(found.duplicates, 143U + 143U);
-  EXPECT_GT(found.open_parts, 50U) << "the slivers, some of which hang together";
+  EXPECT_GT(found.shells.open_parts, 50U) << "the slivers, some of which hang together";
   const MeshReport said = inspect(bad_ground);
   EXPECT_EQ(said.zero_area.count, found.zero_area + 0U);
   EXPECT_EQ(said.duplicates.count + said.opposite_duplicates.count, found.duplicates);
@@ -351,21 +351,17 @@ TEST(V3OpenNonManifoldInverted, MoebiusBandPushesAwayFromBothItsSides) {
 
 TEST(V3OpenNonManifoldInverted, EachIsCountedAndNamed) {
   const std::vector<Defect> all = defects();
-  const auto report = [](const TriangleMesh& mesh) {
-    VoxeliseReport r;
-    voxelise(mesh, default_grid(mesh, kEdge), serial_for(), &r);
-    return r;
-  };
-  EXPECT_EQ(report(all[0].mesh).open_parts, 1U);
+  const auto report = [](const TriangleMesh& mesh) { return test::voxel_report(mesh, default_grid(mesh, kEdge)); };
+  EXPECT_EQ(report(all[0].mesh).shells.open_parts, 1U);
   EXPECT_EQ(inspect(all[0].mesh).open_edges.count, 3U);
-  EXPECT_EQ(report(all[1].mesh).turned_triangles, 1U);
+  EXPECT_EQ(report(all[1].mesh).shells.turned_triangles, 1U);
   EXPECT_EQ(inspect(all[1].mesh).flipped.examples, std::vector<std::uint32_t>{7});
-  EXPECT_TRUE(report(all[2].mesh).inside_out);
+  EXPECT_TRUE(report(all[2].mesh).inside_out());
   EXPECT_TRUE(inspect(all[2].mesh).inverted);
   EXPECT_EQ(inspect(all[3].mesh).non_manifold_edges.count, 1U);
   EXPECT_EQ(inspect(all[5].mesh).inward_parts.count, 1U);
   EXPECT_FALSE(inspect(moebius(0.03, 0.01, 48)).orientable);
-  EXPECT_EQ(report(moebius(0.03, 0.01, 48)).open_parts, 1U);
+  EXPECT_EQ(report(moebius(0.03, 0.01, 48)).shells.open_parts, 1U);
   for (const Defect& defect : all) EXPECT_FALSE(inspect(defect.mesh).sentences().empty()) << defect.name;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 /// The sampled half of the simulated loop: wall, coupling, injected damping.
-#include "core/coupling/pt2.hpp"
+#include "tests/support/coupling_models/pt2.hpp"
 #include "core/coupling/spring_damper.hpp"
 #include "tests/support/coupling_models/nonlinear_loop.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/coupling/pt2.hpp"
+#include "tests/support/coupling_models/pt2.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/coupling/design/sampled_loop.hpp"
-#include "core/coupling/pt2.hpp"
+#include "tests/support/coupling_models/pt2.hpp"
 #include "tests/unit/coupling_design/support.hpp"
 
 namespace voxtouch {

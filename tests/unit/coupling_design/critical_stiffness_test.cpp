@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/coupling/design/sampled_loop.hpp"
+#include "tests/unit/coupling_design/routh.hpp"
 #include "tests/unit/coupling_design/support.hpp"
 
 namespace voxtouch {
@@ -36,8 +37,8 @@ TEST(CriticalStiffness, EqualsTheReferenceToTheDigitsGiven) {
     worst_frequency = std::max(worst_frequency, std::abs(found.frequency_rad_per_s / omega - 1.0));
     if (c["routh_no_delay_k"].is_null()) continue;
     const double routh = c["routh_no_delay_k"];
-    EXPECT_NEAR(routh_stiffness(plant_of(c), controller_of(c)), routh, half_digit(routh, 9));
-    worst_routh = std::max(worst_routh, std::abs(routh_stiffness(plant_of(c), controller_of(c)) / routh - 1.0));
+    EXPECT_NEAR(test::routh_stiffness(plant_of(c), controller_of(c)), routh, half_digit(routh, 9));
+    worst_routh = std::max(worst_routh, std::abs(test::routh_stiffness(plant_of(c), controller_of(c)) / routh - 1.0));
   }
   RecordProperty("worst_relative_difference_e12", static_cast<int>(worst * 1e12));
   std::printf("largest relative difference from the printed digits: k_crit %.2g, omega_crit %.2g, Routh %.2g\n", worst,

@@ -97,21 +97,21 @@ TEST(DeviceCheck, RefusesDampingOfTurningThatComesTooLateForADeviceThatGivesTorq
 TEST(DeviceCheck, CountsTheScalesAndTheCoupling) {
   Scene s = scene_with();
   s.device.position_scale = 4, s.device.force_scale = 0.5;
-  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s, 600), 1200);
+  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s.coupling, s.device, 600), 1200);
   EXPECT_FALSE(check_device(s, phantom(), 600).fits());
   s.coupling.gain = 0.5;
   EXPECT_TRUE(check_device(s, phantom(), 600).fits());
   s.coupling.kind = "spring_damper", s.coupling.stiffness_n_per_m = 600;
-  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s, 600), 600);
+  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s.coupling, s.device, 600), 600);
   s.coupling.kind = "direct";
-  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s, 600), 1200);
+  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s.coupling, s.device, 600), 1200);
 }
 
 TEST(DeviceCheck, CountsTheCouplingsCap) {
   Scene s = scene_with();
   s.coupling.stiffness_cap_n_per_m = 900;
-  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s, 5000), 900);
-  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s, 500), 500);
+  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s.coupling, s.device, 5000), 900);
+  EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s.coupling, s.device, 500), 500);
   EXPECT_TRUE(check_device(s, phantom(), 5000).fits());
   s.coupling.stiffness_cap_n_per_m = 1100;
   EXPECT_FALSE(check_device(s, phantom(), 5000).fits());

@@ -35,7 +35,6 @@ TEST(MeshReport, HasNothingToSayOfACleanMesh) {
   EXPECT_EQ(r.edges, 18u);
   EXPECT_EQ(r.triangles, 12u);
   EXPECT_EQ(r.parts, 1u);
-  EXPECT_EQ(r.euler_characteristic, 2);
   EXPECT_NEAR(r.signed_volume_m3, 6.0, 1e-12);
   EXPECT_EQ(r.max, Vec3(1, 2, 3));
 }
@@ -94,7 +93,7 @@ TEST(MeshReport, TellsDuplicatesFromTrianglesTurnedRound) {
   EXPECT_EQ(r.opposite_duplicates.examples, Indices{5});
   EXPECT_TRUE(r.closed);
   EXPECT_EQ(r.non_manifold_edges.count, 0u);
-  EXPECT_EQ(sound_triangles(mesh), (Indices{0, 1, 2, 3}));
+  EXPECT_EQ(r.edges, 6u) << "of the sound triangles alone";
 }
 
 TEST(MeshReport, JudgesClosednessWithoutZeroAreaTriangles) {
@@ -108,7 +107,7 @@ TEST(MeshReport, JudgesClosednessWithoutZeroAreaTriangles) {
   EXPECT_EQ(r.zero_area.examples, (Indices{4, 5, 6}));
   EXPECT_TRUE(r.closed);
   EXPECT_EQ(r.triangles, 7u);
-  EXPECT_EQ(sound_triangles(mesh).size(), 4u);
+  EXPECT_EQ(r.edges, 6u) << "of the sound triangles alone";
 }
 
 TEST(MeshReport, LetsAZeroAreaTriangleFillTheGapAlongALongEdge) {
@@ -176,7 +175,7 @@ TEST(MeshReport, CountsVerticesThatAreNotFiniteOrNotUsed) {
   EXPECT_FALSE(r.closed);
   EXPECT_EQ(r.max, Vec3(1, 1, 0));
   EXPECT_TRUE(std::isfinite(r.signed_volume_m3));
-  EXPECT_EQ(sound_triangles(mesh), Indices{0});
+  EXPECT_EQ(r.edges, 3u) << "of the sound triangles alone";
 }
 
 TEST(MeshReport, ListsOnlyTheFirstFew) {

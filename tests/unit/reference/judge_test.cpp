@@ -236,10 +236,6 @@ TEST(Judge, CountsWhatItSaid) {
   EXPECT_EQ(counts.in_band, 1U);
   EXPECT_EQ(counts.disagree, 2U);
   EXPECT_EQ(counts.rendering, 2U);
-  EXPECT_EQ(counts.decided_share(), 0.5);
-  judge.reset();
-  EXPECT_EQ(judge.counts().checked, 0U);
-  EXPECT_EQ(judge.counts().decided_share(), 0.0);
 }
 
 TEST(Judge, WidensItsLimitsForShellsOffTheSurface) {

@@ -51,8 +51,9 @@ TEST(Objects, SumToWhatOneVoxmapGivesWhereTheyDoNotMeet) {
   const auto two = build_scene(scene_of("  - {mesh: plane.obj}\n" + wall + ", object: {name: wall}}\n"), serial_for());
   const Pose floor{Vec3(0.003, 0.002, 0.009), Quat::Identity()}, beside{Vec3(0.122, 0.002, 0.05), Quat::Identity()},
       corner{Vec3(0.122, 0.002, 0.009), Quat::Identity()};
-  EXPECT_LT((one->contacts().probe(floor).wrench.force - two->contacts().probe(floor).wrench.force).norm(), 0.05);
-  const ContactResult sum = two->contacts().probe(corner), a = two->contacts().object(0).renderer->probe(corner),
+  std::vector<std::uint32_t> ids;
+  EXPECT_LT((one->contacts().probe(floor, ids).wrench.force - two->contacts().probe(floor, ids).wrench.force).norm(), 0.05);
+  const ContactResult sum = two->contacts().probe(corner, ids), a = two->contacts().object(0).renderer->probe(corner),
                       b = two->contacts().object(1).renderer->probe(corner);
   ASSERT_GT(a.wrench.force.norm(), 0.0);
   ASSERT_GT(b.wrench.force.norm(), 0.0);
@@ -62,7 +63,7 @@ TEST(Objects, SumToWhatOneVoxmapGivesWhereTheyDoNotMeet) {
   EXPECT_EQ(sum.stiffness, Mat6(a.stiffness + b.stiffness));
   EXPECT_EQ(sum.stiffness_bound_n_per_m, a.stiffness_bound_n_per_m + b.stiffness_bound_n_per_m);
   EXPECT_EQ(sum.deepest_depth_m, std::max(a.deepest_depth_m, b.deepest_depth_m));
-  EXPECT_GT(two->contacts().probe(beside).wrench.force.norm(), 0.0);
+  EXPECT_GT(two->contacts().probe(beside, ids).wrench.force.norm(), 0.0);
 }
 
 TEST(Objects, OneThatMovesIsTouchedWhereItIsAndCarriesItsWork) {

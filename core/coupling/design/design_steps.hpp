@@ -1,8 +1,12 @@
 #pragma once
-/// One proposal for each kind of coupling; certified and shrunk, if need be, by the designer.
+/// The steps of the designer, each in a source of its own: what can be designed for at all, one proposal for each kind of coupling
+/// (certified and shrunk, if need be, by the designer), and what a person reads of the result. For this folder's own functions.
 #include "core/coupling/design/filter_search.hpp"
 
 namespace voxtouch {
+
+/// Throws std::invalid_argument with the first sentence about what is wrong with device, hands, contact or wishes.
+void refuse_impossible(const DesignProblem& request);
 
 struct Proposal {
   CouplingSpec spec;
@@ -21,5 +25,14 @@ Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProb
 /// of hands is known, the stiffest that holds on all its cases for a contact of any stiffness. What is shown
 /// stays below the device's limit. As requested where the series shows nine tenths of the target.
 Proposal propose_spring_damper(const DesignProblem& request, const std::vector<AxisProblem>& problems);
+
+/// What limits, one sentence each.
+std::vector<std::string> reasons_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                                    const Design& design);
+
+/// What would give the wish as it is: device damping, a shorter delay, a cap, a grip. Each was tried by the same certificates,
+/// with everything else unchanged. Empty where the wish is met.
+std::vector<std::string> remedies_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                                     const Design& design);
 
 }  // namespace voxtouch

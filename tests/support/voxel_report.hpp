@@ -1,0 +1,24 @@
+#pragma once
+/// What a mesh's triangles and parts are to the voxels: counted for tests by the same functions that `voxelise` asks.
+#include <algorithm>
+
+#include "core/voxmap/closed_shells.hpp"
+#include "core/voxmap/grid_mesh.hpp"
+
+namespace voxtouch::test {
+
+struct VoxelReport {
+  std::size_t zero_area = 0, duplicates = 0;
+  ClosedShells shells;
+  bool inside_out() const { return shells.signed_volume < 0.0; }
+};
+
+inline VoxelReport voxel_report(const TriangleMesh& mesh, const Grid& grid) {
+  const GridMesh in_grid(mesh, grid);
+  const std::vector<std::uint32_t> welded = weld_vertices(in_grid);
+  const std::vector<TriangleState> state = judge_triangles(in_grid, welded);
+  const auto count = [&](TriangleState s) { return static_cast<std::size_t>(std::count(state.begin(), state.end(), s)); };
+  return {count(TriangleState::kZeroArea), count(TriangleState::kDuplicate), find_closed_shells(in_grid, welded, state)};
+}
+
+}  // namespace voxtouch::test
