@@ -46,4 +46,8 @@ struct LauncherOptions {
 /// `options` must outlive the members. Throws std::runtime_error if a program cannot be started.
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& options);
 
+/// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not notice. Shows the ring of `options` and
+/// the meshes of its scene, and tells its address on stderr. Throws std::runtime_error where it cannot be started.
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options);
+
 }  // namespace voxtouch::cli
