@@ -26,6 +26,7 @@ struct BagMessage {
   std::span<const std::byte> bytes;  ///< CDR with its 4-byte encapsulation header
 };
 
+/// Allocates and waits for the disk; one thread at a time.
 class BagReader {
  public:
   /// `path`: the folder, or one .db3. Errors: kDisk, kFormat (compressed, mcap, no database at all).

@@ -19,12 +19,15 @@ namespace voxtouch::cli {
 class RunningNode {
  public:
   virtual ~RunningNode() = default;
+  /// As its status says it: "device", ...
   virtual const std::string& name() const noexcept = 0;
+  /// Asks it to end in order (SIGTERM, or its flag); does not wait, and does nothing to one that has ended.
   virtual void request_stop() = 0;
   /// Exit status once it has ended (128 + signal number if one ended it); does not wait.
   virtual std::optional<int> ended() = 0;
   /// Waits; ends it by force if it has not gone by then. Returns the exit status.
   int join(std::chrono::milliseconds patience);
+  /// Of the process that it runs in: this one where it is a thread.
   virtual std::uint32_t pid() const noexcept = 0;
 
  protected:
