@@ -2,7 +2,6 @@
 /// Which commands a device listens to at all, by who sent them and when; their content is the guard's matter.
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
 namespace voxtouch {
 
@@ -13,7 +12,6 @@ enum class GateVerdict : std::uint8_t {
   kOldSequence,     ///< as old as the last accepted command, or older
   kFutureSequence,  ///< answers a sample that has not been given out yet; would lock out every command after it
 };
-std::string_view name_of(GateVerdict verdict) noexcept;
 
 /// One device session follows one writer, the first whose command is good, and takes each answer once and in
 /// order. Real-time safe.

@@ -98,14 +98,6 @@ CartVector to_wire(const Vec6& xyz) noexcept {
   return wire;
 }
 
-LwrJacobian from_wire(const JacobianRows& wire) noexcept {
-  LwrJacobian xyz;
-  for (int row = 0; row < 6; ++row)
-    for (int col = 0; col < 7; ++col)
-      xyz(row, col) = wire[static_cast<std::size_t>(7 * kOrder[static_cast<std::size_t>(row)] + col)];
-  return xyz;
-}
-
 JacobianRows to_wire(const LwrJacobian& xyz) noexcept {
   JacobianRows wire;
   for (int row = 0; row < 6; ++row)

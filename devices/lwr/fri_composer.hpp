@@ -7,39 +7,23 @@
 
 namespace voxtouch::fri {
 
-/// The frame of the controller's $STIFFNESS.TASKFRAME, which wrenches on the wire are in.
-enum class TaskFrame : std::uint8_t { kTool, kBase };
-
 struct ComposerRules {
-  Strategy strategy = Strategy::kJointImpedance;
-  double joint_damping = 0.1;            ///< normalised, 0.1 to 1; with zero stiffness it does little
-  double cart_stiffness_n_per_m = 0.01;  ///< the least that controllers take; likewise the next
-  double cart_stiffness_nm_per_rad = 0.01;
-  double cart_damping = 0.1;
-  TaskFrame task_frame = TaskFrame::kTool;  ///< Cartesian mode only
-  LwrJoints posture = lwr_rest_posture();   ///< Cartesian mode only: resolves the redundancy inside the controller
+  double joint_damping = 0.1;  ///< normalised, 0.1 to 1; with zero stiffness it does little
   LwrJoints step_limit_rad = LwrJoints::Constant(1e-3);  ///< of the commanded position per answer
-};
-
-/// What is to act at the arm. Zero: nothing but the arm's own gravity compensation.
-struct Push {
-  LwrJoints add_torque = LwrJoints::Zero();  ///< joint mode
-  Wrench wrench;                             ///< Cartesian mode: base axes, about the tool's origin
-  Quat tool_in_base = Quat::Identity();      ///< Cartesian mode
 };
 
 /// Keeps the send count and the commanded position. Real-time safe.
 ///
 /// The flags are the same in every packet, so they cannot change outside MON. In command mode the position follows the measured
-/// one (in Cartesian mode: goes to the posture), by at most `step_limit_rad` an answer, so that what is left between commanded and
-/// measured position at the start of command mode is no jump.
+/// one by at most `step_limit_rad` an answer, so that what is left between commanded and measured position at the start of command
+/// mode is no jump.
 class FriComposer {
  public:
   explicit FriComposer(const ComposerRules& rules) noexcept;
 
-  /// The answer to `msr`. While `session` is not in command mode the position mirrors the controller's own command and `push` is
-  /// left out. `trusted`: the measured position may be followed; otherwise the commanded one stays where it is. Every number in it is finite, whatever came in: what is not is replaced by the last that was, without push.
-  const CmdPacket& answer(const MsrPacket& msr, const FriSession& session, bool trusted, const Push& push) noexcept;
+  /// The answer to `msr`. `push`: torque of the joints on top of the arm's own gravity compensation [Nm]. While `session` is not in
+  /// command mode the position mirrors the controller's own command and `push` is left out. `trusted`: the measured position may be followed; otherwise the commanded one stays where it is. Every number in it is finite, whatever came in: what is not is replaced by the last that was, without push.
+  const CmdPacket& answer(const MsrPacket& msr, const FriSession& session, bool trusted, const LwrJoints& push) noexcept;
   /// The answer to a packet that cannot be trusted beyond its header: the last position again, no push.
   const CmdPacket& answer_untrusted(const Header& header, const FriSession& session) noexcept;
   /// False until one answer was composed: there is no position to repeat yet.
@@ -48,8 +32,6 @@ class FriComposer {
  private:
   void head(const Header& header, const FriSession& session) noexcept;
   void place(const MsrPacket& msr, bool in_command, bool trusted) noexcept;
-  void push_with(const Push& push) noexcept;
-  void relax() noexcept;
 
   ComposerRules rules_;
   CmdPacket packet_;

@@ -131,7 +131,7 @@ struct CmdPacket {
   Command command;
 };
 
-// The layout, field by field. A table of the same offsets is in tests/interop/fri/decode_fri.py.
+// The sizes; tests/unit/lwr/layout_test.cpp has the layout field by field, and so has tests/interop/fri/decode_fri.py.
 static_assert(std::is_trivially_copyable_v<MsrPacket> && std::is_standard_layout_v<MsrPacket> &&
               sizeof(MsrPacket) == kMsrSize);
 static_assert(std::is_trivially_copyable_v<CmdPacket> && std::is_standard_layout_v<CmdPacket> &&
@@ -139,60 +139,5 @@ static_assert(std::is_trivially_copyable_v<CmdPacket> && std::is_standard_layout
 static_assert(alignof(MsrPacket) == 4 && alignof(CmdPacket) == 4);
 static_assert(sizeof(Header) == 8 && sizeof(Krl) == 132 && sizeof(Statistics) == 20 && sizeof(Interface) == 40);
 static_assert(sizeof(Robot) == 36 && sizeof(Measured) == 700 && sizeof(Command) == 236);
-#define VOXTOUCH_FRI_AT(packet, field, offset) static_assert(offsetof(packet, field) == (offset), #field)
-VOXTOUCH_FRI_AT(MsrPacket, header.send_seq, 0);
-VOXTOUCH_FRI_AT(MsrPacket, header.refl_seq, 2);
-VOXTOUCH_FRI_AT(MsrPacket, header.packet_size, 4);
-VOXTOUCH_FRI_AT(MsrPacket, header.datagram_id, 6);
-VOXTOUCH_FRI_AT(MsrPacket, krl.real, 8);
-VOXTOUCH_FRI_AT(MsrPacket, krl.integer, 72);
-VOXTOUCH_FRI_AT(MsrPacket, krl.boolean, 136);
-VOXTOUCH_FRI_AT(MsrPacket, krl.fill, 138);
-VOXTOUCH_FRI_AT(MsrPacket, interface.timestamp_s, 140);
-VOXTOUCH_FRI_AT(MsrPacket, interface.state, 144);
-VOXTOUCH_FRI_AT(MsrPacket, interface.quality, 146);
-VOXTOUCH_FRI_AT(MsrPacket, interface.msr_period_s, 148);
-VOXTOUCH_FRI_AT(MsrPacket, interface.cmd_period_s, 152);
-VOXTOUCH_FRI_AT(MsrPacket, interface.safety_limits, 156);
-VOXTOUCH_FRI_AT(MsrPacket, interface.statistics.answer_rate, 160);
-VOXTOUCH_FRI_AT(MsrPacket, interface.statistics.latency_s, 164);
-VOXTOUCH_FRI_AT(MsrPacket, interface.statistics.jitter_s, 168);
-VOXTOUCH_FRI_AT(MsrPacket, interface.statistics.miss_rate, 172);
-VOXTOUCH_FRI_AT(MsrPacket, interface.statistics.miss_counter, 176);
-VOXTOUCH_FRI_AT(MsrPacket, robot.power, 180);
-VOXTOUCH_FRI_AT(MsrPacket, robot.control, 182);
-VOXTOUCH_FRI_AT(MsrPacket, robot.error, 184);
-VOXTOUCH_FRI_AT(MsrPacket, robot.warning, 186);
-VOXTOUCH_FRI_AT(MsrPacket, robot.temperature, 188);
-VOXTOUCH_FRI_AT(MsrPacket, data.jnt_pos, 216);
-VOXTOUCH_FRI_AT(MsrPacket, data.cart_pos, 244);
-VOXTOUCH_FRI_AT(MsrPacket, data.cmd_jnt_pos, 292);
-VOXTOUCH_FRI_AT(MsrPacket, data.cmd_jnt_pos_fri_offset, 320);
-VOXTOUCH_FRI_AT(MsrPacket, data.cmd_cart_pos, 348);
-VOXTOUCH_FRI_AT(MsrPacket, data.cmd_cart_pos_fri_offset, 396);
-VOXTOUCH_FRI_AT(MsrPacket, data.jnt_trq, 444);
-VOXTOUCH_FRI_AT(MsrPacket, data.est_ext_jnt_trq, 472);
-VOXTOUCH_FRI_AT(MsrPacket, data.est_ext_tcp_ft, 500);
-VOXTOUCH_FRI_AT(MsrPacket, data.jacobian, 524);
-VOXTOUCH_FRI_AT(MsrPacket, data.mass_matrix, 692);
-VOXTOUCH_FRI_AT(MsrPacket, data.gravity, 888);
-VOXTOUCH_FRI_AT(CmdPacket, header.send_seq, 0);
-VOXTOUCH_FRI_AT(CmdPacket, header.refl_seq, 2);
-VOXTOUCH_FRI_AT(CmdPacket, header.packet_size, 4);
-VOXTOUCH_FRI_AT(CmdPacket, header.datagram_id, 6);
-VOXTOUCH_FRI_AT(CmdPacket, krl.real, 8);
-VOXTOUCH_FRI_AT(CmdPacket, krl.integer, 72);
-VOXTOUCH_FRI_AT(CmdPacket, krl.boolean, 136);
-VOXTOUCH_FRI_AT(CmdPacket, krl.fill, 138);
-VOXTOUCH_FRI_AT(CmdPacket, command.cmd_flags, 140);
-VOXTOUCH_FRI_AT(CmdPacket, command.jnt_pos, 144);
-VOXTOUCH_FRI_AT(CmdPacket, command.cart_pos, 172);
-VOXTOUCH_FRI_AT(CmdPacket, command.add_jnt_trq, 220);
-VOXTOUCH_FRI_AT(CmdPacket, command.add_tcp_ft, 248);
-VOXTOUCH_FRI_AT(CmdPacket, command.jnt_stiffness, 272);
-VOXTOUCH_FRI_AT(CmdPacket, command.jnt_damping, 300);
-VOXTOUCH_FRI_AT(CmdPacket, command.cart_stiffness, 328);
-VOXTOUCH_FRI_AT(CmdPacket, command.cart_damping, 352);
-#undef VOXTOUCH_FRI_AT
 
 }  // namespace voxtouch::fri

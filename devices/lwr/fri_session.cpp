@@ -8,6 +8,8 @@ namespace {
 /// kInvalid is below all others.
 int rank(Quality quality) noexcept { return quality == Quality::kInvalid ? -1 : static_cast<int>(quality); }
 
+bool mode_fits(const MsrPacket& msr) noexcept { return msr.robot.control == Control::kJointImpedance; }
+
 }  // namespace
 
 std::string_view sentence_of(Trouble trouble) noexcept {
@@ -42,10 +44,6 @@ std::string_view sentence_of(Trouble trouble) noexcept {
              "program sets "
              "$stiffness.strategy from it";
     case Trouble::kTooFast: return "a joint is over its speed limit: force is off until it is slower";
-    case Trouble::kFrameDiffers:
-      return "the controller's tool pose is not the one that the driver computes: $TOOL has to be the driver's "
-             "tool_in_flange, and "
-             "$BASE the robot's root";
     case Trouble::kClosed: return "the controller closed the interface (friClose)";
     case Trouble::kStopping: return "stopping";
   }
@@ -55,7 +53,6 @@ std::string_view sentence_of(Trouble trouble) noexcept {
 DeviceError error_of(Trouble trouble) noexcept {
   switch (trouble) {
     case Trouble::kDriveError:
-    case Trouble::kFrameDiffers:
     case Trouble::kTooManyDrops: return DeviceError::kFault;
     case Trouble::kClosed: return DeviceError::kDisconnected;
     default: return DeviceError::kRecoverable;
@@ -77,12 +74,6 @@ void FriSession::halt(Trouble why, double pause_s) noexcept {
   phase_ = Phase::kHalting;
   halted_by_ = why;
   pause_left_s_ = pause_s;
-}
-
-bool FriSession::mode_fits(const MsrPacket& msr) const noexcept {
-  const Control wanted =
-      rules_.strategy == Strategy::kCartesianImpedance ? Control::kCartesianImpedance : Control::kJointImpedance;
-  return msr.robot.control == wanted;
 }
 
 /// Errors and drives, told apart: what a person must mend, what may come back, and what has not been there yet.
@@ -153,7 +144,7 @@ Trouble FriSession::judge(const MsrPacket& msr, Trouble arm) const noexcept {
 }
 
 void FriSession::fill(Krl& krl) const noexcept {
-  krl.integer[kFrmIntStrategy] = static_cast<std::int32_t>(rules_.strategy);
+  krl.integer[kFrmIntStrategy] = static_cast<std::int32_t>(Strategy::kJointImpedance);
   krl.integer[kFrmIntRun] = phase_ == Phase::kStarting || phase_ == Phase::kRunning ? kRun : kHalt;
 }
 

@@ -24,7 +24,6 @@ enum class Trouble : std::uint8_t {
   kQualityDropped,    ///< in command mode
   kWrongControlMode,  ///< in command mode, but not with the strategy asked for
   kTooFast,           ///< a joint over its speed limit
-  kFrameDiffers,      ///< Cartesian mode: the controller's tool pose is not the one computed here
   kClosed,            ///< friClose, or the state is none
   kStopping,
 };
@@ -34,7 +33,6 @@ std::string_view sentence_of(Trouble trouble) noexcept;
 DeviceError error_of(Trouble trouble) noexcept;
 
 struct SessionRules {
-  Strategy strategy = Strategy::kJointImpedance;
   Quality start_quality = Quality::kPerfect;  ///< friStart is asked for from here on
   Quality keep_quality = Quality::kOk;        ///< in command mode force needs at least this
   double start_timeout_s = 5.0;               ///< from the request to command mode
@@ -56,8 +54,7 @@ class FriSession {
   enum class Phase : std::uint8_t { kHalting, kWaiting, kStarting, kRunning };
   explicit FriSession(const SessionRules& rules) noexcept : rules_(rules), pause_left_s_(0.0) {}
 
-  /// One new measurement, `elapsed_s` after the one before. `arm`: what the arm's geometry says about it (kNone, kTooFast,
-  /// kFrameDiffers).
+  /// One new measurement, `elapsed_s` after the one before. `arm`: what the arm's geometry says about it (kNone, kTooFast).
   void see(const MsrPacket& msr, double elapsed_s, Trouble arm) noexcept;
   /// For good: 0 is asked for, force is off.
   void request_stop() noexcept;
@@ -80,7 +77,6 @@ class FriSession {
  private:
   void advance(const MsrPacket& msr) noexcept;
   void halt(Trouble why, double pause_s) noexcept;
-  bool mode_fits(const MsrPacket& msr) const noexcept;
   Trouble drives(const MsrPacket& msr, double elapsed_s) noexcept;
   Trouble judge(const MsrPacket& msr, Trouble arm) const noexcept;
 

@@ -14,7 +14,6 @@ using namespace std::chrono_literals;
 
 constexpr std::uint64_t kGapPeriods = 5;  // after a longer gap a difference of positions says nothing about now
 constexpr double kBeyondLimitRad = 0.05;  // the arm's own stops are within this of its limits
-constexpr double kFrameDiffersM = 5e-3, kFrameDiffersRad = 0.05;
 
 std::int64_t wall_ns() noexcept {
   timespec now{};
@@ -167,41 +166,28 @@ void LwrDriver::measure(double elapsed_s) noexcept {
 }
 
 fri::Trouble LwrDriver::check_arm() const noexcept {
-  if ((rates_.rate().array().abs() > limits_.velocity_rad_s.array()).any()) return fri::Trouble::kTooFast;
-  if (options_.session.strategy != fri::Strategy::kCartesianImpedance) return fri::Trouble::kNone;
-  const Pose theirs = fri::from_wire(msr_.data.cart_pos);
-  const bool same = (theirs.position - posture_.tool.position).norm() < kFrameDiffersM &&
-                    theirs.orientation.angularDistance(posture_.tool.orientation) < kFrameDiffersRad;
-  return same ? fri::Trouble::kNone : fri::Trouble::kFrameDiffers;
+  const bool fast = (rates_.rate().array().abs() > limits_.velocity_rad_s.array()).any();
+  return fast ? fri::Trouble::kTooFast : fri::Trouble::kNone;
 }
 
 // --- what goes out
 
-fri::Push LwrDriver::push_for(const Wrench& command) noexcept {
-  fri::Push push;
+LwrJoints LwrDriver::push_for(const Wrench& command) noexcept {
   const Quat to_base = base_to_d_.conjugate();
-  push.wrench = {to_base * command.force, to_base * command.torque};
-  push.tool_in_base = posture_.tool.orientation;
-  push.add_torque = joint_torque(posture_.jacobian, push.wrench);
-  const double need = (push.add_torque.array().abs() / options_.max_add_torque_nm.array().max(1e-9)).maxCoeff();
-  if (need > 1.0) {
-    ++counts_.scaled;
-    push.add_torque /= need;
-    push.wrench.force /= need, push.wrench.torque /= need;
-  }
+  LwrJoints torque = joint_torque(posture_.jacobian, {to_base * command.force, to_base * command.torque});
+  const double need = (torque.array().abs() / options_.max_add_torque_nm.array().max(1e-9)).maxCoeff();
+  if (need > 1.0) ++counts_.scaled, torque /= need;
   const double step =
       options_.posture.ramp_s > 0.0 ? 1e-9 * static_cast<double>(period_ns_) / options_.posture.ramp_s : 1.0;
   posture_share_ = std::min(1.0, posture_share_ + step);
-  const LwrJoints with_posture =
-      push.add_torque + posture_share_ * posture_torque(options_.posture, posture_.jacobian, q_, rates_.rate());
-  push.add_torque = with_posture.cwiseMax(-options_.max_add_torque_nm).cwiseMin(options_.max_add_torque_nm);
-  return push;
+  torque += posture_share_ * posture_torque(options_.posture, posture_.jacobian, q_, rates_.rate());
+  return torque.cwiseMax(-options_.max_add_torque_nm).cwiseMin(options_.max_add_torque_nm);
 }
 
 void LwrDriver::answer_without_push() noexcept {
   pushing_ = false;
   posture_share_ = 0.0;
-  if (composer_) send(composer_->answer(msr_, session_, sample_.pose_valid, {}));
+  if (composer_) send(composer_->answer(msr_, session_, sample_.pose_valid, LwrJoints::Zero()));
 }
 
 bool LwrDriver::send(const fri::CmdPacket& packet) noexcept {

@@ -77,7 +77,7 @@ struct LwrStatus {
 /// its way back into command mode by itself.
 ///
 /// Force is J^T F, geometric Jacobian of the tool, plus the posture torque (posture_torque.hpp), with stiffness zero and the
-/// commanded position at the measured one; in Cartesian mode the controller maps it. The joint torques of a command that would need
+/// commanded position at the measured one. The joint torques of a command that would need
 /// more than `max_add_torque_nm` are made smaller in proportion. Twist is the Jacobian times low-passed joint rates; it lags by
 /// `twist_lag_s()`.
 ///
@@ -122,7 +122,7 @@ class LwrDriver final : public Driver {
   void accept() noexcept;
   void measure(double elapsed_s) noexcept;
   fri::Trouble check_arm() const noexcept;
-  fri::Push push_for(const Wrench& command) noexcept;
+  LwrJoints push_for(const Wrench& command) noexcept;
   void answer_without_push() noexcept;
   bool send(const fri::CmdPacket& packet) noexcept;
 

@@ -15,8 +15,6 @@ constexpr std::array<std::string_view, LwrArm::kJoints> kJointNames = {"A1", "A2
 
 fri::ComposerRules composer_rules(const LwrOptions& options, double period_s) {
   fri::ComposerRules rules = options.composer;
-  rules.strategy = options.session.strategy;
-  rules.posture = options.posture.posture;
   rules.step_limit_rad = 0.9 * period_s * lwr_limits().velocity_rad_s;
   return rules;
 }

@@ -31,7 +31,6 @@ void LwrOptions::validate() const {
   require(tool_in_flange.finite() && unit(tool_in_flange.orientation), "tool_in_flange",
           "finite, its quaternion of length one");
   require(d_in_base.finite() && unit(d_in_base.orientation), "d_in_base", "finite, its quaternion of length one");
-  require(session.strategy != fri::Strategy::kPosition, "session.strategy", "joint or Cartesian impedance");
   require(session.start_quality <= fri::Quality::kPerfect, "session.start_quality", "0 to 3");
   require(session.keep_quality <= session.start_quality, "session.keep_quality", "0 to session.start_quality");
   require_in(session.start_timeout_s, 0.01, 3600.0, "session.start_timeout_s");
@@ -39,9 +38,6 @@ void LwrOptions::validate() const {
   require_in(session.drives_off_grace_s, 0.0, 3600.0, "session.drives_off_grace_s");
   require(session.max_drops > 0, "session.max_drops", "at least 1");
   require_in(composer.joint_damping, 0.0, 1.0, "composer.joint_damping");
-  require_in(composer.cart_stiffness_n_per_m, 0.0, 5000.0, "composer.cart_stiffness_n_per_m");
-  require_in(composer.cart_stiffness_nm_per_rad, 0.0, 300.0, "composer.cart_stiffness_nm_per_rad");
-  require_in(composer.cart_damping, 0.0, 1.0, "composer.cart_damping");
   require_in(posture.stiffness_nm_per_rad, 0.0, 200.0, "posture.stiffness_nm_per_rad");
   require_in(posture.damping_nms_per_rad, 0.0, 50.0, "posture.damping_nms_per_rad");
   require_in(posture.max_torque_nm, 0.0, 20.0, "posture.max_torque_nm");

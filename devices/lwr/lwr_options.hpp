@@ -20,10 +20,10 @@ struct LwrOptions {
   double max_age_s = 0.02;          ///< a measurement that lay in the kernel for longer is no news
   double virtual_timeout_s = 10.0;  ///< how long a controller in virtual time may take for its next measurement
   double stop_timeout_s = 0.5;      ///< for leaving command mode at the end
-  Pose tool_in_flange;              ///< T; Cartesian mode: the same as the controller's $TOOL
+  Pose tool_in_flange;              ///< T
   Pose d_in_base;                   ///< frame D in the robot's base (z up, along axis 1)
-  fri::SessionRules session;        ///< strategy: joint impedance, or Cartesian as an option
-  fri::ComposerRules composer;      ///< strategy and step limit are set by the driver
+  fri::SessionRules session;
+  fri::ComposerRules composer;      ///< the step limit is set by the driver
   PostureRules posture;
   double rate_cutoff_hz = 50.0;  ///< low-pass of the joint rates, which the twist is made of
   /// Torque on top of the arm's own, joint by joint: the limits less what holds the arm up, and no more than the $stiffness

@@ -38,7 +38,16 @@ const OperatorConfig& checked(const OperatorConfig& config) {
   return config;
 }
 
-Motion checked(Motion motion) {
+double checked_step(double step_s, double bandwidth_hz) {
+  if (!(step_s > 0.0 && step_s <= 0.01)) throw std::runtime_error("simulated hand: the step has to be in (0, 0.01] s");
+  if (!(bandwidth_hz > 0.0))
+    throw std::runtime_error("simulated hand: the bandwidth has to be over 0 Hz (infinity for none)");
+  return step_s;
+}
+
+}  // namespace
+
+Motion checked_motion(Motion motion) {
   const auto finite = [](const Vec3& point) { return point.allFinite(); };
   if (motion.path.empty() || !std::all_of(motion.path.begin(), motion.path.end(), finite))
     throw std::runtime_error("simulated hand: the motion needs at least one way point, and all of them finite");
@@ -54,15 +63,6 @@ Motion checked(Motion motion) {
     throw std::runtime_error("simulated hand: the motion's orientation is no rotation");
   return motion;
 }
-
-double checked_step(double step_s, double bandwidth_hz) {
-  if (!(step_s > 0.0 && step_s <= 0.01)) throw std::runtime_error("simulated hand: the step has to be in (0, 0.01] s");
-  if (!(bandwidth_hz > 0.0))
-    throw std::runtime_error("simulated hand: the bandwidth has to be over 0 Hz (infinity for none)");
-  return step_s;
-}
-
-}  // namespace
 
 std::optional<OperatorConfig> grip(std::string_view name) {
   const auto found = std::find_if(kGrips.begin(), kGrips.end(), [name](const NamedGrip& g) { return g.name == name; });
@@ -90,7 +90,7 @@ const std::vector<std::string_view>& grip_names() {
 
 Hand::Hand(const OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed, const ToolDrag& drag,
            double bandwidth_hz)
-    : config_(checked(config)), motion_(checked(std::move(motion))), step_s_(checked_step(step_s, bandwidth_hz)),
+    : config_(checked(config)), motion_(checked_motion(std::move(motion))), step_s_(checked_step(step_s, bandwidth_hz)),
       drag_(drag), seed_(seed), tremor_(config.tremor_n, config.tremor_bandwidth_hz, step_s, seed),
       first_(motion_at(motion_, 0.0).position), second_(first_), orientation_(motion_.orientation) {
   if (!std::isfinite(bandwidth_hz)) return;
@@ -145,7 +145,7 @@ void Hand::take(const OperatorConfig& config) {
 }
 
 void Hand::follow(Motion motion) {
-  motion_ = checked(std::move(motion));
+  motion_ = checked_motion(std::move(motion));
   motion_start_s_ = time_s();
 }
 

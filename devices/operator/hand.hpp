@@ -17,6 +17,10 @@ namespace voxtouch {
 std::optional<OperatorConfig> grip(std::string_view name);
 const std::vector<std::string_view>& grip_names();
 
+/// The motion, its orientation normalised. Throws std::runtime_error, a sentence, for one that no hand can follow: no way point, a
+/// number that is not finite, no speed, an orientation that is none.
+Motion checked_motion(Motion motion);
+
 /// What a hand that carries its tool makes up for; see OperatorConfig::carries_tool.
 struct ToolDrag {
   double damping_ns_per_m = 0.0;

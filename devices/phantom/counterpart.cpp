@@ -1,6 +1,5 @@
 #include "devices/phantom/counterpart.hpp"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "core/types/number.hpp"
 #include "devices/counterpart.hpp"
+#include "devices/operator/hand_file.hpp"
 #include "devices/phantom/phantom_driver.hpp"
 #include "devices/phantom/phantom_models.hpp"
 #include "devices/settings.hpp"
@@ -105,81 +105,27 @@ PhantomOptions hardware_options(const DeviceOptions& options) {
 }
 
 /// The hooks that set the scene for the simulated library, which stays loaded for as long as the process runs.
-struct Hooks {
-  decltype(&hdsim_use_virtual_time) use_virtual_time = nullptr;
-  decltype(&hdsim_set_seed) set_seed = nullptr;
-  decltype(&hdsim_set_model) set_model = nullptr;
-  decltype(&hdsim_set_motion) set_motion = nullptr;
-  decltype(&hdsim_set_hand) set_hand = nullptr;
-  decltype(&hdsim_set_switches) set_switches = nullptr;
-  decltype(&hdsim_inject) inject = nullptr;
-  decltype(&hdsim_last_message) last_message = nullptr;
-
-  explicit Hooks(const std::string& library) {
-    void* const handle = dlopen(library.c_str(), RTLD_LAZY | RTLD_NOLOAD);
-    const auto find = [&](auto& function, const char* name) {
-      function = reinterpret_cast<std::decay_t<decltype(function)>>(handle != nullptr ? dlsym(handle, name) : nullptr);
-      if (function == nullptr)
-        throw DeviceOpenError(fmt::format(
-            "device '{}': {} is no simulated library (it has no {}); leave out the option library, or open 'phantom'",
-            kWire, library, name));
-    };
-    find(use_virtual_time, "hdsim_use_virtual_time");
-    find(set_seed, "hdsim_set_seed");
-    find(set_model, "hdsim_set_model");
-    find(set_motion, "hdsim_set_motion");
-    find(set_hand, "hdsim_set_hand");
-    find(set_switches, "hdsim_set_switches");
-    find(inject, "hdsim_inject");
-    find(last_message, "hdsim_last_message");
-  }
-  void must(int result) const {
-    if (result < 0) throw DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", kWire, last_message()));
-  }
-};
-
-void set_motion(const Hooks& hooks, const Motion& motion) {
-  std::vector<double> points;
-  for (const Vec3& point : motion.path) points.insert(points.end(), point.begin(), point.end());
-  const Vec3 centre = motion.circle_centre.value_or(Vec3::Zero());
-  const Vec3& axis = motion.circle_axis;
-  const Quat& q = motion.orientation;
-  const hdsim_motion out{.points = points.data(),
-                         .point_count = motion.path.size(),
-                         .speed = motion.speed_m_per_s,
-                         .hold = motion.hold_s,
-                         .repeat_from = motion.repeat_from ? static_cast<std::int64_t>(*motion.repeat_from) : -1,
-                         .circle_centre = motion.circle_centre ? centre.data() : nullptr,
-                         .circle_axis = {axis.x(), axis.y(), axis.z()},
-                         .orientation = {q.w(), q.x(), q.y(), q.z()}};
-  hooks.must(hooks.set_motion(&out));
-}
-
-void set_hand(const Hooks& hooks, const OperatorConfig& hand) {
-  const auto never_is_negative = [](double time_s) { return std::isinf(time_s) ? -1.0 : time_s; };
-  const hdsim_hand out{.mass = hand.mass_kg,
-                       .damping = hand.damping_ns_per_m,
-                       .stiffness = hand.stiffness_n_per_m,
-                       .let_go_at = never_is_negative(hand.let_go_at_s),
-                       .grip_harder_at = never_is_negative(hand.grip_harder_at_s),
-                       .grip_factor = hand.grip_factor,
-                       .tremor = hand.tremor_n,
-                       .tremor_bandwidth = hand.tremor_bandwidth_hz,
-                       .released = hand.released,
-                       .carries_tool = hand.carries_tool};
-  hooks.must(hooks.set_hand(&out));
+const HdSimHooks& hooks_of(const HdLibrary& library) {
+  if (library.hooks().complete()) return library.hooks();
+  throw DeviceOpenError(fmt::format(
+      "device '{}': {} is no simulated library (it has no hdsim_ functions); leave out the option library, or open 'phantom'", kWire,
+      library.name()));
 }
 
 class WirePhantom final : public Counterpart {
  public:
   WirePhantom(const PhantomOptions& driver, const DeviceOptions& options, const SettingReader& settings)
-      : hooks_(HdLibrary::load(driver.library).name()), faults_(parse_faults(settings)) {
-    hooks_.must(hooks_.use_virtual_time(options.lockstep));
-    hooks_.must(hooks_.set_seed(options.seed));
-    if (const auto model = settings.text("model")) hooks_.must(hooks_.set_model(model->c_str()));
-    set_hand(hooks_, options.hand.value_or(sim_phantom().hand));
-    set_motion(hooks_, motion_in_device(motion_of(options), {driver.origin_in_d, Quat::Identity()}, {}, 1.0));
-    hooks_.must(hooks_.set_switches(0, 1, 1));  // the stylus is in its inkwell until the device is open
+      : hooks_(hooks_of(HdLibrary::load(driver.library))), faults_(parse_faults(settings)) {
+    must(hooks_.use_virtual_time(options.lockstep));
+    must(hooks_.set_seed(options.seed));
+    if (const auto model = settings.text("model")) must(hooks_.set_model(model->c_str()));
+    HandFile file;
+    file.hand = options.hand.value_or(sim_phantom().hand);
+    file.motion = motion_in_device(motion_of(options), {driver.origin_in_d, Quat::Identity()}, {}, 1.0);
+    const std::string hand = to_text(file);
+    must(hooks_.set_hand(hand.c_str()));
+    must(hooks_.set_motion(hand.c_str()));
+    must(hooks_.set_switches(0, 1, 1));  // the stylus is in its inkwell until the device is open
     driver_ = std::make_unique<PhantomDriver>(driver);
     hooks_.set_switches(0, 1, 0);
   }
@@ -193,7 +139,11 @@ class WirePhantom final : public Counterpart {
   }
 
  private:
-  Hooks hooks_;
+  void must(int result) const {
+    if (result < 0) throw DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", kWire, hooks_.last_message()));
+  }
+
+  const HdSimHooks& hooks_;
   std::vector<Fault> faults_;  // by time
   std::size_t next_ = 0;
   std::int64_t now_ns_ = 0;

@@ -19,9 +19,15 @@ const std::vector<std::string>& usual_names() {
   return names;
 }
 
-template <class F>
-void find(F& f, void* library, const char* name) {
-  f = reinterpret_cast<F>(dlsym(library, name));
+HdSimHooks find_hooks(void* library) {
+  HdSimHooks hooks;
+  bool all = true;
+#define VOXTOUCH_HDSIM_FIND(name)                                                         \
+  hooks.name = reinterpret_cast<decltype(hooks.name)>(dlsym(library, "hdsim_" #name)); \
+  all = all && hooks.name != nullptr;
+  VOXTOUCH_HDSIM_HOOKS(VOXTOUCH_HDSIM_FIND)
+#undef VOXTOUCH_HDSIM_FIND
+  return all ? hooks : HdSimHooks{};
 }
 
 }  // namespace
@@ -36,10 +42,7 @@ std::string HdLibrary::open(const std::string& file) {
   const std::string_view missing =
       hd::resolve_api(api_, [library](const char* function) { return dlsym(library, function); });
   if (!missing.empty()) return fmt::format("{} has no function {}: it is no HDAPI library", file, missing);
-  find(hooks_.use_virtual_time, library, "hdsim_use_virtual_time");
-  find(hooks_.step, library, "hdsim_step");
-  find(hooks_.read_state, library, "hdsim_read_state");
-  find(hooks_.last_message, library, "hdsim_last_message");
+  hooks_ = find_hooks(library);
   name_ = file;
   return {};
 }

@@ -8,14 +8,13 @@
 namespace voxtouch {
 
 /// What only the simulated library has. Null in the vendor's.
+#define VOXTOUCH_HDSIM_HOOKS(X) \
+  X(use_virtual_time) X(set_seed) X(set_model) X(set_motion) X(set_hand) X(set_switches) X(step) X(inject) X(read_state) X(last_message)
 struct HdSimHooks {
-  decltype(&hdsim_use_virtual_time) use_virtual_time = nullptr;
-  decltype(&hdsim_step) step = nullptr;
-  decltype(&hdsim_read_state) read_state = nullptr;
-  decltype(&hdsim_last_message) last_message = nullptr;
-  bool complete() const noexcept {
-    return use_virtual_time != nullptr && step != nullptr && read_state != nullptr && last_message != nullptr;
-  }
+#define VOXTOUCH_HDSIM_MEMBER(name) decltype(&hdsim_##name) name = nullptr;
+  VOXTOUCH_HDSIM_HOOKS(VOXTOUCH_HDSIM_MEMBER)
+#undef VOXTOUCH_HDSIM_MEMBER
+  bool complete() const noexcept { return last_message != nullptr; }  ///< all of them are there, or none is
 };
 
 /// One a process, and for as long as it runs: the vendor's library does not survive being closed and loaded again.

@@ -61,7 +61,8 @@ HdSession::Claim::~Claim() {
 
 HdSession::HdSession(const HdLibrary& library, const PhantomOptions& options)
     : library_(library), api_(library.api()), options_(options), claim_(api_) {
-  choose_time();
+  hdsim_state state{};
+  virtual_time_ = library.hooks().complete() && library.hooks().read_state(&state, sizeof state) == 0 && state.virtual_time != 0;
   initiate();
   ask();
 }
@@ -72,23 +73,6 @@ void HdSession::must(std::string_view what) {
   const hd::HDerror code = take_errors(api_);
   if (code == hd::kSuccess) return;
   throw DeviceOpenError(fmt::format("device 'phantom': {} failed with error {}", what, error_text(api_, code)));
-}
-
-/// Virtual time is asked for here, or has been set in the simulated library before.
-void HdSession::choose_time() {
-  const HdSimHooks& hooks = library_.hooks();
-  if (!hooks.complete()) {
-    if (options_.virtual_time)
-      throw DeviceOpenError(fmt::format(
-          "device 'phantom': option virtual_time is set, but {} is no simulated library; its time is the clock's",
-          library_.name()));
-    return;
-  }
-  hdsim_state state{};
-  const auto is_virtual = [&] { return hooks.read_state(&state, sizeof state) == 0 && state.virtual_time != 0; };
-  if (options_.virtual_time && !is_virtual() && hooks.use_virtual_time(1) != 0)
-    throw DeviceOpenError(fmt::format("device 'phantom': no virtual time: {}", hooks.last_message()));
-  virtual_time_ = is_virtual();
 }
 
 void HdSession::initiate() {

@@ -18,7 +18,7 @@ namespace voxtouch {
 /// Order of the end, from wherever it got to: force output off, servo loop stopped, callback taken out, device disabled.
 class HdSession {
  public:
-  /// Initiates the device and asks it. Throws DeviceOpenError: another session is open in this process, no device, no virtual time.
+  /// Initiates the device and asks it. Throws DeviceOpenError: another session is open in this process, no device.
   HdSession(const HdLibrary& library, const PhantomOptions& options);
   ~HdSession();
   HdSession(const HdSession&) = delete;
@@ -44,7 +44,6 @@ class HdSession {
     hd::HDSchedulerHandle callback = 0;
   };
 
-  void choose_time();
   void initiate();
   bool initiate(const char* name, std::string& tried);
   void ask();

@@ -167,13 +167,4 @@ std::string PhantomDriver::trouble() const {
   return {};
 }
 
-std::string PhantomDriver::status_text() const {
-  if (const std::string text = trouble(); !text.empty()) return fmt::format("{}: {}", description_.model, text);
-  const double limit_n = sample_.force_limit_n;
-  if (limit_n > 0.0 && limit_n < description_.max_force_n)
-    return fmt::format("{}: motors are warm, force is cut to {:.2f} N; let go for a while", description_.model,
-                       limit_n);
-  return fmt::format("{}: nothing keeps the force off", description_.model);
-}
-
 }  // namespace voxtouch

@@ -63,8 +63,6 @@ class PhantomDriver final : public Driver {
   std::string trouble() const override;
 
   PhantomStatus status() const noexcept;
-  /// What keeps the force off and what to do, or that nothing does. Allocates.
-  std::string status_text() const;
   double twist_lag_s() const noexcept { return servo_->twist_lag_s(); }
 
  private:

@@ -1,10 +1,10 @@
 #include "devices/sim/simulated_device.hpp"
 
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "devices/limits.hpp"
+#include "devices/operator/hand.hpp"
 
 namespace voxtouch {
 namespace {
@@ -15,21 +15,6 @@ const SimParameters& checked(const SimParameters& parameters, const OperatorConf
   return parameters;
 }
 
-Motion checked(Motion motion) {
-  if (motion.path.empty()) throw std::runtime_error("simulated device: the motion has no way point; give it at least one");
-  for (const Vec3& point : motion.path)
-    if (!point.allFinite()) throw std::runtime_error("simulated device: a way point of the motion is not finite");
-  if (!(motion.speed_m_per_s > 0.0 && std::isfinite(motion.speed_m_per_s)))
-    throw std::runtime_error("simulated device: the motion's speed has to be over 0 and finite");
-  if (!(motion.hold_s >= 0.0 && std::isfinite(motion.hold_s)))
-    throw std::runtime_error("simulated device: the motion's hold has to be 0 or more and finite");
-  if (motion.repeat_from && *motion.repeat_from >= motion.path.size())
-    throw std::runtime_error("simulated device: the motion repeats from a way point that it has not got");
-  if (!normalise_within(motion.orientation, 1e-3, 1e3))
-    throw std::runtime_error("simulated device: the motion's orientation is no rotation");
-  return motion;
-}
-
 double substep_s(const DeviceDescription& d) { return 1.0 / (d.rate_hz * kSubsteps); }
 
 }  // namespace
@@ -37,7 +22,7 @@ double substep_s(const DeviceDescription& d) { return 1.0 / (d.rate_hz * kSubste
 SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& hand, Motion motion, std::uint64_t seed)
     : description_(checked(p, hand).description),
       period_ns_(std::llround(1e9 / p.description.rate_hz)),
-      plant_(p, hand, checked(std::move(motion))),
+      plant_(p, hand, checked_motion(std::move(motion))),
       encoder_(p.description.position_resolution_m, p.orientation_resolution_rad, p.velocity_filter_hz,
                1.0 / p.description.rate_hz),
       force_path_(p.description, substep_s(p.description)),

@@ -2,8 +2,6 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "nodes/bag/refuse.hpp"
-
 namespace voxtouch::bag {
 namespace {
 
@@ -52,31 +50,6 @@ void emit_body(YAML::Emitter& out, const BagMetadata& metadata) {
   out << YAML::EndMap;
 }
 
-TopicInfo parse_topic(const YAML::Node& node) {
-  TopicInfo topic;
-  const YAML::Node inner = node["topic_metadata"];
-  topic.name = inner["name"].as<std::string>();
-  topic.type = inner["type"].as<std::string>();
-  topic.serialization_format = inner["serialization_format"].as<std::string>();
-  if (const YAML::Node qos = inner["offered_qos_profiles"])
-    topic.offered_qos = qos.IsScalar() ? qos.Scalar() : YAML::Dump(qos);
-  topic.message_count = node["message_count"].as<std::uint64_t>();
-  return topic;
-}
-
-BagMetadata parse(const YAML::Node& node) {
-  BagMetadata metadata;
-  metadata.version = node["version"].as<int>();
-  metadata.storage_identifier = node["storage_identifier"].as<std::string>();
-  metadata.duration_ns = node["duration"]["nanoseconds"].as<std::int64_t>();
-  metadata.starting_time_ns = node["starting_time"]["nanoseconds_since_epoch"].as<std::int64_t>();
-  metadata.message_count = node["message_count"].as<std::uint64_t>();
-  for (const auto& topic : node["topics_with_message_count"]) metadata.topics.push_back(parse_topic(topic));
-  metadata.files = node["relative_file_paths"].as<std::vector<std::string>>();
-  if (const YAML::Node mode = node["compression_mode"]) metadata.compression_mode = mode.as<std::string>();
-  return metadata;
-}
-
 }  // namespace
 
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root) {
@@ -85,19 +58,6 @@ std::string metadata_yaml(const BagMetadata& metadata, bool with_root) {
   emit_body(out, metadata);
   if (with_root) out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
-}
-
-Result<BagMetadata> read_metadata(const std::filesystem::path& file) {
-  try {
-    return parse(YAML::LoadFile(file.string())["rosbag2_bagfile_information"]);
-  } catch (const YAML::BadFile&) {
-    return refuse(BagFault::kDisk, "'{}' cannot be read. Name a folder that holds a bag.", file.string());
-  } catch (const YAML::Exception& error) {
-    return refuse(BagFault::kFormat,
-                  "'{}' is not the metadata of a bag: {}. Record it again, or remove the file to read the "
-                  ".db3 beside it without it.",
-                  file.string(), error.what());
-  }
 }
 
 }  // namespace voxtouch::bag

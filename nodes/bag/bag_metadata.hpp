@@ -1,13 +1,10 @@
 #pragma once
-/// metadata.yaml of a rosbag2 folder: written as version 5, which Humble writes and Jazzy reads; read in
-/// versions 1 to 9.
+/// metadata.yaml of a rosbag2 folder: written as version 5, which Humble writes and Jazzy reads. BagReader reads of versions 1 to 9
+/// what it needs.
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "nodes/bag/error.hpp"
 
 namespace voxtouch::bag {
 
@@ -22,21 +19,16 @@ struct TopicInfo {
 };
 
 struct BagMetadata {
-  int version = 5;
   std::string storage_identifier = "sqlite3";
   std::int64_t starting_time_ns = 0;  ///< of the first message; 0 without messages
   std::int64_t duration_ns = 0;       ///< last minus first
   std::uint64_t message_count = 0;
   std::vector<TopicInfo> topics;
   std::vector<std::string> files;  ///< relative to the folder
-  std::string compression_mode;    ///< empty: none
 };
 
 /// The text of metadata.yaml (version 5, one file). With `with_root` false the inner part alone, which the
 /// database's own metadata table holds: without that row Jazzy takes the QoS text for its newest form.
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root = true);
-
-/// Reads metadata.yaml. Errors: kDisk if there is none, kFormat if it is not one.
-Result<BagMetadata> read_metadata(const std::filesystem::path& file);
 
 }  // namespace voxtouch::bag

@@ -1,7 +1,7 @@
 #include "nodes/bag/bag_reader.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <system_error>
@@ -24,8 +24,30 @@ std::vector<fs::path> databases_in(const fs::path& folder) {
   return found;
 }
 
+// What of a folder's metadata.yaml is needed.
+struct Described {
+  std::string storage, compression;
+  std::vector<std::string> files;
+};
+
+Result<Described> read_metadata(const fs::path& file) {
+  try {
+    const YAML::Node node = YAML::LoadFile(file.string())["rosbag2_bagfile_information"];
+    const YAML::Node mode = node["compression_mode"];
+    return Described{node["storage_identifier"].as<std::string>(), mode ? mode.as<std::string>() : "",
+                     node["relative_file_paths"].as<std::vector<std::string>>()};
+  } catch (const YAML::BadFile&) {
+    return refuse(BagFault::kDisk, "'{}' cannot be read. Name a folder that holds a bag.", file.string());
+  } catch (const YAML::Exception& error) {
+    return refuse(BagFault::kFormat,
+                  "'{}' is not the metadata of a bag: {}. Record it again, or remove the file to read the "
+                  ".db3 beside it without it.",
+                  file.string(), error.what());
+  }
+}
+
 // The files that metadata names; if one is not there, what the folder holds.
-std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<BagMetadata>& metadata,
+std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<Described>& metadata,
                                    std::vector<std::string>& warnings) {
   std::vector<fs::path> named;
   if (metadata)
@@ -43,28 +65,28 @@ std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<B
 
 }  // namespace
 
-Result<BagReader> BagReader::open(const fs::path& path, Counts counts) {
+Result<BagReader> BagReader::open(const fs::path& path) {
   BagReader reader;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   std::vector<fs::path> files;
+  std::optional<Described> described;
   if (fs::is_directory(status)) {
     auto metadata = read_metadata(path / "metadata.yaml");
     if (metadata) {
-      if (!metadata->compression_mode.empty() && metadata->compression_mode != "NONE" &&
-          metadata->compression_mode != "none")
+      if (!metadata->compression.empty() && metadata->compression != "NONE" && metadata->compression != "none")
         return refuse(BagFault::kFormat, "The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.",
-                      path.string(), metadata->compression_mode);
-      if (metadata->storage_identifier != "sqlite3")
+                      path.string(), metadata->compression);
+      if (metadata->storage != "sqlite3")
         return refuse(BagFault::kFormat,
                       "The bag '{}' is stored as {}, and only sqlite3 is read. Convert it with ros2 bag "
                       "convert.",
-                      path.string(), metadata->storage_identifier);
-      reader.metadata_ = std::move(*metadata);
+                      path.string(), metadata->storage);
+      described = std::move(*metadata);
     } else {
       reader.warnings_.push_back(metadata.error().sentence);
     }
-    files = databases_of(path, reader.metadata_, reader.warnings_);
+    files = databases_of(path, described, reader.warnings_);
     if (files.empty())
       return refuse(BagFault::kFormat, "'{}' holds no .db3 file. Name a folder that holds a bag.", path.string());
   } else if (fs::is_regular_file(status)) {
@@ -73,11 +95,11 @@ Result<BagReader> BagReader::open(const fs::path& path, Counts counts) {
     return refuse(BagFault::kDisk, "'{}' is not there. Name a folder that holds a bag.", path.string());
   }
   for (const auto& file : files)
-    if (auto added = reader.add_file(file, counts); !added) return std::unexpected(added.error());
+    if (auto added = reader.add_file(file); !added) return std::unexpected(added.error());
   return reader;
 }
 
-Result<void> BagReader::add_file(const fs::path& path, Counts counts) {
+Result<void> BagReader::add_file(const fs::path& path) {
   auto opened = Database::open(path, Database::Mode::kReadOnly);
   if (!opened) return std::unexpected(opened.error());
   File file{std::move(*opened), {}};
@@ -97,20 +119,7 @@ Result<void> BagReader::add_file(const fs::path& path, Counts counts) {
     file.topics.emplace_back(rows->integer(0), *index);
   }
   if (code != SQLITE_DONE) return std::unexpected(file.database.error("read the topics of"));
-  if (counts == Counts::kYes)
-    if (auto counted = count_messages(file); !counted) return counted;
   files_.push_back(std::move(file));
-  return {};
-}
-
-Result<void> BagReader::count_messages(const File& file) {
-  auto rows = file.database.prepare("SELECT topic_id, count(*) FROM messages GROUP BY topic_id");
-  if (!rows) return std::unexpected(BagError{BagFault::kFormat, rows.error().sentence});
-  int code = rows->step();
-  for (; code == SQLITE_ROW; code = rows->step())
-    if (const auto index = file.index_of(rows->integer(0)))
-      topics_[*index].message_count += static_cast<std::uint64_t>(rows->integer(1));
-  if (code != SQLITE_DONE) return std::unexpected(file.database.error("count the messages of"));
   return {};
 }
 
@@ -126,12 +135,6 @@ std::optional<std::size_t> BagReader::find_topic(std::string_view name) const no
   return static_cast<std::size_t>(found - topics_.begin());
 }
 
-std::uint64_t BagReader::message_count() const noexcept {
-  std::uint64_t count = 0;
-  for (const auto& topic : topics_) count += topic.message_count;
-  return count;
-}
-
 /// Gives the rows of a statement to f; false where f wanted no more.
 Result<bool> BagReader::hand_out(const File& file, Statement& rows, const std::function<bool(const BagMessage&)>& f) const {
   int code = rows.step();
@@ -140,23 +143,6 @@ Result<bool> BagReader::hand_out(const File& file, Statement& rows, const std::f
       if (!f({*index, rows.integer(1), rows.integer(2), rows.blob(3)})) return false;
   if (code != SQLITE_DONE) return std::unexpected(file.database.error("read the messages of"));
   return true;
-}
-
-Result<void> BagReader::for_each(const std::function<bool(const BagMessage&)>& f, std::optional<std::size_t> topic,
-                                 Order order) const {
-  for (const auto& file : files_) {
-    std::vector<std::int64_t> wanted;
-    for (const auto& [row, index] : file.topics)
-      if (!topic || index == *topic) wanted.push_back(row);
-    auto rows = file.database.prepare(fmt::format("SELECT topic_id, timestamp, id, data FROM messages {} ORDER BY {}",
-                                                  topic ? fmt::format("WHERE topic_id IN ({})", fmt::join(wanted, ",")) : "",
-                                                  order == Order::kTime ? "timestamp, id" : "id"));
-    if (!rows) return std::unexpected(rows.error());
-    const auto more = hand_out(file, *rows, f);
-    if (!more) return std::unexpected(more.error());
-    if (!*more) return {};
-  }
-  return {};
 }
 
 Result<void> BagReader::for_each_between(std::int64_t from_ns, std::int64_t to_ns,
@@ -186,25 +172,6 @@ Result<std::optional<std::pair<std::int64_t, std::int64_t>>> BagReader::times() 
     all = all ? std::pair{std::min(all->first, own.first), std::max(all->second, own.second)} : own;
   }
   return all;
-}
-
-Result<std::vector<StoredMessage>> BagReader::read_topic(std::string_view name, Order order) const {
-  const auto topic = find_topic(name);
-  if (!topic) return std::unexpected(no_such_topic(name));
-  std::vector<StoredMessage> messages;
-  messages.reserve(topics_[*topic].message_count);
-  const auto store = [&](const BagMessage& message) {
-    messages.push_back({message.time_ns, {message.bytes.begin(), message.bytes.end()}});
-    return true;
-  };
-  if (auto read = for_each(store, topic, order); !read) return std::unexpected(read.error());
-  return messages;
-}
-
-BagError BagReader::no_such_topic(std::string_view name) const {
-  std::vector<std::string> names;
-  for (const auto& topic : topics_) names.push_back(topic.name);
-  return {BagFault::kNoSuchTopic, fmt::format("The bag has no topic '{}'. It has: {}.", name, fmt::join(names, ", "))};
 }
 
 }  // namespace voxtouch::bag

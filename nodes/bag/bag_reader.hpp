@@ -26,43 +26,22 @@ struct BagMessage {
   std::span<const std::byte> bytes;  ///< CDR with its 4-byte encapsulation header
 };
 
-/// A message on its own.
-struct StoredMessage {
-  std::int64_t time_ns = 0;
-  std::vector<std::byte> bytes;
-};
-
+/// Allocates and waits for the disk; one thread at a time.
 class BagReader {
  public:
   /// `path`: the folder, or one .db3. Errors: kDisk, kFormat (compressed, mcap, no database at all).
-  /// Counting looks at every message, which takes seconds for minutes of a ring; without it all counts are 0.
-  enum class Counts : bool { kYes, kLeftOut };
-  static Result<BagReader> open(const std::filesystem::path& path, Counts counts = Counts::kYes);
+  static Result<BagReader> open(const std::filesystem::path& path);
 
-  /// Topics of all files, by name; message_count as counted in the database.
+  /// Topics of all files, by name. Messages are not counted, which would take seconds for minutes of a ring: message_count is 0.
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
-  std::optional<std::size_t> find_topic(std::string_view name) const noexcept;
-  std::uint64_t message_count() const noexcept;
-  /// metadata.yaml as it stands; nothing if it is missing or unreadable. It may be up to a second behind
-  /// after a kill.
-  const std::optional<BagMetadata>& metadata() const noexcept { return metadata_; }
   /// What was not as it should be, and was read all the same. One sentence each.
   const std::vector<std::string>& warnings() const noexcept { return warnings_; }
 
-  enum class Order : std::uint8_t { kTime, kArrival };  ///< time, then id; or id alone
-  /// Calls f for every message, of `topic` only if given, file by file; f returns false to stop. Errors: a
-  /// damaged database.
-  Result<void> for_each(const std::function<bool(const BagMessage&)>& f, std::optional<std::size_t> topic = {},
-                        Order order = Order::kTime) const;
-  /// The same for what was recorded from `from_ns` on and before `to_ns`, by time; quick, wherever that lies.
+  /// Calls f for every message that was recorded from `from_ns` on and before `to_ns`, file by file, by time and then by id; f
+  /// returns false to stop. Quick, wherever that lies. Errors: a damaged database.
   Result<void> for_each_between(std::int64_t from_ns, std::int64_t to_ns, const std::function<bool(const BagMessage&)>& f) const;
   /// Times of the first and of the last message; nothing where there is none.
   Result<std::optional<std::pair<std::int64_t, std::int64_t>>> times() const;
-  /// All messages of a topic. Error: kNoSuchTopic names what there is.
-  Result<std::vector<StoredMessage>> read_topic(std::string_view name, Order order = Order::kTime) const;
-
-  BagError no_such_topic(std::string_view name) const;
-
  private:
   struct File {
     Database database;
@@ -70,12 +49,11 @@ class BagReader {
     std::optional<std::size_t> index_of(std::int64_t row) const noexcept;
   };
   Result<bool> hand_out(const File& file, Statement& rows, const std::function<bool(const BagMessage&)>& f) const;
-  Result<void> count_messages(const File& file);
-  Result<void> add_file(const std::filesystem::path& file, Counts counts);
+  std::optional<std::size_t> find_topic(std::string_view name) const noexcept;
+  Result<void> add_file(const std::filesystem::path& file);
 
   std::vector<File> files_;
   std::vector<TopicInfo> topics_;
-  std::optional<BagMetadata> metadata_;
   std::vector<std::string> warnings_;
 };
 

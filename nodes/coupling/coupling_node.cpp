@@ -10,6 +10,7 @@
 #include "core/fitting/design_problem.hpp"
 #include "core/rendering/device_mapping.hpp"
 #include "core/scene/scene_file.hpp"
+#include "core/types/latest_value.hpp"
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
@@ -189,17 +190,8 @@ class CouplingNode {
   }
 
   void note(double stiffness_n_per_m) noexcept {
-    const CouplingCounters& c = coupling_->counters();
     samples_.fetch_add(1, kRelaxed);
-    clamped_.store(c.clamped, kRelaxed);
-    capped_.store(c.capped, kRelaxed);
-    controlled_.store(c.controlled, kRelaxed);
-    faults_.store(c.faults, kRelaxed);
-    lowest_energy_.store(c.lowest_energy_j, kRelaxed);
-    lowest_energy_rotation_.store(c.lowest_energy_rotation_j, kRelaxed);
-    bound_.store(energy_bound_j(c.most_force_n, c.longest_way_m, voxel_m_.load(kRelaxed)), kRelaxed);
-    bound_rotation_.store(energy_bound_rotation_j(c.most_torque_nm, c.longest_turn_rad, c.most_force_n, voxel_m_.load(kRelaxed)), kRelaxed);
-    most_damping_.store(c.most_damping_ns_per_m, kRelaxed);
+    counted_.put(coupling_->counters());
     if (stiffness_n_per_m > stiffness_.load(kRelaxed)) stiffness_.store(stiffness_n_per_m, kRelaxed);
   }
 
@@ -213,18 +205,22 @@ class CouplingNode {
     const std::lock_guard lock(running_mutex_);
     const Design& design = running_.fitted.design;
     const double displayed = stiffness_at_hand_n_per_m(running_.fitted.spec, scene_.device, stiffness_.load());
+    CouplingCounters& c = last_counted_;
+    counted_.take(c);
+    const double voxel_m = voxel_m_.load();
     report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash}};
     report.figures = {{"samples", {samples_.load(), "samples"}},
-                      {"clamped_inputs", {clamped_.load(), "samples"}},
-                      {"capped_samples", {capped_.load(), "samples"}},
-                      {"passivity_samples", {controlled_.load(), "samples"}},
-                      {"passivity_most_damping_ns_per_m", {most_damping_.load(), "Ns/m"}},
-                      {"lowest_energy_j", {lowest_energy_.load(), "J"}},
-                      {"lowest_energy_rotation_j", {lowest_energy_rotation_.load(), "J"}},
-                      {"energy_bound_j", {bound_.load(), "J"}},
-                      {"energy_bound_rotation_j", {bound_rotation_.load(), "J"}},
+                      {"clamped_inputs", {c.clamped, "samples"}},
+                      {"capped_samples", {c.capped, "samples"}},
+                      {"passivity_samples", {c.controlled, "samples"}},
+                      {"passivity_most_damping_ns_per_m", {c.most_damping_ns_per_m, "Ns/m"}},
+                      {"lowest_energy_j", {c.lowest_energy_j, "J"}},
+                      {"lowest_energy_rotation_j", {c.lowest_energy_rotation_j, "J"}},
+                      {"energy_bound_j", {energy_bound_j(c.most_force_n, c.longest_way_m, voxel_m), "J"}},
+                      {"energy_bound_rotation_j",
+                       {energy_bound_rotation_j(c.most_torque_nm, c.longest_turn_rad, c.most_force_n, voxel_m), "J"}},
                       {"first_sample", {first_sample_.load(), "sample number"}},
-                      {"faults", {faults_.load(), "samples"}},
+                      {"faults", {c.faults, "samples"}},
                       {"stiffness_bound_max_n_per_m", {stiffness_.load(), "N/m"}},
                       {"stiffness_at_hand_n_per_m", {displayed, "N/m"}},
                       {"device_max_stiffness_n_per_m", {running_.device_max_stiffness_n_per_m, "N/m"}}};
@@ -302,13 +298,13 @@ class CouplingNode {
   dds_instance_handle_t plan_writer_ = 0;  ///< whose plan the session was begun with
   std::optional<std::int64_t> last_time_ns_;
   bool clutched_ = false;
-  std::atomic<std::uint64_t> samples_{0}, clamped_{0}, capped_{0}, controlled_{0}, faults_{0};
-  std::atomic<std::uint64_t> first_sample_{0};
-  std::atomic<double> voxel_m_{0.0}, bound_{0.0}, bound_rotation_{0.0};
+  std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
+  std::atomic<double> voxel_m_{0.0}, stiffness_{0.0};
+  LatestValue<CouplingCounters> counted_;  ///< from the loop to the housekeeping
+  CouplingCounters last_counted_;
   const std::atomic<bool>* stop_ = nullptr;
   const runtime::Housekeeping* housekeeping_ = nullptr;
   runtime::Heartbeat heartbeat_;
-  std::atomic<double> stiffness_{0.0}, lowest_energy_{0.0}, lowest_energy_rotation_{0.0}, most_damping_{0.0};
   runtime::Session session_;
 };
 

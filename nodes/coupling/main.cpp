@@ -8,8 +8,6 @@ int main(int argc, char** argv) {
       {.name = "coupling",
        .about = "voxtouch coupling node: shapes the contact wrench so that device, hand and contact stay stable "
                 "together, and commands the\n"
-                "device.",
-       .with_scene = true,
-       .in_ring = true},
+                "device."},
       options, [](CLI::App&) {}, [&](const std::atomic<bool>& stop) { return voxtouch::coupling::run(options, stop); });
 }

@@ -8,9 +8,7 @@ int main(int argc, char** argv) {
       {.name = "device",
        .about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its "
                 "state, and gives it the\n"
-                "commanded force through the force guard. Ends with the device at zero force.",
-       .with_scene = true,
-       .in_ring = true},
+                "commanded force through the force guard. Ends with the device at zero force."},
       options,
       [&](CLI::App& app) {
         voxtouch::device::add_device_options(app, options.device, options.settings);

@@ -7,9 +7,7 @@ int main(int argc, char** argv) {
       argc, argv,
       {.name = "rendering",
        .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers every device sample "
-                "with the contact wrench.",
-       .with_scene = true,
-       .in_ring = true},
+                "with the contact wrench."},
       options, [](CLI::App&) {},
       [&](const std::atomic<bool>& stop) { return voxtouch::rendering::run(options, stop); });
 }

@@ -1,5 +1,6 @@
 #include "nodes/rendering/rendering_node.hpp"
 
+#include <array>
 #include <cmath>
 #include <mutex>
 
@@ -147,7 +148,6 @@ class RenderingNode {
       frame_ = live_.render(mapping_.tool(), seconds_since_begin(state));
       refused_in_a_row_ = 0;
     } else {
-      refused_.fetch_add(1, kRelaxed);
       if (++refused_in_a_row_ > kHoldSamples) frame_ = {}, live_.lose_tool();
     }
     publish(state, good, fading, begin);
@@ -198,20 +198,15 @@ class RenderingNode {
       return !options_.lockstep || over();
     });
     if (samples_.load(kRelaxed) == 0) first_sample_.store(state.sequence_number, kRelaxed);
-    ros_.show(
-        {state.sample_time_ns, frame_.object, frame_.wrench, c.deepest_point, c.surface_hits + c.interior_hits > 0});
-    samples_.fetch_add(1, kRelaxed);
     const bool touches = c.surface_hits + c.interior_hits > 0, pushes = c.wrench.force.norm() > kForceEpsilonN;
-    if (pushes) contact_samples_.fetch_add(1, kRelaxed);
-    if (touches && !pushes && c.interior_hits > c.surface_hits) buried_.fetch_add(1, kRelaxed);
-    if (touch.fast) fast_.fetch_add(1, kRelaxed);
-    if (touch.crossed) crossed_.fetch_add(1, kRelaxed);
-    if (touch.missed) missed_.fetch_add(1, kRelaxed);
-    if (touch.held) held_.fetch_add(1, kRelaxed);
-    if (c.saturated) saturated_.fetch_add(1, kRelaxed);
-    if (frame_.tool.lag) lag_.fetch_add(1, kRelaxed);
-    if (frame_.tool.unplaced) unplaced_.fetch_add(1, kRelaxed);
-    if (frame_.tool.queries >= contact_limits::kMaxQueries) full_frames_.fetch_add(1, kRelaxed);
+    ros_.show({state.sample_time_ns, frame_.object, frame_.wrench, c.deepest_point, touches});
+    samples_.fetch_add(1, kRelaxed);
+    const bool buried = touches && !pushes && c.interior_hits > c.surface_hits;
+    const std::array<bool, kCounted.size()> counts = {  // in the order of the names
+        pushes, !good, touch.fast, touch.crossed, touch.missed, buried, touch.held, c.saturated,
+        frame_.tool.lag, frame_.tool.unplaced, frame_.tool.queries >= contact_limits::kMaxQueries};
+    for (std::size_t n = 0; n < counts.size(); ++n)
+      if (counts[n]) counted_[n].fetch_add(1, kRelaxed);
     if (frame_.tool.residual_m > most_residual_m_.load(kRelaxed)) most_residual_m_.store(frame_.tool.residual_m, kRelaxed);
     if (frame_.tool.constrained && c.deepest_depth_m > most_depth_m_.load(kRelaxed)) most_depth_m_.store(c.deepest_depth_m, kRelaxed);
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
@@ -224,24 +219,12 @@ class RenderingNode {
     report.figures = updates_.figures();
     report.figures["longest_frame_us"] = {
         options_.lockstep ? 0.0 : std::round(static_cast<double>(longest_ns_.load()) * 1e-3), "us"};
-    const auto count = [&](const char* name, const std::atomic<std::uint64_t>& samples) {
-      report.figures[name] = {samples.load(), "samples"};
-    };
-    count("samples", samples_);
+    report.figures["samples"] = {samples_.load(), "samples"};
     report.figures["first_sample"] = {first_sample_.load(), "sample number"};
-    count("contact_samples", contact_samples_);
-    count("refused_samples", refused_);
-    count("fast_samples", fast_);
-    count("crossed_samples", crossed_);
-    count("missed_samples", missed_);
-    count("buried_samples", buried_);
-    count("held_samples", held_);
-    count("saturated_samples", saturated_);
+    for (std::size_t n = 0; n < (scene_.virtual_tool() ? kCounted.size() : kOfAnyTool); ++n)
+      report.figures[kCounted[n]] = {counted_[n].load(), "samples"};
     report.figures["foreign_samples"] = {device_.refused(), "samples"};
     if (scene_.virtual_tool()) {
-      count("lag_samples", lag_);
-      count("unplaced_samples", unplaced_);
-      count("samples_at_most_queries", full_frames_);
       report.figures["most_residual_m"] = {most_residual_m_.load(), "m"};
       report.figures["most_penetration_m"] = {most_depth_m_.load(), "m"};
       report.figures["spring_n_per_m"] = {updates_.spring_n_per_m(), "N/m"};
@@ -294,9 +277,13 @@ class RenderingNode {
   int refused_in_a_row_ = 0;
   std::uint64_t next_sample_ = 0;     ///< number of the first one that has not been answered
   std::int64_t last_answer_ns_ = 0;
-  std::atomic<std::uint64_t> samples_{0}, contact_samples_{0}, refused_{0}, fast_{0}, held_{0}, buried_{0}, saturated_{0};
-  std::atomic<std::uint64_t> crossed_{0}, missed_{0}, first_sample_{0};
-  std::atomic<std::uint64_t> lag_{0}, unplaced_{0}, full_frames_{0};
+  /// Figures that count samples; what is behind the first kOfAnyTool is known of a virtual tool only.
+  static constexpr std::array kCounted{"contact_samples", "refused_samples", "fast_samples",      "crossed_samples",
+                                       "missed_samples",  "buried_samples",  "held_samples",      "saturated_samples",
+                                       "lag_samples",     "unplaced_samples", "samples_at_most_queries"};
+  static constexpr std::size_t kOfAnyTool = 8;
+  std::array<std::atomic<std::uint64_t>, kCounted.size()> counted_{};
+  std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
   std::atomic<double> most_residual_m_{0.0}, most_depth_m_{0.0};  ///< of a virtual tool
   std::atomic<std::int64_t> longest_ns_{0};
 };

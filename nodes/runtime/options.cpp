@@ -60,11 +60,6 @@ std::string require_positive(const std::string& text) {
   return value && *value > 0.0 ? "" : "'" + text.substr(0, kShown) + "' is not a finite number over 0";
 }
 
-std::string require_not_negative(const std::string& text) {
-  const auto value = parse_finite(text);
-  return value && *value >= 0.0 ? "" : "'" + text.substr(0, kShown) + "' is not a finite number of 0 or more";
-}
-
 std::string require_whole(const std::string& text) {
   // As a whole it must fit: CLI11 would take the largest number for one beyond it.
   return parse_number<std::uint64_t>(text) ? "" : "'" + text.substr(0, kShown) + "' is not a whole number of 0 or more";

@@ -41,7 +41,6 @@ std::string require_whole(const std::string& text);
 std::string require_count(const std::string& text);  ///< a whole number of 1 or more
 /// A name that a DDS topic may have.
 std::string check_topic(const std::string& name);
-std::string require_not_negative(const std::string& text);
 /// The number of a CPU that this process may run on (its affinity mask).
 std::string require_cpu(const std::string& text);
 

@@ -9,7 +9,6 @@ int main(int argc, char** argv) {
        .about = "voxtouch validator node: checks every n-th contact against exact distances (FCL and closed forms) "
                 "that share no code with\n"
                 "the rendering, and says whose fault a disagreement is.",
-       .with_scene = true,
        .in_ring = false},
       options,
       [&](CLI::App& app) {

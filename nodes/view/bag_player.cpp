@@ -26,7 +26,7 @@ bool read_stream(std::span<const std::byte> bytes, T& message) {
 }
 
 bag::BagReader open(const std::filesystem::path& path) {
-  auto reader = bag::BagReader::open(path, bag::BagReader::Counts::kLeftOut);
+  auto reader = bag::BagReader::open(path);
   if (!reader) throw std::runtime_error(reader.error().sentence);
   return std::move(*reader);
 }
@@ -86,7 +86,7 @@ BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem:
 
 /// What is said seldom may lie anywhere in a long recording: it is looked for beside the picture.
 void BagPlayer::collect_facts(const std::filesystem::path& path) {
-  const auto reader = bag::BagReader::open(path, bag::BagReader::Counts::kLeftOut);
+  const auto reader = bag::BagReader::open(path);
   if (!reader) return;
   (void)reader->for_each_between(begin_ns_, end_ns_ + 1, [&](const bag::BagMessage& m) {
     if (std::ranges::find(types_->seldom, m.topic) != types_->seldom.end())

@@ -1,6 +1,6 @@
 // A bag's folder. First byte odd: the rest is its metadata.yaml; even: its SQLite file. What is read is counted as it is handed out,
 // hashes twice the same, and messages of the ring are read into their types, or are none.
-#include "nodes/bag/bag_reader.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "tests/fuzz/wire.hpp"
 #include "tests/support/bag_hash.hpp"
 
@@ -19,7 +19,7 @@ void play(const bag::BagMessage& message, std::string_view type) {
   if (type == msg::Type<msg::ContactState>::ros_name) contacts.through(cdr, [](const msg::ContactState&) {});
 }
 
-void check(const bag::BagReader& reader) {
+void check(const bag::WholeBag& reader) {
   std::uint64_t handed = 0;
   const auto read = reader.for_each([&](const bag::BagMessage& message) {
     FUZZ_REQUIRE(message.topic < reader.topics().size());
@@ -50,9 +50,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::filesystem::path file = folder.write(metadata ? "metadata.yaml" : "bag_0.db3", in.rest());
   if (metadata) {
     if (const auto read = bag::read_metadata(file); !read) FUZZ_REQUIRE(!read.error().sentence.empty());
-    (void)bag::BagReader::open(folder.path());
+    (void)bag::WholeBag::open(folder.path());
   } else {
-    const auto reader = bag::BagReader::open(file);
+    const auto reader = bag::WholeBag::open(file);
     if (reader)
       check(*reader);
     else

@@ -59,23 +59,22 @@ void encodes_back(std::string_view bytes) {
   if constexpr (std::is_same_v<Packet, fri::CmdPacket>) FUZZ_REQUIRE(fri::finite(packet));
 }
 
-LwrOptions options_for(bool cartesian) {
+LwrOptions usual_options() {
   LwrOptions options;
   options.silence_s = 60.0;
   options.session.start_timeout_s = 0.05, options.session.pause_s = 0.002;
   options.cancelled = &g_network.quiet;
-  if (cartesian) options.session.strategy = fri::Strategy::kCartesianImpedance;
   return options;
 }
 
 class Controller {
  public:
-  explicit Controller(fri::Control control) {
+  Controller() {
     msr_.interface.state = fri::State::kMon;
     msr_.interface.quality = fri::Quality::kPerfect;
     msr_.interface.msr_period_s = msr_.interface.cmd_period_s = 0.001F;
     msr_.robot.power = fri::kAllDrives;
-    msr_.robot.control = control;
+    msr_.robot.control = fri::Control::kJointImpedance;
     msr_.krl.integer[fri::kToIntEcho] = fri::kKrlInitialised;
     msr_.data.jnt_pos = msr_.data.cmd_jnt_pos = fri::to_wire(lwr_rest_posture());
     msr_.data.cart_pos = fri::to_wire(LwrArm().flange(lwr_rest_posture()));
@@ -129,10 +128,10 @@ void hear(Controller& controller, const LwrDriver* driver, const LwrOptions& opt
   }
 }
 
-void converse(fuzz::Bytes in, bool cartesian) {
+void converse(fuzz::Bytes in) {
   g_network.to_driver.clear(), g_network.to_controller.clear();
-  const LwrOptions options = options_for(cartesian);
-  Controller controller(cartesian ? fri::Control::kCartesianImpedance : fri::Control::kJointImpedance);
+  const LwrOptions options = usual_options();
+  Controller controller;
   std::unique_ptr<LwrDriver> driver;
   g_network.quiet = false;
   controller.send(in);
@@ -166,7 +165,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     encodes_back<fri::MsrPacket>(in.rest());
     encodes_back<fri::CmdPacket>(in.rest());
   } else {
-    converse(in, (choice & 2) != 0);
+    converse(in);
   }
   return 0;
 }

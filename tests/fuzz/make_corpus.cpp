@@ -230,7 +230,6 @@ void packets() {
   put("fri", "measurement", "\1" + raw(msr));
   put("fri", "command", "\1" + raw(cmd));
   put("fri", "joint", std::string(40, '\0'));
-  put("fri", "cartesian", "\2" + std::string(40, '\0'));
   std::string patched(12, '\0');  // force flows by then: a joint angle that is none, for one measurement
   patched += '\1' + raw(static_cast<std::uint16_t>(216)) + '\4' + raw(std::numeric_limits<float>::quiet_NaN());
   put("fri", "not_a_number", patched + std::string(12, '\0'));

@@ -11,22 +11,20 @@ namespace {
 using namespace voxtouch;
 
 void command_line(const std::string& text) {
-  double positive = 1.0, not_negative = 0.0;
+  double positive = 1.0;
   std::uint64_t whole = 0;
   runtime::NodeOptions options;
   CLI::App app;
   app.add_option("--positive", positive)->check(runtime::require_positive);
-  app.add_option("--not-negative", not_negative)->check(runtime::require_not_negative);
   app.add_option("--whole", whole)->check(runtime::require_whole);
   runtime::add_node_options(app, options, false);
-  for (const char* name : {"--positive=", "--not-negative=", "--whole=", "--seed=", "--domain=", "--rig=", "--cpu=", "--interface="}) {
+  for (const char* name : {"--positive=", "--whole=", "--seed=", "--domain=", "--rig=", "--cpu=", "--interface="}) {
     try {
       app.parse(std::vector<std::string>{name + text});
     } catch (const CLI::Error&) {
       continue;
     }
     FUZZ_REQUIRE(std::isfinite(positive) && positive > 0.0);
-    FUZZ_REQUIRE(std::isfinite(not_negative) && not_negative >= 0.0);
     FUZZ_REQUIRE(options.domain <= 232);
     FUZZ_REQUIRE(!options.realtime.cpu || (*options.realtime.cpu >= 0 && *options.realtime.cpu < CPU_SETSIZE));
     FUZZ_REQUIRE(options.network_interface.find_first_of("<>&\"'/ \n") == std::string::npos);  // it goes into XML

@@ -123,7 +123,7 @@ void lockstep(const TemporaryFolder& folder, const std::string& name, const std:
 }
 
 std::map<std::string, bag::TopicHash> hashes(const std::filesystem::path& folder) {
-  const auto bag = bag::BagReader::open(folder);
+  const auto bag = bag::WholeBag::open(folder);
   if (!bag) throw std::runtime_error(bag.error().sentence);
   std::map<std::string, bag::TopicHash> all;
   for (const char* topic :

@@ -17,7 +17,7 @@ namespace {
 
 /// Hash per topic, in the order of sequence numbers.
 std::map<std::string, bag::TopicHash> hashes(const std::filesystem::path& folder) {
-  const auto bag = bag::BagReader::open(folder);
+  const auto bag = bag::WholeBag::open(folder);
   if (!bag) throw std::runtime_error(bag.error().sentence);
   std::map<std::string, bag::TopicHash> all;
   for (const char* topic : {"device/state", "rendering/contact", "coupling/command", "validation", "device/description",

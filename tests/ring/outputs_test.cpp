@@ -76,7 +76,7 @@ TEST(Logger, RecordsAnotherTopicThatItIsTold) {
       run_ring(shipped_scene("plane"), {"--motion", "slide", "--duration", "3", "--record", (folder / "bag").string(),
                                         "--topic", "rt/haptic/pose", "--topic", "rt/t*"});
   ASSERT_EQ(r.process.status, 0) << r.process.err;
-  const auto bag = bag::BagReader::open(folder / "bag");
+  const auto bag = bag::WholeBag::open(folder / "bag");
   ASSERT_TRUE(bag);
   for (const char* topic : {"/haptic/pose", "/tf"}) {
     const auto index = bag->find_topic(topic);

@@ -2,7 +2,7 @@
 /// `voxtouch up` as a test sees it.
 #include <nlohmann/json.hpp>
 
-#include "nodes/bag/bag_reader.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "tests/support/process/process.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
@@ -24,9 +24,9 @@ nlohmann::json parse_summary(const std::string& out);
 template <class T>
 std::vector<T> read_ring_topic(const std::filesystem::path& folder, const std::string& topic) {
   std::vector<T> all;
-  const auto bag = bag::BagReader::open(folder);
+  const auto bag = bag::WholeBag::open(folder);
   if (!bag) throw std::runtime_error(bag.error().sentence);
-  const auto messages = bag->read_topic(topic, bag::BagReader::Order::kArrival);
+  const auto messages = bag->read_topic(topic, bag::WholeBag::Order::kArrival);
   if (!messages) throw std::runtime_error(messages.error().sentence);
   for (const auto& message : *messages) {
     if (message.bytes.size() != sizeof(T) + 4) throw std::runtime_error(topic + ": a message has an unexpected size");

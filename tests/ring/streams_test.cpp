@@ -88,7 +88,7 @@ TEST(Bag, OnAFullDiskIsCountedAndTheRunIsNoGoodOne) {
     const std::uint64_t written = r.summary["recording"]["written"], dropped = r.summary["recording"]["dropped"];
     EXPECT_GT(written, 0U);
     EXPECT_GT(dropped, 500U);
-    const auto bag = bag::BagReader::open(path);
+    const auto bag = bag::WholeBag::open(path);
     ASSERT_TRUE(bag) << bag.error().sentence;
     std::uint64_t kept = 0;
     for (const auto& topic : bag->topics()) kept += topic.message_count;

@@ -61,7 +61,7 @@ TEST_P(UpTouchesTheCup, AndTheHandFeelsIt) {
   if (GetParam().one_process) more.push_back("--one-process");
   const RingResult r = run_ring(shipped_scene("cup"), more);
   expect_a_good_touch(r, 5.0, GetParam().limit_n);
-  const auto bag = bag::BagReader::open(folder / "bag");
+  const auto bag = bag::WholeBag::open(folder / "bag");
   ASSERT_TRUE(bag) << bag.error().sentence;
   for (const char* topic :
        {"/haptic/device/state", "/haptic/rendering/contact", "/haptic/coupling/command", "/haptic/device/description",
@@ -119,7 +119,7 @@ TEST(Up, StopsInOrderOnCtrlCAndSaysThatTheRunWasCutShort) {
   const auto summary = parse_summary(end.out);
   ASSERT_TRUE(summary.is_object()) << end.out;
   EXPECT_NE(summary["problems"][0].get<std::string>().find("stopped before"), std::string::npos);
-  EXPECT_TRUE(bag::BagReader::open(folder / "bag"));
+  EXPECT_TRUE(bag::WholeBag::open(folder / "bag"));
   for (const pid_t node : nodes) EXPECT_NE(::kill(node, 0), 0) << "node " << node << " is still there";
 }
 
@@ -142,7 +142,7 @@ TEST(Up, SaysWhichNodeDiedAndLeavesABagThatOpens) {
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1);
   EXPECT_NE(end.out.find("rendering was ended by signal 9"), std::string::npos) << end.out << end.err;
-  EXPECT_TRUE(bag::BagReader::open(folder / "bag"));
+  EXPECT_TRUE(bag::WholeBag::open(folder / "bag"));
 }
 
 TEST(Up, NeverOverwritesABag) {

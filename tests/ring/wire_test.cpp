@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(All, WireTouchesTheCup, testing::ValuesIn(all_cases()),
                          [](const auto& rig) { return name_of(rig.param); });
 
 bag::TopicHash hash_of(const std::filesystem::path& folder, const std::string& topic) {
-  const auto bag = bag::BagReader::open(folder);
+  const auto bag = bag::WholeBag::open(folder);
   if (!bag) throw std::runtime_error(bag.error().sentence);
   const auto hash = bag::hash_topic(*bag, "/haptic/" + topic, bag::ring_sequence_number);
   if (!hash) throw std::runtime_error(hash.error().sentence);
@@ -119,9 +119,9 @@ bool wait_until(Condition holds, std::chrono::seconds patience = std::chrono::se
 
 /// The figure `name` in the device's last word.
 double last_figure(const std::filesystem::path& folder, const std::string& name) {
-  const auto bag = bag::BagReader::open(folder);
+  const auto bag = bag::WholeBag::open(folder);
   if (!bag) throw std::runtime_error(bag.error().sentence);
-  const auto messages = bag->read_topic("/haptic/node_status", bag::BagReader::Order::kArrival);
+  const auto messages = bag->read_topic("/haptic/node_status", bag::WholeBag::Order::kArrival);
   if (!messages) throw std::runtime_error(messages.error().sentence);
   const auto size = static_cast<char>(name.size() + 1);  // the name's length stands before it and ends it from the left
   const std::string in_cdr = std::string{size, '\0', '\0', '\0'} + name + '\0';

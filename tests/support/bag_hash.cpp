@@ -36,8 +36,8 @@ std::optional<std::uint64_t> ring_sequence_number(std::span<const std::byte> byt
   return little == (std::endian::native == std::endian::little) ? value : __builtin_bswap64(value);
 }
 
-Result<TopicHash> hash_topic(const BagReader& bag, std::string_view topic, const KeyOf& key) {
-  auto messages = bag.read_topic(topic, BagReader::Order::kArrival);
+Result<TopicHash> hash_topic(const WholeBag& bag, std::string_view topic, const KeyOf& key) {
+  auto messages = bag.read_topic(topic, WholeBag::Order::kArrival);
   if (!messages) return std::unexpected(messages.error());
   std::vector<std::pair<std::uint64_t, const StoredMessage*>> order;
   order.reserve(messages->size());

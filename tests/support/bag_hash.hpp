@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "nodes/bag/bag_reader.hpp"
+#include "tests/support/whole_bag.hpp"
 
 namespace voxtouch::bag {
 
@@ -25,6 +25,6 @@ struct TopicHash {
 /// FNV-1a (64 bit) over length and bytes of each message, in the order of `key`, equal keys in order of
 /// arrival; without a key in order of arrival, as for latched topics. Recording times do not enter. Errors:
 /// kNoSuchTopic; kBadMessage if one message has no key.
-Result<TopicHash> hash_topic(const BagReader& bag, std::string_view topic, const KeyOf& key = {});
+Result<TopicHash> hash_topic(const WholeBag& bag, std::string_view topic, const KeyOf& key = {});
 
 }  // namespace voxtouch::bag

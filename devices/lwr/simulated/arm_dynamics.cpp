@@ -63,24 +63,7 @@ void turn(Mat3& r, std::size_t joint, double angle) noexcept {
     r.col(1) = turned;
 }
 
-void require(bool good, std::size_t link, const char* what) {
-  if (!good) throw std::runtime_error(fmt::format("arm inertia: {} of link {} is not that of a body", what, link + 1));
-}
-
 }  // namespace
-
-void ArmInertia::validate() const {
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    const Link& link = links[i];
-    const Vec3& d = link.inertia_kg_m2;
-    require(link.mass_kg > 0.0 && std::isfinite(link.mass_kg), i, "the mass");
-    require(link.centre_m.allFinite(), i, "the centre");
-    // The triangle inequality holds for every distribution of mass; it keeps M positive definite.
-    require(d.allFinite() && d.minCoeff() > 0.0 && 2.0 * d.maxCoeff() <= d.sum(), i, "the inertia");
-    const double rotor = rotor_kg_m2[static_cast<Eigen::Index>(i)];
-    require(rotor >= 0.0 && std::isfinite(rotor), i, "the rotor's inertia");
-  }
-}
 
 ArmInertia lwr_inertia(double torque_feedback_gain) {
   if (!(torque_feedback_gain >= 1.0 && std::isfinite(torque_feedback_gain)))
@@ -157,36 +140,6 @@ ArmDynamics::Terms ArmDynamics::at(const LwrJoints& q, const LwrJoints& rate, co
   }
   terms.mass.diagonal() += inertia_.rotor_kg_m2;
   return terms;
-}
-
-double ArmDynamics::kinetic_energy(const LwrJoints& q, const LwrJoints& rate, const TipLoad& load) const noexcept {
-  const std::array<Frame, 7> frames = links(q);
-  const auto speed_of = [&](const Vec3& point, std::size_t last) {
-    Vec3 v = Vec3::Zero();
-    for (std::size_t j = 0; j <= last; ++j)
-      v += rate[static_cast<Eigen::Index>(j)] * frames[j].axis.cross(point - frames[j].origin);
-    return v;
-  };
-  double twice = rate.cwiseAbs2().dot(inertia_.rotor_kg_m2);
-  Vec3 angular = Vec3::Zero();
-  for (std::size_t i = 0; i < 7; ++i) {
-    const Link& link = inertia_.links[i];
-    angular += rate[static_cast<Eigen::Index>(i)] * frames[i].axis;
-    twice += link.mass_kg * speed_of(frames[i].rotation * link.centre_m + frames[i].origin, i).squaredNorm();
-    twice += (frames[i].rotation.transpose() * angular).cwiseAbs2().dot(link.inertia_kg_m2);
-  }
-  const Vec3 tip = frames[6].rotation * tool_in_flange_.position + frames[6].origin;
-  twice += load.mass_kg * speed_of(tip, 6).squaredNorm() + load.inertia_kg_m2 * angular.squaredNorm();
-  return 0.5 * twice;
-}
-
-double ArmDynamics::potential_energy(const LwrJoints& q) const noexcept {
-  const std::array<Frame, 7> frames = links(q);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 7; ++i)
-    sum +=
-        inertia_.links[i].mass_kg * kGravity * (frames[i].rotation * inertia_.links[i].centre_m + frames[i].origin).z();
-  return sum;
 }
 
 }  // namespace voxtouch::lwr_sim

@@ -21,9 +21,6 @@ struct Link {
 struct ArmInertia {
   std::array<Link, 7> links{};
   LwrJoints rotor_kg_m2 = LwrJoints::Zero();  ///< added to the diagonal of M
-
-  /// Throws std::runtime_error where a mass or an inertia is not above zero or cannot be that of a body.
-  void validate() const;
 };
 
 /// Links: the physically consistent set of published robot descriptions (confirmed). Rotors: reflected motor inertia
@@ -39,7 +36,7 @@ struct TipLoad {
 
 class ArmDynamics {
  public:
-  /// `inertia` must be valid. `tool_in_flange`: the frame T, whose origin carries the load.
+  /// `inertia`: of bodies that can be. `tool_in_flange`: the frame T, whose origin carries the load.
   explicit ArmDynamics(const ArmInertia& inertia = lwr_inertia(), const Pose& tool_in_flange = {}) noexcept
       : inertia_(inertia), tool_in_flange_(tool_in_flange) {}
 
@@ -53,11 +50,6 @@ class ArmDynamics {
     Twist twist;           ///< of the tool
   };
   Terms at(const LwrJoints& q, const LwrJoints& rate, const TipLoad& load = {}) const noexcept;
-
-  /// Sum over links, rotors and load [J]; made from the links' velocities, not from M.
-  double kinetic_energy(const LwrJoints& q, const LwrJoints& rate, const TipLoad& load = {}) const noexcept;
-  /// Of the links, zero with all centres at the height of the base [J].
-  double potential_energy(const LwrJoints& q) const noexcept;
 
   /// Where a link is: a point of it in the base is rotation * point + origin.
   struct Frame {

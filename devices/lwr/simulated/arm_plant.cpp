@@ -3,8 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
 namespace voxtouch::lwr_sim {
 namespace {
@@ -12,27 +10,12 @@ namespace {
 constexpr int kSweeps = 60;           // of the impulses' iteration; it converges in a few
 constexpr double kConverged = 1e-13;  // [rad/s] change of a rate in one sweep
 
-void require(bool good, const char* field) {
-  if (!good) throw std::runtime_error(std::string("arm plant: ") + field + " has to be zero or more in every joint");
-}
-bool not_negative(const LwrJoints& v) { return (v.array() >= 0.0).all(); }  // false for NaN
-
 Wrench wrench_of(const HandAction& hand, const ArmDynamics::Terms& terms) noexcept {
   return {hand.force(terms.tool.position, terms.twist.linear),
           hand.torque(terms.tool.orientation, terms.twist.angular)};
 }
 
 }  // namespace
-
-void PlantParameters::validate() const {
-  inertia.validate();
-  require(not_negative(viscous_nms_per_rad) && viscous_nms_per_rad.allFinite(), "viscous_nms_per_rad");
-  require(not_negative(coulomb_nm) && coulomb_nm.allFinite(), "coulomb_nm");
-  require(not_negative(brake_nm) && brake_nm.allFinite(), "brake_nm");
-  require(not_negative(torque_limit_nm), "torque_limit_nm");
-  require(not_negative(position_limit_rad), "position_limit_rad");
-  if (!tool_in_flange.finite()) throw std::runtime_error("arm plant: tool_in_flange is not finite");
-}
 
 PlantParameters lwr_plant(double torque_feedback_gain) {
   PlantParameters p;
@@ -49,7 +32,7 @@ PlantParameters lwr_plant(double torque_feedback_gain) {
 }
 
 ArmPlant::ArmPlant(const PlantParameters& parameters, const LwrJoints& q)
-    : parameters_((parameters.validate(), parameters)), dynamics_(parameters.inertia, parameters.tool_in_flange),
+    : parameters_(parameters), dynamics_(parameters.inertia, parameters.tool_in_flange),
       q_(q) {
   sensed_ = dynamics_.at(q_, rate_).gravity;
 }

@@ -18,9 +18,6 @@ struct PlantParameters {
       LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< of the drives, gravity included
   LwrJoints position_limit_rad =
       LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< +-, a stop that takes all speed
-
-  /// Throws std::runtime_error that names field and rule.
-  void validate() const;
 };
 
 /// Published drive friction, divided by the gain of the torque feedback, which hides it as it hides the rotors (assumed);
@@ -34,7 +31,7 @@ enum class Drives {
 
 class ArmPlant {
  public:
-  /// `parameters` must be valid. At rest at `q`.
+  /// At rest at `q`.
   ArmPlant(const PlantParameters& parameters, const LwrJoints& q);
 
   /// Moves on by `dt_s` with `torque` held (beyond gravity, which the drives carry exactly; the sum is cut to the drives'

@@ -15,7 +15,7 @@ class CommandPath {
   static constexpr int kExtrapolated = 3;  ///< assumed
   static constexpr std::size_t kMaxDelay = 100;
 
-  /// `ticks_per_period` of 1 ms each. `delay_ticks` (at most kMaxDelay): what overlaid torques and wrenches need on top.
+  /// `ticks_per_period` of 1 ms each. `delay_ticks` (at most kMaxDelay): what overlaid torques need on top.
   CommandPath(int ticks_per_period, std::size_t delay_ticks) noexcept;
 
   /// Begins anew: rests at `held`, no force under way.
@@ -30,18 +30,13 @@ class CommandPath {
   const Setpoint& goal() const noexcept { return to_; }
 
  private:
-  struct Force {
-    LwrJoints torque = LwrJoints::Zero();
-    Vec6 wrench = Vec6::Zero();
-  };
   void begin(const Setpoint& wanted) noexcept;
 
   int ticks_, done_ = 0, misses_ = 0;
   std::size_t delay_, next_ = 0;
   Setpoint from_, to_;
   LwrJoints position_step_ = LwrJoints::Zero();  // over the last period
-  Vec3 pose_step_ = Vec3::Zero();
-  std::array<Force, kMaxDelay + 1> line_{};
+  std::array<LwrJoints, kMaxDelay + 1> line_;  // torques on their way
 };
 
 }  // namespace voxtouch::lwr_sim

@@ -53,12 +53,6 @@ std::string_view take_part(std::string_view& rest) {
 
 }  // namespace
 
-std::string_view name_of(FaultKind kind) noexcept {
-  for (const Row& row : kRows)
-    if (row.kind == kind) return row.name;
-  return "unknown";
-}
-
 Fault parse_fault(std::string_view text) {
   const std::size_t at = text.find('@');
   if (at == std::string_view::npos) refuse(text, "it has no '@'");

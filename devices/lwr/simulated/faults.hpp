@@ -25,7 +25,6 @@ enum class FaultKind : std::uint8_t {
   kSilent,         ///< nothing is sent and nothing heard, as with a pulled cable
 };
 inline constexpr std::size_t kFaultKinds = 12;
-std::string_view name_of(FaultKind kind) noexcept;
 
 /// Acts from `start_s` on for `duration_s`, on the controller's clock.
 struct Fault {

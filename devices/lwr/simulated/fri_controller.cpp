@@ -31,16 +31,8 @@ void ControllerConfig::validate() const {
   require(ticks >= 1 && ticks <= 100 && std::abs(period_s - ticks * kTick) < 1e-9, "period_s",
           "1 to 100 whole milliseconds");
   require(safety_limits > 0.0 && safety_limits <= 1.0, "safety_limits", "in (0, 1]");
-  plant.validate();
-  quality.validate();
   require(start_rad.allFinite() && (start_rad.cwiseAbs().array() <= plant.position_limit_rad.array()).all(),
           "start_rad", "within the joints' limits");
-  require(overlay_delay_ticks >= 0 && overlay_delay_ticks <= static_cast<int>(CommandPath::kMaxDelay),
-          "overlay_delay_ticks", "in [0, 100]");
-  require(overlay_lag_s >= 0.0 && overlay_lag_s < 1.0, "overlay_lag_s", "in [0, 1)");
-  require(torque_noise_nm >= 0.0 && torque_noise_nm < 100.0, "torque_noise_nm", "in [0, 100)");
-  require(position_resolution_rad >= 0.0 && position_resolution_rad < 0.01, "position_resolution_rad", "in [0, 0.01)");
-  require(script_pause_s >= 0.0 && script_pause_s < 60.0, "script_pause_s", "in [0, 60)");
 }
 
 FriController::FriController(const ControllerConfig& config, Hand hand, FaultSchedule faults)
@@ -69,12 +61,8 @@ fri::Quality FriController::quality() const noexcept {
 Setpoint FriController::resting() const noexcept {
   Setpoint s;
   s.position = held_;
-  s.pose = plant_.dynamics().at(held_, LwrJoints::Zero()).tool;
   s.stiffness = config_.krl_stiffness_nm_per_rad;
   s.damping.setConstant(config_.krl_damping);
-  s.cart_stiffness << Vec3::Constant(config_.krl_cart_stiffness_n_per_m),
-      Vec3::Constant(config_.krl_cart_stiffness_nm_per_rad);
-  s.cart_damping.setConstant(config_.krl_damping);
   return s;
 }
 
@@ -83,13 +71,9 @@ Setpoint FriController::setpoint_of(const fri::Command& c) const noexcept {
   Setpoint s = resting();
   const auto has = [&](std::uint32_t flag) { return (c.cmd_flags & flag) != 0; };
   if (has(fri::kFlagJntPos)) s.position = fri::from_wire(c.jnt_pos);
-  if (has(fri::kFlagCartPos)) s.pose = fri::from_wire(c.cart_pos);
   if (has(fri::kFlagJntTrq)) s.torque = fri::from_wire(c.add_jnt_trq);
-  if (has(fri::kFlagTcpFt)) s.wrench = fri::from_wire(c.add_tcp_ft);
   if (has(fri::kFlagJntStiff)) s.stiffness = fri::from_wire(c.jnt_stiffness);
   if (has(fri::kFlagJntDamp)) s.damping = fri::from_wire(c.jnt_damping);
-  if (has(fri::kFlagCartStiff)) s.cart_stiffness = fri::from_wire(c.cart_stiffness);
-  if (has(fri::kFlagCartDamp)) s.cart_damping = fri::from_wire(c.cart_damping);
   return s;
 }
 
@@ -201,17 +185,13 @@ LwrJoints FriController::law(const Setpoint& now, const ArmDynamics::Terms& term
 
 void FriController::tick() noexcept {
   const Setpoint now = path_.tick();
-  const bool cartesian = script_.control() == Control::kCartesianImpedance;
   ArmDynamics::Terms terms = plant_.terms();
-  if (state_ == State::kCmd && cartesian) impedance_.prepare_cartesian(terms, now);
-  if (state_ == State::kCmd && !cartesian) impedance_.prepare_joint(terms, now);
+  if (state_ == State::kCmd) impedance_.prepare(terms, now);
   // Pade(1,1) of 1 - exp(-dt / lag): no library function.
   const double follow = std::min(1.0, kSubstep / (config_.overlay_lag_s + 0.5 * kSubstep));
   for (int i = 0; i < kSubsteps; ++i) {
     if (i) terms = plant_.terms();
-    LwrJoints wanted = now.torque;
-    if (cartesian) wanted = in_axes(task_axes(config_.laws, terms), terms.jacobian).transpose() * now.wrench;
-    if (state_ == State::kCmd) overlay_ += follow * (wanted - overlay_);
+    if (state_ == State::kCmd) overlay_ += follow * (now.torque - overlay_);
     applied_ = braked_ ? LwrJoints(LwrJoints::Zero()) : law(now, terms);
     const HandAction hand = starts_ || !config_.hand_waits ? hand_.step() : HandAction{};
     plant_.step(applied_, braked_ ? Drives::kBraked : Drives::kTorque, hand, kSubstep);
@@ -247,14 +227,10 @@ void FriController::take_answer() noexcept {
 void FriController::judge_answer() noexcept {
   if (answer_.command.cmd_flags != flags_) return leave({Reason::kFlagsChanged, 0});
   const Setpoint wanted = setpoint_of(answer_.command);
-  if (const Violation why = check_answer(wanted)) return leave(why);
-  path_.answer(wanted);
-}
-
-Violation FriController::check_answer(const Setpoint& wanted) const noexcept {
   // What stood in for missed answers moved the goal on, so the time is that since the last goal.
-  return check_command(config_.safety, script_.control(), path_.goal(), wanted,
-                       periods_since_answer_ * config_.period_s, plant_.q(), plant_.terms().tool);
+  const double elapsed_s = periods_since_answer_ * config_.period_s;
+  if (const Violation why = check_command(config_.safety, path_.goal(), wanted, elapsed_s, plant_.q())) return leave(why);
+  path_.answer(wanted);
 }
 
 void FriController::judge_motion() noexcept {
@@ -281,7 +257,7 @@ void FriController::run_script() noexcept {
 void FriController::start() noexcept {
   if (power_ != fri::kAllDrives) return note(state_, {Reason::kDrivesOff, 0});
   const LwrJoints mirrored = fri::from_wire(answer_.command.jnt_pos);
-  if (const Violation why = check_entry(config_.safety, script_.control(), mirrored, held_, plant_.q())) {
+  if (const Violation why = check_entry(config_.safety, mirrored, held_)) {
     error_ = why.joints ? why.joints : fri::kAllDrives;
     return note(state_, why);
   }
@@ -337,14 +313,12 @@ void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
   const ArmDynamics& dynamics = plant_.dynamics();
   d.jnt_pos = fri::to_wire(q);
   d.cart_pos = fri::to_wire(dynamics.at(q, LwrJoints::Zero()).tool);
-  const bool command = state_ == State::kCmd;
-  const LwrJoints goal = command ? path_.goal().position : held_;
+  const LwrJoints goal = state_ == State::kCmd ? path_.goal().position : held_;
   const Pose held_pose = dynamics.at(held_, LwrJoints::Zero()).tool;
-  const Pose goal_pose = command ? path_.goal().pose : held_pose;
   d.cmd_jnt_pos = fri::to_wire(held_);
   d.cmd_jnt_pos_fri_offset = fri::to_wire(LwrJoints(goal - held_));
   d.cmd_cart_pos = fri::to_wire(held_pose);
-  d.cmd_cart_pos_fri_offset = fri::to_wire(held_pose.inverse() * goal_pose);
+  d.cmd_cart_pos_fri_offset = fri::to_wire(Pose{});
   const Mat3 axes = task_axes(config_.laws, terms);
   const Wrench& hand = plant_.hand_wrench();
   const LwrJoints outer = joint_torque(terms.jacobian, hand);

@@ -35,14 +35,14 @@ struct ControllerConfig {
   double position_resolution_rad = 2e-5;  ///< of the measured positions; assumed
   LwrJoints krl_stiffness_nm_per_rad =
       LwrJoints::Constant(1000.0);  ///< where no flag brings one, as in published programs;
-  double krl_cart_stiffness_n_per_m = 200.0, krl_cart_stiffness_nm_per_rad = 20.0, krl_damping = 0.7;  ///< likewise
+  double krl_damping = 0.7;      ///< likewise
   double script_pause_s = 0.05;  ///< of the KRL program's loop, as in a published one
   bool first_start_keeps_strategy = false;
   bool hand_waits = true;     ///< the hand takes the tool, and its clock starts, with the first command mode
   bool virtual_time = false;  ///< announced in $FRI_TO_INT[16]
   std::uint64_t seed = 0;
 
-  /// Throws std::runtime_error that names field and rule.
+  /// What a call may set: period, safety limits, start. Throws std::runtime_error that names field and rule.
   void validate() const;
 };
 
@@ -120,7 +120,6 @@ class FriController {
   void run_script() noexcept;
   void start() noexcept;
   void leave(const Violation& why) noexcept;
-  Violation check_answer(const Setpoint& wanted) const noexcept;
   Setpoint setpoint_of(const fri::Command& command) const noexcept;
   Setpoint resting() const noexcept;
   void hold_here() noexcept;

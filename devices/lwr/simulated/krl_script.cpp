@@ -5,7 +5,7 @@ namespace voxtouch::lwr_sim {
 std::optional<fri::Control> control_of(std::int32_t strategy) noexcept {
   switch (static_cast<fri::Strategy>(strategy)) {
     case fri::Strategy::kPosition: return fri::Control::kPosition;
-    case fri::Strategy::kCartesianImpedance: return fri::Control::kCartesianImpedance;
+    case fri::Strategy::kCartesianImpedance: break;
     case fri::Strategy::kJointImpedance: return fri::Control::kJointImpedance;
   }
   return std::nullopt;

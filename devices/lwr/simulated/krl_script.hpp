@@ -43,7 +43,7 @@ class KrlScript {
   fri::Control control_ = fri::Control::kPosition;
 };
 
-/// nullopt for a number that is no strategy.
+/// nullopt for a number that is no strategy, and for Cartesian impedance, which is not simulated.
 std::optional<fri::Control> control_of(std::int32_t strategy) noexcept;
 
 }  // namespace voxtouch::lwr_sim

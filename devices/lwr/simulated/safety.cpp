@@ -16,17 +16,8 @@ std::uint16_t over(const LwrJoints& value, const LwrJoints& limit) noexcept {
   return bits;
 }
 
-template <class V>
-bool within(const V& values, double low, double high) noexcept {
-  return (values.array() >= low).all() && (values.array() <= kSlack * high).all();
-}
-
-bool gains_fit(const SafetyRules& rules, fri::Control control, const Setpoint& s) noexcept {
-  if (control == fri::Control::kCartesianImpedance)
-    return within(s.cart_stiffness.head<3>(), 0.0, rules.max_cart_stiffness) &&
-           within(s.cart_stiffness.tail<3>(), 0.0, rules.max_cart_rotational_stiffness) &&
-           within(s.cart_damping, 0.0, 1.0);
-  return within(s.stiffness, 0.0, rules.max_stiffness_nm_per_rad) && within(s.damping, 0.0, 1.0);
+bool within(const LwrJoints& values, double high) noexcept {
+  return (values.array() >= 0.0).all() && (values.array() <= kSlack * high).all();
 }
 
 }  // namespace
@@ -46,7 +37,6 @@ std::string_view sentence_of(Reason reason) noexcept {
     case Reason::kTorque: return "a commanded torque or force is over its limit";
     case Reason::kGains: return "a commanded stiffness or damping is out of range";
     case Reason::kJointSpeed: return "a joint was faster than it may be";
-    case Reason::kElbowStretched: return "the elbow is too straight for Cartesian impedance";
     case Reason::kEmergencyStop: return "emergency stop";
     case Reason::kDrivesOff: return "drives went off";
     case Reason::kQualityForced: return "the quality was made bad by a fault of the simulation";
@@ -54,8 +44,8 @@ std::string_view sentence_of(Reason reason) noexcept {
   return "unknown";
 }
 
-Violation check_command(const SafetyRules& rules, fri::Control control, const Setpoint& before, const Setpoint& now,
-                        double elapsed_s, const LwrJoints& q, const Pose& tool) noexcept {
+Violation check_command(const SafetyRules& rules, const Setpoint& before, const Setpoint& now, double elapsed_s,
+                        const LwrJoints& q) noexcept {
   const LwrJoints all_deviation = LwrJoints::Constant(rules.max_deviation_rad);
   if (const auto j = over(now.position, rules.max_position_rad)) return {Reason::kCommandPosition, j};
   // The wire rounds positions to floats: a rounding step in a millisecond is no speed.
@@ -63,12 +53,8 @@ Violation check_command(const SafetyRules& rules, fri::Control control, const Se
   if (const auto j = over(now.position - before.position, most)) return {Reason::kCommandSpeed, j};
   if (const auto j = over(now.position - q, all_deviation)) return {Reason::kDeviation, j};
   if (const auto j = over(now.torque, rules.max_torque_nm)) return {Reason::kTorque, j};
-  if (!gains_fit(rules, control, now)) return {Reason::kGains, 0};
-  if (control != fri::Control::kCartesianImpedance) return {};
-  if (!((now.pose.position - tool.position).norm() <= rules.max_pose_deviation_m)) return {Reason::kDeviation, 0};
-  const bool strong = !(now.wrench.head<3>().norm() <= kSlack * rules.max_force_n) ||
-                      !(now.wrench.tail<3>().norm() <= kSlack * rules.max_wrench_torque_nm);
-  return strong ? Violation{Reason::kTorque, 0} : Violation{};
+  const bool gains_fit = within(now.stiffness, rules.max_stiffness_nm_per_rad) && within(now.damping, 1.0);
+  return gains_fit ? Violation{} : Violation{Reason::kGains, 0};
 }
 
 Violation check_motion(const SafetyRules& rules, const LwrJoints& rate) noexcept {
@@ -76,12 +62,9 @@ Violation check_motion(const SafetyRules& rules, const LwrJoints& rate) noexcept
   return joints ? Violation{Reason::kJointSpeed, joints} : Violation{};
 }
 
-Violation check_entry(const SafetyRules& rules, fri::Control control, const LwrJoints& mirrored,
-                      const LwrJoints& expected, const LwrJoints& q) noexcept {
-  if (const auto j = over(mirrored - expected, LwrJoints::Constant(rules.jump_rad))) return {Reason::kJump, j};
-  if (control == fri::Control::kCartesianImpedance && !(std::abs(q[3]) >= rules.least_elbow_rad))
-    return {Reason::kElbowStretched, 1U << 3};
-  return {};
+Violation check_entry(const SafetyRules& rules, const LwrJoints& mirrored, const LwrJoints& expected) noexcept {
+  const auto joints = over(mirrored - expected, LwrJoints::Constant(rules.jump_rad));
+  return joints ? Violation{Reason::kJump, joints} : Violation{};
 }
 
 }  // namespace voxtouch::lwr_sim

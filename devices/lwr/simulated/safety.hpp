@@ -21,10 +21,9 @@ enum class Reason : std::uint8_t {
   kCommandSpeed,     ///< a commanded position moved faster than the joint may
   kCommandPosition,  ///< a commanded position outside the joint's range
   kDeviation,        ///< a commanded position too far from the measured one
-  kTorque,           ///< an overlaid torque or wrench over its limit
+  kTorque,           ///< an overlaid torque over its limit
   kGains,            ///< stiffness or damping out of range
   kJointSpeed,       ///< a joint was faster than it may
-  kElbowStretched,   ///< Cartesian impedance needs a bent elbow
   kEmergencyStop,
   kDrivesOff,
   kQualityForced,  ///< by a fault of the simulation
@@ -43,22 +42,16 @@ struct SafetyRules {
   LwrJoints max_position_rad = lwr_limits().position_rad;       ///< commanded, +-
   LwrJoints max_torque_nm = lwr_limits().torque_nm;             ///< overlaid ($stiffness.axismaxdeltatrq); assumed
   double max_deviation_rad = 100.0 * std::numbers::pi / 180.0;  ///< $stiffness.axismaxdelta in published programs
-  double max_pose_deviation_m = 2.0;                            ///< $stiffness.cpmaxdelta, likewise
-  double max_force_n = 900.0;                                   ///< $stiffness.maxforce, likewise
-  double max_wrench_torque_nm = 300.0;                          ///< assumed
   double max_stiffness_nm_per_rad = 2000.0;                     ///< assumed
-  double max_cart_stiffness = 5000.0;                           ///< [N/m]; confirmed
-  double max_cart_rotational_stiffness = 300.0;                 ///< [Nm/rad]; assumed
   double jump_rad = 0.01;                                       ///< at the entry to command mode; assumed
-  double least_elbow_rad = 45.0 * std::numbers::pi / 180.0;     ///< joint 4, for Cartesian impedance; confirmed
 };
 
 /// What an answer asks for, against what it asked for `elapsed_s` ago and the arm as it is.
-Violation check_command(const SafetyRules& rules, fri::Control control, const Setpoint& before, const Setpoint& now,
-                        double elapsed_s, const LwrJoints& q, const Pose& tool) noexcept;
+Violation check_command(const SafetyRules& rules, const Setpoint& before, const Setpoint& now, double elapsed_s,
+                        const LwrJoints& q) noexcept;
+/// How fast the joints are.
 Violation check_motion(const SafetyRules& rules, const LwrJoints& rate) noexcept;
 /// May command mode begin? `mirrored`: the last commanded position; `expected`: the controller's own.
-Violation check_entry(const SafetyRules& rules, fri::Control control, const LwrJoints& mirrored,
-                      const LwrJoints& expected, const LwrJoints& q) noexcept;
+Violation check_entry(const SafetyRules& rules, const LwrJoints& mirrored, const LwrJoints& expected) noexcept;
 
 }  // namespace voxtouch::lwr_sim

@@ -29,27 +29,9 @@ int hdsim_set_number(const char* name, double value);
 /* --- The operator; at any time. Before the first tick the arm stands where the motion starts; after it a new motion starts
  * with the call. Frame D of the device: +x right, +y up, +z towards the operator, origin at the reset pose. */
 
-typedef struct hdsim_motion {
-  const double* points;        /* x y z of each way point */
-  size_t point_count;          /* at least 1 */
-  double speed;                /* peak, m/s */
-  double hold;                 /* rest at each way point, s */
-  int64_t repeat_from;         /* back and forth between this way point and the last; -1: no */
-  const double* circle_centre; /* x y z, or null: no circle */
-  double circle_axis[3];
-  double orientation[4]; /* of the stylus, w x y z */
-} hdsim_motion;
-int hdsim_set_motion(const hdsim_motion* motion);
-
-typedef struct hdsim_hand {
-  double mass, damping, stiffness;           /* kg, Ns/m, N/m */
-  double let_go_at, grip_harder_at;          /* s; negative: never */
-  double grip_factor;                        /* of stiffness and damping from then on */
-  double tremor, tremor_bandwidth;           /* N, Hz */
-  int released, carries_tool;
-} hdsim_hand;
-int hdsim_set_hand(const hdsim_hand* hand);
-int hdsim_set_grip(const char* name); /* "fingertip", "pen", "pen-light", "pen-firm", "arm", ..., "released" */
+/* Each takes the text of a hand file (devices/operator/hand_file.hpp), and of it the motion, or the grip with its tremor. */
+int hdsim_set_motion(const char* hand_file);
+int hdsim_set_hand(const char* hand_file);
 
 /* Buttons: bit 0 the first. The safety switch is held at first; without it motors give nothing. The inkwell is empty. */
 int hdsim_set_switches(int buttons, int safety, int inkwell);

@@ -24,21 +24,23 @@ namespace {
 
 constexpr std::chrono::milliseconds kStopTimeout{8'000};
 
+std::filesystem::path own_program() { return std::filesystem::read_symlink("/proc/self/exe"); }
+
 class ChildProcess final : public RunningNode {
  public:
-  ChildProcess(std::string name, const std::vector<std::string>& arguments) : name_(std::move(name)) {
-    const std::filesystem::path program =
-        std::filesystem::read_symlink("/proc/self/exe").parent_path() / ("voxtouch_" + name_);
+  ChildProcess(std::string name, const std::filesystem::path& program, const std::vector<std::string>& arguments,
+               std::chrono::milliseconds patience = kStopTimeout)
+      : name_(std::move(name)), patience_(patience) {
     std::vector<std::string> texts = {program.string()};
     texts.insert(texts.end(), arguments.begin(), arguments.end());
     texts.insert(texts.end(), {"--with-parent", fmt::to_string(getpid())});
     std::vector<char*> argv;
     for (std::string& text : texts) argv.push_back(text.data());
     argv.push_back(nullptr);
-    // Its own process group: Ctrl-C reaches `up` alone, which stops the nodes in order. stdout goes to stderr: `up --json` owns it.
+    // Its own process group: Ctrl-C reaches `up` alone, which stops its children in order. stdout goes to stderr: `up --json` owns it.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
-    // SIGTERM waits until the node can act on it: a stop during the start is a stop, not a death.
+    // SIGTERM waits until the child can act on it: a stop during the start is a stop, not a death.
     sigset_t blocked;
     sigemptyset(&blocked);
     sigaddset(&blocked, SIGTERM);
@@ -57,7 +59,7 @@ class ChildProcess final : public RunningNode {
   }
   ~ChildProcess() override {
     request_stop();
-    join(kStopTimeout);  // an exception got us here: the device still has to reach zero by itself
+    join(patience_);  // where an exception got us here the device still has to reach zero by itself
   }
   const std::string& name() const noexcept override { return name_; }
   void request_stop() override {
@@ -74,6 +76,7 @@ class ChildProcess final : public RunningNode {
  private:
   void kill() override { ::kill(pid_, SIGKILL); }
   std::string name_;
+  std::chrono::milliseconds patience_;
   pid_t pid_ = 0;
   std::optional<int> status_;
 };
@@ -157,6 +160,13 @@ int RunningNode::join(std::chrono::milliseconds patience) {
   return *ended();
 }
 
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o) {
+  constexpr std::chrono::milliseconds kPatience{2'000};
+  const std::vector<std::string> arguments = {"view",     o.scene.string(),          "--rig",       o.rig,
+                                              "--domain", fmt::to_string(o.domain), "--interface", o.network_interface};
+  return std::make_unique<ChildProcess>("view", own_program(), arguments, kPatience);
+}
+
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
   std::vector<std::unique_ptr<RunningNode>> nodes;
   const auto start = [&](const std::string& name, runtime::NodeOptions& options, auto arguments,
@@ -164,7 +174,7 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
     if (o.one_process)
       nodes.push_back(std::make_unique<ThreadOfThisProcess>(name, options, std::move(run)));
     else
-      nodes.push_back(std::make_unique<ChildProcess>(name, arguments()));
+      nodes.push_back(std::make_unique<ChildProcess>(name, own_program().parent_path() / ("voxtouch_" + name), arguments()));
   };
   using Stop = const std::atomic<bool>&;
   o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps

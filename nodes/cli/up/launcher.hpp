@@ -19,12 +19,15 @@ namespace voxtouch::cli {
 class RunningNode {
  public:
   virtual ~RunningNode() = default;
+  /// As its status says it: "device", ...
   virtual const std::string& name() const noexcept = 0;
+  /// Asks it to end in order (SIGTERM, or its flag); does not wait, and does nothing to one that has ended.
   virtual void request_stop() = 0;
   /// Exit status once it has ended (128 + signal number if one ended it); does not wait.
   virtual std::optional<int> ended() = 0;
   /// Waits; ends it by force if it has not gone by then. Returns the exit status.
   int join(std::chrono::milliseconds patience);
+  /// Of the process that it runs in: this one where it is a thread.
   virtual std::uint32_t pid() const noexcept = 0;
 
  protected:
@@ -45,5 +48,9 @@ struct LauncherOptions {
 /// Starts logger, validator, coupling, rendering, device. Order does not matter to them; this is the order of the returned list.
 /// `options` must outlive the members. Throws std::runtime_error if a program cannot be started.
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& options);
+
+/// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not notice. Shows the ring of `options` and
+/// the meshes of its scene, and tells its address on stderr. Throws std::runtime_error where it cannot be started.
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options);
 
 }  // namespace voxtouch::cli

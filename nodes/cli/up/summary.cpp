@@ -25,25 +25,29 @@ std::uint64_t count(const Reports& reports, const std::string& node, const std::
   return runtime::as_count(number(reports, node, name));
 }
 
+using Names = std::initializer_list<const char*>;
+
+/// Figures of a node under their own names: those that count as whole numbers.
+void add_counts(nlohmann::ordered_json& j, const Reports& r, const char* node, Names names) {
+  for (const char* name : names) j[name] = count(r, node, name);
+}
+void add_numbers(nlohmann::ordered_json& j, const Reports& r, const char* node, Names names) {
+  for (const char* name : names) j[name] = number(r, node, name);
+}
+
 nlohmann::ordered_json coupling_json(const Reports& r) {
   nlohmann::ordered_json j;
   j["status"] = word(r, "coupling", "design_status");
   j["kind"] = word(r, "coupling", "design_kind");
-  j["cutoff_hz"] = number(r, "coupling", "design_cutoff_hz");
-  j["gain"] = number(r, "coupling", "design_gain");
-  j["injected_damping_ns_per_m"] = number(r, "coupling", "design_injected_damping_ns_per_m");
+  for (const char* name : {"cutoff_hz", "gain", "injected_damping_ns_per_m"})
+    j[name] = number(r, "coupling", std::string("design_") + name);
   j["shown_stiffness_n_per_m"] = number(r, "coupling", "design_shown_n_per_m");
   j["critical_stiffness_n_per_m"] = number(r, "coupling", "design_critical_n_per_m");
   j["gain_margin"] = number(r, "coupling", "design_gain_margin");
   j["worst_case"] = word(r, "coupling", "design_worst_case");
-  j["designs"] = count(r, "coupling", "designs");
-  j["capped_samples"] = count(r, "coupling", "capped_samples");
-  j["passivity_samples"] = count(r, "coupling", "passivity_samples");
-  j["passivity_most_damping_ns_per_m"] = number(r, "coupling", "passivity_most_damping_ns_per_m");
-  j["lowest_energy_j"] = number(r, "coupling", "lowest_energy_j");
-  j["lowest_energy_rotation_j"] = number(r, "coupling", "lowest_energy_rotation_j");
-  j["energy_bound_j"] = number(r, "coupling", "energy_bound_j");
-  j["energy_bound_rotation_j"] = number(r, "coupling", "energy_bound_rotation_j");
+  add_counts(j, r, "coupling", {"designs", "capped_samples", "passivity_samples"});
+  add_numbers(j, r, "coupling", {"passivity_most_damping_ns_per_m", "lowest_energy_j", "lowest_energy_rotation_j",
+                                 "energy_bound_j", "energy_bound_rotation_j"});
   return j;
 }
 
@@ -63,34 +67,19 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["ring_latency_us"] = {{"p50", number(r, "device", "latency_p50_us")},
                           {"p99", number(r, "device", "latency_p99_us")},
                           {"max", number(r, "device", "latency_max_us")}};
-  j["answered"] = count(r, "device", "answered");
-  j["overruns"] = count(r, "device", "overruns");
-  j["deadline_misses"] = count(r, "device", "deadline_misses");
-  j["contact_samples"] = count(r, "rendering", "contact_samples");
-  j["held_samples"] = count(r, "rendering", "held_samples");
-  j["saturated_samples"] = count(r, "rendering", "saturated_samples");
-  j["fast_samples"] = count(r, "rendering", "fast_samples");
-  j["crossed_samples"] = count(r, "rendering", "crossed_samples");
-  j["missed_samples"] = count(r, "rendering", "missed_samples");
-  if (has_virtual_tool(s))
-    j["virtual_tool"] = {{"spring_n_per_m", number(r, "rendering", "spring_n_per_m")},
-                         {"most_penetration_m", number(r, "rendering", "most_penetration_m")},
-                         {"most_residual_m", number(r, "rendering", "most_residual_m")},
-                         {"samples_at_most_queries", count(r, "rendering", "samples_at_most_queries")},
-                         {"lag_samples", count(r, "rendering", "lag_samples")},
-                         {"unplaced_samples", count(r, "rendering", "unplaced_samples")}};
-  j["zero_force_samples"] = count(r, "device", "zero_force_samples");
-  j["interruptions"] = count(r, "device", "interruptions");
+  add_counts(j, r, "device", {"answered", "overruns", "deadline_misses"});
+  add_counts(j, r, "rendering", {"contact_samples", "held_samples", "saturated_samples", "fast_samples",
+                                 "crossed_samples", "missed_samples"});
+  if (has_virtual_tool(s)) {
+    add_numbers(j["virtual_tool"], r, "rendering", {"spring_n_per_m", "most_penetration_m", "most_residual_m"});
+    add_counts(j["virtual_tool"], r, "rendering", {"samples_at_most_queries", "lag_samples", "unplaced_samples"});
+  }
+  add_counts(j, r, "device", {"zero_force_samples", "interruptions"});
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);
-  j["guard"] = {{"refused", count(r, "device", "refused")},
-                {"refused_late", count(r, "device", "refused_late")},
-                {"clamped", count(r, "device", "clamped")}};
-  nlohmann::ordered_json validator;
-  for (const char* key : {"checked", "decided", "agree", "in_band", "disagree"})
-    validator[key] = count(r, "validator", key);
-  j["validator"] = validator;
-  j["recording"] = {{"written", count(r, "logger", "written")}, {"dropped", count(r, "logger", "dropped")}};
+  add_counts(j["guard"], r, "device", {"refused", "refused_late", "clamped"});
+  add_counts(j["validator"], r, "validator", {"checked", "decided", "agree", "in_band", "disagree"});
+  add_counts(j["recording"], r, "logger", {"written", "dropped"});
   for (const char* stream : {"device_state", "rendering_contact", "coupling_command"})
     j["recording"]["streams"][stream] = {{"recorded", count(r, "logger", stream + std::string("_recorded"))},
                                          {"gaps", count(r, "logger", stream + std::string("_gaps"))}};

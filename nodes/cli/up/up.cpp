@@ -16,7 +16,6 @@
 #include "devices/settings.hpp"
 #include "nodes/bus/reader.hpp"
 #include "nodes/cli/up/launcher.hpp"
-#include "nodes/cli/up/page_process.hpp"
 #include "nodes/cli/up/summary.hpp"
 #include "nodes/cli/up/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
@@ -289,8 +288,8 @@ RunSummary run_up(const UpOptions& options) {
   signal(SIGCHLD, [](int) {});  // is not to be ignored by `usleep`
   const Scene scene = load_scene(options.node.scene);
   for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
-  std::optional<PageProcess> page;  // first: what takes long to build can be looked at meanwhile
-  if (options.view) page.emplace(options.node);
+  std::unique_ptr<RunningNode> page;  // first: what takes long to build can be looked at meanwhile
+  if (options.view) page = start_page(options.node);
   for (const std::string& note : check_before_start(scene, {options.device, parse_settings(options.settings),
                                                             options.motion, options.no_record ? "" : options.bag}))
     tell("note: {}\n", note);

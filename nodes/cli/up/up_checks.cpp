@@ -62,6 +62,27 @@ std::string why_no_force(const Scene& scene, const DeviceDescription& descriptio
   return fitted.refusal;
 }
 
+/// What is told of a run in more than so many samples of it.
+struct SampleNote {
+  const char* figure;  ///< of the rendering
+  double most;
+  const char* what;
+  bool with_virtual_tool = true;
+};
+constexpr SampleNote kSampleNotes[] = {
+    {"buried_samples", 100,
+     "the tool was wholly inside a static object, where there is no direction to push: does the motion start inside?"},
+    {"crossed_samples", 0, "the tool was behind a wall that it had crossed in one sample: it was pushed back to where it came from"},
+    {"missed_samples", 0, "the tool was too fast to be followed, or let go of behind a wall: what lay in between was not felt"},
+    {"unplaced_samples", 100,
+     "there was no virtual tool, for the hand was inside a static object since it came in without one: nothing was felt"},
+    {"lag_samples", 0, "the hand was too fast for the virtual tool, or an object moved more than half a voxel"},
+    {"saturated_samples", 0,
+     "the tool was so deep, or a wall so thin, that going deeper meets no more force: more stiffness, a thicker body or a stronger "
+     "device holds it out",
+     false},
+};
+
 }  // namespace
 
 std::vector<std::string> check_before_start(const Scene& scene, const Plans& plans) {
@@ -113,32 +134,9 @@ void judge(RunSummary& s) {
   s.judged = judge_figures(figures_of(s), s.asked);
   for (const Judged& judged : s.judged)
     if (!judged.met) s.problems.push_back(judged.sentence);
-  if (const double n = number(s.reports, "rendering", "buried_samples"); n > 100)
-    s.notes.push_back(
-        fmt::format("in {} samples the tool was wholly inside a static object, where there is no direction to push: "
-                    "does the motion "
-                    "start inside?",
-                    n));
-  if (const double n = number(s.reports, "rendering", "crossed_samples"); n > 0)
-    s.notes.push_back(
-        fmt::format("in {} samples the tool was behind a wall that it had crossed in one sample: it was pushed back to "
-                    "where it came from",
-                    n));
-  if (const double n = number(s.reports, "rendering", "missed_samples"); n > 0)
-    s.notes.push_back(
-        fmt::format("in {} samples the tool was too fast to be followed, or let go of behind a wall: what lay in "
-                    "between was not felt",
-                    n));
-  if (const double n = number(s.reports, "rendering", "unplaced_samples"); n > 100)
-    s.notes.push_back(fmt::format(
-        "in {} samples there was no virtual tool, for the hand was inside a static object since it came in without one: nothing was felt", n));
-  if (const double n = number(s.reports, "rendering", "lag_samples"); n > 0)
-    s.notes.push_back(fmt::format("in {} samples the hand was too fast for the virtual tool, or an object moved more than half a voxel", n));
-  if (const double n = number(s.reports, "rendering", "saturated_samples"); n > 0 && !has_virtual_tool(s))
-    s.notes.push_back(fmt::format(
-        "in {} samples the tool was so deep, or a wall so thin, that going deeper meets no more force: more "
-        "stiffness, a thicker body or a stronger device holds it out",
-        n));
+  for (const SampleNote& note : kSampleNotes)
+    if (const double n = number(s.reports, "rendering", note.figure); n > note.most && (note.with_virtual_tool || !has_virtual_tool(s)))
+      s.notes.push_back(fmt::format("in {} samples {}", n, note.what));
   std::vector<std::string> unique;
   for (std::string& p : s.problems)
     if (std::find(unique.begin(), unique.end(), p) == unique.end()) unique.push_back(std::move(p));

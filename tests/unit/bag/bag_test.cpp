@@ -6,7 +6,7 @@
 #include <fstream>
 #include <thread>
 
-#include "nodes/bag/bag_reader.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "nodes/bag/bag_writer.hpp"
 #include "tests/support/process/forked.hpp"
 #include "tests/unit/bag/support.hpp"
@@ -37,7 +37,7 @@ void write_bag(const std::filesystem::path& folder, std::uint64_t count) {
 TEST(Bag, GivesBackWhatWasWrittenInOrderOfTime) {
   const TemporaryFolder folder;
   write_bag(folder / "run", 100);
-  const auto bag = expect_value(BagReader::open(folder / "run"));
+  const auto bag = expect_value(WholeBag::open(folder / "run"));
   EXPECT_TRUE(bag.warnings().empty());
   ASSERT_EQ(bag.topics().size(), 2u);
   EXPECT_EQ(bag.topics()[0].name, kState.name);
@@ -83,7 +83,7 @@ TEST(Bag, ClosedOpensWhereNothingCanBeWritten) {
   write_bag(folder / "run", 10);
   namespace fs = std::filesystem;
   fs::permissions(folder / "run", fs::perms::owner_read | fs::perms::owner_exec);
-  const auto bag = BagReader::open(folder / "run");
+  const auto bag = WholeBag::open(folder / "run");
   fs::permissions(folder / "run", fs::perms::owner_all);
   ASSERT_TRUE(bag) << bag.error().sentence;
   EXPECT_EQ(bag->message_count(), 11u);
@@ -127,7 +127,7 @@ TEST(Bag, HasMetadataFromTheStartAndRefreshesIt) {
   std::this_thread::sleep_for(std::chrono::milliseconds(25));
   EXPECT_GOOD(writer.tick());
   EXPECT_EQ(expect_value(read_metadata(folder / "run/metadata.yaml")).message_count, 1u);
-  EXPECT_EQ(expect_value(BagReader::open(folder / "run")).message_count(), 1u);  // read while it is recorded
+  EXPECT_EQ(expect_value(WholeBag::open(folder / "run")).message_count(), 1u);  // read while it is recorded
 }
 
 TEST(Bag, HasWholeMetadataAtEveryInstant) {
@@ -166,7 +166,7 @@ TEST(Bag, RefusesWhatItCannotHold) {
   EXPECT_EQ(writer.append(state + 1, 1, ring_message(1, 0)).error().fault, BagFault::kNoSuchTopic);
   EXPECT_GOOD(writer.append(state, 0, {}));  // empty is a message too
   EXPECT_GOOD(writer.close());
-  EXPECT_EQ(expect_value(BagReader::open(folder / "run")).message_count(), 1u);
+  EXPECT_EQ(expect_value(WholeBag::open(folder / "run")).message_count(), 1u);
 }
 
 TEST(Bag, CountsWhatAFullDiskRefusesAndStaysReadable) {
@@ -190,7 +190,7 @@ TEST(Bag, CountsWhatAFullDiskRefusesAndStaysReadable) {
   writer.fill_counts(counts);
   EXPECT_GT(counts[0].written, 50u);
   EXPECT_EQ(counts[0].written + counts[0].lost, 500u);
-  const auto bag = expect_value(BagReader::open(folder / "run"));
+  const auto bag = expect_value(WholeBag::open(folder / "run"));
   EXPECT_EQ(bag.message_count(), counts[0].written);
   EXPECT_EQ(bag.metadata()->message_count, counts[0].written);
 }
@@ -229,7 +229,7 @@ TEST(Bag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
     return (before ? 0 : 1) | (during ? 2 : 0) | (after ? 0 : 4) | (closed ? 0 : 8) | (adds_up ? 0 : 16);
   });
   EXPECT_EQ(child.wait().status, 0);
-  const auto bag = expect_value(BagReader::open(folder / "run"));
+  const auto bag = expect_value(WholeBag::open(folder / "run"));
   EXPECT_EQ(bag.metadata()->message_count, bag.message_count());
   EXPECT_GE(bag.message_count(), 200u);
 }
@@ -239,28 +239,28 @@ TEST(BagReader, FindsTheDatabaseWhenMetadataIsStaleMissingOrBroken) {
   write_bag(folder / "run", 10);
   std::filesystem::rename(folder / "run", folder / "moved");
   // the name of the folder does not matter
-  EXPECT_TRUE(expect_value(BagReader::open(folder / "moved")).warnings().empty());
+  EXPECT_TRUE(expect_value(WholeBag::open(folder / "moved")).warnings().empty());
   std::filesystem::rename(folder / "moved/run_0.db3", folder / "moved/other_0.db3");
-  const auto stale = expect_value(BagReader::open(folder / "moved"));
+  const auto stale = expect_value(WholeBag::open(folder / "moved"));
   EXPECT_EQ(stale.message_count(), 11u);
   EXPECT_EQ(stale.warnings().size(), 1u);
   std::ofstream(folder / "moved/metadata.yaml") << "rosbag2_bagfile_information: [";
-  EXPECT_EQ(expect_value(BagReader::open(folder / "moved")).message_count(), 11u);
+  EXPECT_EQ(expect_value(WholeBag::open(folder / "moved")).message_count(), 11u);
   std::filesystem::remove(folder / "moved/metadata.yaml");
-  EXPECT_EQ(expect_value(BagReader::open(folder / "moved")).message_count(), 11u);
-  EXPECT_EQ(expect_value(BagReader::open(folder / "moved/other_0.db3")).message_count(), 11u);
+  EXPECT_EQ(expect_value(WholeBag::open(folder / "moved")).message_count(), 11u);
+  EXPECT_EQ(expect_value(WholeBag::open(folder / "moved/other_0.db3")).message_count(), 11u);
 }
 
 TEST(BagReader, SaysWhatIsNotABag) {
   const TemporaryFolder folder;
-  EXPECT_EQ(BagReader::open(folder / "nothing").error().fault, BagFault::kDisk);
-  EXPECT_EQ(BagReader::open(folder.path()).error().fault, BagFault::kFormat);
+  EXPECT_EQ(WholeBag::open(folder / "nothing").error().fault, BagFault::kDisk);
+  EXPECT_EQ(WholeBag::open(folder.path()).error().fault, BagFault::kFormat);
   std::ofstream(folder / "text.db3") << std::string(5000, 'x');
-  const auto text = BagReader::open(folder / "text.db3");
+  const auto text = WholeBag::open(folder / "text.db3");
   ASSERT_FALSE(text);
   EXPECT_EQ(text.error().fault, BagFault::kFormat) << text.error().sentence;
   write_bag(folder / "run", 1);
-  const auto bag = expect_value(BagReader::open(folder / "run"));
+  const auto bag = expect_value(WholeBag::open(folder / "run"));
   const auto none = bag.read_topic("/nobody");
   EXPECT_EQ(none.error().fault, BagFault::kNoSuchTopic);
   EXPECT_NE(none.error().sentence.find(kState.name), std::string::npos);
@@ -315,7 +315,7 @@ TEST(BagReader, ReadsABagOfJazzyInTwoFiles) {
   custom_data: ~
   ros_distro: jazzy
 )";
-  const auto bag = expect_value(BagReader::open(folder / "jazzy"));
+  const auto bag = expect_value(WholeBag::open(folder / "jazzy"));
   EXPECT_TRUE(bag.warnings().empty());
   EXPECT_EQ(bag.metadata()->version, 9);
   EXPECT_NE(bag.metadata()->topics[0].offered_qos.find("reliable"), std::string::npos);
@@ -333,9 +333,9 @@ TEST(BagReader, RefusesWhatItCannotReadWithASentence) {
   mcap.replace(mcap.find("sqlite3"), 7, "mcap");
   compressed.replace(compressed.find("compression_mode: \"\""), 20, "compression_mode: \"FILE\"");
   std::ofstream(folder / "run/metadata.yaml") << mcap;
-  EXPECT_NE(BagReader::open(folder / "run").error().sentence.find("mcap"), std::string::npos);
+  EXPECT_NE(WholeBag::open(folder / "run").error().sentence.find("mcap"), std::string::npos);
   std::ofstream(folder / "run/metadata.yaml") << compressed;
-  EXPECT_NE(BagReader::open(folder / "run").error().sentence.find("compressed"), std::string::npos);
+  EXPECT_NE(WholeBag::open(folder / "run").error().sentence.find("compressed"), std::string::npos);
 }
 
 }  // namespace

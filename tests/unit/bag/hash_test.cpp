@@ -16,7 +16,7 @@ Result<TopicHash> hash_of(const std::vector<std::vector<std::byte>>& messages, c
   const TopicId topic = expect_value(writer.add_topic({"/t", "p/msg/T", "cdr", "", 0}));
   for (const auto& message : messages) EXPECT_GOOD(writer.append(topic, first_time++, message));
   EXPECT_GOOD(writer.close());
-  return hash_topic(expect_value(BagReader::open(folder / "run")), "/t", key);
+  return hash_topic(expect_value(WholeBag::open(folder / "run")), "/t", key);
 }
 
 TEST(TopicHash, DependsOnSequenceOrderAndNotOnArrivalOrTime) {
@@ -61,7 +61,7 @@ TEST(TopicHash, SaysWhenThereIsNoSequenceNumberOrNoTopic) {
   EXPECT_EQ(short_one.error().fault, BagFault::kBadMessage);
   const TemporaryFolder folder;
   EXPECT_GOOD(expect_value(BagWriter::create(folder / "run")).close());
-  EXPECT_EQ(hash_topic(expect_value(BagReader::open(folder / "run")), "/t").error().fault,
+  EXPECT_EQ(hash_topic(expect_value(WholeBag::open(folder / "run")), "/t").error().fault,
             BagFault::kNoSuchTopic);
 }
 

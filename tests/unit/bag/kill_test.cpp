@@ -4,7 +4,7 @@
 #include <atomic>
 #include <thread>
 
-#include "nodes/bag/bag_reader.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "nodes/bag/bag_recorder.hpp"
 #include "nodes/bag/bag_writer.hpp"
 #include "tests/support/process/forked.hpp"
@@ -56,7 +56,7 @@ TEST_P(KilledRecorder, LeavesABagThatOpensAndLacksAtMostASecond) {
   child.signal(SIGKILL);
   ASSERT_EQ(child.wait().status, 128 + SIGKILL) << "the recorder ended by itself";
 
-  const auto bag = expect_value(BagReader::open(folder / "run"));
+  const auto bag = expect_value(WholeBag::open(folder / "run"));
   const auto messages = expect_value(bag.read_topic("/haptic/device/state"));
   ASSERT_FALSE(messages.empty());
   // no gap, no half message
@@ -72,7 +72,7 @@ TEST_P(KilledRecorder, LeavesABagThatOpensAndLacksAtMostASecond) {
   EXPECT_LE(shared.last_time_ns - described_ns, 1'000'000'000);
   std::filesystem::create_directory(folder / "alone");
   std::filesystem::copy_file(folder / "run/run_0.db3", folder / "alone/run_0.db3");
-  const auto alone = expect_value(BagReader::open(folder / "alone/run_0.db3")).read_topic(
+  const auto alone = expect_value(WholeBag::open(folder / "alone/run_0.db3")).read_topic(
       "/haptic/device/state");
   ASSERT_TRUE(alone && !alone->empty());
   // without its -wal file it lacks more

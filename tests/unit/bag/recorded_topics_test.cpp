@@ -1,7 +1,7 @@
 #include "nodes/logger/recorded_topics.hpp"
 
 #include "foreign.h"
-#include "nodes/bag/bag_reader.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "nodes/bag/bag_writer.hpp"
 #include "nodes/logger/recording_qos.hpp"
 #include "tests/unit/bag/dds_support.hpp"
@@ -75,7 +75,7 @@ TEST_F(Recording, TakesWantedTopicsWhoseTypeIsCompiledInAndRefusesOthersOnce) {
   EXPECT_EQ(sentences, std::vector<std::string>{"topic rt/other/thing is not recorded: its type foreign::msg::dds_::Thing_ is "
                                                 "none of those compiled in, which idl lists"});
   recorder_.stop();
-  const bag::BagReader bag = expect_value(bag::BagReader::open(folder_ / "bag"));
+  const bag::WholeBag bag = expect_value(bag::WholeBag::open(folder_ / "bag"));
   ASSERT_TRUE(bag.find_topic("/other/header"));
   const bag::TopicInfo& topic = bag.topics()[*bag.find_topic("/other/header")];
   EXPECT_EQ(topic.type, "std_msgs/msg/Header");

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "nodes/bag/bag_reader.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "nodes/bag/bag_writer.hpp"
 #include "tests/unit/bag/support.hpp"
 
@@ -230,7 +230,7 @@ TEST(BagRecorder, PutsItsCountsBesideTheBag) {
   EXPECT_EQ(json["topics"][0]["written"], 200);
   EXPECT_EQ(json["topics"][1]["received"], 100);
   EXPECT_EQ(json["topics"][1]["dropped"], 0);
-  const auto bag = expect_value(BagReader::open(folder / "run"));
+  const auto bag = expect_value(WholeBag::open(folder / "run"));
   EXPECT_EQ(bag.message_count(), 300u);
   EXPECT_TRUE(bag.warnings().empty());
 }

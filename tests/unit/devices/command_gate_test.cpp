@@ -42,10 +42,5 @@ TEST(Gate, RefusesAnswersToSamplesThatDoNotExistYet) {
   EXPECT_EQ(gate.accept(kAnna, kMine, kNewest, kNewest), GateVerdict::kAccepted);
 }
 
-TEST(Gate, NamesItsVerdicts) {
-  EXPECT_EQ(name_of(GateVerdict::kAccepted), "accepted");
-  EXPECT_EQ(name_of(GateVerdict::kFutureSequence), "future_sequence");
-}
-
 }  // namespace
 }  // namespace voxtouch

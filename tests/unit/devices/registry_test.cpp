@@ -206,7 +206,7 @@ TEST(Registry, TurnsBadOptionsIntoOneSentence) {
   DeviceOptions options;
   options.motion.emplace();
   EXPECT_EQ(refusal("sim-lwr", options),
-            "device 'sim-lwr' cannot be opened: simulated device: the motion has no way point; give it at least one");
+            "device 'sim-lwr' cannot be opened: simulated hand: the motion needs at least one way point, and all of them finite");
 }
 
 }  // namespace

@@ -94,7 +94,6 @@ class PhantomSubject final : public Subject {
     if (fault_ != nullptr && fault_->at_opening) sim().inject(fault_->code, fault_->amount);
     PhantomOptions options;
     options.library = VOXTOUCH_HD_SIM_LIBRARY;
-    options.virtual_time = virtual_time_;
     options.silence_s = 0.1;
     return std::make_unique<PhantomDriver>(options);
   }

@@ -15,12 +15,12 @@ struct Scene {
     session.see(msr, 1e-3, Trouble::kNone);
     msr.interface.state = State::kCmd;
     session.see(msr, 1e-3, Trouble::kNone);
-    push.add_torque.setConstant(5.0);
+    push.setConstant(5.0);
   }
   MsrPacket msr = empty_msr();
   FriSession session{SessionRules{}};
   FriComposer composer{ComposerRules{}};
-  Push push;
+  LwrJoints push;
 };
 
 TEST(FriComposer, LeavesThePushOutWhereTheSessionAllowsNone) {
@@ -36,7 +36,7 @@ TEST(FriComposer, LeavesThePushOutWhereTheSessionAllowsNone) {
 TEST(FriComposer, LeavesAPushOutThatIsNoNumberOrTooLargeForTheWire) {
   for (const double bad : {std::nan(""), 1e300}) {
     Scene s;
-    s.push.add_torque[6] = bad;
+    s.push[6] = bad;
     const CmdPacket& answer = s.composer.answer(s.msr, s.session, true, s.push);
     EXPECT_TRUE(finite(answer));
     EXPECT_EQ(answer.command.add_jnt_trq, Joints{}) << "all of it, not one joint of it";
@@ -51,15 +51,6 @@ TEST(FriComposer, RepeatsThePositionWithoutPushForAPacketItCannotTrust) {
   EXPECT_EQ(after.command.add_jnt_trq, Joints{});
   EXPECT_EQ(after.header.refl_seq, 99);
   EXPECT_EQ(after.header.send_seq, before.header.send_seq + 1);
-}
-
-TEST(FriComposer, KeepsTheCartesianFrameOfTheLastGoodMeasurement) {
-  FriComposer composer(ComposerRules{.strategy = Strategy::kCartesianImpedance});
-  Scene s;
-  s.msr.data.cart_pos = to_wire(Pose{Vec3(0.1, 0.2, 0.3), Quat::Identity()});
-  const Frame good = composer.answer(s.msr, s.session, true, {}).command.cart_pos;
-  s.msr.data.cart_pos[3] = std::nanf("");
-  EXPECT_EQ(composer.answer(s.msr, s.session, true, {}).command.cart_pos, good);
 }
 
 }  // namespace

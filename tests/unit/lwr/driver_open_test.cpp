@@ -155,7 +155,6 @@ TEST(LwrOpen, RefusesOptionsThatCannotBe) {
     EXPECT_TRUE(says(sentence, field)) << field << ": " << sentence;
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  refused([](LwrOptions& o) { o.session.strategy = fri::Strategy::kPosition; }, "session.strategy");
   refused([&](LwrOptions& o) { o.max_add_torque_nm[6] = nan; }, "max_add_torque_nm[6]");
   refused([](LwrOptions& o) { o.max_add_torque_nm[6] = 31.0; }, "max_add_torque_nm[6]");
   refused([](LwrOptions& o) { o.posture.posture[1] = 3.0; }, "posture.posture[1]");

@@ -233,35 +233,6 @@ TEST(LwrDriver, StampsSamplesByTheControllersPeriods) {
   EXPECT_EQ(turn(krc, *driver).sample->time_ns, start + 4'000'000);
 }
 
-TEST(LwrDriver, SpeaksCartesianModeInTheToolsFrame) {
-  FakeController krc;
-  LwrOptions options = plain_options();
-  options.session.strategy = fri::Strategy::kCartesianImpedance;
-  krc.msr.robot.control = fri::Control::kCartesianImpedance;
-  const auto driver = krc.open(options);
-  ASSERT_TRUE(run_to_command(krc, *driver)) << driver->status_text();
-  const Turn t = turn(krc, *driver, kPush);
-  const Quat tool = LwrArm().flange(lwr_rest_posture()).orientation;
-  const Vec6 wrench = fri::from_wire(t.command.command.add_tcp_ft);
-  EXPECT_NEAR((wrench.head<3>() - tool.conjugate() * kPush.force).norm(), 0.0, 1e-5);
-  EXPECT_NEAR((wrench.tail<3>() - tool.conjugate() * kPush.torque).norm(), 0.0, 1e-5);
-  EXPECT_EQ(t.command.krl.integer[fri::kFrmIntStrategy], 20);
-  EXPECT_EQ(t.command.command.cmd_flags, 0x3501U);
-  EXPECT_EQ(torque_of(t.command), 0.0);
-  EXPECT_EQ(t.command.command.cart_pos, krc.msr.data.cart_pos);
-}
-
-TEST(LwrDriver, RefusesCartesianModeWithAnotherToolThanTheControllers) {
-  FakeController krc;
-  LwrOptions options = plain_options();
-  options.session.strategy = fri::Strategy::kCartesianImpedance;
-  options.tool_in_flange.position = Vec3(0, 0, 0.1);
-  krc.msr.robot.control = fri::Control::kCartesianImpedance;
-  const auto driver = krc.open(options);
-  EXPECT_FALSE(run_to_command(krc, *driver));
-  EXPECT_EQ(driver->status().trouble, fri::Trouble::kFrameDiffers);
-}
-
 TEST(LwrDriver, AnswersOnStopAndTakesAnAnswerBackThatHasGoneOut) {
   FakeController krc;
   const auto driver = krc.open(plain_options());

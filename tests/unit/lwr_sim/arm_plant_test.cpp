@@ -1,4 +1,5 @@
 #include "devices/lwr/simulated/arm_plant.hpp"
+#include "tests/unit/lwr_sim/arm_energy.hpp"
 
 #include <gtest/gtest.h>
 
@@ -33,13 +34,13 @@ HandAction push(const Vec3& force, const TipLoad& load = {}) {
 }
 
 double largest_drift(ArmPlant& plant, const TipLoad& load, double seconds, double dt_s) {
-  const double start = plant.dynamics().kinetic_energy(plant.q(), plant.rate(), load);
+  const double start = kinetic_energy(plant.dynamics(), plant.q(), plant.rate(), load);
   double worst = 0.0;
   const int steps = static_cast<int>(std::lround(seconds / dt_s));
   for (int i = 0; i < steps; ++i) {
     plant.step(LwrJoints::Zero(), Drives::kTorque, push(Vec3::Zero(), load), dt_s);
     if (i % 40 == 0)
-      worst = std::max(std::abs(plant.dynamics().kinetic_energy(plant.q(), plant.rate(), load) / start - 1.0), worst);
+      worst = std::max(std::abs(kinetic_energy(plant.dynamics(), plant.q(), plant.rate(), load) / start - 1.0), worst);
   }
   return worst;
 }
@@ -70,7 +71,7 @@ TEST(ArmPlant, AHandsPushDoesTheWorkThatTheArmGains) {
   for (int i = 0; i < 2000; ++i) plant.step(LwrJoints::Zero(), Drives::kTorque, hand, kDt);
   const double work = hand.steady_force.dot(plant.terms().tool.position - start);
   EXPECT_GT(work, 0.01);
-  EXPECT_NEAR(plant.dynamics().kinetic_energy(plant.q(), plant.rate(), {1.0, 0.0}), work, 1e-6 * work);
+  EXPECT_NEAR(kinetic_energy(plant.dynamics(), plant.q(), plant.rate(), {1.0, 0.0}), work, 1e-6 * work);
 }
 
 TEST(ArmPlant, UnderLessThanItsFrictionItStaysExactlyWhereItIs) {
@@ -95,10 +96,10 @@ TEST(ArmPlant, AJointThatFrictionHoldsDoesNotChatterWhileOthersMove) {
 TEST(ArmPlant, FrictionOnlyTakesEnergy) {
   ArmPlant plant(lwr_plant(), kBent);
   plant.set_state(kBent, joints(0.4, -0.3, 0.5, 0.4, -0.6, 0.3, 0.7));
-  double before = plant.dynamics().kinetic_energy(plant.q(), plant.rate());
+  double before = kinetic_energy(plant.dynamics(), plant.q(), plant.rate());
   for (int i = 0; i < 60000; ++i) {
     plant.step(LwrJoints::Zero(), Drives::kTorque, {}, kDt);
-    const double now = plant.dynamics().kinetic_energy(plant.q(), plant.rate());
+    const double now = kinetic_energy(plant.dynamics(), plant.q(), plant.rate());
     ASSERT_LE(now, before * (1.0 + 1e-12)) << "step " << i;
     before = now;
   }

@@ -113,43 +113,6 @@ TEST(Control, JointStiffnessHoldsAgainstTheHandAsMuchAsItSays) {
   EXPECT_GT(off.norm(), 0.005);
 }
 
-TEST(Control, CartesianStiffnessHoldsAgainstTheHandInTheTaskFrame) {
-  for (const bool tool_frame : {false, true}) {
-    ControllerConfig config = quick();
-    config.plant.coulomb_nm.setZero();
-    config.laws.task_frame_is_tool = tool_frame;
-    Rig rig(config, arm_at(Vec3(0.03, 0.0, 0.0)));
-    rig.remote.strategy = 20;
-    rig.remote.flags = 0x3501 & ~0x400;
-    rig.remote.cart_stiffness = 600.0F;
-    rig.remote.cart_rotational = 50.0F;
-    rig.remote.follows = false;
-    const Vec3 start = tip_of(rig);
-    ASSERT_TRUE(rig.start());
-    rig.periods(4000);
-    EXPECT_LT((tip_of(rig) - start - Vec3(0.03 * 200.0 / 800.0, 0.0, 0.0)).norm(), 2e-4);
-    EXPECT_LT(rig.controller.plant().rate().norm(), 1e-3);
-  }
-}
-
-TEST(Control, AWrenchOnTopIsInTheTaskFrame) {
-  for (const bool tool_frame : {false, true}) {
-    ControllerConfig config = quick();
-    config.plant.coulomb_nm.setZero();
-    config.laws.task_frame_is_tool = tool_frame;
-    Rig rig(config, arm_at(Vec3::Zero(), 500.0));
-    rig.remote.strategy = 20;
-    rig.remote.flags = 0x3501;
-    rig.remote.cart_stiffness = 0.01F;
-    rig.remote.wrench[2] = 6.0F;
-    const Vec3 start = tip_of(rig);
-    ASSERT_TRUE(rig.start());
-    rig.periods(5000);
-    // The tool points down: its z is minus that of the base.
-    EXPECT_NEAR(500.0 * (tip_of(rig) - start).z(), tool_frame ? -6.0 : 6.0, 0.2);
-  }
-}
-
 TEST(Control, ImpedanceIsDampedAsAsked) {
   ControllerConfig config = quick();
   config.plant.coulomb_nm.setZero();

@@ -44,8 +44,7 @@ struct ScriptedRemote {
   std::int32_t strategy = 30, run = 1;
   std::uint32_t flags = 0x35;  // joint position, torque, stiffness, damping
   float torque[7] = {};
-  float wrench[6] = {};  // wire order
-  float joint_stiffness = 0.0F, cart_stiffness = 0.01F, cart_rotational = 0.01F;
+  float joint_stiffness = 0.0F;
   float mirror_error = 0.0F;  // added to joint 2
   bool follows = true;        // the position follows the measured one in CMD; otherwise it stays at the mirrored
   float step = 0.0F;          // added to the position of joint 1 with every answer in CMD
@@ -74,11 +73,6 @@ struct ScriptedRemote {
       put<float>(cmd, 300 + 4 * i, 0.7F);
     }
     for (std::size_t i = 0; i < 12; ++i) put<float>(cmd, 172 + 4 * i, get<float>(msr, 348 + 4 * i));
-    for (std::size_t i = 0; i < 6; ++i) {
-      put<float>(cmd, 248 + 4 * i, command ? wrench[i] : 0.0F);
-      put<float>(cmd, 328 + 4 * i, i < 3 ? cart_stiffness : cart_rotational);
-      put<float>(cmd, 352 + 4 * i, 0.7F);
-    }
     return cmd;
   }
 };

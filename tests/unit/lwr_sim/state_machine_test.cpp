@@ -229,19 +229,6 @@ TEST(StateMachine, WithoutMirroringCommandModeIsRefusedAndAsksForAcknowledgement
   EXPECT_TRUE(rig.start());
 }
 
-TEST(StateMachine, CartesianImpedanceNeedsABentElbow) {
-  ControllerConfig config = quick();
-  config.start_rad[3] = -44.0 * 3.14159265 / 180.0;
-  Rig straight(config);
-  straight.remote.strategy = 20;
-  EXPECT_FALSE(straight.start(100));
-  EXPECT_EQ(straight.reason(), Reason::kElbowStretched);
-  config.start_rad[3] = -46.0 * 3.14159265 / 180.0;
-  Rig bent(config);
-  bent.remote.strategy = 20;
-  EXPECT_TRUE(bent.start(100));
-}
-
 TEST(StateMachine, ParsesOnlyAnswersToItsLastMeasurement) {
   Rig rig(quick());
   const auto verdict = [&](auto change) {

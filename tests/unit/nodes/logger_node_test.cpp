@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <set>
 
-#include "nodes/bag/bag_reader.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/logger/logger_node.hpp"
@@ -35,7 +35,7 @@ TEST(LoggerNode, StopsWhileTheOthersGoOnWriting) {
     chatter.end();
     EXPECT_EQ(logger.wait(), 0) << logger.error();
   }
-  const auto bag = bag::BagReader::open(options.bag);
+  const auto bag = bag::WholeBag::open(options.bag);
   ASSERT_TRUE(bag) << bag.error().sentence;
   EXPECT_GT(bag->topics()[*bag->find_topic("/" + rig + "/device/state")].message_count, 100U);
   std::filesystem::remove_all(options.bag);

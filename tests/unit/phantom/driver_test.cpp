@@ -41,13 +41,11 @@ TEST_F(Driver, AForceLimitOfTheCallerOnlyLowersTheDevices) {
 }
 
 TEST_F(Driver, PoseIsTheStylusInMetresWithAUnitQuaternion) {
-  const double point[3] = {0.03, -0.02, 0.04};
   const Quat wanted = Quat(0.9, 0.2, -0.3, 0.1).normalized();
-  hdsim_motion m{};
-  m.points = point, m.point_count = 1, m.speed = 0.1, m.repeat_from = -1, m.circle_axis[2] = 1.0;
-  m.orientation[0] = wanted.w(), m.orientation[1] = wanted.x(), m.orientation[2] = wanted.y(),
-  m.orientation[3] = wanted.z();
-  ASSERT_EQ(sim.set_motion(&m), 0) << sim.last_message();
+  Motion motion;
+  motion.path = {Vec3(0.03, -0.02, 0.04)};
+  motion.orientation = wanted;
+  ASSERT_EQ(set_motion(motion), 0) << sim.last_message();
   open_driver();
   const auto sample = driver->read(10ms);
   ASSERT_TRUE(sample);
@@ -191,8 +189,7 @@ TEST_F(Driver, DestructionLeavesNothingOpenAndNoForce) {
   EXPECT_EQ(s.errors_waiting, 0u);
 }
 
-TEST_F(Driver, ALibraryInVirtualTimeIsTakenForThatWithoutBeingAsked) {
-  options.virtual_time = false;  // the fixture has set it in the library
+TEST_F(Driver, ALibraryInVirtualTimeIsTakenForThat) {
   open_driver();
   EXPECT_TRUE(driver->simulated());
   EXPECT_TRUE(driver->read(0ms));
@@ -205,8 +202,7 @@ class Lockstep : public Driver {
     driver.reset();
     EXPECT_EQ(sim.power_cycle(), 0);
     EXPECT_EQ(sim.set_seed(seed), 0);
-    hdsim_hand hand{0.1, 4.0, 300.0, -1.0, 0.5, 2.0, 0.2, 10.0, 0, 1};
-    EXPECT_EQ(sim.set_hand(&hand), 0);
+    EXPECT_EQ(set_hand(hd_sim_test::shaky_hand()), 0);
     EXPECT_EQ(set_motion({0.0, 0.0, 0.0, 0.03, -0.02, 0.01}), 0);
     open_driver();
     ForceGuard guard(guard_config(driver->description()));
@@ -238,7 +234,6 @@ class RealTime : public Driver {
   void SetUp() override {
     Driver::SetUp();
     ASSERT_EQ(sim.use_virtual_time(0), 0);
-    options.virtual_time = false;
   }
 };
 

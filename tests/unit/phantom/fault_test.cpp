@@ -54,7 +54,7 @@ TEST_F(Fault, LostCommunicationIsDisconnectedAndNothingIsSetAnyMore) {
   EXPECT_LE(after.pushing(), 10);  // nothing gets through to the amplifier: its watchdog
   EXPECT_EQ(*std::max_element(after.force.begin() + 10, after.force.end()), 0.0);  // also once the cable is back
   EXPECT_EQ(driver->write({kPush, Vec3::Zero()}).error(), DeviceError::kDisconnected);
-  EXPECT_NE(driver->status_text().find("0x0302"), std::string::npos) << driver->status_text();
+  EXPECT_NE(driver->trouble().find("0x0302"), std::string::npos) << driver->trouble();
   driver.reset();
   open_driver();
   push_until_steady(kPush);
@@ -174,7 +174,7 @@ TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
     EXPECT_EQ(t.force, 0.0);
     EXPECT_EQ(t.written.error(), DeviceError::kProtocol);
   }
-  EXPECT_NE(driver->status_text().find("pose"), std::string::npos);
+  EXPECT_NE(driver->trouble().find("pose"), std::string::npos);
   Turn t = turn(push(2.0));
   EXPECT_TRUE(t.sample->pose_valid);
   EXPECT_EQ(t.force, 0.0);

@@ -19,7 +19,6 @@ class DriverTest : public hd_sim_test::SimulatedLibrary {
     Spy::instance().reset();
     SimulatedLibrary::SetUp();
     options.library = VOXTOUCH_HD_SIM_LIBRARY;
-    options.virtual_time = true;
   }
   void TearDown() override {
     driver.reset();

@@ -57,14 +57,6 @@ TEST(HdLibrary, OneWithoutTheHooksHasNoVirtualTime) {
   const_cast<HdSimHooks&>(HdLibrary::load(VOXTOUCH_HD_SIM_LIBRARY).hooks()) = {};
   PhantomOptions options;
   options.library = VOXTOUCH_HD_SIM_LIBRARY;
-  options.virtual_time = true;
-  try {
-    PhantomDriver driver(options);
-    FAIL() << "it opened";
-  } catch (const DeviceOpenError& error) {
-    EXPECT_TRUE(says(error.what(), "virtual_time")) << error.what();
-  }
-  options.virtual_time = false;
   PhantomDriver driver(options);
   EXPECT_FALSE(driver.simulated());
   EXPECT_TRUE(driver.read(std::chrono::seconds(1)));

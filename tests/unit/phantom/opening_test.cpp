@@ -130,7 +130,6 @@ TEST_F(Opening, AServoLoopThatCannotStartIsASentenceAndNothingStaysOpen) {
 
 TEST_F(Opening, AServoLoopThatStartsAndDoesNotTickIsASentence) {
   ASSERT_EQ(sim.use_virtual_time(0), 0);
-  options.virtual_time = false;
   Spy::instance().swallow_start();
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("does not tick"), std::string::npos) << sentence;
@@ -139,7 +138,6 @@ TEST_F(Opening, AServoLoopThatStartsAndDoesNotTickIsASentence) {
 
 TEST_F(Opening, ADeviceThatIsUnpluggedWhileItIsOpenedIsASentence) {
   ASSERT_EQ(sim.use_virtual_time(0), 0);
-  options.virtual_time = false;
   ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, -1), 0);
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("0x0302"), std::string::npos) << sentence;

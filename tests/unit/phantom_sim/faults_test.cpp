@@ -161,15 +161,12 @@ TEST_F(Faults, TicksWithoutFramesHoldTheForceNoLongerThanTheWatchdog) {
 }
 
 TEST_F(Faults, HandThatLetsGoLeavesTheArmToTheMotors) {
-  hdsim_hand hand{};
-  hand.mass = 0.1;
-  hand.damping = 4.0;
-  hand.stiffness = 300.0;
-  hand.grip_factor = 1.0;
-  hand.tremor_bandwidth = 10.0;
-  hand.grip_harder_at = -1.0;
-  hand.let_go_at = state().time + 0.01;
-  ASSERT_EQ(sim.set_hand(&hand), 0) << sim.last_message();
+  OperatorConfig hand;
+  hand.mass_kg = 0.1;
+  hand.damping_ns_per_m = 4.0;
+  hand.stiffness_n_per_m = 300.0;
+  hand.let_go_at_s = state().time + 0.01;
+  ASSERT_EQ(set_hand(hand), 0) << sim.last_message();
   next_100_ms();
   EXPECT_FALSE(state().held);
   EXPECT_EQ(state().hand_force[0], 0.0);
@@ -209,7 +206,7 @@ TEST_F(Openings, HooksSayWhyTheyCannot) {
   EXPECT_EQ(sim.set_number("couloumb", 1.0), -1);
   EXPECT_NE(std::string(sim.last_message()).find("coulomb_nm"), std::string::npos);
   EXPECT_EQ(sim.set_number("coulomb_nm", std::nan("")), -1);
-  EXPECT_EQ(sim.set_grip("tentacle"), -1);
+  EXPECT_EQ(sim.set_hand("grip: tentacle"), -1);
   EXPECT_EQ(sim.set_hand(nullptr), -1);
   EXPECT_EQ(sim.set_motion(nullptr), -1);
   EXPECT_EQ(set_motion({0.0, 0.0, 0.6}), -1);  // out of reach
@@ -218,7 +215,7 @@ TEST_F(Openings, HooksSayWhyTheyCannot) {
   EXPECT_EQ(sim.inject(HDSIM_COMM_ERROR, std::nan("")), -1);
   hdsim_state s;
   EXPECT_EQ(sim.read_state(&s, sizeof s - 8), -1);
-  EXPECT_EQ(sim.set_grip("pen-firm"), 0);
+  EXPECT_EQ(set_hand(*grip("pen-firm")), 0);
   EXPECT_STREQ(sim.last_message(), "");
 }
 
@@ -234,8 +231,7 @@ class Determinism : public SimulatedLibrary {
   Outcome run(unsigned seed) {
     shut();
     EXPECT_EQ(sim.power_cycle(), 0);
-    hdsim_hand hand{0.1, 4.0, 300.0, 0.8, 0.5, 2.0, 0.2, 10.0, 0, 1};
-    EXPECT_EQ(sim.set_hand(&hand), 0);
+    EXPECT_EQ(set_hand(shaky_hand(0.8)), 0);
     EXPECT_EQ(set_motion({0.0, 0.0, 0.0, 0.03, -0.02, 0.01}), 0);
     EXPECT_EQ(sim.set_seed(seed), 0);
     open_and_start();

@@ -5,11 +5,14 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/types/geometry.hpp"
+#include "devices/operator/hand.hpp"
+#include "devices/operator/hand_file.hpp"
 #include "devices/phantom/hdapi.hpp"
 #include "devices/phantom/simulated/hdsim.h"
 
@@ -24,7 +27,6 @@ struct Hooks {
   decltype(&hdsim_set_number) set_number;
   decltype(&hdsim_set_motion) set_motion;
   decltype(&hdsim_set_hand) set_hand;
-  decltype(&hdsim_set_grip) set_grip;
   decltype(&hdsim_set_switches) set_switches;
   decltype(&hdsim_step) step;
   decltype(&hdsim_inject) inject;
@@ -43,6 +45,16 @@ void find(F& f, const char* name) {
   ASSERT_NE(f, nullptr) << name;
 }
 
+/// One that does all it can: trembles, carries, grips harder after 0.5 s and lets go.
+inline OperatorConfig shaky_hand(double let_go_at_s = std::numeric_limits<double>::infinity()) {
+  OperatorConfig hand;
+  hand.mass_kg = 0.1, hand.damping_ns_per_m = 4.0, hand.stiffness_n_per_m = 300.0;
+  hand.let_go_at_s = let_go_at_s, hand.grip_harder_at_s = 0.5, hand.grip_factor = 2.0;
+  hand.tremor_n = 0.2, hand.tremor_bandwidth_hz = 10.0;
+  hand.carries_tool = true;
+  return hand;
+}
+
 /// Virtual time, the usual model and hand; a device is open and calibrated after `open`.
 class SimulatedLibrary : public ::testing::Test {
  protected:
@@ -57,7 +69,6 @@ class SimulatedLibrary : public ::testing::Test {
     find(sim.set_number, "hdsim_set_number");
     find(sim.set_motion, "hdsim_set_motion");
     find(sim.set_hand, "hdsim_set_hand");
-    find(sim.set_grip, "hdsim_set_grip");
     find(sim.set_switches, "hdsim_set_switches");
     find(sim.step, "hdsim_step");
     find(sim.inject, "hdsim_inject");
@@ -133,15 +144,22 @@ class SimulatedLibrary : public ::testing::Test {
     api.hdGetDoublev(name, v.data());
     return v;
   }
+  int set_motion(const Motion& motion) {
+    HandFile file;
+    file.motion = motion;
+    return sim.set_motion(to_text(file).c_str());
+  }
   int set_motion(const std::vector<double>& points, double speed = 0.1) {
-    hdsim_motion m{};
-    m.points = points.data();
-    m.point_count = points.size() / 3;
-    m.speed = speed;
-    m.repeat_from = -1;
-    m.circle_axis[2] = 1.0;
-    m.orientation[0] = 1.0;
-    return sim.set_motion(&m);
+    Motion motion;
+    for (std::size_t i = 0; i + 2 < points.size(); i += 3) motion.path.emplace_back(points[i], points[i + 1], points[i + 2]);
+    motion.speed_m_per_s = speed;
+    return set_motion(motion);
+  }
+  int set_hand(const OperatorConfig& hand) {
+    HandFile file;
+    file.hand = hand;
+    file.motion.path = {Vec3::Zero()};
+    return sim.set_hand(to_text(file).c_str());
   }
 
   hd::Api api;
