@@ -1,6 +1,6 @@
 #include "devices/command_gate.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 
 GateVerdict CommandGate::accept(std::uint64_t writer, std::uint64_t session, std::uint64_t sequence,
                                 std::uint64_t newest_sample) noexcept {
@@ -14,4 +14,4 @@ GateVerdict CommandGate::accept(std::uint64_t writer, std::uint64_t session, std
   return GateVerdict::kAccepted;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace voxtouch {
+namespace voxtouch::devices {
 
 enum class GateVerdict : std::uint8_t {
   kAccepted,
@@ -35,4 +35,4 @@ class CommandGate {
   std::optional<std::uint64_t> writer_, last_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

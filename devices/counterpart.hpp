@@ -5,7 +5,7 @@
 
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 
 /// Hands every call on to the driver. A counterpart adds its own to what it needs to.
 class Counterpart : public Driver {
@@ -28,4 +28,4 @@ class Counterpart : public Driver {
 /// The folder of the running program: what was built with it stands beside it (bin) or in ../lib.
 inline std::filesystem::path program_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -10,7 +10,7 @@
 #include "core/types/motion.hpp"
 #include "devices/sim/operator.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 
 /// KEY and VALUE as typed, in their order. What a device knows stands in its page of deploy/devices.
 using DeviceSettings = std::vector<std::pair<std::string, std::string>>;
@@ -18,7 +18,7 @@ using DeviceSettings = std::vector<std::pair<std::string, std::string>>;
 struct DeviceOptions {
   std::uint64_t seed = 0;              ///< of a simulated hand's tremor, and of a simulated counterpart's noise
   std::optional<Motion> motion;        ///< where a simulated hand goes, in D; absent: it stays at the origin
-  std::optional<OperatorConfig> hand;  ///< absent: the usual grip, usual_hand(name)
+  std::optional<sim::OperatorConfig> hand;  ///< absent: the usual grip, usual_hand(name)
   bool lockstep = false;               ///< a simulated counterpart runs in virtual time; hardware cannot
   DeviceSettings settings;
   /// Set by another thread when whoever opens the device no longer wants it: opening then ends with DeviceOpenError. Null: never.
@@ -37,4 +37,4 @@ inline Motion motion_of(const DeviceOptions& options) {
 /// it.
 inline Vec3 usual_rest_in_d() { return {-0.03, -0.045, 0.065}; }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

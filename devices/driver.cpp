@@ -1,6 +1,6 @@
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 
 std::string_view name_of(DeviceError error) noexcept {
   switch (error) {
@@ -15,4 +15,4 @@ std::string_view name_of(DeviceError error) noexcept {
   return "unknown";
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

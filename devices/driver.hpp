@@ -10,7 +10,7 @@
 #include "core/types/device_description.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 
 /// Why a call in the loop failed. A kind exists where the caller does something different about it.
 enum class DeviceError : std::uint8_t {
@@ -83,4 +83,4 @@ class Driver {
   Driver& operator=(const Driver&) = delete;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

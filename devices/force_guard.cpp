@@ -10,7 +10,7 @@
 
 #include "core/types/clamp.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
 constexpr double kSecondsPerNs = 1e-9;
@@ -186,4 +186,4 @@ void GuardConfig::validate() const {
           fmt::format("at least max_torque_nm / fade_s = {}, or a fade could not keep to it", torque_fade));
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -7,7 +7,7 @@
 #include "devices/command_gate.hpp"
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 
 /// What the guard keeps to. "No slew limit" is infinity.
 struct GuardConfig {
@@ -108,4 +108,4 @@ class ForceGuard {
   bool ramped_once_ = false;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

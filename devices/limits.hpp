@@ -3,7 +3,7 @@
 #include "core/types/clamp.hpp"
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 
 /// The last check before the wire: may this command go to a device with this description?
 inline DeviceResult<void> check_command(const Wrench& command, const DeviceDescription& device) noexcept {
@@ -13,4 +13,4 @@ inline DeviceResult<void> check_command(const Wrench& command, const DeviceDescr
   return {};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

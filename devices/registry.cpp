@@ -11,17 +11,17 @@
 #include "devices/settings.hpp"
 #include "devices/sim/simulated_device.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
-std::unique_ptr<Driver> open_simulated(std::string_view name, const SimParameters& parameters,
+std::unique_ptr<Driver> open_simulated(std::string_view name, const sim::SimParameters& parameters,
                                        const DeviceOptions& options) {
   const SettingReader none(name, options.settings, {});
-  return std::make_unique<SimulatedDevice>(parameters, options.hand.value_or(parameters.hand), motion_of(options),
+  return std::make_unique<sim::SimulatedDevice>(parameters, options.hand.value_or(parameters.hand), motion_of(options),
                                            options.seed);
 }
 
-DeviceDescription describe_simulated(std::string_view name, const SimParameters& parameters,
+DeviceDescription describe_simulated(std::string_view name, const sim::SimParameters& parameters,
                                      const DeviceOptions& options) {
   const SettingReader none(name, options.settings, {});
   return parameters.description;
@@ -31,20 +31,20 @@ struct Entry {
   std::string_view name;
   std::unique_ptr<Driver> (*open)(const DeviceOptions&);
   DeviceDescription (*describe)(const DeviceOptions&);
-  OperatorConfig (*hand)();  ///< null: a person holds it
+  sim::OperatorConfig (*hand)();  ///< null: a person holds it
 };
 
 const std::array kEntries{
-    Entry{"sim-phantom", [](const DeviceOptions& o) { return open_simulated("sim-phantom", sim_phantom(), o); },
-          [](const DeviceOptions& o) { return describe_simulated("sim-phantom", sim_phantom(), o); },
-          [] { return sim_phantom().hand; }},
-    Entry{"sim-lwr", [](const DeviceOptions& o) { return open_simulated("sim-lwr", sim_lwr(), o); },
-          [](const DeviceOptions& o) { return describe_simulated("sim-lwr", sim_lwr(), o); },
-          [] { return sim_lwr().hand; }},
-    Entry{"wire-phantom", open_wire_phantom, describe_wire_phantom, [] { return sim_phantom().hand; }},
-    Entry{"wire-lwr", open_wire_lwr, describe_wire_lwr, usual_hand_at_wire_lwr},
-    Entry{"phantom", open_phantom, describe_phantom_device, nullptr},
-    Entry{"lwr", open_lwr, describe_lwr_device, nullptr},
+    Entry{"sim-phantom", [](const DeviceOptions& o) { return open_simulated("sim-phantom", sim::sim_phantom(), o); },
+          [](const DeviceOptions& o) { return describe_simulated("sim-phantom", sim::sim_phantom(), o); },
+          [] { return sim::sim_phantom().hand; }},
+    Entry{"sim-lwr", [](const DeviceOptions& o) { return open_simulated("sim-lwr", sim::sim_lwr(), o); },
+          [](const DeviceOptions& o) { return describe_simulated("sim-lwr", sim::sim_lwr(), o); },
+          [] { return sim::sim_lwr().hand; }},
+    Entry{"wire-phantom", phantom::open_wire_phantom, phantom::describe_wire_phantom, [] { return sim::sim_phantom().hand; }},
+    Entry{"wire-lwr", lwr::open_wire_lwr, lwr::describe_wire_lwr, lwr::usual_hand_at_wire_lwr},
+    Entry{"phantom", phantom::open_phantom, phantom::describe_phantom_device, nullptr},
+    Entry{"lwr", lwr::open_lwr, lwr::describe_lwr_device, nullptr},
 };
 
 const Entry& find(std::string_view name) {
@@ -94,11 +94,11 @@ DeviceDescription describe_device(std::string_view name, const DeviceOptions& op
 
 bool has_simulated_hand(std::string_view name) { return find(name).hand != nullptr; }
 
-OperatorConfig usual_hand(std::string_view name) {
+sim::OperatorConfig usual_hand(std::string_view name) {
   const Entry& entry = find(name);
   if (entry.hand == nullptr)
     throw DeviceOpenError(fmt::format("device '{}' is held by a person: no hand can be simulated on it", name));
   return entry.hand();
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -8,7 +8,7 @@
 #include "devices/device_options.hpp"
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 
 /// "sim-phantom", "sim-lwr": arithmetic alone. "wire-phantom", "wire-lwr": the drivers of the hardware, with the vendor's library or
 /// the controller's side of the network simulated. "phantom", "lwr": the hardware.
@@ -27,6 +27,6 @@ DeviceDescription describe_device(std::string_view name, const DeviceOptions& op
 bool has_simulated_hand(std::string_view name);
 
 /// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown name, and for hardware.
-OperatorConfig usual_hand(std::string_view name);
+sim::OperatorConfig usual_hand(std::string_view name);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -9,7 +9,7 @@
 #include "core/types/number.hpp"
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
 bool among(std::string_view key, std::initializer_list<std::string_view> keys) {
@@ -101,4 +101,4 @@ std::optional<Vec3> SettingReader::vector(std::string_view key) const {
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

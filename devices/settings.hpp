@@ -10,7 +10,7 @@
 #include "core/types/geometry.hpp"
 #include "devices/device_options.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 
 /// "KEY=VALUE" in two. Throws DeviceOpenError where there is no '=' or nothing before it.
 DeviceSettings parse_settings(const std::vector<std::string>& texts);
@@ -36,4 +36,4 @@ class SettingReader {
   const DeviceSettings& settings_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -13,7 +13,7 @@
 #include "core/reference/reference_wrench.hpp"
 #include "core/rendering/build.hpp"
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 namespace {
 
 constexpr double kFaintShare = 0.05;  ///< of the median true force: a contact below tells of rounding, not of a model
@@ -24,8 +24,8 @@ constexpr int kHalvings = 12;
 /// True wrenches at every place, for one depth; zero where the contact is too faint to judge.
 using Truth = std::vector<Wrench>;
 
-Truth true_wrenches(const Scene& scene, const std::vector<ContactPlace>& places, double depth_m) {
-  const ReferenceWrench reference(scene, depth_m);
+Truth true_wrenches(const scene::Scene& scene, const std::vector<ContactPlace>& places, double depth_m) {
+  const reference::ReferenceWrench reference(scene, depth_m);
   Truth truth;
   std::vector<double> sizes;
   for (const ContactPlace& place : places) {
@@ -39,14 +39,14 @@ Truth true_wrenches(const Scene& scene, const std::vector<ContactPlace>& places,
 }
 
 /// Whether the way in is free from where an onset is looked for: a narrow place may have another wall behind the tool.
-bool clear_before(const ReferenceScene& reference, const ContactPlace& place, double edge) {
+bool clear_before(const reference::ReferenceScene& reference, const ContactPlace& place, double edge) {
   const double ahead = kLookAheadEdges * edge;
   return reference.gap(place.at(-ahead)).gap_m > 0.5 * ahead &&
          reference.gap(place.at(-0.5 * ahead)).gap_m > 0.25 * ahead;
 }
 
 /// The gap at which the force begins on the way in; minus the last depth looked at where it never does.
-double onset_gap(ContactRenderer& renderer, const ContactPlace& place, double edge) {
+double onset_gap(contact::ContactRenderer& renderer, const ContactPlace& place, double edge) {
   const auto pushes = [&](double depth) { return !renderer.probe(place.at(depth)).wrench.force.isZero(0.0); };
   double before = -kLookAheadEdges * edge, step = kStepEdges * edge;
   while (before < kLookInEdges * edge && !pushes(before + step)) before += step;
@@ -59,7 +59,7 @@ double onset_gap(ContactRenderer& renderer, const ContactPlace& place, double ed
 
 class Measurement {
  public:
-  Measurement(const Scene& scene, const AccuracyOptions& options, const ParallelFor& parallel_for, std::size_t settings)
+  Measurement(const scene::Scene& scene, const AccuracyOptions& options, const ParallelFor& parallel_for, std::size_t settings)
       : scene_(scene), options_(options), parallel_for_(parallel_for), settings_(settings), reference_(scene) {
     if (!scene.objects.empty())
       throw std::runtime_error(scene.file.string() +
@@ -77,7 +77,7 @@ class Measurement {
     row.setting = setting;
     try {
       const double begin = now();
-      const std::unique_ptr<BuiltScene> built = build(setting);
+      const std::unique_ptr<rendering::BuiltScene> built = build(setting);
       row.build_s = now() - begin;
       row.shell_points = built->plan().shell_points, row.bytes = built->plan().bytes;
       if (setting.virtual_tool) {
@@ -87,7 +87,7 @@ class Measurement {
         return row;
       }
       const Truth& truth = truth_at(options_.depth_edges * setting.voxel_m);
-      say(std::string(name_of(setting.model)), share());
+      say(std::string(contact::name_of(setting.model)), share());
       judge(built->contacts().object(0).renderer.value(), truth, row);
     } catch (const std::exception& error) {
       row = {};
@@ -105,14 +105,14 @@ class Measurement {
     if (options_.progress) options_.progress(what, share);
   }
 
-  std::unique_ptr<BuiltScene> build(const AccuracySetting& setting) {
-    say("building " + std::string(name_of(setting.model)), share());
-    Scene scene = scene_;
+  std::unique_ptr<rendering::BuiltScene> build(const AccuracySetting& setting) {
+    say("building " + std::string(contact::name_of(setting.model)), share());
+    scene::Scene scene = scene_;
     scene.voxel_size_m = setting.voxel_m;
-    scene.contact.model = name_of(setting.model);
-    if (setting.virtual_tool) scene.contact.rendering = RenderingKind::kVirtualTool;
+    scene.contact.model = contact::name_of(setting.model);
+    if (setting.virtual_tool) scene.contact.rendering = scene::RenderingKind::kVirtualTool;
     scene.effects.clear();
-    return build_scene(scene, parallel_for_,
+    return rendering::build_scene(scene, parallel_for_,
                        {.model = setting.model,
                         .weights = setting.weights,
                         .shell_voxel_m = setting.shell_voxel_m,
@@ -126,7 +126,7 @@ class Measurement {
     return truth_.emplace(depth_m, true_wrenches(scene_, places_, depth_m)).first->second;
   }
 
-  void judge(ContactRenderer& renderer, const Truth& truth, AccuracyRow& row) const {
+  void judge(contact::ContactRenderer& renderer, const Truth& truth, AccuracyRow& row) const {
     const double edge = row.setting.voxel_m, depth = options_.depth_edges * edge;
     std::vector<WrenchPair> pairs;
     std::vector<double> onsets;
@@ -140,7 +140,7 @@ class Measurement {
     take_times(renderer, truth, depth, row);
   }
 
-  void take_times(ContactRenderer& renderer, const Truth& truth, double depth, AccuracyRow& row) const {
+  void take_times(contact::ContactRenderer& renderer, const Truth& truth, double depth, AccuracyRow& row) const {
     if (!options_.cpu_time_s) return;
     double clock_s = 1.0;  // what asking for the time costs
     for (int n = 0; n < 100; ++n) {
@@ -163,18 +163,18 @@ class Measurement {
     row.median_us = median_of(std::move(all));
   }
 
-  const Scene& scene_;
+  const scene::Scene& scene_;
   const AccuracyOptions& options_;
   const ParallelFor& parallel_for_;
   std::size_t settings_, done_ = 0;
-  ReferenceScene reference_;
+  reference::ReferenceScene reference_;
   std::vector<ContactPlace> places_;
   std::map<double, Truth> truth_;
 };
 
 }  // namespace
 
-std::vector<AccuracyRow> measure_accuracy(const Scene& scene, const std::vector<AccuracySetting>& settings,
+std::vector<AccuracyRow> measure_accuracy(const scene::Scene& scene, const std::vector<AccuracySetting>& settings,
                                           const AccuracyOptions& options, const ParallelFor& parallel_for) {
   Measurement measurement(scene, options, parallel_for, settings.size());
   std::vector<AccuracyRow> rows;
@@ -182,4 +182,4 @@ std::vector<AccuracyRow> measure_accuracy(const Scene& scene, const std::vector<
   return rows;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -10,12 +10,12 @@
 #include "core/scene/scene.hpp"
 #include "core/types/parallel.hpp"
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 
 /// One contact model at one resolution.
 struct AccuracySetting {
-  ContactModelKind model = ContactModelKind::kAdapted;
-  PointWeights weights = PointWeights::kOne;
+  contact::ContactModelKind model = contact::ContactModelKind::kAdapted;
+  contact::PointWeights weights = contact::PointWeights::kOne;
   double voxel_m = 0.0;        ///< e of the static voxmap
   double shell_voxel_m = 0.0;  ///< voxel edge that the pointshell is made with; e, or another for another density
   bool virtual_tool = false;   ///< the spring to a virtual tool, with `field`; its truth is the exact ball drawn to the same hand (tool_row.hpp)
@@ -49,7 +49,7 @@ struct AccuracyOptions {
   double depth_edges = 0.5;            ///< depth of each contact, in e of its setting
   std::function<double()> cpu_time_s;  ///< a clock that counts this thread's CPU time [s]; none: times read 0
   std::function<void(const std::string& what, double share)> progress;  ///< called between steps, 0 <= share <= 1
-  TriangleReader read = read_triangles;  ///< see BuildChoices
+  mesh::TriangleReader read = mesh::read_triangles;  ///< see BuildChoices
 };
 
 /// Places: random points of the static surface, area for area, which the tool meets along the surface's normal there, turned
@@ -59,7 +59,7 @@ struct AccuracyOptions {
 ///
 /// Rows in the order of `settings`. Reads the scene's meshes itself. Throws MeshError and std::runtime_error, each a sentence,
 /// where the scene as such cannot be measured; a single setting that cannot be built is a row that says why.
-std::vector<AccuracyRow> measure_accuracy(const Scene& scene, const std::vector<AccuracySetting>& settings,
+std::vector<AccuracyRow> measure_accuracy(const scene::Scene& scene, const std::vector<AccuracySetting>& settings,
                                           const AccuracyOptions& options, const ParallelFor& parallel_for);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -178,11 +178,12 @@ bool is_judged(const AccuracyRow& row) noexcept {
          std::isfinite(row.direction_median_deg);
 }
 
-std::string_view weights_word(PointWeights weights) noexcept { return weights == PointWeights::kArea ? "area" : "one"; }
+std::string_view weights_word(contact::PointWeights weights) noexcept { return weights == contact::PointWeights::kArea ? "area" : "one"; }
 
 std::string describe(const AccuracySetting& s) {
-  std::string text = s.virtual_tool ? fmt::format("virtual tool, e = {:.4g} mm", s.voxel_m * 1e3)
-                                    : fmt::format("{}/{}, e = {:.4g} mm", name_of(s.model), weights_word(s.weights), s.voxel_m * 1e3);
+  std::string text = s.virtual_tool
+                         ? fmt::format("virtual tool, e = {:.4g} mm", s.voxel_m * 1e3)
+                         : fmt::format("{}/{}, e = {:.4g} mm", contact::name_of(s.model), weights_word(s.weights), s.voxel_m * 1e3);
   if (s.shell_voxel_m != s.voxel_m) text += fmt::format(", shell {:.4g} mm", s.shell_voxel_m * 1e3);
   return text;
 }
@@ -209,4 +210,4 @@ AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyWish& 
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -9,7 +9,7 @@
 #include "core/accuracy/accuracy.hpp"
 #include "core/accuracy/pareto.hpp"
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 
 /// Direction errors below this [deg] are not told apart: no hand feels them, and a tessellated reference has facets larger.
 inline constexpr double kMinDirectionDeg = 1e-3;
@@ -44,8 +44,8 @@ bool is_judged(const AccuracyRow& row) noexcept;
 AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyWish& wish);
 
 /// "one", "area".
-std::string_view weights_word(PointWeights weights) noexcept;
+std::string_view weights_word(contact::PointWeights weights) noexcept;
 /// "adapted/area, e = 1 mm, shell 0.5 mm": as sentences and progress name a setting.
 std::string describe(const AccuracySetting& setting);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 namespace {
 
 double at_share(std::vector<double> values, double share) {
@@ -62,4 +62,4 @@ void judge_onsets(const std::vector<double>& gaps_m, AccuracyRow& row) {
     if (std::abs(gap) > std::abs(row.onset_worst_m)) row.onset_worst_m = gap;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -5,7 +5,7 @@
 #include "core/accuracy/accuracy.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 
 /// What a setting gave and what is true, for one contact. Any scale on either side.
 struct WrenchPair {
@@ -24,4 +24,4 @@ void judge_wrenches(const std::vector<WrenchPair>& pairs, AccuracyRow& row);
 /// Fills the onset figures from the gaps [m] at which the force began.
 void judge_onsets(const std::vector<double>& gaps_m, AccuracyRow& row);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -9,7 +9,7 @@
 #include "core/reference/reference_mesh.hpp"
 #include "core/reference/reference_scene.hpp"
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 namespace {
 
 constexpr int kTrialsPerPlace = 20;
@@ -36,9 +36,9 @@ class Dice {
 /// The static surface, to be hit area for area.
 class Surface {
  public:
-  explicit Surface(const Scene& scene) {
-    for (const MeshSpec& spec : scene.static_meshes) {
-      const ReferenceMesh mesh = read_reference_mesh(spec);
+  explicit Surface(const scene::Scene& scene) {
+    for (const scene::MeshSpec& spec : scene.static_meshes) {
+      const reference::ReferenceMesh mesh = reference::read_reference_mesh(spec);
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         triangles_.push_back(
             {spec.pose * mesh.corner(t, 0), spec.pose * mesh.corner(t, 1), spec.pose * mesh.corner(t, 2)});
@@ -68,8 +68,8 @@ class Surface {
 
 /// Middle of the tool's box and the ball round it, in T.
 struct Tool {
-  explicit Tool(const Scene& scene) {
-    const ReferenceMesh mesh = read_reference_mesh(scene.dynamic_mesh);
+  explicit Tool(const scene::Scene& scene) {
+    const reference::ReferenceMesh mesh = reference::read_reference_mesh(scene.dynamic_mesh);
     const Pose& pose = scene.dynamic_mesh.pose;
     Vec3 low = pose * mesh.vertices.front(), high = low;
     for (const Vec3& v : mesh.vertices) low = low.cwiseMin(pose * v), high = high.cwiseMax(pose * v);
@@ -81,7 +81,7 @@ struct Tool {
 };
 
 /// Moves on by the gap, which no step can jump, until the tool touches.
-std::optional<ContactPlace> approach(const ReferenceScene& reference, const Tool& tool, const Surface::Aim& aim,
+std::optional<ContactPlace> approach(const reference::ReferenceScene& reference, const Tool& tool, const Surface::Aim& aim,
                                      const Quat& turn) {
   ContactPlace place;
   place.into = -aim.normal;
@@ -102,11 +102,11 @@ std::optional<ContactPlace> approach(const ReferenceScene& reference, const Tool
 
 }  // namespace
 
-std::vector<ContactPlace> contact_places(const Scene& scene, std::uint32_t count, std::uint64_t seed) {
-  Scene by_triangles = scene;  // the contact models see triangles, not the primitives that stand for them
+std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count, std::uint64_t seed) {
+  scene::Scene by_triangles = scene;  // the contact models see triangles, not the primitives that stand for them
   by_triangles.dynamic_mesh.primitives.clear();
-  for (MeshSpec& mesh : by_triangles.static_meshes) mesh.primitives.clear();
-  const ReferenceScene reference(by_triangles);
+  for (scene::MeshSpec& mesh : by_triangles.static_meshes) mesh.primitives.clear();
+  const reference::ReferenceScene reference(by_triangles);
   const Surface surface(scene);
   const Tool tool(scene);
   Dice dice(seed);
@@ -119,4 +119,4 @@ std::vector<ContactPlace> contact_places(const Scene& scene, std::uint32_t count
   return places;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -6,7 +6,7 @@
 #include "core/scene/scene.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 
 /// A tool that just touches, and the way in.
 struct ContactPlace {
@@ -19,6 +19,6 @@ struct ContactPlace {
 
 /// Up to `count` places; fewer where most of the surface cannot be reached (a narrow slot). The same for the same seed,
 /// everywhere. Reads the scene's meshes itself. Throws std::runtime_error naming a file that cannot be read.
-std::vector<ContactPlace> contact_places(const Scene& scene, std::uint32_t count, std::uint64_t seed);
+std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count, std::uint64_t seed);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -5,7 +5,7 @@
 #include <limits>
 #include <tuple>
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 
 std::vector<std::size_t> pareto_front(const std::vector<CostError>& points) {
   std::vector<std::size_t> order;
@@ -46,4 +46,4 @@ std::optional<std::size_t> knee(const std::vector<CostError>& points, const std:
   return best;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 
 /// What a setting costs and how wrong it is; less is better in both. One that is not finite takes no part.
 struct CostError {
@@ -22,4 +22,4 @@ std::vector<std::size_t> pareto_front(const std::vector<CostError>& points);
 std::optional<std::size_t> knee(const std::vector<CostError>& points, const std::vector<std::size_t>& front,
                                 double least_error);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

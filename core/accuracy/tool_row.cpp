@@ -8,12 +8,12 @@
 #include "core/accuracy/contact_errors.hpp"
 #include "core/reference/god_ball.hpp"
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 namespace {
 
-double radius_of(const Scene& scene) {
-  const MeshSpec& tool = scene.dynamic_mesh;
-  const auto* ball = tool.primitives.size() == 1 ? std::get_if<SpherePrimitive>(&tool.primitives.front()) : nullptr;
+double radius_of(const scene::Scene& scene) {
+  const scene::MeshSpec& tool = scene.dynamic_mesh;
+  const auto* ball = tool.primitives.size() == 1 ? std::get_if<scene::SpherePrimitive>(&tool.primitives.front()) : nullptr;
   if (ball == nullptr || (tool.pose * ball->centre).norm() > 1e-9)
     throw std::runtime_error("the exact virtual tool is known for a ball about its origin: dynamic: {parts: [{sphere: ...}]}");
   return ball->radius_m;
@@ -23,21 +23,23 @@ double radius_of(const Scene& scene) {
 /// and at a rim the touch itself may count as inside.
 class Press {
  public:
-  Press(SceneRenderer& renderer, double edge_m) : renderer_(renderer), edge_m_(edge_m), step_m_(edge_m / 8.0) { renderer_.aim_for_spring(1.0); }
+  Press(rendering::SceneRenderer& renderer, double edge_m) : renderer_(renderer), edge_m_(edge_m), step_m_(edge_m / 8.0) {
+    renderer_.aim_for_spring(1.0);
+  }
 
-  SceneFrame into(const ContactPlace& place, double depth_m) {
+  rendering::SceneFrame into(const ContactPlace& place, double depth_m) {
     constexpr int kFadeFrames = 5, kRestFrames = 100;
     const double start_m = -kStartEdges * edge_m_;
     renderer_.reset();
     time_s_ = 0.0;
-    for (int n = 0; n < kFadeFrames; ++n) at(place.at(start_m), SceneRenderer::kLongestStepS);
-    for (double depth = start_m + step_m_; depth < depth_m; depth += step_m_) at(place.at(depth), SceneRenderer::kDefaultStepS);
-    SceneFrame frame;
-    for (int n = 0; n < kRestFrames; ++n) frame = at(place.at(depth_m), SceneRenderer::kDefaultStepS);
+    for (int n = 0; n < kFadeFrames; ++n) at(place.at(start_m), rendering::SceneRenderer::kLongestStepS);
+    for (double depth = start_m + step_m_; depth < depth_m; depth += step_m_) at(place.at(depth), rendering::SceneRenderer::kDefaultStepS);
+    rendering::SceneFrame frame;
+    for (int n = 0; n < kRestFrames; ++n) frame = at(place.at(depth_m), rendering::SceneRenderer::kDefaultStepS);
     return frame;
   }
-  SceneFrame at(const Pose& hand, double dt_s) {
-    ToolState tool;
+  rendering::SceneFrame at(const Pose& hand, double dt_s) {
+    rendering::ToolState tool;
     tool.pose = hand;
     return renderer_.render(tool, time_s_ += dt_s);
   }
@@ -45,14 +47,14 @@ class Press {
  private:
   static constexpr double kStartEdges = 1.0;
 
-  SceneRenderer& renderer_;
+  rendering::SceneRenderer& renderer_;
   double edge_m_, step_m_, time_s_ = 0.0;
 };
 
 }  // namespace
 
-void judge_tool(const Scene& scene, BuiltScene& built, const ReferenceScene& reference, const std::vector<ContactPlace>& places,
-                const AccuracyOptions& options, AccuracyRow& row) {
+void judge_tool(const scene::Scene& scene, rendering::BuiltScene& built, const reference::ReferenceScene& reference,
+                const std::vector<ContactPlace>& places, const AccuracyOptions& options, AccuracyRow& row) {
   constexpr int kRounds = 5;
   const double radius = radius_of(scene), depth = kHandDepthEdges * row.setting.voxel_m;
   const auto now = [&] { return options.cpu_time_s ? options.cpu_time_s() : 0.0; };
@@ -62,12 +64,12 @@ void judge_tool(const Scene& scene, BuiltScene& built, const ReferenceScene& ref
   for (const ContactPlace& place : places) {
     const Vec3 hand = place.at(depth).position;
     Wrench truth;
-    truth.force = drawn_ball(reference, radius, place.touch.position, hand) - hand;
+    truth.force = reference::drawn_ball(reference, radius, place.touch.position, hand) - hand;
     pairs.push_back({press.into(place, depth).wrench, truth});
     double best = 1.0;
     for (int n = 1; n <= kRounds; ++n) {  // a hand that moves: frames at rest cost next to nothing
       const double begin = now();
-      press.at(place.at(depth + n * row.setting.voxel_m / 40.0), SceneRenderer::kDefaultStepS);
+      press.at(place.at(depth + n * row.setting.voxel_m / 40.0), rendering::SceneRenderer::kDefaultStepS);
       best = std::min(best, std::max(now() - begin, 0.0));
     }
     times.push_back(1e6 * best);
@@ -79,4 +81,4 @@ void judge_tool(const Scene& scene, BuiltScene& built, const ReferenceScene& ref
   row.median_us = median_of(std::move(times));
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -6,9 +6,7 @@
 #include "core/contact/limits.hpp"
 #include "core/types/smoothstep.hpp"
 
-namespace voxtouch {
-
-namespace limits = contact_limits;
+namespace voxtouch::contact {
 
 double BlendedPlane::depth(const Vec3& direction) const noexcept {
   const double share = smoothstep(0.0, limits::kSurfaceWeight, surface);
@@ -17,8 +15,8 @@ double BlendedPlane::depth(const Vec3& direction) const noexcept {
   return depth;
 }
 
-BlendedPlane blended_plane(const Voxmap& voxmap, const Vec3& u) noexcept {
-  const VoxelIndex v = Grid::voxel_of(u);
+BlendedPlane blended_plane(const voxmap::Voxmap& voxmap, const Vec3& u) noexcept {
+  const voxmap::VoxelIndex v = voxmap::Grid::voxel_of(u);
   const std::array<double, 3> t = {u.x() - v.i - 0.5, u.y() - v.j - 0.5, u.z() - v.k - 0.5};  // from the voxel's middle
   std::array<std::array<double, 3>, 3> weight{}, beyond{};  // beyond: squared distance to the neighbour's slab
   for (std::size_t a = 0; a < 3; ++a) {
@@ -33,12 +31,12 @@ BlendedPlane blended_plane(const Voxmap& voxmap, const Vec3& u) noexcept {
         const auto at = [](std::int32_t middle, std::size_t n) { return middle + static_cast<std::int32_t>(n) - 1; };
         const double w = weight[0][x] * weight[1][y] * weight[2][z];
         switch (voxmap.at({at(v.i, x), at(v.j, y), at(v.k, z)})) {
-          case VoxelKind::kFree:
+          case voxmap::VoxelKind::kFree:
             if (const double squared = beyond[0][x] + beyond[1][y] + beyond[2][z]; squared < kNear)
               plane.inside *= smoothstep(0.0, limits::kBorderEdges, std::sqrt(squared));
             break;
-          case VoxelKind::kInterior: plane.interior += w; break;
-          case VoxelKind::kSurface:
+          case voxmap::VoxelKind::kInterior: plane.interior += w; break;
+          case voxmap::VoxelKind::kSurface:
             plane.surface += w;
             plane.offset += w * Vec3(static_cast<double>(x) - 1.0 - t[0], static_cast<double>(y) - 1.0 - t[1],
                                      static_cast<double>(z) - 1.0 - t[2]);
@@ -48,4 +46,4 @@ BlendedPlane blended_plane(const Voxmap& voxmap, const Vec3& u) noexcept {
   return plane;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -3,7 +3,7 @@
 #include "core/types/geometry.hpp"
 #include "core/voxmap/voxmap.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// `original` and `adapted` lay the plane through the centre of the voxel that holds the point, which jumps by an edge at every border.
 /// Here the 27 voxels round the point count, each with its weight w_v of the quadratic B-spline about the point, which is
@@ -22,6 +22,6 @@ struct BlendedPlane {
 };
 
 /// At `u` in grid coordinates. Real-time safe.
-BlendedPlane blended_plane(const Voxmap& voxmap, const Vec3& u) noexcept;
+BlendedPlane blended_plane(const voxmap::Voxmap& voxmap, const Vec3& u) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

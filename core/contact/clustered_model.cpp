@@ -7,11 +7,9 @@
 #include "core/contact/patch_normals.hpp"
 #include "core/contact/stiffness_sum.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
-namespace limits = contact_limits;
-
-ClusteredModel::ClusteredModel(const Voxmap& voxmap, std::size_t points, double stiffness)
+ClusteredModel::ClusteredModel(const voxmap::Voxmap& voxmap, std::size_t points, double stiffness)
     : voxmap_(voxmap), stiffness_(stiffness), planes_(points) {}
 
 /// Calls f(hit, its plane) for all hits, surface first.
@@ -23,7 +21,7 @@ static void for_each(const HitList& hits, const std::vector<BlendedPlane>& plane
 }
 
 void ClusteredModel::look_up(const HitList& hits) const noexcept {
-  const Grid& grid = voxmap_.grid();
+  const voxmap::Grid& grid = voxmap_.grid();
   const Vec3 local = hits.pose.position - grid.origin;  // first, so that a grid at 1e6 m costs no digits of the arms
   std::size_t n = 0;
   for (const Hits* list : {&hits.surface, &hits.interior})
@@ -85,4 +83,4 @@ std::unique_ptr<ContactModel> make_clustered_model(const ContactParameters& para
   return std::make_unique<ClusteredModel>(*ground.voxmap, ground.points, parameters.stiffness);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -6,7 +6,7 @@
 #include "core/contact/blended_plane.hpp"
 #include "core/contact/contact_model.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// Over all hits i, in surface and in interior voxels, with area A_i, inward normal n_i, blended plane P_i:
 ///
@@ -34,14 +34,14 @@ namespace voxtouch {
 class ClusteredModel final : public ContactModel {
  public:
   /// `points`: of the shell; scratch memory for as many is taken here. One thread at a time.
-  ClusteredModel(const Voxmap& voxmap, std::size_t points, double stiffness);
+  ClusteredModel(const voxmap::Voxmap& voxmap, std::size_t points, double stiffness);
   ContactModelKind kind() const noexcept override { return ContactModelKind::kClustered; }
   void evaluate(const HitList& hits, ContactResult& result) const noexcept override;
 
  private:
   void look_up(const HitList& hits) const noexcept;
 
-  const Voxmap& voxmap_;
+  const voxmap::Voxmap& voxmap_;
   double stiffness_;
   mutable std::vector<BlendedPlane> planes_;  ///< of this frame's hits, surface first: each is asked for twice
 };
@@ -49,4 +49,4 @@ class ClusteredModel final : public ContactModel {
 /// Throws std::invalid_argument for points that do not weigh by area and where the voxmap is missing.
 std::unique_ptr<ContactModel> make_clustered_model(const ContactParameters& parameters, const ContactGround& ground);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -8,7 +8,7 @@
 #include "core/contact/limits.hpp"
 #include "core/contact/patch_normals.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
 struct Plane {
@@ -23,15 +23,15 @@ struct Corners {
   std::size_t count = 0;
 };
 
-Corners corners_near(const DistanceField& field, const Vec3& u, const Vec3& outward) noexcept {
+Corners corners_near(const voxmap::DistanceField& field, const Vec3& u, const Vec3& outward) noexcept {
   Corners corners;
-  const VoxelIndex here = Grid::voxel_of(u), out = Grid::voxel_of(u + outward);
+  const voxmap::VoxelIndex here = voxmap::Grid::voxel_of(u), out = voxmap::Grid::voxel_of(u + outward);
   for (int voxel = 0; voxel < (out == here ? 1 : 2); ++voxel) {
-    const VoxelIndex& v = voxel == 0 ? here : out;
+    const voxmap::VoxelIndex& v = voxel == 0 ? here : out;
     for (int k = 0; k < 8; ++k) {
-      const VoxelIndex at{v.i + (k & 1), v.j + (k >> 1 & 1), v.k + (k >> 2 & 1)};
+      const voxmap::VoxelIndex at{v.i + (k & 1), v.j + (k >> 1 & 1), v.k + (k >> 2 & 1)};
       const double distance = field.node(at);
-      if (distance > contact_limits::kSheetFarEdges) continue;  // may be cut off
+      if (distance > limits::kSheetFarEdges) continue;  // may be cut off
       corners.from_point[corners.count] = Vec3(at.i, at.j, at.k) - u;
       corners.distance[corners.count++] = distance;
     }
@@ -73,23 +73,23 @@ std::size_t fit_face(const Corners& corners, double tolerance, Vec3& normal, dou
 }
 
 /// The wall's face on the tool's side. False where there is none that the tool's normal agrees with.
-bool plane_of_sheet(const Hit& hit, const DistanceField& field, const Vec3& u, Plane& plane) noexcept {
+bool plane_of_sheet(const Hit& hit, const voxmap::DistanceField& field, const Vec3& u, Plane& plane) noexcept {
   const Corners corners = corners_near(field, u, hit.normal);
-  if (corners.count < contact_limits::kSheetCorners) return false;
+  if (corners.count < limits::kSheetCorners) return false;
   const Vec3 out = field.at(u + hit.normal).gradient;
   const double steepness = out.norm();
   Vec3 normal = steepness > 0.3 && out.dot(hit.normal) > 0.5 * steepness ? Vec3(out / steepness) : hit.normal;
   double c = 0.0;
-  for (const double tolerance : {contact_limits::kSheetCoarse, contact_limits::kSheetFine, contact_limits::kSheetFine})
-    if (fit_face(corners, tolerance, normal, c) < contact_limits::kSheetCorners) return false;
+  for (const double tolerance : {limits::kSheetCoarse, limits::kSheetFine, limits::kSheetFine})
+    if (fit_face(corners, tolerance, normal, c) < limits::kSheetCorners) return false;
   plane = {normal, -c * field.grid().edge};
-  if (!(normal.dot(hit.normal) >= contact_limits::kSheetAgree)) return false;
+  if (!(normal.dot(hit.normal) >= limits::kSheetAgree)) return false;
   // In a thick body one is deeper an edge farther in. Without this a round hole would be too narrow for its pin.
   return field.at(u - normal).distance_m >= plane.gap_m;
 }
 
-bool is_bent(const Hit& hit, const FieldSample& at, double steepness) noexcept {
-  return steepness < contact_limits::kSheetGradient || at.gradient.dot(hit.normal) < -contact_limits::kSheetAgainst * steepness;
+bool is_bent(const Hit& hit, const voxmap::FieldSample& at, double steepness) noexcept {
+  return steepness < limits::kSheetGradient || at.gradient.dot(hit.normal) < -limits::kSheetAgainst * steepness;
 }
 
 constexpr std::size_t kSides = 8, kChoices = kSides + 1;
@@ -110,17 +110,17 @@ std::array<Vec3, kSides> sides_of(const Vec3& normal) noexcept {
 
 }  // namespace
 
-bool make_row(const Hit& hit, bool in_surface, const DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept {
+bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept {
   const double edge = field.grid().edge;
   const Vec3 u = (frame.local + hit.arm) / edge;
-  const FieldSample at = field.at(u);
+  const voxmap::FieldSample at = field.at(u);
   const double steepness = at.gradient.norm();
   Plane plane;
   if (!(in_surface && is_bent(hit, at, steepness) && plane_of_sheet(hit, field, u, plane))) {
-    if (!(steepness >= contact_limits::kLeastGradient)) return false;
+    if (!(steepness >= limits::kLeastGradient)) return false;
     plane = {at.gradient / steepness, at.distance_m / steepness};
   }
-  if (!(plane.gap_m <= contact_limits::kRowGapEdges * edge)) return false;
+  if (!(plane.gap_m <= limits::kRowGapEdges * edge)) return false;
   row.jacobian.head<3>() = plane.normal;
   row.jacobian.tail<3>() = hit.arm.cross(plane.normal) / frame.lever_m;
   row.arm = hit.arm;
@@ -131,7 +131,7 @@ bool make_row(const Hit& hit, bool in_surface, const DistanceField& field, const
 }
 
 void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept {
-  if (rows.size() <= contact_limits::kMaxRows) return;
+  if (rows.size() <= limits::kMaxRows) return;
   std::array<Chosen, PatchNormals::kBins> bins;
   std::array<std::array<Vec3, kSides>, PatchNormals::kBins> sides;
   std::array<bool, PatchNormals::kBins> used{};
@@ -152,7 +152,7 @@ void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept {
     }
   }
   // First the nearest of every direction, then one side after the other, until there is no room.
-  std::array<std::uint32_t, contact_limits::kMaxRows> kept;
+  std::array<std::uint32_t, limits::kMaxRows> kept;
   std::size_t count = 0;
   for (std::size_t choice = 0; choice < kChoices; ++choice)
     for (std::size_t k = 0; k < PatchNormals::kBins && count < kept.size(); ++k)
@@ -163,4 +163,4 @@ void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept {
   rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(count), rows.end());
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

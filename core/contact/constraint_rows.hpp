@@ -6,7 +6,7 @@
 #include "core/contact/contact_query.hpp"
 #include "core/voxmap/distance_field.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// gap + jacobian . delta >= 0 for a step delta = [shift; lever * turn] of the tool, all in metres.
 struct ConstraintRow {
@@ -32,11 +32,11 @@ struct RowFrame {
 /// tool sticks on its own facets. A wall of a voxel or two bends the field, or has no inside in it at all: there, in surface voxels, u and
 /// gap are those of the wall's face on the tool's side, which the point's own normal names, fitted to the corners' distances.
 /// Where tool and wall are both thinner than a voxel, the normals of the tool's far side name the wrong face. Real-time safe.
-bool make_row(const Hit& hit, bool in_surface, const DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept;
+bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept;
 
 /// Leaves at most kMaxRows of them. Of the rows in each of 42 directions (PatchNormals' bins) the one of least gap stays, and those that a tilt
 /// of `tilt` [rad] towards one of eight sides would bring deepest: the corners of a flat contact, however many points
 /// it has. Linear in the rows; their order stays. Real-time safe.
 void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

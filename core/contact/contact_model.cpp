@@ -12,7 +12,7 @@
 #include "core/contact/stiffness_sum.hpp"
 #include "core/types/smoothstep.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
 constexpr std::array<std::string_view, 4> kNames = {"original", "adapted", "clustered", "field"};
@@ -28,7 +28,7 @@ bool summarise(const HitList& hits, ContactResult& result) noexcept {
   const double length = hits.surface.normal_sum().norm(), weights = hits.surface.weight_sum();
   if (weights > 0.0) result.coherence = length / weights;
   if (length > 0.0) result.mean_normal = hits.surface.normal_sum() / length;
-  return result.coherence > contact_limits::kFallbackCoherence;
+  return result.coherence > limits::kFallbackCoherence;
 }
 
 /// McNeely 1999: F = K sum w_i d_i n_i, d_i = max(0, n_i . (c_i - x_i)).
@@ -89,7 +89,7 @@ class AdaptedModel final : public ContactModel {
 
 double mean_share(ContactModelKind kind, double coherence) noexcept {
   return kind == ContactModelKind::kOriginal ? 0.0
-                                             : smoothstep(contact_limits::kBlendFrom, contact_limits::kBlendTo, coherence);
+                                             : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
 }
 
 std::string_view name_of(ContactModelKind kind) noexcept {
@@ -121,4 +121,4 @@ std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const Co
   throw std::invalid_argument("contact: there is no such model");
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

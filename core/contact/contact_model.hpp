@@ -10,7 +10,7 @@
 #include "core/voxmap/distance_field.hpp"
 #include "core/voxmap/voxmap.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 enum class ContactModelKind : std::uint8_t { kOriginal = 1, kAdapted = 2, kClustered = 3, kField = 4 };
 
@@ -80,8 +80,8 @@ struct ContactParameters {
 
 /// The static side as the models beyond the paper's look it up. Both must outlive the model.
 struct ContactGround {
-  const Voxmap* voxmap = nullptr;         ///< for `clustered`
-  const DistanceField* field = nullptr;   ///< for `field`
+  const voxmap::Voxmap* voxmap = nullptr;         ///< for `clustered`
+  const voxmap::DistanceField* field = nullptr;   ///< for `field`
   std::size_t points = 0;                 ///< of the shell: the most hits that a frame can have, for `clustered`
 };
 
@@ -90,4 +90,4 @@ struct ContactGround {
 std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters,
                                                  const ContactGround& ground = {});
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -9,10 +9,10 @@
 #include "core/contact/push_sums.hpp"
 #include "core/contact/query_kernel.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
-void check(const Pointshell& shell) {
+void check(const pointshell::Pointshell& shell) {
   const std::size_t n = shell.size();
   if (shell.y.size() != n || shell.z.size() != n || shell.nx.size() != n || shell.ny.size() != n || shell.nz.size() != n ||
       shell.id.size() != n)
@@ -23,7 +23,7 @@ void check(const Pointshell& shell) {
                                   " of the pointshell is not finite; check the mesh it came from");
 }
 
-void check_areas(const Pointshell& shell) {
+void check_areas(const pointshell::Pointshell& shell) {
   if (shell.area_m2.size() != shell.size())
     throw std::invalid_argument("contact: the pointshell has no areas to weigh its points with; build it anew");
   for (std::size_t p = 0; p < shell.size(); ++p)
@@ -41,7 +41,7 @@ std::vector<float> rounded(const std::vector<double>& values) {
 
 }  // namespace
 
-ContactQuery::ContactQuery(const Voxmap& voxmap, Pointshell shell, PointWeights weights)
+ContactQuery::ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, PointWeights weights)
     : voxmap_(voxmap), shell_(std::move(shell)) {
   check(shell_);
   if (weights == PointWeights::kArea) check_areas(shell_);
@@ -58,15 +58,15 @@ void ContactQuery::find(const Pose& tool_in_world, HitList& hits) const noexcept
   hits.clear();
   Quat orientation = tool_in_world.orientation;
   if (!tool_in_world.position.allFinite() ||
-      !normalise_within(orientation, contact_limits::kMinQuaternionNorm, contact_limits::kMaxQuaternionNorm)) {
+      !normalise_within(orientation, limits::kMinQuaternionNorm, limits::kMaxQuaternionNorm)) {
     hits.pose_status = PoseStatus::kNotAPose;
     return;
   }
   hits.pose = {tool_in_world.position, orientation};
-  const Grid& grid = voxmap_.grid();
+  const voxmap::Grid& grid = voxmap_.grid();
   const Vec3 local = tool_in_world.position - grid.origin;
   const double reach_voxels = reach_m_ / grid.edge;
-  if (!(local.cwiseAbs().maxCoeff() / grid.edge + reach_voxels < contact_limits::kMaxGridCoordinate)) {
+  if (!(local.cwiseAbs().maxCoeff() / grid.edge + reach_voxels < limits::kMaxGridCoordinate)) {
     hits.pose_status = PoseStatus::kOutOfRange;
     return;
   }
@@ -89,4 +89,4 @@ void ContactQuery::find(const Pose& tool_in_world, HitList& hits) const noexcept
   hits.surface.set_sums(normals, weights);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -5,17 +5,17 @@
 #include "core/pointshell/pointshell.hpp"
 #include "core/voxmap/voxmap.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// Holds the shell and its tree; the voxmap must outlive it. Construction allocates; `find` does not.
 class ContactQuery {
  public:
   /// Throws std::invalid_argument where the shell's arrays differ in length or hold a number that is not finite, or where
   /// points are to be weighed by areas that are missing or negative.
-  ContactQuery(const Voxmap& voxmap, Pointshell shell, PointWeights weights = PointWeights::kOne);
+  ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, PointWeights weights = PointWeights::kOne);
   ContactQuery(const ContactQuery&) = delete;  // hits point into the shell's arrays, which stay where they are when it is moved
   ContactQuery(ContactQuery&&) = default;
-  ContactQuery(Voxmap&&, Pointshell, PointWeights = PointWeights::kOne) = delete;
+  ContactQuery(voxmap::Voxmap&&, pointshell::Pointshell, PointWeights = PointWeights::kOne) = delete;
 
   /// All hits at `tool_in_world`, in a fixed order (the shell's), so that sums give the same bits on every run.
   /// Arithmetic is local to the grid: the grid's origin is taken off the pose first, so a scene at 1e6 m gives what it gives
@@ -26,8 +26,8 @@ class ContactQuery {
   /// hit is what doubles alone would say, to the last bit of the pose, on every processor.
   void find(const Pose& tool_in_world, HitList& hits) const noexcept;
 
-  const Pointshell& shell() const noexcept { return shell_; }
-  const Voxmap& voxmap() const noexcept { return voxmap_; }
+  const pointshell::Pointshell& shell() const noexcept { return shell_; }
+  const voxmap::Voxmap& voxmap() const noexcept { return voxmap_; }
   /// What a query over that many points takes beside the shell itself.
   static std::size_t lookup_bytes(std::size_t points) noexcept { return SphereTree::bytes(points) + 3 * sizeof(float) * points; }
   const SphereTree& tree() const noexcept { return tree_; }
@@ -35,12 +35,12 @@ class ContactQuery {
   double reach_m() const noexcept { return reach_m_; }
 
  private:
-  const Voxmap& voxmap_;
-  Pointshell shell_;
+  const voxmap::Voxmap& voxmap_;
+  pointshell::Pointshell shell_;
   std::vector<float> x_, y_, z_;  ///< the points once more, for what is decided in single precision
   SphereTree tree_;
   HitSource source_;  ///< the shell's part of it
   double reach_m_ = 0.0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

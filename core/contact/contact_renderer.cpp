@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
-ContactRenderer::ContactRenderer(const Voxmap& voxmap, Pointshell shell, ContactModelKind model,
-                                 const ContactParameters& parameters, const DistanceField* field)
+ContactRenderer::ContactRenderer(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, ContactModelKind model,
+                                 const ContactParameters& parameters, const voxmap::DistanceField* field)
     : query_(voxmap, std::move(shell), parameters.weights),
       model_(make_contact_model(model, parameters, {&voxmap, field, query_.shell().size()})),
       stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness, model}),
@@ -17,7 +17,7 @@ StageResult ContactRenderer::render(const Pose& tool_in_world) noexcept {
   const ContactResult plain = evaluate_for_stage(tool_in_world);
   if (hits_.pose_status != PoseStatus::kUsable) return stage_.apply(hits_, plain, 0.0);
   const double moved_m = stage_.motion_to(hits_.pose);
-  if (entry_kind_ != Entry::kNone || moved_m > contact_limits::kFastEdges * query_.voxmap().grid().edge)
+  if (entry_kind_ != Entry::kNone || moved_m > limits::kFastEdges * query_.voxmap().grid().edge)
     return render_fast(plain, moved_m);
   return stage_.apply(hits_, plain, moved_m);
 }
@@ -35,8 +35,8 @@ StageResult ContactRenderer::render_fast(const ContactResult& plain, double move
   } else {
     if (entry_kind_ == Entry::kWatched && !beyond_entry(tool)) entry_kind_ = Entry::kNone;
     const MotionPath path(behind ? entry_pose_ : stage_.last_pose(), tool);
-    const int steps = path.steps(query_.reach_m(), contact_limits::kSubStepEdges * edge, contact_limits::kMaxSubPoses);
-    const bool walked = steps <= contact_limits::kMaxSubPoses;
+    const int steps = path.steps(query_.reach_m(), limits::kSubStepEdges * edge, limits::kMaxSubPoses);
+    const bool walked = steps <= limits::kMaxSubPoses;
     if (behind) leave_far_side(walked);
     if (walked) {
       result = walk(path, steps, plain);
@@ -46,7 +46,7 @@ StageResult ContactRenderer::render_fast(const ContactResult& plain, double move
       result.missed = true;
     }
   }
-  result.fast = moved_m > contact_limits::kFastEdges * edge;
+  result.fast = moved_m > limits::kFastEdges * edge;
   return result;
 }
 
@@ -63,7 +63,7 @@ void ContactRenderer::leave_far_side(bool to_entry) noexcept {
 /// Whether the entry's contact stands against the way from there to `tool`, and that is not too far.
 bool ContactRenderer::beyond_entry(const Pose& tool) const noexcept {
   const MotionPath path(entry_pose_, tool);
-  return path.share(entry_.contact.wrench) < -contact_limits::kAgainstShare &&
+  return path.share(entry_.contact.wrench) < -limits::kAgainstShare &&
          path.length_m(query_.reach_m()) <= 2.0 * query_.reach_m() + swept_m();
 }
 
@@ -86,7 +86,7 @@ StageResult ContactRenderer::walk(const MotionPath& path, int steps, const Conta
       entry_.crossed = true;
       return entry_;
     }
-    if (share < -contact_limits::kAgainstShare &&
+    if (share < -limits::kAgainstShare &&
         (entry_kind_ == Entry::kNone || along.work_j(wrench) < along.work_j(entry_.contact.wrench))) {
       entry_kind_ = Entry::kWatched;
       entry_ = result;
@@ -119,4 +119,4 @@ ContactResult ContactRenderer::probe(const Pose& tool_in_world, std::vector<std:
   return result;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

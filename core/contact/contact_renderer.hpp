@@ -9,7 +9,7 @@
 #include "core/contact/limits.hpp"
 #include "core/contact/motion_path.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// What a rendering node holds for one tool in one scene. The voxmap must outlive it. One thread at a time: `render` and
 /// `probe` share the list of hits.
@@ -17,9 +17,10 @@ class ContactRenderer {
  public:
   /// `field` is looked up by the model of that name only, and must outlive the renderer too. Throws std::invalid_argument for
   /// a model that does not exist or lacks its field, a stiffness or a shell that cannot be used.
-  ContactRenderer(const Voxmap& voxmap, Pointshell shell, ContactModelKind model, const ContactParameters& parameters,
-                  const DistanceField* field = nullptr);
-  ContactRenderer(Voxmap&&, Pointshell, ContactModelKind, const ContactParameters&, const DistanceField* = nullptr) = delete;
+  ContactRenderer(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, ContactModelKind model, const ContactParameters& parameters,
+                  const voxmap::DistanceField* field = nullptr);
+  ContactRenderer(voxmap::Voxmap&&, pointshell::Pointshell, ContactModelKind, const ContactParameters&,
+                  const voxmap::DistanceField* = nullptr) = delete;
 
   /// One frame of the ring, `tool_in_world` = T in W. Real-time safe. A pose that cannot be looked up gives a zero wrench and
   /// the reason in `contact.pose_status`, and leaves the stage as it was.
@@ -39,7 +40,7 @@ class ContactRenderer {
 
   /// Longest way of a point within a frame [m] for which no wall is crossed unseen; over the period it is the top speed.
   double swept_m() const noexcept {
-    return contact_limits::kMaxSubPoses * contact_limits::kSubStepEdges * query_.voxmap().grid().edge;
+    return limits::kMaxSubPoses * limits::kSubStepEdges * query_.voxmap().grid().edge;
   }
   /// Sub-poses looked up since construction, the one of the frame itself not counted: what fast motion has cost.
   std::uint64_t sub_poses() const noexcept { return sub_poses_; }
@@ -78,4 +79,4 @@ class ContactRenderer {
   std::uint64_t sub_poses_ = 0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -7,9 +7,7 @@
 #include "core/contact/stiffness_sum.hpp"
 #include "core/types/smoothstep.hpp"
 
-namespace voxtouch {
-
-namespace limits = contact_limits;
+namespace voxtouch::contact {
 
 /// What one call of `apply` carries along.
 struct ContactStage::Frame {
@@ -206,4 +204,4 @@ void ContactStage::interior_points(const HitList& hits, Frame& frame, StageResul
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

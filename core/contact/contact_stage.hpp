@@ -6,7 +6,7 @@
 #include "core/contact/contact_model.hpp"
 #include "core/contact/push_sums.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// One frame of the ring.
 struct StageResult {
@@ -111,4 +111,4 @@ class ContactStage {
   std::uint32_t shared_points_ = 0;  ///< points that pushed along g in the last frame
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -6,15 +6,15 @@
 
 #include "core/contact/limits.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
-constexpr double kRho = contact_limits::kRowStiffness;
-using Active = std::bitset<contact_limits::kMaxRows>;
+constexpr double kRho = limits::kRowStiffness;
+using Active = std::bitset<limits::kMaxRows>;
 
 /// Gaps of all rows at one place, and how they change along the direction of search.
 struct Gaps {
-  std::array<double, contact_limits::kMaxRows> gap, slope;
+  std::array<double, limits::kMaxRows> gap, slope;
   std::size_t count = 0;
   Active active(double s) const noexcept {
     Active set;
@@ -27,7 +27,7 @@ struct Gaps {
 /// between the places where rows begin or cease to push: Newton's method, kept between the bounds.
 double line_minimum(const Gaps& gaps, double linear, double square) noexcept {
   double low = 0.0, high = -1.0, s = 1.0;
-  for (int n = 0; n < contact_limits::kMaxLineEvaluations; ++n) {
+  for (int n = 0; n < limits::kMaxLineEvaluations; ++n) {
     double slope = linear + s * square, curvature = square;
     for (std::size_t k = 0; k < gaps.count; ++k)
       if (const double at = gaps.gap[k] + s * gaps.slope[k]; at < 0.0) {
@@ -50,7 +50,7 @@ EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6
   EquilibriumStep step;
   if (allowed != nullptr) step.delta = allowed->from;
   Gaps gaps;
-  gaps.count = std::min(rows.size(), contact_limits::kMaxRows);
+  gaps.count = std::min(rows.size(), limits::kMaxRows);
   const auto move_to = [&](const Vec6& delta) noexcept {
     step.delta = delta;
     for (std::size_t n = 0; n < gaps.count; ++n) gaps.gap[n] = rows[n].gap_m + rows[n].jacobian.dot(delta);
@@ -63,7 +63,7 @@ EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6
   gaps.slope.fill(0.0);
   move_to(step.delta);
   Active active = gaps.active(0.0);
-  for (; step.iterations < contact_limits::kMaxIterations && !step.converged; ++step.iterations) {
+  for (; step.iterations < limits::kMaxIterations && !step.converged; ++step.iterations) {
     assemble(active);
     Vec6 down = spring - step.delta;
     for (std::size_t n = 0; n < gaps.count; ++n)
@@ -86,4 +86,4 @@ EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6
   return step;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -4,7 +4,7 @@
 
 #include "core/contact/constraint_rows.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// What a step came to.
 struct EquilibriumStep {
@@ -33,4 +33,4 @@ struct Restriction {
 EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6& spring,
                                  const Restriction* allowed = nullptr) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

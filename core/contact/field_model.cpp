@@ -3,7 +3,7 @@
 #include "core/contact/limits.hpp"
 #include "core/contact/stiffness_sum.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
 /// Sums over the hits of one frame.
@@ -15,7 +15,7 @@ struct Sums {
   StiffnessSum along;
 };
 
-void add_push(const Hit& hit, const FieldSample& sample, double depth, Sums& sums) noexcept {
+void add_push(const Hit& hit, const voxmap::FieldSample& sample, double depth, Sums& sums) noexcept {
   const Vec3 push = (hit.weight * depth) * hit.normal;
   sums.force += push;
   sums.torque += hit.arm.cross(push);
@@ -28,8 +28,8 @@ void add_push(const Hit& hit, const FieldSample& sample, double depth, Sums& sum
 
 /// Whether moving the point deeper would meet no more push: beyond what the field holds; near the middle of a body, where
 /// the gradient fades; or beyond it, where the push points away from the nearest way out.
-bool at_its_end(const Hit& hit, const FieldSample& sample) noexcept {
-  constexpr double kFlat = contact_limits::kFlatGradient;
+bool at_its_end(const Hit& hit, const voxmap::FieldSample& sample) noexcept {
+  constexpr double kFlat = limits::kFlatGradient;
   return sample.saturated || sample.gradient.squaredNorm() < kFlat * kFlat || hit.normal.dot(sample.gradient) < -kFlat;
 }
 
@@ -43,14 +43,14 @@ void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noex
   result.pose_status = hits.pose_status;
   if (hits.surface.empty() && hits.interior.empty()) return;
 
-  const Grid& grid = field_.grid();
+  const voxmap::Grid& grid = field_.grid();
   const Vec3 local = hits.pose.position - grid.origin;  // first, so that a grid at 1e6 m costs no digits of the arms
   Sums sums;
   for (const Hits* list : {&hits.surface, &hits.interior})
     for (const Hit& hit : *list) {
       sums.normals += hit.weight * hit.normal;
       sums.weights += hit.weight;
-      const FieldSample sample = field_.at((local + hit.arm) / grid.edge);
+      const voxmap::FieldSample sample = field_.at((local + hit.arm) / grid.edge);
       const double depth = -sample.distance_m;
       if (!(hit.weight * depth > 0.0)) continue;  // a point without an area does not push
       add_push(hit, sample, depth, sums);
@@ -68,4 +68,4 @@ void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noex
   if (sums.along.any()) sums.along.add_to(stiffness_, result.stiffness);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -3,7 +3,7 @@
 #include "core/contact/contact_model.hpp"
 #include "core/voxmap/distance_field.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// F = k sum A_i d_i n_i over the points in surface and in interior voxels, d_i = max(0, -phi(x_i)); torque sum r_i x F_i.
 ///
@@ -30,13 +30,13 @@ namespace voxtouch {
 class FieldModel final : public ContactModel {
  public:
   /// `field` must outlive the model. `stiffness` k [N/m^3].
-  FieldModel(const DistanceField& field, double stiffness) : field_(field), stiffness_(stiffness) {}
+  FieldModel(const voxmap::DistanceField& field, double stiffness) : field_(field), stiffness_(stiffness) {}
   ContactModelKind kind() const noexcept override { return ContactModelKind::kField; }
   void evaluate(const HitList& hits, ContactResult& result) const noexcept override;
 
  private:
-  const DistanceField& field_;
+  const voxmap::DistanceField& field_;
   double stiffness_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -6,7 +6,7 @@
 #include "core/contact/hit_list.hpp"
 #include "core/types/clones.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 struct HitBlock {
   static constexpr std::size_t kHits = 32;
@@ -98,4 +98,4 @@ VOXTOUCH_INLINE std::size_t fill(const Hits& hits, std::size_t begin, std::size_
   return count;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

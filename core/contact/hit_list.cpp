@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 Hit HitSource::hit(std::uint32_t point) const noexcept {
   Hit out;
@@ -60,4 +60,4 @@ void Hits::clear() noexcept {
   weight_sum_ = 0.0;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

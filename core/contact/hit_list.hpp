@@ -9,7 +9,7 @@
 #include "core/pointshell/pointshell.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// Whether a pose could be looked up at all. Anything but kUsable comes with no hits and no force.
 enum class PoseStatus : std::uint8_t {
@@ -133,4 +133,4 @@ struct HitList {
   void clear() noexcept { surface.clear(), interior.clear(), pose = {}, pose_status = PoseStatus::kUsable, tested = 0; }
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

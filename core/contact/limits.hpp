@@ -2,7 +2,7 @@
 #include <cstddef>
 
 /// Every threshold of contact models, named in one place. Lengths are in voxel edges of the static grid.
-namespace voxtouch::contact_limits {
+namespace voxtouch::contact::limits {
 
 /// `adapted` becomes `original` for the frame where |sum n| / |S| is at most this: the points face each other.
 inline constexpr double kFallbackCoherence = 0.3;
@@ -110,4 +110,4 @@ inline constexpr int kMaxWorse = 3;
 /// Friction: a patch of pushes smaller than this share of the lever is a point.
 inline constexpr double kLeastPatch = 1e-4;
 
-}  // namespace voxtouch::contact_limits
+}  // namespace voxtouch::contact::limits

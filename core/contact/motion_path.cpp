@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 MotionPath::MotionPath(const Pose& from, const Pose& to) noexcept
     : from_(from), to_(to), shift_(to.position - from.position), turn_(Vec3::Zero()) {
@@ -33,4 +33,4 @@ double MotionPath::share(const Wrench& wrench) const noexcept {
   return most > 0.0 ? work_j(wrench) / most : 0.0;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

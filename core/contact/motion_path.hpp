@@ -2,7 +2,7 @@
 /// The straight way between two poses of the tool, and whether a contact stands against it.
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// Translation at constant speed with a turn at constant speed about one axis through the tool's origin, the shorter way round.
 /// Real-time safe.
@@ -30,4 +30,4 @@ class MotionPath {
   Vec3 turn_;   ///< rotation vector [rad], W
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -4,7 +4,7 @@
 
 #include "core/types/smoothstep.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
 std::array<Vec3, PatchNormals::kBins> bin_directions() {
@@ -55,4 +55,4 @@ std::size_t PatchNormals::nearest_bin(const Vec3& normal) noexcept {
   return best;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -5,7 +5,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// The sphere of directions in soft bins: 42 of them, the vertices and edge middles of an icosahedron, 31 to 36 degrees apart, fixed
 /// in W. A normal belongs to bin k by b_k(n) = smoothstep(cos 50 deg, cos 10 deg; n . v_k), to three or more of them. Two
@@ -32,4 +32,4 @@ class PatchNormals {
   }
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -5,7 +5,7 @@
 #include "core/contact/hit_block.hpp"
 #include "core/contact/limits.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
 constexpr std::size_t kHits = HitBlock::kHits;
@@ -45,7 +45,7 @@ VOXTOUCH_INLINE void work_out(const HitBlock& block, const PushDirection& direct
     for (std::size_t n = 0; n < kHits; ++n) {
       const double x = sm0 + own * block.normal[0][n], y = sm1 + own * block.normal[1][n], z = sm2 + own * block.normal[2][n];
       const double norm = std::sqrt(x * x + y * y + z * z);
-      const double length = norm > contact_limits::kShortestDirection ? norm : contact_limits::kShortestDirection;
+      const double length = norm > limits::kShortestDirection ? norm : limits::kShortestDirection;
       j[0][n] = x / length, j[1][n] = y / length, j[2][n] = z / length;
     }
   } else {
@@ -152,4 +152,4 @@ void add_normals(const Hits& hits, Vec3& normals, double& weights) noexcept {
   weights = sums[3];
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

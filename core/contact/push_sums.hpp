@@ -6,7 +6,7 @@
 #include "core/contact/contact_model.hpp"
 #include "core/contact/stiffness_sum.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// The way a point pushes: u_i = s m + (1 - s) n_i, brought to unit length (contact_limits::kShortestDirection); n_i itself for
 /// s = 0.
@@ -26,4 +26,4 @@ void push_along_mean(const Hits& hits, const Vec3& mean, double stiffness, const
 /// Goes on with sums of weight * normal and of weights.
 void add_normals(const Hits& hits, Vec3& normals, double& weights) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

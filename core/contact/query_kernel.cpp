@@ -8,7 +8,7 @@
 #include "core/contact/limits.hpp"
 #include "core/types/clones.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
 constexpr std::size_t kNodes = SphereTree::kFanOut;
@@ -24,13 +24,13 @@ constexpr std::array<std::uint32_t, 32> kBit = [] {
 
 constexpr std::array<float, 256> kVoxelsOf = [] {
   std::array<float, 256> out{};
-  for (std::size_t n = 0; n < 256; ++n) out[n] = free_distance::voxels(static_cast<std::uint8_t>(n));
+  for (std::size_t n = 0; n < 256; ++n) out[n] = voxmap::free_distance::voxels(static_cast<std::uint8_t>(n));
   return out;
 }();
 
 /// Which of sixteen spheres may touch something, as bits. No distance falls faster than the way from where it was measured, the
 /// middle of a 4-voxel cell; outside the table there is nothing nearer than the table.
-VOXTOUCH_INLINE std::uint32_t near_spheres(const QueryFrame& f, const Voxmap::Arrays& map, const std::array<std::int64_t, 3>& cells,
+VOXTOUCH_INLINE std::uint32_t near_spheres(const QueryFrame& f, const voxmap::Voxmap::Arrays& map, const std::array<std::int64_t, 3>& cells,
                                            const SphereTree::Level& level, std::size_t base) noexcept {
   const float* const x = level.x.data() + base;
   const float* const y = level.y.data() + base;
@@ -39,7 +39,7 @@ VOXTOUCH_INLINE std::uint32_t near_spheres(const QueryFrame& f, const Voxmap::Ar
   alignas(64) std::uint32_t cell[kNodes];
   alignas(64) float way[kNodes], outside[kNodes];
   const auto ny = static_cast<std::uint32_t>(2 * cells[1]), nz = static_cast<std::uint32_t>(2 * cells[2]);
-  constexpr float kHalf = 0.5F * free_distance::kCellEdge;
+  constexpr float kHalf = 0.5F * voxmap::free_distance::kCellEdge;
   for (std::size_t n = 0; n < kNodes; ++n) {
     const float ux = f.a[0][0] * x[n] + f.a[0][1] * y[n] + f.a[0][2] * z[n] + f.corner_shift[0];
     const float uy = f.a[1][0] * x[n] + f.a[1][1] * y[n] + f.a[1][2] * z[n] + f.corner_shift[1];
@@ -70,7 +70,7 @@ VOXTOUCH_INLINE std::uint32_t near_spheres(const QueryFrame& f, const Voxmap::Ar
 }
 
 using HalfWord = std::uint32_t __attribute__((may_alias));
-constexpr std::int32_t kHalfWords = sizeof(Voxmap::Brick) / sizeof(HalfWord);
+constexpr std::int32_t kHalfWords = sizeof(voxmap::Voxmap::Brick) / sizeof(HalfWord);
 static_assert(std::endian::native == std::endian::little);  // the lower half comes first
 
 /// Leaves collected until there is a block of points of them.
@@ -84,7 +84,7 @@ struct Kinds {
 };
 
 /// Puts a block of points into voxels. Both decisions are good where `unsure` is not set.
-VOXTOUCH_INLINE Kinds classify(const QueryData& data, const QueryFrame& f, const Voxmap::Arrays& map,
+VOXTOUCH_INLINE Kinds classify(const QueryData& data, const QueryFrame& f, const voxmap::Voxmap::Arrays& map,
                                const std::array<std::int64_t, 3>& cells, const Block& block) noexcept {
   alignas(64) float px[kPoints], py[kPoints], pz[kPoints];
   for (std::size_t run = 0; run < kRuns; ++run) {
@@ -117,7 +117,7 @@ VOXTOUCH_INLINE Kinds classify(const QueryData& data, const QueryFrame& f, const
     brick[p] = map.table[cell[p]];
     any |= brick[p];
   }
-  static_assert(Voxmap::kFreeBrick == 0);
+  static_assert(voxmap::Voxmap::kFreeBrick == 0);
   if (any == 0) return kinds;
   // In halves of the bricks' words, so that a look is one of 32 bits for each point at once.
   const auto* const words = reinterpret_cast<const HalfWord*>(map.bricks);
@@ -141,9 +141,9 @@ void decide(const QueryData& data, const QueryFrame& f, const Block& block, Kind
     Vec3 u;
     for (Eigen::Index row = 0; row < 3; ++row)
       u[row] = (s.r[row][0] * s.place[0][p] + s.r[row][1] * s.place[1][p] + s.r[row][2] * s.place[2][p] + s.t[row]) / s.edge;
-    const VoxelKind kind = data.voxmap->at(Grid::voxel_of(u));
-    if (kind == VoxelKind::kSurface) kinds.surface |= kBit[slot];
-    if (kind == VoxelKind::kInterior) kinds.interior |= kBit[slot];
+    const voxmap::VoxelKind kind = data.voxmap->at(voxmap::Grid::voxel_of(u));
+    if (kind == voxmap::VoxelKind::kSurface) kinds.surface |= kBit[slot];
+    if (kind == voxmap::VoxelKind::kInterior) kinds.interior |= kBit[slot];
   }
 }
 
@@ -156,7 +156,7 @@ VOXTOUCH_INLINE void append(std::uint32_t bits, const Block& block, std::uint32_
 
 }  // namespace
 
-bool make_query_frame(const Voxmap& voxmap, const HitSource& source, double reach_m, QueryFrame& f) noexcept {
+bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, double reach_m, QueryFrame& f) noexcept {
   const double edge = source.edge, reach = reach_m / edge;
   const std::array<std::int32_t, 3> base = {voxmap.base().i, voxmap.base().j, voxmap.base().k};
   f.source = source;
@@ -164,7 +164,7 @@ bool make_query_frame(const Voxmap& voxmap, const HitSource& source, double reac
   double far = 0.0, beyond = 0.0, largest = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t column = 0; column < 3; ++column) f.a[axis][column] = static_cast<float>(source.r[axis][column] / edge);
-    const double origin = source.t[axis] / edge, size = static_cast<double>(voxmap.cells()[axis]) * Voxmap::kBrickEdge;
+    const double origin = source.t[axis] / edge, size = static_cast<double>(voxmap.cells()[axis]) * voxmap::Voxmap::kBrickEdge;
     const double from_corner = origin - base[axis], voxel = std::floor(origin);
     far = std::max(far, std::abs(origin));
     largest = std::max({largest, std::abs(from_corner), size});
@@ -185,7 +185,7 @@ bool make_query_frame(const Voxmap& voxmap, const HitSource& source, double reac
   const bool small = reach < kMost && largest < kMost && voxmap.arrays().brick_count < std::size_t{1} << 26;
   f.certain = small ? static_cast<float>(0.5 - 2.0 * kFloat - band) : -1.0F;
   f.per_metre = static_cast<float>(1.0 / edge * (1.0 + 8.0 * kFloat));
-  f.margin = static_cast<float>(contact_limits::kCullSafetyVoxels + 16.0 * kFloat * (reach + largest) + of_doubles);
+  f.margin = static_cast<float>(limits::kCullSafetyVoxels + 16.0 * kFloat * (reach + largest) + of_doubles);
   return beyond <= reach + f.margin;
 }
 
@@ -195,7 +195,7 @@ std::uint32_t search(const QueryData& data, const QueryFrame& f, std::uint32_t* 
   surface_count = interior_count = 0;
   const std::vector<SphereTree::Level>& levels = data.tree->levels();
   if (levels.empty()) return 0;
-  const Voxmap::Arrays map = data.voxmap->arrays();
+  const voxmap::Voxmap::Arrays map = data.voxmap->arrays();
   const std::array<std::int64_t, 3>& cells = data.voxmap->cells();
   const std::size_t points = data.points;
   std::uint32_t tested = 0;
@@ -250,4 +250,4 @@ std::uint32_t search(const QueryData& data, const QueryFrame& f, std::uint32_t* 
   return tested;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

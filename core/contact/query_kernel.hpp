@@ -6,7 +6,7 @@
 #include "core/contact/sphere_tree.hpp"
 #include "core/voxmap/voxmap.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// One pose as the kernel sees it. The decision is that of doubles, u = (R p + t) / e: single precision only says where it is
 /// certain. Its coordinates are counted from the voxel that holds the tool's origin, so that their error grows with the tool's
@@ -31,7 +31,7 @@ struct QueryFrame {
 
 /// What a kernel looks up. Single precision coordinates are filled up to a multiple of SphereTree::kLeafPoints.
 struct QueryData {
-  const Voxmap* voxmap = nullptr;
+  const voxmap::Voxmap* voxmap = nullptr;
   std::size_t points = 0;
   const SphereTree* tree = nullptr;
   const float* x = nullptr;
@@ -41,11 +41,11 @@ struct QueryData {
 
 /// The frame for a tool at `source`, none of whose points is farther than `reach_m` from its origin. False where the tool is wholly
 /// outside the table: it hits nothing.
-bool make_query_frame(const Voxmap& voxmap, const HitSource& source, double reach_m, QueryFrame& frame) noexcept;
+bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, double reach_m, QueryFrame& frame) noexcept;
 
 /// Writes the points that collide, ascending, to `surface` and `interior`, each with room for all points of the shell, and how many
 /// they are. \returns the points that culling left to test.
 std::uint32_t search(const QueryData& data, const QueryFrame& frame, std::uint32_t* surface, std::size_t& surface_count,
                      std::uint32_t* interior, std::size_t& interior_count) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -5,11 +5,11 @@
 #include <limits>
 #include <stdexcept>
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
 struct Run {
-  const Pointshell& shell;
+  const pointshell::Pointshell& shell;
   std::size_t begin, end;
 
   /// Index of the point farthest from `centre`, and how far it is.
@@ -60,7 +60,7 @@ constexpr std::size_t in_groups(std::size_t nodes) {
 
 }  // namespace
 
-SphereTree::SphereTree(const Pointshell& shell) {
+SphereTree::SphereTree(const pointshell::Pointshell& shell) {
   if (shell.size() > std::size_t{1} << 31)
     throw std::length_error("contact: the pointshell has more than 2^31 points; use a larger voxel size");
   for (std::size_t span = kLeafPoints; levels_.empty() ? shell.size() > 0 : levels_.back().count > kFanOut; span *= kFanOut) {
@@ -81,4 +81,4 @@ std::size_t SphereTree::bytes(std::size_t points) noexcept {
   return 4 * sizeof(float) * nodes;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

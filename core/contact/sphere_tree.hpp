@@ -6,7 +6,7 @@
 
 #include "core/pointshell/pointshell.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// Leaf n holds the points [8 n, 8 n + 8), a node above 16 neighbours of the level below. The shell's Morton order makes
 /// runs compact; in any other order the tree is still right, only slow. Walking it depth first keeps the shell's order.
@@ -27,7 +27,7 @@ class SphereTree {
 
   SphereTree() = default;
   /// Throws std::length_error for more than 2^31 points.
-  explicit SphereTree(const Pointshell& shell);
+  explicit SphereTree(const pointshell::Pointshell& shell);
 
   /// Leaves first; the last has at most kFanOut spheres. Empty for a shell without points.
   const std::vector<Level>& levels() const noexcept { return levels_; }
@@ -38,4 +38,4 @@ class SphereTree {
   std::vector<Level> levels_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

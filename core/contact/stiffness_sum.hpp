@@ -5,7 +5,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// For points that push each along its own direction. Adds in the order of the calls; real-time safe.
 class StiffnessSum {
@@ -76,4 +76,4 @@ class CommonDirectionSum {
   double xx_ = 0.0, xy_ = 0.0, xz_ = 0.0, yy_ = 0.0, yz_ = 0.0, zz_ = 0.0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

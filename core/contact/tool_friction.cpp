@@ -5,7 +5,7 @@
 
 #include "core/contact/limits.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
 /// The rows that push, as one patch.
@@ -16,7 +16,7 @@ struct Patch {
 };
 
 double push_of(const ConstraintRow& row, const Vec6& delta) noexcept {
-  return contact_limits::kRowStiffness * depth_after(row, delta);
+  return limits::kRowStiffness * depth_after(row, delta);
 }
 
 Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta, double lever_m) noexcept {
@@ -36,7 +36,7 @@ Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta, double le
     patch.radius_m += push_of(row, delta) * (from_centre - patch.normal * patch.normal.dot(from_centre)).norm();
   }
   patch.radius_m /= patch.push_m;
-  if (!(patch.radius_m > contact_limits::kLeastPatch * lever_m)) patch.radius_m = 0.0;  // a point does not hold against turning
+  if (!(patch.radius_m > limits::kLeastPatch * lever_m)) patch.radius_m = 0.0;  // a point does not hold against turning
   return patch;
 }
 
@@ -86,4 +86,4 @@ EquilibriumStep with_friction(std::span<const ConstraintRow> rows, const Vec6& s
   return step;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -4,7 +4,7 @@
 
 #include "core/contact/equilibrium_step.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// The part of `free` that friction lets happen. `rows` and `spring` are those that gave it.
 ///
@@ -20,4 +20,4 @@ namespace voxtouch {
 EquilibriumStep with_friction(std::span<const ConstraintRow> rows, const Vec6& spring, double lever_m, double friction,
                               const EquilibriumStep& free) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

@@ -10,7 +10,7 @@
 #include "core/contact/limits.hpp"
 #include "core/contact/tool_friction.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 namespace {
 
 Vec3 rotation_vector(const Quat& from, const Quat& to) noexcept {
@@ -84,13 +84,13 @@ void VirtualTool::reset() noexcept {
 PoseStatus VirtualTool::status_of(Pose& hand, std::span<const ToolGround> grounds) const noexcept {
   Quat unit = hand.orientation;
   if (grounds.size() > options_.objects || !hand.position.allFinite() ||
-      !normalise_within(unit, contact_limits::kMinQuaternionNorm, contact_limits::kMaxQuaternionNorm))
+      !normalise_within(unit, limits::kMinQuaternionNorm, limits::kMaxQuaternionNorm))
     return PoseStatus::kNotAPose;
   if (std::abs(hand.orientation.squaredNorm() - 1.0) > 1e-15) hand.orientation = unit;
   for (const ToolGround& ground : grounds) {
-    const Grid& grid = ground.query->voxmap().grid();
+    const voxmap::Grid& grid = ground.query->voxmap().grid();
     const double farthest = (hand.position - ground.displacement - grid.origin).cwiseAbs().maxCoeff() + options_.reach_m;
-    if (!(farthest / grid.edge < contact_limits::kMaxGridCoordinate)) return PoseStatus::kOutOfRange;
+    if (!(farthest / grid.edge < limits::kMaxGridCoordinate)) return PoseStatus::kOutOfRange;
   }
   return PoseStatus::kUsable;
 }
@@ -116,10 +116,10 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
   rows_energy_ = worst_depth_m_ = 0.0;
   for (const ConstraintRow& row : rows_) {
     const double depth = std::max(0.0, -row.gap_m);
-    rows_energy_ += 0.5 * contact_limits::kRowStiffness * depth * depth;
+    rows_energy_ += 0.5 * limits::kRowStiffness * depth * depth;
     worst_depth_m_ = std::max(worst_depth_m_, depth);
   }
-  keep_nearest(rows_, contact_limits::kToolStepEdges * options_.edge_m / options_.reach_m);
+  keep_nearest(rows_, limits::kToolStepEdges * options_.edge_m / options_.reach_m);
   rows_known_ = true;
 }
 
@@ -127,7 +127,7 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
 bool VirtualTool::start(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept {
   look_up(tool, grounds, out);
   placed_ = out.pose_status == PoseStatus::kUsable && out.interior_hits == 0 &&
-            worst_depth_m_ <= contact_limits::kPlacedDepthEdges * options_.edge_m;
+            worst_depth_m_ <= limits::kPlacedDepthEdges * options_.edge_m;
   if (!placed_) return rows_known_ = false;
   tool_ = tool;
   turn_ = Vec3::Zero();
@@ -175,11 +175,11 @@ double VirtualTool::longest_step(std::span<const ToolGround> grounds) const noex
   double longest = std::numeric_limits<double>::infinity();
   if (!rows_.empty()) longest = 0.0;
   for (const ToolGround& ground : grounds) {
-    const Grid& grid = ground.query->voxmap().grid();
+    const voxmap::Grid& grid = ground.query->voxmap().grid();
     const Vec3 u = (tool_.position - ground.displacement - grid.origin) / grid.edge;
     longest = std::min(longest, grid.edge * ground.query->voxmap().free_distance_voxels(u) - options_.reach_m);
   }
-  return std::max(longest, contact_limits::kToolStepEdges * edge);
+  return std::max(longest, limits::kToolStepEdges * edge);
 }
 
 EquilibriumStep VirtualTool::solve(const Vec6& spring, double friction) const noexcept {
@@ -198,7 +198,7 @@ void VirtualTool::go_back_to(const Kept& kept, VirtualToolFrame& out) noexcept {
 /// Moves the virtual tool towards its balance with `hand`. \returns the last step that was solved, which is not taken.
 EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span<const ToolGround> grounds, const Reach& reach,
                                     VirtualToolFrame& out) noexcept {
-  const double rest = contact_limits::kRestEdges * options_.edge_m, pull = contact_limits::kPullEdges * options_.edge_m;
+  const double rest = limits::kRestEdges * options_.edge_m, pull = limits::kPullEdges * options_.edge_m;
   double way_left_m = reach.tool_m;
   Kept best;
   blocked_ = false;
@@ -213,14 +213,14 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
     const double way = way_of(step.delta);
     out.iterations += step.iterations;
     out.residual_m = way;
-    const bool done = queries == contact_limits::kMaxQueries || (way < rest && (step.pushed || !pulled)) ||
+    const bool done = queries == limits::kMaxQueries || (way < rest && (step.pushed || !pulled)) ||
                       (way == 0.0 && same(tool_, hand));
     const double energy = spring_energy(length, pull) + rows_energy_;
-    const double bump = contact_limits::kBumpShare * reach.hand_m * std::min(length, pull);
+    const double bump = limits::kBumpShare * reach.hand_m * std::min(length, pull);
     if (worse == 0 || energy <= best.energy + bump) {
       best = {tool_, energy, rows_energy_, worst_depth_m_, out.surface_hits, out.interior_hits, out.points_tested};
       worse = 0;
-    } else if (done || worse >= contact_limits::kMaxWorse) {
+    } else if (done || worse >= limits::kMaxWorse) {
       go_back_to(best, out);
       blocked_ = true;
       return balance(hand, friction, out);
@@ -242,7 +242,7 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
 
 /// The step from where the tool is: what still pulls and pushes there.
 EquilibriumStep VirtualTool::balance(const Pose& hand, double friction, VirtualToolFrame& out) noexcept {
-  const double pull = contact_limits::kPullEdges * options_.edge_m;
+  const double pull = limits::kPullEdges * options_.edge_m;
   Vec6 spring = spring_to(hand);
   if (const double length = spring.norm(); !rows_.empty() && length > pull) spring *= pull / length;
   const EquilibriumStep step = solve(spring, friction);
@@ -257,7 +257,7 @@ void VirtualTool::tell(const EquilibriumStep& step, VirtualToolFrame& out) noexc
   out.shift = spring.head<3>();
   out.turn = turn_ = spring.tail<3>() / options_.lever_m;
   out.worst_depth_m = worst_depth_m_;
-  out.saturated = step.pushed && spring.norm() > contact_limits::kPullEdges * options_.edge_m;
+  out.saturated = step.pushed && spring.norm() > limits::kPullEdges * options_.edge_m;
   if (step.pushed) {
     out.shown = Mat6::Identity() - step.loose * step.hessian.inverse() * step.loose;
   } else if (blocked_) {
@@ -265,7 +265,7 @@ void VirtualTool::tell(const EquilibriumStep& step, VirtualToolFrame& out) noexc
   }
   double most = 0.0;
   for (const ConstraintRow& row : rows_) {
-    const double push = contact_limits::kRowStiffness * depth_after(row, step.delta);
+    const double push = limits::kRowStiffness * depth_after(row, step.delta);
     if (!(push > 0.0)) continue;
     ++out.rows;
     Wrench& sum = pushes_[row.object];
@@ -290,7 +290,7 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const To
   if (out.pose_status != PoseStatus::kUsable) return out;
 
   const double moved = placed_ ? objects_moved(grounds) : 0.0;
-  out.moved_too_far = moved > contact_limits::kToolStepEdges * options_.edge_m;
+  out.moved_too_far = moved > limits::kToolStepEdges * options_.edge_m;
   if (!placed_) {
     if (!start(hand, grounds, out)) return out;
     out.unplaced = false;
@@ -305,8 +305,8 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const To
   hands_way << hand.position - hand_.position, options_.lever_m * rotation_vector(hand_.orientation, hand.orientation);
   Reach reach{way_of(hands_way) + moved, std::numeric_limits<double>::infinity()};
   if (pressed_)  // in contact the tool snaps slowly; free, it is the hand
-    reach.tool_m = reach.hand_m + std::max(contact_limits::kSnapShare * way_of(spring_to(hand)),
-                                           contact_limits::kSnapEdges * options_.edge_m);
+    reach.tool_m = reach.hand_m + std::max(limits::kSnapShare * way_of(spring_to(hand)),
+                                           limits::kSnapEdges * options_.edge_m);
   hand_ = hand;
   const EquilibriumStep step = follow(hand, std::max(0.0, sample.friction), grounds, reach, out);
   tell(step, out);
@@ -319,4 +319,4 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const To
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

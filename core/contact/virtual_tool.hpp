@@ -15,12 +15,12 @@
 #include "core/contact/constraint_rows.hpp"
 #include "core/contact/equilibrium_step.hpp"
 
-namespace voxtouch {
+namespace voxtouch::contact {
 
 /// A static object as the virtual tool meets it. All of a tool's queries hold the same shell.
 struct ToolGround {
   const ContactQuery* query = nullptr;
-  const DistanceField* field = nullptr;
+  const voxmap::DistanceField* field = nullptr;
   Vec3 displacement = Vec3::Zero();  ///< of the whole object from where its voxmap lies, in W, in this frame [m]
 };
 
@@ -141,4 +141,4 @@ class VirtualTool {
   bool blocked_ = false;  ///< the last frame went back to a better pose than the way on led to
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::contact

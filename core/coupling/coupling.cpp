@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 class Findings {
@@ -101,4 +101,4 @@ std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimi
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

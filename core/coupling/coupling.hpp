@@ -6,7 +6,7 @@
 #include "core/coupling/coupling_spec.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 enum class CouplingKind : std::uint8_t { kDirect = 0, kShapingFilter = 1, kSpringDamper = 2 };
 /// "direct", "shaping_filter", "spring_damper"; and back (false where the word is unknown, `kind` untouched).
@@ -27,4 +27,4 @@ struct CouplingInput {
 /// Seconds over which the input is faded in after a start in contact, a reset to a force or a gap.
 inline constexpr double kDefaultRampS = 0.2;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// A coupling and its parameters; those of the other kinds are ignored.
 struct CouplingSpec {
@@ -59,4 +59,4 @@ double lag_s(const CouplingSpec& spec) noexcept;
 /// c k / (c + k), or k. At rest, in W.
 double displayed_stiffness_n_per_m(const CouplingSpec& spec, double contact_n_per_m) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -2,7 +2,7 @@
 /// The coupling that is none: what the other two are measured against.
 #include "core/coupling/law_input.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// Contact straight to the device. Real-time safe.
 class DirectCoupling {
@@ -19,4 +19,4 @@ class DirectCoupling {
   Wrench held_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

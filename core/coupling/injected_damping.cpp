@@ -2,7 +2,7 @@
 
 #include "core/coupling/stiffness_cap.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 /// Below this a stiffness is none: its inverse would overflow.
@@ -39,4 +39,4 @@ Wrench InjectedDamping::of(const CouplingInput& contact, const Twist& velocity) 
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -3,7 +3,7 @@
 #include "core/coupling/coupling.hpp"
 #include "core/coupling/ramp.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// Where a contact pushes: P = K / lambda_max(K) of one 3x3 block of its stiffness matrix, symmetric with 0 <= P <= I. Across
 /// the pushing directions P is zero, so sliding over a plane stays free; a corner is damped both ways. Where the matrix is
@@ -32,4 +32,4 @@ class InjectedDamping {
   Ramp linear_, angular_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

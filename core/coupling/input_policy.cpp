@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 bool usable(const Vec3& v) noexcept { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kLargestInput; }
@@ -59,4 +59,4 @@ double InputPolicy::weight_after(const PolicedSample& sample) noexcept {
   return elapsed_s_ < ramp_s_ ? elapsed_s_ / ramp_s_ : 1.0;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

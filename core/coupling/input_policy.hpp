@@ -5,7 +5,7 @@
 
 #include "core/coupling/coupling.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// Periods within [T/5, 5T] are used as measured; beyond 10 T the loop has stood still.
 inline constexpr double kPeriodBand = 5.0, kGapPeriods = 10.0;
@@ -49,4 +49,4 @@ class InputPolicy {
   std::uint64_t faults_ = 0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

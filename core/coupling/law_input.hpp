@@ -2,7 +2,7 @@
 /// What a law of the coupling is given in one step, after input policy and stiffness cap.
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 struct LawInput {
   Wrench contact;                ///< finite, within what the device can give [N, Nm], W axes
@@ -11,4 +11,4 @@ struct LawInput {
   double weight = 1;             ///< share of `contact`; the rest belongs to the force that was held at the start
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 /// A direction shorter than this is none.
@@ -67,4 +67,4 @@ PassivityDamping Passivity::control(const Vec3& push, const ToolStep& way, const
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

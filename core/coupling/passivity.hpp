@@ -46,7 +46,7 @@
 #include "core/coupling/tool_motion.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// A contact has ended when it does not push and the command has been under kRestShare of its largest for this long [s].
 inline constexpr double kContactEndS = 0.005, kRestShare = 1e-3;
@@ -111,4 +111,4 @@ class Passivity {
   EnergyAccounts energy_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -8,7 +8,7 @@
 /// error grows with 1/(w0 T)^2 and it can blow up where T changes.
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// What one step needs, shared by all components that are filtered alike.
 struct Pt2Coefficients {
@@ -45,4 +45,4 @@ struct Pt2State {
   void reset(double y0, double gain) noexcept { y = y0, v = 0.0, u_last = gain == 0.0 ? 0.0 : y0 / gain; }
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// Least time [s] over which a parameter that changes the displayed stiffness or damping goes from one value to the next. A
 /// stiffness that rises by dk while pressed in by p gives the hand dk p^2 / 2, which the loop must have time to take.
@@ -32,4 +32,4 @@ class Ramp {
   double now_ = 0.0, goal_ = 0.0, rate_ = 0.0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

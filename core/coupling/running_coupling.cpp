@@ -8,7 +8,7 @@
 
 #include "core/types/clamp.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 CouplingKind kind_of(const CouplingSpec& spec) noexcept {
@@ -212,4 +212,4 @@ void RunningCoupling::count(const CouplingOutput& out) noexcept {
   counters_.most_damping_ns_per_m = std::max(counters_.most_damping_ns_per_m, out.damping_ns_per_m);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

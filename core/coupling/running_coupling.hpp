@@ -18,7 +18,7 @@
 #include "core/coupling/stiffness_cap.hpp"
 #include "core/coupling/tool_motion.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// One sample's answer, W axes. The bools are the command's status bits.
 struct CouplingOutput {
@@ -108,4 +108,4 @@ class RunningCoupling {
   CouplingCounters counters_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

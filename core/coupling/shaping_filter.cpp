@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 /// Force x y z, torque x y z.
@@ -42,4 +42,4 @@ Wrench ShapingFilter::step(const LawInput& in) noexcept {
   return given;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

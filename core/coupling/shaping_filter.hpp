@@ -6,7 +6,7 @@
 #include "core/coupling/law_input.hpp"
 #include "core/coupling/pt2.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// Fastest change of the gain at run time [1/s], counted in nominal periods.
 inline constexpr double kGainSlewPerS = 1.0;
@@ -35,4 +35,4 @@ class ShapingFilter {
   Wrench held_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

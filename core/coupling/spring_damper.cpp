@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 /// A displacement component below this [m] is set to zero, before it decays into denormal numbers.
@@ -59,4 +59,4 @@ Wrench SpringDamper::step(const LawInput& in) noexcept {
           torque_.step(contact.torque, in.stiffness_n_per_m, c, r, in.dt_s)};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -4,7 +4,7 @@
 #include "core/coupling/law_input.hpp"
 #include "core/coupling/ramp.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// One vector's share of the spring-damper's law: a massless object hangs on the device by a spring c and a damper r, and is
 /// pushed out of the static scene.
@@ -44,4 +44,4 @@ class SpringDamper {
   Wrench held_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 /// Inverse of a cap; the upper end only keeps a cap that is next to nothing from overflowing.
@@ -68,4 +68,4 @@ double StiffnessCap::step(const CouplingInput& input, double dt_s) noexcept {
   return scale_;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -3,7 +3,7 @@
 #include "core/coupling/coupling.hpp"
 #include "core/coupling/ramp.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// Largest eigenvalue of the symmetric part of a finite matrix; not below zero. The same matrix gives the same bits: nothing
 /// is remembered from one to the next. Real-time safe.
@@ -45,4 +45,4 @@ class StiffnessCap {
   Ramp over_{1.0};  ///< what is shown, in units of what the new caps allow, on its way to one
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

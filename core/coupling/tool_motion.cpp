@@ -5,7 +5,7 @@
 
 #include "core/coupling/input_policy.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 /// How far a quaternion's norm may be from one [F7], and a velocity component that is none: denormal numbers are slow.
@@ -75,4 +75,4 @@ void ToolMotion::move_to(const Vec3& position, const Quat& orientation) noexcept
   elapsed_s_ = 0.0;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -4,7 +4,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 /// Faster than this, in W, no hand moves a tool: the pose has jumped. Multiply by the device's position scale.
 struct ToolSpeedLimits {
@@ -49,4 +49,4 @@ class ToolMotion {
   std::uint64_t jumps_ = 0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

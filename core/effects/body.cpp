@@ -5,7 +5,7 @@
 #include "core/effects/body.hpp"
 #include "core/effects/effect.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kMass, kGravity, kGrip, kGripTurn, kGripDamping, kGrabButton, kGrabDistance };
@@ -83,4 +83,4 @@ extern const EffectKind kBody = {
     .expected_ns = 300.0,
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

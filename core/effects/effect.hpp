@@ -8,12 +8,12 @@
 #include "core/effects/effect_kind.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 /// One static object as the tool meets it this sample.
 struct ObjectContact {
   std::uint32_t object = 0;  ///< place in the scene's list of static objects
-  const ContactResult* contact = nullptr;
+  const contact::ContactResult* contact = nullptr;
   Twist twist;  ///< of the object, about the tool's origin; zero for one that rests
 };
 
@@ -69,4 +69,4 @@ class Effect {
   virtual void reset() noexcept {}
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

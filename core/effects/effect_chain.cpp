@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 bool usable(const EffectPush& push) noexcept {
@@ -33,7 +33,7 @@ EffectChain::EffectChain(std::vector<EffectSpec> effects) {
     per_metre_j_ += bound_of(spec).energy_per_metre_j;
     Link link;
     link.now = link.rate = spec.values;
-    link.gain = Ramp(spec.on ? spec.gain : 0.0);
+    link.gain = coupling::Ramp(spec.on ? spec.gain : 0.0);
     link.effect = spec.kind->make();
     link.goal = std::move(spec);
     links_.push_back(std::move(link));
@@ -129,7 +129,7 @@ void EffectChain::reset() noexcept {
 
 void EffectChain::take(const EffectCommand& command) noexcept {
   Link& link = links_[command.effect];
-  voxtouch::take(link.goal, command);
+  voxtouch::effects::take(link.goal, command);
   if (command.action != EffectAction::kValue) {
     link.gain.head_for(link.goal.on ? link.goal.gain : 0.0, kEffectRampS);
     return;
@@ -138,4 +138,4 @@ void EffectChain::take(const EffectCommand& command) noexcept {
   for (std::size_t n = 0; n < 3; ++n) link.rate.at(command.parameter)[n] = std::abs(goal[n] - now[n]) / kEffectRampS;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -10,7 +10,7 @@
 #include "core/effects/effect_change.hpp"
 #include "core/effects/effect_spec.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 /// All effects of one tool. Construction allocates, `apply` does not. One thread at a time.
 ///
@@ -55,7 +55,7 @@ class EffectChain {
     EffectSpec goal;    ///< as asked for
     EffectValues now;   ///< on their way to goal.values
     EffectValues rate;  ///< per second, per number
-    Ramp gain;
+    coupling::Ramp gain;
     std::unique_ptr<Effect> effect;
   };
   static void advance(Link& link, double dt_s) noexcept;
@@ -66,4 +66,4 @@ class EffectChain {
   std::uint64_t not_finite_ = 0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

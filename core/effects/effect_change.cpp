@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 using Judged = std::expected<EffectCommand, std::string>;
@@ -118,4 +118,4 @@ std::string quotable(std::string_view text) {
   return text.size() > kMost ? out + "..." : out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -9,7 +9,7 @@
 
 #include "core/effects/effect_spec.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 enum class EffectAction : std::uint8_t { kSwitch, kGain, kValue };
 
@@ -38,4 +38,4 @@ void take(EffectSpec& effect, const EffectCommand& command) noexcept;
 /// `text` for a sentence: at most 64 characters, those that cannot be printed as '?'.
 std::string quotable(std::string_view text);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

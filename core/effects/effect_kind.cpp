@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 std::string wanted(const EffectParameter& p) {
@@ -54,4 +54,4 @@ std::string check_values(const EffectKind& kind, const EffectValues& values) {
   return kind.check != nullptr ? kind.check(values) : std::string();
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -14,7 +14,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 class Effect;
 
@@ -136,4 +136,4 @@ std::string check_value(const EffectParameter& parameter, const std::array<doubl
 /// must be of unit length to 1e-6.
 std::string check_values(const EffectKind& kind, const EffectValues& values);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -4,7 +4,7 @@
 
 #include "core/effects/effect.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 extern const EffectKind kBody;
 extern const EffectKind kFriction;
@@ -30,4 +30,4 @@ const EffectKind* find_effect_kind(std::string_view name) noexcept {
   return found == kKinds.end() ? nullptr : *found;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 EffectBound larger(const EffectBound& a, const EffectBound& b) {
@@ -43,4 +43,4 @@ EffectBound EffectReach::bound() const {
   return most;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -5,7 +5,7 @@
 
 #include "core/effects/effect_spec.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 /// All values between those that an effect has had and those that it goes to. Each number goes on a straight line in its own
 /// time (EffectChain), so that two that change one after the other may meet in any combination.
@@ -31,4 +31,4 @@ class EffectReach {
 /// Effects that are where they are to be.
 std::vector<EffectReach> at_rest(std::span<const EffectSpec> effects);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

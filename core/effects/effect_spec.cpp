@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 EffectNeeds needs_of(std::span<const EffectSpec> effects) {
   EffectNeeds all;
@@ -29,4 +29,4 @@ EffectBound bound_of(const EffectSpec& effect) {
   return bound;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

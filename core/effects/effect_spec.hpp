@@ -8,7 +8,7 @@
 #include "core/effects/effect_kind.hpp"
 #include "core/effects/region.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 /// One effect as a scene asks for it.
 struct EffectSpec {
@@ -28,4 +28,4 @@ EffectNeeds needs_of(std::span<const EffectSpec> effects);
 /// conservative kind and |grad w| F to that of any other: infinite where F or U has no bound.
 EffectBound bound_of(const EffectSpec& effect);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -4,7 +4,7 @@
 
 #include "core/effects/touch_point.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kCoulomb, kSticking, kStiffness, kMaxForce, kReach };
@@ -168,4 +168,4 @@ extern const EffectKind kFriction = {
     .expected_ns = 120.0,
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -7,7 +7,7 @@
 
 #include "core/types/smoothstep.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 constexpr double kRelease = 1.0;  // place of the word
@@ -91,4 +91,4 @@ EffectBound guide_bound(const EffectValues& values) {
   return {.stiffness_n_per_m = law.stiffness_n_per_m, .force_n = law.limit_n, .potential_j = guide_depth_j(law)};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -6,7 +6,7 @@
 
 #include "core/effects/effect.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 /// Force f(s) at the distance s >= 0 from a guide. With k the stiffness, F the limit and w = F / k:
 ///
@@ -64,4 +64,4 @@ std::string check_guide(const EffectValues& values);
 /// k, F and the depth of the potential.
 EffectBound guide_bound(const EffectValues& values);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -3,7 +3,7 @@
 
 #include "core/effects/guide_law.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kPoint = kGuideOwn, kDirection, kEnds, kHalfLength };
@@ -61,4 +61,4 @@ extern const EffectKind kGuideLine = {
     .expected_ns = 80.0,
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

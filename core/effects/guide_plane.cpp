@@ -4,7 +4,7 @@
 
 #include "core/effects/guide_law.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kPoint = kGuideOwn, kNormal, kSides };
@@ -52,4 +52,4 @@ extern const EffectKind kGuidePlane = {
     .expected_ns = 60.0,
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

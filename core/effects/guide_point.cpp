@@ -1,7 +1,7 @@
 // A guide to a point: the tool's origin is held there by a spring of limited force.
 #include "core/effects/guide_law.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kPoint = kGuideOwn };
@@ -34,4 +34,4 @@ extern const EffectKind kGuidePoint = {
     .expected_ns = 60.0,
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

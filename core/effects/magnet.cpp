@@ -5,7 +5,7 @@
 
 #include "core/effects/effect.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kPoint, kRadius, kForce };
@@ -68,4 +68,4 @@ extern const EffectKind kMagnet = {
     .expected_ns = 40.0,
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -6,7 +6,7 @@
 #include "core/effects/effect.hpp"
 #include "core/types/smoothstep.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kLimit, kRange, kSmoothing, kLever };
@@ -138,4 +138,4 @@ extern const EffectKind kProximity = {
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<ProximityEffect>()); },
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

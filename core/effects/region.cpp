@@ -2,7 +2,7 @@
 
 #include "core/types/smoothstep.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 /// From the nearest point of the shape to `x`; zero inside.
@@ -37,4 +37,4 @@ double curvature_bound_per_m2(const Region& region) noexcept {
   return everywhere(region) ? 0.0 : 6.0 / (region.blend_m * region.blend_m);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

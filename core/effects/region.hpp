@@ -4,7 +4,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 struct EverywhereRegion {
   bool operator==(const EverywhereRegion&) const = default;
@@ -40,4 +40,4 @@ RegionWeight weight_at(const Region& region, const Vec3& x) noexcept;
 double slope_bound_per_m(const Region& region) noexcept;
 double curvature_bound_per_m2(const Region& region) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

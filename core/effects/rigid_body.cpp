@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 /// Rotation vector that turns `from` into `to`, the short way, W axes.
@@ -25,7 +25,7 @@ void cut(Vec3& v, double most) noexcept {
 
 void RigidBody::place(const Pose& pose, bool held) noexcept {
   pose_ = pose, twist_ = {}, hang_ = {}, held_ = held, placed_ = true;
-  strength_ = Ramp(held ? 1.0 : 0.0);
+  strength_ = coupling::Ramp(held ? 1.0 : 0.0);
   energy_j_ = 0.0;
 }
 
@@ -33,7 +33,7 @@ void RigidBody::follow_hold(const Pose& tool, bool hold, double grab_m, double d
   if (hold && !held_ && (tool.position - pose_.position).norm() <= grab_m) {
     held_ = true;
     hang_ = tool.inverse() * pose_;
-    strength_ = Ramp(0.0);  // it hangs as it lies: no force to begin with, whatever was left of the last grip
+    strength_ = coupling::Ramp(0.0);  // it hangs as it lies: no force to begin with, whatever was left of the last grip
     strength_.head_for(1.0, kGripRampS);
   } else if (!hold && held_) {
     held_ = false;
@@ -114,4 +114,4 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& tool, const Twist& to
   return grip;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -4,7 +4,7 @@
 #include "core/coupling/ramp.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 /// Mass properties of the dynamic object at a mass of 1 kg.
 struct BodyShape {
@@ -78,9 +78,9 @@ class RigidBody {
   BodyShape shape_;
   Pose pose_, hang_;  ///< hang_: the body in the tool's frame while held
   Twist twist_;
-  Ramp strength_;
+  coupling::Ramp strength_;
   bool placed_ = false, held_ = false;
   double energy_j_ = 0.0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

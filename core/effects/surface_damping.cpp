@@ -3,7 +3,7 @@
 
 #include "core/effects/touch_point.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kAlong, kAgainst, kFull, kReach };
@@ -91,4 +91,4 @@ extern const EffectKind kSurfaceDamping = {
     .expected_ns = 130.0,
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

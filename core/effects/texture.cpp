@@ -4,7 +4,7 @@
 #include "core/effects/texture_pattern.hpp"
 #include "core/effects/touch_point.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kPattern, kWavelength, kForce, kDirection, kFull, kReach };
@@ -128,4 +128,4 @@ extern const EffectKind kTexture = {
     .expected_ns = 130.0,
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

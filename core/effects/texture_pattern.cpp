@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 /// Finaliser of splitmix64 (Steele, Lea, Flood 2014), chained over the corner's three numbers.
@@ -57,4 +57,4 @@ PatternSample noise_at(const Vec3& x, double wavelength_m) noexcept {
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -2,7 +2,7 @@
 /// Height maps for textures: pure functions of a place in W, alike on every machine.
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 /// A height and its slope. Both patterns are scaled so that |slope| <= 1: the height is in metres for slopes of at most 45 degrees.
 struct PatternSample {
@@ -21,4 +21,4 @@ PatternSample noise_at(const Vec3& x, double wavelength_m) noexcept;
 inline constexpr double kGratingBend = 6.283185307179587;
 inline constexpr double kNoiseSteepest = 3.75, kNoiseBend = 2.0 * 14.0625 / kNoiseSteepest;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

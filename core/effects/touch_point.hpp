@@ -9,7 +9,7 @@
 #include "core/effects/effect.hpp"
 #include "core/types/smoothstep.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 
 /// The push of one object, W axes. Its direction is that of the force itself, not the mean normal of the colliding points:
 /// the force is continuous where its model is, while the mean normal steps with every point that enters or leaves; for
@@ -163,4 +163,4 @@ class PerObject {
   std::array<Slot, kMost> slots_ = {};
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

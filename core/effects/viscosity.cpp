@@ -3,7 +3,7 @@
 
 #include "core/effects/touch_point.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kDamping, kTurning };
@@ -46,4 +46,4 @@ extern const EffectKind kViscosity = {
     .expected_ns = 5.0,
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

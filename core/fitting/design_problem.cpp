@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 namespace {
 
 /// A range must not begin at zero.
@@ -13,27 +13,28 @@ constexpr double kAnyShare = 1e-6;
 struct Caps {
   double n_per_m, nm_per_rad;
 };
-Caps caps_of(const Scene& scene) noexcept {
+Caps caps_of(const scene::Scene& scene) noexcept {
   if (!scene.design) return {scene.coupling.stiffness_cap_n_per_m, scene.coupling.stiffness_cap_nm_per_rad};
   constexpr double kNone = std::numeric_limits<double>::infinity();
   return {scene.design->stiffness_cap_n_per_m.value_or(kNone), scene.design->stiffness_cap_nm_per_rad.value_or(kNone)};
 }
 
-ContactRange at_hand(const ContactRange& in_world, double cap, double scale) noexcept {
+coupling::design::ContactRange at_hand(const coupling::design::ContactRange& in_world, double cap, double scale) noexcept {
   return {std::min(in_world.one_point, cap) * scale, std::min(in_world.all_points, cap) * scale};
 }
 
 /// Of a virtual tool's spring: no stiffer than the device can show. What is capped is the spring and nothing else, so the designer may
 /// take any share of it (`one_point`), and effects come on top.
-StiffnessBounds of_spring(const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds) noexcept {
-  const ContactRange &t = bounds.translation, &r = bounds.rotation;
+rendering::StiffnessBounds of_spring(const scene::Scene& scene, const coupling::design::DeviceModel& device,
+                                     const rendering::StiffnessBounds& bounds) noexcept {
+  const coupling::design::ContactRange &t = bounds.translation, &r = bounds.rotation;
   const double spring = std::min(t.one_point, largest_spring_n_per_m(scene, device)), share = spring / t.one_point;
   const double turning = share * r.one_point;
   return {{kAnyShare * spring, spring + (t.all_points - t.one_point)}, {kAnyShare * turning, turning + (r.all_points - r.one_point)}};
 }
 
 /// All that is stiffness or damping, times `scales`.
-CouplingSpec scaled(CouplingSpec spec, const HandScales& scales) noexcept {
+coupling::CouplingSpec scaled(coupling::CouplingSpec spec, const HandScales& scales) noexcept {
   spec.stiffness_n_per_m *= scales.translation;
   spec.damping_ns_per_m *= scales.translation;
   spec.stiffness_cap_n_per_m *= scales.translation;
@@ -47,24 +48,25 @@ CouplingSpec scaled(CouplingSpec spec, const HandScales& scales) noexcept {
 
 }  // namespace
 
-HandScales hand_scales(const WorkspaceMapping& device) noexcept {
+HandScales hand_scales(const scene::WorkspaceMapping& device) noexcept {
   return {device.position_scale * device.force_scale, device.force_scale / device.position_scale};
 }
 
-DesignProblem design_problem(const Scene& scene, const DeviceModel& device,
-                             const ContactRange& translation_in_world, const ContactRange& rotation_in_world) {
-  const DesignOptions ask = scene.design.value_or(DesignOptions{});
+coupling::design::DesignProblem design_problem(const scene::Scene& scene, const coupling::design::DeviceModel& device,
+                                               const coupling::design::ContactRange& translation_in_world,
+                                               const coupling::design::ContactRange& rotation_in_world) {
+  const scene::DesignOptions ask = scene.design.value_or(scene::DesignOptions{});
   const HandScales scales = hand_scales(scene.device);
   const Caps caps = caps_of(scene);
-  DesignProblem request;
+  coupling::design::DesignProblem request;
   request.device = device;
-  request.hand = operator_range(ask, device.grip);
-  StiffnessBounds bounds{translation_in_world, rotation_in_world};
-  const bool spring = is_spring(bounds);
+  request.hand = scene::operator_range(ask, device.grip);
+  rendering::StiffnessBounds bounds{translation_in_world, rotation_in_world};
+  const bool spring = rendering::is_spring(bounds);
   if (spring) bounds = of_spring(scene, device, bounds);
   request.contact = at_hand(bounds.translation, caps.n_per_m, scales.translation);
   request.contact_rotation = at_hand(bounds.rotation, caps.nm_per_rad, scales.rotation);
-  DesignGoals& wishes = request.wishes;
+  coupling::design::DesignGoals& wishes = request.wishes;
   wishes.kind = ask.kind;
   wishes.cutoff_hz = ask.cutoff_hz;
   wishes.max_cutoff_hz = std::max(wishes.max_cutoff_hz, ask.cutoff_hz);
@@ -75,30 +77,30 @@ DesignProblem design_problem(const Scene& scene, const DeviceModel& device,
   return request;
 }
 
-double largest_spring_n_per_m(const Scene& scene, const DeviceModel& device) noexcept {
+double largest_spring_n_per_m(const scene::Scene& scene, const coupling::design::DeviceModel& device) noexcept {
   return device.translation.max_stiffness / hand_scales(scene.device).translation;
 }
 
-CouplingSpec spec_in_world(const Design& design, const Scene& scene) noexcept {
+coupling::CouplingSpec spec_in_world(const coupling::design::Design& design, const scene::Scene& scene) noexcept {
   const HandScales scales = hand_scales(scene.device);
   const Caps caps = caps_of(scene);
-  CouplingSpec spec = scaled(design.spec, {1.0 / scales.translation, 1.0 / scales.rotation});
+  coupling::CouplingSpec spec = scaled(design.spec, {1.0 / scales.translation, 1.0 / scales.rotation});
   spec.stiffness_cap_n_per_m = std::min(spec.stiffness_cap_n_per_m, caps.n_per_m);
   spec.stiffness_cap_nm_per_rad = std::min(spec.stiffness_cap_nm_per_rad, caps.nm_per_rad);
   return spec;
 }
 
-CouplingSpec spec_at_hand(const CouplingSpec& in_world, const WorkspaceMapping& device) noexcept {
+coupling::CouplingSpec spec_at_hand(const coupling::CouplingSpec& in_world, const scene::WorkspaceMapping& device) noexcept {
   return scaled(in_world, hand_scales(device));
 }
 
-double stiffness_at_hand_n_per_m(const CouplingSpec& spec, const WorkspaceMapping& device, double bound_n_per_m) noexcept {
-  return displayed_stiffness_n_per_m(spec, bound_n_per_m) * hand_scales(device).translation;
+double stiffness_at_hand_n_per_m(const coupling::CouplingSpec& spec, const scene::WorkspaceMapping& device, double bound_n_per_m) noexcept {
+  return coupling::displayed_stiffness_n_per_m(spec, bound_n_per_m) * hand_scales(device).translation;
 }
 
-CouplingLimits limits_in_world(const WorkspaceMapping& scales, const DeviceModel& device) noexcept {
+coupling::CouplingLimits limits_in_world(const scene::WorkspaceMapping& scales, const coupling::design::DeviceModel& device) noexcept {
   const double max_torque_nm = device.gives_torque ? device.rotation.max_effort : 0.0;
   return {device.translation.max_effort / scales.force_scale, max_torque_nm * scales.position_scale / scales.force_scale};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

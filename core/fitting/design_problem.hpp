@@ -10,14 +10,14 @@
 #include "core/scene/design_options.hpp"
 #include "core/scene/scene.hpp"
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 
 /// What one [N/m, Ns/m] of W, and one [Nm/rad, Nms/rad] of W, are at the hand.
 struct HandScales {
   double translation = 1.0;  ///< s f
   double rotation = 1.0;     ///< f / s
 };
-HandScales hand_scales(const WorkspaceMapping& device) noexcept;
+HandScales hand_scales(const scene::WorkspaceMapping& device) noexcept;
 
 /// What the designer is asked for this scene on this device: the scene's `design`, or the defaults of DesignOptions where
 /// the coupling is set by hand (to judge it).
@@ -33,25 +33,26 @@ HandScales hand_scales(const WorkspaceMapping& device) noexcept;
 ///  - A virtual tool's spring (plan.hpp, spring_of_any_device) is brought down to the device's largest stiffness, and grows with the
 ///    way without end: there is no force layer.
 ///  - The designer may choose caps where the scene gives neither.
-DesignProblem design_problem(const Scene& scene, const DeviceModel& device,
-                             const ContactRange& translation_in_world, const ContactRange& rotation_in_world);
+coupling::design::DesignProblem design_problem(const scene::Scene& scene, const coupling::design::DeviceModel& device,
+                                               const coupling::design::ContactRange& translation_in_world,
+                                               const coupling::design::ContactRange& rotation_in_world);
 
 /// Of a virtual tool, in W: what the device can show at most.
-double largest_spring_n_per_m(const Scene& scene, const DeviceModel& device) noexcept;
+double largest_spring_n_per_m(const scene::Scene& scene, const coupling::design::DeviceModel& device) noexcept;
 
 /// What runs in W for a design: its caps, injected damping and spring-damper brought there, and never above the scene's
 /// own caps, which the designer took as given. Gain, cut-off, damping ratio and velocity filter have no scale.
-CouplingSpec spec_in_world(const Design& design, const Scene& scene) noexcept;
+coupling::CouplingSpec spec_in_world(const coupling::design::Design& design, const scene::Scene& scene) noexcept;
 
 /// The other way, for a coupling that is set by hand and to be judged at the hand.
-CouplingSpec spec_at_hand(const CouplingSpec& in_world, const WorkspaceMapping& device) noexcept;
+coupling::CouplingSpec spec_at_hand(const coupling::CouplingSpec& in_world, const scene::WorkspaceMapping& device) noexcept;
 
 /// Stiffness [N/m] at the hand for a contact of `bound_n_per_m` in W: what the coupling shows of it, up to its cap, times both
 /// scales of the device (a metre of the hand is position_scale metres in W, a newton in W is force_scale newtons there).
-double stiffness_at_hand_n_per_m(const CouplingSpec& spec, const WorkspaceMapping& device, double bound_n_per_m) noexcept;
+double stiffness_at_hand_n_per_m(const coupling::CouplingSpec& spec, const scene::WorkspaceMapping& device, double bound_n_per_m) noexcept;
 
 /// The device's largest force [N] and torque [Nm] in the units of W: / f and * s / f. Infinity stays infinity
 /// and 0 stays 0.
-CouplingLimits limits_in_world(const WorkspaceMapping& scales, const DeviceModel& device) noexcept;
+coupling::CouplingLimits limits_in_world(const scene::WorkspaceMapping& scales, const coupling::design::DeviceModel& device) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

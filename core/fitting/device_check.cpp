@@ -10,16 +10,16 @@
 #include "core/coupling/coupling_spec.hpp"
 #include "core/fitting/design_problem.hpp"
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 
 namespace {
 
 /// A sample, its transport, and half of the period that its force is held for.
-double force_delay_s(const LoopTiming& timing) { return timing.delay_s + 1.5 * timing.period_s; }
+double force_delay_s(const coupling::design::LoopTiming& timing) { return timing.delay_s + 1.5 * timing.period_s; }
 
 /// A coupling set by hand is the user's own choice: it runs without a certificate, but not where even what any contact shows is more
 /// than the device can.
-std::string too_stiff_by_hand(const Scene& scene, const DeviceModel& device, double least_n_per_m,
+std::string too_stiff_by_hand(const scene::Scene& scene, const coupling::design::DeviceModel& device, double least_n_per_m,
                               const DeviceDemand& demand) {
   const double demanded = demand.least_stiffness_n_per_m;
   const double shown = std::isunordered(least_n_per_m, demanded) ? std::numeric_limits<double>::quiet_NaN()
@@ -54,16 +54,16 @@ std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque) {
       demand.torque);
 }
 
-std::string effects_damp_too_much(const DeviceDemand& demand, const WorkspaceMapping& scales, const CouplingSpec& spec,
-                                  const DeviceModel& device) {
-  const double late_s = lag_s(spec) + force_delay_s(device.timing);
+std::string effects_damp_too_much(const DeviceDemand& demand, const scene::WorkspaceMapping& scales, const coupling::CouplingSpec& spec,
+                                  const coupling::design::DeviceModel& device) {
+  const double late_s = coupling::lag_s(spec) + force_delay_s(device.timing);
   const std::string why = damps_too_much(demand.damping, hand_scales(scales).translation, late_s, device.translation.inertia_min, kMoving);
   if (!why.empty() || !device.gives_torque) return why;
   return damps_too_much(demand.turning, hand_scales(scales).rotation, late_s, device.rotation.inertia_min, kTurning);
 }
 
-std::string why_not_felt(const Scene& scene, const CouplingSpec* runs, const DeviceModel& device, double least_n_per_m,
-                         const DeviceDemand& demand) {
+std::string why_not_felt(const scene::Scene& scene, const coupling::CouplingSpec* runs, const coupling::design::DeviceModel& device,
+                         double least_n_per_m, const DeviceDemand& demand) {
   std::string why = torque_not_shown(demand, device.gives_torque);
   if (!why.empty() || runs == nullptr) return why;
   if (!scene.design) why = too_stiff_by_hand(scene, device, least_n_per_m, demand);
@@ -71,7 +71,7 @@ std::string why_not_felt(const Scene& scene, const CouplingSpec* runs, const Dev
   return effects_damp_too_much(demand, scene.device, *runs, device);
 }
 
-DeviceCheck check_device(const Scene& scene, const DeviceModel& device, double stiffness_bound_n_per_m,
+DeviceCheck check_device(const scene::Scene& scene, const coupling::design::DeviceModel& device, double stiffness_bound_n_per_m,
                          std::string_view stiffest) {
   DeviceCheck out;
   const double max_stiffness = device.translation.max_stiffness;
@@ -91,10 +91,10 @@ DeviceCheck check_device(const Scene& scene, const DeviceModel& device, double s
                                      stiffness_bound_n_per_m, felt, max_stiffness,
                                      stiffest.empty() ? demand_of(scene).stiffest : std::string(stiffest),
                                      felt / max_stiffness));
-  const CouplingLimits limits{device.translation.max_effort / scene.device.force_scale, std::numeric_limits<double>::infinity()};
-  for (const CouplingIssue& issue : validate(scene.coupling, limits, device.timing.period_s))
+  const coupling::CouplingLimits limits{device.translation.max_effort / scene.device.force_scale, std::numeric_limits<double>::infinity()};
+  for (const coupling::CouplingIssue& issue : coupling::validate(scene.coupling, limits, device.timing.period_s))
     (issue.refuse ? out.errors : out.warnings).push_back("Coupling: " + issue.sentence);
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

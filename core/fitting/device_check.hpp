@@ -8,7 +8,7 @@
 #include "core/fitting/device_demand.hpp"
 #include "core/scene/scene.hpp"
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 
 /// Sentences for people; a scene with errors must not run on this device.
 struct DeviceCheck {
@@ -22,19 +22,19 @@ std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque);
 /// Judges `scene.coupling` as it is: for a designed coupling put the design's spec (spec_in_world) there first.
 /// `stiffness_bound_n_per_m`: of all points that can push at once, not of one: the total is what the loop must stand.
 /// `stiffest`: what the sentence says to lower; empty: the stiffest of the scene as it was read.
-DeviceCheck check_device(const Scene& scene, const DeviceModel& device, double stiffness_bound_n_per_m,
+DeviceCheck check_device(const scene::Scene& scene, const coupling::design::DeviceModel& device, double stiffness_bound_n_per_m,
                          std::string_view stiffest = {});
 
 /// Where the effects' dampings together are more than half of what the device can stand, b < (pi/2) m / (lag + delay), or the same of
 /// its turning: a sentence with the place of the largest. m is the least mass (inertia), the delay that from a sample to the middle of the
 /// period for which its force is held. `spec`: the coupling that runs. Empty: they may be felt.
-std::string effects_damp_too_much(const DeviceDemand& demand, const WorkspaceMapping& scales, const CouplingSpec& spec,
-                                  const DeviceModel& device);
+std::string effects_damp_too_much(const DeviceDemand& demand, const scene::WorkspaceMapping& scales, const coupling::CouplingSpec& spec,
+                                  const coupling::design::DeviceModel& device);
 
 /// The judgement of a scene on a device, at the start and for each later change: a sentence why its effects and contact must not be
 /// felt, with what to do; empty: they may. `runs`: the coupling, null where it will be designed and is not known yet (then only what
 /// does not depend on it is judged). `least_n_per_m`: in W, that any contact shows at least: of one point, or what is demanded.
-std::string why_not_felt(const Scene& scene, const CouplingSpec* runs, const DeviceModel& device, double least_n_per_m,
-                         const DeviceDemand& demand);
+std::string why_not_felt(const scene::Scene& scene, const coupling::CouplingSpec* runs, const coupling::design::DeviceModel& device,
+                         double least_n_per_m, const DeviceDemand& demand);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

@@ -2,14 +2,14 @@
 
 #include <fmt/core.h>
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 namespace {
 
-void add_stiffness(const Scene& scene, std::span<const EffectReach> effects, DeviceDemand& demand) {
+void add_stiffness(const scene::Scene& scene, std::span<const effects::EffectReach> effects, DeviceDemand& demand) {
   double most = demand.least_stiffness_n_per_m = scene.contact.stiffness_n_per_m;
   demand.stiffest = scene.virtual_tool() ? "coupling.stiffness_cap_n_per_m" : "contact.stiffness_n_per_m";
-  for (const EffectReach& effect : effects) {
-    const EffectSpec& spec = effect.spec();
+  for (const effects::EffectReach& effect : effects) {
+    const effects::EffectSpec& spec = effect.spec();
     const double own = effect.bound().stiffness_n_per_m;
     if (own > most) {
       const std::string place = spec.place.empty() ? "" : fmt::format(" ({})", spec.place);
@@ -23,16 +23,16 @@ void add_stiffness(const Scene& scene, std::span<const EffectReach> effects, Dev
   }
 }
 
-void add(DampingDemand& damping, double own, const EffectSpec& spec) {
+void add(DampingDemand& damping, double own, const effects::EffectSpec& spec) {
   damping.all += own;
   if (own > damping.largest) damping.largest = own, damping.name = spec.name, damping.place = spec.place;
 }
 
-void add_damping(std::span<const EffectReach> effects, DeviceDemand& demand) {
-  for (const EffectReach& effect : effects) {
-    const EffectSpec& spec = effect.spec();
+void add_damping(std::span<const effects::EffectReach> effects, DeviceDemand& demand) {
+  for (const effects::EffectReach& effect : effects) {
+    const effects::EffectSpec& spec = effect.spec();
     if (spec.kind->needs(spec.values).body) continue;  // damps against the body, which gives way
-    const EffectBound bound = effect.bound();
+    const effects::EffectBound bound = effect.bound();
     add(demand.damping, bound.damping_ns_per_m, spec);
     add(demand.turning, bound.damping_nms_per_rad, spec);
   }
@@ -40,13 +40,13 @@ void add_damping(std::span<const EffectReach> effects, DeviceDemand& demand) {
 
 }  // namespace
 
-DeviceDemand demand_of(const Scene& scene) { return demand_of(scene, at_rest(scene.effects)); }
+DeviceDemand demand_of(const scene::Scene& scene) { return demand_of(scene, effects::at_rest(scene.effects)); }
 
-DeviceDemand demand_of(const Scene& scene, std::span<const EffectReach> effects) {
+DeviceDemand demand_of(const scene::Scene& scene, std::span<const effects::EffectReach> effects) {
   DeviceDemand demand;
   if (!scene.design) add_stiffness(scene, effects, demand);
   add_damping(effects, demand);
-  for (const EffectReach& effect : effects)
+  for (const effects::EffectReach& effect : effects)
     if (demand.torque.empty() && effect.spec().kind->needs(effect.spec().values).torque) demand.torque = effect.spec().name;
   return demand;
 }
@@ -61,10 +61,10 @@ DeviceDemand larger_of(const DeviceDemand& a, const DeviceDemand& b) {
   return out;
 }
 
-double least_stiffness_n_per_m(const Scene& scene) {
+double least_stiffness_n_per_m(const scene::Scene& scene) {
   DeviceDemand demand;
-  add_stiffness(scene, at_rest(scene.effects), demand);
+  add_stiffness(scene, effects::at_rest(scene.effects), demand);
   return demand.least_stiffness_n_per_m;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

@@ -7,7 +7,7 @@
 #include "core/effects/effect_reach.hpp"
 #include "core/scene/scene.hpp"
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 
 /// What effects damp with, along the axes [Ns/m] or about them [Nms/rad].
 struct DampingDemand {
@@ -29,14 +29,14 @@ struct DeviceDemand {
 };
 
 /// Of the scene as it is.
-DeviceDemand demand_of(const Scene& scene);
+DeviceDemand demand_of(const scene::Scene& scene);
 /// Of the scene's contact with other effects, wherever they may be on their way.
-DeviceDemand demand_of(const Scene& scene, std::span<const EffectReach> effects);
+DeviceDemand demand_of(const scene::Scene& scene, std::span<const effects::EffectReach> effects);
 /// Both while one fades over to the other: of each figure the larger, since a blend shows no more than the more demanding one.
 DeviceDemand larger_of(const DeviceDemand& a, const DeviceDemand& b);
 
 /// What any contact shows of stiffness at least, in W: one point alone where points weigh one each, with all that the effects may
 /// show beside it; or the grip of a body.
-double least_stiffness_n_per_m(const Scene& scene);
+double least_stiffness_n_per_m(const scene::Scene& scene);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

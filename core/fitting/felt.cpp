@@ -7,11 +7,12 @@
 
 #include "core/fitting/design_problem.hpp"
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 
-std::string felt_sentence(const FittedCoupling& fitted, const Scene& scene, const DeviceModel& device, const StiffnessBounds& bounds) {
+std::string felt_sentence(const FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
+                          const rendering::StiffnessBounds& bounds) {
   constexpr double kDepthM = 0.01, kLittle = 0.2;
-  if (!is_spring(bounds) || !fitted.refusal.empty()) return {};
+  if (!rendering::is_spring(bounds) || !fitted.refusal.empty()) return {};
   const double shown = spring_n_per_m(fitted, scene, device, bounds);
   const double at_hand = stiffness_at_hand_n_per_m(fitted.spec, scene.device, shown);
   const double most = device.translation.max_effort, force = std::min(at_hand * kDepthM, most), share = force / most;
@@ -31,4 +32,4 @@ std::string felt_sentence(const FittedCoupling& fitted, const Scene& scene, cons
   return text;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

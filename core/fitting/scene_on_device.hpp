@@ -6,16 +6,16 @@
 
 #include "core/fitting/fit_coupling.hpp"
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 
 /// The coupling is fitted by the same function with the same numbers as the node fits that runs it, so that both judge by the same
 /// bits without asking each other. One thread; not for the loop: a change of stiffness takes as long as a fit.
 class SceneOnDevice {
  public:
   /// A device has described itself, perhaps anew. `runs` follows: nothing is judged by the fit for another device.
-  void device_is(const DeviceModel& device);
+  void device_is(const coupling::design::DeviceModel& device);
   /// What is rendered from now on: `bounds` in W, and `shown`, what it demands wherever its effects are on their way.
-  void runs(const Scene& scene, const StiffnessBounds& bounds, const DeviceDemand& shown);
+  void runs(const scene::Scene& scene, const rendering::StiffnessBounds& bounds, const DeviceDemand& shown);
   /// Why what runs must not be felt; empty: it may, or no device is known.
   const std::string& refusal() const noexcept { return refusal_; }
 
@@ -25,25 +25,26 @@ class SceneOnDevice {
   /// Why `scene` with these effects must not follow what runs, the sentence of the start; empty: it may. Judged are the end and all
   /// states on the way there, on the coupling that runs and on the one that will be fitted. Where no force is commanded already,
   /// a change that demands no more than what runs may be made. Before a device is known everything may: `runs` tells then.
-  std::string why_not(const Scene& scene, const StiffnessBounds& contact_alone, std::span<const EffectReach> effects);
+  std::string why_not(const scene::Scene& scene, const rendering::StiffnessBounds& contact_alone,
+                      std::span<const effects::EffectReach> effects);
 
   /// Period of the device's samples [s]; nominally 1 ms where none is known.
   double period_s() const noexcept { return device_ ? device_->timing.period_s : 1e-3; }
 
  private:
-  const FittedCoupling& fitted_for(const Scene& scene, const StiffnessBounds& bounds);
-  std::string judged(const FittedCoupling& fitted, const Scene& scene, const StiffnessBounds& bounds,
+  const FittedCoupling& fitted_for(const scene::Scene& scene, const rendering::StiffnessBounds& bounds);
+  std::string judged(const FittedCoupling& fitted, const scene::Scene& scene, const rendering::StiffnessBounds& bounds,
                      const DeviceDemand& demand) const;
 
   struct Fit {
-    StiffnessBounds bounds;
+    rendering::StiffnessBounds bounds;
     FittedCoupling coupling;
   };
-  std::optional<DeviceModel> device_;
+  std::optional<coupling::design::DeviceModel> device_;
   std::optional<Fit> running_, next_;
   DeviceDemand shown_;
   std::string refusal_;
   double spring_n_per_m_ = 0.0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

@@ -5,7 +5,7 @@
 #include "core/mesh/import_units.hpp"
 #include "core/mesh/weld.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 namespace {
 
 /// The options with a unit quaternion.
@@ -66,4 +66,4 @@ ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, c
   return result;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

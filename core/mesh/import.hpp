@@ -29,7 +29,7 @@
 #include "core/mesh/report.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 
 struct ImportOptions {
   double scale = 1.0;         ///< metres for one unit of the file, > 0; on top of the unit COLLADA declares
@@ -69,4 +69,4 @@ ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions&
 ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, const ImportOptions& options,
                          const TriangleReader& read = read_triangles);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

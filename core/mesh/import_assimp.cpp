@@ -12,7 +12,7 @@
 
 #include "core/mesh/import_check.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 namespace import {
 namespace {
 
@@ -189,4 +189,4 @@ FileTriangles read_triangles(const std::filesystem::path& path, std::string byte
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

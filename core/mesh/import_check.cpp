@@ -4,7 +4,7 @@
 
 #include "core/types/number.hpp"
 
-namespace voxtouch::import {
+namespace voxtouch::mesh::import {
 std::string extension_of(const std::filesystem::path& path) {
   std::string e = path.extension().string();
   if (!e.empty()) e.erase(0, 1);
@@ -116,4 +116,4 @@ MeshFile open_mesh_file(const std::filesystem::path& path, std::string bytes) {
   return file;
 }
 
-}  // namespace voxtouch::import
+}  // namespace voxtouch::mesh::import

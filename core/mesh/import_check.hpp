@@ -10,7 +10,7 @@
 
 #include "core/mesh/import.hpp"
 
-namespace voxtouch::import {
+namespace voxtouch::mesh::import {
 
 struct MeshFile {
   std::filesystem::path path;
@@ -42,4 +42,4 @@ std::string printable(std::string_view text);
 /// A whole number without sign; nothing else.
 std::optional<std::uint64_t> whole_number(std::string_view word);
 
-}  // namespace voxtouch::import
+}  // namespace voxtouch::mesh::import

@@ -9,7 +9,7 @@
 
 #include "core/mesh/import_check.hpp"
 
-namespace voxtouch::import {
+namespace voxtouch::mesh::import {
 namespace {
 
 std::string shown(std::string_view text) { return "'" + printable(text.substr(0, 40)) + "'"; }
@@ -81,4 +81,4 @@ void check_collada(MeshFile& file) {
   file.bytes = std::move(kept).str();
 }
 
-}  // namespace voxtouch::import
+}  // namespace voxtouch::mesh::import

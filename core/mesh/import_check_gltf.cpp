@@ -6,7 +6,7 @@
 
 #include "core/mesh/import_check.hpp"
 
-namespace voxtouch::import {
+namespace voxtouch::mesh::import {
 namespace {
 
 using Json = nlohmann::json;
@@ -72,4 +72,4 @@ void check_gltf(MeshFile& file) {
   }
 }
 
-}  // namespace voxtouch::import
+}  // namespace voxtouch::mesh::import

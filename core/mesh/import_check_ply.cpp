@@ -2,7 +2,7 @@
 /// where it leaves out a property whose type it does not know.
 #include "core/mesh/import_check.hpp"
 
-namespace voxtouch::import {
+namespace voxtouch::mesh::import {
 namespace {
 
 struct Property { std::size_t length_bytes, item_bytes; };  ///< `length_bytes` 0: no list
@@ -108,4 +108,4 @@ void check_ply(const MeshFile& file) {
   }
 }
 
-}  // namespace voxtouch::import
+}  // namespace voxtouch::mesh::import

@@ -6,7 +6,7 @@
 
 #include "core/mesh/import_check.hpp"
 
-namespace voxtouch::import {
+namespace voxtouch::mesh::import {
 namespace {
 
 std::string text_of(double value) {
@@ -48,4 +48,4 @@ std::string unit_warning(const std::filesystem::path& path, double extent_m, con
   return text + ": is the unit right, or are the voxels too large for it? Its shape is lost";
 }
 
-}  // namespace voxtouch::import
+}  // namespace voxtouch::mesh::import

@@ -3,7 +3,7 @@
 /// import.
 #include "core/mesh/import.hpp"
 
-namespace voxtouch::import {
+namespace voxtouch::mesh::import {
 
 /// Largest step of single precision against the voxel edge. At a hundredth, rounding moves a shell point by
 /// less than what one of 100 steps through a voxel does.
@@ -19,4 +19,4 @@ void check_precision(const std::filesystem::path& path, const FileTriangles& rea
 /// A warning that names extent and voxel size where their ratio is odd, else empty. `extent_m`: longest side.
 std::string unit_warning(const std::filesystem::path& path, double extent_m, const ImportOptions& options);
 
-}  // namespace voxtouch::import
+}  // namespace voxtouch::mesh::import

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 
 MassProperties mass_properties(const TriangleMesh& mesh) {
   if (mesh.vertices.empty()) throw std::invalid_argument("the mesh is empty, so it has no mass");
@@ -37,4 +37,4 @@ MassProperties mass_properties(const TriangleMesh& mesh) {
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

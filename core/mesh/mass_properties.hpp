@@ -3,7 +3,7 @@
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 
 /// Of a closed mesh filled evenly, at a mass of 1 kg. Its frame; [m], [m^2], [m^3].
 struct MassProperties {
@@ -16,4 +16,4 @@ struct MassProperties {
 /// surface bounds no volume: open, flat, or turned inside out against itself.
 MassProperties mass_properties(const TriangleMesh& mesh);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <system_error>
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 
 void import::refuse(const std::filesystem::path& path, const std::string& reason, const std::string& remedy) {
   throw MeshError("mesh '" + path.string() + "': " + reason + "; " + remedy);
@@ -59,4 +59,4 @@ std::string read_mesh_bytes(const std::filesystem::path& path, std::uintmax_t mo
   return bytes;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

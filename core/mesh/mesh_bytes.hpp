@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 
 /// A mesh that cannot be had. The sentence names the file, the reason and what to do.
 struct MeshError : std::runtime_error {
@@ -23,4 +23,4 @@ namespace import {
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason, const std::string& remedy);
 }  // namespace import
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

@@ -7,7 +7,7 @@
 #include "core/mesh/topology.hpp"
 #include "core/mesh/weld.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 namespace {
 
 double six_volumes(const TriangleMesh& mesh, std::uint32_t t, const Vec3& about) {
@@ -172,4 +172,4 @@ std::vector<std::string> MeshReport::sentences() const {
   return all;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

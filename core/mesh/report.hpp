@@ -6,7 +6,7 @@
 
 #include "core/mesh/triangle_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 
 /// How often something was found, and where first.
 struct Finding {
@@ -56,4 +56,4 @@ struct MeshReport {
 /// is not there.
 MeshReport inspect(const TriangleMesh& mesh);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

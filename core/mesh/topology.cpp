@@ -4,7 +4,7 @@
 #include <limits>
 #include <tuple>
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 namespace {
 
 /// Corners count as collinear where twice the area is below what rounding alone can make of it: of the
@@ -139,4 +139,4 @@ Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std
   return result;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

@@ -6,7 +6,7 @@
 
 #include "core/mesh/triangle_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 
 enum class TriangleKind : std::uint8_t {
   kSound,              ///< has an area, finite corners, and is the first with its three corners
@@ -54,4 +54,4 @@ struct Orientation {
 Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std::uint32_t>& which,
     std::size_t triangles);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

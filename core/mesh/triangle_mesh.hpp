@@ -6,7 +6,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 
 /// Indexed triangles, counter-clockwise seen from outside. Triangle order is the file's order.
 struct TriangleMesh {
@@ -17,4 +17,4 @@ struct TriangleMesh {
   bool empty() const noexcept { return triangles.empty(); }
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

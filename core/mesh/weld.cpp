@@ -8,7 +8,7 @@
 #include <string>
 #include <unordered_map>
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 namespace {
 
 using Cell = std::array<std::int64_t, 3>;
@@ -135,4 +135,4 @@ TriangleMesh transform(const TriangleMesh& mesh, double scale, const Pose& pose)
   return moved;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

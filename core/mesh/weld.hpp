@@ -5,7 +5,7 @@
 
 #include "core/mesh/triangle_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 
 /// Two to four single-precision steps at the largest coordinate: as far as the two sides of a seam come apart
 /// when a file's vertices were moved before they were rounded to float. Relative to the largest |coordinate|
@@ -35,4 +35,4 @@ Eigen::AlignedBox3d bounds(const TriangleMesh& mesh);
 /// is out of range.
 std::vector<std::uint8_t> used_vertices(const TriangleMesh& mesh);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

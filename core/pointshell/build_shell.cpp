@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 namespace {
 
 /// Bits of the lower 21 go three apart.
@@ -49,7 +49,7 @@ std::vector<std::uint32_t> morton_order(const std::vector<ShellPoint>& points) {
 }
 
 template <class Position>
-Pointshell arrange(const std::vector<ShellPoint>& points, const Grid& grid, Position&& position) {
+Pointshell arrange(const std::vector<ShellPoint>& points, const voxmap::Grid& grid, Position&& position) {
   Pointshell shell;
   shell.edge = grid.edge;
   shell.id = morton_order(points);
@@ -72,8 +72,8 @@ template <class F>
 void for_each_neighbours(const std::vector<ShellPoint>& points, F&& f) {
   std::array<std::size_t, 3> ahead{};
   for (const ShellPoint& p : points) {
-    const VoxelIndex& v = p.voxel;
-    const std::array<VoxelIndex, 3> next{{{v.i + 1, v.j, v.k}, {v.i, v.j + 1, v.k}, {v.i, v.j, v.k + 1}}};
+    const voxmap::VoxelIndex& v = p.voxel;
+    const std::array<voxmap::VoxelIndex, 3> next{{{v.i + 1, v.j, v.k}, {v.i, v.j + 1, v.k}, {v.i, v.j, v.k + 1}}};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       std::size_t& at = ahead[axis];
       while (at < points.size() && points[at].voxel < next[axis]) ++at;
@@ -92,7 +92,7 @@ double largest_gap_m(const std::vector<ShellPoint>& points) {
   return largest;
 }
 
-Pointshell make_exact_shell(const std::vector<ShellPoint>& points, const Grid& grid) {
+Pointshell make_exact_shell(const std::vector<ShellPoint>& points, const voxmap::Grid& grid) {
   Pointshell shell = arrange(points, grid, [](const ShellPoint& p) { return p.point; });
   shell.largest_gap_m = largest_gap_m(points);
   for (const ShellPoint& p : points)
@@ -100,10 +100,10 @@ Pointshell make_exact_shell(const std::vector<ShellPoint>& points, const Grid& g
   return shell;
 }
 
-Pointshell make_naive_shell(const std::vector<ShellPoint>& points, const Grid& grid) {
+Pointshell make_naive_shell(const std::vector<ShellPoint>& points, const voxmap::Grid& grid) {
   Pointshell shell = arrange(points, grid, [&](const ShellPoint& p) { return grid.centre(p.voxel); });
   for_each_neighbours(points, [&](const ShellPoint&, const ShellPoint&) { shell.largest_gap_m = grid.edge; });
   return shell;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

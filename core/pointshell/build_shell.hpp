@@ -22,7 +22,7 @@
 #include "core/types/parallel.hpp"
 #include "core/voxmap/grid_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 
 inline constexpr double kNormalsCancel = 0.1;  ///< coherence up to which a mean of normals is not used
 
@@ -30,7 +30,7 @@ enum class NormalRule : std::uint8_t { kMean = 0, kFaceForCancelling = 1, kFaceF
 
 /// All that is known of one point; the rows of `<mesh>_surface.csv`.
 struct ShellPoint {
-  VoxelIndex voxel;
+  voxmap::VoxelIndex voxel;
   std::uint32_t triangle = 0;        ///< lowest-numbered triangle that holds the point
   Vec3 point = Vec3::Zero();         ///< [m], frame of the mesh
   Vec3 normal = Vec3::UnitZ();       ///< unit, inward, by the rule above
@@ -46,9 +46,9 @@ struct ShellPoint {
 
 /// One point a surface voxel, sorted by (i, j, k): a point's rank is its id. Throws like `voxelise`. Same
 /// bits whatever the loop does.
-std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid,
+std::vector<ShellPoint> shell_points(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid,
                                      const ParallelFor& parallel_for,
-                                     std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
+                                     std::uint64_t memory_limit_bytes = voxmap::kVoxelMemoryLimit);
 
 /// The largest distance between the points of two surface voxels that share a face [m]. `points` sorted by
 /// voxel.
@@ -56,7 +56,7 @@ double largest_gap_m(const std::vector<ShellPoint>& points);
 
 /// Shell points as the contact models take them, in Morton order. The naive shell has the voxels' centres as
 /// points, with the normals and weights of the exact one.
-Pointshell make_exact_shell(const std::vector<ShellPoint>& points, const Grid& grid);
-Pointshell make_naive_shell(const std::vector<ShellPoint>& points, const Grid& grid);
+Pointshell make_exact_shell(const std::vector<ShellPoint>& points, const voxmap::Grid& grid);
+Pointshell make_naive_shell(const std::vector<ShellPoint>& points, const voxmap::Grid& grid);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

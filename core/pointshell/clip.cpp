@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 namespace {
 
 /// A foot this near a side, relative to the lengths involved, is left to the search along the sides, which is
@@ -96,4 +96,4 @@ Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal,
   return best.cwiseMax(-0.5).cwiseMin(0.5);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

@@ -6,7 +6,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 
 /// Convex polygon: a triangle cut by six planes has at most nine corners.
 struct VoxelPolygon {
@@ -29,4 +29,4 @@ double area(const VoxelPolygon& polygon) noexcept;
 Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal,
                        const VoxelPolygon& polygon) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

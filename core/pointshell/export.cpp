@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string>
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 namespace {
 
 /// A line of comma-separated numbers.
@@ -47,19 +47,19 @@ void write_surface_csv(std::ostream& out, const std::vector<ShellPoint>& points)
   }
 }
 
-void write_interior_csv(std::ostream& out, const Voxmap& map) {
+void write_interior_csv(std::ostream& out, const voxmap::Voxmap& map) {
   out << "i,j,k_first,k_last\n";
   Row row;
-  VoxelIndex first, last;
+  voxmap::VoxelIndex first, last;
   bool running = false;
   const auto finish_run = [&] {
     if (running) row.add(first.i).add(first.j).add(first.k).add(last.k).write(out);
     running = false;
   };
-  map.for_each_occupied([&](const VoxelIndex& v, VoxelKind kind) {
-    if (running && !(kind == VoxelKind::kInterior && v.i == last.i && v.j == last.j && v.k == last.k + 1))
+  map.for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind kind) {
+    if (running && !(kind == voxmap::VoxelKind::kInterior && v.i == last.i && v.j == last.j && v.k == last.k + 1))
       finish_run();
-    if (kind != VoxelKind::kInterior) return;
+    if (kind != voxmap::VoxelKind::kInterior) return;
     if (!running) first = v;
     running = true;
     last = v;
@@ -84,4 +84,4 @@ void write_shell_ply(std::ostream& out, const std::vector<ShellPoint>& points) {
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

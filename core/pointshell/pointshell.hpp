@@ -6,7 +6,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 
 /// Structure of arrays in Morton order of the voxel that each point came from, so that neighbours in space
 /// are neighbours in memory. All in frame T. `id` is the point's rank among the surface voxels sorted by (i,
@@ -29,4 +29,4 @@ struct Pointshell {
   Vec3 normal(std::size_t p) const { return {nx[p], ny[p], nz[p]}; }
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

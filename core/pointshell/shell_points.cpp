@@ -9,7 +9,7 @@
 #include "core/voxmap/slabs.hpp"
 #include "core/voxmap/triangle_voxels.hpp"
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 namespace {
 
 constexpr double kTie = 1e-9;         // [e] distances that count as equal
@@ -32,13 +32,13 @@ struct Piece {
 
 /// What every voxel of the mesh needs to know.
 struct ShellBuilder {
-  const GridMesh& mesh;
-  const Grid& grid;
-  std::vector<TriangleState> state;
+  const voxmap::GridMesh& mesh;
+  const voxmap::Grid& grid;
+  std::vector<voxmap::TriangleState> state;
   std::vector<Vec3> normal;  ///< unit, outward; zero where the triangle has no area
 
   /// `pieces` is scratch memory.
-  ShellPoint point_of(const VoxelIndex& voxel, const Pair* first, const Pair* last,
+  ShellPoint point_of(const voxmap::VoxelIndex& voxel, const Pair* first, const Pair* last,
                       std::vector<Piece>& pieces) const;
 };
 
@@ -50,7 +50,7 @@ struct NormalSums {
 };
 
 /// Whether the triangle lies in the plane of one of the voxel's faces.
-bool lies_in_face(const Vec3& a, const Vec3& b, const Vec3& c, const VoxelIndex& v) noexcept {
+bool lies_in_face(const Vec3& a, const Vec3& b, const Vec3& c, const voxmap::VoxelIndex& v) noexcept {
   const std::array<std::int32_t, 3> low{v.i, v.j, v.k};
   for (int axis = 0; axis < 3; ++axis) {
     const double x = a[axis], from = low[static_cast<std::size_t>(axis)];
@@ -85,7 +85,7 @@ void set_normals(const NormalSums& sums, const Vec3& face, const Vec3& to_centre
   }
 }
 
-ShellPoint ShellBuilder::point_of(const VoxelIndex& voxel, const Pair* first, const Pair* last,
+ShellPoint ShellBuilder::point_of(const voxmap::VoxelIndex& voxel, const Pair* first, const Pair* last,
                                   std::vector<Piece>& pieces) const {
   const Vec3 centre(voxel.i + 0.5, voxel.j + 0.5, voxel.k + 0.5);
   NormalSums sums;
@@ -96,14 +96,14 @@ ShellPoint ShellBuilder::point_of(const VoxelIndex& voxel, const Pair* first, co
   for (const Pair* pair = first; pair != last; ++pair) {
     const std::uint32_t t = pair->triangle;
     point.open = point.open || pair->open;
-    if (state[t] == TriangleState::kDuplicate) continue;
+    if (state[t] == voxmap::TriangleState::kDuplicate) continue;
     const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
     const std::array<Vec3, 3> triangle{a - centre, b - centre, c - centre};
     const VoxelPolygon polygon = clip_to_voxel(triangle[0], triangle[1], triangle[2]);
     const Vec3 nearest = nearest_to_centre(triangle, normal[t], polygon);
     pieces.push_back({t, nearest, nearest.norm()});
     least = std::min(least, pieces.back().distance);
-    if (state[t] == TriangleState::kZeroArea) continue;
+    if (state[t] == voxmap::TriangleState::kZeroArea) continue;
     const double size = area(polygon);
     sums.weighted += size * normal[t];
     sums.plain += normal[t];
@@ -121,7 +121,7 @@ ShellPoint ShellBuilder::point_of(const VoxelIndex& voxel, const Pair* first, co
     if (holds && !holder) holder = &piece;
     if (!holds && piece.distance <= least + kTie) point.tie = true;
     const double distance = holds ? -1.0 : piece.distance;
-    if (state[piece.triangle] == TriangleState::kSound && distance < face_distance)
+    if (state[piece.triangle] == voxmap::TriangleState::kSound && distance < face_distance)
       face = &piece, face_distance = distance;
   }
   point.triangle = holder->triangle;
@@ -133,18 +133,18 @@ ShellPoint ShellBuilder::point_of(const VoxelIndex& voxel, const Pair* first, co
 }
 
 /// All pairs of one slab, sorted by voxel and triangle.
-std::vector<Pair> pairs_of(const GridMesh& mesh, const Slabs& slabs, std::size_t slab,
-                           const VoxelIndex& base, std::uint64_t rows,
+std::vector<Pair> pairs_of(const voxmap::GridMesh& mesh, const voxmap::Slabs& slabs, std::size_t slab,
+                           const voxmap::VoxelIndex& base, std::uint64_t rows,
                            std::uint64_t columns) {
   std::vector<Pair> pairs;
   for (const std::uint32_t t : slabs.triangles(slab)) {
-    const TriangleVoxels triangle(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
+    const voxmap::TriangleVoxels triangle(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
     const bool along_k = triangle.run_axis() == 2;
     const auto add = [&](std::int32_t i, std::int32_t j, std::int32_t k) {
       const auto number = (static_cast<std::uint64_t>(i - slabs.first(slab)) * rows +
                            static_cast<std::uint64_t>(j - base.j)) *
                               columns + static_cast<std::uint64_t>(k - base.k);
-      pairs.push_back({number, t, triangle.meeting({i, j, k}) == Meeting::kOpen});
+      pairs.push_back({number, t, triangle.meeting({i, j, k}) == voxmap::Meeting::kOpen});
     };
     triangle.for_each_run(slabs.first(slab), slabs.last(slab),
                           [&](std::int32_t i, std::int32_t row, std::int32_t first, std::int32_t last) {
@@ -159,8 +159,8 @@ std::vector<Pair> pairs_of(const GridMesh& mesh, const Slabs& slabs, std::size_t
 }
 
 /// The shell's own budget: points and pairs instead of table and bricks.
-VoxelEstimate shell_estimate(const TriangleMesh& mesh, const Grid& grid) {
-  VoxelEstimate estimate = estimate_voxels(mesh, grid);
+voxmap::VoxelEstimate shell_estimate(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid) {
+  voxmap::VoxelEstimate estimate = voxmap::estimate_voxels(mesh, grid);
   estimate.table_cells = 0.0;
   estimate.bytes = estimate.surface_voxels * sizeof(ShellPoint);
   estimate.build_bytes = estimate.surface_voxels * (2.0 * sizeof(ShellPoint) + 3.0 * sizeof(Pair)) +
@@ -171,31 +171,31 @@ VoxelEstimate shell_estimate(const TriangleMesh& mesh, const Grid& grid) {
 
 }  // namespace
 
-std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid,
+std::vector<ShellPoint> shell_points(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid,
                                      const ParallelFor& parallel_for,
                                      std::uint64_t memory_limit_bytes) {
-  const VoxelEstimate estimate = shell_estimate(mesh, grid);
-  require_affordable(estimate, grid, memory_limit_bytes);
-  const GridMesh in_grid(mesh, grid);
-  const std::vector<std::uint32_t> welded = weld_vertices(in_grid);
-  ShellBuilder builder{in_grid, grid, judge_triangles(in_grid, welded), std::vector<Vec3>(mesh.triangles.size())};
+  const voxmap::VoxelEstimate estimate = shell_estimate(mesh, grid);
+  voxmap::require_affordable(estimate, grid, memory_limit_bytes);
+  const voxmap::GridMesh in_grid(mesh, grid);
+  const std::vector<std::uint32_t> welded = voxmap::weld_vertices(in_grid);
+  ShellBuilder builder{in_grid, grid, voxmap::judge_triangles(in_grid, welded), std::vector<Vec3>(mesh.triangles.size())};
   // A mesh that is inside out would push the tool into what it touches.
-  const std::vector<std::int8_t> side = outward_sides(in_grid, find_closed_shells(in_grid, welded, builder.state));
+  const std::vector<std::int8_t> side = voxmap::outward_sides(in_grid, voxmap::find_closed_shells(in_grid, welded, builder.state));
   parallel_for((mesh.triangles.size() + kTrianglesPerJob - 1) / kTrianglesPerJob, [&](std::size_t job) {
     for (std::size_t t = job * kTrianglesPerJob;
          t < std::min((job + 1) * kTrianglesPerJob, mesh.triangles.size()); ++t)
-      builder.normal[t] = side[t] * area_vector(in_grid.corner(t, 0), in_grid.corner(t, 1),
+      builder.normal[t] = side[t] * voxmap::area_vector(in_grid.corner(t, 0), in_grid.corner(t, 1),
                                                 in_grid.corner(t, 2)).stableNormalized();
   });
 
-  const VoxelIndex base{static_cast<std::int32_t>(estimate.first[0]),
+  const voxmap::VoxelIndex base{static_cast<std::int32_t>(estimate.first[0]),
                         static_cast<std::int32_t>(estimate.first[1]),
                         static_cast<std::int32_t>(estimate.first[2])};
   const auto count = [&](std::size_t axis) {
     return static_cast<std::uint64_t>(estimate.last[axis] - estimate.first[axis]) + 1;
   };
   const std::uint64_t rows = count(1), columns = count(2);
-  const Slabs slabs(in_grid, base.i, count(0) / 8 + 1);
+  const voxmap::Slabs slabs(in_grid, base.i, count(0) / 8 + 1);
   std::vector<std::vector<ShellPoint>> parts(slabs.size());
   parallel_for(slabs.size(), [&](std::size_t s) {
     std::vector<Piece> pieces;
@@ -204,7 +204,7 @@ std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid,
       std::size_t end = at;
       while (end < pairs.size() && pairs[end].voxel == pairs[at].voxel) ++end;
       const std::uint64_t n = pairs[at].voxel;
-      const VoxelIndex voxel{slabs.first(s) + static_cast<std::int32_t>(n / (rows * columns)),
+      const voxmap::VoxelIndex voxel{slabs.first(s) + static_cast<std::int32_t>(n / (rows * columns)),
                              base.j + static_cast<std::int32_t>(n / columns % rows),
                              base.k + static_cast<std::int32_t>(n % columns)};
       parts[s].push_back(builder.point_of(voxel, &pairs[at], pairs.data() + end, pieces));
@@ -222,4 +222,4 @@ std::vector<ShellPoint> shell_points(const TriangleMesh& mesh, const Grid& grid,
   return points;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

@@ -6,7 +6,7 @@
 #include "core/reference/reference_mesh.hpp"
 #include "core/scene/scene.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 struct ChordError {
   double mesh_to_primitives_m = 0.0;  ///< largest |signed distance| over corners, edge midpoints and centroids
@@ -16,6 +16,6 @@ struct ChordError {
 
 /// Both directions are looked at: a mesh with a part missing lies on its primitive everywhere, but does not cover it. Parts of
 /// a primitive that lie inside another one are not part of the surface and do not count. `primitives` must not be empty.
-ChordError chord_error(const ReferenceMesh& mesh, const MeshDistance& distance, const std::vector<Primitive>& primitives);
+ChordError chord_error(const ReferenceMesh& mesh, const MeshDistance& distance, const std::vector<scene::Primitive>& primitives);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
-SignedPoint at_sphere(const SpherePrimitive& sphere, const Vec3& x) noexcept {
+SignedPoint at_sphere(const scene::SpherePrimitive& sphere, const Vec3& x) noexcept {
   const Vec3 arm = x - sphere.centre;
   const double length = arm.norm();
   const Vec3 out = length > 0 ? Vec3(arm / length) : Vec3::UnitX();
@@ -41,13 +41,13 @@ SignedPoint at_cylinder(double radius, double half_length, const Vec3& x) noexce
 
 struct Distance {
   const Vec3& x;
-  SignedPoint operator()(const SpherePrimitive& sphere) const noexcept { return at_sphere(sphere, x); }
-  SignedPoint operator()(const BoxPrimitive& box) const noexcept {
+  SignedPoint operator()(const scene::SpherePrimitive& sphere) const noexcept { return at_sphere(sphere, x); }
+  SignedPoint operator()(const scene::BoxPrimitive& box) const noexcept {
     SignedPoint found = at_box(0.5 * box.size_m, box.pose.inverse() * x);
     found.nearest = box.pose * found.nearest;
     return found;
   }
-  SignedPoint operator()(const CylinderPrimitive& cylinder) const noexcept {
+  SignedPoint operator()(const scene::CylinderPrimitive& cylinder) const noexcept {
     SignedPoint found = at_cylinder(cylinder.radius_m, 0.5 * cylinder.length_m, cylinder.pose.inverse() * x);
     found.nearest = cylinder.pose * found.nearest;
     return found;
@@ -55,7 +55,7 @@ struct Distance {
 };
 
 /// Points spread evenly by the golden angle, with both poles.
-void sample(const SpherePrimitive& sphere, std::size_t count, std::vector<Vec3>& points) {
+void sample(const scene::SpherePrimitive& sphere, std::size_t count, std::vector<Vec3>& points) {
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
   for (std::size_t i = 0; i < count; ++i) {
     const double z = 1.0 - 2.0 * static_cast<double>(i) / static_cast<double>(count - 1);
@@ -64,7 +64,7 @@ void sample(const SpherePrimitive& sphere, std::size_t count, std::vector<Vec3>&
   }
 }
 
-void sample(const BoxPrimitive& box, std::size_t count, std::vector<Vec3>& points) {
+void sample(const scene::BoxPrimitive& box, std::size_t count, std::vector<Vec3>& points) {
   const int n = std::max(2, static_cast<int>(std::sqrt(static_cast<double>(count) / 6.0)));
   for (int axis = 0; axis < 3; ++axis)
     for (int side = -1; side <= 1; side += 2)
@@ -78,7 +78,7 @@ void sample(const BoxPrimitive& box, std::size_t count, std::vector<Vec3>& point
         }
 }
 
-void sample(const CylinderPrimitive& cylinder, std::size_t count, std::vector<Vec3>& points) {
+void sample(const scene::CylinderPrimitive& cylinder, std::size_t count, std::vector<Vec3>& points) {
   const int around = std::max(8, static_cast<int>(2.0 * std::sqrt(static_cast<double>(count))));
   const int along = std::max(2, static_cast<int>(count) / (2 * around));
   for (int a = 0; a < around; ++a) {
@@ -96,21 +96,21 @@ void sample(const CylinderPrimitive& cylinder, std::size_t count, std::vector<Ve
 
 }  // namespace
 
-SignedPoint signed_distance(const Primitive& primitive, const Vec3& x) noexcept {
+SignedPoint signed_distance(const scene::Primitive& primitive, const Vec3& x) noexcept {
   return std::visit(Distance{x}, primitive);
 }
 
-SignedPoint signed_distance(std::span<const Primitive> primitives, const Vec3& x) noexcept {
+SignedPoint signed_distance(std::span<const scene::Primitive> primitives, const Vec3& x) noexcept {
   SignedPoint best = signed_distance(primitives.front(), x);
-  for (const Primitive& primitive : primitives.subspan(1))
+  for (const scene::Primitive& primitive : primitives.subspan(1))
     if (const SignedPoint other = signed_distance(primitive, x); other.distance_m < best.distance_m) best = other;
   return best;
 }
 
-std::vector<Vec3> surface_samples(const Primitive& primitive, std::size_t count) {
+std::vector<Vec3> surface_samples(const scene::Primitive& primitive, std::size_t count) {
   std::vector<Vec3> points;
   std::visit([&](const auto& form) { sample(form, std::max<std::size_t>(count, 24), points); }, primitive);
   return points;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

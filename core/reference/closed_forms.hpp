@@ -6,7 +6,7 @@
 #include "core/scene/scene.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 /// Signed distance [m] (negative inside) and the nearest point of the surface, in the frame of the query.
 struct SignedPoint {
@@ -16,13 +16,13 @@ struct SignedPoint {
 
 /// Exact signed distance of `x` to a primitive, both in the mesh's frame after scaling [m]. Where several surface points are
 /// equally near, one is taken by a fixed rule. Does not allocate.
-SignedPoint signed_distance(const Primitive& primitive, const Vec3& x) noexcept;
+SignedPoint signed_distance(const scene::Primitive& primitive, const Vec3& x) noexcept;
 
 /// The same for a union of primitives, at least one. Exact outside; inside, where primitives overlap or abut, its magnitude
 /// is a lower bound of the depth.
-SignedPoint signed_distance(std::span<const Primitive> primitives, const Vec3& x) noexcept;
+SignedPoint signed_distance(std::span<const scene::Primitive> primitives, const Vec3& x) noexcept;
 
 /// About `count` points spread over the primitive's surface, always the same ones; corners, rims and poles are among them.
-std::vector<Vec3> surface_samples(const Primitive& primitive, std::size_t count);
+std::vector<Vec3> surface_samples(const scene::Primitive& primitive, std::size_t count);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -3,17 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
-MeshSpec without_primitives(MeshSpec spec) {
+scene::MeshSpec without_primitives(scene::MeshSpec spec) {
   spec.primitives.clear();
   return spec;
 }
 
 }  // namespace
 
-DynamicMesh::DynamicMesh(const MeshSpec& spec)
+DynamicMesh::DynamicMesh(const scene::MeshSpec& spec)
     : body_(without_primitives(spec)) {}
 
 GapResult DynamicMesh::gap(const std::vector<PosedMesh>& statics, const Pose& tool_in_world) const {
@@ -75,4 +75,4 @@ GapResult DynamicMesh::overlap(const PosedMesh& object, const Pose& mine_in_worl
   return gap;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

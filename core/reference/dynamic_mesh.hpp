@@ -5,11 +5,11 @@
 #include "core/reference/gap.hpp"
 #include "core/reference/posed_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 class DynamicMesh {
  public:
-  explicit DynamicMesh(const MeshSpec& spec);
+  explicit DynamicMesh(const scene::MeshSpec& spec);
 
   /// Gap against the union of `statics`, at least one, with the tool at `tool_in_world`.
   GapResult gap(const std::vector<PosedMesh>& statics, const Pose& tool_in_world) const;
@@ -22,4 +22,4 @@ class DynamicMesh {
   PosedMesh body_;  ///< with the mesh's pose in T
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

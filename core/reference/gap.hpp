@@ -6,7 +6,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 /// [rad]
 inline double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
@@ -44,4 +44,4 @@ struct GapResult {
   double self_error_m = std::numeric_limits<double>::quiet_NaN();  ///< by how much they differ
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

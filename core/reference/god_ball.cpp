@@ -1,6 +1,6 @@
 #include "core/reference/god_ball.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 Vec3 drawn_ball(const ReferenceScene& reference, double radius_m, const Vec3& start, const Vec3& hand) {
   constexpr double kStepShare = 0.02, kEndShare = 1e-6;  // of the radius
@@ -24,4 +24,4 @@ Vec3 drawn_ball(const ReferenceScene& reference, double radius_m, const Vec3& st
   return centre;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 constexpr std::uint32_t kLeafTriangles = 8;
 constexpr double kFarInRadii = 2.5;   ///< beyond this many radii a node counts as one dipole
@@ -94,4 +94,4 @@ bool InsideTest::inside(const Vec3& x) const noexcept {
   return std::abs(winding_number(x)) > 0.5;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

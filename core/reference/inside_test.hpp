@@ -6,7 +6,7 @@
 
 #include "core/reference/reference_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 class InsideTest {
  public:
@@ -39,4 +39,4 @@ class InsideTest {
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
 constexpr double kDiagonal = std::numbers::sqrt3;            ///< of a voxel, in edges
@@ -215,4 +215,4 @@ std::string Judge::torque_breach(const GapResult& gap, const ReportedContact& re
                      "{:.3g} mm", mm(off / report.wrench.force.norm()), mm(limit));
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

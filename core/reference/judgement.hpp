@@ -55,7 +55,7 @@
 #include "core/reference/gap.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 /// Values of ValidationReport.verdict and .cause.
 enum class Verdict : std::uint32_t { kAgree = 0, kInBand = 1, kDisagree = 2 };
@@ -148,4 +148,4 @@ class Judge {
   Run run_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

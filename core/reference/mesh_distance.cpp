@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
 using Bvh = fcl::BVHModel<fcl::OBBRSSd>;
@@ -90,4 +90,4 @@ NearestPair MeshDistance::to(const MeshDistance& other, const Pose& other_in_min
   return {result.min_distance, result.nearest_points[0], result.nearest_points[1]};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -4,7 +4,7 @@
 
 #include "core/reference/reference_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 /// Nearest point of a mesh and the unsigned distance to it [m], in the mesh's frame.
 struct NearestPoint {
@@ -43,4 +43,4 @@ class MeshDistance {
   std::unique_ptr<Model> model_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

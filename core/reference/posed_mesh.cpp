@@ -6,7 +6,7 @@
 
 #include "core/reference/chord_error.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 /// The chord error is the largest of samples; the largest anywhere may be a little more.
 constexpr double kChordSlack = 1.5;
@@ -29,7 +29,7 @@ std::vector<Vec3> corner_of_each_part(const ReferenceMesh& mesh) {
 
 }  // namespace
 
-PosedMesh::PosedMesh(const MeshSpec& spec)
+PosedMesh::PosedMesh(const scene::MeshSpec& spec)
     : pose_(spec.pose), rest_(spec.pose.position), mesh_(read_reference_mesh(spec)), inside_(mesh_), distance_(mesh_), primitives_(spec.primitives),
       one_of_each_part_(corner_of_each_part(mesh_)) {
   if (!primitives_.empty()) chord_error_m_ = chord_error(mesh_, distance_, primitives_).value_m();
@@ -59,7 +59,7 @@ PosedMesh::Answer PosedMesh::signed_distance(const Vec3& x) const {
     const double differ = std::abs(std::abs(by_mesh) - distance_.second_way(local));
     answer.check_error_m = std::max(0.0, differ - distance_.second_way_error_m());
   } else {
-    const SignedPoint by_form = voxtouch::signed_distance(primitives_, local);
+    const SignedPoint by_form = voxtouch::reference::signed_distance(primitives_, local);
     // Inside a union the closed form is only a bound: seams between parts are no surface. There the mesh is the better one.
     const bool form_is_exact = by_form.distance_m > 0 || primitives_.size() == 1;
     const double allowed = kChordSlack * chord_error_m_ + distance_.second_way_error_m();
@@ -75,10 +75,10 @@ PosedMesh::Answer PosedMesh::signed_distance(const Vec3& x) const {
 Vec3 PosedMesh::nearest(const Vec3& x) const {
   const Vec3 local = pose_.inverse() * x;
   if (!primitives_.empty())
-    if (const SignedPoint by_form = voxtouch::signed_distance(primitives_, local);
+    if (const SignedPoint by_form = voxtouch::reference::signed_distance(primitives_, local);
         by_form.distance_m > 0 || primitives_.size() == 1)
       return pose_ * by_form.nearest;
   return pose_ * distance_.nearest(local).point;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

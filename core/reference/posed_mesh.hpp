@@ -7,12 +7,12 @@
 #include "core/reference/inside_test.hpp"
 #include "core/reference/mesh_distance.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 /// Arithmetic runs in the mesh's own frame, so that an object far from the world's origin loses no digits.
 class PosedMesh {
  public:
-  explicit PosedMesh(const MeshSpec& spec);
+  explicit PosedMesh(const scene::MeshSpec& spec);
 
   /// Stands `shift` away from where the scene put it.
   void move_by(const Vec3& shift) noexcept { pose_.position = rest_ + shift; }
@@ -47,9 +47,9 @@ class PosedMesh {
   ReferenceMesh mesh_;
   InsideTest inside_;
   MeshDistance distance_;
-  std::vector<Primitive> primitives_;
+  std::vector<scene::Primitive> primitives_;
   std::vector<Vec3> one_of_each_part_;
   double chord_error_m_ = 0.0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

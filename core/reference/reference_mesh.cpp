@@ -10,7 +10,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
@@ -135,7 +135,7 @@ ReferenceMesh make_reference_mesh(const std::vector<Vec3>& vertices, const Trian
   return out;
 }
 
-ReferenceMesh read_reference_mesh(const MeshSpec& spec) {
+ReferenceMesh read_reference_mesh(const scene::MeshSpec& spec) {
   const std::string name = spec.path.string();
   if (!(spec.scale > 0) || !std::isfinite(spec.scale))
     throw std::runtime_error(name + ": scale " + std::to_string(spec.scale) + " is not a positive number; correct the scene");
@@ -149,4 +149,4 @@ ReferenceMesh read_reference_mesh(const MeshSpec& spec) {
   return make_reference_mesh(vertices, triangles, name);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -8,7 +8,7 @@
 #include "core/scene/scene.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 /// Triangles in the mesh's frame after scaling [m] (the frame of a scene's primitives; MeshSpec::pose is not applied), in
 /// double, node transforms applied, without triangles of zero area and without repeated ones.
@@ -23,11 +23,11 @@ struct ReferenceMesh {
 
 /// Reads the file that `spec` names. Throws std::runtime_error (file and reason) if it cannot be read, holds no triangles or a
 /// coordinate that is not finite, or if the scale is not a positive number.
-ReferenceMesh read_reference_mesh(const MeshSpec& spec);
+ReferenceMesh read_reference_mesh(const scene::MeshSpec& spec);
 
 /// The same clean-up for triangles that are already in memory: joins positions that are equal to a few single-precision steps, drops what counts for nothing, sets
 /// `closed`. Throws std::runtime_error (beginning with `name`) as above.
 ReferenceMesh make_reference_mesh(const std::vector<Vec3>& vertices,
                                   const std::vector<std::array<std::uint32_t, 3>>& triangles, const std::string& name);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

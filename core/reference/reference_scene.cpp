@@ -10,7 +10,7 @@
 #include "core/reference/dynamic_mesh.hpp"
 #include "core/reference/posed_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
 constexpr double kUniqueAngleRad = 5.0 * std::numbers::pi / 180.0;  ///< the patch's mean direction against its middle's
@@ -58,7 +58,7 @@ struct ReferenceScene::Parts {
   bool all_closed = true;
   std::vector<PosedMesh> statics;
   std::vector<std::pair<std::size_t, Motion>> moving;  ///< which of them, and how
-  std::optional<SpherePrimitive> sphere;  ///< in T
+  std::optional<scene::SpherePrimitive> sphere;  ///< in T
   std::optional<DynamicMesh> mesh;
 
   GapResult sphere_gap(const Vec3& centre) const;
@@ -66,25 +66,25 @@ struct ReferenceScene::Parts {
   double cap_buried(const Union& all, const Vec3& centre, const GapResult& gap) const;
 };
 
-ReferenceScene::ReferenceScene(const Scene& scene) : parts_(std::make_unique<Parts>()) {
+ReferenceScene::ReferenceScene(const scene::Scene& scene) : parts_(std::make_unique<Parts>()) {
   Parts& p = *parts_;
   if (scene.static_meshes.empty() || !(scene.voxel_size_m > 0))
     throw std::runtime_error(scene.file.string() + ": the reference needs a static mesh and a voxel size above zero");
   p.edge = scene.voxel_size_m;
   double static_chord = 0.0;
-  for (const MeshSpec& spec : scene.static_meshes) {
+  for (const scene::MeshSpec& spec : scene.static_meshes) {
     if (spec.object > 0 && scene.objects.at(spec.object - 1).moves)
       p.moving.emplace_back(p.statics.size(), *scene.objects[spec.object - 1].moves);
     p.statics.emplace_back(spec);
     p.all_closed = p.all_closed && p.statics.back().closed();
     static_chord = std::max(static_chord, p.statics.back().chord_error_m());
   }
-  const MeshSpec& tool = scene.dynamic_mesh;
-  const auto* declared = tool.primitives.size() == 1 ? std::get_if<SpherePrimitive>(&tool.primitives.front()) : nullptr;
+  const scene::MeshSpec& tool = scene.dynamic_mesh;
+  const auto* declared = tool.primitives.size() == 1 ? std::get_if<scene::SpherePrimitive>(&tool.primitives.front()) : nullptr;
   if (declared != nullptr) {
     const ReferenceMesh mesh = read_reference_mesh(tool);
     p.chord = static_chord + chord_error(mesh, MeshDistance(mesh), tool.primitives).value_m();
-    p.sphere = SpherePrimitive{tool.pose * declared->centre, declared->radius_m};
+    p.sphere = scene::SpherePrimitive{tool.pose * declared->centre, declared->radius_m};
   } else {
     p.chord = static_chord;
     p.mesh.emplace(tool);
@@ -164,4 +164,4 @@ void ReferenceScene::Parts::add_depth(const SignedPoint& at_centre, const Vec3& 
                                                   std::sqrt(2.0 * sphere->radius_m * layer), 0.5 * layer + kThickShare * edge);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

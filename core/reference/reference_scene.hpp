@@ -6,7 +6,7 @@
 #include "core/scene/scene.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 /// Reads the scene's mesh files itself. Queries are const, hold no state between calls and may run at once (but for move_to); they allocate and
 /// are not for the 1 kHz loop.
@@ -26,7 +26,7 @@ namespace voxtouch {
 class ReferenceScene {
  public:
   /// Throws std::runtime_error naming the file if a mesh cannot be read, or if the scene has no static mesh or voxel size.
-  explicit ReferenceScene(const Scene& scene);
+  explicit ReferenceScene(const scene::Scene& scene);
   ~ReferenceScene();
   ReferenceScene(ReferenceScene&&) noexcept;
   ReferenceScene& operator=(ReferenceScene&&) noexcept;
@@ -55,4 +55,4 @@ class ReferenceScene {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -10,7 +10,7 @@
 #include "core/reference/inside_test.hpp"
 #include "core/reference/posed_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
@@ -166,13 +166,13 @@ struct ReferenceWrench::Parts {
   double resolution = 0.0;
 };
 
-ReferenceWrench::ReferenceWrench(const Scene& scene, double resolution_m) {
+ReferenceWrench::ReferenceWrench(const scene::Scene& scene, double resolution_m) {
   if (scene.static_meshes.empty())
     throw std::runtime_error(scene.file.string() + ": the reference needs a static mesh");
   if (!(resolution_m > 0.0) || !std::isfinite(resolution_m))
     throw std::runtime_error("the reference's resolution must be a length above zero");
   std::vector<PosedMesh> statics;
-  for (const MeshSpec& spec : scene.static_meshes) {
+  for (const scene::MeshSpec& spec : scene.static_meshes) {
     statics.emplace_back(spec);
     if (!statics.back().closed())
       throw std::runtime_error(
@@ -192,4 +192,4 @@ TrueWrench ReferenceWrench::at(const Pose& tool_in_world) const {
   return integral.result();
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -6,7 +6,7 @@
 #include "core/scene/scene.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 /// W axes; torque about the tool's origin. Per unit of the law's stiffness k = 1 N/m^3.
 struct TrueWrench {
@@ -34,7 +34,7 @@ class ReferenceWrench {
  public:
   /// Reads the scene's mesh files itself. Throws std::runtime_error naming the file if one cannot be read, if the scene has no
   /// static mesh, or if a static mesh is open: it has no inside to be in. Several static meshes count as their union.
-  ReferenceWrench(const Scene& scene, double resolution_m);
+  ReferenceWrench(const scene::Scene& scene, double resolution_m);
   ~ReferenceWrench();
 
   /// A pose that is not finite gives zeros.
@@ -45,4 +45,4 @@ class ReferenceWrench {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
 constexpr double kDeep = 0.1, kOff = 0.02, kFree = 0.2, kSettled = 0.02, kShortSpring = 0.25;  ///< in edges
@@ -90,4 +90,4 @@ Judgement Judge::judge(const GapResult& at_tool, const GapResult& at_hand, const
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -18,7 +18,7 @@
 ///    and nothing rubs.
 #include "core/reference/judgement.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 
 /// A virtual tool as ContactState reports it. World frame.
 struct ReportedTool {
@@ -38,4 +38,4 @@ struct ToolSettings {
 std::string tool_breach(const JudgeSettings& settings, const ToolSettings& tool, const GapResult& at_tool, const GapResult& at_hand,
                         const ReportedTool& report, Judgement& out);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -13,31 +13,31 @@
 #include "core/voxmap/distance_thickness.hpp"
 #include "core/voxmap/voxelise.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 /// The mesh that the scene was read with, and no other that stands in its place now.
-ImportedMesh import(const MeshSpec& spec, const Scene& scene, const TriangleReader& reader) {
-  ImportOptions options;
+mesh::ImportedMesh import(const scene::MeshSpec& spec, const scene::Scene& scene, const mesh::TriangleReader& reader) {
+  mesh::ImportOptions options;
   options.scale = spec.scale;
   options.pose = spec.pose;
   options.voxel_size_m = scene.voxel_size_m;
-  std::string bytes = read_mesh_bytes(spec.path);
+  std::string bytes = mesh::read_mesh_bytes(spec.path);
   const auto read = scene.mesh_hashes.find(spec.path);
-  if (read != scene.mesh_hashes.end() && hash_of_mesh(spec.path, bytes) != read->second)
-    throw MeshError("mesh '" + spec.path.string() +
+  if (read != scene.mesh_hashes.end() && scene::hash_of_mesh(spec.path, bytes) != read->second)
+    throw mesh::MeshError("mesh '" + spec.path.string() +
                     "': has changed since the scene was read; read the scene again when nothing writes to it");
-  return import_mesh(spec.path, std::move(bytes), options, reader);
+  return mesh::import_mesh(spec.path, std::move(bytes), options, reader);
 }
 
-void warn(BuildCounts& counts, const MeshSpec& spec, const ImportedMesh& imported) {
+void warn(BuildCounts& counts, const scene::MeshSpec& spec, const mesh::ImportedMesh& imported) {
   const std::string name = spec.path.filename().string();
   for (const std::string& sentence : imported.warnings) counts.mesh_warnings.push_back(name + ": " + sentence);
   for (const std::string& sentence : imported.report.sentences())
     counts.mesh_warnings.push_back(name + ": " + sentence);
 }
 
-void append(TriangleMesh& all, const TriangleMesh& mesh) {
+void append(mesh::TriangleMesh& all, const mesh::TriangleMesh& mesh) {
   const auto offset = static_cast<std::uint32_t>(all.vertices.size());
   all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
   for (const auto& t : mesh.triangles) all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
@@ -45,37 +45,37 @@ void append(TriangleMesh& all, const TriangleMesh& mesh) {
 
 /// The meshes of one object as one, in W; `last_triangle`: the number of triangles up to each mesh, it included.
 struct ObjectMesh {
-  TriangleMesh mesh;
-  std::vector<const MeshSpec*> specs;
+  mesh::TriangleMesh mesh;
+  std::vector<const scene::MeshSpec*> specs;
   std::vector<std::size_t> last_triangle;
   std::size_t open = 0;  ///< how many of the meshes are not closed
 };
 
 /// What all objects of a scene are built with.
 struct Kit {
-  const Scene& scene;
+  const scene::Scene& scene;
   const ParallelFor& parallel_for;
   const BuildChoices& choices;
   const Progress& progress;
-  ContactModelKind model;
+  contact::ContactModelKind model;
   BuildCounts& counts;
 
   /// Rendered through another model, it is a scene without one.
-  bool has_virtual_tool() const noexcept { return scene.virtual_tool() && model == ContactModelKind::kField; }
+  bool has_virtual_tool() const noexcept { return scene.virtual_tool() && model == contact::ContactModelKind::kField; }
   void step(const std::string& text) const {
     if (progress) progress(text);
   }
 };
 
 ObjectMesh import_object(const Kit& kit, std::uint32_t object) {
-  const Scene& scene = kit.scene;
+  const scene::Scene& scene = kit.scene;
   BuildCounts& counts = kit.counts;
   ObjectMesh all;
-  for (const MeshSpec& spec : scene.static_meshes) {
+  for (const scene::MeshSpec& spec : scene.static_meshes) {
     if (spec.object != object) continue;
     if (const auto n = &spec - scene.static_meshes.data(); n > 0)
       kit.step(fmt::format("reading mesh {} of {}", n + 1, scene.static_meshes.size()));
-    const ImportedMesh imported = import(spec, scene, kit.choices.read);
+    const mesh::ImportedMesh imported = import(spec, scene, kit.choices.read);
     warn(counts, spec, imported);
     counts.closed = counts.closed && imported.report.closed;
     if (!imported.report.closed) counts.open_meshes.push_back(spec.path.filename().string()), ++all.open;
@@ -92,18 +92,18 @@ template <class Build>
 auto with_hints(const BuildCounts& counts, Build&& build) {
   try {
     return build();
-  } catch (const VoxelBudgetError& error) {
+  } catch (const voxmap::VoxelBudgetError& error) {
     std::string text = error.what();
     for (const std::string& hint : counts.mesh_warnings) text += ". " + hint;
-    throw VoxelBudgetError(text);
+    throw voxmap::VoxelBudgetError(text);
   }
 }
 
 /// Only a body with an inside can push by depth.
-DistanceField build_field(const Scene& scene, const ObjectMesh& fixed, const Voxmap& voxmap,
+voxmap::DistanceField build_field(const scene::Scene& scene, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap,
                           const ParallelFor& parallel_for, BuildCounts& counts) {
-  DistanceField field =
-      with_hints(counts, [&] { return build_distance_field(fixed.mesh, voxmap, DistanceFieldOptions{}, parallel_for); });
+  voxmap::DistanceField field =
+      with_hints(counts, [&] { return voxmap::build_distance_field(fixed.mesh, voxmap, voxmap::DistanceFieldOptions{}, parallel_for); });
   const bool surface_will_do = scene.virtual_tool() && fixed.open < fixed.specs.size();  // thin walls hold without an inside
   if (!field.has_inside() && !surface_will_do)
     throw std::invalid_argument(fmt::format(
@@ -115,7 +115,7 @@ DistanceField build_field(const Scene& scene, const ObjectMesh& fixed, const Vox
   counts.field_bytes += field.bytes();
   counts.field_nodes += field.stored_nodes();
   counts.field_depth_m = field.depth_m();
-  const ThinnestWall thinnest = thinnest_wall(fixed.mesh, voxmap.grid(), parallel_for);
+  const voxmap::ThinnestWall thinnest = voxmap::thinnest_wall(fixed.mesh, voxmap.grid(), parallel_for);
   if (!(thinnest.thickness_m < counts.thinnest_m)) return field;
   const auto mesh =
       std::upper_bound(fixed.last_triangle.begin(), fixed.last_triangle.end(), std::size_t{thinnest.triangle});
@@ -125,15 +125,15 @@ DistanceField build_field(const Scene& scene, const ObjectMesh& fixed, const Vox
   return field;
 }
 
-std::uint64_t shell_bytes(const Pointshell& shell) {
+std::uint64_t shell_bytes(const pointshell::Pointshell& shell) {
   return shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
 }
 
 /// For scenes whose dynamic object is a body.
-BodyShape body_shape(const Scene& scene, const TriangleMesh& mesh) {
+effects::BodyShape body_shape(const scene::Scene& scene, const mesh::TriangleMesh& mesh) {
   try {
-    const MassProperties mass = mass_properties(mesh);
-    BodyShape shape{.centre = mass.centre, .inertia_m2 = mass.inertia_m2};
+    const mesh::MassProperties mass = mesh::mass_properties(mesh);
+    effects::BodyShape shape{.centre = mass.centre, .inertia_m2 = mass.inertia_m2};
     for (const Vec3& v : mesh.vertices) shape.reach_m = std::max(shape.reach_m, v.norm());
     return shape;
   } catch (const std::invalid_argument& error) {
@@ -145,48 +145,49 @@ BodyShape body_shape(const Scene& scene, const TriangleMesh& mesh) {
 
 /// What is made of the dynamic mesh.
 struct Tool {
-  Pointshell shell;
+  pointshell::Pointshell shell;
   double largest_gap = 0.0;
-  std::optional<BodyShape> body;
+  std::optional<effects::BodyShape> body;
 };
 
 Tool build_tool(const Kit& kit) {
-  const Scene& scene = kit.scene;
+  const scene::Scene& scene = kit.scene;
   kit.step("reading the dynamic mesh");
-  const ImportedMesh moving = import(scene.dynamic_mesh, scene, kit.choices.read);
+  const mesh::ImportedMesh moving = import(scene.dynamic_mesh, scene, kit.choices.read);
   warn(kit.counts, scene.dynamic_mesh, moving);
   kit.counts.dynamic_triangles = moving.mesh.triangles.size();
   kit.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
-  const Grid grid = default_grid(moving.mesh, kit.choices.shell_voxel_m.value_or(scene.voxel_size_m));
-  const std::vector<ShellPoint> points =
-      with_hints(kit.counts, [&] { return shell_points(moving.mesh, grid, kit.parallel_for); });
+  const voxmap::Grid grid = voxmap::default_grid(moving.mesh, kit.choices.shell_voxel_m.value_or(scene.voxel_size_m));
+  const std::vector<pointshell::ShellPoint> points =
+      with_hints(kit.counts, [&] { return pointshell::shell_points(moving.mesh, grid, kit.parallel_for); });
   Tool tool;
-  tool.largest_gap = largest_gap_m(points);
-  tool.shell = scene.shell == ShellKind::kExact ? make_exact_shell(points, grid) : make_naive_shell(points, grid);
+  tool.largest_gap = pointshell::largest_gap_m(points);
+  tool.shell =
+      scene.shell == scene::ShellKind::kExact ? pointshell::make_exact_shell(points, grid) : pointshell::make_naive_shell(points, grid);
   kit.counts.shell_points = tool.shell.size();
-  if (needs_of(scene.effects).body) tool.body = body_shape(scene, moving.mesh);
+  if (effects::needs_of(scene.effects).body) tool.body = body_shape(scene, moving.mesh);
   return tool;
 }
 
 /// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
 std::unique_ptr<StaticObject> build_object(const Kit& kit, std::uint32_t id, const ObjectMesh& fixed) {
-  const Scene& scene = kit.scene;
+  const scene::Scene& scene = kit.scene;
   if (fixed.specs.empty()) return nullptr;
   const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
   kit.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
-  Grid grid = default_grid(fixed.mesh, scene.voxel_size_m);
+  voxmap::Grid grid = voxmap::default_grid(fixed.mesh, scene.voxel_size_m);
   if (id == 0 && scene.grid_origin) grid.origin = *scene.grid_origin;
   auto object = std::make_unique<StaticObject>(
       StaticObject{.id = id,
                    .name = name,
-                   .voxmap = with_hints(kit.counts, [&] { return voxelise(fixed.mesh, grid, kit.parallel_for); }),
+                   .voxmap = with_hints(kit.counts, [&] { return voxmap::voxelise(fixed.mesh, grid, kit.parallel_for); }),
                    .field = {},
                    .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
                    .renderer = {}});
   kit.counts.surface_voxels += object->voxmap.surface_count();
   kit.counts.interior_voxels += object->voxmap.interior_count();
   kit.counts.voxmap_bytes += object->voxmap.bytes();
-  if (kit.model == ContactModelKind::kField) {
+  if (kit.model == contact::ContactModelKind::kField) {
     kit.step("distance field");
     object->field = build_field(scene, fixed, object->voxmap, kit.parallel_for, kit.counts);
   }
@@ -194,16 +195,16 @@ std::unique_ptr<StaticObject> build_object(const Kit& kit, std::uint32_t id, con
 }
 
 /// The force law of one object, with its own material; what all objects can show together is the sum of what each can.
-void add_contact_law(const Kit& kit, const Pointshell& shell, StaticObject& object) {
-  const ContactSpec& material = object.id == 0 ? kit.scene.contact : kit.scene.objects[object.id - 1].contact;
-  const ContactParameters parameters = contact_parameters(material, kit.model, shell, kit.choices.weights);
+void add_contact_law(const Kit& kit, const pointshell::Pointshell& shell, StaticObject& object) {
+  const scene::ContactSpec& material = object.id == 0 ? kit.scene.contact : kit.scene.objects[object.id - 1].contact;
+  const contact::ContactParameters parameters = contact_parameters(material, kit.model, shell, kit.choices.weights);
   object.renderer.emplace(object.voxmap, shell, kit.model, parameters, object.field ? &*object.field : nullptr);
   kit.counts.shell_bytes += shell_bytes(shell);
   if (kit.has_virtual_tool()) return;  // one spring for all objects
   const ContactStiffness contact =
       contact_stiffness(shell, parameters, object.field ? object.field->steepest_gradient() : 1.0);
   BuildCounts& counts = kit.counts;
-  const auto add = [](const ContactRange& one, ContactRange& sum) {
+  const auto add = [](const coupling::design::ContactRange& one, coupling::design::ContactRange& sum) {
     sum.one_point = std::max(sum.one_point, one.one_point);
     sum.all_points += one.all_points;
   };
@@ -211,7 +212,7 @@ void add_contact_law(const Kit& kit, const Pointshell& shell, StaticObject& obje
 }
 
 /// One spring, whatever it touches.
-void add_virtual_tool(const Kit& kit, const ContactRenderer& renderer, EffectGround& ground) {
+void add_virtual_tool(const Kit& kit, const contact::ContactRenderer& renderer, EffectGround& ground) {
   if (!kit.has_virtual_tool()) return;
   ground.virtual_tool_lever_m = kit.scene.lever_m.value_or(0.0);
   const double reach = renderer.query().reach_m(), lever = kit.scene.lever_m.value_or(reach);
@@ -222,9 +223,9 @@ void add_virtual_tool(const Kit& kit, const ContactRenderer& renderer, EffectGro
 }
 
 /// What `needs` asks for round the ground; the shell's points are where the tool is looked at.
-void build_proximity(const Kit& kit, const EffectNeeds& needs, const ObjectMesh& fixed, const Voxmap& voxmap,
-                     const Pointshell& shell, EffectGround& ground) {
-  const Scene& scene = kit.scene;
+void build_proximity(const Kit& kit, const effects::EffectNeeds& needs, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap,
+                     const pointshell::Pointshell& shell, EffectGround& ground) {
+  const scene::Scene& scene = kit.scene;
   BuildCounts& counts = kit.counts;
   if (fixed.open == fixed.specs.size())
     throw std::invalid_argument(fmt::format(
@@ -241,7 +242,7 @@ void build_proximity(const Kit& kit, const EffectNeeds& needs, const ObjectMesh&
     ground.proximity.emplace(fixed.mesh, voxmap, needs.proximity_m, needs.smoothing_m, kit.parallel_for);
     return true;
   });
-  counts.proximity_bytes = ground.proximity->bytes() + ground.tool.points.size() * sizeof(ToolPoint);
+  counts.proximity_bytes = ground.proximity->bytes() + ground.tool.points.size() * sizeof(effects::ToolPoint);
   counts.proximity_nodes = ground.proximity->nodes();
   counts.proximity_m = needs.proximity_m, counts.proximity_smoothing_m = ground.proximity->smoothing_m();
   counts.tool_points = ground.tool.points.size(), counts.tool_gap_m = ground.tool.gap_m;
@@ -249,17 +250,17 @@ void build_proximity(const Kit& kit, const EffectNeeds& needs, const ObjectMesh&
 
 }  // namespace
 
-BuiltScene::BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<EffectSpec> effects,
+BuiltScene::BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<effects::EffectSpec> effects,
                        EffectGround ground, Plan plan, double largest_shell_gap_m)
     : contacts_(std::move(objects)), ground_(std::move(ground)),
       scene_(contacts_, std::move(effects),
              {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body, ground_.virtual_tool_lever_m}),
       plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
 
-std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
+std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const ParallelFor& parallel_for,
                                         const BuildChoices& choices, const Progress& progress) {
-  ContactModelKind kind = ContactModelKind::kAdapted;
-  if (!choices.model && !parse_contact_model(scene.contact.model, kind))
+  contact::ContactModelKind kind = contact::ContactModelKind::kAdapted;
+  if (!choices.model && !contact::parse_contact_model(scene.contact.model, kind))
     throw std::invalid_argument(scene.file.string() + ": there is no contact model '" + scene.contact.model + "'");
   BuildCounts counts;
   const Kit kit{scene, parallel_for, choices, progress, choices.model.value_or(kind), counts};
@@ -276,10 +277,10 @@ std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& p
   EffectGround ground;
   ground.body = tool.body;
   add_virtual_tool(kit, *objects.front()->renderer, ground);
-  if (const EffectNeeds needs = needs_of(scene.effects); needs.proximity_m > 0.0)
+  if (const effects::EffectNeeds needs = effects::needs_of(scene.effects); needs.proximity_m > 0.0)
     build_proximity(kit, needs, meshes.front(), objects.front()->voxmap, tool.shell, ground);
   return std::make_unique<BuiltScene>(std::move(objects), scene.effects, std::move(ground), make_plan(scene, counts),
                                       tool.largest_gap);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

@@ -13,30 +13,30 @@
 #include "core/rendering/scene_renderer.hpp"
 #include "core/types/parallel.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 
 /// What effects look up beside the contact; nothing of it is there unless one asks.
 struct EffectGround {
   std::optional<ProximityField> proximity;
   ToolPoints tool;
-  std::optional<BodyShape> body;  ///< of the dynamic object, where it moves by itself
+  std::optional<effects::BodyShape> body;  ///< of the dynamic object, where it moves by itself
   std::optional<double> virtual_tool_lever_m;  ///< where the scene has one; 0: the tool's reach
 };
 
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.
 class BuiltScene {
  public:
-  BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<EffectSpec> effects,
+  BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<effects::EffectSpec> effects,
              EffectGround ground, Plan plan, double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
 
   SceneRenderer& scene_renderer() noexcept { return scene_; }  ///< contact and effects: what the ring runs
   ObjectContacts& contacts() noexcept { return contacts_; }    ///< contact alone, with all objects
-  ContactRenderer& renderer() noexcept { return *contacts_.object(0).renderer; }  ///< contact with the first object alone
-  const Voxmap& voxmap() const noexcept { return contacts_.object(0).voxmap; }     ///< of the first object
+  contact::ContactRenderer& renderer() noexcept { return *contacts_.object(0).renderer; }  ///< contact with the first object alone
+  const voxmap::Voxmap& voxmap() const noexcept { return contacts_.object(0).voxmap; }     ///< of the first object
   /// Of the first object; null where the contact model looks up none.
-  const DistanceField* field() const noexcept {
+  const voxmap::DistanceField* field() const noexcept {
     const StaticObject& first = contacts_.object(0);
     return first.field ? &*first.field : nullptr;
   }
@@ -58,16 +58,16 @@ using Progress = std::function<void(const std::string&)>;
 
 /// What may be built otherwise than the scene says, to compare; and who reads the meshes.
 struct BuildChoices {
-  std::optional<ContactModelKind> model = {};
-  std::optional<PointWeights> weights = {};  ///< std::invalid_argument where the model does not weigh so
+  std::optional<contact::ContactModelKind> model = {};
+  std::optional<contact::PointWeights> weights = {};  ///< std::invalid_argument where the model does not weigh so
   std::optional<double> shell_voxel_m = {};  ///< voxel edge that the pointshell is made with, instead of the scene's
-  TriangleReader read = read_triangles;  ///< programs give one that a broken file cannot take with it (nodes/mesh_import)
+  mesh::TriangleReader read = mesh::read_triangles;  ///< programs give one that a broken file cannot take with it (nodes/mesh_import)
 };
 
 /// Reads the scene's meshes and builds what it calls for, and nothing else. Throws MeshError,
 /// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for `field` where no static mesh has an inside,
 /// and for effects that ask for distances where no static mesh is closed or for a lever that the tool is longer than.
-std::unique_ptr<BuiltScene> build_scene(const Scene& scene, const ParallelFor& parallel_for,
+std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const ParallelFor& parallel_for,
                                         const BuildChoices& choices = {}, const Progress& progress = {});
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

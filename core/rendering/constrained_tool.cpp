@@ -5,12 +5,12 @@
 
 #include "core/types/motion.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
-VirtualToolOptions options_of(const ObjectContacts& objects, double lever_m) {
-  const ContactQuery& query = objects.object(0).renderer->query();
-  VirtualToolOptions options{.points = query.shell().size(),
+contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lever_m) {
+  const contact::ContactQuery& query = objects.object(0).renderer->query();
+  contact::VirtualToolOptions options{.points = query.shell().size(),
                              .objects = objects.size(),
                              .reach_m = query.reach_m(),
                              .edge_m = query.voxmap().grid().edge,
@@ -41,7 +41,7 @@ void ConstrainedTool::aim_for(double spring_n_per_m) noexcept {
   if (aim == aim_n_per_m_) return;
   aim_n_per_m_ = aim;
   if (fresh_)
-    spring_ = Ramp(aim);
+    spring_ = coupling::Ramp(aim);
   else
     spring_.head_for(aim, kSpringRampS);
 }
@@ -56,7 +56,7 @@ void ConstrainedTool::put_objects(double time_s) noexcept {
   }
 }
 
-ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& told) noexcept {
+contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& told) noexcept {
   const bool was_placed = tool_.placed() && !fresh_;
   if (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s) tool_.reset();
   const Pose before = frame_.tool;
@@ -64,16 +64,16 @@ ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt
   frame_ = tool_.frame({.pose = hand, .period_s = dt_s, .friction = friction}, grounds_);
   told = {.constrained = frame_.constrained,
           .lag = frame_.lag || frame_.moved_too_far,
-          .unplaced = frame_.unplaced || frame_.pose_status != PoseStatus::kUsable,
+          .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable,
           .residual_m = frame_.residual_m,
           .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0))};
   if (frame_.unplaced) frame_.tool = hand;
   const double k = spring_.advance(dt_s), felt = k * frame_.share;
-  ContactResult contact;
+  contact::ContactResult contact;
   contact.pose_status = frame_.pose_status;
   contact.surface_hits = frame_.surface_hits, contact.interior_hits = frame_.interior_hits;
   contact.points_tested = frame_.points_tested;
-  if (frame_.pose_status == PoseStatus::kUsable) {
+  if (frame_.pose_status == contact::PoseStatus::kUsable) {
     hand_ = hand;
     fresh_ = false;
   }
@@ -114,7 +114,7 @@ void ConstrainedTool::tell_parts(double felt_n_per_m) noexcept {
   power_w_ = 0.0;
   const std::span<const Wrench> pushes = tool_.pushes();
   for (std::size_t n = 0; n < results_.size(); ++n) {
-    ContactResult& part = results_[n];
+    contact::ContactResult& part = results_[n];
     part = {};
     if (n >= pushes.size() || !(felt_n_per_m > 0.0) || pushes[n].zero()) continue;
     part.wrench = {felt_n_per_m * pushes[n].force, felt_n_per_m * pushes[n].torque};
@@ -135,10 +135,10 @@ void ConstrainedTool::reset() noexcept {
   tool_.reset();
   frame_ = {};
   twist_ = {};
-  spring_ = Ramp(aim_n_per_m_);
+  spring_ = coupling::Ramp(aim_n_per_m_);
   felt_n_per_m_ = power_w_ = stiffened_j_ = 0.0;
   fresh_ = true;
-  for (ContactResult& part : results_) part = {};
+  for (contact::ContactResult& part : results_) part = {};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

@@ -7,7 +7,7 @@
 #include "core/coupling/ramp.hpp"
 #include "core/rendering/object_contacts.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 
 /// What a frame of a virtual tool says beside its contact.
 struct ToolFrame {
@@ -36,7 +36,7 @@ class ConstrainedTool {
 
   /// One frame: the spring's wrench on the hand, stiffness and what is touched, as a contact. `contact.stiffness_bound_n_per_m` is the
   /// spring's own. Real-time safe.
-  ContactResult render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& told) noexcept;
+  contact::ContactResult render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& told) noexcept;
 
   /// Of the last `render`: the virtual tool, and its motion since the one before.
   const Pose& pose() const noexcept { return frame_.tool; }
@@ -45,7 +45,7 @@ class ConstrainedTool {
   /// The object that it leans on, as StaticObject::id.
   std::uint32_t leans_on() const noexcept { return parts_[frame_.contact_object].object; }
   /// Each object's part; points into this.
-  std::span<const ObjectContact> parts() const noexcept { return parts_; }
+  std::span<const effects::ObjectContact> parts() const noexcept { return parts_; }
   /// Power of moving objects [W], and what a spring that became stiffer gave the hand [J].
   double power_w() const noexcept { return power_w_; }
   double stiffened_j() const noexcept { return stiffened_j_; }
@@ -61,17 +61,17 @@ class ConstrainedTool {
   double depth_of_spring2() const noexcept;
 
   ObjectContacts& objects_;
-  std::vector<ToolGround> grounds_;
-  VirtualTool tool_;
-  VirtualToolFrame frame_;
-  Ramp spring_;
+  std::vector<contact::ToolGround> grounds_;
+  contact::VirtualTool tool_;
+  contact::VirtualToolFrame frame_;
+  coupling::Ramp spring_;
   double aim_n_per_m_ = 0.0, felt_n_per_m_ = 0.0;  ///< felt: with the fade that a tool that was placed begins with
   bool fresh_ = true;                             ///< no frame since `reset`
   Pose hand_;
   Twist twist_;
-  std::vector<ContactResult> results_;
-  std::vector<ObjectContact> parts_;
+  std::vector<contact::ContactResult> results_;
+  std::vector<effects::ObjectContact> parts_;
   double power_w_ = 0.0, stiffened_j_ = 0.0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

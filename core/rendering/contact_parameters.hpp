@@ -6,7 +6,7 @@
 #include "core/pointshell/pointshell.hpp"
 #include "core/scene/scene.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 
 inline constexpr double kProbeStiffness = 1e6;  ///< [N/m^3]
 
@@ -15,7 +15,7 @@ inline constexpr double kProbeStiffness = 1e6;  ///< [N/m^3]
 /// (`voxtouch probe --model field`) gets k = K N / A, N points, A their area: the same stiffness once all points push.
 /// `weights` overrides the scene, with the same rule; it does not judge whether the model knows them.
 /// A scene with a virtual tool gives no stiffness; its contact models, which only `voxtouch probe` and `accuracy` ask, get kProbeStiffness.
-ContactParameters contact_parameters(const ContactSpec& spec, ContactModelKind kind, const Pointshell& shell,
-                                     std::optional<PointWeights> weights = {});
+contact::ContactParameters contact_parameters(const scene::ContactSpec& spec, contact::ContactModelKind kind,
+                                              const pointshell::Pointshell& shell, std::optional<contact::PointWeights> weights = {});
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

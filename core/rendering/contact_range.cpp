@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 /// Sums and an eigenvalue are rounded: an upper bound is brought above both.
@@ -12,7 +12,7 @@ constexpr double kRoundingUp = 1.0 + 1e-12;
 
 }  // namespace
 
-ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParameters& parameters, double steepest) {
+ContactStiffness contact_stiffness(const pointshell::Pointshell& shell, const contact::ContactParameters& parameters, double steepest) {
   ContactStiffness out;
   if (shell.size() == 0) return out;
   const double stiffness = parameters.stiffness * steepest;
@@ -20,7 +20,7 @@ ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParamet
   Mat3 inertia = Mat3::Zero();
   for (std::size_t p = 0; p < shell.size(); ++p) {
     const Vec3 arm = shell.point(p);
-    const double weight = parameters.weights == PointWeights::kArea ? shell.area_m2[p] : 1.0;
+    const double weight = parameters.weights == contact::PointWeights::kArea ? shell.area_m2[p] : 1.0;
     heaviest = std::max(heaviest, weight);
     weights += weight;
     largest_moment = std::max(largest_moment, weight * arm.squaredNorm());
@@ -33,4 +33,4 @@ ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParamet
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

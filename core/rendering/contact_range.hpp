@@ -4,12 +4,12 @@
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/pointshell/pointshell.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 
 /// In W: a point that pushes alone, and all that may push at once.
 struct ContactStiffness {
-  ContactRange translation;  ///< [N/m]
-  ContactRange rotation;     ///< about the tool's origin [Nm/rad]
+  coupling::design::ContactRange translation;  ///< [N/m]
+  coupling::design::ContactRange rotation;     ///< about the tool's origin [Nm/rad]
 };
 
 /// Upper bounds for every pose, every contact model and every set S of points that push, whatever unit directions u_i
@@ -28,6 +28,7 @@ struct ContactStiffness {
 /// (field_model.hpp) are the sums above for two sets of unit directions, halved, with K_i |g_i| <= K_i steepest.
 ///
 /// An empty shell gives zeros. Not for the loop.
-ContactStiffness contact_stiffness(const Pointshell& shell, const ContactParameters& parameters, double steepest = 1.0);
+ContactStiffness contact_stiffness(const pointshell::Pointshell& shell, const contact::ContactParameters& parameters,
+                                   double steepest = 1.0);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

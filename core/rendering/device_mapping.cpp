@@ -1,19 +1,19 @@
 #include "core/rendering/device_mapping.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 /// Beyond this [m] a pose is no place but a fault: sums of such places could overflow.
 constexpr double kFarthestM = 1e12;
 
 /// From the tip to the tool's origin, W axes: the offset is given in the tip's frame.
-Vec3 arm_of(const WorkspaceMapping& spec, const Quat& tool_in_world) noexcept {
+Vec3 arm_of(const scene::WorkspaceMapping& spec, const Quat& tool_in_world) noexcept {
   return tool_in_world * (spec.tool_offset.orientation.conjugate() * spec.tool_offset.position);
 }
 
 }  // namespace
 
-Wrench wrench_to_device(const WorkspaceMapping& spec, const Wrench& in_world, const Quat& tool_in_world) noexcept {
+Wrench wrench_to_device(const scene::WorkspaceMapping& spec, const Wrench& in_world, const Quat& tool_in_world) noexcept {
   const Quat to_device = spec.device_in_world.orientation.conjugate();
   const Vec3 torque_at_tip = in_world.torque + arm_of(spec, tool_in_world).cross(in_world.force);
   return {spec.force_scale * (to_device * in_world.force),
@@ -59,4 +59,4 @@ const ToolState& DeviceMapping::update(const Pose& tip_in_device, const Twist& t
   return tool_;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

@@ -16,21 +16,21 @@
 #include "core/scene/scene.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 
 /// Wrench about the tool's origin in W to wrench about the device's tip in D. `tool_in_world` is the tool's orientation that
 /// the wrench was computed for. Real-time safe.
-Wrench wrench_to_device(const WorkspaceMapping& spec, const Wrench& in_world, const Quat& tool_in_world) noexcept;
+Wrench wrench_to_device(const scene::WorkspaceMapping& spec, const Wrench& in_world, const Quat& tool_in_world) noexcept;
 
 /// The same from sample to sample: an orientation that is none (not finite, no unit quaternion within 1e-3) must not make the command
 /// none, so the tool is taken to be turned as it was last. Real-time safe.
 class WrenchToDevice {
  public:
-  explicit WrenchToDevice(const WorkspaceMapping& spec) noexcept : spec_(spec) {}
+  explicit WrenchToDevice(const scene::WorkspaceMapping& spec) noexcept : spec_(spec) {}
   Wrench operator()(const Wrench& in_world, const Quat& tool_in_world) noexcept;
 
  private:
-  WorkspaceMapping spec_;
+  scene::WorkspaceMapping spec_;
   Quat last_tool_in_world_ = Quat::Identity();
 };
 
@@ -48,7 +48,7 @@ struct ToolState {
 /// the hand about an axis of the world still turns the tool about that axis. Real-time safe, deterministic.
 class DeviceMapping {
  public:
-  explicit DeviceMapping(const WorkspaceMapping& spec) noexcept : spec_(spec) {}
+  explicit DeviceMapping(const scene::WorkspaceMapping& spec) noexcept : spec_(spec) {}
 
   /// One sample: tip in D, its twist in D axes, buttons (bit 0 = first). A norm of the quaternion within 1e-3 of 1 is
   /// normalised, any other refuses the sample. A twist that is not finite reads as zero.
@@ -59,7 +59,7 @@ class DeviceMapping {
   void reset() noexcept { *this = DeviceMapping(spec_); }
 
  private:
-  WorkspaceMapping spec_;
+  scene::WorkspaceMapping spec_;
   Vec3 shift_ = Vec3::Zero();           ///< clutch: added to the tip's position in W
   Quat turn_ = Quat::Identity();        ///< clutch: tip orientation in W is followed by this
   Pose held_;                           ///< tip in W while clutched
@@ -67,4 +67,4 @@ class DeviceMapping {
   ToolState tool_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 Wrench blend(const Wrench& a, const Wrench& b, double w) noexcept {
@@ -13,8 +13,8 @@ Wrench blend(const Wrench& a, const Wrench& b, double w) noexcept {
 SceneFrame blend(const SceneFrame& a, const SceneFrame& b, double w) noexcept {
   const auto mix = [w](double x, double y) { return (1.0 - w) * x + w * y; };
   SceneFrame frame = w < 0.5 ? a : b;
-  const ContactResult &one = a.touch.contact, &two = b.touch.contact;
-  ContactResult& contact = frame.touch.contact;
+  const contact::ContactResult &one = a.touch.contact, &two = b.touch.contact;
+  contact::ContactResult& contact = frame.touch.contact;
   contact.wrench = blend(one.wrench, two.wrench, w);
   contact.stiffness = (1.0 - w) * one.stiffness + w * two.stiffness;
   contact.stiffness_bound_n_per_m = mix(one.stiffness_bound_n_per_m, two.stiffness_bound_n_per_m);
@@ -95,4 +95,4 @@ void LiveScene::reset() noexcept {
 
 BuiltScene* LiveScene::retired() noexcept { return std::exchange(retired_, nullptr); }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

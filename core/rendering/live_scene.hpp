@@ -2,7 +2,7 @@
 /// The scene that runs, and the one that takes its place while a hand is in contact.
 #include "core/rendering/build.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 
 /// Renders one scene; after `swap_to`, for kFadeS, the old and the new one, and gives (1 - w) old + w new with w on a straight
 /// line from 0 to 1. Force, torque, stiffness and its bound are all blended so: a convex sum of symmetric positive
@@ -30,7 +30,7 @@ class LiveScene {
   /// The scene that is not rendered any more, once; null where there is none.
   BuiltScene* retired() noexcept;
 
-  EffectChain& effects() noexcept { return now_->scene_renderer().effects(); }  ///< of the newest scene
+  effects::EffectChain& effects() noexcept { return now_->scene_renderer().effects(); }  ///< of the newest scene
   /// The scene that the last frame's hits, normal and model belong to.
   BuiltScene& dominant() noexcept { return *dominant_; }
 
@@ -47,4 +47,4 @@ class LiveScene {
   double supplied_j_ = 0.0, supplied_now_j_ = 0.0, supplied_old_j_ = 0.0;  ///< told to the hand; by each scene so far
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

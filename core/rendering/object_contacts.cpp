@@ -5,17 +5,17 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 /// Sum of the colliding points' normals over their number; what `coherence` and `mean_normal` are made of.
-Vec3 normal_sum(const ContactResult& c) noexcept { return (c.coherence * c.surface_hits) * c.mean_normal; }
+Vec3 normal_sum(const contact::ContactResult& c) noexcept { return (c.coherence * c.surface_hits) * c.mean_normal; }
 
 Pose moved_back(const Pose& tool, const Vec3& shift) noexcept { return {tool.position - shift, tool.orientation}; }
 
 }  // namespace
 
-void add_contact(const ContactResult& other, ContactResult& sum) noexcept {
+void add_contact(const contact::ContactResult& other, contact::ContactResult& sum) noexcept {
   const Vec3 normals = normal_sum(sum) + normal_sum(other);
   sum.wrench.force += other.wrench.force, sum.wrench.torque += other.wrench.torque;
   sum.surface_hits += other.surface_hits, sum.interior_hits += other.interior_hits;
@@ -29,14 +29,14 @@ void add_contact(const ContactResult& other, ContactResult& sum) noexcept {
   sum.stiffness_bound_n_per_m += other.stiffness_bound_n_per_m;
   sum.stiffness += other.stiffness;
   sum.fallback |= other.fallback, sum.saturated |= other.saturated;
-  if (sum.pose_status == PoseStatus::kUsable) sum.pose_status = other.pose_status;
+  if (sum.pose_status == contact::PoseStatus::kUsable) sum.pose_status = other.pose_status;
   sum.points_tested += other.points_tested;
 }
 
 ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> objects) : objects_(std::move(objects)) {
-  if (objects_.empty() || objects_.size() > kMaxObjects)
+  if (objects_.empty() || objects_.size() > scene::kMaxObjects)
     throw std::invalid_argument(
-        fmt::format("a scene has 1 to {} static objects, not {}", kMaxObjects, objects_.size()));
+        fmt::format("a scene has 1 to {} static objects, not {}", scene::kMaxObjects, objects_.size()));
   for (const auto& object : objects_) {
     moves_ = moves_ || object->moves;
     parts_.push_back({.object = object->id, .contact = nullptr, .twist = {}});
@@ -49,13 +49,13 @@ ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> object
   for (std::size_t n = 0; n < objects_.size(); ++n) parts_[n].contact = &results_[n];
 }
 
-StageResult ObjectContacts::render_all(const Pose& tool, double time_s) noexcept {
-  StageResult all;
+contact::StageResult ObjectContacts::render_all(const Pose& tool, double time_s) noexcept {
+  contact::StageResult all;
   power_w_ = 0.0;
   for (std::size_t n = 0; n < objects_.size(); ++n) {
     StaticObject& object = *objects_[n];
     const MotionPoint at = object.moves ? motion_at(*object.moves, time_s) : MotionPoint{};
-    StageResult one = object.renderer->render(object.moves ? moved_back(tool, at.position) : tool);
+    contact::StageResult one = object.renderer->render(object.moves ? moved_back(tool, at.position) : tool);
     if (one.contact.deepest_depth_m > 0.0) one.contact.deepest_point += at.position;
     results_[n] = one.contact;
     parts_[n].twist.linear = at.velocity;
@@ -68,8 +68,8 @@ StageResult ObjectContacts::render_all(const Pose& tool, double time_s) noexcept
       all.crossed |= one.crossed, all.missed |= one.missed;
     }
   }
-  if (all.contact.pose_status != PoseStatus::kUsable && objects_.size() > 1) {
-    const PoseStatus why = all.contact.pose_status;
+  if (all.contact.pose_status != contact::PoseStatus::kUsable && objects_.size() > 1) {
+    const contact::PoseStatus why = all.contact.pose_status;
     all = {};
     all.contact.pose_status = why;
     power_w_ = 0.0;
@@ -83,14 +83,14 @@ void ObjectContacts::reset() noexcept {
   power_w_ = 0.0;
 }
 
-ContactResult ObjectContacts::probe(const Pose& tool, std::vector<std::uint32_t>& surface_ids) {
+contact::ContactResult ObjectContacts::probe(const Pose& tool, std::vector<std::uint32_t>& surface_ids) {
   surface_ids.clear();
   std::vector<std::uint32_t> of_one;
-  ContactResult sum;
+  contact::ContactResult sum;
   for (std::size_t n = 0; n < objects_.size(); ++n) {
     StaticObject& object = *objects_[n];
     const Vec3 shift = object.moves ? motion_at(*object.moves, 0.0).position : Vec3::Zero();
-    const ContactResult one = object.renderer->probe(object.moves ? moved_back(tool, shift) : tool, of_one);
+    const contact::ContactResult one = object.renderer->probe(object.moves ? moved_back(tool, shift) : tool, of_one);
     surface_ids.insert(surface_ids.end(), of_one.begin(), of_one.end());
     if (n == 0) {
       sum = one;
@@ -103,4 +103,4 @@ ContactResult ObjectContacts::probe(const Pose& tool, std::vector<std::uint32_t>
   return sum;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

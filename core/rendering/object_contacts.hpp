@@ -13,16 +13,16 @@
 #include "core/voxmap/distance_field.hpp"
 #include "core/voxmap/voxmap.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 
 /// What is built for one object. Stays where it is: the renderer points into it.
 struct StaticObject {
   std::uint32_t id = 0;  ///< 0: the ground; n: Scene::objects[n - 1]
   std::string name;
-  Voxmap voxmap;
-  std::optional<DistanceField> field;
+  voxmap::Voxmap voxmap;
+  std::optional<voxmap::DistanceField> field;
   std::optional<Motion> moves;  ///< displacement in W of all of it over the scene's time
-  std::optional<ContactRenderer> renderer;
+  std::optional<contact::ContactRenderer> renderer;
 };
 
 /// Sums the contacts of all objects. An object that moves is looked up where it rests, with the tool moved back by its
@@ -35,11 +35,11 @@ class ObjectContacts {
   /// One frame of the ring, `tool` = T in W. `time_s` since the session's begin: where moving objects are. Wrench and
   /// stiffness are sums, hits are counted together, depth and deepest point are those of the deepest object; the mean
   /// normal is that of all hits. A pose that one object cannot look up gives no contact at all. Real-time safe.
-  StageResult render(const Pose& tool, double time_s) noexcept {
+  contact::StageResult render(const Pose& tool, double time_s) noexcept {
     return alone_ != nullptr ? alone_->render(tool) : render_all(tool, time_s);
   }
   /// Each object's part of the last `render`, which gave `all`; points into it where there is one object only. Real-time safe.
-  std::span<const ObjectContact> parts(const StageResult& all) noexcept {
+  std::span<const effects::ObjectContact> parts(const contact::StageResult& all) noexcept {
     if (alone_ != nullptr) parts_[0].contact = &all.contact;
     return parts_;
   }
@@ -48,7 +48,7 @@ class ObjectContacts {
   void reset() noexcept;
 
   /// The models alone, without memory, with the ids of the points in surface voxels of any object, ascending, each once. Allocates.
-  ContactResult probe(const Pose& tool, std::vector<std::uint32_t>& surface_ids);
+  contact::ContactResult probe(const Pose& tool, std::vector<std::uint32_t>& surface_ids);
 
   std::size_t size() const noexcept { return objects_.size(); }
   StaticObject& object(std::size_t n) noexcept { return *objects_[n]; }
@@ -56,17 +56,17 @@ class ObjectContacts {
   bool moves() const noexcept { return moves_; }
 
  private:
-  StageResult render_all(const Pose& tool, double time_s) noexcept;
+  contact::StageResult render_all(const Pose& tool, double time_s) noexcept;
 
   std::vector<std::unique_ptr<StaticObject>> objects_;
-  ContactRenderer* alone_ = nullptr;  ///< of the one object that rests: it costs nothing beside its own contact
-  std::vector<ContactResult> results_;
-  std::vector<ObjectContact> parts_;
+  contact::ContactRenderer* alone_ = nullptr;  ///< of the one object that rests: it costs nothing beside its own contact
+  std::vector<contact::ContactResult> results_;
+  std::vector<effects::ObjectContact> parts_;
   double power_w_ = 0.0;
   bool moves_ = false;
 };
 
 /// Adds what another object gives to the same frame, as ObjectContacts says. Real-time safe.
-void add_contact(const ContactResult& other, ContactResult& sum) noexcept;
+void add_contact(const contact::ContactResult& other, contact::ContactResult& sum) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

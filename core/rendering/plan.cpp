@@ -8,7 +8,7 @@
 #include "core/contact/limits.hpp"
 #include "core/coupling/coupling_spec.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 /// A body this thick keeps pushing back more the deeper a tool goes, down to ten voxels.
@@ -16,17 +16,17 @@ constexpr double kThickVoxels = 25.0;
 
 std::string counted(std::uint64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 
-std::string law_sentence(const CouplingSpec& c) {
+std::string law_sentence(const coupling::CouplingSpec& c) {
   if (c.kind == "shaping_filter")
     return fmt::format("Coupling: shaping filter, w0/(2 pi) = {:g} Hz, damping ratio {:g}, gain {:g}; it lags by {:.3g} ms.",
-                       c.cutoff_hz, c.damping_ratio, c.gain, 1e3 * lag_s(c));
+                       c.cutoff_hz, c.damping_ratio, c.gain, 1e3 * coupling::lag_s(c));
   if (c.kind == "spring_damper")
     return fmt::format("Coupling: spring-damper of {:g} N/m and {:g} Ns/m to a massless object.", c.stiffness_n_per_m,
                        c.damping_ns_per_m);
   return "Coupling: none; the contact goes straight to the device.";
 }
 
-std::string coupling_sentence(const CouplingSpec& c) {
+std::string coupling_sentence(const coupling::CouplingSpec& c) {
   std::string text = law_sentence(c);
   if (std::isfinite(c.stiffness_cap_n_per_m))
     text += fmt::format(" The contact's stiffness is capped at {:g} N/m.", c.stiffness_cap_n_per_m);
@@ -38,10 +38,10 @@ std::string coupling_sentence(const CouplingSpec& c) {
   return text;
 }
 
-std::string design_sentence(const DesignOptions& ask) {
+std::string design_sentence(const scene::DesignOptions& ask) {
   std::string text = fmt::format("Coupling: designed when the device is known; kind {}, ", ask.kind);
   if (ask.kind == "auto" || ask.kind == "shaping_filter") text += fmt::format("wished cut-off {:g} Hz, ", ask.cutoff_hz);
-  text += fmt::format("gain margin {:g}, hand: {}, {}", ask.gain_margin, name_of(ask.hand),
+  text += fmt::format("gain margin {:g}, hand: {}, {}", ask.gain_margin, scene::name_of(ask.hand),
                       ask.released ? "and it may be let go" : "but it is never let go");
   if (ask.stiffness_cap_n_per_m) text += fmt::format(", stiffness capped at {:g} N/m", *ask.stiffness_cap_n_per_m);
   if (ask.stiffness_cap_nm_per_rad) text += fmt::format(", capped at {:g} Nm/rad", *ask.stiffness_cap_nm_per_rad);
@@ -55,7 +55,7 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
-std::string needs_text(const EffectNeeds& needs) {
+std::string needs_text(const effects::EffectNeeds& needs) {
   std::vector<std::string> parts;
   if (needs.contact) parts.push_back("the contact");
   if (needs.twist) parts.push_back("the tool's velocity");
@@ -64,7 +64,7 @@ std::string needs_text(const EffectNeeds& needs) {
   return parts.empty() ? "nothing but the tool's position" : joined(parts);
 }
 
-std::string bound_text(const EffectBound& bound) {
+std::string bound_text(const effects::EffectBound& bound) {
   std::vector<std::string> parts;
   if (bound.stiffness_n_per_m > 0.0) parts.push_back(fmt::format("{:.4g} N/m", bound.stiffness_n_per_m));
   if (bound.stiffness_nm_per_rad > 0.0) parts.push_back(fmt::format("{:.4g} Nm/rad", bound.stiffness_nm_per_rad));
@@ -74,23 +74,23 @@ std::string bound_text(const EffectBound& bound) {
   return parts.empty() ? "" : " At most " + joined(parts) + ".";
 }
 
-std::string effect_sentence(const EffectSpec& effect) {
+std::string effect_sentence(const effects::EffectSpec& effect) {
   const std::string title = effect.name == effect.kind->name
                                 ? fmt::format("Effect '{}'", effect.name)
                                 : fmt::format("Effect '{}' ({})", effect.name, effect.kind->name);
   return fmt::format("{}: {} Needs {}.{}{}", title, effect.kind->says, needs_text(effect.kind->needs(effect.values)),
-                     bound_text(bound_of(effect)), effect.on ? "" : " Switched off at the start.");
+                     bound_text(effects::bound_of(effect)), effect.on ? "" : " Switched off at the start.");
 }
 
-std::string absent_effects(const Scene& scene) {
+std::string absent_effects(const scene::Scene& scene) {
   std::vector<std::string> absent;
-  for (const EffectKind* kind : effect_kinds())
-    if (std::none_of(scene.effects.begin(), scene.effects.end(), [&](const EffectSpec& e) { return e.kind == kind; }))
+  for (const effects::EffectKind* kind : effects::effect_kinds())
+    if (std::none_of(scene.effects.begin(), scene.effects.end(), [&](const effects::EffectSpec& e) { return e.kind == kind; }))
       absent.emplace_back(kind->name);
   return joined(absent);
 }
 
-void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
+void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   const std::size_t meshes = scene.static_meshes.size();
   plan.built.push_back(fmt::format("Voxmap of {} ({}) at {:g} m: {}, {}, {}; every contact model asks it.",
                                    counted(meshes, "static mesh", "static meshes"),
@@ -112,16 +112,16 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
         bytes_text(n.proximity_bytes), counted(n.tool_points, "point", "points"),
         1e-3 * kNsPerProximityPoint * static_cast<double>(n.tool_points), 1e3 * n.tool_gap_m));
   plan.built.push_back(fmt::format("{} pointshell of the dynamic mesh ({}): {}, {}; the scene asks for shell: {}.",
-                                   scene.shell == ShellKind::kExact ? "Exact" : "Naive",
+                                   scene.shell == scene::ShellKind::kExact ? "Exact" : "Naive",
                                    counted(n.dynamic_triangles, "triangle", "triangles"),
                                    counted(n.shell_points, "point", "points"), bytes_text(n.shell_bytes),
-                                   scene.shell == ShellKind::kExact ? "exact" : "naive"));
+                                   scene.shell == scene::ShellKind::kExact ? "exact" : "naive"));
   if (n.virtual_tool_lever_m > 0.0)
     plan.built.push_back(fmt::format(
         "Virtual tool, which stays outside what it touches; its spring to the hand is as stiff as the coupling is certified for, and a turn "
         "counts with a lever of {:g} mm. At most {} queries and {} steps of {} iterations a frame; no wall is passed at any speed, and {:.3g} "
         "mm a sample are followed without lag.",
-        1e3 * n.virtual_tool_lever_m, contact_limits::kMaxQueries, contact_limits::kMaxQueries, contact_limits::kMaxIterations,
+        1e3 * n.virtual_tool_lever_m, contact::limits::kMaxQueries, contact::limits::kMaxQueries, contact::limits::kMaxIterations,
         1e3 * plan.swept_m));
   else plan.built.push_back(scene.contact.stiffness_n_per_m3 > 0.0
                            ? fmt::format("Contact model '{}' with {:g} N/m^3, shell points weighed by their area.",
@@ -131,27 +131,27 @@ void say_built(const Scene& scene, const BuildCounts& n, Plan& plan) {
   if (!(n.virtual_tool_lever_m > 0.0)) plan.built.push_back(fmt::format(
       "Fast motion: no wall is crossed unseen up to {:.3g} mm a sample ({:.3g} m/s at 1 kHz); beyond half a voxel, {:.3g} m/s, a "
       "frame costs up to {} times as much. What is faster is flagged.",
-      1e3 * plan.swept_m, 1e3 * plan.swept_m, 1e3 * contact_limits::kFastEdges * scene.voxel_size_m,
-      contact_limits::kMaxSubPoses + 2));
+      1e3 * plan.swept_m, 1e3 * plan.swept_m, 1e3 * contact::limits::kFastEdges * scene.voxel_size_m,
+      contact::limits::kMaxSubPoses + 2));
   if (!(n.virtual_tool_lever_m > 0.0)) plan.built.push_back(fmt::format("{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin "
                                    "by one point, {:.6g} N/m and {:.6g} Nm/rad {}.",
-                                   needs_of(scene.effects).body ? "Stiffness of the grip on the body" : "Contact stiffness",
+                                   effects::needs_of(scene.effects).body ? "Stiffness of the grip on the body" : "Contact stiffness",
                                    plan.contact_n_per_m.one_point, plan.contact_nm_per_rad.one_point,
                                    plan.contact_n_per_m.all_points, plan.contact_nm_per_rad.all_points,
                                    scene.effects.empty() ? "by all points" : "by all that may push at once"));
   plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
-  for (const EffectSpec& effect : scene.effects) plan.built.push_back(effect_sentence(effect));
+  for (const effects::EffectSpec& effect : scene.effects) plan.built.push_back(effect_sentence(effect));
   std::size_t parts = 0;
-  for (const MeshSpec& mesh : scene.static_meshes) parts += mesh.primitives.size();
+  for (const scene::MeshSpec& mesh : scene.static_meshes) parts += mesh.primitives.size();
   parts += scene.dynamic_mesh.primitives.size();
   if (parts > 0)
     plan.built.push_back(fmt::format("Reference from {} for the validator.", counted(parts, "closed form", "closed forms")));
 }
 
-void say_left_out(const Scene& scene, const BuildCounts& n, Plan& plan) {
+void say_left_out(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.field_bytes == 0)
     plan.left_out.push_back("Signed distance field: only the contact model 'field' would ask for it.");
-  const EffectNeeds needs = needs_of(scene.effects);
+  const effects::EffectNeeds needs = effects::needs_of(scene.effects);
   if (!(needs.proximity_m > 0.0)) plan.left_out.push_back("Distances outside the surface: no effect asks for them.");
   if (!needs.twist) plan.left_out.push_back("The tool's velocity: no effect asks for it.");
   if (const std::string absent = absent_effects(scene); !absent.empty())
@@ -163,7 +163,7 @@ void say_left_out(const Scene& scene, const BuildCounts& n, Plan& plan) {
 }
 
 /// It holds a tool out at walls of any thickness, but not everywhere alike.
-void say_virtual_tool_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
+void say_virtual_tool_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(
         fmt::format("{}: the mesh is open. What of it is not closed has no inside, and does not hold a virtual tool.", mesh));
@@ -174,7 +174,7 @@ void say_virtual_tool_warnings(const Scene& scene, const BuildCounts& n, Plan& p
         n.thinnest_mesh, 1e3 * n.thinnest_m));
 }
 
-void say_field_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
+void say_field_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.virtual_tool_lever_m > 0.0) return say_virtual_tool_warnings(scene, n, plan);
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(fmt::format(
@@ -192,7 +192,7 @@ void say_proximity_warnings(const BuildCounts& n, Plan& plan) {
         "{}: the mesh is open. What of it is not closed has no outside, and no effect feels it from a distance.", mesh));
 }
 
-void say_warnings(const Scene& scene, const BuildCounts& n, Plan& plan) {
+void say_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   plan.warnings = scene.warnings;
   plan.warnings.insert(plan.warnings.end(), n.mesh_warnings.begin(), n.mesh_warnings.end());
   if (n.surface_voxels == 0) plan.warnings.push_back("The voxmap is empty: nothing can be touched.");
@@ -212,11 +212,11 @@ std::string bytes_text(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const EffectSpec> effects) {
+StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const effects::EffectSpec> effects) {
   StiffnessBounds bounds = contact;
-  for (const EffectSpec& effect : effects) {
+  for (const effects::EffectSpec& effect : effects) {
     if (is_spring(contact) && effect.kind->friction != nullptr) continue;  // a virtual tool rubs by itself, and shows no more for it
-    const EffectBound bound = bound_of(effect);
+    const effects::EffectBound bound = effects::bound_of(effect);
     if (effect.kind->needs(effect.values).body)
       return {{bound.stiffness_n_per_m, bound.stiffness_n_per_m}, {bound.stiffness_nm_per_rad, bound.stiffness_nm_per_rad}};
     bounds.translation.all_points += bound.stiffness_n_per_m;
@@ -225,11 +225,11 @@ StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const Eff
   return bounds;
 }
 
-Plan make_plan(const Scene& scene, const BuildCounts& counts) {
+Plan make_plan(const scene::Scene& scene, const BuildCounts& counts) {
   Plan plan;
   plan.scene = scene.name, plan.scene_hash = scene.hash, plan.contact_model = scene.contact.model;
   plan.voxel_size_m = scene.voxel_size_m;
-  plan.swept_m = contact_limits::kMaxSubPoses * contact_limits::kSubStepEdges * scene.voxel_size_m;
+  plan.swept_m = contact::limits::kMaxSubPoses * contact::limits::kSubStepEdges * scene.voxel_size_m;
   plan.shell_points = counts.shell_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
   plan.of_contact_alone = {counts.contact_n_per_m, counts.contact_nm_per_rad};
@@ -245,4 +245,4 @@ Plan make_plan(const Scene& scene, const BuildCounts& counts) {
   return plan;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

@@ -10,7 +10,7 @@
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/scene/scene.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 
 /// What the builders counted, as plain numbers: the plan knows no voxmap and no pointshell.
 struct BuildCounts {
@@ -29,7 +29,7 @@ struct BuildCounts {
   double tool_gap_m = 0.0;                                 ///< no point of the tool's shell is farther from one of these [m]
   std::vector<std::string> open_meshes;              ///< static meshes that are not closed
   double virtual_tool_lever_m = 0.0;                 ///< [m]; 0: there is no virtual tool
-  ContactRange contact_n_per_m, contact_nm_per_rad;  ///< in W, without effects; see contact_range.hpp
+  coupling::design::ContactRange contact_n_per_m, contact_nm_per_rad;  ///< in W, without effects; see contact_range.hpp
   bool closed = true;                       ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;   ///< what is wrong with the meshes, as sentences
 };
@@ -45,7 +45,7 @@ struct PlanPart {
 
 /// In W: of what pushes alone, and of all that may push at once.
 struct StiffnessBounds {
-  ContactRange translation, rotation;  ///< [N/m]; [Nm/rad] about the tool's origin
+  coupling::design::ContactRange translation, rotation;  ///< [N/m]; [Nm/rad] about the tool's origin
   bool operator==(const StiffnessBounds&) const = default;
 };
 /// Of a virtual tool's spring, before anybody knows the device: stiffer than any device can show, and against rotation that times the
@@ -59,7 +59,7 @@ inline StiffnessBounds spring_of_any_device(double lever_m) noexcept {
 inline bool is_spring(const StiffnessBounds& bounds) noexcept { return bounds.translation.one_point == kSpringOfAnyDevice; }
 
 /// What the device meets at most: contact and effects together, or the grip alone where the object is a body.
-StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const EffectSpec> effects);
+StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const effects::EffectSpec> effects);
 
 struct Plan {
   std::string scene, scene_hash, contact_model;
@@ -69,7 +69,7 @@ struct Plan {
   std::uint64_t bytes = 0;                  ///< of what a frame looks up: voxmap, pointshell, fields
   double expected_ns_per_frame = 0.0;       ///< of the rendering, contact and effects: from counts, not measured
   /// What the contact can show at most, in W before the coupling: translation, and rotation about the tool's origin.
-  ContactRange contact_n_per_m, contact_nm_per_rad;
+  coupling::design::ContactRange contact_n_per_m, contact_nm_per_rad;
   StiffnessBounds of_contact_alone;            ///< the same without any effect
   std::vector<std::string> built, left_out, warnings;  ///< one sentence each
   std::vector<PlanPart> parts;              ///< what a frame is made of, in the order of its way
@@ -92,15 +92,15 @@ inline constexpr double kNsPerEffect = 60.0, kNsPerEffectOff = 15.0, kNsPerCoupl
 inline constexpr double kNsPerProximityPoint = 200.0;
 
 /// The plan for `scene`, given what its builders counted.
-Plan make_plan(const Scene& scene, const BuildCounts& counts);
+Plan make_plan(const scene::Scene& scene, const BuildCounts& counts);
 
 /// What the frames of `scene` are made of; in plan_parts.cpp.
-std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& counts);
+std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& counts);
 /// Of an effect in a frame at most, as it is at the start [ns]; `tool_points`: that it may look round from.
-double expected_ns(const EffectSpec& effect, std::uint64_t tool_points) noexcept;
+double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points) noexcept;
 /// Of one point in contact [ns]; `contact_model` as scenes spell it.
 double ns_per_contact_point(std::string_view contact_model) noexcept;
 /// "812 bytes", "96.0 kB", "2.5 MB".
 std::string bytes_text(std::uint64_t bytes);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

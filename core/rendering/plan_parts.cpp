@@ -7,7 +7,7 @@
 #include "core/contact/limits.hpp"
 #include "core/rendering/plan.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 constexpr const char* kRendering = "rendering";
@@ -17,7 +17,7 @@ std::uint64_t stage_bytes_per_point(std::string_view contact_model) {
   return contact_model == "original" || contact_model == "adapted" ? 104 : 0;
 }
 
-PlanPart effect_part(const EffectSpec& effect, const BuildCounts& n) {
+PlanPart effect_part(const effects::EffectSpec& effect, const BuildCounts& n) {
   const std::uint64_t numbers = 3 * effect.values.size() * sizeof(std::array<double, 3>);  // goal, now, rate
   return {.name = "effect " + effect.name,
           .node = kRendering,
@@ -27,7 +27,7 @@ PlanPart effect_part(const EffectSpec& effect, const BuildCounts& n) {
           .expected_ns = expected_ns(effect, n.tool_points)};
 }
 
-PlanPart coupling_part(const Scene& scene) {
+PlanPart coupling_part(const scene::Scene& scene) {
   return {.name = "coupling",
           .node = "coupling",
           .why = scene.design ? "The scene asks for a coupling that is designed for its device."
@@ -46,14 +46,14 @@ double ns_per_contact_point(std::string_view contact_model) noexcept {
                                         : kNsPerPlainPoint;
 }
 
-double expected_ns(const EffectSpec& effect, std::uint64_t tool_points) noexcept {
+double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points) noexcept {
   if (!effect.on) return kNsPerEffectOff;
   const bool looks_round = effect.kind->needs(effect.values).proximity_m > 0.0;
   return kNsPerEffect + effect.kind->expected_ns +
          (looks_round ? kNsPerProximityPoint * static_cast<double>(tool_points) : 0.0);
 }
 
-std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& n) {
+std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n) {
   const double points = static_cast<double>(n.objects * n.shell_points);  // each object is asked for all of them
   std::vector<PlanPart> parts;
   parts.push_back(
@@ -79,7 +79,7 @@ std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& n) {
   parts.push_back({.name = "culling tree",
                    .node = kRendering,
                    .why = "Leaves out the points that are far from everything; with it, the points in single precision, which decide most.",
-                   .bytes = ContactQuery::lookup_bytes(n.shell_points)});
+                   .bytes = contact::ContactQuery::lookup_bytes(n.shell_points)});
   parts.push_back(
       {.name = "contact model " + scene.contact.model,
        .node = kRendering,
@@ -90,12 +90,12 @@ std::vector<PlanPart> plan_parts(const Scene& scene, const BuildCounts& n) {
     parts.push_back({.name = "virtual tool",
                      .node = kRendering,
                      .why = "The scene's contact section asks for it: the hand feels the spring to a tool that stays outside.",
-                     .bytes = 2 * n.objects * n.shell_points * sizeof(ConstraintRow),
-                     .expected_ns = contact_limits::kMaxQueries * (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * points +
-                                                                   contact_limits::kMaxIterations * kNsPerIteration)});
-  for (const EffectSpec& effect : scene.effects) parts.push_back(effect_part(effect, n));
+                     .bytes = 2 * n.objects * n.shell_points * sizeof(contact::ConstraintRow),
+                     .expected_ns = contact::limits::kMaxQueries * (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * points +
+                                                                   contact::limits::kMaxIterations * kNsPerIteration)});
+  for (const effects::EffectSpec& effect : scene.effects) parts.push_back(effect_part(effect, n));
   parts.push_back(coupling_part(scene));
   return parts;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

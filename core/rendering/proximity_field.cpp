@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 std::int32_t stride_for(double smoothing_m, double edge) {
@@ -13,7 +13,7 @@ std::int32_t stride_for(double smoothing_m, double edge) {
 }
 
 /// The nodes of one lookup lie within 2 m sqrt(3) of each other: where their mean is below the range, none is cut off.
-DistanceFieldOptions options_for(double range_m, std::int32_t stride, double edge) {
+voxmap::DistanceFieldOptions options_for(double range_m, std::int32_t stride, double edge) {
   const double voxels = std::max(2.0, range_m / edge + 3.5 * stride);
   return {.depth_voxels = voxels, .band_voxels = voxels};
 }
@@ -29,16 +29,16 @@ struct Spline {
 
 }  // namespace
 
-ProximityField::ProximityField(const TriangleMesh& mesh, const Voxmap& voxmap, double range_m, double smoothing_m,
+ProximityField::ProximityField(const mesh::TriangleMesh& mesh, const voxmap::Voxmap& voxmap, double range_m, double smoothing_m,
                                const ParallelFor& parallel_for)
     : stride_(stride_for(smoothing_m, voxmap.grid().edge)),
-      field_(build_distance_field(mesh, voxmap, options_for(range_m, stride_, voxmap.grid().edge), parallel_for)),
+      field_(voxmap::build_distance_field(mesh, voxmap, options_for(range_m, stride_, voxmap.grid().edge), parallel_for)),
       band_voxels_(
           static_cast<float>(options_for(range_m, stride_, voxmap.grid().edge).band_voxels)),  // as the nodes hold it
       reach_m_(voxmap.grid().edge * band_voxels_) {}
 
-ProximitySample ProximityField::at(const Vec3& x) const noexcept {
-  ProximitySample sample;
+effects::ProximitySample ProximityField::at(const Vec3& x) const noexcept {
+  effects::ProximitySample sample;
   sample.distance_m = reach_m_;
   const Vec3 u = field_.grid().to_grid(x) / stride_;
   if (!(u.cwiseAbs().sum() * stride_ < 1e9)) return sample;  // a sum, since a largest of NaN and a number may be either
@@ -79,7 +79,7 @@ ProximitySample ProximityField::at(const Vec3& x) const noexcept {
   return sample;
 }
 
-ToolPoints spread_tool_points(const Pointshell& shell, std::size_t most) {
+ToolPoints spread_tool_points(const pointshell::Pointshell& shell, std::size_t most) {
   ToolPoints out;
   std::vector<double> distance(shell.size(), std::numeric_limits<double>::infinity());  // squared
   std::vector<std::size_t> owner(shell.size(), 0);
@@ -99,9 +99,9 @@ ToolPoints spread_tool_points(const Pointshell& shell, std::size_t most) {
     out.points[owner[p]].share += shell.area_m2[p];
     area += shell.area_m2[p];
   }
-  for (ToolPoint& point : out.points)
+  for (effects::ToolPoint& point : out.points)
     point.share = area > 0.0 ? point.share / area : 1.0 / static_cast<double>(out.points.size());
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

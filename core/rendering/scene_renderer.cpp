@@ -4,16 +4,16 @@
 
 #include "core/effects/body.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 
-SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> effects,
+SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<effects::EffectSpec> effects,
                              const SceneSurroundings& surroundings)
     : contact_(contact), effects_(std::move(effects)), surroundings_(surroundings),
       has_effects_or_motion_(!effects_.empty() || contact.moves()) {
   for (std::size_t n = 0; n < effects_.size(); ++n) {
     if (!effects_.spec(n).kind->needs(effects_.spec(n).values).body) continue;
     if (!surroundings.body) throw std::invalid_argument("the effect 'body' needs the shape of the dynamic object");
-    body_.emplace(BodyPart{RigidBody(*surroundings.body), n});
+    body_.emplace(BodyPart{effects::RigidBody(*surroundings.body), n});
   }
   if (surroundings.virtual_tool_lever_m) constrained_.emplace(contact, *surroundings.virtual_tool_lever_m);
 }
@@ -23,11 +23,11 @@ SceneFrame SceneRenderer::render_pushed(const ToolState& tool, double time_s) no
   SceneFrame frame;
   frame.object = body_ ? object_pose(tool.pose) : tool.pose;
   frame.touch = contact_.render(frame.object, time_s);
-  const ContactResult& contact = frame.touch.contact;
+  const contact::ContactResult& contact = frame.touch.contact;
   frame.wrench = contact.wrench;
   frame.stiffness = contact.stiffness;
   frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
-  if (has_effects_or_motion_ && contact.pose_status == PoseStatus::kUsable) add_rest(tool, time_s, frame);
+  if (has_effects_or_motion_ && contact.pose_status == contact::PoseStatus::kUsable) add_rest(tool, time_s, frame);
   return frame;
 }
 
@@ -39,12 +39,12 @@ SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_
   SceneFrame frame;
   const double friction = effects_.friction_at(constrained_->pose().position, constrained_->leans_on());
   frame.touch.contact = constrained_->render(tool.pose, time_s, dt_s, friction, frame.tool);
-  const ContactResult& contact = frame.touch.contact;
+  const contact::ContactResult& contact = frame.touch.contact;
   frame.object = constrained_->pose();
   frame.wrench = contact.wrench;
   frame.stiffness = contact.stiffness;
   frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
-  if (contact.pose_status != PoseStatus::kUsable) return frame;
+  if (contact.pose_status != contact::PoseStatus::kUsable) return frame;
   if (!effects_.empty()) add_effects_at_both(tool, time_s, dt_s, frame);
   supply(tool.pose, dt_s * constrained_->power_w() + constrained_->stiffened_j(), frame);
   return frame;
@@ -54,7 +54,7 @@ SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_
 void SceneRenderer::add_effects_at_both(const ToolState& hand, double time_s, double dt_s, SceneFrame& frame) noexcept {
   ToolState tool = hand;
   tool.pose = frame.object, tool.twist = constrained_->twist();
-  const EffectFrame surface = look(tool, dt_s, time_s, constrained_->parts());
+  const effects::EffectFrame surface = look(tool, dt_s, time_s, constrained_->parts());
   add(effects_.apply(look(hand, dt_s, time_s, constrained_->parts()), &surface), frame);
 }
 
@@ -89,7 +89,7 @@ void SceneRenderer::add_effects(const ToolState& object, double time_s, double d
   add(effects_.apply(look(object, dt_s, time_s, contact_.parts(frame.touch))), frame);
 }
 
-void SceneRenderer::add(const EffectPush& effects, SceneFrame& frame) noexcept {
+void SceneRenderer::add(const effects::EffectPush& effects, SceneFrame& frame) noexcept {
   frame.effects = effects;
   frame.wrench.force += frame.effects.wrench.force;
   frame.wrench.torque += frame.effects.wrench.torque;
@@ -97,9 +97,9 @@ void SceneRenderer::add(const EffectPush& effects, SceneFrame& frame) noexcept {
   frame.stiffness_bound_n_per_m += frame.effects.stiffness_bound_n_per_m;
 }
 
-EffectFrame SceneRenderer::look(const ToolState& object, double step_s, double time_s,
-                                std::span<const ObjectContact> contacts) const noexcept {
-  EffectFrame in;
+effects::EffectFrame SceneRenderer::look(const ToolState& object, double step_s, double time_s,
+                                std::span<const effects::ObjectContact> contacts) const noexcept {
+  effects::EffectFrame in;
   in.tool = object.pose;
   in.twist = object.twist;
   in.dt_s = step_s >= kMinStepS && step_s <= kLongestStepS ? step_s : kDefaultStepS;
@@ -120,22 +120,22 @@ void SceneRenderer::supply(const Pose& object, double given_j, SceneFrame& frame
 }
 
 void SceneRenderer::move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept {
-  const EffectValues& values = effects_.values(body_->effect);
-  RigidBody& body = body_->body;
-  const int button = grab_button(values);
+  const effects::EffectValues& values = effects_.values(body_->effect);
+  effects::RigidBody& body = body_->body;
+  const int button = effects::grab_button(values);
   const bool hold = button < 0 || (tool.buttons >> button & 1U) != 0;
-  BodyLoad load;
+  effects::BodyLoad load;
   if (body.placed()) {
     load.wrench = frame.wrench;
     load.stiffness = frame.stiffness;
     load.stiffness_bound_n_per_m = frame.stiffness_bound_n_per_m;
-    for (const ObjectContact& part : contact_.parts(frame.touch))
+    for (const effects::ObjectContact& part : contact_.parts(frame.touch))
       load.stiffness_times_velocity += part.contact->stiffness.leftCols<3>() * part.twist.linear;
   } else {
     body.place(tool.pose, hold);
   }
-  const BodyGrip grip =
-      body.step(load, tool.pose, tool.twist, hold, grab_distance_m(values), body_parameters(values), dt_s);
+  const effects::BodyGrip grip =
+      body.step(load, tool.pose, tool.twist, hold, effects::grab_distance_m(values), effects::body_parameters(values), dt_s);
   supplied_j_ = potential_j_.value_or(body.energy_j()) - body.energy_j();
   if (!potential_j_) potential_j_ = body.energy_j();  // where it began
   frame.wrench = grip.wrench;
@@ -147,11 +147,11 @@ void SceneRenderer::move_body(const ToolState& tool, double dt_s, SceneFrame& fr
 void SceneRenderer::reset() noexcept {
   contact_.reset();
   effects_.reset();
-  if (body_) body_->body = RigidBody(body_->body.shape());
+  if (body_) body_->body = effects::RigidBody(body_->body.shape());
   if (constrained_) constrained_->reset();
   clutched_ = false;
   last_s_.reset(), potential_j_.reset(), last_position_.reset();
   supplied_j_ = 0.0;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

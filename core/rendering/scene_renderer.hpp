@@ -9,7 +9,7 @@
 #include "core/rendering/device_mapping.hpp"
 #include "core/rendering/object_contacts.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 
 /// W axes. Without a body all of it is about the tool's origin, which is the object's; with one, `touch` and `effects` act on
 /// the body, about its origin, and `wrench` and the stiffness are the grip's, about the tool's. With a virtual tool `touch` is the
@@ -18,8 +18,8 @@ namespace voxtouch {
 struct SceneFrame {
   Pose object;         ///< where the dynamic object was when the contact was found: the tool, the virtual tool, or the body
   ToolFrame tool;      ///< of a virtual tool; all zero without one
-  StageResult touch;   ///< contact alone
-  EffectPush effects;  ///< effects alone; all zero where the scene lists none
+  contact::StageResult touch;   ///< contact alone
+  effects::EffectPush effects;  ///< effects alone; all zero where the scene lists none
   Wrench wrench;       ///< for the hand: the sum of both, or the grip
   Mat6 stiffness = Mat6::Zero();
   double stiffness_bound_n_per_m = 0.0;
@@ -30,9 +30,9 @@ struct SceneFrame {
 
 /// What effects look up, where one asks for it.
 struct SceneSurroundings {
-  const Proximity* proximity = nullptr;
-  std::span<const ToolPoint> tool_points = {};
-  std::optional<BodyShape> body = {};  ///< of the dynamic object, for scenes with the effect of that name
+  const effects::Proximity* proximity = nullptr;
+  std::span<const effects::ToolPoint> tool_points = {};
+  std::optional<effects::BodyShape> body = {};  ///< of the dynamic object, for scenes with the effect of that name
   std::optional<double> virtual_tool_lever_m = {};  ///< there is a virtual tool, with this lever; 0: the tool's reach
 };
 
@@ -43,7 +43,7 @@ class SceneRenderer {
   static constexpr double kDefaultStepS = 0.001, kMinStepS = 1e-5, kLongestStepS = 0.05;
 
   /// std::invalid_argument where a body's shape is missing.
-  SceneRenderer(ObjectContacts& contact, std::vector<EffectSpec> effects, const SceneSurroundings& surroundings = {});
+  SceneRenderer(ObjectContacts& contact, std::vector<effects::EffectSpec> effects, const SceneSurroundings& surroundings = {});
 
   /// `time_s` counts from the session's begin. A pose that cannot be looked up gives no force from anything. Real-time safe.
   SceneFrame render(const ToolState& tool, double time_s) noexcept {
@@ -64,21 +64,21 @@ class SceneRenderer {
   void take_over_tool(const SceneRenderer& before, double time_s) noexcept;
 
   /// What the effects are given for a sample `step_s` after the last one; points into `contacts`. Real-time safe.
-  EffectFrame look(const ToolState& object, double step_s, double time_s,
-                   std::span<const ObjectContact> contacts) const noexcept;
+  effects::EffectFrame look(const ToolState& object, double step_s, double time_s,
+                   std::span<const effects::ObjectContact> contacts) const noexcept;
 
-  EffectChain& effects() noexcept { return effects_; }
-  const EffectChain& effects() const noexcept { return effects_; }
+  effects::EffectChain& effects() noexcept { return effects_; }
+  const effects::EffectChain& effects() const noexcept { return effects_; }
 
  private:
   struct BodyPart {
-    RigidBody body;
+    effects::RigidBody body;
     std::size_t effect = 0;  ///< place in the chain
   };
   SceneFrame render_pushed(const ToolState& tool, double time_s) noexcept;
   SceneFrame render_constrained(const ToolState& tool, double time_s) noexcept;
   void add_effects_at_both(const ToolState& hand, double time_s, double dt_s, SceneFrame& frame) noexcept;
-  void add(const EffectPush& effects, SceneFrame& frame) noexcept;
+  void add(const effects::EffectPush& effects, SceneFrame& frame) noexcept;
   double step_to(double time_s) noexcept;
   const Pose& object_pose(const Pose& tool) const noexcept;
   void add_rest(const ToolState& tool, double time_s, SceneFrame& frame) noexcept;
@@ -87,7 +87,7 @@ class SceneRenderer {
   void move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept;
 
   ObjectContacts& contact_;
-  EffectChain effects_;
+  effects::EffectChain effects_;
   SceneSurroundings surroundings_;
   bool has_effects_or_motion_;  ///< than contact with what rests
   std::optional<BodyPart> body_;
@@ -98,4 +98,4 @@ class SceneRenderer {
   double supplied_j_ = 0.0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

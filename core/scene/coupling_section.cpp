@@ -7,7 +7,7 @@
 #include "core/scene/scene_file.hpp"
 #include "core/scene/scene_sections.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 /// Refuses the keys with this rule, which do not go with what the scene asks for; `why` completes "'key' ...".
@@ -16,8 +16,8 @@ void refuse_all(const MapReader& map, KeyRule rule, std::string_view why) {
     if (key.rule == rule) map.refuse(key.name, why);
 }
 
-HandRange axis_range(const MapReader& map, std::string_view mass, std::string_view damping, std::string_view stiffness) {
-  HandRange out;
+coupling::design::HandRange axis_range(const MapReader& map, std::string_view mass, std::string_view damping, std::string_view stiffness) {
+  coupling::design::HandRange out;
   const auto read = [&](std::string_view key, double& low, double& high) {
     const auto range = map.get<std::array<double, 2>>(key);
     low = range[0], high = range[1];
@@ -47,8 +47,8 @@ void read_hand(const SceneSource& source, const YamlNode& node, const MapReader&
 }
 
 /// Places the findings of `validate` at the keys that they are about.
-void judge(SceneSource& source, const YamlNode& node, const MapReader& map, const CouplingSpec& spec) {
-  for (const CouplingIssue& issue : validate(spec, {}, kSceneSampleTimeS)) {
+void judge(SceneSource& source, const YamlNode& node, const MapReader& map, const coupling::CouplingSpec& spec) {
+  for (const coupling::CouplingIssue& issue : coupling::validate(spec, {}, kSceneSampleTimeS)) {
     const YamlNode* value = map.find(issue.field);
     const SourcePlace place = value ? value->place : node.place;
     if (issue.refuse) source.fail(place, issue.sentence);
@@ -65,7 +65,7 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   if (ask.kind != "auto" && ask.kind != "shaping_filter")
     map.refuse("cutoff_hz", fmt::format("goes with kind: auto or shaping_filter, not with {}.", ask.kind));
   map.read("cutoff_hz", ask.cutoff_hz);
-  CouplingSpec wished;
+  coupling::CouplingSpec wished;
   wished.cutoff_hz = ask.cutoff_hz;
   judge(source, node, map, wished);
   map.read("gain_margin", ask.gain_margin);
@@ -81,9 +81,9 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   return ask;
 }
 
-CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, const MapReader& map) {
+coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, const MapReader& map) {
   refuse_all(map, KeyRule::kWithFirst, "goes with 'design: auto'.");
-  CouplingSpec spec;
+  coupling::CouplingSpec spec;
   if (const YamlNode* kind = map.find("kind")) {
     if (kind->text == "auto") source.fail(kind->place, "'kind: auto' goes with 'design: auto', which is not here.");
     read_choice(source, *kind, "kind", words_of(keys::kKindsByHand));
@@ -114,11 +114,11 @@ CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, const MapRe
 
 }  // namespace
 
-CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignOptions>& design) {
+coupling::CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignOptions>& design) {
   const MapReader map(source, node, "coupling", keys::coupling);
   if (!map.has("design")) return read_by_hand(source, node, map);
   design = read_ask(source, node, map);
   return {};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

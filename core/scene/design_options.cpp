@@ -1,11 +1,11 @@
 #include "core/scene/design_options.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
-HandRange range(double mass_min, double mass_max, double damping_min, double damping_max, double stiffness_min,
+coupling::design::HandRange range(double mass_min, double mass_max, double damping_min, double damping_max, double stiffness_min,
                 double stiffness_max) noexcept {
-  HandRange out;
+  coupling::design::HandRange out;
   out.mass_min = mass_min, out.mass_max = mass_max;
   out.damping_min = damping_min, out.damping_max = damping_max;
   out.stiffness_min = stiffness_min, out.stiffness_max = stiffness_max;
@@ -14,8 +14,8 @@ HandRange range(double mass_min, double mass_max, double damping_min, double dam
 
 }  // namespace
 
-OperatorRange hand_range(Grip grip) noexcept {
-  if (grip == Grip::kPen) return {range(0.02, 0.2, 0.5, 8.0, 20.0, 800.0), range(2e-5, 2e-4, 2e-3, 0.03, 0.1, 2.0)};
+coupling::design::OperatorRange hand_range(coupling::design::Grip grip) noexcept {
+  if (grip == coupling::design::Grip::kPen) return {range(0.02, 0.2, 0.5, 8.0, 20.0, 800.0), range(2e-5, 2e-4, 2e-3, 0.03, 0.1, 2.0)};
   return {range(0.3, 2.0, 3.0, 30.0, 50.0, 600.0), range(2e-3, 2e-2, 0.05, 0.6, 1.0, 15.0)};
 }
 
@@ -30,19 +30,19 @@ std::string_view name_of(HandOption hand) noexcept {
   return "unknown";
 }
 
-OperatorRange operator_range(const DesignOptions& ask, Grip grip) noexcept {
-  if (ask.hand == HandOption::kPen) grip = Grip::kPen;
-  if (ask.hand == HandOption::kArm) grip = Grip::kArm;
-  OperatorRange out = hand_range(grip);
+coupling::design::OperatorRange operator_range(const DesignOptions& ask, coupling::design::Grip grip) noexcept {
+  if (ask.hand == HandOption::kPen) grip = coupling::design::Grip::kPen;
+  if (ask.hand == HandOption::kArm) grip = coupling::design::Grip::kArm;
+  coupling::design::OperatorRange out = hand_range(grip);
   if (ask.hand == HandOption::kGiven) {
     out.translation = ask.given_translation;
     out.rotation = ask.given_rotation.value_or(out.rotation);
   }
-  for (HandRange* axis : {&out.translation, &out.rotation}) {
+  for (coupling::design::HandRange* axis : {&out.translation, &out.rotation}) {
     axis->any_passive = ask.hand == HandOption::kAnyPassive;
     axis->may_release = ask.released;
   }
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -7,7 +7,7 @@
 
 #include "core/coupling/design/loop_parts.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// Whose hands the design has to be stable with.
 enum class HandOption : std::uint8_t {
@@ -28,8 +28,8 @@ struct DesignOptions {
   /// Caps on the contact's stiffness in W that are wanted as they are; without both the designer is free to cap.
   std::optional<double> stiffness_cap_n_per_m, stiffness_cap_nm_per_rad;
   HandOption hand = HandOption::kAsDeviceIsHeld;
-  HandRange given_translation;              ///< for kGiven
-  std::optional<HandRange> given_rotation;  ///< for kGiven; none: the range of the device's grip
+  coupling::design::HandRange given_translation;              ///< for kGiven
+  std::optional<coupling::design::HandRange> given_rotation;  ///< for kGiven; none: the range of the device's grip
   bool released = true;                     ///< nobody holding the device is one of the cases
   bool inject_damping = true;               ///< damping while in contact is allowed
   bool run_infeasible = false;              ///< run what was found even where the design is called infeasible
@@ -47,9 +47,9 @@ struct DesignOptions {
 /// it at two places, tip and the fold of the thumb, 5 to 7 cm apart (0.1 to 2 Nm/rad, 2e-3 to 0.03 Nms/rad). Arm: fist
 /// and forearm at 8 to 10 cm (2e-3 to 2e-2 kg m^2), held by wrist and elbow through 13 to 16 cm (1 to 15 Nm/rad, 0.05
 /// to 0.6 Nms/rad).
-OperatorRange hand_range(Grip grip) noexcept;
+coupling::design::OperatorRange hand_range(coupling::design::Grip grip) noexcept;
 
 /// The hands that `ask` means on a device that is held by `grip`.
-OperatorRange operator_range(const DesignOptions& ask, Grip grip) noexcept;
+coupling::design::OperatorRange operator_range(const DesignOptions& ask, coupling::design::Grip grip) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -5,19 +5,19 @@
 #include "core/scene/map_reader.hpp"
 #include "core/scene/text_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 /// `key` holds [low, high] with 0 < low <= high.
-void read_inertia(const SceneSource& source, const MapReader& map, std::string_view key, AxisModel& axis) {
+void read_inertia(const SceneSource& source, const MapReader& map, std::string_view key, coupling::design::AxisModel& axis) {
   const auto range = map.get<std::array<double, 2>>(key);
   if (!(range[0] > 0.0))
     source.fail(map.require(key).place, fmt::format("'{}' begins at {}; it must be above 0.", key, range[0]));
   axis.inertia_min = range[0], axis.inertia_max = range[1];
 }
 
-AxisModel read_rotation(const SceneSource& source, const MapReader& map) {
-  AxisModel axis;
+coupling::design::AxisModel read_rotation(const SceneSource& source, const MapReader& map) {
+  coupling::design::AxisModel axis;
   read_inertia(source, map, "inertia_kg_m2", axis);
   map.read("damping_nms_per_rad", axis.damping);
   map.read("coulomb_friction_nm", axis.coulomb_friction);
@@ -26,8 +26,8 @@ AxisModel read_rotation(const SceneSource& source, const MapReader& map) {
   return axis;
 }
 
-AxisModel read_translation(const SceneSource& source, const MapReader& map) {
-  AxisModel axis;
+coupling::design::AxisModel read_translation(const SceneSource& source, const MapReader& map) {
+  coupling::design::AxisModel axis;
   map.read("max_force_n", axis.max_effort);
   map.read("max_stiffness_n_per_m", axis.max_stiffness);
   read_inertia(source, map, "mass_kg", axis);
@@ -38,8 +38,8 @@ AxisModel read_translation(const SceneSource& source, const MapReader& map) {
   return axis;
 }
 
-LoopTiming read_timing(const MapReader& map) {
-  LoopTiming timing;
+coupling::design::LoopTiming read_timing(const MapReader& map) {
+  coupling::design::LoopTiming timing;
   timing.period_s = 1.0 / map.get<double>("rate_hz");
   map.read("delay_s", timing.delay_s);
   map.read("jitter", timing.jitter);
@@ -49,13 +49,13 @@ LoopTiming read_timing(const MapReader& map) {
 
 }  // namespace
 
-DeviceModel parse_device_file(const std::string& text, const std::filesystem::path& file) {
+coupling::design::DeviceModel parse_device_file(const std::string& text, const std::filesystem::path& file) {
   const SceneSource source{file, {}};
   const YamlNode root = parse_yaml(text, file, "device file");
   if (root.kind == YamlNode::Kind::kNull)
     source.fail({1, 1}, "The device file is empty; it begins with 'device: <name>'.");
   const MapReader map(source, root, "device file", keys::device_file);
-  DeviceModel model;
+  coupling::design::DeviceModel model;
   map.read("device", model.name);
   model.timing = read_timing(map);
   model.translation = read_translation(source, map);
@@ -68,12 +68,12 @@ DeviceModel parse_device_file(const std::string& text, const std::filesystem::pa
     map.refuse("rotation", "does not go with 'max_torque_nm: 0': a device without torque cannot act against rotation.");
   }
   model.rotation.effort_bandwidth_hz = model.translation.effort_bandwidth_hz;
-  model.grip = map.choice("grip") == 0 ? Grip::kPen : Grip::kArm;
+  model.grip = map.choice("grip") == 0 ? coupling::design::Grip::kPen : coupling::design::Grip::kArm;
   return model;
 }
 
-DeviceModel load_device_file(const std::filesystem::path& file) {
+coupling::design::DeviceModel load_device_file(const std::filesystem::path& file) {
   return parse_device_file(read_text_file(file, "device"), file);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

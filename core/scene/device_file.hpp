@@ -27,12 +27,12 @@
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/scene/scene_error.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// Reads `file`. Throws SceneError.
-DeviceModel load_device_file(const std::filesystem::path& file);
+coupling::design::DeviceModel load_device_file(const std::filesystem::path& file);
 
 /// The same for text that stands in memory; `file` names it in messages.
-DeviceModel parse_device_file(const std::string& text, const std::filesystem::path& file);
+coupling::design::DeviceModel parse_device_file(const std::string& text, const std::filesystem::path& file);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

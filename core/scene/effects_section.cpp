@@ -6,53 +6,53 @@
 
 #include "core/scene/scene_sections.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
-std::array<double, 3> read_value(const SceneSource& source, const YamlNode& node, const EffectParameter& parameter) {
+std::array<double, 3> read_value(const SceneSource& source, const YamlNode& node, const effects::EffectParameter& parameter) {
   const auto three = [](const Vec3& v) { return std::array{v.x(), v.y(), v.z()}; };
   switch (parameter.shape) {
-    case ParameterShape::kNumber: return {read_number(source, node, parameter.name), 0.0, 0.0};
-    case ParameterShape::kVector: return three(read_vec3(source, node, parameter.name));
-    case ParameterShape::kDirection: {
+    case effects::ParameterShape::kNumber: return {read_number(source, node, parameter.name), 0.0, 0.0};
+    case effects::ParameterShape::kVector: return three(read_vec3(source, node, parameter.name));
+    case effects::ParameterShape::kDirection: {
       const Vec3 v = read_vec3(source, node, parameter.name);
       if (!(v.norm() > 0.0))
         source.fail(node.place, fmt::format("'{}' is a direction and must not be zero.", parameter.name));
       return three(v.normalized());
     }
-    case ParameterShape::kWord:
+    case effects::ParameterShape::kWord:
       return {static_cast<double>(read_choice(source, node, parameter.name, words_of(parameter.words))), 0.0, 0.0};
   }
   return {};
 }
 
-EffectValues read_values(const SceneSource& source, const YamlNode& node, const EffectKind& kind) {
+effects::EffectValues read_values(const SceneSource& source, const YamlNode& node, const effects::EffectKind& kind) {
   std::vector<std::string_view> keys;
-  for (const EffectParameter& parameter : kind.parameters) keys.push_back(parameter.name);
+  for (const effects::EffectParameter& parameter : kind.parameters) keys.push_back(parameter.name);
   const MapReader map(source, node, kind.name, keys);
-  EffectValues values(kind.parameters);
+  effects::EffectValues values(kind.parameters);
   for (std::size_t n = 0; n < kind.parameters.size(); ++n) {
-    const EffectParameter& parameter = kind.parameters[n];
+    const effects::EffectParameter& parameter = kind.parameters[n];
     const YamlNode* value = parameter.standard ? map.find(parameter.name) : &map.require(parameter.name);
     if (value == nullptr) continue;
     values.at(n) = read_value(source, *value, parameter);
-    EffectValues alone = values;
-    if (const std::string why = check_value(parameter, alone.at(n)); !why.empty()) source.fail(value->place, why + ".");
+    effects::EffectValues alone = values;
+    if (const std::string why = effects::check_value(parameter, alone.at(n)); !why.empty()) source.fail(value->place, why + ".");
   }
-  if (const std::string why = check_values(kind, values); !why.empty()) source.fail(node.place, why + ".");
+  if (const std::string why = effects::check_values(kind, values); !why.empty()) source.fail(node.place, why + ".");
   return values;
 }
 
-Region read_region(const SceneSource& source, const YamlNode& node, const MapReader& map) {
-  Region region;
+effects::Region read_region(const SceneSource& source, const YamlNode& node, const MapReader& map) {
+  effects::Region region;
   map.read("blend_m", region.blend_m);
   if (map.has("sphere") == map.has("box")) source.fail(node.place, "'region' needs one of: sphere, box.");
   if (map.has("sphere")) {
     const MapReader sphere = map.inner("sphere");
-    region.shape = SphereRegion{sphere.get<Vec3>("centre"), sphere.get<double>("radius")};
+    region.shape = effects::SphereRegion{sphere.get<Vec3>("centre"), sphere.get<double>("radius")};
   } else {
     const MapReader box = map.inner("box");
-    region.shape = BoxRegion{read_pose(box), box.get<Vec3>("size")};
+    region.shape = effects::BoxRegion{read_pose(box), box.get<Vec3>("size")};
   }
   return region;
 }
@@ -64,16 +64,16 @@ std::uint32_t read_object_name(const SceneSource& source, const YamlNode& node, 
   return static_cast<std::uint32_t>(read_choice(source, node, "object", names));
 }
 
-EffectSpec read_effect(const SceneSource& source, const YamlNode& node, const Scene& scene) {
+effects::EffectSpec read_effect(const SceneSource& source, const YamlNode& node, const Scene& scene) {
   std::vector<std::string_view> kinds;
-  for (const EffectKind* kind : effect_kinds()) kinds.push_back(kind->name);
+  for (const effects::EffectKind* kind : effects::effect_kinds()) kinds.push_back(kind->name);
   if (node.kind != YamlNode::Kind::kMap || node.entries.empty())
     source.fail(node.place,
                 fmt::format("An effect is a map such as {{viscosity: {{damping_ns_per_m: 1}}}}, but here is {}.",
                             describe(node)));
   const MapReader map(source, node, "an effect", keys::effect, kinds);
-  EffectSpec spec;
-  for (const EffectKind* kind : effect_kinds()) {
+  effects::EffectSpec spec;
+  for (const effects::EffectKind* kind : effects::effect_kinds()) {
     const YamlNode* values = map.find(kind->name);
     if (values == nullptr) continue;
     if (spec.kind != nullptr)
@@ -98,7 +98,7 @@ EffectSpec read_effect(const SceneSource& source, const YamlNode& node, const Sc
   map.read("on", spec.on);
   if (const YamlNode* region = map.find("region")) {
     spec.region = read_region(source, *region, map.inner("region"));
-    if (!std::isfinite(bound_of(spec).stiffness_n_per_m))
+    if (!std::isfinite(effects::bound_of(spec).stiffness_n_per_m))
       source.fail(region->place, fmt::format("'{}' with these values has no largest force, so at the region's rim nothing would "
                                              "bound its stiffness; leave the region out, or limit the effect.",
                                              spec.kind->name));
@@ -109,11 +109,11 @@ EffectSpec read_effect(const SceneSource& source, const YamlNode& node, const Sc
 
 }  // namespace
 
-std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node, const Scene& scene) {
-  std::vector<EffectSpec> effects;
+std::vector<effects::EffectSpec> read_effects(SceneSource& source, const YamlNode& node, const Scene& scene) {
+  std::vector<effects::EffectSpec> effects;
   for (const YamlNode& item : read_list(source, node, "effects")) {
-    EffectSpec spec = read_effect(source, item, scene);
-    for (const EffectSpec& other : effects) {
+    effects::EffectSpec spec = read_effect(source, item, scene);
+    for (const effects::EffectSpec& other : effects) {
       if (other.name != spec.name) continue;
       source.fail(item.place,
                   spec.kind->alone && other.kind == spec.kind
@@ -123,11 +123,11 @@ std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node, 
                                     spec.name));
     }
     if (spec.kind->alone &&
-        std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& e) { return e.kind == spec.kind; }))
+        std::any_of(effects.begin(), effects.end(), [&](const effects::EffectSpec& e) { return e.kind == spec.kind; }))
       source.fail(item.place, fmt::format("'{}' is there already; a scene has one at most.", spec.kind->name));
     effects.push_back(std::move(spec));
   }
   return effects;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

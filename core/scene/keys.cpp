@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 std::vector<std::string_view> words_of(std::string_view list) {
   std::vector<std::string_view> words;
@@ -205,4 +205,4 @@ constinit const KeyGroup circle{"", "Round and round after the way points, begin
 constinit const KeyGroup way{"way", "How an object moves: its displacement over the time since the session's begin.", kWay};
 
 }  // namespace keys
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

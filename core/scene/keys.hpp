@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// How a value is written; the reader and the schema each have one place for every kind.
 enum class KeyKind : std::uint8_t {
@@ -81,4 +81,4 @@ extern const KeyGroup device_file, device_rotation;
 extern const KeyGroup way;
 
 }  // namespace keys
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -11,7 +11,7 @@
 
 #include "core/types/number.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 /// Edits (insert, delete, replace) between two words.
@@ -254,4 +254,4 @@ SourcePlace MapReader::place_of(std::string_view key) const {
   return node_.place;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -12,7 +12,7 @@
 #include "core/scene/yaml_tree.hpp"
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// What all readers of one file share.
 struct SceneSource {
@@ -113,4 +113,4 @@ class MapReader {
   const KeyGroup* group_ = &kNoKeys;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -8,7 +8,7 @@
 #include "core/mesh/mesh_bytes.hpp"
 #include "core/scene/scene_hash.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 bool is_gltf(const std::filesystem::path& mesh) {
@@ -29,7 +29,7 @@ void for_each_mesh_part(const std::filesystem::path& mesh, const std::string& by
     if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
     const std::filesystem::path file = mesh.parent_path() / buffer["uri"].get<std::string>();
     std::error_code error;
-    if (std::filesystem::is_regular_file(file, error)) take(read_mesh_bytes(file));  // "data:..." is none
+    if (std::filesystem::is_regular_file(file, error)) take(mesh::read_mesh_bytes(file));  // "data:..." is none
   }
 }
 
@@ -39,4 +39,4 @@ std::string hash_of_mesh(const std::filesystem::path& mesh, const std::string& b
   return hash.hex();
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// Calls `take` with a mesh file's bytes, and then with those of each file that it names as a buffer, in its order: a .gltf may have such.
 /// A buffer that is no regular file is left out, since the import refuses the mesh. Throws MeshError for one that cannot be read.
@@ -15,4 +15,4 @@ void for_each_mesh_part(const std::filesystem::path& mesh, const std::string& by
 /// SceneHash over all of them: that of the file alone where there are no others.
 std::string hash_of_mesh(const std::filesystem::path& mesh, const std::string& bytes);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -15,7 +15,7 @@
 #include "core/types/geometry.hpp"
 #include "core/types/motion.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// Closed forms that stand for a mesh, or a convex part of it, in the validator. In the mesh's frame after scaling [m].
 struct SpherePrimitive { Vec3 centre = Vec3::Zero(); double radius_m = 0; };
@@ -77,12 +77,12 @@ struct Scene {
   ContactSpec contact;
   std::optional<double> lever_m;  ///< of a virtual tool; left out: the tool's reach
   bool virtual_tool() const noexcept { return contact.rendering == RenderingKind::kVirtualTool; }
-  std::vector<EffectSpec> effects;  ///< asked for, in the file's order; what is not here is not computed
-  CouplingSpec coupling;            ///< as set by hand; not to be used where `design` is asked for
+  std::vector<effects::EffectSpec> effects;  ///< asked for, in the file's order; what is not here is not computed
+  coupling::CouplingSpec coupling;            ///< as set by hand; not to be used where `design` is asked for
   std::optional<DesignOptions> design;  ///< the coupling is to be designed for the device, this scene and the hand
   WorkspaceMapping device;
   std::map<std::string, Motion> motions;  ///< in W
   std::vector<std::string> warnings;      ///< doubtful, not wrong: `file:line:column: sentence` each
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 std::string at_place(const std::filesystem::path& file, SourcePlace place, const std::string& sentence) {
   if (place.line == 0) return fmt::format("{}: {}", file.string(), sentence);
@@ -12,4 +12,4 @@ std::string at_place(const std::filesystem::path& file, SourcePlace place, const
 SceneError::SceneError(const std::filesystem::path& file, SourcePlace place, const std::string& sentence)
     : std::runtime_error(at_place(file, place, sentence)), place_(place), sentence_(sentence) {}
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

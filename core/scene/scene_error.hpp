@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// A place in a scene file; line and column count from 1, 0 where the fault has no place in the text.
 struct SourcePlace {
@@ -26,4 +26,4 @@ class SceneError : public std::runtime_error {
 /// `file:line:column: sentence`, as SceneError and warnings write it.
 std::string at_place(const std::filesystem::path& file, SourcePlace place, const std::string& sentence);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

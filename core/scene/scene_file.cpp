@@ -8,7 +8,7 @@
 #include "core/scene/scene_sections.hpp"
 #include "core/scene/text_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 std::string hash_of(const std::string& text, const SceneSource& source, const MapReader& map, Scene& scene) {
@@ -16,11 +16,11 @@ std::string hash_of(const std::string& text, const SceneSource& source, const Ma
   hash.add(text);
   const auto add = [&](const MeshSpec& mesh, std::string_view key) {
     try {
-      const std::string bytes = read_mesh_bytes(mesh.path);
+      const std::string bytes = mesh::read_mesh_bytes(mesh.path);
       SceneHash own;
       for_each_mesh_part(mesh.path, bytes, [&](std::string_view part) { hash.add(part), own.add(part); });
       scene.mesh_hashes.emplace(mesh.path, own.hex());
-    } catch (const MeshError& error) {
+    } catch (const mesh::MeshError& error) {
       source.fail(map.require(key).place, fmt::format("{}.", error.what()));
     }
   };
@@ -57,4 +57,4 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
 
 Scene load_scene(const std::filesystem::path& file) { return parse_scene(read_text_file(file, "scene"), file); }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

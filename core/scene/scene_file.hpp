@@ -10,7 +10,7 @@
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_error.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// Period that a scene's coupling is judged for; check_device judges it again for the device's own.
 inline constexpr double kSceneSampleTimeS = 1e-3;
@@ -21,4 +21,4 @@ Scene load_scene(const std::filesystem::path& file);
 /// The same for text that stands in memory; `file` names it and says where its meshes are.
 Scene parse_scene(const std::string& text, const std::filesystem::path& file);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 void SceneHash::close_part(std::uint64_t length) noexcept {
   char bytes[8];
@@ -17,4 +17,4 @@ void SceneHash::add(std::string_view bytes) noexcept {
 
 std::string SceneHash::hex() const { return fmt::format("{:016x}", hash_.value()); }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

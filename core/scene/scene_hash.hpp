@@ -6,7 +6,7 @@
 
 #include "core/types/fnv.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// FNV-1a over parts; each part's length goes in after it, so that no byte can wander from one part to the next.
 class SceneHash {
@@ -19,4 +19,4 @@ class SceneHash {
   Fnv1a hash_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 Primitive read_part(const SceneSource& source, const YamlNode& node) {
@@ -157,7 +157,7 @@ void check_virtual_tool(SceneSource& source, const MapReader& map, const Scene& 
     source.fail(map.inner("contact").place_of("rendering"),
                 "'rendering: virtual_tool' shows as much stiffness as the coupling lets through, and the coupling names none: give "
                 "coupling: {design: auto}, or its stiffness_cap_n_per_m.");
-  if (needs_of(scene.effects).body)
+  if (effects::needs_of(scene.effects).body)
     source.fail(map.place_of("effects"), "The effect 'body' has a contact of its own and does not go with 'rendering: virtual_tool'.");
 }
 
@@ -183,4 +183,4 @@ std::map<std::string, Motion> read_motions(SceneSource& source, const YamlNode& 
   return motions;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

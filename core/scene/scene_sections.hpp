@@ -3,7 +3,7 @@
 #include "core/scene/map_reader.hpp"
 #include "core/scene/scene.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// Entries of `static`: meshes, objects, and the grid's origin where one entry gives it. `scene.contact` is read before: the
 /// objects' material where they name none. In static_section.cpp.
@@ -19,10 +19,10 @@ ContactSpec read_contact(const SceneSource& source, const MapReader& map);
 /// Of the whole scene as read: refuses what a virtual tool does not go with, and warns of what only it would read.
 void check_virtual_tool(SceneSource& source, const MapReader& map, const Scene& scene);
 /// `scene.objects` are read before. In effects_section.cpp.
-std::vector<EffectSpec> read_effects(SceneSource& source, const YamlNode& node, const Scene& scene);
+std::vector<effects::EffectSpec> read_effects(SceneSource& source, const YamlNode& node, const Scene& scene);
 /// The coupling as set by hand, or, where it is to be designed, `design` and a spec of defaults. In coupling_section.cpp.
-CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignOptions>& design);
+coupling::CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignOptions>& design);
 WorkspaceMapping read_device(const MapReader& map);
 std::map<std::string, Motion> read_motions(SceneSource& source, const YamlNode& node);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -7,7 +7,7 @@
 #include "core/effects/effect_kind.hpp"
 #include "core/scene/keys.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -122,27 +122,27 @@ Json map_of(const KeyGroup& group, Json properties) {
   return out;
 }
 
-Json parameter(const EffectParameter& p) {
+Json parameter(const effects::EffectParameter& p) {
   Json out;
-  if (p.shape == ParameterShape::kNumber) {
+  if (p.shape == effects::ParameterShape::kNumber) {
     out = number_within(p.low, p.high);
-  } else if (p.shape == ParameterShape::kWord) {
+  } else if (p.shape == effects::ParameterShape::kWord) {
     out["enum"] = words_of(p.words);
   } else {
     out = {{"$ref", "#/$defs/vector"}};
   }
   if (p.standard) {
     const std::array<double, 3>& v = *p.standard;
-    out["default"] = p.shape == ParameterShape::kNumber ? tidy(v[0])
-                     : p.shape == ParameterShape::kWord ? out["enum"].at(static_cast<std::size_t>(v[0]))
+    out["default"] = p.shape == effects::ParameterShape::kNumber ? tidy(v[0])
+                     : p.shape == effects::ParameterShape::kWord ? out["enum"].at(static_cast<std::size_t>(v[0]))
                                                         : Json({tidy(v[0]), tidy(v[1]), tidy(v[2])});
   }
   return described(std::move(out), p.meaning);
 }
 
-Json effect_kind(const EffectKind& kind) {
+Json effect_kind(const effects::EffectKind& kind) {
   Json out = map_of({.meaning = kind.says});
-  for (const EffectParameter& p : kind.parameters) {
+  for (const effects::EffectParameter& p : kind.parameters) {
     out["properties"][p.name] = parameter(p);
     if (!p.standard) out["required"].push_back(p.name);
   }
@@ -150,23 +150,23 @@ Json effect_kind(const EffectKind& kind) {
 }
 
 /// The keys that do not go with a kind of effect.
-Names refused_by(const EffectKind& kind) {
+Names refused_by(const effects::EffectKind& kind) {
   Names refused;
   if (kind.everywhere) refused = words_of(keys::kNotEverywhere);
-  if (!kind.needs(EffectValues(kind.parameters)).contact) refused.push_back("object");
+  if (!kind.needs(effects::EffectValues(kind.parameters)).contact) refused.push_back("object");
   return refused;
 }
 
 Json effect() {
   Json kinds = Json::object();
   Names names;
-  for (const EffectKind* kind : effect_kinds()) {
+  for (const effects::EffectKind* kind : effects::effect_kinds()) {
     kinds[kind->name] = effect_kind(*kind);
     names.push_back(kind->name);
   }
   Json out = map_of(keys::effect, std::move(kinds));
   out["oneOf"] = each_of(names);
-  for (const EffectKind* kind : effect_kinds()) {
+  for (const effects::EffectKind* kind : effects::effect_kinds()) {
     const Names refused = refused_by(*kind);
     if (!refused.empty()) out["allOf"].push_back({{"if", has(kind->name)}, {"then", none_of(refused)}});
   }
@@ -203,4 +203,4 @@ std::string scene_schema() {
   return schema.dump(2) + "\n";
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -3,10 +3,10 @@
 /// one that is added is in it without a further word; a test holds it against what the reader allows.
 #include <string>
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// JSON Schema, draft 2020-12, indented, with a line break at its end; the same bytes each time. It says less than the reader
 /// where a schema cannot: that files are there, that quaternions have unit length, that names differ.
 std::string scene_schema();
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

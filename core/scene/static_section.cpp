@@ -6,7 +6,7 @@
 #include "core/scene/object_limit.hpp"
 #include "core/scene/scene_sections.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 /// The object's own stiffness in the scene's unit, or the scene's.
@@ -72,4 +72,4 @@ void read_static(SceneSource& source, const YamlNode& node, Scene& scene) {
   if (scene.static_meshes.empty()) source.fail(node.place, "'static' needs at least one mesh.");
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 std::string read_text_file(const std::filesystem::path& file, std::string_view what) {
   std::error_code fault;
@@ -25,4 +25,4 @@ std::string read_text_file(const std::filesystem::path& file, std::string_view w
   return text;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -7,7 +7,7 @@
 
 #include "core/scene/scene_error.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 /// Largest file of this kind [bytes]; what is big (meshes) is in files of its own.
 inline constexpr std::uintmax_t kLargestTextFile = std::uintmax_t{1} << 20;
@@ -16,4 +16,4 @@ inline constexpr std::uintmax_t kLargestTextFile = std::uintmax_t{1} << 20;
 /// that can be read.
 std::string read_text_file(const std::filesystem::path& file, std::string_view what);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

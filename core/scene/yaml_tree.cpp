@@ -10,7 +10,7 @@
 
 #include "core/types/utf8.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 SourcePlace place_of(const YAML::Mark& mark) {
@@ -162,4 +162,4 @@ std::string describe(const YamlNode& node) {
   return fmt::format("{} '{}'", node.quoted ? "the text" : "the word", shown);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

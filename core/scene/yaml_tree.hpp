@@ -8,7 +8,7 @@
 
 #include "core/scene/scene_error.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 struct YamlEntry;
 
@@ -40,4 +40,4 @@ YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file, 
 /// "a map", "a list", "nothing", "the text 'x'": for messages.
 std::string describe(const YamlNode& node);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// Word z holds the slice z of a brick, voxel (x, y) at bit x + 8 y.
 using BrickMask = std::array<std::uint64_t, 8>;
@@ -49,4 +49,4 @@ inline std::uint64_t face(const BrickMask& m, int axis, int side) noexcept {
   return bits;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

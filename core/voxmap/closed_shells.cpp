@@ -9,7 +9,7 @@
 
 #include "core/voxmap/exact_sign.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
@@ -268,4 +268,4 @@ std::vector<std::uint32_t> triangles_of_closed_parts(const ClosedShells& shells)
   return chosen;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

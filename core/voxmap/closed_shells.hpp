@@ -13,7 +13,7 @@
 
 #include "core/voxmap/grid_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 enum class TriangleState : std::uint8_t { kSound, kZeroArea, kDuplicate };
 
@@ -45,4 +45,4 @@ ClosedShells find_closed_shells(const GridMesh& mesh);
 /// Triangles of the parts that enclose space, ascending.
 std::vector<std::uint32_t> triangles_of_closed_parts(const ClosedShells& shells);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

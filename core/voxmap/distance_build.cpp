@@ -8,7 +8,7 @@
 #include "core/voxmap/distance_tree.hpp"
 #include "core/voxmap/winding.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 constexpr int kEdge = DistanceField::kBrickEdge, kNodes = DistanceField::kNodeEdge;
@@ -88,7 +88,7 @@ double steepest_square_inside(const Corners& d, double side, int splits, double 
 /// Fills a field brick by brick.
 class DistanceFieldBuilder {
  public:
-  DistanceFieldBuilder(const TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options)
+  DistanceFieldBuilder(const mesh::TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options)
       : voxmap_(voxmap), mesh_(mesh, voxmap.grid()), shells_(find_closed_shells(mesh_)),
         tree_(mesh_, triangles_of_closed_parts(shells_)) {
     field_.grid_ = voxmap.grid(), field_.base_ = voxmap.base(), field_.cells_ = voxmap.cells();
@@ -228,7 +228,7 @@ class DistanceFieldBuilder {
   DistanceField field_;
 };
 
-DistanceField build_distance_field(const TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
+DistanceField build_distance_field(const mesh::TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
                                    const ParallelFor& parallel_for, std::uint64_t memory_limit_bytes) {
   for (const double voxels : {options.depth_voxels, options.band_voxels})
     if (!(voxels >= 2.0 && voxels <= 1e4))
@@ -238,4 +238,4 @@ DistanceField build_distance_field(const TriangleMesh& mesh, const Voxmap& voxma
   return DistanceFieldBuilder(mesh, voxmap, options).build(parallel_for, memory_limit_bytes);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

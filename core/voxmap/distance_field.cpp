@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 FieldSample DistanceField::at(const Vec3& u) const noexcept {
   FieldSample sample;
@@ -57,4 +57,4 @@ std::size_t DistanceField::bytes() const noexcept {
   return table_.size() * sizeof(std::int32_t) + bricks_.size() * sizeof(Brick);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

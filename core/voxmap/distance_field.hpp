@@ -27,7 +27,7 @@
 #include "core/voxmap/grid_mesh.hpp"
 #include "core/voxmap/voxmap.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// What the field says about one point.
 struct FieldSample {
@@ -89,8 +89,8 @@ class DistanceField {
 /// The field of the mesh that `voxmap` was made from. Several static meshes: concatenate them. Same bits whatever
 /// `parallel_for` does. Throws std::invalid_argument for options out of range and VoxelBudgetError where the bricks would
 /// take more than `memory_limit_bytes`, before they are allocated.
-DistanceField build_distance_field(const TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
+DistanceField build_distance_field(const mesh::TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
                                    const ParallelFor& parallel_for,
                                    std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

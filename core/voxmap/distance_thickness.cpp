@@ -9,7 +9,7 @@
 #include "core/voxmap/distance_tree.hpp"
 #include "core/voxmap/exact_sign.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 constexpr double kNowhere = std::numeric_limits<double>::infinity();
@@ -69,7 +69,7 @@ double solid_ahead(const GridMesh& mesh, const ClosedShells& shells, const Dista
 
 }  // namespace
 
-ThinnestWall thinnest_wall(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+ThinnestWall thinnest_wall(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
                            std::size_t most_rays) {
   const GridMesh in_grid(mesh, grid);
   const ClosedShells shells = find_closed_shells(in_grid);
@@ -94,4 +94,4 @@ ThinnestWall thinnest_wall(const TriangleMesh& mesh, const Grid& grid, const Par
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

@@ -6,7 +6,7 @@
 #include "core/types/parallel.hpp"
 #include "core/voxmap/grid.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// The thinnest place found.
 struct ThinnestWall {
@@ -17,7 +17,7 @@ struct ThinnestWall {
 /// Straight through the solid, from a point of each triangle along its normal to where the winding number comes back to 0.
 /// So walls inside overlapping parts do not count, nor does which way triangles face. Above `most_rays` triangles only every
 /// n-th is looked at; an estimate for people, no bound: a place thinner than its triangles are wide may be missed.
-ThinnestWall thinnest_wall(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+ThinnestWall thinnest_wall(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
                            std::size_t most_rays = 50'000);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

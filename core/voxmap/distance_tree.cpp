@@ -5,7 +5,7 @@
 
 #include "core/voxmap/exact_sign.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 /// A box is passed over only if it is farther than the best so far by more than what rounding can do: so the least of all
@@ -129,4 +129,4 @@ bool DistanceTree::on_ray(const Node& node, const Vec3& origin, const Vec3& dire
   return enter <= leave + kRoundingAbsolute;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

@@ -6,7 +6,7 @@
 
 #include "core/voxmap/grid_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// Queries are const, may run at once and give the same bits whatever was asked before.
 class DistanceTree {
@@ -67,4 +67,4 @@ void DistanceTree::each_on_ray(const Vec3& origin, const Vec3& direction, F&& f)
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 constexpr double kEps = 0x1p-53;
@@ -125,4 +125,4 @@ Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
           accurate2d(a.x(), a.y(), b.x(), b.y(), c.x(), c.y())};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

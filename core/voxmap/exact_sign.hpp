@@ -8,7 +8,7 @@
 /// `GridMesh` sees to that.
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// (b - a) x (p - a) in the plane: > 0 where p lies left of the line a->b. Exact sign.
 double orient2d(double ax, double ay, double bx, double by, double px, double py) noexcept;
@@ -21,4 +21,4 @@ double orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) noex
 /// only if the area is zero.
 Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

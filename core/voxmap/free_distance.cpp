@@ -9,7 +9,7 @@
 // Lengths here are in cells of 2 voxels, in which the centre of a 4-voxel cell n is the lattice point 2 n + 1 and the gap from
 // there to the cell i is a whole number: i - (2 n + 1) above it, 2 n - i below. The squared distance is separable: the best along
 // z first, then over rows along y, then over planes along x.
-namespace voxtouch::free_distance {
+namespace voxtouch::voxmap::free_distance {
 namespace {
 
 using Squared = std::int16_t;
@@ -201,4 +201,4 @@ std::vector<std::uint8_t> Occupancy::bytes() const {
   return std::move(board.bytes());
 }
 
-}  // namespace voxtouch::free_distance
+}  // namespace voxtouch::voxmap::free_distance

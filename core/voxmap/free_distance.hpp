@@ -6,7 +6,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// A byte is a lower bound of the distance from the cell's *centre* to the nearest voxel that is not free: in quarters of a voxel
 /// up to 24 voxels, in halves up to 64, in steps of 8 beyond, to 696. Elsewhere the distance is smaller by at most the way from the
@@ -53,4 +53,4 @@ class Occupancy {
 };
 
 }  // namespace free_distance
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

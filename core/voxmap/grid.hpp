@@ -6,7 +6,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// Integer address of a voxel; any integers, also negative.
 struct VoxelIndex {
@@ -30,4 +30,4 @@ struct Grid {
   }
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

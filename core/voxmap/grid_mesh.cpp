@@ -7,7 +7,7 @@
 
 #include "core/voxmap/voxmap.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 constexpr double kTiny = 0x1p-300;
@@ -23,7 +23,7 @@ struct Bounds {
 };
 
 /// Bounds over the vertices that triangles use; says which vertex or triangle is unusable.
-void add_bounds(const TriangleMesh& mesh, Bounds& bounds) {
+void add_bounds(const mesh::TriangleMesh& mesh, Bounds& bounds) {
   if (mesh.empty()) throw std::runtime_error("the mesh has no triangles: nothing to make voxels of");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) {
@@ -60,7 +60,7 @@ std::string in_metres(double metres) {
 
 /// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2 cells an A /
 /// edge^2, a slender one as many as its length says; triangles smaller than a cell share theirs.
-double expected_cells(const TriangleMesh& mesh, double edge_m) {
+double expected_cells(const mesh::TriangleMesh& mesh, double edge_m) {
   double sum = 8.0;
   for (const auto& t : mesh.triangles) {
     const Vec3 side = (mesh.vertices[t[1]] - mesh.vertices[t[0]]) / edge_m;
@@ -73,7 +73,7 @@ double expected_cells(const TriangleMesh& mesh, double edge_m) {
 
 }  // namespace
 
-Grid default_grid(const TriangleMesh& mesh, double edge) {
+Grid default_grid(const mesh::TriangleMesh& mesh, double edge) {
   check_edge(edge);
   Bounds bounds;
   add_bounds(mesh, bounds);
@@ -83,7 +83,7 @@ Grid default_grid(const TriangleMesh& mesh, double edge) {
   return grid;
 }
 
-VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid) {
+VoxelEstimate estimate_voxels(const mesh::TriangleMesh& mesh, const Grid& grid) {
   check_edge(grid.edge);
   if (!grid.origin.allFinite()) throw std::runtime_error("the grid's origin is not finite");
   Bounds bounds;
@@ -126,7 +126,7 @@ void require_affordable(const VoxelEstimate& estimate, const Grid& grid, std::ui
     throw VoxelBudgetError(what + " and a table of more than 2^28 bricks: use a larger voxel size");
 }
 
-GridMesh::GridMesh(const TriangleMesh& mesh, const Grid& grid) : triangles(&mesh.triangles) {
+GridMesh::GridMesh(const mesh::TriangleMesh& mesh, const Grid& grid) : triangles(&mesh.triangles) {
   u.reserve(mesh.vertices.size());
   for (const Vec3& x : mesh.vertices) {
     Vec3 v = grid.to_grid(x);
@@ -136,4 +136,4 @@ GridMesh::GridMesh(const TriangleMesh& mesh, const Grid& grid) : triangles(&mesh
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

@@ -10,7 +10,7 @@
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/voxmap/grid.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// The voxels of a mesh would not fit: more memory than the limit, or indices beyond what int32 holds. The
 /// sentence names extent, voxel size and memory.
@@ -38,10 +38,10 @@ inline constexpr double kMaxVoxelIndex = 1073741824.0;
 /// e * (floor(min / e) - 1) an axis over the used vertices: one layer of free voxels before
 /// them. Throws std::runtime_error for no triangles, a vertex that is not finite, a bad index, or an
 /// edge that is not a positive number.
-Grid default_grid(const TriangleMesh& mesh, double edge);
+Grid default_grid(const mesh::TriangleMesh& mesh, double edge);
 
 /// Throws std::runtime_error like `default_grid`; else never refuses.
-VoxelEstimate estimate_voxels(const TriangleMesh& mesh, const Grid& grid);
+VoxelEstimate estimate_voxels(const mesh::TriangleMesh& mesh, const Grid& grid);
 /// Throws VoxelBudgetError where the estimate exceeds `limit_bytes`, the int32 range, or the table of a
 /// voxmap.
 void require_affordable(const VoxelEstimate& estimate, const Grid& grid,
@@ -54,11 +54,11 @@ struct GridMesh {
   /// the mesh's own; it must outlive this
   const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
 
-  GridMesh(const TriangleMesh& mesh, const Grid& grid);
+  GridMesh(const mesh::TriangleMesh& mesh, const Grid& grid);
   std::size_t size() const noexcept { return triangles->size(); }
   const Vec3& corner(std::size_t triangle, int k) const noexcept {
     return u[(*triangles)[triangle][static_cast<std::size_t>(k)]];
   }
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

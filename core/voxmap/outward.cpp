@@ -9,7 +9,7 @@
 #include "core/voxmap/exact_sign.hpp"
 #include "core/voxmap/winding.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 bool oriented(ShellRole role) { return role == ShellRole::kKept || role == ShellRole::kTurned; }
@@ -105,4 +105,4 @@ std::vector<std::int8_t> outward_sides(const GridMesh& mesh, const ClosedShells&
   return side;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 Slabs::Slabs(const GridMesh& mesh, std::int32_t base, std::size_t count) : base_(base), start_(count + 1, 0) {
   const auto range = [&](std::size_t t) {
@@ -29,4 +29,4 @@ Slabs::Slabs(const GridMesh& mesh, std::int32_t base, std::size_t count) : base_
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

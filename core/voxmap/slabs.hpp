@@ -7,7 +7,7 @@
 
 #include "core/voxmap/grid_mesh.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 class Slabs {
  public:
@@ -27,4 +27,4 @@ class Slabs {
   std::vector<std::uint32_t> triangles_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

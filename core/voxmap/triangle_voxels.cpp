@@ -5,7 +5,7 @@
 
 #include "core/voxmap/exact_sign.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 constexpr double kFilter = 64.0 * 0x1p-53;  // more than the roundings of any form add up to
@@ -178,4 +178,4 @@ bool TriangleVoxels::solve_row(std::int32_t i, std::int32_t row, Range& run) con
   return run.first <= run.last;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

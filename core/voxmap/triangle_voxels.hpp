@@ -12,7 +12,7 @@
 #include "core/types/geometry.hpp"
 #include "core/voxmap/grid.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// How a triangle meets a voxel: not at all, at the closed cube's border only, or in the open cube.
 enum class Meeting : std::uint8_t { kNone, kTouch, kOpen };
@@ -85,4 +85,4 @@ void TriangleVoxels::for_each_run(std::int32_t i_first, std::int32_t i_last, F&&
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

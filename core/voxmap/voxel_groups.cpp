@@ -3,7 +3,7 @@
 #include <bit>
 #include <numeric>
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 constexpr std::size_t kBricksPerJob = 256;
@@ -127,4 +127,4 @@ VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel
   return groups;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

@@ -8,7 +8,7 @@
 #include "core/voxmap/brick_bits.hpp"
 #include "core/voxmap/grid.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// Surface voxels as bits, in the cells of a voxmap. The cells of the border hold none.
 struct SurfaceBits {
@@ -42,4 +42,4 @@ struct VoxelGroups {
 
 VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel_for);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

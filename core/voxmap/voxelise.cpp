@@ -8,7 +8,7 @@
 #include "core/voxmap/voxel_groups.hpp"
 #include "core/voxmap/winding.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 // finished, marked, two pieces, spare
@@ -113,7 +113,7 @@ void write_map(const SurfaceBits& surface, const VoxelGroups& groups,
 
 }  // namespace
 
-Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+Voxmap voxelise(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
                 std::uint64_t memory_limit_bytes) {
   const VoxelEstimate estimate = estimate_voxels(mesh, grid);
   require_affordable(estimate, grid, memory_limit_bytes);
@@ -133,4 +133,4 @@ Voxmap voxelise(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& p
   return map;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

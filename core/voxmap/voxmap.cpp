@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 std::int32_t floor_to_brick(std::int64_t v) { return static_cast<std::int32_t>((v >> 3) << 3); }
@@ -135,4 +135,4 @@ std::size_t Voxmap::bytes() const noexcept {
   return table_.size() * sizeof(std::int32_t) + bricks_.size() * sizeof(Brick) + near_.size();
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

@@ -15,7 +15,7 @@
 #include "core/voxmap/free_distance.hpp"
 #include "core/voxmap/grid.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 enum class VoxelKind : std::uint8_t { kFree = 0, kSurface = 1, kInterior = 2 };
 
@@ -125,4 +125,4 @@ void Voxmap::for_each_occupied(F&& f) const {
       }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

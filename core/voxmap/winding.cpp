@@ -4,7 +4,7 @@
 
 #include "core/voxmap/exact_sign.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 /// How often, and which way, the triangle's shadow on the xy plane goes round the point: -1, 0, +1.
@@ -46,4 +46,4 @@ bool inside_shells(const GridMesh& mesh, const ClosedShells& shells,
   return winding != 0 || parity != 0;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

@@ -5,7 +5,7 @@
 
 #include "core/voxmap/closed_shells.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 
 /// `at`: a point in grid coordinates that no listed triangle contains; `triangles`: at least all that a ray
 /// from it along +z can meet. Inside = the winding number of the oriented shells is not 0 (so a mesh turned
@@ -15,4 +15,4 @@ namespace voxtouch {
 bool inside_shells(const GridMesh& mesh, const ClosedShells& shells,
                    std::span<const std::uint32_t> triangles, const Vec3& at);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

@@ -15,7 +15,7 @@
 
 #include "devices/counterpart.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 namespace {
 
 using namespace std::chrono_literals;
@@ -51,7 +51,7 @@ std::string words(int status) {
 
 ControllerProcess::File::File(const char* name) : number(memfd_create(name, MFD_CLOEXEC)) {
   if (number < 0)
-    throw DeviceOpenError(fmt::format("device 'wire-lwr': no file in memory could be made ({})", std::strerror(errno)));
+    throw devices::DeviceOpenError(fmt::format("device 'wire-lwr': no file in memory could be made ({})", std::strerror(errno)));
 }
 
 ControllerProcess::File::~File() { close(number); }
@@ -59,10 +59,10 @@ ControllerProcess::File::~File() { close(number); }
 ControllerProcess::ControllerProcess(const std::vector<std::string>& arguments, const std::string& hand)
     : hand_("voxtouch_hand"), log_("voxtouch_controller_log") {
   if (pwrite(hand_.number, hand.data(), hand.size(), 0) != static_cast<ssize_t>(hand.size()))
-    throw DeviceOpenError(fmt::format("device 'wire-lwr': the hand could not be written ({})", std::strerror(errno)));
-  const std::string program = (program_folder() / "voxtouch_fri_controller").string();
+    throw devices::DeviceOpenError(fmt::format("device 'wire-lwr': the hand could not be written ({})", std::strerror(errno)));
+  const std::string program = (devices::program_folder() / "voxtouch_fri_controller").string();
   if (access(program.c_str(), X_OK) != 0)
-    throw DeviceOpenError(fmt::format(
+    throw devices::DeviceOpenError(fmt::format(
         "device 'wire-lwr': the simulated controller {} cannot be run ({}); build the target voxtouch_fri_controller, "
         "and keep it beside this program",
         program, std::strerror(errno)));
@@ -86,7 +86,7 @@ void ControllerProcess::start(const std::string& program, const std::vector<std:
   pid_ = fork();
   if (pid_ == 0) become(argv.data(), parent, hand_.number, log_.number);
   if (pid_ < 0)
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         fmt::format("device 'wire-lwr': {} could not be started ({})", program, std::strerror(errno)));
 }
 
@@ -94,10 +94,10 @@ void ControllerProcess::wait_until_ready() {
   for (const auto give_up = Clock::now() + kStart; said().find(kReady) == std::string::npos;) {
     const std::string how = ending();
     if (!how.empty())
-      throw DeviceOpenError(
+      throw devices::DeviceOpenError(
           fmt::format("device 'wire-lwr' cannot be opened: its simulated controller {}: {}", how, said()));
     if (Clock::now() > give_up)
-      throw DeviceOpenError(
+      throw devices::DeviceOpenError(
           "device 'wire-lwr' cannot be opened: its simulated controller did not get ready; is the "
           "machine very busy?");
     std::this_thread::sleep_for(2ms);
@@ -142,4 +142,4 @@ std::string ControllerProcess::said() const {
   return words;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

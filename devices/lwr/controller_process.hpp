@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 
 class ControllerProcess {
  public:
@@ -45,4 +45,4 @@ class ControllerProcess {
   mutable std::optional<int> status_;  // as waitpid gave it
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

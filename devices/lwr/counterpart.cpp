@@ -9,7 +9,7 @@
 #include "devices/operator/hand_file.hpp"
 #include "devices/settings.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 namespace {
 
 constexpr double kConnectTimeoutS = 3.0;  // a controller that runs sends every few milliseconds
@@ -18,25 +18,25 @@ constexpr double kVirtualTimeoutS = 4.0;
 // In lockstep the controller waits as long as the ring does; it goes with its parent, so no patience of its own is needed.
 constexpr const char* kPatienceS = "86400";
 
-SettingReader hardware_settings(const DeviceOptions& options) {
+devices::SettingReader hardware_settings(const devices::DeviceOptions& options) {
   return {"lwr", options.settings, {"address", "port", "controller", "connect_timeout_s", "rest", "tool", "capture"}};
 }
 
-SettingReader wire_settings(const DeviceOptions& options) {
+devices::SettingReader wire_settings(const devices::DeviceOptions& options) {
   return {"wire-lwr", options.settings, {"period_ms", "rest", "tool", "capture", "trace", "fault"}, {"fault"}};
 }
 
 /// What both names share.
-LwrOptions driver_options(const SettingReader& settings) {
+LwrOptions driver_options(const devices::SettingReader& settings) {
   LwrOptions o;
-  place(o, settings.vector("rest").value_or(usual_rest_in_d()), settings.vector("tool").value_or(Vec3::Zero()));
+  place(o, settings.vector("rest").value_or(devices::usual_rest_in_d()), settings.vector("tool").value_or(Vec3::Zero()));
   o.connect_timeout_s = kConnectTimeoutS;
   o.capture_file = settings.text("capture").value_or("");
   return o;
 }
 
-LwrOptions hardware_options(const DeviceOptions& options) {
-  const SettingReader settings = hardware_settings(options);
+LwrOptions hardware_options(const devices::DeviceOptions& options) {
+  const devices::SettingReader settings = hardware_settings(options);
   LwrOptions o = driver_options(settings);
   o.address = settings.text("address").value_or(o.address);
   o.port = settings.port("port").value_or(o.port);
@@ -47,15 +47,15 @@ LwrOptions hardware_options(const DeviceOptions& options) {
   return o;
 }
 
-std::uint32_t period_ms(const SettingReader& settings) {
+std::uint32_t period_ms(const devices::SettingReader& settings) {
   const std::uint32_t period = settings.whole("period_ms").value_or(1);
   if (period < 1 || period > 100) settings.refuse("period_ms", fmt::to_string(period), "in [1, 100]");
   return period;
 }
 
-class WireLwr final : public Counterpart {
+class WireLwr final : public devices::Counterpart {
  public:
-  WireLwr(LwrOptions driver, const DeviceOptions& options, const SettingReader& settings)
+  WireLwr(LwrOptions driver, const devices::DeviceOptions& options, const devices::SettingReader& settings)
       : process_(arguments(driver, options, settings), hand(driver, options)) {
     driver_ = std::make_unique<LwrDriver>(driver);
   }
@@ -68,8 +68,8 @@ class WireLwr final : public Counterpart {
   }
 
  private:
-  static std::vector<std::string> arguments(const LwrOptions& driver, const DeviceOptions& options,
-                                            const SettingReader& settings) {
+  static std::vector<std::string> arguments(const LwrOptions& driver, const devices::DeviceOptions& options,
+                                            const devices::SettingReader& settings) {
     const Vec3& tool = driver.tool_in_flange.position;
     std::vector<std::string> a = {"--remote",
                                   fmt::format("127.0.0.1:{}", driver.port),
@@ -85,13 +85,13 @@ class WireLwr final : public Counterpart {
     return a;
   }
   /// The controller's tool has the flange's axes, ours is turned against them: so is the motion in the base.
-  static std::string hand(const LwrOptions& driver, const DeviceOptions& options) {
-    HandFile file;
-    file.motion = motion_in_device(motion_of(options), driver.d_in_base.inverse(),
+  static std::string hand(const LwrOptions& driver, const devices::DeviceOptions& options) {
+    hand::HandFile file;
+    file.motion = motion_in_device(devices::motion_of(options), driver.d_in_base.inverse(),
                                    {Vec3::Zero(), driver.tool_in_flange.orientation}, 1.0);
     file.hand = options.hand.value_or(usual_hand_at_wire_lwr());
     file.seed = options.seed;
-    return to_text(file);
+    return hand::to_text(file);
   }
 
   ControllerProcess process_;
@@ -105,17 +105,17 @@ void place(LwrOptions& options, const Vec3& rest_in_d, const Vec3& tool_in_flang
   options.d_in_base = {(flange * options.tool_in_flange).position - rest_in_d, Quat::Identity()};
 }
 
-std::unique_ptr<Driver> open_lwr(const DeviceOptions& options) {
+std::unique_ptr<devices::Driver> open_lwr(const devices::DeviceOptions& options) {
   return std::make_unique<LwrDriver>(hardware_options(options));
 }
 
-DeviceDescription describe_lwr_device(const DeviceOptions& options) {
+DeviceDescription describe_lwr_device(const devices::DeviceOptions& options) {
   hardware_options(options);
   return describe_lwr(0.001);
 }
 
-std::unique_ptr<Driver> open_wire_lwr(const DeviceOptions& options) {
-  const SettingReader settings = wire_settings(options);
+std::unique_ptr<devices::Driver> open_wire_lwr(const devices::DeviceOptions& options) {
+  const devices::SettingReader settings = wire_settings(options);
   LwrOptions driver = driver_options(settings);
   driver.address = driver.controller = "127.0.0.1";
   driver.port = UdpSocket(driver.address, 0).local().port;
@@ -125,12 +125,12 @@ std::unique_ptr<Driver> open_wire_lwr(const DeviceOptions& options) {
   return std::make_unique<WireLwr>(driver, options, settings);
 }
 
-OperatorConfig usual_hand_at_wire_lwr() { return *grip("arm-firm"); }
+sim::OperatorConfig usual_hand_at_wire_lwr() { return *hand::grip("arm-firm"); }
 
-DeviceDescription describe_wire_lwr(const DeviceOptions& options) {
-  const SettingReader settings = wire_settings(options);
+DeviceDescription describe_wire_lwr(const devices::DeviceOptions& options) {
+  const devices::SettingReader settings = wire_settings(options);
   driver_options(settings).validate();
   return describe_lwr(1e-3 * period_ms(settings));
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

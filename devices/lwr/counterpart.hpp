@@ -6,26 +6,26 @@
 #include "devices/driver.hpp"
 #include "devices/lwr/lwr_options.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 
 /// Settings: address, port (of this machine, as in friSetup), controller (the only address to listen to), connect_timeout_s (3),
 /// rest (where the tool lies in D while the arm stands in its rest posture, X,Y,Z [m]), tool (the tool's origin in the flange's
 /// frame, X,Y,Z [m]), capture (pcap file of the last packets). Axes of D are the base's; T is parallel to them in the rest
 /// posture. Throws DeviceOpenError.
-std::unique_ptr<Driver> open_lwr(const DeviceOptions& options);
+std::unique_ptr<devices::Driver> open_lwr(const devices::DeviceOptions& options);
 /// Without opening. The rate is the usual one: the controller decides it.
-DeviceDescription describe_lwr_device(const DeviceOptions& options);
+DeviceDescription describe_lwr_device(const devices::DeviceOptions& options);
 
 /// Starts voxtouch_fri_controller, which stands beside the running program, on the loopback and a free port; it ends with the
 /// driver. Settings: period_ms (1), rest, tool, capture as above, trace (CSV of the controller's every period), and, as often as
 /// wanted, fault: KIND@START[:DURATION[:VALUE]] as in devices/lwr/simulated/faults.hpp. The hand moves in D. In lockstep time is
 /// virtual: the same options give the same bits. Throws DeviceOpenError.
-std::unique_ptr<Driver> open_wire_lwr(const DeviceOptions& options);
-DeviceDescription describe_wire_lwr(const DeviceOptions& options);
+std::unique_ptr<devices::Driver> open_wire_lwr(const devices::DeviceOptions& options);
+DeviceDescription describe_wire_lwr(const devices::DeviceOptions& options);
 /// A firm arm: 6 kg at the tool that nothing brakes swing past where a relaxed one leads them.
-OperatorConfig usual_hand_at_wire_lwr();
+sim::OperatorConfig usual_hand_at_wire_lwr();
 
 /// D and T so that the tool at the rest posture lies at `rest_in_d`, with the axes of T, D and the base parallel.
 void place(LwrOptions& options, const Vec3& rest_in_d, const Vec3& tool_in_flange);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

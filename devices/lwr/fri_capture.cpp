@@ -7,7 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 namespace {
 
 constexpr std::uint32_t kPcapMagic = 0xA1B2C3D4, kLinkTypeRaw = 101, kSnapLength = 65535;
@@ -85,4 +85,4 @@ void FriCapture::write(const std::string& path) const {
         fmt::format("cannot write the capture '{}': check the folder and the space on the disk", path));
 }
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

@@ -8,7 +8,7 @@
 #include "devices/lwr/fri_packets.hpp"
 #include "devices/lwr/udp_socket.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 
 /// A ring of datagrams. `note` is real-time safe; the rest allocates.
 class FriCapture {
@@ -36,4 +36,4 @@ class FriCapture {
   std::uint64_t count_ = 0;
 };
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

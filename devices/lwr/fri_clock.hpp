@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 
 /// The stamp on the wire is a float: after 2.3 hours its steps are longer than a millisecond. So time is counted in periods, and
 /// the stamp only checks the count. A controller in virtual time is taken at its word: there the stamp leads where the two differ
@@ -41,4 +41,4 @@ class FriClock {
   std::uint64_t disagreements_ = 0;
 };
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 namespace {
 
 constexpr std::array<int, 6> kOrder = {0, 1, 2, 5, 4, 3};  // its own inverse
@@ -142,4 +142,4 @@ Frame to_wire(const Pose& pose) noexcept {
   return wire;
 }
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

@@ -9,7 +9,7 @@
 #include "devices/lwr/fri_packets.hpp"
 #include "devices/lwr/lwr_arm.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 
 /// Why a datagram is not the packet that it should be.
 enum class PacketFault : std::uint8_t {
@@ -54,4 +54,4 @@ Joints to_wire(const LwrJoints& joints) noexcept;
 Pose from_wire(const Frame& wire) noexcept;
 Frame to_wire(const Pose& pose) noexcept;
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

@@ -1,6 +1,6 @@
 #include "devices/lwr/fri_composer.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 namespace {
 
 constexpr std::uint32_t kJointFlags = kFlagJntPos | kFlagJntTrq | kFlagJntStiff | kFlagJntDamp;
@@ -44,4 +44,4 @@ const CmdPacket& FriComposer::answer_untrusted(const Header& header, const FriSe
   return packet_;
 }
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

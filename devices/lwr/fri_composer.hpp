@@ -5,7 +5,7 @@
 #include "devices/lwr/fri_codec.hpp"
 #include "devices/lwr/fri_session.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 
 struct ComposerRules {
   double joint_damping = 0.1;  ///< normalised, 0.1 to 1; with zero stiffness it does little
@@ -40,4 +40,4 @@ class FriComposer {
   bool ready_ = false;
 };
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

@@ -9,7 +9,7 @@
 #include <limits>
 #include <type_traits>
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 
 static_assert(std::endian::native == std::endian::little,
               "the packets are copied, so the host has to be little-endian");
@@ -140,4 +140,4 @@ static_assert(alignof(MsrPacket) == 4 && alignof(CmdPacket) == 4);
 static_assert(sizeof(Header) == 8 && sizeof(Krl) == 132 && sizeof(Statistics) == 20 && sizeof(Interface) == 40);
 static_assert(sizeof(Robot) == 36 && sizeof(Measured) == 700 && sizeof(Command) == 236);
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

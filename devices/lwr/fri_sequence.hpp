@@ -4,7 +4,7 @@
 
 #include "devices/lwr/fri_codec.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 
 struct SequenceCounts {
   std::uint64_t taken = 0;
@@ -58,4 +58,4 @@ class SequenceTracker {
   SequenceCounts counts_;
 };
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

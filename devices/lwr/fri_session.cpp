@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 namespace {
 
 /// kInvalid is below all others.
@@ -50,18 +50,18 @@ std::string_view sentence_of(Trouble trouble) noexcept {
   return "unknown";
 }
 
-DeviceError error_of(Trouble trouble) noexcept {
+devices::DeviceError error_of(Trouble trouble) noexcept {
   switch (trouble) {
     case Trouble::kDriveError:
-    case Trouble::kTooManyDrops: return DeviceError::kFault;
-    case Trouble::kClosed: return DeviceError::kDisconnected;
-    default: return DeviceError::kRecoverable;
+    case Trouble::kTooManyDrops: return devices::DeviceError::kFault;
+    case Trouble::kClosed: return devices::DeviceError::kDisconnected;
+    default: return devices::DeviceError::kRecoverable;
   }
 }
 
-DeviceError FriSession::error() const noexcept {
+devices::DeviceError FriSession::error() const noexcept {
   const bool stay_off = trouble_ == Trouble::kDrivesWentOff && drives_off_s_ > rules_.drives_off_grace_s;
-  return stay_off ? DeviceError::kFault : error_of(trouble_);
+  return stay_off ? devices::DeviceError::kFault : error_of(trouble_);
 }
 
 void FriSession::request_stop() noexcept {
@@ -148,4 +148,4 @@ void FriSession::fill(Krl& krl) const noexcept {
   krl.integer[kFrmIntRun] = phase_ == Phase::kStarting || phase_ == Phase::kRunning ? kRun : kHalt;
 }
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

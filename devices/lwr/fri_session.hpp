@@ -7,7 +7,7 @@
 #include "devices/driver.hpp"
 #include "devices/lwr/fri_packets.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 
 /// What keeps the force off. Each has a sentence.
 enum class Trouble : std::uint8_t {
@@ -30,7 +30,7 @@ enum class Trouble : std::uint8_t {
 /// What happened and what to do, one sentence. Real-time safe.
 std::string_view sentence_of(Trouble trouble) noexcept;
 /// What a caller can do about it; kRecoverable for kNone.
-DeviceError error_of(Trouble trouble) noexcept;
+devices::DeviceError error_of(Trouble trouble) noexcept;
 
 struct SessionRules {
   Quality start_quality = Quality::kPerfect;  ///< friStart is asked for from here on
@@ -66,7 +66,7 @@ class FriSession {
   bool force_allowed() const noexcept { return trouble_ == Trouble::kNone; }
   Trouble trouble() const noexcept { return trouble_; }
   /// error_of the trouble; drives that stay off for longer than the grace become a fault.
-  DeviceError error() const noexcept;
+  devices::DeviceError error() const noexcept;
   Phase phase() const noexcept { return phase_; }
   /// Fills the program's variables: strategy and request.
   void fill(Krl& krl) const noexcept;
@@ -89,4 +89,4 @@ class FriSession {
   std::uint32_t starts_ = 0, drops_ = 0;
 };
 
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

@@ -5,7 +5,7 @@
 
 #include "devices/lwr/lwr_arm.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 
 /// Backward difference, then a first-order low-pass: rate += (1 - exp(-2 pi f dt)) (difference - rate). Any dt is stable. It lags a
 /// steady acceleration by `lag_s`: half a period of the difference and 1 / (2 pi f) of the low-pass, less the half period that a
@@ -31,4 +31,4 @@ class JointRates {
   LwrJoints last_ = LwrJoints::Zero(), rate_ = LwrJoints::Zero();
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

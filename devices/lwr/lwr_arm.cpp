@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
@@ -50,4 +50,4 @@ LwrJoints lwr_rest_posture() noexcept {
   return q * kRadPerDeg;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

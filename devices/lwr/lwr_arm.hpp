@@ -4,7 +4,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 
 using LwrJoints = Eigen::Matrix<double, 7, 1>;    ///< rad, rad/s or Nm
 using LwrJacobian = Eigen::Matrix<double, 6, 7>;  ///< [linear; angular] of the tool over joint rates, base axes
@@ -55,4 +55,4 @@ inline LwrJoints joint_torque(const LwrJacobian& jacobian, const Wrench& wrench)
 /// Elbow bent, hand in front: q = (0, 30, 0, -90, 0, 60, 0) degrees, far from every limit and singularity.
 LwrJoints lwr_rest_posture() noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

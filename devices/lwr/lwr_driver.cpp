@@ -7,7 +7,7 @@
 
 #include "devices/limits.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 namespace {
 
 using namespace std::chrono_literals;
@@ -27,7 +27,7 @@ std::span<const std::byte> bytes_of(const fri::CmdPacket& packet) noexcept {
 
 }  // namespace
 
-DeviceResult<DeviceSample> LwrDriver::read(std::chrono::microseconds timeout) noexcept {
+devices::DeviceResult<devices::DeviceSample> LwrDriver::read(std::chrono::microseconds timeout) noexcept {
   if (!fresh_) {
     if (unanswered_) ++counts_.unread_answers, answer_without_push();
     const std::uint64_t malformed = counts_.malformed;
@@ -35,32 +35,32 @@ DeviceResult<DeviceSample> LwrDriver::read(std::chrono::microseconds timeout) no
     const auto wait = std::max<Clock::duration>(std::chrono::duration_cast<Clock::duration>(patience), timeout);
     switch (wait_and_take(Clock::now() + wait)) {
       case Intake::kNothing: return std::unexpected(nothing_new(malformed));
-      case Intake::kUntrusted: return std::unexpected(DeviceError::kProtocol);  // already answered
+      case Intake::kUntrusted: return std::unexpected(devices::DeviceError::kProtocol);  // already answered
       case Intake::kNew: accept();
     }
   }
   fresh_ = false;
-  const DeviceError error = session_.error();
-  if (error == DeviceError::kRecoverable) return sample_;
+  const devices::DeviceError error = session_.error();
+  if (error == devices::DeviceError::kRecoverable) return sample_;
   answer_without_push();
   return std::unexpected(error);
 }
 
-DeviceResult<void> LwrDriver::write(const Wrench& command) noexcept {
-  if (!unanswered_) return std::unexpected(DeviceError::kTimeout);
-  if (const auto good = check_command(command, description_); !good) {
+devices::DeviceResult<void> LwrDriver::write(const Wrench& command) noexcept {
+  if (!unanswered_) return std::unexpected(devices::DeviceError::kTimeout);
+  if (const auto good = devices::check_command(command, description_); !good) {
     ++counts_.refused;
     answer_without_push();
     return good;
   }
   if (!session_.force_allowed() || !sample_.pose_valid) {
-    const DeviceError error = session_.force_allowed() ? DeviceError::kProtocol : session_.error();
+    const devices::DeviceError error = session_.force_allowed() ? devices::DeviceError::kProtocol : session_.error();
     answer_without_push();
     return std::unexpected(error);
   }
   const fri::CmdPacket& packet = composer_->answer(msr_, session_, true, push_for(command));
   pushing_ = true;
-  if (!send(packet)) return std::unexpected(DeviceError::kRecoverable);
+  if (!send(packet)) return std::unexpected(devices::DeviceError::kRecoverable);
   return {};
 }
 
@@ -122,15 +122,15 @@ LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram) noexcept
   return Intake::kNew;
 }
 
-DeviceError LwrDriver::nothing_new(std::uint64_t malformed_before) noexcept {
+devices::DeviceError LwrDriver::nothing_new(std::uint64_t malformed_before) noexcept {
   ++counts_.timeouts;
   silent_.store(true, std::memory_order_relaxed);
   if (std::chrono::duration<double>(Clock::now() - heard_.load(std::memory_order_relaxed)).count() > options_.silence_s) {
     sequence_.forget();
     rates_.restart();
-    return DeviceError::kDisconnected;
+    return devices::DeviceError::kDisconnected;
   }
-  return counts_.malformed != malformed_before ? DeviceError::kProtocol : DeviceError::kTimeout;
+  return counts_.malformed != malformed_before ? devices::DeviceError::kProtocol : devices::DeviceError::kTimeout;
 }
 
 void LwrDriver::accept() noexcept {
@@ -210,4 +210,4 @@ LwrStatus LwrDriver::status() const noexcept {
   return status;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

@@ -31,7 +31,7 @@
 #include "devices/lwr/lwr_options.hpp"
 #include "devices/lwr/udp_socket.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 
 struct LwrCounts {
   std::uint64_t answered = 0;
@@ -84,7 +84,7 @@ struct LwrStatus {
 /// Time: periods counted from the first measurement (virtual time: from the first sample in command mode). A controller that
 /// announces virtual time (fri::kVirtualTime) makes `simulated()` true: it waits for each answer, so `read` waits for it, up to
 /// `virtual_timeout_s` whatever its own timeout; the constructor then returns in command mode.
-class LwrDriver final : public Driver {
+class LwrDriver final : public devices::Driver {
  public:
   /// Waits for the first measurement. Throws DeviceOpenError: options, port, nothing or nothing readable within
   /// `connect_timeout_s`, a drive error; the sentence says what to check.
@@ -93,8 +93,8 @@ class LwrDriver final : public Driver {
   ~LwrDriver() override;
 
   const DeviceDescription& description() const noexcept override { return description_; }
-  DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept override;
-  DeviceResult<void> write(const Wrench& command) noexcept override;
+  devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds timeout) noexcept override;
+  devices::DeviceResult<void> write(const Wrench& command) noexcept override;
   void stop() noexcept override;
   bool simulated() const noexcept override { return virtual_time_; }
   std::string trouble() const override;
@@ -118,7 +118,7 @@ class LwrDriver final : public Driver {
   Intake take() noexcept;
   Intake judge(const UdpSocket::Datagram& datagram) noexcept;
   Intake wait_and_take(Clock::time_point deadline) noexcept;
-  DeviceError nothing_new(std::uint64_t malformed_before) noexcept;
+  devices::DeviceError nothing_new(std::uint64_t malformed_before) noexcept;
   void accept() noexcept;
   void measure(double elapsed_s) noexcept;
   fri::Trouble check_arm() const noexcept;
@@ -144,7 +144,7 @@ class LwrDriver final : public Driver {
   Quat base_to_d_ = Quat::Identity();
   LwrArm::State posture_{};
   LwrJoints q_ = LwrJoints::Zero();
-  DeviceSample sample_;
+  devices::DeviceSample sample_;
   LwrCounts counts_;
   fri::PacketFault last_fault_ = fri::PacketFault::kNone;
   std::size_t last_bad_size_ = 0;
@@ -172,4 +172,4 @@ class LwrDriver final : public Driver {
   std::atomic<bool> silent_{false};  // the last read found nothing
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

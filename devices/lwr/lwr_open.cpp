@@ -6,7 +6,7 @@
 #include "devices/lwr/lwr_driver.hpp"
 #include "devices/sim/parameters.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 namespace {
 
 using namespace std::chrono_literals;
@@ -22,7 +22,7 @@ fri::ComposerRules composer_rules(const LwrOptions& options, double period_s) {
 LwrOptions checked(const LwrOptions& options) {
   options.validate();
   if (!options.capture_file.empty() && !std::ofstream(options.capture_file, std::ios::binary))
-    throw DeviceOpenError(fmt::format("device 'lwr': cannot write the capture file '{}'", options.capture_file));
+    throw devices::DeviceOpenError(fmt::format("device 'lwr': cannot write the capture file '{}'", options.capture_file));
   return options;
 }
 
@@ -57,15 +57,15 @@ void LwrDriver::connect() {
   for (bool good = false; !good;) {
     const Intake intake = wait_and_take(std::min(deadline, Clock::now() + kCancelledEvery));
     if (options_.cancelled && options_.cancelled->load())
-      throw DeviceOpenError("device 'lwr': waiting for its controller was cancelled");
-    if (intake == Intake::kNothing && Clock::now() >= deadline) throw DeviceOpenError(nothing_came());
+      throw devices::DeviceOpenError("device 'lwr': waiting for its controller was cancelled");
+    if (intake == Intake::kNothing && Clock::now() >= deadline) throw devices::DeviceOpenError(nothing_came());
     good = intake == Intake::kNew &&
            (msr_.interface.state == fri::State::kMon || msr_.interface.state == fri::State::kCmd);
   }
   steps_ = 0;
   const double period_s = msr_.interface.msr_period_s;
   if (!(period_s > 0.5e-3 && period_s < 0.11))
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         fmt::format("device 'lwr': the controller at {} announces a period of {} s, but friOpen knows 1 to 100 ms",
                     text_of(controller_), period_s));
   period_ns_ = std::llround(period_s * 1e6) * 1000;  // whole microseconds: the float is a little off
@@ -73,9 +73,9 @@ void LwrDriver::connect() {
   composer_.emplace(composer_rules(options_, 1e-9 * static_cast<double>(period_ns_)));
   clock_.emplace(period_ns_, virtual_time_);
   accept();
-  if (session_.error() != DeviceError::kRecoverable) {
+  if (session_.error() != devices::DeviceError::kRecoverable) {
     answer_without_push();
-    throw DeviceOpenError(fmt::format("device 'lwr': {}", status_text()));
+    throw devices::DeviceOpenError(fmt::format("device 'lwr': {}", status_text()));
   }
   if (!virtual_time_) answer_without_push();
 }
@@ -108,12 +108,12 @@ void LwrDriver::start_in_virtual_time() {
   const double period_s = 1e-9 * static_cast<double>(period_ns_);
   const double patience_s = options_.session.start_timeout_s + options_.connect_timeout_s;
   for (double waited_s = 0.0; !(session_.force_allowed() && sample_.pose_valid); waited_s += period_s) {
-    if (waited_s > patience_s || session_.error() != DeviceError::kRecoverable)
-      throw DeviceOpenError(
+    if (waited_s > patience_s || session_.error() != devices::DeviceError::kRecoverable)
+      throw devices::DeviceOpenError(
           fmt::format("device 'lwr': the controller in virtual time did not start: {}", status_text()));
     answer_without_push();
     if (wait_and_take(Clock::now() + seconds(options_.virtual_timeout_s)) != Intake::kNew)
-      throw DeviceOpenError(fmt::format(
+      throw devices::DeviceOpenError(fmt::format(
           "device 'lwr': the controller in virtual time at {} went silent during the start", text_of(controller_)));
     accept();
   }
@@ -125,7 +125,7 @@ void LwrDriver::start_in_virtual_time() {
 void LwrDriver::describe() { description_ = describe_lwr(1e-9 * static_cast<double>(period_ns_)); }
 
 DeviceDescription describe_lwr(double period_s) {
-  DeviceDescription d = sim_lwr().description;
+  DeviceDescription d = sim::sim_lwr().description;
   d.model = "lwr";
   d.rate_hz = 1.0 / period_s;
   d.delay_s = period_s + 0.001;  // the controller interpolates over one period; then its torque loop (assumed)
@@ -185,4 +185,4 @@ std::string LwrDriver::trouble() const {
          "its messages and the arm's sensors";
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

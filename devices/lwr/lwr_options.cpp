@@ -6,15 +6,15 @@
 
 #include "devices/lwr/udp_socket.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 namespace {
 
 void require(bool good, std::string_view field, std::string_view rule) {
-  if (!good) throw DeviceOpenError(fmt::format("device 'lwr': option {} has to be {}", field, rule));
+  if (!good) throw devices::DeviceOpenError(fmt::format("device 'lwr': option {} has to be {}", field, rule));
 }
 void require_in(double value, double low, double high, std::string_view field) {
   if (!(value >= low && value <= high))
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         fmt::format("device 'lwr': option {} is {}, but has to be in [{}, {}]", field, value, low, high));
 }
 bool unit(const Quat& q) noexcept { return q.coeffs().allFinite() && std::abs(q.norm() - 1.0) < 1e-6; }
@@ -53,4 +53,4 @@ void LwrOptions::validate() const {
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

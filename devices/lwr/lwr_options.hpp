@@ -9,7 +9,7 @@
 #include "devices/lwr/fri_session.hpp"
 #include "devices/lwr/posture_torque.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 
 struct LwrOptions {
   std::string address = "0.0.0.0";         ///< of the interface to receive on; 0.0.0.0: all
@@ -37,4 +37,4 @@ struct LwrOptions {
   void validate() const;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

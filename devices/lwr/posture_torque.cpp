@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 
 LwrJoints free_motion(const LwrJacobian& jacobian) noexcept {
   LwrJoints motion;
@@ -30,4 +30,4 @@ LwrJoints posture_torque(const PostureRules& rules, const LwrJacobian& jacobian,
   return share * std::clamp(along, -rules.max_torque_nm, rules.max_torque_nm) * n;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

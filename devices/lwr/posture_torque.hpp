@@ -2,7 +2,7 @@
 /// What keeps the elbow where it belongs while a hand leads the tool: seven joints, six degrees of freedom at the tool, one left.
 #include "devices/lwr/lwr_arm.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 
 struct PostureRules {
   LwrJoints posture = lwr_rest_posture();  ///< rad; where the free motion is drawn to
@@ -25,4 +25,4 @@ LwrJoints free_motion(const LwrJacobian& jacobian) noexcept;
 LwrJoints posture_torque(const PostureRules& rules, const LwrJacobian& jacobian, const LwrJoints& q,
                          const LwrJoints& rate) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

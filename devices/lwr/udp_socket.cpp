@@ -13,7 +13,7 @@
 #include <cstring>
 #include <ctime>
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 namespace {
 
 sockaddr_in to_system(const UdpEndpoint& endpoint) noexcept {
@@ -69,9 +69,9 @@ std::optional<std::uint32_t> parse_ipv4(const std::string& text) noexcept {
 
 UdpSocket::UdpSocket(const std::string& address, std::uint16_t port) {
   const auto host = parse_ipv4(address);
-  if (!host) throw DeviceOpenError(fmt::format("'{}' is no IPv4 address like 192.168.0.10", address));
+  if (!host) throw devices::DeviceOpenError(fmt::format("'{}' is no IPv4 address like 192.168.0.10", address));
   file_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (file_ < 0) throw DeviceOpenError(fmt::format("the system gives no UDP socket: {}", std::strerror(errno)));
+  if (file_ < 0) throw devices::DeviceOpenError(fmt::format("the system gives no UDP socket: {}", std::strerror(errno)));
   const int on = 1;
   setsockopt(file_, SOL_SOCKET, SO_TIMESTAMPNS, &on,
              sizeof on);  // without it a packet's age is unknown, and taken as zero
@@ -79,7 +79,7 @@ UdpSocket::UdpSocket(const std::string& address, std::uint16_t port) {
   if (bind(file_, reinterpret_cast<const sockaddr*>(&wanted), sizeof wanted) != 0) {
     const int error = errno;
     close(file_);
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         fmt::format("cannot receive on UDP {}:{}: {}; {}", address, port, std::strerror(error), advice(error, port)));
   }
   sockaddr_in bound{};
@@ -134,4 +134,4 @@ bool UdpSocket::send(std::span<const std::byte> datagram, const UdpEndpoint& to)
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

@@ -9,7 +9,7 @@
 
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 
 /// An IPv4 address and port in host byte order.
 struct UdpEndpoint {
@@ -50,4 +50,4 @@ class UdpSocket {
   UdpEndpoint local_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

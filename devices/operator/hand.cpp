@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace voxtouch {
+namespace voxtouch::hand {
 namespace {
 
 struct NamedGrip {
@@ -33,7 +33,7 @@ constexpr std::array kGrips{
     NamedGrip{"released", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, true},
 };
 
-const OperatorConfig& checked(const OperatorConfig& config) {
+const sim::OperatorConfig& checked(const sim::OperatorConfig& config) {
   config.validate();
   return config;
 }
@@ -64,10 +64,10 @@ Motion checked_motion(Motion motion) {
   return motion;
 }
 
-std::optional<OperatorConfig> grip(std::string_view name) {
+std::optional<sim::OperatorConfig> grip(std::string_view name) {
   const auto found = std::find_if(kGrips.begin(), kGrips.end(), [name](const NamedGrip& g) { return g.name == name; });
   if (found == kGrips.end()) return std::nullopt;
-  OperatorConfig config;
+  sim::OperatorConfig config;
   config.released = found->released;
   config.mass_kg = found->mass_kg;
   config.damping_ns_per_m = found->damping_ns_per_m;
@@ -88,7 +88,7 @@ const std::vector<std::string_view>& grip_names() {
   return names;
 }
 
-Hand::Hand(const OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed, const ToolDrag& drag,
+Hand::Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed, const ToolDrag& drag,
            double bandwidth_hz)
     : config_(checked(config)), motion_(checked_motion(std::move(motion))), step_s_(checked_step(step_s, bandwidth_hz)),
       drag_(drag), seed_(seed), tremor_(config.tremor_n, config.tremor_bandwidth_hz, step_s, seed),
@@ -139,9 +139,9 @@ MotionPoint Hand::lead(const MotionPoint& wanted) noexcept {
   return {0.5 * (second_before + second_), (second_ - second_before) / step_s_};
 }
 
-void Hand::take(const OperatorConfig& config) {
+void Hand::take(const sim::OperatorConfig& config) {
   config_ = checked(config);
-  tremor_ = Tremor(config.tremor_n, config.tremor_bandwidth_hz, step_s_, seed_);
+  tremor_ = sim::Tremor(config.tremor_n, config.tremor_bandwidth_hz, step_s_, seed_);
 }
 
 void Hand::follow(Motion motion) {
@@ -149,4 +149,4 @@ void Hand::follow(Motion motion) {
   motion_start_s_ = time_s();
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::hand

@@ -10,11 +10,11 @@
 #include "devices/sim/operator.hpp"
 #include "devices/sim/tremor.hpp"
 
-namespace voxtouch {
+namespace voxtouch::hand {
 
 /// A named grip: mass, damping and stiffness from published ranges of fingertips, pens and arms; empty for an unknown name.
 /// "fingertip"; "pen", "pen-light", "pen-firm"; "arm", "arm-light", "arm-firm", "arm-measured"; "released".
-std::optional<OperatorConfig> grip(std::string_view name);
+std::optional<sim::OperatorConfig> grip(std::string_view name);
 const std::vector<std::string_view>& grip_names();
 
 /// The motion, its orientation normalised. Throws std::runtime_error, a sentence, for one that no hand can follow: no way point, a
@@ -56,7 +56,7 @@ class Hand {
 
   /// In D. The parameters must be valid (OperatorConfig::validate) and the motion must have a way point: throws
   /// std::runtime_error otherwise.
-  Hand(const OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed = 0, const ToolDrag& drag = {},
+  Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed = 0, const ToolDrag& drag = {},
        double bandwidth_hz = kBandwidthHz);
 
   /// The hand over the next step; time moves on by `step_s`.
@@ -64,28 +64,28 @@ class Hand {
 
   double time_s() const noexcept { return static_cast<double>(steps_) * step_s_; }
   bool holds() const noexcept { return !config_.released && time_s() < config_.let_go_at_s; }
-  const OperatorConfig& config() const noexcept { return config_; }
+  const sim::OperatorConfig& config() const noexcept { return config_; }
   const Vec3& target() const noexcept { return second_; }  ///< where the hand wants the tip to be now
   const Quat& orientation() const noexcept { return orientation_; }
 
   /// From now on this grip. Times in it stay on this hand's clock. Throws as the constructor does.
-  void take(const OperatorConfig& config);
+  void take(const sim::OperatorConfig& config);
   /// From now on this motion, which starts now; the target leads over to it through its lags. Throws likewise.
   void follow(Motion motion);
 
  private:
   MotionPoint lead(const MotionPoint& wanted) noexcept;
 
-  OperatorConfig config_;
+  sim::OperatorConfig config_;
   Motion motion_;
   double step_s_, gain_ = 1.0, rate_ = 0.0;  // gain_: of one lag over one step; rate_: its corner [rad/s]; 0: no lags
   ToolDrag drag_;
   std::uint64_t seed_;
-  Tremor tremor_;
+  sim::Tremor tremor_;
   std::uint64_t steps_ = 0;
   double motion_start_s_ = 0.0;
   Vec3 first_, second_;
   Quat orientation_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::hand

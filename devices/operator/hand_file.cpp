@@ -13,7 +13,7 @@
 
 #include "core/types/number.hpp"
 
-namespace voxtouch {
+namespace voxtouch::hand {
 namespace {
 
 /// Every key with its value: the one list that reader and writer walk.
@@ -154,4 +154,4 @@ HandFile read_hand(const std::filesystem::path& path) {
   return parse_hand(text.str(), path.string());
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::hand

@@ -9,12 +9,12 @@
 #include "core/types/motion.hpp"
 #include "devices/sim/operator.hpp"
 
-namespace voxtouch {
+namespace voxtouch::hand {
 
 /// Motion and poses in the device's frame D.
 struct HandFile {
   Motion motion;
-  OperatorConfig hand;
+  sim::OperatorConfig hand;
   std::vector<double> posture_rad;  ///< joints of the arm to start near; empty: the device's own choice
   std::uint64_t seed = 0;
 };
@@ -37,4 +37,4 @@ HandFile parse_hand(std::string_view text, std::string_view name);
 /// Throws std::runtime_error where the file cannot be read, and as parse_hand does.
 HandFile read_hand(const std::filesystem::path& path);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::hand

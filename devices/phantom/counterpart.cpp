@@ -14,7 +14,7 @@
 #include "devices/settings.hpp"
 #include "devices/sim/parameters.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 constexpr std::string_view kWire = "wire-phantom";
@@ -37,14 +37,14 @@ struct Fault {
   double amount = 0.0;
 };
 
-double number_in(std::string_view text, const SettingReader& settings, const std::string& whole) {
+double number_in(std::string_view text, const devices::SettingReader& settings, const std::string& whole) {
   const auto value = parse_number<double>(text);
   if (!value || !(std::abs(*value) <= 1e6))
     settings.refuse("fault", whole, "KIND@SECONDS[:AMOUNT] with numbers up to a million");
   return *value;
 }
 
-Fault parse_fault(const std::string& text, const SettingReader& settings) {
+Fault parse_fault(const std::string& text, const devices::SettingReader& settings) {
   const auto at = text.find('@');
   const auto kind =
       std::find_if(kFaults.begin(), kFaults.end(), [&](const FaultKind& k) { return k.name == text.substr(0, at); });
@@ -63,36 +63,36 @@ Fault parse_fault(const std::string& text, const SettingReader& settings) {
   return {std::llround(1e9 * number_in(rest.substr(0, colon), settings, text)), kind->code, amount};
 }
 
-std::vector<Fault> parse_faults(const SettingReader& settings) {
+std::vector<Fault> parse_faults(const devices::SettingReader& settings) {
   std::vector<Fault> faults;
   for (const std::string& text : settings.all("fault")) faults.push_back(parse_fault(text, settings));
   std::stable_sort(faults.begin(), faults.end(), [](const Fault& a, const Fault& b) { return a.at_ns < b.at_ns; });
   return faults;
 }
 
-SettingReader hardware_settings(const DeviceOptions& options) {
+devices::SettingReader hardware_settings(const devices::DeviceOptions& options) {
   return {"phantom",
           options.settings,
           {"library", "name", "rate_hz", "max_force_n", "max_speed_m_per_s", "encoder_reset", "calibration_timeout_s",
            "rest"}};
 }
 
-SettingReader wire_settings(const DeviceOptions& options) {
+devices::SettingReader wire_settings(const devices::DeviceOptions& options) {
   return {kWire, options.settings, {"library", "model", "rate_hz", "max_force_n", "rest", "fault"}, {"fault"}};
 }
 
 /// What both names share.
-PhantomOptions driver_options(const SettingReader& settings) {
+PhantomOptions driver_options(const devices::SettingReader& settings) {
   PhantomOptions o;
   o.library = settings.text("library").value_or("");
-  o.origin_in_d = settings.vector("rest").value_or(usual_rest_in_d());
+  o.origin_in_d = settings.vector("rest").value_or(devices::usual_rest_in_d());
   o.rate_hz = settings.whole("rate_hz");
   o.max_force_n = settings.number("max_force_n");
   return o;
 }
 
-PhantomOptions hardware_options(const DeviceOptions& options) {
-  const SettingReader settings = hardware_settings(options);
+PhantomOptions hardware_options(const devices::DeviceOptions& options) {
+  const devices::SettingReader settings = hardware_settings(options);
   PhantomOptions o = driver_options(settings);
   o.name = settings.text("name").value_or("");
   o.max_speed_m_per_s = settings.number("max_speed_m_per_s");
@@ -107,22 +107,22 @@ PhantomOptions hardware_options(const DeviceOptions& options) {
 /// The hooks that set the scene for the simulated library, which stays loaded for as long as the process runs.
 const HdSimHooks& hooks_of(const HdLibrary& library) {
   if (library.hooks().complete()) return library.hooks();
-  throw DeviceOpenError(fmt::format(
+  throw devices::DeviceOpenError(fmt::format(
       "device '{}': {} is no simulated library (it has no hdsim_ functions); leave out the option library, or open 'phantom'", kWire,
       library.name()));
 }
 
-class WirePhantom final : public Counterpart {
+class WirePhantom final : public devices::Counterpart {
  public:
-  WirePhantom(const PhantomOptions& driver, const DeviceOptions& options, const SettingReader& settings)
+  WirePhantom(const PhantomOptions& driver, const devices::DeviceOptions& options, const devices::SettingReader& settings)
       : hooks_(hooks_of(HdLibrary::load(driver.library))), faults_(parse_faults(settings)) {
     must(hooks_.use_virtual_time(options.lockstep));
     must(hooks_.set_seed(options.seed));
     if (const auto model = settings.text("model")) must(hooks_.set_model(model->c_str()));
-    HandFile file;
-    file.hand = options.hand.value_or(sim_phantom().hand);
-    file.motion = motion_in_device(motion_of(options), {driver.origin_in_d, Quat::Identity()}, {}, 1.0);
-    const std::string hand = to_text(file);
+    hand::HandFile file;
+    file.hand = options.hand.value_or(sim::sim_phantom().hand);
+    file.motion = motion_in_device(devices::motion_of(options), {driver.origin_in_d, Quat::Identity()}, {}, 1.0);
+    const std::string hand = hand::to_text(file);
     must(hooks_.set_hand(hand.c_str()));
     must(hooks_.set_motion(hand.c_str()));
     must(hooks_.set_switches(0, 1, 1));  // the stylus is in its inkwell until the device is open
@@ -130,7 +130,7 @@ class WirePhantom final : public Counterpart {
     hooks_.set_switches(0, 1, 0);
   }
 
-  DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept override {
+  devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds timeout) noexcept override {
     for (; next_ < faults_.size() && faults_[next_].at_ns <= now_ns_; ++next_)
       hooks_.inject(faults_[next_].code, faults_[next_].amount);
     auto sample = driver_->read(timeout);
@@ -140,7 +140,7 @@ class WirePhantom final : public Counterpart {
 
  private:
   void must(int result) const {
-    if (result < 0) throw DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", kWire, hooks_.last_message()));
+    if (result < 0) throw devices::DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", kWire, hooks_.last_message()));
   }
 
   const HdSimHooks& hooks_;
@@ -149,30 +149,30 @@ class WirePhantom final : public Counterpart {
   std::int64_t now_ns_ = 0;
 };
 
-std::string simulated_library() { return (program_folder() / "../lib/libHD_sim.so").lexically_normal().string(); }
+std::string simulated_library() { return (devices::program_folder() / "../lib/libHD_sim.so").lexically_normal().string(); }
 
 }  // namespace
 
-std::unique_ptr<Driver> open_phantom(const DeviceOptions& options) {
+std::unique_ptr<devices::Driver> open_phantom(const devices::DeviceOptions& options) {
   return std::make_unique<PhantomDriver>(hardware_options(options));
 }
 
-DeviceDescription describe_phantom_device(const DeviceOptions& options) {
+DeviceDescription describe_phantom_device(const devices::DeviceOptions& options) {
   const PhantomOptions o = hardware_options(options);
   return describe_phantom(
       {.model = "", .rate_hz = static_cast<double>(o.rate_hz.value_or(0)), .max_force_n = o.max_force_n.value_or(0.0)});
 }
 
-std::unique_ptr<Driver> open_wire_phantom(const DeviceOptions& options) {
-  const SettingReader settings = wire_settings(options);
+std::unique_ptr<devices::Driver> open_wire_phantom(const devices::DeviceOptions& options) {
+  const devices::SettingReader settings = wire_settings(options);
   PhantomOptions driver = driver_options(settings);
   if (driver.library.empty()) driver.library = simulated_library();
   driver.validate();
   return std::make_unique<WirePhantom>(driver, options, settings);
 }
 
-DeviceDescription describe_wire_phantom(const DeviceOptions& options) {
-  const SettingReader settings = wire_settings(options);
+DeviceDescription describe_wire_phantom(const devices::DeviceOptions& options) {
+  const devices::SettingReader settings = wire_settings(options);
   parse_faults(settings);
   const PhantomOptions driver = driver_options(settings);
   driver.validate();
@@ -190,4 +190,4 @@ DeviceDescription describe_wire_phantom(const DeviceOptions& options) {
   return describe_phantom(facts);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 // More than any stack holds: a library that never answers "none" must not catch the servo thread.
@@ -17,18 +17,18 @@ HdVerdict classify(hd::HDerror code) noexcept {
     case hd::kExceededMaxForce:
     case hd::kExceededMaxForceImpulse:
     case hd::kExceededMaxVelocity:
-    case hd::kForceError: return {HdSeverity::kForceDropped, DeviceError::kRecoverable};
+    case hd::kForceError: return {HdSeverity::kForceDropped, devices::DeviceError::kRecoverable};
     case hd::kInvalidEnum:
     case hd::kInvalidValue:
     case hd::kInvalidOperation:
     case hd::kInvalidInputType:
     case hd::kIllegalBegin:
     case hd::kIllegalEnd:
-    case hd::kFrameError: return {HdSeverity::kRefused, DeviceError::kProtocol};
+    case hd::kFrameError: return {HdSeverity::kRefused, devices::DeviceError::kProtocol};
     case hd::kBadHandle:  // the device was disabled behind our back
     case hd::kCommError:
-    case hd::kCommConfigError: return {HdSeverity::kFatal, DeviceError::kDisconnected};
-    default: return {HdSeverity::kFatal, DeviceError::kFault};
+    case hd::kCommConfigError: return {HdSeverity::kFatal, devices::DeviceError::kDisconnected};
+    default: return {HdSeverity::kFatal, devices::DeviceError::kFault};
   }
 }
 
@@ -58,4 +58,4 @@ void HdTrouble::drain(const hd::Api& api) noexcept {
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

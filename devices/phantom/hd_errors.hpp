@@ -7,7 +7,7 @@
 #include "devices/driver.hpp"
 #include "devices/phantom/hdapi.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 enum class HdSeverity : std::uint8_t {
   kNone,
@@ -17,7 +17,7 @@ enum class HdSeverity : std::uint8_t {
 };
 struct HdVerdict {
   HdSeverity severity = HdSeverity::kNone;
-  DeviceError error = DeviceError::kFault;  ///< means something unless kNone
+  devices::DeviceError error = devices::DeviceError::kFault;  ///< means something unless kNone
 };
 /// As the vendor's utilities class them, with what those leave out: 0x202 is a force error, 0x300 and unknown codes are fatal.
 HdVerdict classify(hd::HDerror code) noexcept;
@@ -45,4 +45,4 @@ class HdTrouble {
   std::atomic<std::uint64_t> count_{0}, dropped_{0};
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -10,7 +10,7 @@
 
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 // The name for building, which every release installs, and the run-time names of the releases of 3.4 and 3.0.
@@ -53,7 +53,7 @@ const HdLibrary& HdLibrary::load(const std::string& path) {
   const std::lock_guard lock(mutex);
   if (loaded != nullptr) {
     if (path.empty() || path == loaded->name_) return *loaded;
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         fmt::format("device 'phantom': this process has loaded {} and cannot change to {}; start another process",
                     loaded->name_, path));
   }
@@ -64,10 +64,10 @@ const HdLibrary& HdLibrary::load(const std::string& path) {
     if (reason.empty()) return *(loaded = new HdLibrary(std::move(trial)));
     reasons.push_back(reason);
   }
-  throw DeviceOpenError(
+  throw devices::DeviceOpenError(
       fmt::format("device 'phantom': the vendor's library cannot be loaded ({}). Install OpenHaptics and the device's "
                   "driver, or set the option library to the file; the simulated one is libHD_sim.so",
                   fmt::join(reasons, "; ")));
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

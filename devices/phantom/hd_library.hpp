@@ -5,7 +5,7 @@
 #include "devices/phantom/hdapi.hpp"
 #include "devices/phantom/simulated/hdsim.h"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 /// What only the simulated library has. Null in the vendor's.
 #define VOXTOUCH_HDSIM_HOOKS(X) \
@@ -38,4 +38,4 @@ class HdLibrary {
   HdSimHooks hooks_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

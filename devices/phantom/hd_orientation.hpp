@@ -4,7 +4,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 /// Of any entry of R^T R from the identity.
 inline constexpr double kOrthonormalWithin = 0.05;
@@ -21,4 +21,4 @@ inline bool orientation_of(const double* transform16, Quat& out) noexcept {
   return true;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

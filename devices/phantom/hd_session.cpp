@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 constexpr double kMilli = 1e-3;  // m in a mm, Nm in a mNm
@@ -41,7 +41,7 @@ hd::HDenum style_of(int bits) noexcept {  // the last that is supported wins, in
 
 HdSession::Claim::Claim(const hd::Api& functions) : api(functions) {
   if (g_taken.exchange(true))
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         "device 'phantom': a Phantom is open in this process already, and its servo loop serves one; close it first, "
         "or start "
         "another process");
@@ -72,7 +72,7 @@ HdSession::~HdSession() = default;
 void HdSession::must(std::string_view what) {
   const hd::HDerror code = take_errors(api_);
   if (code == hd::kSuccess) return;
-  throw DeviceOpenError(fmt::format("device 'phantom': {} failed with error {}", what, error_text(api_, code)));
+  throw devices::DeviceOpenError(fmt::format("device 'phantom': {} failed with error {}", what, error_text(api_, code)));
 }
 
 void HdSession::initiate() {
@@ -81,7 +81,7 @@ void HdSession::initiate() {
   // Releases differ in which of these they know, and in whether they take null for it.
   for (const char* name : {"Default Device", "Default PHANToM", hd::kDefaultDevice})
     if (initiate(name, tried)) return;
-  throw DeviceOpenError(
+  throw devices::DeviceOpenError(
       fmt::format("device 'phantom': no device could be initiated ({}). Is it plugged in and switched on, set up with "
                   "the vendor's tool "
                   "under that name, and may this user read and write its port?",
@@ -99,11 +99,11 @@ bool HdSession::initiate(const char* name, std::string& tried) {
   if (device != hd::kInvalidHandle) api_.hdDisableDevice(device);
   take_errors(api_);
   if (code == hd::kDeviceAlreadyInitiated)
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         fmt::format("device 'phantom': error {}: it is in use; end what else holds the device, and open it again",
                     error_text(api_, code)));
   if (code == hd::kInvalidLicense)
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         fmt::format("device 'phantom': error {}: install the licence file of OpenHaptics, or set "
                     "OH_SDK_LICENSE_PATH to it",
                     error_text(api_, code)));
@@ -188,7 +188,7 @@ void HdSession::calibrate_encoders() {
   api_.hdUpdateCalibration(hd::kCalibrationEncoderReset);
   must("setting the encoders to zero");
   if (api_.hdCheckCalibration() != hd::kCalibrationOk)
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         "device 'phantom': it is not calibrated after its encoders were set to zero; hold all links at right angles "
         "and open it "
         "again");
@@ -206,7 +206,7 @@ void HdSession::calibrate_running(hd::HDenum style) {
       continue;
     }
     if (waited_s >= options_.calibration_timeout_s)
-      throw DeviceOpenError(fmt::format(
+      throw devices::DeviceOpenError(fmt::format(
           "device 'phantom': it was not calibrated within {} s; {}, and open it again", options_.calibration_timeout_s,
           style == hd::kCalibrationInkwell ? "put the stylus into its inkwell" : "move the arm about slowly"));
     pause();
@@ -218,4 +218,4 @@ void HdSession::pause() {
   for (int i = 0; i < kTicksAPoll; ++i) library_.hooks().step();
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -9,7 +9,7 @@
 #include "devices/phantom/phantom_models.hpp"
 #include "devices/phantom/phantom_options.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 /// Order of the opening: initiate; encoders to zero (devices that have no other calibration); ramping, clamping and, last, force
 /// output; callback at the highest priority; servo loop. Where a calibration needs the servo loop (inkwell, automatic) it comes after
@@ -63,4 +63,4 @@ class HdSession {
   bool virtual_time_ = false;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

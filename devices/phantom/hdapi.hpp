@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace voxtouch::hd {
+namespace voxtouch::phantom::hd {
 
 // --- types
 using HDint = int;
@@ -203,4 +203,4 @@ std::string_view resolve_api(Api& api, Resolve&& resolve) {
   return missing;
 }
 
-}  // namespace voxtouch::hd
+}  // namespace voxtouch::phantom::hd

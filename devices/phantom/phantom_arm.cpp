@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 Vec3 phantom_tip(const PhantomGeometry& g, const Vec3& q) noexcept {
   const double reach = g.thigh_m * std::cos(q[1]) + g.shin_m * std::sin(q[2]);
@@ -122,4 +122,4 @@ double PhantomDynamics::energy(const Vec3& q, const Vec3& v) const noexcept {
   return 0.5 * v.dot(mass(q) * v) + potential(q);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -11,7 +11,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 struct PhantomGeometry {
   double thigh_m = 0.215;
@@ -76,4 +76,4 @@ class PhantomDynamics {
   Vec3 rotor_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

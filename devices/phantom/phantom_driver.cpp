@@ -8,7 +8,7 @@
 
 #include "devices/limits.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 using namespace std::chrono_literals;
@@ -44,23 +44,23 @@ PhantomDriver::~PhantomDriver() { stop(); }
 
 void PhantomDriver::wait_for_first_tick() {
   if (!servo_->take(sample_, Clock::now() + kFirstTick))
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         "device 'phantom': its servo loop started and does not tick; end other programs that use the device, and look "
         "at the "
         "cable and at the vendor's diagnostic tool");
   if (const hd::HDerror fatal = servo_->trouble().fatal(); fatal != hd::kSuccess)
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         fmt::format("device 'phantom': it failed in its first tick with error {}; look at cable and power",
                     error_text(library_.api(), fatal)));
 }
 
-std::optional<DeviceError> PhantomDriver::ended() const noexcept {
+std::optional<devices::DeviceError> PhantomDriver::ended() const noexcept {
   const hd::HDerror fatal = servo_->trouble().fatal();
   if (fatal == hd::kSuccess) return {};
   return classify(fatal).error;
 }
 
-DeviceResult<DeviceSample> PhantomDriver::read(std::chrono::microseconds timeout) noexcept {
+devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(std::chrono::microseconds timeout) noexcept {
   if (const auto error = ended()) return std::unexpected(*error);
   const bool came = virtual_time_ ? make_ticks(timeout) : wait_for_tick(timeout);
   if (const auto error = ended()) {
@@ -100,17 +100,17 @@ bool PhantomDriver::make_ticks(std::chrono::microseconds timeout) noexcept {
   return false;
 }
 
-DeviceError PhantomDriver::nothing_came() noexcept {
+devices::DeviceError PhantomDriver::nothing_came() noexcept {
   ++timeouts_;
   const Clock::duration silence = servo_->silence();
   if (virtual_time_ || silence > kStallPeriods * period_) servo_->force_off();
   const bool gone = !virtual_time_ && std::chrono::duration<double>(silence).count() > options_.silence_s;
-  return gone ? DeviceError::kDisconnected : DeviceError::kTimeout;
+  return gone ? devices::DeviceError::kDisconnected : devices::DeviceError::kTimeout;
 }
 
-DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept {
+devices::DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept {
   if (const auto error = ended()) return servo_->drop(), std::unexpected(*error);
-  if (const auto good = check_command(command, description_); !good) {
+  if (const auto good = devices::check_command(command, description_); !good) {
     ++refused_;
     servo_->drop();
     return good;
@@ -120,7 +120,7 @@ DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept {
     servo_->drop();
     return std::unexpected(classify(servo_->trouble().newest()).error);
   }
-  if (!sample_.sample.pose_valid) return servo_->drop(), std::unexpected(DeviceError::kProtocol);
+  if (!sample_.sample.pose_valid) return servo_->drop(), std::unexpected(devices::DeviceError::kProtocol);
   servo_->push(command, errors);
   return {};
 }
@@ -149,7 +149,7 @@ PhantomStatus PhantomDriver::status() const noexcept {
 std::string PhantomDriver::trouble() const {
   const HdTrouble& trouble = servo_->trouble();
   if (const hd::HDerror fatal = trouble.fatal(); fatal != hd::kSuccess) {
-    const bool gone = classify(fatal).error == DeviceError::kDisconnected;
+    const bool gone = classify(fatal).error == devices::DeviceError::kDisconnected;
     return fmt::format("error {} ended it; {}, and open it again", error_text(library_.api(), fatal),
                        gone ? "look at cable and power" : "look at the device and restart it");
   }
@@ -167,4 +167,4 @@ std::string PhantomDriver::trouble() const {
   return {};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -10,7 +10,7 @@
 #include "devices/phantom/phantom_options.hpp"
 #include "devices/phantom/phantom_servo.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 /// What can be asked while it runs. Real-time safe to take.
 struct PhantomStatus {
@@ -47,7 +47,7 @@ struct PhantomStatus {
 ///
 /// Time: from the first sample, by the monotonic clock. In virtual time, which only the simulated library has, `read` makes its ticks and
 /// `simulated()` is true: the first command acts in the second tick, as it would in reality, and the same calls give the same bits.
-class PhantomDriver final : public Driver {
+class PhantomDriver final : public devices::Driver {
  public:
   /// Throws DeviceOpenError: options, library, device, calibration, servo loop; the sentence says what to do. A device whose encoders
   /// are set to zero has to be held with all links at right angles meanwhile.
@@ -56,8 +56,8 @@ class PhantomDriver final : public Driver {
   ~PhantomDriver() override;
 
   const DeviceDescription& description() const noexcept override { return description_; }
-  DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept override;
-  DeviceResult<void> write(const Wrench& command) noexcept override;
+  devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds timeout) noexcept override;
+  devices::DeviceResult<void> write(const Wrench& command) noexcept override;
   void stop() noexcept override;
   bool simulated() const noexcept override { return virtual_time_; }
   std::string trouble() const override;
@@ -67,10 +67,10 @@ class PhantomDriver final : public Driver {
 
  private:
   using Clock = PhantomServo::Clock;
-  std::optional<DeviceError> ended() const noexcept;
+  std::optional<devices::DeviceError> ended() const noexcept;
   bool wait_for_tick(std::chrono::microseconds timeout) noexcept;
   bool make_ticks(std::chrono::microseconds timeout) noexcept;
-  DeviceError nothing_came() noexcept;
+  devices::DeviceError nothing_came() noexcept;
   void wait_for_first_tick();
 
   PhantomOptions options_;
@@ -87,4 +87,4 @@ class PhantomDriver final : public Driver {
   bool first_ = true, virtual_time_ = false;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -7,7 +7,7 @@
 
 #include "devices/sim/parameters.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 // Where numbers come from. Confirmed in CHAI3D's model table: maximum force and stiffness of Premium 1.5 (its 6DOF row) and 3.0,
@@ -54,7 +54,7 @@ double continuous_force_n(const PhantomFacts& facts) noexcept {
 
 DeviceDescription describe_phantom(const PhantomFacts& facts) {
   const PhantomFigures& f = phantom_figures(facts.model);
-  DeviceDescription d = sim_phantom().description;  // what all models share, with its sources
+  DeviceDescription d = sim::sim_phantom().description;  // what all models share, with its sources
   d.model = facts.model.empty() ? "Phantom" : facts.model;
   d.rate_hz = servo_rate_hz(facts.rate_hz);
   d.max_force_n = told_or(facts.max_force_n, f.max_force_n);
@@ -91,4 +91,4 @@ double servo_rate_hz(double measured_hz) noexcept {
   return nearest;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -5,7 +5,7 @@
 
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 /// What an opened device told. Our units; zero where it told nothing.
 struct PhantomFacts {
@@ -38,4 +38,4 @@ double continuous_force_n(const PhantomFacts& facts) noexcept;
 /// The rate that a servo loop can have which is nearest to a measured one [Hz]; 1000 where that is no rate at all.
 double servo_rate_hz(double measured_hz) noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -6,12 +6,12 @@
 
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 void require_in(double value, double low, double high, std::string_view field) {
   if (!(value >= low && value <= high))
-    throw DeviceOpenError(
+    throw devices::DeviceOpenError(
         fmt::format("device 'phantom': option {} is {}, but has to be in [{}, {}]", field, value, low, high));
 }
 
@@ -27,4 +27,4 @@ void PhantomOptions::validate() const {
   require_in(silence_s, 0.01, 60.0, "silence_s");
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

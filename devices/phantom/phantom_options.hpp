@@ -6,7 +6,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 /// When encoders are set to zero at the opening; whoever holds the arm then keeps all links at right angles.
 enum class EncoderReset : std::uint8_t {
@@ -33,4 +33,4 @@ struct PhantomOptions {
   void validate() const;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -8,7 +8,7 @@
 #include "devices/limits.hpp"
 #include "devices/phantom/hd_orientation.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 constexpr double kMilli = 1e-3;          // m in a mm, Nm in a mNm
@@ -81,7 +81,7 @@ void PhantomServo::see(std::int64_t now_ns, bool frame_good) noexcept {
   const std::int64_t period_ns = period_ns_.load(kRelaxed), elapsed_ns = now_ns - last_ns_;
   if (!std::exchange(first_, false) && 2 * elapsed_ns > 3 * period_ns) count(counts_.late);
   last_ns_ = now_ns;
-  DeviceSample& s = seen_.sample;
+  devices::DeviceSample& s = seen_.sample;
   s.time_ns = now_ns;
   s.buttons = static_cast<std::uint32_t>(raw_.buttons);
   s.pose_valid = see_pose() && frame_good;
@@ -160,4 +160,4 @@ PhantomServo::Clock::duration PhantomServo::silence() const noexcept {
   return Clock::now().time_since_epoch() - Clock::duration(last_tick_.load(std::memory_order_acquire));
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -15,11 +15,11 @@
 #include "devices/phantom/twist_estimate.hpp"
 #include "devices/phantom/wake_up.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 /// What a tick saw.
 struct ServoSample {
-  DeviceSample sample;  ///< time since the clock's own zero
+  devices::DeviceSample sample;  ///< time since the clock's own zero
   Vec3 gimbal_rad = Vec3::Zero();
   std::array<double, 6> temperature{};
   double force_limit_n = 0.0;  ///< of the thermal clamp
@@ -118,4 +118,4 @@ class PhantomServo {
   ServoCounts counts_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

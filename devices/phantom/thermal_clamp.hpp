@@ -4,7 +4,7 @@
 #include <cmath>
 #include <span>
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 /// A limit of the force's magnitude. Any motor over `kWarm`: it shrinks by a thousandth a tick from what is being asked for, down to
 /// the continuous force. All under `kCool`: it grows by a thousandth a tick, up to the maximum. Between the two it stays. The rule is
@@ -37,4 +37,4 @@ class ThermalClamp {
   double max_n_, floor_n_, limit_n_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

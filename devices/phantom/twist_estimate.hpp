@@ -5,7 +5,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 /// Rotation vector of a unit quaternion [rad]: axis times angle, the angle in [0, pi].
 inline Vec3 rotation_vector(const Quat& turn) noexcept {
@@ -45,4 +45,4 @@ class TwistEstimate {
   Twist twist_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 
 /// A POSIX semaphore: posting is one atomic operation, and a system call only where somebody waits. Look for what you wait for
 /// first, and wait then; a wait may end for nothing.
@@ -37,4 +37,4 @@ class WakeUp {
   sem_t semaphore_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-namespace voxtouch {
+namespace voxtouch::sim {
 
 Vec3 quantise(const Vec3& position, double resolution) noexcept {
   if (!(resolution > 0.0)) return position;
@@ -48,4 +48,4 @@ void Encoder::sample(const Pose& truth) noexcept {
   twist_.angular += follow_ * (angular - twist_.angular);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

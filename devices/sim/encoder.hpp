@@ -2,7 +2,7 @@
 /// What a simulated device knows of its own pose: quantised positions, and a velocity made from them.
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::sim {
 
 /// The nearest multiple of `resolution` on each axis (halves away from zero); 0: `position` itself.
 Vec3 quantise(const Vec3& position, double resolution) noexcept;
@@ -30,4 +30,4 @@ class Encoder {
   Twist twist_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

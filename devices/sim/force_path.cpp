@@ -6,7 +6,7 @@
 
 #include "core/types/clamp.hpp"
 
-namespace voxtouch {
+namespace voxtouch::sim {
 
 ForcePath::ForcePath(const DeviceDescription& device, double substep_s) noexcept
     : max_force_n_(device.max_force_n), max_torque_nm_(device.max_torque_nm) {
@@ -36,4 +36,4 @@ void ForcePath::clear() noexcept {
   lagged_ = {};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

@@ -5,7 +5,7 @@
 
 #include "devices/driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::sim {
 
 /// Steps of the plant in one sample period.
 inline constexpr int kSubsteps = 8;
@@ -34,4 +34,4 @@ class ForcePath {
   Wrench lagged_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

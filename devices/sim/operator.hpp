@@ -3,7 +3,7 @@
 /// wants to be.
 #include <limits>
 
-namespace voxtouch {
+namespace voxtouch::sim {
 
 /// Means of grips and arms stand in parameters.cpp. All zero is a hand that does nothing.
 struct OperatorConfig {
@@ -27,4 +27,4 @@ struct OperatorConfig {
   void validate() const;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

@@ -9,7 +9,7 @@
 
 #include "devices/sim/force_path.hpp"
 
-namespace voxtouch {
+namespace voxtouch::sim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -140,4 +140,4 @@ void OperatorConfig::validate() const {
   require_in(tremor_bandwidth_hz, 1e-3, 1e3, "hand tremor_bandwidth_hz");
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

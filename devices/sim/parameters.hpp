@@ -3,7 +3,7 @@
 #include "devices/driver.hpp"
 #include "devices/sim/operator.hpp"
 
-namespace voxtouch {
+namespace voxtouch::sim {
 
 /// A plant whose mass is the same in every pose and diagonal in D. What the device tells about itself
 /// (limits, damping, friction, resolution, delay, force lag) is what it is simulated with.
@@ -28,4 +28,4 @@ SimParameters sim_phantom();
 /// an arm.
 SimParameters sim_lwr();
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace voxtouch {
+namespace voxtouch::sim {
 namespace {
 
 /// End velocity of a frictionless step, and how much force changes it by one unit.
@@ -103,4 +103,4 @@ double SimPlant::energy(double time_s) const noexcept {
          turn.hand_stiffness * 4.0 * (1.0 - cosine);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

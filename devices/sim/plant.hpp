@@ -4,7 +4,7 @@
 #include "core/types/motion.hpp"
 #include "devices/sim/parameters.hpp"
 
-namespace voxtouch {
+namespace voxtouch::sim {
 
 /// Three axes of a mass with viscous damping and dry friction, tied by spring and damper to a target.
 struct Mobility {
@@ -64,4 +64,4 @@ class SimPlant {
   Twist twist_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

@@ -6,7 +6,7 @@
 #include "devices/limits.hpp"
 #include "devices/operator/hand.hpp"
 
-namespace voxtouch {
+namespace voxtouch::sim {
 namespace {
 
 const SimParameters& checked(const SimParameters& parameters, const OperatorConfig& hand) {
@@ -22,7 +22,7 @@ double substep_s(const DeviceDescription& d) { return 1.0 / (d.rate_hz * kSubste
 SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& hand, Motion motion, std::uint64_t seed)
     : description_(checked(p, hand).description),
       period_ns_(std::llround(1e9 / p.description.rate_hz)),
-      plant_(p, hand, checked_motion(std::move(motion))),
+      plant_(p, hand, hand::checked_motion(std::move(motion))),
       encoder_(p.description.position_resolution_m, p.orientation_resolution_rad, p.velocity_filter_hz,
                1.0 / p.description.rate_hz),
       force_path_(p.description, substep_s(p.description)),
@@ -30,14 +30,14 @@ SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& h
   encoder_.sample(plant_.pose());
 }
 
-DeviceResult<DeviceSample> SimulatedDevice::read(std::chrono::microseconds) noexcept {
+devices::DeviceResult<devices::DeviceSample> SimulatedDevice::read(std::chrono::microseconds) noexcept {
   if (!std::exchange(answered_, false)) advance({});
-  return DeviceSample{time_ns(), encoder_.pose(), encoder_.twist(), plant_.buttons_at(1e-9 * static_cast<double>(time_ns())),
+  return devices::DeviceSample{time_ns(), encoder_.pose(), encoder_.twist(), plant_.buttons_at(1e-9 * static_cast<double>(time_ns())),
                       true};
 }
 
-DeviceResult<void> SimulatedDevice::write(const Wrench& command) noexcept {
-  const DeviceResult<void> verdict = check_command(command, description_);
+devices::DeviceResult<void> SimulatedDevice::write(const Wrench& command) noexcept {
+  const devices::DeviceResult<void> verdict = devices::check_command(command, description_);
   advance(verdict ? command : Wrench{});
   answered_ = true;
   return verdict;
@@ -60,4 +60,4 @@ void SimulatedDevice::stop() noexcept {
   applied_ = {};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

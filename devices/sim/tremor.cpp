@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::sim {
 
 Tremor::Tremor(double sigma_n, double bandwidth_hz, double period_s, std::uint64_t seed)
     : sigma_n_(sigma_n), random_(seed) {
@@ -25,4 +25,4 @@ Vec3 Tremor::next() noexcept {
   return force_;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

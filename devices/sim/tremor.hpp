@@ -5,7 +5,7 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::sim {
 
 /// A force of given standard deviation on each axis through a first-order low-pass; it starts at zero.
 /// Real-time safe.
@@ -23,4 +23,4 @@ class Tremor {
   Vec3 force_ = Vec3::Zero();
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::sim

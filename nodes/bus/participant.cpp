@@ -25,11 +25,11 @@ namespace {
 /// for every malformed datagram, so anybody who sends such could fill a disk with them. Our configuration sets up no tracing, for DDS
 /// writes what it traces by itself.
 void say(void*, const dds_log_data_t* data) {
-  static FewASecond few(4);
+  static log::FewASecond few(4);
   const auto [is_said, left_out] = few.take(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
-  if (left_out > 0) tell("({} more lines of DDS are left out here)\n", left_out);
+  if (left_out > 0) log::tell("({} more lines of DDS are left out here)\n", left_out);
   if (!is_said && (data->priority & DDS_LC_FATAL) == 0) return;
-  tell("{}\n", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
+  log::tell("{}\n", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
 }
 
 /// DDS opens sockets, wait sets and files as it starts, and dies where it gets none; it waits by select, which takes no descriptor

@@ -38,23 +38,23 @@ void write_file(const std::filesystem::path& file, Write&& write) {
 }
 
 int build(const BuildOptions& o) {
-  const auto say = [](const std::string& text) { tell("{}\n", text); };
+  const auto say = [](const std::string& text) { log::tell("{}\n", text); };
   say("reading " + o.mesh.string());
-  ImportOptions options;
+  mesh::ImportOptions options;
   options.scale = o.scale;
   options.voxel_size_m = o.voxel_m;
-  const ImportedMesh imported = import_mesh(o.mesh, options, mesh_process());
+  const mesh::ImportedMesh imported = mesh::import_mesh(o.mesh, options, mesh_import::mesh_process());
   std::vector<std::string> warnings = imported.warnings;
   for (const std::string& sentence : imported.report.sentences()) warnings.push_back(sentence);
   for (const std::string& warning : warnings) say("warning: " + warning);
 
-  Grid grid = default_grid(imported.mesh, o.voxel_m);
+  voxmap::Grid grid = voxmap::default_grid(imported.mesh, o.voxel_m);
   if (!o.origin.empty()) grid.origin = Vec3(o.origin[0], o.origin[1], o.origin[2]);
   say(fmt::format("voxmap of {} triangles at {} m", imported.mesh.triangles.size(), o.voxel_m));
   const ParallelFor parallel_for = runtime::threaded_for();
-  const Voxmap voxmap = voxelise(imported.mesh, grid, parallel_for);
+  const voxmap::Voxmap voxmap = voxmap::voxelise(imported.mesh, grid, parallel_for);
   say(fmt::format("pointshell of {} surface voxels", voxmap.surface_count()));
-  const std::vector<ShellPoint> points = shell_points(imported.mesh, grid, parallel_for);
+  const std::vector<pointshell::ShellPoint> points = pointshell::shell_points(imported.mesh, grid, parallel_for);
 
   std::error_code refused;
   std::filesystem::create_directories(o.out, refused);
@@ -64,9 +64,9 @@ int build(const BuildOptions& o) {
   const std::string stem = o.mesh.stem().string();
   const auto surface = o.out / (stem + "_surface.csv"), interior = o.out / (stem + "_interior.csv"),
              ply = o.out / (stem + "_shell.ply");
-  write_file(surface, [&](std::ostream& out) { write_surface_csv(out, points); });
-  write_file(interior, [&](std::ostream& out) { write_interior_csv(out, voxmap); });
-  write_file(ply, [&](std::ostream& out) { write_shell_ply(out, points); });
+  write_file(surface, [&](std::ostream& out) { pointshell::write_surface_csv(out, points); });
+  write_file(interior, [&](std::ostream& out) { pointshell::write_interior_csv(out, voxmap); });
+  write_file(ply, [&](std::ostream& out) { pointshell::write_shell_ply(out, points); });
 
   if (o.json) {
     nlohmann::ordered_json j;
@@ -79,12 +79,12 @@ int build(const BuildOptions& o) {
     j["surface_voxels"] = voxmap.surface_count();
     j["interior_voxels"] = voxmap.interior_count();
     j["voxmap_bytes"] = voxmap.bytes();
-    j["largest_gap_m"] = largest_gap_m(points);
+    j["largest_gap_m"] = pointshell::largest_gap_m(points);
     j["files"] = {surface.string(), interior.string(), ply.string()};
     j["warnings"] = warnings;
-    print_result("{}\n", j.dump(2));
+    log::print_result("{}\n", j.dump(2));
   } else {
-    print_result("{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n",
+    log::print_result("{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n",
                voxmap.surface_count(), voxmap.interior_count(), voxmap.bytes() / 1024, grid.origin.x(), grid.origin.y(),
                grid.origin.z(), surface.string(), interior.string(), ply.string());
   }
@@ -114,7 +114,7 @@ void add_build(CLI::App& app, Action& action) {
       try {
         return build(*o);
       } catch (const std::exception& error) {
-        if (o->json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+        if (o->json) log::print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
         throw;
       }
     };

@@ -20,17 +20,17 @@ int change(const ChangeOptions& o) {
   nlohmann::ordered_json answers = nlohmann::ordered_json::array();
   const auto heard = [&](const runtime::ChangeAnswer& answer) {
     answers.push_back({{"done", answer.sentence}, {"from_sample", answer.from_sample}});
-    if (!o.json) print_result("{}\n", answer.sentence);
+    if (!o.json) log::print_result("{}\n", answer.sentence);
   };
   const std::string problem =
-      runtime::ChangeAsker(participant, o.node).ask(o, heard, [](const std::string& sentence) { tell("{}\n", sentence); });
+      runtime::ChangeAsker(participant, o.node).ask(o, heard, [](const std::string& sentence) { log::tell("{}\n", sentence); });
   if (o.json) {
     nlohmann::ordered_json j{
         {"ok", problem.empty()}, {"answers", answers}, {"problems", nlohmann::ordered_json::array()}};
     if (!problem.empty()) j["problems"].push_back(problem);
-    print_result("{}\n", j.dump(2));
+    log::print_result("{}\n", j.dump(2));
   } else if (!problem.empty()) {
-    tell("error: {}\n", problem);
+    log::tell("error: {}\n", problem);
   }
   return problem.empty() ? 0 : 1;
 }

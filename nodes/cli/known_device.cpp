@@ -4,9 +4,9 @@
 
 namespace voxtouch::cli {
 
-DeviceModel find_device(const std::string& device) {
-  if (device.ends_with(".yaml") || device.ends_with(".yml")) return load_device_file(device);
-  return model_of(describe_device(device));
+coupling::design::DeviceModel find_device(const std::string& device) {
+  if (device.ends_with(".yaml") || device.ends_with(".yml")) return scene::load_device_file(device);
+  return coupling::design::model_of(devices::describe_device(device));
 }
 
 }  // namespace voxtouch::cli

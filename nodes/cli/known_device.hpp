@@ -7,6 +7,6 @@
 namespace voxtouch::cli {
 
 /// Throws with the known names for one that is not there, and with the place in the file for a file that will not do.
-DeviceModel find_device(const std::string& device);
+coupling::design::DeviceModel find_device(const std::string& device);
 
 }  // namespace voxtouch::cli

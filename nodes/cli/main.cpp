@@ -7,7 +7,7 @@
 #include "nodes/runtime/main.hpp"
 
 int main(int argc, char** argv) {
-  voxtouch::guard_standard_streams();
+  voxtouch::log::guard_standard_streams();
   CLI::App app(
       "voxtouch lets a person feel a mesh scene through a force-feedback device, over a ring of DDS processes.\n"
       "Try: voxtouch up deploy/scenes/cup.yaml --device sim-phantom --motion slide --duration 10");
@@ -32,10 +32,10 @@ int main(int argc, char** argv) {
   }
   try {
     const int status = action();
-    voxtouch::finish_results();
+    voxtouch::log::finish_results();
     return status;
   } catch (const std::exception& error) {
-    voxtouch::tell("error: {}\n", error.what());
+    voxtouch::log::tell("error: {}\n", error.what());
     return 1;
   }
 }

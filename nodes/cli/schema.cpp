@@ -15,7 +15,7 @@ void add_schema(CLI::App& app, Action& action) {
                                       "scenes name it in their first line.");
   verb->callback([&action] {
     action = [] {
-      print_result("{}", scene_schema());
+      log::print_result("{}", scene::scene_schema());
       return 0;
     };
   });

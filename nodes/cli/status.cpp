@@ -119,7 +119,7 @@ int status(const StatusOptions& o) {
     if (now_ns - told_ns >= (o.watch ? kEachNs : kOnceNs)) {
       told_ns = now_ns;
       const Rows rows = rigs.rows();
-      print_result("{}\n", o.json ? to_json(rows, o.node.domain) : to_text(rows, o.node.domain));
+      log::print_result("{}\n", o.json ? to_json(rows, o.node.domain) : to_text(rows, o.node.domain));
       if (!o.watch) return !rows.empty() && is_well(rows) ? 0 : 1;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(50));

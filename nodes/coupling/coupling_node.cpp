@@ -24,7 +24,7 @@
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/role_binding.hpp"
 
-namespace voxtouch::coupling {
+namespace voxtouch::coupling_node {
 namespace {
 
 using runtime::NodeState;
@@ -36,7 +36,7 @@ constexpr auto kRelaxed = std::memory_order_relaxed;
 /// and, in lockstep, where it changes; else it runs beside the loop. One lock, where a fit is adopted or a description has come.
 class CouplingNode {
  public:
-  CouplingNode(const Options& options, const Scene& scene)
+  CouplingNode(const Options& options, const scene::Scene& scene)
       : options_(options), scene_(scene), participant_(options.participant("coupling")),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
         plans_(participant_, qos::kScenePlan, options.rig),
@@ -79,7 +79,7 @@ class CouplingNode {
   /// Asked to stop, or in lockstep a peer is lost.
   bool over() const noexcept { return stop_->load(kRelaxed) || housekeeping_->peer_lost(); }
 
-  FittedCoupling fit() {
+  fitting::FittedCoupling fit() {
     constexpr std::int64_t kLongestFitNs = 30'000'000'000;  // some tenths of a second on a machine that has time
     const runtime::Heartbeat::Busy busy(heartbeat_, kLongestFitNs);
     return fitting_.fit();
@@ -124,7 +124,7 @@ class CouplingNode {
     std::string refusal = fitting_.judge(running_.fitted);
     // One that would fit again for another device or contact waits for its own fit.
     if (refusal.empty() == running_.fitted.refusal.empty() || (refusal.empty() && fitting_.outdated())) return;
-    FittedCoupling judged = running_.fitted;
+    fitting::FittedCoupling judged = running_.fitted;
     judged.refusal = std::move(refusal);
     adopt(std::move(judged));
   }
@@ -143,20 +143,21 @@ class CouplingNode {
   }
 
   /// From here on this coupling runs. One that must not run leaves the device without commands, which fades its force.
-  void adopt(FittedCoupling fitted) {
+  void adopt(fitting::FittedCoupling fitted) {
     publish_design(designs_, fitted, session_in_loop_, period_s_);
     if (!fitted.refusal.empty() || (coupling_ && !coupling_->redesign(fitted.spec))) {
       coupling_.reset();
     } else if (!coupling_) {
-      coupling_.emplace(fitted.spec, limits_in_world(scene_.device, fitting_.device()), period_s_, kDefaultRampS, speed_limits());
+      coupling_.emplace(fitted.spec, fitting::limits_in_world(scene_.device, fitting_.device()), period_s_, coupling::kDefaultRampS,
+                        speed_limits());
     }
     const std::lock_guard lock(running_mutex_);
     running_ = {std::move(fitted), fitting_.device().translation.max_stiffness, running_.made + 1};
   }
 
   /// Faster than this no hand moves a device: the pose has jumped (a clutch, a restart), and that is no velocity.
-  ToolSpeedLimits speed_limits() const noexcept {
-    ToolSpeedLimits limits;
+  coupling::ToolSpeedLimits speed_limits() const noexcept {
+    coupling::ToolSpeedLimits limits;
     limits.linear_m_per_s *= scene_.device.position_scale;
     return limits;
   }
@@ -178,8 +179,8 @@ class CouplingNode {
     const double dt_s = last_time_ns_ ? runtime::seconds_between(*last_time_ns_, contact.sample_time_ns) : period_s_;
     last_time_ns_ = contact.sample_time_ns;
     follow_clutch((contact.flags & msg::contact_state::kFlagClutched) != 0);
-    const CouplingInput input = coupling_input(contact);
-    const CouplingOutput out = coupling_->step(input, dt_s);
+    const coupling::CouplingInput input = coupling_input(contact);
+    const coupling::CouplingOutput out = coupling_->step(input, dt_s);
     const Wrench in_device = clutched_ ? Wrench{} : to_device_(out.wrench, input.tool.orientation);
     commands_.write_until(force_command(contact, out, in_device, kValidPeriods * period_s_), [this] {
       heartbeat_.beat();
@@ -203,9 +204,9 @@ class CouplingNode {
 
   void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
     const std::lock_guard lock(running_mutex_);
-    const Design& design = running_.fitted.design;
-    const double displayed = stiffness_at_hand_n_per_m(running_.fitted.spec, scene_.device, stiffness_.load());
-    CouplingCounters& c = last_counted_;
+    const coupling::design::Design& design = running_.fitted.design;
+    const double displayed = fitting::stiffness_at_hand_n_per_m(running_.fitted.spec, scene_.device, stiffness_.load());
+    coupling::CouplingCounters& c = last_counted_;
     counted_.take(c);
     const double voxel_m = voxel_m_.load();
     report.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash}};
@@ -216,9 +217,9 @@ class CouplingNode {
                       {"passivity_most_damping_ns_per_m", {c.most_damping_ns_per_m, "Ns/m"}},
                       {"lowest_energy_j", {c.lowest_energy_j, "J"}},
                       {"lowest_energy_rotation_j", {c.lowest_energy_rotation_j, "J"}},
-                      {"energy_bound_j", {energy_bound_j(c.most_force_n, c.longest_way_m, voxel_m), "J"}},
+                      {"energy_bound_j", {coupling::energy_bound_j(c.most_force_n, c.longest_way_m, voxel_m), "J"}},
                       {"energy_bound_rotation_j",
-                       {energy_bound_rotation_j(c.most_torque_nm, c.longest_turn_rad, c.most_force_n, voxel_m), "J"}},
+                       {coupling::energy_bound_rotation_j(c.most_torque_nm, c.longest_turn_rad, c.most_force_n, voxel_m), "J"}},
                       {"first_sample", {first_sample_.load(), "sample number"}},
                       {"faults", {c.faults, "samples"}},
                       {"stiffness_bound_max_n_per_m", {stiffness_.load(), "N/m"}},
@@ -253,8 +254,8 @@ class CouplingNode {
     report.message = running_.fitted.refusal + " No force is commanded.";
   }
 
-  void describe(const Design& design, runtime::NodeReport& report) const {
-    const CouplingSpec& spec = running_.fitted.spec;
+  void describe(const coupling::design::Design& design, runtime::NodeReport& report) const {
+    const coupling::CouplingSpec& spec = running_.fitted.spec;
     report.values["design_status"] = status_word(running_.fitted);
     report.values["design_kind"] = spec.kind;
     report.figures["designs"] = {running_.made, "designs"};
@@ -270,7 +271,7 @@ class CouplingNode {
   /// Two periods for the way round the ring, three that a device holds a command for.
   static constexpr double kValidPeriods = 5.0;
   const Options& options_;
-  const Scene& scene_;
+  const scene::Scene& scene_;
   bus::Participant participant_;
   bus::LatchedReader<msg::DeviceDescription> descriptions_;
   bus::LatchedReader<msg::ScenePlan> plans_;
@@ -281,11 +282,11 @@ class CouplingNode {
   runtime::RoleBinding device_, rendering_;
   std::vector<runtime::Link> links_;
   Fitting fitting_;
-  WrenchToDevice to_device_;
-  std::optional<RunningCoupling> coupling_;  ///< none before the first fit and while what was found must not run
+  rendering::WrenchToDevice to_device_;
+  std::optional<coupling::RunningCoupling> coupling_;  ///< none before the first fit and while what was found must not run
   /// What other threads may ask about; the loop takes the lock only where a fit is adopted.
   struct Running {
-    FittedCoupling fitted;
+    fitting::FittedCoupling fitted;
     double device_max_stiffness_n_per_m = 0.0;
     std::uint64_t made = 0;
   } running_;
@@ -300,8 +301,8 @@ class CouplingNode {
   bool clutched_ = false;
   std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
   std::atomic<double> voxel_m_{0.0}, stiffness_{0.0};
-  LatestValue<CouplingCounters> counted_;  ///< from the loop to the housekeeping
-  CouplingCounters last_counted_;
+  LatestValue<coupling::CouplingCounters> counted_;  ///< from the loop to the housekeeping
+  coupling::CouplingCounters last_counted_;
   const std::atomic<bool>* stop_ = nullptr;
   const runtime::Housekeeping* housekeeping_ = nullptr;
   runtime::Heartbeat heartbeat_;
@@ -311,9 +312,9 @@ class CouplingNode {
 }  // namespace
 
 int run(const Options& options, const std::atomic<bool>& stop) {
-  const Scene scene = load_scene(options.scene);
+  const scene::Scene scene = scene::load_scene(options.scene);
   CouplingNode node(options, scene);
   return node.run(stop);
 }
 
-}  // namespace voxtouch::coupling
+}  // namespace voxtouch::coupling_node

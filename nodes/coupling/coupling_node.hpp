@@ -4,11 +4,11 @@
 
 #include "nodes/runtime/options.hpp"
 
-namespace voxtouch::coupling {
+namespace voxtouch::coupling_node {
 
 struct Options : runtime::NodeOptions {};
 
 /// Answers every contact until `stop`. Throws while starting only.
 int run(const Options& options, const std::atomic<bool>& stop);
 
-}  // namespace voxtouch::coupling
+}  // namespace voxtouch::coupling_node

@@ -2,30 +2,30 @@
 
 #include "nodes/runtime/strings.hpp"
 
-namespace voxtouch::coupling {
+namespace voxtouch::coupling_node {
 namespace {
 
-std::vector<std::string> notes_on(const FittedCoupling& fitted, double sample_time_s) {
+std::vector<std::string> notes_on(const fitting::FittedCoupling& fitted, double sample_time_s) {
   std::vector<std::string> notes;
   if (!fitted.designed)
-    notes.push_back(fitted.design.status == DesignStatus::kInfeasible
+    notes.push_back(fitted.design.status == coupling::design::DesignStatus::kInfeasible
                         ? "set by hand in the scene; the designer does not vouch for it: the reasons say why"
                         : "set by hand in the scene; the designer's certificates hold for it");
   if (!fitted.refusal.empty()) notes.push_back(fitted.refusal);
-  for (const CouplingIssue& issue : validate(fitted.spec, {}, sample_time_s)) notes.push_back(issue.sentence);
+  for (const coupling::CouplingIssue& issue : coupling::validate(fitted.spec, {}, sample_time_s)) notes.push_back(issue.sentence);
   return notes;
 }
 
 }  // namespace
 
-std::string status_word(const FittedCoupling& fitted) {
-  return fitted.designed ? std::string(name_of(fitted.design.status)) : "configured";
+std::string status_word(const fitting::FittedCoupling& fitted) {
+  return fitted.designed ? std::string(coupling::design::name_of(fitted.design.status)) : "configured";
 }
 
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const FittedCoupling& fitted, std::uint64_t session,
+void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted, std::uint64_t session,
                     double sample_time_s) {
-  const CouplingSpec& spec = fitted.spec;
-  const Design& design = fitted.design;
+  const coupling::CouplingSpec& spec = fitted.spec;
+  const coupling::design::Design& design = fitted.design;
   const bool filter = spec.kind == "shaping_filter", spring = spec.kind == "spring_damper";
   const std::string status = status_word(fitted);
   const std::vector<std::string> notes = notes_on(fitted, sample_time_s);
@@ -44,7 +44,7 @@ void publish_design(bus::Writer<msg::CouplingDesign>& writer, const FittedCoupli
   m.injected_damping_ns_per_m = spec.injected_damping_ns_per_m;
   m.injected_damping_nms_per_rad = spec.injected_damping_nms_per_rad;
   m.velocity_filter_hz = spec.velocity_filter_hz;
-  m.lag_s = lag_s(spec);
+  m.lag_s = coupling::lag_s(spec);
   m.sample_time_s = sample_time_s;
   m.wanted_stiffness_n_per_m = design.translation.wanted_stiffness;
   m.shown_stiffness_n_per_m = design.translation.shown_stiffness;
@@ -62,4 +62,4 @@ void publish_design(bus::Writer<msg::CouplingDesign>& writer, const FittedCoupli
   writer.write(m);
 }
 
-}  // namespace voxtouch::coupling
+}  // namespace voxtouch::coupling_node

@@ -3,12 +3,12 @@
 #include "core/fitting/fit_coupling.hpp"
 #include "nodes/bus/writer.hpp"
 
-namespace voxtouch::coupling {
+namespace voxtouch::coupling_node {
 
 /// "configured" for a coupling that is set by hand, else the designer's word.
-std::string status_word(const FittedCoupling& fitted);
+std::string status_word(const fitting::FittedCoupling& fitted);
 
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const FittedCoupling& fitted, std::uint64_t session,
+void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted, std::uint64_t session,
                     double sample_time_s);
 
-}  // namespace voxtouch::coupling
+}  // namespace voxtouch::coupling_node

@@ -4,11 +4,11 @@
 
 #include <chrono>
 
-namespace voxtouch::coupling {
+namespace voxtouch::coupling_node {
 
 namespace {
 
-DeviceDemand demand_in(const msg::ScenePlan& plan) {
+fitting::DeviceDemand demand_in(const msg::ScenePlan& plan) {
   return {.least_stiffness_n_per_m = plan.least_stiffness_n_per_m,
           .stiffest = plan.stiffest,
           .damping = {plan.effects_damping_ns_per_m, plan.largest_damping_ns_per_m, plan.largest_damping,
@@ -21,13 +21,13 @@ DeviceDemand demand_in(const msg::ScenePlan& plan) {
 }  // namespace
 
 void Fitting::take(const DeviceDescription& device, std::uint64_t session) {
-  device_ = model_of(device);
+  device_ = coupling::design::model_of(device);
   device_session_ = session;
   changed_ = outdated_ = true;
 }
 
 void Fitting::take(const msg::ScenePlan& plan) {
-  const StiffnessBounds bounds{{plan.one_point_stiffness_n_per_m, plan.all_points_stiffness_n_per_m},
+  const rendering::StiffnessBounds bounds{{plan.one_point_stiffness_n_per_m, plan.all_points_stiffness_n_per_m},
                          {plan.one_point_stiffness_nm_per_rad, plan.all_points_stiffness_nm_per_rad}};
   outdated_ |= plan_session_ != plan.session_id || bounds != bounds_;
   bounds_ = bounds;
@@ -40,9 +40,9 @@ std::optional<std::uint64_t> Fitting::session() const noexcept {
   return device_session_ == plan_session_ ? device_session_ : std::nullopt;
 }
 
-FittedCoupling Fitting::fit() {
+fitting::FittedCoupling Fitting::fit() {
   outdated_ = false;
-  return fit_coupling(scene_, device_, bounds_, demand_);
+  return fitting::fit_coupling(scene_, device_, bounds_, demand_);
 }
 
 void Fitting::begin() {
@@ -56,21 +56,21 @@ void Fitting::begin() {
       std::async(std::launch::async, [this, device = device_, bounds = bounds_, demand = demand_] {
         const sched_param ordinary{};
         sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the loop, which starts this thread, may run under SCHED_FIFO
-        return fit_coupling(scene_, device, bounds, demand);
+        return fitting::fit_coupling(scene_, device, bounds, demand);
       });
 }
 
-std::optional<FittedCoupling> Fitting::poll() {
+std::optional<fitting::FittedCoupling> Fitting::poll() {
   if (!under_way_.valid() || under_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
     return std::nullopt;
-  FittedCoupling fitted = under_way_.get();
+  fitting::FittedCoupling fitted = under_way_.get();
   fitted.refusal = judge(fitted);
   if (again_) begin();
   return fitted;
 }
 
-std::string Fitting::judge(const FittedCoupling& fitted) const {
-  return judge_again(fitted, scene_, device_, bounds_.translation.one_point, demand_);
+std::string Fitting::judge(const fitting::FittedCoupling& fitted) const {
+  return fitting::judge_again(fitted, scene_, device_, bounds_.translation.one_point, demand_);
 }
 
-}  // namespace voxtouch::coupling
+}  // namespace voxtouch::coupling_node

@@ -8,12 +8,12 @@
 #include "core/fitting/fit_coupling.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
-namespace voxtouch::coupling {
+namespace voxtouch::coupling_node {
 
 /// Collects from the latched messages what a fit needs, and makes it. One thread owns it.
 class Fitting {
  public:
-  explicit Fitting(const Scene& scene) : scene_(scene) {}
+  explicit Fitting(const scene::Scene& scene) : scene_(scene) {}
 
   void take(const DeviceDescription& device, std::uint64_t session);
   void take(const msg::ScenePlan& plan);
@@ -25,24 +25,24 @@ class Fitting {
   bool outdated() const noexcept { return outdated_; }
 
   /// Takes up to some tenths of a second.
-  FittedCoupling fit();
+  fitting::FittedCoupling fit();
   /// The same in a thread of ordinary priority, while the ring runs. A request that comes during a fit is made after it.
   void begin();
   /// The result of `begin`, once, judged for what has come meanwhile; never waits.
-  std::optional<FittedCoupling> poll();
+  std::optional<fitting::FittedCoupling> poll();
   /// Why `fitted` must not run (any more) on the device and for the effects as they were last told; empty: it may.
-  std::string judge(const FittedCoupling& fitted) const;
+  std::string judge(const fitting::FittedCoupling& fitted) const;
 
-  const DeviceModel& device() const noexcept { return device_; }
+  const coupling::design::DeviceModel& device() const noexcept { return device_; }
 
  private:
-  const Scene& scene_;
-  DeviceModel device_;
-  StiffnessBounds bounds_;  ///< in W
-  DeviceDemand demand_;
+  const scene::Scene& scene_;
+  coupling::design::DeviceModel device_;
+  rendering::StiffnessBounds bounds_;  ///< in W
+  fitting::DeviceDemand demand_;
   std::optional<std::uint64_t> device_session_, plan_session_;
   bool changed_ = false, outdated_ = false, again_ = false;
-  std::future<FittedCoupling> under_way_;
+  std::future<fitting::FittedCoupling> under_way_;
 };
 
-}  // namespace voxtouch::coupling
+}  // namespace voxtouch::coupling_node

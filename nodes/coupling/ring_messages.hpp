@@ -7,10 +7,10 @@
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/stamps.hpp"
 
-namespace voxtouch::coupling {
+namespace voxtouch::coupling_node {
 
-inline CouplingInput coupling_input(const msg::ContactState& contact) noexcept {
-  CouplingInput input;
+inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) noexcept {
+  coupling::CouplingInput input;
   input.contact = runtime::from_msg(contact.wrench);
   input.contact_stiffness_n_per_m = contact.stiffness_bound_n_per_m;
   input.contact_stiffness = runtime::from_msg(contact.stiffness);
@@ -19,7 +19,7 @@ inline CouplingInput coupling_input(const msg::ContactState& contact) noexcept {
   return input;
 }
 
-inline std::uint32_t status_bits(const CouplingOutput& out) noexcept {
+inline std::uint32_t status_bits(const coupling::CouplingOutput& out) noexcept {
   using namespace msg::force_command;
   return (out.ramping ? kStatusRamping : 0U) | (out.held_input ? kStatusHeldInput : 0U) |
          (out.clamped ? kStatusClamped : 0U) | (out.capped ? kStatusCapped : 0U) |
@@ -27,7 +27,7 @@ inline std::uint32_t status_bits(const CouplingOutput& out) noexcept {
 }
 
 /// The answer to the sample of `contact`: `out`, whose force is `in_device` there, good for `valid_s`.
-inline msg::ForceCommand force_command(const msg::ContactState& contact, const CouplingOutput& out,
+inline msg::ForceCommand force_command(const msg::ContactState& contact, const coupling::CouplingOutput& out,
                                        const Wrench& in_device, double valid_s) noexcept {
   msg::ForceCommand m{};
   m.session_id = contact.session_id;
@@ -42,4 +42,4 @@ inline msg::ForceCommand force_command(const msg::ContactState& contact, const C
   return m;
 }
 
-}  // namespace voxtouch::coupling
+}  // namespace voxtouch::coupling_node

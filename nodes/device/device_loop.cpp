@@ -9,7 +9,7 @@
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/realtime.hpp"
 
-namespace voxtouch::device {
+namespace voxtouch::device_node {
 namespace {
 
 constexpr auto kRelaxed = std::memory_order_relaxed;
@@ -17,11 +17,11 @@ constexpr std::int64_t kPollNs = 50'000'000;
 
 }  // namespace
 
-DeviceLoop::DeviceLoop(const Settings& settings, Driver& driver, bus::Writer<msg::DeviceState>& states,
+DeviceLoop::DeviceLoop(const Settings& settings, devices::Driver& driver, bus::Writer<msg::DeviceState>& states,
                        bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress,
                        Requests& requests)
     : settings_(settings), driver_(driver), states_(states), commands_(commands), wait_set_(wait_set),
-      progress_(progress), requests_(requests), guard_(guard_config(driver.description())), gate_(settings.session_id),
+      progress_(progress), requests_(requests), guard_(devices::guard_config(driver.description())), gate_(settings.session_id),
       period_ns_(std::llround(1e9 / driver.description().rate_hz)),
       longest_gap_ns_(std::llround(1e9 * (guard_.config().hold_periods * guard_.config().period_s + guard_.config().fade_s))) {}
 
@@ -82,10 +82,10 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
 }
 
 /// Only a device that has gone or needs a person ends the session. All else costs force, not the session: zero now, ramped in anew.
-End DeviceLoop::on_device_error(DeviceError error) noexcept {
+End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   progress_.last_error.store(error, kRelaxed);
-  if (error == DeviceError::kDisconnected) return End::kDeviceGone;
-  if (error == DeviceError::kFault) return End::kDeviceFault;
+  if (error == devices::DeviceError::kDisconnected) return End::kDeviceGone;
+  if (error == devices::DeviceError::kFault) return End::kDeviceFault;
   let_go();
   progress_.in_trouble.store(true, kRelaxed);
   last_turn_ns_ = 0;  // it is at zero force: how long it takes to come back tells nothing
@@ -111,7 +111,7 @@ bool DeviceLoop::stood_still() noexcept {
   return true;
 }
 
-bool DeviceLoop::publish(const DeviceSample& sample, const std::atomic<bool>& stop) noexcept {
+bool DeviceLoop::publish(const devices::DeviceSample& sample, const std::atomic<bool>& stop) noexcept {
   msg::DeviceState state{};
   state.session_id = settings_.session_id;
   state.sequence_number = sequence_;
@@ -136,26 +136,26 @@ bool DeviceLoop::publish(const DeviceSample& sample, const std::atomic<bool>& st
   });
 }
 
-std::optional<GuardInput> DeviceLoop::take_commands() noexcept {
-  std::optional<GuardInput> newest;
+std::optional<devices::GuardInput> DeviceLoop::take_commands() noexcept {
+  std::optional<devices::GuardInput> newest;
   // The gate's own rule is the second line: it lets go only of a writer that is not followed any more.
   if (gate_.writer() && *gate_.writer() != commands_.writer()) gate_.release_writer();
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
   for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer); ++i) {
-    const GateVerdict verdict = gate_.accept(writer, command.session_id, command.sequence_number, sequence_);
+    const devices::GateVerdict verdict = gate_.accept(writer, command.session_id, command.sequence_number, sequence_);
     guard_.count(verdict);
-    if (verdict != GateVerdict::kAccepted) continue;
+    if (verdict != devices::GateVerdict::kAccepted) continue;
     if (progress_.first_answered.load(kRelaxed) == Progress::kNone)
       progress_.first_answered.store(command.sequence_number, kRelaxed);
     if (sequence_ - command.sequence_number < published_ns_.size())
       progress_.latency.record(runtime::monotonic_ns() - published_ns_[command.sequence_number % published_ns_.size()]);
-    newest = GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns};
+    newest = devices::GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns};
   }
   return newest;
 }
 
-std::optional<GuardInput> DeviceLoop::wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept {
+std::optional<devices::GuardInput> DeviceLoop::wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept {
   const std::int64_t give_up_ns = runtime::monotonic_ns() + settings_.peer_timeout_ns;
   for (;;) {
     wait_set_.wait(kPollNs);
@@ -169,8 +169,8 @@ std::optional<GuardInput> DeviceLoop::wait_in_lockstep(const std::atomic<bool>& 
   }
 }
 
-std::optional<GuardInput> DeviceLoop::wait_in_real_time() noexcept {
-  std::optional<GuardInput> newest;
+std::optional<devices::GuardInput> DeviceLoop::wait_in_real_time() noexcept {
+  std::optional<devices::GuardInput> newest;
   next_period();
   for (std::int64_t left; (left = deadline_ns_ - runtime::monotonic_ns()) > 0;) {
     if (gate_.last_sequence() == sequence_) break;  // answered: nothing more to wait for
@@ -200,11 +200,11 @@ void DeviceLoop::note(const Wrench& force) noexcept {
   progress_.force_n.store(magnitude, kRelaxed);
   if (magnitude > progress_.recent_max_force_n.load(kRelaxed)) progress_.recent_max_force_n.store(magnitude, kRelaxed);
   if (magnitude > progress_.max_force_n.load(kRelaxed)) progress_.max_force_n.store(magnitude, kRelaxed);
-  const GuardCounts& counts = guard_.counts();
+  const devices::GuardCounts& counts = guard_.counts();
   progress_.refused.store(counts.refused(), kRelaxed);
   progress_.refused_late.store(counts.refused_stale, kRelaxed);
   progress_.clamped.store(counts.clamped(), kRelaxed);
   progress_.faded.store(counts.faded, kRelaxed);
 }
 
-}  // namespace voxtouch::device
+}  // namespace voxtouch::device_node

@@ -18,7 +18,7 @@
 #include "nodes/runtime/heartbeat.hpp"
 #include "nodes/runtime/latency.hpp"
 
-namespace voxtouch::device {
+namespace voxtouch::device_node {
 
 /// Why the loop ended.
 enum class End : std::uint32_t {
@@ -41,7 +41,7 @@ struct Progress {
   std::atomic<std::uint64_t> interruptions{0};
   std::atomic<std::uint64_t> zero_force_samples{
       0};  ///< reads and writes that failed, of interruptions and of waiting: zero force each
-  std::atomic<DeviceError> last_error{DeviceError::kTimeout};  ///< means something where zero_force_samples is not 0
+  std::atomic<devices::DeviceError> last_error{devices::DeviceError::kTimeout};  ///< means something where zero_force_samples is not 0
   std::atomic<std::uint64_t> held_poses{0};                    ///< samples whose pose was not to be trusted
   std::atomic<bool> in_trouble{false};  ///< the last read or write failed: the device is at zero force
   std::atomic<std::uint64_t> deadline_misses{
@@ -72,7 +72,7 @@ class DeviceLoop {
     std::uint64_t max_samples = 0;  ///< 0: no end
     std::int64_t peer_timeout_ns = 5'000'000'000;
   };
-  DeviceLoop(const Settings& settings, Driver& driver, bus::Writer<msg::DeviceState>& states,
+  DeviceLoop(const Settings& settings, devices::Driver& driver, bus::Writer<msg::DeviceState>& states,
              bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests);
 
   /// Runs to the end; leaves the driver stopped.
@@ -80,26 +80,26 @@ class DeviceLoop {
 
  private:
   End turn(const std::atomic<bool>& stop) noexcept;
-  End on_device_error(DeviceError error) noexcept;
+  End on_device_error(devices::DeviceError error) noexcept;
   void let_go() noexcept;
   bool stood_still() noexcept;
   void next_period() noexcept;
   void count_skipped(std::int64_t sample_ns) noexcept;
-  bool publish(const DeviceSample& sample, const std::atomic<bool>& stop) noexcept;
-  std::optional<GuardInput> wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept;
-  std::optional<GuardInput> wait_in_real_time() noexcept;
-  std::optional<GuardInput> take_commands() noexcept;
+  bool publish(const devices::DeviceSample& sample, const std::atomic<bool>& stop) noexcept;
+  std::optional<devices::GuardInput> wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept;
+  std::optional<devices::GuardInput> wait_in_real_time() noexcept;
+  std::optional<devices::GuardInput> take_commands() noexcept;
   void note(const Wrench& force) noexcept;
 
   Settings settings_;
-  Driver& driver_;
+  devices::Driver& driver_;
   bus::Writer<msg::DeviceState>& states_;
   bus::FollowedReader<msg::ForceCommand>& commands_;
   bus::WaitSet& wait_set_;
   Progress& progress_;
   Requests& requests_;
-  ForceGuard guard_;
-  CommandGate gate_;
+  devices::ForceGuard guard_;
+  devices::CommandGate gate_;
   std::int64_t period_ns_, deadline_ns_ = 0;
   std::uint64_t sequence_ = 0;
   std::int64_t last_sample_ns_ = 0;  // the device's clock
@@ -109,4 +109,4 @@ class DeviceLoop {
   std::int64_t last_turn_ns_ = 0, longest_gap_ns_;
 };
 
-}  // namespace voxtouch::device
+}  // namespace voxtouch::device_node

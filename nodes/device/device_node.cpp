@@ -26,14 +26,14 @@
 #include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/strings.hpp"
 
-namespace voxtouch::device {
+namespace voxtouch::device_node {
 namespace {
 
 using runtime::NodeState;
 
 /// New at each start. In lockstep the same for the same run, since recordings must not differ by a bit, but for a device that is
 /// started anew among nodes that keep running: `sessions` is how many these have seen.
-std::uint64_t make_session_id(const Options& options, const Scene& scene, std::uint64_t sessions) {
+std::uint64_t make_session_id(const Options& options, const scene::Scene& scene, std::uint64_t sessions) {
   if (!options.lockstep) {
     std::random_device random;  // no clock: two hosts' need not agree, and one host's may be set back
     std::uint64_t id = 0;
@@ -48,12 +48,12 @@ std::uint64_t make_session_id(const Options& options, const Scene& scene, std::u
 }
 
 /// What the device says of its trouble, or else the kind of it.
-std::string trouble_of(const Driver& driver, DeviceError error) {
+std::string trouble_of(const devices::Driver& driver, devices::DeviceError error) {
   const std::string text = driver.trouble();
-  return text.empty() ? fmt::format("the last call of its driver ended as '{}'", name_of(error)) : text;
+  return text.empty() ? fmt::format("the last call of its driver ended as '{}'", devices::name_of(error)) : text;
 }
 
-std::string sentence(End end, const Driver& driver) {
+std::string sentence(End end, const devices::Driver& driver) {
   const std::string trouble = driver.trouble();
   switch (end) {
     case End::kNone: return "running";
@@ -93,7 +93,7 @@ std::uint64_t require_free_rig(const bus::Participant& participant, const Option
 /// All of the node: endpoints, driver, loop; the housekeeping thread looks in from beside.
 class DeviceNode {
  public:
-  DeviceNode(const Options& options, const Scene& scene, const std::atomic<bool>& stop)
+  DeviceNode(const Options& options, const scene::Scene& scene, const std::atomic<bool>& stop)
       : options_(options), scene_(scene), participant_(options.participant("device")),
         session_(make_session_id(options, scene, require_free_rig(participant_, options))),
         driver_(open_driver(scene, stop)) {
@@ -123,27 +123,27 @@ class DeviceNode {
       if (options_.lockstep) states_.wait_for_acknowledgments(DDS_SECS(5));
     }
     const bool good = end == End::kFinished || (end == End::kStopped && options_.duration_s == 0.0);
-    if (!good && end != End::kStopped) tell("error: device: {}\n", end_sentence(end));
+    if (!good && end != End::kStopped) log::tell("error: device: {}\n", end_sentence(end));
     return good ? 0 : 1;
   }
 
  private:
-  std::unique_ptr<Driver> open_driver(const Scene& scene, const std::atomic<bool>& stop) const {
+  std::unique_ptr<devices::Driver> open_driver(const scene::Scene& scene, const std::atomic<bool>& stop) const {
     const Motion motion = motion_in_device(choose_motion(scene, options_.motion), scene.device.device_in_world,
                                            scene.device.tool_offset, scene.device.position_scale);
-    DeviceOptions device;
+    devices::DeviceOptions device;
     device.seed = options_.seed;
     device.motion = motion;
     device.hand = choose_hand(options_.device, options_.hand);
     device.lockstep = options_.lockstep;
-    device.settings = parse_settings(options_.settings);
+    device.settings = devices::parse_settings(options_.settings);
     device.cancelled = &stop;
     try {
-      if (options_.lockstep && !has_simulated_hand(options_.device))
-        throw DeviceOpenError(options_.device + " lives in real time: --lockstep needs a simulated device");
-      std::unique_ptr<Driver> driver = open_device(options_.device, device);
+      if (options_.lockstep && !devices::has_simulated_hand(options_.device))
+        throw devices::DeviceOpenError(options_.device + " lives in real time: --lockstep needs a simulated device");
+      std::unique_ptr<devices::Driver> driver = devices::open_device(options_.device, device);
       if (options_.lockstep && !driver->simulated())
-        throw DeviceOpenError(driver->description().model + " did not take up virtual time, which --lockstep needs");
+        throw devices::DeviceOpenError(driver->description().model + " did not take up virtual time, which --lockstep needs");
       return driver;
     } catch (const std::exception& error) {
       report_failure(error.what());
@@ -324,10 +324,10 @@ class DeviceNode {
 
   static constexpr char kClaim[] = "answered_before_rival";
   const Options& options_;
-  const Scene& scene_;
+  const scene::Scene& scene_;
   bus::Participant participant_;
   std::uint64_t session_;
-  std::unique_ptr<Driver> driver_;
+  std::unique_ptr<devices::Driver> driver_;
   bus::Writer<msg::DeviceState> states_;
   bus::Writer<msg::DeviceDescription> descriptions_;
   bus::FollowedReader<msg::ForceCommand> commands_;
@@ -351,7 +351,7 @@ class DeviceNode {
 }  // namespace
 
 void add_device_options(CLI::App& app, std::string& device, std::vector<std::string>& settings) {
-  app.add_option("--device", device, fmt::format("{}", fmt::join(device_names(), ", ")))->capture_default_str();
+  app.add_option("--device", device, fmt::format("{}", fmt::join(devices::device_names(), ", ")))->capture_default_str();
   app.add_option("--device-option", settings,
                  "KEY=VALUE of this device (deploy/devices/*.md list them); may be given more than once")
       ->allow_extra_args(false);
@@ -365,7 +365,7 @@ std::string check_duration(const std::string& text) {
   return good ? std::string() : "'" + text.substr(0, 64) + "' is no duration: 0 (no end), or seconds from 1e-6 to 1e8";
 }
 
-Motion choose_motion(const Scene& scene, const std::string& name) {
+Motion choose_motion(const scene::Scene& scene, const std::string& name) {
   if (scene.motions.empty() && !name.empty())
     throw std::runtime_error(fmt::format("{}: the scene has no motions, so there is no '{}'; add it under `motions:`",
                                          scene.file.string(), name));
@@ -390,9 +390,9 @@ Motion choose_motion(const Scene& scene, const std::string& name) {
 }
 
 int run(const Options& options, const std::atomic<bool>& stop) {
-  const Scene scene = load_scene(options.scene);
+  const scene::Scene scene = scene::load_scene(options.scene);
   DeviceNode node(options, scene, stop);
   return node.run(stop);
 }
 
-}  // namespace voxtouch::device
+}  // namespace voxtouch::device_node

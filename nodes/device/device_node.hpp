@@ -12,7 +12,7 @@ namespace CLI {
 class App;
 }
 
-namespace voxtouch::device {
+namespace voxtouch::device_node {
 
 struct Options : runtime::NodeOptions {
   std::string device = "sim-phantom";
@@ -30,10 +30,10 @@ std::string check_duration(const std::string& text);
 
 /// The hand's motion, in W, as the scene gives it; rest at the first way point where `name` is empty. Throws where the scene has no such
 /// motion, naming those it has.
-Motion choose_motion(const Scene& scene, const std::string& name);
+Motion choose_motion(const scene::Scene& scene, const std::string& name);
 
 /// Runs until `stop`, the duration's end or a fault; the device is at zero force when this returns. 0 if all went well. Throws
 /// while starting only.
 int run(const Options& options, const std::atomic<bool>& stop);
 
-}  // namespace voxtouch::device
+}  // namespace voxtouch::device_node

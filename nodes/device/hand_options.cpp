@@ -8,12 +8,12 @@
 #include "devices/registry.hpp"
 #include "nodes/runtime/options.hpp"
 
-namespace voxtouch::device {
+namespace voxtouch::device_node {
 
 void add_hand_options(CLI::App& app, HandChoice& choice) {
   app.add_option("--hand", choice.grip,
                  fmt::format("How the simulated hand holds the device: {} (default: as the device is usually held)",
-                             fmt::join(grip_names(), ", ")));
+                             fmt::join(hand::grip_names(), ", ")));
   app.add_option("--let-go-at", choice.let_go_at_s, "Device time at which the simulated hand opens [s]")
       ->check(runtime::require_positive);
   app.add_option("--grip-harder-at", choice.grip_harder_at_s, "Device time at which it grips harder [s]")
@@ -24,15 +24,15 @@ void add_hand_options(CLI::App& app, HandChoice& choice) {
       ->check(CLI::Range(1e-3, 1e3));
 }
 
-std::optional<OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice) {
+std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   if (choice.grip.empty() && choice.let_go_at_s == kNever && choice.grip_harder_at_s == kNever) return std::nullopt;
-  OperatorConfig hand = usual_hand(device);
+  sim::OperatorConfig hand = devices::usual_hand(device);
   if (!choice.grip.empty()) {
-    const std::optional<OperatorConfig> named = grip(choice.grip);
+    const std::optional<sim::OperatorConfig> named = hand::grip(choice.grip);
     if (!named)
-      throw DeviceOpenError(
-          fmt::format("there is no hand '{}'; --hand takes {}", choice.grip, fmt::join(grip_names(), ", ")));
+      throw devices::DeviceOpenError(
+          fmt::format("there is no hand '{}'; --hand takes {}", choice.grip, fmt::join(hand::grip_names(), ", ")));
     const bool carries = hand.carries_tool;
     hand = *named;
     hand.carries_tool = carries;
@@ -58,4 +58,4 @@ std::string to_text(const HandChoice& choice) {
   return fmt::format("{}/{}/{}/{}", choice.grip, choice.let_go_at_s, choice.grip_harder_at_s, choice.grip_factor);
 }
 
-}  // namespace voxtouch::device
+}  // namespace voxtouch::device_node

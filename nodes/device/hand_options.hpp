@@ -11,7 +11,7 @@ namespace CLI {
 class App;
 }
 
-namespace voxtouch::device {
+namespace voxtouch::device_node {
 
 struct HandChoice {
   std::string grip;  ///< a name of grip_names(); empty: as the device is usually held
@@ -27,9 +27,9 @@ void add_hand_options(CLI::App& app, HandChoice& choice);
 void append_arguments(const HandChoice& choice, std::vector<std::string>& arguments);
 
 /// The hand that was chosen for a device; absent where nothing was chosen. Throws DeviceOpenError for an unknown grip.
-std::optional<OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice);
+std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice);
 
 /// Words that differ where the hands differ, for the identity of a recorded run.
 std::string to_text(const HandChoice& choice);
 
-}  // namespace voxtouch::device
+}  // namespace voxtouch::device_node

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace voxtouch::device {
+namespace voxtouch::device_node {
 
 void LastSecond::look(std::int64_t now_ns, std::uint64_t samples, std::uint64_t answered, double largest_n) {
   looks_.push_back({now_ns, samples, answered, largest_n});
@@ -22,4 +22,4 @@ double LastSecond::answered_share() const {
                            static_cast<double>(looks_.back().samples - looks_.front().samples));
 }
 
-}  // namespace voxtouch::device
+}  // namespace voxtouch::device_node

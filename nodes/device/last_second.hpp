@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <deque>
 
-namespace voxtouch::device {
+namespace voxtouch::device_node {
 
 /// Fed by the housekeeping, every 20 ms or so. Not for the loop: allocates.
 class LastSecond {
@@ -23,4 +23,4 @@ class LastSecond {
   std::deque<Look> looks_;  ///< the first is where the second begins: of it only the counts matter
 };
 
-}  // namespace voxtouch::device
+}  // namespace voxtouch::device_node

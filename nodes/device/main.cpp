@@ -2,7 +2,7 @@
 #include "nodes/device/device_node.hpp"
 
 int main(int argc, char** argv) {
-  voxtouch::device::Options options;
+  voxtouch::device_node::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "device",
@@ -11,12 +11,12 @@ int main(int argc, char** argv) {
                 "commanded force through the force guard. Ends with the device at zero force."},
       options,
       [&](CLI::App& app) {
-        voxtouch::device::add_device_options(app, options.device, options.settings);
+        voxtouch::device_node::add_device_options(app, options.device, options.settings);
         app.add_option("--motion", options.motion, "What the simulated operator's hand does (a motion of the scene)");
         app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")
             ->capture_default_str()
-            ->check(voxtouch::device::check_duration);
-        voxtouch::device::add_hand_options(app, options.hand);
+            ->check(voxtouch::device_node::check_duration);
+        voxtouch::device_node::add_hand_options(app, options.hand);
       },
-      [&](const std::atomic<bool>& stop) { return voxtouch::device::run(options, stop); });
+      [&](const std::atomic<bool>& stop) { return voxtouch::device_node::run(options, stop); });
 }

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <mutex>
 
-namespace voxtouch {
+namespace voxtouch::log {
 
 /// The first few of each second are said, the others counted; the count is told with the first text of a later second. Any thread.
 class FewASecond {
@@ -39,4 +39,4 @@ class FewASecond {
   std::uint64_t left_out_ = 0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::log

@@ -4,7 +4,7 @@
 
 #include "core/types/utf8.hpp"
 
-namespace voxtouch {
+namespace voxtouch::log {
 namespace {
 
 bool is_control(std::string_view character) {
@@ -30,4 +30,4 @@ std::string printable(std::string_view text) {
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::log

@@ -6,7 +6,7 @@
 
 #include "nodes/log/tell.hpp"
 
-namespace voxtouch {
+namespace voxtouch::log {
 
 /// For the progress callbacks of the core: tells "<who>: <step>" once a second at most, and nothing in the first second.
 inline std::function<void(const std::string&)> tell_each_second(std::string who) {
@@ -18,4 +18,4 @@ inline std::function<void(const std::string&)> tell_each_second(std::string who)
   };
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::log

@@ -18,7 +18,7 @@
 #include <spdlog/details/thread_pool.h>
 #include <spdlog/sinks/sink.h>
 
-namespace voxtouch {
+namespace voxtouch::log {
 namespace {
 
 std::atomic<std::uint64_t> posted{0}, handled{0}, lost{0};
@@ -149,4 +149,4 @@ void guard_standard_streams() noexcept {
   ::signal(SIGXFSZ, SIG_IGN);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::log

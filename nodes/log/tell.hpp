@@ -9,7 +9,7 @@
 
 #include "nodes/log/printable.hpp"
 
-namespace voxtouch {
+namespace voxtouch::log {
 namespace log_parts {
 
 /// Strings may come from a file or a message: made printable. The format itself is ours and stays as it is.
@@ -64,4 +64,4 @@ void finish_results();
 /// get its number and be written into. A file at its size limit is an error, not a signal.
 void guard_standard_streams() noexcept;
 
-}  // namespace voxtouch
+}  // namespace voxtouch::log

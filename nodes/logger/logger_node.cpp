@@ -51,7 +51,7 @@ class LoggerNode {
         topics_.drain();
         if (const std::int64_t now = runtime::monotonic_ns(); now - last_discovery > 50'000'000) {
           last_discovery = now;
-          for (const std::string& sentence : topics_.discover()) tell("warning: logger: {}\n", sentence);
+          for (const std::string& sentence : topics_.discover()) log::tell("warning: logger: {}\n", sentence);
         }
       }
       // Whatever the others wrote before they stopped has been acknowledged by our readers: it is here, or on its way (best effort).
@@ -69,10 +69,10 @@ class LoggerNode {
       session_.stop();  // what is final is in place
     }
     const std::uint64_t lost = final_.total(&bag::TopicReport::dropped) + final_.total(&bag::TopicReport::lost);
-    for (const std::string& error : final_.errors) tell("error: logger: {}\n", error);
+    for (const std::string& error : final_.errors) log::tell("error: logger: {}\n", error);
     for (const bag::TopicReport& t : final_.topics)
       if (t.dropped + t.lost > 0)
-        tell(
+        log::tell(
                    "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or full\n",
                    t.dropped + t.lost, t.received, t.name);
     return lost == 0 && final_.errors.empty() && !lost_peer_ ? 0 : 1;

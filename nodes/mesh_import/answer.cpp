@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace voxtouch {
+namespace voxtouch::mesh_import {
 namespace {
 
 struct Head {
@@ -15,7 +15,7 @@ struct Head {
 using Triangle = std::array<std::uint32_t, 3>;
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t));
 
-std::string with_parts(const Head& head, const TriangleMesh& mesh, const std::string& text) {
+std::string with_parts(const Head& head, const mesh::TriangleMesh& mesh, const std::string& text) {
   std::string bytes(reinterpret_cast<const char*>(&head), sizeof head);
   bytes.append(reinterpret_cast<const char*>(mesh.vertices.data()), head.vertices * sizeof(Vec3));
   bytes.append(reinterpret_cast<const char*>(mesh.triangles.data()), head.triangles * sizeof(Triangle));
@@ -24,7 +24,7 @@ std::string with_parts(const Head& head, const TriangleMesh& mesh, const std::st
 
 }  // namespace
 
-std::string encode(const FileTriangles& read) {
+std::string encode(const mesh::FileTriangles& read) {
   std::string text;
   for (const std::string& warning : read.warnings) text += warning + '\n';
   return with_parts({.vertices = read.mesh.vertices.size(), .triangles = read.mesh.triangles.size(), .text = text.size(),
@@ -36,7 +36,7 @@ std::string encode_refusal(const std::string& sentence) {
   return with_parts({.refused = 1, .text = sentence.size()}, {}, sentence);
 }
 
-FileTriangles decode(std::string_view answer) {
+mesh::FileTriangles decode(std::string_view answer) {
   Head head{.mark = 0};
   const auto take = [&answer](auto* to, std::size_t count) {
     const std::size_t size = count * sizeof *to;
@@ -50,8 +50,8 @@ FileTriangles decode(std::string_view answer) {
     throw std::runtime_error("it gave no whole answer");
   }
   std::string text(answer.substr(answer.size() - head.text));
-  if (head.refused != 0) throw MeshError(text);
-  FileTriangles read{.mesh = {std::vector<Vec3>(head.vertices), std::vector<Triangle>(head.triangles)}, .points = head.points,
+  if (head.refused != 0) throw mesh::MeshError(text);
+  mesh::FileTriangles read{.mesh = {std::vector<Vec3>(head.vertices), std::vector<Triangle>(head.triangles)}, .points = head.points,
                      .lines = head.lines, .uncut = head.uncut, .spacing = head.spacing, .largest = head.largest, .warnings = {}};
   take(read.mesh.vertices.data(), head.vertices), take(read.mesh.triangles.data(), head.triangles);
   const bool finite = std::ranges::all_of(read.mesh.vertices, [](const Vec3& v) { return v.allFinite(); });
@@ -64,4 +64,4 @@ FileTriangles decode(std::string_view answer) {
   return read;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh_import

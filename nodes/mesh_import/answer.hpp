@@ -6,16 +6,16 @@
 
 #include "core/mesh/import.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh_import {
 
 inline constexpr int kSharedFile = 3;  ///< its descriptor in the reading process
 inline constexpr const char* kAsItIs = "as_it_is";  ///< the file is read without checks, and nothing of it handed back
 
-std::string encode(const FileTriangles& read);
+std::string encode(const mesh::FileTriangles& read);
 std::string encode_refusal(const std::string& sentence);
 
 /// Throws MeshError with the refusal's sentence, and std::runtime_error where the bytes are no whole answer, where a vertex is
 /// not finite or where a triangle names one that is not there.
-FileTriangles decode(std::string_view answer);
+mesh::FileTriangles decode(std::string_view answer);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh_import

@@ -31,19 +31,19 @@ int main(int argc, char** argv) {
   limit(RLIMIT_AS, number(4) << 20);
 #endif
   ::alarm(static_cast<unsigned>(3 * number(3)));
-  voxtouch::ImportOptions options;
+  voxtouch::mesh::ImportOptions options;
   options.max_triangles = number(2);
-  const std::string shared = "/proc/self/fd/" + std::to_string(voxtouch::kSharedFile);
+  const std::string shared = "/proc/self/fd/" + std::to_string(voxtouch::mesh_import::kSharedFile);
   std::string answer;
   try {
-    if (argv[6] == std::string_view(voxtouch::kAsItIs)) {
+    if (argv[6] == std::string_view(voxtouch::mesh_import::kAsItIs)) {
       Assimp::Importer().ReadFile(argv[1], aiProcess_Triangulate);
-      answer = voxtouch::encode({});
+      answer = voxtouch::mesh_import::encode({});
     } else {
-      answer = voxtouch::encode(voxtouch::read_triangles(argv[1], voxtouch::read_mesh_bytes(shared), options));
+      answer = voxtouch::mesh_import::encode(voxtouch::mesh::read_triangles(argv[1], voxtouch::mesh::read_mesh_bytes(shared), options));
     }
-  } catch (const voxtouch::MeshError& refusal) {
-    answer = voxtouch::encode_refusal(refusal.what());
+  } catch (const voxtouch::mesh::MeshError& refusal) {
+    answer = voxtouch::mesh_import::encode_refusal(refusal.what());
   }
   return std::ofstream(shared, std::ios::binary) << answer << std::flush ? 0 : 1;
 }

@@ -18,7 +18,7 @@
 
 extern char** environ;
 
-namespace voxtouch {
+namespace voxtouch::mesh_import {
 namespace {
 
 /// vfork and exec in one: safe beside any threads. Throws std::runtime_error.
@@ -56,7 +56,7 @@ pid_t spawn(const std::vector<std::string>& words, int shared) {
   return child;
 }
 
-FileTriangles read_apart(const std::filesystem::path& path, const std::string& bytes, const ImportOptions& options,
+mesh::FileTriangles read_apart(const std::filesystem::path& path, const std::string& bytes, const mesh::ImportOptions& options,
                          const ReadLimits& limits, const std::string& how) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> shared(::fdopen(::memfd_create("mesh", MFD_CLOEXEC), "r+"), ::fclose);
   if (!shared || std::fwrite(bytes.data(), 1, bytes.size(), shared.get()) != bytes.size() || std::fflush(shared.get()) != 0) {
@@ -70,39 +70,39 @@ FileTriangles read_apart(const std::filesystem::path& path, const std::string& b
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   if (signal == SIGXCPU || signal == SIGALRM) {
-    import::refuse(path, fmt::format("took longer than {} s to read", limits.cpu_s), "reduce the mesh, or export it again");
+    mesh::import::refuse(path, fmt::format("took longer than {} s to read", limits.cpu_s), "reduce the mesh, or export it again");
   }
   if (signal != 0) {
-    import::refuse(path, fmt::format("broke its reader ({})", ::strsignal(signal)), "the file is damaged: export it again");
+    mesh::import::refuse(path, fmt::format("broke its reader ({})", ::strsignal(signal)), "the file is damaged: export it again");
   }
   if (status != 0) throw std::runtime_error(fmt::format("its reader ended with status {}", WEXITSTATUS(status)));
-  return decode(read_mesh_bytes(fmt::format("/proc/self/fd/{}", ::fileno(shared.get())), ~std::uintmax_t{0}));
+  return decode(mesh::read_mesh_bytes(fmt::format("/proc/self/fd/{}", ::fileno(shared.get())), ~std::uintmax_t{0}));
 }
 
 /// The same with every reason in a sentence.
-FileTriangles read_or_refuse(const std::filesystem::path& path, const std::string& bytes, const ImportOptions& options,
+mesh::FileTriangles read_or_refuse(const std::filesystem::path& path, const std::string& bytes, const mesh::ImportOptions& options,
                              const ReadLimits& limits, const std::string& how) {
   try {
     return read_apart(path, bytes, options, limits, how);
-  } catch (const MeshError&) {
+  } catch (const mesh::MeshError&) {
     throw;
   } catch (const std::exception& error) {
-    import::refuse(path, fmt::format("was not read: {}", error.what()),
+    mesh::import::refuse(path, fmt::format("was not read: {}", error.what()),
                    "see that voxtouch_import_mesh stands beside this program");
   }
 }
 
 }  // namespace
 
-TriangleReader mesh_process(const ReadLimits& limits) {
-  return [limits](const std::filesystem::path& path, const std::string& bytes, const ImportOptions& options) {
+mesh::TriangleReader mesh_process(const ReadLimits& limits) {
+  return [limits](const std::filesystem::path& path, const std::string& bytes, const mesh::ImportOptions& options) {
     return read_or_refuse(path, bytes, options, limits, "checked");
   };
 }
 
-void rehearse_reading(const Scene& scene) {
-  for (const MeshSpec& mesh : scene.static_meshes) read_or_refuse(mesh.path, {}, {}, {}, kAsItIs);
+void rehearse_reading(const scene::Scene& scene) {
+  for (const scene::MeshSpec& mesh : scene.static_meshes) read_or_refuse(mesh.path, {}, {}, {}, kAsItIs);
   read_or_refuse(scene.dynamic_mesh.path, {}, {}, {}, kAsItIs);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh_import

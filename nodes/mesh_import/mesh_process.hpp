@@ -4,7 +4,7 @@
 #include "core/mesh/import.hpp"
 #include "core/scene/scene.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh_import {
 
 /// What reading one mesh may take.
 struct ReadLimits {
@@ -15,11 +15,11 @@ struct ReadLimits {
 /// The reader for import_mesh() and build_scene(). Throws MeshError. One process a mesh, about 10 ms; it ends with the calling
 /// thread, has ordinary priority whatever the caller has, and of the caller's files it sees only the mesh's bytes and stderr.
 /// For any thread, not for the loop.
-TriangleReader mesh_process(const ReadLimits& limits = {});
+mesh::TriangleReader mesh_process(const ReadLimits& limits = {});
 
 /// For those who let assimp read a scene's meshes in this process and without checks, as core/reference does: it reads each in
 /// a process of its own first. Throws MeshError where that crashes, hangs or fills memory. What assimp refuses passes: it will
 /// do so again.
-void rehearse_reading(const Scene& scene);
+void rehearse_reading(const scene::Scene& scene);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh_import

@@ -1,24 +1,24 @@
 #include "nodes/rendering/change_line.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 
 void ChangeLine::report(ChangeReport::What what, const Change& change, std::uint64_t sample) noexcept {
   reports_.push({what, change.ticket, sample, epoch_, change.scene});
 }
 
-void ChangeLine::retire(LiveScene& live) noexcept {
+void ChangeLine::retire(rendering::LiveScene& live) noexcept {
   // An update server that has not looked for long must not cost a scene's memory: it is asked for again when there is room.
   if (reports_.room() == 0) return;
-  if (BuiltScene* scene = live.retired()) reports_.push({ChangeReport::What::kRetired, 0, 0, epoch_, scene});
+  if (rendering::BuiltScene* scene = live.retired()) reports_.push({ChangeReport::What::kRetired, 0, 0, epoch_, scene});
 }
 
-void ChangeLine::rest(LiveScene& live) noexcept {
+void ChangeLine::rest(rendering::LiveScene& live) noexcept {
   if (!moving_ || reports_.room() == 0 || !live.effects().at_rest()) return;
   moving_ = false;
   reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr});
 }
 
-void ChangeLine::take(LiveScene& live, std::uint64_t next, bool at_sample) noexcept {
+void ChangeLine::take(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept {
   retire(live);
   rest(live);
   const bool judged = session_ == 0 || good_for_.load(std::memory_order_acquire) == session_;
@@ -43,7 +43,7 @@ void ChangeLine::take(LiveScene& live, std::uint64_t next, bool at_sample) noexc
         live.swap_to(*change->scene);
       else
         live.effects().take(change->effect);
-      moving_ |= !change->scene && change->effect.action == EffectAction::kValue;
+      moving_ |= !change->scene && change->effect.action == effects::EffectAction::kValue;
       applied_ = change->ticket;
       report(ChangeReport::What::kApplied, *change, next);
     }
@@ -57,4 +57,4 @@ void ChangeLine::begin_session(std::uint64_t session) noexcept {
   answering_.store(0, std::memory_order_seq_cst);
 }
 
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

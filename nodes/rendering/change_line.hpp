@@ -8,7 +8,7 @@
 #include "core/rendering/live_scene.hpp"
 #include "nodes/runtime/spsc_queue.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 
 /// One change that has been judged.
 struct Change {
@@ -16,8 +16,8 @@ struct Change {
   std::uint64_t session = 0;      ///< 0: whichever runs
   std::uint64_t from_sample = 0;  ///< 0: at once
   std::uint64_t epoch = 0;        ///< as the loop last said; a change of an older one is dropped
-  EffectCommand effect;
-  BuiltScene* scene = nullptr;  ///< takes the place of the one that runs; `effect` is not looked at then
+  effects::EffectCommand effect;
+  rendering::BuiltScene* scene = nullptr;  ///< takes the place of the one that runs; `effect` is not looked at then
 };
 
 struct ChangeReport {
@@ -30,7 +30,7 @@ struct ChangeReport {
   } what = What::kApplied;
   std::uint64_t ticket = 0, sample = 0;
   std::uint64_t epoch = 0;  ///< from now on
-  BuiltScene* scene = nullptr;
+  rendering::BuiltScene* scene = nullptr;
 };
 
 /// Between the update server, which judges, and the loop, which applies. Changes are taken in the order they were asked for, one that waits
@@ -62,7 +62,7 @@ class ChangeLine {
 
   // Of the loop. All real-time safe.
   /// Between two samples; the next has the number `next`. Only `at_sample` is it there, and what waits for a sample may be taken.
-  void take(LiveScene& live, std::uint64_t next, bool at_sample) noexcept;
+  void take(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept;
   /// Another session: what waits for a sample of the last one is dropped, what was asked for before any session stays.
   void begin_session(std::uint64_t session) noexcept;
   /// Ticket of the last change that was applied; 0: none.
@@ -74,8 +74,8 @@ class ChangeLine {
   }
 
  private:
-  void retire(LiveScene& live) noexcept;
-  void rest(LiveScene& live) noexcept;
+  void retire(rendering::LiveScene& live) noexcept;
+  void rest(rendering::LiveScene& live) noexcept;
   static constexpr std::uint64_t kNoHold = ~std::uint64_t{0};
   void report(ChangeReport::What what, const Change& change, std::uint64_t sample) noexcept;
 
@@ -86,4 +86,4 @@ class ChangeLine {
   bool moving_ = false;  ///< numbers of the effects are on their way
 };
 
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

@@ -2,12 +2,12 @@
 #include "nodes/rendering/rendering_node.hpp"
 
 int main(int argc, char** argv) {
-  voxtouch::rendering::Options options;
+  voxtouch::rendering_node::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "rendering",
        .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers every device sample "
                 "with the contact wrench."},
       options, [](CLI::App&) {},
-      [&](const std::atomic<bool>& stop) { return voxtouch::rendering::run(options, stop); });
+      [&](const std::atomic<bool>& stop) { return voxtouch::rendering_node::run(options, stop); });
 }

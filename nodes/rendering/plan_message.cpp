@@ -3,14 +3,14 @@
 #include "nodes/rendering/plan_ring.hpp"
 #include "nodes/runtime/strings.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 namespace {
 
 /// The parts as lists side by side; outlives the write.
 class Columns {
  public:
-  explicit Columns(const std::vector<PlanPart>& parts) {
-    for (const PlanPart& part : parts) {
+  explicit Columns(const std::vector<rendering::PlanPart>& parts) {
+    for (const rendering::PlanPart& part : parts) {
       names_.push_back(part.name), nodes_.push_back(part.node), reasons_.push_back(part.why);
       bytes_.push_back(part.bytes), expected_ns_.push_back(part.expected_ns);
     }
@@ -36,16 +36,16 @@ class Columns {
   std::vector<runtime::LentStrings> lent_;
 };
 
-std::vector<PlanPart> all_parts(const Plan& plan, const Scene& scene) {
-  std::vector<PlanPart> parts = plan.parts;
-  for (PlanPart& part : ring_parts(scene)) parts.push_back(std::move(part));
+std::vector<rendering::PlanPart> all_parts(const rendering::Plan& plan, const scene::Scene& scene) {
+  std::vector<rendering::PlanPart> parts = plan.parts;
+  for (rendering::PlanPart& part : ring_parts(scene)) parts.push_back(std::move(part));
   return parts;
 }
 
 }  // namespace
 
-void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const Plan& plan,
-                  const DeviceDemand& demand, double largest_shell_gap_m, std::uint64_t session, std::uint64_t from_sample) {
+void publish_plan(bus::Writer<msg::ScenePlan>& writer, const scene::Scene& scene, const rendering::Plan& plan,
+                  const fitting::DeviceDemand& demand, double largest_shell_gap_m, std::uint64_t session, std::uint64_t from_sample) {
   runtime::LentStrings built(plan.built), left_out(plan.left_out), warnings(plan.warnings);
   Columns columns(all_parts(plan, scene));
   msg::ScenePlan m{};
@@ -83,4 +83,4 @@ void publish_plan(bus::Writer<msg::ScenePlan>& writer, const Scene& scene, const
   writer.write(m);
 }
 
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

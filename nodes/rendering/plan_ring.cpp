@@ -5,7 +5,7 @@
 
 #include "qos/topics.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 namespace {
 
 /// Who writes a topic, for people.
@@ -14,14 +14,14 @@ std::string writer_of(const qos::Topic& topic) {
   return fmt::format("{}", fmt::join(qos::names_of(topic.writers ? topic.writers : topic.readers & ~qos::kLogger), ", "));
 }
 
-PlanPart node_part(const char* name, std::string why) {
+rendering::PlanPart node_part(const char* name, std::string why) {
   return {.name = fmt::format("node {}", name), .node = name, .why = std::move(why)};
 }
 
 }  // namespace
 
-std::vector<PlanPart> ring_parts(const Scene& scene) {
-  std::vector<PlanPart> parts;
+std::vector<rendering::PlanPart> ring_parts(const scene::Scene& scene) {
+  std::vector<rendering::PlanPart> parts;
   for (const qos::Topic& topic : qos::kTopics)
     parts.push_back({.name = fmt::format("topic {}", topic.path), .node = writer_of(topic), .why = std::string(topic.why)});
   parts.push_back(node_part("device", "Reads the device and keeps its force within limits."));
@@ -36,4 +36,4 @@ std::vector<PlanPart> ring_parts(const Scene& scene) {
   return parts;
 }
 
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

@@ -26,7 +26,7 @@
 #include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/stamps.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 namespace {
 
 constexpr auto kRelaxed = std::memory_order_relaxed;
@@ -37,7 +37,7 @@ constexpr auto kRelaxed = std::memory_order_relaxed;
 /// waits for the update server, asleep for 0.2 ms at a time, and looks at `stop`. A frame: the scene's own counts. One lock, where a description has come.
 class RenderingNode {
  public:
-  RenderingNode(const Options& options, const Scene& scene, std::unique_ptr<BuiltScene> built)
+  RenderingNode(const Options& options, const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built)
       : options_(options), scene_(scene), live_(*built), mapping_(scene.device),
         participant_(options.participant("rendering")),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
@@ -45,7 +45,7 @@ class RenderingNode {
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         ros_(participant_, options.rig, scene),
         updates_(participant_, options, scene, std::move(built), line_,
-              [this](const Scene& next) { ros_.set_static_meshes(next.static_meshes); },
+              [this](const scene::Scene& next) { ros_.set_static_meshes(next.static_meshes); },
               [this](std::uint64_t session) { session_.begin(session); }),
         wait_set_(participant_), device_("device", {&descriptions_.following(), &states_.following()}) {
     wait_set_.attach(descriptions_.condition());
@@ -85,7 +85,7 @@ class RenderingNode {
   void listen(const msg::DeviceDescription& message) {
     const DeviceDescription device = runtime::from_msg(message);
     std::string wrong = what_is_wrong(device);
-    if (wrong.empty()) described_ = DescribedDevice{message.session_id, model_of(device)};
+    if (wrong.empty()) described_ = DescribedDevice{message.session_id, coupling::design::model_of(device)};
     const std::lock_guard lock(wrong_mutex_);
     wrong_ = std::move(wrong);
   }
@@ -158,8 +158,8 @@ class RenderingNode {
   }
 
   void publish(const msg::DeviceState& state, bool good, bool fading, std::int64_t begin) noexcept {
-    const StageResult& touch = frame_.touch;
-    const ContactResult& c = touch.contact;
+    const contact::StageResult& touch = frame_.touch;
+    const contact::ContactResult& c = touch.contact;
     msg::ContactState m{};
     m.session_id = state.session_id;
     m.sequence_number = state.sequence_number;
@@ -204,7 +204,7 @@ class RenderingNode {
     const bool buried = touches && !pushes && c.interior_hits > c.surface_hits;
     const std::array<bool, kCounted.size()> counts = {  // in the order of the names
         pushes, !good, touch.fast, touch.crossed, touch.missed, buried, touch.held, c.saturated,
-        frame_.tool.lag, frame_.tool.unplaced, frame_.tool.queries >= contact_limits::kMaxQueries};
+        frame_.tool.lag, frame_.tool.unplaced, frame_.tool.queries >= contact::limits::kMaxQueries};
     for (std::size_t n = 0; n < counts.size(); ++n)
       if (counts[n]) counted_[n].fetch_add(1, kRelaxed);
     if (frame_.tool.residual_m > most_residual_m_.load(kRelaxed)) most_residual_m_.store(frame_.tool.residual_m, kRelaxed);
@@ -250,10 +250,10 @@ class RenderingNode {
   static constexpr int kHoldSamples = 3;
   static constexpr double kForceEpsilonN = 1e-9;  ///< below this a sum of forces that cancel is rounding, not force
   const Options& options_;
-  const Scene& scene_;
-  LiveScene live_;
+  const scene::Scene& scene_;
+  rendering::LiveScene live_;
   ChangeLine line_;
-  DeviceMapping mapping_;
+  rendering::DeviceMapping mapping_;
   bus::Participant participant_;
   bus::LatchedReader<msg::DeviceDescription> descriptions_;
   bus::FollowedReader<msg::DeviceState> states_;
@@ -272,7 +272,7 @@ class RenderingNode {
   const runtime::Housekeeping* housekeeping_ = nullptr;
   runtime::Heartbeat heartbeat_;
   std::uint64_t session_in_loop_ = 0;
-  SceneFrame frame_;
+  rendering::SceneFrame frame_;
   std::optional<std::int64_t> session_begin_ns_;  ///< device clock of the first sample answered
   int refused_in_a_row_ = 0;
   std::uint64_t next_sample_ = 0;     ///< number of the first one that has not been answered
@@ -291,12 +291,12 @@ class RenderingNode {
 }  // namespace
 
 int run(const Options& options, const std::atomic<bool>& stop) {
-  const Scene scene = load_scene(options.scene);
-  std::unique_ptr<BuiltScene> built =
-      build_scene(scene, runtime::threaded_for(), {.read = mesh_process()}, tell_each_second("rendering"));
-  for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);
+  const scene::Scene scene = scene::load_scene(options.scene);
+  std::unique_ptr<rendering::BuiltScene> built =
+      rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("rendering"));
+  for (const std::string& warning : built->plan().warnings) log::tell("warning: {}\n", warning);
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);
 }
 
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

@@ -4,11 +4,11 @@
 
 #include "nodes/runtime/options.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 
 struct Options : runtime::NodeOptions {};
 
 /// Builds the scene, then answers every device sample until `stop`. Throws while starting only.
 int run(const Options& options, const std::atomic<bool>& stop);
 
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

@@ -6,7 +6,7 @@
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/strings.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 namespace {
 
 const std::string kWorld = "world";
@@ -41,7 +41,7 @@ msg::visualization_msgs_Marker marker(std::int64_t time_ns, const std::string& n
 
 }  // namespace
 
-RosOutputs::RosOutputs(const bus::Participant& participant, const std::string& rig, const Scene& scene)
+RosOutputs::RosOutputs(const bus::Participant& participant, const std::string& rig, const scene::Scene& scene)
     : device_frame_(rig + "/device"), tool_frame_(rig + "/tool"), device_in_world_(scene.device.device_in_world),
       static_meshes_(scene.static_meshes), tf_(participant, qos::kTf, rig, qos::profile(qos::kTf.profile)),
       pose_(participant, qos::kPose, rig, qos::profile(qos::kPose.profile)),
@@ -63,7 +63,7 @@ RosOutputs::~RosOutputs() {
   thread_.join();
 }
 
-void RosOutputs::set_static_meshes(std::vector<MeshSpec> meshes) {
+void RosOutputs::set_static_meshes(std::vector<scene::MeshSpec> meshes) {
   const std::lock_guard lock(meshes_mutex_);
   static_meshes_ = std::move(meshes);
 }
@@ -116,13 +116,13 @@ void RosOutputs::write_markers(const Shown& shown) {
   all.back().pose.position = runtime::to_point(shown.deepest_point);
   all.back().scale = {0.004, 0.004, 0.004};
   all.back().color = {0.9F, 0.7F, 0.1F, shown.contact ? 1.0F : 0.0F};
-  const std::vector<MeshSpec> shown_meshes = [this] {
+  const std::vector<scene::MeshSpec> shown_meshes = [this] {
     const std::lock_guard lock(meshes_mutex_);
     return static_meshes_;
   }();
   std::vector<std::string> resources;
   resources.reserve(shown_meshes.size());
-  for (const MeshSpec& mesh : shown_meshes) {
+  for (const scene::MeshSpec& mesh : shown_meshes) {
     resources.push_back("file://" + mesh.path.string());
     all.push_back(
         marker(shown.time_ns, meshes, static_cast<std::int32_t>(resources.size()), kind::kMeshResource, empty));
@@ -136,4 +136,4 @@ void RosOutputs::write_markers(const Shown& shown) {
   markers_.write(m);
 }
 
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

@@ -10,7 +10,7 @@
 #include "core/types/latest_value.hpp"
 #include "nodes/bus/writer.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 
 /// One frame of the ring, as the outputs show it.
 struct Shown {
@@ -29,7 +29,7 @@ struct RosOutputCounts {
 /// Frames: `world` = W, `<rig>/device` = D, `<rig>/tool` = T.
 class RosOutputs {
  public:
-  RosOutputs(const bus::Participant& participant, const std::string& rig, const Scene& scene);
+  RosOutputs(const bus::Participant& participant, const std::string& rig, const scene::Scene& scene);
   ~RosOutputs();
   RosOutputs(const RosOutputs&) = delete;
   RosOutputs& operator=(const RosOutputs&) = delete;
@@ -37,7 +37,7 @@ class RosOutputs {
   /// From the loop; real-time safe.
   void show(const Shown& shown) noexcept { latest_.put(shown); }
   /// Other meshes from now on. From any thread but the loop's: locks.
-  void set_static_meshes(std::vector<MeshSpec> meshes);
+  void set_static_meshes(std::vector<scene::MeshSpec> meshes);
 
   RosOutputCounts made() const noexcept {
     return {.tf = made_tf_.load(), .pose = made_pose_.load(), .wrench = made_wrench_.load(), .markers = made_markers_.load()};
@@ -53,7 +53,7 @@ class RosOutputs {
   std::string device_frame_, tool_frame_;
   Pose device_in_world_;
   std::mutex meshes_mutex_;
-  std::vector<MeshSpec> static_meshes_;
+  std::vector<scene::MeshSpec> static_meshes_;
   bus::Writer<msg::tf2_msgs_TFMessage> tf_;
   bus::Writer<msg::geometry_msgs_PoseStamped> pose_;
   bus::Writer<msg::geometry_msgs_WrenchStamped> wrench_;
@@ -64,4 +64,4 @@ class RosOutputs {
   std::thread thread_;
 };
 
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

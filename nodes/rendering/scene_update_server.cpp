@@ -13,7 +13,7 @@
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/strings.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 namespace {
 
 using namespace msg::effect_change;
@@ -27,25 +27,25 @@ bool too_long(const char* text) { return text && ::strnlen(text, kLongestName + 
 std::string_view view(const char* text) { return text ? text : ""; }
 
 std::string in_words(const msg::EffectChange& m) {
-  const std::string effect = quotable(view(m.effect));
+  const std::string effect = effects::quotable(view(m.effect));
   switch (m.action) {
     case kActionSwitch: return fmt::format("'{}' {}", effect, m.value[0] != 0.0 ? "on" : "off");
     case kActionGain: return fmt::format("gain of '{}' {:g}", effect, m.value[0]);
-    case kActionValue: return fmt::format("'{}' of '{}'", quotable(view(m.parameter)), effect);
+    case kActionValue: return fmt::format("'{}' of '{}'", effects::quotable(view(m.parameter)), effect);
     default: return "the scene, built anew";
   }
 }
 
 }  // namespace
 
-SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const Options& options, const Scene& scene,
-                       std::unique_ptr<BuiltScene> first, ChangeLine& line, std::function<void(const Scene&)> swapped,
+SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const Options& options, const scene::Scene& scene,
+                       std::unique_ptr<rendering::BuiltScene> first, ChangeLine& line, std::function<void(const scene::Scene&)> swapped,
                        std::function<void(std::uint64_t)> begun)
     : options_(options), line_(line), swapped_(std::move(swapped)),
       changes_(participant, qos::kEffectChange, options.rig, qos::profile_in(qos::kEffectChange, options.mode())),
       answers_(participant, qos::kEffectChanged, options.rig, qos::profile_in(qos::kEffectChanged, options.mode())),
       plans_(participant, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
-      wait_set_(participant), scene_(scene), settled_(scene.effects), reach_(at_rest(settled_)), begun_(std::move(begun)) {
+      wait_set_(participant), scene_(scene), settled_(scene.effects), reach_(effects::at_rest(settled_)), begun_(std::move(begun)) {
   set_plan(*first);
   sum_up();
   scenes_.push_back(std::move(first));
@@ -154,17 +154,17 @@ void SceneUpdateServer::receive_effect(const msg::EffectChange& m, Request reque
 
 /// Judges and hands over to the loop; a sentence why not.
 std::string SceneUpdateServer::give(const msg::EffectChange& m, const Request& request) {
-  const EffectAction action = m.action == kActionSwitch ? EffectAction::kSwitch
-                              : m.action == kActionGain ? EffectAction::kGain
-                                                        : EffectAction::kValue;
+  const effects::EffectAction action = m.action == kActionSwitch ? effects::EffectAction::kSwitch
+                              : m.action == kActionGain ? effects::EffectAction::kGain
+                                                        : effects::EffectAction::kValue;
   Next after = next();
-  const auto command = judge(after.effects, {.action = action,
+  const auto command = effects::judge(after.effects, {.action = action,
                                              .effect = view(m.effect),
                                              .parameter = view(m.parameter),
                                              .value = {m.value[0], m.value[1], m.value[2]}});
   if (!command) return command.error();
-  EffectSpec& effect = after.effects[command->effect];
-  voxtouch::take(effect, *command);
+  effects::EffectSpec& effect = after.effects[command->effect];
+  voxtouch::effects::take(effect, *command);
   after.reach[command->effect].widen(effect);
   if (std::string why = on_device_.why_not(after.scene, after.contact_alone, after.reach); !why.empty()) return why;
   Outstanding asked{request, {}};
@@ -191,13 +191,13 @@ SceneUpdateServer::Next SceneUpdateServer::next() const {
   const Outstanding* swap = nullptr;
   for (const Outstanding& waits : outstanding_)
     if (waits.scene) swap = &waits;
-  Next all = swap ? Next{*swap->scene, swap->change.scene->plan().of_contact_alone, swap->effects, at_rest(swap->effects)}
+  Next all = swap ? Next{*swap->scene, swap->change.scene->plan().of_contact_alone, swap->effects, effects::at_rest(swap->effects)}
                   : Next{scene_, plan_.of_contact_alone, settled_, reach_};
   bool after = swap == nullptr;
   for (const Outstanding& waits : outstanding_) {
     if (after) {
-      EffectSpec& effect = all.effects[waits.change.effect.effect];
-      voxtouch::take(effect, waits.change.effect);
+      effects::EffectSpec& effect = all.effects[waits.change.effect.effect];
+      voxtouch::effects::take(effect, waits.change.effect);
       all.reach[waits.change.effect.effect].widen(effect);
     }
     after |= &waits == swap;
@@ -224,11 +224,11 @@ void SceneUpdateServer::receive_reload(const msg::EffectChange& m, Request reque
   if (reload_) return refuse(request, "the scene is being built anew already; wait for its answer");
   if (m.voxel_size_m != 0.0 && !(std::isfinite(m.voxel_size_m) && m.voxel_size_m > 0.0))
     return refuse(request, "'voxel_size_m' must be a number above 0 [m], or 0 for the scene's own");
-  ContactModelKind kind{};
-  if (!view(m.model).empty() && !parse_contact_model(view(m.model), kind))
+  contact::ContactModelKind kind{};
+  if (!view(m.model).empty() && !contact::parse_contact_model(view(m.model), kind))
     return refuse(request,
                   fmt::format("there is no contact model '{}'; there are original, adapted, clustered and field",
-                              quotable(view(m.model))));
+                              effects::quotable(view(m.model))));
   if (!outstanding_.empty() && outstanding_.back().change.from_sample > 0)
     return refuse(request, fmt::format("a change waits for sample {}; ask again after it",
                                        outstanding_.back().change.from_sample));
@@ -246,8 +246,8 @@ void SceneUpdateServer::receive_reload(const msg::EffectChange& m, Request reque
 SceneUpdateServer::Built SceneUpdateServer::build(double voxel_size_m, const std::string& model) const {
   Built out;
   try {
-    out.scene = load_scene(options_.scene);
-    out.refusal = why_not_reloaded(scene_, out.scene);
+    out.scene = scene::load_scene(options_.scene);
+    out.refusal = rendering::why_not_reloaded(scene_, out.scene);
     if (!out.refusal.empty()) return out;
     if (voxel_size_m > 0.0) out.scene.voxel_size_m = voxel_size_m;
     if (!model.empty() && out.scene.virtual_tool() && model != out.scene.contact.model) {
@@ -261,7 +261,8 @@ SceneUpdateServer::Built SceneUpdateServer::build(double voxel_size_m, const std
     const ParallelFor until_stopped = [&](std::size_t count, const std::function<void(std::size_t)>& body) {
       for (std::size_t i = 0; i < count; ++i) go_on(), body(i);
     };
-    out.built = build_scene(out.scene, until_stopped, {.read = mesh_process()}, [&](const std::string&) { go_on(); });
+    out.built =
+        rendering::build_scene(out.scene, until_stopped, {.read = mesh_import::mesh_process()}, [&](const std::string&) { go_on(); });
   } catch (const std::exception& error) {
     out.refusal = error.what();
   }
@@ -276,17 +277,17 @@ void SceneUpdateServer::look_after_build() {
   }
   Built result = under_way_.get();
   const Request request = *reload_;
-  std::vector<EffectSpec> effects;
+  std::vector<effects::EffectSpec> effects;
   if (result.refusal.empty()) {
-    effects = carried_over(scene_.effects, settled_, result.scene.effects);
-    result.refusal = on_device_.why_not(result.scene, result.built->plan().of_contact_alone, at_rest(effects));
+    effects = rendering::carried_over(scene_.effects, settled_, result.scene.effects);
+    result.refusal = on_device_.why_not(result.scene, result.built->plan().of_contact_alone, effects::at_rest(effects));
   }
   if (!result.refusal.empty()) {
     line_.let_go();
     reload_.reset();
     return refuse(request, "the old scene goes on: " + result.refusal);
   }
-  result.built->scene_renderer().effects() = EffectChain(effects);
+  result.built->scene_renderer().effects() = effects::EffectChain(effects);
   Outstanding asked{request, {}, std::move(result.scene), std::move(effects)};
   asked.change.scene = result.built.get();
   scenes_.push_back(std::move(result.built));
@@ -303,7 +304,7 @@ void SceneUpdateServer::take_report(const ChangeReport& report) {
     return show(plan_from_sample_);
   }
   if (report.what == What::kAtRest) {
-    reach_ = at_rest(settled_);
+    reach_ = effects::at_rest(settled_);
     return show(plan_from_sample_);
   }
   Outstanding done = std::move(outstanding_.front());
@@ -320,7 +321,7 @@ void SceneUpdateServer::take_report(const ChangeReport& report) {
              : "another session has begun, or a change asked for before this one was not made; ask again");
 }
 
-void SceneUpdateServer::set_plan(const BuiltScene& built) {
+void SceneUpdateServer::set_plan(const rendering::BuiltScene& built) {
   plan_ = built.plan();
   largest_shell_gap_m_ = built.largest_shell_gap_m();
   warnings_.store(plan_.warnings.size());
@@ -329,10 +330,10 @@ void SceneUpdateServer::set_plan(const BuiltScene& built) {
 /// What the effects may show as they are set now, which is not as the plan's scene file has them. True where that is another thing
 /// than before.
 bool SceneUpdateServer::sum_up() {
-  const StiffnessBounds bounds = with_effects(plan_.of_contact_alone, settled_);
-  DeviceDemand shown = demand_of(scene_, reach_);
-  if (fading_) shown = larger_of(*fading_, shown);
-  const bool another = shown != shown_ || bounds != StiffnessBounds{plan_.contact_n_per_m, plan_.contact_nm_per_rad};
+  const rendering::StiffnessBounds bounds = rendering::with_effects(plan_.of_contact_alone, settled_);
+  fitting::DeviceDemand shown = fitting::demand_of(scene_, reach_);
+  if (fading_) shown = fitting::larger_of(*fading_, shown);
+  const bool another = shown != shown_ || bounds != rendering::StiffnessBounds{plan_.contact_n_per_m, plan_.contact_nm_per_rad};
   plan_.contact_n_per_m = bounds.translation, plan_.contact_nm_per_rad = bounds.rotation;
   shown_ = std::move(shown);
   return another;
@@ -357,15 +358,15 @@ void SceneUpdateServer::judge_running() {
 void SceneUpdateServer::applied(Outstanding& done, std::uint64_t sample) {
   if (done.scene) {
     scene_ = std::move(*done.scene);
-    settled_ = std::move(done.effects), reach_ = at_rest(settled_);
+    settled_ = std::move(done.effects), reach_ = effects::at_rest(settled_);
     fading_ = shown_;
     set_plan(*done.change.scene);
     reload_.reset();  // the next one may be built while the old scene fades out; the loop takes it after that
     reloads_.fetch_add(1);
     swapped_(scene_);
   } else {
-    EffectSpec& effect = settled_[done.change.effect.effect];
-    voxtouch::take(effect, done.change.effect);
+    effects::EffectSpec& effect = settled_[done.change.effect.effect];
+    voxtouch::effects::take(effect, done.change.effect);
     reach_[done.change.effect.effect].widen(effect);
   }
   show(sample, done.change.scene != nullptr);
@@ -432,4 +433,4 @@ std::string SceneUpdateServer::refusal() const {
   return refusal_;
 }
 
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

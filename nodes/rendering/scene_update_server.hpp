@@ -21,12 +21,12 @@
 #include "nodes/rendering/rendering_node.hpp"
 #include "nodes/runtime/figure.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 
 /// A device, as it has described itself for a session.
 struct DescribedDevice {
   std::uint64_t session = 0;
-  DeviceModel model;
+  coupling::design::DeviceModel model;
 };
 
 /// A thread of ordinary priority that reads `rendering/change`, judges by its own copy of what the effects are set to and by the
@@ -37,8 +37,8 @@ class SceneUpdateServer {
   /// `first` is the scene that runs, built from `scene`. Both functions are called from the update server's thread: `swapped` is told of a
   /// scene that has taken its place, `begun` of a session whose plan has been published and whose device the scene was held against.
   /// The line outlives the update server.
-  SceneUpdateServer(const bus::Participant& participant, const Options& options, const Scene& scene,
-             std::unique_ptr<BuiltScene> first, ChangeLine& line, std::function<void(const Scene&)> swapped,
+  SceneUpdateServer(const bus::Participant& participant, const Options& options, const scene::Scene& scene,
+             std::unique_ptr<rendering::BuiltScene> first, ChangeLine& line, std::function<void(const scene::Scene&)> swapped,
              std::function<void(std::uint64_t)> begun = [](std::uint64_t) {});
   /// The loop has ended: nobody renders any of the scenes any more.
   ~SceneUpdateServer();
@@ -72,20 +72,20 @@ class SceneUpdateServer {
   struct Outstanding {
     Request request;
     Change change;
-    std::optional<Scene> scene = {};           ///< of a reload ...
-    std::vector<EffectSpec> effects = {};      ///< ... and what its effects begin with
+    std::optional<scene::Scene> scene = {};           ///< of a reload ...
+    std::vector<effects::EffectSpec> effects = {};      ///< ... and what its effects begin with
     std::string why_not = {};                  ///< found out after it was given to the loop
   };
   /// What will run when all that is outstanding has been done.
   struct Next {
-    const Scene& scene;
-    StiffnessBounds contact_alone;
-    std::vector<EffectSpec> effects;
-    std::vector<EffectReach> reach;
+    const scene::Scene& scene;
+    rendering::StiffnessBounds contact_alone;
+    std::vector<effects::EffectSpec> effects;
+    std::vector<effects::EffectReach> reach;
   };
   struct Built {
-    Scene scene;
-    std::unique_ptr<BuiltScene> built;
+    scene::Scene scene;
+    std::unique_ptr<rendering::BuiltScene> built;
     std::string refusal;
   };
 
@@ -106,7 +106,7 @@ class SceneUpdateServer {
   Next next() const;
   void look_after_device();
   void judge_outstanding();
-  void set_plan(const BuiltScene& built);
+  void set_plan(const rendering::BuiltScene& built);
   bool sum_up();
   void show(std::uint64_t from_sample, bool another_scene = false);
   void judge_running();
@@ -118,19 +118,19 @@ class SceneUpdateServer {
 
   const Options& options_;
   ChangeLine& line_;
-  std::function<void(const Scene&)> swapped_;
+  std::function<void(const scene::Scene&)> swapped_;
   bus::Reader<msg::EffectChange> changes_;
   bus::Writer<msg::EffectChanged> answers_;
   bus::Writer<msg::ScenePlan> plans_;
   bus::WaitSet wait_set_;
 
-  Scene scene_;                                      ///< as read from the file that runs
-  std::vector<EffectSpec> settled_;                  ///< what the loop has applied
-  std::vector<EffectReach> reach_;                   ///< where the effects may be, until they are at rest
-  std::optional<DeviceDemand> fading_;               ///< of the scene that fades out, at most
-  DeviceDemand shown_;                               ///< of all that is rendered now, at most
-  SceneOnDevice on_device_;
-  std::vector<std::unique_ptr<BuiltScene>> scenes_;  ///< rendered, fading or waiting to be
+  scene::Scene scene_;                                      ///< as read from the file that runs
+  std::vector<effects::EffectSpec> settled_;                  ///< what the loop has applied
+  std::vector<effects::EffectReach> reach_;                   ///< where the effects may be, until they are at rest
+  std::optional<fitting::DeviceDemand> fading_;               ///< of the scene that fades out, at most
+  fitting::DeviceDemand shown_;                               ///< of all that is rendered now, at most
+  fitting::SceneOnDevice on_device_;
+  std::vector<std::unique_ptr<rendering::BuiltScene>> scenes_;  ///< rendered, fading or waiting to be
   std::deque<Outstanding> outstanding_;              ///< given to the loop, oldest first
   std::deque<Answered> answered_;                    ///< the last ones: a sender whose answer was lost asks again
   std::optional<Request> reload_;                    ///< under way, until it is what runs
@@ -138,7 +138,7 @@ class SceneUpdateServer {
   std::uint64_t ticket_ = 0, epoch_ = 0;
   std::atomic<DescribedDevice*> described_{nullptr};
 
-  Plan plan_;  ///< with the bounds of the effects as they are now
+  rendering::Plan plan_;  ///< with the bounds of the effects as they are now
   double largest_shell_gap_m_ = 0.0;
   std::uint64_t session_ = 0, plan_from_sample_ = 0;
   std::function<void(std::uint64_t)> begun_;
@@ -151,4 +151,4 @@ class SceneUpdateServer {
   std::thread thread_;
 };
 
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

@@ -110,7 +110,7 @@ void Housekeeping::turn() {
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   compare_scenes(report);
-  if (const std::uint64_t lost = texts_lost()) report.figures["lost_texts"] = {lost, "texts"};
+  if (const std::uint64_t lost = log::texts_lost()) report.figures["lost_texts"] = {lost, "texts"};
   watch_own(report);
   watch_others(report);
   const bool announce = options_.announce && report.message != last_.message;
@@ -122,7 +122,7 @@ void Housekeeping::turn() {
   if (tell_ros) last_ros_ns_ = now;
   writer_.publish(report, tell_ros);
   last_ = std::move(report);
-  if (announce) tell("{}: {}\n", node_, last_.message);  // after the report itself: that one is for the other nodes
+  if (announce) log::tell("{}: {}\n", node_, last_.message);  // after the report itself: that one is for the other nodes
   last_publish_ns_ = now;
 }
 

@@ -12,12 +12,12 @@ int explain(const CLI::App& app, const CLI::ParseError& error) noexcept {
   try {
     std::ostringstream out, err;
     const int status = app.exit(error, out, err);
-    tell("{}", err.str());
-    print_result("{}", out.str());
-    finish_results();
+    log::tell("{}", err.str());
+    log::print_result("{}", out.str());
+    log::finish_results();
     return status;
   } catch (const std::exception& failure) {
-    tell("error: {}\n", failure.what());
+    log::tell("error: {}\n", failure.what());
     return 1;
   }
 }
@@ -30,7 +30,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   int parent = 0;
   app.add_option("--with-parent", parent, "Stop when this parent process dies (voxtouch up sets this)");
   configure(app);
-  guard_standard_streams();
+  log::guard_standard_streams();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -42,10 +42,10 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   try {
     if (!program.in_ring) options.realtime.mode = Realtime::kOff;
     options.warnings = enter_realtime(options.realtime);
-    for (const std::string& warning : options.warnings) tell("warning: {}: {}\n", program.name, warning);
+    for (const std::string& warning : options.warnings) log::tell("warning: {}: {}\n", program.name, warning);
     return run(stop_requested());
   } catch (const std::exception& error) {
-    tell("error: {}: {}\n", program.name, error.what());
+    log::tell("error: {}: {}\n", program.name, error.what());
     return 1;
   }
 }

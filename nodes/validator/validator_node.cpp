@@ -34,8 +34,8 @@ const qos::Profile& contact_profile(const Options& options) {
   return options.lockstep ? qos::profile(qos::ProfileId::kLockstep) : qos::profile(qos::ProfileId::kTap);
 }
 
-ReportedContact to_report(const msg::ContactState& c) {
-  ReportedContact r;
+reference::ReportedContact to_report(const msg::ContactState& c) {
+  reference::ReportedContact r;
   r.tool_in_world = runtime::from_msg(c.object_pose);
   r.wrench = runtime::from_msg(c.contact_wrench);  // the reference knows contact only
   r.mean_normal = runtime::from_msg(c.mean_normal);
@@ -48,7 +48,7 @@ ReportedContact to_report(const msg::ContactState& c) {
   return r;
 }
 
-ReportedTool to_tool(const msg::ContactState& c) {
+reference::ReportedTool to_tool(const msg::ContactState& c) {
   return {.tool = runtime::from_msg(c.object_pose),
           .hand = runtime::from_msg(c.tool_pose),
           .wrench = runtime::from_msg(c.contact_wrench),
@@ -60,7 +60,7 @@ ReportedTool to_tool(const msg::ContactState& c) {
 
 class ValidatorNode {
  public:
-  ValidatorNode(const Options& options, const Scene& scene)
+  ValidatorNode(const Options& options, const scene::Scene& scene)
       : options_(options), name_(scene.name), hash_(scene.hash), scene_(scene), reference_(scene), participant_(options.participant("validator")),
         plans_(participant_, qos::kScenePlan, options.rig),
         contacts_(participant_, qos::kContactState, options.rig, contact_profile(options)),
@@ -116,25 +116,25 @@ class ValidatorNode {
       start_session(std::move(built));
   }
 
-  JudgeSettings settings() const {
+  reference::JudgeSettings settings() const {
     const double edge_m = built_.voxel_size_m;
-    JudgeSettings settings;
+    reference::JudgeSettings settings;
     settings.edge_m = edge_m;
     settings.chord_error_m = reference_.chord_error_m();
     settings.shell_gap_m = std::min(built_.shell_gap_m, std::sqrt(3.0) * edge_m);
-    settings.shell_offset_m = scene_.shell == ShellKind::kNaive ? std::sqrt(3.0) / 2 * edge_m : 0.0;
+    settings.shell_offset_m = scene_.shell == scene::ShellKind::kNaive ? std::sqrt(3.0) / 2 * edge_m : 0.0;
     return settings;
   }
 
   /// The plan says what the rendering built: another scene file is a disagreement before the first sample.
   void start_session(Built built) {
     if (built.hash != scene_.hash)
-      tell("warning: validator: the rendering runs another version of scene '{}' than {}\n", built.scene,
+      log::tell("warning: validator: the rendering runs another version of scene '{}' than {}\n", built.scene,
                  scene_.file.string());
     built_ = std::move(built);
     next_.reset();
     blind_ = false;
-    judge_ = std::make_unique<Judge>(settings());
+    judge_ = std::make_unique<reference::Judge>(settings());
     forget_disagreement();
     session_in_loop_ = built_.session;
     publish_counts();
@@ -151,15 +151,15 @@ class ValidatorNode {
     if (another_file) {
       const runtime::Heartbeat::Busy busy(heartbeat_, 60'000'000'000);  // large meshes
       try {
-        Scene scene = load_scene(options_.scene);
+        scene::Scene scene = scene::load_scene(options_.scene);
         blind_ = scene.hash != built_.hash;
-        rehearse_reading(scene);
-        if (!blind_) reference_ = ReferenceScene(scene), scene_ = std::move(scene);
+        mesh_import::rehearse_reading(scene);
+        if (!blind_) reference_ = reference::ReferenceScene(scene), scene_ = std::move(scene);
       } catch (const std::exception&) {
         blind_ = true;
       }
       if (blind_)
-        tell("warning: validator: {} is not what the rendering runs now; nothing is judged any more\n",
+        log::tell("warning: validator: {} is not what the rendering runs now; nothing is judged any more\n",
                    options_.scene.string());
     }
     if (!blind_) judge_->change(settings());
@@ -170,7 +170,7 @@ class ValidatorNode {
     if (!judge_ || contact.session_id != session_in_loop_) return;
     if (next_ && contact.sequence_number >= next_->from_sample) follow_change();
     heartbeat_.beat();
-    if (blind_ || !is_checked(contact.sequence_number, options_.every)) return;
+    if (blind_ || !reference::is_checked(contact.sequence_number, options_.every)) return;
     // While one scene fades into another, what is felt is neither's; behind a wall crossed too fast it is of where that was entered.
     // A virtual tool that is told of a refused sample is that of another one.
     const std::uint32_t unlike = msg::contact_state::kFlagFading | msg::contact_state::kFlagCrossed |
@@ -182,9 +182,9 @@ class ValidatorNode {
     unread_.store(reports_.matched_count() == 0, std::memory_order_relaxed);
     if (unread_) return;  // a verdict that nobody reads is not made
     reference_.move_to(static_cast<double>(contact.scene_time_ns) * 1e-9);
-    GapResult gap;
-    const Judgement judgement = scene_.virtual_tool() ? judge_tool(contact, gap) : judge_contact(contact, gap);
-    const JudgeCounts& counts = judge_->counts();
+    reference::GapResult gap;
+    const reference::Judgement judgement = scene_.virtual_tool() ? judge_tool(contact, gap) : judge_contact(contact, gap);
+    const reference::JudgeCounts& counts = judge_->counts();
     msg::ValidationReport m{};
     m.session_id = contact.session_id;
     m.sequence_number = contact.sequence_number;
@@ -209,29 +209,29 @@ class ValidatorNode {
     });
     if (first_checked_.load(std::memory_order_relaxed) == kNone)
       first_checked_.store(contact.sequence_number, std::memory_order_relaxed);
-    if (judgement.verdict == Verdict::kDisagree) note(contact.sequence_number, judgement);
+    if (judgement.verdict == reference::Verdict::kDisagree) note(contact.sequence_number, judgement);
     publish_counts();
   }
 
-  Judgement judge_contact(const msg::ContactState& contact, GapResult& gap) {
-    const ReportedContact report = to_report(contact);
+  reference::Judgement judge_contact(const msg::ContactState& contact, reference::GapResult& gap) {
+    const reference::ReportedContact report = to_report(contact);
     gap = reference_.gap(report.tool_in_world);
     return judge_->judge(gap, report);
   }
-  Judgement judge_tool(const msg::ContactState& contact, GapResult& gap) {
-    const ReportedTool report = to_tool(contact);
+  reference::Judgement judge_tool(const msg::ContactState& contact, reference::GapResult& gap) {
+    const reference::ReportedTool report = to_tool(contact);
     gap = reference_.gap(report.tool);
     const bool rubs = std::any_of(scene_.effects.begin(), scene_.effects.end(),
-                                  [](const EffectSpec& effect) { return effect.kind->friction != nullptr; });
+                                  [](const effects::EffectSpec& effect) { return effect.kind->friction != nullptr; });
     return judge_->judge(gap, reference_.gap(report.hand), {.reach_m = reference_.tool_reach_m(), .rubs = rubs}, report);
   }
 
-  void note(std::uint64_t sequence, const Judgement& judgement) {
+  void note(std::uint64_t sequence, const reference::Judgement& judgement) {
     const std::lock_guard lock(mutex_);
     if (first_disagreement_.empty())
       first_disagreement_ =
           fmt::format("sample {} ({}): {}", sequence,
-                      judgement.cause == Cause::kReference ? "the reference's fault" : "the rendering's fault",
+                      judgement.cause == reference::Cause::kReference ? "the reference's fault" : "the rendering's fault",
                       judgement.explanation);
   }
 
@@ -269,8 +269,8 @@ class ValidatorNode {
 
   const Options& options_;
   std::string name_, hash_;  ///< of the file as this ring was started with
-  Scene scene_;
-  ReferenceScene reference_;
+  scene::Scene scene_;
+  reference::ReferenceScene reference_;
   bus::Participant participant_;
   bus::LatchedReader<msg::ScenePlan> plans_;
   bus::FollowedReader<msg::ContactState> contacts_;
@@ -278,7 +278,7 @@ class ValidatorNode {
   bus::WaitSet wait_set_;
   runtime::RoleBinding rendering_;  ///< only its samples are judged
   std::vector<runtime::Link> links_;
-  std::unique_ptr<Judge> judge_;
+  std::unique_ptr<reference::Judge> judge_;
   Built built_;                ///< what is judged
   std::optional<Built> next_;  ///< from its first sample on
   bool blind_ = false;         ///< the rendering runs what this node has no reference for
@@ -291,15 +291,15 @@ class ValidatorNode {
   std::uint64_t session_in_loop_ = 0;
   runtime::Session session_;
   std::mutex mutex_;
-  JudgeCounts counts_;
+  reference::JudgeCounts counts_;
   std::string first_disagreement_;
 };
 
 }  // namespace
 
 int run(const Options& options, const std::atomic<bool>& stop) {
-  const Scene scene = load_scene(options.scene);
-  rehearse_reading(scene);
+  const scene::Scene scene = scene::load_scene(options.scene);
+  mesh_import::rehearse_reading(scene);
   ValidatorNode node(options, scene);
   return node.run(stop);
 }

@@ -12,19 +12,19 @@
 namespace voxtouch::view {
 namespace {
 
-std::vector<Vec3> find(BuiltScene& built, const Pose& object, double scene_time_s) {
+std::vector<Vec3> find(rendering::BuiltScene& built, const Pose& object, double scene_time_s) {
   std::vector<Vec3> all;
-  ObjectContacts& contacts = built.contacts();
+  rendering::ObjectContacts& contacts = built.contacts();
   for (std::size_t n = 0; n < contacts.size(); ++n) {
-    const StaticObject& rests = contacts.object(n);
+    const rendering::StaticObject& rests = contacts.object(n);
     const Vec3 moved = rests.moves ? motion_at(*rests.moves, scene_time_s).position : Vec3::Zero();
     Pose pose = object;
     pose.position -= moved;
-    ContactRenderer& renderer = *contacts.object(n).renderer;
+    contact::ContactRenderer& renderer = *contacts.object(n).renderer;
     (void)renderer.probe(pose);
-    const HitList& hits = renderer.hits();
+    const contact::HitList& hits = renderer.hits();
     for (const auto* kind : {&hits.surface, &hits.interior})
-      for (const Hit& hit : *kind) all.push_back(object.position + hit.arm);
+      for (const contact::Hit& hit : *kind) all.push_back(object.position + hit.arm);
   }
   if (all.size() <= ContactPoints::kMost) return all;
   std::vector<Vec3> some;
@@ -45,7 +45,7 @@ ContactPoints::~ContactPoints() {
   thread_.join();
 }
 
-void ContactPoints::scene_is(const Scene& scene) {
+void ContactPoints::scene_is(const scene::Scene& scene) {
   forget();
   const std::lock_guard lock(mutex_);
   scene_ = scene;
@@ -79,7 +79,7 @@ std::string ContactPoints::why_not() const {
 void ContactPoints::run() {
   runtime::ordinary_priority();
   setpriority(PRIO_PROCESS, 0, 19);  // this thread alone: building must not take time from a ring on the same machine
-  std::unique_ptr<BuiltScene> built;
+  std::unique_ptr<rendering::BuiltScene> built;
   std::uint64_t built_for = 0;
   std::unique_lock lock(mutex_);
   while (!stop_) {
@@ -90,7 +90,7 @@ void ContactPoints::run() {
       lock.unlock();
       std::string why_not;
       try {
-        built = build_scene(*scene, serial_for(), {.read = mesh_process()});
+        built = rendering::build_scene(*scene, serial_for(), {.read = mesh_import::mesh_process()});
       } catch (const std::exception& error) {
         built.reset();
         why_not = error.what();

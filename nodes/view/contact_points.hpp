@@ -22,7 +22,7 @@ class ContactPoints {
   ContactPoints& operator=(const ContactPoints&) = delete;
 
   /// Another scene; built when its turn comes.
-  void scene_is(const Scene& scene);
+  void scene_is(const scene::Scene& scene);
   void forget();
   void ask(const Pose& object, double scene_time_s);
   /// In W [m], of the pose that was answered last; at most kMost, evenly chosen. Nothing where there is no scene to ask.
@@ -41,7 +41,7 @@ class ContactPoints {
 
   mutable std::mutex mutex_;
   std::condition_variable something_;
-  std::optional<Scene> scene_;         ///< to be built
+  std::optional<scene::Scene> scene_;         ///< to be built
   std::optional<Question> question_;
   std::optional<std::vector<Vec3>> points_;
   std::string why_not_ = "the scene's file is not at hand";

@@ -18,17 +18,17 @@ json texts(const Strings& strings) {
   return all;
 }
 
-json values_of(const EffectParameter& parameter, const std::array<double, 3>& value) {
+json values_of(const effects::EffectParameter& parameter, const std::array<double, 3>& value) {
   json values = json::array();
-  for (std::size_t n = 0; n < (parameter.shape == ParameterShape::kNumber ? 1 : 3); ++n) values.push_back(rounded(value[n]));
+  for (std::size_t n = 0; n < (parameter.shape == effects::ParameterShape::kNumber ? 1 : 3); ++n) values.push_back(rounded(value[n]));
   return values;
 }
 
-json effect_json(const EffectSpec& effect) {
+json effect_json(const effects::EffectSpec& effect) {
   json parameters = json::array();
   for (std::size_t n = 0; n < effect.kind->parameters.size(); ++n) {
-    const EffectParameter& p = effect.kind->parameters[n];
-    if (p.shape == ParameterShape::kWord) continue;  // never changes while running
+    const effects::EffectParameter& p = effect.kind->parameters[n];
+    if (p.shape == effects::ParameterShape::kWord) continue;  // never changes while running
     parameters.push_back({{"name", p.name},
                           {"meaning", p.meaning},
                           {"low", rounded(p.low)},
@@ -109,9 +109,9 @@ void Facts::apply(const Asked& asked) {
   }
 }
 
-void Facts::scene_is(const Scene& scene) {
+void Facts::scene_is(const scene::Scene& scene) {
   effects_ = json::array();
-  for (const EffectSpec& effect : scene.effects) effects_.push_back(effect_json(effect));
+  for (const effects::EffectSpec& effect : scene.effects) effects_.push_back(effect_json(effect));
   first_effects_ = effects_;
 }
 

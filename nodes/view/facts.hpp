@@ -23,7 +23,7 @@ class Facts {
   void take(const msg::EffectChange& change);
   void take(const msg::EffectChanged& answer);
   /// The effects as this scene's file says.
-  void scene_is(const Scene& scene);
+  void scene_is(const scene::Scene& scene);
   /// A recorded run is shown from another place on: the effects are as the file says again, and nothing was asked.
   void restart() { effects_ = first_effects_, asked_.clear(), answers_.clear(); }
 

@@ -104,7 +104,7 @@ class PageServer::Impl {
   Impl(const ServerOptions& options, std::function<std::string()> greeting, std::function<void(std::string)> heard)
       : files_(find_page_files()), greeting_(std::move(greeting)), heard_(std::move(heard)) {
     access_ = {options.address, choose_port(options), make_token()};
-    lws_set_log_level(LLL_ERR, [](int, const char* line) { tell("page server: {}", line); });
+    lws_set_log_level(LLL_ERR, [](int, const char* line) { log::tell("page server: {}", line); });
     lws_context_creation_info info{};
     info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND |
                    LWS_SERVER_OPTION_DISABLE_IPV6;
@@ -163,7 +163,7 @@ class PageServer::Impl {
     try {
       return self->call(wsi, reason, static_cast<Client**>(session), in, length);
     } catch (const std::exception& error) {
-      tell("page server: {}\n", error.what());
+      log::tell("page server: {}\n", error.what());
       return -1;
     }
   }

@@ -22,7 +22,7 @@ json to_json(const Pose& p) {
 }
 
 /// The force of a command in the world's axes; its size is what the device gives.
-Vec3 in_world(const msg::ForceCommand& command, const Scene* scene) {
+Vec3 in_world(const msg::ForceCommand& command, const scene::Scene* scene) {
   const Vec3 force = from_msg(command.wrench.force);
   return scene ? scene->device.device_in_world.orientation * force : force;
 }
@@ -124,7 +124,7 @@ Picture::Row* Picture::row(std::int64_t sample_time_ns) {
 }
 
 /// A row is closed once samples have come that are well behind it: its command is one way round the ring later than its contact.
-void Picture::close_rows(const Scene* scene) {
+void Picture::close_rows(const scene::Scene* scene) {
   constexpr std::int64_t kRowsBehind = 2;
   while (!open_.empty() && open_.begin()->first + kRowsBehind < open_.rbegin()->first) {
     const auto oldest = open_.begin();
@@ -139,7 +139,7 @@ void Picture::close_rows(const Scene* scene) {
 }
 
 /// s; returned force x, y, z and size, contact force [N]; depth [mm]; energy [mJ]; added damping [Ns/m]. Null where nothing came.
-json Picture::row_json(std::int64_t index, const Row& row, const Scene* scene) const {
+json Picture::row_json(std::int64_t index, const Row& row, const scene::Scene* scene) const {
   json r = {rounded(static_cast<double>(index * kRowNs) * 1e-9)};
   if (row.command) {
     const Vec3 force = in_world(*row.command, scene);
@@ -162,7 +162,7 @@ json Picture::row_json(std::int64_t index, const Row& row, const Scene* scene) c
   return r;
 }
 
-json Picture::frame(const Scene* scene) {
+json Picture::frame(const scene::Scene* scene) {
   close_rows(scene);
   json f = {{"type", "frame"}, {"session", std::to_string(session_)}, {"t", rounded(time_s_)}};
   if (state_) f["sample"] = state_->sequence_number;
@@ -195,7 +195,7 @@ json Picture::frame(const Scene* scene) {
   return f;
 }
 
-json Picture::past(const Scene* scene) {
+json Picture::past(const scene::Scene* scene) {
   close_rows(scene);
   return {{"type", "past"}, {"session", std::to_string(session_)}, {"rows", closed_}};
 }

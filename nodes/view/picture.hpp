@@ -54,9 +54,9 @@ class Picture {
   bool has_news() const noexcept { return news_; }
   /// The newest sample, and the rows of the charts that are new since the last frame. `scene` (if known) says how the device lies in the
   /// world and where moving objects are.
-  nlohmann::json frame(const Scene* scene);
+  nlohmann::json frame(const scene::Scene* scene);
   /// All rows of the last kPastS.
-  nlohmann::json past(const Scene* scene);
+  nlohmann::json past(const scene::Scene* scene);
   nlohmann::json latency() const { return latency_.to_json(); }
   std::uint64_t session() const noexcept { return session_; }
   const std::optional<msg::ContactState>& contact() const noexcept { return contact_; }
@@ -69,8 +69,8 @@ class Picture {
   };
   void begin(std::uint64_t session, std::int64_t sample_time_ns);
   Row* row(std::int64_t sample_time_ns);
-  void close_rows(const Scene* scene);
-  nlohmann::json row_json(std::int64_t index, const Row& row, const Scene* scene) const;
+  void close_rows(const scene::Scene* scene);
+  nlohmann::json row_json(std::int64_t index, const Row& row, const scene::Scene* scene) const;
 
   std::uint64_t session_ = 0;
   std::optional<std::int64_t> begin_ns_;  ///< device's clock at the session's begin

@@ -21,9 +21,10 @@ struct Triangles {
   std::size_t count() const { return indices.size() / 3; }
 };
 
-Triangles read(const MeshSpec& spec, double voxel_size_m) {
-  const TriangleMesh mesh =
-      import_mesh(spec.path, {.scale = spec.scale, .pose = spec.pose, .voxel_size_m = voxel_size_m}, mesh_process()).mesh;
+Triangles read(const scene::MeshSpec& spec, double voxel_size_m) {
+  const mesh::TriangleMesh mesh =
+      mesh::import_mesh(spec.path, {.scale = spec.scale, .pose = spec.pose, .voxel_size_m = voxel_size_m}, mesh_import::mesh_process())
+          .mesh;
   Triangles t;
   for (const Vec3& v : mesh.vertices)
     for (const double x : {v.x(), v.y(), v.z()}) t.positions.push_back(static_cast<float>(x));
@@ -54,10 +55,10 @@ json to_json(const std::vector<float>& positions) {
 
 }  // namespace
 
-json shapes_of(const Scene& scene) {
+json shapes_of(const scene::Scene& scene) {
   json meshes = json::array(), notes = json::array();
   const std::size_t share = kMostTriangles / (scene.static_meshes.size() + 1);
-  const auto add = [&](const MeshSpec& spec, const char* role) {
+  const auto add = [&](const scene::MeshSpec& spec, const char* role) {
     const std::string name = spec.path.filename().string();
     try {
       Triangles t = read(spec, scene.voxel_size_m);
@@ -76,7 +77,7 @@ json shapes_of(const Scene& scene) {
       notes.push_back(error.what());
     }
   };
-  for (const MeshSpec& spec : scene.static_meshes) add(spec, "static");
+  for (const scene::MeshSpec& spec : scene.static_meshes) add(spec, "static");
   add(scene.dynamic_mesh, "dynamic");
   return {{"meshes", meshes}, {"notes", notes}};
 }

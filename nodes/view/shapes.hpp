@@ -13,6 +13,6 @@ inline constexpr std::size_t kMostTriangles = 60'000;
 
 /// {"meshes": [{"name", "role", "object", "positions", "indices", "triangles", "shown"}], "notes": [sentence]}: static ones and moving
 /// objects in W where they rest, the dynamic one in T. A mesh that cannot be read is a note. Reads files; takes as long as they are large.
-nlohmann::json shapes_of(const Scene& scene);
+nlohmann::json shapes_of(const scene::Scene& scene);
 
 }  // namespace voxtouch::view

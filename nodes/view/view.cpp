@@ -80,9 +80,9 @@ class View {
   int run(const std::atomic<bool>& stop) {
     const std::string line = fmt::format("view: {}", server_.address());
     if (options_.to_stderr)
-      tell("{}\n", line);
+      log::tell("{}\n", line);
     else
-      print_result("{}\n", line), finish_results();
+      log::print_result("{}\n", line), log::finish_results();
     std::int64_t before_ns = runtime::monotonic_ns(), frame_at_ns = 0, facts_at_ns = 0;
     while (!stop.load()) {
       const std::int64_t now_ns = runtime::monotonic_ns();
@@ -138,7 +138,7 @@ class View {
     server_.send_fact(text_of(facts));
   }
 
-  const Scene* known_scene() const { return scene_ ? &*scene_ : nullptr; }
+  const scene::Scene* known_scene() const { return scene_ ? &*scene_ : nullptr; }
 
   /// The scene that the ring runs, or ran, is the one that is shown here.
   bool is_same_scene() const { return scene_ && (facts_.scene_hash().empty() || facts_.scene_hash() == scene_->hash); }
@@ -162,11 +162,11 @@ class View {
 
   void show(const std::filesystem::path& file) {
     try {
-      scene_ = load_scene(file);
+      scene_ = scene::load_scene(file);
       why_no_scene_.clear();
     } catch (const std::exception& error) {
       why_no_scene_ = error.what();
-      tell("warning: view: {}\n", why_no_scene_);
+      log::tell("warning: view: {}\n", why_no_scene_);
       return;
     }
     facts_.scene_is(*scene_);
@@ -227,7 +227,7 @@ class View {
   Picture picture_;
   Facts facts_;
   NodeTable nodes_;
-  std::optional<Scene> scene_;
+  std::optional<scene::Scene> scene_;
   std::string why_no_scene_;
   std::pair<std::filesystem::path, std::string> tried_;
   ContactPoints points_;

@@ -44,16 +44,16 @@ void plug_point(double share, double angle, Vec3& place, Vec3& inward) {
 
 }  // namespace
 
-Voxmap cup() {
-  const Grid grid{kEdge * Vec3(0.06, 0.08, 0.1), kEdge};
-  Voxmap out(grid, {-kReach, -kReach, 0}, {kReach, kReach, static_cast<std::int32_t>(kHeight)});
+voxmap::Voxmap cup() {
+  const voxmap::Grid grid{kEdge * Vec3(0.06, 0.08, 0.1), kEdge};
+  voxmap::Voxmap out(grid, {-kReach, -kReach, 0}, {kReach, kReach, static_cast<std::int32_t>(kHeight)});
   for (std::int32_t i = -kReach; i <= kReach; ++i)
     for (std::int32_t j = -kReach; j <= kReach; ++j)
       for (std::int32_t k = 0; k < static_cast<std::int32_t>(kHeight); ++k) {
         if (!solid(i, j, k)) continue;
         const bool inside = solid(i - 1, j, k) && solid(i + 1, j, k) && solid(i, j - 1, k) && solid(i, j + 1, k) &&
                             solid(i, j, k - 1) && solid(i, j, k + 1);
-        out.set({i, j, k}, inside ? VoxelKind::kInterior : VoxelKind::kSurface);
+        out.set({i, j, k}, inside ? voxmap::VoxelKind::kInterior : voxmap::VoxelKind::kSurface);
       }
   out.finish();
   return out;
@@ -69,7 +69,7 @@ std::string name_of(Place place) {
   return "";
 }
 
-Pointshell tool(Place place, std::size_t points) {
+pointshell::Pointshell tool(Place place, std::size_t points) {
   std::vector<Vec3> at(points), inward(points);
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
   for (std::size_t n = 0; n < points; ++n) {
@@ -88,7 +88,7 @@ Pointshell tool(Place place, std::size_t points) {
   std::vector<std::size_t> order(points);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
-  Pointshell out;
+  pointshell::Pointshell out;
   out.edge = kEdge;
   for (const std::size_t n : order) {
     out.x.push_back(kEdge * at[n].x()), out.y.push_back(kEdge * at[n].y()), out.z.push_back(kEdge * at[n].z());

@@ -11,7 +11,7 @@ namespace voxtouch::bench {
 inline constexpr double kEdge = 0.0005;  ///< voxel edge [m]
 
 /// A cup 100 mm high with walls of 4 mm, its axis that of z.
-Voxmap cup();
+voxmap::Voxmap cup();
 
 /// Where the tool is: far off; within the cup and touching nothing; on its floor with 1 % of the points; a plug that fills it, a
 /// fifth of whose points lie in the wall.
@@ -19,7 +19,7 @@ enum class Place { kFar, kNear, kLight, kHeavy };
 std::string name_of(Place place);
 
 /// The tool of that place: a ball of 25 mm, or the plug. Points at equal shares of its surface, in Morton order.
-Pointshell tool(Place place, std::size_t points);
+pointshell::Pointshell tool(Place place, std::size_t points);
 
 /// Poses of a closed path about the place, less than half a voxel apart.
 std::vector<Pose> path(Place place);

@@ -11,8 +11,8 @@
 namespace voxtouch::bench {
 namespace {
 
-const Voxmap& ground() {
-  static const Voxmap map = cup();
+const voxmap::Voxmap& ground() {
+  static const voxmap::Voxmap map = cup();
   return map;
 }
 
@@ -41,9 +41,9 @@ void read_12_bytes(benchmark::State& state, std::size_t points) {
 }
 
 void find(benchmark::State& state, Place place, std::size_t points) {
-  const ContactQuery query(ground(), tool(place, points));
+  const contact::ContactQuery query(ground(), tool(place, points));
   const std::vector<Pose> poses = path(place);
-  HitList hits;
+  contact::HitList hits;
   hits.reserve(points);
   double tested = 0.0, hit = 0.0;
   std::size_t n = 0;
@@ -54,13 +54,13 @@ void find(benchmark::State& state, Place place, std::size_t points) {
   count(state, points, tested, hit);
 }
 
-void render(benchmark::State& state, Place place, std::size_t points, ContactModelKind model) {
-  ContactRenderer renderer(ground(), tool(place, points), model, {1.0, PointWeights::kArea});
+void render(benchmark::State& state, Place place, std::size_t points, contact::ContactModelKind model) {
+  contact::ContactRenderer renderer(ground(), tool(place, points), model, {1.0, contact::PointWeights::kArea});
   const std::vector<Pose> poses = path(place);
   double tested = 0.0, hit = 0.0;
   std::size_t n = 0;
   for (auto _ : state) {
-    const ContactResult contact = renderer.render(poses[n++ % poses.size()]).contact;
+    const contact::ContactResult contact = renderer.render(poses[n++ % poses.size()]).contact;
     tested += contact.points_tested, hit += contact.surface_hits + contact.interior_hits;
   }
   count(state, points, tested, hit);
@@ -73,8 +73,9 @@ void add_all() {
     for (const Place place : {Place::kFar, Place::kNear, Place::kLight, Place::kHeavy}) {
       const std::string row = "/" + name_of(place) + size;
       benchmark::RegisterBenchmark(("find" + row).c_str(), find, place, points);
-      for (const auto model : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered})
-        benchmark::RegisterBenchmark(("render " + std::string(name_of(model)) + row).c_str(), render, place, points, model);
+      for (const auto model :
+           {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kClustered})
+        benchmark::RegisterBenchmark(("render " + std::string(contact::name_of(model)) + row).c_str(), render, place, points, model);
     }
   }
 }

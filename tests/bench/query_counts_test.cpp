@@ -11,8 +11,8 @@
 namespace voxtouch::bench {
 namespace {
 
-const Voxmap& ground() {
-  static const Voxmap map = cup();
+const voxmap::Voxmap& ground() {
+  static const voxmap::Voxmap map = cup();
   return map;
 }
 
@@ -21,8 +21,8 @@ struct Counts {
 };
 
 Counts counts(Place place, std::size_t points) {
-  const ContactQuery query(ground(), tool(place, points));
-  HitList hits;
+  const contact::ContactQuery query(ground(), tool(place, points));
+  contact::HitList hits;
   hits.reserve(points);
   Counts out;
   const std::vector<Pose> poses = path(place);
@@ -58,15 +58,15 @@ TEST(QueryCounts, PointsTestedAreInProportionToThoseThatTouch) {
 TEST(QueryCounts, BytesAreThoseOfTheSurfaceAndOfTheNumbersThatAreReadOften) {
   const double voxels = static_cast<double>(ground().surface_count());
   std::printf("voxmap: %.2f bytes a surface voxel; tree and single precision: %.1f bytes a point\n",
-              static_cast<double>(ground().bytes()) / voxels, static_cast<double>(ContactQuery::lookup_bytes(100'000)) / 1e5);
+              static_cast<double>(ground().bytes()) / voxels, static_cast<double>(contact::ContactQuery::lookup_bytes(100'000)) / 1e5);
   EXPECT_LE(static_cast<double>(ground().bytes()), 5.0 * voxels);
-  EXPECT_LE(ContactQuery::lookup_bytes(100'000), 18U * 100'000U);
+  EXPECT_LE(contact::ContactQuery::lookup_bytes(100'000), 18U * 100'000U);
 }
 
 TEST(QueryCounts, NoFrameAllocates) {
   if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
   for (const Place place : {Place::kFar, Place::kNear, Place::kLight, Place::kHeavy}) {
-    ContactRenderer renderer(ground(), tool(place, 20'000), ContactModelKind::kAdapted, {1.0});
+    contact::ContactRenderer renderer(ground(), tool(place, 20'000), contact::ContactModelKind::kAdapted, {1.0});
     const std::vector<Pose> poses = path(place);
     EXPECT_EQ(test::heap_count_of([&] {
                 for (const Pose& pose : poses) renderer.render(pose);

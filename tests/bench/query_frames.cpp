@@ -16,9 +16,9 @@ int main(int argc, char** argv) {
   for (const auto each : {bench::Place::kNear, bench::Place::kLight, bench::Place::kHeavy})
     if (bench::name_of(each) == argv[1]) place = each;
   const auto points = static_cast<std::size_t>(std::atol(argv[2]));
-  const Voxmap map = bench::cup();
-  ContactRenderer renderer(map, bench::tool(place, points), ContactModelKind::kAdapted, {1.0});
-  HitList hits;
+  const voxmap::Voxmap map = bench::cup();
+  contact::ContactRenderer renderer(map, bench::tool(place, points), contact::ContactModelKind::kAdapted, {1.0});
+  contact::HitList hits;
   hits.reserve(points);
   const std::vector<Pose> poses = bench::path(place);
   const bool find = std::string(argv[4]) == "find";

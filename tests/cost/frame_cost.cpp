@@ -53,25 +53,26 @@ __attribute__((noinline)) void operator delete(void* p, std::size_t) noexcept { 
 
 extern "C" __attribute__((noinline)) void counted_frame(const std::function<void()>& frame) { frame(); }
 
-namespace voxtouch {
+namespace voxtouch::test {
 namespace {
 
 /// What build_scene makes for a scene that knows contact only.
 struct HandBuilt {
-  explicit HandBuilt(const Scene& scene) {
-    const auto mesh = [&](const MeshSpec& spec) {
-      ImportOptions options;
+  explicit HandBuilt(const scene::Scene& scene) {
+    const auto mesh = [&](const scene::MeshSpec& spec) {
+      mesh::ImportOptions options;
       options.scale = spec.scale, options.pose = spec.pose, options.voxel_size_m = scene.voxel_size_m;
-      return import_mesh(spec.path, options).mesh;
+      return mesh::import_mesh(spec.path, options).mesh;
     };
-    const TriangleMesh fixed = mesh(scene.static_meshes.at(0)), moving = mesh(scene.dynamic_mesh);
-    voxmap = std::make_unique<Voxmap>(voxelise(fixed, default_grid(fixed, scene.voxel_size_m), serial_for()));
-    Pointshell shell = test::exact_shell(moving, scene.voxel_size_m);
-    const ContactParameters parameters = contact_parameters(scene.contact, ContactModelKind::kAdapted, shell, {});
-    renderer = std::make_unique<ContactRenderer>(*voxmap, std::move(shell), ContactModelKind::kAdapted, parameters);
+    const mesh::TriangleMesh fixed = mesh(scene.static_meshes.at(0)), moving = mesh(scene.dynamic_mesh);
+    voxmap = std::make_unique<voxmap::Voxmap>(voxmap::voxelise(fixed, voxmap::default_grid(fixed, scene.voxel_size_m), serial_for()));
+    pointshell::Pointshell shell = test::exact_shell(moving, scene.voxel_size_m);
+    const contact::ContactParameters parameters =
+        rendering::contact_parameters(scene.contact, contact::ContactModelKind::kAdapted, shell, {});
+    renderer = std::make_unique<contact::ContactRenderer>(*voxmap, std::move(shell), contact::ContactModelKind::kAdapted, parameters);
   }
-  std::unique_ptr<Voxmap> voxmap;
-  std::unique_ptr<ContactRenderer> renderer;
+  std::unique_ptr<voxmap::Voxmap> voxmap;
+  std::unique_ptr<contact::ContactRenderer> renderer;
 };
 
 constexpr double kBeginS = 0.7;  ///< the slides of deploy/scenes touch from about here
@@ -80,8 +81,8 @@ constexpr double kBeginS = 0.7;  ///< the slides of deploy/scenes touch from abo
 class Hand {
  public:
   explicit Hand(const Motion& motion) : motion_(motion), random_(1) {}
-  ToolState at(int n) {
-    ToolState tool;
+  rendering::ToolState at(int n) {
+    rendering::ToolState tool;
     const MotionPoint point = motion_at(motion_, kBeginS + 1e-3 * n);
     const auto draw = [this] { return 1e-5 * (static_cast<double>(random_() % 2001) / 1000.0 - 1.0); };
     const double x = draw(), y = draw(), z = draw();
@@ -96,11 +97,12 @@ class Hand {
 };
 
 /// What the ring hands on of a frame, from a contact that knows nothing of effects.
-__attribute__((noinline)) SceneFrame contact_frame(ContactRenderer& contact, const ToolState& tool) noexcept {
-  SceneFrame frame;
+__attribute__((noinline)) rendering::SceneFrame contact_frame(contact::ContactRenderer& contact,
+                                                              const rendering::ToolState& tool) noexcept {
+  rendering::SceneFrame frame;
   frame.object = tool.pose;
   frame.touch = contact.render(tool.pose);
-  const ContactResult& result = frame.touch.contact;
+  const contact::ContactResult& result = frame.touch.contact;
   frame.wrench = result.wrench;
   frame.stiffness = result.stiffness;
   frame.stiffness_bound_n_per_m = result.stiffness_bound_n_per_m;
@@ -108,34 +110,34 @@ __attribute__((noinline)) SceneFrame contact_frame(ContactRenderer& contact, con
 }
 
 int run(const std::string& file, const std::string& motion, int frames, const std::string& way) {
-  const Scene scene = load_scene(file);
+  const scene::Scene scene = scene::load_scene(file);
   Hand hand(scene.motions.at(motion));
   const std::size_t before = live_bytes;
   peak_bytes = live_bytes;
   std::unique_ptr<HandBuilt> by_hand;
-  std::unique_ptr<BuiltScene> built;
+  std::unique_ptr<rendering::BuiltScene> built;
   if (way == "contact")
     by_hand = std::make_unique<HandBuilt>(scene);
   else
-    built = build_scene(scene, serial_for());
+    built = rendering::build_scene(scene, serial_for());
   const std::size_t live = live_bytes - before, peak = peak_bytes - before;
   CALLGRIND_START_INSTRUMENTATION;  // what was built until here need not be watched, which would take most of the time
   double sum = 0.0;
   for (int n = 0; n < frames; ++n) {
-    const ToolState tool = hand.at(n);
+    const rendering::ToolState tool = hand.at(n);
     const double time_s = 1e-3 * n;
-    SceneFrame frame;
+    rendering::SceneFrame frame;
     if (way == "scene") {
       counted_frame([&] { frame = built->scene_renderer().render(tool, time_s); });
     } else if (way != "effects") {
-      ContactRenderer& contact = by_hand ? *by_hand->renderer : built->renderer();
+      contact::ContactRenderer& contact = by_hand ? *by_hand->renderer : built->renderer();
       counted_frame([&] { frame = contact_frame(contact, tool); });
     } else {
-      const StageResult touch = built->contacts().render(tool.pose, time_s);
-      const std::span<const ObjectContact> contacts = built->contacts().parts(touch);
-      SceneRenderer& renderer = built->scene_renderer();
+      const contact::StageResult touch = built->contacts().render(tool.pose, time_s);
+      const std::span<const effects::ObjectContact> contacts = built->contacts().parts(touch);
+      rendering::SceneRenderer& renderer = built->scene_renderer();
       counted_frame([&] {
-        frame.effects = renderer.effects().apply(renderer.look(tool, SceneRenderer::kDefaultStepS, time_s, contacts));
+        frame.effects = renderer.effects().apply(renderer.look(tool, rendering::SceneRenderer::kDefaultStepS, time_s, contacts));
       });
     }
     sum += frame.wrench.force.norm() + frame.effects.wrench.force.norm();
@@ -146,9 +148,9 @@ int run(const std::string& file, const std::string& motion, int frames, const st
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::test
 
 int main(int argc, char** argv) {
   if (argc != 5) return 2;
-  return voxtouch::run(argv[1], argv[2], std::atoi(argv[3]), argv[4]);
+  return voxtouch::test::run(argv[1], argv[2], std::atoi(argv[3]), argv[4]);
 }

@@ -109,7 +109,7 @@ TEST_F(FrameCostTest, OfASceneWithAnEffectOfAnyKindIsThatOfItsContactAndThatEffe
       {"magnet", "point: [0, 0, 0], radius_m: 0.1, force_n: 1"},
   };
   const FrameCost contact = cost_of(cylinder("contact", "effects: []"), "slide", "touch");
-  for (const EffectKind* kind : effect_kinds()) {
+  for (const effects::EffectKind* kind : effects::effect_kinds()) {
     const auto words = effects.find(std::string(kind->name));
     if (words == effects.end()) {
       // A body's contact is found where it lies, not where the hand is; distances take a minute to build under valgrind.

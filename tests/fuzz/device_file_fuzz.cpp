@@ -8,7 +8,7 @@ namespace {
 
 using namespace voxtouch;
 
-void check(const AxisModel& axis) {
+void check(const coupling::design::AxisModel& axis) {
   FUZZ_REQUIRE(axis.inertia_min > 0.0 && axis.inertia_min <= axis.inertia_max && std::isfinite(axis.inertia_max));
   FUZZ_REQUIRE(axis.damping >= 0.0 && std::isfinite(axis.damping));
   FUZZ_REQUIRE(axis.coulomb_friction >= 0.0 && std::isfinite(axis.coulomb_friction));
@@ -24,20 +24,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text(reinterpret_cast<const char*>(data), size);
   const std::filesystem::path file = "/fuzz/device.yaml";
   try {
-    const DeviceModel device = parse_device_file(text, file);
+    const coupling::design::DeviceModel device = scene::parse_device_file(text, file);
     check(device.translation);
     if (device.gives_torque) check(device.rotation);
-    const LoopTiming& timing = device.timing;
+    const coupling::design::LoopTiming& timing = device.timing;
     FUZZ_REQUIRE(timing.period_s >= 1e-5 && timing.period_s <= 1.0 && timing.delay_s >= 0.0 && timing.delay_s <= 1.0);
     FUZZ_REQUIRE(timing.jitter >= 0.0 && timing.jitter <= 10.0 && timing.lost_in_a_row >= 0);
-    Scene scene;
+    scene::Scene scene;
     scene.voxel_size_m = 0.002;
-    const DesignProblem request = design_problem(scene, device, {10.0, 1000.0}, {0.1, 1.0});
+    const coupling::design::DesignProblem request = fitting::design_problem(scene, device, {10.0, 1000.0}, {0.1, 1.0});
     try {
-      refuse_impossible(request);
+      coupling::design::refuse_impossible(request);
     } catch (const std::invalid_argument&) {  // a sentence, too
     }
-  } catch (const SceneError& refused) {
+  } catch (const scene::SceneError& refused) {
     FUZZ_REQUIRE(std::string_view(refused.what()).starts_with(file.string()));
   }
   return 0;

@@ -14,8 +14,8 @@ namespace {
 
 using namespace voxtouch;
 
-WorkspaceMapping device() {
-  WorkspaceMapping d;
+scene::WorkspaceMapping device() {
+  scene::WorkspaceMapping d;
   d.position_scale = 10.0;
   d.device_in_world = {Vec3(0.1, 0.2, 0.3), Quat(0.5, 0.5, 0.5, 0.5)};
   d.tool_offset.position = Vec3(0.0, 0.0, 0.05);
@@ -27,20 +27,20 @@ WorkspaceMapping device() {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static fuzz::Wire<msg::DeviceState> wire;
-  static const WorkspaceMapping spec = device();
-  DeviceMapping mapping(spec);
-  EffectChain effects(fuzz::all_effects());
+  static const scene::WorkspaceMapping spec = device();
+  rendering::DeviceMapping mapping(spec);
+  effects::EffectChain effects(fuzz::all_effects());
   std::optional<std::int64_t> begin_ns;
   fuzz::each_message(wire, data, size, [&](const msg::DeviceState& state) {
     if (mapping.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons).refused) return;
     if (!begin_ns) begin_ns = state.sample_time_ns;
-    const ToolState& tool = mapping.tool();
+    const rendering::ToolState& tool = mapping.tool();
     FUZZ_REQUIRE(tool.pose.finite() && std::abs(tool.pose.orientation.norm() - 1.0) < 1e-9);
     FUZZ_REQUIRE(tool.twist.finite());
-    EffectFrame frame;
+    effects::EffectFrame frame;
     frame.tool = tool.pose, frame.twist = tool.twist, frame.dt_s = 1e-3;
     frame.time_s = runtime::seconds_between(*begin_ns, state.sample_time_ns);
-    const EffectPush push = effects.apply(frame);
+    const effects::EffectPush push = effects.apply(frame);
     FUZZ_REQUIRE(push.wrench.finite() && push.stiffness.allFinite());
     FUZZ_REQUIRE(push.stiffness_bound_n_per_m >= 0.0 && std::isfinite(push.stiffness_bound_n_per_m));
   });

@@ -9,19 +9,19 @@ using namespace voxtouch;
 
 std::string_view view(const char* text) { return text ? text : ""; }
 
-void check(const EffectSpec& effect) {
-  FUZZ_REQUIRE(check_values(*effect.kind, effect.values).empty());
+void check(const effects::EffectSpec& effect) {
+  FUZZ_REQUIRE(effects::check_values(*effect.kind, effect.values).empty());
   FUZZ_REQUIRE(effect.gain >= 0.0 && effect.gain <= 1.0);
-  const EffectBound bound = bound_of(effect);
+  const effects::EffectBound bound = effects::bound_of(effect);
   FUZZ_REQUIRE(std::isfinite(bound.stiffness_n_per_m) && std::isfinite(bound.stiffness_nm_per_rad));
 }
 
-void feel(EffectChain& chain, double time_s) {
-  EffectFrame frame;
+void feel(effects::EffectChain& chain, double time_s) {
+  effects::EffectFrame frame;
   frame.tool.position = Vec3(0.01, -0.02, 0.03);
   frame.twist.linear = Vec3(0.1, 0.05, -0.2);
   frame.dt_s = 1e-3, frame.time_s = time_s;
-  const EffectPush push = chain.apply(frame);
+  const effects::EffectPush push = chain.apply(frame);
   FUZZ_REQUIRE(push.wrench.finite() && push.stiffness.allFinite() && std::isfinite(push.potential_j));
 }
 
@@ -30,8 +30,8 @@ void feel(EffectChain& chain, double time_s) {
 /// Messages one after the other, each behind its length.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static fuzz::Wire<msg::EffectChange> wire;
-  std::vector<EffectSpec> planned = fuzz::all_effects();
-  EffectChain chain(planned);
+  std::vector<effects::EffectSpec> planned = fuzz::all_effects();
+  effects::EffectChain chain(planned);
   fuzz::Bytes in(data, size);
   double time_s = 0.0;
   for (int n = 0; n < 16 && !in.empty(); ++n) {
@@ -39,8 +39,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::string cdr("\0\1\0\0", 4);
     cdr += in.take(length);
     wire.through(cdr, [&](const msg::EffectChange& m) {
-      (void)quotable(view(m.model));
-      const auto command = judge(planned, {.action = static_cast<EffectAction>((m.action - 1U) % 3U),
+      (void)effects::quotable(view(m.model));
+      const auto command = effects::judge(planned, {.action = static_cast<effects::EffectAction>((m.action - 1U) % 3U),
                                            .effect = view(m.effect),
                                            .parameter = view(m.parameter),
                                            .value = {m.value[0], m.value[1], m.value[2]}});
@@ -48,7 +48,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         FUZZ_REQUIRE(!command.error().empty());
         return;
       }
-      take(planned.at(command->effect), *command);
+      effects::take(planned.at(command->effect), *command);
       chain.take(*command);
       check(planned[command->effect]);
     });

@@ -8,22 +8,22 @@
 
 namespace voxtouch::fuzz {
 
-inline std::vector<EffectSpec> all_effects() {
-  std::vector<EffectSpec> all;
-  for (const EffectKind* kind : effect_kinds()) {
-    EffectSpec spec;
+inline std::vector<effects::EffectSpec> all_effects() {
+  std::vector<effects::EffectSpec> all;
+  for (const effects::EffectKind* kind : effects::effect_kinds()) {
+    effects::EffectSpec spec;
     spec.name = kind->name, spec.kind = kind;
-    spec.values = EffectValues(kind->parameters);
+    spec.values = effects::EffectValues(kind->parameters);
     for (std::size_t n = 0; n < kind->parameters.size(); ++n) {
-      const EffectParameter& p = kind->parameters[n];
+      const effects::EffectParameter& p = kind->parameters[n];
       if (p.standard) continue;
       const double some = std::isfinite(p.high) ? 0.5 * (p.low + p.high) : p.low + 0.1;
-      spec.values.at(n) = p.shape == ParameterShape::kDirection ? std::array{0.0, 0.0, 1.0}
-                          : p.shape == ParameterShape::kWord    ? std::array{0.0, 0.0, 0.0}
+      spec.values.at(n) = p.shape == effects::ParameterShape::kDirection ? std::array{0.0, 0.0, 1.0}
+                          : p.shape == effects::ParameterShape::kWord    ? std::array{0.0, 0.0, 0.0}
                                                                 : std::array{some, 0.0, 0.0};
     }
-    const EffectNeeds needs = kind->needs(spec.values);
-    if (!check_values(*kind, spec.values).empty() || needs.body || needs.proximity_m > 0.0) continue;
+    const effects::EffectNeeds needs = kind->needs(spec.values);
+    if (!effects::check_values(*kind, spec.values).empty() || needs.body || needs.proximity_m > 0.0) continue;
     all.push_back(std::move(spec));
   }
   return all;

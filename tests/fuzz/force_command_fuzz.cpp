@@ -26,13 +26,13 @@ DeviceDescription device() {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static fuzz::Wire<msg::ForceCommand> wire;
   static const DeviceDescription description = device();
-  ForceGuard guard(guard_config(description));
-  CommandGate gate(kSession);
+  devices::ForceGuard guard(devices::guard_config(description));
+  devices::CommandGate gate(kSession);
   Wrench last;
   std::uint64_t sample = 0;
-  const auto turn = [&](const std::optional<GuardInput>& command) {
+  const auto turn = [&](const std::optional<devices::GuardInput>& command) {
     const Wrench out = guard.pass(command, static_cast<std::int64_t>(sample++) * kPeriodNs);
-    FUZZ_REQUIRE(check_command(out, description).has_value());
+    FUZZ_REQUIRE(devices::check_command(out, description).has_value());
     const double slack = 1.0 + 1e-9, dt_s = 3e-3;  // a gap opens the slew limit by the hold time at most
     FUZZ_REQUIRE((out.force - last.force).norm() <= slack * description.max_force_rate_n_per_s * dt_s);
     FUZZ_REQUIRE((out.torque - last.torque).norm() <= slack * description.max_torque_rate_nm_per_s * dt_s);
@@ -40,10 +40,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   };
   turn({});
   fuzz::each_message(wire, data, size, [&](const msg::ForceCommand& command) {
-    const GateVerdict verdict = gate.accept(1, command.session_id, command.sequence_number, sample);
+    const devices::GateVerdict verdict = gate.accept(1, command.session_id, command.sequence_number, sample);
     guard.count(verdict);
-    if (verdict == GateVerdict::kAccepted)
-      turn(GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns});
+    if (verdict == devices::GateVerdict::kAccepted)
+      turn(devices::GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns});
     else
       turn({});
   });

@@ -13,7 +13,7 @@
 
 namespace {
 
-constexpr voxtouch::UdpEndpoint kController{0x7F000001, 49939};
+constexpr voxtouch::lwr::UdpEndpoint kController{0x7F000001, 49939};
 
 struct Network {
   std::deque<std::string> to_driver;
@@ -23,7 +23,7 @@ struct Network {
 
 }  // namespace
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 
 std::string text_of(const UdpEndpoint&) { return "here"; }
 std::optional<std::uint32_t> parse_ipv4(const std::string&) noexcept { return 0x7F000001; }
@@ -45,7 +45,7 @@ bool UdpSocket::send(std::span<const std::byte> datagram, const UdpEndpoint&) no
   return true;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr
 
 namespace {
 
@@ -54,13 +54,13 @@ using namespace voxtouch;
 template <class Packet>
 void encodes_back(std::string_view bytes) {
   Packet packet{};
-  if (fri::decode(std::as_bytes(std::span(bytes)), packet) != fri::PacketFault::kNone) return;
+  if (lwr::fri::decode(std::as_bytes(std::span(bytes)), packet) != lwr::fri::PacketFault::kNone) return;
   FUZZ_REQUIRE(bytes.size() == sizeof packet && std::memcmp(bytes.data(), &packet, sizeof packet) == 0);
-  if constexpr (std::is_same_v<Packet, fri::CmdPacket>) FUZZ_REQUIRE(fri::finite(packet));
+  if constexpr (std::is_same_v<Packet, lwr::fri::CmdPacket>) FUZZ_REQUIRE(lwr::fri::finite(packet));
 }
 
-LwrOptions usual_options() {
-  LwrOptions options;
+lwr::LwrOptions usual_options() {
+  lwr::LwrOptions options;
   options.silence_s = 60.0;
   options.session.start_timeout_s = 0.05, options.session.pause_s = 0.002;
   options.cancelled = &g_network.quiet;
@@ -70,14 +70,14 @@ LwrOptions usual_options() {
 class Controller {
  public:
   Controller() {
-    msr_.interface.state = fri::State::kMon;
-    msr_.interface.quality = fri::Quality::kPerfect;
+    msr_.interface.state = lwr::fri::State::kMon;
+    msr_.interface.quality = lwr::fri::Quality::kPerfect;
     msr_.interface.msr_period_s = msr_.interface.cmd_period_s = 0.001F;
-    msr_.robot.power = fri::kAllDrives;
-    msr_.robot.control = fri::Control::kJointImpedance;
-    msr_.krl.integer[fri::kToIntEcho] = fri::kKrlInitialised;
-    msr_.data.jnt_pos = msr_.data.cmd_jnt_pos = fri::to_wire(lwr_rest_posture());
-    msr_.data.cart_pos = fri::to_wire(LwrArm().flange(lwr_rest_posture()));
+    msr_.robot.power = lwr::fri::kAllDrives;
+    msr_.robot.control = lwr::fri::Control::kJointImpedance;
+    msr_.krl.integer[lwr::fri::kToIntEcho] = lwr::fri::kKrlInitialised;
+    msr_.data.jnt_pos = msr_.data.cmd_jnt_pos = lwr::fri::to_wire(lwr::lwr_rest_posture());
+    msr_.data.cart_pos = lwr::fri::to_wire(lwr::LwrArm().flange(lwr::lwr_rest_posture()));
   }
 
   /// One byte: patches to come, whether they stay, and whether the datagram is cut; each patch: where, how long, what.
@@ -85,7 +85,7 @@ class Controller {
     const auto choice = in.take<std::uint8_t>();
     ++msr_.header.send_seq;
     msr_.interface.timestamp_s += 0.001F;
-    fri::MsrPacket sent = msr_;
+    lwr::fri::MsrPacket sent = msr_;
     for (int n = 0; n < (choice & 7); ++n) {
       const std::size_t at = in.take<std::uint16_t>() % sizeof sent;
       const std::string_view bytes = in.take(std::min<std::size_t>(in.take<std::uint8_t>() % 33, sizeof sent - at));
@@ -97,31 +97,31 @@ class Controller {
     g_network.to_driver.push_back(std::move(bytes));
   }
 
-  void follow(const fri::CmdPacket& command) {
-    const bool run = command.krl.integer[fri::kFrmIntRun] == fri::kRun;
-    msr_.interface.state = run ? fri::State::kCmd : fri::State::kMon;
-    msr_.krl.integer[fri::kToIntEcho] = run ? fri::kRun : fri::kHalt;
+  void follow(const lwr::fri::CmdPacket& command) {
+    const bool run = command.krl.integer[lwr::fri::kFrmIntRun] == lwr::fri::kRun;
+    msr_.interface.state = run ? lwr::fri::State::kCmd : lwr::fri::State::kMon;
+    msr_.krl.integer[lwr::fri::kToIntEcho] = run ? lwr::fri::kRun : lwr::fri::kHalt;
     msr_.header.refl_seq = command.header.send_seq;
   }
 
  private:
-  fri::MsrPacket msr_ = fri::empty_msr();
+  lwr::fri::MsrPacket msr_ = lwr::fri::empty_msr();
 };
 
 /// All answers since, each judged; the controller follows them.
-void hear(Controller& controller, const LwrDriver* driver, const LwrOptions& options) {
+void hear(Controller& controller, const lwr::LwrDriver* driver, const lwr::LwrOptions& options) {
   for (const std::string& bytes : std::exchange(g_network.to_controller, {})) {
-    fri::CmdPacket command{};
-    FUZZ_REQUIRE(fri::decode(std::as_bytes(std::span(bytes)), command) == fri::PacketFault::kNone);
-    const LwrJoints torque = fri::from_wire(command.command.add_jnt_trq);
+    lwr::fri::CmdPacket command{};
+    FUZZ_REQUIRE(lwr::fri::decode(std::as_bytes(std::span(bytes)), command) == lwr::fri::PacketFault::kNone);
+    const lwr::LwrJoints torque = lwr::fri::from_wire(command.command.add_jnt_trq);
     FUZZ_REQUIRE((torque.array().abs() <= options.max_add_torque_nm.array() * (1.0 + 1e-6)).all());
-    const Vec6 wrench = fri::from_wire(command.command.add_tcp_ft);
+    const Vec6 wrench = lwr::fri::from_wire(command.command.add_tcp_ft);
     FUZZ_REQUIRE(wrench.head<3>().norm() < 1e3 && wrench.tail<3>().norm() < 1e3);
     const bool pushes = !torque.isZero(0.0) || !wrench.isZero(0.0);
     if (pushes) {
       FUZZ_REQUIRE(driver != nullptr);
-      const LwrStatus status = driver->status();
-      FUZZ_REQUIRE(status.state == fri::State::kCmd && (status.power & fri::kAllDrives) == fri::kAllDrives);
+      const lwr::LwrStatus status = driver->status();
+      FUZZ_REQUIRE(status.state == lwr::fri::State::kCmd && (status.power & lwr::fri::kAllDrives) == lwr::fri::kAllDrives);
       FUZZ_REQUIRE(status.error == 0);
     }
     controller.follow(command);
@@ -130,14 +130,14 @@ void hear(Controller& controller, const LwrDriver* driver, const LwrOptions& opt
 
 void converse(fuzz::Bytes in) {
   g_network.to_driver.clear(), g_network.to_controller.clear();
-  const LwrOptions options = usual_options();
+  const lwr::LwrOptions options = usual_options();
   Controller controller;
-  std::unique_ptr<LwrDriver> driver;
+  std::unique_ptr<lwr::LwrDriver> driver;
   g_network.quiet = false;
   controller.send(in);
   try {
-    driver = std::make_unique<LwrDriver>(options);
-  } catch (const DeviceOpenError& refused) {
+    driver = std::make_unique<lwr::LwrDriver>(options);
+  } catch (const devices::DeviceOpenError& refused) {
     FUZZ_REQUIRE(std::string_view(refused.what()).starts_with("device 'lwr'"));
     hear(controller, nullptr, options);
     return;
@@ -162,8 +162,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::Bytes in(data, size);
   const auto choice = in.take<std::uint8_t>();
   if (choice & 1) {
-    encodes_back<fri::MsrPacket>(in.rest());
-    encodes_back<fri::CmdPacket>(in.rest());
+    encodes_back<lwr::fri::MsrPacket>(in.rest());
+    encodes_back<lwr::fri::CmdPacket>(in.rest());
   } else {
     converse(in);
   }

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string>
 
-using namespace voxtouch::hd;
+using namespace voxtouch::phantom::hd;
 
 namespace {
 

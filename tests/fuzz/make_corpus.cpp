@@ -43,7 +43,7 @@ class Encoder {
 };
 
 void meshes() {
-  const TriangleMesh solid = samples::tetrahedron();
+  const mesh::TriangleMesh solid = samples::tetrahedron();
   const auto with = [](int format, int options, const std::string& bytes) {
     return std::string{static_cast<char>(format), static_cast<char>(options)} + bytes;
   };
@@ -222,11 +222,11 @@ void plans() {
 }
 
 void packets() {
-  fri::MsrPacket msr = fri::empty_msr();
-  msr.interface.state = fri::State::kMon;
-  msr.data.jnt_pos = fri::to_wire(lwr_rest_posture());
-  fri::CmdPacket cmd = fri::empty_cmd();
-  cmd.command.cmd_flags = fri::kFlagJntPos | fri::kFlagJntTrq;
+  lwr::fri::MsrPacket msr = lwr::fri::empty_msr();
+  msr.interface.state = lwr::fri::State::kMon;
+  msr.data.jnt_pos = lwr::fri::to_wire(lwr::lwr_rest_posture());
+  lwr::fri::CmdPacket cmd = lwr::fri::empty_cmd();
+  cmd.command.cmd_flags = lwr::fri::kFlagJntPos | lwr::fri::kFlagJntTrq;
   put("fri", "measurement", "\1" + raw(msr));
   put("fri", "command", "\1" + raw(cmd));
   put("fri", "joint", std::string(40, '\0'));
@@ -282,11 +282,11 @@ void numbers() {
   put("options", "name", "left_2");
   put("options", "interface", "fe80::1%eth0.7");
   put("numbers", "poses", "\1qw,qx,qy,qz,tx,ty,tz,more\n1,0,0,0,0.1,0.2,0.3,x\n0.5,0.5,0.5,0.5,-1e-3,0,0,\n");
-  HandFile hand;
+  hand::HandFile hand;
   hand.motion.path = {Vec3(0.0, 0.0, 0.1), Vec3(0.1, 0.0, 0.05)};
   hand.motion.repeat_from = 0;
   hand.posture_rad = {0.1, 0.2};
-  put("numbers", "hand", "\2" + to_text(hand));
+  put("numbers", "hand", "\2" + hand::to_text(hand));
 }
 
 }  // namespace

@@ -14,8 +14,8 @@ using namespace voxtouch;
 constexpr std::array kEndings = {"obj", "stl", "ply", "gltf", "glb", "dae"};
 constexpr std::size_t kMaxTriangles = 5000;
 
-void check(const ImportedMesh& read) {
-  const TriangleMesh& mesh = read.mesh;
+void check(const mesh::ImportedMesh& read) {
+  const mesh::TriangleMesh& mesh = read.mesh;
   FUZZ_REQUIRE(!mesh.triangles.empty() && mesh.triangles.size() <= kMaxTriangles);
   for (const Vec3& v : mesh.vertices) FUZZ_REQUIRE(v.allFinite());
   for (const auto& triangle : mesh.triangles)
@@ -27,8 +27,8 @@ void check(const ImportedMesh& read) {
 
 void check_answer(std::string_view bytes) {
   try {
-    const FileTriangles read = decode(bytes);
-    FUZZ_REQUIRE(decode(encode(read)).mesh.triangles == read.mesh.triangles);
+    const mesh::FileTriangles read = mesh_import::decode(bytes);
+    FUZZ_REQUIRE(mesh_import::decode(mesh_import::encode(read)).mesh.triangles == read.mesh.triangles);
     for (const Vec3& v : read.mesh.vertices) FUZZ_REQUIRE(v.allFinite());
     for (const auto& t : read.mesh.triangles) FUZZ_REQUIRE(std::max({t[0], t[1], t[2]}) < read.mesh.vertices.size());
   } catch (const std::runtime_error&) {
@@ -43,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t format = in.take<std::uint8_t>() % (kEndings.size() + 1);
   const auto choice = in.take<std::uint8_t>();
   if (format == kEndings.size()) return check_answer(in.rest()), 0;
-  ImportOptions options;
+  mesh::ImportOptions options;
   options.max_triangles = kMaxTriangles;
   options.max_file_bytes = 1 << 16;
   if (choice & 1) options.scale = 0.001;
@@ -51,8 +51,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (choice & 4) options.pose = {Vec3(0.1, -0.2, 0.3), Quat(0.5, 0.5, -0.5, 0.5)};
   const std::filesystem::path file = folder.write(std::string("mesh.") + kEndings[format], in.rest());
   try {
-    check(import_mesh(file, options, mesh_process({.cpu_s = 5})));
-  } catch (const MeshError& refused) {
+    check(mesh::import_mesh(file, options, mesh_import::mesh_process({.cpu_s = 5})));
+  } catch (const mesh::MeshError& refused) {
     FUZZ_REQUIRE(std::string_view(refused.what()).starts_with("mesh '"));
   }
   return 0;

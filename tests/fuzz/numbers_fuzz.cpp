@@ -13,13 +13,13 @@ namespace {
 using namespace voxtouch;
 
 void settings(const std::string& text) try {
-  const DeviceSettings read = parse_settings({text});
-  const SettingReader reader("fuzz", read, {"n", "w", "p", "v"});
+  const devices::DeviceSettings read = devices::parse_settings({text});
+  const devices::SettingReader reader("fuzz", read, {"n", "w", "p", "v"});
   if (const auto n = reader.number("n")) FUZZ_REQUIRE(std::isfinite(*n));
   if (const auto p = reader.port("p")) FUZZ_REQUIRE(*p > 0);
   if (const auto v = reader.vector("v")) FUZZ_REQUIRE(v->allFinite());
   (void)reader.whole("w");
-} catch (const DeviceOpenError&) {
+} catch (const devices::DeviceOpenError&) {
 }
 
 void poses(const std::string& text) try {
@@ -30,10 +30,10 @@ void poses(const std::string& text) try {
   FUZZ_REQUIRE(std::string_view(refused.what()).starts_with("fuzz.csv"));
 }
 
-void hand(const std::string& text) try {
-  const HandFile read = parse_hand(text, "fuzz.hand");
-  const std::string written = to_text(read);
-  FUZZ_REQUIRE(to_text(parse_hand(written, "again")) == written);
+void hand_file(const std::string& text) try {
+  const hand::HandFile read = hand::parse_hand(text, "fuzz.hand");
+  const std::string written = hand::to_text(read);
+  FUZZ_REQUIRE(hand::to_text(hand::parse_hand(written, "again")) == written);
   for (const double time_s : {0.0, 0.5, 1e6}) {
     const MotionPoint point = motion_at(read.motion, time_s);
     FUZZ_REQUIRE(point.position.allFinite() && point.velocity.allFinite());
@@ -51,7 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   switch (choice % 3) {
     case 0: settings(text); break;
     case 1: poses(text); break;
-    default: hand(text); break;
+    default: hand_file(text); break;
   }
   return 0;
 }

@@ -9,8 +9,8 @@ namespace {
 
 using namespace voxtouch;
 
-PhantomOptions options() {
-  PhantomOptions o;
+phantom::PhantomOptions options() {
+  phantom::PhantomOptions o;
   o.library = VOXTOUCH_FUZZ_HD_STUB;
   o.calibration_timeout_s = 1e-6;
   o.silence_s = 60.0;
@@ -29,13 +29,13 @@ void check(const DeviceDescription& d) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz_hd_say(data, size);
   try {
-    PhantomDriver driver(options());
+    phantom::PhantomDriver driver(options());
     const DeviceDescription& d = driver.description();
     check(d);
     for (int n = 0; n < 40; ++n) {
       fuzz_hd_tick();
       const auto sample = driver.read(std::chrono::microseconds(0));
-      if (!sample && driver.status().fatal != hd::kSuccess) break;
+      if (!sample && driver.status().fatal != phantom::hd::kSuccess) break;
       if (sample && sample->pose_valid) {
         FUZZ_REQUIRE(sample->pose.finite() && std::abs(sample->pose.orientation.norm() - 1.0) < 1e-6);
         FUZZ_REQUIRE(sample->twist.finite());
@@ -48,7 +48,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                    d.max_torque_nm * (1.0 + 1e-12));
     }
     (void)driver.trouble();
-  } catch (const DeviceOpenError& refused) {
+  } catch (const devices::DeviceOpenError& refused) {
     FUZZ_REQUIRE(std::string_view(refused.what()).starts_with("device 'phantom'"));
   }
   return 0;

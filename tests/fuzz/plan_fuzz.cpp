@@ -11,8 +11,8 @@ namespace {
 
 using namespace voxtouch;
 
-Scene scene_of(bool designed) {
-  Scene scene;
+scene::Scene scene_of(bool designed) {
+  scene::Scene scene;
   scene.name = "fuzz";
   scene.voxel_size_m = 0.002;
   scene.contact.stiffness_n_per_m = 10.0;
@@ -20,17 +20,17 @@ Scene scene_of(bool designed) {
   return scene;
 }
 
-void check(const Scene& scene, coupling::Fitting& fitting) {
-  const FittedCoupling fitted = fitting.fit();
+void check(const scene::Scene& scene, coupling_node::Fitting& fitting) {
+  const fitting::FittedCoupling fitted = fitting.fit();
   if (!fitted.refusal.empty()) return;
-  const DeviceModel& device = fitting.device();
-  const CouplingLimits limits = limits_in_world(scene.device, device);
-  RunningCoupling running(fitted.spec, limits, device.timing.period_s);
-  CouplingInput input;
+  const coupling::design::DeviceModel& device = fitting.device();
+  const coupling::CouplingLimits limits = fitting::limits_in_world(scene.device, device);
+  coupling::RunningCoupling running(fitted.spec, limits, device.timing.period_s);
+  coupling::CouplingInput input;
   input.contact.force = Vec3(0.0, 0.0, 1.0);
   input.contact_stiffness_n_per_m = 100.0;
   for (int n = 0; n < 10; ++n) {
-    const CouplingOutput out = running.step(input, device.timing.period_s);
+    const coupling::CouplingOutput out = running.step(input, device.timing.period_s);
     FUZZ_REQUIRE(out.wrench.finite() && out.wrench.force.norm() <= limits.max_force_n * (1.0 + 1e-9));
   }
 }
@@ -41,10 +41,10 @@ void check(const Scene& scene, coupling::Fitting& fitting) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static fuzz::Wire<msg::DeviceDescription> descriptions;
   static fuzz::Wire<msg::ScenePlan> plans;
-  static const Scene by_hand = scene_of(false), designed = scene_of(true);
+  static const scene::Scene by_hand = scene_of(false), designed = scene_of(true);
   fuzz::Bytes in(data, size);
-  const Scene& scene = in.take<std::uint8_t>() % 64 == 63 ? designed : by_hand;
-  coupling::Fitting fitting(scene);
+  const scene::Scene& scene = in.take<std::uint8_t>() % 64 == 63 ? designed : by_hand;
+  coupling_node::Fitting fitting(scene);
   const auto with_header = [](std::string_view body) { return std::string("\0\1\0\0", 4).append(body); };
   const std::string_view description = in.take(in.take<std::uint16_t>());
   const bool both = descriptions.through(with_header(description), [&](const msg::DeviceDescription& d) {

@@ -38,7 +38,7 @@ class RefusedScene : public testing::Test {
   /// What is thrown on the way from the file to a built scene; empty if nothing is.
   static std::string refusal(const std::filesystem::path& file) {
     try {
-      build_scene(load_scene(file), serial_for());
+      rendering::build_scene(scene::load_scene(file), serial_for());
     } catch (const std::exception& error) {
       return error.what();
     }
@@ -113,7 +113,7 @@ TEST_F(RefusedScene, NeedsMoreMemoryThanAVoxmapMayTake) {
     EXPECT_NE(sentence.find("larger voxel size"), std::string::npos) << sentence;
     expect_refused(file, "larger voxel size");
   }
-  EXPECT_THROW(build_scene(load_scene(scene(cup, ", scale: 1000")), serial_for()), VoxelBudgetError);
+  EXPECT_THROW(rendering::build_scene(scene::load_scene(scene(cup, ", scale: 1000")), serial_for()), voxmap::VoxelBudgetError);
 }
 
 }  // namespace

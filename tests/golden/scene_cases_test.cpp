@@ -11,21 +11,21 @@
 namespace voxtouch::test {
 namespace {
 
-Scene shipped(const std::string& name) {
-  return load_scene(std::filesystem::path(VOXTOUCH_DEPLOY) / "scenes" / (name + ".yaml"));
+scene::Scene shipped(const std::string& name) {
+  return scene::load_scene(std::filesystem::path(VOXTOUCH_DEPLOY) / "scenes" / (name + ".yaml"));
 }
 
 /// Where the motions of a scene take the tool, every 20 ms for 10 s.
-std::vector<Pose> poses_of(const Scene& scene) {
+std::vector<Pose> poses_of(const scene::Scene& scene) {
   std::vector<Pose> poses;
   for (const auto& [name, motion] : scene.motions)
     for (int n = 0; n < 500; ++n) poses.push_back({motion_at(motion, 0.02 * n).position, motion.orientation});
   return poses;
 }
 
-std::vector<ContactResult> probed(const Scene& scene, const std::vector<Pose>& poses) {
-  const auto built = build_scene(scene, serial_for());
-  std::vector<ContactResult> results;
+std::vector<contact::ContactResult> probed(const scene::Scene& scene, const std::vector<Pose>& poses) {
+  const auto built = rendering::build_scene(scene, serial_for());
+  std::vector<contact::ContactResult> results;
   for (const Pose& pose : poses) results.push_back(built->renderer().probe(pose));
   return results;
 }
@@ -40,7 +40,7 @@ struct Difference {
 };
 
 /// `b` against `a`, once `b`'s forces and torques are divided by what they should be larger.
-Difference difference(const std::vector<ContactResult>& a, const std::vector<ContactResult>& b,
+Difference difference(const std::vector<contact::ContactResult>& a, const std::vector<contact::ContactResult>& b,
                       double forces_larger = 1.0, double torques_larger = 1.0) {
   Difference out;
   for (std::size_t n = 0; n < a.size(); ++n) {
@@ -61,7 +61,7 @@ Difference difference(const std::vector<ContactResult>& a, const std::vector<Con
 }
 
 TEST(SceneInMillimetres, GivesTheForcesOfTheSceneInMetres) {
-  const Scene metres = shipped("cup"), millimetres = shipped("cup_mm");
+  const scene::Scene metres = shipped("cup"), millimetres = shipped("cup_mm");
   ASSERT_EQ(metres.contact.stiffness_n_per_m, kStiffness);
   const std::vector<Pose> poses = poses_of(metres);
   const Difference off = difference(probed(metres, poses), probed(millimetres, poses));
@@ -73,7 +73,7 @@ TEST(SceneInMillimetres, GivesTheForcesOfTheSceneInMetres) {
 }
 
 TEST(SceneTenTimesAsLarge, GivesTenTimesTheForces) {
-  const Scene cup = shipped("cup"), large = shipped("cup_metre");
+  const scene::Scene cup = shipped("cup"), large = shipped("cup_metre");
   ASSERT_EQ(large.contact.stiffness_n_per_m, kStiffness);
   std::vector<Pose> poses = poses_of(cup), far = poses;
   for (Pose& pose : far) pose.position *= 10.0;
@@ -90,14 +90,14 @@ INSTANTIATE_TEST_SUITE_P(ShippedScenes, SceneFarAway,
 
 TEST_P(SceneFarAway, GivesTheSameForcesToAFewUnitsInTheLastPlace) {
   const Vec3 away(1e6, -1e6, 1e6);
-  Scene here = shipped(GetParam());
+  scene::Scene here = shipped(GetParam());
   // The plane's faces lie on voxel borders, and meet the voxels on both sides. Where the default grid would begin,
   // e * (floor(min / e) - 1), is no double at 1e6 m: borders would lie 1e-10 m beside the faces, which would meet
   // the voxels of one side only. An origin that is a double in both places keeps them where they are.
   if (GetParam() == "plane") here.grid_origin = Vec3::Zero();
-  Scene there = here;
+  scene::Scene there = here;
   if (here.grid_origin) there.grid_origin = *here.grid_origin + away;
-  for (MeshSpec& mesh : there.static_meshes) mesh.pose.position += away;
+  for (scene::MeshSpec& mesh : there.static_meshes) mesh.pose.position += away;
   std::vector<Pose> poses = poses_of(here), far = poses;
   for (Pose& pose : far) pose.position += away;
   const Difference off = difference(probed(here, poses), probed(there, far));

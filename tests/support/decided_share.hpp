@@ -8,7 +8,7 @@ namespace voxtouch::test {
 inline constexpr double kMinDecidedShare = 0.2;
 
 /// 0 before the first sample.
-inline double decided_share(const JudgeCounts& counts) noexcept {
+inline double decided_share(const reference::JudgeCounts& counts) noexcept {
   return counts.checked > 0 ? static_cast<double>(counts.decided) / static_cast<double>(counts.checked) : 0.0;
 }
 

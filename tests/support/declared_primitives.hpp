@@ -9,10 +9,10 @@ namespace voxtouch::test {
 inline constexpr double kChordShareOfEdge = 0.25;
 
 /// How far both are apart at most [m]; 0 where none are declared.
-inline double primitives_off_m(const MeshSpec& spec) {
+inline double primitives_off_m(const scene::MeshSpec& spec) {
   if (spec.primitives.empty()) return 0.0;
-  const ReferenceMesh mesh = read_reference_mesh(spec);
-  return chord_error(mesh, MeshDistance(mesh), spec.primitives).value_m();
+  const reference::ReferenceMesh mesh = reference::read_reference_mesh(spec);
+  return reference::chord_error(mesh, reference::MeshDistance(mesh), spec.primitives).value_m();
 }
 
 }  // namespace voxtouch::test

@@ -4,11 +4,12 @@
 
 namespace voxtouch::test {
 
-inline Pointshell exact_shell(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for = serial_for()) {
-  return make_exact_shell(shell_points(mesh, grid, parallel_for), grid);
+inline pointshell::Pointshell exact_shell(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid,
+                                          const ParallelFor& parallel_for = serial_for()) {
+  return pointshell::make_exact_shell(pointshell::shell_points(mesh, grid, parallel_for), grid);
 }
-inline Pointshell exact_shell(const TriangleMesh& mesh, double edge_m, const ParallelFor& parallel_for = serial_for()) {
-  return exact_shell(mesh, default_grid(mesh, edge_m), parallel_for);
+inline pointshell::Pointshell exact_shell(const mesh::TriangleMesh& mesh, double edge_m, const ParallelFor& parallel_for = serial_for()) {
+  return exact_shell(mesh, voxmap::default_grid(mesh, edge_m), parallel_for);
 }
 
 }  // namespace voxtouch::test

@@ -12,11 +12,12 @@
 namespace voxtouch::test {
 
 struct ReferenceHits {
-  std::vector<Hit> surface, interior;
+  std::vector<contact::Hit> surface, interior;
 };
 
 /// `pose` as a query gives it back: its quaternion brought to unit norm.
-inline ReferenceHits reference_hits(const Voxmap& voxmap, const Pointshell& shell, const Pose& pose, bool by_area = false) {
+inline ReferenceHits reference_hits(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell, const Pose& pose,
+                                    bool by_area = false) {
   ReferenceHits out;
   const double edge = voxmap.grid().edge;
   const Mat3 r = pose.orientation.toRotationMatrix();
@@ -25,10 +26,10 @@ inline ReferenceHits reference_hits(const Voxmap& voxmap, const Pointshell& shel
     Vec3 u;
     for (int a = 0; a < 3; ++a)
       u[a] = (r(a, 0) * shell.x[p] + r(a, 1) * shell.y[p] + r(a, 2) * shell.z[p] + t[a]) / edge;
-    const VoxelIndex v = Grid::voxel_of(u);
-    const VoxelKind kind = voxmap.at(v);
-    if (kind == VoxelKind::kFree) continue;
-    (kind == VoxelKind::kSurface ? out.surface : out.interior)
+    const voxmap::VoxelIndex v = voxmap::Grid::voxel_of(u);
+    const voxmap::VoxelKind kind = voxmap.at(v);
+    if (kind == voxmap::VoxelKind::kFree) continue;
+    (kind == voxmap::VoxelKind::kSurface ? out.surface : out.interior)
         .push_back({p, r * shell.point(p), r * shell.normal(p),
                     edge * Vec3((v.i + 0.5) - u.x(), (v.j + 0.5) - u.y(), (v.k + 0.5) - u.z()),
                     by_area ? shell.area_m2[p] : 1.0});
@@ -37,10 +38,10 @@ inline ReferenceHits reference_hits(const Voxmap& voxmap, const Pointshell& shel
 }
 
 /// Every bit of every hit, in order.
-inline bool same(const Hits& hits, const std::vector<Hit>& reference) {
+inline bool same(const contact::Hits& hits, const std::vector<contact::Hit>& reference) {
   if (hits.size() != reference.size()) return false;
   for (std::size_t n = 0; n < reference.size(); ++n) {
-    const Hit a = hits[n], &b = reference[n];
+    const contact::Hit a = hits[n], &b = reference[n];
     if (a.point != b.point || a.arm != b.arm || a.normal != b.normal || a.to_centre != b.to_centre || a.weight != b.weight)
       return false;
   }

@@ -9,10 +9,11 @@
 #include "tests/unit/reference/test_scenes.hpp"
 #include "tests/validator/synthetic_contact.hpp"
 
-namespace voxtouch {
+namespace voxtouch::made_up_contact {
 namespace {
 
 using namespace test_scenes;
+using test_scenes::mesh, test_scenes::scene;  // before the namespaces of these names
 using synthetic::Fault;
 using synthetic::Rendering;
 
@@ -29,17 +30,17 @@ std::vector<Vec3> press_and_slide(const Vec3& touch, const Vec3& up, const Vec3&
 }
 
 struct Ground {
-  ReferenceScene reference;
+  reference::ReferenceScene reference;
   Rendering rendering;
   std::vector<Vec3> path;
   Vec3 up;
 
-  JudgeSettings settings() const { return {kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0}; }
+  reference::JudgeSettings settings() const { return {kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0}; }
 };
 
 Ground tilted_plane() {
-  const Scene world = scene(mesh("slab_tilted.obj"));
-  ReferenceScene reference(world);
+  const scene::Scene world = scene(mesh("slab_tilted.obj"));
+  reference::ReferenceScene reference(world);
   const Vec3 low(-0.9384765625, -1.0849609375, -0.0673828125), x(1.035888671875, -0.932373046875, -0.3466796875);
   const Vec3 y(-0.95654296875, 0.720703125, 0.792724609375);
   const Vec3 up = (x - low).cross(y - low).normalized();
@@ -49,9 +50,9 @@ Ground tilted_plane() {
 }
 
 Ground cylinder() {
-  MeshSpec spec = mesh("cylinder.obj");
+  scene::MeshSpec spec = mesh("cylinder.obj");
   spec.primitives = {cylinder_primitive()};
-  ReferenceScene reference(scene(spec));
+  reference::ReferenceScene reference(scene(spec));
   const Vec3 up = Vec3(0.6, 0.0, 0.8);
   const Vec3 touch = kCylinderCentre + (0.5 + kSphereRadius) * up;
   Rendering rendering(synthetic::cylinder_along_y(kCylinderCentre.x(), kCylinderCentre.z(), 0.5), kEdge,
@@ -62,25 +63,25 @@ Ground cylinder() {
 
 /// Judges the whole path; `tamper` may change a report, given its place in the path.
 template <class Tamper>
-Judge judged(const Ground& ground, const Fault& fault, Tamper tamper, std::string* first_sentence = nullptr) {
-  Judge judge(ground.settings());
+reference::Judge judged(const Ground& ground, const Fault& fault, Tamper tamper, std::string* first_sentence = nullptr) {
+  reference::Judge judge(ground.settings());
   for (std::size_t i = 0; i < ground.path.size(); ++i) {
-    ReportedContact report = ground.rendering.at(ground.path[i], fault);
+    reference::ReportedContact report = ground.rendering.at(ground.path[i], fault);
     tamper(i, report);
     report.tool_in_world = at(ground.path[i]);
-    const GapResult gap = ground.reference.gap(report.tool_in_world);
-    const Judgement found = judge.judge(gap, report);
-    if (found.verdict == Verdict::kDisagree && first_sentence != nullptr && first_sentence->empty())
+    const reference::GapResult gap = ground.reference.gap(report.tool_in_world);
+    const reference::Judgement found = judge.judge(gap, report);
+    if (found.verdict == reference::Verdict::kDisagree && first_sentence != nullptr && first_sentence->empty())
       *first_sentence = found.explanation + " at a gap of " + std::to_string(gap.gap_m / kEdge) + " e";
   }
   return judge;
 }
 
-Judge judged(const Ground& ground, const Fault& fault = {}, std::string* first_sentence = nullptr) {
-  return judged(ground, fault, [](std::size_t, ReportedContact&) {}, first_sentence);
+reference::Judge judged(const Ground& ground, const Fault& fault = {}, std::string* first_sentence = nullptr) {
+  return judged(ground, fault, [](std::size_t, reference::ReportedContact&) {}, first_sentence);
 }
 
-void expect_caught(const Judge& judge, const std::string& what) {
+void expect_caught(const reference::Judge& judge, const std::string& what) {
   EXPECT_GT(judge.counts().disagree, 0U) << what;
   EXPECT_EQ(judge.counts().reference, 0U) << what << ": the fault is the rendering's";
 }
@@ -90,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Grounds, PlantedFaults, testing::Values(&tilted_plane, 
 
 TEST_P(PlantedFaults, NoneMeansNoAlarmAndAFifthDecided) {
   std::string sentence;
-  const Judge judge = judged(GetParam()(), {}, &sentence);
+  const reference::Judge judge = judged(GetParam()(), {}, &sentence);
   EXPECT_EQ(judge.counts().disagree, 0U) << sentence;
   EXPECT_GT(test::decided_share(judge.counts()), test::kMinDecidedShare);
   EXPECT_EQ(judge.counts().checked, judge.counts().agree + judge.counts().in_band);
@@ -111,19 +112,19 @@ TEST_P(PlantedFaults, GridShiftedByTwoEdgesIsCaughtInEveryDirectionThatMatters) 
 TEST_P(PlantedFaults, FlippedNormalsAreCaught) { expect_caught(judged(GetParam()(), {Vec3::Zero(), true}), "flipped"); }
 
 TEST_P(PlantedFaults, AnOnlyForceWithTheWrongSignIsCaught) {
-  expect_caught(judged(GetParam()(), {}, [](std::size_t, ReportedContact& r) { r.wrench.force *= -1.0; }), "pull");
+  expect_caught(judged(GetParam()(), {}, [](std::size_t, reference::ReportedContact& r) { r.wrench.force *= -1.0; }), "pull");
 }
 
 TEST_P(PlantedFaults, AHeldForceIsCaughtInFreeSpaceAndInContact) {
   const Ground ground = GetParam()();
   for (const double stuck_at_gap : {0.5, -0.2, -1.0}) {
     const auto stuck = static_cast<std::size_t>((5 - stuck_at_gap) / 0.0631);
-    const ReportedContact frozen = ground.rendering.at(ground.path[stuck]);
+    const reference::ReportedContact frozen = ground.rendering.at(ground.path[stuck]);
     ASSERT_FALSE(frozen.wrench.zero());
     // All of the message stands still until the hand is back in free space.
-    expect_caught(judged(ground, {}, [&](std::size_t i, ReportedContact& r) { if (i >= stuck) r = frozen; }), "to the end");
+    expect_caught(judged(ground, {}, [&](std::size_t i, reference::ReportedContact& r) { if (i >= stuck) r = frozen; }), "to the end");
     // Only the force stands still, and only while the tool sinks by one edge: the free rule never sees it.
-    expect_caught(judged(ground, {}, [&](std::size_t i, ReportedContact& r) {
+    expect_caught(judged(ground, {}, [&](std::size_t i, reference::ReportedContact& r) {
       if (i >= stuck && i < stuck + 16) r.wrench = frozen.wrench;
     }), "in contact");
   }
@@ -131,29 +132,29 @@ TEST_P(PlantedFaults, AHeldForceIsCaughtInFreeSpaceAndInContact) {
 
 TEST_P(PlantedFaults, NoContactAndNoForceAreCaught) {
   const Ground ground = GetParam()();
-  expect_caught(judged(ground, {}, [](std::size_t, ReportedContact& r) { r = {}; }), "never a hit");
-  expect_caught(judged(ground, {}, [](std::size_t, ReportedContact& r) { r.wrench = {}; }), "never a force");
+  expect_caught(judged(ground, {}, [](std::size_t, reference::ReportedContact& r) { r = {}; }), "never a hit");
+  expect_caught(judged(ground, {}, [](std::size_t, reference::ReportedContact& r) { r.wrench = {}; }), "never a force");
 }
 
 TEST(FaultlessReports, RaiseNoAlarmOverFacesEdgesAndCornersOfABox) {
-  MeshSpec spec = mesh("aligned_box.obj");
+  scene::MeshSpec spec = mesh("aligned_box.obj");
   std::mt19937 random(20240607);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (const bool declared : {true, false}) {
-    spec.primitives = declared ? std::vector<Primitive>{box_primitive()} : std::vector<Primitive>{};
-    const ReferenceScene reference(scene(spec));
+    spec.primitives = declared ? std::vector<scene::Primitive>{box_primitive()} : std::vector<scene::Primitive>{};
+    const reference::ReferenceScene reference(scene(spec));
     const Rendering rendering(synthetic::box(Vec3(-0.375, -0.25, -0.25), Vec3(0.375, 0.25, 0.25)), kEdge,
                               Vec3(-0.611, -0.523, -0.507), kSphereRadius);
-    Judge judge({kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0});
+    reference::Judge judge({kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0});
     for (int i = 0; i < 1500; ++i) {
       const Vec3 surface = Vec3(0.375, 0.25, 0.25).cwiseProduct(Vec3(unit(random), unit(random), unit(random)) * 1.5);
       const Vec3 out = Vec3(unit(random), unit(random), unit(random)).normalized();
       const Vec3 centre = surface + (kSphereRadius + kEdge * 2 * unit(random)) * out;
-      const Judgement found = judge.judge(reference.gap(at(centre)), rendering.at(centre));
-      EXPECT_NE(found.verdict, Verdict::kDisagree) << found.explanation << " at " << centre.transpose();
+      const reference::Judgement found = judge.judge(reference.gap(at(centre)), rendering.at(centre));
+      EXPECT_NE(found.verdict, reference::Verdict::kDisagree) << found.explanation << " at " << centre.transpose();
     }
   }
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::made_up_contact

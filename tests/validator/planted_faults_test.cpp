@@ -26,7 +26,7 @@ TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
   const Ground ground(shipped_scene(GetParam()));
   for (const Walk& walk : ground.walks()) {
     const Outcome outcome = ground.judged(walk);
-    const JudgeCounts& c = outcome.counts;
+    const reference::JudgeCounts& c = outcome.counts;
     EXPECT_EQ(c.disagree, 0U) << outcome.first;
     EXPECT_EQ(c.checked, walk.gaps.size());
     EXPECT_EQ(c.checked, c.agree + c.in_band);
@@ -44,15 +44,15 @@ TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
 /// lever.
 TEST_P(RealRendering, OfTheOtherModelAndShellIsNeverDisagreedWith) {
   for (const bool original : {false, true})
-    for (const ShellKind shell : {ShellKind::kExact, ShellKind::kNaive})
+    for (const scene::ShellKind shell : {scene::ShellKind::kExact, scene::ShellKind::kNaive})
       for (const double handle_in_edges : {0.0, 15.0}) {
-        Scene scene = shipped_scene(GetParam());
+        scene::Scene scene = shipped_scene(GetParam());
         if (scene.contact.stiffness_n_per_m > 0.0) scene.contact.model = original ? "original" : "adapted";
         scene.shell = shell;
         const Ground ground(scene, handle_in_edges * scene.voxel_size_m * kHandle);
         const Outcome outcome = ground.judged(ground.walks(), {});
         EXPECT_EQ(outcome.counts.disagree, 0U)
-            << scene.contact.model << (shell == ShellKind::kNaive ? ", naive: " : ", exact: ") << outcome.first;
+            << scene.contact.model << (shell == scene::ShellKind::kNaive ? ", naive: " : ", exact: ") << outcome.first;
       }
 }
 
@@ -70,9 +70,9 @@ void expect_caught(const std::string& scene, const std::string& fault, const Out
   EXPECT_EQ(outcome.counts.reference, 0U) << fault << ": is the rendering's";
 }
 
-Fault tampered(const std::string& name, std::function<void(ReportedContact&)> change) {
+Fault tampered(const std::string& name, std::function<void(reference::ReportedContact&)> change) {
   return {.name = name,
-          .tamper = [change] { return [change](std::size_t, ReportedContact& report) { change(report); }; }};
+          .tamper = [change] { return [change](std::size_t, reference::ReportedContact& report) { change(report); }; }};
 }
 
 /// Axes a shift of the grid cannot be told along, and why. A shift counts by its part along the normals of the
@@ -103,7 +103,7 @@ TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell)
     const char letter = "xyz"[axis];
     double most = 0.0;  // largest part of the shift along a touched face's normal
     for (const Walk& walk : walks)
-      for (const GapResult& gap : walk.gaps)
+      for (const reference::GapResult& gap : walk.gaps)
         if (gap.gap_m < 0) most = std::max(most, 2 * e * std::abs(gap.direction[axis]));
     if (most < 1.5 * e) blind += letter;
     for (const double sign : {-1.0, 1.0}) {
@@ -129,13 +129,13 @@ TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell)
 
 TEST_P(RealRendering, WithFlippedNormalsOrAPullInsteadOfAPushIsCaught) {
   Ground ground(shipped_scene(GetParam()));
-  ContactRenderer& right = ground.built().renderer();
-  ContactRenderer turned(ground.built().voxmap(), flipped(right.query().shell()), right.model(),
-                         contact_parameters(ground.scene().contact, right.model(), right.query().shell()),
+  contact::ContactRenderer& right = ground.built().renderer();
+  contact::ContactRenderer turned(ground.built().voxmap(), flipped(right.query().shell()), right.model(),
+                         rendering::contact_parameters(ground.scene().contact, right.model(), right.query().shell()),
                          ground.built().field());
   const Fault flip{.name = "flipped normals", .renderer = &turned};
-  const Fault pull = tampered("force's sign", [](ReportedContact& r) { r.wrench.force *= -1.0; });
-  const Fault both = tampered("force's and torque's sign", [](ReportedContact& r) {
+  const Fault pull = tampered("force's sign", [](reference::ReportedContact& r) { r.wrench.force *= -1.0; });
+  const Fault both = tampered("force's and torque's sign", [](reference::ReportedContact& r) {
     r.wrench.force *= -1.0, r.wrench.torque *= -1.0;
   });
   for (const Walk& walk : own_motions(ground))
@@ -146,7 +146,7 @@ TEST_P(RealRendering, WithFlippedNormalsOrAPullInsteadOfAPushIsCaught) {
 /// From the n-th frame with a force on the wrench stands still, or all of the report.
 Fault stuck(std::size_t onset, bool whole_report) {
   return {.tamper = [=] {
-    return [=, contacts = std::size_t{0}, kept = ReportedContact{}](std::size_t, ReportedContact& report) mutable {
+    return [=, contacts = std::size_t{0}, kept = reference::ReportedContact{}](std::size_t, reference::ReportedContact& report) mutable {
       if (contacts < onset) {
         if (!report.wrench.zero()) ++contacts, kept = report;
       } else if (whole_report) {
@@ -174,11 +174,11 @@ TEST_P(RealRendering, WithAForceThatIsHeldFromSomeContactOnIsCaught) {
 /// reference can tell it. So the same scenes are walked with the sphere on a handle of 15 edges, where the force has
 /// a lever.
 TEST_P(RealRendering, WithTheTorquesSignOrPointOfReferenceWrongIsCaughtWhereTheForceHasALever) {
-  const Fault sign = tampered("torque's sign", [](ReportedContact& r) { r.wrench.torque *= -1.0; });
-  const Fault about_world = tampered("torque about W's origin", [](ReportedContact& r) {
+  const Fault sign = tampered("torque's sign", [](reference::ReportedContact& r) { r.wrench.torque *= -1.0; });
+  const Fault about_world = tampered("torque about W's origin", [](reference::ReportedContact& r) {
     r.wrench.torque += r.tool_in_world.position.cross(r.wrench.force);
   });
-  const Fault missing = tampered("no torque", [](ReportedContact& r) { r.wrench.torque.setZero(); });
+  const Fault missing = tampered("no torque", [](reference::ReportedContact& r) { r.wrench.torque.setZero(); });
   const Ground centred(shipped_scene(GetParam()));
   EXPECT_EQ(centred.judged(own_motions(centred), sign).counts.disagree, 0U);
   const Ground handle(shipped_scene(GetParam()), 15 * centred.scene().voxel_size_m * kHandle);
@@ -196,14 +196,14 @@ TEST_P(RealRendering, OfAMeshAThousandTimesTooLargeOrTooSmallIsRefusedOrCaught) 
   const std::vector<Walk> walks = own_motions(ground);
   for (const bool dynamic : {false, true})
     for (const double factor : {1e-3, 1e3}) {
-      Scene wrong = ground.scene();
+      scene::Scene wrong = ground.scene();
       (dynamic ? wrong.dynamic_mesh : wrong.static_meshes.front()).scale *= factor;
       const std::string size = factor > 1 ? "large" : "small";
       const std::string name = (dynamic ? "tool 1000 times too " : "world 1000 times too ") + size;
-      std::unique_ptr<BuiltScene> built;
+      std::unique_ptr<rendering::BuiltScene> built;
       try {
-        built = build_scene(wrong, serial_for());
-      } catch (const VoxelBudgetError& refusal) {
+        built = rendering::build_scene(wrong, serial_for());
+      } catch (const voxmap::VoxelBudgetError& refusal) {
         std::printf("%-12s %-28s refused: %s\n", GetParam().c_str(), name.c_str(), refusal.what());
         EXPECT_GT(factor, 1.0);
         continue;

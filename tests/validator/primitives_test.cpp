@@ -7,23 +7,23 @@
 namespace voxtouch::test {
 namespace {
 
-std::vector<MeshSpec> meshes_of(const Scene& scene) {
-  std::vector<MeshSpec> meshes = scene.static_meshes;
+std::vector<scene::MeshSpec> meshes_of(const scene::Scene& scene) {
+  std::vector<scene::MeshSpec> meshes = scene.static_meshes;
   meshes.push_back(scene.dynamic_mesh);
   return meshes;
 }
 
 /// The lengths of a primitive, and where it is.
-std::vector<double*> lengths(SpherePrimitive& p) { return {&p.radius_m}; }
-std::vector<double*> lengths(BoxPrimitive& p) { return {&p.size_m[0], &p.size_m[1], &p.size_m[2]}; }
-std::vector<double*> lengths(CylinderPrimitive& p) { return {&p.radius_m, &p.length_m}; }
-Vec3& place(SpherePrimitive& p) { return p.centre; }
-Vec3& place(BoxPrimitive& p) { return p.pose.position; }
-Vec3& place(CylinderPrimitive& p) { return p.pose.position; }
+std::vector<double*> lengths(scene::SpherePrimitive& p) { return {&p.radius_m}; }
+std::vector<double*> lengths(scene::BoxPrimitive& p) { return {&p.size_m[0], &p.size_m[1], &p.size_m[2]}; }
+std::vector<double*> lengths(scene::CylinderPrimitive& p) { return {&p.radius_m, &p.length_m}; }
+Vec3& place(scene::SpherePrimitive& p) { return p.centre; }
+Vec3& place(scene::BoxPrimitive& p) { return p.pose.position; }
+Vec3& place(scene::CylinderPrimitive& p) { return p.pose.position; }
 
 /// The ways to be wrong that must be seen: a length 10 % off, or the whole shifted by one edge along an axis.
-std::vector<Primitive> wrong(const Primitive& right, double edge_m) {
-  std::vector<Primitive> all;
+std::vector<scene::Primitive> wrong(const scene::Primitive& right, double edge_m) {
+  std::vector<scene::Primitive> all;
   const auto add = [&](auto change) {
     all.push_back(right);
     std::visit(change, all.back());
@@ -39,8 +39,8 @@ std::vector<Primitive> wrong(const Primitive& right, double edge_m) {
 TEST(ShippedPrimitives, StandForTheirMeshes) {
   std::size_t checked = 0;
   for (const std::string& name : shipped_scene_names()) {
-    const Scene scene = shipped_scene(name);
-    for (const MeshSpec& mesh : meshes_of(scene)) {
+    const scene::Scene scene = shipped_scene(name);
+    for (const scene::MeshSpec& mesh : meshes_of(scene)) {
       EXPECT_LE(primitives_off_m(mesh), kChordShareOfEdge * scene.voxel_size_m) << name << ": " << mesh.path;
       checked += mesh.primitives.size();
     }
@@ -50,11 +50,11 @@ TEST(ShippedPrimitives, StandForTheirMeshes) {
 
 TEST(ShippedPrimitives, WouldBeSeenIfTheyWereATenthOffOrAnEdgeAway) {
   for (const std::string& name : shipped_scene_names()) {
-    const Scene scene = shipped_scene(name);
-    for (MeshSpec mesh : meshes_of(scene)) {
+    const scene::Scene scene = shipped_scene(name);
+    for (scene::MeshSpec mesh : meshes_of(scene)) {
       if (mesh.primitives.empty()) continue;
       ASSERT_EQ(mesh.primitives.size(), 1U) << "of several parts, one that is wrong may hide behind another";
-      for (const Primitive& one : wrong(mesh.primitives.front(), scene.voxel_size_m)) {
+      for (const scene::Primitive& one : wrong(mesh.primitives.front(), scene.voxel_size_m)) {
         mesh.primitives = {one};
         EXPECT_GT(primitives_off_m(mesh), kChordShareOfEdge * scene.voxel_size_m) << name << ": " << mesh.path;
       }

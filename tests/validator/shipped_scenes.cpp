@@ -23,12 +23,12 @@ std::vector<std::string> shipped_scene_names() {
 std::vector<std::string> resting_scene_names() {
   std::vector<std::string> names = shipped_scene_names();
   std::erase_if(names, [](const std::string& name) {
-    const Scene scene = shipped_scene(name);
+    const scene::Scene scene = shipped_scene(name);
     return !scene.effects.empty() || !scene.objects.empty() || scene.virtual_tool();
   });
   return names;
 }
 
-Scene shipped_scene(const std::string& name) { return load_scene(kScenes / (name + ".yaml")); }
+scene::Scene shipped_scene(const std::string& name) { return scene::load_scene(kScenes / (name + ".yaml")); }
 
 }  // namespace voxtouch::test

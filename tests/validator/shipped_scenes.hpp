@@ -11,6 +11,6 @@ namespace voxtouch::test {
 std::vector<std::string> shipped_scene_names();
 /// Those of penalty contact alone, with objects that rest: what the walks of poses render. The contact of the others is one of these.
 std::vector<std::string> resting_scene_names();
-Scene shipped_scene(const std::string& name);
+scene::Scene shipped_scene(const std::string& name);
 
 }  // namespace voxtouch::test

@@ -62,10 +62,10 @@ class Rendering {
   /// Bound of the distance from any point of the sphere to a shell point: Fibonacci points of this density stay below it.
   double shell_gap() const { return edge_; }
 
-  ReportedContact at(const Vec3& centre, const Fault& fault = {}) const {
+  reference::ReportedContact at(const Vec3& centre, const Fault& fault = {}) const {
     struct Hit { Vec3 x, n, to_centre; };
     std::vector<Hit> hits;
-    ReportedContact report;
+    reference::ReportedContact report;
     report.tool_in_world.position = centre;
     Vec3 sum = Vec3::Zero();
     for (const Vec3& out : out_) {

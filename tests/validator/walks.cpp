@@ -36,9 +36,9 @@ Perturbation random_perturbation(std::mt19937_64& random, double edge_m) {
 }
 
 /// As the rendering node publishes a frame and the validator reads it.
-ReportedContact to_report(const StageResult& result, const Pose& tool) {
-  const ContactResult& c = result.contact;
-  ReportedContact report;
+reference::ReportedContact to_report(const contact::StageResult& result, const Pose& tool) {
+  const contact::ContactResult& c = result.contact;
+  reference::ReportedContact report;
   report.tool_in_world = tool;
   report.wrench = c.wrench;
   report.mean_normal = c.mean_normal;
@@ -51,7 +51,7 @@ ReportedContact to_report(const StageResult& result, const Pose& tool) {
   return report;
 }
 
-Scene on_handle(Scene scene, const Vec3& tool_to_sphere) {
+scene::Scene on_handle(scene::Scene scene, const Vec3& tool_to_sphere) {
   scene.dynamic_mesh.pose.position += tool_to_sphere;
   return scene;
 }
@@ -60,12 +60,12 @@ Scene on_handle(Scene scene, const Vec3& tool_to_sphere) {
 
 std::size_t Walk::contacts() const {
   std::size_t count = 0;
-  for (const GapResult& gap : gaps) count += gap.gap_m < 0;
+  for (const reference::GapResult& gap : gaps) count += gap.gap_m < 0;
   return count;
 }
 
 Outcome& Outcome::operator+=(const Outcome& other) {
-  const JudgeCounts& more = other.counts;
+  const reference::JudgeCounts& more = other.counts;
   counts.checked += more.checked, counts.decided += more.decided, counts.agree += more.agree;
   counts.in_band += more.in_band, counts.disagree += more.disagree;
   counts.rendering += more.rendering, counts.reference += more.reference;
@@ -73,16 +73,16 @@ Outcome& Outcome::operator+=(const Outcome& other) {
   return *this;
 }
 
-Ground::Ground(Scene scene, const Vec3& tool_to_sphere)
+Ground::Ground(scene::Scene scene, const Vec3& tool_to_sphere)
     : scene_(on_handle(std::move(scene), tool_to_sphere)), tool_to_sphere_(tool_to_sphere),
-      built_(build_scene(scene_, serial_for())), reference_(scene_) {}
+      built_(rendering::build_scene(scene_, serial_for())), reference_(scene_) {}
 
-JudgeSettings Ground::settings() const {
-  JudgeSettings settings;
+reference::JudgeSettings Ground::settings() const {
+  reference::JudgeSettings settings;
   const double e = settings.edge_m = scene_.voxel_size_m;
   settings.chord_error_m = reference_.chord_error_m();
   settings.shell_gap_m = std::min(built_->largest_shell_gap_m(), std::sqrt(3.0) * e);
-  settings.shell_offset_m = scene_.shell == ShellKind::kNaive ? std::sqrt(3.0) / 2 * e : 0.0;
+  settings.shell_offset_m = scene_.shell == scene::ShellKind::kNaive ? std::sqrt(3.0) / 2 * e : 0.0;
   return settings;
 }
 
@@ -132,22 +132,22 @@ std::vector<Walk> Ground::walks() const {
 }
 
 Outcome Ground::judged(const Walk& walk, const Fault& fault) const {
-  ContactRenderer& renderer = fault.renderer ? *fault.renderer : built_->renderer();
-  const Fault::Tamper tamper = fault.tamper ? fault.tamper() : [](std::size_t, ReportedContact&) {};
-  Judge judge(settings());
+  contact::ContactRenderer& renderer = fault.renderer ? *fault.renderer : built_->renderer();
+  const Fault::Tamper tamper = fault.tamper ? fault.tamper() : [](std::size_t, reference::ReportedContact&) {};
+  reference::Judge judge(settings());
   Outcome outcome;
   renderer.reset();
   for (std::size_t n = 0; n < walk.poses.size(); ++n) {
     if (walk.jumps) renderer.reset();
     Pose seen = walk.poses[n];
     seen.position -= fault.grid_shift;  // a grid that lies there looks like a tool that lies the other way
-    ReportedContact report = to_report(renderer.render(seen), walk.poses[n]);
+    reference::ReportedContact report = to_report(renderer.render(seen), walk.poses[n]);
     tamper(n, report);
     if (n % walk.every != 0) continue;
-    const GapResult& gap = walk.gaps[n / walk.every];
-    const Judgement found = judge.judge(gap, report);
-    if (found.verdict != Verdict::kDisagree || !outcome.first.empty()) continue;
-    const char* const whose = found.cause == Cause::kReference ? "reference" : "rendering";
+    const reference::GapResult& gap = walk.gaps[n / walk.every];
+    const reference::Judgement found = judge.judge(gap, report);
+    if (found.verdict != reference::Verdict::kDisagree || !outcome.first.empty()) continue;
+    const char* const whose = found.cause == reference::Cause::kReference ? "reference" : "rendering";
     outcome.first = fmt::format("{}, pose {} ({}): {}; the gap is {:.3f} e", walk.name, n, whose, found.explanation,
                                 gap.gap_m / scene_.voxel_size_m);
   }
@@ -161,8 +161,8 @@ Outcome Ground::judged(const std::vector<Walk>& walks, const Fault& fault) const
   return all;
 }
 
-Pointshell flipped(const Pointshell& shell) {
-  Pointshell out = shell;
+pointshell::Pointshell flipped(const pointshell::Pointshell& shell) {
+  pointshell::Pointshell out = shell;
   for (auto* normals : {&out.nx, &out.ny, &out.nz})
     for (double& n : *normals) n = -n;
   return out;

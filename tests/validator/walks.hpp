@@ -17,7 +17,7 @@ struct Walk {
   std::vector<Pose> poses;
   std::size_t every = 20;    ///< which poses are checked
   bool jumps = false;        ///< the poses are no motion: the rendering forgets the last one before each
-  std::vector<GapResult> gaps;  ///< of poses 0, every, 2 every, ...
+  std::vector<reference::GapResult> gaps;  ///< of poses 0, every, 2 every, ...
 
   /// Checked poses that are in contact by the reference's word.
   std::size_t contacts() const;
@@ -33,14 +33,14 @@ struct Perturbation {
 struct Fault {
   std::string name = "none";
   Vec3 grid_shift = Vec3::Zero();       ///< the voxmap lies here from where it should [m]
-  ContactRenderer* renderer = nullptr;  ///< takes the place of the scene's own
+  contact::ContactRenderer* renderer = nullptr;  ///< takes the place of the scene's own
   /// Changes the report of frame `n`; a fresh one for each walk, since it may remember.
-  using Tamper = std::function<void(std::size_t n, ReportedContact& report)>;
+  using Tamper = std::function<void(std::size_t n, reference::ReportedContact& report)>;
   std::function<Tamper()> tamper = {};
 };
 
 struct Outcome {
-  JudgeCounts counts;
+  reference::JudgeCounts counts;
   std::string first;  ///< the first disagreement, for people
 
   Outcome& operator+=(const Outcome& other);
@@ -51,11 +51,11 @@ class Ground {
  public:
   /// `scene` is what the reference sees. `tool_to_sphere` is added to the dynamic mesh's place in T: a sphere on a
   /// handle. The tool's poses are such that the sphere walks as the motions say.
-  explicit Ground(Scene scene, const Vec3& tool_to_sphere = Vec3::Zero());
+  explicit Ground(scene::Scene scene, const Vec3& tool_to_sphere = Vec3::Zero());
 
-  const Scene& scene() const noexcept { return scene_; }
-  BuiltScene& built() noexcept { return *built_; }
-  JudgeSettings settings() const;
+  const scene::Scene& scene() const noexcept { return scene_; }
+  rendering::BuiltScene& built() noexcept { return *built_; }
+  reference::JudgeSettings settings() const;
 
   /// The scene's own motion `name` for 10 s, displaced where `perturbation` says so.
   Walk motion(const std::string& name, const Perturbation& perturbation = {}) const;
@@ -71,13 +71,13 @@ class Ground {
   Pose tool_for(const Vec3& sphere_centre, const Quat& orientation) const;
   void add_gaps(Walk& walk) const;
 
-  Scene scene_;
+  scene::Scene scene_;
   Vec3 tool_to_sphere_;
-  std::unique_ptr<BuiltScene> built_;
-  ReferenceScene reference_;
+  std::unique_ptr<rendering::BuiltScene> built_;
+  reference::ReferenceScene reference_;
 };
 
 /// The shell with all normals turned round.
-Pointshell flipped(const Pointshell& shell);
+pointshell::Pointshell flipped(const pointshell::Pointshell& shell);
 
 }  // namespace voxtouch::test

@@ -12,7 +12,7 @@
 #include "core/coupling/design/filter_search.hpp"
 #include "core/coupling/design/limit_cycle.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 /// Room for rounding where a bound is met exactly.
@@ -175,4 +175,4 @@ double max_approach(const AxisProblem& problem, const CouplingSpec& spec, double
   return depth_m / longest;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

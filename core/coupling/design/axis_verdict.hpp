@@ -5,7 +5,7 @@
 
 #include "core/coupling/design/design_axis.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// What a spec puts on one axis.
 struct ShownStiffness {
@@ -42,4 +42,4 @@ inline constexpr double kSeriesShare = 0.9;
 /// cases. A hand that goes on pushing with a force F takes F / (K k) of the depth beforehand. 0 for no depth.
 double max_approach(const AxisProblem& problem, const CouplingSpec& spec, double depth_m);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -8,7 +8,7 @@
 
 #include "core/coupling/design/loop_response.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -192,4 +192,4 @@ SpringDamperPair llewellyn_optimum(double device_damping, double period_s, int d
   return {2.0 * a / period_s, (w - 1.0) * a};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

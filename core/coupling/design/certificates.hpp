@@ -5,7 +5,7 @@
 /// them: finite, of the right sign. A device without damping gets 0 from all of them.
 #include "core/coupling/design/loop_parts.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// Shape constants of the continuous filter's impulse response h: c' = w0 int t |h| dt, S = int |h| dt. d > 0. From the sum over
 /// the half waves of h, P = pi/sqrt(1 - d^2) long in units of 1/w0, each e^{-d P} of the one before.
@@ -63,4 +63,4 @@ struct SpringDamperPair {
 };
 SpringDamperPair llewellyn_optimum(double device_damping, double period_s, int delay_samples);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -8,7 +8,7 @@
 #include "core/coupling/design/loop_response.hpp"
 #include "core/coupling/design/sampled_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 using Law = LoopController::Law;
@@ -118,4 +118,4 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
   return {first.gain, first.angle / p.period_s};
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -8,7 +8,7 @@
 
 #include "core/coupling/design/certificates.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 using Law = LoopController::Law;
@@ -188,4 +188,4 @@ double worst_radius(const AxisProblem& problem, const LoopController& law, doubl
   return worst;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -6,7 +6,7 @@
 #include "core/coupling/design/design_cases.hpp"
 #include "core/coupling/design/designer.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -85,4 +85,4 @@ double worst_radius(const AxisProblem& problem, const LoopController& law, doubl
 /// Whole samples of delay, the effort's lag counted in, rounded up.
 int whole_delay(const LoopTiming& timing, double effort_lag_s);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 struct Hand {
@@ -84,4 +84,4 @@ std::string describe(const DesignCase& one, const AxisUnits& units) {
                      units.damping, p.hand_stiffness, units.stiffness, device, when);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

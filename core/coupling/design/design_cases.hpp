@@ -6,7 +6,7 @@
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/coupling/design/sampled_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// One vertex of the box of what may be.
 struct DesignCase {
@@ -39,4 +39,4 @@ std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& ti
 /// "released, 0.2 kg, slowest timing"; "held (0.1 kg, 3 Ns/m, 200 N/m), 0.08 kg".
 std::string describe(const DesignCase& one, const AxisUnits& units);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

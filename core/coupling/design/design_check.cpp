@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 void require(bool kept, std::string_view field, double value, std::string_view rule) {
@@ -72,4 +72,4 @@ void refuse_impossible(const DesignProblem& request) {
   check_wishes(request);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

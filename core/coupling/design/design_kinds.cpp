@@ -7,7 +7,7 @@
 
 #include "core/coupling/design/axis_verdict.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 void set_cap(CouplingSpec& spec, std::size_t axis, double cap) {
@@ -69,4 +69,4 @@ Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProb
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -9,7 +9,7 @@
 #include "core/coupling/design/design_steps.hpp"
 #include "core/coupling/design/filter_search.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 constexpr std::array kDelayShares{0.75, 0.5, 0.25, 0.0};
@@ -203,4 +203,4 @@ std::vector<std::string> remedies_of(const DesignProblem& request, const std::ve
   return Remedies(request, problems, design).all();
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

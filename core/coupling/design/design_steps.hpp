@@ -3,7 +3,7 @@
 /// (certified and shrunk, if need be, by the designer), and what a person reads of the result. For this folder's own functions.
 #include "core/coupling/design/filter_search.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// Throws std::invalid_argument with the first sentence about what is wrong with device, hands, contact or wishes.
 void refuse_impossible(const DesignProblem& request);
@@ -35,4 +35,4 @@ std::vector<std::string> reasons_of(const DesignProblem& request, const std::vec
 std::vector<std::string> remedies_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                                      const Design& design);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

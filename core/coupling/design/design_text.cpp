@@ -6,7 +6,7 @@
 
 #include "core/coupling/design/filter_search.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 namespace {
 
@@ -68,4 +68,4 @@ std::vector<std::string> reasons_of(const DesignProblem& request, const std::vec
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

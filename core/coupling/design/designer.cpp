@@ -11,7 +11,7 @@
 #include "core/coupling/design/axis_verdict.hpp"
 #include "core/coupling/design/design_steps.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 /// What the last verification may take off, little by little, before the design counts as not holding.
@@ -147,4 +147,4 @@ Design judge_coupling(const DesignProblem& request, const CouplingSpec& spec) {
   return std::move(result.design);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -9,7 +9,7 @@
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/coupling/design/sampled_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// What is wished; the designer gives up as little of it as it can.
 ///
@@ -83,4 +83,4 @@ Design design_coupling(const DesignProblem& request);
 /// where they hold and kInfeasible where not; `reasons` says why.
 Design judge_coupling(const DesignProblem& request, const CouplingSpec& spec);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

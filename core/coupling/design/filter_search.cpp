@@ -10,7 +10,7 @@
 
 #include "core/coupling/design/loop_table.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 using Law = LoopController::Law;
@@ -235,4 +235,4 @@ FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::
   return Search(problems, shapes, allow_injected_damping).run();
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

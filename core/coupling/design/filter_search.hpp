@@ -5,7 +5,7 @@
 
 #include "core/coupling/design/design_axis.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// w0 / (2 pi) and d; a cut-off of infinity is no filter at all.
 struct FilterSetting {
@@ -32,4 +32,4 @@ struct FilterChoice {
 FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
                            bool allow_injected_damping);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -9,7 +9,7 @@
 
 #include "core/coupling/design/loop_response.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// Where L crosses the negative real axis furthest out.
 struct Crossing {
@@ -164,4 +164,4 @@ class CrossingSearch {
   Crossing best_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -8,7 +8,7 @@
 #include "core/coupling/design/sampled_plant.hpp"
 #include "core/coupling/pt2.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 using Law = LoopController::Law;
@@ -90,4 +90,4 @@ double limit_cycle_bound(const AxisProblem& problem, const LoopController& law, 
   return q * worst;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

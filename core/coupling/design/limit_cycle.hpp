@@ -2,7 +2,7 @@
 /// What the encoder's steps leave of an oscillation at rest.
 #include "core/coupling/design/design_axis.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// Sum of |x[n]| after a unit error of one position sample: the l1 norm of the loop from the read position to the position. An
 /// error that stays within +- q/2 keeps the position within q/2 times that, so q times it peak to peak.
@@ -14,4 +14,4 @@ double quantisation_gain(const LoopPlant& plant, const LoopController& law, doub
 double limit_cycle_bound(const AxisProblem& problem, const LoopController& law, double contact_stiffness,
                          double shown_stiffness);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 /// Decay of the velocity, and square of the resonance, per period: far beyond any device, and still a matrix exponential.
@@ -60,4 +60,4 @@ void require_loop(const LoopController& c) {
   require_not_negative("velocity_filter_rad_per_s", c.velocity_filter_rad_per_s);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -3,7 +3,7 @@
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/coupling/design/sampled_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// Each throws std::invalid_argument with a sentence that names field, value and rule.
 void require_finite(const char* field, double value);
@@ -12,4 +12,4 @@ void require_positive(const char* field, double value);      ///< and finite
 void require_loop(const LoopPlant& plant);
 void require_loop(const LoopController& controller);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 const std::string kRangeText = fmt::format("from {} to {}", kMinQuantity, kMaxQuantity);
@@ -130,4 +130,4 @@ DeviceModel model_of(const DeviceDescription& d) {
   return m;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

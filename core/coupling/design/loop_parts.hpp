@@ -12,7 +12,7 @@
 
 #include "core/types/device_description.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// How a device moves along (or about) any of its axes.
 struct AxisModel {
@@ -84,4 +84,4 @@ inline constexpr double kMinQuantity = 1e-12, kMaxQuantity = 1e12;
 std::vector<std::string> check(const DeviceModel& device);
 std::vector<std::string> check(const HandRange& hand);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

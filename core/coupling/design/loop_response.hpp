@@ -9,7 +9,7 @@
 #include "core/coupling/design/sampled_loop.hpp"
 #include "core/coupling/design/sampled_plant.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 using Complex = std::complex<double>;
 
@@ -94,4 +94,4 @@ class LoopResponse {
   double g_, period_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 constexpr std::size_t kPoints = 320;
@@ -99,4 +99,4 @@ double LoopTable::critical(std::size_t velocity_filter, double injected_damping,
   return lowest;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -7,7 +7,7 @@
 #include "core/coupling/design/design_cases.hpp"
 #include "core/coupling/design/loop_response.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 class LoopTable {
  public:
@@ -42,4 +42,4 @@ class LoopTable {
   std::vector<Case> cases_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

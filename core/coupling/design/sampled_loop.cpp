@@ -10,7 +10,7 @@
 #include "core/coupling/design/loop_checks.hpp"
 #include "core/coupling/design/sampled_plant.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 using Eigen::Index;
@@ -152,4 +152,4 @@ double spectral_radius(const LoopPlant& plant, const LoopController& controller,
   return std::max(integrators, largest_eigenvalue(a));
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -10,7 +10,7 @@
 /// All functions are pure arithmetic for the time of designing: they may allocate, and they throw std::invalid_argument with a
 /// sentence for a plant or controller that is none (not finite, no mass, no period, a negative damping ...).
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// What stands between contact and device, as a linear law.
 struct LoopController {
@@ -54,4 +54,4 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
 /// B up to which the inner loop (injected damping alone, no contact) is stable: stable for all 0 < B < result.
 double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 using Eigen::Matrix4d;
@@ -65,4 +65,4 @@ SampledPlant sample_plant(double mass, double damping, double stiffness, double 
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -8,7 +8,7 @@
 
 #include "core/coupling/design/sampled_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// States X = [x, T v, T^2/m f]; a command u [N or Nm] enters as (T^2/m) u. Without a lag f is no state: order 2, last row and
 /// column zero.
@@ -33,4 +33,4 @@ inline SampledPlant sample_plant(const LoopPlant& p) {
   return sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness, p.period_s, p.delay_s, p.effort_lag_s);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

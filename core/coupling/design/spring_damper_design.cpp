@@ -8,7 +8,7 @@
 #include "core/coupling/design/design_steps.hpp"
 #include "core/coupling/design/loop_table.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 /// r / c in periods.
@@ -112,4 +112,4 @@ Proposal propose_spring_damper(const DesignProblem& request, const std::vector<A
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

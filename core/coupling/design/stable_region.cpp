@@ -7,7 +7,7 @@
 #include "core/coupling/design/certificates.hpp"
 #include "core/coupling/design/design_cases.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 double worst_critical_stiffness(const AxisModel& axis, const LoopTiming& timing, const HandRange& hand,
                                 const LoopController& controller) {
@@ -37,4 +37,4 @@ StableRegion stable_region(const AxisModel& axis, const LoopTiming& timing, cons
   return region;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -5,7 +5,7 @@
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/coupling/design/sampled_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 
 /// Curves over one list of cut-offs; stiffness at the hand [N/m] or [Nm/rad].
 struct StableRegion {
@@ -24,4 +24,4 @@ StableRegion stable_region(const AxisModel& axis, const LoopTiming& timing, cons
 double worst_critical_stiffness(const AxisModel& axis, const LoopTiming& timing, const HandRange& hand,
                                 const LoopController& controller);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -83,7 +83,7 @@ ArmInertia lwr_inertia(double torque_feedback_gain) {
   return arm;
 }
 
-std::array<ArmDynamics::Frame, 7> ArmDynamics::links(const LwrJoints& q) const noexcept {
+std::array<ArmDynamics::Frame, 7> ArmDynamics::links(const lwr::LwrJoints& q) const noexcept {
   std::array<Frame, 7> frames;
   Mat3 rotation = Mat3::Identity();
   Vec3 origin = Vec3::Zero();
@@ -96,7 +96,7 @@ std::array<ArmDynamics::Frame, 7> ArmDynamics::links(const LwrJoints& q) const n
   return frames;
 }
 
-ArmDynamics::Terms ArmDynamics::at(const LwrJoints& q, const LwrJoints& rate, const TipLoad& load) const noexcept {
+ArmDynamics::Terms ArmDynamics::at(const lwr::LwrJoints& q, const lwr::LwrJoints& rate, const TipLoad& load) const noexcept {
   const std::array<Frame, 7> frames = links(q);
   Terms terms;
   terms.tool = Pose{frames[6].origin, Quat(frames[6].rotation)} * tool_in_flange_;

@@ -20,7 +20,7 @@ struct Link {
 
 struct ArmInertia {
   std::array<Link, 7> links{};
-  LwrJoints rotor_kg_m2 = LwrJoints::Zero();  ///< added to the diagonal of M
+  lwr::LwrJoints rotor_kg_m2 = lwr::LwrJoints::Zero();  ///< added to the diagonal of M
 };
 
 /// Links: the physically consistent set of published robot descriptions (confirmed). Rotors: reflected motor inertia
@@ -43,13 +43,13 @@ class ArmDynamics {
   /// All that one state gives.
   struct Terms {
     LwrMatrix mass;        ///< M(q), rotors and load included [kg m^2]
-    LwrJoints coriolis;    ///< c(q, q') [Nm]
-    LwrJoints gravity;     ///< g(q): the torque that holds the arm still [Nm]
+    lwr::LwrJoints coriolis;    ///< c(q, q') [Nm]
+    lwr::LwrJoints gravity;     ///< g(q): the torque that holds the arm still [Nm]
     Pose tool;             ///< T in the base
-    LwrJacobian jacobian;  ///< of the tool's origin, base axes, linear first
+    lwr::LwrJacobian jacobian;  ///< of the tool's origin, base axes, linear first
     Twist twist;           ///< of the tool
   };
-  Terms at(const LwrJoints& q, const LwrJoints& rate, const TipLoad& load = {}) const noexcept;
+  Terms at(const lwr::LwrJoints& q, const lwr::LwrJoints& rate, const TipLoad& load = {}) const noexcept;
 
   /// Where a link is: a point of it in the base is rotation * point + origin.
   struct Frame {
@@ -57,7 +57,7 @@ class ArmDynamics {
     Vec3 origin;  ///< on the joint's axis
     Vec3 axis;    ///< of the joint, in the base
   };
-  std::array<Frame, 7> links(const LwrJoints& q) const noexcept;
+  std::array<Frame, 7> links(const lwr::LwrJoints& q) const noexcept;
 
   const ArmInertia& inertia() const noexcept { return inertia_; }
   const Pose& tool_in_flange() const noexcept { return tool_in_flange_; }

@@ -11,13 +11,13 @@ namespace voxtouch::lwr_sim {
 struct PlantParameters {
   ArmInertia inertia = lwr_inertia();
   Pose tool_in_flange;
-  LwrJoints viscous_nms_per_rad = LwrJoints::Zero();
-  LwrJoints coulomb_nm = LwrJoints::Zero();
-  LwrJoints brake_nm = LwrJoints::Zero();  ///< most that a closed brake holds
-  LwrJoints torque_limit_nm =
-      LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< of the drives, gravity included
-  LwrJoints position_limit_rad =
-      LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< +-, a stop that takes all speed
+  lwr::LwrJoints viscous_nms_per_rad = lwr::LwrJoints::Zero();
+  lwr::LwrJoints coulomb_nm = lwr::LwrJoints::Zero();
+  lwr::LwrJoints brake_nm = lwr::LwrJoints::Zero();  ///< most that a closed brake holds
+  lwr::LwrJoints torque_limit_nm =
+      lwr::LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< of the drives, gravity included
+  lwr::LwrJoints position_limit_rad =
+      lwr::LwrJoints::Constant(std::numeric_limits<double>::infinity());  ///< +-, a stop that takes all speed
 };
 
 /// Published drive friction, divided by the gain of the torque feedback, which hides it as it hides the rotors (assumed);
@@ -32,18 +32,18 @@ enum class Drives {
 class ArmPlant {
  public:
   /// At rest at `q`.
-  ArmPlant(const PlantParameters& parameters, const LwrJoints& q);
+  ArmPlant(const PlantParameters& parameters, const lwr::LwrJoints& q);
 
   /// Moves on by `dt_s` with `torque` held (beyond gravity, which the drives carry exactly; the sum is cut to the drives'
   /// limits). `hand`: over this step, in the base. Classical Runge-Kutta of fourth order for all smooth forces; then dry friction, brakes and stops as impulses that
   /// take speed and never give any: a joint under less than its friction stays exactly where it is. Real-time safe.
-  void step(const LwrJoints& torque, Drives drives, const HandAction& hand, double dt_s) noexcept;
+  void step(const lwr::LwrJoints& torque, Drives drives, const hand::HandAction& hand, double dt_s) noexcept;
 
-  const LwrJoints& q() const noexcept { return q_; }
-  const LwrJoints& rate() const noexcept { return rate_; }
-  void set_state(const LwrJoints& q, const LwrJoints& rate) noexcept { q_ = q, rate_ = rate; }
+  const lwr::LwrJoints& q() const noexcept { return q_; }
+  const lwr::LwrJoints& rate() const noexcept { return rate_; }
+  void set_state(const lwr::LwrJoints& q, const lwr::LwrJoints& rate) noexcept { q_ = q, rate_ = rate; }
   /// What sensors between drives and links felt in the last step: drives, friction and brakes [Nm].
-  const LwrJoints& sensed_torque() const noexcept { return sensed_; }
+  const lwr::LwrJoints& sensed_torque() const noexcept { return sensed_; }
   /// On the tool in the last step: the hand at its start.
   const Wrench& hand_wrench() const noexcept { return hand_wrench_; }
   /// A stop held a joint in the last step.
@@ -54,22 +54,22 @@ class ArmPlant {
 
  private:
   struct Slope {
-    LwrJoints rate, acceleration;
+    lwr::LwrJoints rate, acceleration;
   };
   struct Step {
-    const LwrJoints& torque;
+    const lwr::LwrJoints& torque;
     Drives drives;
-    const HandAction& hand;
+    const hand::HandAction& hand;
   };
-  Slope slope(const Step& step, const LwrJoints& q, const LwrJoints& rate, ArmDynamics::Terms& terms) const noexcept;
-  LwrJoints drive_torque(const Step& step, const LwrJoints& gravity) const noexcept;
+  Slope slope(const Step& step, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, ArmDynamics::Terms& terms) const noexcept;
+  lwr::LwrJoints drive_torque(const Step& step, const lwr::LwrJoints& gravity) const noexcept;
   /// Friction, brakes and stops: the impulse at each joint, within its bounds, that brings the step's end nearest to rest.
-  LwrJoints holding_impulse(const LwrMatrix& mass, const LwrJoints& q, const LwrJoints& rate, Drives drives,
+  lwr::LwrJoints holding_impulse(const LwrMatrix& mass, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, Drives drives,
                             double dt_s) noexcept;
 
   PlantParameters parameters_;
   ArmDynamics dynamics_;
-  LwrJoints q_, rate_ = LwrJoints::Zero(), sensed_ = LwrJoints::Zero();
+  lwr::LwrJoints q_, rate_ = lwr::LwrJoints::Zero(), sensed_ = lwr::LwrJoints::Zero();
   Wrench hand_wrench_;
   bool at_stop_ = false;
 };

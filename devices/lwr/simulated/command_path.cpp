@@ -5,7 +5,7 @@
 namespace voxtouch::lwr_sim {
 CommandPath::CommandPath(int ticks_per_period, std::size_t delay_ticks) noexcept
     : ticks_(std::max(ticks_per_period, 1)), delay_(std::min(delay_ticks, kMaxDelay)) {
-  line_.fill(LwrJoints::Zero());
+  line_.fill(lwr::LwrJoints::Zero());
 }
 
 void CommandPath::start(const Setpoint& held) noexcept {
@@ -13,7 +13,7 @@ void CommandPath::start(const Setpoint& held) noexcept {
   done_ = ticks_;
   misses_ = 0;
   position_step_.setZero();
-  line_.fill(LwrJoints::Zero());
+  line_.fill(lwr::LwrJoints::Zero());
 }
 
 void CommandPath::begin(const Setpoint& wanted) noexcept {

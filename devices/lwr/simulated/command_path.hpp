@@ -35,8 +35,8 @@ class CommandPath {
   int ticks_, done_ = 0, misses_ = 0;
   std::size_t delay_, next_ = 0;
   Setpoint from_, to_;
-  LwrJoints position_step_ = LwrJoints::Zero();  // over the last period
-  std::array<LwrJoints, kMaxDelay + 1> line_;  // torques on their way
+  lwr::LwrJoints position_step_ = lwr::LwrJoints::Zero();  // over the last period
+  std::array<lwr::LwrJoints, kMaxDelay + 1> line_;  // torques on their way
 };
 
 }  // namespace voxtouch::lwr_sim

@@ -10,7 +10,7 @@ constexpr double kRegular = 1e-6;  // [1/kg] keeps Lambda finite where the arm i
 
 /// Double diagonalisation: D = 2 L sqrt(L^-1 K L^-T) L^T with M = L L^T damps every mode of (M, K) critically; shares of it enter
 /// by their roots from both sides, so that D stays positive semidefinite (Albu-Schaeffer et al. on damping design).
-LwrMatrix damping(const LwrMatrix& mass, const LwrJoints& stiffness, const LwrJoints& share) noexcept {
+LwrMatrix damping(const LwrMatrix& mass, const lwr::LwrJoints& stiffness, const lwr::LwrJoints& share) noexcept {
   if (stiffness.isZero(0.0) || share.isZero(0.0)) return LwrMatrix::Zero();
   const LwrMatrix lower = mass.llt().matrixL();
   const LwrMatrix root = stiffness.cwiseSqrt().asDiagonal();
@@ -24,15 +24,15 @@ LwrMatrix damping(const LwrMatrix& mass, const LwrJoints& stiffness, const LwrJo
 
 }  // namespace
 
-LwrJacobian in_axes(const Mat3& axes, const LwrJacobian& jacobian) noexcept {
-  LwrJacobian out;
+lwr::LwrJacobian in_axes(const Mat3& axes, const lwr::LwrJacobian& jacobian) noexcept {
+  lwr::LwrJacobian out;
   out.topRows<3>() = axes.transpose() * jacobian.topRows<3>();
   out.bottomRows<3>() = axes.transpose() * jacobian.bottomRows<3>();
   return out;
 }
 
-LwrJoints position_law(const LawParameters& p, const ArmDynamics::Terms& terms, const LwrJoints& q,
-                       const LwrJoints& rate, const LwrJoints& wanted) noexcept {
+lwr::LwrJoints position_law(const LawParameters& p, const ArmDynamics::Terms& terms, const lwr::LwrJoints& q,
+                       const lwr::LwrJoints& rate, const lwr::LwrJoints& wanted) noexcept {
   const double w = p.position_bandwidth_rad_s;
   return terms.mass * (w * w * (wanted - q) - 2.0 * w * rate) + terms.coriolis;
 }
@@ -41,14 +41,14 @@ void Impedance::prepare(const ArmDynamics::Terms& terms, const Setpoint& wanted)
   damping_ = damping(terms.mass, wanted.stiffness, wanted.damping);
 }
 
-LwrJoints Impedance::torque(const ArmDynamics::Terms& terms, const LwrJoints& q, const LwrJoints& rate,
+lwr::LwrJoints Impedance::torque(const ArmDynamics::Terms& terms, const lwr::LwrJoints& q, const lwr::LwrJoints& rate,
                             const Setpoint& wanted) const noexcept {
-  LwrJoints torque = parameters_.compensates_coriolis ? terms.coriolis : LwrJoints(LwrJoints::Zero());
+  lwr::LwrJoints torque = parameters_.compensates_coriolis ? terms.coriolis : lwr::LwrJoints(lwr::LwrJoints::Zero());
   torque += wanted.stiffness.cwiseProduct(wanted.position - q) - damping_ * rate;
   return torque;
 }
 
-Wrench tool_wrench(const ArmDynamics::Terms& terms, const LwrJoints& torque) noexcept {
+Wrench tool_wrench(const ArmDynamics::Terms& terms, const lwr::LwrJoints& torque) noexcept {
   const Eigen::Matrix<double, 7, 6> mobility = terms.mass.llt().solve(terms.jacobian.transpose());
   const Mat6 inverse = terms.jacobian * mobility + kRegular * Mat6::Identity();
   const Mat6 inertia = inverse.llt().solve(Mat6::Identity());

@@ -6,10 +6,10 @@ namespace voxtouch::lwr_sim {
 
 /// What the arm shall do now.
 struct Setpoint {
-  LwrJoints position = LwrJoints::Zero();   ///< qFRI [rad]
-  LwrJoints torque = LwrJoints::Zero();     ///< tauFRI [Nm]
-  LwrJoints stiffness = LwrJoints::Zero();  ///< [Nm/rad]
-  LwrJoints damping = LwrJoints::Zero();    ///< share of critical
+  lwr::LwrJoints position = lwr::LwrJoints::Zero();   ///< qFRI [rad]
+  lwr::LwrJoints torque = lwr::LwrJoints::Zero();     ///< tauFRI [Nm]
+  lwr::LwrJoints stiffness = lwr::LwrJoints::Zero();  ///< [Nm/rad]
+  lwr::LwrJoints damping = lwr::LwrJoints::Zero();    ///< share of critical
 };
 
 /// Assumed throughout: the real controller's inner gains are not published.
@@ -20,15 +20,15 @@ struct LawParameters {
 };
 
 /// M (w^2 (q_d - q) - 2 w q') + c: computed torque.
-LwrJoints position_law(const LawParameters& p, const ArmDynamics::Terms& terms, const LwrJoints& q,
-                       const LwrJoints& rate, const LwrJoints& wanted) noexcept;
+lwr::LwrJoints position_law(const LawParameters& p, const ArmDynamics::Terms& terms, const lwr::LwrJoints& q,
+                       const lwr::LwrJoints& rate, const lwr::LwrJoints& wanted) noexcept;
 
 /// Axes of the task frame, in the base.
 inline Mat3 task_axes(const LawParameters& p, const ArmDynamics::Terms& terms) noexcept {
   return p.task_frame_is_tool ? terms.tool.orientation.toRotationMatrix() : Mat3(Mat3::Identity());
 }
 /// The Jacobian with its rows along `axes`.
-LwrJacobian in_axes(const Mat3& axes, const LwrJacobian& jacobian) noexcept;
+lwr::LwrJacobian in_axes(const Mat3& axes, const lwr::LwrJacobian& jacobian) noexcept;
 
 /// Impedance of the joints without the overlaid torque: K (q_d - q) - D q'. Gains change slowly, so the damping matrix is made once a
 /// tick (`prepare`) and the torque at each step (`torque`).
@@ -37,7 +37,7 @@ class Impedance {
   explicit Impedance(const LawParameters& parameters = {}) noexcept : parameters_(parameters) {}
 
   void prepare(const ArmDynamics::Terms& terms, const Setpoint& wanted) noexcept;
-  LwrJoints torque(const ArmDynamics::Terms& terms, const LwrJoints& q, const LwrJoints& rate,
+  lwr::LwrJoints torque(const ArmDynamics::Terms& terms, const lwr::LwrJoints& q, const lwr::LwrJoints& rate,
                    const Setpoint& wanted) const noexcept;
 
  private:
@@ -46,6 +46,6 @@ class Impedance {
 };
 
 /// The force and torque at the tool that `torque` amounts to: Lambda J M^-1 torque (Khatib's dynamically consistent inverse).
-Wrench tool_wrench(const ArmDynamics::Terms& terms, const LwrJoints& torque) noexcept;
+Wrench tool_wrench(const ArmDynamics::Terms& terms, const lwr::LwrJoints& torque) noexcept;
 
 }  // namespace voxtouch::lwr_sim

@@ -10,8 +10,8 @@
 namespace voxtouch::lwr_sim {
 namespace {
 
-using fri::Control;
-using fri::State;
+using lwr::fri::Control;
+using lwr::fri::State;
 
 void require(bool good, const char* field, const char* rule) {
   if (!good) throw std::runtime_error(fmt::format("simulated controller: {} has to be {}", field, rule));
@@ -35,12 +35,12 @@ void ControllerConfig::validate() const {
           "start_rad", "within the joints' limits");
 }
 
-FriController::FriController(const ControllerConfig& config, Hand hand, FaultSchedule faults)
+FriController::FriController(const ControllerConfig& config, hand::Hand hand, FaultSchedule faults)
     : config_(checked(config)), ticks_(ticks_of(config.period_s)), faults_(std::move(faults)),
       plant_(config.plant, config.start_rad), hand_(std::move(hand)), link_(config.quality),
       script_(config.script_pause_s, config.first_start_keeps_strategy),
       path_(ticks_, static_cast<std::size_t>(config.overlay_delay_ticks)), impedance_(config.laws),
-      random_(config.seed), held_(config.start_rad), msr_(fri::empty_msr()) {
+      random_(config.seed), held_(config.start_rad), msr_(lwr::fri::empty_msr()) {
   config_.safety.max_speed_rad_s *= config.safety_limits;
   path_.start(resting());
 }
@@ -53,9 +53,9 @@ double FriController::noise() noexcept {
   return config_.torque_noise_nm * sum;
 }
 
-fri::Quality FriController::quality() const noexcept {
+lwr::fri::Quality FriController::quality() const noexcept {
   const auto most = faults_.active(FaultKind::kQuality, time_s());
-  return most ? std::min(link_.quality(), static_cast<fri::Quality>(static_cast<int>(*most))) : link_.quality();
+  return most ? std::min(link_.quality(), static_cast<lwr::fri::Quality>(static_cast<int>(*most))) : link_.quality();
 }
 
 Setpoint FriController::resting() const noexcept {
@@ -67,13 +67,13 @@ Setpoint FriController::resting() const noexcept {
 }
 
 /// What the flags leave out is the KRL side's.
-Setpoint FriController::setpoint_of(const fri::Command& c) const noexcept {
+Setpoint FriController::setpoint_of(const lwr::fri::Command& c) const noexcept {
   Setpoint s = resting();
   const auto has = [&](std::uint32_t flag) { return (c.cmd_flags & flag) != 0; };
-  if (has(fri::kFlagJntPos)) s.position = fri::from_wire(c.jnt_pos);
-  if (has(fri::kFlagJntTrq)) s.torque = fri::from_wire(c.add_jnt_trq);
-  if (has(fri::kFlagJntStiff)) s.stiffness = fri::from_wire(c.jnt_stiffness);
-  if (has(fri::kFlagJntDamp)) s.damping = fri::from_wire(c.jnt_damping);
+  if (has(lwr::fri::kFlagJntPos)) s.position = lwr::fri::from_wire(c.jnt_pos);
+  if (has(lwr::fri::kFlagJntTrq)) s.torque = lwr::fri::from_wire(c.add_jnt_trq);
+  if (has(lwr::fri::kFlagJntStiff)) s.stiffness = lwr::fri::from_wire(c.jnt_stiffness);
+  if (has(lwr::fri::kFlagJntDamp)) s.damping = lwr::fri::from_wire(c.jnt_damping);
   return s;
 }
 
@@ -110,7 +110,7 @@ void FriController::leave(const Violation& why) noexcept {
   braked_ = true;
   const bool link = why.reason == Reason::kMisses || why.reason == Reason::kQualityForced;
   const bool power = why.reason == Reason::kEmergencyStop || why.reason == Reason::kDrivesOff;
-  const std::uint16_t bits = why.joints ? why.joints : fri::kAllDrives;
+  const std::uint16_t bits = why.joints ? why.joints : lwr::fri::kAllDrives;
   if (link)
     warning_ = bits;
   else if (!power)
@@ -123,11 +123,11 @@ void FriController::watch_power() noexcept {
   const bool stop = faults_.active(FaultKind::kEmergencyStop, now).has_value();
   const auto off = static_cast<std::uint16_t>(faults_.active(FaultKind::kDrivesOff, now).value_or(0.0));
   broken_ = static_cast<std::uint16_t>(faults_.active(FaultKind::kDriveError, now).value_or(0.0));
-  const bool was_on = power_ == fri::kAllDrives;
-  power_ = static_cast<std::uint16_t>(stop ? 0U : fri::kAllDrives & ~(off | broken_));
-  if (power_ == fri::kAllDrives || !was_on) return;
+  const bool was_on = power_ == lwr::fri::kAllDrives;
+  power_ = static_cast<std::uint16_t>(stop ? 0U : lwr::fri::kAllDrives & ~(off | broken_));
+  if (power_ == lwr::fri::kAllDrives || !was_on) return;
   const Violation why{stop ? Reason::kEmergencyStop : Reason::kDrivesOff,
-                      static_cast<std::uint16_t>(~power_ & fri::kAllDrives)};
+                      static_cast<std::uint16_t>(~power_ & lwr::fri::kAllDrives)};
   if (state_ == State::kCmd) {
     leave(why);
   } else {
@@ -137,7 +137,7 @@ void FriController::watch_power() noexcept {
   }
 }
 
-const fri::MsrPacket& FriController::measure() noexcept {
+const lwr::fri::MsrPacket& FriController::measure() noexcept {
   if (state_ == State::kOff) {
     state_ = State::kMon;
     note(State::kOff, {});
@@ -159,24 +159,24 @@ const fri::MsrPacket& FriController::measure() noexcept {
 }
 
 FriController::Verdict FriController::receive(std::span<const std::byte> datagram, double latency_s) noexcept {
-  fri::CmdPacket packet{};
-  const fri::PacketFault fault = fri::decode(datagram, packet);
-  if (fault == fri::PacketFault::kLength) return ++counts_.length, Verdict::kLength;
-  if (fault == fri::PacketFault::kId) return ++counts_.id, Verdict::kId;
-  if (fault == fri::PacketFault::kSizeField) return ++counts_.size_field, Verdict::kSizeField;
+  lwr::fri::CmdPacket packet{};
+  const lwr::fri::PacketFault fault = lwr::fri::decode(datagram, packet);
+  if (fault == lwr::fri::PacketFault::kLength) return ++counts_.length, Verdict::kLength;
+  if (fault == lwr::fri::PacketFault::kId) return ++counts_.id, Verdict::kId;
+  if (fault == lwr::fri::PacketFault::kSizeField) return ++counts_.size_field, Verdict::kSizeField;
   if (packet.header.refl_seq != msr_.header.send_seq) return ++counts_.stale, Verdict::kStale;
   const bool again = pending_valid_ || pending_not_finite_;
-  if (again && fri::sequence_distance(pending_.header.send_seq, packet.header.send_seq) <= 0)
+  if (again && lwr::fri::sequence_distance(pending_.header.send_seq, packet.header.send_seq) <= 0)
     return ++counts_.doubled, Verdict::kDoubled;
   pending_ = packet;
   pending_latency_s_ = latency_s;
-  pending_valid_ = fault == fri::PacketFault::kNone;
+  pending_valid_ = fault == lwr::fri::PacketFault::kNone;
   pending_not_finite_ = !pending_valid_;
   if (pending_not_finite_) return ++counts_.not_finite, Verdict::kNotFinite;
   return again ? (++counts_.replaced, Verdict::kReplaced) : (++counts_.taken, Verdict::kTaken);
 }
 
-LwrJoints FriController::law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept {
+lwr::LwrJoints FriController::law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept {
   if (state_ != State::kCmd) return position_law(config_.laws, terms, plant_.q(), plant_.rate(), held_);
   if (script_.control() == Control::kPosition)
     return position_law(config_.laws, terms, plant_.q(), plant_.rate(), now.position);
@@ -192,8 +192,8 @@ void FriController::tick() noexcept {
   for (int i = 0; i < kSubsteps; ++i) {
     if (i) terms = plant_.terms();
     if (state_ == State::kCmd) overlay_ += follow * (now.torque - overlay_);
-    applied_ = braked_ ? LwrJoints(LwrJoints::Zero()) : law(now, terms);
-    const HandAction hand = starts_ || !config_.hand_waits ? hand_.step() : HandAction{};
+    applied_ = braked_ ? lwr::LwrJoints(lwr::LwrJoints::Zero()) : law(now, terms);
+    const hand::HandAction hand = starts_ || !config_.hand_waits ? hand_.step() : hand::HandAction{};
     plant_.step(applied_, braked_ ? Drives::kBraked : Drives::kTorque, hand, kSubstep);
   }
 }
@@ -236,13 +236,13 @@ void FriController::judge_answer() noexcept {
 void FriController::judge_motion() noexcept {
   if (state_ != State::kCmd) return;
   if (const Violation why = check_motion(config_.safety, plant_.rate())) return leave(why);
-  if (link_.quality() <= fri::Quality::kBad) return leave({Reason::kMisses, 0});
-  if (quality() <= fri::Quality::kBad) leave({Reason::kQualityForced, 0});
+  if (link_.quality() <= lwr::fri::Quality::kBad) return leave({Reason::kMisses, 0});
+  if (quality() <= lwr::fri::Quality::kBad) leave({Reason::kQualityForced, 0});
 }
 
 void FriController::run_script() noexcept {
-  const KrlScript::Input input{answer_.krl.integer[fri::kFrmIntStrategy],
-                               answered_once_ ? answer_.krl.integer[fri::kFrmIntRun] : fri::kHalt, state_, quality()};
+  const KrlScript::Input input{answer_.krl.integer[lwr::fri::kFrmIntStrategy],
+                               answered_once_ ? answer_.krl.integer[lwr::fri::kFrmIntRun] : lwr::fri::kHalt, state_, quality()};
   switch (script_.step(input, config_.period_s)) {
     case KrlScript::Request::kNone: break;
     case KrlScript::Request::kStop:
@@ -255,10 +255,10 @@ void FriController::run_script() noexcept {
 }
 
 void FriController::start() noexcept {
-  if (power_ != fri::kAllDrives) return note(state_, {Reason::kDrivesOff, 0});
-  const LwrJoints mirrored = fri::from_wire(answer_.command.jnt_pos);
+  if (power_ != lwr::fri::kAllDrives) return note(state_, {Reason::kDrivesOff, 0});
+  const lwr::LwrJoints mirrored = lwr::fri::from_wire(answer_.command.jnt_pos);
   if (const Violation why = check_entry(config_.safety, mirrored, held_)) {
-    error_ = why.joints ? why.joints : fri::kAllDrives;
+    error_ = why.joints ? why.joints : lwr::fri::kAllDrives;
     return note(state_, why);
   }
   const State from = std::exchange(state_, State::kCmd);
@@ -272,7 +272,7 @@ void FriController::start() noexcept {
   note(from, {});
 }
 
-const fri::MsrPacket& FriController::close() noexcept {
+const lwr::fri::MsrPacket& FriController::close() noexcept {
   const State from = std::exchange(state_, State::kOff);
   hold_here();
   braked_ = true;
@@ -285,9 +285,9 @@ const fri::MsrPacket& FriController::close() noexcept {
 }
 
 void FriController::fill_interface() noexcept {
-  msr_.krl.integer[fri::kToIntEcho] = script_.echo();
-  msr_.krl.integer[fri::kToIntSimulated] = config_.virtual_time ? fri::kVirtualTime : 0;
-  fri::Interface& i = msr_.interface;
+  msr_.krl.integer[lwr::fri::kToIntEcho] = script_.echo();
+  msr_.krl.integer[lwr::fri::kToIntSimulated] = config_.virtual_time ? lwr::fri::kVirtualTime : 0;
+  lwr::fri::Interface& i = msr_.interface;
   i.timestamp_s = static_cast<float>(time_s());
   i.state = state_;
   i.quality = quality();
@@ -297,7 +297,7 @@ void FriController::fill_interface() noexcept {
 }
 
 void FriController::fill_robot() noexcept {
-  fri::Robot& r = msr_.robot;
+  lwr::fri::Robot& r = msr_.robot;
   r.power = power_;
   r.control = script_.control();
   r.error = static_cast<std::uint16_t>(error_ | broken_);
@@ -306,22 +306,22 @@ void FriController::fill_robot() noexcept {
 }
 
 void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
-  fri::Measured& d = msr_.data;
+  lwr::fri::Measured& d = msr_.data;
   const double step = config_.position_resolution_rad;
-  LwrJoints q = plant_.q();
+  lwr::LwrJoints q = plant_.q();
   if (step > 0.0) q = q.unaryExpr([step](double x) { return std::round(x / step) * step; });
   const ArmDynamics& dynamics = plant_.dynamics();
-  d.jnt_pos = fri::to_wire(q);
-  d.cart_pos = fri::to_wire(dynamics.at(q, LwrJoints::Zero()).tool);
-  const LwrJoints goal = state_ == State::kCmd ? path_.goal().position : held_;
-  const Pose held_pose = dynamics.at(held_, LwrJoints::Zero()).tool;
-  d.cmd_jnt_pos = fri::to_wire(held_);
-  d.cmd_jnt_pos_fri_offset = fri::to_wire(LwrJoints(goal - held_));
-  d.cmd_cart_pos = fri::to_wire(held_pose);
-  d.cmd_cart_pos_fri_offset = fri::to_wire(Pose{});
+  d.jnt_pos = lwr::fri::to_wire(q);
+  d.cart_pos = lwr::fri::to_wire(dynamics.at(q, lwr::LwrJoints::Zero()).tool);
+  const lwr::LwrJoints goal = state_ == State::kCmd ? path_.goal().position : held_;
+  const Pose held_pose = dynamics.at(held_, lwr::LwrJoints::Zero()).tool;
+  d.cmd_jnt_pos = lwr::fri::to_wire(held_);
+  d.cmd_jnt_pos_fri_offset = lwr::fri::to_wire(lwr::LwrJoints(goal - held_));
+  d.cmd_cart_pos = lwr::fri::to_wire(held_pose);
+  d.cmd_cart_pos_fri_offset = lwr::fri::to_wire(Pose{});
   const Mat3 axes = task_axes(config_.laws, terms);
   const Wrench& hand = plant_.hand_wrench();
-  const LwrJoints outer = joint_torque(terms.jacobian, hand);
+  const lwr::LwrJoints outer = lwr::joint_torque(terms.jacobian, hand);
   for (int i = 0; i < 7; ++i) {
     const double error = noise();  // one sensor, one error: it shows in both
     d.jnt_trq[static_cast<std::size_t>(i)] = static_cast<float>(plant_.sensed_torque()[i] + error);
@@ -329,12 +329,12 @@ void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
   }
   Vec6 wrench;
   wrench << axes.transpose() * hand.force, axes.transpose() * hand.torque;
-  d.est_ext_tcp_ft = fri::to_wire(wrench);
-  d.jacobian = fri::to_wire(in_axes(axes, terms.jacobian));
+  d.est_ext_tcp_ft = lwr::fri::to_wire(wrench);
+  d.jacobian = lwr::fri::to_wire(in_axes(axes, terms.jacobian));
   for (int row = 0; row < 7; ++row)
     for (int col = 0; col < 7; ++col)
       d.mass_matrix[static_cast<std::size_t>(7 * row + col)] = static_cast<float>(terms.mass(row, col));
-  d.gravity = fri::to_wire(terms.gravity);
+  d.gravity = lwr::fri::to_wire(terms.gravity);
 }
 
 TraceRow FriController::row() const noexcept {

@@ -25,7 +25,7 @@ struct ControllerConfig {
   double period_s = 0.001;     ///< argument of friOpen: 1 to 100 ms, whole milliseconds
   double safety_limits = 1.0;  ///< argument of friStart: share of the joints' speed, in (0, 1]
   PlantParameters plant = lwr_plant();
-  LwrJoints start_rad = lwr_rest_posture();
+  lwr::LwrJoints start_rad = lwr::lwr_rest_posture();
   QualityRules quality;
   SafetyRules safety;
   LawParameters laws;
@@ -33,8 +33,8 @@ struct ControllerConfig {
   double overlay_lag_s = 0.003;           ///< first-order lag of them, by the torque loop; assumed
   double torque_noise_nm = 0.05;          ///< standard deviation of each torque sensor; assumed
   double position_resolution_rad = 2e-5;  ///< of the measured positions; assumed
-  LwrJoints krl_stiffness_nm_per_rad =
-      LwrJoints::Constant(1000.0);  ///< where no flag brings one, as in published programs;
+  lwr::LwrJoints krl_stiffness_nm_per_rad =
+      lwr::LwrJoints::Constant(1000.0);  ///< where no flag brings one, as in published programs;
   double krl_damping = 0.7;      ///< likewise
   double script_pause_s = 0.05;  ///< of the KRL program's loop, as in a published one
   bool first_start_keeps_strategy = false;
@@ -59,15 +59,15 @@ struct AnswerCounts {
 /// What happened to the state.
 struct Event {
   double time_s = 0.0;
-  fri::State from = fri::State::kMon, to = fri::State::kMon;
+  lwr::fri::State from = lwr::fri::State::kMon, to = lwr::fri::State::kMon;
   Violation why;
 };
 
 /// One row of the trace; base axes.
 struct TraceRow {
   double time_s = 0.0;
-  fri::State state = fri::State::kMon;
-  fri::Quality quality = fri::Quality::kUnacceptable;
+  lwr::fri::State state = lwr::fri::State::kMon;
+  lwr::fri::Quality quality = lwr::fri::Quality::kUnacceptable;
   bool braked = false;
   Vec3 tip_m = Vec3::Zero(), velocity_m_s = Vec3::Zero();
   Wrench applied;  ///< what the drives push with at the tool, beyond carrying the arm; zero where brakes hold it
@@ -81,22 +81,22 @@ struct TraceRow {
 class FriController {
  public:
   /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
-  FriController(const ControllerConfig& config, Hand hand, FaultSchedule faults = FaultSchedule());
+  FriController(const ControllerConfig& config, hand::Hand hand, FaultSchedule faults = FaultSchedule());
 
   /// The measurement that this period begins with.
-  const fri::MsrPacket& measure() noexcept;
+  const lwr::fri::MsrPacket& measure() noexcept;
   enum class Verdict : std::uint8_t { kTaken, kLength, kId, kSizeField, kNotFinite, kStale, kReplaced, kDoubled };
   /// A datagram that came in this period, `latency_s` after its measurement left.
   Verdict receive(std::span<const std::byte> datagram, double latency_s) noexcept;
   /// Moves on by one period; then judges the answer or its absence, and motion and link.
   void advance() noexcept;
   /// friStop and friClose: the measurement to say so. Brakes close.
-  const fri::MsrPacket& close() noexcept;
+  const lwr::fri::MsrPacket& close() noexcept;
 
   double time_s() const noexcept { return static_cast<double>(period_) * config_.period_s; }
   std::uint64_t periods() const noexcept { return period_; }
-  fri::State state() const noexcept { return state_; }
-  fri::Quality quality() const noexcept;
+  lwr::fri::State state() const noexcept { return state_; }
+  lwr::fri::Quality quality() const noexcept;
   bool braked() const noexcept { return braked_; }
   const AnswerCounts& counts() const noexcept { return counts_; }
   const ArmPlant& plant() const noexcept { return plant_; }
@@ -113,17 +113,17 @@ class FriController {
  private:
   void watch_power() noexcept;
   void tick() noexcept;
-  LwrJoints law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept;
+  lwr::LwrJoints law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept;
   void take_answer() noexcept;
   void judge_answer() noexcept;
   void judge_motion() noexcept;
   void run_script() noexcept;
   void start() noexcept;
   void leave(const Violation& why) noexcept;
-  Setpoint setpoint_of(const fri::Command& command) const noexcept;
+  Setpoint setpoint_of(const lwr::fri::Command& command) const noexcept;
   Setpoint resting() const noexcept;
   void hold_here() noexcept;
-  void note(fri::State from, const Violation& why) noexcept;
+  void note(lwr::fri::State from, const Violation& why) noexcept;
   void fill_interface() noexcept;
   void fill_robot() noexcept;
   void fill_measured(const ArmDynamics::Terms& terms) noexcept;
@@ -133,7 +133,7 @@ class FriController {
   int ticks_;
   FaultSchedule faults_;
   ArmPlant plant_;
-  Hand hand_;
+  hand::Hand hand_;
   LinkQuality link_;
   KrlScript script_;
   CommandPath path_;
@@ -141,15 +141,15 @@ class FriController {
   std::mt19937_64 random_;
 
   std::uint64_t period_ = 0, starts_ = 0, drops_ = 0;
-  fri::State state_ = fri::State::kOff;
+  lwr::fri::State state_ = lwr::fri::State::kOff;
   bool braked_ = false;
-  std::uint16_t error_ = 0, broken_ = 0, warning_ = 0, power_ = fri::kAllDrives;
-  LwrJoints held_;                         // the KRL side's commanded position
-  LwrJoints overlay_ = LwrJoints::Zero();  // torque of the remote side as the joints feel it
-  LwrJoints applied_ = LwrJoints::Zero();  // drive torque beyond gravity in the last substep
+  std::uint16_t error_ = 0, broken_ = 0, warning_ = 0, power_ = lwr::fri::kAllDrives;
+  lwr::LwrJoints held_;                         // the KRL side's commanded position
+  lwr::LwrJoints overlay_ = lwr::LwrJoints::Zero();  // torque of the remote side as the joints feel it
+  lwr::LwrJoints applied_ = lwr::LwrJoints::Zero();  // drive torque beyond gravity in the last substep
 
-  fri::MsrPacket msr_;
-  fri::CmdPacket answer_{}, pending_{};
+  lwr::fri::MsrPacket msr_;
+  lwr::fri::CmdPacket answer_{}, pending_{};
   bool pending_valid_ = false, pending_not_finite_ = false, answered_once_ = false;
   double pending_latency_s_ = 0.0;
   std::uint32_t flags_ = 0;  // of command mode

@@ -20,8 +20,8 @@ class KrlScript {
   };  ///< the last: nothing runs or is to, errors may go
   struct Input {
     std::int32_t strategy = 0, run = 0;  ///< $FRI_FRM_INT[1], [2]
-    fri::State state = fri::State::kMon;
-    fri::Quality quality = fri::Quality::kUnacceptable;
+    lwr::fri::State state = lwr::fri::State::kMon;
+    lwr::fri::Quality quality = lwr::fri::Quality::kUnacceptable;
   };
 
   /// `first_start_keeps_strategy`: one published program takes the strategy over only from the second start on.
@@ -31,19 +31,19 @@ class KrlScript {
   /// Once a period.
   Request step(const Input& input, double elapsed_s) noexcept;
   /// friStart led to command mode.
-  void started() noexcept { echo_ = fri::kRun; }
+  void started() noexcept { echo_ = lwr::fri::kRun; }
 
   std::int32_t echo() const noexcept { return echo_; }
-  fri::Control control() const noexcept { return control_; }  ///< of $stiffness.strategy
+  lwr::fri::Control control() const noexcept { return control_; }  ///< of $stiffness.strategy
 
  private:
   double pause_s_, waited_s_ = 0.0;
   bool first_start_keeps_strategy_;
-  std::int32_t echo_ = fri::kKrlInitialised;
-  fri::Control control_ = fri::Control::kPosition;
+  std::int32_t echo_ = lwr::fri::kKrlInitialised;
+  lwr::fri::Control control_ = lwr::fri::Control::kPosition;
 };
 
 /// nullopt for a number that is no strategy, and for Cartesian impedance, which is not simulated.
-std::optional<fri::Control> control_of(std::int32_t strategy) noexcept;
+std::optional<lwr::fri::Control> control_of(std::int32_t strategy) noexcept;
 
 }  // namespace voxtouch::lwr_sim

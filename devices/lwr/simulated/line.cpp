@@ -29,14 +29,14 @@ bool Line::happens(FaultKind kind, double now_s) noexcept {
   return share && uniform(kind) < *share;
 }
 
-void Line::queue(const fri::MsrPacket& msr, double now_s, double delay_s) noexcept {
+void Line::queue(const lwr::fri::MsrPacket& msr, double now_s, double delay_s) noexcept {
   if (waiting_.size() == kCapacity) waiting_.erase(waiting_.begin());
   const double due = now_s + delay_s;
   const auto later = std::find_if(waiting_.begin(), waiting_.end(), [due](const Packet& p) { return p.due_s > due; });
   waiting_.insert(later, Packet{due, now_s, msr});
 }
 
-void Line::put(const fri::MsrPacket& msr, double now_s) noexcept {
+void Line::put(const lwr::fri::MsrPacket& msr, double now_s) noexcept {
   if (happens(FaultKind::kLoss, now_s)) {
     ++counts_.lost;
     return;

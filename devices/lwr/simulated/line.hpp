@@ -20,14 +20,14 @@ class Line {
   struct Packet {
     double due_s = 0.0;
     double sent_s = 0.0;  ///< when it would have left
-    fri::MsrPacket msr{};
+    lwr::fri::MsrPacket msr{};
   };
   struct Counts {
     std::uint64_t lost = 0, delayed = 0, reordered = 0, duplicated = 0, answers_lost = 0;
   };
 
   /// A measurement made at `now_s`.
-  void put(const fri::MsrPacket& msr, double now_s) noexcept;
+  void put(const lwr::fri::MsrPacket& msr, double now_s) noexcept;
   /// The next one that leaves before `until_s`; null: none. Valid until the next call.
   const Packet* take(double until_s) noexcept;
   /// When the next one leaves; infinity: none waits.
@@ -40,7 +40,7 @@ class Line {
  private:
   bool happens(FaultKind kind, double now_s) noexcept;
   double uniform(FaultKind kind) noexcept;
-  void queue(const fri::MsrPacket& msr, double now_s, double delay_s) noexcept;
+  void queue(const lwr::fri::MsrPacket& msr, double now_s, double delay_s) noexcept;
 
   FaultSchedule faults_;
   double period_s_;

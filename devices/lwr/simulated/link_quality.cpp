@@ -16,12 +16,12 @@ void LinkQuality::answered(double latency_s) noexcept {
   push(true, latency_s);
   ++answered_run_;
   missed_run_ = 0;
-  fri::Quality earned = fri::Quality::kBad;
-  if (answered_run_ >= rules_.ok_after) earned = fri::Quality::kOk;
-  if (answered_run_ >= rules_.perfect_after) earned = fri::Quality::kPerfect;
+  lwr::fri::Quality earned = lwr::fri::Quality::kBad;
+  if (answered_run_ >= rules_.ok_after) earned = lwr::fri::Quality::kOk;
+  if (answered_run_ >= rules_.perfect_after) earned = lwr::fri::Quality::kPerfect;
   if (earned <= quality_) return;
   quality_ = earned;
-  if (earned != fri::Quality::kPerfect) return;
+  if (earned != lwr::fri::Quality::kPerfect) return;
   held_against_.fill(false);
   held_ = 0;
 }
@@ -31,15 +31,15 @@ void LinkQuality::missed() noexcept {
   answered_run_ = 0;
   ++missed_run_;
   ++misses_;
-  fri::Quality most = fri::Quality::kPerfect;
-  if (missed_run_ >= 2) most = fri::Quality::kOk;
-  if (held_ > rules_.misses_in_window) most = fri::Quality::kBad;
-  if (missed_run_ >= rules_.misses_in_a_row) most = fri::Quality::kUnacceptable;
+  lwr::fri::Quality most = lwr::fri::Quality::kPerfect;
+  if (missed_run_ >= 2) most = lwr::fri::Quality::kOk;
+  if (held_ > rules_.misses_in_window) most = lwr::fri::Quality::kBad;
+  if (missed_run_ >= rules_.misses_in_a_row) most = lwr::fri::Quality::kUnacceptable;
   quality_ = std::min(quality_, most);
 }
 
-fri::Statistics LinkQuality::statistics() const noexcept {
-  fri::Statistics out{};
+lwr::fri::Statistics LinkQuality::statistics() const noexcept {
+  lwr::fri::Statistics out{};
   out.miss_counter = misses_;
   if (count_ == 0) return out;
   double sum = 0.0, least = 1e300, most = 0.0;

@@ -26,9 +26,9 @@ class LinkQuality {
   void answered(double latency_s) noexcept;
   void missed() noexcept;
 
-  fri::Quality quality() const noexcept { return quality_; }
+  lwr::fri::Quality quality() const noexcept { return quality_; }
   /// Of the last 100 periods: answers per period, mean latency, latest less earliest, misses per period; all misses so far.
-  fri::Statistics statistics() const noexcept;
+  lwr::fri::Statistics statistics() const noexcept;
   int misses_in_a_row() const noexcept { return missed_run_; }
 
  private:
@@ -40,7 +40,7 @@ class LinkQuality {
   std::size_t count_ = 0, next_ = 0;
   int answered_run_ = 0, missed_run_ = 0, held_ = 0;
   std::uint32_t misses_ = 0;
-  fri::Quality quality_ = fri::Quality::kUnacceptable;
+  lwr::fri::Quality quality_ = lwr::fri::Quality::kUnacceptable;
 };
 
 }  // namespace voxtouch::lwr_sim

@@ -28,7 +28,7 @@ void catch_signals() {
 }
 
 struct Options {
-  std::string remote = "127.0.0.1:" + std::to_string(fri::kDefaultPort);
+  std::string remote = "127.0.0.1:" + std::to_string(lwr::fri::kDefaultPort);
   SessionConfig session;
   ControllerConfig controller;
   int period_ms = 1;
@@ -72,32 +72,32 @@ void set_remote(Options& o) {
   o.session.remote_port = *port;
 }
 
-LwrJoints posture(const Options& o, const std::vector<double>& from_file) {
-  LwrJoints q = lwr_rest_posture();
+lwr::LwrJoints posture(const Options& o, const std::vector<double>& from_file) {
+  lwr::LwrJoints q = lwr::lwr_rest_posture();
   if (!from_file.empty() && from_file.size() != 7)
     throw std::runtime_error(fmt::format("{}: posture_rad needs 7 numbers for this arm", o.hand_file));
-  if (!from_file.empty()) q = Eigen::Map<const LwrJoints>(from_file.data());
-  if (!o.posture_deg.empty()) q = Eigen::Map<const LwrJoints>(o.posture_deg.data()) * (std::numbers::pi / 180.0);
+  if (!from_file.empty()) q = Eigen::Map<const lwr::LwrJoints>(from_file.data());
+  if (!o.posture_deg.empty()) q = Eigen::Map<const lwr::LwrJoints>(o.posture_deg.data()) * (std::numbers::pi / 180.0);
   return q;
 }
 
 /// What this arm's drag is at the tool, for a hand that has learned it: residual friction over a forearm's lever; assumed.
-constexpr ToolDrag kDrag{1.0, 0.5};
+constexpr hand::ToolDrag kDrag{1.0, 0.5};
 
-Hand make_hand(Options& o) {
+hand::Hand make_hand(Options& o) {
   ControllerConfig& c = o.controller;
-  const LwrArm arm(c.plant.tool_in_flange);
+  const lwr::LwrArm arm(c.plant.tool_in_flange);
   if (o.hand_file.empty()) {
     c.start_rad = posture(o, {});
-    OperatorConfig nobody;
+    sim::OperatorConfig nobody;
     nobody.released = true;
     Motion rest;
     rest.path = {arm.tool(c.start_rad).position};
-    return Hand(nobody, rest, kSubstep);
+    return hand::Hand(nobody, rest, kSubstep);
   }
-  const HandFile file = read_hand(o.hand_file);
+  const hand::HandFile file = hand::read_hand(o.hand_file);
   c.seed = file.seed;
-  Hand hand(file.hand, file.motion, kSubstep, c.seed, kDrag);
+  hand::Hand hand(file.hand, file.motion, kSubstep, c.seed, kDrag);
   c.start_rad = start_posture(arm, {file.motion.path.front(), file.motion.orientation.normalized()},
                               posture(o, file.posture_rad));
   return hand;
@@ -140,7 +140,7 @@ int run(Options& o) {
   std::vector<Fault> faults;
   for (const std::string& text : o.faults) faults.push_back(parse_fault(text));
   const FaultSchedule schedule(std::move(faults));
-  Hand hand = make_hand(o);
+  hand::Hand hand = make_hand(o);
   FriController controller(o.controller, std::move(hand), schedule);
   std::unique_ptr<Trace> trace;
   if (!o.trace_file.empty()) trace = std::make_unique<Trace>(o.trace_file);
@@ -150,7 +150,7 @@ int run(Options& o) {
     tell(controller);
   };
   catch_signals();
-  fmt::print(stderr, "simulated controller: {} -> {}, {} ms, {} time\n", text_of(session.local()), o.remote,
+  fmt::print(stderr, "simulated controller: {} -> {}, {} ms, {} time\n", lwr::text_of(session.local()), o.remote,
              o.period_ms, o.controller.virtual_time ? "virtual" : "real");
   const Ending ending = session.run(stop_asked);
   tell(controller);

@@ -9,14 +9,14 @@ namespace {
 constexpr double kSlack = 1.0 + 1e-5;
 
 /// The joints whose |value| is over its limit; NaN is over any.
-std::uint16_t over(const LwrJoints& value, const LwrJoints& limit) noexcept {
+std::uint16_t over(const lwr::LwrJoints& value, const lwr::LwrJoints& limit) noexcept {
   std::uint16_t bits = 0;
   for (int i = 0; i < 7; ++i)
     if (!(std::abs(value[i]) <= kSlack * limit[i])) bits = static_cast<std::uint16_t>(bits | (1U << i));
   return bits;
 }
 
-bool within(const LwrJoints& values, double high) noexcept {
+bool within(const lwr::LwrJoints& values, double high) noexcept {
   return (values.array() >= 0.0).all() && (values.array() <= kSlack * high).all();
 }
 
@@ -45,11 +45,11 @@ std::string_view sentence_of(Reason reason) noexcept {
 }
 
 Violation check_command(const SafetyRules& rules, const Setpoint& before, const Setpoint& now, double elapsed_s,
-                        const LwrJoints& q) noexcept {
-  const LwrJoints all_deviation = LwrJoints::Constant(rules.max_deviation_rad);
+                        const lwr::LwrJoints& q) noexcept {
+  const lwr::LwrJoints all_deviation = lwr::LwrJoints::Constant(rules.max_deviation_rad);
   if (const auto j = over(now.position, rules.max_position_rad)) return {Reason::kCommandPosition, j};
   // The wire rounds positions to floats: a rounding step in a millisecond is no speed.
-  const LwrJoints most = rules.max_speed_rad_s * elapsed_s + LwrJoints::Constant(1e-6);
+  const lwr::LwrJoints most = rules.max_speed_rad_s * elapsed_s + lwr::LwrJoints::Constant(1e-6);
   if (const auto j = over(now.position - before.position, most)) return {Reason::kCommandSpeed, j};
   if (const auto j = over(now.position - q, all_deviation)) return {Reason::kDeviation, j};
   if (const auto j = over(now.torque, rules.max_torque_nm)) return {Reason::kTorque, j};
@@ -57,13 +57,13 @@ Violation check_command(const SafetyRules& rules, const Setpoint& before, const 
   return gains_fit ? Violation{} : Violation{Reason::kGains, 0};
 }
 
-Violation check_motion(const SafetyRules& rules, const LwrJoints& rate) noexcept {
+Violation check_motion(const SafetyRules& rules, const lwr::LwrJoints& rate) noexcept {
   const auto joints = over(rate, rules.max_speed_rad_s);
   return joints ? Violation{Reason::kJointSpeed, joints} : Violation{};
 }
 
-Violation check_entry(const SafetyRules& rules, const LwrJoints& mirrored, const LwrJoints& expected) noexcept {
-  const auto joints = over(mirrored - expected, LwrJoints::Constant(rules.jump_rad));
+Violation check_entry(const SafetyRules& rules, const lwr::LwrJoints& mirrored, const lwr::LwrJoints& expected) noexcept {
+  const auto joints = over(mirrored - expected, lwr::LwrJoints::Constant(rules.jump_rad));
   return joints ? Violation{Reason::kJump, joints} : Violation{};
 }
 

@@ -31,14 +31,14 @@ constexpr nanoseconds kForgotten = milliseconds(200);
 
 Session::Session(const SessionConfig& config, FriController& controller, Line line)
     : config_(config), controller_(controller), line_(std::move(line)), socket_(config.address, config.port) {
-  const auto address = parse_ipv4(config.remote_address);
+  const auto address = lwr::parse_ipv4(config.remote_address);
   if (!address || config.remote_port == 0)
-    throw DeviceOpenError(fmt::format("'{}:{}' is no address and port of a remote side, like 127.0.0.1:{}",
-                                      config.remote_address, config.remote_port, fri::kDefaultPort));
+    throw devices::DeviceOpenError(fmt::format("'{}:{}' is no address and port of a remote side, like 127.0.0.1:{}",
+                                      config.remote_address, config.remote_port, lwr::fri::kDefaultPort));
   remote_ = {*address, config.remote_port};
 }
 
-bool Session::send(const fri::MsrPacket& msr) noexcept {
+bool Session::send(const lwr::fri::MsrPacket& msr) noexcept {
   const bool gone = socket_.send(std::as_bytes(std::span(&msr, 1)), remote_);
   ++(gone ? counts_.sent : counts_.send_errors);
   return gone;
@@ -57,10 +57,10 @@ bool Session::drain(std::optional<std::uint16_t> send_seq, std::optional<double>
     const double now = controller_.time_s();
     if (line_.silent(now)) continue;
     const std::size_t size = std::min(datagram->size, buffer.size());
-    if (send_seq && size >= sizeof(fri::Header)) {
-      fri::Header header;
+    if (send_seq && size >= sizeof(lwr::fri::Header)) {
+      lwr::fri::Header header;
       std::memcpy(&header, buffer.data(), sizeof header);
-      found = found || (size == fri::kCmdSize && header.refl_seq == *send_seq);
+      found = found || (size == lwr::fri::kCmdSize && header.refl_seq == *send_seq);
     }
     if (line_.loses_answer(now)) continue;
     const double measured = 1e-9 * static_cast<double>(now_ns() - datagram->age.count() - sent_ns_);
@@ -69,7 +69,7 @@ bool Session::drain(std::optional<std::uint16_t> send_seq, std::optional<double>
   return found;
 }
 
-Session::Wait Session::await_answer(std::uint16_t send_seq, const fri::MsrPacket* repeat,
+Session::Wait Session::await_answer(std::uint16_t send_seq, const lwr::fri::MsrPacket* repeat,
                                     const std::atomic<bool>& stop) {
   const auto begin = Clock::now(), end = begin + seconds_as_ns(config_.patience_s);
   while (!stop.load(std::memory_order_relaxed)) {
@@ -87,7 +87,7 @@ Session::Wait Session::await_answer(std::uint16_t send_seq, const fri::MsrPacket
 bool Session::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
   const double now = controller_.time_s(), end = now + controller_.config().period_s * (1.0 - 1e-6);
   const bool silent = line_.silent(now);
-  const fri::MsrPacket& msr = controller_.measure();
+  const lwr::fri::MsrPacket& msr = controller_.measure();
   if (silent) {
     std::this_thread::sleep_for(seconds_as_ns(controller_.config().period_s));
     drain(std::nullopt, 0.0);
@@ -98,7 +98,7 @@ bool Session::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
   while (const Line::Packet* packet = line_.take(end)) {
     send(packet->msr);
     const std::uint16_t sequence = packet->msr.header.send_seq;
-    if (newest && fri::sequence_distance(*newest, sequence) <= 0) continue;
+    if (newest && lwr::fri::sequence_distance(*newest, sequence) <= 0) continue;
     newest = sequence;
     virtual_latency_s_ = std::max(packet->due_s - packet->sent_s, 0.0);
   }
@@ -114,7 +114,7 @@ void Session::real_period(std::int64_t deadline_ns) {
   const double now = controller_.time_s();
   const std::int64_t start_ns = now_ns();
   sent_ns_ = start_ns;
-  const fri::MsrPacket& msr = controller_.measure();
+  const lwr::fri::MsrPacket& msr = controller_.measure();
   if (!line_.silent(now)) line_.put(msr, now);
   for (;;) {
     const std::int64_t at_ns = now_ns();

@@ -16,7 +16,7 @@ struct SessionConfig {
   std::string address = "127.0.0.1";         ///< own, dotted
   std::uint16_t port = 0;                    ///< own source port; 0: one that is free
   std::string remote_address = "127.0.0.1";  ///< where measurements go, dotted
-  std::uint16_t remote_port = fri::kDefaultPort;
+  std::uint16_t remote_port = lwr::fri::kDefaultPort;
   std::optional<double> duration_s;  ///< of the controller's time; absent: until it is told to stop
   double patience_s = 5.0;           ///< virtual time: wall time to wait for an answer
 };
@@ -50,7 +50,7 @@ class Session {
   /// Until told, or the end of the duration or of patience. At the end one measurement with state OFF is sent.
   Ending run(const std::atomic<bool>& stop);
 
-  UdpEndpoint local() const noexcept { return socket_.local(); }
+  lwr::UdpEndpoint local() const noexcept { return socket_.local(); }
   const SessionCounts& counts() const noexcept { return counts_; }
   const Line& line() const noexcept { return line_; }
 
@@ -58,8 +58,8 @@ class Session {
   enum class Wait : std::uint8_t { kAnswered, kTimeout, kStopped };
   bool virtual_period(const std::atomic<bool>& stop, Ending& ending);
   void real_period(std::int64_t deadline_ns);
-  Wait await_answer(std::uint16_t send_seq, const fri::MsrPacket* repeat, const std::atomic<bool>& stop);
-  bool send(const fri::MsrPacket& msr) noexcept;
+  Wait await_answer(std::uint16_t send_seq, const lwr::fri::MsrPacket* repeat, const std::atomic<bool>& stop);
+  bool send(const lwr::fri::MsrPacket& msr) noexcept;
   /// Takes in everything that waits; true if the answer to `send_seq` was among it. `latency_s` empty: by the clock.
   bool drain(std::optional<std::uint16_t> send_seq, std::optional<double> latency_s);
   bool finished() const noexcept;
@@ -67,8 +67,8 @@ class Session {
   SessionConfig config_;
   FriController& controller_;
   Line line_;
-  UdpEndpoint remote_;
-  UdpSocket socket_;
+  lwr::UdpEndpoint remote_;
+  lwr::UdpSocket socket_;
   SessionCounts counts_;
   bool heard_ = false;
   double virtual_latency_s_ = 0.0;

@@ -25,16 +25,16 @@ Vec6 way_to(const Pose& wanted, const Pose& tool) {
 
 }  // namespace
 
-LwrJoints start_posture(const LwrArm& arm, const Pose& wanted, const LwrJoints& posture) {
-  const LwrJoints limit = kMargin * lwr_limits().position_rad;
-  LwrJoints q = posture.cwiseMax(-limit).cwiseMin(limit);
+lwr::LwrJoints start_posture(const lwr::LwrArm& arm, const Pose& wanted, const lwr::LwrJoints& posture) {
+  const lwr::LwrJoints limit = kMargin * lwr::lwr_limits().position_rad;
+  lwr::LwrJoints q = posture.cwiseMax(-limit).cwiseMin(limit);
   for (int i = 0; i < kIterations; ++i) {
-    const LwrArm::State state = arm.at(q);
+    const lwr::LwrArm::State state = arm.at(q);
     const Vec6 way = way_to(wanted, state.tool);
     if (way.norm() < kReached) return q;
     const double damp = std::min(1e-2, 1e-2 * way.squaredNorm());
     const Mat6 square = state.jacobian * state.jacobian.transpose() + damp * Mat6::Identity();
-    LwrJoints step = state.jacobian.transpose() * square.llt().solve(way);
+    lwr::LwrJoints step = state.jacobian.transpose() * square.llt().solve(way);
     if (const double length = step.norm(); length > kLongestStep) step *= kLongestStep / length;
     q = (q + step).cwiseMax(-limit).cwiseMin(limit);
   }

@@ -22,23 +22,23 @@ void append(fmt::memory_buffer& line, const Vec3& v) {
 
 }  // namespace
 
-const char* name_of(fri::State state) noexcept {
+const char* name_of(lwr::fri::State state) noexcept {
   switch (state) {
-    case fri::State::kOff: return "off";
-    case fri::State::kMon: return "mon";
-    case fri::State::kCmd: return "cmd";
-    case fri::State::kInvalid: break;
+    case lwr::fri::State::kOff: return "off";
+    case lwr::fri::State::kMon: return "mon";
+    case lwr::fri::State::kCmd: return "cmd";
+    case lwr::fri::State::kInvalid: break;
   }
   return "invalid";
 }
 
-const char* name_of(fri::Quality quality) noexcept {
+const char* name_of(lwr::fri::Quality quality) noexcept {
   switch (quality) {
-    case fri::Quality::kUnacceptable: return "unacceptable";
-    case fri::Quality::kBad: return "bad";
-    case fri::Quality::kOk: return "ok";
-    case fri::Quality::kPerfect: return "perfect";
-    case fri::Quality::kInvalid: break;
+    case lwr::fri::Quality::kUnacceptable: return "unacceptable";
+    case lwr::fri::Quality::kBad: return "bad";
+    case lwr::fri::Quality::kOk: return "ok";
+    case lwr::fri::Quality::kPerfect: return "perfect";
+    case lwr::fri::Quality::kInvalid: break;
   }
   return "invalid";
 }

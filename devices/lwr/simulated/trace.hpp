@@ -27,8 +27,8 @@ class Trace {
 };
 
 /// "off", "mon", "cmd"
-const char* name_of(fri::State state) noexcept;
+const char* name_of(lwr::fri::State state) noexcept;
 /// "unacceptable", "bad", "ok", "perfect"
-const char* name_of(fri::Quality quality) noexcept;
+const char* name_of(lwr::fri::Quality quality) noexcept;
 
 }  // namespace voxtouch::lwr_sim

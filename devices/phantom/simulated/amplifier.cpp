@@ -20,51 +20,51 @@ Amplifier::Amplifier(const Model& model, const PlantConfig& plant, double therma
       continuous_(model.continuous_force_n * Vec3(geometry_.thigh_m, geometry_.thigh_m, geometry_.shin_m)),
       thermal_time_s_(thermal_time_s), watchdog_s_(watchdog_s) {}
 
-hd::HDerror Amplifier::begin_tick(const Reading& reading, double period_s) noexcept {
+phantom::hd::HDerror Amplifier::begin_tick(const Reading& reading, double period_s) noexcept {
   ceiling_n_ = std::min(ceiling_n_ + limits.ramp_n_per_s * period_s, 1e6);
   const bool was_warm = warm_, was_too_fast = too_fast_;
   warm_ = temperature_.maxCoeff() >= (was_warm ? kCool : 1.0);
   too_fast_ = limits.velocity_limit_on && reading.twist.linear.norm() > limits.velocity_limit_m_per_s;
-  if (dropping()) drop(hd::kSuccess);  // the ramp starts where the cause is over
-  if (warm_ && !was_warm) return hd::kWarmMotors;
-  return too_fast_ && !was_too_fast && limits.force_output ? hd::kExceededMaxVelocity : hd::kSuccess;
+  if (dropping()) drop(phantom::hd::kSuccess);  // the ramp starts where the cause is over
+  if (warm_ && !was_warm) return phantom::hd::kWarmMotors;
+  return too_fast_ && !was_too_fast && limits.force_output ? phantom::hd::kExceededMaxVelocity : phantom::hd::kSuccess;
 }
 
-hd::HDerror Amplifier::drop(hd::HDerror code) noexcept {
+phantom::hd::HDerror Amplifier::drop(phantom::hd::HDerror code) noexcept {
   release();
   ceiling_n_ = 0.0;
   return code;
 }
 
-hd::HDerror Amplifier::limit(Vec3& force, double period_s) noexcept {
+phantom::hd::HDerror Amplifier::limit(Vec3& force, double period_s) noexcept {
   if (limits.clamping) clamp_length(force, model_->max_force_n);
-  if (limits.force_limit && force.norm() > model_->max_force_n) return drop(hd::kExceededMaxForce);
+  if (limits.force_limit && force.norm() > model_->max_force_n) return drop(phantom::hd::kExceededMaxForce);
   if (limits.ramping) clamp_length(force, ceiling_n_);
   const double per_ms = (force - force_).norm() / (1e3 * period_s);
-  if (limits.impulse_limit_on && per_ms > limits.impulse_limit_n_per_ms) return drop(hd::kExceededMaxForceImpulse);
+  if (limits.impulse_limit_on && per_ms > limits.impulse_limit_n_per_ms) return drop(phantom::hd::kExceededMaxForceImpulse);
   force_ = force;
-  return hd::kSuccess;
+  return phantom::hd::kSuccess;
 }
 
-hd::HDerror Amplifier::flush(const Setpoint& setpoint, const Reading& reading, double period_s) noexcept {
+phantom::hd::HDerror Amplifier::flush(const Setpoint& setpoint, const Reading& reading, double period_s) noexcept {
   age_s_ = 0.0;
-  if (setpoint.contradictory()) return drop(hd::kForceError);
+  if (setpoint.contradictory()) return drop(phantom::hd::kForceError);
   if (!limits.force_output || !power_ || dropping()) {
     release();
-    return hd::kSuccess;
+    return phantom::hd::kSuccess;
   }
   if (setpoint.dac) {  // past all limits but the motors' own
     for (int i = 0; i < 3; ++i) torque_[i] = static_cast<double>((*setpoint.dac)[i]) / kDacFull * motor_limit_[i];
-    return hd::kSuccess;
+    return phantom::hd::kSuccess;
   }
-  const Mat3 j = phantom_jacobian(geometry_, reading.joints);
+  const Mat3 j = phantom::phantom_jacobian(geometry_, reading.joints);
   Vec3 force = setpoint.force.value_or(Vec3::Zero());
   if (setpoint.joint_torque) {
-    if (std::abs(j.determinant()) < kStretched) return drop(hd::kForceError);
+    if (std::abs(j.determinant()) < kStretched) return drop(phantom::hd::kForceError);
     force = j.transpose().inverse() * *setpoint.joint_torque;
   }
-  const hd::HDerror verdict = limit(force, period_s);
-  if (verdict == hd::kSuccess) torque_ = j.transpose() * force;
+  const phantom::hd::HDerror verdict = limit(force, period_s);
+  if (verdict == phantom::hd::kSuccess) torque_ = j.transpose() * force;
   return verdict;
 }
 

@@ -44,9 +44,9 @@ class Amplifier {
   Limits limits;
 
   /// Once a tick, before anything else: speed, heat, and the ramp by one period.
-  hd::HDerror begin_tick(const Reading& reading, double period_s) noexcept;
+  phantom::hd::HDerror begin_tick(const Reading& reading, double period_s) noexcept;
   /// Takes what a frame asked for; the pose is the one that the frame saw. The torque holds until the next flush.
-  hd::HDerror flush(const Setpoint& setpoint, const Reading& reading, double period_s) noexcept;
+  phantom::hd::HDerror flush(const Setpoint& setpoint, const Reading& reading, double period_s) noexcept;
   /// Torque of the motors over the next substep [Nm].
   const Vec3& advance(double dt_s) noexcept;
 
@@ -62,11 +62,11 @@ class Amplifier {
   bool dropping() const noexcept { return warm_ || too_fast_; }
 
  private:
-  hd::HDerror limit(Vec3& force, double period_s) noexcept;
-  hd::HDerror drop(hd::HDerror code) noexcept;
+  phantom::hd::HDerror limit(Vec3& force, double period_s) noexcept;
+  phantom::hd::HDerror drop(phantom::hd::HDerror code) noexcept;
 
   const Model* model_;
-  PhantomGeometry geometry_;
+  phantom::PhantomGeometry geometry_;
   Vec3 motor_limit_, continuous_;
   double thermal_time_s_, watchdog_s_;
   Vec3 torque_ = Vec3::Zero(), temperature_ = Vec3::Zero(), force_ = Vec3::Zero();

@@ -23,28 +23,28 @@ void Device::sense() noexcept {
   sensors_.sample(plant.joints(), plant.hand().orientation());
 }
 
-hd::HDerror Device::begin_frame(bool servo_runs) noexcept {
-  if (frame_open_) return hd::kIllegalBegin;
-  if (servo_runs && framed_this_tick_ && amplifier.limits.one_frame) return hd::kIllegalBegin;
+phantom::hd::HDerror Device::begin_frame(bool servo_runs) noexcept {
+  if (frame_open_) return phantom::hd::kIllegalBegin;
+  if (servo_runs && framed_this_tick_ && amplifier.limits.one_frame) return phantom::hd::kIllegalBegin;
   if (!servo_runs) sense();
   frame_open_ = framed_this_tick_ = true;
   last_ = current_;
   current_ = {sensors_.reading(), switches, {}, faults.lost_position != 0};
-  if (faults.communication != 0) return hd::kCommError;
-  return faults.device != 0 ? hd::kDeviceFault : hd::kSuccess;
+  if (faults.communication != 0) return phantom::hd::kCommError;
+  return faults.device != 0 ? phantom::hd::kDeviceFault : phantom::hd::kSuccess;
 }
 
-hd::HDerror Device::end_frame(bool servo_runs) noexcept {
-  if (!frame_open_) return hd::kIllegalEnd;
+phantom::hd::HDerror Device::end_frame(bool servo_runs) noexcept {
+  if (!frame_open_) return phantom::hd::kIllegalEnd;
   frame_open_ = false;
   if (!servo_runs) {
     amplifier.release();
-    return hd::kSuccess;
+    return phantom::hd::kSuccess;
   }
-  if (faults.communication != 0) return hd::kCommError;  // nothing gets through: the amplifier's watchdog has to see it
+  if (faults.communication != 0) return phantom::hd::kCommError;  // nothing gets through: the amplifier's watchdog has to see it
   if (!switches.safety) {
     amplifier.release();
-    return hd::kSuccess;
+    return phantom::hd::kSuccess;
   }
   return amplifier.flush(current_.setpoint, current_.reading, period_s());
 }
@@ -54,8 +54,8 @@ void Device::begin_tick(ErrorStack& errors) noexcept {
   sense();
   amplifier.set_power(faults.device == 0);
   if (!switches.safety) amplifier.release();
-  const hd::HDerror verdict = amplifier.begin_tick(sensors_.reading(), period_s());
-  if (verdict != hd::kSuccess) errors.push(verdict, kHandle);
+  const phantom::hd::HDerror verdict = amplifier.begin_tick(sensors_.reading(), period_s());
+  if (verdict != phantom::hd::kSuccess) errors.push(verdict, kHandle);
 }
 
 void Device::advance(int substeps) noexcept {
@@ -74,31 +74,31 @@ void Device::set_substeps(int substeps) noexcept {
   sensors_.set_period(period_s());
 }
 
-hd::HDenum Device::calibration() const noexcept {
-  if (calibrated_) return hd::kCalibrationOk;
+phantom::hd::HDenum Device::calibration() const noexcept {
+  if (calibrated_) return phantom::hd::kCalibrationOk;
   switch (model().calibration) {
-    case hd::kCalibrationInkwell:
-      return switches.inkwell ? hd::kCalibrationNeedsUpdate : hd::kCalibrationNeedsManualInput;
-    case hd::kCalibrationAuto:
-      return ticks >= kAutoCalibrationTicks ? hd::kCalibrationNeedsUpdate : hd::kCalibrationNeedsManualInput;
-    default: return hd::kCalibrationNeedsManualInput;
+    case phantom::hd::kCalibrationInkwell:
+      return switches.inkwell ? phantom::hd::kCalibrationNeedsUpdate : phantom::hd::kCalibrationNeedsManualInput;
+    case phantom::hd::kCalibrationAuto:
+      return ticks >= kAutoCalibrationTicks ? phantom::hd::kCalibrationNeedsUpdate : phantom::hd::kCalibrationNeedsManualInput;
+    default: return phantom::hd::kCalibrationNeedsManualInput;
   }
 }
 
-hd::HDerror Device::calibrate(hd::HDenum style, bool servo_runs) noexcept {
-  if (style != model().calibration) return hd::kInvalidValue;
-  if (servo_runs && amplifier.limits.force_output) return hd::kInvalidOperation;
-  if (style == hd::kCalibrationEncoderReset) {
+phantom::hd::HDerror Device::calibrate(phantom::hd::HDenum style, bool servo_runs) noexcept {
+  if (style != model().calibration) return phantom::hd::kInvalidValue;
+  if (servo_runs && amplifier.limits.force_output) return phantom::hd::kInvalidOperation;
+  if (style == phantom::hd::kCalibrationEncoderReset) {
     // Before time has begun the operator does what he is asked to, and holds the links at right angles for it. Later the
     // encoders are zeroed wherever the arm is, as they would be.
     sensors_.zero_at(ticks == 0 ? settings_.reset_error_rad : plant.joints());
   } else {
-    if (!servo_runs || calibration() == hd::kCalibrationNeedsManualInput) return hd::kInvalidOperation;
+    if (!servo_runs || calibration() == phantom::hd::kCalibrationNeedsManualInput) return phantom::hd::kInvalidOperation;
     sensors_.zero_at(Vec3::Zero());
   }
   calibrated_ = true;
   sense();
-  return hd::kSuccess;
+  return phantom::hd::kSuccess;
 }
 
 }  // namespace voxtouch::hd_sim

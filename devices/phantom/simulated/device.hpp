@@ -10,7 +10,7 @@
 
 namespace voxtouch::hd_sim {
 
-inline constexpr hd::HHD kHandle = 0;  // the vendor's first handle is 0 as well: no driver may take it for "none"
+inline constexpr phantom::hd::HHD kHandle = 0;  // the vendor's first handle is 0 as well: no driver may take it for "none"
 
 struct Switches {
   int buttons = 0;
@@ -36,8 +36,8 @@ class Device {
   explicit Device(const Settings& settings);
 
   // --- frames
-  hd::HDerror begin_frame(bool servo_runs) noexcept;
-  hd::HDerror end_frame(bool servo_runs) noexcept;
+  phantom::hd::HDerror begin_frame(bool servo_runs) noexcept;
+  phantom::hd::HDerror end_frame(bool servo_runs) noexcept;
   bool frame_open() const noexcept { return frame_open_; }
   const Frame& current() const noexcept { return current_; }
   const Frame& last() const noexcept { return last_; }
@@ -59,8 +59,8 @@ class Device {
   double period_s() const noexcept { return substeps_ * kSubstep; }
 
   // --- calibration
-  hd::HDenum calibration() const noexcept;
-  hd::HDerror calibrate(hd::HDenum style, bool servo_runs) noexcept;
+  phantom::hd::HDenum calibration() const noexcept;
+  phantom::hd::HDerror calibrate(phantom::hd::HDenum style, bool servo_runs) noexcept;
 
   PhantomPlant plant;
   Amplifier amplifier;

@@ -12,15 +12,15 @@ class ErrorStack {
  public:
   static constexpr std::size_t kCapacity = 128;
 
-  void push(hd::HDerror code, hd::HHD device, int internal = 0) noexcept {
+  void push(phantom::hd::HDerror code, phantom::hd::HHD device, int internal = 0) noexcept {
     top_ = (top_ + 1) % kCapacity;
     entries_[top_] = {code, internal, device};
     if (count_ < kCapacity) ++count_;
   }
   /// kSuccess where there is none.
-  hd::HDErrorInfo pop() noexcept {
+  phantom::hd::HDErrorInfo pop() noexcept {
     if (count_ == 0) return {};
-    const hd::HDErrorInfo newest = entries_[top_];
+    const phantom::hd::HDErrorInfo newest = entries_[top_];
     top_ = (top_ + kCapacity - 1) % kCapacity;
     --count_;
     return newest;
@@ -28,7 +28,7 @@ class ErrorStack {
   std::size_t size() const noexcept { return count_; }
 
  private:
-  std::array<hd::HDErrorInfo, kCapacity> entries_{};
+  std::array<phantom::hd::HDErrorInfo, kCapacity> entries_{};
   std::size_t top_ = 0, count_ = 0;
 };
 

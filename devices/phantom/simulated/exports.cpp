@@ -4,24 +4,24 @@
 #include "devices/phantom/simulated/library.hpp"
 
 // NOLINTBEGIN: names are the interface's
-using namespace voxtouch::hd;
-namespace sim = voxtouch::hd_sim;
+using namespace voxtouch::phantom::hd;
+namespace hd_sim = voxtouch::hd_sim;
 
 namespace {
 
-sim::Library& library() { return sim::Library::instance(); }
+hd_sim::Library& library() { return hd_sim::Library::instance(); }
 
 template <class T>
-void get(HDenum name, sim::Type type, T* out) {
+void get(HDenum name, hd_sim::Type type, T* out) {
   if (out == nullptr) return library().fail(kInvalidValue);
-  const sim::Values values = library().get(name, type);
+  const hd_sim::Values values = library().get(name, type);
   for (int i = 0; i < values.count; ++i) out[i] = static_cast<T>(values.value[static_cast<std::size_t>(i)]);
 }
 
 template <class T>
-void set(HDenum name, sim::Type type, const T* in) {
+void set(HDenum name, hd_sim::Type type, const T* in) {
   if (in == nullptr) return library().fail(kInvalidValue);
-  sim::Values values;
+  hd_sim::Values values;
   values.count = library().count_of_set(name, type);
   for (int i = 0; i < values.count; ++i) values.value[static_cast<std::size_t>(i)] = static_cast<double>(in[i]);
   if (values.count > 0) library().set(name, values);
@@ -77,17 +77,17 @@ void hdEnable(HDenum capability) { library().set_capability(capability, true); }
 void hdDisable(HDenum capability) { library().set_capability(capability, false); }
 HDboolean hdIsEnabled(HDenum capability) { return library().capability_on(capability) ? kTrue : kFalse; }
 
-void hdGetBooleanv(HDenum name, HDboolean* values) { get(name, sim::kBoolean, values); }
-void hdGetIntegerv(HDenum name, HDint* values) { get(name, sim::kInteger, values); }
-void hdGetFloatv(HDenum name, HDfloat* values) { get(name, sim::kFloat, values); }
-void hdGetDoublev(HDenum name, HDdouble* values) { get(name, sim::kDouble, values); }
-void hdGetLongv(HDenum name, HDlong* values) { get(name, sim::kLong, values); }
+void hdGetBooleanv(HDenum name, HDboolean* values) { get(name, hd_sim::kBoolean, values); }
+void hdGetIntegerv(HDenum name, HDint* values) { get(name, hd_sim::kInteger, values); }
+void hdGetFloatv(HDenum name, HDfloat* values) { get(name, hd_sim::kFloat, values); }
+void hdGetDoublev(HDenum name, HDdouble* values) { get(name, hd_sim::kDouble, values); }
+void hdGetLongv(HDenum name, HDlong* values) { get(name, hd_sim::kLong, values); }
 HDstring hdGetString(HDenum name) { return library().string(name); }
-void hdSetBooleanv(HDenum name, const HDboolean* values) { set(name, sim::kBoolean, values); }
-void hdSetIntegerv(HDenum name, const HDint* values) { set(name, sim::kInteger, values); }
-void hdSetFloatv(HDenum name, const HDfloat* values) { set(name, sim::kFloat, values); }
-void hdSetDoublev(HDenum name, const HDdouble* values) { set(name, sim::kDouble, values); }
-void hdSetLongv(HDenum name, const HDlong* values) { set(name, sim::kLong, values); }
+void hdSetBooleanv(HDenum name, const HDboolean* values) { set(name, hd_sim::kBoolean, values); }
+void hdSetIntegerv(HDenum name, const HDint* values) { set(name, hd_sim::kInteger, values); }
+void hdSetFloatv(HDenum name, const HDfloat* values) { set(name, hd_sim::kFloat, values); }
+void hdSetDoublev(HDenum name, const HDdouble* values) { set(name, hd_sim::kDouble, values); }
+void hdSetLongv(HDenum name, const HDlong* values) { set(name, hd_sim::kLong, values); }
 
 HDenum hdCheckCalibration() { return library().calibration(false); }
 HDenum hdCheckCalibrationStyle() { return library().calibration(true); }

@@ -35,9 +35,9 @@ void need(bool good, const char* sentence) {
   if (!good) throw std::runtime_error(sentence);
 }
 
-HandFile hand_file(const char* text) {
+hand::HandFile hand_file(const char* text) {
   need(text != nullptr, "simulated Phantom: no hand was given");
-  return parse_hand(text, "simulated Phantom: hand");
+  return hand::parse_hand(text, "simulated Phantom: hand");
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ void Library::power_on(const Settings& settings) {
   errors_ = {};
   callbacks_.clear();
   substeps_ = 8;
-  fail_init_ = hd::kSuccess;
+  fail_init_ = phantom::hd::kSuccess;
   fail_start_ = false;
   skip_ticks_ = 0;
   late_s_ = 0.0;
@@ -48,41 +48,41 @@ void Library::power_on(const Settings& settings) {
   rates_ = {};
 }
 
-void Library::note(hd::HDerror code) {
-  if (code != hd::kSuccess) errors_.push(code, open_ ? kHandle : hd::kInvalidHandle);
+void Library::note(phantom::hd::HDerror code) {
+  if (code != phantom::hd::kSuccess) errors_.push(code, open_ ? kHandle : phantom::hd::kInvalidHandle);
 }
 
-void Library::fail(hd::HDerror code) {
+void Library::fail(phantom::hd::HDerror code) {
   const Lock lock(mutex_);
   note(code);
 }
 
-hd::HDErrorInfo Library::pop_error() {
+phantom::hd::HDErrorInfo Library::pop_error() {
   const Lock lock(mutex_);
   return errors_.pop();
 }
 
 bool Library::opened() {
-  if (!open_) note(hd::kInvalidOperation);
+  if (!open_) note(phantom::hd::kInvalidOperation);
   return open_;
 }
 
-bool Library::usable(hd::HHD device) {
+bool Library::usable(phantom::hd::HHD device) {
   if (open_ && device == kHandle) return true;
-  note(hd::kBadHandle);
+  note(phantom::hd::kBadHandle);
   return false;
 }
 
-hd::HHD Library::init(hd::HDstring name) {
+phantom::hd::HHD Library::init(phantom::hd::HDstring name) {
   const Lock lock(mutex_);
   const std::string_view wanted = name == nullptr ? "" : name;
-  hd::HDerror failure = std::exchange(fail_init_, hd::kSuccess);
-  if (open_) failure = hd::kDeviceAlreadyInitiated;
+  phantom::hd::HDerror failure = std::exchange(fail_init_, phantom::hd::kSuccess);
+  if (open_) failure = phantom::hd::kDeviceAlreadyInitiated;
   const bool known = name == nullptr || wanted == "Default PHANToM" || wanted == "Default Device";
-  if (failure == hd::kSuccess && (!known || !broken_.empty())) failure = hd::kCommConfigError;
-  if (failure != hd::kSuccess) {
-    errors_.push(failure, hd::kInvalidHandle);
-    return hd::kInvalidHandle;
+  if (failure == phantom::hd::kSuccess && (!known || !broken_.empty())) failure = phantom::hd::kCommConfigError;
+  if (failure != phantom::hd::kSuccess) {
+    errors_.push(failure, phantom::hd::kInvalidHandle);
+    return phantom::hd::kInvalidHandle;
   }
   open_ = true;
   device_->amplifier.limits = {};
@@ -91,7 +91,7 @@ hd::HHD Library::init(hd::HDstring name) {
   return kHandle;
 }
 
-void Library::disable(hd::HHD device) {
+void Library::disable(phantom::hd::HHD device) {
   const Lock lock(mutex_);
   if (!usable(device)) return;
   device_->close_frame();
@@ -100,79 +100,79 @@ void Library::disable(hd::HHD device) {
   open_ = false;
 }
 
-void Library::make_current(hd::HHD device) {
+void Library::make_current(phantom::hd::HHD device) {
   const Lock lock(mutex_);
   usable(device);
 }
 
-hd::HHD Library::current_device() {
+phantom::hd::HHD Library::current_device() {
   const Lock lock(mutex_);
-  return open_ ? kHandle : hd::kInvalidHandle;
+  return open_ ? kHandle : phantom::hd::kInvalidHandle;
 }
 
-void Library::begin_frame(hd::HHD device) {
+void Library::begin_frame(phantom::hd::HHD device) {
   const Lock lock(mutex_);
   if (usable(device)) note(device_->begin_frame(serves()));
 }
 
-void Library::end_frame(hd::HHD device) {
+void Library::end_frame(phantom::hd::HHD device) {
   const Lock lock(mutex_);
   if (usable(device)) note(device_->end_frame(serves()));
 }
 
-void Library::set_capability(hd::HDenum name, bool on) {
+void Library::set_capability(phantom::hd::HDenum name, bool on) {
   const Lock lock(mutex_);
   if (!opened()) return;
   bool* state = capability(device_->amplifier.limits, name);
-  if (state == nullptr) return note(hd::kInvalidEnum);
+  if (state == nullptr) return note(phantom::hd::kInvalidEnum);
   if (state == &device_->amplifier.limits.force_output && on != *state) device_->restart_ramp();
   *state = on;
 }
 
-bool Library::capability_on(hd::HDenum name) {
+bool Library::capability_on(phantom::hd::HDenum name) {
   const Lock lock(mutex_);
   if (!opened()) return false;
   const bool* state = capability(device_->amplifier.limits, name);
-  if (state == nullptr) note(hd::kInvalidEnum);
+  if (state == nullptr) note(phantom::hd::kInvalidEnum);
   return state != nullptr && *state;
 }
 
-Values Library::get(hd::HDenum name, Type type) {
+Values Library::get(phantom::hd::HDenum name, Type type) {
   const Lock lock(mutex_);
   Values out;
   if (opened()) note(read_parameter(*device_, rates_, name, type, out));
   return out;
 }
 
-int Library::count_of_set(hd::HDenum name, Type type) {
+int Library::count_of_set(phantom::hd::HDenum name, Type type) {
   const Lock lock(mutex_);
   int count = 0;
   if (!opened()) return 0;
-  const hd::HDerror verdict = settable(name, type, count);
+  const phantom::hd::HDerror verdict = settable(name, type, count);
   note(verdict);
-  return verdict == hd::kSuccess ? count : 0;
+  return verdict == phantom::hd::kSuccess ? count : 0;
 }
 
-void Library::set(hd::HDenum name, const Values& values) {
+void Library::set(phantom::hd::HDenum name, const Values& values) {
   const Lock lock(mutex_);
   if (opened()) note(write_parameter(*device_, name, values));
 }
 
-hd::HDstring Library::string(hd::HDenum name) {
+phantom::hd::HDstring Library::string(phantom::hd::HDenum name) {
   const Lock lock(mutex_);
   if (!opened()) return nullptr;
-  const hd::HDstring found = read_string(device_->model(), name);
-  if (found == nullptr) note(hd::kInvalidEnum);
+  const phantom::hd::HDstring found = read_string(device_->model(), name);
+  if (found == nullptr) note(phantom::hd::kInvalidEnum);
   return found;
 }
 
-hd::HDenum Library::calibration(bool style_only) {
+phantom::hd::HDenum Library::calibration(bool style_only) {
   const Lock lock(mutex_);
-  if (!opened()) return hd::kCalibrationNeedsManualInput;
+  if (!opened()) return phantom::hd::kCalibrationNeedsManualInput;
   return style_only ? device_->model().calibration : device_->calibration();
 }
 
-void Library::calibrate(hd::HDenum style) {
+void Library::calibrate(phantom::hd::HDenum style) {
   const Lock lock(mutex_);
   if (opened()) note(device_->calibrate(style, serves()));
 }
@@ -180,10 +180,10 @@ void Library::calibrate(hd::HDenum style) {
 void Library::scale_gimbal(const Vec3& scale, double* transform) {
   const Lock lock(mutex_);
   if (!opened()) return;
-  if (transform == nullptr || !scale.allFinite()) return note(hd::kInvalidValue);
+  if (transform == nullptr || !scale.allFinite()) return note(phantom::hd::kInvalidValue);
   const Reading& reading = device_->current().reading;
   Eigen::Map<Eigen::Matrix4d> m(transform);
-  m.topLeftCorner<3, 3>() = stylus_orientation(reading.joints, scale.cwiseProduct(reading.gimbal)).toRotationMatrix();
+  m.topLeftCorner<3, 3>() = phantom::stylus_orientation(reading.joints, scale.cwiseProduct(reading.gimbal)).toRotationMatrix();
 }
 
 }  // namespace voxtouch::hd_sim

@@ -21,33 +21,34 @@ class Library {
   static Library& instance();
 
   // --- device
-  hd::HHD init(hd::HDstring name);
-  void disable(hd::HHD device);
-  void make_current(hd::HHD device);
-  hd::HHD current_device();
-  void begin_frame(hd::HHD device);
-  void end_frame(hd::HHD device);
-  void set_capability(hd::HDenum name, bool on);
-  bool capability_on(hd::HDenum name);
-  Values get(hd::HDenum name, Type type);
+  phantom::hd::HHD init(phantom::hd::HDstring name);
+  void disable(phantom::hd::HHD device);
+  void make_current(phantom::hd::HHD device);
+  phantom::hd::HHD current_device();
+  void begin_frame(phantom::hd::HHD device);
+  void end_frame(phantom::hd::HHD device);
+  void set_capability(phantom::hd::HDenum name, bool on);
+  bool capability_on(phantom::hd::HDenum name);
+  Values get(phantom::hd::HDenum name, Type type);
   /// 0 where this cannot be set as `type`; the error is noted then.
-  int count_of_set(hd::HDenum name, Type type);
-  void set(hd::HDenum name, const Values& values);
-  hd::HDstring string(hd::HDenum name);
-  hd::HDenum calibration(bool style_only);
-  void calibrate(hd::HDenum style);
+  int count_of_set(phantom::hd::HDenum name, Type type);
+  void set(phantom::hd::HDenum name, const Values& values);
+  phantom::hd::HDstring string(phantom::hd::HDenum name);
+  phantom::hd::HDenum calibration(bool style_only);
+  void calibrate(phantom::hd::HDenum style);
   void scale_gimbal(const Vec3& scale, double* transform);
-  hd::HDErrorInfo pop_error();
-  void fail(hd::HDerror code);
+  phantom::hd::HDErrorInfo pop_error();
+  void fail(phantom::hd::HDerror code);
 
   // --- scheduler
   void start();
   void stop();
-  void set_rate(hd::HDulong rate_hz);
-  void schedule_synchronous(hd::HDSchedulerCallback callback, void* data, hd::HDushort priority);
-  hd::HDSchedulerHandle schedule_asynchronous(hd::HDSchedulerCallback callback, void* data, hd::HDushort priority);
-  void unschedule(hd::HDSchedulerHandle handle);
-  bool wait(hd::HDSchedulerHandle handle, hd::HDWaitCode code);
+  void set_rate(phantom::hd::HDulong rate_hz);
+  void schedule_synchronous(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority);
+  phantom::hd::HDSchedulerHandle schedule_asynchronous(phantom::hd::HDSchedulerCallback callback, void* data,
+                                                       phantom::hd::HDushort priority);
+  void unschedule(phantom::hd::HDSchedulerHandle handle);
+  bool wait(phantom::hd::HDSchedulerHandle handle, phantom::hd::HDWaitCode code);
   double time_stamp();
 
   // --- hooks. Throw std::runtime_error with a sentence.
@@ -60,7 +61,7 @@ class Library {
     power_on(trial);
   }
   void set_motion(const Motion& motion);
-  void set_hand(const OperatorConfig& hand);
+  void set_hand(const sim::OperatorConfig& hand);
   void set_switches(const Switches& switches);
   bool step();  ///< false: the tick passed without callbacks
   void inject(int fault, double amount);
@@ -72,11 +73,11 @@ class Library {
 
   Library();
   void power_on(const Settings& settings);
-  bool usable(hd::HHD device);
+  bool usable(phantom::hd::HHD device);
   bool opened();
   bool serves() const noexcept { return running_ && !dead_; }
-  void note(hd::HDerror code);
-  void run_at_once(Lock& lock, hd::HDSchedulerCallback callback, void* data);
+  void note(phantom::hd::HDerror code);
+  void run_at_once(Lock& lock, phantom::hd::HDSchedulerCallback callback, void* data);
   bool tick(Lock& lock);
   void serve();
   void catch_up(Clock::time_point& due, Clock::duration period);
@@ -96,7 +97,7 @@ class Library {
   Rates rates_;
   Clock::time_point tick_start_{};
 
-  hd::HDerror fail_init_ = hd::kSuccess;
+  phantom::hd::HDerror fail_init_ = phantom::hd::kSuccess;
   bool fail_start_ = false;
   long skip_ticks_ = 0;
   double late_s_ = 0.0;

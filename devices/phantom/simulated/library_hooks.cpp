@@ -36,7 +36,7 @@ void Library::set_motion(const Motion& motion) {
   settings_ = trial;
 }
 
-void Library::set_hand(const OperatorConfig& hand) {
+void Library::set_hand(const sim::OperatorConfig& hand) {
   const Lock lock(mutex_);
   device_->plant.take(hand);
   settings_.hand = hand;
@@ -59,7 +59,7 @@ void Library::inject(int fault, double amount) {
       if (!running_)
         throw std::runtime_error("simulated Phantom: there is no servo loop that could die; start the scheduler first");
       dead_ = true;
-      note(hd::kTimerError);
+      note(phantom::hd::kTimerError);
       callbacks_.wake();
       return;
     case HDSIM_WARM_MOTORS:
@@ -71,7 +71,7 @@ void Library::inject(int fault, double amount) {
       return;
     case HDSIM_SKIPPED_TICKS: skip_ticks_ = std::max(0L, ticks_of(amount)); return;
     case HDSIM_FAIL_INIT:
-      fail_init_ = static_cast<hd::HDerror>(
+      fail_init_ = static_cast<phantom::hd::HDerror>(
           in_range(amount, 1.0, 65535.0, "simulated Phantom: the amount has to be an error code"));
       return;
     case HDSIM_FAIL_START: fail_start_ = true; return;

@@ -11,9 +11,9 @@ enum class Bus { kParallelPort, kFireWire };
 
 struct Model {
   std::string_view key;  ///< what tests and people call it
-  hd::HDstring type;     ///< what the library answers for the model type
+  phantom::hd::HDstring type;     ///< what the library answers for the model type
   Bus bus;
-  hd::HDenum calibration;  ///< one style
+  phantom::hd::HDenum calibration;  ///< one style
   int output_dof;
   double max_force_n, continuous_force_n;
   double stiffness_n_per_mm, damping;  ///< nominal; the latter of 0..1
@@ -26,6 +26,6 @@ std::string_view model_keys() noexcept;
 
 /// Substeps of the plant in one tick at `rate_hz`; 0 where the model's bus has no such rate: 500, 1000, 2000 Hz over a parallel
 /// port, 8000 / N rounded over FireWire.
-int substeps_at(const Model& model, hd::HDulong rate_hz) noexcept;
+int substeps_at(const Model& model, phantom::hd::HDulong rate_hz) noexcept;
 
 }  // namespace voxtouch::hd_sim

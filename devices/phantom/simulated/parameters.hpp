@@ -20,17 +20,17 @@ struct Rates {
 };
 
 /// Reads a parameter in the interface's units. kInvalidEnum: there is none; kInvalidInputType: not as `type`.
-hd::HDerror read_parameter(const Device& device, const Rates& rates, hd::HDenum name, Type type, Values& out) noexcept;
+phantom::hd::HDerror read_parameter(const Device& device, const Rates& rates, phantom::hd::HDenum name, Type type, Values& out) noexcept;
 
 /// How many values a set of this parameter takes, and whether it may be set as `type`.
-hd::HDerror settable(hd::HDenum name, Type type, int& count) noexcept;
+phantom::hd::HDerror settable(phantom::hd::HDenum name, Type type, int& count) noexcept;
 /// Sets it, from the interface's units. Values that are not finite are refused and counted.
-hd::HDerror write_parameter(Device& device, hd::HDenum name, const Values& in) noexcept;
+phantom::hd::HDerror write_parameter(Device& device, phantom::hd::HDenum name, const Values& in) noexcept;
 
 /// Null: no string of that name.
-hd::HDstring read_string(const Model& model, hd::HDenum name) noexcept;
+phantom::hd::HDstring read_string(const Model& model, phantom::hd::HDenum name) noexcept;
 
 /// The switch of a capability; null: there is none.
-bool* capability(Limits& limits, hd::HDenum name) noexcept;
+bool* capability(Limits& limits, phantom::hd::HDenum name) noexcept;
 
 }  // namespace voxtouch::hd_sim

@@ -26,7 +26,7 @@ const PlantConfig& checked(const PlantConfig& config) {
 }
 
 /// The explicit step is stable for these only.
-const OperatorConfig& checked(const OperatorConfig& hand) {
+const sim::OperatorConfig& checked(const sim::OperatorConfig& hand) {
   hand.validate();
   if (hand.released) return hand;
   const double mass = kLightestArm + hand.mass_kg, factor = std::max(1.0, hand.grip_factor);
@@ -35,13 +35,13 @@ const OperatorConfig& checked(const OperatorConfig& hand) {
   return hand;
 }
 
-ToolDrag drag_of(const PlantConfig& c) {
+hand::ToolDrag drag_of(const PlantConfig& c) {
   const double arm = c.geometry.thigh_m;
   return {c.viscous_nms_per_rad / (arm * arm), c.coulomb_nm / arm};
 }
 
-Vec3 start_of(const PlantConfig& c, const Hand& hand) {
-  const auto joints = phantom_joints(c.geometry, hand.target());
+Vec3 start_of(const PlantConfig& c, const hand::Hand& hand) {
+  const auto joints = phantom::phantom_joints(c.geometry, hand.target());
   if (joints) return *joints;
   const Vec3 at = hand.target();
   throw std::runtime_error(
@@ -69,13 +69,13 @@ void PlantConfig::validate() const {
   require_in(stop_nms_per_rad, 0.0, 3.0, "stop_nms_per_rad");
 }
 
-PhantomPlant::PhantomPlant(const PlantConfig& config, const OperatorConfig& hand, const Motion& motion,
+PhantomPlant::PhantomPlant(const PlantConfig& config, const sim::OperatorConfig& hand, const Motion& motion,
                            std::uint64_t seed, double hand_bandwidth_hz)
     : config_(checked(config)), dynamics_(config.geometry, config.inertia, config.gravity_m_per_s2),
       hand_(checked(hand), motion, kSubstep, seed, drag_of(config), hand_bandwidth_hz),
       joints_(start_of(config, hand_)) {}
 
-void PhantomPlant::take(const OperatorConfig& hand) { hand_.take(checked(hand)); }
+void PhantomPlant::take(const sim::OperatorConfig& hand) { hand_.take(checked(hand)); }
 
 /// A stop pushes back only, also while it is left.
 Vec3 PhantomPlant::stop_torque(const Vec3& q, const Vec3& v) const noexcept {
@@ -89,10 +89,10 @@ Vec3 PhantomPlant::stop_torque(const Vec3& q, const Vec3& v) const noexcept {
 }
 
 Vec3 PhantomPlant::acceleration(const Vec3& q, const Vec3& v, const Load& load, Mat3* mobility) const noexcept {
-  const Mat3 j = phantom_jacobian(config_.geometry, q);
+  const Mat3 j = phantom::phantom_jacobian(config_.geometry, q);
   // The hand's mass rides on the tip: J^T m J in the mass, J^T m J' in what speed does.
-  const Vec3 at_tip = load.hand.force(phantom_tip(config_.geometry, q), j * v) -
-                      load.hand.mass_kg * (phantom_jacobian_rate(config_.geometry, q, v) * v);
+  const Vec3 at_tip = load.hand.force(phantom::phantom_tip(config_.geometry, q), j * v) -
+                      load.hand.mass_kg * (phantom::phantom_jacobian_rate(config_.geometry, q, v) * v);
   Mat3 m = dynamics_.mass(q) + load.hand.mass_kg * (j.transpose() * j);
   Vec3 torque = load.torque + j.transpose() * at_tip + stop_torque(q, v) - dynamics_.coriolis(q, v) * v -
                 dynamics_.gravity(q) - config_.viscous_nms_per_rad * v;
@@ -150,7 +150,7 @@ void PhantomPlant::step(const Vec3& motor_torque) noexcept {
 }
 
 Vec3 PhantomPlant::motor_force() const noexcept {
-  const Mat3 j = phantom_jacobian(config_.geometry, joints_);
+  const Mat3 j = phantom::phantom_jacobian(config_.geometry, joints_);
   if (!(std::abs(j.determinant()) > 1e-9)) return Vec3::Zero();
   return j.transpose().inverse() * motor_torque_;
 }

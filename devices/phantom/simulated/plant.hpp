@@ -10,8 +10,8 @@ inline constexpr double kSubstep = 1.0 / kSubstepHz;
 
 /// Where no source is named the value is assumed.
 struct PlantConfig {
-  PhantomGeometry geometry;
-  PhantomInertia inertia;
+  phantom::PhantomGeometry geometry;
+  phantom::PhantomInertia inertia;
   double gravity_m_per_s2 = 9.81;
   double viscous_nms_per_rad = 5e-4;  ///< a joint; from a published replica
   double coulomb_nm = 0.01;           ///< likewise; 0.05 N at the tip
@@ -35,27 +35,27 @@ class PhantomPlant {
  public:
   /// At rest, with the tip where the hand wants it. Throws std::runtime_error: values out of range, a start out of the arm's
   /// reach, a hand too stiff or too light to be simulated at this step.
-  PhantomPlant(const PlantConfig& config, const OperatorConfig& hand, const Motion& motion, std::uint64_t seed,
+  PhantomPlant(const PlantConfig& config, const sim::OperatorConfig& hand, const Motion& motion, std::uint64_t seed,
                double hand_bandwidth_hz);
 
   /// One substep under these torques of the motors [Nm], each cut to its limit.
   void step(const Vec3& motor_torque) noexcept;
 
   /// Throw as the constructor does; the hand or motion from before stays then.
-  void take(const OperatorConfig& hand);
+  void take(const sim::OperatorConfig& hand);
   void follow(const Motion& motion) { hand_.follow(motion); }
 
   const Vec3& joints() const noexcept { return joints_; }
   const Vec3& rates() const noexcept { return rates_; }
-  Vec3 tip() const noexcept { return phantom_tip(config_.geometry, joints_); }
-  Vec3 tip_velocity() const noexcept { return phantom_jacobian(config_.geometry, joints_) * rates_; }
+  Vec3 tip() const noexcept { return phantom::phantom_tip(config_.geometry, joints_); }
+  Vec3 tip_velocity() const noexcept { return phantom::phantom_jacobian(config_.geometry, joints_) * rates_; }
   const Vec3& motor_torque() const noexcept { return motor_torque_; }  ///< over the last substep, after the limits [Nm]
   const Vec3& hand_force() const noexcept { return hand_force_; }  ///< at its beginning, without the hand's mass [N]
   /// What the last torques come to at the tip [N]; zero where the arm is stretched.
   Vec3 motor_force() const noexcept;
   double energy() const noexcept { return dynamics_.energy(joints_, rates_); }  ///< of the arm alone [J]
-  const Hand& hand() const noexcept { return hand_; }
-  const PhantomDynamics& dynamics() const noexcept { return dynamics_; }
+  const hand::Hand& hand() const noexcept { return hand_; }
+  const phantom::PhantomDynamics& dynamics() const noexcept { return dynamics_; }
   const PlantConfig& config() const noexcept { return config_; }
 
   void set_state(const Vec3& joints, const Vec3& rates) noexcept { joints_ = joints, rates_ = rates; }
@@ -66,7 +66,7 @@ class PhantomPlant {
     bool all() const noexcept { return joint[0] && joint[1] && joint[2]; }
   };
   struct Load {
-    HandAction hand;
+    hand::HandAction hand;
     Vec3 torque = Vec3::Zero();  // motors and dry friction
     Locks locks;
   };
@@ -75,8 +75,8 @@ class PhantomPlant {
   Locks resist(Load& load) const noexcept;  // adds friction to the load; the joints that come to rest
 
   PlantConfig config_;
-  PhantomDynamics dynamics_;
-  Hand hand_;
+  phantom::PhantomDynamics dynamics_;
+  hand::Hand hand_;
   Vec3 joints_, rates_ = Vec3::Zero(), motor_torque_ = Vec3::Zero(), hand_force_ = Vec3::Zero();
 };
 

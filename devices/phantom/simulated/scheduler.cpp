@@ -4,7 +4,7 @@
 
 namespace voxtouch::hd_sim {
 
-hd::HDSchedulerHandle CallbackList::add(hd::HDSchedulerCallback callback, void* data, hd::HDushort priority,
+phantom::hd::HDSchedulerHandle CallbackList::add(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority,
                                         bool once) {
   if (entries_.size() >= kMost) return 0;
   const Entry entry{++newest_, callback, data, priority, once};
@@ -14,16 +14,16 @@ hd::HDSchedulerHandle CallbackList::add(hd::HDSchedulerCallback callback, void* 
   return entry.handle;
 }
 
-bool CallbackList::contains(hd::HDSchedulerHandle handle) const noexcept {
+bool CallbackList::contains(phantom::hd::HDSchedulerHandle handle) const noexcept {
   return std::any_of(entries_.begin(), entries_.end(), [handle](const Entry& e) { return e.handle == handle; });
 }
 
-void CallbackList::erase(hd::HDSchedulerHandle handle) noexcept {
+void CallbackList::erase(phantom::hd::HDSchedulerHandle handle) noexcept {
   std::erase_if(entries_, [handle](const Entry& e) { return e.handle == handle; });
   over_.notify_all();
 }
 
-bool CallbackList::remove(hd::HDSchedulerHandle handle, Lock& lock, bool from_servo) {
+bool CallbackList::remove(phantom::hd::HDSchedulerHandle handle, Lock& lock, bool from_servo) {
   if (!contains(handle)) return false;
   erase(handle);
   if (!from_servo) over_.wait(lock, [&] { return running_ != handle; });
@@ -37,10 +37,10 @@ void CallbackList::run(Lock& lock) {
     if (!contains(entry.handle)) continue;  // taken out by one before it
     running_ = entry.handle;
     lock.unlock();
-    const hd::HDCallbackCode code = entry.callback(entry.data);
+    const phantom::hd::HDCallbackCode code = entry.callback(entry.data);
     lock.lock();
     running_ = 0;
-    if (entry.once || code == hd::kCallbackDone) erase(entry.handle);
+    if (entry.once || code == phantom::hd::kCallbackDone) erase(entry.handle);
     over_.notify_all();
   }
 }

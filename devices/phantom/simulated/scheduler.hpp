@@ -15,14 +15,14 @@ class CallbackList {
   using Lock = std::unique_lock<std::recursive_mutex>;
 
   /// 0: there is no room.
-  hd::HDSchedulerHandle add(hd::HDSchedulerCallback callback, void* data, hd::HDushort priority, bool once);
-  bool contains(hd::HDSchedulerHandle handle) const noexcept;
+  phantom::hd::HDSchedulerHandle add(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority, bool once);
+  bool contains(phantom::hd::HDSchedulerHandle handle) const noexcept;
   std::size_t size() const noexcept { return entries_.size(); }
   /// Takes it out; waits until it is not running, unless `from_servo`. False: there is none.
-  bool remove(hd::HDSchedulerHandle handle, Lock& lock, bool from_servo);
+  bool remove(phantom::hd::HDSchedulerHandle handle, Lock& lock, bool from_servo);
   /// Waits until the callback is over, or `give_up()` says that it will never be.
   template <class GiveUp>
-  void wait(hd::HDSchedulerHandle handle, Lock& lock, GiveUp give_up) {
+  void wait(phantom::hd::HDSchedulerHandle handle, Lock& lock, GiveUp give_up) {
     over_.wait(lock, [&] { return !contains(handle) || give_up(); });
   }
   void wake() { over_.notify_all(); }
@@ -32,16 +32,16 @@ class CallbackList {
 
  private:
   struct Entry {
-    hd::HDSchedulerHandle handle = 0;
-    hd::HDSchedulerCallback callback = nullptr;
+    phantom::hd::HDSchedulerHandle handle = 0;
+    phantom::hd::HDSchedulerCallback callback = nullptr;
     void* data = nullptr;
-    hd::HDushort priority = 0;
+    phantom::hd::HDushort priority = 0;
     bool once = false;
   };
-  void erase(hd::HDSchedulerHandle handle) noexcept;
+  void erase(phantom::hd::HDSchedulerHandle handle) noexcept;
 
   std::vector<Entry> entries_, round_;
-  hd::HDSchedulerHandle newest_ = 0, running_ = 0;
+  phantom::hd::HDSchedulerHandle newest_ = 0, running_ = 0;
   std::condition_variable_any over_;
 };
 

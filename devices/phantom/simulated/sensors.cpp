@@ -4,7 +4,7 @@
 
 namespace voxtouch::hd_sim {
 
-Sensors::Sensors(const PhantomGeometry& g, double resolution_m, double gimbal_resolution_rad,
+Sensors::Sensors(const phantom::PhantomGeometry& g, double resolution_m, double gimbal_resolution_rad,
                  double velocity_filter_hz) noexcept
     : geometry_(g), step_(resolution_m / g.thigh_m, resolution_m / g.thigh_m, resolution_m / g.shin_m),
       gimbal_step_(gimbal_resolution_rad), filter_hz_(velocity_filter_hz),
@@ -17,12 +17,12 @@ void Sensors::zero_at(const Vec3& joints) noexcept {
 
 void Sensors::set_period(double period_s) noexcept {
   period_s_ = period_s;
-  differences_ = Encoder(0.0, 0.0, filter_hz_, period_s);
+  differences_ = sim::Encoder(0.0, 0.0, filter_hz_, period_s);
 }
 
 const Reading& Sensors::sample(const Vec3& joints, const Quat& orientation) noexcept {
   // The gimbal's own angles are those of the true arm; where the arm is not calibrated the orientation is wrong with it.
-  const Vec3 gimbal = gimbal_angles(joints, orientation);
+  const Vec3 gimbal = phantom::gimbal_angles(joints, orientation);
   for (int i = 0; i < 3; ++i) {
     const long joint = std::lround((joints[i] - zero_[i]) / step_[i]), ring = std::lround(gimbal[i] / gimbal_step_);
     reading_.counts[i] = joint;
@@ -30,7 +30,7 @@ const Reading& Sensors::sample(const Vec3& joints, const Quat& orientation) noex
     reading_.joints[i] = static_cast<double>(joint) * step_[i];
     reading_.gimbal[i] = static_cast<double>(ring) * gimbal_step_;
   }
-  reading_.pose = {phantom_tip(geometry_, reading_.joints), stylus_orientation(reading_.joints, reading_.gimbal)};
+  reading_.pose = {phantom::phantom_tip(geometry_, reading_.joints), phantom::stylus_orientation(reading_.joints, reading_.gimbal)};
   differences_.sample(reading_.pose);
   reading_.twist = differences_.twist();
   return reading_;

@@ -20,7 +20,7 @@ struct Reading {
 class Sensors {
  public:
   /// `resolution_m`: the step of each joint at the end of its link.
-  Sensors(const PhantomGeometry& geometry, double resolution_m, double gimbal_resolution_rad,
+  Sensors(const phantom::PhantomGeometry& geometry, double resolution_m, double gimbal_resolution_rad,
           double velocity_filter_hz) noexcept;
 
   /// The counts of the three joints are zero at these true angles. The velocity starts anew.
@@ -32,11 +32,11 @@ class Sensors {
   const Vec3& step_rad() const noexcept { return step_; }
 
  private:
-  PhantomGeometry geometry_;
+  phantom::PhantomGeometry geometry_;
   Vec3 step_;
   double gimbal_step_, filter_hz_, period_s_ = 1e-3;
   Vec3 zero_ = Vec3::Zero();
-  Encoder differences_;
+  sim::Encoder differences_;
   Reading reading_;
 };
 

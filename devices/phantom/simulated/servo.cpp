@@ -26,7 +26,7 @@ constexpr int kLongestWaitTicks = 100000;
 void Library::start() {
   Lock lock(mutex_);
   if (running_) return;
-  if (std::exchange(fail_start_, false)) return note(hd::kTimerError);
+  if (std::exchange(fail_start_, false)) return note(phantom::hd::kTimerError);
   dead_ = stopping_ = false;
   device_->amplifier.restart_ramp();
   running_ = true;
@@ -37,14 +37,14 @@ void Library::start() {
     thread_ = std::thread([this] { serve(); });
   } catch (const std::system_error&) {
     running_ = false;
-    note(hd::kTimerError);
+    note(phantom::hd::kTimerError);
   }
 }
 
 void Library::stop() {
   Lock lock(mutex_);
   if (!running_ || stopping_) return;
-  if (t_in_servo > 0) return note(hd::kInvalidOperation);  // it would wait for itself
+  if (t_in_servo > 0) return note(phantom::hd::kInvalidOperation);  // it would wait for itself
   stopping_ = true;
   if (thread_.joinable()) {
     std::thread servo = std::move(thread_);
@@ -58,51 +58,51 @@ void Library::stop() {
   callbacks_.wake();
 }
 
-void Library::set_rate(hd::HDulong rate_hz) {
+void Library::set_rate(phantom::hd::HDulong rate_hz) {
   const Lock lock(mutex_);
   const int substeps = substeps_at(device_->model(), rate_hz);
-  if (substeps == 0) return note(hd::kInvalidValue);
+  if (substeps == 0) return note(phantom::hd::kInvalidValue);
   substeps_ = substeps;
   device_->set_substeps(substeps);
 }
 
-void Library::run_at_once(Lock& lock, hd::HDSchedulerCallback callback, void* data) {
+void Library::run_at_once(Lock& lock, phantom::hd::HDSchedulerCallback callback, void* data) {
   lock.unlock();
   const InServo in_servo;
   callback(data);
 }
 
-void Library::schedule_synchronous(hd::HDSchedulerCallback callback, void* data, hd::HDushort priority) {
+void Library::schedule_synchronous(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority) {
   Lock lock(mutex_);
-  if (callback == nullptr) return note(hd::kInvalidValue);
+  if (callback == nullptr) return note(phantom::hd::kInvalidValue);
   if (t_in_servo > 0 || !running_ || settings_.virtual_time) return run_at_once(lock, callback, data);
-  const hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority, true);
-  if (handle == 0) return note(hd::kSchedulerFull);
+  const phantom::hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority, true);
+  if (handle == 0) return note(phantom::hd::kSchedulerFull);
   callbacks_.wait(handle, lock, [this] { return !serves() || stopping_; });
-  if (callbacks_.remove(handle, lock, false)) note(hd::kTimerError);  // nobody will ever call it
+  if (callbacks_.remove(handle, lock, false)) note(phantom::hd::kTimerError);  // nobody will ever call it
 }
 
-hd::HDSchedulerHandle Library::schedule_asynchronous(hd::HDSchedulerCallback callback, void* data,
-                                                     hd::HDushort priority) {
+phantom::hd::HDSchedulerHandle Library::schedule_asynchronous(phantom::hd::HDSchedulerCallback callback, void* data,
+                                                     phantom::hd::HDushort priority) {
   const Lock lock(mutex_);
-  if (callback == nullptr) return note(hd::kInvalidValue), 0;
-  const hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority, false);
-  if (handle == 0) note(hd::kSchedulerFull);
+  if (callback == nullptr) return note(phantom::hd::kInvalidValue), 0;
+  const phantom::hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority, false);
+  if (handle == 0) note(phantom::hd::kSchedulerFull);
   return handle;
 }
 
-void Library::unschedule(hd::HDSchedulerHandle handle) {
+void Library::unschedule(phantom::hd::HDSchedulerHandle handle) {
   Lock lock(mutex_);
-  if (!callbacks_.remove(handle, lock, t_in_servo > 0)) note(hd::kInvalidOperation);
+  if (!callbacks_.remove(handle, lock, t_in_servo > 0)) note(phantom::hd::kInvalidOperation);
 }
 
 /// True: still scheduled.
-bool Library::wait(hd::HDSchedulerHandle handle, hd::HDWaitCode code) {
+bool Library::wait(phantom::hd::HDSchedulerHandle handle, phantom::hd::HDWaitCode code) {
   Lock lock(mutex_);
-  if (code == hd::kWaitCheckStatus) return callbacks_.contains(handle);
-  if (code != hd::kWaitInfinite) return note(hd::kInvalidEnum), false;
+  if (code == phantom::hd::kWaitCheckStatus) return callbacks_.contains(handle);
+  if (code != phantom::hd::kWaitInfinite) return note(phantom::hd::kInvalidEnum), false;
   if (t_in_servo > 0 || !running_) {
-    if (callbacks_.contains(handle)) note(hd::kInvalidOperation);  // it would wait for ever
+    if (callbacks_.contains(handle)) note(phantom::hd::kInvalidOperation);  // it would wait for ever
   } else if (settings_.virtual_time) {
     for (int i = 0; i < kLongestWaitTicks && callbacks_.contains(handle) && serves(); ++i) tick(lock);
   } else {

@@ -54,10 +54,10 @@ void read_one(Settings& settings, std::string_view item) {
           fmt::format("simulated Phantom: there is no model '{}'; there is {}", value, model_keys()));
     settings.model = model;
   } else if (name == "grip") {
-    const auto hand = grip(value);
+    const auto hand = hand::grip(value);
     if (!hand)
       throw std::runtime_error(
-          fmt::format("simulated Phantom: there is no grip '{}'; there is {}", value, fmt::join(grip_names(), ", ")));
+          fmt::format("simulated Phantom: there is no grip '{}'; there is {}", value, fmt::join(hand::grip_names(), ", ")));
     settings.hand = *hand;
   } else if (name == "seed") {
     settings.seed = number<std::uint64_t>(value, item);

@@ -13,11 +13,11 @@ namespace voxtouch::hd_sim {
 struct Settings {
   const Model* model = find_model("premium");
   PlantConfig plant;
-  OperatorConfig hand = *grip("pen");
+  sim::OperatorConfig hand = *hand::grip("pen");
   Motion motion{.path = {Vec3::Zero()}, .repeat_from = {}, .circle_centre = {}};
   std::uint64_t seed = 0;
   bool virtual_time = false;
-  double hand_bandwidth_hz = Hand::kBandwidthHz;
+  double hand_bandwidth_hz = hand::Hand::kBandwidthHz;
   double resolution_m = 0.03e-3;        ///< at the tip; data sheet from memory
   double gimbal_resolution_rad = 1e-3;  ///< this and the rest: assumed
   double velocity_filter_hz = 50.0;

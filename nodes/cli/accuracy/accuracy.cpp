@@ -27,7 +27,7 @@ namespace {
 struct AccuracyVerb {
   std::filesystem::path scene, plot, csv;
   AccuracyChoice ask;
-  AccuracyWish wish;
+  accuracy::AccuracyWish wish;
   std::uint64_t seed = 1;
   std::uint32_t contacts = 200;
   double depth_edges = 0.5;
@@ -80,15 +80,15 @@ class ProgressLine {
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
     const std::string line = fmt::format("[{:3.0f} %] {:4.0f} s  {}", 100.0 * share, passed.count(), what);
     if (terminal_)
-      tell("\r{:<{}}", line, width_);
+      log::tell("\r{:<{}}", line, width_);
     else if (what != last_)
-      tell("{}\n", line);
+      log::tell("{}\n", line);
     width_ = line.size();
     last_ = what;
   }
   /// Leaves the line as it is; what follows starts on a new one.
   void end() const {
-    if (terminal_ && width_ > 0) tell("\n");
+    if (terminal_ && width_ > 0) log::tell("\n");
   }
 
  private:
@@ -100,9 +100,9 @@ class ProgressLine {
 
 AccuracyReport measure(const AccuracyVerb& o) {
   o.wish.validate();
-  const Scene scene = load_scene(o.scene);
-  for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
-  const std::vector<AccuracySetting> settings = settings_of(o.ask, scene.voxel_size_m);
+  const scene::Scene scene = scene::load_scene(o.scene);
+  for (const std::string& warning : scene.warnings) log::tell("warning: {}\n", warning);
+  const std::vector<accuracy::AccuracySetting> settings = settings_of(o.ask, scene.voxel_size_m);
   AccuracyReport report;
   report.scene = scene.name;
   report.scene_hash = scene.hash;
@@ -113,28 +113,28 @@ AccuracyReport measure(const AccuracyVerb& o) {
   report.load_before = load_average();
 
   ProgressLine line;
-  AccuracyOptions options;
+  accuracy::AccuracyOptions options;
   options.seed = o.seed, options.contacts = o.contacts, options.depth_edges = o.depth_edges;
   options.cpu_time_s = thread_cpu_s;
-  options.read = mesh_process();
-  rehearse_reading(scene);
+  options.read = mesh_import::mesh_process();
+  mesh_import::rehearse_reading(scene);
   options.progress = [&](const std::string& what, double share) { line.show(what, share); };
-  tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
-  report.rows = measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
+  log::tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
+  report.rows = accuracy::measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
   line.end();
   report.load_after = load_average();
-  report.advice = advise(report.rows, o.wish);
+  report.advice = accuracy::advise(report.rows, o.wish);
   return report;
 }
 
 int show(const AccuracyVerb& o, const AccuracyReport& report, OutputFile* csv) {
   const std::string json = to_json(report).dump(2);
-  print_result("{}", o.json ? json + "\n" : to_text(report));
+  log::print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
     csv->keep(to_csv(report));
-    tell("{} holds the table\n", o.csv.string());
+    log::tell("{} holds the table\n", o.csv.string());
   }
-  if (!o.plot.empty()) tell("{}\n", draw_picture("accuracy", json, o.plot));
+  if (!o.plot.empty()) log::tell("{}\n", draw_picture("accuracy", json, o.plot));
   return !report.advice.front.empty() && report.advice.met.value_or(true) ? 0 : 1;
 }
 
@@ -146,7 +146,7 @@ int run(const AccuracyVerb& o) {
     if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
     report = measure(o);
   } catch (const std::exception& error) {
-    if (o.json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+    if (o.json) log::print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
     throw;
   }
   return show(o, report, csv.get());  // outside: what was measured is on stdout, and stays the only object there
@@ -158,7 +158,7 @@ CLI::Option* add_list(CLI::App& verb, const char* name, std::vector<T>& list, co
   return verb.add_option(name, list, help)->delimiter(',')->allow_extra_args(false);
 }
 
-void add_wishes(CLI::App& verb, AccuracyWish& wish) {
+void add_wishes(CLI::App& verb, accuracy::AccuracyWish& wish) {
   constexpr const char* kGroup = "What you want (errors, all of which must be kept, or a time)";
   const auto add = [&](const char* name, std::optional<double>& value, const char* help) {
     verb.add_option(name, value, help)->group(kGroup);

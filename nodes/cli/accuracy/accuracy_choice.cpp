@@ -16,33 +16,33 @@ void add_once(std::vector<T>& list, const T& value) {
   if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
 }
 
-std::vector<ContactModelKind> models_of(const AccuracyChoice& ask) {
-  std::vector<ContactModelKind> out;
+std::vector<contact::ContactModelKind> models_of(const AccuracyChoice& ask) {
+  std::vector<contact::ContactModelKind> out;
   for (const std::string& word : ask.models) {
     if (word == kVirtualTool) continue;
-    ContactModelKind kind{};
-    if (!parse_contact_model(word, kind))
+    contact::ContactModelKind kind{};
+    if (!contact::parse_contact_model(word, kind))
       throw std::invalid_argument(fmt::format(
           "--models: there is no contact model '{}'; known are original, adapted, clustered and field, and virtual_tool", word));
     add_once(out, kind);
   }
   if (ask.models.empty())
-    out = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
-           ContactModelKind::kField};
+    out = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kClustered,
+           contact::ContactModelKind::kField};
   return out;
 }
 
-std::vector<PointWeights> weights_of(const AccuracyChoice& ask) {
-  std::vector<PointWeights> out;
+std::vector<contact::PointWeights> weights_of(const AccuracyChoice& ask) {
+  std::vector<contact::PointWeights> out;
   for (const std::string& word : ask.weights) {
     if (word != "one" && word != "area")
       throw std::invalid_argument(fmt::format(
           "--weights: points cannot weigh '{}'; known are one (each the same) and area (its share of the tool's "
           "surface)",
           word));
-    add_once(out, word == "one" ? PointWeights::kOne : PointWeights::kArea);
+    add_once(out, word == "one" ? contact::PointWeights::kOne : contact::PointWeights::kArea);
   }
-  if (out.empty()) out = {PointWeights::kOne, PointWeights::kArea};
+  if (out.empty()) out = {contact::PointWeights::kOne, contact::PointWeights::kArea};
   return out;
 }
 
@@ -57,27 +57,27 @@ std::vector<double> positive(const char* option, const std::vector<double>& valu
   return out.empty() ? otherwise : out;
 }
 
-bool knows_area_only(ContactModelKind model) {
-  return model == ContactModelKind::kClustered || model == ContactModelKind::kField;
+bool knows_area_only(contact::ContactModelKind model) {
+  return model == contact::ContactModelKind::kClustered || model == contact::ContactModelKind::kField;
 }
 
 }  // namespace
 
-std::vector<AccuracySetting> settings_of(const AccuracyChoice& ask, double scene_voxel_m) {
-  const std::vector<PointWeights> weights = weights_of(ask);
+std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& ask, double scene_voxel_m) {
+  const std::vector<contact::PointWeights> weights = weights_of(ask);
   const std::vector<double> voxels =
       positive("--voxel-sizes", ask.voxel_sizes_m, {2.0 * scene_voxel_m, scene_voxel_m, 0.5 * scene_voxel_m});
   const std::vector<double> densities = positive("--shell-densities", ask.shell_densities, {1.0});
-  const bool area = std::find(weights.begin(), weights.end(), PointWeights::kArea) != weights.end();
-  std::vector<AccuracySetting> out;
-  for (const ContactModelKind model : models_of(ask)) {
+  const bool area = std::find(weights.begin(), weights.end(), contact::PointWeights::kArea) != weights.end();
+  std::vector<accuracy::AccuracySetting> out;
+  for (const contact::ContactModelKind model : models_of(ask)) {
     if (knows_area_only(model) && !area && !ask.models.empty())
       throw std::invalid_argument(
           fmt::format("--weights one: the model '{}' weighs points by their area only; add area to --weights, or leave "
                       "the model out of --models",
-                      name_of(model)));
-    for (const PointWeights weight : weights) {
-      if (knows_area_only(model) && weight != PointWeights::kArea) continue;
+                      contact::name_of(model)));
+    for (const contact::PointWeights weight : weights) {
+      if (knows_area_only(model) && weight != contact::PointWeights::kArea) continue;
       for (const double voxel : voxels)
         for (const double density : densities) out.push_back({model, weight, voxel, voxel / density});
     }
@@ -86,7 +86,8 @@ std::vector<AccuracySetting> settings_of(const AccuracyChoice& ask, double scene
   const bool tool = std::find(ask.models.begin(), ask.models.end(), kVirtualTool) != ask.models.end();
   if (tool || (ask.models.empty() && area))
     for (const double voxel : tool || !ask.voxel_sizes_m.empty() ? voxels : std::vector{scene_voxel_m})
-      for (const double density : densities) out.push_back({ContactModelKind::kField, PointWeights::kArea, voxel, voxel / density, true});
+      for (const double density : densities)
+        out.push_back({contact::ContactModelKind::kField, contact::PointWeights::kArea, voxel, voxel / density, true});
   if (out.size() > kMaxSettings)
     throw std::invalid_argument(fmt::format(
         "{} settings are asked for, {} at most can be measured in one run; name fewer models, voxel sizes or densities",

@@ -14,10 +14,12 @@ bool on_front(const AccuracyReport& r, std::size_t row) {
   return std::find(r.advice.front.begin(), r.advice.front.end(), row) != r.advice.front.end();
 }
 
-std::string_view model_word(const AccuracySetting& setting) { return setting.virtual_tool ? "virtual_tool" : name_of(setting.model); }
+std::string_view model_word(const accuracy::AccuracySetting& setting) {
+  return setting.virtual_tool ? "virtual_tool" : contact::name_of(setting.model);
+}
 
 /// Why a row has no figures; empty where it has.
-std::string no_figures(const AccuracyRow& row) {
+std::string no_figures(const accuracy::AccuracyRow& row) {
   if (!row.refused.empty()) return row.refused;
   return row.contacts == 0 ? "no pose met the wall" : "";
 }
@@ -41,9 +43,9 @@ constexpr const char* kHead =
     "[MB]     [s]\n";
 
 std::string table_row(const AccuracyReport& report, std::size_t index) {
-  const AccuracyRow& r = report.rows[index];
+  const accuracy::AccuracyRow& r = report.rows[index];
   std::string text = fmt::format("  {}{} {:<7} {:>7.4g} {:>6.4g}", on_front(report, index) ? '*' : ' ',
-                                 report.advice.row == index ? '>' : ' ', weights_word(r.setting.weights),
+                                 report.advice.row == index ? '>' : ' ', accuracy::weights_word(r.setting.weights),
                                  r.setting.voxel_m * 1e3, r.setting.shell_voxel_m * 1e3);
   if (const std::string why = no_figures(r); !why.empty())
     return text + fmt::format("  {}{}\n", r.refused.empty() ? "" : "refused: ", why);
@@ -57,10 +59,10 @@ std::string table_row(const AccuracyReport& report, std::size_t index) {
 std::string table(const AccuracyReport& report) {
   std::string text = kHead;
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
-    const ContactModelKind model = report.rows[i].setting.model;
+    const contact::ContactModelKind model = report.rows[i].setting.model;
     const bool tool = report.rows[i].setting.virtual_tool;
     if (i == 0 || report.rows[i - 1].setting.model != model || report.rows[i - 1].setting.virtual_tool != tool)
-      text += fmt::format("  {}\n", tool ? "virtual tool, hand 5 e deep, against the exact ball" : name_of(model));
+      text += fmt::format("  {}\n", tool ? "virtual tool, hand 5 e deep, against the exact ball" : contact::name_of(model));
     text += table_row(report, i);
   }
   return text;
@@ -86,7 +88,7 @@ struct Entry {
   double value;
 };
 
-std::vector<Entry> figures(const AccuracyRow& r) {
+std::vector<Entry> figures(const accuracy::AccuracyRow& r) {
   std::vector<Entry> out{{"direction_median_deg", r.direction_median_deg},
                          {"direction_p95_deg", r.direction_p95_deg},
                          {"magnitude_noise", r.magnitude_noise},
@@ -102,10 +104,10 @@ std::vector<Entry> figures(const AccuracyRow& r) {
 }
 
 nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index) {
-  const AccuracyRow& r = report.rows[index];
+  const accuracy::AccuracyRow& r = report.rows[index];
   const bool built = r.refused.empty();
   nlohmann::ordered_json j{{"model", model_word(r.setting)},
-                           {"weights", weights_word(r.setting.weights)},
+                           {"weights", accuracy::weights_word(r.setting.weights)},
                            {"voxel_m", r.setting.voxel_m},
                            {"shell_voxel_m", r.setting.shell_voxel_m},
                            {"shell_points", built ? nlohmann::ordered_json(r.shell_points) : nlohmann::ordered_json()},
@@ -175,8 +177,8 @@ std::string to_csv(const AccuracyReport& report) {
   for (const Entry& f : figures({})) text += fmt::format(",{}", f.key);
   text += ",pareto,recommended,refused\n";
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
-    const AccuracyRow& r = report.rows[i];
-    text += fmt::format("{},{},{},{}", model_word(r.setting), weights_word(r.setting.weights), r.setting.voxel_m,
+    const accuracy::AccuracyRow& r = report.rows[i];
+    text += fmt::format("{},{},{},{}", model_word(r.setting), accuracy::weights_word(r.setting.weights), r.setting.voxel_m,
                         r.setting.shell_voxel_m);
     text += r.refused.empty() ? fmt::format(",{},{},{}", r.shell_points, r.bytes, r.contacts) : std::string(",,,0");
     for (const Entry& f : figures(r)) text += std::isfinite(f.value) ? fmt::format(",{}", f.value) : std::string(",");

@@ -16,9 +16,9 @@ struct AccuracyReport {
   std::uint64_t seed = 0;
   std::uint32_t contacts = 0;  ///< asked for
   double depth_edges = 0.0;
-  AccuracyWish wish;
-  std::vector<AccuracyRow> rows;
-  AccuracyAdvice advice;  ///< of these rows and this wish
+  accuracy::AccuracyWish wish;
+  std::vector<accuracy::AccuracyRow> rows;
+  accuracy::AccuracyAdvice advice;  ///< of these rows and this wish
   Machine machine;
   double load_before = -1.0, load_after = -1.0;  ///< load average of a minute; negative: not known
 };

@@ -28,8 +28,8 @@ struct DesignVerbOptions {
   bool held = false, no_damping = false, json = false;
 };
 
-std::string hand_text(const OperatorRange& hand, const std::string& name) {
-  const HandRange& h = hand.translation;
+std::string hand_text(const coupling::design::OperatorRange& hand, const std::string& name) {
+  const coupling::design::HandRange& h = hand.translation;
   if (h.any_passive) return "any hand that creates no energy";
   return fmt::format("{}: {:.3g} to {:.3g} kg, {:.3g} to {:.3g} Ns/m, {:.4g} to {:.4g} N/m{}", name, h.mass_min,
                      h.mass_max, h.damping_min, h.damping_max, h.stiffness_min, h.stiffness_max,
@@ -37,51 +37,53 @@ std::string hand_text(const OperatorRange& hand, const std::string& name) {
 }
 
 /// The request without a scene: whatever the device can show, or the stiffness given, in one contact that may be capped.
-DesignProblem request_for_device(const DesignVerbOptions& o, const DeviceModel& device) {
-  Scene scene;
+coupling::design::DesignProblem request_for_device(const DesignVerbOptions& o, const coupling::design::DeviceModel& device) {
+  scene::Scene scene;
   scene.voxel_size_m = 0.0;
   scene.design.emplace();
   const double most = o.stiffness_n_per_m > 0 ? o.stiffness_n_per_m : device.translation.max_stiffness;
   const double most_rotation = device.gives_torque ? device.rotation.max_stiffness : 0.0;
-  return design_problem(scene, device, {0.01 * most, most}, {0.01 * most_rotation, most_rotation});
+  return fitting::design_problem(scene, device, {0.01 * most, most}, {0.01 * most_rotation, most_rotation});
 }
 
 struct Asked {
-  DesignProblem request;
+  coupling::design::DesignProblem request;
   std::string contact, hand;
 };
 
 /// What the command line says goes over what the scene says.
-void apply(const DesignVerbOptions& o, const DeviceModel& device, DesignProblem& request, std::string& hand) {
+void apply(const DesignVerbOptions& o, const coupling::design::DeviceModel& device, coupling::design::DesignProblem& request,
+           std::string& hand) {
   if (!o.hand.empty()) {
-    DesignOptions ask;
-    Grip grip = device.grip;
+    scene::DesignOptions ask;
+    coupling::design::Grip grip = device.grip;
     if (o.hand == "any_passive")
-      ask.hand = HandOption::kAnyPassive;
+      ask.hand = scene::HandOption::kAnyPassive;
     else
-      parse_grip(o.hand, grip);
-    request.hand = operator_range(ask, grip);
+      coupling::design::parse_grip(o.hand, grip);
+    request.hand = scene::operator_range(ask, grip);
     hand = o.hand;
   }
   if (o.held) request.hand.translation.may_release = request.hand.rotation.may_release = false;
   if (o.no_damping) request.wishes.allow_injected_damping = false;
 }
 
-Asked ask(const DesignVerbOptions& o, const DeviceModel& device) {
+Asked ask(const DesignVerbOptions& o, const coupling::design::DeviceModel& device) {
   Asked out;
-  std::string hand = std::string(name_of(device.grip));
+  std::string hand = std::string(coupling::design::name_of(device.grip));
   if (o.scene.empty()) {
     out.request = request_for_device(o, device);
     out.contact =
         fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)", out.request.contact.all_points);
   } else {
-    const Scene scene = load_scene(o.scene);
-    tell("building {} to count its points\n", scene.name);
-    const auto built = build_scene(scene, runtime::threaded_for(), {.read = mesh_process()}, tell_each_second("design"));
-    const Plan& plan = built->plan();
-    out.request = design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
-    if (scene.design) hand = std::string(name_of(scene.design->hand));
-    const bool spring = is_spring({plan.contact_n_per_m, plan.contact_nm_per_rad});
+    const scene::Scene scene = scene::load_scene(o.scene);
+    log::tell("building {} to count its points\n", scene.name);
+    const auto built =
+        rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("design"));
+    const rendering::Plan& plan = built->plan();
+    out.request = fitting::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
+    if (scene.design) hand = std::string(scene::name_of(scene.design->hand));
+    const bool spring = rendering::is_spring({plan.contact_n_per_m, plan.contact_nm_per_rad});
     out.contact = spring ? fmt::format("scene {}: the spring of a virtual tool, up to the {:.4g} N/m that the device can show, at the hand",
                                        scene.name, out.request.contact.all_points)
                          : fmt::format("scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} points, at the hand", scene.name,
@@ -99,24 +101,24 @@ int design(const DesignVerbOptions& o) {
   std::unique_ptr<OutputFile> csv;
   if (!o.plot.empty()) check_picture(o.plot);
   if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
-  const DeviceModel device = find_device(o.device);
+  const coupling::design::DeviceModel device = find_device(o.device);
   const Asked asked = ask(o, device);
   DesignReport report;
   report.request = asked.request;
-  report.design = design_coupling(asked.request);
+  report.design = coupling::design::design_coupling(asked.request);
   report.paper = judge_paper_recipe(asked.request);
   report.region = region_round(asked.request, report.design);
   report.device = device.name;
   report.hand = asked.hand;
   report.contact = asked.contact;
   const std::string json = to_json(report).dump(2);
-  print_result("{}", o.json ? json + "\n" : to_text(report));
+  log::print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
     csv->keep(to_csv(report));
-    tell("{} holds the stable region\n", o.csv.string());
+    log::tell("{} holds the stable region\n", o.csv.string());
   }
-  if (!o.plot.empty()) tell("{}\n", draw_picture("design", json, o.plot));
-  return report.design.status == DesignStatus::kInfeasible ? 1 : 0;
+  if (!o.plot.empty()) log::tell("{}\n", draw_picture("design", json, o.plot));
+  return report.design.status == coupling::design::DesignStatus::kInfeasible ? 1 : 0;
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kPaperCutoffHz = 5.0;
 
-LoopController paper_controller() {
-  LoopController c;
+coupling::design::LoopController paper_controller() {
+  coupling::design::LoopController c;
   c.w0_rad_per_s = 2.0 * std::numbers::pi * kPaperCutoffHz;
   c.damping_ratio = 1.0;
   return c;
@@ -26,8 +26,8 @@ std::string range(double low, double high) {
   return low == high ? fmt::format("{:.3g}", low) : fmt::format("{:.3g} to {:.3g}", low, high);
 }
 
-std::string device_lines(const DeviceModel& d) {
-  const AxisModel& a = d.translation;
+std::string device_lines(const coupling::design::DeviceModel& d) {
+  const coupling::design::AxisModel& a = d.translation;
   std::string text = fmt::format("{} kg, {:.3g} Ns/m, {:.3g} N friction, step {:.3g} mm, {:.3g} N, {:.4g} N/m at most",
                                  range(a.inertia_min, a.inertia_max), a.damping, a.coulomb_friction, a.resolution * 1e3,
                                  a.max_effort, a.max_stiffness);
@@ -37,8 +37,8 @@ std::string device_lines(const DeviceModel& d) {
   return text;
 }
 
-std::string coupling_lines(const Design& design) {
-  const CouplingSpec& s = design.spec;
+std::string coupling_lines(const coupling::design::Design& design) {
+  const coupling::CouplingSpec& s = design.spec;
   std::string text;
   if (s.kind == "shaping_filter")
     text = fmt::format("shaping filter, {:.3g} Hz (w0 / 2 pi), damping ratio {:.3g}, gain {:.3g}; {:.2g} ms behind",
@@ -55,7 +55,7 @@ std::string coupling_lines(const Design& design) {
   return text;
 }
 
-std::string axis_lines(const AxisDesign& a, const char* unit) {
+std::string axis_lines(const coupling::design::AxisDesign& a, const char* unit) {
   std::string text = fmt::format("{:.4g} {} of {:.4g} wanted", a.shown_stiffness, unit, a.wanted_stiffness);
   if (std::isfinite(a.critical_stiffness))
     text += fmt::format("; unstable from {:.4g}: {}\n                margin {:.3g}", a.critical_stiffness,
@@ -114,7 +114,7 @@ nlohmann::ordered_json region_json(const DesignReport& r) {
   return j;
 }
 
-nlohmann::ordered_json axis_json(const AxisDesign& a) {
+nlohmann::ordered_json axis_json(const coupling::design::AxisDesign& a) {
   return {{"wanted_stiffness", finite(a.wanted_stiffness)},
           {"shown_stiffness", finite(a.shown_stiffness)},
           {"critical_stiffness", finite(a.critical_stiffness)},
@@ -131,32 +131,32 @@ nlohmann::ordered_json axis_json(const AxisDesign& a) {
 
 }  // namespace
 
-PaperRecipe judge_paper_recipe(const DesignProblem& request) {
+PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& request) {
   PaperRecipe out;
-  const AxisModel& axis = request.device.translation;
+  const coupling::design::AxisModel& axis = request.device.translation;
   out.stiffness = std::min(request.contact.all_points, axis.max_stiffness);
   out.critical_released = out.critical_held = std::numeric_limits<double>::quiet_NaN();
-  for (const DesignCase& one : design_cases(axis, request.device.timing, request.hand.translation)) {
-    const double critical = critical_stiffness(one.plant, paper_controller()).stiffness;
+  for (const coupling::design::DesignCase& one : coupling::design::design_cases(axis, request.device.timing, request.hand.translation)) {
+    const double critical = coupling::design::critical_stiffness(one.plant, paper_controller()).stiffness;
     double& worst = one.held ? out.critical_held : out.critical_released;
     worst = std::isnan(worst) ? critical : std::min(worst, critical);
   }
   return out;
 }
 
-StableRegion region_round(const DesignProblem& request, const Design& design) {
-  const DeviceModel& device = request.device;
-  LoopController chosen;
+coupling::design::StableRegion region_round(const coupling::design::DesignProblem& request, const coupling::design::Design& design) {
+  const coupling::design::DeviceModel& device = request.device;
+  coupling::design::LoopController chosen;
   chosen.damping_ratio = design.spec.damping_ratio;
   chosen.injected_damping = design.translation.injected_damping;
   chosen.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * design.translation.velocity_filter_hz;
   const double high_hz = std::max(20.0, 0.6 / (2.0 * std::numbers::pi * device.timing.period_s));
-  return stable_region(device.translation, device.timing, request.hand.translation, chosen, 1.0, high_hz, 64);
+  return coupling::design::stable_region(device.translation, device.timing, request.hand.translation, chosen, 1.0, high_hz, 64);
 }
 
 std::string to_text(const DesignReport& r) {
-  const Design& d = r.design;
-  std::string text = fmt::format("\n  {}\n\n", std::string(name_of(d.status)));
+  const coupling::design::Design& d = r.design;
+  std::string text = fmt::format("\n  {}\n\n", std::string(coupling::design::name_of(d.status)));
   const auto row = [&](const char* name, const std::string& value) {
     text += fmt::format("  {:<13} {}\n", name, value);
   };
@@ -180,10 +180,10 @@ std::string to_text(const DesignReport& r) {
 }
 
 nlohmann::ordered_json to_json(const DesignReport& r) {
-  const CouplingSpec& s = r.design.spec;
+  const coupling::CouplingSpec& s = r.design.spec;
   nlohmann::ordered_json j;
-  j["ok"] = r.design.status != DesignStatus::kInfeasible;
-  j["status"] = std::string(name_of(r.design.status));
+  j["ok"] = r.design.status != coupling::design::DesignStatus::kInfeasible;
+  j["status"] = std::string(coupling::design::name_of(r.design.status));
   j["device"] = r.device;
   j["hand"] = r.hand;
   j["contact"] = r.contact;

@@ -16,15 +16,15 @@ struct PaperRecipe {
   double critical_released = 0.0;  ///< where nobody holds it; NaN where that is not among the cases
   double critical_held = 0.0;      ///< worst of the hands
 };
-PaperRecipe judge_paper_recipe(const DesignProblem& request);
+PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& request);
 /// Stiffness at the hand over the filter's cut-off, from 1 Hz on: where the loop is stable with the damping that was chosen.
-StableRegion region_round(const DesignProblem& request, const Design& design);
+coupling::design::StableRegion region_round(const coupling::design::DesignProblem& request, const coupling::design::Design& design);
 
 struct DesignReport {
-  DesignProblem request;
-  Design design;
+  coupling::design::DesignProblem request;
+  coupling::design::Design design;
   PaperRecipe paper;
-  StableRegion region;                ///< of the chosen damping, over the cut-off
+  coupling::design::StableRegion region;                ///< of the chosen damping, over the cut-off
   std::string device, hand, contact;  ///< where the numbers come from, for a person
 };
 

@@ -37,13 +37,14 @@ struct PlanVerb {
 };
 
 /// The coupling on this device goes to `fitted`, where there is one that may run.
-DeviceVerdict judge(const PlanVerb& o, const Scene& scene, const Plan& plan, std::optional<CouplingSpec>& fitted) {
-  const DeviceModel device = find_device(o.device);
+DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene, const rendering::Plan& plan,
+                    std::optional<coupling::CouplingSpec>& fitted) {
+  const coupling::design::DeviceModel device = find_device(o.device);
   DeviceVerdict out{.device = o.device, .errors = {}, .notes = {}};
   if (!device.gives_torque)
     out.notes.push_back("It gives no torque: the contact's torque about the tool's origin is computed, and not felt.");
-  const FittedCoupling fit =
-      fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
+  const fitting::FittedCoupling fit =
+      fitting::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fit.refusal.empty()) {
     out.errors.push_back(fit.refusal);
     return out;
@@ -52,27 +53,27 @@ DeviceVerdict judge(const PlanVerb& o, const Scene& scene, const Plan& plan, std
     out.notes.push_back(fmt::format("The designed coupling shows {:.4g} of {:.4g} N/m at the hand.",
                                     fit.design.translation.shown_stiffness, fit.design.translation.wanted_stiffness));
   } else {
-    const DeviceCheck all = check_device(scene, device, plan.contact_n_per_m.all_points);
+    const fitting::DeviceCheck all = fitting::check_device(scene, device, plan.contact_n_per_m.all_points);
     out.notes.insert(out.notes.end(), all.warnings.begin(), all.warnings.end());
     if (!all.fits()) out.notes.push_back("Where all points push together: " + all.errors.front());
   }
-  const StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
-  if (std::string felt = felt_sentence(fit, scene, device, bounds); !felt.empty()) out.notes.push_back(std::move(felt));
+  const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
+  if (std::string felt = fitting::felt_sentence(fit, scene, device, bounds); !felt.empty()) out.notes.push_back(std::move(felt));
   fitted = scene.design ? fit.spec : scene.coupling;
   return out;
 }
 
 PlanReport make_report(const PlanVerb& o) {
-  Scene scene = load_scene(o.scene);
+  scene::Scene scene = scene::load_scene(o.scene);
   if (!o.model.empty() && scene.virtual_tool() && o.model != scene.contact.model)
     throw std::runtime_error(fmt::format("a virtual tool goes with the contact model {}, not with {}", scene.contact.model, o.model));
   if (!o.model.empty()) scene.contact.model = o.model;
-  tell("building {}\n", scene.name);
-  const std::unique_ptr<BuiltScene> built =
-      build_scene(scene, runtime::threaded_for(), {.read = mesh_process()}, tell_each_second("plan"));
+  log::tell("building {}\n", scene.name);
+  const std::unique_ptr<rendering::BuiltScene> built =
+      rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("plan"));
   PlanReport report;
   report.plan = built->plan();
-  for (PlanPart& part : rendering::ring_parts(scene)) report.plan.parts.push_back(std::move(part));
+  for (rendering::PlanPart& part : rendering_node::ring_parts(scene)) report.plan.parts.push_back(std::move(part));
   MeasureOptions ask{.frames = o.frames, .cpu_time_s = thread_cpu_s, .coupling = {}};
   if (!scene.design) ask.coupling = scene.coupling;
   if (!o.device.empty()) report.device = judge(o, scene, report.plan, ask.coupling);
@@ -82,7 +83,7 @@ PlanReport make_report(const PlanVerb& o) {
                                       ? "The coupling was not measured: none may run."
                                       : "The coupling was not measured: it is designed for a device; name one "
                                         "with --device.";
-  tell("measuring {} frames\n", o.frames);
+  log::tell("measuring {} frames\n", o.frames);
   report.machine = this_machine(), report.load = load_average();
   report.times = measure_plan(scene, *built, ask);
   return report;
@@ -92,12 +93,12 @@ int run(const PlanVerb& o) {
   try {
     const PlanReport report = make_report(o);
     if (o.json)
-      print_result("{}\n", to_json(report).dump(2));
+      log::print_result("{}\n", to_json(report).dump(2));
     else
-      print_result("{}", to_text(report));
+      log::print_result("{}", to_text(report));
     return report.device && !report.device->errors.empty() ? 1 : 0;
   } catch (const std::exception& error) {
-    if (o.json) print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
+    if (o.json) log::print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
     throw;
   }
 }

@@ -27,7 +27,7 @@ double median(std::vector<double> values) {
 /// of the surface that is drawn with a fixed seed.
 class Way {
  public:
-  Way(const Scene& scene, const Voxmap& voxmap, double reach_m, int frames) : frames_(frames), random_(kSeed) {
+  Way(const scene::Scene& scene, const voxmap::Voxmap& voxmap, double reach_m, int frames) : frames_(frames), random_(kSeed) {
     if (!scene.motions.empty()) {
       name_ = scene.motions.begin()->first, motion_ = scene.motions.begin()->second;
       duration_s_ =
@@ -35,14 +35,14 @@ class Way {
       return;
     }
     reach_m_ = reach_m;
-    voxmap.for_each_occupied([&](const VoxelIndex& v, VoxelKind kind) {
-      if (kind == VoxelKind::kSurface) surface_.push_back(voxmap.grid().centre(v));
+    voxmap.for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind kind) {
+      if (kind == voxmap::VoxelKind::kSurface) surface_.push_back(voxmap.grid().centre(v));
     });
   }
   const std::string& name() const { return name_; }
   double step_s() const { return motion_ ? duration_s_ / frames_ : 1e-3; }
-  ToolState at(int n) {
-    ToolState tool;
+  rendering::ToolState at(int n) {
+    rendering::ToolState tool;
     if (motion_) {
       const MotionPoint point = motion_at(*motion_, step_s() * n);
       tool.pose = {point.position, motion_->orientation};
@@ -100,20 +100,20 @@ struct Samples {
 
 class Measurement {
  public:
-  Measurement(const Scene& scene, BuiltScene& built, const MeasureOptions& ask)
+  Measurement(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& ask)
       : scene_(scene), built_(built), way_(scene, built.voxmap(), built.renderer().query().reach_m(), ask.frames),
         watch_(ask.cpu_time_s) {
     samples_.effects.resize(scene.effects.size());
-    for (const EffectSpec& effect : scene.effects) alone_.emplace_back(std::vector<EffectSpec>{effect});
-    if (ask.coupling) coupling_.emplace(*ask.coupling, CouplingLimits{}, kDefaultS);
+    for (const effects::EffectSpec& effect : scene.effects) alone_.emplace_back(std::vector<effects::EffectSpec>{effect});
+    if (ask.coupling) coupling_.emplace(*ask.coupling, coupling::CouplingLimits{}, kDefaultS);
     hits_.reserve(built.renderer().query().shell().size());
     built.scene_renderer().reset();
   }
 
   /// Frames in contact are what counts, where there are any: those without are told apart.
   void frame(int n, PlanTimes& out) {
-    const ToolState tool = way_.at(n);
-    ObjectContacts& contacts = built_.contacts();
+    const rendering::ToolState tool = way_.at(n);
+    rendering::ObjectContacts& contacts = built_.contacts();
     double time_s = static_cast<double>(n), hits = 0.0, tested = 0.0;
     for (std::size_t o = 0; o < contacts.size(); ++o) {
       contacts.object(o).renderer->query().find(tool.pose, hits_);
@@ -125,31 +125,31 @@ class Measurement {
     double find = 0.0;
     for (std::size_t o = 0; o < contacts.size(); ++o)
       find += watch_.ns([&] { contacts.object(o).renderer->query().find(tool.pose, hits_); });
-    StageResult touch;
+    contact::StageResult touch;
     const double whole = watch_.ns([&] { touch = contacts.render(tool.pose, 0.0); });
     samples_.find.push_back(find);
     samples_.rest.push_back(std::max(0.0, whole - find));
     samples_.tested.push_back(tested);
     samples_.hits.push_back(hits);
-    const EffectFrame in = built_.scene_renderer().look(tool, kDefaultS, time_s, contacts.parts(touch));
+    const effects::EffectFrame in = built_.scene_renderer().look(tool, kDefaultS, time_s, contacts.parts(touch));
     for (std::size_t e = 0; e < alone_.size(); ++e)
       samples_.effects[e].push_back(watch_.ns([&] { push_ = alone_[e].apply(in); }));
-    SceneFrame all;
+    rendering::SceneFrame all;
     samples_.frame.push_back(watch_.ns([&] { all = built_.scene_renderer().render(tool, time_s += kDefaultS); }));
     if (coupling_) {
-      const CouplingInput input{all.wrench, all.stiffness_bound_n_per_m, all.stiffness, tool.pose};
+      const coupling::CouplingInput input{all.wrench, all.stiffness_bound_n_per_m, all.stiffness, tool.pose};
       samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
     }
   }
 
   /// A body's motion is in the frame, not in its effect: it is timed by itself.
   double measured(std::size_t effect) {
-    const EffectSpec& spec = scene_.effects[effect];
-    const std::optional<BodyShape>& shape = built_.effect_ground().body;
+    const effects::EffectSpec& spec = scene_.effects[effect];
+    const std::optional<effects::BodyShape>& shape = built_.effect_ground().body;
     if (!spec.kind->needs(spec.values).body || !shape) return median(samples_.effects[effect]);
-    RigidBody body(*shape);
+    effects::RigidBody body(*shape);
     body.place({}, true);
-    const BodyParameters parameters = body_parameters(spec.values);
+    const effects::BodyParameters parameters = effects::body_parameters(spec.values);
     return watch_.ns([&] { grip_ = body.step({}, {}, {}, true, 0.0, parameters, kDefaultS); });
   }
 
@@ -160,23 +160,23 @@ class Measurement {
     samples_.effects.resize(scene_.effects.size());
   }
 
-  void free_frame(const ToolState& tool, double time_s) {
+  void free_frame(const rendering::ToolState& tool, double time_s) {
     free_.push_back(watch_.ns([&] { built_.scene_renderer().render(tool, time_s += kDefaultS); }));
   }
 
   void sum_up(PlanTimes& out) {
     out.along = way_.name();
     out.points_tested = median(samples_.tested), out.hits = median(samples_.hits);
-    out.parts.push_back({"pointshell", kNsPerPoint * out.points_tested, median(samples_.find)});
+    out.parts.push_back({"pointshell", rendering::kNsPerPoint * out.points_tested, median(samples_.find)});
     const std::string& model = built_.plan().contact_model;
     out.parts.push_back(
-        {"contact model " + model, kNsPerFrame + ns_per_contact_point(model) * out.hits, median(samples_.rest)});
+        {"contact model " + model, rendering::kNsPerFrame + rendering::ns_per_contact_point(model) * out.hits, median(samples_.rest)});
     for (std::size_t e = 0; e < alone_.size(); ++e) {
-      const EffectSpec& effect = scene_.effects[e];
+      const effects::EffectSpec& effect = scene_.effects[e];
       out.parts.push_back({"effect " + effect.name,
-                           expected_ns(effect, built_.effect_ground().tool.points.size()), measured(e)});
+                           rendering::expected_ns(effect, built_.effect_ground().tool.points.size()), measured(e)});
     }
-    if (coupling_) out.parts.push_back({"coupling", kNsPerCoupling, median(samples_.coupling)});
+    if (coupling_) out.parts.push_back({"coupling", rendering::kNsPerCoupling, median(samples_.coupling)});
     std::vector<double> frames = samples_.frame;
     std::sort(frames.begin(), frames.end());
     if (frames.empty()) return;
@@ -186,23 +186,23 @@ class Measurement {
   }
 
  private:
-  static constexpr double kDefaultS = SceneRenderer::kDefaultStepS;
-  const Scene& scene_;
-  BuiltScene& built_;
+  static constexpr double kDefaultS = rendering::SceneRenderer::kDefaultStepS;
+  const scene::Scene& scene_;
+  rendering::BuiltScene& built_;
   Way way_;
   Stopwatch watch_;
-  std::vector<EffectChain> alone_;
-  std::optional<RunningCoupling> coupling_;
-  HitList hits_;
-  EffectPush push_;
-  BodyGrip grip_;
+  std::vector<effects::EffectChain> alone_;
+  std::optional<coupling::RunningCoupling> coupling_;
+  contact::HitList hits_;
+  effects::EffectPush push_;
+  effects::BodyGrip grip_;
   Samples samples_;
   std::vector<double> free_;  ///< whole frames out of contact
 };
 
 }  // namespace
 
-PlanTimes measure_plan(const Scene& scene, BuiltScene& built, const MeasureOptions& ask) {
+PlanTimes measure_plan(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& ask) {
   PlanTimes out;
   out.frames = ask.frames;
   Measurement measurement(scene, built, ask);

@@ -13,7 +13,7 @@ namespace voxtouch::cli {
 struct MeasureOptions {
   int frames = 1000;
   std::function<double()> cpu_time_s;    ///< a clock that counts this thread's CPU time [s]
-  std::optional<CouplingSpec> coupling;  ///< what to step, in W; none: the coupling is not measured
+  std::optional<coupling::CouplingSpec> coupling;  ///< what to step, in W; none: the coupling is not measured
 };
 
 /// One part of Plan::parts, by its name. Medians over the frames in contact; over all where none is.
@@ -34,6 +34,6 @@ struct PlanTimes {
 
 /// Each frame's parts are timed in batches of the same frame and what asking for the time costs is taken off; the contact model
 /// is what a whole contact takes above finding its hits. Leaves the renderer reset.
-PlanTimes measure_plan(const Scene& scene, BuiltScene& built, const MeasureOptions& ask);
+PlanTimes measure_plan(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& ask);
 
 }  // namespace voxtouch::cli

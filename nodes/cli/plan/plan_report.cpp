@@ -15,12 +15,12 @@ const PartTime* time_of(const PlanReport& report, const std::string& part) {
   return nullptr;
 }
 
-bool of_the_ring(const PlanPart& part) { return part.name.starts_with("topic ") || part.name.starts_with("node "); }
+bool of_the_ring(const rendering::PlanPart& part) { return part.name.starts_with("topic ") || part.name.starts_with("node "); }
 
 std::string ns_text(double ns) { return ns > 0.0 ? fmt::format("{:.0f}", ns) : "-"; }
 
 /// What has no time of its own says where its time is counted.
-std::string measured_text(const PlanReport& report, const PlanPart& part) {
+std::string measured_text(const PlanReport& report, const rendering::PlanPart& part) {
   if (const PartTime* time = time_of(report, part.name)) return fmt::format("{:.0f}", time->measured_ns);
   if (!report.times) return "";
   if (part.name == "voxmap" || part.name == "culling tree") return "(pointshell)";
@@ -30,15 +30,15 @@ std::string measured_text(const PlanReport& report, const PlanPart& part) {
 
 std::string frame_rows(const PlanReport& report) {
   std::size_t width = 4;
-  for (const PlanPart& part : report.plan.parts)
+  for (const rendering::PlanPart& part : report.plan.parts)
     if (!of_the_ring(part)) width = std::max(width, part.name.size());
   std::string text = fmt::format("  {:<{}} {:>10} {:>11} {:>11} {:>12}  why\n", "part", width, "bytes", "at most ns",
                                  "expected ns", "measured ns");
-  for (const PlanPart& part : report.plan.parts) {
+  for (const rendering::PlanPart& part : report.plan.parts) {
     if (of_the_ring(part)) continue;
     const PartTime* time = time_of(report, part.name);
     text += fmt::format("  {:<{}} {:>10} {:>11} {:>11} {:>12}  {}\n", part.name, width,
-                        part.bytes > 0 ? bytes_text(part.bytes) : "-", ns_text(part.expected_ns),
+                        part.bytes > 0 ? rendering::bytes_text(part.bytes) : "-", ns_text(part.expected_ns),
                         time ? ns_text(time->expected_ns) : "", measured_text(report, part), part.why);
   }
   return text;
@@ -46,10 +46,10 @@ std::string frame_rows(const PlanReport& report) {
 
 std::string ring_rows(const PlanReport& report) {
   std::size_t width = 4;
-  for (const PlanPart& part : report.plan.parts)
+  for (const rendering::PlanPart& part : report.plan.parts)
     if (of_the_ring(part)) width = std::max(width, part.name.size());
   std::string text;
-  for (const PlanPart& part : report.plan.parts)
+  for (const rendering::PlanPart& part : report.plan.parts)
     if (of_the_ring(part)) text += fmt::format("  {:<{}} {:<10}  {}\n", part.name, width, part.node, part.why);
   return text;
 }
@@ -78,7 +78,7 @@ std::string times_text(const PlanReport& report) {
   return text;
 }
 
-nlohmann::ordered_json part_json(const PlanReport& report, const PlanPart& part) {
+nlohmann::ordered_json part_json(const PlanReport& report, const rendering::PlanPart& part) {
   nlohmann::ordered_json j{{"name", part.name},
                            {"node", part.node},
                            {"why", part.why},
@@ -93,12 +93,12 @@ nlohmann::ordered_json part_json(const PlanReport& report, const PlanPart& part)
 }  // namespace
 
 std::string to_text(const PlanReport& report) {
-  const Plan& plan = report.plan;
+  const rendering::Plan& plan = report.plan;
   std::uint64_t bytes = 0;
-  for (const PlanPart& part : plan.parts) bytes += part.bytes;
+  for (const rendering::PlanPart& part : plan.parts) bytes += part.bytes;
   std::string text = fmt::format("Scene {} ({})\n\nWhat a frame is made of\n", plan.scene, plan.scene_hash);
   text += frame_rows(report);
-  text += fmt::format("  All parts: {}; at most about {:.1f} us a frame of the rendering.\n", bytes_text(bytes),
+  text += fmt::format("  All parts: {}; at most about {:.1f} us a frame of the rendering.\n", rendering::bytes_text(bytes),
                       plan.expected_ns_per_frame / 1e3);
   text += times_text(report);
   text += "\nTopics and nodes\n" + ring_rows(report);
@@ -111,7 +111,7 @@ std::string to_text(const PlanReport& report) {
 }
 
 nlohmann::ordered_json to_json(const PlanReport& report) {
-  const Plan& plan = report.plan;
+  const rendering::Plan& plan = report.plan;
   nlohmann::ordered_json j{{"ok", !report.device || report.device->errors.empty()},
                            {"scene", plan.scene},
                            {"scene_hash", plan.scene_hash},
@@ -123,7 +123,7 @@ nlohmann::ordered_json to_json(const PlanReport& report) {
                            {"bytes", plan.bytes},
                            {"at_most_ns_per_frame", plan.expected_ns_per_frame}};
   j["parts"] = nlohmann::ordered_json::array();
-  for (const PlanPart& part : plan.parts) j["parts"].push_back(part_json(report, part));
+  for (const rendering::PlanPart& part : plan.parts) j["parts"].push_back(part_json(report, part));
   j["built"] = plan.built, j["left_out"] = plan.left_out, j["warnings"] = plan.warnings;
   j["measured"] = nullptr;
   if (report.times) {

@@ -40,15 +40,15 @@ std::string ranges(const std::vector<std::uint32_t>& ids) {
 /// What a static object without an inside leaves open.
 const Vec3 kUnknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
-int probe_reference(const Scene& scene, const std::vector<Pose>& poses) {
-  const ReferenceScene reference(scene);
-  std::optional<ReferenceWrench> truth;
+int probe_reference(const scene::Scene& scene, const std::vector<Pose>& poses) {
+  const reference::ReferenceScene reference(scene);
+  std::optional<reference::ReferenceWrench> truth;
   if (reference.inside_known()) truth.emplace(scene, 0.25 * scene.voxel_size_m);
-  print_result("gap_m,dx,dy,dz,unique_face,self_check,fx,fy,fz,tx,ty,tz\n");
+  log::print_result("gap_m,dx,dy,dz,unique_face,self_check,fx,fy,fz,tx,ty,tz\n");
   for (const Pose& pose : poses) {
-    const GapResult g = reference.gap(pose);
+    const reference::GapResult g = reference.gap(pose);
     const Wrench w = truth ? truth->at(pose).wrench : Wrench{kUnknown, kUnknown};
-    print_result("{},{},{},{},{},{},{},{},{},{},{},{}\n", g.gap_m, g.direction.x(), g.direction.y(), g.direction.z(),
+    log::print_result("{},{},{},{},{},{},{},{},{},{},{},{}\n", g.gap_m, g.direction.x(), g.direction.y(), g.direction.z(),
                int{g.unique_face}, int{g.self_check}, w.force.x(), w.force.y(), w.force.z(), w.torque.x(), w.torque.y(),
                w.torque.z());
   }
@@ -56,31 +56,31 @@ int probe_reference(const Scene& scene, const std::vector<Pose>& poses) {
 }
 
 /// Absent: the scene's own, or the reference. Throws for a model that is not there, before anything is read or built.
-std::optional<ContactModelKind> chosen_model(const std::string& word) {
+std::optional<contact::ContactModelKind> chosen_model(const std::string& word) {
   if (word.empty() || word == "reference") return std::nullopt;
-  ContactModelKind kind{};
-  if (!parse_contact_model(word, kind))
+  contact::ContactModelKind kind{};
+  if (!contact::parse_contact_model(word, kind))
     throw std::runtime_error(
         fmt::format("there is no contact model '{}'; --model takes original, adapted, clustered, field or reference", word));
   return kind;
 }
 
 int probe(const ProbeOptions& o) {
-  const std::optional<ContactModelKind> model = chosen_model(o.model);
-  const Scene scene = load_scene(o.scene);
+  const std::optional<contact::ContactModelKind> model = chosen_model(o.model);
+  const scene::Scene scene = scene::load_scene(o.scene);
   const std::vector<Pose> poses = read_poses(o.poses);
-  if (o.model == "reference") return rehearse_reading(scene), probe_reference(scene, poses);
-  const auto built = build_scene(scene, runtime::threaded_for(), {.model = model, .read = mesh_process()},
-                                 [](const std::string& text) { tell("{}\n", text); });
-  for (const std::string& warning : built->plan().warnings) tell("warning: {}\n", warning);
-  print_result("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
+  if (o.model == "reference") return mesh_import::rehearse_reading(scene), probe_reference(scene, poses);
+  const auto built = rendering::build_scene(scene, runtime::threaded_for(), {.model = model, .read = mesh_import::mesh_process()},
+                                 [](const std::string& text) { log::tell("{}\n", text); });
+  for (const std::string& warning : built->plan().warnings) log::tell("warning: {}\n", warning);
+  log::print_result("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
   std::vector<std::uint32_t> ids;
   for (const Pose& pose : poses) {
-    const ContactResult r = built->contacts().probe(pose, ids);
+    const contact::ContactResult r = built->contacts().probe(pose, ids);
     const Vec3 &f = r.wrench.force, &t = r.wrench.torque;
-    print_result("{},{},{},{},{},{},{},{},{}", r.surface_hits, r.interior_hits, r.coherence, f.x(), f.y(), f.z(), t.x(),
+    log::print_result("{},{},{},{},{},{},{},{},{}", r.surface_hits, r.interior_hits, r.coherence, f.x(), f.y(), f.z(), t.x(),
                t.y(), t.z());
-    print_result("{}\n", o.points ? "," + ranges(ids) : "");
+    log::print_result("{}\n", o.points ? "," + ranges(ids) : "");
   }
   return 0;
 }

@@ -22,7 +22,7 @@ int write_types(const std::filesystem::path& folder) {
     throw std::runtime_error(fmt::format("the folder {} could not be made: {}", package.string(), error.message()));
   for (const msg::PythonFile& file : msg::kPythonFiles) OutputFile(package / file.name).keep(std::string(file.text));
   OutputFile(package / "topics.py").keep(python_topics());
-  print_result("{} holds the messages for PyPI's cyclonedds 11; its __init__.py shows how to listen in five lines.\n",
+  log::print_result("{} holds the messages for PyPI's cyclonedds 11; its __init__.py shows how to listen in five lines.\n",
              package.string());
   return 0;
 }

@@ -89,10 +89,10 @@ class ThreadOfThisProcess final : public RunningNode {
           int status = 1;
           try {
             options.warnings = runtime::enter_realtime(options.realtime);
-            for (const std::string& warning : options.warnings) tell("warning: {}: {}\n", name_, warning);
+            for (const std::string& warning : options.warnings) log::tell("warning: {}: {}\n", name_, warning);
             status = run(stop_);
           } catch (const std::exception& error) {
-            tell("error: {}: {}\n", name_, error.what());
+            log::tell("error: {}: {}\n", name_, error.what());
           }
           status_.store(status, std::memory_order_release);
         }) {}
@@ -101,8 +101,8 @@ class ThreadOfThisProcess final : public RunningNode {
     join(kStopTimeout);
     if (!ended()) {
       // A thread cannot be ended by force, and nothing may be destroyed under it: the process goes instead.
-      tell("error: {} did not stop; the process ends without it\n", name_);
-      finish_telling();
+      log::tell("error: {} did not stop; the process ends without it\n", name_);
+      log::finish_telling();
       std::_Exit(1);
     }
     thread_.join();
@@ -123,11 +123,11 @@ class ThreadOfThisProcess final : public RunningNode {
   std::thread thread_;
 };
 
-std::vector<std::string> device_arguments(const device::Options& o) {
+std::vector<std::string> device_arguments(const device_node::Options& o) {
   std::vector<std::string> a = runtime::to_arguments(o, true);
   a.insert(a.end(), {"--device", o.device, "--duration", fmt::format("{}", o.duration_s)});
   if (!o.motion.empty()) a.insert(a.end(), {"--motion", o.motion});
-  device::append_arguments(o.hand, a);
+  device_node::append_arguments(o.hand, a);
   for (const std::string& setting : o.settings) a.insert(a.end(), {"--device-option", setting});
   return a;
 }
@@ -187,13 +187,13 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
       [&o](Stop stop) { return validator::run(o.validator, stop); });
   start(
       "coupling", o.coupling, [&] { return runtime::to_arguments(o.coupling, true); },
-      [&o](Stop stop) { return coupling::run(o.coupling, stop); });
+      [&o](Stop stop) { return coupling_node::run(o.coupling, stop); });
   start(
       "rendering", o.rendering, [&] { return runtime::to_arguments(o.rendering, true); },
-      [&o](Stop stop) { return rendering::run(o.rendering, stop); });
+      [&o](Stop stop) { return rendering_node::run(o.rendering, stop); });
   start(
       "device", o.device, [&] { return device_arguments(o.device); },
-      [&o](Stop stop) { return device::run(o.device, stop); });
+      [&o](Stop stop) { return device_node::run(o.device, stop); });
   return nodes;
 }
 

@@ -36,9 +36,9 @@ class RunningNode {
 
 /// What each node is started with.
 struct LauncherOptions {
-  device::Options device;
-  rendering::Options rendering;
-  coupling::Options coupling;
+  device_node::Options device;
+  rendering_node::Options rendering;
+  coupling_node::Options coupling;
   logger::Options logger;
   validator::Options validator;
   bool record = true;

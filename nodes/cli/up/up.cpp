@@ -32,7 +32,7 @@ constexpr useconds_t kWatchPeriodUs = 20'000;
 struct UpOptions {
   runtime::NodeOptions node;
   std::string device = "sim-phantom", motion;
-  device::HandChoice hand;
+  device_node::HandChoice hand;
   double duration_s = 0.0;
   std::filesystem::path bag;
   std::vector<std::string> settings, topics, limits;
@@ -52,7 +52,7 @@ std::filesystem::path default_bag(const std::string& scene) {
 /// Runs the ring once: start, watch, stop in order, sum up.
 class Run {
  public:
-  Run(const UpOptions& options, const Scene& scene)
+  Run(const UpOptions& options, const scene::Scene& scene)
       : options_(options), participant_(options.node.participant("up")),
         status_(participant_, "up", options.node.rig), registry_(participant_, options.node.rig),
         verdicts_(participant_, qos::kValidation, options.node.rig, qos::profile(qos::ProfileId::kTap)) {
@@ -162,7 +162,7 @@ class Run {
     while (!runtime::stop_requested().load()) {
       listen();
       if (runtime::monotonic_ns() >= next_line) {
-        tell("{}\n", status_line(summary_.reports, names()));
+        log::tell("{}\n", status_line(summary_.reports, names()));
         tell_trouble();
         next_line += 1'000'000'000;
       }
@@ -175,7 +175,7 @@ class Run {
       if (over || note_refusals()) return;
       usleep(kWatchPeriodUs);  // ended at once by a signal: Ctrl-C, or that a node has died
     }
-    tell("stopping\n");
+    log::tell("stopping\n");
     if (options_.duration_s > 0)
       summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", options_.duration_s));
   }
@@ -192,7 +192,7 @@ class Run {
       const auto ours = summary_.reports.find(hung.node);
       if (ours == summary_.reports.end() || ours->second.participant != hung.participant || !is_running(hung.node)) continue;
       still.insert(hung.node);
-      if (hanging_.insert(hung.node).second) tell("  {}\n", hung.sentence);
+      if (hanging_.insert(hung.node).second) log::tell("  {}\n", hung.sentence);
       if (hung.for_s * 1e9 < static_cast<double>(runtime::kGivenUpNs)) continue;
       summary_.problems.push_back(fmt::format("{} has given no sign of life for {} s: the run ends without it", hung.node,
                                               runtime::kGivenUpNs / 1'000'000'000));
@@ -200,7 +200,7 @@ class Run {
     }
     std::erase_if(hanging_, [&](const std::string& name) {
       if (still.contains(name)) return false;
-      tell("  {} is heard again\n", name);
+      log::tell("  {} is heard again\n", name);
       return true;
     });
     return false;
@@ -217,7 +217,7 @@ class Run {
     if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
     const std::string& message = report->second.message;
     if (message == told_ || !hanging_.empty()) return;  // who hangs has been named
-    if (message != "running") tell("  device: {}\n", message);
+    if (message != "running") log::tell("  device: {}\n", message);
     told_ = message;
   }
 
@@ -286,18 +286,18 @@ class Run {
 RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
   signal(SIGCHLD, [](int) {});  // is not to be ignored by `usleep`
-  const Scene scene = load_scene(options.node.scene);
-  for (const std::string& warning : scene.warnings) tell("warning: {}\n", warning);
+  const scene::Scene scene = scene::load_scene(options.node.scene);
+  for (const std::string& warning : scene.warnings) log::tell("warning: {}\n", warning);
   std::unique_ptr<RunningNode> page;  // first: what takes long to build can be looked at meanwhile
   if (options.view) page = start_page(options.node);
-  for (const std::string& note : check_before_start(scene, {options.device, parse_settings(options.settings),
+  for (const std::string& note : check_before_start(scene, {options.device, devices::parse_settings(options.settings),
                                                             options.motion, options.no_record ? "" : options.bag}))
-    tell("note: {}\n", note);
+    log::tell("note: {}\n", note);
   return Run(options, scene).go();
 }
 
 void print_json(const nlohmann::ordered_json& json) {
-  print_result("{}\n",
+  log::print_result("{}\n",
              json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
 }
 
@@ -307,7 +307,7 @@ int up(const UpOptions& options) {
     if (options.json)
       print_json(to_json(summary));
     else
-      print_result("{}", to_text(summary));
+      log::print_result("{}", to_text(summary));
     return summary.problems.empty() ? 0 : 1;
   } catch (const std::exception& error) {
     if (options.json) print_json({{"ok", false}, {"problems", {error.what()}}});
@@ -327,13 +327,13 @@ void add_up(CLI::App& app, Action& action) {
       ->check(CLI::ExistingFile);
   runtime::add_node_options(*verb, options->node, false);
   verb->remove_option(verb->get_option("--peers"));
-  device::add_device_options(*verb, options->device, options->settings);
+  device_node::add_device_options(*verb, options->device, options->settings);
   verb->add_option("--motion", options->motion,
                    "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
   verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")
       ->capture_default_str()
-      ->check(device::check_duration);
-  device::add_hand_options(*verb, options->hand);
+      ->check(device_node::check_duration);
+  device_node::add_hand_options(*verb, options->hand);
   verb->add_option("--record", options->bag,
                    "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
   verb->add_option("--topic", options->topics, "Record this DDS topic as well (its type has to be compiled in), such as rt/tf")

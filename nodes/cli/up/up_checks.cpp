@@ -39,26 +39,26 @@ void check_bag(const std::filesystem::path& bag) {
 }
 
 /// Ctrl-C ends it: there is nothing to stop in order yet.
-std::unique_ptr<BuiltScene> build_unless_stopped(const Scene& scene) {
+std::unique_ptr<rendering::BuiltScene> build_unless_stopped(const scene::Scene& scene) {
   const ParallelFor until_stopped = [](std::size_t count, const std::function<void(std::size_t)>& body) {
     for (std::size_t i = 0; i < count; ++i) {
       if (runtime::stop_requested().load(std::memory_order_relaxed)) throw std::runtime_error("stopped before the start");
       body(i);
     }
   };
-  return build_scene(scene, until_stopped, {.read = mesh_process()}, tell_each_second("up"));
+  return rendering::build_scene(scene, until_stopped, {.read = mesh_import::mesh_process()}, log::tell_each_second("up"));
 }
 
 /// `felt`: what will be felt of a virtual tool. What the coupling node will say of this device and scene, by its own code: a sentence; empty: it will command forces. What all
 /// points show together is known only of the scene as built, so it is built here as well.
-std::string why_no_force(const Scene& scene, const DeviceDescription& description, std::string& felt) {
+std::string why_no_force(const scene::Scene& scene, const DeviceDescription& description, std::string& felt) {
   if (std::string wrong = what_is_wrong(description); !wrong.empty()) return wrong;
-  const std::unique_ptr<BuiltScene> built = build_unless_stopped(scene);
-  const Plan& plan = built->plan();
-  const DeviceModel device = model_of(description);
-  const StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
-  const FittedCoupling fitted = fit_coupling(scene, device, bounds, demand_of(scene));
-  felt = felt_sentence(fitted, scene, device, bounds);
+  const std::unique_ptr<rendering::BuiltScene> built = build_unless_stopped(scene);
+  const rendering::Plan& plan = built->plan();
+  const coupling::design::DeviceModel device = coupling::design::model_of(description);
+  const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
+  const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds, fitting::demand_of(scene));
+  felt = fitting::felt_sentence(fitted, scene, device, bounds);
   return fitted.refusal;
 }
 
@@ -85,21 +85,21 @@ constexpr SampleNote kSampleNotes[] = {
 
 }  // namespace
 
-std::vector<std::string> check_before_start(const Scene& scene, const Plans& plans) {
-  DeviceOptions options;
+std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans) {
+  devices::DeviceOptions options;
   options.settings = plans.settings;
-  const DeviceDescription description = describe_device(plans.device, options);
-  device::choose_motion(scene, plans.motion);
+  const DeviceDescription description = devices::describe_device(plans.device, options);
+  device_node::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
   std::string felt;
   if (const std::string why = why_no_force(scene, description, felt); !why.empty())
     throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));
   std::vector<std::string> notes;
   if (!scene.design)
-    notes = check_device(scene, model_of(description), least_stiffness_n_per_m(scene))
+    notes = fitting::check_device(scene, coupling::design::model_of(description), fitting::least_stiffness_n_per_m(scene))
                 .warnings;
   if (!felt.empty()) notes.insert(notes.begin(), std::move(felt));
-  const bool simulated_hand = has_simulated_hand(plans.device);
+  const bool simulated_hand = devices::has_simulated_hand(plans.device);
   if (!simulated_hand && !plans.motion.empty())
     notes.push_back(
         fmt::format("--motion {} moves a simulated hand; {} is moved by a person", plans.motion, plans.device));

@@ -12,7 +12,7 @@ namespace voxtouch::cli {
 
 struct Plans {
   std::string device;
-  DeviceSettings settings;
+  devices::DeviceSettings settings;
   std::string motion;
   std::filesystem::path bag;  ///< empty: none
 };
@@ -20,7 +20,7 @@ struct Plans {
 /// Throws std::runtime_error, a sentence: unknown device, device option or motion, a scene that cannot be built, a device that the
 /// coupling node would command no force for with this scene, a bag folder that exists or could not be made. Returns what a user may
 /// want to know, as sentences. Takes as long as the scene is built for.
-std::vector<std::string> check_before_start(const Scene& scene, const Plans& plans);
+std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans);
 
 /// Sorts what the nodes have reported into problems and notes.
 void judge(RunSummary& summary);

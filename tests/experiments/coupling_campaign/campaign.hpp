@@ -50,7 +50,7 @@ struct PhaseResult {
 
   Tally& tally(const std::string& kind);
   /// Counts a run; true if it is unstable.
-  bool count(const std::string& kind, const NonlinearVerdict& verdict);
+  bool count(const std::string& kind, const coupling_models::NonlinearVerdict& verdict);
 };
 
 /// The paper's filter taken literally, 5 Hz and d = 1, its gain limited only by the device's largest stiffness.
@@ -63,12 +63,13 @@ PhaseResult predictor_phase(const Options& options);
 /// Push, speed and length of a run for a loop whose contact is set. `shown`: stiffness that reaches the hand; it says how deep
 /// the push goes, half a millimetre to a centimetre or 60 % of `max_effort`. At least 8 of the loop's slowest time constants
 /// and 20 swings, at most two million samples; the longest eight times that.
-void drive(NonlinearLoop& loop, double shown, double max_effort, Random& random);
+void drive(coupling_models::NonlinearLoop& loop, double shown, double max_effort, coupling_models::Random& random);
 /// Jitter within +- `jitter`, 1 to 3 % loss of at most `lost_in_a_row`, quantisation, a wall that only pushes, any of the laws.
-void disturb(NonlinearLoop& loop, const LoopTiming& timing, double resolution, Random& random);
+void disturb(coupling_models::NonlinearLoop& loop, const coupling::design::LoopTiming& timing, double resolution,
+             coupling_models::Random& random);
 
 /// A loop and what became of it, for a person and for a debugger.
-std::string describe(const NonlinearLoop& loop, const NonlinearVerdict& verdict);
+std::string describe(const coupling_models::NonlinearLoop& loop, const coupling_models::NonlinearVerdict& verdict);
 
 /// As lines of text, or as one JSON object.
 std::string as_table(const std::vector<PhaseResult>& phases);

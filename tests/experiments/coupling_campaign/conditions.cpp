@@ -11,17 +11,17 @@ namespace {
 constexpr double kMaxSamples = 2e6;
 
 /// Slowest decay of the linear loop [s]; 0 where it does not decay.
-double linear_time_constant(const NonlinearLoop& loop) {
-  const double rate = -std::log(spectral_radius(loop.plant, loop.controller, loop.contact_stiffness));
+double linear_time_constant(const coupling_models::NonlinearLoop& loop) {
+  const double rate = -std::log(coupling::design::spectral_radius(loop.plant, loop.controller, loop.contact_stiffness));
   return rate > 0.0 ? loop.plant.period_s / rate : 0.0;
 }
 
-const char* name_of(WallLaw wall) {
+const char* name_of(coupling_models::WallLaw wall) {
   switch (wall) {
-    case WallLaw::kBilateral: return "bilateral";
-    case WallLaw::kUnilateral: return "unilateral";
-    case WallLaw::kSoftening: return "softening";
-    case WallLaw::kHardening: return "hardening";
+    case coupling_models::WallLaw::kBilateral: return "bilateral";
+    case coupling_models::WallLaw::kUnilateral: return "unilateral";
+    case coupling_models::WallLaw::kSoftening: return "softening";
+    case coupling_models::WallLaw::kHardening: return "hardening";
   }
   return "?";
 }
@@ -33,30 +33,32 @@ Tally& PhaseResult::tally(const std::string& kind) {
   return there != tallies.end() ? *there : tallies.emplace_back(Tally{.name = kind});
 }
 
-bool PhaseResult::count(const std::string& kind, const NonlinearVerdict& verdict) {
+bool PhaseResult::count(const std::string& kind, const coupling_models::NonlinearVerdict& verdict) {
   Tally& t = tally(kind);
   ++t.runs;
   t.unstable += verdict.stable ? 0 : 1;
-  t.decaying += verdict.outcome == LoopOutcome::kDecaying ? 1 : 0;
+  t.decaying += verdict.outcome == coupling_models::LoopOutcome::kDecaying ? 1 : 0;
   return !verdict.stable;
 }
 
-void drive(NonlinearLoop& loop, double shown, double max_effort, Random& random) {
+void drive(coupling_models::NonlinearLoop& loop, double shown, double max_effort, coupling_models::Random& random) {
   const double mass = loop.plant.mass + loop.plant.hand_mass;
   const double depth = random.log_uniform(0.5e-3, 10e-3);
   loop.push = std::min((shown + loop.plant.hand_stiffness) * depth, 0.6 * max_effort);
   const double swing = std::sqrt((shown + loop.plant.hand_stiffness) / mass);  // rad/s
   // Up to ten times as deep as the push: more would only be more time in the air.
   loop.start_speed = std::min(random.log_uniform(0.01, 0.3), 10.0 * depth * swing);
-  const double slowest = std::max(settling_time(loop), linear_time_constant(loop));
+  const double slowest = std::max(coupling_models::settling_time(loop), linear_time_constant(loop));
   const double most = kMaxSamples * loop.plant.period_s;
   loop.duration_s = std::clamp(std::max(8.0 * slowest, 20.0 * 6.283 / swing), 2000.0 * loop.plant.period_s, most);
   loop.longest_s = 8.0 * loop.duration_s;
   loop.wall_knee = depth * random.log_uniform(0.3, 3.0);
 }
 
-void disturb(NonlinearLoop& loop, const LoopTiming& timing, double resolution, Random& random) {
-  constexpr std::array kWalls{WallLaw::kUnilateral, WallLaw::kSoftening, WallLaw::kHardening};
+void disturb(coupling_models::NonlinearLoop& loop, const coupling::design::LoopTiming& timing, double resolution,
+             coupling_models::Random& random) {
+  constexpr std::array kWalls{coupling_models::WallLaw::kUnilateral, coupling_models::WallLaw::kSoftening,
+                              coupling_models::WallLaw::kHardening};
   loop.wall = kWalls[random.below(3)];
   loop.resolution = resolution;
   loop.jitter = timing.jitter;
@@ -66,11 +68,11 @@ void disturb(NonlinearLoop& loop, const LoopTiming& timing, double resolution, R
   loop.seed = random.next();
 }
 
-std::string describe(const NonlinearLoop& l, const NonlinearVerdict& v) {
-  const LoopPlant& p = l.plant;
-  const LoopController& c = l.controller;
-  const char* law = c.law == LoopController::Law::kShapingFilter  ? "filter"
-                    : c.law == LoopController::Law::kSpringDamper ? "spring_damper"
+std::string describe(const coupling_models::NonlinearLoop& l, const coupling_models::NonlinearVerdict& v) {
+  const coupling::design::LoopPlant& p = l.plant;
+  const coupling::design::LoopController& c = l.controller;
+  const char* law = c.law == coupling::design::LoopController::Law::kShapingFilter  ? "filter"
+                    : c.law == coupling::design::LoopController::Law::kSpringDamper ? "spring_damper"
                                                                   : "direct";
   return fmt::format(
       "plant {{m {:.17g}, b {:.17g}, m_h {:.17g}, b_h {:.17g}, k_h {:.17g}, T {:.17g}, delay {:.17g}, lag {:.17g}}}, "

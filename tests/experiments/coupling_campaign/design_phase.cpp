@@ -10,14 +10,14 @@
 namespace voxtouch::campaign {
 namespace {
 
-using Law = LoopController::Law;
+using Law = coupling::design::LoopController::Law;
 
-LoopController controller_of(const CouplingSpec& spec) {
-  LoopController out;
+coupling::design::LoopController controller_of(const coupling::CouplingSpec& spec) {
+  coupling::design::LoopController out;
   out.injected_damping = spec.injected_damping_ns_per_m;
   out.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * spec.velocity_filter_hz;
   if (spec.kind == "shaping_filter") {
-    out.w0_rad_per_s = cutoff_rad_per_s(spec), out.damping_ratio = spec.damping_ratio, out.gain = spec.gain;
+    out.w0_rad_per_s = coupling::cutoff_rad_per_s(spec), out.damping_ratio = spec.damping_ratio, out.gain = spec.gain;
   } else if (spec.kind == "spring_damper") {
     out.law = Law::kSpringDamper;
     out.stiffness = spec.stiffness_n_per_m, out.damping = spec.damping_ns_per_m;
@@ -27,8 +27,8 @@ LoopController controller_of(const CouplingSpec& spec) {
   return out;
 }
 
-DesignProblem request_for(const PopulationMember& member, Random& random) {
-  DesignProblem out;
+coupling::design::DesignProblem request_for(const coupling_models::PopulationMember& member, coupling_models::Random& random) {
+  coupling::design::DesignProblem out;
   out.device = member.device;
   out.hand.translation = member.hand;
   out.contact = member.contact;
@@ -43,21 +43,21 @@ DesignProblem request_for(const PopulationMember& member, Random& random) {
 
 /// A design and the loops that it is tried in.
 struct Tried {
-  const PopulationMember& member;
-  const Design& design;
-  LoopController controller;
+  const coupling_models::PopulationMember& member;
+  const coupling::design::Design& design;
+  coupling::design::LoopController controller;
   double contact;  ///< all points, capped as the design says
 
-  NonlinearLoop loop(const LoopPlant& plant) const {
-    NonlinearLoop out;
+  coupling_models::NonlinearLoop loop(const coupling::design::LoopPlant& plant) const {
+    coupling_models::NonlinearLoop out;
     out.plant = plant;
     out.controller = controller;
     out.contact_stiffness = contact;
     return out;
   }
   /// The worst vertex, at the nominal timing.
-  LoopPlant worst() const {
-    LoopPlant out = design.translation.worst_case;
+  coupling::design::LoopPlant worst() const {
+    coupling::design::LoopPlant out = design.translation.worst_case;
     out.period_s = member.device.timing.period_s, out.delay_s = member.device.timing.delay_s;
     return out;
   }
@@ -65,14 +65,14 @@ struct Tried {
 
 struct Trial {
   const char* name;
-  NonlinearLoop loop;
+  coupling_models::NonlinearLoop loop;
 };
 
-std::vector<Trial> trials_of(const Tried& t, Random& random) {
-  const AxisModel& axis = t.member.device.translation;
+std::vector<Trial> trials_of(const Tried& t, coupling_models::Random& random) {
+  const coupling::design::AxisModel& axis = t.member.device.translation;
   const double shown = t.design.translation.shown_stiffness, period = t.member.device.timing.period_s;
   std::vector<Trial> out;
-  const auto add = [&](const char* name, const LoopPlant& plant, auto change) {
+  const auto add = [&](const char* name, const coupling::design::LoopPlant& plant, auto change) {
     Trial trial{name, t.loop(plant)};
     disturb(trial.loop, t.member.device.timing, axis.resolution, random);
     trial.loop.damping_only_in_contact = random.chance(0.5);
@@ -80,18 +80,18 @@ std::vector<Trial> trials_of(const Tried& t, Random& random) {
     drive(trial.loop, shown, axis.max_effort, random);
     out.push_back(trial);
   };
-  add("any hand, mass and wall", draw_plant(t.member, random), [&](NonlinearLoop& loop) {
+  add("any hand, mass and wall", coupling_models::draw_plant(t.member, random), [&](coupling_models::NonlinearLoop& loop) {
     loop.delay_jitter_s = random.uniform(0.0, 0.2) * period;
     if (random.chance(0.5)) loop.coulomb_friction = axis.coulomb_friction;
   });
-  add("worst vertex, up to a period of delay more", t.worst(), [&](NonlinearLoop& loop) {
+  add("worst vertex, up to a period of delay more", t.worst(), [&](coupling_models::NonlinearLoop& loop) {
     loop.plant.delay_s += random.uniform(0.0, 0.8) * period;
     loop.delay_jitter_s = 0.2 * period;
   });
-  add("with saturation", draw_plant(t.member, random), [&](NonlinearLoop&) {});
+  add("with saturation", coupling_models::draw_plant(t.member, random), [&](coupling_models::NonlinearLoop&) {});
   out.back().loop.max_effort = std::min(axis.max_effort, out.back().loop.push * random.uniform(1.2, 3.0));
   if (t.controller.law == Law::kSpringDamper) return out;  // its promise does not grow with the contact
-  add("1.9 times the promise at ideal timing", t.design.translation.worst_case, [&](NonlinearLoop& loop) {
+  add("1.9 times the promise at ideal timing", t.design.translation.worst_case, [&](coupling_models::NonlinearLoop& loop) {
     loop.contact_stiffness *= 1.9;
     loop.jitter = loop.loss = 0.0;
     loop.measured_period = false;
@@ -101,11 +101,11 @@ std::vector<Trial> trials_of(const Tried& t, Random& random) {
 }
 
 /// Simulated limit over promise on the worst vertex: ideal timing, a wall that only pushes.
-double conservatism(const Tried& t, Random& random) {
-  NonlinearLoop loop = t.loop(t.worst());
+double conservatism(const Tried& t, coupling_models::Random& random) {
+  coupling_models::NonlinearLoop loop = t.loop(t.worst());
   drive(loop, t.design.translation.shown_stiffness, t.member.device.translation.max_effort, random);
   loop.longest_s = 4.0 * loop.duration_s;
-  return simulated_limit(loop, t.contact, 64.0 * t.contact) / t.contact;
+  return coupling_models::simulated_limit(loop, t.contact, 64.0 * t.contact) / t.contact;
 }
 
 double quantile(std::vector<double> values, double share) {
@@ -118,12 +118,12 @@ class Phase {
  public:
   explicit Phase(const Options& options) : options_(options) {}
 
-  void member(const PopulationMember& member, std::uint64_t salt, bool corner) {
-    Random random(options_.seed ^ salt, member.index);
-    const DesignProblem request = request_for(member, random);
-    const Design design = design_coupling(request);
+  void member(const coupling_models::PopulationMember& member, std::uint64_t salt, bool corner) {
+    coupling_models::Random random(options_.seed ^ salt, member.index);
+    const coupling::design::DesignProblem request = request_for(member, random);
+    const coupling::design::Design design = coupling::design::design_coupling(request);
     ++statuses_[static_cast<std::size_t>(design.status)];
-    const AxisDesign& axis = design.translation;
+    const coupling::design::AxisDesign& axis = design.translation;
     // What is infeasible is tried as well, with the little that it shows, unless nothing at all is promised.
     if (!(axis.shown_stiffness > 0.0 && axis.gain_margin >= 0.999 * request.wishes.gain_margin)) {
       ++nothing_promised_;
@@ -132,22 +132,23 @@ class Phase {
     const Tried tried{member, design, controller_of(design.spec),
                       options_.overload * std::min(member.contact.all_points, design.spec.stiffness_cap_n_per_m)};
     for (const Trial& trial : trials_of(tried, random)) {
-      const NonlinearVerdict verdict = simulate(trial.loop);
+      const coupling_models::NonlinearVerdict verdict = coupling_models::simulate(trial.loop);
       if (out_.count(trial.name, verdict))
         out_.failures.push_back({trial.name, options_.seed, member.index, corner,
-                                 fmt::format("{}; margin {:.4g}, worst {}; {}", name_of(design.status),
+                                 fmt::format("{}; margin {:.4g}, worst {}; {}", coupling::design::name_of(design.status),
                                              axis.gain_margin, axis.worst_case_text, describe(trial.loop, verdict))});
     }
-    if (!corner && design.status != DesignStatus::kInfeasible && tried.controller.law != Law::kSpringDamper &&
+    if (!corner && design.status != coupling::design::DesignStatus::kInfeasible && tried.controller.law != Law::kSpringDamper &&
         margins_.size() < options_.limits)
       margins_.push_back(conservatism(tried, random));
   }
 
   PhaseResult result() {
-    for (const DesignStatus s :
-         {DesignStatus::kAsRequested, DesignStatus::kBandwidthRaised, DesignStatus::kDampingAdded,
-          DesignStatus::kStiffnessReduced, DesignStatus::kInfeasible})
-      out_.figures.push_back({std::string(name_of(s)), static_cast<double>(statuses_[static_cast<std::size_t>(s)])});
+    for (const coupling::design::DesignStatus s :
+         {coupling::design::DesignStatus::kAsRequested, coupling::design::DesignStatus::kBandwidthRaised,
+          coupling::design::DesignStatus::kDampingAdded, coupling::design::DesignStatus::kStiffnessReduced,
+          coupling::design::DesignStatus::kInfeasible})
+      out_.figures.push_back({std::string(coupling::design::name_of(s)), static_cast<double>(statuses_[static_cast<std::size_t>(s)])});
     out_.figures.push_back({"nothing promised, not run", static_cast<double>(nothing_promised_)});
     out_.figures.push_back({"promises compared with the simulated limit", static_cast<double>(margins_.size())});
     for (const auto& [name, share] : {std::pair{"limit / promise, least", 0.0},
@@ -176,13 +177,13 @@ PhaseResult design_phase(const Options& options) {
     if (options.progress) options.progress(++done, all);
   };
   for (std::uint64_t i = 0; i < options.members; ++i) {
-    phase.member(draw_member(options.seed, options.first + i), 0xde5160, false);
+    phase.member(coupling_models::draw_member(options.seed, options.first + i), 0xde5160, false);
     tell();
   }
   if (!options.corners) return phase.result();
-  for (const DeviceFamily family : {DeviceFamily::kPhantomLike, DeviceFamily::kLwrLike})
-    for (const PopulationMember& member : corner_members(family)) {
-      phase.member(member, family == DeviceFamily::kPhantomLike ? 0xc0a1 : 0xc0a2, true);
+  for (const coupling_models::DeviceFamily family : {coupling_models::DeviceFamily::kPhantomLike, coupling_models::DeviceFamily::kLwrLike})
+    for (const coupling_models::PopulationMember& member : coupling_models::corner_members(family)) {
+      phase.member(member, family == coupling_models::DeviceFamily::kPhantomLike ? 0xc0a1 : 0xc0a2, true);
       tell();
     }
   return phase.result();

@@ -8,15 +8,15 @@ namespace voxtouch::campaign {
 PhaseResult recipe_phase(const Options& options) {
   PhaseResult out{.name = "literal recipe, 5 Hz, d = 1", .tallies = {}, .figures = {}, .failures = {}};
   for (std::uint64_t i = 0; i < options.members; ++i) {
-    const PopulationMember member = draw_member(options.seed, options.first + i);
-    Random random(options.seed ^ 0x5eed0a, options.first + i);
-    const AxisModel& axis = member.device.translation;
+    const coupling_models::PopulationMember member = coupling_models::draw_member(options.seed, options.first + i);
+    coupling_models::Random random(options.seed ^ 0x5eed0a, options.first + i);
+    const coupling::design::AxisModel& axis = member.device.translation;
     const double shown = std::min(member.contact.all_points, axis.max_stiffness);
     const auto run = [&](const char* kind, bool held, double friction) {
-      NonlinearLoop loop;
-      PopulationMember who = member;
+      coupling_models::NonlinearLoop loop;
+      coupling_models::PopulationMember who = member;
       who.hand.any_passive = false, who.hand.may_release = false;
-      loop.plant = draw_plant(who, random);
+      loop.plant = coupling_models::draw_plant(who, random);
       if (!held) loop.plant.hand_mass = loop.plant.hand_damping = loop.plant.hand_stiffness = 0.0;
       loop.controller.w0_rad_per_s = 10.0 * std::numbers::pi;
       loop.controller.gain = shown / member.contact.all_points;
@@ -24,7 +24,7 @@ PhaseResult recipe_phase(const Options& options) {
       loop.coulomb_friction = friction;
       disturb(loop, member.device.timing, axis.resolution, random);
       drive(loop, shown, axis.max_effort, random);
-      out.count(kind, simulate(loop));
+      out.count(kind, coupling_models::simulate(loop));
     };
     run("released", false, 0.0);
     if (axis.coulomb_friction > 0.0) run("released, with the device's friction", false, axis.coulomb_friction);

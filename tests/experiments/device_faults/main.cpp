@@ -38,7 +38,7 @@ FaultOutcome run(const FaultCase& fault, bool virtual_time) {
 
 std::string told(const FaultOutcome& o) {
   std::string text;
-  for (const DeviceError error : o.told) text += fmt::format("{}{}", text.empty() ? "" : ", ", name_of(error));
+  for (const devices::DeviceError error : o.told) text += fmt::format("{}{}", text.empty() ? "" : ", ", devices::name_of(error));
   return text.empty() ? "-" : text;
 }
 
@@ -53,7 +53,7 @@ std::string verdict(const FaultOutcome& o) {
 nlohmann::json to_json(const FaultOutcome& o) {
   const auto in_ms = [](const std::optional<double>& s) { return s ? nlohmann::json(1e3 * *s) : nlohmann::json(); };
   std::vector<std::string> kinds;
-  for (const DeviceError error : o.told) kinds.emplace_back(name_of(error));
+  for (const devices::DeviceError error : o.told) kinds.emplace_back(devices::name_of(error));
   return {{"device", device_of(*o.fault)},
           {"fault", o.fault->name},
           {"time", o.virtual_time ? "virtual" : "real"},

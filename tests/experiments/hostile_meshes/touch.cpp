@@ -36,7 +36,7 @@ Quat any_rotation(Random& random) {
   return q.normalized();
 }
 
-Vec3 on_triangle(const TriangleMesh& mesh, Random& random) {
+Vec3 on_triangle(const mesh::TriangleMesh& mesh, Random& random) {
   const std::size_t t = random() % mesh.triangles.size();
   double s = uniform(random, 0, 1), r = uniform(random, 0, 1);
   if (s + r > 1.0) s = 1.0 - s, r = 1.0 - r;
@@ -44,7 +44,7 @@ Vec3 on_triangle(const TriangleMesh& mesh, Random& random) {
 }
 
 /// Empty if all of it is finite and bounded.
-std::string complaint(const ContactResult& r, double most_force) {
+std::string complaint(const contact::ContactResult& r, double most_force) {
   if (!r.wrench.finite()) return "a wrench is not finite";
   if (!r.mean_normal.allFinite() || !std::isfinite(r.coherence)) return "a mean normal or coherence is not finite";
   if (!r.deepest_point.allFinite() || !std::isfinite(r.deepest_depth_m)) return "a depth is not finite";
@@ -61,50 +61,50 @@ struct Touches {
 /// One tool on one ground with every model that they allow.
 class Contact {
  public:
-  Contact(const Voxmap& voxmap, const Pointshell& shell, const DistanceField* field) {
+  Contact(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell, const voxmap::DistanceField* field) {
     double area = 0.0;
     for (const double a : shell.area_m2) area += a;
     const double depth = kMaxDepthEdges * voxmap.grid().edge;
-    for (const ContactModelKind kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted}) {
-      add(voxmap, shell, kind, {kStiffness, PointWeights::kOne}, nullptr, kStiffness * double(shell.size()) * depth);
-      add(voxmap, shell, kind, {kPressure, PointWeights::kArea}, nullptr, kPressure * area * depth);
+    for (const contact::ContactModelKind kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
+      add(voxmap, shell, kind, {kStiffness, contact::PointWeights::kOne}, nullptr, kStiffness * double(shell.size()) * depth);
+      add(voxmap, shell, kind, {kPressure, contact::PointWeights::kArea}, nullptr, kPressure * area * depth);
     }
-    add(voxmap, shell, ContactModelKind::kClustered, {kPressure, PointWeights::kArea}, nullptr,
+    add(voxmap, shell, contact::ContactModelKind::kClustered, {kPressure, contact::PointWeights::kArea}, nullptr,
         kPressure * area * depth);
     if (field)
-      add(voxmap, shell, ContactModelKind::kField, {kPressure, PointWeights::kArea}, field, kPressure * area * depth);
+      add(voxmap, shell, contact::ContactModelKind::kField, {kPressure, contact::PointWeights::kArea}, field, kPressure * area * depth);
   }
   void touch(const Pose& pose, Touches& touches) {
     bool met = false;
     for (std::size_t n = 0; n < renderers_.size(); ++n) {
-      const StageResult stage = renderers_[n]->render(pose);
-      const ContactResult plain = renderers_[n]->probe(pose);
+      const contact::StageResult stage = renderers_[n]->render(pose);
+      const contact::ContactResult plain = renderers_[n]->probe(pose);
       met = met || plain.surface_hits > 0;
-      for (const ContactResult* r : {&stage.contact, &plain})
+      for (const contact::ContactResult* r : {&stage.contact, &plain})
         if (const std::string wrong = complaint(*r, most_force_[n]); !wrong.empty() && touches.wrong.empty())
           touches.wrong =
-              wrong + " (model " + std::string(name_of(kind_[n])) + ", pose " + std::to_string(touches.poses) + ")";
+              wrong + " (model " + std::string(contact::name_of(kind_[n])) + ", pose " + std::to_string(touches.poses) + ")";
     }
     ++touches.poses, touches.met += met;
   }
 
  private:
-  void add(const Voxmap& voxmap, const Pointshell& shell, ContactModelKind kind, const ContactParameters& parameters,
-           const DistanceField* field, double most_force) {
-    renderers_.push_back(std::make_unique<ContactRenderer>(voxmap, shell, kind, parameters, field));
+  void add(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell, contact::ContactModelKind kind,
+           const contact::ContactParameters& parameters, const voxmap::DistanceField* field, double most_force) {
+    renderers_.push_back(std::make_unique<contact::ContactRenderer>(voxmap, shell, kind, parameters, field));
     kind_.push_back(kind), most_force_.push_back(most_force);
   }
-  std::vector<std::unique_ptr<ContactRenderer>> renderers_;
-  std::vector<ContactModelKind> kind_;
+  std::vector<std::unique_ptr<contact::ContactRenderer>> renderers_;
+  std::vector<contact::ContactModelKind> kind_;
   std::vector<double> most_force_;
 };
 
 /// A ball of three voxels on the mesh.
-Touches ball_on(const TriangleMesh& mesh, double e, std::uint32_t poses, Random& random, bool& has_inside) {
-  const Voxmap voxmap = voxelise(mesh, default_grid(mesh, e), serial_for());
-  const DistanceField field = build_distance_field(mesh, voxmap, {}, serial_for());
+Touches ball_on(const mesh::TriangleMesh& mesh, double e, std::uint32_t poses, Random& random, bool& has_inside) {
+  const voxmap::Voxmap voxmap = voxmap::voxelise(mesh, voxmap::default_grid(mesh, e), serial_for());
+  const voxmap::DistanceField field = voxmap::build_distance_field(mesh, voxmap, {}, serial_for());
   has_inside = field.has_inside();
-  const TriangleMesh ball = test::sphere_mesh(3.0 * e, 2);
+  const mesh::TriangleMesh ball = test::sphere_mesh(3.0 * e, 2);
   Contact contact(voxmap, test::exact_shell(ball, e), has_inside ? &field : nullptr);
   Touches touches;
   for (std::uint32_t n = 0; n < poses; ++n) {
@@ -115,7 +115,7 @@ Touches ball_on(const TriangleMesh& mesh, double e, std::uint32_t poses, Random&
 }
 
 /// The mesh as the tool on a block whose top is the plane z = 0.
-Touches mesh_on_block(const TriangleMesh& mesh, double e, std::uint32_t poses, Random& random) {
+Touches mesh_on_block(const mesh::TriangleMesh& mesh, double e, std::uint32_t poses, Random& random) {
   Pose down;
   down.position.z() = -10.0 * e;
   const test::Ground block(test::box_mesh(Vec3(160.0 * e, 160.0 * e, 20.0 * e), down), e);
@@ -134,10 +134,10 @@ Touches mesh_on_block(const TriangleMesh& mesh, double e, std::uint32_t poses, R
 Verdict touch(const std::filesystem::path& file, const Limits& limits) {
   Verdict verdict{.file = file, .outcome = Outcome::kRefused, .sentence = {}, .cpu_s = 0.0, .peak_mib = 0};
   try {
-    const double extent = bounds(import_mesh(file, {}, mesh_process()).mesh).sizes().maxCoeff();
-    ImportOptions options;
+    const double extent = mesh::bounds(mesh::import_mesh(file, {}, mesh_import::mesh_process()).mesh).sizes().maxCoeff();
+    mesh::ImportOptions options;
     options.voxel_size_m = extent > 0.0 ? extent / kVoxelsLong : 1e-3;
-    const ImportedMesh read = import_mesh(file, options, mesh_process());
+    const mesh::ImportedMesh read = mesh::import_mesh(file, options, mesh_import::mesh_process());
     const double e = options.voxel_size_m;
     Random random(limits.seed);
     bool has_inside = false;

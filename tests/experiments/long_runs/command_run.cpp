@@ -56,7 +56,7 @@ class Any {
 /// command is older than hold and fade, and a start that ramps.
 class Judge {
  public:
-  Judge(const DeviceDescription& device, const GuardConfig& guard) : device_(device), guard_(guard) {}
+  Judge(const DeviceDescription& device, const devices::GuardConfig& guard) : device_(device), guard_(guard) {}
 
   /// A period of the device's clock; what the guard may count of it.
   void clock(std::int64_t now_ns) {
@@ -110,7 +110,7 @@ class Judge {
         static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from), static_cast<std::uint64_t>(kHour)));
   }
   const DeviceDescription& device_;
-  const GuardConfig& guard_;
+  const devices::GuardConfig& guard_;
   Wrench last_;
   std::optional<std::int64_t> last_ns_;
   std::int64_t step_ns_ = 0, age_ns_ = kHour, live_ns_ = 0, valid_until_ns_ = kForever;
@@ -119,15 +119,15 @@ class Judge {
 
 struct Sums {
   std::uint64_t commands = 0, pushed = 0, near_limit = 0, accepted = 0, errors = 0, driver_refused = 0, driver_gave = 0;
-  GuardCounts guard;
+  devices::GuardCounts guard;
 };
 
 /// One device described, one session after the other, each with its gate and guard.
 class Attack {
  public:
-  Attack(const DeviceDescription& device, const SimParameters& plant, std::uint64_t seed, Findings& out, Sums& sums)
-      : device_(device), config_(guard_config(device)), any_(seed), guard_(config_), judge_(device_, config_),
-        driver_(plant, plant.hand, motion_of({}), seed), period_ns_(std::llround(1e9 * config_.period_s)), out_(out), sums_(sums) {
+  Attack(const DeviceDescription& device, const sim::SimParameters& plant, std::uint64_t seed, Findings& out, Sums& sums)
+      : device_(device), config_(devices::guard_config(device)), any_(seed), guard_(config_), judge_(device_, config_),
+        driver_(plant, plant.hand, devices::motion_of({}), seed), period_ns_(std::llround(1e9 * config_.period_s)), out_(out), sums_(sums) {
     begin_session();
   }
 
@@ -135,19 +135,19 @@ class Attack {
   bool step() {
     if (any_.one_in(20'000)) begin_session();
     pass_time();
-    std::optional<GuardInput> newest;
+    std::optional<devices::GuardInput> newest;
     for (std::uint64_t n = any_.one_in(8) ? any_.bits() % 4 : 1; n > 0; --n) receive(newest);
     if (newest && newest->wrench.finite() && newest->valid_until_ns >= now_ns_) judge_.good_command(newest->valid_until_ns);
     const Wrench out = guard_.pass(newest, now_ns_);
     if (!held("gate and guard", judge_.judge(out))) return false;
-    if (!check_command(out, device_)) return held("gate and guard", "the driver refuses what the guard lets pass");
+    if (!devices::check_command(out, device_)) return held("gate and guard", "the driver refuses what the guard lets pass");
     sums_.pushed += !out.zero(), sums_.near_limit += length_of(out.force) > 0.9 * device_.max_force_n;
     if (any_.one_in(5000)) fail_device();
     return !any_.one_in(16) || (attack_driver() && attack_clamp());
   }
   void finish() {
-    const GuardCounts& c = guard_.counts();
-    GuardCounts& s = sums_.guard;
+    const devices::GuardCounts& c = guard_.counts();
+    devices::GuardCounts& s = sums_.guard;
     s.passed += c.passed, s.refused_not_finite += c.refused_not_finite, s.refused_stale += c.refused_stale;
     s.refused_writer += c.refused_writer, s.refused_session += c.refused_session, s.refused_sequence += c.refused_sequence;
     s.clamped_force += c.clamped_force, s.clamped_torque += c.clamped_torque, s.clamped_slew += c.clamped_slew;
@@ -188,14 +188,15 @@ class Attack {
     target_.force = Vec3(any_.uniform(-3, 3), any_.uniform(-3, 3), any_.uniform(-3, 3)) * device_.max_force_n;
     target_.torque = Vec3(any_.uniform(-3, 3), any_.uniform(-3, 3), any_.uniform(-3, 3)) * device_.max_torque_nm;
   }
-  void receive_calm(std::optional<GuardInput>& newest) {
+  void receive_calm(std::optional<devices::GuardInput>& newest) {
     ++sums_.commands;
-    if (gate_->accept(followed_.value_or(writer_), session_, newest_, newest_) != GateVerdict::kAccepted) return;  // answered already
+    if (gate_->accept(followed_.value_or(writer_), session_, newest_, newest_) != devices::GateVerdict::kAccepted)
+      return;  // answered already
     followed_ = followed_.value_or(writer_), last_ = newest_, ++sums_.accepted;
     if (any_.one_in(50)) target_.force = -target_.force, target_.torque = -target_.torque;
-    newest = GuardInput{target_, any_.one_in(2) ? kForever : now_ns_ < kForever - kHour ? now_ns_ + 5 * period_ns_ : kForever};
+    newest = devices::GuardInput{target_, any_.one_in(2) ? kForever : now_ns_ < kForever - kHour ? now_ns_ + 5 * period_ns_ : kForever};
   }
-  void receive(std::optional<GuardInput>& newest) {
+  void receive(std::optional<devices::GuardInput>& newest) {
     if (calm_) return receive_calm(newest);
     if (silent_) return;
     if (any_.one_in(1000)) gate_->release_writer(), followed_.reset();
@@ -203,14 +204,15 @@ class Attack {
     const std::uint64_t writer = any_.stamp(writer_), session = any_.stamp(session_), sequence = any_.stamp(newest_);
     // An acceptance of our own, from the rule and not from the gate.
     const bool good = session == session_ && (!followed_ || *followed_ == writer) && sequence <= newest_ && (!last_ || sequence > *last_);
-    const GateVerdict verdict = gate_->accept(writer, session, sequence, newest_);
+    const devices::GateVerdict verdict = gate_->accept(writer, session, sequence, newest_);
     guard_.count(verdict);
-    if (good != (verdict == GateVerdict::kAccepted)) held("gate", fmt::format("{} where it should be {}", name_of(verdict), good ? "accepted" : "refused"));
-    if (verdict != GateVerdict::kAccepted) return;
+    if (good != (verdict == devices::GateVerdict::kAccepted))
+      held("gate", fmt::format("{} where it should be {}", name_of(verdict), good ? "accepted" : "refused"));
+    if (verdict != devices::GateVerdict::kAccepted) return;
     followed_ = writer, last_ = sequence, ++sums_.accepted;
     const auto now = static_cast<std::uint64_t>(now_ns_);
     const std::uint64_t until = any_.one_in(4) ? any_.bits() : any_.stamp(now + static_cast<std::uint64_t>(3 * period_ns_));
-    newest = GuardInput{{any_.vector(device_.max_force_n), any_.vector(device_.max_torque_nm)}, static_cast<std::int64_t>(until)};
+    newest = devices::GuardInput{{any_.vector(device_.max_force_n), any_.vector(device_.max_torque_nm)}, static_cast<std::int64_t>(until)};
     if (any_.one_in(2) && target_.finite()) newest->wrench = target_;  // held for a while, so that the force gets there
     target_ = newest->wrench;
   }
@@ -248,12 +250,12 @@ class Attack {
   }
 
   DeviceDescription device_;
-  GuardConfig config_;
+  devices::GuardConfig config_;
   Any any_;
-  ForceGuard guard_;
-  std::optional<CommandGate> gate_;
+  devices::ForceGuard guard_;
+  std::optional<devices::CommandGate> gate_;
   Judge judge_;
-  SimulatedDevice driver_;
+  sim::SimulatedDevice driver_;
   std::int64_t period_ns_, now_ns_ = 0;
   std::uint64_t session_ = 0, writer_ = 0, newest_ = 0, silent_ = 0, calm_ = 0;
   std::optional<std::uint64_t> last_, followed_;
@@ -265,15 +267,15 @@ class Attack {
 /// All that devices/ ships: the registry's, and every model of Phantom that has figures of its own.
 std::vector<DeviceDescription> shipped_descriptions() {
   std::vector<DeviceDescription> all;
-  for (const std::string& name : device_names()) {
-    all.push_back(describe_device(name));
+  for (const std::string& name : devices::device_names()) {
+    all.push_back(devices::describe_device(name));
     all.back().model = name;
   }
   for (const char* model : {"PHANTOM Premium 1.0", "PHANTOM Premium 1.5", "PHANTOM Premium 1.5 High Force", "PHANTOM Premium 3.0",
                             "PHANTOM Desktop", "PHANTOM Omni", "Touch", "of another kind"}) {
-    PhantomFacts facts;
+    phantom::PhantomFacts facts;
     facts.model = model;
-    all.push_back(describe_phantom(facts));
+    all.push_back(phantom::describe_phantom(facts));
     all.back().model = model;
   }
   return all;
@@ -281,7 +283,7 @@ std::vector<DeviceDescription> shipped_descriptions() {
 
 /// A run in which something never happened has shown nothing of it.
 void require_all_happened(const Sums& s, Findings& out) {
-  const GuardCounts& g = s.guard;
+  const devices::GuardCounts& g = s.guard;
   const auto some = [&](const char* what, std::uint64_t count) {
     if (count == 0) out.faults.push_back(fmt::format("the run shows nothing of this: {}", what));
   };
@@ -301,7 +303,7 @@ Findings run_commands(const CommandRunOptions& ask, const Progress& progress) {
   const std::vector<DeviceDescription> devices = shipped_descriptions();
   std::uint64_t played = 0;
   for (std::size_t n = 0; n < devices.size() && out.faults.empty(); ++n) {
-    const SimParameters plant = devices[n].max_torque_nm > 0.0 ? sim_lwr() : sim_phantom();
+    const sim::SimParameters plant = devices[n].max_torque_nm > 0.0 ? sim::sim_lwr() : sim::sim_phantom();
     Attack attack(devices[n], plant, ask.seed + n, out, sums);
     const std::uint64_t steps = ask.commands / devices.size() + (n == 0 ? ask.commands % devices.size() : 0);
     for (std::uint64_t step = 0; step < steps; ++step) {
@@ -314,7 +316,7 @@ Findings run_commands(const CommandRunOptions& ask, const Progress& progress) {
     }
     attack.finish();
   }
-  const GuardCounts& g = sums.guard;
+  const devices::GuardCounts& g = sums.guard;
   out.lines.push_back(fmt::format("figure: {} commands in {} periods of {} device descriptions: {} let in by the gate, {} periods with force, {} of these over 90 % of the limit",
                                   sums.commands, played, devices.size(), sums.accepted, sums.pushed, sums.near_limit));
   out.lines.push_back(fmt::format("refused: {} not finite, {} over, {} of foreign writers, {} of foreign sessions, {} old or future",

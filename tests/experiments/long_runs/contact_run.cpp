@@ -53,7 +53,7 @@ std::uint64_t answers(RigFront& front, std::int64_t from_ns, bool& touched) {
   Fnv1a hash;
   for (std::int64_t n = 0; n < 5000; ++n) {
     const MotionPoint at = motion_at(motion, 1e-3 * static_cast<double>(n - 3000));
-    DeviceSample sample;
+    devices::DeviceSample sample;
     sample.time_ns = from_ns + n * 1'000'000;
     sample.pose.position = at.position, sample.twist.linear = at.velocity;
     const Wrench wrench = front.answer(sample);
@@ -83,7 +83,7 @@ std::uint64_t play(LoopRig& rig, std::uint64_t frames, Tenth& tenth, Findings& o
 }
 
 void judge(const LoopRig& rig, const Tenth& first, const Tenth& last, Findings& out) {
-  const CouplingCounters& c = rig.front().counters();
+  const coupling::CouplingCounters& c = rig.front().counters();
   const double mean_first = first.force_n / static_cast<double>(std::max<std::uint64_t>(first.touching, 1)),
                mean_last = last.force_n / static_cast<double>(std::max<std::uint64_t>(last.touching, 1));
   out.lines.push_back(fmt::format(
@@ -115,9 +115,9 @@ Findings run_contact(const ContactRunOptions& ask, const Progress& progress) {
   Findings out;
   RigOptions rig_ask;
   rig_ask.scene = ask.scene, rig_ask.path = wandering(ask.seed), rig_ask.seed = ask.seed;
-  ContactModelKind kind{};
-  if (parse_contact_model(ask.model, kind)) rig_ask.model = kind;
-  OperatorConfig hand = rig_ask.device.hand;
+  contact::ContactModelKind kind{};
+  if (contact::parse_contact_model(ask.model, kind)) rig_ask.model = kind;
+  sim::OperatorConfig hand = rig_ask.device.hand;
   hand.tremor_n = 0.02;
   rig_ask.hand = hand;
   LoopRig rig(rig_ask);

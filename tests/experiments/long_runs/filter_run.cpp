@@ -15,13 +15,13 @@ namespace {
 constexpr double kT = 1e-3, kGain = 0.75;
 constexpr std::uint64_t kSettled = 3000;  ///< samples; 94 filter times of 5 Hz
 
-CouplingSpec filter(double hz, double d) {
-  CouplingSpec spec;
+coupling::CouplingSpec filter(double hz, double d) {
+  coupling::CouplingSpec spec;
   spec.cutoff_hz = hz, spec.damping_ratio = d, spec.gain = kGain;
   return spec;
 }
 
-CouplingInput push(double x) { return {{{x, -x, 0.5 * x}, {0.01 * x, 0, -0.02 * x}}, 1000}; }
+coupling::CouplingInput push(double x) { return {{{x, -x, 0.5 * x}, {0.01 * x, 0, -0.02 * x}}, 1000}; }
 
 /// Output of the filter with d = 1 and K = 1 in sample `n` (from 0) of a step that begins in sample 0, from the double pole of its
 /// trapezoid rule: with g = w0 T / 2 and p = (1 - g) / (1 + g) the state's deviation is p^n (1 + n c N / p) times the first one's,
@@ -56,7 +56,7 @@ class Teller {
 
 /// A held contact: the error of all samples after the transient, and of the last tenth alone.
 void hold(const FilterRunOptions& ask, Teller& teller, Findings& out) {
-  ShapingFilter coupling(filter(5.0, 1.0), kT);
+  coupling::ShapingFilter coupling(filter(5.0, 1.0), kT);
   double worst = 0.0, first_s = 0.0, last_s = 0.0, last_tenth = 0.0;
   std::uint64_t n = 0;
   for (int tenth = 1; tenth <= 10; ++tenth) {
@@ -115,10 +115,10 @@ double period(std::mt19937_64& random) {
 
 void disturb(const FilterRunOptions& ask, Teller& teller, Findings& out) {
   std::mt19937_64 random(ask.seed);
-  const CouplingSpec spec = filter(30.0, 0.577);
-  RunningCoupling coupling(spec, {}, kT);
+  const coupling::CouplingSpec spec = filter(30.0, 0.577);
+  coupling::RunningCoupling coupling(spec, {}, kT);
   coupling.step({}, kT);
-  const double most_step = 3.0 * kGain * cutoff_rad_per_s(spec) * 5.0 * kT;
+  const double most_step = 3.0 * kGain * coupling::cutoff_rad_per_s(spec) * 5.0 * kT;
   double u = 0.0, peak = 0.0, steepest = 0.0, before = 0.0;
   const std::uint64_t steps = ask.steps / 10;
   for (std::uint64_t n = 0; n < steps; ++n) {

@@ -18,54 +18,55 @@ namespace {
 
 constexpr double kValidPeriods = 5.0;  ///< as the coupling node has it
 
-std::unique_ptr<BuiltScene> build(Scene scene, const RigOptions& ask) {
+std::unique_ptr<rendering::BuiltScene> build(scene::Scene scene, const RigOptions& ask) {
   scene.contact.stiffness_n_per_m *= ask.stiffness_times, scene.contact.stiffness_n_per_m3 *= ask.stiffness_times;
-  BuildChoices choices;
+  rendering::BuildChoices choices;
   choices.model = ask.model;
-  return build_scene(scene, serial_for(), choices);
+  return rendering::build_scene(scene, serial_for(), choices);
 }
 
-CouplingSpec fit(const Scene& scene, const DeviceDescription& description, const Plan& plan) {
+coupling::CouplingSpec fit(const scene::Scene& scene, const DeviceDescription& description, const rendering::Plan& plan) {
   DeviceDescription simulated = description;
   simulated.simulated = true;
-  FittedCoupling fitted = fit_coupling(scene, model_of(simulated), plan.contact_n_per_m, plan.contact_nm_per_rad);
+  fitting::FittedCoupling fitted =
+      fitting::fit_coupling(scene, coupling::design::model_of(simulated), plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fitted.refusal.empty()) throw std::runtime_error(fitted.refusal);
   return fitted.spec;
 }
 
 }  // namespace
 
-RigFront::RigFront(const Scene& scene, std::unique_ptr<BuiltScene> built, const CouplingSpec& spec,
-                   const CouplingLimits& limits, double period_s)
+RigFront::RigFront(const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built, const coupling::CouplingSpec& spec,
+                   const coupling::CouplingLimits& limits, double period_s)
     : device_(scene.device), built_(std::move(built)), live_(*built_), coupling_(spec, limits, period_s),
       mapping_(scene.device), period_s_(period_s) {}
 
-Wrench RigFront::answer(const DeviceSample& sample) noexcept {
+Wrench RigFront::answer(const devices::DeviceSample& sample) noexcept {
   if (!begin_ns_) begin_ns_ = sample.time_ns;
   const double dt_s = last_ns_ ? static_cast<double>(sample.time_ns - *last_ns_) * 1e-9 : period_s_;
   last_ns_ = sample.time_ns;
-  const ToolState& tool = mapping_.update(sample.pose, sample.twist, sample.buttons);
+  const rendering::ToolState& tool = mapping_.update(sample.pose, sample.twist, sample.buttons);
   frame_ = live_.render(tool, static_cast<double>(sample.time_ns - *begin_ns_) * 1e-9);
-  CouplingInput in{frame_.wrench, frame_.stiffness_bound_n_per_m, frame_.stiffness, tool.pose};
+  coupling::CouplingInput in{frame_.wrench, frame_.stiffness_bound_n_per_m, frame_.stiffness, tool.pose};
   in.supplied_energy_j = frame_.supplied_energy_j;
   out_ = coupling_.step(in, dt_s);
-  return wrench_to_device(device_, out_.wrench, tool.pose.orientation);
+  return rendering::wrench_to_device(device_, out_.wrench, tool.pose.orientation);
 }
 
-void RigFront::swap_to(std::unique_ptr<BuiltScene> next) {
+void RigFront::swap_to(std::unique_ptr<rendering::BuiltScene> next) {
   live_.swap_to(*next);
   old_ = std::exchange(built_, std::move(next));
 }
 
 LoopRig::LoopRig(const RigOptions& ask)
-    : ask_(ask), scene_(load_scene(ask.scene)), guard_(guard_config(ask.device.description)) {
+    : ask_(ask), scene_(scene::load_scene(ask.scene)), guard_(devices::guard_config(ask.device.description)) {
   const DeviceDescription& d = ask.device.description;
-  std::unique_ptr<BuiltScene> built = build(scene_, ask);
+  std::unique_ptr<rendering::BuiltScene> built = build(scene_, ask);
   spec_ = fit(scene_, d, built->plan());
-  limits_ = limits_in_world(scene_.device, model_of(d));
+  limits_ = fitting::limits_in_world(scene_.device, coupling::design::model_of(d));
   front_ = std::make_unique<RigFront>(scene_, std::move(built), spec_, limits_, 1.0 / d.rate_hz);
   const Motion in_world = ask.path ? *ask.path : scene_.motions.at(ask.motion);
-  device_ = std::make_unique<SimulatedDevice>(ask.device, ask.hand.value_or(ask.device.hand),
+  device_ = std::make_unique<sim::SimulatedDevice>(ask.device, ask.hand.value_or(ask.device.hand),
                                               motion_in_device(in_world, scene_.device.device_in_world,
                                                                scene_.device.tool_offset, scene_.device.position_scale),
                                               ask.seed);
@@ -75,27 +76,27 @@ std::unique_ptr<RigFront> LoopRig::fresh_front() const {
   return std::make_unique<RigFront>(scene_, build(scene_, ask_), spec_, limits_, 1.0 / ask_.device.description.rate_hz);
 }
 
-std::unique_ptr<BuiltScene> LoopRig::build_again(double stiffness_times) const {
+std::unique_ptr<rendering::BuiltScene> LoopRig::build_again(double stiffness_times) const {
   RigOptions ask = ask_;
   ask.stiffness_times = stiffness_times;
   return build(scene_, ask);
 }
 
-const DeviceSample& LoopRig::read() noexcept {
+const devices::DeviceSample& LoopRig::read() noexcept {
   sequence_ = next_++;
   if (const auto sample = device_->read(std::chrono::microseconds(0))) sample_ = *sample;
   return sample_;
 }
 
-LoopRig::Command LoopRig::answer(const DeviceSample& sample, std::uint64_t sequence) noexcept {
+LoopRig::Command LoopRig::answer(const devices::DeviceSample& sample, std::uint64_t sequence) noexcept {
   const double valid_ns = kValidPeriods * 1e9 / ask_.device.description.rate_hz;
   return {sequence, {front_->answer(sample), sample.time_ns + std::llround(valid_ns)}};
 }
 
-GateVerdict LoopRig::arrive(const Command& command) noexcept {
-  const GateVerdict verdict = gate_.accept(1, 1, command.sequence, sequence_);
+devices::GateVerdict LoopRig::arrive(const Command& command) noexcept {
+  const devices::GateVerdict verdict = gate_.accept(1, 1, command.sequence, sequence_);
   guard_.count(verdict);
-  if (verdict == GateVerdict::kAccepted) arrived_ = command.input;
+  if (verdict == devices::GateVerdict::kAccepted) arrived_ = command.input;
   return verdict;
 }
 

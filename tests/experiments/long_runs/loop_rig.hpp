@@ -14,9 +14,9 @@ namespace voxtouch::long_runs {
 
 struct RigOptions {
   std::filesystem::path scene;            ///< a scene file
-  std::optional<ContactModelKind> model;  ///< instead of the scene's
-  SimParameters device = sim_phantom();
-  std::optional<OperatorConfig> hand;  ///< instead of the device's usual one
+  std::optional<contact::ContactModelKind> model;  ///< instead of the scene's
+  sim::SimParameters device = sim::sim_phantom();
+  std::optional<sim::OperatorConfig> hand;  ///< instead of the device's usual one
   std::string motion;                  ///< of the scene
   std::optional<Motion> path;          ///< in W, instead of a motion of the scene
   double stiffness_times = 1.0;        ///< of the scene's contact
@@ -26,28 +26,28 @@ struct RigOptions {
 /// A scene and the coupling that was designed for it: what rendering and coupling node hold together.
 class RigFront {
  public:
-  RigFront(const Scene& scene, std::unique_ptr<BuiltScene> built, const CouplingSpec& spec,
-           const CouplingLimits& limits, double period_s);
+  RigFront(const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built, const coupling::CouplingSpec& spec,
+           const coupling::CouplingLimits& limits, double period_s);
   /// One sample of the device answered, in D. Real-time safe.
-  Wrench answer(const DeviceSample& sample) noexcept;
+  Wrench answer(const devices::DeviceSample& sample) noexcept;
 
-  const CouplingOutput& out() const noexcept { return out_; }  ///< of the last sample
-  const SceneFrame& frame() const noexcept { return frame_; }
-  const CouplingCounters& counters() const noexcept { return coupling_.counters(); }
-  const EnergyAccounts& energy() const noexcept { return coupling_.energy(); }
+  const coupling::CouplingOutput& out() const noexcept { return out_; }  ///< of the last sample
+  const rendering::SceneFrame& frame() const noexcept { return frame_; }
+  const coupling::CouplingCounters& counters() const noexcept { return coupling_.counters(); }
+  const coupling::EnergyAccounts& energy() const noexcept { return coupling_.energy(); }
   /// Another scene takes the place of the one that runs, as after a reload. Not while one still fades in.
-  void swap_to(std::unique_ptr<BuiltScene> next);
+  void swap_to(std::unique_ptr<rendering::BuiltScene> next);
 
  private:
-  WorkspaceMapping device_;
-  std::unique_ptr<BuiltScene> built_, old_;
-  LiveScene live_;
-  RunningCoupling coupling_;
-  DeviceMapping mapping_;
+  scene::WorkspaceMapping device_;
+  std::unique_ptr<rendering::BuiltScene> built_, old_;
+  rendering::LiveScene live_;
+  coupling::RunningCoupling coupling_;
+  rendering::DeviceMapping mapping_;
   double period_s_;
   std::optional<std::int64_t> begin_ns_, last_ns_;
-  SceneFrame frame_;
-  CouplingOutput out_;
+  rendering::SceneFrame frame_;
+  coupling::CouplingOutput out_;
 };
 
 class LoopRig {
@@ -55,17 +55,17 @@ class LoopRig {
   /// A command under way.
   struct Command {
     std::uint64_t sequence = 0;
-    GuardInput input;
+    devices::GuardInput input;
   };
   /// Throws as loading, building and designing do.
   explicit LoopRig(const RigOptions& ask);
 
   /// The device's next sample, and its number.
-  const DeviceSample& read() noexcept;
+  const devices::DeviceSample& read() noexcept;
   std::uint64_t sequence() const noexcept { return sequence_; }
-  Command answer(const DeviceSample& sample, std::uint64_t sequence) noexcept;
+  Command answer(const devices::DeviceSample& sample, std::uint64_t sequence) noexcept;
   /// A command reaches the device, whatever it is: the newest one that the gate accepts counts in the next `finish`.
-  GateVerdict arrive(const Command& command) noexcept;
+  devices::GateVerdict arrive(const Command& command) noexcept;
   /// Ends the period: guard, driver. What the device was given.
   const Wrench& finish() noexcept;
   /// A period on a wire that does nothing.
@@ -76,23 +76,23 @@ class LoopRig {
   /// Another front with the same scene and design, as new.
   std::unique_ptr<RigFront> fresh_front() const;
   /// The scene once more, its contact `stiffness_times` as stiff as in the file.
-  std::unique_ptr<BuiltScene> build_again(double stiffness_times) const;
-  SimulatedDevice& device() noexcept { return *device_; }
-  const ForceGuard& guard() const noexcept { return guard_; }
-  const CouplingSpec& spec() const noexcept { return spec_; }
+  std::unique_ptr<rendering::BuiltScene> build_again(double stiffness_times) const;
+  sim::SimulatedDevice& device() noexcept { return *device_; }
+  const devices::ForceGuard& guard() const noexcept { return guard_; }
+  const coupling::CouplingSpec& spec() const noexcept { return spec_; }
   std::uint64_t refused_writes() const noexcept { return refused_writes_; }
 
  private:
   RigOptions ask_;
-  Scene scene_;
-  CouplingSpec spec_;
-  CouplingLimits limits_;
+  scene::Scene scene_;
+  coupling::CouplingSpec spec_;
+  coupling::CouplingLimits limits_;
   std::unique_ptr<RigFront> front_;
-  std::unique_ptr<SimulatedDevice> device_;
-  ForceGuard guard_;
-  CommandGate gate_{1};
-  DeviceSample sample_;
-  std::optional<GuardInput> arrived_;
+  std::unique_ptr<sim::SimulatedDevice> device_;
+  devices::ForceGuard guard_;
+  devices::CommandGate gate_{1};
+  devices::DeviceSample sample_;
+  std::optional<devices::GuardInput> arrived_;
   Wrench given_;
   std::uint64_t sequence_ = 0, next_ = 0, refused_writes_ = 0;
 };

@@ -76,17 +76,17 @@ class Dice {
 class Shaken {
  public:
   /// `home`: where a body is taken up, and carried about; else all of the surface is visited.
-  Shaken(BuiltScene& built, Dice& dice, const std::optional<Vec3>& home)
+  Shaken(rendering::BuiltScene& built, Dice& dice, const std::optional<Vec3>& home)
       : dice_(dice), home_(home), grid_(built.voxmap().grid()), reach_m_(built.renderer().query().reach_m()) {
-    built.voxmap().for_each_occupied([&](const VoxelIndex& v, VoxelKind kind) {
-      if (kind == VoxelKind::kSurface) surface_.push_back(v);
+    built.voxmap().for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind kind) {
+      if (kind == voxmap::VoxelKind::kSurface) surface_.push_back(v);
     });
   }
   /// The body lies where the tool is in the first frame after this.
   void go_home() {
     if (home_) sample_.pose = {*home_, Quat::Identity()}, sample_.buttons = 1, rests_ = true;
   }
-  const DeviceSample& next(double dt_s) {
+  const devices::DeviceSample& next(double dt_s) {
     const Vec3 before = sample_.pose.position;
     const double what = std::exchange(rests_, false) ? 1.0 : dice_.uniform(0, 1);
     if (what < 0.01)
@@ -114,7 +114,7 @@ class Shaken {
       sample_.pose = {*home_ + dice_.cube(0.01), Quat::Identity()};
       return;
     }
-    const VoxelIndex v = surface_[dice_.below(surface_.size())];
+    const voxmap::VoxelIndex v = surface_[dice_.below(surface_.size())];
     const Vec3 aside = dice_.cube(1.0);
     sample_.pose.position = grid_.centre(v) + reach_m_ * dice_.uniform(0, 1.2) * aside.stableNormalized();
     const double w = dice_.uniform(-1, 1);
@@ -124,7 +124,7 @@ class Shaken {
   }
   void on_grid() {
     if (home_) return jump();
-    const VoxelIndex v = surface_[dice_.below(surface_.size())];
+    const voxmap::VoxelIndex v = surface_[dice_.below(surface_.size())];
     const double half = dice_.chance(0.5) ? 0.5 : 0.0;
     sample_.pose.position = grid_.from_grid(Vec3(v.i + half, v.j, v.k + half));
     sample_.pose.orientation = Quat::Identity();
@@ -137,16 +137,16 @@ class Shaken {
 
   Dice& dice_;
   std::optional<Vec3> home_;
-  Grid grid_;
+  voxmap::Grid grid_;
   double reach_m_;
-  std::vector<VoxelIndex> surface_;
-  DeviceSample sample_;
+  std::vector<voxmap::VoxelIndex> surface_;
+  devices::DeviceSample sample_;
   bool back_ = false, rests_ = false;
 };
 
-CouplingSpec any_coupling(Dice& dice) {
+coupling::CouplingSpec any_coupling(Dice& dice) {
   constexpr const char* kKinds[] = {"shaping_filter", "spring_damper", "direct"};
-  CouplingSpec spec;
+  coupling::CouplingSpec spec;
   spec.kind = kKinds[dice.below(3)];
   spec.cutoff_hz = dice.log(1, 150), spec.damping_ratio = dice.log(0.3, 3),
   spec.gain = dice.chance(0.1) ? 0.0 : dice.log(0.01, 3);
@@ -161,24 +161,24 @@ CouplingSpec any_coupling(Dice& dice) {
 
 struct Case {
   std::string name;
-  Scene scene;
-  ContactModelKind model;
+  scene::Scene scene;
+  contact::ContactModelKind model;
   std::optional<Vec3> home;
 };
 
 /// Three scenes with every contact model: the cup with all effects that a tool may have, objects that move, a body.
 std::vector<Case> cases(const std::filesystem::path& folder) {
-  Scene cup = load_scene(folder / "cup_clustered.yaml");  // its stiffness is of the area, which every model takes
+  scene::Scene cup = scene::load_scene(folder / "cup_clustered.yaml");  // its stiffness is of the area, which every model takes
   for (const char* name : {"friction", "surface_damping", "texture", "viscosity", "guide_plane", "guide_line",
                            "guide_point", "magnet", "proximity"})
-    for (const EffectSpec& effect : load_scene(folder / (std::string("cup_") + name + ".yaml")).effects)
+    for (const effects::EffectSpec& effect : scene::load_scene(folder / (std::string("cup_") + name + ".yaml")).effects)
       cup.effects.push_back(effect);
-  const Scene block = load_scene(folder / "block.yaml");
+  const scene::Scene block = scene::load_scene(folder / "block.yaml");
   std::vector<Case> out;
-  for (const ContactModelKind model : {ContactModelKind::kOriginal, ContactModelKind::kAdapted,
-                                       ContactModelKind::kClustered, ContactModelKind::kField}) {
+  for (const contact::ContactModelKind model : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
+                                       contact::ContactModelKind::kClustered, contact::ContactModelKind::kField}) {
     out.push_back({"cup with nine effects", cup, model, {}});
-    out.push_back({"objects", load_scene(folder / "objects.yaml"), model, {}});
+    out.push_back({"objects", scene::load_scene(folder / "objects.yaml"), model, {}});
     out.push_back({"block, a body", block, model, block.motions.at("fall").path.front()});
   }
   return out;
@@ -193,31 +193,31 @@ volatile double nothing = 0.0;
 void shake(const Case& c, const TrapRunOptions& ask, std::uint64_t frames, Dice& dice, Count& count, Findings& out) {
   constexpr std::uint64_t kPiece = 1000;
   constexpr double kPeriodS = 1e-3;
-  BuildChoices choices;
+  rendering::BuildChoices choices;
   choices.model = c.model;
-  std::unique_ptr<BuiltScene> built = build_scene(c.scene, serial_for(), choices);
+  std::unique_ptr<rendering::BuiltScene> built = rendering::build_scene(c.scene, serial_for(), choices);
   Shaken shaken(*built, dice, c.home);
-  std::snprintf(place.name, sizeof place.name, "%s, %s", c.scene.name.c_str(), std::string(name_of(c.model)).c_str());
-  const DeviceDescription device = dice.chance(0.5) ? sim_phantom().description : sim_lwr().description;
-  ForceGuard guard(guard_config(device));
+  std::snprintf(place.name, sizeof place.name, "%s, %s", c.scene.name.c_str(), std::string(contact::name_of(c.model)).c_str());
+  const DeviceDescription device = dice.chance(0.5) ? sim::sim_phantom().description : sim::sim_lwr().description;
+  devices::ForceGuard guard(devices::guard_config(device));
   for (std::uint64_t done = 0; done < frames; done += kPiece) {
-    const CouplingLimits limits =
-        dice.chance(0.2) ? CouplingLimits{} : CouplingLimits{device.max_force_n, device.max_torque_nm};
-    RunningCoupling coupling(any_coupling(dice), limits, kPeriodS);
-    DeviceMapping mapping(c.scene.device);
+    const coupling::CouplingLimits limits =
+        dice.chance(0.2) ? coupling::CouplingLimits{} : coupling::CouplingLimits{device.max_force_n, device.max_torque_nm};
+    coupling::RunningCoupling coupling(any_coupling(dice), limits, kPeriodS);
+    rendering::DeviceMapping mapping(c.scene.device);
     if (c.home || dice.chance(0.3)) built->scene_renderer().reset(), shaken.go_home();
     const TrapsOn traps;
     for (std::uint64_t n = 0; n < std::min(kPiece, frames - done); ++n) {
       place.frame = done + n;
       if (ask.trip_at == place.frame) nothing = 1.0 / nothing;
       const double dt_s = dice.chance(0.95) ? kPeriodS : kPeriodS * dice.log(1e-3, 100);
-      const DeviceSample& sample = shaken.next(dt_s);
-      const ToolState& tool = mapping.update(sample.pose, sample.twist, sample.buttons);
-      const SceneFrame frame = built->scene_renderer().render(tool, static_cast<double>(sample.time_ns) * 1e-9);
-      CouplingInput in{frame.wrench, frame.stiffness_bound_n_per_m, frame.stiffness, tool.pose};
+      const devices::DeviceSample& sample = shaken.next(dt_s);
+      const rendering::ToolState& tool = mapping.update(sample.pose, sample.twist, sample.buttons);
+      const rendering::SceneFrame frame = built->scene_renderer().render(tool, static_cast<double>(sample.time_ns) * 1e-9);
+      coupling::CouplingInput in{frame.wrench, frame.stiffness_bound_n_per_m, frame.stiffness, tool.pose};
       in.supplied_energy_j = frame.supplied_energy_j;
-      const CouplingOutput answer = coupling.step(in, dt_s);
-      const Wrench force = guard.pass(GuardInput{wrench_to_device(c.scene.device, answer.wrench, tool.pose.orientation),
+      const coupling::CouplingOutput answer = coupling.step(in, dt_s);
+      const Wrench force = guard.pass(devices::GuardInput{rendering::wrench_to_device(c.scene.device, answer.wrench, tool.pose.orientation),
                                                  sample.time_ns + 5'000'000},
                                       sample.time_ns);
       ++count.frames, count.touching += !frame.touch.contact.wrench.zero(),
@@ -256,11 +256,11 @@ Findings run_traps(const TrapRunOptions& ask, const Progress& progress) {
     Count count;
     shake(c, ask, ask.frames / (every.size() + 1), dice, count, out);
     out.lines.push_back(fmt::format("{:9} {:22} {} frames, {} touch, effects push in {}, the device in {}",
-                                    name_of(c.model), c.name, count.frames, count.touching, count.effects,
+                                    contact::name_of(c.model), c.name, count.frames, count.touching, count.effects,
                                     count.pushing));
     // Couplings and places are drawn; with some of them a tool is pushed off for good.
     if (count.touching * 20 < count.frames || count.pushing * 20 < count.frames)
-      out.faults.push_back(fmt::format("{} with {} hardly touches: nothing is tried", c.name, name_of(c.model)));
+      out.faults.push_back(fmt::format("{} with {} hardly touches: nothing is tried", c.name, contact::name_of(c.model)));
     all.frames += count.frames;
     if (progress) progress(all.frames, ask.frames);
   }

@@ -13,18 +13,18 @@ namespace {
 constexpr double kPeriod = 1e-3;
 constexpr double kMaxNorm = 1e-15, kMaxSkew = 1e-14;  ///< what a rotation may be off by
 
-RigidBody tumbling() {
-  BodyShape shape;
+effects::RigidBody tumbling() {
+  effects::BodyShape shape;
   shape.inertia_m2 = Vec3(1e-4, 2e-4, 2.7e-4).asDiagonal();
   shape.reach_m = 0.02;
-  RigidBody body(shape);
+  effects::RigidBody body(shape);
   body.place({Vec3::Zero(), Quat(Eigen::AngleAxisd(0.3, Vec3(3, 1, 2).normalized()))}, false);
   return body;
 }
 
 /// About axes that change, and back and forth, so that it neither comes to rest nor turns ever faster.
-BodyLoad push(std::uint64_t n) {
-  BodyLoad load;
+effects::BodyLoad push(std::uint64_t n) {
+  effects::BodyLoad load;
   load.wrench.torque = 1e-4 * Vec3(std::sin(0.01 * static_cast<double>(n % 10000)), 0.7, -0.4);
   if (n / 2000 % 2 == 1) load.wrench.torque *= -1.0;
   return load;
@@ -34,8 +34,8 @@ BodyLoad push(std::uint64_t n) {
 
 Findings run_tumble(const TumbleRunOptions& ask, const Progress& progress) {
   Findings out;
-  RigidBody body = tumbling();
-  BodyParameters parameters;
+  effects::RigidBody body = tumbling();
+  effects::BodyParameters parameters;
   parameters.mass_kg = 0.1;
   double norm = 0.0, skew = 0.0, angle = 0.0, first_s = 0.0, last_s = 0.0;
   std::uint64_t n = 0;

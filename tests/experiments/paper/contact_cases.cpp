@@ -13,21 +13,21 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 
 }  // namespace
 
-Ground::Ground(const TriangleMesh& mesh)
-    : voxmap(voxelise(mesh, default_grid(mesh, kEdge), serial_for())),
-      field(build_distance_field(mesh, voxmap, {.depth_voxels = 3.0, .band_voxels = 2.0}, serial_for())) {}
+Ground::Ground(const mesh::TriangleMesh& mesh)
+    : voxmap(voxmap::voxelise(mesh, voxmap::default_grid(mesh, kEdge), serial_for())),
+      field(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = 3.0, .band_voxels = 2.0}, serial_for())) {}
 
 Sphere::Sphere(const Vec3& grid_shift) : mesh(test::sphere_mesh(kRadius, 5)) {
-  Grid grid = default_grid(mesh, kEdge);
+  voxmap::Grid grid = voxmap::default_grid(mesh, kEdge);
   grid.origin -= kEdge * grid_shift;
-  const std::vector<ShellPoint> points = shell_points(mesh, grid, serial_for());
-  exact = make_exact_shell(points, grid);
-  naive = make_naive_shell(points, grid);
+  const std::vector<pointshell::ShellPoint> points = pointshell::shell_points(mesh, grid, serial_for());
+  exact = pointshell::make_exact_shell(points, grid);
+  naive = pointshell::make_naive_shell(points, grid);
 }
 
 std::vector<ContactCase> all_contact_cases() {
-  using enum ContactModelKind;
-  using enum PointWeights;
+  using enum contact::ContactModelKind;
+  using enum contact::PointWeights;
   return {{"original", kOriginal, kOne},
           {"adapted", kAdapted, kOne},
           {"original, area weights", kOriginal, kArea},
@@ -36,7 +36,7 @@ std::vector<ContactCase> all_contact_cases() {
           {"field", kField, kArea}};
 }
 
-ContactRenderer renderer_of(const ContactCase& contact_case, const Ground& ground, const Sphere& sphere) {
+contact::ContactRenderer renderer_of(const ContactCase& contact_case, const Ground& ground, const Sphere& sphere) {
   return {ground.voxmap, contact_case.naive ? sphere.naive : sphere.exact, contact_case.model, {1.0, contact_case.weights}, &ground.field};
 }
 
@@ -70,7 +70,7 @@ Slide round_a_cylinder(double radius_m, double depth_edges, const Quat& ball, do
   return slide;
 }
 
-Distraction distraction(ContactRenderer renderer, const Slide& slide, int steps) {
+Distraction distraction(contact::ContactRenderer renderer, const Slide& slide, int steps) {
   Distraction out;
   Vec3 mean_across = Vec3::Zero();
   std::vector<Vec3> turned;  // seen from the normal, so that a push that goes round with it has a mean

@@ -14,15 +14,15 @@ inline constexpr double kRadius = 10 * kEdge;  ///< of the sphere: R / e = 10
 
 /// A static mesh with all that a contact model may look up.
 struct Ground {
-  Voxmap voxmap;
-  DistanceField field;
-  explicit Ground(const TriangleMesh& mesh);
+  voxmap::Voxmap voxmap;
+  voxmap::DistanceField field;
+  explicit Ground(const mesh::TriangleMesh& mesh);
 };
 
 /// The sphere's two shells; its centre is the tool's origin.
 struct Sphere {
-  TriangleMesh mesh;
-  Pointshell exact, naive;
+  mesh::TriangleMesh mesh;
+  pointshell::Pointshell exact, naive;
   /// `grid_shift` moves the voxel grid that the shells are made on, in edges.
   explicit Sphere(const Vec3& grid_shift = Vec3(0.13, 0.37, 0.41));
 };
@@ -30,18 +30,18 @@ struct Sphere {
 /// One column of a table: what is compared.
 struct ContactCase {
   std::string name;
-  ContactModelKind model = ContactModelKind::kAdapted;
-  PointWeights weights = PointWeights::kOne;
+  contact::ContactModelKind model = contact::ContactModelKind::kAdapted;
+  contact::PointWeights weights = contact::PointWeights::kOne;
   bool naive = false;
 };
 /// original, adapted, both by area, clustered, field; all with the exact shell.
 std::vector<ContactCase> all_contact_cases();
-ContactRenderer renderer_of(const ContactCase& contact_case, const Ground& ground, const Sphere& sphere);
+contact::ContactRenderer renderer_of(const ContactCase& contact_case, const Ground& ground, const Sphere& sphere);
 
 /// A way on which the sphere keeps its depth: where its centre is, and the surface's normal there. `s` from 0 to 1.
 struct Slide {
   std::string name;
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   std::function<Vec3(double s)> centre, normal;
   Quat turn = Quat::Identity();  ///< of the sphere
 };
@@ -61,6 +61,6 @@ struct Distraction {
       0.0;             ///< the same after its mean has been taken off (in the frame that turns with the normal)
   double noise = 0.0;  ///< standard deviation of `along` over its mean
 };
-Distraction distraction(ContactRenderer renderer, const Slide& slide, int steps);
+Distraction distraction(contact::ContactRenderer renderer, const Slide& slide, int steps);
 
 }  // namespace voxtouch::paper

@@ -15,7 +15,7 @@ struct Sums {
 
 std::vector<Wrench> forces(const ContactCase& contact_case, const Ground& ground, const Sphere& sphere,
                            const std::vector<Pose>& poses) {
-  ContactRenderer renderer = renderer_of(contact_case, ground, sphere);
+  contact::ContactRenderer renderer = renderer_of(contact_case, ground, sphere);
   std::vector<Wrench> out;
   for (const Pose& pose : poses) out.push_back(renderer.probe(pose).wrench);
   return out;
@@ -41,7 +41,7 @@ std::vector<CornerAndSlot> corner_and_slot(std::uint64_t seed) {
       return test::box_mesh(size, at * Pose{where, Quat::Identity()});
     };
     const auto inside = [](double side) { return Vec3(side * (kRadius - kDepth + 0.02), 0, 0); };
-    const TriangleMesh left = box({0.04, 0.12, 0.12}, {-0.02, 0, 0}), below = box({0.12, 0.04, 0.12}, {0, -0.02, 0}),
+    const mesh::TriangleMesh left = box({0.04, 0.12, 0.12}, {-0.02, 0, 0}), below = box({0.12, 0.04, 0.12}, {0, -0.02, 0}),
                        one = box({0.04, 0.12, 0.12}, inside(1)), other = box({0.04, 0.12, 0.12}, inside(-1));
     const Ground corner(test::joined(left, below)), wall_left(left), wall_below(below), slot(test::joined(one, other)),
         wall(one);

@@ -12,11 +12,11 @@ namespace {
 constexpr double kStepS = 0.001, kSpeed = 0.1, kCylinder = 20 * kEdge, kDepthEdges = 1.0;
 
 /// Newtons for each unit of the contact model's force, so that the mean is 1 N.
-std::vector<double> pass(const CouplingSpec& spec, const std::vector<Vec3>& raw, double stiffness) {
-  RunningCoupling coupling(spec, {}, kStepS, 1e-9);
+std::vector<double> pass(const coupling::CouplingSpec& spec, const std::vector<Vec3>& raw, double stiffness) {
+  coupling::RunningCoupling coupling(spec, {}, kStepS, 1e-9);
   std::vector<double> out;
   for (const Vec3& force : raw) {
-    CouplingInput input;
+    coupling::CouplingInput input;
     input.contact.force = force;
     input.contact_stiffness_n_per_m = stiffness;
     input.contact_stiffness.topLeftCorner<3, 3>().diagonal().setConstant(stiffness);
@@ -27,7 +27,7 @@ std::vector<double> pass(const CouplingSpec& spec, const std::vector<Vec3>& raw,
 
 /// In the frame that turns with the normal: what is left is noise, not the turn itself.
 std::vector<Vec3> raw_force(const Slide& slide, const Ground& ground, const Sphere& sphere) {
-  ContactRenderer renderer = renderer_of(all_contact_cases()[1], ground, sphere);
+  contact::ContactRenderer renderer = renderer_of(all_contact_cases()[1], ground, sphere);
   const double length = 2.0 * std::numbers::pi * (kCylinder + kRadius);
   const int steps = static_cast<int>(length / (kSpeed * kStepS));
   std::vector<Vec3> out;
@@ -55,7 +55,7 @@ Smoothness smoothness(const std::vector<double>& all) {
 }
 
 /// Until 90 % of a step.
-double rise_time_s(const CouplingSpec& spec) {
+double rise_time_s(const coupling::CouplingSpec& spec) {
   const std::vector<double> answer = pass(spec, std::vector<Vec3>(2000, Vec3::UnitX()), 100);
   const auto there = std::find_if(answer.begin(), answer.end(), [&](double f) { return f >= 0.9 * answer.back(); });
   return kStepS * static_cast<double>(there - answer.begin());
@@ -69,7 +69,7 @@ FilterExperiment filter_experiment() {
       round_a_cylinder(kCylinder, kDepthEdges, Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized())), 0.0007);
   const Ground ground(slide.mesh);
   const std::vector<Vec3> raw = raw_force(slide, ground, sphere);
-  CouplingSpec filter, spring;
+  coupling::CouplingSpec filter, spring;
   filter.kind = "shaping_filter", filter.cutoff_hz = 5.0, filter.damping_ratio = 1.0, filter.gain = 1.0;
   spring.kind = "spring_damper", spring.stiffness_n_per_m = 1000.0, spring.damping_ns_per_m = 10.0;
   FilterExperiment out;

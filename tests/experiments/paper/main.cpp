@@ -53,7 +53,7 @@ Json through_all_contact_cases(const Slide& slide, const Sphere& sphere) {
 }
 
 /// Points whose distance from the plane z = 0 is below half an edge, turned with the sphere: x, y, and the normal's.
-Json slice(const Pointshell& shell, const Quat& turn) {
+Json slice(const pointshell::Pointshell& shell, const Quat& turn) {
   Json out = Json::array();
   for (std::size_t p = 0; p < shell.size(); ++p) {
     const Vec3 x = turn * shell.point(p), n = turn * shell.normal(p);
@@ -71,13 +71,13 @@ Json shells(const Sphere& sphere) {
   for (const auto& [name, quat] : {std::pair{"still", Quat::Identity()}, std::pair{"turned", turn}}) {
     const Slide slide = round_a_cylinder(20 * kEdge, 0.5, quat, 0.0007);
     const Ground ground(slide.mesh);
-    ContactCase contact_case{"original", ContactModelKind::kOriginal, PointWeights::kOne, true};
+    ContactCase contact_case{"original", contact::ContactModelKind::kOriginal, contact::PointWeights::kOne, true};
     out[name]["force_naive_original"] =
         components(slide, distraction(renderer_of(contact_case, ground, sphere), slide, kSteps));
     contact_case.naive = false;
     out[name]["force_exact_original"] =
         components(slide, distraction(renderer_of(contact_case, ground, sphere), slide, kSteps));
-    contact_case.model = ContactModelKind::kAdapted;
+    contact_case.model = contact::ContactModelKind::kAdapted;
     out[name]["force_exact_adapted"] = components(slide, distraction(renderer_of(contact_case, ground, sphere), slide, kSteps));
   }
   return out;

@@ -8,9 +8,9 @@
 namespace voxtouch::paper {
 namespace {
 
-const ContactCase kOriginal{"original", ContactModelKind::kOriginal, PointWeights::kOne},
-    kAdapted{"adapted", ContactModelKind::kAdapted, PointWeights::kOne},
-    kNaiveOriginal{"naive, original", ContactModelKind::kOriginal, PointWeights::kOne, true};
+const ContactCase kOriginal{"original", contact::ContactModelKind::kOriginal, contact::PointWeights::kOne},
+    kAdapted{"adapted", contact::ContactModelKind::kAdapted, contact::PointWeights::kOne},
+    kNaiveOriginal{"naive, original", contact::ContactModelKind::kOriginal, contact::PointWeights::kOne, true};
 
 /// How the sphere is turned: not at all, and three ways.
 std::vector<Quat> turned() {

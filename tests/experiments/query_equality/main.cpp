@@ -17,22 +17,22 @@ int main(int argc, char** argv) {
   while (decided < wanted) {
     // Voxels of any size, grids up to 1e6 m away, tools of 1 to 100 voxels.
     const double e = std::pow(10.0, uniform(random, -5, 1)), away = std::pow(10.0, uniform(random, -3, 6));
-    const Grid grid{away * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)), e};
-    Voxmap map(grid, {0, 0, 0}, {63, 63, 63});
+    const voxmap::Grid grid{away * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)), e};
+    voxmap::Voxmap map(grid, {0, 0, 0}, {63, 63, 63});
     test::add_block(map, {0, 0, 0}, {63, 63, 6});
     test::add_block(map, {0, 0, 0}, {9, 63, 40});
     for (int n = 0; n < 2000; ++n) {
       const auto any = [&] { return static_cast<std::int32_t>(random() % 64); };
-      map.set({any(), any(), any()}, n % 2 == 0 ? VoxelKind::kSurface : VoxelKind::kInterior);
+      map.set({any(), any(), any()}, n % 2 == 0 ? voxmap::VoxelKind::kSurface : voxmap::VoxelKind::kInterior);
     }
     map.finish();
     const double reach = std::pow(10.0, uniform(random, 0, 2));
     std::vector<std::pair<Vec3, Vec3>> points;
     for (int n = 0; n < 2003; ++n)
       points.emplace_back(e * reach * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)), Vec3::UnitZ());
-    const Pointshell shell = test::morton_ordered(test::shell_of(points, e));
-    const ContactQuery query(map, shell);
-    HitList hits;
+    const pointshell::Pointshell shell = test::morton_ordered(test::shell_of(points, e));
+    const contact::ContactQuery query(map, shell);
+    contact::HitList hits;
     hits.reserve(shell.size());
     for (int n = 0; n < 500; ++n) {
       const Vec3 u(uniform(random, -10, 74), uniform(random, -10, 74), uniform(random, -10, 74));

@@ -12,7 +12,7 @@
 
 namespace {
 
-using voxtouch::ContactModelKind;
+using voxtouch::contact::ContactModelKind;
 
 constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
                                 ContactModelKind::kField};

@@ -22,7 +22,7 @@ const test::Ball& ball() {
   return one;
 }
 
-TriangleMesh plane(const Quat& turn) {
+mesh::TriangleMesh plane(const Quat& turn) {
   return test::box_mesh(Vec3(0.06, 0.06, 0.04), {turn * Vec3(0, 0, -0.02), turn});
 }
 
@@ -31,12 +31,12 @@ class Crossings {
  public:
   explicit Crossings(std::size_t points) : last_(points), seen_(points, 0) {}
   /// The weights of the points that are in another voxel than in the frame before, or came, or went.
-  double count(const HitList& hits, const Grid& grid) {
+  double count(const contact::HitList& hits, const voxmap::Grid& grid) {
     ++frame_;
     double sum = 0.0, stayed = 0.0, now = 0.0;
-    for (const Hits* list : {&hits.surface, &hits.interior})
-      for (const Hit& hit : *list) {
-        const VoxelIndex v = Grid::voxel_of((hits.pose.position + hit.arm - grid.origin) / grid.edge);
+    for (const contact::Hits* list : {&hits.surface, &hits.interior})
+      for (const contact::Hit& hit : *list) {
+        const voxmap::VoxelIndex v = voxmap::Grid::voxel_of((hits.pose.position + hit.arm - grid.origin) / grid.edge);
         now += hit.weight;
         if (seen_[hit.point] + 1 == frame_) {
           stayed += hit.weight;
@@ -52,7 +52,7 @@ class Crossings {
   }
 
  private:
-  std::vector<VoxelIndex> last_;
+  std::vector<voxmap::VoxelIndex> last_;
   std::vector<std::uint64_t> seen_;
   std::uint64_t frame_ = 1;
   double before_ = 0.0;
@@ -66,10 +66,10 @@ struct Loop {
 /// Work of the contact on the hand along the closed way of `count` poses, by the trapezoid rule: what is there beside the lag of a
 /// held force, which goes to zero with the period.
 template <class PoseOf>
-Loop go_round(ContactRenderer& renderer, int count, const PoseOf& pose_of) {
+Loop go_round(contact::ContactRenderer& renderer, int count, const PoseOf& pose_of) {
   Loop loop;
   Crossings crossings(renderer.query().shell().size());
-  const Grid& grid = renderer.query().voxmap().grid();
+  const voxmap::Grid& grid = renderer.query().voxmap().grid();
   Pose last = pose_of(0);
   Vec3 force = renderer.render(last).contact.wrench.force;
   crossings.count(renderer.hits(), grid);
@@ -93,20 +93,20 @@ Bench::Bench(double radius_voxels, double tilt_deg)
     : edge_(kRadiusM / radius_voxels),
       turn_(Eigen::AngleAxisd(tilt_deg * std::numbers::pi / 180.0, Vec3(2, 1, 0).normalized())),
       shell_(test::exact_shell(ball().mesh, edge_)),
-      voxmap_(voxelise(plane(turn_), default_grid(plane(turn_), edge_), serial_for())),
-      field_(build_distance_field(plane(turn_), voxmap_, {.depth_voxels = 4.0, .band_voxels = 2.0}, serial_for())) {}
+      voxmap_(voxmap::voxelise(plane(turn_), voxmap::default_grid(plane(turn_), edge_), serial_for())),
+      field_(voxmap::build_distance_field(plane(turn_), voxmap_, {.depth_voxels = 4.0, .band_voxels = 2.0}, serial_for())) {}
 
-ContactRenderer Bench::renderer(ContactModelKind model) const {
-  return {voxmap_, shell_, model, {kPressure, PointWeights::kArea}, &field_};
+contact::ContactRenderer Bench::renderer(contact::ContactModelKind model) const {
+  return {voxmap_, shell_, model, {kPressure, contact::PointWeights::kArea}, &field_};
 }
 
 Pose Bench::at(double x, double y, double depth_m) const {
   return ball().posed(turn_ * Vec3(x, y, kRadiusM - depth_m), Quat::Identity());
 }
 
-Created Bench::worst_loop(ContactModelKind model, double depth_voxels, int loops, std::uint64_t seed) const {
+Created Bench::worst_loop(contact::ContactModelKind model, double depth_voxels, int loops, std::uint64_t seed) const {
   std::mt19937_64 random(seed);
-  ContactRenderer contact = renderer(model);
+  contact::ContactRenderer contact = renderer(model);
   const double round_m = std::max(0.2 * kRadiusM, 3.0 * edge_), depth_m = depth_voxels * edge_;
   const int count = static_cast<int>(std::ceil(2.0 * std::numbers::pi * round_m / (kStepEdges * edge_)));
   Created worst;

@@ -9,7 +9,7 @@ namespace voxtouch::sliding {
 
 /// One setting of the map.
 struct Setting {
-  ContactModelKind model = ContactModelKind::kAdapted;
+  contact::ContactModelKind model = contact::ContactModelKind::kAdapted;
   double radius_voxels = 10.0;  ///< of the ball: its radius over the voxel edge
   double depth_voxels = 0.5;    ///< of the ball below the plane
   double tilt_deg = 0.0;        ///< of the plane against the grid, about (2, 1, 0)
@@ -28,12 +28,12 @@ class Bench {
  public:
   Bench(double radius_voxels, double tilt_deg);
   /// `loops` drawn from `seed`, each walked both ways through the ring's stage, memory included.
-  Created worst_loop(ContactModelKind model, double depth_voxels, int loops, std::uint64_t seed) const;
+  Created worst_loop(contact::ContactModelKind model, double depth_voxels, int loops, std::uint64_t seed) const;
 
   static constexpr double kRadiusM = 0.01;
   static constexpr double kPressure = 1e9;  ///< k [N/m^3]
 
-  ContactRenderer renderer(ContactModelKind model) const;
+  contact::ContactRenderer renderer(contact::ContactModelKind model) const;
   /// The ball's origin in W for a place on the plane [m], `depth_m` deep.
   Pose at(double x, double y, double depth_m) const;
   double edge_m() const noexcept { return edge_; }
@@ -42,9 +42,9 @@ class Bench {
  private:
   double edge_;
   Quat turn_;
-  Pointshell shell_;
-  Voxmap voxmap_;
-  DistanceField field_;
+  pointshell::Pointshell shell_;
+  voxmap::Voxmap voxmap_;
+  voxmap::DistanceField field_;
 };
 
 }  // namespace voxtouch::sliding

@@ -9,7 +9,7 @@ namespace voxtouch::virtual_tool {
 /// Shares nothing with the virtual tool: no voxels, no shell, no rows; every triangle near by is asked for its nearest point.
 class GodObject {
  public:
-  GodObject(const TriangleMesh& mesh, double radius_m) : mesh_(mesh), radius_m_(radius_m) {}
+  GodObject(const mesh::TriangleMesh& mesh, double radius_m) : mesh_(mesh), radius_m_(radius_m) {}
 
   /// Distance from `x` to the nearest triangle [m], unsigned.
   double distance(const Vec3& x) const;
@@ -19,7 +19,7 @@ class GodObject {
   const Vec3& draw_to(const Vec3& hand);
 
  private:
-  const TriangleMesh& mesh_;
+  const mesh::TriangleMesh& mesh_;
   double radius_m_;
   Vec3 centre_ = Vec3::Zero();
   std::vector<std::size_t> near_;

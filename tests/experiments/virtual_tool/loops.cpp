@@ -80,8 +80,8 @@ LeverFigures lever(double edge, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   // The bar lies along x; 16 mm from the hand its lower face meets the upper edge of a block.
   const Vec3 middle(1.3e-4, 0.7e-4, 0.4e-4), block_edge(0.016, 0, 0);
-  const Pointshell bar = shell_of(test::box_mesh(Vec3(0.04, 0.006, 0.006), {middle, Quat::Identity()}), edge);
-  const TriangleMesh block = test::box_mesh(Vec3(0.02, 0.03, 0.02), {Vec3(0.026, 0, -0.01), Quat::Identity()});
+  const pointshell::Pointshell bar = shell_of(test::box_mesh(Vec3(0.04, 0.006, 0.006), {middle, Quat::Identity()}), edge);
+  const mesh::TriangleMesh block = test::box_mesh(Vec3(0.02, 0.03, 0.02), {Vec3(0.026, 0, -0.01), Quat::Identity()});
   LeverFigures figures;
   for (int n = 0; n < 10; ++n) {
     Rig rig(block, edge, bar);
@@ -89,7 +89,7 @@ LeverFigures lever(double edge, std::uint64_t seed) {
     const auto hand_at = [&](int k) { return Vec3(aside, 0, 0.005 - 5e-5 * k); };
     rig.place({hand_at(0), Quat::Identity()});
     Vec3 last = Vec3::Zero();
-    VirtualToolFrame f;
+    contact::VirtualToolFrame f;
     for (int k = 0; k <= 250; ++k) {
       f = rig.frame(hand_at(k));
       const Vec3 torque = f.wrench(kStiffness).torque;
@@ -105,10 +105,10 @@ LeverFigures lever(double edge, std::uint64_t seed) {
 }
 
 /// A round block with a round hole from above: one closed mesh.
-TriangleMesh hole_mesh(double radius_m, double deep_m) {
+mesh::TriangleMesh hole_mesh(double radius_m, double deep_m) {
   constexpr std::uint32_t kSides = 96;
   constexpr double kOuter = 0.02, kFloor = 0.01;
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   for (std::uint32_t n = 0; n < kSides; ++n) {
     const double angle = 2 * std::numbers::pi * n / kSides, out = kOuter, in = radius_m / std::cos(std::numbers::pi / kSides);
     const Vec3 to(std::cos(angle), std::sin(angle), 0);
@@ -135,7 +135,7 @@ PegFigures peg(double edge, double clearance_m, bool turned) {
   PegFigures figures;
   double z = kLong / 2 + 0.003;
   if (!rig.place({Vec3(0, 0, z), Quat::Identity()})) return figures;
-  VirtualToolFrame f;
+  contact::VirtualToolFrame f;
   const auto go = [&](double to, const Vec3& aside, const Quat& turn) {
     for (; z > to; z -= 5e-5) {
       f = rig.frame(Pose{Vec3(aside.x(), aside.y(), z), turn});

@@ -7,17 +7,17 @@
 
 namespace voxtouch::virtual_tool {
 
-Rig::Rig(const TriangleMesh& of, double edge_m, const Pointshell& shell, double lever_m)
+Rig::Rig(const mesh::TriangleMesh& of, double edge_m, const pointshell::Pointshell& shell, double lever_m)
     : mesh(of), ground(mesh, edge_m), query(ground.voxmap, shell),
       tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = edge_m, .lever_m = lever_m}),
       grounds{{&query, &ground.field, Vec3::Zero()}}, edge(edge_m) {}
 
-Pointshell shell_of(const TriangleMesh& mesh, double edge) { return test::exact_shell(mesh, edge); }
-Pointshell ball_shell(double edge, double radius_m) { return shell_of(test::sphere_mesh(radius_m, 4), edge); }
+pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge) { return test::exact_shell(mesh, edge); }
+pointshell::Pointshell ball_shell(double edge, double radius_m) { return shell_of(test::sphere_mesh(radius_m, 4), edge); }
 
 Quat tilt() { return Quat(0.961463877, 0.169532022, 0.213151410, -0.037584345).normalized(); }
 
-TriangleMesh scene_mesh(const std::string& name) {
+mesh::TriangleMesh scene_mesh(const std::string& name) {
   if (name == "plane") return test::box_mesh(Vec3(0.12, 0.12, 0.06), {Vec3(0, 0, -0.03), Quat::Identity()});
   if (name == "tilted") return test::box_mesh(Vec3(0.12, 0.12, 0.06), {tilt() * Vec3(0, 0, -0.03), tilt()});
   if (name.starts_with("plate:")) {
@@ -25,7 +25,7 @@ TriangleMesh scene_mesh(const std::string& name) {
     const double thick = std::stod(name.substr(6));
     return test::box_mesh(Vec3(0.08, 0.08, thick), {Vec3(0.37e-3, 0.11e-3, 0.0), askew ? tilt() : Quat::Identity()});
   }
-  return import_mesh(std::string(VOXTOUCH_DEPLOY "/meshes/") + name + ".obj").mesh;
+  return mesh::import_mesh(std::string(VOXTOUCH_DEPLOY "/meshes/") + name + ".obj").mesh;
 }
 
 double uniform(std::mt19937_64& random, double low, double high) {
@@ -39,7 +39,7 @@ Vec3 random_direction(std::mt19937_64& random) {
   }
 }
 
-Place random_place(const std::string& scene, const TriangleMesh& mesh, std::mt19937_64& random) {
+Place random_place(const std::string& scene, const mesh::TriangleMesh& mesh, std::mt19937_64& random) {
   const auto on_face = [&](double top, const Quat& turn) -> Place {
     return {turn * Vec3(uniform(random, -0.02, 0.02), uniform(random, -0.02, 0.02), top), turn * Vec3::UnitZ()};
   };

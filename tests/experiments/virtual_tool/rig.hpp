@@ -18,29 +18,29 @@ inline constexpr double kBall = 0.01;        ///< [m], radius of the ball that i
 
 /// A static mesh and a tool in it. Stays where it is: the query points into it.
 struct Rig {
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   test::Ground ground;
-  ContactQuery query;
-  VirtualTool tool;
-  std::vector<ToolGround> grounds;
+  contact::ContactQuery query;
+  contact::VirtualTool tool;
+  std::vector<contact::ToolGround> grounds;
   double edge;
-  Rig(const TriangleMesh& mesh, double edge, const Pointshell& shell, double lever_m = 0.0);
+  Rig(const mesh::TriangleMesh& mesh, double edge, const pointshell::Pointshell& shell, double lever_m = 0.0);
   Rig(const Rig&) = delete;
 
-  VirtualToolFrame frame(const Pose& hand, double friction = 0.0) { return tool.frame({hand, kPeriod, friction}, grounds); }
-  VirtualToolFrame frame(const Vec3& hand, const Quat& turn = Quat::Identity(), double friction = 0.0) {
+  contact::VirtualToolFrame frame(const Pose& hand, double friction = 0.0) { return tool.frame({hand, kPeriod, friction}, grounds); }
+  contact::VirtualToolFrame frame(const Vec3& hand, const Quat& turn = Quat::Identity(), double friction = 0.0) {
     return frame(Pose{hand, turn}, friction);
   }
   /// Forgets the tool and places it anew, with the whole force. The caller sees to it that the pose is free.
   bool place(const Pose& at) { return tool.place(at, grounds); }
 };
 
-Pointshell ball_shell(double edge, double radius_m = kBall);
+pointshell::Pointshell ball_shell(double edge, double radius_m = kBall);
 /// The shell of `mesh`, on a grid of `edge`.
-Pointshell shell_of(const TriangleMesh& mesh, double edge);
+pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge);
 
 /// "plane", "tilted", "cylinder", "cup", or "plate:<thickness in m>[:askew]".
-TriangleMesh scene_mesh(const std::string& name);
+mesh::TriangleMesh scene_mesh(const std::string& name);
 /// Turn of what is tilted in `scene_mesh`.
 Quat tilt();
 
@@ -51,6 +51,6 @@ Vec3 random_direction(std::mt19937_64& random);
 struct Place {
   Vec3 point, normal;
 };
-Place random_place(const std::string& scene, const TriangleMesh& mesh, std::mt19937_64& random);
+Place random_place(const std::string& scene, const mesh::TriangleMesh& mesh, std::mt19937_64& random);
 
 }  // namespace voxtouch::virtual_tool

@@ -56,7 +56,7 @@ PressFigures press(const PressOptions& o) {
     truth.place(start, 0.04);
     if (!rig.place({start, turn})) continue;
     ++figures.places;
-    VirtualToolFrame frame;
+    contact::VirtualToolFrame frame;
     Vec3 hand = start, god = start;
     const int steps = static_cast<int>((0.004 + o.depth_m) / 5e-5);
     for (int n = 1; n <= steps; ++n) {
@@ -128,7 +128,7 @@ SlideFigures slide(const SlideOptions& o) {
   for (int n = 0; n <= 2 * steps; ++n) {
     const Pose at = touching(round * n / steps);
     const Vec3 hand = at.position - o.depth_m * (at.orientation * Vec3::UnitZ());
-    const VirtualToolFrame frame = clock.time([&] { return rig.frame(hand, Quat::Identity(), o.friction); });
+    const contact::VirtualToolFrame frame = clock.time([&] { return rig.frame(hand, Quat::Identity(), o.friction); });
     const Vec3 force = frame.wrench(kStiffness).force;
     if (n >= steps) {  // the first round is the approach
       if (n > steps) {
@@ -160,17 +160,17 @@ WallFigures walls(const WallOptions& o) {
   const Quat turn = o.askew ? tilt() : Quat::Identity();
   const Vec3 normal = turn * Vec3::UnitZ();
   // The grid's phase is the mesh's lower corner: a block far away fixes it, so that the plate's place in its voxel is chosen.
-  const TriangleMesh mesh = test::box_mesh(Vec3(40 * e, 40 * e, thick), {Vec3::Zero(), turn});
-  Grid grid = default_grid(mesh, e);
+  const mesh::TriangleMesh mesh = test::box_mesh(Vec3(40 * e, 40 * e, thick), {Vec3::Zero(), turn});
+  voxmap::Grid grid = voxmap::default_grid(mesh, e);
   grid.origin += o.phase_edges * e * Vec3::Ones();
-  const Pointshell shell = ball_shell(e, 5 * e);
+  const pointshell::Pointshell shell = ball_shell(e, 5 * e);
   struct {
     test::Ground ground;
-    ContactQuery query;
-    VirtualTool tool;
-  } wall{test::Ground(mesh, grid, 12.0), ContactQuery(wall.ground.voxmap, shell),
-         VirtualTool({.points = shell.size(), .reach_m = 5.1 * e, .edge_m = e})};
-  const ToolGround ground{&wall.query, &wall.ground.field, Vec3::Zero()};
+    contact::ContactQuery query;
+    contact::VirtualTool tool;
+  } wall{test::Ground(mesh, grid, 12.0), contact::ContactQuery(wall.ground.voxmap, shell),
+         contact::VirtualTool({.points = shell.size(), .reach_m = 5.1 * e, .edge_m = e})};
+  const contact::ToolGround ground{&wall.query, &wall.ground.field, Vec3::Zero()};
   const double k = kStiffness * 0.002 / e;
   WallFigures figures;
   std::vector<double> jitter;
@@ -191,7 +191,7 @@ WallFigures walls(const WallOptions& o) {
       const auto step = [&](const Vec3& by, bool turning) {
         hand += by;
         if (turning) held = (Quat(Eigen::AngleAxisd(spin, axis)) * held).normalized();
-        const VirtualToolFrame frame = wall.tool.frame({{hand, held}, kPeriod, 0.0}, {&ground, 1});
+        const contact::VirtualToolFrame frame = wall.tool.frame({{hand, held}, kPeriod, 0.0}, {&ground, 1});
         figures.depth_worst = std::max(figures.depth_worst, frame.worst_depth_m / e);
         queries += frame.queries, ++frames;
         const double height = side * normal.dot(frame.tool.position);
@@ -220,7 +220,7 @@ WallFigures walls(const WallOptions& o) {
 
 TumbleFigures tumble(const TumbleOptions& o) {
   std::mt19937_64 random(o.seed);
-  const Pointshell shell =
+  const pointshell::Pointshell shell =
       o.box ? shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03), {Vec3(1e-4, 2e-4, 3e-4), Quat::Identity()}), o.edge) : ball_shell(o.edge);
   Rig rig(scene_mesh(o.scene), o.edge, shell);
   TumbleFigures figures;
@@ -236,7 +236,7 @@ TumbleFigures tumble(const TumbleOptions& o) {
     }
     hand.position += o.speed * kPeriod * (target - hand.position).normalized();
     hand.orientation = (Quat(Eigen::AngleAxisd(o.spin * kPeriod, axis)) * hand.orientation).normalized();
-    const VirtualToolFrame frame = clock.time([&] { return rig.frame(hand); });
+    const contact::VirtualToolFrame frame = clock.time([&] { return rig.frame(hand); });
     contacts += frame.constrained, lags += frame.lag;
     figures.depth_worst = std::max(figures.depth_worst, frame.worst_depth_m / o.edge);
     figures.queries_mean += frame.queries / static_cast<double>(o.frames);

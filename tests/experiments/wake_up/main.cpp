@@ -23,7 +23,7 @@
 
 extern char** environ;
 
-namespace voxtouch {
+namespace voxtouch::wake_up {
 namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000;
@@ -159,10 +159,10 @@ int run(const Options& o) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::wake_up
 
 int main(int argc, char** argv) {
-  voxtouch::Options o;
+  voxtouch::wake_up::Options o;
   CLI::App app{"Measures how long a sample takes round three processes over DDS, by the way in which each is woken: a wait set, a listener that wakes a "
                "thread, a listener that answers. In turns, so that what else the machine does meets all of them."};
   app.add_option("--seconds", o.seconds, "of each way in a round (10)");
@@ -171,5 +171,5 @@ int main(int argc, char** argv) {
   app.add_option("--way", o.way)->group("");
   app.add_option("--relay", o.relay)->group("");
   CLI11_PARSE(app, argc, argv);
-  return o.relay.empty() ? voxtouch::run(o) : voxtouch::relay(o);
+  return o.relay.empty() ? voxtouch::wake_up::run(o) : voxtouch::wake_up::relay(o);
 }

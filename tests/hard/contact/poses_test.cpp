@@ -14,8 +14,8 @@ namespace poses_test {
 
 constexpr double kEdge = 2e-3, kPeriod = 1e-3, kMaxN = 8.5;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
-constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
-                                ContactModelKind::kField};
+constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
+                                contact::ContactModelKind::kClustered, contact::ContactModelKind::kField};
 
 std::vector<Pose> broken(const Pose& good) {
   std::vector<Pose> bad;
@@ -38,26 +38,26 @@ std::vector<Pose> broken(const Pose& good) {
 
 /// What the rendering and the coupling node do with a sample, as arithmetic.
 struct Ring {
-  DeviceMapping mapping{WorkspaceMapping{}};
-  ContactRenderer& contact;
-  RunningCoupling coupling;
-  StageResult touch;
+  rendering::DeviceMapping mapping{scene::WorkspaceMapping{}};
+  contact::ContactRenderer& contact;
+  coupling::RunningCoupling coupling;
+  contact::StageResult touch;
   int refused = 0;
-  explicit Ring(ContactRenderer& renderer)
+  explicit Ring(contact::ContactRenderer& renderer)
       : contact(renderer), coupling(
                                [] {
-                                 CouplingSpec spec;
+                                 coupling::CouplingSpec spec;
                                  spec.kind = "shaping_filter", spec.cutoff_hz = 60;
                                  spec.passivity_damping_limit_ns_per_m = 3;
                                  return spec;
                                }(),
                                {.max_force_n = kMaxN, .max_torque_nm = 0.5}, kPeriod) {}
-  CouplingOutput sample(const Pose& tip) {
+  coupling::CouplingOutput sample(const Pose& tip) {
     if (mapping.update(tip, {}, 0).refused)
       ++refused;
     else
       touch = contact.render(mapping.tool().pose);
-    CouplingInput in;
+    coupling::CouplingInput in;
     in.contact = touch.contact.wrench;
     in.contact_stiffness_n_per_m = touch.contact.stiffness_bound_n_per_m,
     in.contact_stiffness = touch.contact.stiffness;
@@ -68,22 +68,22 @@ struct Ring {
 
 TEST(F7PosesThatAreNone, ForOneToAHundredCyclesLeaveTheForceFiniteWithinItsLimitAndItRecovers) {
   const Ball ball(10e-3, 4);
-  const Pointshell shell = exact_shell(ball.mesh, kEdge);
+  const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
   const Ground ground(box_mesh(Vec3(0.06, 0.06, 0.02), {Vec3(0, 0, -0.01), Quat::Identity()}), kEdge);
   const Pose good =
       ball.posed(Vec3(0.001, 0.002, 10e-3 - 0.6 * kEdge), Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized())));
   const std::vector<Pose> bad = broken(good);
-  for (const ContactModelKind kind : kModels) {
-    ContactRenderer renderer(ground.voxmap, shell, kind,
-                             {kind == ContactModelKind::kField ? 3e7 : 1e7, PointWeights::kArea}, &ground.field);
+  for (const contact::ContactModelKind kind : kModels) {
+    contact::ContactRenderer renderer(ground.voxmap, shell, kind,
+                             {kind == contact::ContactModelKind::kField ? 3e7 : 1e7, contact::PointWeights::kArea}, &ground.field);
     Ring ring(renderer);
     const auto rest = [&] {
-      CouplingOutput out;
+      coupling::CouplingOutput out;
       for (int n = 0; n < 400; ++n) out = ring.sample(good);
       return out.wrench.force;
     };
     const Vec3 settled = rest();
-    ASSERT_GT(settled.norm(), 0.1) << name_of(kind);
+    ASSERT_GT(settled.norm(), 0.1) << contact::name_of(kind);
     std::size_t turn = 0;
     for (const int cycles : {1, 2, 3, 5, 10, 30, 100})
       for (std::size_t first = 0; first < bad.size(); ++first, ++turn) {
@@ -91,7 +91,7 @@ TEST(F7PosesThatAreNone, ForOneToAHundredCyclesLeaveTheForceFiniteWithinItsLimit
         int refused = 0;
         for (int n = 0; n < cycles; ++n) {
           const Pose& pose = bad[cycles < 10 ? first : (first + static_cast<std::size_t>(n)) % bad.size()];
-          const CouplingOutput out = ring.sample(pose);
+          const coupling::CouplingOutput out = ring.sample(pose);
           // 1e300 m is a number, but no place.
           refused += !pose.finite() || std::abs(pose.orientation.norm() - 1.0) > 1e-3 || pose.position.norm() > 1e12;
           ASSERT_TRUE(out.wrench.finite());
@@ -99,12 +99,12 @@ TEST(F7PosesThatAreNone, ForOneToAHundredCyclesLeaveTheForceFiniteWithinItsLimit
         }
         EXPECT_EQ(ring.refused - before, refused);
         for (int n = 0; n < 3; ++n) {
-          const CouplingOutput out = ring.sample(good);
+          const coupling::CouplingOutput out = ring.sample(good);
           ASSERT_TRUE(out.wrench.finite());
           ASSERT_LE(out.wrench.force.norm(), kMaxN * (1 + 1e-12));
         }
       }
-    EXPECT_LE((rest() - settled).norm(), 0.02 * settled.norm()) << name_of(kind);
+    EXPECT_LE((rest() - settled).norm(), 0.02 * settled.norm()) << contact::name_of(kind);
     EXPECT_GT(ring.refused, 1000);
   }
 }
@@ -112,9 +112,9 @@ TEST(F7PosesThatAreNone, ForOneToAHundredCyclesLeaveTheForceFiniteWithinItsLimit
 TEST(F7PosesThatAreNone, AreRefusedByTheContactItselfAndLeaveItAsItWas) {
   const Ball ball(10e-3, 3);
   const Ground ground(box_mesh(Vec3(0.06, 0.06, 0.02), {Vec3(0, 0, -0.01), Quat::Identity()}), kEdge);
-  const Pointshell shell = exact_shell(ball.mesh, kEdge);
-  for (const ContactModelKind kind : kModels) {
-    ContactRenderer disturbed = ground.renderer(shell, kind), clean = ground.renderer(shell, kind);
+  const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
+  for (const contact::ContactModelKind kind : kModels) {
+    contact::ContactRenderer disturbed = ground.renderer(shell, kind), clean = ground.renderer(shell, kind);
     // Fast frames and a crossing among them: what is walked begins at the last good pose.
     for (const double z :
          {16.0, 14.5, 12.0, 9.0, 6.0, 0.0, -6.0, -12.0, -18.0, -24.0, -20.0, -14.0, -6.0, 2.0, 10.0, 10.1, 9.9}) {
@@ -122,12 +122,12 @@ TEST(F7PosesThatAreNone, AreRefusedByTheContactItselfAndLeaveItAsItWas) {
       for (const Pose& pose : broken(good)) {
         const bool scaled = pose.finite() && pose.position == good.position;  // any norm of 1e-3 to 1e3 is taken here
         if (scaled && pose.orientation.norm() > 1e-3 && pose.orientation.norm() < 1e3) continue;
-        const StageResult r = disturbed.render(pose);
-        EXPECT_NE(r.contact.pose_status, PoseStatus::kUsable);
+        const contact::StageResult r = disturbed.render(pose);
+        EXPECT_NE(r.contact.pose_status, contact::PoseStatus::kUsable);
         EXPECT_TRUE(r.contact.wrench.zero());
       }
-      const StageResult a = disturbed.render(good), b = clean.render(good);
-      EXPECT_EQ(a.contact.wrench.force, b.contact.wrench.force) << name_of(kind) << " at " << z;
+      const contact::StageResult a = disturbed.render(good), b = clean.render(good);
+      EXPECT_EQ(a.contact.wrench.force, b.contact.wrench.force) << contact::name_of(kind) << " at " << z;
       EXPECT_TRUE(a.crossed == b.crossed && a.missed == b.missed && a.fast == b.fast && a.held == b.held);
     }
   }
@@ -136,9 +136,9 @@ TEST(F7PosesThatAreNone, AreRefusedByTheContactItselfAndLeaveItAsItWas) {
 TEST(F7PosesThatAreNone, AQuaternionAndItsNegativeAreOneOrientationToTheBit) {
   const Ball ball(10e-3, 3);
   const Ground ground(box_mesh(Vec3(0.06, 0.06, 0.02), {Vec3(0, 0, -0.01), Quat::Identity()}), kEdge);
-  const Pointshell shell = exact_shell(ball.mesh, kEdge);
-  for (const ContactModelKind kind : kModels) {
-    ContactRenderer a = ground.renderer(shell, kind), b = ground.renderer(shell, kind);
+  const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
+  for (const contact::ContactModelKind kind : kModels) {
+    contact::ContactRenderer a = ground.renderer(shell, kind), b = ground.renderer(shell, kind);
     int fast = 0;
     for (int n = 0; n < 60; ++n) {
       // Slow and fast turns: up to 0.18 rad a frame.
@@ -146,8 +146,8 @@ TEST(F7PosesThatAreNone, AQuaternionAndItsNegativeAreOneOrientationToTheBit) {
           ball.posed(Vec3(0.001, 0.002, 9.2e-3), Quat(Eigen::AngleAxisd(0.0015 * n * n, Vec3(1, 2, 3).normalized())));
       Pose minus = pose;
       if (n % 2 == 1) minus.orientation.coeffs() *= -1.0;
-      const StageResult x = a.render(pose), y = b.render(minus);
-      EXPECT_EQ(x.contact.wrench.force, y.contact.wrench.force) << name_of(kind) << " " << n;
+      const contact::StageResult x = a.render(pose), y = b.render(minus);
+      EXPECT_EQ(x.contact.wrench.force, y.contact.wrench.force) << contact::name_of(kind) << " " << n;
       EXPECT_EQ(x.contact.wrench.torque, y.contact.wrench.torque);
       EXPECT_EQ(x.fast, y.fast);
       EXPECT_FALSE(x.missed || y.missed);

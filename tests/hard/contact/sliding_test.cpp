@@ -13,17 +13,17 @@
 namespace voxtouch::sliding {
 namespace {
 
-constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
-                                ContactModelKind::kField};
+constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
+                                contact::ContactModelKind::kClustered, contact::ContactModelKind::kField};
 
 /// The bound that the map shows (deploy/pictures/stability_map.png): energy given on a closed loop, over mean force times way, for a
 /// ball of `radius_voxels`. core/coupling/passivity.hpp states the same.
-double most_share(ContactModelKind model, double radius_voxels) {
+double most_share(contact::ContactModelKind model, double radius_voxels) {
   switch (model) {
-    case ContactModelKind::kOriginal:
-    case ContactModelKind::kAdapted: return kSlidingShare / radius_voxels;
-    case ContactModelKind::kClustered: return 0.4 * kSlidingShare / radius_voxels;
-    case ContactModelKind::kField: return radius_voxels < 5.0 ? 0.4 * kSlidingShare / radius_voxels : 1e-6;
+    case contact::ContactModelKind::kOriginal:
+    case contact::ContactModelKind::kAdapted: return coupling::kSlidingShare / radius_voxels;
+    case contact::ContactModelKind::kClustered: return 0.4 * coupling::kSlidingShare / radius_voxels;
+    case contact::ContactModelKind::kField: return radius_voxels < 5.0 ? 0.4 * coupling::kSlidingShare / radius_voxels : 1e-6;
   }
   return 0.0;
 }
@@ -34,14 +34,14 @@ TEST(F2SlidingOverVoxelBorders, GivesNoMoreEnergyOnAClosedLoopThanTheMapStates) 
   for (const double radius : {2.5, 5.0, 10.0})
     for (const double tilt : {0.0, 2.0, 15.0, 45.0}) {
       const Bench bench(radius, tilt);
-      for (const ContactModelKind model : kModels)
+      for (const contact::ContactModelKind model : kModels)
         for (const double depth : {0.25, 0.5, 1.5}) {
           const Created made = bench.worst_loop(model, depth, 1, seed);
           EXPECT_LE(made.share, most_share(model, radius))
-              << name_of(model) << " R/e " << radius << " depth " << depth << " tilt " << tilt;
+              << contact::name_of(model) << " R/e " << radius << " depth " << depth << " tilt " << tilt;
           // The row's own bound: k e^2 for each point and crossing.
           EXPECT_LE(made.per_crossing, 0.01)
-              << name_of(model) << " R/e " << radius << " depth " << depth << " tilt " << tilt;
+              << contact::name_of(model) << " R/e " << radius << " depth " << depth << " tilt " << tilt;
         }
     }
 }
@@ -52,15 +52,15 @@ struct Slid {
 };
 
 /// A hand that nothing moves slides round and round at `speed`, 1 kHz; the commands are what the observer books.
-Slid slide(const Bench& bench, ContactModelKind model, double depth_voxels, double speed, int rounds,
+Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_voxels, double speed, int rounds,
            double most_damping) {
   constexpr double kPeriod = 1e-3, kRound = 3e-3;
-  ContactRenderer contact = bench.renderer(model);
-  CouplingSpec spec;
+  contact::ContactRenderer contact = bench.renderer(model);
+  coupling::CouplingSpec spec;
   spec.kind = "direct";
   spec.velocity_filter_hz = 100.0;
   spec.passivity_damping_limit_ns_per_m = most_damping;
-  RunningCoupling coupling(spec, {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod, 1e-3, {1e3, 1e3});
+  coupling::RunningCoupling coupling(spec, {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod, 1e-3, {1e3, 1e3});
   Slid out;
   const double depth = depth_voxels * bench.edge_m(), turn = speed * kPeriod / kRound;
   // At the slowest speeds a round takes a second or two; a few are enough there.
@@ -69,12 +69,12 @@ Slid slide(const Bench& bench, ContactModelKind model, double depth_voxels, doub
   Vec3 last = Vec3::Zero();
   for (int n = 0; n < frames; ++n) {
     const Pose pose = bench.at(kRound * std::cos(n * turn), kRound * std::sin(n * turn), depth);
-    const StageResult r = contact.render(pose);
-    CouplingInput in;
+    const contact::StageResult r = contact.render(pose);
+    coupling::CouplingInput in;
     in.contact.force = r.contact.wrench.force;  // of translation alone: a ball that does not turn
     in.contact_stiffness_n_per_m = r.contact.stiffness_bound_n_per_m, in.contact_stiffness = r.contact.stiffness;
     in.tool = pose;
-    const CouplingOutput command = coupling.step(in, kPeriod);
+    const coupling::CouplingOutput command = coupling.step(in, kPeriod);
     out.lowest_j = std::min(out.lowest_j, command.energy_j);
     out.largest_n = std::max(out.largest_n, in.contact.force.norm());
     sum += in.contact.force.norm();
@@ -92,7 +92,7 @@ TEST(F2SlidingOverVoxelBorders, StaysWithinWhatTheObserverIsPromisedFromACentime
   double worst = 0.0, least = 0.0;
   for (const double tilt : {0.0, 10.0}) {
     const Bench bench(5.0, tilt);
-    for (const ContactModelKind model : kModels)
+    for (const contact::ContactModelKind model : kModels)
       for (const double depth : {0.5, 1.5})
         for (const double speed : {0.01, 0.03, 0.1, 0.3, 1.0, 3.0}) {
           const int rounds = speed < 0.05 ? 3 : 20;
@@ -100,12 +100,12 @@ TEST(F2SlidingOverVoxelBorders, StaysWithinWhatTheObserverIsPromisedFromACentime
           const double period_j = alone.largest_n * alone.longest_m, s = most_share(model, 5.0);
           const double voxel_j = alone.largest_n * bench.edge_m();  // given and taken back within one
           EXPECT_GE(alone.lowest_j, -5.0 * period_j - voxel_j - s * alone.mean_n * alone.way_m)
-              << name_of(model) << " depth " << depth << " tilt " << tilt << " at " << speed << " m/s";
+              << contact::name_of(model) << " depth " << depth << " tilt " << tilt << " at " << speed << " m/s";
           // With the controller: where its damping takes more than sliding gives, twenty rounds cost no more than one.
           const double damping = 4.0 * std::max(s, 0.5e-3) * alone.largest_n / speed;
           const Slid braked = slide(bench, model, depth, speed, rounds, damping);
           EXPECT_GE(braked.lowest_j, -5.0 * period_j - voxel_j)
-              << name_of(model) << " depth " << depth << " tilt " << tilt << " at " << speed << " m/s, " << damping
+              << contact::name_of(model) << " depth " << depth << " tilt " << tilt << " at " << speed << " m/s, " << damping
               << " Ns/m";
           worst = std::max(worst, (-braked.lowest_j - 5.0 * period_j) / voxel_j);
           least = std::min(least, alone.lowest_j / (alone.mean_n * alone.way_m));

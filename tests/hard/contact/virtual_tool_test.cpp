@@ -18,13 +18,13 @@ namespace {
 
 constexpr double kEdge = 0.002;
 
-bool finite(const VirtualToolFrame& f) {
+bool finite(const contact::VirtualToolFrame& f) {
   return f.tool.finite() && f.wrench(kStiffness).finite() && f.stiffness(kStiffness).allFinite() && f.contact_point.allFinite() &&
          std::isfinite(f.residual_m) && std::isfinite(f.worst_depth_m);
 }
 
 /// What holds in every frame, whatever the scene is.
-void expect_sound(const VirtualToolFrame& f) {
+void expect_sound(const contact::VirtualToolFrame& f) {
   ASSERT_TRUE(finite(f));
   ASSERT_LE(f.queries, 8 + 2);  // one more to start, or where an object has moved
   ASSERT_GE(f.share, 0.0);
@@ -58,7 +58,7 @@ TEST(VirtualToolWalls, HoldAgainstAHandFarBehind) {
     ASSERT_TRUE(rig.place({0.015 * n, Quat::Identity()}));
     for (int k = 0; k < 400; ++k) rig.frame((0.015 - 5e-4 * k) * n);
     for (int k = 0; k < 20000; ++k) {
-      const VirtualToolFrame f = rig.frame(-100 * kEdge * n + 1e-4 * random_direction(random));
+      const contact::VirtualToolFrame f = rig.frame(-100 * kEdge * n + 1e-4 * random_direction(random));
       ASSERT_GT(n.dot(f.tool.position), 0.009) << k;
       ASSERT_TRUE(f.saturated);
     }
@@ -71,7 +71,7 @@ TEST(VirtualToolWalls, LetTheHandGoRoundARim) {
   ASSERT_TRUE(rig.place({tilt() * Vec3(0, 0, 0.03), Quat::Identity()}));
   for (int n = 0; n <= 2000; ++n) {
     const double angle = 2 * std::numbers::pi * n / 2000;
-    const VirtualToolFrame f = rig.frame(Vec3(tilt() * Vec3(0.05 * std::sin(angle), 0, 0.03 * std::cos(angle))));
+    const contact::VirtualToolFrame f = rig.frame(Vec3(tilt() * Vec3(0.05 * std::sin(angle), 0, 0.03 * std::cos(angle))));
     expect_sound(f);
   }
   const Vec3 home = tilt() * Vec3(0, 0, 0.03);
@@ -79,7 +79,7 @@ TEST(VirtualToolWalls, LetTheHandGoRoundARim) {
   EXPECT_EQ(rig.frame(home).tool.position, home);
 }
 
-TriangleMesh slot_mesh(double width) {
+mesh::TriangleMesh slot_mesh(double width) {
   return test::joined(test::box_mesh(Vec3(0.02, 0.06, 0.04), {Vec3(-0.5 * width - 0.01, 0, -0.02), Quat::Identity()}),
                       test::box_mesh(Vec3(0.02, 0.06, 0.04), {Vec3(0.5 * width + 0.01, 0, -0.02), Quat::Identity()}));
 }
@@ -87,7 +87,7 @@ TriangleMesh slot_mesh(double width) {
 TEST(VirtualToolSlots, NarrowerThanTheToolKeepItOut) {
   Rig rig(slot_mesh(0.016), kEdge, ball_shell(kEdge));
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.02), Quat::Identity()}));
-  VirtualToolFrame f;
+  contact::VirtualToolFrame f;
   for (int n = 0; n < 800; ++n) {
     f = rig.frame(Vec3(1e-3, 0, 0.02 - 5e-5 * n));
     expect_sound(f);
@@ -100,7 +100,7 @@ TEST(VirtualToolSlots, WiderThanTheToolLetItInWithoutAForce) {
   Rig rig(slot_mesh(0.026), 0.001, ball_shell(0.001));
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.02), Quat::Identity()}));
   for (int n = 0; n < 600; ++n) {
-    const VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 5e-5 * n));
+    const contact::VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 5e-5 * n));
     ASSERT_FALSE(f.constrained) << n;
   }
 }
@@ -114,7 +114,7 @@ TEST(VirtualToolSlots, InAWedgeTheToolRestsOnBothFaces) {
   };
   Rig rig(test::joined(wall(1), wall(-1)), 0.001, ball_shell(0.001));
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.05), Quat::Identity()}));
-  VirtualToolFrame f;
+  contact::VirtualToolFrame f;
   for (int n = 0; n < 900; ++n) {
     f = rig.frame(Vec3(2e-4, 0, 0.05 - 5e-5 * n));
     expect_sound(f);
@@ -158,14 +158,15 @@ TEST(VirtualToolLoop, IsStableUpToTheStiffnessOfALinearWall) {
 
 /// Rows that oppose each other with no room between: halfway, finite, no way out.
 TEST(VirtualToolSlots, PinchedBetweenTwoObjectsTheToolStaysHalfway) {
-  const Pointshell shell = ball_shell(0.001);
-  const TriangleMesh block = test::box_mesh(Vec3(0.04, 0.04, 0.02));
+  const pointshell::Pointshell shell = ball_shell(0.001);
+  const mesh::TriangleMesh block = test::box_mesh(Vec3(0.04, 0.04, 0.02));
   test::Ground ground(block, 0.001);
-  ContactQuery query(ground.voxmap, shell);
-  VirtualTool tool({.points = shell.size(), .objects = 2, .reach_m = query.reach_m(), .edge_m = 0.001});
-  std::array<ToolGround, 2> grounds{ToolGround{&query, &ground.field, Vec3(0, 0, -0.022)}, ToolGround{&query, &ground.field, Vec3(0, 0, 0.022)}};
+  contact::ContactQuery query(ground.voxmap, shell);
+  contact::VirtualTool tool({.points = shell.size(), .objects = 2, .reach_m = query.reach_m(), .edge_m = 0.001});
+  std::array<contact::ToolGround, 2> grounds{contact::ToolGround{&query, &ground.field, Vec3(0, 0, -0.022)},
+                                             contact::ToolGround{&query, &ground.field, Vec3(0, 0, 0.022)}};
   ASSERT_TRUE(tool.place({Vec3::Zero(), Quat::Identity()}, grounds));
-  VirtualToolFrame f;
+  contact::VirtualToolFrame f;
   for (int n = 0; n < 60; ++n) {  // closes to 18 mm for a ball of 20 mm
     grounds[0].displacement.z() += 5e-5, grounds[1].displacement.z() -= 5e-5;
     f = tool.frame({{Vec3(0, 0, 1e-4), Quat::Identity()}, kPeriod, 0.0}, grounds);
@@ -178,16 +179,16 @@ TEST(VirtualToolSlots, PinchedBetweenTwoObjectsTheToolStaysHalfway) {
 }
 
 TEST(VirtualToolObjects, ThatMoveCarryATool) {
-  const Pointshell shell = ball_shell(kEdge);
+  const pointshell::Pointshell shell = ball_shell(kEdge);
   test::Ground ground(scene_mesh("plane"), kEdge);
-  ContactQuery query(ground.voxmap, shell);
-  VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = kEdge});
+  contact::ContactQuery query(ground.voxmap, shell);
+  contact::VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = kEdge});
   for (const double speed : {0.05, 0.5, 0.9}) {
-    ToolGround moving{&query, &ground.field, Vec3::Zero()};
+    contact::ToolGround moving{&query, &ground.field, Vec3::Zero()};
     ASSERT_TRUE(tool.place({Vec3(0, 0, kBall + 2e-4), Quat::Identity()}, {&moving, 1}));
     for (int n = 0; n < 100; ++n) {
       moving.displacement = Vec3(0, 0, speed * kPeriod * n);
-      const VirtualToolFrame f = tool.frame({{Vec3(0, 0, kBall + 2e-4), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
+      const contact::VirtualToolFrame f = tool.frame({{Vec3(0, 0, kBall + 2e-4), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
       expect_sound(f);
       ASSERT_FALSE(f.moved_too_far);
       if (moving.displacement.z() > 1e-3) {
@@ -200,16 +201,16 @@ TEST(VirtualToolObjects, ThatMoveCarryATool) {
 }
 
 TEST(VirtualToolObjects, FasterThanHalfAVoxelAFrameAreToldOf) {
-  const Pointshell shell = ball_shell(kEdge);
+  const pointshell::Pointshell shell = ball_shell(kEdge);
   test::Ground ground(test::box_mesh(Vec3(0.06, 0.06, 0.5 * kEdge)), kEdge);
-  ContactQuery query(ground.voxmap, shell);
-  VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = kEdge});
-  ToolGround moving{&query, &ground.field, Vec3(0, 0, -0.02)};
+  contact::ContactQuery query(ground.voxmap, shell);
+  contact::VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = kEdge});
+  contact::ToolGround moving{&query, &ground.field, Vec3(0, 0, -0.02)};
   ASSERT_TRUE(tool.place({Vec3::Zero(), Quat::Identity()}, {&moving, 1}));
   bool told = false;
   for (int n = 0; n < 20; ++n) {
     moving.displacement.z() += 0.6 * kEdge;
-    const VirtualToolFrame f = tool.frame({{Vec3::Zero(), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
+    const contact::VirtualToolFrame f = tool.frame({{Vec3::Zero(), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
     expect_sound(f);
     told = told || f.moved_too_far;
   }
@@ -222,7 +223,7 @@ TEST(VirtualToolStart, InsideGivesNoForceUntilTheHandIsOut) {
   double first_force = 0.0;
   for (int n = 0; n < 600; ++n) {
     const double z = -0.02 + 1e-4 * n;  // from 30 mm deep to free
-    const VirtualToolFrame f = rig.frame(Vec3(0, 0, z));
+    const contact::VirtualToolFrame f = rig.frame(Vec3(0, 0, z));
     expect_sound(f);
     if (f.unplaced) {
       ASSERT_TRUE(f.wrench(kStiffness).zero());
@@ -249,7 +250,7 @@ TEST(VirtualToolStart, FadesInAfterAReset) {
   Rig rig(scene_mesh("plane"), kEdge, ball_shell(kEdge));
   rig.frame(Vec3(0, 0, 0.02));
   for (int n = 0; n < 120; ++n) {
-    const VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 1e-4 * n));
+    const contact::VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 1e-4 * n));
     EXPECT_NEAR(f.share, (n + 1) * kPeriod / 0.2, 1e-9);
   }
   rig.tool.reset();
@@ -261,31 +262,31 @@ TEST(VirtualToolPoses, ThatAreNoneLeaveTheToolWhereItIs) {
   Rig rig(scene_mesh("plane"), kEdge, ball_shell(kEdge));
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.0105), Quat::Identity()}));
   const Vec3 hand(0, 0, 0.004);
-  VirtualToolFrame good;
+  contact::VirtualToolFrame good;
   for (int n = 0; n < 200; ++n) good = rig.frame(hand);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   for (const Pose& bad : {Pose{Vec3(kNan, 0, 0), Quat::Identity()}, Pose{Vec3(0, kInf, 0), Quat::Identity()}, Pose{Vec3(0, 0, 1e300), Quat::Identity()},
                           Pose{Vec3::Zero(), Quat(0, 0, 0, 0)}, Pose{Vec3::Zero(), Quat(kNan, 0, 0, 0)}, Pose{Vec3::Zero(), Quat(1e9, 0, 0, 0)},
                           Pose{Vec3(1e12, 0, 0), Quat::Identity()}}) {
-    const VirtualToolFrame f = rig.frame(bad);
-    EXPECT_NE(f.pose_status, PoseStatus::kUsable);
+    const contact::VirtualToolFrame f = rig.frame(bad);
+    EXPECT_NE(f.pose_status, contact::PoseStatus::kUsable);
     EXPECT_TRUE(f.wrench(kStiffness).zero());
     EXPECT_EQ(f.tool.position, good.tool.position);
-    const VirtualToolFrame again = rig.frame(hand);
+    const contact::VirtualToolFrame again = rig.frame(hand);
     EXPECT_EQ(again.tool.position, good.tool.position);
     EXPECT_EQ(again.wrench(kStiffness).force, good.wrench(kStiffness).force);
   }
 }
 
 TEST(VirtualToolPoses, AQuaternionAndItsNegativeAreOne) {
-  const Pointshell box = shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge);
+  const pointshell::Pointshell box = shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge);
   Rig plus(scene_mesh("cup"), kEdge, box), minus(scene_mesh("cup"), kEdge, box);
   for (Rig* rig : {&plus, &minus}) ASSERT_TRUE(rig->place({Vec3(0, 0, 0.14), Quat::Identity()}));
   for (int n = 0; n < 800; ++n) {
     const Quat q(Eigen::AngleAxisd(0.005 * n, Vec3(1, 2, 3).normalized()));
     const Quat negative(-q.w(), -q.x(), -q.y(), -q.z());
     const Vec3 hand(1e-5 * n, 0, 0.14 - 2e-4 * n);
-    const VirtualToolFrame a = plus.frame(Pose{hand, q}), b = minus.frame(Pose{hand, n % 2 == 0 ? q : negative});
+    const contact::VirtualToolFrame a = plus.frame(Pose{hand, q}), b = minus.frame(Pose{hand, n % 2 == 0 ? q : negative});
     ASSERT_EQ(a.tool.position, b.tool.position) << n;
     ASSERT_EQ(a.wrench(kStiffness).torque, b.wrench(kStiffness).torque) << n;
   }
@@ -293,7 +294,7 @@ TEST(VirtualToolPoses, AQuaternionAndItsNegativeAreOne) {
 
 /// A bar in a slot that cannot turn, a hand that turns on and on: the torque keeps its axis past half a turn by some degrees, then turns over.
 TEST(VirtualToolPoses, AHandTurnedRoundByHalfATurnGivesNoNoise) {
-  const Pointshell bar = shell_of(test::box_mesh(Vec3(0.03, 0.008, 0.008)), 0.001);
+  const pointshell::Pointshell bar = shell_of(test::box_mesh(Vec3(0.03, 0.008, 0.008)), 0.001);
   Rig rig(slot_mesh(0.0095), 0.001, bar);
   const Quat along(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
   ASSERT_TRUE(rig.place({Vec3(0, 0, -0.01), along}));
@@ -302,7 +303,7 @@ TEST(VirtualToolPoses, AHandTurnedRoundByHalfATurnGivesNoNoise) {
   Vec3 last = Vec3::Zero();
   for (int n = 0; n < 4000; ++n) {
     const double angle = std::min(0.001 * n, std::numbers::pi) + 1e-3 * uniform(random, -1, 1);  // then trembles about half a turn
-    const VirtualToolFrame f = rig.frame(Pose{Vec3(0, 0, -0.01), Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ())) * along});
+    const contact::VirtualToolFrame f = rig.frame(Pose{Vec3(0, 0, -0.01), Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ())) * along});
     expect_sound(f);
     turned_over += n > 0 && f.turn.dot(last) < 0.0;
     last = f.turn;
@@ -312,7 +313,7 @@ TEST(VirtualToolPoses, AHandTurnedRoundByHalfATurnGivesNoNoise) {
 }
 
 TEST(VirtualToolPoses, AnyLeverFromATenthToTenTimesTheReachIsSound) {
-  const Pointshell box = shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge);
+  const pointshell::Pointshell box = shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge);
   for (const double lever : {0.1, 1.0, 10.0}) {
     Rig rig(scene_mesh("cup"), kEdge, box, lever * 0.017);
     std::mt19937_64 random(testing::seed(9));
@@ -323,7 +324,7 @@ TEST(VirtualToolPoses, AnyLeverFromATenthToTenTimesTheReachIsSound) {
       if (n % 100 == 0) target = Vec3(uniform(random, -0.05, 0.05), uniform(random, -0.05, 0.05), uniform(random, 0.0, 0.12));
       hand.position += 0.02 * (target - hand.position);
       hand.orientation = (Quat(Eigen::AngleAxisd(0.01, random_direction(random))) * hand.orientation).normalized();
-      const VirtualToolFrame f = rig.frame(hand);
+      const contact::VirtualToolFrame f = rig.frame(hand);
       expect_sound(f);
       ASSERT_LT(f.worst_depth_m, kEdge) << "lever " << lever << ", frame " << n;
     }
@@ -332,18 +333,18 @@ TEST(VirtualToolPoses, AnyLeverFromATenthToTenTimesTheReachIsSound) {
 
 /// 10^4 points flat on a plane: bounded rows, no turn, the same force for any order of the points.
 TEST(VirtualToolMany, PointsFlatOnAPlaneAreAsGoodAsFew) {
-  const Pointshell shell = shell_of(test::box_mesh(Vec3(0.05, 0.05, 0.004)), 0.0005);
+  const pointshell::Pointshell shell = shell_of(test::box_mesh(Vec3(0.05, 0.05, 0.004)), 0.0005);
   ASSERT_GT(shell.size(), 20000U);
   std::vector<std::uint32_t> backwards(shell.size());
   for (std::uint32_t n = 0; n < backwards.size(); ++n) backwards[n] = static_cast<std::uint32_t>(shell.size()) - 1 - n;
   Rig a(scene_mesh("plane"), kEdge, shell), b(scene_mesh("plane"), kEdge, test::reordered(shell, backwards));
-  VirtualToolFrame fa, fb;
+  contact::VirtualToolFrame fa, fb;
   for (Rig* rig : {&a, &b}) ASSERT_TRUE(rig->place({Vec3(0, 0, 0.003), Quat::Identity()}));
   for (int n = 0; n < 100; ++n) {
     const Vec3 hand(0, 0, 0.003 - 5e-5 * n);
     fa = a.frame(hand), fb = b.frame(hand);
     expect_sound(fa);
-    ASSERT_LE(fa.rows, contact_limits::kMaxRows);
+    ASSERT_LE(fa.rows, contact::limits::kMaxRows);
   }
   EXPECT_LT((fa.wrench(kStiffness).force - fb.wrench(kStiffness).force).norm(), 1e-4);
   EXPECT_LT(fa.turn.norm(), 1e-5);
@@ -359,7 +360,7 @@ TEST(VirtualToolBalls, OnABallSlideOffAndGiveNoEnergy) {
   for (int n = 0; n <= 2400; ++n) {
     const double angle = 2 * std::numbers::pi * n / 2400;
     const Vec3 hand(0.004 * std::sin(2 * angle), 1e-5, 0.027 + 0.005 * std::cos(angle));
-    const VirtualToolFrame f = rig.frame(hand);
+    const contact::VirtualToolFrame f = rig.frame(hand);
     expect_sound(f);
     const Vec3 force = f.wrench(kStiffness).force;
     work += 0.5 * (force + last_force).dot(hand - last);
@@ -380,7 +381,7 @@ TEST(VirtualToolTraps, NoFrameOfATumblingToolIsInvalidOverflowsOrDividesByZero) 
   SCOPED_TRACE(testing::seed_trace(seed));
   for (const bool box : {false, true})
     for (const double friction : {0.0, 0.5}) {
-      const Pointshell shell = box ? shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge) : ball_shell(kEdge);
+      const pointshell::Pointshell shell = box ? shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge) : ball_shell(kEdge);
       Rig rig(scene_mesh("cup"), kEdge, shell);
       std::mt19937_64 random(seed);
       Pose hand{Vec3(0, 0, 0.14), Quat::Identity()};
@@ -412,7 +413,7 @@ TEST(VirtualToolTumbling, NeverHasItsMiddleInsideAndIsFreeToTheBit) {
 
 class BrokenMesh : public ::testing::TestWithParam<int> {};
 TEST_P(BrokenMesh, GivesSoundFrames) {
-  TriangleMesh mesh = test::box_mesh(Vec3(0.04, 0.04, 0.02));
+  mesh::TriangleMesh mesh = test::box_mesh(Vec3(0.04, 0.04, 0.02));
   if (GetParam() == 0) mesh.triangles.resize(9);             // open
   if (GetParam() == 1) mesh = test::inside_out(mesh);
   if (GetParam() == 2) {                                     // a Moebius strip
@@ -436,7 +437,7 @@ TEST_P(BrokenMesh, GivesSoundFrames) {
   for (int n = 0; n < 2000; ++n) {
     if (n % 100 == 0) target = 0.04 * random_direction(random);
     hand += 0.02 * (target - hand);
-    const VirtualToolFrame f = rig.frame(hand);
+    const contact::VirtualToolFrame f = rig.frame(hand);
     expect_sound(f);
     if (GetParam() == 1 || GetParam() == 3) {
       ASSERT_GE(rig.ground.field.at((f.tool.position - rig.ground.field.grid().origin) / 0.001).distance_m, 0.0) << n;
@@ -472,9 +473,9 @@ TEST(VirtualToolNoise, OfTheEncoderIsNotMadeLarger) {
 TEST(VirtualToolBits, AreTheSameWhereTheSceneIsMovedByVoxels) {
   const double e = 0x1p-9;
   const Vec3 shift = e * Vec3(512, -1024, 256);
-  const Pointshell shell = ball_shell(e);
+  const pointshell::Pointshell shell = ball_shell(e);
   const auto moved = [&](const Vec3& by) {
-    TriangleMesh mesh = test::box_mesh(e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
+    mesh::TriangleMesh mesh = test::box_mesh(e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
     for (Vec3& v : mesh.vertices) v += by;
     return mesh;
   };
@@ -484,7 +485,7 @@ TEST(VirtualToolBits, AreTheSameWhereTheSceneIsMovedByVoxels) {
   ASSERT_TRUE(there.place({start + shift, Quat::Identity()}));
   for (int n = 0; n < 600; ++n) {
     const Vec3 hand = start + 0x1p-16 * Vec3(2 * n, n, -2 * n);
-    const VirtualToolFrame a = here.frame(hand), b = there.frame(Vec3(hand + shift));
+    const contact::VirtualToolFrame a = here.frame(hand), b = there.frame(Vec3(hand + shift));
     ASSERT_EQ(a.wrench(1.0).force, b.wrench(1.0).force) << n;
     ASSERT_EQ(a.tool.position + shift, b.tool.position) << n;
   }
@@ -493,11 +494,11 @@ TEST(VirtualToolBits, AreTheSameWhereTheSceneIsMovedByVoxels) {
 TEST(VirtualToolBits, AreTheSameWhereAllIsScaledByAPowerOfTwo) {
   const double e = 0x1p-9;
   const auto scaled = [&](double by) {
-    TriangleMesh mesh = test::box_mesh(by * e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
+    mesh::TriangleMesh mesh = test::box_mesh(by * e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
     return mesh;
   };
   const auto shell = [&](double by) {
-    Pointshell points = ball_shell(e);
+    pointshell::Pointshell points = ball_shell(e);
     for (auto* axis : {&points.x, &points.y, &points.z})
       for (double& x : *axis) x *= by;
     for (double& a : points.area_m2) a *= by * by;

@@ -12,16 +12,16 @@ namespace voxtouch::test {
 namespace wedge_test {
 
 constexpr double kEdge = 1e-3;
-constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
-                                ContactModelKind::kField};
+constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
+                                contact::ContactModelKind::kClustered, contact::ContactModelKind::kField};
 constexpr double kRadius = 8 * kEdge;
 
-TriangleMesh slab(const Vec3& size, const Vec3& at) { return box_mesh(size, {at, Quat::Identity()}); }
+mesh::TriangleMesh slab(const Vec3& size, const Vec3& at) { return box_mesh(size, {at, Quat::Identity()}); }
 
 /// Two, four or six walls that face each other in pairs, `gap` apart, each 8 e thick; symmetric about the origin.
-TriangleMesh walls(int pairs, double gap) {
+mesh::TriangleMesh walls(int pairs, double gap) {
   const double far = 0.5 * gap + 4 * kEdge;
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   for (int axis = 0; axis < pairs; ++axis)
     for (const double side : {1.0, -1.0}) {
       Vec3 size = Vec3::Constant(40 * kEdge), at = Vec3::Zero();
@@ -33,7 +33,7 @@ TriangleMesh walls(int pairs, double gap) {
 
 struct Wedge {
   const char* name;
-  TriangleMesh ground, tool;
+  mesh::TriangleMesh ground, tool;
 };
 
 std::vector<Wedge> wedges() {
@@ -50,25 +50,25 @@ TEST(F1NormalsThatCancel, PushNoWayInTheSymmetricPoseAndTurnWithoutAJump) {
   // Of one wall's force: the spheres are symmetric about their own grid too, the pin's 64 sides are not.
   const auto net = [](const Wedge& w) { return w.ground.triangles.size() == 48 ? 0.08 : 1e-6; };
   for (const Wedge& w : wedges()) {
-    const Pointshell shell = exact_shell(w.tool, kEdge);
-    const Ground ground(w.ground, Grid{Vec3::Zero(), kEdge}, 6.0);
+    const pointshell::Pointshell shell = exact_shell(w.tool, kEdge);
+    const Ground ground(w.ground, voxmap::Grid{Vec3::Zero(), kEdge}, 6.0);
     const Ground one(slab(Vec3(8, 40, 40) * kEdge, Vec3(kRadius - 0.4 * kEdge + 4 * kEdge, 0, 0)),
-                     Grid{Vec3::Zero(), kEdge}, 6.0);
+                     voxmap::Grid{Vec3::Zero(), kEdge}, 6.0);
     for (std::size_t m = 0; m < kModels.size(); ++m) {
-      ContactRenderer alone = one.renderer(shell, kModels[m]);
+      contact::ContactRenderer alone = one.renderer(shell, kModels[m]);
       const double wall = alone.probe(at(Vec3::Zero())).wrench.force.norm();
-      ContactRenderer renderer = ground.renderer(shell, kModels[m]);
-      const ContactResult still = renderer.render(at(Vec3::Zero())).contact;
+      contact::ContactRenderer renderer = ground.renderer(shell, kModels[m]);
+      const contact::ContactResult still = renderer.render(at(Vec3::Zero())).contact;
       ASSERT_GT(wall, 0.0);
       ASSERT_TRUE(still.wrench.finite());
-      EXPECT_LE(still.wrench.force.norm(), net(w) * wall) << w.name << ", " << name_of(kModels[m]);
+      EXPECT_LE(still.wrench.force.norm(), net(w) * wall) << w.name << ", " << contact::name_of(kModels[m]);
       double largest[2] = {0, 0}, turned = 0.0;
       int fine = 0;
       for (const double step : {1e-9 * kEdge, 1e-3 * kEdge}) {
         renderer.reset();
         Vec3 last = renderer.render(at(Vec3(-300 * step, 0, 0))).contact.wrench.force;
         for (int n = -299; n <= 300; ++n) {
-          const ContactResult now = renderer.render(at(Vec3(n * step, 0, 0))).contact;
+          const contact::ContactResult now = renderer.render(at(Vec3(n * step, 0, 0))).contact;
           EXPECT_TRUE(now.wrench.finite());
           const double change = (now.wrench.force - last).norm();
           largest[fine] = std::max(largest[fine], change);
@@ -81,16 +81,16 @@ TEST(F1NormalsThatCancel, PushNoWayInTheSymmetricPoseAndTurnWithoutAJump) {
       std::printf(
           "%-16s %-9s net %.4f of one wall's force %.3g N; largest step over 1e-9 e %.2g, over 1e-3 e %.4f; a turn "
           "%.4f\n",
-          w.name, std::string(name_of(kModels[m])).c_str(), still.wrench.force.norm() / wall, wall, largest[0] / wall,
+          w.name, std::string(contact::name_of(kModels[m])).c_str(), still.wrench.force.norm() / wall, wall, largest[0] / wall,
           largest[1] / wall, turned / wall);
-      EXPECT_LE(largest[0] / wall, 1e-7) << w.name << ", " << name_of(kModels[m]);
-      EXPECT_LE(largest[1] / wall, steps ? 0.1 : 0.02) << w.name << ", " << name_of(kModels[m]);
+      EXPECT_LE(largest[0] / wall, 1e-7) << w.name << ", " << contact::name_of(kModels[m]);
+      EXPECT_LE(largest[1] / wall, steps ? 0.1 : 0.02) << w.name << ", " << contact::name_of(kModels[m]);
     }
   }
 }
 
 TEST(F3ManyContacts, PlateOnPlateGivesTheSameForceWhateverTheOrderOfItsPoints) {
-  const Pointshell shell = exact_shell(slab(Vec3(100, 100, 4) * kEdge, Vec3(0.2, 0.3, 0.1) * kEdge), kEdge);
+  const pointshell::Pointshell shell = exact_shell(slab(Vec3(100, 100, 4) * kEdge, Vec3(0.2, 0.3, 0.1) * kEdge), kEdge);
   ASSERT_GT(shell.size(), 10000U);
   const std::uint64_t seed = voxtouch::testing::seed(31);
   SCOPED_TRACE(voxtouch::testing::seed_trace(seed));
@@ -98,7 +98,7 @@ TEST(F3ManyContacts, PlateOnPlateGivesTheSameForceWhateverTheOrderOfItsPoints) {
   std::vector<std::size_t> order(shell.size());
   for (std::size_t n = 0; n < order.size(); ++n) order[n] = n;
   for (std::size_t n = order.size(); n > 1; --n) std::swap(order[n - 1], order[random() % n]);
-  Pointshell mixed;
+  pointshell::Pointshell mixed;
   mixed.edge = shell.edge;
   for (const std::size_t p : order) {
     mixed.x.push_back(shell.x[p]), mixed.y.push_back(shell.y[p]), mixed.z.push_back(shell.z[p]);
@@ -107,20 +107,20 @@ TEST(F3ManyContacts, PlateOnPlateGivesTheSameForceWhateverTheOrderOfItsPoints) {
         mixed.id.push_back(shell.id[p]);
   }
   const Ground ground(slab(Vec3(120, 120, 10) * kEdge, Vec3::Zero()), kEdge, 4.0);
-  for (const ContactModelKind kind : kModels) {
-    ContactRenderer a = ground.renderer(shell, kind), b = ground.renderer(mixed, kind),
+  for (const contact::ContactModelKind kind : kModels) {
+    contact::ContactRenderer a = ground.renderer(shell, kind), b = ground.renderer(mixed, kind),
                     again = ground.renderer(shell, kind);
     for (int n = 0; n < 8; ++n) {
       const Pose pose{Vec3(0.1 * n, -0.07 * n, 7.0 - 0.2 * n) * kEdge,
                       Quat(Eigen::AngleAxisd(0.01 * n, Vec3::UnitZ()))};
-      const ContactResult x = a.render(pose).contact, y = b.render(pose).contact, z = again.render(pose).contact;
+      const contact::ContactResult x = a.render(pose).contact, y = b.render(pose).contact, z = again.render(pose).contact;
       EXPECT_EQ(x.wrench.force, z.wrench.force) << "the same order: the same bits";
       EXPECT_EQ(x.surface_hits, y.surface_hits);
       // Sums of n terms in another order: n ulp of their largest partial sum at most.
-      EXPECT_LE((x.wrench.force - y.wrench.force).norm(), 1e-11 * (1e-6 + x.wrench.force.norm())) << name_of(kind);
-      EXPECT_LE((x.stiffness - y.stiffness).norm(), 1e-10 * (1e-6 + x.stiffness.norm())) << name_of(kind);
+      EXPECT_LE((x.wrench.force - y.wrench.force).norm(), 1e-11 * (1e-6 + x.wrench.force.norm())) << contact::name_of(kind);
+      EXPECT_LE((x.stiffness - y.stiffness).norm(), 1e-10 * (1e-6 + x.stiffness.norm())) << contact::name_of(kind);
       if (n > 4) {
-        EXPECT_GT(x.wrench.force.z(), 0.0) << name_of(kind);
+        EXPECT_GT(x.wrench.force.z(), 0.0) << contact::name_of(kind);
       }
     }
   }
@@ -128,27 +128,27 @@ TEST(F3ManyContacts, PlateOnPlateGivesTheSameForceWhateverTheOrderOfItsPoints) {
 
 /// `original` and `adapted` to 100 e: DeepPush in tests/unit/contact. Here the two that hold nothing.
 TEST(F5DeepPenetration, ForceIsFlaggedFromWhereItNoLongerGrowsAndNeverPullsTheToolIn) {
-  const Pointshell shell = exact_shell(sphere_mesh(kRadius, 4), kEdge);
+  const pointshell::Pointshell shell = exact_shell(sphere_mesh(kRadius, 4), kEdge);
   const Ground ground(slab(Vec3(60, 60, 150) * kEdge, Vec3(0.2, 0.1, -75) * kEdge), kEdge);
-  for (const ContactModelKind kind : {ContactModelKind::kClustered, ContactModelKind::kField}) {
-    ContactRenderer renderer = ground.renderer(shell, kind);
+  for (const contact::ContactModelKind kind : {contact::ContactModelKind::kClustered, contact::ContactModelKind::kField}) {
+    contact::ContactRenderer renderer = ground.renderer(shell, kind);
     double peak = 0.0, flagged = HUGE_VAL, fallen = HUGE_VAL;
     const auto push = [&](double depth, bool in = true) {
-      const StageResult r = renderer.render(at(Vec3(0.13, 0.21, 8.0 - depth) * kEdge));
+      const contact::StageResult r = renderer.render(at(Vec3(0.13, 0.21, 8.0 - depth) * kEdge));
       const double up = r.contact.wrench.force.z();
       EXPECT_TRUE(r.contact.wrench.finite());
-      EXPECT_GE(up, -0.02 * peak) << name_of(kind) << " at " << depth;
+      EXPECT_GE(up, -0.02 * peak) << contact::name_of(kind) << " at " << depth;
       if (r.contact.saturated) flagged = std::min(flagged, depth);
       if (in && up < 0.98 * peak) {
         fallen = std::min(fallen, depth);
-        EXPECT_TRUE(r.contact.saturated) << name_of(kind) << " at " << depth
+        EXPECT_TRUE(r.contact.saturated) << contact::name_of(kind) << " at " << depth
                                          << ": less force than before, and not told";
       }
       return up;
     };
     for (double depth = 0.0; depth <= 100.0; depth += 0.2) peak = std::max(peak, push(depth));
     const double back = push(0.3, false);
-    std::printf("%s: grows to %.3g N, flagged from %.1f e, falls from %.1f e\n", std::string(name_of(kind)).c_str(),
+    std::printf("%s: grows to %.3g N, flagged from %.1f e, falls from %.1f e\n", std::string(contact::name_of(kind)).c_str(),
                 peak, flagged, fallen);
     EXPECT_LE(flagged, fallen);
     EXPECT_GT(back, 0.0);
@@ -158,12 +158,12 @@ TEST(F5DeepPenetration, ForceIsFlaggedFromWhereItNoLongerGrowsAndNeverPullsTheTo
 
 /// Over the edge of a cube and back, 0.5 e deep at the face; steps of 0.05 e.
 TEST(F6SharpEdge, ChangesTheForceByNoMoreThanTwiceItselfAndGainsNoAmplitude) {
-  const Pointshell shell = exact_shell(sphere_mesh(kRadius, 4), kEdge);
+  const pointshell::Pointshell shell = exact_shell(sphere_mesh(kRadius, 4), kEdge);
   const Ground ground(slab(Vec3(40, 40, 40) * kEdge, Vec3(0.2, 0.1, -20.0) * kEdge), kEdge);
-  for (const ContactModelKind kind : kModels) {
-    ContactRenderer renderer = ground.renderer(shell, kind);
-    Pt2 filter[3];
-    for (Pt2& f : filter) f.design(2 * 3.14159265 * 5.0, 1.0, 1.0);
+  for (const contact::ContactModelKind kind : kModels) {
+    contact::ContactRenderer renderer = ground.renderer(shell, kind);
+    coupling_models::Pt2 filter[3];
+    for (coupling_models::Pt2& f : filter) f.design(2 * 3.14159265 * 5.0, 1.0, 1.0);
     double flat = 0.0, edge = 0.0, smooth = 0.0, worst = 0.0, largest = 0.0, smooth_step = 0.0;
     Vec3 last = Vec3::Zero(), last_smooth = Vec3::Zero();
     for (int leg = 0; leg < 2; ++leg)
@@ -194,11 +194,11 @@ TEST(F6SharpEdge, ChangesTheForceByNoMoreThanTwiceItselfAndGainsNoAmplitude) {
       }
     std::printf(
         "%-9s face %.3g N, edge %.3g N, 5 Hz %.3g N; largest step %.2f of the force, %.3g N, behind 5 Hz %.3g N\n",
-        std::string(name_of(kind)).c_str(), flat, edge, smooth, worst, largest, smooth_step);
-    EXPECT_LE(worst, 2.0) << name_of(kind);
-    EXPECT_LE(edge, 0.6 * flat) << name_of(kind) << ": less of the ball is inside than on a face";
+        std::string(contact::name_of(kind)).c_str(), flat, edge, smooth, worst, largest, smooth_step);
+    EXPECT_LE(worst, 2.0) << contact::name_of(kind);
+    EXPECT_LE(edge, 0.6 * flat) << contact::name_of(kind) << ": less of the ball is inside than on a face";
     EXPECT_LE(smooth, flat);
-    EXPECT_LE(smooth_step, 0.05 * flat) << name_of(kind);
+    EXPECT_LE(smooth_step, 0.05 * flat) << contact::name_of(kind);
   }
 }
 

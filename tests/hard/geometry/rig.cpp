@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLever = 0.01;
 
-TriangleMesh stepped(TriangleMesh mesh) {
+mesh::TriangleMesh stepped(mesh::TriangleMesh mesh) {
   for (Vec3& v : mesh.vertices) v = hard::stepped(v, kStep);
   return mesh;
 }
@@ -34,36 +34,37 @@ Quat any_rotation(Random& random) {
 
 Vec3 stepped(const Vec3& x, double step) { return (x / step).array().round() * step; }
 
-TriangleMesh ground_mesh() {
+mesh::TriangleMesh ground_mesh() {
   const Pose tilt{Vec3(0.001, -0.002, 0.003), Quat(Eigen::AngleAxisd(0.43, Vec3(3, 1, 2).normalized()))};
-  TriangleMesh ball = test::sphere_mesh(0.021, 2);
+  mesh::TriangleMesh ball = test::sphere_mesh(0.021, 2);
   for (Vec3& v : ball.vertices) v += Vec3(0.009, 0.004, 0.013);
   return stepped(test::joined(test::box_mesh(Vec3(0.061, 0.047, 0.023), tilt), ball));
 }
 
-TriangleMesh tool_mesh() { return stepped(test::Ball(kBallRadius, 2).mesh); }
+mesh::TriangleMesh tool_mesh() { return stepped(test::Ball(kBallRadius, 2).mesh); }
 
-std::vector<std::pair<VoxelIndex, VoxelKind>> voxels_of(const Voxmap& voxmap) {
-  std::vector<std::pair<VoxelIndex, VoxelKind>> voxels;
-  voxmap.for_each_occupied([&](const VoxelIndex& v, VoxelKind kind) { voxels.emplace_back(v, kind); });
+std::vector<std::pair<voxmap::VoxelIndex, voxmap::VoxelKind>> voxels_of(const voxmap::Voxmap& voxmap) {
+  std::vector<std::pair<voxmap::VoxelIndex, voxmap::VoxelKind>> voxels;
+  voxmap.for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind kind) { voxels.emplace_back(v, kind); });
   return voxels;
 }
 
-Rig::Rig(const TriangleMesh& ground, const Grid& grid, Pointshell tool, const ParallelFor& loop)
-    : voxmap(voxelise(ground, grid, loop)), field(build_distance_field(ground, voxmap, {}, loop)),
+Rig::Rig(const mesh::TriangleMesh& ground, const voxmap::Grid& grid, pointshell::Pointshell tool, const ParallelFor& loop)
+    : voxmap(voxmap::voxelise(ground, grid, loop)), field(voxmap::build_distance_field(ground, voxmap, {}, loop)),
       shell(std::move(tool)), scale(grid.edge / kEdge) {
   make_models();
 }
 
-Rig::Rig(const TriangleMesh& ground, const TriangleMesh& tool, double edge, const ParallelFor& loop)
-    : Rig(ground, default_grid(ground, edge), test::exact_shell(tool, edge, loop), loop) {}
+Rig::Rig(const mesh::TriangleMesh& ground, const mesh::TriangleMesh& tool, double edge, const ParallelFor& loop)
+    : Rig(ground, voxmap::default_grid(ground, edge), test::exact_shell(tool, edge, loop), loop) {}
 
 void Rig::make_models() {
   for (std::size_t m = 0; m < 4; ++m) {
     const bool by_area = m >= 2;
     if (m == 3 && !field.has_inside()) continue;
-    const ContactParameters law{by_area ? kPerVolume : kPerPoint, by_area ? PointWeights::kArea : PointWeights::kOne};
-    models[m] = std::make_unique<ContactRenderer>(voxmap, shell, static_cast<ContactModelKind>(m + 1), law, &field);
+    const contact::ContactParameters law{by_area ? kPerVolume : kPerPoint,
+                                         by_area ? contact::PointWeights::kArea : contact::PointWeights::kOne};
+    models[m] = std::make_unique<contact::ContactRenderer>(voxmap, shell, static_cast<contact::ContactModelKind>(m + 1), law, &field);
   }
 }
 
@@ -74,7 +75,7 @@ Answers Rig::probe(const Pose& pose) const {
   return answers;
 }
 
-std::vector<Pose> touching_poses(const TriangleMesh& ground, std::size_t count, Random& random) {
+std::vector<Pose> touching_poses(const mesh::TriangleMesh& ground, std::size_t count, Random& random) {
   const test::Ball ball(kBallRadius, 0);
   std::vector<Pose> poses;
   while (poses.size() < count) {
@@ -93,12 +94,12 @@ double pull(const Rig& rig, const Pose& pose, std::size_t model) {
   if (!rig.models[model]) return 0.0;
   rig.models[model]->probe(pose);
   double weights = 0.0;
-  for (const Hits* list : {&rig.models[model]->hits().surface, &rig.models[model]->hits().interior})
-    for (const Hit& hit : *list) weights += hit.weight;
+  for (const contact::Hits* list : {&rig.models[model]->hits().surface, &rig.models[model]->hits().interior})
+    for (const contact::Hit& hit : *list) weights += hit.weight;
   return weights * (model >= 2 ? kPerVolume : kPerPoint);
 }
 
-bool same_bits(const ContactResult& a, const ContactResult& b) {
+bool same_bits(const contact::ContactResult& a, const contact::ContactResult& b) {
   return a.wrench.force == b.wrench.force && a.wrench.torque == b.wrench.torque && a.mean_normal == b.mean_normal &&
          a.coherence == b.coherence && a.surface_hits == b.surface_hits && a.interior_hits == b.interior_hits &&
          a.deepest_depth_m == b.deepest_depth_m && a.stiffness == b.stiffness && a.fallback == b.fallback &&

@@ -28,26 +28,26 @@ Quat any_rotation(Random& random);
 Vec3 stepped(const Vec3& x, double step);
 
 /// A tilted box with a ball let into it; closed parts that overlap.
-TriangleMesh ground_mesh();
+mesh::TriangleMesh ground_mesh();
 /// A ball that lies askew about a point beside its origin.
-TriangleMesh tool_mesh();
+mesh::TriangleMesh tool_mesh();
 
 /// The voxels that are not free, sorted, with their kind.
-std::vector<std::pair<VoxelIndex, VoxelKind>> voxels_of(const Voxmap& voxmap);
+std::vector<std::pair<voxmap::VoxelIndex, voxmap::VoxelKind>> voxels_of(const voxmap::Voxmap& voxmap);
 
 /// What one pose gives, model by model (index 0 is `original`).
-using Answers = std::array<ContactResult, 4>;
+using Answers = std::array<contact::ContactResult, 4>;
 
 /// Ground, tool and their models; `with_field` false for grounds without an inside.
 struct Rig {
-  Voxmap voxmap;
-  DistanceField field;
-  Pointshell shell;
-  std::array<std::unique_ptr<ContactRenderer>, 4> models;  ///< null: the ground allows no field
+  voxmap::Voxmap voxmap;
+  voxmap::DistanceField field;
+  pointshell::Pointshell shell;
+  std::array<std::unique_ptr<contact::ContactRenderer>, 4> models;  ///< null: the ground allows no field
   double scale;  ///< of all lengths; stiffnesses stay, voxels and steps grow with it
 
-  Rig(const TriangleMesh& ground, const Grid& grid, Pointshell tool, const ParallelFor& loop = serial_for());
-  Rig(const TriangleMesh& ground, const TriangleMesh& tool, double edge = kEdge,
+  Rig(const mesh::TriangleMesh& ground, const voxmap::Grid& grid, pointshell::Pointshell tool, const ParallelFor& loop = serial_for());
+  Rig(const mesh::TriangleMesh& ground, const mesh::TriangleMesh& tool, double edge = kEdge,
       const ParallelFor& loop = serial_for());
 
   /// Without memory, all models; zero results where there is no such model.
@@ -59,12 +59,12 @@ struct Rig {
 
 /// Poses at which the ball stands in light contact with the ground: from half a voxel above to one and a half deep. Positions
 /// are whole multiples of 2^-26 m, so that they too can be moved exactly.
-std::vector<Pose> touching_poses(const TriangleMesh& ground, std::size_t count, Random& random);
+std::vector<Pose> touching_poses(const mesh::TriangleMesh& ground, std::size_t count, Random& random);
 
 /// K times the weights of all hits, summed: by how much a force changes if each depth changes by a metre.
 double pull(const Rig& rig, const Pose& pose, std::size_t model);
 
-bool same_bits(const ContactResult& a, const ContactResult& b);
+bool same_bits(const contact::ContactResult& a, const contact::ContactResult& b);
 const char* model_name(std::size_t model);
 
 /// Largest difference of wrenches (torque over 10 mm of lever), in units of `pull` times a length: how far a depth would have to

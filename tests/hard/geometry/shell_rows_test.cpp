@@ -86,13 +86,13 @@ TEST(P1PointOfAVoxel, LiesInItAndIsTheNearestInAMillionRandomTriangles) {
     if (n % 7 == 0)
       x[2] = x[0] + 0.3 * (x[1] - x[0]) + std::ldexp(1.0, -static_cast<int>(random() % 8)) * (x[2] - x[0]);
     const Vec3 shift = Vec3::Constant(0.5);
-    if (TriangleVoxels(x[0] + shift, x[1] + shift, x[2] + shift).meeting({0, 0, 0}) == Meeting::kNone) continue;
-    const Vec3 normal = area_vector(x[0], x[1], x[2]);
+    if (voxmap::TriangleVoxels(x[0] + shift, x[1] + shift, x[2] + shift).meeting({0, 0, 0}) == voxmap::Meeting::kNone) continue;
+    const Vec3 normal = voxmap::area_vector(x[0], x[1], x[2]);
     const double longest = std::max({(x[1] - x[0]).norm(), (x[2] - x[0]).norm(), (x[2] - x[1]).norm()});
     if (normal.norm() < 1e-3 * longest * longest)
       continue;  // the oracle's conditioning; slivers have tests of their own
     ++met;
-    const Vec3 p = nearest_to_centre(x, normal.normalized(), clip_to_voxel(x[0], x[1], x[2]));
+    const Vec3 p = pointshell::nearest_to_centre(x, normal.normalized(), pointshell::clip_to_voxel(x[0], x[1], x[2]));
     beyond = std::max(beyond, p.cwiseAbs().maxCoeff());
     const Real off = std::abs(static_cast<Real>(p.norm()) - least_distance(x));
     worst = std::max(worst, off);
@@ -104,12 +104,12 @@ TEST(P1PointOfAVoxel, LiesInItAndIsTheNearestInAMillionRandomTriangles) {
 
 TEST(P1PointOfAVoxel, KeepsItsVoxelWhereTheWorldsNumbersRoundItOut) {
   // Far from the grid's origin a point on its voxel's border may round into the next voxel: the voxel is kept, not asked again.
-  const TriangleMesh mesh = ground_mesh();
+  const mesh::TriangleMesh mesh = ground_mesh();
   for (const double far : {0.0, 1.0, 1e6}) {
-    TriangleMesh moved = mesh;
+    mesh::TriangleMesh moved = mesh;
     for (Vec3& v : moved.vertices) v += Vec3(far, -far, far);
-    const Grid grid = default_grid(moved, 0.0021);
-    for (const ShellPoint& p : shell_points(moved, grid, serial_for())) {
+    const voxmap::Grid grid = voxmap::default_grid(moved, 0.0021);
+    for (const pointshell::ShellPoint& p : pointshell::shell_points(moved, grid, serial_for())) {
       const Vec3 centre(p.voxel.i + 0.5, p.voxel.j + 0.5, p.voxel.k + 0.5);
       const double ulps = 4.0 * 0x1p-52 * (50.0 + std::abs(far) / grid.edge);
       ASSERT_LE((grid.to_grid(p.point) - centre).cwiseAbs().maxCoeff(), 0.5 * (1.0 + ulps)) << far;
@@ -117,29 +117,29 @@ TEST(P1PointOfAVoxel, KeepsItsVoxelWhereTheWorldsNumbersRoundItOut) {
   }
 }
 
-void expect_unit(const std::vector<ShellPoint>& points) {
-  for (const ShellPoint& p : points) {
+void expect_unit(const std::vector<pointshell::ShellPoint>& points) {
+  for (const pointshell::ShellPoint& p : points) {
     ASSERT_NEAR(p.normal.norm(), 1.0, 4.0 * 0x1p-52);
     ASSERT_TRUE(p.point.allFinite() && std::isfinite(p.coherence));
   }
 }
 
 TEST(P2NormalsThatCancel, GiveTheNearestFacesUnitNormalAndAFlag) {
-  const Grid grid{Vec3::Constant(-2.01), 1.0};
+  const voxmap::Grid grid{Vec3::Constant(-2.01), 1.0};
   // A sheet whose two sides are one plane, cut into triangles differently, so that none repeats another.
-  TriangleMesh sheet;
+  mesh::TriangleMesh sheet;
   sheet.vertices = {{0, 0, 0.4}, {6, 0, 0.4}, {6, 6, 0.4}, {0, 6, 0.4}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
-  const auto flat = shell_points(sheet, grid, serial_for());
+  const auto flat = pointshell::shell_points(sheet, grid, serial_for());
   expect_unit(flat);
   std::size_t flagged = 0;
-  for (const ShellPoint& p : flat) {
+  for (const pointshell::ShellPoint& p : flat) {
     ASSERT_EQ(std::abs(p.normal.z()), 1.0);
-    flagged += p.rule == NormalRule::kFaceForCancelling;
+    flagged += p.rule == pointshell::NormalRule::kFaceForCancelling;
   }
   EXPECT_GT(flagged, flat.size() / 2);
 
-  TriangleMesh cone;  // tip inside a voxel, 16 sides that lean by 2 degrees
+  mesh::TriangleMesh cone;  // tip inside a voxel, 16 sides that lean by 2 degrees
   cone.vertices.push_back(Vec3(0.5, 0.5, 30));
   for (int n = 0; n < 16; ++n) {
     const double turn = 2 * std::numbers::pi * n / 16;
@@ -147,12 +147,12 @@ TEST(P2NormalsThatCancel, GiveTheNearestFacesUnitNormalAndAFlag) {
   }
   for (std::uint32_t n = 0; n < 16; ++n) cone.triangles.push_back({0, 1 + n, 1 + (n + 1) % 16});
   for (std::uint32_t n = 1; n < 15; ++n) cone.triangles.push_back({1, n + 2, n + 1});
-  const auto tip = shell_points(cone, grid, serial_for());
+  const auto tip = pointshell::shell_points(cone, grid, serial_for());
   expect_unit(tip);
   flagged = 0;
-  for (const ShellPoint& p : tip) {
-    flagged += p.rule != NormalRule::kMean;
-    ASSERT_EQ(p.rule == NormalRule::kFaceForCancelling, p.coherence <= kNormalsCancel);
+  for (const pointshell::ShellPoint& p : tip) {
+    flagged += p.rule != pointshell::NormalRule::kMean;
+    ASSERT_EQ(p.rule == pointshell::NormalRule::kFaceForCancelling, p.coherence <= pointshell::kNormalsCancel);
   }
   EXPECT_GT(flagged, 0U);
 
@@ -160,9 +160,9 @@ TEST(P2NormalsThatCancel, GiveTheNearestFacesUnitNormalAndAFlag) {
   for (const double shift : {0.0, 0.3, 0.5}) {
     Pose at;
     at.position = Vec3::Constant(shift);
-    const auto cube = shell_points(test::box_mesh(Vec3::Constant(4.0), at), grid, serial_for());
+    const auto cube = pointshell::shell_points(test::box_mesh(Vec3::Constant(4.0), at), grid, serial_for());
     expect_unit(cube);
-    for (const ShellPoint& p : cube) ASSERT_LE(p.normal.dot(p.point - at.position), 1e-12) << shift;
+    for (const pointshell::ShellPoint& p : cube) ASSERT_LE(p.normal.dot(p.point - at.position), 1e-12) << shift;
   }
 }
 

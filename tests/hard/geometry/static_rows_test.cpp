@@ -23,20 +23,20 @@ using test::box_mesh, test::inside_out, test::joined, test::sphere_mesh;
 // ---------------------------------------------------------------------------------------------------------------- V1
 
 /// Voxels that a walk over faces reaches from outside without crossing a surface voxel, in a box of `n` voxels a side about 0.
-std::set<VoxelIndex> flooded(const Voxmap& map, int n) {
-  std::set<VoxelIndex> seen{{-n, -n, -n}};
-  std::vector<VoxelIndex> walk{{-n, -n, -n}};
+std::set<voxmap::VoxelIndex> flooded(const voxmap::Voxmap& map, int n) {
+  std::set<voxmap::VoxelIndex> seen{{-n, -n, -n}};
+  std::vector<voxmap::VoxelIndex> walk{{-n, -n, -n}};
   while (!walk.empty()) {
-    const VoxelIndex v = walk.back();
+    const voxmap::VoxelIndex v = walk.back();
     walk.pop_back();
-    for (const VoxelIndex& next : {VoxelIndex{v.i + 1, v.j, v.k},
+    for (const voxmap::VoxelIndex& next : {voxmap::VoxelIndex{v.i + 1, v.j, v.k},
                                    {v.i - 1, v.j, v.k},
                                    {v.i, v.j + 1, v.k},
                                    {v.i, v.j - 1, v.k},
                                    {v.i, v.j, v.k + 1},
                                    {v.i, v.j, v.k - 1}})
       if (std::max({std::abs(next.i), std::abs(next.j), std::abs(next.k)}) <= n &&
-          map.at(next) != VoxelKind::kSurface && seen.insert(next).second)
+          map.at(next) != voxmap::VoxelKind::kSurface && seen.insert(next).second)
         walk.push_back(next);
   }
   return seen;
@@ -55,48 +55,48 @@ double shifted(double x, int which, double e) {
 
 TEST(V1PointOnAFace, TheFloodNeverReachesInsideAndMirrorImagesHaveMirroredVoxels) {
   constexpr double e = 0x1p-4;
-  const Grid grid{Vec3::Zero(), e};
+  const voxmap::Grid grid{Vec3::Zero(), e};
   const std::array<int, 5> mirrored{0, 2, 1, 4, 3};
   for (int code = 0; code < 125; ++code) {
     const std::array<int, 3> which{code % 5, code / 5 % 5, code / 25};
-    TriangleMesh cube = box_mesh(Vec3::Constant(8 * e)), mirror = cube;
+    mesh::TriangleMesh cube = box_mesh(Vec3::Constant(8 * e)), mirror = cube;
     for (std::size_t v = 0; v < 8; ++v)
       for (int a = 0; a < 3; ++a) {
         const int w = which[static_cast<std::size_t>(a)];
         cube.vertices[v][a] = shifted(cube.vertices[v][a], w, e);
         mirror.vertices[v][a] = shifted(mirror.vertices[v][a], mirrored[static_cast<std::size_t>(w)], e);
       }
-    const Voxmap map = voxelise(cube, grid, serial_for());
-    for (const VoxelIndex& v : flooded(map, 8)) {
-      ASSERT_EQ(map.at(v), VoxelKind::kFree) << code;
+    const voxmap::Voxmap map = voxmap::voxelise(cube, grid, serial_for());
+    for (const voxmap::VoxelIndex& v : flooded(map, 8)) {
+      ASSERT_EQ(map.at(v), voxmap::VoxelKind::kFree) << code;
       ASSERT_GT(Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5).cwiseAbs().maxCoeff(), 3.0)
           << "the flood came in, shift " << code;
     }
     ASSERT_GE(map.interior_count(), 6U * 6U * 6U) << code;
-    std::vector<std::pair<VoxelIndex, VoxelKind>> voxels = voxels_of(map);
+    std::vector<std::pair<voxmap::VoxelIndex, voxmap::VoxelKind>> voxels = voxels_of(map);
     for (auto& [v, kind] : voxels) v = {-1 - v.i, -1 - v.j, -1 - v.k};
     std::sort(voxels.begin(), voxels.end());
-    ASSERT_EQ(voxels, voxels_of(voxelise(mirror, grid, serial_for()))) << code;
+    ASSERT_EQ(voxels, voxels_of(voxmap::voxelise(mirror, grid, serial_for()))) << code;
   }
 }
 
 /// Every second voxel is surface, like a chessboard's: a point in a neighbour's voxel would be seen.
-Voxmap chessboard(const Grid& grid, int n) {
-  Voxmap map(grid, {-n, -n, -n}, {n, n, n});
+voxmap::Voxmap chessboard(const voxmap::Grid& grid, int n) {
+  voxmap::Voxmap map(grid, {-n, -n, -n}, {n, n, n});
   for (int i = -n; i <= n; ++i)
     for (int j = -n; j <= n; ++j)
       for (int k = -n; k <= n; ++k)
-        if ((i + j + k) % 2 != 0) map.set({i, j, k}, VoxelKind::kSurface);
+        if ((i + j + k) % 2 != 0) map.set({i, j, k}, voxmap::VoxelKind::kSurface);
   map.finish();
   return map;
 }
 
 TEST(V1PointOnAFace, EdgeOrCornerLiesInOneVoxelWhereverItStandsInTheShell) {
   constexpr double e = 0.0037;  // no power of two: a multiple of it lies on the border, or an ulp beside it
-  const Grid grid{Vec3(0.1, -0.2, 0.3), e};
-  const Voxmap map = chessboard(grid, 5);
+  const voxmap::Grid grid{Vec3(0.1, -0.2, 0.3), e};
+  const voxmap::Voxmap map = chessboard(grid, 5);
   Random random(1);
-  Pointshell shell;
+  pointshell::Pointshell shell;
   std::vector<Vec3> points;
   for (int n = 0; n < 3 * 32 + 13; ++n) {  // whole leaves and the rest of one: the processor's wide and narrow paths
     Vec3 x;
@@ -109,8 +109,8 @@ TEST(V1PointOnAFace, EdgeOrCornerLiesInOneVoxelWhereverItStandsInTheShell) {
     shell.nx.push_back(0.0), shell.ny.push_back(0.0), shell.nz.push_back(1.0);
     shell.area_m2.push_back(1.0), shell.coherence.push_back(1.0), shell.id.push_back(static_cast<std::uint32_t>(n));
   }
-  const ContactQuery query(map, shell);
-  HitList hits, again;
+  const contact::ContactQuery query(map, shell);
+  contact::HitList hits, again;
   hits.reserve(shell.size()), again.reserve(shell.size());
   for (int n = 0; n < 50; ++n) {
     const Pose pose{grid.origin + (n == 0 ? 0.0 : e) * Vec3(n % 3 - 1, n % 2, -1),
@@ -122,15 +122,15 @@ TEST(V1PointOnAFace, EdgeOrCornerLiesInOneVoxelWhereverItStandsInTheShell) {
     const Mat3 r = q.toRotationMatrix();
     const Vec3 t = pose.position - grid.origin;
     std::map<std::uint32_t, Vec3> to_centre;
-    for (const Hit& hit : hits.surface) ASSERT_TRUE(to_centre.emplace(hit.point, hit.to_centre).second) << "hit twice";
+    for (const contact::Hit& hit : hits.surface) ASSERT_TRUE(to_centre.emplace(hit.point, hit.to_centre).second) << "hit twice";
     ASSERT_EQ(hits.surface.size(), again.surface.size());
     for (std::uint32_t p = 0; p < points.size(); ++p) {
       Vec3 u;  // one multiplication and addition after the other, as IEEE 754 has them
       for (int a = 0; a < 3; ++a)
         u[a] = (r(a, 0) * points[p].x() + r(a, 1) * points[p].y() + r(a, 2) * points[p].z() + t[a]) / e;
-      const VoxelIndex v{static_cast<int>(std::floor(u.x())), static_cast<int>(std::floor(u.y())),
+      const voxmap::VoxelIndex v{static_cast<int>(std::floor(u.x())), static_cast<int>(std::floor(u.y())),
                          static_cast<int>(std::floor(u.z()))};
-      ASSERT_EQ(to_centre.contains(p), map.at(v) == VoxelKind::kSurface) << p << " at " << u.transpose();
+      ASSERT_EQ(to_centre.contains(p), map.at(v) == voxmap::VoxelKind::kSurface) << p << " at " << u.transpose();
       if (to_centre.contains(p)) {
         ASSERT_EQ(to_centre[p], Vec3(e * Vec3(v.i + 0.5 - u.x(), v.j + 0.5 - u.y(), v.k + 0.5 - u.z())));
       }
@@ -141,7 +141,7 @@ TEST(V1PointOnAFace, EdgeOrCornerLiesInOneVoxelWhereverItStandsInTheShell) {
 // ---------------------------------------------------------------------------------------------------------------- V2
 
 /// With 1000 triangles more, all on the surface: zero-area of four kinds, slivers 1e-12 m wide, duplicates either way round.
-TriangleMesh littered(TriangleMesh mesh, Random& random) {
+mesh::TriangleMesh littered(mesh::TriangleMesh mesh, Random& random) {
   const std::size_t sound = mesh.triangles.size();
   const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
     const auto v = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -171,8 +171,8 @@ TEST(V2DegenerateTriangles, AThousandOfThemChangeNoVoxelNoPointAndNoForce) {
   const std::uint64_t seed = testing::seed(82);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
-  const TriangleMesh ground = ground_mesh(), tool = tool_mesh();
-  const TriangleMesh bad_ground = littered(ground, random), bad_tool = littered(tool, random);
+  const mesh::TriangleMesh ground = ground_mesh(), tool = tool_mesh();
+  const mesh::TriangleMesh bad_ground = littered(ground, random), bad_tool = littered(tool, random);
   const Rig clean(ground, tool), dirty(bad_ground, bad_tool);
   ASSERT_EQ(voxels_of(clean.voxmap), voxels_of(dirty.voxmap));
   ASSERT_EQ(clean.shell.id, dirty.shell.id);
@@ -189,11 +189,11 @@ TEST(V2DegenerateTriangles, AThousandOfThemChangeNoVoxelNoPointAndNoForce) {
   std::printf("%s\n", off.text().c_str());
   EXPECT_GE(off.touching, 150U);
   for (std::size_t m = 0; m < 4; ++m) EXPECT_LT(off.metres[m], 1e-9) << model_name(m);
-  const test::VoxelReport found = test::voxel_report(bad_ground, default_grid(bad_ground, kEdge));
+  const test::VoxelReport found = test::voxel_report(bad_ground, voxmap::default_grid(bad_ground, kEdge));
   EXPECT_EQ(found.zero_area, 143U + 143U + 143U + 143U);
   EXPECT_GE(found.duplicates, 143U + 143U);
   EXPECT_GT(found.shells.open_parts, 50U) << "the slivers, some of which hang together";
-  const MeshReport said = inspect(bad_ground);
+  const mesh::MeshReport said = mesh::inspect(bad_ground);
   EXPECT_EQ(said.zero_area.count, found.zero_area + 0U);
   EXPECT_EQ(said.duplicates.count + said.opposite_duplicates.count, found.duplicates);
 }
@@ -202,17 +202,17 @@ TEST(V2DegenerateTriangles, AThousandOfThemChangeNoVoxelNoPointAndNoForce) {
 
 struct Defect {
   const char* name;
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   bool closed;  ///< has an inside all the same
 };
 
 /// A box of 10 x 8 x 6 voxels, tilted out of the grid.
-TriangleMesh tilted_box(const Vec3& at = Vec3::Zero()) {
+mesh::TriangleMesh tilted_box(const Vec3& at = Vec3::Zero()) {
   return box_mesh(kEdge * Vec3(10, 8, 6), {at, Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()))});
 }
 
-TriangleMesh moebius(double radius, double width, int n) {
-  TriangleMesh mesh;
+mesh::TriangleMesh moebius(double radius, double width, int n) {
+  mesh::TriangleMesh mesh;
   for (int a = 0; a < n; ++a)
     for (const double side : {-0.5, 0.5}) {
       const double turn = 2 * std::numbers::pi * a / n, out = radius + side * width * std::cos(turn / 2);
@@ -230,7 +230,7 @@ TriangleMesh moebius(double radius, double width, int n) {
 
 std::vector<Defect> defects() {
   std::vector<Defect> all;
-  TriangleMesh hole = tilted_box(), one = hole;
+  mesh::TriangleMesh hole = tilted_box(), one = hole;
   hole.triangles.erase(hole.triangles.begin());
   std::swap(one.triangles[7][1], one.triangles[7][2]);
   all.push_back({"one face removed", hole, false});
@@ -238,7 +238,7 @@ std::vector<Defect> defects() {
   all.push_back({"all faces inverted", inside_out(tilted_box()), true});
   // Two boxes that share an edge: the corners (+,+,*) of one are the corners (-,-,*) of the other.
   const Quat turn(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()));
-  TriangleMesh first = tilted_box(), second = tilted_box(turn * (kEdge * Vec3(10, 8, 0)));
+  mesh::TriangleMesh first = tilted_box(), second = tilted_box(turn * (kEdge * Vec3(10, 8, 0)));
   second.vertices[0] = first.vertices[3], second.vertices[4] = first.vertices[7];
   all.push_back({"two boxes that share an edge", joined(first, second), true});
   all.push_back({"two boxes that share an edge, one inverted", joined(first, inside_out(second)), true});
@@ -246,7 +246,7 @@ std::vector<Defect> defects() {
   return all;
 }
 
-std::vector<Vec3> outward_normals(const TriangleMesh& mesh, const Vec3& middle) {
+std::vector<Vec3> outward_normals(const mesh::TriangleMesh& mesh, const Vec3& middle) {
   std::vector<Vec3> normals;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 n = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).normalized();
@@ -262,7 +262,7 @@ double distance_from_box(const Vec3& x, const Vec3& middle, const Quat& turn) {
 }
 
 /// Convex pieces of 12 triangles each, or 11 and 12 where one is missing.
-Vec3 middle_of_piece(const TriangleMesh& mesh, std::size_t triangle) {
+Vec3 middle_of_piece(const mesh::TriangleMesh& mesh, std::size_t triangle) {
   const std::size_t first = triangle < 12 || mesh.vertices.size() == 8 ? 0 : 8;
   Vec3 sum = Vec3::Zero();
   for (std::size_t v = first; v < first + 8; ++v) sum += mesh.vertices[v] / 8.0;
@@ -271,7 +271,7 @@ Vec3 middle_of_piece(const TriangleMesh& mesh, std::size_t triangle) {
 
 TEST(V3OpenNonManifoldInverted, GroundNeverPullsTheToolInward) {
   const double r = 3.3 * kEdge;
-  const TriangleMesh ball = sphere_mesh(r, 2);
+  const mesh::TriangleMesh ball = sphere_mesh(r, 2);
   for (const Defect& defect : defects()) {
     SCOPED_TRACE(defect.name);
     const Rig rig(defect.mesh, ball);
@@ -300,7 +300,7 @@ TEST(V3OpenNonManifoldInverted, GroundNeverPullsTheToolInward) {
 TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIntoTheGround) {
   Pose down;
   down.position.z() = -8 * kEdge;
-  const TriangleMesh ground = box_mesh(kEdge * Vec3(90, 90, 16), down);
+  const mesh::TriangleMesh ground = box_mesh(kEdge * Vec3(90, 90, 16), down);
   for (const Defect& defect : defects()) {
     SCOPED_TRACE(defect.name);
     const Rig rig(ground, defect.mesh);
@@ -329,7 +329,7 @@ TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIntoTheGround) {
 }
 
 TEST(V3OpenNonManifoldInverted, MoebiusBandPushesAwayFromBothItsSides) {
-  const TriangleMesh band = moebius(14 * kEdge, 8 * kEdge, 48);
+  const mesh::TriangleMesh band = moebius(14 * kEdge, 8 * kEdge, 48);
   const double r = 3.3 * kEdge;
   const Rig rig(band, sphere_mesh(r, 2));
   EXPECT_EQ(rig.models[3], nullptr);
@@ -351,25 +351,25 @@ TEST(V3OpenNonManifoldInverted, MoebiusBandPushesAwayFromBothItsSides) {
 
 TEST(V3OpenNonManifoldInverted, EachIsCountedAndNamed) {
   const std::vector<Defect> all = defects();
-  const auto report = [](const TriangleMesh& mesh) { return test::voxel_report(mesh, default_grid(mesh, kEdge)); };
+  const auto report = [](const mesh::TriangleMesh& mesh) { return test::voxel_report(mesh, voxmap::default_grid(mesh, kEdge)); };
   EXPECT_EQ(report(all[0].mesh).shells.open_parts, 1U);
-  EXPECT_EQ(inspect(all[0].mesh).open_edges.count, 3U);
+  EXPECT_EQ(mesh::inspect(all[0].mesh).open_edges.count, 3U);
   EXPECT_EQ(report(all[1].mesh).shells.turned_triangles, 1U);
-  EXPECT_EQ(inspect(all[1].mesh).flipped.examples, std::vector<std::uint32_t>{7});
+  EXPECT_EQ(mesh::inspect(all[1].mesh).flipped.examples, std::vector<std::uint32_t>{7});
   EXPECT_TRUE(report(all[2].mesh).inside_out());
-  EXPECT_TRUE(inspect(all[2].mesh).inverted);
-  EXPECT_EQ(inspect(all[3].mesh).non_manifold_edges.count, 1U);
-  EXPECT_EQ(inspect(all[5].mesh).inward_parts.count, 1U);
-  EXPECT_FALSE(inspect(moebius(0.03, 0.01, 48)).orientable);
+  EXPECT_TRUE(mesh::inspect(all[2].mesh).inverted);
+  EXPECT_EQ(mesh::inspect(all[3].mesh).non_manifold_edges.count, 1U);
+  EXPECT_EQ(mesh::inspect(all[5].mesh).inward_parts.count, 1U);
+  EXPECT_FALSE(mesh::inspect(moebius(0.03, 0.01, 48)).orientable);
   EXPECT_EQ(report(moebius(0.03, 0.01, 48)).shells.open_parts, 1U);
-  for (const Defect& defect : all) EXPECT_FALSE(inspect(defect.mesh).sentences().empty()) << defect.name;
+  for (const Defect& defect : all) EXPECT_FALSE(mesh::inspect(defect.mesh).sentences().empty()) << defect.name;
 }
 
 TEST(V3OpenNonManifoldInverted, ToolWithACavityHasItsWallFaceTheCavity) {
   const double e = kEdge;
-  const TriangleMesh outer = box_mesh(Vec3::Constant(20.3 * e)), inner = box_mesh(Vec3::Constant(9.7 * e));
-  for (const TriangleMesh& mesh : {joined(outer, inside_out(inner)), inside_out(joined(outer, inside_out(inner)))}) {
-    const Pointshell shell = test::exact_shell(mesh, e);
+  const mesh::TriangleMesh outer = box_mesh(Vec3::Constant(20.3 * e)), inner = box_mesh(Vec3::Constant(9.7 * e));
+  for (const mesh::TriangleMesh& mesh : {joined(outer, inside_out(inner)), inside_out(joined(outer, inside_out(inner)))}) {
+    const pointshell::Pointshell shell = test::exact_shell(mesh, e);
     for (std::size_t p = 0; p < shell.size(); ++p) {
       const bool of_cavity = shell.point(p).cwiseAbs().maxCoeff() < 7.0 * e;
       ASSERT_EQ(shell.normal(p).dot(shell.point(p)) > 0.0, of_cavity) << p;  // into the solid between them
@@ -385,11 +385,11 @@ TEST(V4OffsetOfAMillionMetres, ChangesTheForceByNoMoreThanThePositionsRounding) 
   Random random(seed);
   const Vec3 far(1e6 + 0.123456789, -1e6 + 0.3, 1e6 - 0.7);
   // No multiple of anything, so that every vertex and pose is rounded there.
-  const TriangleMesh ground = transform(ground_mesh(), 1.0 + 1e-3 / 3.0, {});
-  const Pointshell shell = test::exact_shell(tool_mesh(), kEdge);
-  const Grid grid = default_grid(ground, kEdge);
+  const mesh::TriangleMesh ground = mesh::transform(ground_mesh(), 1.0 + 1e-3 / 3.0, {});
+  const pointshell::Pointshell shell = test::exact_shell(tool_mesh(), kEdge);
+  const voxmap::Grid grid = voxmap::default_grid(ground, kEdge);
   const Rig here(ground, grid, shell);
-  const Rig there(transform(ground, 1.0, {far, Quat::Identity()}), {grid.origin + far, kEdge}, shell);
+  const Rig there(mesh::transform(ground, 1.0, {far, Quat::Identity()}), {grid.origin + far, kEdge}, shell);
   ASSERT_EQ(voxels_of(here.voxmap), voxels_of(there.voxmap));
   constexpr double kFourUlps = 4.0 * 0x1p-33;
   Off off;
@@ -398,7 +398,7 @@ TEST(V4OffsetOfAMillionMetres, ChangesTheForceByNoMoreThanThePositionsRounding) 
     pose.position *= 1.0 + 1e-7 / 3.0;
     const Answers a = here.probe(pose);
     bool border = false;  // there a rounding decides which voxel holds the point
-    for (const Hit& hit : here.models[0]->hits().surface)
+    for (const contact::Hit& hit : here.models[0]->hits().surface)
       border = border || hit.to_centre.cwiseAbs().maxCoeff() > 0.5 * kEdge - 2 * kFourUlps;
     near_border += border;
     if (!border) off.note(here, pose, a, there.probe({pose.position + far, pose.orientation}));
@@ -414,14 +414,14 @@ TEST(V4OffsetOfAMillionMetres, ChangesTheForceByNoMoreThanThePositionsRounding) 
 // ---------------------------------------------------------------------------------------------------------------- V6
 
 TEST(V6CellsWithoutNumber, AreRefusedWithASentenceBeforeAnyMemoryIsSpent) {
-  const TriangleMesh mesh = sphere_mesh(50.0, 3);
-  const Grid grid = default_grid(mesh, 100.0 / 1e5);
+  const mesh::TriangleMesh mesh = sphere_mesh(50.0, 3);
+  const voxmap::Grid grid = voxmap::default_grid(mesh, 100.0 / 1e5);
   const auto refused = [&](const auto& build) {
     std::string sentence;
     const auto ask = [&] {
       try {
         build();
-      } catch (const VoxelBudgetError& error) {
+      } catch (const voxmap::VoxelBudgetError& error) {
         sentence = error.what();
       }
     };
@@ -435,19 +435,19 @@ TEST(V6CellsWithoutNumber, AreRefusedWithASentenceBeforeAnyMemoryIsSpent) {
     EXPECT_NE(sentence.find("iB"), std::string::npos) << sentence;
     EXPECT_NE(sentence.find("use a larger voxel size"), std::string::npos) << sentence;
   };
-  refused([&] { voxelise(mesh, grid, serial_for()); });
-  refused([&] { shell_points(mesh, grid, serial_for()); });
+  refused([&] { voxmap::voxelise(mesh, grid, serial_for()); });
+  refused([&] { pointshell::shell_points(mesh, grid, serial_for()); });
 }
 
 // ---------------------------------------------------------------------------------------------------------------- V8
 
 TEST(V8VerticesThatAreNoNumbers, AreRefusedByIndexOrDoNoHarmInEveryCoordinate) {
   const double inf = INFINITY;
-  const Grid grid{kEdge * Vec3::Constant(-9.0), kEdge};
+  const voxmap::Grid grid{kEdge * Vec3::Constant(-9.0), kEdge};
   int refused = 0, built = 0;
   for (const double poison : {double(NAN), inf, -inf, 1e308, -1e308, 1e30, 5e-324, -5e-324, 2e-308, -0.0})
     for (std::size_t c = 0; c < 24; ++c) {
-      TriangleMesh mesh = tilted_box();
+      mesh::TriangleMesh mesh = tilted_box();
       mesh.vertices[c / 3][static_cast<Eigen::Index>(c % 3)] = poison;
       const bool number = std::isfinite(poison), small = std::abs(poison) < 1e30;
       const std::string name = "vertex " + std::to_string(c / 3) + ' ';
@@ -463,18 +463,18 @@ TEST(V8VerticesThatAreNoNumbers, AreRefusedByIndexOrDoNoHarmInEveryCoordinate) {
           EXPECT_NE(said.find(number ? "use a larger voxel size" : name), std::string::npos) << said;
         }
       };
-      says([&] { voxelise(mesh, grid, serial_for()); });
-      if (std::abs(poison) < 1e300 || !number) says([&] { voxelise(mesh, default_grid(mesh, kEdge), serial_for()); });
+      says([&] { voxmap::voxelise(mesh, grid, serial_for()); });
+      if (std::abs(poison) < 1e300 || !number) says([&] { voxmap::voxelise(mesh, voxmap::default_grid(mesh, kEdge), serial_for()); });
       says([&] {
-        for (const ShellPoint& p : shell_points(mesh, grid, serial_for()))
+        for (const pointshell::ShellPoint& p : pointshell::shell_points(mesh, grid, serial_for()))
           ASSERT_TRUE(p.point.allFinite() && p.normal.allFinite() && std::isfinite(p.area_m2));
       });
       if (number && small) {
         const Rig rig(mesh, grid, test::exact_shell(sphere_mesh(3 * kEdge, 1), kEdge));
-        for (const ContactResult& r : rig.probe({Vec3(0, 0, 5 * kEdge), Quat::Identity()}))
+        for (const contact::ContactResult& r : rig.probe({Vec3(0, 0, 5 * kEdge), Quat::Identity()}))
           ASSERT_TRUE(r.wrench.finite() && r.stiffness.allFinite());
       }
-      const MeshReport report = inspect(mesh);
+      const mesh::MeshReport report = mesh::inspect(mesh);
       EXPECT_EQ(report.not_finite_vertices.count, number ? 0U : 1U);
       if (!number) {
         EXPECT_EQ(report.not_finite_vertices.examples, std::vector<std::uint32_t>{static_cast<std::uint32_t>(c / 3)});

@@ -26,7 +26,7 @@ void expect_rounding(const Off& off, std::size_t poses) {
   EXPECT_LE(off.metres[3], kFieldRounding);
 }
 
-TriangleMesh moved(TriangleMesh mesh, const Vec3& by, double scale = 1.0) {
+mesh::TriangleMesh moved(mesh::TriangleMesh mesh, const Vec3& by, double scale = 1.0) {
   for (Vec3& v : mesh.vertices) v = scale * v + by;
   return mesh;
 }
@@ -41,7 +41,7 @@ TEST(Translation, OfTheWholeSceneByGridMultiplesUpToAMillionMetresKeepsEveryBit)
   const std::uint64_t seed = testing::seed(71);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
-  const TriangleMesh ground = ground_mesh(), tool = tool_mesh();
+  const mesh::TriangleMesh ground = ground_mesh(), tool = tool_mesh();
   const Rig here(ground, tool);
   std::size_t touching = 0;
   for (const double far : {1.0, 1e3, 1e6}) {
@@ -62,9 +62,9 @@ TEST(Translation, WithinTheGridMovesTheVoxelsByAsManyAndLeavesTheForce) {
   const std::uint64_t seed = testing::seed(72);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
-  const TriangleMesh ground = ground_mesh();
-  const Grid grid{Vec3::Zero(), kEdge};
-  const Pointshell shell = test::exact_shell(tool_mesh(), kEdge);
+  const mesh::TriangleMesh ground = ground_mesh();
+  const voxmap::Grid grid{Vec3::Zero(), kEdge};
+  const pointshell::Pointshell shell = test::exact_shell(tool_mesh(), kEdge);
   const Rig here(ground, grid, shell);
   const std::vector<Pose> poses = touching_poses(ground, 200, random);
   Off off;
@@ -103,7 +103,7 @@ struct Symmetry {
   explicit Symmetry(const Mat3& s)
       : matrix(s), sign(std::round(s.determinant())), cyclic(s.cwiseAbs().determinant() > 0.0) {}
   Vec3 axis(const Vec3& x) const { return sign * (matrix * x); }  ///< of torques and turns
-  TriangleMesh mesh(TriangleMesh m) const {
+  mesh::TriangleMesh mesh(mesh::TriangleMesh m) const {
     for (Vec3& v : m.vertices) v = matrix * v;
     return sign < 0.0 ? test::inside_out(std::move(m)) : m;
   }
@@ -112,13 +112,13 @@ struct Symmetry {
     q.vec() = axis(q.vec());
     return {matrix * p.position, q};
   }
-  ContactResult result(ContactResult r) const {
+  contact::ContactResult result(contact::ContactResult r) const {
     r.wrench = {matrix * r.wrench.force, axis(r.wrench.torque)};
     return r;
   }
-  VoxelIndex voxel(const VoxelIndex& v) const {  // of the cube [v, v + 1], mirrored in the origin
+  voxmap::VoxelIndex voxel(const voxmap::VoxelIndex& v) const {  // of the cube [v, v + 1], mirrored in the origin
     const Vec3 u = matrix * Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5);
-    return Grid::voxel_of(u);
+    return voxmap::Grid::voxel_of(u);
   }
 };
 
@@ -127,8 +127,8 @@ TEST(CubeSymmetry, TurnsAndMirrorsVoxelsShellAndForceAlike) {
   const std::uint64_t seed = testing::seed(73);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
-  const TriangleMesh ground = ground_mesh(), tool = tool_mesh();
-  const Grid grid{Vec3::Zero(), kEdge};
+  const mesh::TriangleMesh ground = ground_mesh(), tool = tool_mesh();
+  const voxmap::Grid grid{Vec3::Zero(), kEdge};
   const Rig here(ground, grid, test::exact_shell(tool, grid));
   const std::vector<Pose> poses = touching_poses(ground, 25, random);
   Off off, swapped;
@@ -143,7 +143,7 @@ TEST(CubeSymmetry, TurnsAndMirrorsVoxelsShellAndForceAlike) {
     ASSERT_EQ(here.shell.size(), there.shell.size());
     for (const Pose& pose : poses) {
       Answers a = here.probe(pose);
-      for (ContactResult& r : a) r = s.result(r);
+      for (contact::ContactResult& r : a) r = s.result(r);
       const Answers b = there.probe(s.pose(pose));
       (s.cyclic ? off : swapped).note(here, pose, a, b);
       const double force = a[2].wrench.force.norm();
@@ -164,7 +164,7 @@ TEST(V5ScaleByPowersOfTwo, KeepsEveryVoxelAndScalesEveryForceExactly) {
   const std::uint64_t seed = testing::seed(74);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
-  const TriangleMesh ground = ground_mesh(), tool = tool_mesh();
+  const mesh::TriangleMesh ground = ground_mesh(), tool = tool_mesh();
   const Rig one(ground, tool);
   const std::vector<Pose> poses = touching_poses(ground, 200, random);
   for (const int power : {-20, -7, 1, 20}) {
@@ -178,8 +178,8 @@ TEST(V5ScaleByPowersOfTwo, KeepsEveryVoxelAndScalesEveryForceExactly) {
         // Depth times s; weights of one stay, areas grow with s^2; the lever again with s. Held depths of the stage likewise.
         const double f = m >= 2 ? s * s * s : s;
         for (const bool in_the_ring : {false, true}) {
-          const ContactResult a = in_the_ring ? one.models[m]->render(pose).contact : one.models[m]->probe(pose);
-          const ContactResult b = in_the_ring ? other.models[m]->render(large).contact : other.models[m]->probe(large);
+          const contact::ContactResult a = in_the_ring ? one.models[m]->render(pose).contact : one.models[m]->probe(pose);
+          const contact::ContactResult b = in_the_ring ? other.models[m]->render(large).contact : other.models[m]->probe(large);
           ASSERT_EQ(Vec3(f * a.wrench.force), b.wrench.force) << model_name(m) << " 2^" << power << ' ' << in_the_ring;
           ASSERT_EQ(Vec3(f * s * a.wrench.torque), b.wrench.torque) << model_name(m) << " 2^" << power;
           ASSERT_EQ(s * a.deepest_depth_m, b.deepest_depth_m) << model_name(m) << " 2^" << power;
@@ -193,13 +193,13 @@ TEST(PermutationOfTriangles, LeavesVoxelsPointsAndForce) {
   const std::uint64_t seed = testing::seed(75);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
-  const TriangleMesh ground = ground_mesh(), tool = tool_mesh();
+  const mesh::TriangleMesh ground = ground_mesh(), tool = tool_mesh();
   const Rig here(ground, tool);
   const std::vector<Pose> poses = touching_poses(ground, 200, random);
   Off off;
   for (int n = 0; n < 3; ++n) {
-    TriangleMesh other_ground = ground, other_tool = tool;
-    for (TriangleMesh* mesh : {&other_ground, &other_tool}) {
+    mesh::TriangleMesh other_ground = ground, other_tool = tool;
+    for (mesh::TriangleMesh* mesh : {&other_ground, &other_tool}) {
       for (std::size_t k = mesh->triangles.size(); k > 1; --k)
         std::swap(mesh->triangles[k - 1], mesh->triangles[random() % k]);
       for (auto& t : mesh->triangles) std::rotate(t.begin(), t.begin() + static_cast<int>(random() % 3), t.end());
@@ -216,9 +216,9 @@ TEST(PermutationOfPoints, LeavesTheForce) {
   const std::uint64_t seed = testing::seed(76);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
-  const TriangleMesh ground = ground_mesh();
-  const Pointshell shell = test::exact_shell(tool_mesh(), kEdge);
-  const Grid grid = default_grid(ground, kEdge);
+  const mesh::TriangleMesh ground = ground_mesh();
+  const pointshell::Pointshell shell = test::exact_shell(tool_mesh(), kEdge);
+  const voxmap::Grid grid = voxmap::default_grid(ground, kEdge);
   const Rig here(ground, grid, shell);
   const std::vector<Pose> poses = touching_poses(ground, 200, random);
   Off off;
@@ -226,14 +226,15 @@ TEST(PermutationOfPoints, LeavesTheForce) {
     std::vector<std::size_t> order(shell.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
-    Pointshell other = shell;
-    const auto permute = [&](auto Pointshell::*column) {
+    pointshell::Pointshell other = shell;
+    const auto permute = [&](auto pointshell::Pointshell::*column) {
       for (std::size_t k = 0; k < order.size(); ++k) (other.*column)[k] = (shell.*column)[order[k]];
     };
-    for (const auto column : {&Pointshell::x, &Pointshell::y, &Pointshell::z, &Pointshell::nx, &Pointshell::ny,
-                              &Pointshell::nz, &Pointshell::area_m2, &Pointshell::coherence})
+    for (const auto column :
+         {&pointshell::Pointshell::x, &pointshell::Pointshell::y, &pointshell::Pointshell::z, &pointshell::Pointshell::nx,
+          &pointshell::Pointshell::ny, &pointshell::Pointshell::nz, &pointshell::Pointshell::area_m2, &pointshell::Pointshell::coherence})
       permute(column);
-    permute(&Pointshell::id);
+    permute(&pointshell::Pointshell::id);
     const Rig there(ground, grid, other);
     for (const Pose& pose : poses) off.note(here, pose, here.probe(pose), there.probe(pose));
   }
@@ -244,23 +245,24 @@ template <class T>
 void add(Fnv1a& hash, const T& value) {
   hash.add({reinterpret_cast<const char*>(&value), sizeof value});
 }
-std::uint64_t hash_of(const Voxmap& voxmap) {
+std::uint64_t hash_of(const voxmap::Voxmap& voxmap) {
   Fnv1a hash;
   for (const auto& [voxel, kind] : voxels_of(voxmap)) add(hash, voxel), add(hash, kind);
   return hash.value();
 }
 /// Nodes in and about the ground's voxels, and what was found over all of them.
-std::uint64_t hash_of(const DistanceField& field, const Voxmap& voxmap) {
+std::uint64_t hash_of(const voxmap::DistanceField& field, const voxmap::Voxmap& voxmap) {
   Fnv1a hash;
   for (const auto& [voxel, kind] : voxels_of(voxmap))
     for (const int off : {-2, 0, 2}) add(hash, field.node({voxel.i + off, voxel.j, voxel.k - off}));
   add(hash, field.steepest_gradient()), add(hash, field.stored_nodes());
   return hash.value();
 }
-std::uint64_t hash_of(const Pointshell& shell) {
+std::uint64_t hash_of(const pointshell::Pointshell& shell) {
   Fnv1a hash;
-  for (const auto column : {&Pointshell::x, &Pointshell::y, &Pointshell::z, &Pointshell::nx, &Pointshell::ny, &Pointshell::nz,
-                            &Pointshell::area_m2, &Pointshell::coherence})
+  for (const auto column :
+       {&pointshell::Pointshell::x, &pointshell::Pointshell::y, &pointshell::Pointshell::z, &pointshell::Pointshell::nx,
+        &pointshell::Pointshell::ny, &pointshell::Pointshell::nz, &pointshell::Pointshell::area_m2, &pointshell::Pointshell::coherence})
     for (const auto& value : shell.*column) add(hash, value);
   for (const auto& id : shell.id) add(hash, id);
   return hash.value();
@@ -271,7 +273,7 @@ TEST(NumberOfThreads, IsInNoBitOfVoxelsFieldShellOrForce) {
   const std::uint64_t seed = testing::seed(77);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
-  const TriangleMesh ground = ground_mesh(), tool = tool_mesh();
+  const mesh::TriangleMesh ground = ground_mesh(), tool = tool_mesh();
   const Rig one(ground, tool);
   const std::vector<Pose> poses = touching_poses(ground, 200, random);
   for (const std::size_t threads : {1U, 2U, 3U, 8U}) {
@@ -287,8 +289,8 @@ TEST(NumberOfThreads, IsInNoBitOfVoxelsFieldShellOrForce) {
 }
 
 /// Every triangle in four by the middles of its sides, then some of them in three by a point within; all exact.
-TriangleMesh split(const TriangleMesh& mesh, Random& random) {
-  TriangleMesh fine;
+mesh::TriangleMesh split(const mesh::TriangleMesh& mesh, Random& random) {
+  mesh::TriangleMesh fine;
   const auto vertex = [&](const Vec3& x) {
     fine.vertices.push_back(x);
     return static_cast<std::uint32_t>(fine.vertices.size() - 1);
@@ -313,11 +315,11 @@ TEST(SplitOfTriangles, LeavesVoxelsPointsAndForce) {
   const std::uint64_t seed = testing::seed(78);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
-  const TriangleMesh ground = ground_mesh(), tool = tool_mesh();
+  const mesh::TriangleMesh ground = ground_mesh(), tool = tool_mesh();
   const Rig coarse(ground, tool);
   Off off;
   for (int n = 0; n < 2; ++n) {
-    const TriangleMesh fine_ground = split(ground, random), fine_tool = split(tool, random);
+    const mesh::TriangleMesh fine_ground = split(ground, random), fine_tool = split(tool, random);
     ASSERT_GT(fine_ground.triangles.size(), 5 * ground.triangles.size());
     const Rig fine(fine_ground, fine_tool);
     ASSERT_EQ(voxels_of(coarse.voxmap), voxels_of(fine.voxmap));

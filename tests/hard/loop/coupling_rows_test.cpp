@@ -11,7 +11,7 @@
 #include "nodes/runtime/realtime.hpp"
 #include "tests/unit/coupling/haptic_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::test {
 namespace {
 
 constexpr double kT = 1e-3;
@@ -30,14 +30,14 @@ unsigned denormals_met(const Work& work) {
 TEST(H3Denormals, FromAMinuteAfterTheReleaseOnNoStepMeetsOneAndTheForceIsZero) {
   for (const char* kind : {"shaping_filter", "spring_damper", "direct"})
     for (const double cutoff_hz : {0.5, 5.0, 50.0}) {
-      CouplingSpec spec;
+      coupling::CouplingSpec spec;
       spec.kind = kind, spec.cutoff_hz = cutoff_hz, spec.damping_ratio = 1.0;
       spec.stiffness_cap_n_per_m = 800;
       spec.injected_damping_ns_per_m = 5, spec.passivity_damping_limit_ns_per_m = 5;
-      RunningCoupling coupling(spec, {3.3, 0.1}, kT);
+      coupling::RunningCoupling coupling(spec, {3.3, 0.1}, kT);
       Vec3 at(0.001, 2e-4, 0);
-      for (int n = 0; n < 1000; ++n) at.x() -= 4e-6, coupling.step(wall(at, 1000), kT);
-      CouplingInput away;
+      for (int n = 0; n < 1000; ++n) at.x() -= 4e-6, coupling.step(coupling::wall(at, 1000), kT);
+      coupling::CouplingInput away;
       for (int n = 0; n < 60'000; ++n) away.tool.position = Vec3(0.01 + 1e-7 * (n % 7), 0, 0), coupling.step(away, kT);
       bool zero = true;
       const unsigned met = denormals_met([&] {
@@ -64,4 +64,4 @@ TEST(H3Denormals, AreSeenByThisTestAndFlushedInTheThreadsOfTheRing) {
 #endif
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::test

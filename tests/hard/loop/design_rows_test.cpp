@@ -7,21 +7,21 @@
 #include "core/coupling/design/certificates.hpp"
 #include "tests/support/coupling_models/nonlinear_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::test {
 namespace design_rows_test {
 
 constexpr double kPi = 3.14159265358979323846;
 
-LoopController filter(double cutoff_hz, double damping_ratio, double injected = 0.0) {
-  LoopController out;
+coupling::design::LoopController filter(double cutoff_hz, double damping_ratio, double injected = 0.0) {
+  coupling::design::LoopController out;
   out.w0_rad_per_s = 2.0 * kPi * cutoff_hz, out.damping_ratio = damping_ratio;
   out.injected_damping = injected, out.velocity_filter_rad_per_s = 628.0;
   return out;
 }
 
 /// A stylus with 5 Ns/m injected and a 50 Hz filter: unstable from 819 N/m on, shown at half of that.
-NonlinearLoop damped_phantom() {
-  NonlinearLoop loop;
+coupling_models::NonlinearLoop damped_phantom() {
+  coupling_models::NonlinearLoop loop;
   loop.plant = {0.075, 0.005, 0.0, 0.0, 0.0, 1e-3, 1e-3, 0.0};
   loop.controller = filter(50.0, 0.707, 5.0);
   loop.contact_stiffness = 0.5 * 819.1;
@@ -33,8 +33,8 @@ NonlinearLoop damped_phantom() {
 }
 
 /// A robot of 2 kg, 50 Ns/m with a 40 Hz filter: unstable from 4970 N/m on, shown at half of that.
-NonlinearLoop robot() {
-  NonlinearLoop loop;
+coupling_models::NonlinearLoop robot() {
+  coupling_models::NonlinearLoop loop;
   loop.plant = {2.0, 50.0, 0.0, 0.0, 0.0, 1e-3, 2.3e-3, 3e-3};
   loop.controller = filter(40.0, 0.577);
   loop.contact_stiffness = 0.5 * 4970.0;
@@ -47,14 +47,14 @@ NonlinearLoop robot() {
 /// Doubling k under a constant push P lets the device out from P/k to P/(2k) and gives it P^2/(2k), just what the spring had
 /// stored. What it gives beyond that is what the device's damping takes on the way: nothing if it is slow.
 TEST(HardCaseL1, StiffnessDoubledWhilePressedCreatesLittleEnergyWhereItIsRamped) {
-  for (NonlinearLoop loop : {robot(), damped_phantom()}) {
+  for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.contact_stiffness *= 0.5;
     loop.resolution = 0.0;
     loop.longest_s = loop.duration_s;
-    const double stored = 0.5 * loop.push * loop.push / loop.contact_stiffness, before = simulate(loop).work_j;
+    const double stored = 0.5 * loop.push * loop.push / loop.contact_stiffness, before = coupling_models::simulate(loop).work_j;
     const auto created = [&](double ramp_s) {
       loop.disturbance = {.at_s = 5.0, .stiffness_factor = 2.0, .stiffness_ramp_s = ramp_s};
-      const NonlinearVerdict v = simulate(loop);
+      const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
       EXPECT_TRUE(v.stable);
       EXPECT_NEAR(v.end_position, loop.push / (2.0 * loop.contact_stiffness), 1e-6);
       return (v.work_j - before - stored) / stored;
@@ -68,17 +68,17 @@ TEST(HardCaseL1, StiffnessDoubledWhilePressedCreatesLittleEnergyWhereItIsRamped)
 }
 
 TEST(HardCaseL2, AQuantiserLeavesNoMoreThanItsBound) {
-  for (NonlinearLoop loop : {robot(), damped_phantom()}) {
+  for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.start_speed = 0.01;
     loop.damping_only_in_contact = false;
-    for (const WallLaw wall : {WallLaw::kBilateral, WallLaw::kUnilateral}) {
+    for (const coupling_models::WallLaw wall : {coupling_models::WallLaw::kBilateral, coupling_models::WallLaw::kUnilateral}) {
       loop.wall = wall;
-      const double bound = loop.resolution * quantiser_gain(loop, loop.contact_stiffness);
+      const double bound = loop.resolution * coupling_models::quantiser_gain(loop, loop.contact_stiffness);
       EXPECT_LT(bound, 40.0 * loop.resolution);
       for (int i = 0; i < 40; ++i) {
         loop.push = 1.0 + 0.013 * i;  // rests at all places between two steps
-        const NonlinearVerdict v = simulate(loop);
-        EXPECT_EQ(v.outcome, LoopOutcome::kRest);
+        const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
+        EXPECT_EQ(v.outcome, coupling_models::LoopOutcome::kRest);
         EXPECT_LE(v.late_amplitude, bound) << i;
       }
     }
@@ -86,19 +86,19 @@ TEST(HardCaseL2, AQuantiserLeavesNoMoreThanItsBound) {
 }
 
 TEST(HardCaseL2, TheBoundOfAnOverdampedLoopIsItsGainAtRest) {
-  NonlinearLoop loop;  // its response has one sign, so the sum of amounts is the amount of the sum
+  coupling_models::NonlinearLoop loop;  // its response has one sign, so the sum of amounts is the amount of the sum
   loop.plant = {0.1, 60.0, 0.0, 0.0, 200.0, 1e-3, 0.0, 0.0};
-  loop.controller.law = LoopController::Law::kDirect;
-  EXPECT_NEAR(quantiser_gain(loop, 300.0), 300.0 / 500.0, 0.01);
-  EXPECT_EQ(quantiser_gain(loop, 1e6), 1.0);  // unstable: no bound
+  loop.controller.law = coupling::design::LoopController::Law::kDirect;
+  EXPECT_NEAR(coupling_models::quantiser_gain(loop, 300.0), 300.0 / 500.0, 0.01);
+  EXPECT_EQ(coupling_models::quantiser_gain(loop, 1e6), 1.0);  // unstable: no bound
 }
 
 TEST(HardCaseL2, FrictionOfHalfAStepLeavesNoLimitCycle) {
-  NonlinearLoop stylus = damped_phantom();  // with damping of its own: that which is injected has steps as well
+  coupling_models::NonlinearLoop stylus = damped_phantom();  // with damping of its own: that which is injected has steps as well
   stylus.plant.mass = 0.05, stylus.plant.damping = 0.5;
   stylus.controller = filter(50.0, 0.707);
   stylus.contact_stiffness = 42.0;
-  for (NonlinearLoop loop : {robot(), stylus}) {
+  for (coupling_models::NonlinearLoop loop : {robot(), stylus}) {
     const double step = loop.contact_stiffness * loop.resolution;
     double without = 0.0;
     for (const double share : {0.0, 0.5, 1.0}) {
@@ -106,7 +106,7 @@ TEST(HardCaseL2, FrictionOfHalfAStepLeavesNoLimitCycle) {
       double worst = 0.0;
       for (int i = 0; i < 40; ++i) {
         loop.push = 1.0 + 0.013 * i;
-        worst = std::max(worst, simulate(loop).late_amplitude);
+        worst = std::max(worst, coupling_models::simulate(loop).late_amplitude);
       }
       if (share == 0.0) {
         without = worst;
@@ -119,99 +119,99 @@ TEST(HardCaseL2, FrictionOfHalfAStepLeavesNoLimitCycle) {
 }
 
 TEST(HardCaseL3, RestingAtTheThresholdChattersByNoMoreThanAStepOfForce) {
-  for (NonlinearLoop loop : {robot(), damped_phantom()}) {
+  for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.plant.hand_mass = 0.1, loop.plant.hand_damping = 3.0, loop.plant.hand_stiffness = 200.0;
     loop.push = 0.5 * loop.resolution * loop.plant.hand_stiffness, loop.start_speed = 0.0;
     loop.start_position = 0.5 * loop.resolution;
     loop.measurement_noise = 0.5 * loop.resolution;
     loop.controller.injected_damping = 0.0;
     loop.duration_s = loop.longest_s = 1000.0;  // 1e6 samples
-    const NonlinearVerdict v = simulate(loop);
+    const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
     EXPECT_GT(v.late_effort, 0.0);
     // One step of force, and what the filter overshoots it by at most (the norm of its impulse response).
-    const double overshoot = overshoot_shape(loop.controller.damping_ratio);
+    const double overshoot = coupling::design::overshoot_shape(loop.controller.damping_ratio);
     EXPECT_LE(v.late_effort, overshoot * loop.contact_stiffness * loop.resolution);
   }
 }
 
 TEST(HardCaseL4, AStiffnessThatIsStableHeldIsNotSoReleasedOrInALightHand) {
-  NonlinearLoop loop;
+  coupling_models::NonlinearLoop loop;
   loop.controller = filter(5.0, 1.0);
   loop.resolution = 1e-5;
   loop.push = 0.3, loop.start_speed = 0.02;
   loop.duration_s = 30.0;
-  const LoopPlant normal{0.075, 0.005, 0.1, 3.0, 200.0, 1e-3, 1e-3, 0.0},
+  const coupling::design::LoopPlant normal{0.075, 0.005, 0.1, 3.0, 200.0, 1e-3, 1e-3, 0.0},
       light{0.075, 0.005, 0.02, 0.5, 20.0, 1e-3, 1e-3, 0.0}, released{0.075, 0.005, 0.0, 0.0, 0.0, 1e-3, 1e-3, 0.0},
       hand_mass_only{0.075, 0.005, 0.1, 0.0, 0.0, 1e-3, 1e-3, 0.0};
   loop.contact_stiffness = 190.0;
   loop.plant = normal;
-  EXPECT_TRUE(simulate(loop).stable);
-  for (const LoopPlant& p : {light, released, hand_mass_only}) {
+  EXPECT_TRUE(coupling_models::simulate(loop).stable);
+  for (const coupling::design::LoopPlant& p : {light, released, hand_mass_only}) {
     loop.plant = p;
-    EXPECT_FALSE(simulate(loop).stable) << p.hand_mass;
+    EXPECT_FALSE(coupling_models::simulate(loop).stable) << p.hand_mass;
   }
   loop.contact_stiffness = 0.5 * 13.0;
   loop.plant = light;
-  EXPECT_TRUE(simulate(loop).stable);
+  EXPECT_TRUE(coupling_models::simulate(loop).stable);
 }
 
 TEST(HardCaseL5, LosingUpToFivePercentOfTheSamplesLeavesADesignStable) {
-  for (NonlinearLoop loop : {robot(), damped_phantom()}) {
+  for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.jitter = 0.2, loop.delay_jitter_s = 1e-3;
     for (const double loss : {0.01, 0.03, 0.05})
       for (loop.seed = 0; loop.seed < 20; ++loop.seed) {
         loop.loss = loss;
-        EXPECT_TRUE(simulate(loop).stable) << loss << " seed " << loop.seed;
+        EXPECT_TRUE(coupling_models::simulate(loop).stable) << loss << " seed " << loop.seed;
       }
   }
 }
 
 TEST(HardCaseL5, AChangeOfTheDelayWithinTheMarginComesToRestAgain) {
-  for (NonlinearLoop loop : {robot(), damped_phantom()}) {
+  for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.duration_s = 20.0;
     for (const double change : {-1e-3, 0.5e-3, 1e-3, 2e-3}) {
       loop.disturbance = {.at_s = 5.0, .more_delay_s = change};
-      const NonlinearVerdict v = simulate(loop);
-      EXPECT_EQ(v.outcome, LoopOutcome::kRest) << change;
+      const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
+      EXPECT_EQ(v.outcome, coupling_models::LoopOutcome::kRest) << change;
       EXPECT_NEAR(v.end_position, loop.push / loop.contact_stiffness, 2.0 * loop.resolution);
     }
   }
 }
 
 TEST(HardCaseL5, AHundredMillisecondsOfSilenceFadeTheEffortAndItComesBack) {
-  for (NonlinearLoop loop : {robot(), damped_phantom()}) {
+  for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.fade_after_lost = 3;
     loop.disturbance = {.at_s = 5.0, .silence_s = 0.1};
     loop.duration_s = 40.0;
-    const NonlinearVerdict v = simulate(loop);
+    const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
     EXPECT_EQ(v.statistics.longest_loss, 100u);
-    EXPECT_EQ(v.outcome, LoopOutcome::kRest);
+    EXPECT_EQ(v.outcome, coupling_models::LoopOutcome::kRest);
     EXPECT_NEAR(v.end_position, loop.push / loop.contact_stiffness, 2.0 * loop.resolution);
-    const double fall_s = 0.1 + kFadeInS;
+    const double fall_s = 0.1 + coupling_models::kFadeInS;
     EXPECT_LE(v.deepest, loop.push / loop.contact_stiffness + 0.5 * loop.push / loop.plant.mass * fall_s * fall_s);
   }
 }
 
 TEST(HardCaseL5, ASilenceThatDoesNotEndLeavesNoForce) {
-  NonlinearLoop loop = damped_phantom();
+  coupling_models::NonlinearLoop loop = damped_phantom();
   loop.disturbance = {.at_s = 2.0, .silence_s = 1e9};
   loop.duration_s = 3.5, loop.longest_s = 3.5;
-  const NonlinearVerdict held = simulate(loop);  // the last force, which nearly balances the push
+  const coupling_models::NonlinearVerdict held = coupling_models::simulate(loop);  // the last force, which nearly balances the push
   loop.fade_after_lost = 3;
-  const NonlinearVerdict faded = simulate(loop);
+  const coupling_models::NonlinearVerdict faded = coupling_models::simulate(loop);
   EXPECT_EQ(faded.late_effort, 0.0);
   EXPECT_GT(faded.end_position, held.end_position + 1.0);  // nothing holds the push any more
 }
 
 TEST(HardCaseL7, SaturationLeavesADesignStable) {
-  for (NonlinearLoop loop : {robot(), damped_phantom()}) {
+  for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.push = 2.0;
     for (const double limit : {2.0 / 0.6, 4.0}) {
       loop.max_effort = limit;  // pushed to 60 % of it and more, with an impact that exceeds it
       for (const double speed : {0.5, 1.0}) {
         loop.start_speed = speed;
-        const NonlinearVerdict v = simulate(loop);
-        EXPECT_EQ(v.outcome, LoopOutcome::kRest);
+        const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
+        EXPECT_EQ(v.outcome, coupling_models::LoopOutcome::kRest);
         EXPECT_GT(v.statistics.saturated, 5u);
         EXPECT_NEAR(v.end_position, loop.push / loop.contact_stiffness, 2.0 * loop.resolution);
       }
@@ -220,17 +220,17 @@ TEST(HardCaseL7, SaturationLeavesADesignStable) {
 }
 
 TEST(HardCaseL8, WithinARangeOfMassesTheWorstIsAtAnEnd) {
-  NonlinearLoop loop;
+  coupling_models::NonlinearLoop loop;
   loop.controller = filter(5.0, 0.707);
   loop.push = 3.0, loop.start_speed = 0.02;
   loop.duration_s = 30.0;
   const auto limit = [&](double mass) {
     loop.plant = {mass, 10.0, 0.0, 0.0, 0.0, 1e-3, 2e-3, 3e-3};
-    return simulated_limit(loop, 20.0, 5e3, 0.02);
+    return coupling_models::simulated_limit(loop, 20.0, 5e3, 0.02);
   };
   const double worst = std::min(limit(2.0), limit(10.0));
   for (const double mass : {2.5, 3.5, 5.0, 7.0, 8.5}) EXPECT_GE(limit(mass), 0.98 * worst) << mass;
 }
 
 }  // namespace design_rows_test
-}  // namespace voxtouch
+}  // namespace voxtouch::test

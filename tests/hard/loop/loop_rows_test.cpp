@@ -46,10 +46,10 @@ class Watch {
 // --- resting contact at encoder resolution, sliding over voxel borders
 
 struct Touch {
-  ContactModelKind model;
+  contact::ContactModelKind model;
   bool arm;
 };
-void PrintTo(const Touch& t, std::ostream* out) { *out << name_of(t.model) << (t.arm ? " arm" : " stylus"); }
+void PrintTo(const Touch& t, std::ostream* out) { *out << contact::name_of(t.model) << (t.arm ? " arm" : " stylus"); }
 
 class EncoderResolution : public ::testing::TestWithParam<Touch> {};
 
@@ -69,7 +69,7 @@ TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLig
   for (const bool friction : {true, false}) {
     RigOptions ask = asked("cup_clustered.yaml", "");
     ask.path = gentle_rests(), ask.model = model;
-    if (arm) ask.device = sim_lwr();
+    if (arm) ask.device = sim::sim_lwr();
     if (!friction) ask.device.description.coulomb_friction_n = ask.device.coulomb_friction_nm = 0.0;
     LoopRig rig(ask);
     Watch whole;
@@ -102,7 +102,7 @@ TEST_P(EncoderResolution, KeepsTheEnergyAboveItsBoundWhileTheToolSlidesOverVoxel
   const auto& [model, arm] = GetParam();
   RigOptions ask = asked("cup_clustered.yaml", "slide");
   ask.model = model;
-  if (arm) ask.device = sim_lwr();
+  if (arm) ask.device = sim::sim_lwr();
   LoopRig rig(ask);
   Watch watch;
   int touching = 0;
@@ -118,15 +118,15 @@ TEST_P(EncoderResolution, KeepsTheEnergyAboveItsBoundWhileTheToolSlidesOverVoxel
 
 INSTANTIATE_TEST_SUITE_P(
     Cup, EncoderResolution,
-    ::testing::Values(Touch{ContactModelKind::kOriginal, false}, Touch{ContactModelKind::kAdapted, false},
-                      Touch{ContactModelKind::kClustered, false}, Touch{ContactModelKind::kField, false},
-                      Touch{ContactModelKind::kOriginal, true}, Touch{ContactModelKind::kAdapted, true},
-                      Touch{ContactModelKind::kClustered, true}, Touch{ContactModelKind::kField, true}));
+    ::testing::Values(Touch{contact::ContactModelKind::kOriginal, false}, Touch{contact::ContactModelKind::kAdapted, false},
+                      Touch{contact::ContactModelKind::kClustered, false}, Touch{contact::ContactModelKind::kField, false},
+                      Touch{contact::ContactModelKind::kOriginal, true}, Touch{contact::ContactModelKind::kAdapted, true},
+                      Touch{contact::ContactModelKind::kClustered, true}, Touch{contact::ContactModelKind::kField, true}));
 
 // --- L1
 
 /// What one step of the encoder, there and back, does to the force through the injected damping: B q/T (1 - e^(-w T)).
-double encoder_step_n(const RigOptions& ask, const CouplingSpec& spec) {
+double encoder_step_n(const RigOptions& ask, const coupling::CouplingSpec& spec) {
   const double period_s = 1.0 / ask.device.description.rate_hz, wv = 2.0 * 3.14159265358979 * spec.velocity_filter_hz;
   return 2.0 * spec.injected_damping_ns_per_m * ask.device.description.position_resolution_m / period_s *
          (1.0 - std::exp(-wv * period_s));
@@ -160,7 +160,7 @@ TEST(L1StiffnessStep, OfASceneThatIsTakenInUnderPressureGivesTheHandWhatTheRampM
     ASSERT_EQ(rig.front().counters().capped, 0U);
     EXPECT_NEAR(-watch.lowest_j(), must_j, 0.2 * must_j + after_n * ask.device.description.position_resolution_m);
     EXPECT_LE(watch.steepest_n(),
-              1.5 * (after_n - before_n) * 1e-3 / LiveScene::kFadeS + encoder_step_n(ask, rig.spec()));
+              1.5 * (after_n - before_n) * 1e-3 / rendering::LiveScene::kFadeS + encoder_step_n(ask, rig.spec()));
     std::printf(
         "from %.3g N to %.3g N over %.2g m, largest step %.2g N (an encoder step %.2g N), given %.3g J, must %.3g J\n",
         before_n, after_n, way_m, watch.steepest_n(), encoder_step_n(ask, rig.spec()), -watch.lowest_j(), must_j);
@@ -210,21 +210,21 @@ TEST(L5Wire, LossDuplicatesAndOvertakingLeaveTheToolAtRestAndTheNewestCommandCou
   for (const double loss : {0.0, 0.01, 0.03, 0.05})
     for (const bool arm : {false, true}) {
       RigOptions ask = asked("cup.yaml", "hit");
-      if (arm) ask.device = sim_lwr();
+      if (arm) ask.device = sim::sim_lwr();
       LoopRig rig(ask);
       Wire wire(loss, standard + (arm ? 100 : 0) + static_cast<std::uint64_t>(1000 * loss));
       Watch watch;
       std::uint64_t newest = 0, lost = 0, refused = 0;
       for (std::uint64_t n = 0; n < 5300; ++n) {
         if (n == 4300) watch.forget_places();
-        const DeviceSample sample = rig.read();
+        const devices::DeviceSample sample = rig.read();
         if (wire.loses())
           ++lost;
         else
           wire.send(rig.answer(sample, rig.sequence()), n);
         for (const LoopRig::Command& command : wire.arriving(n)) {
           const bool newer = command.sequence > newest || (newest == 0 && command.sequence == 0 && n == 0);
-          ASSERT_EQ(rig.arrive(command), newer ? GateVerdict::kAccepted : GateVerdict::kOldSequence) << n;
+          ASSERT_EQ(rig.arrive(command), newer ? devices::GateVerdict::kAccepted : devices::GateVerdict::kOldSequence) << n;
           if (newer)
             newest = command.sequence;
           else
@@ -254,14 +254,14 @@ TEST(L5Wire, AHundredMillisecondsOfSilenceFadeTheForceWithinTwentyAndItComesBack
   for (const Silent what : {Silent::kCommands, Silent::kSamples})
     for (const bool arm : {false, true}) {
       RigOptions ask = asked("cup.yaml", "hit");
-      if (arm) ask.device = sim_lwr();
+      if (arm) ask.device = sim::sim_lwr();
       LoopRig rig(ask);
       Watch watch;
       constexpr int kCut = 3800, kBack = kCut + 100;
       double before_n = 0.0;
       Vec3 rest = Vec3::Zero();
       for (int n = 0; n < 5300; ++n) {
-        const DeviceSample sample = rig.read();
+        const devices::DeviceSample sample = rig.read();
         const bool cut = n >= kCut && n < kBack;
         if (n == kCut) rest = sample.pose.position;
         if (n == 4800) watch.forget_places();

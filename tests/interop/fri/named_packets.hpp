@@ -4,7 +4,7 @@
 
 #include "devices/lwr/fri_codec.hpp"
 
-namespace voxtouch::fri::test {
+namespace voxtouch::lwr::fri::test {
 
 inline unsigned base_of(std::string_view name) {
   unsigned sum = 0;
@@ -61,4 +61,4 @@ inline CmdPacket named_cmd() {
   return p;
 }
 
-}  // namespace voxtouch::fri::test
+}  // namespace voxtouch::lwr::fri::test

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 namespace {
 
 /// C = cos(sqrt(-z)) and S = sin(sqrt(-z)) / sqrt(-z), or their hyperbolic continuations for z > 0.
@@ -30,7 +30,7 @@ double twice_integrated(double y, double exp_minus_y) noexcept {
 
 }  // namespace
 
-ExactPlant::ExactPlant(const LoopPlant& plant, double coulomb_friction, double push) noexcept
+ExactPlant::ExactPlant(const coupling::design::LoopPlant& plant, double coulomb_friction, double push) noexcept
     : mass_(plant.mass + plant.hand_mass), damping_(plant.damping + plant.hand_damping),
       stiffness_(plant.hand_stiffness), friction_(coulomb_friction), push_(push), half_rate_(0.5 * damping_ / mass_),
       w2_(stiffness_ / mass_), discriminant_(half_rate_ * half_rate_ - w2_) {
@@ -187,4 +187,4 @@ void ExactPlant::advance(double h, double u) noexcept {
   }
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

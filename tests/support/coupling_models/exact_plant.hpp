@@ -4,7 +4,7 @@
 ///   M x'' + B x' + k_h x = f + push - friction,     f' = (u - f) a     (a = 1 / effort lag; no lag: f = u)
 #include "core/coupling/design/sampled_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 
 /// One axis. Nothing is discretised: over an interval with constant u, position, speed and effort are the sums of
 /// exponentials that solve the equations, whatever the interval's length.
@@ -16,7 +16,7 @@ class ExactPlant {
  public:
   /// Mass of device and hand together > 0, damping, stiffness and lag >= 0. A lag within 0.1 % of a pole of the plant is moved
   /// off it by as much, where the closed form would divide by zero.
-  ExactPlant(const LoopPlant& plant, double coulomb_friction, double push) noexcept;
+  ExactPlant(const coupling::design::LoopPlant& plant, double coulomb_friction, double push) noexcept;
 
   /// Moves on by `h` [s] >= 0 under the commanded effort `u`.
   void advance(double h, double u) noexcept;
@@ -58,4 +58,4 @@ class ExactPlant {
   double x_ = 0.0, v_ = 0.0, f_ = 0.0, work_ = 0.0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 namespace {
 
 constexpr double kSoftSlope = 0.3;
@@ -25,13 +25,13 @@ double wall_effort(WallLaw law, double stiffness, double knee, double position) 
 LoopLaw::LoopLaw(const NonlinearLoop& loop)
     : controller_(loop.controller), wall_(loop.wall), knee_(loop.wall_knee),
       max_effort_(loop.max_effort > 0.0 ? loop.max_effort : std::numeric_limits<double>::infinity()),
-      input_limit_(controller_.law == LoopController::Law::kSpringDamper ? std::numeric_limits<double>::infinity()
+      input_limit_(controller_.law == coupling::design::LoopController::Law::kSpringDamper ? std::numeric_limits<double>::infinity()
                                                                          : max_effort_ / std::abs(controller_.gain)),
       velocity_decay_(controller_.velocity_filter_rad_per_s > 0.0
                           ? std::exp(-controller_.velocity_filter_rad_per_s * loop.plant.period_s)
                           : 0.0),
       only_in_contact_(loop.damping_only_in_contact), measured_period_(loop.measured_period) {
-  if (controller_.law == LoopController::Law::kShapingFilter)
+  if (controller_.law == coupling::design::LoopController::Law::kShapingFilter)
     filter_ = Pt2(controller_.w0_rad_per_s, controller_.damping_ratio, controller_.gain);
 }
 
@@ -46,10 +46,10 @@ double LoopLaw::velocity(double position, double period_s) noexcept {
 
 double LoopLaw::coupled(double wall, double stiffness, double period_s) noexcept {
   switch (controller_.law) {
-    case LoopController::Law::kShapingFilter:
+    case coupling::design::LoopController::Law::kShapingFilter:
       return filter_.step(std::clamp(wall, -input_limit_, input_limit_), period_s);
-    case LoopController::Law::kDirect: return controller_.gain * std::clamp(wall, -input_limit_, input_limit_);
-    case LoopController::Law::kSpringDamper: break;
+    case coupling::design::LoopController::Law::kDirect: return controller_.gain * std::clamp(wall, -input_limit_, input_limit_);
+    case coupling::design::LoopController::Law::kSpringDamper: break;
   }
   if (wall_ != WallLaw::kBilateral)
     return spring_damper_.step({wall, 0.0, 0.0}, stiffness, controller_.stiffness, controller_.damping, period_s).x();
@@ -74,4 +74,4 @@ double LoopLaw::step(double position, double stiffness, double period_s) noexcep
   return -std::clamp(effort, -max_effort_, max_effort_);
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

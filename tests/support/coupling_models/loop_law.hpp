@@ -4,7 +4,7 @@
 #include "core/coupling/spring_damper.hpp"
 #include "tests/support/coupling_models/nonlinear_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 
 /// Effort of the wall, positive against the penetration, at `position`.
 double wall_effort(WallLaw law, double stiffness, double knee, double position) noexcept;
@@ -21,14 +21,14 @@ class LoopLaw {
   double coupled(double wall, double stiffness, double period_s) noexcept;
   double velocity(double position, double period_s) noexcept;
 
-  LoopController controller_;
+  coupling::design::LoopController controller_;
   WallLaw wall_;
   double knee_, max_effort_, input_limit_, velocity_decay_;
   bool only_in_contact_, measured_period_, saturated_ = false, started_ = false;
   Pt2 filter_;
-  UnilateralSpringDamper spring_damper_;
+  coupling::UnilateralSpringDamper spring_damper_;
   double offset_ = 0.0;  ///< of the spring-damper's object, bilateral wall
   double last_position_ = 0.0, velocity_ = 0.0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

@@ -10,7 +10,7 @@
 #include "tests/support/coupling_models/loop_law.hpp"
 #include "tests/support/coupling_models/random.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 
 /// Efforts that are under way to the device, by time of arrival, counted from the current sample.
 class EffortsUnderWay {
@@ -166,4 +166,4 @@ class LoopRun {
   int lost_in_a_row_ = 0;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

@@ -8,7 +8,7 @@
 
 #include "tests/support/coupling_models/loop_run.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 namespace {
 
 void refuse_nonsense(const NonlinearLoop& l) {
@@ -119,7 +119,7 @@ double quantiser_gain(const NonlinearLoop& loop, double contact_stiffness) {
   linear.contact_stiffness = contact_stiffness;
   linear.wall = WallLaw::kBilateral;
   refuse_nonsense(linear);
-  if (!(spectral_radius(linear.plant, linear.controller, contact_stiffness) < 1.0)) return 1.0;
+  if (!(coupling::design::spectral_radius(linear.plant, linear.controller, contact_stiffness) < 1.0)) return 1.0;
   LoopRun run(linear);
   run.misread_once(1.0);
   double sum = 0.0;
@@ -152,7 +152,7 @@ double simulated_limit(NonlinearLoop loop, double stable, double highest, double
 }
 
 double settling_time(const NonlinearLoop& loop) {
-  const LoopPlant& p = loop.plant;
+  const coupling::design::LoopPlant& p = loop.plant;
   const double mass = p.mass + p.hand_mass, damping = p.damping + p.hand_damping;
   double slowest = std::max(p.period_s, p.effort_lag_s);
   if (damping > 0.0) {
@@ -161,11 +161,11 @@ double settling_time(const NonlinearLoop& loop) {
     const double slower = rate * rate > w2 && w2 > 0.0 ? rate + std::sqrt(rate * rate - w2) : 0.0;
     slowest = std::max({slowest, 1.0 / rate, slower > 0.0 ? slower / w2 : 0.0});
   }
-  if (loop.controller.law == LoopController::Law::kShapingFilter)
+  if (loop.controller.law == coupling::design::LoopController::Law::kShapingFilter)
     slowest = std::max(slowest, (loop.controller.damping_ratio + 1.0) / loop.controller.w0_rad_per_s);
   if (loop.controller.velocity_filter_rad_per_s > 0.0)
     slowest = std::max(slowest, 1.0 / loop.controller.velocity_filter_rad_per_s);
   return slowest;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

@@ -8,7 +8,7 @@
 
 #include "core/coupling/design/sampled_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 
 /// Force over depth p, k the contact's stiffness. All are monotone with slopes up to k.
 enum class WallLaw : std::uint8_t {
@@ -29,8 +29,8 @@ struct LoopDisturbance {
 
 /// Everything of one run. Zero is "none" for all that can be none.
 struct NonlinearLoop {
-  LoopPlant plant;
-  LoopController controller;
+  coupling::design::LoopPlant plant;
+  coupling::design::LoopController controller;
   double contact_stiffness = 0.0;  ///< steepest slope of the wall
   WallLaw wall = WallLaw::kUnilateral;
   double wall_knee = 1e-3;  ///< depth at which the softening and hardening walls change their slope
@@ -111,4 +111,4 @@ double simulated_limit(NonlinearLoop loop, double stable, double highest, double
 /// close to 1 is slower still.
 double settling_time(const NonlinearLoop& loop);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

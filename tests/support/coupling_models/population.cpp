@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 namespace {
 
 constexpr FamilyRanges kPhantomLike{
@@ -45,7 +45,7 @@ double bandwidth_of(double lag_s) {
   return lag_s > 0.0 ? 1.0 / (2.0 * std::numbers::pi * lag_s) : std::numeric_limits<double>::infinity();
 }
 
-HandRange whole_hand(const FamilyRanges& r) {
+coupling::design::HandRange whole_hand(const FamilyRanges& r) {
   return {false,
           true,
           r.hand_mass.low,
@@ -56,8 +56,8 @@ HandRange whole_hand(const FamilyRanges& r) {
           r.hand_stiffness.high};
 }
 
-HandRange draw_hand(const FamilyRanges& r, Random& random) {
-  HandRange hand = whole_hand(r);
+coupling::design::HandRange draw_hand(const FamilyRanges& r, Random& random) {
+  coupling::design::HandRange hand = whole_hand(r);
   hand.any_passive = random.chance(0.1);
   hand.may_release = random.chance(0.7);
   if (random.chance(0.5)) {
@@ -71,14 +71,14 @@ HandRange draw_hand(const FamilyRanges& r, Random& random) {
 }
 
 /// A wild hand: anything that creates no energy. Half of them have no spring, half of those hold nothing but mass.
-void draw_wild_hand(LoopPlant& plant, double device_mass, Random& random) {
+void draw_wild_hand(coupling::design::LoopPlant& plant, double device_mass, Random& random) {
   plant.hand_mass = device_mass * random.log_uniform(1e-3, 1e1);
   plant.hand_stiffness = random.chance(0.5) ? random.log_uniform(1e-1, 1e4) : 0.0;
   plant.hand_damping = random.chance(0.5) ? random.log_uniform(1e-3, 1e1) : 0.0;
 }
 
-LoopPlant released(const PopulationMember& member, double mass) {
-  const AxisModel& axis = member.device.translation;
+coupling::design::LoopPlant released(const PopulationMember& member, double mass) {
+  const coupling::design::AxisModel& axis = member.device.translation;
   const double pi2 = 2.0 * std::numbers::pi;
   return {mass,
           axis.damping,
@@ -103,7 +103,7 @@ PopulationMember draw_member(std::uint64_t seed, std::uint64_t index) {
   const FamilyRanges& r = ranges_of(out.family);
   out.device.name = fmt::format("{} {} of population {}",
                                 out.family == DeviceFamily::kPhantomLike ? "Phantom-like" : "LWR-like", index, seed);
-  AxisModel& axis = out.device.translation;
+  coupling::design::AxisModel& axis = out.device.translation;
   axis.inertia_min = axis.inertia_max = log_in(random, r.mass);
   const double spread = random.uniform(1.0, 3.0);
   if (random.chance(0.5)) axis.inertia_max = std::min(r.mass.high, spread * axis.inertia_min);
@@ -132,7 +132,7 @@ std::vector<PopulationMember> corner_members(DeviceFamily family) {
     PopulationMember m{.index = corner, .family = family, .device = {}, .hand = whole_hand(r), .contact = {}};
     m.device.name =
         fmt::format("{} corner {}", family == DeviceFamily::kPhantomLike ? "Phantom-like" : "LWR-like", corner);
-    AxisModel& axis = m.device.translation;
+    coupling::design::AxisModel& axis = m.device.translation;
     axis.inertia_min = axis.inertia_max = pick(0, r.mass);
     axis.damping = pick(1, r.damping);
     axis.resolution = pick(2, kResolutions);
@@ -147,10 +147,10 @@ std::vector<PopulationMember> corner_members(DeviceFamily family) {
   return out;
 }
 
-LoopPlant draw_plant(const PopulationMember& member, Random& random) {
-  const AxisModel& axis = member.device.translation;
-  LoopPlant plant = released(member, random.uniform(axis.inertia_min, axis.inertia_max));
-  const HandRange& hand = member.hand;
+coupling::design::LoopPlant draw_plant(const PopulationMember& member, Random& random) {
+  const coupling::design::AxisModel& axis = member.device.translation;
+  coupling::design::LoopPlant plant = released(member, random.uniform(axis.inertia_min, axis.inertia_max));
+  const coupling::design::HandRange& hand = member.hand;
   if (hand.may_release && random.chance(0.4)) return plant;
   if (hand.any_passive) {
     draw_wild_hand(plant, plant.mass, random);
@@ -162,11 +162,11 @@ LoopPlant draw_plant(const PopulationMember& member, Random& random) {
   return plant;
 }
 
-std::vector<LoopPlant> vertex_plants(const PopulationMember& member) {
-  const HandRange& h = member.hand;
-  std::vector<LoopPlant> out;
+std::vector<coupling::design::LoopPlant> vertex_plants(const PopulationMember& member) {
+  const coupling::design::HandRange& h = member.hand;
+  std::vector<coupling::design::LoopPlant> out;
   for (const double mass : {member.device.translation.inertia_min, member.device.translation.inertia_max}) {
-    LoopPlant plant = released(member, mass);
+    coupling::design::LoopPlant plant = released(member, mass);
     if (h.may_release || h.any_passive) out.push_back(plant);
     const auto held = [&](double m, double b, double k) {
       plant.hand_mass = m, plant.hand_damping = b, plant.hand_stiffness = k;
@@ -182,4 +182,4 @@ std::vector<LoopPlant> vertex_plants(const PopulationMember& member) {
   return out;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

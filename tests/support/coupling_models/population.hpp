@@ -11,7 +11,7 @@
 #include "core/coupling/design/sampled_loop.hpp"
 #include "tests/support/coupling_models/random.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 
 struct Interval {
   double low, high;
@@ -32,9 +32,9 @@ inline constexpr Interval kPeriods{0.25e-3, 4e-3}, kDelaysInPeriods{0.0, 4.0}, k
 struct PopulationMember {
   std::uint64_t seed = 0, index = 0;  ///< draw_member(seed, index) gives it again
   DeviceFamily family = DeviceFamily::kPhantomLike;
-  DeviceModel device;  ///< gives no torque
-  HandRange hand;
-  ContactRange contact;
+  coupling::design::DeviceModel device;  ///< gives no torque
+  coupling::design::HandRange hand;
+  coupling::design::ContactRange contact;
 };
 
 /// Member `index` of population `seed`: even indices Phantom-like, odd ones LWR-like. Half of the devices have one mass, the
@@ -48,9 +48,9 @@ std::vector<PopulationMember> corner_members(DeviceFamily family);
 
 /// One device with one hand out of a member's ranges. `any_passive` hands are drawn far beyond the family's range: masses and
 /// stiffnesses over four and five decades, next to no damping.
-LoopPlant draw_plant(const PopulationMember& member, Random& random);
+coupling::design::LoopPlant draw_plant(const PopulationMember& member, Random& random);
 /// Every vertex: least and largest mass of the device, released (if it may) and the hand's eight corners and centre. For
 /// `any_passive` the family's range serves as the box.
-std::vector<LoopPlant> vertex_plants(const PopulationMember& member);
+std::vector<coupling::design::LoopPlant> vertex_plants(const PopulationMember& member);
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

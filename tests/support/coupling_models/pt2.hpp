@@ -2,7 +2,7 @@
 /// The ring's second-order low-pass for one number, without what ShapingFilter has round it.
 #include "core/coupling/pt2.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 
 /// The filter for one number. Real-time safe.
 class Pt2 {
@@ -20,17 +20,17 @@ class Pt2 {
   }
   /// One sample of a finite input over a finite period > 0 [s]: callers that cannot promise that go through ShapingFilter.
   double step(double u, double period_s) noexcept {
-    if (period_s != period_) k_ = Pt2Coefficients::of(w0_, d_, period_s), period_ = period_s;
+    if (period_s != period_) k_ = coupling::Pt2Coefficients::of(w0_, d_, period_s), period_ = period_s;
     return state_.advance(k_, gain_, u);
   }
   /// At rest at `y0`: the next step with input y0 / K gives y0 again.
   void reset(double y0 = 0.0) noexcept { state_.reset(y0, gain_); }
-  const Pt2State& state() const noexcept { return state_; }
+  const coupling::Pt2State& state() const noexcept { return state_; }
 
  private:
   double w0_ = 1.0, d_ = 1.0, gain_ = 1.0, period_ = 0.0;
-  Pt2Coefficients k_;
-  Pt2State state_;
+  coupling::Pt2Coefficients k_;
+  coupling::Pt2State state_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace voxtouch {
+namespace voxtouch::coupling_models {
 
 /// SplitMix64 (Steele, Lea, Flood 2014) and the distributions that the experiments need. Only integer arithmetic, products
 /// and square roots, which IEEE 754 fixes to the bit; no exp or log.
@@ -44,4 +44,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling_models

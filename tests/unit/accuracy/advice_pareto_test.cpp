@@ -7,7 +7,7 @@
 
 #include "core/accuracy/pareto.hpp"
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 namespace {
 
 using Indices = std::vector<std::size_t>;
@@ -71,4 +71,4 @@ TEST(Knee, TakesErrorsAndCostsOfZero) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -6,12 +6,12 @@
 
 #include "core/accuracy/advice.hpp"
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 namespace {
 
-AccuracyRow row(ContactModelKind model, double voxel_m, double time_us, double direction_deg) {
+AccuracyRow row(contact::ContactModelKind model, double voxel_m, double time_us, double direction_deg) {
   AccuracyRow r;
-  r.setting = {model, PointWeights::kArea, voxel_m, voxel_m};
+  r.setting = {model, contact::PointWeights::kArea, voxel_m, voxel_m};
   r.contacts = 100;
   r.direction_median_deg = direction_deg;
   r.magnitude_noise = direction_deg / 20.0;
@@ -24,8 +24,8 @@ AccuracyRow row(ContactModelKind model, double voxel_m, double time_us, double d
 
 /// Front 0, 2, 3; row 1 is beaten by row 2.
 std::vector<AccuracyRow> rows() {
-  return {row(ContactModelKind::kOriginal, 0.004, 5, 8.0), row(ContactModelKind::kAdapted, 0.002, 20, 2.3),
-          row(ContactModelKind::kField, 0.004, 10, 0.5), row(ContactModelKind::kField, 0.001, 90, 0.05)};
+  return {row(contact::ContactModelKind::kOriginal, 0.004, 5, 8.0), row(contact::ContactModelKind::kAdapted, 0.002, 20, 2.3),
+          row(contact::ContactModelKind::kField, 0.004, 10, 0.5), row(contact::ContactModelKind::kField, 0.001, 90, 0.05)};
 }
 
 AccuracyRow refused() {
@@ -106,9 +106,9 @@ TEST(AccuracyAdvice, NamesBothEndsOfAFrontOfTwoAndTheOneOfAFrontOfOne) {
 }
 
 TEST(AccuracyAdvice, NeverChoosesWhatWasRefusedOrNeverTouchedOrIsNotANumber) {
-  AccuracyRow untouched = row(ContactModelKind::kAdapted, 0.002, 1, 0.0);
+  AccuracyRow untouched = row(contact::ContactModelKind::kAdapted, 0.002, 1, 0.0);
   untouched.contacts = 0;
-  AccuracyRow odd = row(ContactModelKind::kAdapted, 0.002, 1, std::numeric_limits<double>::quiet_NaN());
+  AccuracyRow odd = row(contact::ContactModelKind::kAdapted, 0.002, 1, std::numeric_limits<double>::quiet_NaN());
   const std::vector<AccuracyRow> all{refused(), untouched, odd, rows()[1]};
   for (const AccuracyWish& wish : {AccuracyWish{}, AccuracyWish{.direction_deg = 1}, AccuracyWish{.direction_deg = 90},
                                    AccuracyWish{.within_us = 1}, AccuracyWish{.within_us = 1e6}})
@@ -140,8 +140,8 @@ TEST(AccuracyAdvice, SaysSoWhereNothingCouldBeJudged) {
 }
 
 TEST(AccuracyAdvice, DoesNotTellErrorsApartThatNoHandFeels) {
-  const std::vector<AccuracyRow> alike{row(ContactModelKind::kAdapted, 0.002, 5, 1e-7),
-                                       row(ContactModelKind::kField, 0.002, 50, 0.0)};
+  const std::vector<AccuracyRow> alike{row(contact::ContactModelKind::kAdapted, 0.002, 5, 1e-7),
+                                       row(contact::ContactModelKind::kField, 0.002, 50, 0.0)};
   const AccuracyAdvice advice = advise(alike, {});
   EXPECT_EQ(advice.front, std::vector<std::size_t>{0});
   expect_says(advice, {"under 0.001 deg"});
@@ -149,9 +149,9 @@ TEST(AccuracyAdvice, DoesNotTellErrorsApartThatNoHandFeels) {
 }
 
 TEST(AccuracyAdvice, TakesTheFasterThenTheSmallerThenTheFirstOfEquals) {
-  std::vector<AccuracyRow> equals{row(ContactModelKind::kAdapted, 0.002, 5, 1.0),
-                                  row(ContactModelKind::kField, 0.002, 5, 1.0),
-                                  row(ContactModelKind::kField, 0.001, 5, 1.0)};
+  std::vector<AccuracyRow> equals{row(contact::ContactModelKind::kAdapted, 0.002, 5, 1.0),
+                                  row(contact::ContactModelKind::kField, 0.002, 5, 1.0),
+                                  row(contact::ContactModelKind::kField, 0.001, 5, 1.0)};
   EXPECT_EQ(advise(equals, {.direction_deg = 2}).row, 0u);
   equals[1].bytes = 10;
   EXPECT_EQ(advise(equals, {.direction_deg = 2}).row, 1u);
@@ -175,11 +175,11 @@ TEST(AccuracyWish, RefusesWhatCannotBeWanted) {
 }
 
 TEST(AccuracySettingNames, TellTheShellOnlyWhereItIsAnother) {
-  AccuracySetting s{ContactModelKind::kAdapted, PointWeights::kOne, 0.002, 0.002};
+  AccuracySetting s{contact::ContactModelKind::kAdapted, contact::PointWeights::kOne, 0.002, 0.002};
   EXPECT_EQ(describe(s), "adapted/one, e = 2 mm");
   s.shell_voxel_m = 0.0005;
   EXPECT_EQ(describe(s), "adapted/one, e = 2 mm, shell 0.5 mm");
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

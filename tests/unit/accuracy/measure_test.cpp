@@ -8,14 +8,14 @@
 #include "core/reference/reference_scene.hpp"
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::accuracy {
 namespace {
 
-Scene shipped(const std::string& name) {
-  return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml");
+scene::Scene shipped(const std::string& name) {
+  return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml");
 }
 
-AccuracySetting setting(ContactModelKind model, double edge, PointWeights weights = PointWeights::kOne) {
+AccuracySetting setting(contact::ContactModelKind model, double edge, contact::PointWeights weights = contact::PointWeights::kOne) {
   return {model, weights, edge, edge};
 }
 
@@ -57,12 +57,12 @@ TEST(ContactErrors, CountsWhatAModelMissesAndNotWhatNobodyFeels) {
 }
 
 TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
-  Scene scene = shipped("cup");
+  scene::Scene scene = shipped("cup");
   const std::vector<ContactPlace> places = contact_places(scene, 10, 7), again = contact_places(scene, 10, 7),
                                   others = contact_places(scene, 10, 8);
   ASSERT_EQ(places.size(), 10u);
   scene.dynamic_mesh.primitives.clear();
-  const ReferenceScene reference(scene);
+  const reference::ReferenceScene reference(scene);
   for (std::size_t n = 0; n < places.size(); ++n) {
     EXPECT_NEAR(reference.gap(places[n].touch).gap_m, 0.0, 1e-8);
     EXPECT_GT(reference.gap(places[n].at(-0.0005)).gap_m, 0.0);
@@ -77,9 +77,9 @@ TEST(Accuracy, RungsComeInTheirOrderAndErrorsFallWithTheVoxel) {
   options.contacts = 40;
   const std::vector<AccuracyRow> rows =
       measure_accuracy(shipped("cylinder"),
-                       {setting(ContactModelKind::kOriginal, 0.002), setting(ContactModelKind::kAdapted, 0.004),
-                        setting(ContactModelKind::kAdapted, 0.002), setting(ContactModelKind::kAdapted, 0.001),
-                        setting(ContactModelKind::kField, 0.002, PointWeights::kArea)},
+                       {setting(contact::ContactModelKind::kOriginal, 0.002), setting(contact::ContactModelKind::kAdapted, 0.004),
+                        setting(contact::ContactModelKind::kAdapted, 0.002), setting(contact::ContactModelKind::kAdapted, 0.001),
+                        setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea)},
                        options, serial_for());
   ASSERT_EQ(rows.size(), 5u);
   for (const AccuracyRow& row : rows) {
@@ -100,7 +100,7 @@ TEST(Accuracy, RungsComeInTheirOrderAndErrorsFallWithTheVoxel) {
 TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {
   AccuracyOptions options;
   options.contacts = 8;
-  const std::vector<AccuracySetting> settings = {setting(ContactModelKind::kAdapted, 0.002)};
+  const std::vector<AccuracySetting> settings = {setting(contact::ContactModelKind::kAdapted, 0.002)};
   const AccuracyRow a = measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();
   double time = 0.0, last = -1.0;
   options.cpu_time_s = [&] { return time += 1e-6; };
@@ -124,8 +124,8 @@ TEST(Accuracy, ASettingThatCannotBeBuiltIsARowThatSaysWhy) {
   options.contacts = 3;
   const std::vector<AccuracyRow> rows =
       measure_accuracy(shipped("plane"),
-                       {setting(ContactModelKind::kField, 0.002, PointWeights::kOne),
-                        setting(ContactModelKind::kAdapted, 1e-7), setting(ContactModelKind::kAdapted, 0.004)},
+                       {setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kOne),
+                        setting(contact::ContactModelKind::kAdapted, 1e-7), setting(contact::ContactModelKind::kAdapted, 0.004)},
                        options, serial_for());
   EXPECT_GT(rows[0].refused.size(), 20u);
   EXPECT_GT(rows[1].refused.size(), 20u);
@@ -138,7 +138,7 @@ TEST(ToolRow, HoldsTheVirtualToolBesideTheExactBall) {
   for (const char* name : {"plane", "cylinder", "cup"}) {
     AccuracyOptions options;
     options.contacts = 40;
-    AccuracySetting tool = setting(ContactModelKind::kField, 0.002, PointWeights::kArea);
+    AccuracySetting tool = setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea);
     tool.virtual_tool = true;
     const AccuracyRow row = measure_accuracy(shipped(name), {tool}, options, serial_for()).front();
     ASSERT_EQ(row.refused, "") << name;
@@ -151,14 +151,14 @@ TEST(ToolRow, HoldsTheVirtualToolBesideTheExactBall) {
 }
 
 TEST(ToolRow, IsRefusedWhereTheExactToolIsNotKnown) {
-  Scene scene = shipped("plane");
+  scene::Scene scene = shipped("plane");
   scene.dynamic_mesh.primitives.clear();
   AccuracyOptions options;
   options.contacts = 4;
-  AccuracySetting tool = setting(ContactModelKind::kField, 0.002, PointWeights::kArea);
+  AccuracySetting tool = setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea);
   tool.virtual_tool = true;
   EXPECT_NE(measure_accuracy(scene, {tool}, options, serial_for()).front().refused.find("a ball about its origin"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::accuracy

@@ -10,9 +10,9 @@
 namespace voxtouch::cli {
 namespace {
 
-std::vector<std::string> names(const std::vector<AccuracySetting>& settings) {
+std::vector<std::string> names(const std::vector<accuracy::AccuracySetting>& settings) {
   std::vector<std::string> out;
-  for (const AccuracySetting& s : settings) out.push_back(describe(s));
+  for (const accuracy::AccuracySetting& s : settings) out.push_back(accuracy::describe(s));
   return out;
 }
 
@@ -29,11 +29,11 @@ void expect_refused(const AccuracyChoice& ask, const std::vector<std::string>& w
 TEST(AccuracyChoice, MeansEveryRungAtThreeVoxelSizesRoundTheScenesOwn) {
   const auto settings = settings_of({}, 0.002);
   ASSERT_EQ(settings.size(), 19u) << "original and adapted twice, clustered and field by area, three sizes each; the virtual tool";
-  EXPECT_EQ(describe(settings[0]), "original/one, e = 4 mm");
-  EXPECT_EQ(describe(settings[5]), "original/area, e = 1 mm");
-  EXPECT_EQ(describe(settings[12]), "clustered/area, e = 4 mm");
-  EXPECT_EQ(describe(settings[17]), "field/area, e = 1 mm");
-  EXPECT_EQ(describe(settings[18]), "virtual tool, e = 2 mm");
+  EXPECT_EQ(accuracy::describe(settings[0]), "original/one, e = 4 mm");
+  EXPECT_EQ(accuracy::describe(settings[5]), "original/area, e = 1 mm");
+  EXPECT_EQ(accuracy::describe(settings[12]), "clustered/area, e = 4 mm");
+  EXPECT_EQ(accuracy::describe(settings[17]), "field/area, e = 1 mm");
+  EXPECT_EQ(accuracy::describe(settings[18]), "virtual tool, e = 2 mm");
   EXPECT_EQ(names(settings_of({.models = {"virtual_tool"}, .voxel_sizes_m = {0.004, 0.002}}, 0.1)),
             (std::vector<std::string>{"virtual tool, e = 4 mm", "virtual tool, e = 2 mm"}));
 }

@@ -129,7 +129,7 @@ TEST(AccuracyJson, IsNotOkWhereTheWishIsNotMetOrNothingWasMeasured) {
   EXPECT_EQ(to_json(accuracy_report({.direction_deg = 1e-3}))["ok"], false);
   AccuracyReport none = accuracy_report();
   none.rows = {none.rows[4]};
-  none.advice = advise(none.rows, {});
+  none.advice = accuracy::advise(none.rows, {});
   EXPECT_EQ(to_json(none)["ok"], false);
   EXPECT_TRUE(to_json(none)["advice"]["row"].is_null());
 }

@@ -4,9 +4,9 @@
 
 namespace voxtouch::test {
 
-inline AccuracyRow accuracy_row(ContactModelKind model, PointWeights weights, double voxel_m, double time_us,
+inline accuracy::AccuracyRow accuracy_row(contact::ContactModelKind model, contact::PointWeights weights, double voxel_m, double time_us,
                                 double direction_deg) {
-  AccuracyRow r;
+  accuracy::AccuracyRow r;
   r.setting = {model, weights, voxel_m, voxel_m};
   r.shell_points = 1300;
   r.bytes = 300'000;
@@ -24,24 +24,24 @@ inline AccuracyRow accuracy_row(ContactModelKind model, PointWeights weights, do
 }
 
 /// Rows 0, 2 and 3 are the front, row 2 its knee; row 4 was refused, row 5 never met the wall.
-inline cli::AccuracyReport accuracy_report(const AccuracyWish& wish = {}) {
+inline cli::AccuracyReport accuracy_report(const accuracy::AccuracyWish& wish = {}) {
   cli::AccuracyReport r;
   r.scene = "cup & saucer";
   r.scene_hash = "0123456789abcdef";
   r.scene_voxel_m = 0.002;
   r.seed = 7, r.contacts = 40, r.depth_edges = 0.5;
   r.wish = wish;
-  r.rows = {accuracy_row(ContactModelKind::kOriginal, PointWeights::kOne, 0.004, 5, 8),
-            accuracy_row(ContactModelKind::kAdapted, PointWeights::kOne, 0.002, 20, 2.3),
-            accuracy_row(ContactModelKind::kField, PointWeights::kArea, 0.004, 10, 0.5),
-            accuracy_row(ContactModelKind::kField, PointWeights::kArea, 0.001, 90, 0.05),
+  r.rows = {accuracy_row(contact::ContactModelKind::kOriginal, contact::PointWeights::kOne, 0.004, 5, 8),
+            accuracy_row(contact::ContactModelKind::kAdapted, contact::PointWeights::kOne, 0.002, 20, 2.3),
+            accuracy_row(contact::ContactModelKind::kField, contact::PointWeights::kArea, 0.004, 10, 0.5),
+            accuracy_row(contact::ContactModelKind::kField, contact::PointWeights::kArea, 0.001, 90, 0.05),
             {},
             {}};
-  r.rows[4].setting = {ContactModelKind::kField, PointWeights::kArea, 0.0001, 0.0001};
+  r.rows[4].setting = {contact::ContactModelKind::kField, contact::PointWeights::kArea, 0.0001, 0.0001};
   r.rows[4].refused = "it would need 80 GB, \"too much\" <here>";
-  r.rows[5].setting = {ContactModelKind::kField, PointWeights::kArea, 0.5, 0.5};
+  r.rows[5].setting = {contact::ContactModelKind::kField, contact::PointWeights::kArea, 0.5, 0.5};
   r.rows[5].shell_points = 8;
-  r.advice = advise(r.rows, wish);
+  r.advice = accuracy::advise(r.rows, wish);
   r.machine = {.version = "0.1.0", .processor = "Some(R) CPU", .cpus = 2, .compiler = "gcc 12", .flags = "-O3"};
   r.load_before = 0.5, r.load_after = 1.5;
   return r;

@@ -16,14 +16,14 @@ namespace {
 TEST(ContactRenderer, AllocatesNothingInAnyFrame) {
   if (!heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
   const double e = 0.001;
-  const Voxmap voxmap = block({Vec3::Zero(), e}, {0, 0, 0}, {60, 60, 60});
+  const voxmap::Voxmap voxmap = block({Vec3::Zero(), e}, {0, 0, 0}, {60, 60, 60});
   const Ground ground(box_mesh(Vec3(61, 61, 61) * e, {Vec3(30.5, 30.5, 30.5) * e, Quat::Identity()}), e);
-  for (const auto kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
-                          ContactModelKind::kField}) {
-    const bool field = kind == ContactModelKind::kField;
-    const bool by_area = field || kind == ContactModelKind::kClustered;
-    ContactRenderer renderer(field ? ground.voxmap : voxmap, sphere_shell(10 * e, e), kind,
-                             {100.0, by_area ? PointWeights::kArea : PointWeights::kOne}, &ground.field);
+  for (const auto kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kClustered,
+                          contact::ContactModelKind::kField}) {
+    const bool field = kind == contact::ContactModelKind::kField;
+    const bool by_area = field || kind == contact::ContactModelKind::kClustered;
+    contact::ContactRenderer renderer(field ? ground.voxmap : voxmap, sphere_shell(10 * e, e), kind,
+                             {100.0, by_area ? contact::PointWeights::kArea : contact::PointWeights::kOne}, &ground.field);
     std::uint32_t most_inside = 0;
     const long asked = heap_count_of([&] {
       for (int n = 0; n < 2000; ++n) {  // free, touching, gone through, wholly inside, and out again
@@ -44,11 +44,11 @@ TEST(VirtualTool, AllocatesNothingInAnyFrame) {
   if (!heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
   const double e = 0.001;
   const Ground ground(box_mesh(Vec3(61, 61, 61) * e, {Vec3(30.5, 30.5, 30.5) * e, Quat::Identity()}), e);
-  const ContactQuery query(ground.voxmap, sphere_shell(10 * e, e));
+  const contact::ContactQuery query(ground.voxmap, sphere_shell(10 * e, e));
   const std::size_t points = query.shell().size();
-  VirtualTool tool({.points = points, .objects = 2, .reach_m = query.reach_m(), .edge_m = e});
-  std::array<ToolGround, 2> grounds{ToolGround{&query, &ground.field, Vec3::Zero()},
-                                    ToolGround{&query, &ground.field, Vec3(0, 0, 90 * e)}};
+  contact::VirtualTool tool({.points = points, .objects = 2, .reach_m = query.reach_m(), .edge_m = e});
+  std::array<contact::ToolGround, 2> grounds{contact::ToolGround{&query, &ground.field, Vec3::Zero()},
+                                    contact::ToolGround{&query, &ground.field, Vec3(0, 0, 90 * e)}};
   std::uint32_t most_rows = 0;
   int frames_in_contact = 0;
   const long asked = heap_count_of([&] {
@@ -59,7 +59,7 @@ TEST(VirtualTool, AllocatesNothingInAnyFrame) {
       if (n % 100 == 99) pose.position.x() = std::numeric_limits<double>::quiet_NaN();
       if (n % 700 == 699) tool.reset();
       if (n % 900 == 899) tool.place({e * Vec3(30, 30, 75), Quat::Identity()}, grounds);
-      const VirtualToolFrame frame = tool.frame({pose, 1e-3, n % 2 == 0 ? 0.0 : 0.4}, grounds);
+      const contact::VirtualToolFrame frame = tool.frame({pose, 1e-3, n % 2 == 0 ? 0.0 : 0.4}, grounds);
       most_rows = std::max(most_rows, frame.rows);
       frames_in_contact += frame.constrained;
     }

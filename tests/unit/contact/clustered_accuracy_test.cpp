@@ -16,20 +16,26 @@ const Ball& ball() {
   static const Ball one(kRadius, 5);
   return one;
 }
-const Pointshell& shell() {
-  static const Pointshell one = exact_shell(ball().mesh, kEdge);
+const pointshell::Pointshell& shell() {
+  static const pointshell::Pointshell one = exact_shell(ball().mesh, kEdge);
   return one;
 }
 
 /// One contact model over one voxmap.
-ContactRenderer model_over(const Voxmap& voxmap, ContactModelKind kind, PointWeights weights) {
+contact::ContactRenderer model_over(const voxmap::Voxmap& voxmap, contact::ContactModelKind kind, contact::PointWeights weights) {
   return {voxmap, shell(), kind, {1.0, weights}};
 }
-ContactRenderer clustered(const Voxmap& map) { return model_over(map, ContactModelKind::kClustered, PointWeights::kArea); }
-ContactRenderer adapted(const Voxmap& map) { return model_over(map, ContactModelKind::kAdapted, PointWeights::kOne); }
-ContactRenderer original(const Voxmap& map) { return model_over(map, ContactModelKind::kOriginal, PointWeights::kOne); }
+contact::ContactRenderer clustered(const voxmap::Voxmap& map) {
+  return model_over(map, contact::ContactModelKind::kClustered, contact::PointWeights::kArea);
+}
+contact::ContactRenderer adapted(const voxmap::Voxmap& map) {
+  return model_over(map, contact::ContactModelKind::kAdapted, contact::PointWeights::kOne);
+}
+contact::ContactRenderer original(const voxmap::Voxmap& map) {
+  return model_over(map, contact::ContactModelKind::kOriginal, contact::PointWeights::kOne);
+}
 
-Voxmap voxels(const TriangleMesh& mesh, const Grid& grid) { return voxelise(mesh, grid, serial_for()); }
+voxmap::Voxmap voxels(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid) { return voxmap::voxelise(mesh, grid, serial_for()); }
 
 /// A place on a surface, and its outward normal.
 struct Place {
@@ -37,7 +43,7 @@ struct Place {
 };
 struct Setting {
   std::string name;
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   std::function<Place(std::mt19937_64&)> place;
 };
 
@@ -50,7 +56,7 @@ Setting plane(const std::string& name, const Quat& turn, double offset_edges) {
           }};
 }
 Setting cylinder(const std::string& name, double radius, const Quat& turn) {
-  TriangleMesh mesh = cylinder_mesh(radius, 0.12, 720);
+  mesh::TriangleMesh mesh = cylinder_mesh(radius, 0.12, 720);
   for (Vec3& v : mesh.vertices) v = turn * v;
   return {name, mesh, [radius, turn](std::mt19937_64& random) {
             const double angle = uniform(random, 0, 7);
@@ -81,7 +87,7 @@ struct Noise {
   double torque_e = 0.0;    ///< RMS of the torque about the ball's centre over the mean force [e]
 };
 
-Noise measure(ContactRenderer renderer, const Setting& setting, std::uint64_t seed) {
+Noise measure(contact::ContactRenderer renderer, const Setting& setting, std::uint64_t seed) {
   constexpr int kPoses = 150;
   std::mt19937_64 random(seed);
   std::vector<double> across, along, torque;
@@ -102,7 +108,7 @@ TEST(ClusteredAccuracy, HasHalfTheTangentialNoiseAndNextToNoTorque) {
   std::vector<double> ratios;
   std::printf("%-42s tangential rms %% adapted clustered ratio | normal noise %% | torque rms [e F]\n", "");
   for (const Setting& s : settings()) {
-    const Voxmap map = voxels(s.mesh, default_grid(s.mesh, kEdge));
+    const voxmap::Voxmap map = voxels(s.mesh, voxmap::default_grid(s.mesh, kEdge));
     const Noise a = measure(adapted(map), s, 21), c = measure(clustered(map), s, 21);
     std::printf("%-42s %6.2f %6.2f  %.2f | %5.1f %5.1f | %.3f %.3f\n", s.name.c_str(), 100 * a.tangential,
                 100 * c.tangential, c.tangential / a.tangential, 100 * a.normal, 100 * c.normal, a.torque_e,
@@ -119,7 +125,7 @@ TEST(ClusteredAccuracy, HasHalfTheTangentialNoiseAndNextToNoTorque) {
   EXPECT_LE(quantile(ratios, 0.5), 0.65);
 }
 
-Vec3 mean_force(ContactRenderer renderer, const std::vector<Pose>& poses) {
+Vec3 mean_force(contact::ContactRenderer renderer, const std::vector<Pose>& poses) {
   Vec3 sum = Vec3::Zero();
   for (const Pose& pose : poses) sum += renderer.probe(pose).wrench.force / static_cast<double>(poses.size());
   return sum;
@@ -129,10 +135,10 @@ TEST(ClusteredAccuracy, ACornerPushesAsItsTwoWallsTogether) {
   std::mt19937_64 random(22);
   for (int n = 0; n < 5; ++n) {
     const Pose corner{Vec3(uniform(random, 0, kEdge), uniform(random, 0, kEdge), 0), random_rotation(random)};
-    const TriangleMesh a = box_mesh(Vec3(0.04, 0.12, 0.12), corner * Pose{Vec3(-0.02, 0, 0), Quat::Identity()}),
+    const mesh::TriangleMesh a = box_mesh(Vec3(0.04, 0.12, 0.12), corner * Pose{Vec3(-0.02, 0, 0), Quat::Identity()}),
                        b = box_mesh(Vec3(0.12, 0.04, 0.12), corner * Pose{Vec3(0, -0.02, 0), Quat::Identity()});
-    const Grid grid = default_grid(joined(a, b), kEdge);
-    const Voxmap wall_a = voxels(a, grid), wall_b = voxels(b, grid), both = voxels(joined(a, b), grid);
+    const voxmap::Grid grid = voxmap::default_grid(joined(a, b), kEdge);
+    const voxmap::Voxmap wall_a = voxels(a, grid), wall_b = voxels(b, grid), both = voxels(joined(a, b), grid);
     std::vector<Pose> poses;
     for (int m = 0; m < 30; ++m)
       poses.push_back(ball().posed(corner * Vec3(kRadius - kDepth, kRadius - kDepth, uniform(random, -0.01, 0.01)),
@@ -164,14 +170,14 @@ TEST(ClusteredAccuracy, ASymmetricSlotPushesNoMoreThanOriginalAndWithoutBias) {
       return box_mesh(Vec3(0.04, 0.12, 0.12),
                       slot * Pose{Vec3(side * (kRadius - kDepth + 0.02), 0, 0), Quat::Identity()});
     };
-    const Grid grid = default_grid(joined(wall(1), wall(-1)), kEdge);
-    const Voxmap both = voxels(joined(wall(1), wall(-1)), grid), one = voxels(wall(1), grid);
-    ContactRenderer clustered_slot = clustered(both), clustered_wall = clustered(one), original_slot = original(both),
+    const voxmap::Grid grid = voxmap::default_grid(joined(wall(1), wall(-1)), kEdge);
+    const voxmap::Voxmap both = voxels(joined(wall(1), wall(-1)), grid), one = voxels(wall(1), grid);
+    contact::ContactRenderer clustered_slot = clustered(both), clustered_wall = clustered(one), original_slot = original(both),
                     original_wall = original(one);
     for (int m = 0; m < kPoses; ++m) {
       const Pose pose = ball().posed(slot * Vec3(0, uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01)),
                                      random_rotation(random));
-      const auto add = [&](Net& net, ContactRenderer& in_slot, ContactRenderer& at_wall) {
+      const auto add = [&](Net& net, contact::ContactRenderer& in_slot, contact::ContactRenderer& at_wall) {
         const Vec3 force = in_slot.probe(pose).wrench.force;
         net.size.push_back(force.norm());
         net.sum += slot.orientation.conjugate() * force / (kSlots * kPoses);
@@ -192,13 +198,13 @@ TEST(ClusteredAccuracy, ASymmetricSlotPushesNoMoreThanOriginalAndWithoutBias) {
 TEST(AreaWeights, TakeNoiseFromTheMeanNormal) {
   std::vector<double> of_original, of_adapted;
   for (const Setting& s : settings()) {
-    const Voxmap map = voxels(s.mesh, default_grid(s.mesh, kEdge));
-    const auto ratio = [&](ContactModelKind kind) {
-      return measure(model_over(map, kind, PointWeights::kArea), s, 24).tangential /
-             measure(model_over(map, kind, PointWeights::kOne), s, 24).tangential;
+    const voxmap::Voxmap map = voxels(s.mesh, voxmap::default_grid(s.mesh, kEdge));
+    const auto ratio = [&](contact::ContactModelKind kind) {
+      return measure(model_over(map, kind, contact::PointWeights::kArea), s, 24).tangential /
+             measure(model_over(map, kind, contact::PointWeights::kOne), s, 24).tangential;
     };
-    of_original.push_back(ratio(ContactModelKind::kOriginal));
-    of_adapted.push_back(ratio(ContactModelKind::kAdapted));
+    of_original.push_back(ratio(contact::ContactModelKind::kOriginal));
+    of_adapted.push_back(ratio(contact::ContactModelKind::kAdapted));
   }
   std::printf("tangential rms with area weights over without, median: original %.2f, adapted %.2f\n",
               quantile(of_original, 0.5), quantile(of_adapted, 0.5));
@@ -207,23 +213,23 @@ TEST(AreaWeights, TakeNoiseFromTheMeanNormal) {
 
 /// A point that stands for two of half its area pushes as both.
 TEST(AreaWeights, SplittingAPointChangesNothing) {
-  const Voxmap map = block({Vec3::Zero(), 1.0}, {0, 0, 0}, {20, 20, 5});
-  Pointshell whole =
+  const voxmap::Voxmap map = block({Vec3::Zero(), 1.0}, {0, 0, 0}, {20, 20, 5});
+  pointshell::Pointshell whole =
       shell_of({{Vec3(0, 0, 0), Vec3(0, 0, 1)}, {Vec3(1.3, 0.2, 0.1), Vec3(0.1, 0, 1).normalized()}}, 1.0);
   whole.area_m2 = {0.8, 0.6};
-  Pointshell split = shell_of({{Vec3(0, 0, 0), Vec3(0, 0, 1)},
+  pointshell::Pointshell split = shell_of({{Vec3(0, 0, 0), Vec3(0, 0, 1)},
                                {Vec3(1.3, 0.2, 0.1), Vec3(0.1, 0, 1).normalized()},
                                {Vec3(1.3, 0.2, 0.1), Vec3(0.1, 0, 1).normalized()}},
                               1.0);
   split.area_m2 = {0.8, 0.3, 0.3};
-  for (const ContactModelKind kind :
-       {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered}) {
-    ContactRenderer one(map, whole, kind, {7.0, PointWeights::kArea}),
-        two(map, split, kind, {7.0, PointWeights::kArea});
+  for (const contact::ContactModelKind kind :
+       {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kClustered}) {
+    contact::ContactRenderer one(map, whole, kind, {7.0, contact::PointWeights::kArea}),
+        two(map, split, kind, {7.0, contact::PointWeights::kArea});
     const Pose pose{Vec3(8.4, 9.2, 5.35), Quat::Identity()};
-    const ContactResult a = one.probe(pose), b = two.probe(pose);
-    ASSERT_GT(a.wrench.force.norm(), 0.0) << name_of(kind);
-    EXPECT_LT((a.wrench.force - b.wrench.force).norm(), 1e-12 * a.wrench.force.norm()) << name_of(kind);
+    const contact::ContactResult a = one.probe(pose), b = two.probe(pose);
+    ASSERT_GT(a.wrench.force.norm(), 0.0) << contact::name_of(kind);
+    EXPECT_LT((a.wrench.force - b.wrench.force).norm(), 1e-12 * a.wrench.force.norm()) << contact::name_of(kind);
     EXPECT_LT((a.wrench.torque - b.wrench.torque).norm(), 1e-12 * a.wrench.force.norm());
     EXPECT_NEAR(a.stiffness_bound_n_per_m, b.stiffness_bound_n_per_m, 1e-12);
     EXPECT_NEAR(a.coherence, b.coherence, 1e-12);
@@ -231,9 +237,9 @@ TEST(AreaWeights, SplittingAPointChangesNothing) {
 }
 
 TEST(ClusteredAccuracy, ItsStiffnessIsAtLeastHowTheForceGrowsWithTheDepth) {
-  const TriangleMesh box = box_mesh(Vec3(0.12, 0.12, 0.04), {Vec3(0.1, 0.2, 0.3), about(26.6, Vec3::UnitX())});
-  const Voxmap map = voxels(box, default_grid(box, kEdge));
-  ContactRenderer renderer = clustered(map);
+  const mesh::TriangleMesh box = box_mesh(Vec3(0.12, 0.12, 0.04), {Vec3(0.1, 0.2, 0.3), about(26.6, Vec3::UnitX())});
+  const voxmap::Voxmap map = voxels(box, voxmap::default_grid(box, kEdge));
+  contact::ContactRenderer renderer = clustered(map);
   const Vec3 up = about(26.6, Vec3::UnitX()) * Vec3::UnitZ();
   std::mt19937_64 random(11);
   double grown = 0.0, told = 0.0;
@@ -242,7 +248,7 @@ TEST(ClusteredAccuracy, ItsStiffnessIsAtLeastHowTheForceGrowsWithTheDepth) {
                                        uniform(random, -0.02, 0.02) * Vec3::UnitX(),
                                    Quat::Identity());
     const double step = 1e-3 * kEdge;
-    const ContactResult here = renderer.probe(pose),
+    const contact::ContactResult here = renderer.probe(pose),
                         deeper = renderer.probe({pose.position - step * up, pose.orientation});
     grown += (deeper.wrench.force - here.wrench.force).dot(up) / step;
     told += up.dot(here.stiffness.topLeftCorner<3, 3>() * up);

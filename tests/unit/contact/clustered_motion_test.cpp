@@ -16,7 +16,7 @@ constexpr double kEdge = 2e-3, kRadius = 10 * kEdge;
 /// A ground, and a way through it that lasts from 0 to 1.
 struct Way {
   const char* name;
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   std::function<Pose(double)> pose;
   double length_m;  ///< of the ball's centre, at most
 };
@@ -25,7 +25,7 @@ std::vector<Way> ways(const Ball& ball) {
   const Quat oblique(Eigen::AngleAxisd(0.6, Vec3(1, 2, 0.5).normalized()));
   const Pose base{Vec3(0.1, 0.2, 0.3), oblique};
   const auto box = [&](const Vec3& size, const Vec3& at) { return box_mesh(size, base * Pose{at, Quat::Identity()}); };
-  const TriangleMesh floor = box({0.12, 0.12, 0.04}, {0, 0, -0.02});
+  const mesh::TriangleMesh floor = box({0.12, 0.12, 0.04}, {0, 0, -0.02});
   const auto line = [&ball, base](const Vec3& from, const Vec3& to) {
     return [&ball, base, from, to](double s) {
       return ball.posed(base * (from + s * (to - from)), Quat(Eigen::AngleAxisd(0.2, Vec3::UnitX())));
@@ -53,7 +53,7 @@ std::vector<Way> ways(const Ball& ball) {
 }
 
 /// Largest change of the force between poses `step_edges` apart, over k A e, A the ball's area in the layer.
-double largest_step(ContactRenderer& renderer, const Way& way, double step_edges, double from = 0.0, double to = 1.0,
+double largest_step(contact::ContactRenderer& renderer, const Way& way, double step_edges, double from = 0.0, double to = 1.0,
                     double* at = nullptr) {
   const int steps = static_cast<int>((to - from) * way.length_m / (step_edges * kEdge));
   double largest = 0.0;
@@ -75,14 +75,14 @@ constexpr double kStepBound = 2e-3;
 
 TEST(ClusteredMotion, HasNoStepWherePatchesMeetPointsComeAndGoOrVoxelsEnd) {
   const Ball ball(kRadius, 4);
-  const Pointshell shell = exact_shell(ball.mesh, kEdge);
+  const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
   const double layer_force =
       kPressure * kEdge * 2 * 3.14159 * kRadius * kEdge;  // k e times the area of a cap one voxel high
   for (const Way& way : ways(ball)) {
-    const Voxmap map = voxelise(way.mesh, default_grid(way.mesh, kEdge), serial_for());
-    ContactRenderer clustered(map, shell, ContactModelKind::kClustered, {kPressure, PointWeights::kArea}),
-        original(map, shell, ContactModelKind::kOriginal, {kPressure, PointWeights::kArea}),
-        adapted(map, shell, ContactModelKind::kAdapted, {kPressure, PointWeights::kArea});
+    const voxmap::Voxmap map = voxmap::voxelise(way.mesh, voxmap::default_grid(way.mesh, kEdge), serial_for());
+    contact::ContactRenderer clustered(map, shell, contact::ContactModelKind::kClustered, {kPressure, contact::PointWeights::kArea}),
+        original(map, shell, contact::ContactModelKind::kOriginal, {kPressure, contact::PointWeights::kArea}),
+        adapted(map, shell, contact::ContactModelKind::kAdapted, {kPressure, contact::PointWeights::kArea});
     double at = 0.0;
     const double c = largest_step(clustered, way, 1e-3, 0, 1, &at) / layer_force;
     const double half_way = 20e-3 * kEdge / way.length_m;
@@ -102,15 +102,15 @@ TEST(ClusteredMotion, HasNoStepWherePatchesMeetPointsComeAndGoOrVoxelsEnd) {
 
 TEST(ClusteredMotion, GoesOnPushingDownToThreeVoxelsAndSaysThatItIsAtItsEnd) {
   const Ball ball(kRadius, 4);
-  const Pointshell shell = exact_shell(ball.mesh, kEdge);
+  const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
   const Pose base{Vec3(0.1, 0.2, 0.3), Quat(Eigen::AngleAxisd(0.6, Vec3(1, 2, 0.5).normalized()))};
-  const TriangleMesh floor = box_mesh({0.12, 0.12, 0.08}, base * Pose{Vec3(0, 0, -0.04), Quat::Identity()});
-  const Voxmap map = voxelise(floor, default_grid(floor, kEdge), serial_for());
-  ContactRenderer renderer(map, shell, ContactModelKind::kClustered, {kPressure, PointWeights::kArea});
+  const mesh::TriangleMesh floor = box_mesh({0.12, 0.12, 0.08}, base * Pose{Vec3(0, 0, -0.04), Quat::Identity()});
+  const voxmap::Voxmap map = voxmap::voxelise(floor, voxmap::default_grid(floor, kEdge), serial_for());
+  contact::ContactRenderer renderer(map, shell, contact::ContactModelKind::kClustered, {kPressure, contact::PointWeights::kArea});
   double before = 0.0;
   for (int n = 1; n <= 12; ++n) {
     const double depth = 0.25 * n * kEdge;
-    const StageResult r = renderer.render(ball.posed(base * Vec3(0, 0, kRadius - depth), Quat::Identity()));
+    const contact::StageResult r = renderer.render(ball.posed(base * Vec3(0, 0, kRadius - depth), Quat::Identity()));
     const Vec3 force = base.orientation.conjugate() * r.contact.wrench.force;
     EXPECT_GT(force.z(), before) << depth / kEdge << " e deep";
     EXPECT_FALSE(r.held) << "nothing is remembered";
@@ -123,14 +123,14 @@ TEST(ClusteredMotion, GoesOnPushingDownToThreeVoxelsAndSaysThatItIsAtItsEnd) {
 
 TEST(ClusteredMotion, StiffnessBoundsHowTheForceGrows) {
   const Ball ball(kRadius, 4);
-  const Pointshell shell = exact_shell(ball.mesh, kEdge);
+  const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
   for (const Way& way : ways(ball)) {
-    const Voxmap map = voxelise(way.mesh, default_grid(way.mesh, kEdge), serial_for());
-    ContactRenderer renderer(map, shell, ContactModelKind::kClustered, {kPressure, PointWeights::kArea});
+    const voxmap::Voxmap map = voxmap::voxelise(way.mesh, voxmap::default_grid(way.mesh, kEdge), serial_for());
+    contact::ContactRenderer renderer(map, shell, contact::ContactModelKind::kClustered, {kPressure, contact::PointWeights::kArea});
     double worst = 0.0;
     for (int n = 0; n <= 60; ++n) {
       Pose pose = way.pose(n / 60.0);
-      const ContactResult here = renderer.probe(pose);
+      const contact::ContactResult here = renderer.probe(pose);
       if (here.wrench.force.isZero(0.0)) continue;
       const Mat3 translation = here.stiffness.topLeftCorner<3, 3>();
       EXPECT_LE(translation.norm(), here.stiffness_bound_n_per_m * (1 + 1e-12));
@@ -146,22 +146,22 @@ TEST(ClusteredMotion, StiffnessBoundsHowTheForceGrows) {
 
 TEST(ClusteredMotion, GivesTheSameFarFromTheOrigin) {
   const Ball ball(kRadius, 3);
-  const Pointshell shell = exact_shell(ball.mesh, kEdge);
-  const TriangleMesh floor =
+  const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
+  const mesh::TriangleMesh floor =
       box_mesh({0.12, 0.12, 0.04}, {Vec3(0, 0, -0.02), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()))});
   const double far = 1048576.0;  // a power of two: the grid's own coordinates stay exact
-  Grid grid = default_grid(floor, 1.0 / 512), away = grid;
+  voxmap::Grid grid = voxmap::default_grid(floor, 1.0 / 512), away = grid;
   away.origin += Vec3(far, 0, 0);
-  TriangleMesh moved = floor;
-  const Voxmap near_map = voxelise(floor, grid, serial_for());
-  ContactRenderer near(near_map, shell, ContactModelKind::kClustered, {kPressure, PointWeights::kArea});
-  Voxmap far_map(away, near_map.base(),
+  mesh::TriangleMesh moved = floor;
+  const voxmap::Voxmap near_map = voxmap::voxelise(floor, grid, serial_for());
+  contact::ContactRenderer near(near_map, shell, contact::ContactModelKind::kClustered, {kPressure, contact::PointWeights::kArea});
+  voxmap::Voxmap far_map(away, near_map.base(),
                  {near_map.base().i + static_cast<std::int32_t>(8 * near_map.cells()[0]) - 1,
                   near_map.base().j + static_cast<std::int32_t>(8 * near_map.cells()[1]) - 1,
                   near_map.base().k + static_cast<std::int32_t>(8 * near_map.cells()[2]) - 1});
-  near_map.for_each_occupied([&](const VoxelIndex& v, VoxelKind kind) { far_map.set(v, kind); });
+  near_map.for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind kind) { far_map.set(v, kind); });
   far_map.finish();
-  ContactRenderer distant(far_map, shell, ContactModelKind::kClustered, {kPressure, PointWeights::kArea});
+  contact::ContactRenderer distant(far_map, shell, contact::ContactModelKind::kClustered, {kPressure, contact::PointWeights::kArea});
   for (int n = 0; n < 20; ++n) {
     Pose pose{Vec3(n / 4096.0, 0, 0.0176), Quat(Eigen::AngleAxisd(0.1 * n, Vec3::UnitZ()))};
     const Wrench a = near.probe(pose).wrench;
@@ -173,7 +173,7 @@ TEST(ClusteredMotion, GivesTheSameFarFromTheOrigin) {
 }
 
 TEST(PatchNormals, MeanIsThatOfNearNormalsOnly) {
-  PatchNormals patches;
+  contact::PatchNormals patches;
   std::mt19937_64 random(31);
   for (int n = 0; n < 200; ++n) {
     const Vec3 wobble(uniform(random, -0.1, 0.1), uniform(random, -0.1, 0.1), uniform(random, -0.1, 0.1));
@@ -189,7 +189,7 @@ TEST(PatchNormals, EveryDirectionHasBinsAndGivesItselfBack) {
   std::mt19937_64 random(32);
   for (int n = 0; n < 2000; ++n) {
     const Vec3 normal = random_rotation(random) * Vec3::UnitZ();
-    PatchNormals patches;
+    contact::PatchNormals patches;
     patches.add(normal, 0.5);
     EXPECT_LT((patches.mean_near(normal) - normal).norm(), 1e-12);
     const Vec3 near = (normal + 0.05 * (random_rotation(random) * Vec3::UnitX())).normalized();
@@ -198,10 +198,11 @@ TEST(PatchNormals, EveryDirectionHasBinsAndGivesItselfBack) {
 }
 
 TEST(ClusteredModel, RefusesWhatItCannotDoWithASentence) {
-  const Voxmap map = block({Vec3::Zero(), 1.0}, {0, 0, 0}, {3, 3, 3});
-  EXPECT_THROW(make_contact_model(ContactModelKind::kClustered, {1.0, PointWeights::kOne}, {&map}),
+  const voxmap::Voxmap map = block({Vec3::Zero(), 1.0}, {0, 0, 0}, {3, 3, 3});
+  EXPECT_THROW(contact::make_contact_model(contact::ContactModelKind::kClustered, {1.0, contact::PointWeights::kOne}, {&map}),
                std::invalid_argument);
-  EXPECT_THROW(make_contact_model(ContactModelKind::kClustered, {1.0, PointWeights::kArea}, {}), std::invalid_argument);
+  EXPECT_THROW(contact::make_contact_model(contact::ContactModelKind::kClustered, {1.0, contact::PointWeights::kArea}, {}),
+               std::invalid_argument);
 }
 
 }  // namespace clustered_motion_test

@@ -14,7 +14,7 @@ struct BruteForce {
 };
 
 /// Every point, one by one, with the same arithmetic but no tree.
-BruteForce brute_force(const Voxmap& voxmap, const Pointshell& shell, const Pose& pose) {
+BruteForce brute_force(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell, const Pose& pose) {
   BruteForce out;
   const Mat3 rotation = pose.orientation.toRotationMatrix();
   const Vec3 t = pose.position - voxmap.grid().origin;
@@ -23,58 +23,58 @@ BruteForce brute_force(const Voxmap& voxmap, const Pointshell& shell, const Pose
     for (int a = 0; a < 3; ++a)
       u[a] = (rotation(a, 0) * shell.x[p] + rotation(a, 1) * shell.y[p] + rotation(a, 2) * shell.z[p] + t[a]) /
              voxmap.grid().edge;
-    const VoxelKind kind = voxmap.at(Grid::voxel_of(u));
-    if (kind == VoxelKind::kSurface) out.surface.push_back(p);
-    if (kind == VoxelKind::kInterior) out.interior.push_back(p);
+    const voxmap::VoxelKind kind = voxmap.at(voxmap::Grid::voxel_of(u));
+    if (kind == voxmap::VoxelKind::kSurface) out.surface.push_back(p);
+    if (kind == voxmap::VoxelKind::kInterior) out.interior.push_back(p);
   }
   return out;
 }
 
-std::vector<std::uint32_t> points(const Hits& hits) {
+std::vector<std::uint32_t> points(const contact::Hits& hits) {
   std::vector<std::uint32_t> out;
   for (std::size_t n = 0; n < hits.size(); ++n) out.push_back(hits.point(n));
   return out;
 }
 
 /// A cup-like scene: a floor, a wall, and a lone voxel in the far corner of the table.
-Voxmap scene(const Grid& grid) {
-  Voxmap voxmap(grid, {0, 0, 0}, {63, 63, 63});
+voxmap::Voxmap scene(const voxmap::Grid& grid) {
+  voxmap::Voxmap voxmap(grid, {0, 0, 0}, {63, 63, 63});
   add_block(voxmap, {0, 0, 0}, {63, 63, 6});
   add_block(voxmap, {0, 0, 0}, {5, 63, 40});
-  voxmap.set({63, 63, 63}, VoxelKind::kSurface);
+  voxmap.set({63, 63, 63}, voxmap::VoxelKind::kSurface);
   voxmap.finish();
   return voxmap;
 }
 
 TEST(SphereTree, EnclosesItsPoints) {
-  const Pointshell shell = sphere_shell(0.03, 0.001);
-  const SphereTree tree(shell);
-  std::size_t span = SphereTree::kLeafPoints, floats = 0;
-  for (const SphereTree::Level& level : tree.levels()) {
+  const pointshell::Pointshell shell = sphere_shell(0.03, 0.001);
+  const contact::SphereTree tree(shell);
+  std::size_t span = contact::SphereTree::kLeafPoints, floats = 0;
+  for (const contact::SphereTree::Level& level : tree.levels()) {
     EXPECT_EQ(level.count, (shell.size() + span - 1) / span);
-    EXPECT_EQ(level.x.size() % SphereTree::kFanOut, 0U);
+    EXPECT_EQ(level.x.size() % contact::SphereTree::kFanOut, 0U);
     floats += level.x.size() + level.y.size() + level.z.size() + level.radius.size();
     for (std::size_t node = 0; node < level.count; ++node)
       for (std::size_t p = node * span; p < std::min(shell.size(), (node + 1) * span); ++p) {
         const Vec3 centre(level.x[node], level.y[node], level.z[node]);
         ASSERT_LE((shell.point(p) - centre).norm(), level.radius[node]);
       }
-    span *= SphereTree::kFanOut;
+    span *= contact::SphereTree::kFanOut;
   }
-  EXPECT_LE(tree.levels().back().count, SphereTree::kFanOut);
-  EXPECT_EQ(SphereTree::bytes(shell.size()), floats * sizeof(float));
+  EXPECT_LE(tree.levels().back().count, contact::SphereTree::kFanOut);
+  EXPECT_EQ(contact::SphereTree::bytes(shell.size()), floats * sizeof(float));
 }
 
 TEST(SphereTree, HasALeafForEveryPointOfAnyCount) {
   for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 128U, 129U, 2048U, 2049U}) {
     std::vector<std::pair<Vec3, Vec3>> list(count, {Vec3(1, 2, 3), Vec3::UnitX()});
-    const Pointshell shell = shell_of(list, 1.0);
-    const SphereTree tree(shell);
+    const pointshell::Pointshell shell = shell_of(list, 1.0);
+    const contact::SphereTree tree(shell);
     EXPECT_EQ(tree.levels().empty(), count == 0);
     // All in one voxel: every point is found, once and in order.
-    const Voxmap voxmap = block({Vec3::Zero(), 1.0}, {0, 0, 0}, {8, 8, 8});
-    HitList hits;
-    ContactQuery(voxmap, shell).find({Vec3(2.5, 1.5, 0.5), Quat::Identity()}, hits);
+    const voxmap::Voxmap voxmap = block({Vec3::Zero(), 1.0}, {0, 0, 0}, {8, 8, 8});
+    contact::HitList hits;
+    contact::ContactQuery(voxmap, shell).find({Vec3(2.5, 1.5, 0.5), Quat::Identity()}, hits);
     ASSERT_EQ(hits.interior.size(), count);
     EXPECT_EQ(hits.tested, count);
     for (std::uint32_t p = 0; p < count; ++p) EXPECT_EQ(hits.interior.point(p), p);
@@ -84,16 +84,16 @@ TEST(SphereTree, HasALeafForEveryPointOfAnyCount) {
 TEST(Culling, NeverDropsAHitInThousandsOfRandomPoses) {
   std::mt19937_64 random(20010101);
   const double e = 0.003;  // no power of two
-  const Grid grid{Vec3(-0.7, 0.31, 0.123), e};
-  const Voxmap voxmap = scene(grid);
-  const Pointshell ball = sphere_shell(9.3 * e, e);
+  const voxmap::Grid grid{Vec3(-0.7, 0.31, 0.123), e};
+  const voxmap::Voxmap voxmap = scene(grid);
+  const pointshell::Pointshell ball = sphere_shell(9.3 * e, e);
   std::vector<std::pair<Vec3, Vec3>> scattered;  // a shell whose order means nothing: the tree may be slow, not wrong
   for (int n = 0; n < 700; ++n)
     scattered.emplace_back(e * Vec3(uniform(random, -9, 9), uniform(random, -9, 9), uniform(random, -9, 9)), Vec3::UnitZ());
   std::size_t touched = 0, heavy = 0, culled = 0, poses = 0;
-  for (const Pointshell& shell : {ball, shell_of(scattered, e)}) {
-    const ContactQuery query(voxmap, shell);
-    HitList hits;
+  for (const pointshell::Pointshell& shell : {ball, shell_of(scattered, e)}) {
+    const contact::ContactQuery query(voxmap, shell);
+    contact::HitList hits;
     hits.reserve(shell.size());
     for (int n = 0; n < 4000; ++n, ++poses) {
       // Everywhere in and beyond the table, its border, close to the floor, and far outside.
@@ -107,7 +107,7 @@ TEST(Culling, NeverDropsAHitInThousandsOfRandomPoses) {
       const BruteForce all = brute_force(voxmap, shell, hits.pose);
       ASSERT_EQ(points(hits.surface), all.surface) << "pose " << n << " u " << u.transpose();
       ASSERT_EQ(points(hits.interior), all.interior) << "pose " << n << " u " << u.transpose();
-      ASSERT_EQ(hits.pose_status, PoseStatus::kUsable);
+      ASSERT_EQ(hits.pose_status, contact::PoseStatus::kUsable);
       touched += !all.surface.empty();
       heavy += all.surface.size() + all.interior.size() > shell.size() / 4;
       culled += hits.tested < shell.size();
@@ -121,15 +121,15 @@ TEST(Culling, NeverDropsAHitInThousandsOfRandomPoses) {
 TEST(Culling, TestsFewPointsPerPointThatIsNotFreeInLightContact) {
   // A ball that touches a floor with about one point in a hundred, sampled more and more densely.
   const double e = 0.0005;
-  const Grid grid{Vec3::Zero(), e};
-  const Voxmap voxmap = block(grid, {0, 0, 0}, {255, 255, 15});
+  const voxmap::Grid grid{Vec3::Zero(), e};
+  const voxmap::Voxmap voxmap = block(grid, {0, 0, 0}, {255, 255, 15});
   std::mt19937_64 random(3);
   const double radius = 50.0;
   struct Case { double pitch, limit; };
   for (const auto& [pitch, limit] : {Case{1.772, 23.0}, Case{1.0, 17.0}, Case{0.5605, 9.0}, Case{0.17725, 6.0}}) {
-    const Pointshell shell = sphere_shell(radius * e, pitch * e);
-    const ContactQuery query(voxmap, shell);
-    HitList hits;
+    const pointshell::Pointshell shell = sphere_shell(radius * e, pitch * e);
+    const contact::ContactQuery query(voxmap, shell);
+    contact::HitList hits;
     hits.reserve(shell.size());
     std::size_t tested = 0, not_free = 0;
     for (int n = 0; n < 50; ++n) {
@@ -149,8 +149,8 @@ TEST(Culling, TestsFewPointsPerPointThatIsNotFreeInLightContact) {
 
 TEST(Query, RefusesPosesThatAreNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  const Voxmap voxmap = scene({Vec3::Zero(), 0.01});
-  ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), ContactModelKind::kAdapted, {1.0});
+  const voxmap::Voxmap voxmap = scene({Vec3::Zero(), 0.01});
+  contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), contact::ContactModelKind::kAdapted, {1.0});
   const Pose touching{Vec3(0.3, 0.3, 0.11), Quat::Identity()};
   ASSERT_GT(renderer.probe(touching).surface_hits, 0U);
   std::vector<Pose> bad;
@@ -164,31 +164,31 @@ TEST(Query, RefusesPosesThatAreNone) {
   bad.push_back({touching.position, Quat(5e-324, 0, 0, 0)});
   bad.push_back({touching.position, Quat(1e200, 1e200, 0, 0)});
   for (const Pose& pose : bad) {
-    const ContactResult r = renderer.probe(pose);
-    EXPECT_EQ(r.pose_status, PoseStatus::kNotAPose);
+    const contact::ContactResult r = renderer.probe(pose);
+    EXPECT_EQ(r.pose_status, contact::PoseStatus::kNotAPose);
     EXPECT_EQ(r.surface_hits + r.interior_hits + r.points_tested, 0U);
     EXPECT_TRUE(r.wrench.zero());
   }
 }
 
 TEST(Query, SaysThatAPoseIsTooFarForInt32InsteadOfWrapping) {
-  const Voxmap voxmap = scene({Vec3::Zero(), 0.01});
-  ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), ContactModelKind::kAdapted, {1.0});
+  const voxmap::Voxmap voxmap = scene({Vec3::Zero(), 0.01});
+  contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), contact::ContactModelKind::kAdapted, {1.0});
   for (const double far : {2.2e7, -2.2e7, 1e300, -1e300, 1.7e308}) {
-    const ContactResult r = renderer.probe({Vec3(0.3, far, 0.11), Quat::Identity()});
-    EXPECT_EQ(r.pose_status, PoseStatus::kOutOfRange) << far;
+    const contact::ContactResult r = renderer.probe({Vec3(0.3, far, 0.11), Quat::Identity()});
+    EXPECT_EQ(r.pose_status, contact::PoseStatus::kOutOfRange) << far;
     EXPECT_EQ(r.surface_hits + r.interior_hits, 0U);
   }
-  const ContactResult inside = renderer.probe({Vec3(0.3, 2.1e7, 0.11), Quat::Identity()});
-  EXPECT_EQ(inside.pose_status, PoseStatus::kUsable);
+  const contact::ContactResult inside = renderer.probe({Vec3(0.3, 2.1e7, 0.11), Quat::Identity()});
+  EXPECT_EQ(inside.pose_status, contact::PoseStatus::kUsable);
   EXPECT_EQ(inside.surface_hits, 0U);
 }
 
 TEST(Query, TakesAnyQuaternionNormBetweenAThousandthAndAThousand) {
-  const Voxmap voxmap = scene({Vec3::Zero(), 0.01});
-  ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), ContactModelKind::kAdapted, {1.0});
+  const voxmap::Voxmap voxmap = scene({Vec3::Zero(), 0.01});
+  contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), contact::ContactModelKind::kAdapted, {1.0});
   Pose pose{Vec3(0.3, 0.3, 0.11), Quat(0.5, 0.5, 0.5, 0.5)};
-  const ContactResult one = renderer.probe(pose);
+  const contact::ContactResult one = renderer.probe(pose);
   ASSERT_GT(one.wrench.force.norm(), 0.0);
   for (const double norm : {0.0078125, 512.0}) {
     pose.orientation = Quat(0.5 * norm, 0.5 * norm, 0.5 * norm, 0.5 * norm);
@@ -197,10 +197,10 @@ TEST(Query, TakesAnyQuaternionNormBetweenAThousandthAndAThousand) {
 }
 
 TEST(Query, PutsAPointOnABorderOrCornerIntoOneVoxelOnly) {
-  const Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
-  ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}}, 0.125), ContactModelKind::kOriginal, {1.0});
+  const voxmap::Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
+  contact::ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}}, 0.125), contact::ContactModelKind::kOriginal, {1.0});
   const auto hits = [&](double x, double y, double z) {
-    const ContactResult r = renderer.probe({0.125 * Vec3(x, y, z), Quat::Identity()});
+    const contact::ContactResult r = renderer.probe({0.125 * Vec3(x, y, z), Quat::Identity()});
     return std::pair(r.surface_hits, r.interior_hits);
   };
   EXPECT_EQ(hits(0, 0, 0), std::pair(1U, 0U));   // the low corner belongs to the block,
@@ -210,18 +210,18 @@ TEST(Query, PutsAPointOnABorderOrCornerIntoOneVoxelOnly) {
 }
 
 TEST(Query, RefusesAShellThatIsBroken) {
-  const Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
-  Pointshell uneven = sphere_shell(0.5, 0.125);
+  const voxmap::Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
+  pointshell::Pointshell uneven = sphere_shell(0.5, 0.125);
   uneven.nz.pop_back();
-  EXPECT_THROW(ContactQuery(voxmap, uneven), std::invalid_argument);
-  Pointshell nan = sphere_shell(0.5, 0.125);
+  EXPECT_THROW(contact::ContactQuery(voxmap, uneven), std::invalid_argument);
+  pointshell::Pointshell nan = sphere_shell(0.5, 0.125);
   nan.y[3] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(ContactQuery(voxmap, nan), std::invalid_argument);
+  EXPECT_THROW(contact::ContactQuery(voxmap, nan), std::invalid_argument);
 }
 
 TEST(Query, FindsNothingForAnEmptyShell) {
-  const Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
-  ContactRenderer renderer(voxmap, Pointshell{}, ContactModelKind::kAdapted, {1.0});
+  const voxmap::Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
+  contact::ContactRenderer renderer(voxmap, pointshell::Pointshell{}, contact::ContactModelKind::kAdapted, {1.0});
   EXPECT_TRUE(renderer.render({Vec3(0.5, 0.5, 0.5), Quat::Identity()}).contact.wrench.zero());
 }
 

@@ -14,7 +14,7 @@ constexpr int kPoses = 300;
 
 struct Setting {
   const char* name;
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   std::function<double(const Vec3&)> depth;
   std::function<Vec3(std::mt19937_64&)> touching;  ///< where the tool's centre touches with kDepth
 };
@@ -50,14 +50,14 @@ Setting sphere() {
 void measure(const Setting& s) {
   const Ball tool(kRadius, 5);
   const Ground ground(s.mesh, kEdge, 3.0);
-  ContactRenderer renderer = ground.renderer(exact_shell(tool.mesh, kEdge));
+  contact::ContactRenderer renderer = ground.renderer(exact_shell(tool.mesh, kEdge));
   int far = 0;
   std::mt19937_64 random(11);
   std::vector<double> off, ratio, torque;
   for (int n = 0; n < kPoses; ++n) {
     const Pose pose = tool.posed(s.touching(random), random_rotation(random));
     const Wrench exact = integral_over(tool.mesh, pose, s.depth);
-    const ContactResult r = renderer.probe(pose);
+    const contact::ContactResult r = renderer.probe(pose);
     off.push_back(degrees_between(r.wrench.force, exact.force));
     ratio.push_back(r.wrench.force.norm() / exact.force.norm());
     torque.push_back(tool.torque(r.wrench, pose).norm() / (kEdge * r.wrench.force.norm()));
@@ -89,7 +89,7 @@ TEST(FieldAccuracy, ASymmetricSlotGivesNoNetForce) {
   const double radius = 10 * kEdge, half_gap = radius - kDepth;
   std::mt19937_64 random(12);
   const Ball tool(radius, 5);
-  const Pointshell shell = exact_shell(tool.mesh, kEdge);
+  const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
   std::vector<double> share;
   for (int n = 0; n < 12; ++n) {
     const Pose slot{Vec3(uniform(random, 0, kEdge), uniform(random, 0, kEdge), uniform(random, 0, kEdge)),
@@ -98,7 +98,7 @@ TEST(FieldAccuracy, ASymmetricSlotGivesNoNetForce) {
       return box_mesh(Vec3(0.01, 0.03, 0.03), slot * Pose{Vec3(side * (half_gap + 0.005), 0, 0), Quat::Identity()});
     };
     const Ground both(joined(wall(1), wall(-1)), kEdge, 3.0), one(wall(1), kEdge, 3.0);
-    ContactRenderer in_slot = both.renderer(shell), at_wall = one.renderer(shell);
+    contact::ContactRenderer in_slot = both.renderer(shell), at_wall = one.renderer(shell);
     for (int m = 0; m < 20; ++m) {
       const Pose pose = tool.posed(slot * Vec3(0, uniform(random, -0.003, 0.003), uniform(random, -0.003, 0.003)),
                                    random_rotation(random));
@@ -117,7 +117,7 @@ TEST(FieldAccuracy, HalvingTheVoxelsLeavesTheForce) {
   const Pose pose{Vec3::Zero(), turn};
   struct Case {
     const char* name;
-    TriangleMesh mesh;
+    mesh::TriangleMesh mesh;
     std::function<Vec3(std::mt19937_64&, double)> centre;
     double limit = 0.05;
   };
@@ -140,12 +140,12 @@ TEST(FieldAccuracy, HalvingTheVoxelsLeavesTheForce) {
        }}};
   for (const Case& c : cases) {
     std::vector<std::unique_ptr<Ground>> grounds;
-    std::vector<std::unique_ptr<ContactRenderer>> renderers;
+    std::vector<std::unique_ptr<contact::ContactRenderer>> renderers;
     for (const double e : {2e-3, 1e-3, 0.5e-3}) {
       grounds.push_back(std::make_unique<Ground>(c.mesh, e, 8.0));
       renderers.push_back(
-          std::make_unique<ContactRenderer>(grounds.back()->voxmap, exact_shell(tool.mesh, e), ContactModelKind::kField,
-                                            ContactParameters{kPressure, PointWeights::kArea}, &grounds.back()->field));
+          std::make_unique<contact::ContactRenderer>(grounds.back()->voxmap, exact_shell(tool.mesh, e), contact::ContactModelKind::kField,
+                                            contact::ContactParameters{kPressure, contact::PointWeights::kArea}, &grounds.back()->field));
     }
     std::mt19937_64 random(13);
     double worst_coarse = 0.0, worst_fine = 0.0;

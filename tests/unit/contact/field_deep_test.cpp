@@ -13,7 +13,7 @@ namespace field_deep_test {
 constexpr double kEdge = 1e-3;
 
 /// A plate about the origin, `thickness` along the z axis of `turn`.
-TriangleMesh plate(double thickness, const Quat& turn) {
+mesh::TriangleMesh plate(double thickness, const Quat& turn) {
   return box_mesh(Vec3(0.07, 0.07, thickness), {Vec3::Zero(), turn});
 }
 
@@ -21,10 +21,10 @@ const std::vector<Quat> kTurns = {Quat::Identity(), Quat(Eigen::AngleAxisd(0.5, 
 
 TEST(FieldDepth, TheForceGrowsDownToTenVoxelsInABodyOf25) {
   const Ball tool(15 * kEdge, 4);
-  const Pointshell shell = exact_shell(tool.mesh, kEdge);
+  const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
   for (const Quat& turn : kTurns) {
     const Ground ground(plate(25 * kEdge, turn), kEdge);
-    ContactRenderer renderer = ground.renderer(shell);
+    contact::ContactRenderer renderer = ground.renderer(shell);
     std::mt19937_64 random(21);
     for (int walk = 0; walk < 4; ++walk) {
       const Quat held = random_rotation(random);
@@ -32,7 +32,7 @@ TEST(FieldDepth, TheForceGrowsDownToTenVoxelsInABodyOf25) {
       double last = 0.0;
       for (double depth = 0.0; depth <= 10.0 * kEdge; depth += 0.02 * kEdge) {
         const Vec3 at = turn * (side + Vec3(0, 0, 12.5 * kEdge + 15 * kEdge - depth));
-        const ContactResult r = renderer.probe(tool.posed(at, held));
+        const contact::ContactResult r = renderer.probe(tool.posed(at, held));
         const double push = r.wrench.force.dot(turn * Vec3::UnitZ());
         ASSERT_GE(push, last) << "at a depth of " << depth / kEdge << " voxels";
         ASSERT_LE(degrees_between(r.wrench.force, turn * Vec3::UnitZ()), depth > 0.5 * kEdge ? 1.0 : 90.0);
@@ -51,12 +51,12 @@ TEST(FieldDepth, TheForceGrowsDownToTenVoxelsInABodyOf25) {
 TEST(FieldDepth, AToolWhollyInsideIsPushedOutAndToldSo) {
   const Ball tool(4 * kEdge, 4);
   const Ground ground(plate(25 * kEdge, kTurns[1]), kEdge);
-  ContactRenderer renderer = ground.renderer(exact_shell(tool.mesh, kEdge));
+  contact::ContactRenderer renderer = ground.renderer(exact_shell(tool.mesh, kEdge));
   const double volume = kPressure * 4.0 / 3.0 * std::numbers::pi * std::pow(4 * kEdge, 3);
   double last = 0.0;
   for (double depth = 0.0; depth <= 11.0 * kEdge; depth += 0.05 * kEdge) {
     const Vec3 at = kTurns[1] * Vec3(0.001, 0.002, 12.5 * kEdge + 4 * kEdge - depth);
-    const ContactResult r = renderer.probe(tool.posed(at, kTurns[0]));
+    const contact::ContactResult r = renderer.probe(tool.posed(at, kTurns[0]));
     const double push = r.wrench.force.dot(kTurns[1] * Vec3::UnitZ());
     ASSERT_GE(push, last - 0.01 * volume);
     last = push;
@@ -71,15 +71,15 @@ TEST(FieldDepth, AToolWhollyInsideIsPushedOutAndToldSo) {
 /// Straight through plates of all thicknesses: wherever going deeper meets less force than before, the frame says so.
 TEST(FieldDepth, APushThatGrowsNoMoreIsFlaggedBeforeItFalls) {
   const Ball tool(10 * kEdge, 4);
-  const Pointshell shell = exact_shell(tool.mesh, kEdge);
+  const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
   for (const Quat& turn : kTurns)
     for (const double thickness : {2.0, 4.0, 5.0, 10.0, 16.3, 25.0}) {
       const Ground ground(plate(thickness * kEdge, turn), kEdge);
-      ContactRenderer renderer = ground.renderer(shell);
+      contact::ContactRenderer renderer = ground.renderer(shell);
       double most = 0.0, flagged_from = HUGE_VAL, fallen_from = HUGE_VAL;
       for (double depth = 0.0; depth <= (thickness + 20) * kEdge; depth += 0.05 * kEdge) {
         const Vec3 at = turn * Vec3(0.001, 0.002, (0.5 * thickness + 10) * kEdge - depth);
-        const ContactResult r = renderer.probe(tool.posed(at, kTurns[0]));
+        const contact::ContactResult r = renderer.probe(tool.posed(at, kTurns[0]));
         const double push = r.wrench.force.dot(turn * Vec3::UnitZ());
         if (r.saturated) flagged_from = std::min(flagged_from, depth / kEdge);
         if (push < 0.99 * most) fallen_from = std::min(fallen_from, depth / kEdge);

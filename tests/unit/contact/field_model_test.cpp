@@ -20,7 +20,7 @@ Quat turned_by(double angle) { return Quat(Eigen::AngleAxisd(angle, Vec3(1, 2, -
 struct Scene {
   Ball tool{8 * kEdge, 4};
   Ground ground{box_mesh(Vec3(0.04, 0.04, 0.03), {Vec3(0.01, 0.02, 0.03), turned_by(0.4)}), kEdge};
-  ContactRenderer renderer = ground.renderer(exact_shell(tool.mesh, kEdge));
+  contact::ContactRenderer renderer = ground.renderer(exact_shell(tool.mesh, kEdge));
   /// Over the upper face, or near its rim.
   Pose random_pose(std::mt19937_64& random) const {
     const Vec3 at(uniform(random, 0.0, 0.024), uniform(random, 0.0, 0.024), 0.015 + 0.008 - uniform(random, 0, 0.006));
@@ -33,12 +33,12 @@ TEST(FieldModel, PushesEachPointAlongItsNormalWithItsAreaAndItsDepth) {
   std::mt19937_64 random(31);
   int interior = 0;
   for (int n = 0; n < 50; ++n) {
-    const ContactResult r = s.renderer.probe(s.random_pose(random));
+    const contact::ContactResult r = s.renderer.probe(s.random_pose(random));
     Wrench sum;
     double deepest = 0.0;
-    const HitList& hits = s.renderer.hits();
-    for (const Hits* list : {&hits.surface, &hits.interior})
-      for (const Hit& hit : *list) {
+    const contact::HitList& hits = s.renderer.hits();
+    for (const contact::Hits* list : {&hits.surface, &hits.interior})
+      for (const contact::Hit& hit : *list) {
         const Vec3 u = s.ground.field.grid().to_grid(hits.pose.position + hit.arm);
         const double depth = std::max(0.0, -s.ground.field.at(u).distance_m);
         const double area = s.renderer.query().shell().area_m2[hit.point];
@@ -64,7 +64,7 @@ TEST(FieldModel, StiffnessBoundsHowTheForceChangesWithThePose) {
   int compared = 0;
   for (int n = 0; n < 200; ++n) {
     const Pose pose = s.random_pose(random);
-    const ContactResult r = s.renderer.probe(pose);
+    const contact::ContactResult r = s.renderer.probe(pose);
     ASSERT_EQ(r.stiffness, Mat6(r.stiffness.transpose()));
     const Eigen::SelfAdjointEigenSolver<Mat6> all(r.stiffness, Eigen::EigenvaluesOnly);
     EXPECT_GE(all.eigenvalues()[0], -1e-9 * all.eigenvalues()[5]);
@@ -89,23 +89,23 @@ TEST(FieldModel, StiffnessBoundsHowTheForceChangesWithThePose) {
 TEST(FieldModel, AMillionMetresAwayIsHere) {
   const double e = 0x1p-10;
   const Vec3 offset(1e6, -1e6, 5e5);
-  TriangleMesh near = sphere_mesh(20 * e, 3);
+  mesh::TriangleMesh near = sphere_mesh(20 * e, 3);
   for (Vec3& v : near.vertices) v = (v * 0x1p20).array().round().matrix() * 0x1p-20;
-  TriangleMesh far = near;
+  mesh::TriangleMesh far = near;
   for (Vec3& v : far.vertices) v += offset;
-  Grid grid = default_grid(near, e);
+  voxmap::Grid grid = voxmap::default_grid(near, e);
   const Ground here(near, grid, 12.0);
   grid.origin += offset;
   const Ground there(far, grid, 12.0);
-  const Pointshell shell = exact_shell(sphere_mesh(8 * e, 3), e);
-  ContactRenderer a = here.renderer(shell), b = there.renderer(shell);
+  const pointshell::Pointshell shell = exact_shell(sphere_mesh(8 * e, 3), e);
+  contact::ContactRenderer a = here.renderer(shell), b = there.renderer(shell);
   std::mt19937_64 random(33);
   int pushed = 0;
   for (int n = 0; n < 300; ++n) {
     Vec3 at = e * uniform(random, 23, 29) * (random_rotation(random) * Vec3::UnitX());
     at = (at * 0x1p30).array().round().matrix() * 0x1p-30;
     const Quat turn = random_rotation(random);
-    const ContactResult one = a.probe({at, turn}), two = b.probe({at + offset, turn});
+    const contact::ContactResult one = a.probe({at, turn}), two = b.probe({at + offset, turn});
     ASSERT_TRUE(same_bits(one.wrench, two.wrench));
     pushed += !one.wrench.zero();
   }
@@ -117,8 +117,8 @@ TEST(FieldModel, PassesThroughTheStageWithTheFastFlagOnly) {
   std::mt19937_64 random(34);
   for (int n = 0; n < 50; ++n) {
     const Pose pose = s.random_pose(random);
-    const StageResult r = s.renderer.render(pose);
-    const ContactResult plain = s.renderer.probe(pose);
+    const contact::StageResult r = s.renderer.render(pose);
+    const contact::ContactResult plain = s.renderer.probe(pose);
     EXPECT_TRUE(same_bits(r.contact.wrench, plain.wrench));
     EXPECT_EQ(r.contact.saturated, plain.saturated);
     EXPECT_FALSE(r.held);
@@ -132,46 +132,46 @@ TEST(FieldModel, PassesThroughTheStageWithTheFastFlagOnly) {
 
 TEST(FieldModel, GivesNothingWithoutAHitOrForWhatIsNoPose) {
   Scene s;
-  const ContactResult free = s.renderer.probe({Vec3(1, 1, 1), Quat::Identity()});
+  const contact::ContactResult free = s.renderer.probe({Vec3(1, 1, 1), Quat::Identity()});
   EXPECT_TRUE(free.wrench.zero() && free.stiffness.isZero(0.0));
   EXPECT_EQ(free.coherence, 0.0);
-  const ContactResult bad = s.renderer.probe({Vec3(std::nan(""), 0, 0), Quat::Identity()});
-  EXPECT_EQ(bad.pose_status, PoseStatus::kNotAPose);
+  const contact::ContactResult bad = s.renderer.probe({Vec3(std::nan(""), 0, 0), Quat::Identity()});
+  EXPECT_EQ(bad.pose_status, contact::PoseStatus::kNotAPose);
   EXPECT_TRUE(bad.wrench.zero());
 }
 
 TEST(FieldModel, IsRefusedWithoutAreasOrWithoutAField) {
   const Ground ground(box_mesh(Vec3(0.01, 0.01, 0.01)), kEdge);
-  const auto sentence = [](const ContactParameters& parameters, const ContactGround& under) {
+  const auto sentence = [](const contact::ContactParameters& parameters, const contact::ContactGround& under) {
     try {
-      make_contact_model(ContactModelKind::kField, parameters, under);
+      contact::make_contact_model(contact::ContactModelKind::kField, parameters, under);
     } catch (const std::invalid_argument& error) {
       return std::string(error.what());
     }
     return std::string("no exception");
   };
-  EXPECT_NE(sentence({1.0, PointWeights::kOne}, {&ground.voxmap, &ground.field}).find("per area"), std::string::npos);
-  EXPECT_NE(sentence({1.0, PointWeights::kArea}, {&ground.voxmap, nullptr}).find("build it first"), std::string::npos);
-  EXPECT_EQ(sentence({1.0, PointWeights::kArea}, {&ground.voxmap, &ground.field}), "no exception");
+  EXPECT_NE(sentence({1.0, contact::PointWeights::kOne}, {&ground.voxmap, &ground.field}).find("per area"), std::string::npos);
+  EXPECT_NE(sentence({1.0, contact::PointWeights::kArea}, {&ground.voxmap, nullptr}).find("build it first"), std::string::npos);
+  EXPECT_EQ(sentence({1.0, contact::PointWeights::kArea}, {&ground.voxmap, &ground.field}), "no exception");
 }
 
 /// Printed, not judged: no test depends on the speed of a machine.
 TEST(FieldModel, TellsItsCostBesideAdapted) {
   const Ground ground(box_mesh(Vec3(0.08, 0.08, 0.04), {Vec3::Zero(), turned_by(0.2)}), kEdge);
   const Ball tool(30 * kEdge, 5);
-  const Pointshell shell = exact_shell(tool.mesh, kEdge);
-  ContactRenderer renderers[2] = {ground.renderer(shell, ContactModelKind::kAdapted), ground.renderer(shell)};
+  const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
+  contact::ContactRenderer renderers[2] = {ground.renderer(shell, contact::ContactModelKind::kAdapted), ground.renderer(shell)};
   std::vector<double> cost[2];
-  const auto models = {std::pair{ContactModelKind::kAdapted, 0}, std::pair{ContactModelKind::kField, 1}};
+  const auto models = {std::pair{contact::ContactModelKind::kAdapted, 0}, std::pair{contact::ContactModelKind::kField, 1}};
   for (int round = 0; round < 15; ++round)
     for (const auto& [kind, n] : models) {
-      const auto model = make_contact_model(kind, {kPressure, PointWeights::kArea}, {&ground.voxmap, &ground.field});
-      ContactResult result;
+      const auto model = contact::make_contact_model(kind, {kPressure, contact::PointWeights::kArea}, {&ground.voxmap, &ground.field});
+      contact::ContactResult result;
       double hits = 0.0, ns = 0.0;
       for (int step = 0; step < 40; ++step) {
         const Vec3 at = turned_by(0.2) * Vec3(0.0002 * step, 0, 0.02 + 0.03 - 0.0012);
         renderers[n].probe(tool.posed(at, turned_by(0.01 * step)));
-        const HitList list = renderers[n].hits();
+        const contact::HitList list = renderers[n].hits();
         const auto begin = std::chrono::steady_clock::now();
         for (int repeat = 0; repeat < 10; ++repeat) model->evaluate(list, result);
         ns += std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count() / 10;

@@ -13,11 +13,11 @@ namespace field_motion_test {
 constexpr double kEdge = 1e-3, kStep = 1e-3 * kEdge;
 
 /// Depth of each shell point in one frame, 0 where it is no hit.
-std::vector<double> depths_of(const ContactRenderer& renderer, const Ground& ground, std::size_t points) {
+std::vector<double> depths_of(const contact::ContactRenderer& renderer, const Ground& ground, std::size_t points) {
   std::vector<double> depth(points, 0.0);
-  const HitList& hits = renderer.hits();
-  for (const Hits* list : {&hits.surface, &hits.interior})
-    for (const Hit& hit : *list) {
+  const contact::HitList& hits = renderer.hits();
+  for (const contact::Hits* list : {&hits.surface, &hits.interior})
+    for (const contact::Hit& hit : *list) {
       const Vec3 x = hits.pose.position - ground.field.grid().origin + hit.arm;
       depth[hit.point] = std::max(0.0, -ground.field.at(x / kEdge).distance_m);
     }
@@ -26,9 +26,9 @@ std::vector<double> depths_of(const ContactRenderer& renderer, const Ground& gro
 
 /// Walks from pose to pose in steps of 1e-3 e (with the turn on top) and holds each step against the docstring's bound
 /// k sum A_i (G s + d_i theta).
-void walk(const char* name, const Ground& ground, const TriangleMesh& tool, const std::vector<Pose>& path) {
-  const Pointshell shell = exact_shell(tool, kEdge);
-  ContactRenderer renderer = ground.renderer(shell);
+void walk(const char* name, const Ground& ground, const mesh::TriangleMesh& tool, const std::vector<Pose>& path) {
+  const pointshell::Pointshell shell = exact_shell(tool, kEdge);
+  contact::ContactRenderer renderer = ground.renderer(shell);
   const double steepest = ground.field.steepest_gradient();
   std::vector<double> before(shell.size(), 0.0);
   Vec3 force_before = Vec3::Zero();
@@ -109,12 +109,12 @@ TEST(FieldMotion, HasNoStepOnTheWayThroughAPlateAndOut) {
 /// Round a closed way at constant depth the continuum gives no work. Reported per newton and metre of the way.
 TEST(FieldMotion, SlidingRoundAClosedLoopGivesHardlyAnyEnergy) {
   const Ball tool(15 * kEdge, 5);
-  const Pointshell shell = exact_shell(tool.mesh, kEdge);
+  const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
   const auto loop = [&](const char* name, const Ground& ground, const std::function<Vec3(double)>& at, double limit) {
-    ContactRenderer field = ground.renderer(shell), adapted = ground.renderer(shell, ContactModelKind::kAdapted);
+    contact::ContactRenderer field = ground.renderer(shell), adapted = ground.renderer(shell, contact::ContactModelKind::kAdapted);
     constexpr int kSteps = 4000;
     double share[2] = {0, 0};
-    for (ContactRenderer* renderer : {&field, &adapted}) {
+    for (contact::ContactRenderer* renderer : {&field, &adapted}) {
       double work = 0.0, mean = 0.0, way = 0.0;
       Vec3 last = at(0.0), force = renderer->probe(tool.posed(last, Quat::Identity())).wrench.force;
       for (int n = 1; n <= kSteps; ++n) {

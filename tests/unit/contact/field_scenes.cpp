@@ -33,8 +33,8 @@ void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, int splits, const
 
 }  // namespace
 
-TriangleMesh box_mesh(const Vec3& size, const Pose& pose) {
-  TriangleMesh mesh;
+mesh::TriangleMesh box_mesh(const Vec3& size, const Pose& pose) {
+  mesh::TriangleMesh mesh;
   for (int n = 0; n < 8; ++n)
     mesh.vertices.push_back(
         pose * (0.5 * Vec3(n & 1 ? size.x() : -size.x(), n & 2 ? size.y() : -size.y(), n & 4 ? size.z() : -size.z())));
@@ -43,9 +43,9 @@ TriangleMesh box_mesh(const Vec3& size, const Pose& pose) {
   return mesh;
 }
 
-TriangleMesh sphere_mesh(double radius_m, int splits) {
+mesh::TriangleMesh sphere_mesh(double radius_m, int splits) {
   const double g = std::numbers::phi;
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   mesh.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                    {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
   mesh.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
@@ -71,8 +71,8 @@ TriangleMesh sphere_mesh(double radius_m, int splits) {
   return mesh;
 }
 
-TriangleMesh cylinder_mesh(double radius_m, double length_m, int sides) {
-  TriangleMesh mesh;
+mesh::TriangleMesh cylinder_mesh(double radius_m, double length_m, int sides) {
+  mesh::TriangleMesh mesh;
   const auto n = static_cast<std::uint32_t>(sides);
   for (std::uint32_t s = 0; s < n; ++s)
     for (const double z : {-0.5, 0.5}) {
@@ -89,28 +89,28 @@ TriangleMesh cylinder_mesh(double radius_m, double length_m, int sides) {
   return mesh;
 }
 
-TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
-  TriangleMesh mesh = a;
+mesh::TriangleMesh joined(const mesh::TriangleMesh& a, const mesh::TriangleMesh& b) {
+  mesh::TriangleMesh mesh = a;
   const auto offset = static_cast<std::uint32_t>(a.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), b.vertices.begin(), b.vertices.end());
   for (const auto& t : b.triangles) mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
   return mesh;
 }
 
-TriangleMesh inside_out(TriangleMesh mesh) {
+mesh::TriangleMesh inside_out(mesh::TriangleMesh mesh) {
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }
 
-Ground::Ground(const TriangleMesh& mesh, double edge, double depth_voxels)
-    : Ground(mesh, default_grid(mesh, edge), depth_voxels) {}
+Ground::Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels)
+    : Ground(mesh, voxmap::default_grid(mesh, edge), depth_voxels) {}
 
-Ground::Ground(const TriangleMesh& mesh, const Grid& grid, double depth_voxels)
-    : voxmap(voxelise(mesh, grid, serial_for())),
-      field(build_distance_field(mesh, voxmap, {.depth_voxels = depth_voxels, .band_voxels = 2.0}, serial_for())) {}
+Ground::Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels)
+    : voxmap(voxmap::voxelise(mesh, grid, serial_for())),
+      field(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = depth_voxels, .band_voxels = 2.0}, serial_for())) {}
 
-ContactRenderer Ground::renderer(const Pointshell& tool, ContactModelKind kind) const {
-  return {voxmap, tool, kind, {kPressure, PointWeights::kArea}, &field};
+contact::ContactRenderer Ground::renderer(const pointshell::Pointshell& tool, contact::ContactModelKind kind) const {
+  return {voxmap, tool, kind, {kPressure, contact::PointWeights::kArea}, &field};
 }
 
 Ball::Ball(double radius_m, int splits) : mesh(sphere_mesh(radius_m, splits)), centre(0.37e-3, -0.81e-3, 0.19e-3) {
@@ -118,7 +118,7 @@ Ball::Ball(double radius_m, int splits) : mesh(sphere_mesh(radius_m, splits)), c
   for (Vec3& v : mesh.vertices) v = askew * v + centre;
 }
 
-Wrench integral_over(const TriangleMesh& tool, const Pose& pose, const std::function<double(const Vec3&)>& depth) {
+Wrench integral_over(const mesh::TriangleMesh& tool, const Pose& pose, const std::function<double(const Vec3&)>& depth) {
   Wrench sum;
   for (const auto& t : tool.triangles)
     add_triangle(pose * tool.vertices[t[0]], pose * tool.vertices[t[1]], pose * tool.vertices[t[2]], 3, pose.position,

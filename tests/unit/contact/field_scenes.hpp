@@ -10,23 +10,24 @@
 
 namespace voxtouch::test {
 
-TriangleMesh box_mesh(const Vec3& size, const Pose& pose = {});
+mesh::TriangleMesh box_mesh(const Vec3& size, const Pose& pose = {});
 /// An icosahedron whose faces are split in four `splits` times, its vertices on the sphere.
-TriangleMesh sphere_mesh(double radius_m, int splits);
+mesh::TriangleMesh sphere_mesh(double radius_m, int splits);
 /// About the z axis, from -length/2 to length/2.
-TriangleMesh cylinder_mesh(double radius_m, double length_m, int sides);
-TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b);
+mesh::TriangleMesh cylinder_mesh(double radius_m, double length_m, int sides);
+mesh::TriangleMesh joined(const mesh::TriangleMesh& a, const mesh::TriangleMesh& b);
 /// Faces turned inside out.
-TriangleMesh inside_out(TriangleMesh mesh);
+mesh::TriangleMesh inside_out(mesh::TriangleMesh mesh);
 
 /// A static mesh as the model looks it up.
 struct Ground {
-  Voxmap voxmap;
-  DistanceField field;
-  Ground(const TriangleMesh& mesh, double edge, double depth_voxels = 12.0);
-  Ground(const TriangleMesh& mesh, const Grid& grid, double depth_voxels);
+  voxmap::Voxmap voxmap;
+  voxmap::DistanceField field;
+  Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels = 12.0);
+  Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels);
   /// With k = 1 N/mm^3.
-  ContactRenderer renderer(const Pointshell& tool, ContactModelKind kind = ContactModelKind::kField) const;
+  contact::ContactRenderer renderer(const pointshell::Pointshell& tool,
+                                    contact::ContactModelKind kind = contact::ContactModelKind::kField) const;
 };
 
 inline constexpr double kPressure = 1e9;  ///< k [N/m^3]
@@ -34,7 +35,7 @@ inline constexpr double kPressure = 1e9;  ///< k [N/m^3]
 /// A ball whose centre is not the origin of T and lies askew in its voxel: a shell on a grid through the centre would be
 /// symmetric, and its errors would cancel.
 struct Ball {
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   Vec3 centre;  ///< in T
   Ball(double radius_m, int splits);
   /// T in W for a ball at `at`.
@@ -47,7 +48,7 @@ struct Ball {
 
 /// The wrench about the tool's origin that the law gives the tessellated tool: the integral of k depth n over its triangles,
 /// each split in 64. `depth` of a point in W [m], negative outside; 1-Lipschitz.
-Wrench integral_over(const TriangleMesh& tool, const Pose& pose, const std::function<double(const Vec3&)>& depth);
+Wrench integral_over(const mesh::TriangleMesh& tool, const Pose& pose, const std::function<double(const Vec3&)>& depth);
 
 /// The value below which `share` of them lie.
 double quantile(std::vector<double> values, double share);

@@ -52,7 +52,7 @@ std::uint64_t spread(std::uint64_t v) {
   return out;
 }
 
-void add_point(Pointshell& shell, const Vec3& p, const Vec3& n) {
+void add_point(pointshell::Pointshell& shell, const Vec3& p, const Vec3& n) {
   shell.x.push_back(p.x()), shell.y.push_back(p.y()), shell.z.push_back(p.z());
   shell.nx.push_back(n.x()), shell.ny.push_back(n.y()), shell.nz.push_back(n.z());
   shell.area_m2.push_back(shell.edge * shell.edge);
@@ -62,8 +62,8 @@ void add_point(Pointshell& shell, const Vec3& p, const Vec3& n) {
 
 }  // namespace
 
-Pointshell reordered(const Pointshell& shell, const std::vector<std::uint32_t>& order) {
-  Pointshell out;
+pointshell::Pointshell reordered(const pointshell::Pointshell& shell, const std::vector<std::uint32_t>& order) {
+  pointshell::Pointshell out;
   out.edge = shell.edge;
   for (const std::uint32_t p : order) {
     add_point(out, shell.point(p), shell.normal(p));
@@ -72,7 +72,7 @@ Pointshell reordered(const Pointshell& shell, const std::vector<std::uint32_t>& 
   return out;
 }
 
-Pointshell morton_ordered(const Pointshell& shell) {
+pointshell::Pointshell morton_ordered(const pointshell::Pointshell& shell) {
   Vec3 low = Vec3::Constant(1e300);
   for (std::size_t p = 0; p < shell.size(); ++p) low = low.cwiseMin(shell.point(p));
   std::vector<std::uint64_t> key(shell.size());
@@ -90,28 +90,28 @@ Pointshell morton_ordered(const Pointshell& shell) {
 VectorMesh load_vector_mesh(const std::string& name) {
   std::ifstream in(kVectors + "index.json");
   const nlohmann::json mesh = nlohmann::json::parse(in).at("meshes").at(name);
-  Grid grid;
+  voxmap::Grid grid;
   grid.edge = mesh.at("e").get<double>();
   for (int axis = 0; axis < 3; ++axis) grid.origin[axis] = mesh.at("origin").at(static_cast<std::size_t>(axis)).get<double>();
   const auto surface = read_csv("voxels/" + name + "_surface.csv");
   const auto index = [](const std::vector<std::string>& row) {
-    return VoxelIndex{std::stoi(row.at(0)), std::stoi(row.at(1)), std::stoi(row.at(2))};
+    return voxmap::VoxelIndex{std::stoi(row.at(0)), std::stoi(row.at(1)), std::stoi(row.at(2))};
   };
-  VoxelIndex first = index(surface.front()), last = first;
+  voxmap::VoxelIndex first = index(surface.front()), last = first;
   for (const auto& row : surface) {
-    const VoxelIndex v = index(row);
+    const voxmap::VoxelIndex v = index(row);
     first = {std::min(first.i, v.i), std::min(first.j, v.j), std::min(first.k, v.k)};
     last = {std::max(last.i, v.i), std::max(last.j, v.j), std::max(last.k, v.k)};
   }
-  VectorMesh out{Voxmap(grid, first, last), {}, {}};
+  VectorMesh out{voxmap::Voxmap(grid, first, last), {}, {}};
   out.exact.edge = out.naive.edge = grid.edge;
   for (const auto& row : surface) {
-    out.voxmap.set(index(row), VoxelKind::kSurface);
+    out.voxmap.set(index(row), voxmap::VoxelKind::kSurface);
     add_point(out.exact, vec3(row, 4), vec3(row, 7));
     add_point(out.naive, grid.centre(index(row)), vec3(row, 7));
   }
   for (const auto& row : read_csv("voxels/" + name + "_interior.csv"))
-    for (VoxelIndex v = index(row); v.k <= std::stoi(row.at(3)); ++v.k) out.voxmap.set(v, VoxelKind::kInterior);
+    for (voxmap::VoxelIndex v = index(row); v.k <= std::stoi(row.at(3)); ++v.k) out.voxmap.set(v, voxmap::VoxelKind::kInterior);
   out.voxmap.finish();
   out.exact = morton_ordered(out.exact);
   out.naive = morton_ordered(out.naive);
@@ -135,30 +135,30 @@ std::vector<VectorPose> load_vector_poses(const std::string& file) {
   return out;
 }
 
-void add_block(Voxmap& voxmap, const VoxelIndex& first, const VoxelIndex& last) {
-  for (VoxelIndex v = first; v.i <= last.i; ++v.i)
+void add_block(voxmap::Voxmap& voxmap, const voxmap::VoxelIndex& first, const voxmap::VoxelIndex& last) {
+  for (voxmap::VoxelIndex v = first; v.i <= last.i; ++v.i)
     for (v.j = first.j; v.j <= last.j; ++v.j)
       for (v.k = first.k; v.k <= last.k; ++v.k) {
         const bool inside = v.i > first.i && v.i < last.i && v.j > first.j && v.j < last.j && v.k > first.k && v.k < last.k;
-        voxmap.set(v, inside ? VoxelKind::kInterior : VoxelKind::kSurface);
+        voxmap.set(v, inside ? voxmap::VoxelKind::kInterior : voxmap::VoxelKind::kSurface);
       }
 }
 
-Voxmap block(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last) {
-  Voxmap voxmap(grid, first, last);
+voxmap::Voxmap block(const voxmap::Grid& grid, const voxmap::VoxelIndex& first, const voxmap::VoxelIndex& last) {
+  voxmap::Voxmap voxmap(grid, first, last);
   add_block(voxmap, first, last);
   voxmap.finish();
   return voxmap;
 }
 
-Pointshell shell_of(const std::vector<std::pair<Vec3, Vec3>>& points_and_normals, double edge_m) {
-  Pointshell shell;
+pointshell::Pointshell shell_of(const std::vector<std::pair<Vec3, Vec3>>& points_and_normals, double edge_m) {
+  pointshell::Pointshell shell;
   shell.edge = edge_m;
   for (const auto& [p, n] : points_and_normals) add_point(shell, p, n);
   return shell;
 }
 
-Pointshell sphere_shell(double radius_m, double edge_m) {
+pointshell::Pointshell sphere_shell(double radius_m, double edge_m) {
   const double r = radius_m / edge_m;
   const int half = static_cast<int>(2.0 * std::numbers::pi * r * r);
   std::vector<std::pair<Vec3, Vec3>> points;

@@ -11,8 +11,8 @@ namespace voxtouch::test {
 
 /// A mesh of the reference vectors as voxmap and shells; shell ids = row numbers, points in Morton order.
 struct VectorMesh {
-  Voxmap voxmap;
-  Pointshell exact, naive;
+  voxmap::Voxmap voxmap;
+  pointshell::Pointshell exact, naive;
 };
 VectorMesh load_vector_mesh(const std::string& name);
 
@@ -27,16 +27,16 @@ struct VectorPose {
 std::vector<VectorPose> load_vector_poses(const std::string& file);
 
 /// The shell with its points in another order: `order[k]` is the old index of new point k.
-Pointshell reordered(const Pointshell& shell, const std::vector<std::uint32_t>& order);
-Pointshell morton_ordered(const Pointshell& shell);
+pointshell::Pointshell reordered(const pointshell::Pointshell& shell, const std::vector<std::uint32_t>& order);
+pointshell::Pointshell morton_ordered(const pointshell::Pointshell& shell);
 
 /// Solid block of voxels first..last (inclusive): a surface layer one voxel thick round an interior.
-void add_block(Voxmap& voxmap, const VoxelIndex& first, const VoxelIndex& last);
-Voxmap block(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last);
+void add_block(voxmap::Voxmap& voxmap, const voxmap::VoxelIndex& first, const voxmap::VoxelIndex& last);
+voxmap::Voxmap block(const voxmap::Grid& grid, const voxmap::VoxelIndex& first, const voxmap::VoxelIndex& last);
 
 /// About one point per edge^2 on a sphere about the tool's origin, mirrored in the plane x = 0; Morton order.
-Pointshell sphere_shell(double radius_m, double edge_m);
-Pointshell shell_of(const std::vector<std::pair<Vec3, Vec3>>& points_and_normals, double edge_m);
+pointshell::Pointshell sphere_shell(double radius_m, double edge_m);
+pointshell::Pointshell shell_of(const std::vector<std::pair<Vec3, Vec3>>& points_and_normals, double edge_m);
 
 Quat random_rotation(std::mt19937_64& random);
 /// Uniform in [low, high), the same on every standard library.

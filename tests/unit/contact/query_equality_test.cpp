@@ -18,41 +18,41 @@ namespace voxtouch::test {
 namespace {
 
 /// A floor, a wall, a block with an inside and a lone voxel in the far corner.
-Voxmap ground(const Grid& grid) {
-  Voxmap voxmap(grid, {0, 0, 0}, {63, 63, 63});
+voxmap::Voxmap ground(const voxmap::Grid& grid) {
+  voxmap::Voxmap voxmap(grid, {0, 0, 0}, {63, 63, 63});
   add_block(voxmap, {0, 0, 0}, {63, 63, 6});
   add_block(voxmap, {0, 0, 0}, {9, 63, 40});
-  voxmap.set({63, 63, 63}, VoxelKind::kSurface);
+  voxmap.set({63, 63, 63}, voxmap::VoxelKind::kSurface);
   voxmap.finish();
   return voxmap;
 }
 
 /// Points anywhere within `reach` of the tool's origin, in no order.
-Pointshell cloud(std::mt19937_64& random, std::size_t count, double reach) {
+pointshell::Pointshell cloud(std::mt19937_64& random, std::size_t count, double reach) {
   std::vector<std::pair<Vec3, Vec3>> points;
   for (std::size_t n = 0; n < count; ++n) {
     const Vec3 at(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
     points.emplace_back(reach / std::sqrt(3.0) * at, (random_rotation(random) * Vec3::UnitX()));
   }
-  Pointshell shell = shell_of(points, 1.0);
+  pointshell::Pointshell shell = shell_of(points, 1.0);
   for (double& area : shell.area_m2) area = uniform(random, 0.0, 1e-5);
   return shell;
 }
 
 class Compared {
  public:
-  Compared(const Voxmap& voxmap, const Pointshell& shell, PointWeights weights = PointWeights::kOne)
-      : voxmap_(voxmap), shell_(shell), by_area_(weights == PointWeights::kArea), query_(voxmap, shell, weights) {
+  Compared(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell, contact::PointWeights weights = contact::PointWeights::kOne)
+      : voxmap_(voxmap), shell_(shell), by_area_(weights == contact::PointWeights::kArea), query_(voxmap, shell, weights) {
     hits_.reserve(shell.size());
   }
   void at(const Pose& pose) {
     query_.find(pose, hits_);
-    ASSERT_EQ(hits_.pose_status, PoseStatus::kUsable);
+    ASSERT_EQ(hits_.pose_status, contact::PoseStatus::kUsable);
     const ReferenceHits reference = reference_hits(voxmap_, shell_, hits_.pose, by_area_);
     ASSERT_TRUE(same(hits_.surface, reference.surface)) << pose.position.transpose() << ", " << pose.orientation.coeffs().transpose();
     ASSERT_TRUE(same(hits_.interior, reference.interior)) << pose.position.transpose();
     Vec3 sum = Vec3::Zero();
-    for (const Hit& one : reference.surface) sum += one.weight * one.normal;
+    for (const contact::Hit& one : reference.surface) sum += one.weight * one.normal;
     ASSERT_EQ(hits_.surface.normal_sum(), sum);
     decided += shell_.size();
     hit += reference.surface.size() + reference.interior.size();
@@ -60,11 +60,11 @@ class Compared {
   std::size_t decided = 0, hit = 0;
 
  private:
-  const Voxmap& voxmap_;
-  const Pointshell& shell_;
+  const voxmap::Voxmap& voxmap_;
+  const pointshell::Pointshell& shell_;
   bool by_area_;
-  ContactQuery query_;
-  HitList hits_;
+  contact::ContactQuery query_;
+  contact::HitList hits_;
 };
 
 TEST(QueryEquality, HoldsInRandomPoses) {
@@ -75,11 +75,11 @@ TEST(QueryEquality, HoldsInRandomPoses) {
   // The grid: about the origin, off it by no round number, 1e6 m away; the voxel no power of two.
   for (const Vec3& origin : {Vec3(0, 0, 0), Vec3(-0.7, 0.31, 0.123), Vec3(1e6, -1e6, 1e6)})
     for (const double e : {0.003, 0.25}) {
-      const Grid grid{origin, e};
-      const Voxmap voxmap = ground(grid);
+      const voxmap::Grid grid{origin, e};
+      const voxmap::Voxmap voxmap = ground(grid);
       for (const double reach : {3.0, 20.0, 90.0}) {
-        const Pointshell shell = cloud(random, 1001, reach * e);
-        Compared compared(voxmap, shell, random() % 2 == 0 ? PointWeights::kOne : PointWeights::kArea);
+        const pointshell::Pointshell shell = cloud(random, 1001, reach * e);
+        Compared compared(voxmap, shell, random() % 2 == 0 ? contact::PointWeights::kOne : contact::PointWeights::kArea);
         for (int n = 0; n < 560; ++n) {
           const Vec3 u(uniform(random, -30, 90), uniform(random, -30, 90), uniform(random, -30, 90));
           ASSERT_NO_FATAL_FAILURE(compared.at({origin + e * u, random_rotation(random)}));
@@ -106,14 +106,14 @@ TEST(QueryEquality, HoldsOnTheBordersOfVoxelsAndAStepBesideThem) {
   std::mt19937_64 random(7);
   for (const double e : {0x1p-8, 0.003})
     for (const Vec3& origin : {Vec3(0, 0, 0), Vec3(-0.7, 0.31, 0.123), Vec3(1048576, -1048576, 1048576)}) {
-      const Voxmap voxmap = ground({origin, e});
+      const voxmap::Voxmap voxmap = ground({origin, e});
       std::vector<std::pair<Vec3, Vec3>> points;
       for (int n = 0; n < 1000; ++n) {
         Vec3 at;
         for (int a = 0; a < 3; ++a) at[a] = beside(random, e * (static_cast<double>(random() % 41) - 20.0));
         points.emplace_back(at, Vec3::UnitZ());
       }
-      const Pointshell shell = shell_of(points, e);
+      const pointshell::Pointshell shell = shell_of(points, e);
       Compared compared(voxmap, shell);
       for (int n = 0; n < 300; ++n) {
         Vec3 at;
@@ -133,10 +133,10 @@ TEST(QueryEquality, HoldsWithinAHairOfFacesThatTurnedToolsTouch) {
   // side is drawn at random.
   std::mt19937_64 random(17);
   const double e = 0.003;
-  Voxmap voxmap({Vec3(-0.7, 0.31, 0.123), e}, {0, 0, 0}, {63, 63, 63});
+  voxmap::Voxmap voxmap({Vec3(-0.7, 0.31, 0.123), e}, {0, 0, 0}, {63, 63, 63});
   for (std::int32_t i = 0; i < 64; ++i)
     for (std::int32_t j = 0; j < 64; ++j)
-      for (std::int32_t k = 0; k < 64; ++k) voxmap.set({i, j, k}, static_cast<VoxelKind>(random() % 3));
+      for (std::int32_t k = 0; k < 64; ++k) voxmap.set({i, j, k}, static_cast<voxmap::VoxelKind>(random() % 3));
   voxmap.finish();
   for (int n = 0; n < 200; ++n) {
     const Pose pose{voxmap.grid().origin + e * Vec3(uniform(random, 20, 44), uniform(random, 20, 44), uniform(random, 20, 44)),
@@ -148,7 +148,7 @@ TEST(QueryEquality, HoldsWithinAHairOfFacesThatTurnedToolsTouch) {
       u[axis] = std::floor(u[axis]) + (random() % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, uniform(random, -9, -4));
       points.emplace_back(pose.inverse() * (voxmap.grid().origin + e * u), Vec3::UnitZ());
     }
-    const Pointshell shell = shell_of(points, e);
+    const pointshell::Pointshell shell = shell_of(points, e);
     Compared compared(voxmap, shell);
     ASSERT_NO_FATAL_FAILURE(compared.at(pose));
     EXPECT_GT(compared.hit, compared.decided / 2);
@@ -158,8 +158,8 @@ TEST(QueryEquality, HoldsWithinAHairOfFacesThatTurnedToolsTouch) {
 TEST(QueryEquality, HoldsForQuaternionsOfAnyUsableNorm) {
   std::mt19937_64 random(11);
   const double e = 0.003;
-  const Voxmap voxmap = ground({Vec3::Zero(), e});
-  const Pointshell shell = sphere_shell(20 * e, e);
+  const voxmap::Voxmap voxmap = ground({Vec3::Zero(), e});
+  const pointshell::Pointshell shell = sphere_shell(20 * e, e);
   Compared compared(voxmap, shell);
   for (const double norm : {1.001e-3, 0.1, 1.0 + 1e-15, 999.0})
     for (int n = 0; n < 50; ++n) {
@@ -175,9 +175,9 @@ TEST(QueryEquality, HoldsForQuaternionsOfAnyUsableNorm) {
 TEST(QueryEquality, HoldsFarFromTheGridAndForToolsThatDwarfIt) {
   std::mt19937_64 random(13);
   const double e = 0.003;
-  const Voxmap voxmap = ground({Vec3(0.1, 0.2, 0.3), e});
+  const voxmap::Voxmap voxmap = ground({Vec3(0.1, 0.2, 0.3), e});
   for (const double reach : {1e3, 1e5, 2e6, 1e8}) {  // [voxels]; from 2^20 on doubles decide everything
-    const Pointshell shell = cloud(random, 501, reach * e);
+    const pointshell::Pointshell shell = cloud(random, 501, reach * e);
     Compared compared(voxmap, shell);
     for (int n = 0; n < 100; ++n) {
       // One of its points lies within the grid.
@@ -188,7 +188,7 @@ TEST(QueryEquality, HoldsFarFromTheGridAndForToolsThatDwarfIt) {
     }
     EXPECT_GT(compared.hit, 0U) << reach;
   }
-  const Pointshell shell = sphere_shell(20 * e, e);
+  const pointshell::Pointshell shell = sphere_shell(20 * e, e);
   Compared compared(voxmap, shell);
   for (const double away : {100.0, 1e4, 1e8, 2e9})
     ASSERT_NO_FATAL_FAILURE(compared.at({voxmap.grid().origin + Vec3(away * e, 0.02, 0.01), random_rotation(random)}));
@@ -197,12 +197,12 @@ TEST(QueryEquality, HoldsFarFromTheGridAndForToolsThatDwarfIt) {
 
 TEST(QueryEquality, LeavesFewPointsToDoubles) {
   // The band is what is slow: one point in a thousand for a tool of 200 voxels.
-  const Voxmap voxmap = ground({Vec3::Zero(), 0.001});
-  HitSource source;
+  const voxmap::Voxmap voxmap = ground({Vec3::Zero(), 0.001});
+  contact::HitSource source;
   source.edge = 0.001;
   for (int n = 0; n < 3; ++n) source.r[n][n] = 1.0;
-  QueryFrame frame;
-  ASSERT_TRUE(make_query_frame(voxmap, source, 0.1, frame));
+  contact::QueryFrame frame;
+  ASSERT_TRUE(contact::make_query_frame(voxmap, source, 0.1, frame));
   EXPECT_GT(frame.certain, 0.5 - 0.001 / 6.0);
 }
 

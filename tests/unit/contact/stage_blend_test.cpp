@@ -12,25 +12,25 @@ namespace voxtouch::test {
 namespace stage_blend_test {
 
 constexpr double kEdge = 0.001;
-const Grid kGrid{Vec3::Zero(), kEdge};
+const voxmap::Grid kGrid{Vec3::Zero(), kEdge};
 
 struct Laws {
-  std::unique_ptr<ContactModel> original = make_contact_model(ContactModelKind::kOriginal, {1.0});
-  std::unique_ptr<ContactModel> adapted = make_contact_model(ContactModelKind::kAdapted, {1.0});
-  ContactStage stage{{64, 0.01, kEdge, 1.0, ContactModelKind::kAdapted}};
+  std::unique_ptr<contact::ContactModel> original = contact::make_contact_model(contact::ContactModelKind::kOriginal, {1.0});
+  std::unique_ptr<contact::ContactModel> adapted = contact::make_contact_model(contact::ContactModelKind::kAdapted, {1.0});
+  contact::ContactStage stage{{64, 0.01, kEdge, 1.0, contact::ContactModelKind::kAdapted}};
 
-  ContactResult plain(const HitList& hits, const ContactModel& model) const {
-    ContactResult result;
+  contact::ContactResult plain(const contact::HitList& hits, const contact::ContactModel& model) const {
+    contact::ContactResult result;
     model.evaluate(hits, result);
     return result;
   }
-  StageResult staged(const HitList& hits) { return stage.apply(hits, plain(hits, *adapted)); }
+  contact::StageResult staged(const contact::HitList& hits) { return stage.apply(hits, plain(hits, *adapted)); }
 };
 
-HitList hits_of(const std::vector<Vec3>& normals) {
-  HitList hits;
+contact::HitList hits_of(const std::vector<Vec3>& normals) {
+  contact::HitList hits;
   for (std::uint32_t p = 0; p < normals.size(); ++p) {
-    Hit hit;
+    contact::Hit hit;
     hit.point = p;
     hit.arm = kEdge * Vec3(p, 1.0, 2.0);
     hit.normal = normals[p].normalized();
@@ -41,14 +41,14 @@ HitList hits_of(const std::vector<Vec3>& normals) {
 }
 
 /// Two normals that open by `angle` on either side of z: coherence = cos(angle).
-HitList wedge(double angle) {
+contact::HitList wedge(double angle) {
   return hits_of({Vec3(std::sin(angle), 0, std::cos(angle)), Vec3(-std::sin(angle), 0, std::cos(angle))});
 }
 
 TEST(Blend, IsExactlyAdaptedWhereNormalsAgree) {
   Laws laws;
   for (const double angle : {0.0, 0.3, 1.0, 1.047}) {
-    const HitList hits = wedge(angle);
+    const contact::HitList hits = wedge(angle);
     EXPECT_TRUE(same_bits(laws.staged(hits).contact.wrench, laws.plain(hits, *laws.adapted).wrench)) << angle;
   }
 }
@@ -56,7 +56,7 @@ TEST(Blend, IsExactlyAdaptedWhereNormalsAgree) {
 TEST(Blend, IsExactlyOriginalWhereNormalsFaceEachOther) {
   Laws laws;
   for (const double angle : {1.3695, 1.5, std::numbers::pi / 2}) {
-    const HitList hits = wedge(angle);
+    const contact::HitList hits = wedge(angle);
     EXPECT_TRUE(same_bits(laws.staged(hits).contact.wrench, laws.plain(hits, *laws.original).wrench)) << angle;
   }
 }
@@ -87,7 +87,7 @@ TEST(Blend, StaysFiniteAndContinuousWhereMeanAndOwnNormalCancel) {
     Wrench last;
     for (int n = -500; n <= 500; ++n) {
       const double turn = n * step;
-      const StageResult r = laws.staged(
+      const contact::StageResult r = laws.staged(
           hits_of({Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
                    Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
                    Vec3(std::sin(turn), 0, -std::cos(turn))}));
@@ -97,7 +97,7 @@ TEST(Blend, StaysFiniteAndContinuousWhereMeanAndOwnNormalCancel) {
       }
       last = r.contact.wrench;
       if (n == 0 && open == half) {
-        EXPECT_NEAR(smoothstep(contact_limits::kBlendFrom, contact_limits::kBlendTo, r.contact.coherence),
+        EXPECT_NEAR(smoothstep(contact::limits::kBlendFrom, contact::limits::kBlendTo, r.contact.coherence),
                     0.5, 1e-9);
       }
     }
@@ -105,28 +105,28 @@ TEST(Blend, StaysFiniteAndContinuousWhereMeanAndOwnNormalCancel) {
 }
 
 TEST(Blend, NeverTouchesTheModelOriginal) {
-  ContactStage stage({64, 0.01, kEdge, 1.0, ContactModelKind::kOriginal});
+  contact::ContactStage stage({64, 0.01, kEdge, 1.0, contact::ContactModelKind::kOriginal});
   Laws laws;
   for (const double angle : {0.0, 1.2, 1.5}) {
-    const HitList hits = wedge(angle);
-    const ContactResult plain = laws.plain(hits, *laws.original);
+    const contact::HitList hits = wedge(angle);
+    const contact::ContactResult plain = laws.plain(hits, *laws.original);
     EXPECT_TRUE(same_bits(stage.apply(hits, plain).contact.wrench, plain.wrench));
   }
 }
 
 TEST(Blend, GivesTheModelsBitsInPlainContactFromPoses) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {60, 60, 30});
-  const Pointshell shell = sphere_shell(10 * kEdge, kEdge);
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {60, 60, 30});
+  const pointshell::Pointshell shell = sphere_shell(10 * kEdge, kEdge);
   std::mt19937_64 random(21);
-  for (const auto kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted}) {
-    ContactRenderer renderer(voxmap, shell, kind, {100.0});
+  for (const auto kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
+    contact::ContactRenderer renderer(voxmap, shell, kind, {100.0});
     int contacts = 0;
     for (int n = 0; n < 300; ++n) {
       const Pose pose{kEdge * Vec3(uniform(random, 20, 40), uniform(random, 20, 40), uniform(random, 40.0, 41.3)),
                       random_rotation(random)};
-      const ContactResult plain = renderer.probe(pose);
+      const contact::ContactResult plain = renderer.probe(pose);
       if (plain.interior_hits > 0) continue;
-      const StageResult r = renderer.render(pose);
+      const contact::StageResult r = renderer.render(pose);
       contacts += plain.surface_hits > 0;
       EXPECT_TRUE(same_bits(r.contact.wrench, plain.wrench));
       EXPECT_FALSE(r.held);
@@ -137,15 +137,15 @@ TEST(Blend, GivesTheModelsBitsInPlainContactFromPoses) {
 
 TEST(Blend, KeepsTheStiffnessBoundBetweenItsEnds) {
   Laws laws;
-  const HitList hits = wedge(1.2);  // coherence 0.36
-  const StageResult r = laws.staged(hits);
+  const contact::HitList hits = wedge(1.2);  // coherence 0.36
+  const contact::StageResult r = laws.staged(hits);
   EXPECT_GT(r.contact.stiffness_bound_n_per_m, 0.0);
   EXPECT_LE(r.contact.stiffness_bound_n_per_m, 2.0);
   const double step = 1e-9;
   Mat3 stiffness;
   for (int axis = 0; axis < 3; ++axis) {
-    HitList moved;
-    for (Hit hit : hits.surface) {
+    contact::HitList moved;
+    for (contact::Hit hit : hits.surface) {
       hit.to_centre[axis] -= step;
       moved.surface.push_back(hit);
     }

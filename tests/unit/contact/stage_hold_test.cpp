@@ -14,9 +14,9 @@ namespace stage_hold_test {
 constexpr double kEdge = 0.001;
 constexpr double kStiffness = 1000.0;
 constexpr double kUnit = kStiffness * kEdge;  // force of one point one voxel deep
-const Grid kGrid{Vec3::Zero(), kEdge};
+const voxmap::Grid kGrid{Vec3::Zero(), kEdge};
 
-Pointshell ball() { return sphere_shell(10 * kEdge, kEdge); }
+pointshell::Pointshell ball() { return sphere_shell(10 * kEdge, kEdge); }
 
 /// The ball over the middle of a block's top face at z = `top` voxels, its lowest point `depth` edges below the face.
 Pose over(double top, double depth, const Quat& turn = Quat::Identity(), double x = 30.13, double y = 29.77) {
@@ -29,7 +29,7 @@ constexpr double kSagShare = 0.02, kSagUnits = 1.5;
 struct PushCase {
   int thickness;
   double depth, step;
-  ContactModelKind model;
+  contact::ContactModelKind model;
   std::uint64_t seed;
 };
 
@@ -37,15 +37,15 @@ class DeepPush : public ::testing::TestWithParam<PushCase> {};
 
 TEST_P(DeepPush, NeverLosesForceOnTheWayInAndReturnsToZeroWhenOut) {
   const PushCase& c = GetParam();
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, c.thickness - 1});
-  ContactRenderer renderer(voxmap, ball(), c.model, {kStiffness});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, c.thickness - 1});
+  contact::ContactRenderer renderer(voxmap, ball(), c.model, {kStiffness});
   std::mt19937_64 random(c.seed);
   const Quat turn = random_rotation(random);
   const double x = uniform(random, 28, 32), y = uniform(random, 28, 32);
   const int steps = static_cast<int>(c.depth / c.step);
   double peak = 0.0, worst_sag = 0.0;
   for (int n = -10; n <= steps; ++n) {
-    const StageResult r = renderer.render(over(c.thickness, n * c.step, turn, x, y));
+    const contact::StageResult r = renderer.render(over(c.thickness, n * c.step, turn, x, y));
     const double up = r.contact.wrench.force.z();
     EXPECT_EQ(r.held, r.contact.interior_hits > 0);
     if (r.contact.interior_hits > 0) {
@@ -59,7 +59,7 @@ TEST_P(DeepPush, NeverLosesForceOnTheWayInAndReturnsToZeroWhenOut) {
   EXPECT_GT(peak, 50.0 * kUnit);
   double last = peak;
   for (int n = steps - 1; n >= -10; --n) {
-    const StageResult r = renderer.render(over(c.thickness, n * c.step, turn, x, y));
+    const contact::StageResult r = renderer.render(over(c.thickness, n * c.step, turn, x, y));
     const double up = r.contact.wrench.force.z();
     if (r.contact.interior_hits > 0) {
       ASSERT_GT(up, 0.0);
@@ -72,21 +72,21 @@ TEST_P(DeepPush, NeverLosesForceOnTheWayInAndReturnsToZeroWhenOut) {
     }
   }
   EXPECT_EQ(last, 0.0);
-  std::printf("thickness %d, %s: peak %.1f K e, largest sag %.2f K e\n", c.thickness, std::string(name_of(c.model)).c_str(),
+  std::printf("thickness %d, %s: peak %.1f K e, largest sag %.2f K e\n", c.thickness, std::string(contact::name_of(c.model)).c_str(),
               peak / kUnit, worst_sag / kUnit);
 }
 
 INSTANTIATE_TEST_SUITE_P(Pushes, DeepPush,
-                         ::testing::Values(PushCase{12, 10, 0.05, ContactModelKind::kAdapted, 1},
-                                         PushCase{12, 10, 0.05, ContactModelKind::kOriginal, 1},
-                                         PushCase{12, 10, 0.31, ContactModelKind::kAdapted, 2},
-                                         PushCase{12, 10, 0.013, ContactModelKind::kAdapted, 3},
-                                         PushCase{125, 100, 0.05, ContactModelKind::kAdapted, 4},
-                                         PushCase{125, 100, 0.2, ContactModelKind::kOriginal, 5}));
+                         ::testing::Values(PushCase{12, 10, 0.05, contact::ContactModelKind::kAdapted, 1},
+                                         PushCase{12, 10, 0.05, contact::ContactModelKind::kOriginal, 1},
+                                         PushCase{12, 10, 0.31, contact::ContactModelKind::kAdapted, 2},
+                                         PushCase{12, 10, 0.013, contact::ContactModelKind::kAdapted, 3},
+                                         PushCase{125, 100, 0.05, contact::ContactModelKind::kAdapted, 4},
+                                         PushCase{125, 100, 0.2, contact::ContactModelKind::kOriginal, 5}));
 
 TEST(Hold, StaysUprightBeyondTheToolsEquator) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
-  ContactRenderer renderer(voxmap, ball(), ContactModelKind::kAdapted, {kStiffness});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  contact::ContactRenderer renderer(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
   for (double depth = -0.5; depth < 35.0; depth += 0.1) {
     const Vec3 force = renderer.render(over(60, depth)).contact.wrench.force;
     if (depth > 2.0) {
@@ -97,10 +97,10 @@ TEST(Hold, StaysUprightBeyondTheToolsEquator) {
 
 TEST(Hold, NeverPushesTowardsTheFarSideOfAThinPlateBeforeTheToolsCentreIsThrough) {
   for (const int thickness : {1, 2, 3, 5}) {
-    const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, thickness - 1});
-    ContactRenderer renderer(voxmap, ball(), ContactModelKind::kAdapted, {kStiffness});
+    const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, thickness - 1});
+    contact::ContactRenderer renderer(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
     for (double depth = -0.5; depth < 9.0; depth += 0.05) {
-      const StageResult r = renderer.render(over(thickness, depth));
+      const contact::StageResult r = renderer.render(over(thickness, depth));
       EXPECT_GE(r.contact.wrench.force.z(), 0.0) << thickness << " at " << depth;
       if (r.contact.interior_hits > 0) {
         EXPECT_GT(r.contact.wrench.force.z(), 0.0);
@@ -110,22 +110,22 @@ TEST(Hold, NeverPushesTowardsTheFarSideOfAThinPlateBeforeTheToolsCentreIsThrough
 }
 
 TEST(Hold, ForgetsAllOnceOutOfContact) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
-  ContactRenderer used(voxmap, ball(), ContactModelKind::kAdapted, {kStiffness});
-  ContactRenderer fresh(voxmap, ball(), ContactModelKind::kAdapted, {kStiffness});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  contact::ContactRenderer used(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
+  contact::ContactRenderer fresh(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
   const Quat side(Eigen::AngleAxisd(1.1, Vec3::UnitX()));
   for (double depth = -0.5; depth < 4.0; depth += 0.1) used.render(over(60, depth, side));
   used.render(over(60, -5.0));
   fresh.render(over(60, -5.0));
   for (double depth = -0.5; depth < 4.0; depth += 0.1) {
-    const StageResult a = used.render(over(60, depth)), b = fresh.render(over(60, depth));
+    const contact::StageResult a = used.render(over(60, depth)), b = fresh.render(over(60, depth));
     EXPECT_TRUE(same_bits(a.contact.wrench, b.contact.wrench));
   }
 }
 
 TEST(Hold, IsForgottenByReset) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
-  ContactRenderer renderer(voxmap, ball(), ContactModelKind::kAdapted, {kStiffness});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  contact::ContactRenderer renderer(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
   std::vector<Wrench> first;
   for (int pass = 0; pass < 3; ++pass) {
     std::size_t n = 0;
@@ -139,8 +139,8 @@ TEST(Hold, IsForgottenByReset) {
 }
 
 TEST(Hold, DoesNotCreepWhileTheToolRests) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
-  ContactRenderer renderer(voxmap, ball(), ContactModelKind::kAdapted, {kStiffness});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  contact::ContactRenderer renderer(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
   for (const double target : {2.3, 7.7, 12.1, 19.3}) {
     for (double depth = -0.5; depth < target; depth += 0.1) renderer.render(over(60, depth));
     renderer.render(over(60, target));
@@ -151,10 +151,11 @@ TEST(Hold, DoesNotCreepWhileTheToolRests) {
 }
 
 TEST(Hold, GivesAPointThatWasNeverSeenInTheLayerOneEdgeAlongItsOwnNormal) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
   const Vec3 normal = Vec3(1, 2, 3).normalized();
-  ContactRenderer renderer(voxmap, shell_of({{Vec3(0.002, 0, 0), normal}}, kEdge), ContactModelKind::kAdapted, {kStiffness});
-  const StageResult r = renderer.render({Vec3(0.03, 0.03, 0.03), Quat::Identity()});
+  contact::ContactRenderer renderer(voxmap, shell_of({{Vec3(0.002, 0, 0), normal}}, kEdge), contact::ContactModelKind::kAdapted,
+                                    {kStiffness});
+  const contact::StageResult r = renderer.render({Vec3(0.03, 0.03, 0.03), Quat::Identity()});
   EXPECT_TRUE(r.held);
   EXPECT_NEAR((r.contact.wrench.force - kUnit * normal).norm(), 0.0, 1e-15);
   EXPECT_NEAR((r.contact.wrench.torque - Vec3(0.002, 0, 0).cross(kUnit * normal)).norm(), 0.0, 1e-15);
@@ -164,26 +165,28 @@ TEST(Hold, GivesAPointThatWasNeverSeenInTheLayerOneEdgeAlongItsOwnNormal) {
 }
 
 TEST(Hold, KeepsTheLastDepthOfAPointThatGoesThrough) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
-  ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}}, kEdge), ContactModelKind::kAdapted, {kStiffness});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  contact::ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}}, kEdge), contact::ContactModelKind::kAdapted,
+                                    {kStiffness});
   const auto at = [&](double z) { return renderer.render({kEdge * Vec3(30.2, 30.4, z), Quat::Identity()}); };
   at(60.1), at(59.6);
   EXPECT_NEAR(at(59.1).contact.wrench.force.z(), 0.4 * kUnit, 1e-12);
   EXPECT_NEAR(at(58.9).contact.wrench.force.z(), 0.4 * kUnit, 1e-12);  // interior
   EXPECT_NEAR(at(58.5).contact.wrench.force.z(), 0.4 * kUnit, 1e-12);
   EXPECT_NEAR(at(58.9).contact.wrench.force.z(), 0.4 * kUnit, 1e-12);
-  const StageResult back = at(59.05);                                   // surface: the plain depth is larger again
+  const contact::StageResult back = at(59.05);                                   // surface: the plain depth is larger again
   EXPECT_NEAR(back.contact.wrench.force.z(), 0.45 * kUnit, 1e-12);
   EXPECT_FALSE(back.held);
 }
 
 TEST(Hold, FadesWithTheWayMovedWhenAPointComesBackElsewhere) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
-  ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}}, kEdge), ContactModelKind::kAdapted, {kStiffness});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  contact::ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}}, kEdge), contact::ContactModelKind::kAdapted,
+                                    {kStiffness});
   const auto at = [&](double x, double z) { return renderer.render({kEdge * Vec3(x, 30.4, z), Quat::Identity()}); };
   at(2.2, 60.1), at(2.2, 59.6), at(2.2, 59.1), at(2.2, 58.9);
   at(1.1, 58.9);                                          // sideways, still inside
-  const StageResult side = at(0.9, 58.9);                 // the side's layer, 0.4 below a voxel's centre's level by chance
+  const contact::StageResult side = at(0.9, 58.9);                 // the side's layer, 0.4 below a voxel's centre's level by chance
   EXPECT_NEAR(side.contact.wrench.force.z(), 0.2 * kUnit, 1e-12);  // 0.4 - 0.2 moved; the plain law has none here
   EXPECT_TRUE(side.held);
   EXPECT_NEAR(at(0.9, 58.9).contact.wrench.force.z(), 0.2 * kUnit, 1e-12);  // resting keeps it
@@ -191,12 +194,12 @@ TEST(Hold, FadesWithTheWayMovedWhenAPointComesBackElsewhere) {
 }
 
 TEST(Hold, ForgetsAPointThatReachesFreeSpaceWhileOthersStay) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
   // The second point lies in the top layer all the while and pushes sideways only.
-  ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}, {kEdge * Vec3(20, 0, 0.5), Vec3::UnitX()}}, kEdge),
-                           ContactModelKind::kOriginal, {kStiffness});
+  contact::ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}, {kEdge * Vec3(20, 0, 0.5), Vec3::UnitX()}}, kEdge),
+                           contact::ContactModelKind::kOriginal, {kStiffness});
   const auto at = [&](double x, double z) { return renderer.render({kEdge * Vec3(x, 30.4, z), Quat::Identity()}); };
-  const auto up = [](const StageResult& r) { return r.contact.wrench.force.z() / kUnit; };
+  const auto up = [](const contact::StageResult& r) { return r.contact.wrench.force.z() / kUnit; };
   at(-1.0, 59.2);  // free
   EXPECT_NEAR(up(at(5.2, 59.2)), 0.3, 1e-12);
   at(5.2, 58.8);
@@ -213,22 +216,22 @@ struct Frame {
   std::uint32_t first_interior = 0;
 };
 
-Vec3 staged_force(ContactStage& stage, const Frame& frame) {
-  HitList hits;
+Vec3 staged_force(contact::ContactStage& stage, const Frame& frame) {
+  contact::HitList hits;
   hits.pose.position = frame.position;
   for (std::uint32_t p = 0; p < frame.surface.size(); ++p)
     hits.surface.push_back({p, Vec3::Zero(), frame.surface[p].normalized(), 0.4 * kEdge * frame.surface[p].normalized()});
   for (std::uint32_t p = 0; p < frame.interior.size(); ++p)
     hits.interior.push_back({frame.first_interior + p, Vec3::Zero(), frame.interior[p].normalized(), Vec3::Zero()});
-  ContactResult plain;
-  make_contact_model(ContactModelKind::kAdapted, {1.0})->evaluate(hits, plain);
+  contact::ContactResult plain;
+  contact::make_contact_model(contact::ContactModelKind::kAdapted, {1.0})->evaluate(hits, plain);
   return stage.apply(hits, plain).contact.wrench.force / kEdge;
 }
 
 TEST(Hold, DropsTheSharedDirectionWithTheContactAndOnReset) {
   const Vec3 slanted(1, 0, 1), left(1, 0, 0), right(-1, 0, 0);
   for (const bool by_reset : {false, true}) {
-    ContactStage stage({8, 0.01, kEdge, 1.0, ContactModelKind::kAdapted});
+    contact::ContactStage stage({8, 0.01, kEdge, 1.0, contact::ContactModelKind::kAdapted});
     staged_force(stage, {{slanted}, {}, {}, 0});
     if (by_reset) {
       stage.reset();
@@ -243,7 +246,7 @@ TEST(Hold, DropsTheSharedDirectionWithTheContactAndOnReset) {
 
 TEST(Hold, DoesNotTurnOverWhenOpposedSurfaceHitsOutnumberTheHeldPoints) {
   const Vec3 up(0, 0, 1), down(0, 0, -1);
-  ContactStage stage({8, 0.01, kEdge, 1.0, ContactModelKind::kAdapted});
+  contact::ContactStage stage({8, 0.01, kEdge, 1.0, contact::ContactModelKind::kAdapted});
   staged_force(stage, {{up, up, up, up, up, up, up, up}, {}, {}, 0});
   EXPECT_NEAR(staged_force(stage, {{}, {up}, Vec3(0, 0, -1e-4), 7}).z(), 0.4, 1e-12);
   const Frame opposed{{down, down, down, down, down, down, down}, {up}, Vec3(0, 0, -2e-4), 7};
@@ -252,29 +255,29 @@ TEST(Hold, DoesNotTurnOverWhenOpposedSurfaceHitsOutnumberTheHeldPoints) {
 
 TEST(Hold, ChangesThePushOfAReturningPointByNoMoreThanStated) {
   // One point that walks at random in and out of a block: down by at most K times the way, up by at most a voxel step.
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {9, 9, 9});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {9, 9, 9});
   const Vec3 normal = Vec3(0.3, -0.4, 0.9).normalized();
-  for (const auto kind : {ContactModelKind::kAdapted, ContactModelKind::kOriginal}) {
-    ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), normal}}, kEdge), kind, {kStiffness});
+  for (const auto kind : {contact::ContactModelKind::kAdapted, contact::ContactModelKind::kOriginal}) {
+    contact::ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), normal}}, kEdge), kind, {kStiffness});
     std::mt19937_64 random(99);
     Vec3 u(5, 5, 11);
-    StageResult last = renderer.render({kEdge * u, Quat::Identity()});
+    contact::StageResult last = renderer.render({kEdge * u, Quat::Identity()});
     int returns = 0, entries = 0;
     for (int n = 0; n < 200000; ++n) {
       Vec3 step(uniform(random, -0.2, 0.2), uniform(random, -0.2, 0.2), uniform(random, -0.2, 0.2));
       step -= 0.02 * (u - Vec3(5, 5, 9)).normalized();
       u += step;
-      const StageResult now = renderer.render({kEdge * u, Quat::Identity()});
+      const contact::StageResult now = renderer.render({kEdge * u, Quat::Identity()});
       const double change = (now.contact.wrench.force.norm() - last.contact.wrench.force.norm()) / kUnit;
       if (last.contact.interior_hits == 1 && now.contact.surface_hits == 1) {
         ++returns;
-        ASSERT_GE(change, -contact_limits::kFadePerMetre * step.norm() - 1e-9);
+        ASSERT_GE(change, -contact::limits::kFadePerMetre * step.norm() - 1e-9);
         ASSERT_LE(change, std::sqrt(0.75));
       }
       if (last.contact.surface_hits == 1 && now.contact.interior_hits == 1) {
         ++entries;
         ASSERT_GE(change, -1e-9);  // going through never takes force away
-        ASSERT_LE(change, contact_limits::kHeldDepthFloorEdges + 1e-9);
+        ASSERT_LE(change, contact::limits::kHeldDepthFloorEdges + 1e-9);
       }
       if (now.contact.interior_hits == 1) {
         ASSERT_GE(now.contact.wrench.force.norm(), 0.2499 * kUnit);
@@ -287,12 +290,12 @@ TEST(Hold, ChangesThePushOfAReturningPointByNoMoreThanStated) {
 }
 
 TEST(Hold, DoesNotPushIntoTheFarWallOfASlotAfterTouchingTheNearOne) {
-  Voxmap voxmap(kGrid, {-20, 0, 0}, {41, 63, 63});
+  voxmap::Voxmap voxmap(kGrid, {-20, 0, 0}, {41, 63, 63});
   add_block(voxmap, {-20, 0, 0}, {0, 63, 63});
   add_block(voxmap, {21, 0, 0}, {41, 63, 63});
   voxmap.finish();
-  for (const auto kind : {ContactModelKind::kAdapted, ContactModelKind::kOriginal}) {
-    ContactRenderer renderer(voxmap, sphere_shell(10.7 * kEdge, kEdge), kind, {kStiffness});
+  for (const auto kind : {contact::ContactModelKind::kAdapted, contact::ContactModelKind::kOriginal}) {
+    contact::ContactRenderer renderer(voxmap, sphere_shell(10.7 * kEdge, kEdge), kind, {kStiffness});
     const auto at = [&](double shift) {
       return renderer.render({kEdge * Vec3(11.0 + shift, 32.137, 31.771), Quat::Identity()});
     };
@@ -300,14 +303,14 @@ TEST(Hold, DoesNotPushIntoTheFarWallOfASlotAfterTouchingTheNearOne) {
     for (double x = 3.0; x > shift; x -= 0.05) at(x);
     // Clear of both walls is impossible here, so the shared direction is that of whichever wall agreed last.
     for (; shift > -3.0; shift -= 0.05) {
-      const StageResult r = at(shift);
+      const contact::StageResult r = at(shift);
       ASSERT_TRUE(r.contact.wrench.finite());
       if (shift < -1.0) {
         EXPECT_GT(r.contact.wrench.force.x(), 0.0) << shift;
       }
     }
     for (; shift < 4.0; shift += 0.05) {
-      const StageResult r = at(shift);
+      const contact::StageResult r = at(shift);
       if (shift > 1.0) {
         EXPECT_LT(r.contact.wrench.force.x(), 0.0) << shift;
       }
@@ -317,26 +320,26 @@ TEST(Hold, DoesNotPushIntoTheFarWallOfASlotAfterTouchingTheNearOne) {
 
 TEST(Hold, TurnsWithTheWallWhenTheToolGoesRoundACurvedOne) {
   const double radius = 30.0;
-  Voxmap voxmap(kGrid, {0, 0, 0}, {71, 71, 71});
+  voxmap::Voxmap voxmap(kGrid, {0, 0, 0}, {71, 71, 71});
   const Vec3 centre(36.1, 35.9, 36.0);
-  for (VoxelIndex v; v.i < 72; ++v.i)
+  for (voxmap::VoxelIndex v; v.i < 72; ++v.i)
     for (v.j = 0; v.j < 72; ++v.j)
       for (v.k = 0; v.k < 72; ++v.k) {
         const Vec3 low = Vec3(v.i, v.j, v.k) - centre, high = low + Vec3::Ones();
         const double far = low.cwiseAbs().cwiseMax(high.cwiseAbs()).norm();
         Vec3 nearest;
         for (int a = 0; a < 3; ++a) nearest[a] = std::max({low[a], -high[a], 0.0});
-        if (nearest.norm() <= radius) voxmap.set(v, far >= radius ? VoxelKind::kSurface : VoxelKind::kInterior);
+        if (nearest.norm() <= radius) voxmap.set(v, far >= radius ? voxmap::VoxelKind::kSurface : voxmap::VoxelKind::kInterior);
       }
   voxmap.finish();
-  ContactRenderer renderer(voxmap, ball(), ContactModelKind::kAdapted, {kStiffness});
+  contact::ContactRenderer renderer(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
   const auto at = [&](double angle, double depth) {
     const Vec3 out(std::sin(angle), 0.0, std::cos(angle));
     return renderer.render({kEdge * (centre + (radius + 10.0 - depth) * out), Quat::Identity()});
   };
   for (double depth = -1.0; depth < 2.5; depth += 0.05) at(0.0, depth);
   for (double angle = 0.0; angle < 2.0 * std::numbers::pi; angle += 0.005) {
-    const StageResult r = at(angle, 2.5);
+    const contact::StageResult r = at(angle, 2.5);
     EXPECT_TRUE(r.held);
     const Vec3 out(std::sin(angle), 0.0, std::cos(angle));
     ASSERT_GT(r.contact.wrench.force.normalized().dot(out), 0.97) << angle;
@@ -344,27 +347,27 @@ TEST(Hold, TurnsWithTheWallWhenTheToolGoesRoundACurvedOne) {
 }
 
 TEST(Stage, LeavesItsMemoryAloneWhenAPoseCannotBeUsed) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
-  ContactRenderer disturbed(voxmap, ball(), ContactModelKind::kAdapted, {kStiffness});
-  ContactRenderer clean(voxmap, ball(), ContactModelKind::kAdapted, {kStiffness});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  contact::ContactRenderer disturbed(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
+  contact::ContactRenderer clean(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
   int n = 0;
   for (double depth = -0.5; depth < 6.0; depth += 0.1, ++n) {
     Pose bad = over(60, depth);
     if (n % 2 == 0) bad.position.y() = std::numeric_limits<double>::quiet_NaN();
     else bad.position.y() = 1e12;
-    const StageResult refused = disturbed.render(bad);
-    EXPECT_EQ(refused.contact.pose_status, n % 2 == 0 ? PoseStatus::kNotAPose : PoseStatus::kOutOfRange);
+    const contact::StageResult refused = disturbed.render(bad);
+    EXPECT_EQ(refused.contact.pose_status, n % 2 == 0 ? contact::PoseStatus::kNotAPose : contact::PoseStatus::kOutOfRange);
     EXPECT_TRUE(refused.contact.wrench.zero());
     EXPECT_FALSE(refused.held || refused.fast);
-    const StageResult a = disturbed.render(over(60, depth)), b = clean.render(over(60, depth));
+    const contact::StageResult a = disturbed.render(over(60, depth)), b = clean.render(over(60, depth));
     EXPECT_TRUE(same_bits(a.contact.wrench, b.contact.wrench));
     EXPECT_EQ(a.fast, b.fast);
   }
 }
 
 TEST(Fast, IsFlaggedOnlyWhenAPointMayHaveMovedMoreThanHalfAVoxel) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
-  ContactRenderer renderer(voxmap, ball(), ContactModelKind::kAdapted, {kStiffness});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  contact::ContactRenderer renderer(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
   const Pose start{Vec3(0.5, 0.5, 0.5), Quat::Identity()};
   const auto after = [&](const Pose& next) {
     renderer.reset();
@@ -389,9 +392,9 @@ TEST(Fast, IsFlaggedOnlyWhenAPointMayHaveMovedMoreThanHalfAVoxel) {
 }
 
 TEST(Fast, MotionBoundHoldsForEveryPoint) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {5, 5, 5});
-  const Pointshell shell = ball();
-  ContactRenderer renderer(voxmap, shell, ContactModelKind::kAdapted, {kStiffness});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {5, 5, 5});
+  const pointshell::Pointshell shell = ball();
+  contact::ContactRenderer renderer(voxmap, shell, contact::ContactModelKind::kAdapted, {kStiffness});
   std::mt19937_64 random(17);
   for (int n = 0; n < 300; ++n) {
     const Pose a{Vec3::Zero(), random_rotation(random)};

@@ -10,8 +10,8 @@ namespace voxtouch::test {
 namespace stiffness_test {
 
 constexpr double kEdge = 0.001, kStiffness = 100.0;
-const Grid kGrid{Vec3::Zero(), kEdge};
-constexpr std::array kBothModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted};
+const voxmap::Grid kGrid{Vec3::Zero(), kEdge};
+constexpr std::array kBothModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted};
 
 Pose moved(const Pose& pose, int axis, double step) {
   Pose out = pose;
@@ -31,10 +31,10 @@ Vec6 as_vector(const Wrench& wrench) {
 
 /// A rotation about `axis` also turns the arms and the directions that the points push along (both go with the tool): that part
 /// of d(wrench)/d(angle), of the size of the wrench itself.
-Vec6 turning_part(const HitList& hits, const ContactResult& result, ContactModelKind model, const Vec3& axis) {
+Vec6 turning_part(const contact::HitList& hits, const contact::ContactResult& result, contact::ContactModelKind model, const Vec3& axis) {
   Wrench out;
-  for (const Hit& hit : hits.surface) {
-    const Vec3 u = model == ContactModelKind::kAdapted && !result.fallback ? result.mean_normal : hit.normal;
+  for (const contact::Hit& hit : hits.surface) {
+    const Vec3 u = model == contact::ContactModelKind::kAdapted && !result.fallback ? result.mean_normal : hit.normal;
     const double depth = u.dot(hit.to_centre);
     if (!(depth > 0.0)) continue;
     const Vec3 turned = axis.cross(u), force = kStiffness * (turned.dot(hit.to_centre) * u + depth * turned);
@@ -44,12 +44,12 @@ Vec6 turning_part(const HitList& hits, const ContactResult& result, ContactModel
   return as_vector(out);
 }
 
-bool same_points(const ContactResult& a, const ContactResult& b, const std::vector<std::uint32_t>& ids_a,
+bool same_points(const contact::ContactResult& a, const contact::ContactResult& b, const std::vector<std::uint32_t>& ids_a,
                  const std::vector<std::uint32_t>& ids_b) {
   return ids_a == ids_b && a.stiffness_bound_n_per_m == b.stiffness_bound_n_per_m;
 }
 
-void expect_sound(const ContactResult& r) {
+void expect_sound(const contact::ContactResult& r) {
   EXPECT_EQ(r.stiffness, r.stiffness.transpose());
   const Eigen::SelfAdjointEigenSolver<Mat6> solver(r.stiffness, Eigen::EigenvaluesOnly);
   EXPECT_GE(solver.eigenvalues()[0], -1e-13 * solver.eigenvalues()[5]);
@@ -57,28 +57,28 @@ void expect_sound(const ContactResult& r) {
 }
 
 TEST(Stiffness, IsWhatTheWrenchDoesUnderTranslationAndRotationWhileTheCollidingSetStays) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {60, 60, 30});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {60, 60, 30});
   std::mt19937_64 random(21);
   for (const auto kind : kBothModels) {
     // Off the tool's origin: a sphere about it has no levers along its own normals.
-    Pointshell shell = sphere_shell(10 * kEdge, kEdge);
+    pointshell::Pointshell shell = sphere_shell(10 * kEdge, kEdge);
     for (double& x : shell.x) x += 7 * kEdge;
-    ContactRenderer renderer(voxmap, shell, kind, {kStiffness});
+    contact::ContactRenderer renderer(voxmap, shell, kind, {kStiffness});
     int compared = 0;
     for (int n = 0; n < 150; ++n) {
       const Quat turn = random_rotation(random);
       const Vec3 middle = kEdge * Vec3(uniform(random, 25, 35), uniform(random, 25, 35), uniform(random, 40.1, 40.6));
       const Pose pose{middle - turn * Vec3(7 * kEdge, 0, 0), turn};
       std::vector<std::uint32_t> ids, ids_of_moved;
-      const ContactResult here = renderer.probe(pose, ids);
-      const HitList hits = renderer.hits();
+      const contact::ContactResult here = renderer.probe(pose, ids);
+      const contact::HitList hits = renderer.hits();
       if (here.stiffness_bound_n_per_m == 0.0) continue;
       expect_sound(here);
       for (int axis = 0; axis < 6; ++axis) {
         const double step = axis < 3 ? 1e-9 : 1e-7;
-        const ContactResult after = renderer.probe(moved(pose, axis, step), ids_of_moved);
+        const contact::ContactResult after = renderer.probe(moved(pose, axis, step), ids_of_moved);
         bool same = same_points(here, after, ids, ids_of_moved);
-        const ContactResult before = renderer.probe(moved(pose, axis, -step), ids_of_moved);
+        const contact::ContactResult before = renderer.probe(moved(pose, axis, -step), ids_of_moved);
         if (!(same = same && same_points(here, before, ids, ids_of_moved))) continue;
         ++compared;
         const Vec6 measured = (as_vector(after.wrench) - as_vector(before.wrench)) / (2.0 * step);
@@ -93,14 +93,14 @@ TEST(Stiffness, IsWhatTheWrenchDoesUnderTranslationAndRotationWhileTheCollidingS
 }
 
 TEST(Stiffness, OfOnePointIsItsDirectionAndItsLever) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {20, 20, 20});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {20, 20, 20});
   for (const auto kind : kBothModels) {
-    ContactRenderer renderer(voxmap, shell_of({{Vec3(0.004, 0, 0), Vec3::UnitZ()}}, kEdge), kind, {500.0});
-    const ContactResult r = renderer.probe({Vec3(0.0063, 0.0102, 0.0202), Quat::Identity()});
+    contact::ContactRenderer renderer(voxmap, shell_of({{Vec3(0.004, 0, 0), Vec3::UnitZ()}}, kEdge), kind, {500.0});
+    const contact::ContactResult r = renderer.probe({Vec3(0.0063, 0.0102, 0.0202), Quat::Identity()});
     Vec6 j;
     j << 0, 0, 1, 0, -0.004, 0;  // arm x u
     EXPECT_LE((r.stiffness - 500.0 * j * j.transpose()).norm(), 1e-12);
-    const ContactResult above = renderer.probe({Vec3(0.0063, 0.0102, 0.0207), Quat::Identity()});
+    const contact::ContactResult above = renderer.probe({Vec3(0.0063, 0.0102, 0.0207), Quat::Identity()});
     ASSERT_EQ(above.surface_hits, 1U);
     EXPECT_TRUE(above.stiffness.isZero(0.0)) << "a point in the layer that does not push";
     EXPECT_TRUE(renderer.probe({Vec3(0, 0, 1), Quat::Identity()}).stiffness.isZero(0.0)) << "free space";
@@ -111,8 +111,8 @@ TEST(Stiffness, OfOnePointIsItsDirectionAndItsLever) {
 TEST(Stiffness, BothSumsAgreeWhereAllPointsPushAlike) {
   std::mt19937_64 random(22);
   const Vec3 m = random_rotation(random) * Vec3::UnitX();
-  StiffnessSum each;
-  CommonDirectionSum common;
+  contact::StiffnessSum each;
+  contact::CommonDirectionSum common;
   EXPECT_TRUE(common.matrix(3.0, m).isZero(0.0));
   for (int n = 0; n < 50; ++n) {
     const Vec3 arm(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
@@ -125,11 +125,11 @@ TEST(Stiffness, BothSumsAgreeWhereAllPointsPushAlike) {
 
 /// Two walls with a slot between them: the ball's coherence passes through the blend.
 TEST(Stiffness, IsWhatTheWrenchDoesInTheStagesBlendToo) {
-  Voxmap voxmap(kGrid, {-8, 0, 0}, {29, 63, 63});
+  voxmap::Voxmap voxmap(kGrid, {-8, 0, 0}, {29, 63, 63});
   add_block(voxmap, {-8, 0, 0}, {0, 63, 63});
   add_block(voxmap, {21, 0, 0}, {29, 63, 63});
   voxmap.finish();
-  ContactRenderer renderer(voxmap, sphere_shell(10.7 * kEdge, kEdge), ContactModelKind::kAdapted, {kStiffness});
+  contact::ContactRenderer renderer(voxmap, sphere_shell(10.7 * kEdge, kEdge), contact::ContactModelKind::kAdapted, {kStiffness});
   const double step = 1e-9;
   int compared = 0;
   for (int n = 0; n < 200; ++n) {
@@ -138,11 +138,11 @@ TEST(Stiffness, IsWhatTheWrenchDoesInTheStagesBlendToo) {
       renderer.reset();
       return renderer.render(p).contact;
     };
-    const ContactResult here = fresh(pose);
+    const contact::ContactResult here = fresh(pose);
     expect_sound(here);
     if (here.coherence <= 0.2 || here.coherence >= 0.5 || here.interior_hits > 0) continue;
     for (int axis = 0; axis < 3; ++axis) {
-      const ContactResult after = fresh(moved(pose, axis, step)), before = fresh(moved(pose, axis, -step));
+      const contact::ContactResult after = fresh(moved(pose, axis, step)), before = fresh(moved(pose, axis, -step));
       if (after.surface_hits != here.surface_hits || before.surface_hits != here.surface_hits ||
           after.stiffness_bound_n_per_m != here.stiffness_bound_n_per_m ||
           before.stiffness_bound_n_per_m != here.stiffness_bound_n_per_m)
@@ -156,13 +156,13 @@ TEST(Stiffness, IsWhatTheWrenchDoesInTheStagesBlendToo) {
 }
 
 TEST(Stiffness, CountsPointsThatHaveGoneThroughAndThoseOnTheirWayBack) {
-  const Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
+  const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
   for (const auto kind : kBothModels) {
-    ContactRenderer renderer(voxmap, sphere_shell(10 * kEdge, kEdge), kind, {kStiffness});
+    contact::ContactRenderer renderer(voxmap, sphere_shell(10 * kEdge, kEdge), kind, {kStiffness});
     int held = 0, free = 0;
     for (int n = 0; n < 600; ++n) {
       const double depth = 0.05 * (n < 300 ? n : 600 - n) - 1.0;
-      const StageResult r = renderer.render({kEdge * Vec3(30.13, 29.77, 70.0 - depth), Quat::Identity()});
+      const contact::StageResult r = renderer.render({kEdge * Vec3(30.13, 29.77, 70.0 - depth), Quat::Identity()});
       expect_sound(r.contact);
       // Every direction is of unit length here, so each point that pushes gives the trace K.
       const double trace = r.contact.stiffness.topLeftCorner<3, 3>().trace();

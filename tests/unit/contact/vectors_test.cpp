@@ -30,9 +30,9 @@ std::string five_digits(double value) {
 
 TEST_P(Vectors, GiveTheSameForcesTorquesCountsAndSets) {
   const VectorMesh dynamic = load_vector_mesh(GetParam().dynamic), fixed = load_vector_mesh(GetParam().fixed);
-  const Pointshell& shell = GetParam().shell == "exact" ? dynamic.exact : dynamic.naive;
-  ContactRenderer original(fixed.voxmap, shell, ContactModelKind::kOriginal, {1.0});
-  ContactRenderer adapted(fixed.voxmap, shell, ContactModelKind::kAdapted, {1.0});
+  const pointshell::Pointshell& shell = GetParam().shell == "exact" ? dynamic.exact : dynamic.naive;
+  contact::ContactRenderer original(fixed.voxmap, shell, contact::ContactModelKind::kOriginal, {1.0});
+  contact::ContactRenderer adapted(fixed.voxmap, shell, contact::ContactModelKind::kAdapted, {1.0});
   double largest = 0.0;
   std::size_t row = 1;
   std::uint32_t fallbacks = 0;
@@ -41,8 +41,8 @@ TEST_P(Vectors, GiveTheSameForcesTorquesCountsAndSets) {
   ASSERT_FALSE(poses.empty());
   for (const VectorPose& p : poses) {
     SCOPED_TRACE(GetParam().file() + " row " + std::to_string(++row));
-    const ContactResult o = original.probe(p.pose);
-    const ContactResult a = adapted.probe(p.pose, ids);
+    const contact::ContactResult o = original.probe(p.pose);
+    const contact::ContactResult a = adapted.probe(p.pose, ids);
     EXPECT_EQ(a.surface_hits, p.surface);
     EXPECT_EQ(a.interior_hits, p.interior);
     EXPECT_EQ(five_digits(a.coherence), p.coherence);
@@ -60,17 +60,17 @@ TEST_P(Vectors, GiveTheSameForcesTorquesCountsAndSets) {
 
 TEST_P(Vectors, GiveTheSameHitsAndForcesWhenTheShellIsPermuted) {
   const VectorMesh dynamic = load_vector_mesh(GetParam().dynamic), fixed = load_vector_mesh(GetParam().fixed);
-  const Pointshell& shell = GetParam().shell == "exact" ? dynamic.exact : dynamic.naive;
+  const pointshell::Pointshell& shell = GetParam().shell == "exact" ? dynamic.exact : dynamic.naive;
   std::vector<std::uint32_t> order(shell.size());
   std::iota(order.begin(), order.end(), 0U);
   std::mt19937_64 random(7);
   for (std::size_t n = order.size(); n > 1; --n) std::swap(order[n - 1], order[random() % n]);
-  for (const auto model : {ContactModelKind::kOriginal, ContactModelKind::kAdapted}) {
-    ContactRenderer one(fixed.voxmap, shell, model, {1.0});
-    ContactRenderer other(fixed.voxmap, reordered(shell, order), model, {1.0});
+  for (const auto model : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
+    contact::ContactRenderer one(fixed.voxmap, shell, model, {1.0});
+    contact::ContactRenderer other(fixed.voxmap, reordered(shell, order), model, {1.0});
     std::vector<std::uint32_t> ids, other_ids;
     for (const VectorPose& p : load_vector_poses(GetParam().file())) {
-      const ContactResult a = one.probe(p.pose, ids), b = other.probe(p.pose, other_ids);
+      const contact::ContactResult a = one.probe(p.pose, ids), b = other.probe(p.pose, other_ids);
       EXPECT_EQ(ids, other_ids);
       EXPECT_LE(worst(a.wrench, b.wrench), 1e-12);
     }

@@ -113,7 +113,7 @@ TEST(VirtualTool, IsTheHandToTheBitInFreeSpace) {
       // After a leap of the test's own the tool follows at its own pace.
       for (int k = 0; k < 40; ++k) rig.frame(hand);
     }
-    const VirtualToolFrame f = rig.frame(hand);
+    const contact::VirtualToolFrame f = rig.frame(hand);
     ASSERT_EQ(f.tool.position, hand.position) << n;
     ASSERT_EQ(f.tool.orientation.coeffs(), hand.orientation.coeffs()) << n;
     ASSERT_TRUE(f.wrench(kStiffness).zero());
@@ -129,7 +129,7 @@ TEST(VirtualTool, FollowsTheHandToTheBitUpToFourVoxelsAFrameOverASurface) {
     ASSERT_TRUE(rig.place({Vec3(-0.04, 0, kBall + 2e-4), Quat::Identity()}));
     for (double x = -0.04; x < 0.04; x += edges * 0.002) {
       const Vec3 hand(x, 0.001, kBall + 2e-4);
-      const VirtualToolFrame f = rig.frame(hand);
+      const contact::VirtualToolFrame f = rig.frame(hand);
       EXPECT_EQ(f.tool.position, hand) << edges << " e a frame";
       EXPECT_EQ(f.share, 1.0);
     }
@@ -140,7 +140,7 @@ TEST(VirtualTool, SaysThatItLagsWhereAFreeHandIsFasterThanAFrameReaches) {
   Rig rig(scene_mesh("plane"), 0.002, ball_shell(0.002));
   ASSERT_TRUE(rig.place({Vec3(-0.04, 0, kBall + 2e-4), Quat::Identity()}));
   const Vec3 hand(0.02, 0, kBall + 2e-4);
-  VirtualToolFrame f = rig.frame(hand);
+  contact::VirtualToolFrame f = rig.frame(hand);
   EXPECT_TRUE(f.lag);
   EXPECT_TRUE(f.wrench(kStiffness).zero());
   EXPECT_LE(f.queries, 8);
@@ -152,7 +152,7 @@ TEST(VirtualTool, SaysThatItLagsWhereAFreeHandIsFasterThanAFrameReaches) {
 TEST(VirtualTool, ShowsAStiffnessOfAtMostTheSprings) {
   Rig rig(scene_mesh("plane"), 0.002, ball_shell(0.002));
   ASSERT_TRUE(rig.place({Vec3(0, 0, kBall + 0.001), Quat::Identity()}));
-  VirtualToolFrame f;
+  contact::VirtualToolFrame f;
   for (int n = 0; n < 100; ++n) f = rig.frame(Vec3(1e-5 * n, 0, kBall + 0.001 - 5e-5 * n));
   const Mat6 k = f.stiffness(kStiffness);
   EXPECT_TRUE(k.isApprox(k.transpose(), 1e-9));
@@ -171,7 +171,7 @@ TEST(VirtualTool, SumsItsPushesToTheSpring) {
   Rig rig(scene_mesh("cup"), 0.002, ball_shell(0.002));
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.05), Quat::Identity()}));
   for (int n = 0; n < 400; ++n) {
-    const VirtualToolFrame f = rig.frame(Vec3(1e-4 * n, 2e-5 * n, 0.05 - 5e-5 * n));
+    const contact::VirtualToolFrame f = rig.frame(Vec3(1e-4 * n, 2e-5 * n, 0.05 - 5e-5 * n));
     if (!f.constrained || f.residual_m > 1e-6) continue;
     const Wrench push = rig.tool.pushes()[0], felt = f.wrench(1.0);
     EXPECT_LT((push.force - felt.force).norm(), 1e-5) << n;
@@ -200,7 +200,7 @@ TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
   for (int k = 0; k < 2000; ++k) ASSERT_EQ(rig.frame(hand, Quat::Identity(), 0.4).tool.position, held) << k;
   EXPECT_LT(std::abs(held.dot(t)), 2e-4);  // it turned a little about the point that sticks
   for (int k = 0; k < 60; ++k) rig.frame(hand + 1e-4 * k * t, Quat::Identity(), 0.4);  // 7.5 mm along: it slides
-  const VirtualToolFrame f = rig.frame(hand + 6e-3 * t, Quat::Identity(), 0.4);
+  const contact::VirtualToolFrame f = rig.frame(hand + 6e-3 * t, Quat::Identity(), 0.4);
   EXPECT_GT(f.tool.position.dot(t), 4e-3);
   const Vec3 force = f.wrench(kStiffness).force;
   EXPECT_NEAR(-force.dot(t) / force.dot(n), 0.4, 1e-3);
@@ -220,7 +220,7 @@ TEST(VirtualToolFriction, HoldsATurnAboutTheNormal) {
   Rig rig(scene_mesh("plane"), 0.001, shell_of(test::box_mesh(Vec3(0.012, 0.012, 0.008)), 0.001));
   const double mu = 0.3, depth = 0.004;
   ASSERT_TRUE(rig.place({Vec3(3e-4, 2e-4, 0.005), Quat::Identity()}));
-  VirtualToolFrame f;
+  contact::VirtualToolFrame f;
   for (int n = 0; n <= 100; ++n) f = rig.frame(Vec3(3e-4, 2e-4, 0.005 - n * (depth + 0.001) / 100), Quat::Identity(), mu);
   const Vec3 at(3e-4, 2e-4, 0.004 - depth);
   double most = 0.0;
@@ -239,11 +239,11 @@ TEST(VirtualToolFriction, HoldsATurnAboutTheNormal) {
 }
 
 TEST(VirtualToolOptions, AreRefusedWhereNothingCanBeRendered) {
-  EXPECT_THROW(VirtualTool({.points = 0, .reach_m = 0.01, .edge_m = 0.001}), std::invalid_argument);
-  EXPECT_THROW(VirtualTool({.points = 9, .reach_m = 0.0, .edge_m = 0.001}), std::invalid_argument);
-  EXPECT_THROW(VirtualTool({.points = 9, .reach_m = 0.01, .edge_m = std::nan("")}), std::invalid_argument);
-  EXPECT_THROW(VirtualTool({.points = 9, .objects = 0, .reach_m = 0.01, .edge_m = 0.001}), std::invalid_argument);
-  EXPECT_THROW(VirtualTool({.points = 9, .reach_m = 0.01, .edge_m = 0.001, .lever_m = -1.0}), std::invalid_argument);
+  EXPECT_THROW(contact::VirtualTool({.points = 0, .reach_m = 0.01, .edge_m = 0.001}), std::invalid_argument);
+  EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.0, .edge_m = 0.001}), std::invalid_argument);
+  EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.01, .edge_m = std::nan("")}), std::invalid_argument);
+  EXPECT_THROW(contact::VirtualTool({.points = 9, .objects = 0, .reach_m = 0.01, .edge_m = 0.001}), std::invalid_argument);
+  EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.01, .edge_m = 0.001, .lever_m = -1.0}), std::invalid_argument);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include "core/coupling/running_coupling.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace coupling_spec_test {
 
 constexpr double kT = 1e-3;
@@ -130,4 +130,4 @@ TEST(CouplingSpec, RefusesARampThatIsNone) {
 }
 
 }  // namespace coupling_spec_test
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

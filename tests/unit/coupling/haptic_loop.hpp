@@ -5,7 +5,7 @@
 
 #include "core/coupling/running_coupling.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 struct LoopDevice {
   double mass_kg = 0.1, damping_ns_per_m = 0.05, friction_n = 0.0;
@@ -88,4 +88,4 @@ inline CouplingInput cylinder(const Vec3& at, double r, double k, bool inside = 
   return in;
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -9,7 +9,7 @@
 #include "core/coupling/running_coupling.hpp"
 #include "core/coupling/tool_motion.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace injected_damping_test {
 
 constexpr double kT = 1e-3;
@@ -209,4 +209,4 @@ TEST(InjectedDamping, HasNoSpikeAfterAJumpAResetOrAGap) {
 }
 
 }  // namespace injected_damping_test
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -2,7 +2,7 @@
 /// A law with its input policy as it runs, where a test asks for nothing else.
 #include "core/coupling/running_coupling.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 
 class LawAlone {
  public:
@@ -25,4 +25,4 @@ class LawAlone {
   CouplingOutput last_;
 };
 
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -7,7 +7,7 @@
 #include "core/coupling/running_coupling.hpp"
 #include "tests/support/heap_count/heap_count.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 TEST(NoAllocation, AStepAResetAndACleanRedesignTakeNothingFromTheHeap) {
@@ -41,4 +41,4 @@ TEST(NoAllocation, AStepAResetAndACleanRedesignTakeNothingFromTheHeap) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

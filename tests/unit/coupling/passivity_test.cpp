@@ -8,7 +8,7 @@
 
 #include "tests/unit/coupling/haptic_loop.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace passivity_test {
 
 constexpr double kT = 1e-3;
@@ -347,4 +347,4 @@ TEST(Passivity, DiffersFromTheTrueEnergyByNoMoreThanTheEncoderHides) {
 }
 
 }  // namespace passivity_test
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

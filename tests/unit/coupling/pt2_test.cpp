@@ -12,7 +12,7 @@
 #include <numbers>
 #include <random>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 nlohmann::json read(const char* name) {
@@ -38,7 +38,7 @@ TEST(Pt2, StepResponsesEqualTheReference) {
   for (const auto& c : reference["cases"]) {
     const double w0 = c["w0"], d = c["d"], gain = c["K"], period = c["T"];
     const auto& plain = c["plain"];
-    Pt2 filter(w0, d, gain);
+    coupling_models::Pt2 filter(w0, d, gain);
     std::int64_t n = -1;
     double y = 0;
     for (std::size_t i = 0; i < plain["step_n"].size(); ++i) {
@@ -60,7 +60,7 @@ TEST(Pt2, ChangingPeriodsEqualTheReference) {
   const auto reference = read("pt2_reference.json");
   int rows = 0;
   for (const auto& c : reference["variable_T"]) {
-    Pt2 filter(c["w0"], c["d"], c["K"]);
+    coupling_models::Pt2 filter(c["w0"], c["d"], c["K"]);
     for (std::size_t i = 0; i < c["T"].size(); ++i, ++rows)
       EXPECT_NEAR(filter.step(c["u"][i], c["T"][i]), c["y"][i].get<double>(), 1e-12) << "w0 " << c["w0"] << " row " << i;
   }
@@ -71,7 +71,7 @@ TEST(Pt2, StepsAndImpulsesOfTheOtherTableAgree) {
   int rows = 0;
   for (const auto& c : read("pt2.json")) {
     const double w0 = 2 * std::numbers::pi * c["f0_Hz"].get<double>();
-    Pt2 step(w0, c["zeta"], c["K"]), impulse(w0, c["zeta"], c["K"]);
+    coupling_models::Pt2 step(w0, c["zeta"], c["K"]), impulse(w0, c["zeta"], c["K"]);
     std::int64_t n = -1;
     double ys = 0, yi = 0;
     for (std::size_t i = 0; i < c["samples"].size(); ++i, ++rows) {
@@ -95,7 +95,7 @@ TEST(Pt2, FrequencyResponseEqualsTheReference) {
     for (const auto& row : c["plain"]["freq_theta_abs_arg"]) {
       const double theta = row[0], magnitude = row[1], phase = row[2];
       if (theta < 0.01) continue;
-      Pt2 filter(w0, d, gain);
+      coupling_models::Pt2 filter(w0, d, gain);
       const int settle = 30'000, window = 1000;
       double worst = 0;
       for (int n = 0; n < settle + window; ++n) {
@@ -111,7 +111,7 @@ TEST(Pt2, FrequencyResponseEqualsTheReference) {
 
 TEST(Pt2, DcGainIsExact) {
   for (const double gain : {1.0, 0.3, 2.0, -2.0}) {
-    Pt2 filter(2 * std::numbers::pi * 5, 1.0, gain);
+    coupling_models::Pt2 filter(2 * std::numbers::pi * 5, 1.0, gain);
     double y = 0;
     for (int n = 0; n < 200'000; ++n) y = filter.step(3.7, 1e-3);
     EXPECT_NEAR(y, gain * 3.7, 4e-15 * std::abs(gain * 3.7));
@@ -123,7 +123,7 @@ TEST(Pt2, ExtremeParametersStayBounded) {
   for (const double turn : {1e-9, 1e-6, 1e-3, 0.5, 3.0, 3.15, 100.0, 1e6, 1e12})
     for (const double d : {1e-9, 1e-3, 0.7, 1.0, 1e3, 1e6})
       for (const double gain : {0.0, 1.0, -2.0, 1e3}) {
-        Pt2 filter(turn / 1e-3, d, gain);
+        coupling_models::Pt2 filter(turn / 1e-3, d, gain);
         double peak = 0;
         for (int n = 0; n < 5000; ++n) {
           const double y = filter.step(1.0, 1e-3);
@@ -136,9 +136,9 @@ TEST(Pt2, ExtremeParametersStayBounded) {
 
 TEST(Pt2, RefusesParametersThatAreNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  Pt2 filter(100, 1, 1);
+  coupling_models::Pt2 filter(100, 1, 1);
   for (int n = 0; n < 10; ++n) filter.step(1, 1e-3);
-  Pt2 untouched = filter;
+  coupling_models::Pt2 untouched = filter;
   for (const double bad : {nan, inf, -inf, 0.0, -1.0}) {
     EXPECT_FALSE(filter.design(bad, 1, 1));
     EXPECT_FALSE(filter.design(100, bad, 1));
@@ -150,7 +150,7 @@ TEST(Pt2, RefusesParametersThatAreNone) {
 
 TEST(Pt2, ResetGoesOnWithoutAJump) {
   for (const double gain : {1.0, 0.25, -3.0, 0.0}) {
-    Pt2 filter(200, 0.7, gain);
+    coupling_models::Pt2 filter(200, 0.7, gain);
     for (int n = 0; n < 50; ++n) filter.step(5, 1e-3);
     filter.reset(1.5);
     if (gain == 0.0) {
@@ -167,7 +167,7 @@ TEST(Pt2, ParametersMayChangeAtEverySample) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> u(0, 1);
   for (int run = 0; run < 20; ++run) {
-    Pt2 filter(300, 0.3, 1.0);
+    coupling_models::Pt2 filter(300, 0.3, 1.0);
     double y = 0, energy = 1.0, largest = 0;
     for (int n = 0; n < 20'000; ++n) {
       const double w0 = 2 * std::numbers::pi * std::pow(10.0, 3.5 * u(random)), d = std::pow(10.0, 3 * u(random) - 2);
@@ -186,7 +186,7 @@ TEST(Pt2, ParametersMayChangeAtEverySample) {
 }
 
 TEST(Pt2, SteadyErrorDoesNotGrowWithTheSteps) {
-  Pt2 filter(31.41592653589793, 1.0, 1.0);
+  coupling_models::Pt2 filter(31.41592653589793, 1.0, 1.0);
   double worst = 0;
   for (std::int64_t n = 0; n < std::max<std::int64_t>(step_limit(), 20'000'000); ++n) {
     const double y = filter.step(1.0, 1e-3);
@@ -198,7 +198,7 @@ TEST(Pt2, SteadyErrorDoesNotGrowWithTheSteps) {
 /// A minute after release the state is exactly zero, and a step costs what it always costs.
 TEST(Pt2, ReleasesToExactlyZeroAndNeverComputesWithDenormals) {
   for (const double gain : {1.0, 0.01, 1000.0}) {
-    Pt2 filter(31.41592653589793, 1.0, gain);
+    coupling_models::Pt2 filter(31.41592653589793, 1.0, gain);
     for (int n = 0; n < 1000; ++n) filter.step(4.0, 1e-3);
     for (int n = 0; n < 60'000; ++n) {
       const double y = filter.step(0.0, 1e-3);
@@ -211,4 +211,4 @@ TEST(Pt2, ReleasesToExactlyZeroAndNeverComputesWithDenormals) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

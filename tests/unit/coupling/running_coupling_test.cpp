@@ -7,7 +7,7 @@
 #include <memory>
 #include <random>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace running_coupling_test {
 
 constexpr double kT = 1e-3;
@@ -293,4 +293,4 @@ TEST(RunningCoupling, StaysWithinTheLimitsWithDampingOnTop) {
 }
 
 }  // namespace running_coupling_test
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -9,7 +9,7 @@
 
 #include "tests/support/heap_count/heap_count.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace {
 
 constexpr double kT = 1e-3;
@@ -37,8 +37,8 @@ LawAlone running(const CouplingSpec& spec, const CouplingLimits& limits = {}) {
 
 TEST(ShapingFilter, FiltersEachComponentAsTheScalarFilterDoes) {
   LawAlone filter = running(filter_spec(5, 1.0, 0.5));
-  std::array<Pt2, 6> scalar;
-  for (Pt2& s : scalar) s = Pt2(2 * std::numbers::pi * 5, 1.0, 0.5);
+  std::array<coupling_models::Pt2, 6> scalar;
+  for (coupling_models::Pt2& s : scalar) s = coupling_models::Pt2(2 * std::numbers::pi * 5, 1.0, 0.5);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> u(-5, 5), t(kT / 5, 5 * kT);
   for (int n = 0; n < 2000; ++n) {
@@ -324,4 +324,4 @@ TEST(Couplings, CountHoldClampAndFadeAlike) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace spring_damper_test {
 
 constexpr double kT = 1e-3;
@@ -113,4 +113,4 @@ TEST(SpringDamper, StandsAnyContactStiffness) {
 }
 
 }  // namespace spring_damper_test
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -9,7 +9,7 @@
 
 #include "core/coupling/running_coupling.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling {
 namespace stiffness_cap_test {
 
 constexpr double kT = 1e-3;
@@ -234,4 +234,4 @@ TEST(StiffnessCap, FallsAtOnceAndRisesOverItsRamp) {
 }
 
 }  // namespace stiffness_cap_test
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling

@@ -12,7 +12,7 @@
 #include "tests/support/coupling_models/pt2.hpp"
 #include "tests/unit/coupling_design/support.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace certificates_test {
 
 using testing::loop_cases;
@@ -66,7 +66,7 @@ TEST(FilterShape, SampledSumsAreThoseOfTheRingsFilter) {
   for (const double d : kRatios) {
     for (const double turn : {2e-3, 0.0314, 0.314, 0.6, 1.5, 3.0}) {
       const double period = 1e-3, w0 = turn / period;
-      Pt2 filter(w0, d, 1.0);
+      coupling_models::Pt2 filter(w0, d, 1.0);
       const int samples = static_cast<int>(60.0 * (d < 1.0 ? 1.0 / d : 2.0 * d) / turn * (1.0 + turn * turn)) + 100;
       double overshoot = 0.0, lag = 0.0;
       for (int i = 0; i < samples; ++i) {
@@ -85,7 +85,7 @@ TEST(FilterShape, BoundForVeryLongResponsesLiesAboveTheSums) {
   for (const double d : {0.005, 0.019, 0.5}) {
     for (const double turn : {9e-4, 0.03, 0.3, 1.5}) {
       if (d == 0.5 && turn > 1e-3) continue;  // summed
-      Pt2 filter(turn / 1e-3, d, 1.0);
+      coupling_models::Pt2 filter(turn / 1e-3, d, 1.0);
       const int samples = static_cast<int>(40.0 / (d * turn) * (1.0 + turn * turn)) + 100;
       double overshoot = 0.0, lag = 0.0;
       for (int i = 0; i < samples; ++i) {
@@ -242,4 +242,4 @@ TEST(LimitCycle, FrictionIsHalfAStepOfTheForce) {
 }
 
 }  // namespace certificates_test
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -9,7 +9,7 @@
 #include "tests/unit/coupling_design/routh.hpp"
 #include "tests/unit/coupling_design/support.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 using testing::controller_of;
@@ -238,4 +238,4 @@ TEST(CriticalStiffness, IsFastEnoughToBeAskedThousandsOfTimes) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

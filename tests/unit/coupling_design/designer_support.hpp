@@ -10,17 +10,17 @@
 
 namespace voxtouch::testing {
 
-inline constexpr HandRange kPen{false, true, 0.02, 0.2, 0.5, 8.0, 20.0, 800.0};
-inline constexpr HandRange kFirmPen{false, false, 0.1, 0.2, 3.0, 8.0, 200.0, 800.0};
-inline constexpr HandRange kArm{false, true, 0.3, 2.0, 3.0, 30.0, 50.0, 600.0};
+inline constexpr coupling::design::HandRange kPen{false, true, 0.02, 0.2, 0.5, 8.0, 20.0, 800.0};
+inline constexpr coupling::design::HandRange kFirmPen{false, false, 0.1, 0.2, 3.0, 8.0, 200.0, 800.0};
+inline constexpr coupling::design::HandRange kArm{false, true, 0.3, 2.0, 3.0, 30.0, 50.0, 600.0};
 /// A wrist's turning: assumed, around the middle that the simulated arm has.
-inline constexpr HandRange kWrist{false, true, 0.003, 0.03, 0.1, 1.0, 1.0, 20.0};
+inline constexpr coupling::design::HandRange kWrist{false, true, 0.003, 0.03, 0.1, 1.0, 1.0, 20.0};
 
 /// A stylus with hardly any damping, as in the published table: 1 ms of period and delay, two samples lost in a row.
-inline DesignProblem stylus() {
-  DesignProblem r;
+inline coupling::design::DesignProblem stylus() {
+  coupling::design::DesignProblem r;
   r.device.name = "stylus";
-  AxisModel& t = r.device.translation;
+  coupling::design::AxisModel& t = r.device.translation;
   t.inertia_min = 0.05, t.inertia_max = 0.1, t.damping = 0.005;
   t.coulomb_friction = 0.04, t.resolution = 0.03e-3, t.max_effort = 8.5;
   r.device.timing = {1e-3, 1e-3, 0.2, 2};
@@ -31,10 +31,10 @@ inline DesignProblem stylus() {
 }
 
 /// A robot arm as a hand controller, as in the published table: 2 ms of delay, 3 ms of lag, 200 N.
-inline DesignProblem robot(double mass_min, double mass_max, double damping) {
-  DesignProblem r;
+inline coupling::design::DesignProblem robot(double mass_min, double mass_max, double damping) {
+  coupling::design::DesignProblem r;
   r.device.name = "robot";
-  AxisModel& t = r.device.translation;
+  coupling::design::AxisModel& t = r.device.translation;
   t.inertia_min = mass_min, t.inertia_max = mass_max, t.damping = damping;
   t.coulomb_friction = 3.0, t.resolution = 20e-6, t.max_effort = 200.0;
   t.effort_bandwidth_hz = 1.0 / (2.0 * std::numbers::pi * 0.003);
@@ -46,8 +46,8 @@ inline DesignProblem robot(double mass_min, double mass_max, double damping) {
 }
 
 /// The figures that the simulated stylus tells about itself.
-inline DesignProblem sim_stylus() {
-  DesignProblem r = stylus();
+inline coupling::design::DesignProblem sim_stylus() {
+  coupling::design::DesignProblem r = stylus();
   r.device.name = "sim-phantom";
   r.device.translation.inertia_min = 0.035, r.device.translation.inertia_max = 0.08;
   r.device.translation.max_stiffness = 800.0;
@@ -57,12 +57,12 @@ inline DesignProblem sim_stylus() {
 }
 
 /// The figures that the simulated arm tells about itself, with its torque.
-inline DesignProblem sim_arm() {
-  DesignProblem r = robot(3.0, 6.0, 30.0);
+inline coupling::design::DesignProblem sim_arm() {
+  coupling::design::DesignProblem r = robot(3.0, 6.0, 30.0);
   r.device.name = "sim-lwr";
   r.device.gives_torque = true;
   r.device.translation.max_effort = 150.0, r.device.translation.max_stiffness = 5000.0;
-  AxisModel& o = r.device.rotation;
+  coupling::design::AxisModel& o = r.device.rotation;
   o.inertia_min = o.inertia_max = 0.1, o.damping = 0.3, o.coulomb_friction = 0.1, o.resolution = 1e-4;
   o.max_effort = 15.0, o.max_stiffness = 300.0, o.effort_bandwidth_hz = r.device.translation.effort_bandwidth_hz;
   r.device.timing.lost_in_a_row = 1;
@@ -74,10 +74,10 @@ inline DesignProblem sim_arm() {
 }
 
 /// Any device of the population of the published validation, any hand, any wish.
-inline DesignProblem random_request(Random& random) {
+inline coupling::design::DesignProblem random_request(Random& random) {
   const bool light = random.chance(0.5);
-  DesignProblem r = light ? stylus() : robot(2.0, 5.0, 20.0);
-  AxisModel& t = r.device.translation;
+  coupling::design::DesignProblem r = light ? stylus() : robot(2.0, 5.0, 20.0);
+  coupling::design::AxisModel& t = r.device.translation;
   t.inertia_min = light ? random.log(0.03, 0.15) : random.log(1.6, 10.0);
   t.inertia_max = t.inertia_min * random.uniform(1.0, 2.5);
   t.damping = light ? random.log(0.003, 1.0) : random.log(6.0, 63.0);
@@ -96,8 +96,8 @@ inline DesignProblem random_request(Random& random) {
   return r;
 }
 
-inline LoopController law_of_translation(const DesignProblem& r, const CouplingSpec& spec) {
-  return voxtouch::controller_of(spec, axis_problems(r)[0], arm_squared(r));
+inline coupling::design::LoopController law_of_translation(const coupling::design::DesignProblem& r, const coupling::CouplingSpec& spec) {
+  return voxtouch::coupling::design::controller_of(spec, coupling::design::axis_problems(r)[0], coupling::design::arm_squared(r));
 }
 
 }  // namespace voxtouch::testing

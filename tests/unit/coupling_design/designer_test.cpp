@@ -18,7 +18,7 @@
 #include "core/coupling/design/loop_table.hpp"
 #include "tests/unit/coupling_design/designer_support.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace designer_test {
 
 using namespace testing;
@@ -761,4 +761,4 @@ TEST(LoopTable, IsWithinAPercentOfTheExactLimit) {
 }
 
 }  // namespace designer_test
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

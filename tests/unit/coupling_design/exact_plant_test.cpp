@@ -7,7 +7,7 @@
 
 #include "tests/support/coupling_models/random.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 struct Case {
@@ -18,7 +18,7 @@ struct Case {
 /// Plants of all kinds: free, held, under- and overdamped, undamped, with and without lag, also a lag on a pole.
 std::vector<Case> cases() {
   std::vector<Case> out;
-  Random random(3);
+  coupling_models::Random random(3);
   for (int i = 0; i < 200; ++i) {
     Case c;
     c.plant.mass = random.log_uniform(0.03, 24.0);
@@ -35,19 +35,19 @@ std::vector<Case> cases() {
 TEST(ExactPlant, KeepsTheEnergyOfAnUndampedHeldDevice) {
   LoopPlant p;
   p.mass = 0.1, p.hand_mass = 0.05, p.hand_stiffness = 800.0;
-  ExactPlant plant(p, 0.0, 0.0);
+  coupling_models::ExactPlant plant(p, 0.0, 0.0);
   plant.set(1e-3, 0.2);
   const double energy = plant.energy();
-  Random random(1);
+  coupling_models::Random random(1);
   for (int i = 0; i < 1'000'000; ++i) plant.advance(random.uniform(0.0, 2e-3), 0.0);
   EXPECT_NEAR(plant.energy() / energy, 1.0, 1e-10);
 }
 
 TEST(ExactPlant, GivesTheSameStateHoweverTheTimeIsCut) {
-  Random random(2);
+  coupling_models::Random random(2);
   for (const Case& c : cases()) {
     for (const double friction : {0.0, 0.3}) {
-      ExactPlant whole(c.plant, friction, c.push), cut(c.plant, friction, c.push);
+      coupling_models::ExactPlant whole(c.plant, friction, c.push), cut(c.plant, friction, c.push);
       for (int i = 0; i < 200; ++i) {
         const double h = random.log_uniform(1e-4, 5e-3), u = random.uniform(-3.0, 3.0);
         whole.advance(h, u);
@@ -88,10 +88,10 @@ Fine runge_kutta(const Case& c, Fine s, double h, double u) {
 }
 
 TEST(ExactPlant, AgreesWithRungeKutta) {
-  Random random(4);
+  coupling_models::Random random(4);
   for (Case c : cases()) {
     c.friction = 0.05;
-    ExactPlant plant(c.plant, c.friction, c.push);
+    coupling_models::ExactPlant plant(c.plant, c.friction, c.push);
     Fine fine{0.0, 50.0, 0.0};  // fast enough not to stop
     plant.set(fine.x, fine.v);
     for (int i = 0; i < 3; ++i) {
@@ -107,10 +107,10 @@ TEST(ExactPlant, AgreesWithRungeKutta) {
 }
 
 TEST(ExactPlant, CountsTheWorkOfTheEffort) {
-  Random random(5);
+  coupling_models::Random random(5);
   for (Case c : cases()) {
     c.plant.damping = c.plant.hand_damping = 0.0;  // so that nothing else takes energy
-    ExactPlant plant(c.plant, 0.0, c.push);
+    coupling_models::ExactPlant plant(c.plant, 0.0, c.push);
     for (int i = 0; i < 100; ++i) plant.advance(random.uniform(0, 4e-3), random.uniform(-3, 3));
     const double gained = plant.energy() - c.push * plant.position();
     EXPECT_NEAR(plant.work(), gained, 1e-9 * (1.0 + plant.energy()));
@@ -120,7 +120,7 @@ TEST(ExactPlant, CountsTheWorkOfTheEffort) {
 TEST(ExactPlant, RestsUnderLessThanItsFrictionToTheBit) {
   LoopPlant p;
   p.mass = 5.0, p.damping = 30.0, p.hand_stiffness = 200.0, p.effort_lag_s = 3e-3;
-  ExactPlant plant(p, 3.0, 0.0);
+  coupling_models::ExactPlant plant(p, 3.0, 0.0);
   plant.set(0.004, 0.0);  // the spring pulls with 0.8
   for (int i = 0; i < 1000; ++i) plant.advance(1e-3, i % 2 != 0 ? 3.7 : -2.1);
   EXPECT_EQ(plant.position(), 0.004);
@@ -130,7 +130,7 @@ TEST(ExactPlant, RestsUnderLessThanItsFrictionToTheBit) {
 TEST(ExactPlant, SlipsWhenTheEffortExceedsItsFriction) {
   LoopPlant p;
   p.mass = 2.0, p.effort_lag_s = 4e-3;
-  ExactPlant plant(p, 3.0, 0.0);
+  coupling_models::ExactPlant plant(p, 3.0, 0.0);
   const double slip = 4e-3 * std::log(2.0);  // 6 (1 - exp(-t/lag)) = 3
   plant.advance(slip * 0.999999, 6.0);
   EXPECT_EQ(plant.position(), 0.0);
@@ -141,7 +141,7 @@ TEST(ExactPlant, SlipsWhenTheEffortExceedsItsFriction) {
 TEST(ExactPlant, FrictionTakesItsForceTimesTheWayAndNoMore) {
   LoopPlant p;
   p.mass = 0.2;
-  ExactPlant plant(p, 0.5, 0.0);
+  coupling_models::ExactPlant plant(p, 0.5, 0.0);
   plant.set(0.0, 1.0);
   for (int i = 0; i < 1000; ++i) plant.advance(1e-3, 0.0);
   EXPECT_EQ(plant.speed(), 0.0);
@@ -151,7 +151,7 @@ TEST(ExactPlant, FrictionTakesItsForceTimesTheWayAndNoMore) {
 TEST(ExactPlant, AHeldBodyWithFrictionSwingsOutAsTheTextbookSays) {
   LoopPlant p;
   p.mass = 1.0, p.hand_stiffness = 100.0;
-  ExactPlant plant(p, 1.0, 0.0);  // 2 F_c / k = 20 mm lost each half swing
+  coupling_models::ExactPlant plant(p, 1.0, 0.0);  // 2 F_c / k = 20 mm lost each half swing
   plant.set(0.095, 0.0);
   std::vector<double> turns;
   double last = plant.position();
@@ -171,4 +171,4 @@ TEST(ExactPlant, AHeldBodyWithFrictionSwingsOutAsTheTextbookSays) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -10,7 +10,7 @@
 #include "core/coupling/design/sampled_plant.hpp"
 #include "tests/unit/coupling_design/support.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 using testing::Random;
@@ -158,4 +158,4 @@ TEST(Llewellyn, NoPassiveHandAndWorldAreUnstableWithItAndSomeAreWithLess) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
@@ -115,4 +115,4 @@ TEST(LoopParts, NameEveryImpossibleNumberOfAHand) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -11,13 +11,13 @@
 
 #include "tests/support/coupling_models/loop_law.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
 struct Row {
-  NonlinearLoop loop;
+  coupling_models::NonlinearLoop loop;
   double radius, critical, frequency;
   std::string note;
 };
@@ -35,7 +35,7 @@ std::vector<Row> rows() {
     k.w0_rad_per_s = number("w0"), k.damping_ratio = number("d"), k.gain = number("K");
     k.injected_damping = number("B_inj"), k.velocity_filter_rad_per_s = number("w_v");
     row.loop.contact_stiffness = number("k");
-    row.loop.wall = WallLaw::kBilateral;
+    row.loop.wall = coupling_models::WallLaw::kBilateral;
     row.loop.start_speed = 1e-15;  // linear: any scale, and what grows by exp(32) stays a number
     row.radius = number("spectral_radius"), row.critical = number("k_crit"), row.frequency = number("omega_crit");
     row.note = c.at("note").get<std::string>();
@@ -45,9 +45,9 @@ std::vector<Row> rows() {
 }
 
 /// Runs for 4 quarters of `samples` each, exactly.
-NonlinearVerdict run_quarters(NonlinearLoop loop, double samples) {
+coupling_models::NonlinearVerdict run_quarters(coupling_models::NonlinearLoop loop, double samples) {
   loop.duration_s = loop.longest_s = 4.0 * samples * loop.plant.period_s;
-  return simulate(loop);
+  return coupling_models::simulate(loop);
 }
 
 TEST(NonlinearLoop, GrowsAndDecaysAsTheEigenvaluesSayWhereItIsLinear) {
@@ -56,7 +56,7 @@ TEST(NonlinearLoop, GrowsAndDecaysAsTheEigenvaluesSayWhereItIsLinear) {
     const double rate = std::log(row.radius);
     // Long enough for the other eigenvalues to fade; the slowest rows have them far away.
     const double samples = std::ceil((std::abs(rate) > 1e-4 ? 8.0 : 1.5) / std::abs(rate));
-    const NonlinearVerdict v = run_quarters(row.loop, samples);
+    const coupling_models::NonlinearVerdict v = run_quarters(row.loop, samples);
     const double measured = std::log(v.late_amplitude / v.early_amplitude) / samples;
     // A quarter may begin anywhere in a swing, which is worth the growth of up to half a swing.
     const double half_swing = kPi / (row.frequency * row.loop.plant.period_s);
@@ -73,31 +73,31 @@ TEST(NonlinearLoop, BecomesUnstableAtTheCriticalStiffness) {
     if (critical < 2.0) continue;  // a released Phantom at 5 Hz changes by 1e-7 a sample there
     for (const double factor : {0.98, 1.02}) {
       row.loop.contact_stiffness = factor * critical;
-      const NonlinearVerdict v = run_quarters(row.loop, 50'000);
-      const bool grows = v.outcome == LoopOutcome::kRunaway || v.late_amplitude > v.early_amplitude;
+      const coupling_models::NonlinearVerdict v = run_quarters(row.loop, 50'000);
+      const bool grows = v.outcome == coupling_models::LoopOutcome::kRunaway || v.late_amplitude > v.early_amplitude;
       EXPECT_EQ(grows, factor > 1.0) << row.note << " at " << factor << " of " << critical;
     }
   }
 }
 
 TEST(NonlinearLoop, SpringDamperShowsTwoSpringsInARow) {
-  NonlinearLoop loop;
+  coupling_models::NonlinearLoop loop;
   loop.plant = {0.1, 5.0, 0, 0, 0, 1e-3, 0, 0};
   loop.controller.law = LoopController::Law::kSpringDamper;
   loop.controller.stiffness = 300.0, loop.controller.damping = 1.0;
   loop.contact_stiffness = 600.0;
   loop.push = 1.0;
-  for (const WallLaw wall : {WallLaw::kBilateral, WallLaw::kUnilateral}) {
+  for (const coupling_models::WallLaw wall : {coupling_models::WallLaw::kBilateral, coupling_models::WallLaw::kUnilateral}) {
     loop.wall = wall;
-    const NonlinearVerdict v = simulate(loop);
+    const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
     EXPECT_TRUE(v.stable);
     EXPECT_NEAR(v.end_position, 1.0 / 200.0, 1e-6);
   }
 }
 
 /// The paper's recipe on a robot of 5 kg and 30 Ns/m before a wall of 2000 N/m.
-NonlinearLoop literal_recipe() {
-  NonlinearLoop loop;
+coupling_models::NonlinearLoop literal_recipe() {
+  coupling_models::NonlinearLoop loop;
   loop.plant = {5.0, 30.0, 0.0, 0.0, 0.0, 1e-3, 2e-3, 3e-3};
   loop.controller.w0_rad_per_s = 10.0 * kPi, loop.controller.damping_ratio = 1.0;
   loop.contact_stiffness = 2000.0;
@@ -108,73 +108,73 @@ NonlinearLoop literal_recipe() {
 }
 
 TEST(NonlinearLoop, TheLiteralRecipeOscillatesOnARobotWithoutFriction) {
-  const NonlinearVerdict v = simulate(literal_recipe());
+  const coupling_models::NonlinearVerdict v = coupling_models::simulate(literal_recipe());
   EXPECT_FALSE(v.stable);
   EXPECT_NEAR(v.late_amplitude, 0.048, 0.003);
   EXPECT_GT(v.energy_extracted_j, 0.1);
 }
 
 TEST(NonlinearLoop, ThreeNewtonsOfFrictionMakeTheLiteralRecipeQuiet) {
-  NonlinearLoop loop = literal_recipe();
+  coupling_models::NonlinearLoop loop = literal_recipe();
   loop.coulomb_friction = 3.0;
-  const NonlinearVerdict v = simulate(loop);
+  const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
   EXPECT_TRUE(v.stable);
-  EXPECT_EQ(v.outcome, LoopOutcome::kRest);
+  EXPECT_EQ(v.outcome, coupling_models::LoopOutcome::kRest);
   EXPECT_LE(v.late_amplitude, loop.resolution);
 }
 
 TEST(NonlinearLoop, TellsASlowDecayFromAnOscillation) {
-  NonlinearLoop loop;  // a bilateral wall at 0.9 of the limit, first looked at for much less than it takes
+  coupling_models::NonlinearLoop loop;  // a bilateral wall at 0.9 of the limit, first looked at for much less than it takes
   loop.plant = {0.1, 0.05, 0, 0, 0, 1e-3, 1e-3, 0};
   loop.controller.w0_rad_per_s = 10.0 * kPi, loop.controller.damping_ratio = 0.707;
-  loop.wall = WallLaw::kUnilateral;
+  loop.wall = coupling_models::WallLaw::kUnilateral;
   loop.push = 0.01, loop.start_speed = 0.01;
   loop.longest_s = 1280.0;
   for (const double duration : {10.0, 20.0, 40.0, 80.0, 160.0}) {
     loop.duration_s = duration;
     loop.contact_stiffness = 0.9 * 1.07556384;
-    EXPECT_TRUE(simulate(loop).stable) << duration;
+    EXPECT_TRUE(coupling_models::simulate(loop).stable) << duration;
     loop.contact_stiffness = 1.1 * 1.07556384;
-    EXPECT_FALSE(simulate(loop).stable) << duration;
+    EXPECT_FALSE(coupling_models::simulate(loop).stable) << duration;
   }
 }
 
 TEST(NonlinearLoop, GoesOnUntilASlowDecayHasComeToRest) {
-  NonlinearLoop loop;
+  coupling_models::NonlinearLoop loop;
   loop.plant = {0.1, 0.05, 0, 0, 0, 1e-3, 1e-3, 0};
   loop.controller.w0_rad_per_s = 10.0 * kPi, loop.controller.damping_ratio = 0.707;
   loop.push = 0.01, loop.start_speed = 0.01;
   loop.contact_stiffness = 0.5 * 1.07556384;
   loop.duration_s = 5.0, loop.longest_s = 1280.0;
-  const NonlinearVerdict v = simulate(loop);
-  EXPECT_EQ(v.outcome, LoopOutcome::kRest);
+  const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
+  EXPECT_EQ(v.outcome, coupling_models::LoopOutcome::kRest);
   EXPECT_GT(v.simulated_s, 30.0);
   EXPECT_LT(v.simulated_s, 400.0);
 }
 
 TEST(NonlinearLoop, CallsAJitteredLimitCycleWhatItIs) {
-  NonlinearLoop loop = literal_recipe();
+  coupling_models::NonlinearLoop loop = literal_recipe();
   loop.jitter = 0.2, loop.loss = 0.03, loop.delay_jitter_s = 1e-3;
   for (loop.seed = 0; loop.seed < 20; ++loop.seed) {
-    const NonlinearVerdict v = simulate(loop);
+    const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
     EXPECT_FALSE(v.stable);
-    EXPECT_EQ(v.outcome, LoopOutcome::kSustained);
+    EXPECT_EQ(v.outcome, coupling_models::LoopOutcome::kSustained);
   }
 }
 
 TEST(NonlinearLoop, RunsAwayBeforeABilateralWallThatIsTooStiff) {
-  NonlinearLoop loop = literal_recipe();
-  loop.wall = WallLaw::kBilateral;
-  const NonlinearVerdict v = simulate(loop);
-  EXPECT_EQ(v.outcome, LoopOutcome::kRunaway);
+  coupling_models::NonlinearLoop loop = literal_recipe();
+  loop.wall = coupling_models::WallLaw::kBilateral;
+  const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
+  EXPECT_EQ(v.outcome, coupling_models::LoopOutcome::kRunaway);
   EXPECT_FALSE(v.stable);
 }
 
 TEST(NonlinearLoop, DoesWithJitterLossAndDelayWhatIsAsked) {
-  NonlinearLoop loop = literal_recipe();
+  coupling_models::NonlinearLoop loop = literal_recipe();
   loop.jitter = 0.2, loop.loss = 0.05, loop.most_lost_in_a_row = 2, loop.delay_jitter_s = 2.5e-3;
   loop.duration_s = loop.longest_s = 400.0;
-  const LoopStatistics s = simulate(loop).statistics;
+  const coupling_models::LoopStatistics s = coupling_models::simulate(loop).statistics;
   EXPECT_EQ(s.samples, 400'000u);
   EXPECT_NEAR(s.period_mean, 1e-3, 2e-6);
   EXPECT_NEAR(s.period_min, 0.8e-3, 1e-8);
@@ -187,7 +187,7 @@ TEST(NonlinearLoop, DoesWithJitterLossAndDelayWhatIsAsked) {
 }
 
 TEST(NonlinearLoop, IsPunctualWithoutJitter) {
-  const LoopStatistics s = simulate(literal_recipe()).statistics;
+  const coupling_models::LoopStatistics s = coupling_models::simulate(literal_recipe()).statistics;
   EXPECT_EQ(s.lost, 0u);
   EXPECT_EQ(s.overtaken, 0u);
   EXPECT_EQ(s.period_min, 1e-3);
@@ -195,23 +195,24 @@ TEST(NonlinearLoop, IsPunctualWithoutJitter) {
 }
 
 TEST(NonlinearLoop, GivesTheSameBitsForTheSameSeedOnly) {
-  NonlinearLoop loop = literal_recipe();
+  coupling_models::NonlinearLoop loop = literal_recipe();
   loop.jitter = 0.2, loop.loss = 0.02, loop.delay_jitter_s = 1e-3, loop.coulomb_friction = 0.2, loop.seed = 9;
-  const NonlinearVerdict a = simulate(loop), b = simulate(loop);
+  const coupling_models::NonlinearVerdict a = coupling_models::simulate(loop), b = coupling_models::simulate(loop);
   EXPECT_EQ(std::bit_cast<std::uint64_t>(a.late_amplitude), std::bit_cast<std::uint64_t>(b.late_amplitude));
   EXPECT_EQ(std::bit_cast<std::uint64_t>(a.energy_extracted_j), std::bit_cast<std::uint64_t>(b.energy_extracted_j));
   EXPECT_EQ(std::bit_cast<std::uint64_t>(a.end_position), std::bit_cast<std::uint64_t>(b.end_position));
   loop.seed = 10;
-  EXPECT_NE(simulate(loop).energy_extracted_j, a.energy_extracted_j);
+  EXPECT_NE(coupling_models::simulate(loop).energy_extracted_j, a.energy_extracted_j);
 }
 
 TEST(NonlinearLoop, WallsAreMonotoneWithSlopesUpToTheStiffnessAndOnlyPush) {
   const double k = 500.0, knee = 1e-3, step = 1e-5;
-  for (const WallLaw law : {WallLaw::kUnilateral, WallLaw::kSoftening, WallLaw::kHardening}) {
+  for (const coupling_models::WallLaw law :
+       {coupling_models::WallLaw::kUnilateral, coupling_models::WallLaw::kSoftening, coupling_models::WallLaw::kHardening}) {
     double steepest = 0.0;
     for (int i = -300; i < 300; ++i) {
-      const double here = wall_effort(law, k, knee, step * i),
-                   slope = (wall_effort(law, k, knee, step * (i + 1)) - here) / step;
+      const double here = coupling_models::wall_effort(law, k, knee, step * i),
+                   slope = (coupling_models::wall_effort(law, k, knee, step * (i + 1)) - here) / step;
       EXPECT_GE(here, 0.0);
       EXPECT_GE(slope, i < 0 ? 0.0 : 0.299 * k);
       if (i < 0) {
@@ -221,34 +222,34 @@ TEST(NonlinearLoop, WallsAreMonotoneWithSlopesUpToTheStiffnessAndOnlyPush) {
     }
     EXPECT_NEAR(steepest, k, 1e-6 * k);
   }
-  EXPECT_NEAR(wall_effort(WallLaw::kSoftening, k, knee, 3e-3), k * 1.6e-3, 1e-12);
-  EXPECT_NEAR(wall_effort(WallLaw::kHardening, k, knee, 3e-3), k * 2.3e-3, 1e-12);
-  EXPECT_EQ(wall_effort(WallLaw::kBilateral, k, knee, -2e-3), -1.0);
+  EXPECT_NEAR(coupling_models::wall_effort(coupling_models::WallLaw::kSoftening, k, knee, 3e-3), k * 1.6e-3, 1e-12);
+  EXPECT_NEAR(coupling_models::wall_effort(coupling_models::WallLaw::kHardening, k, knee, 3e-3), k * 2.3e-3, 1e-12);
+  EXPECT_EQ(coupling_models::wall_effort(coupling_models::WallLaw::kBilateral, k, knee, -2e-3), -1.0);
 }
 
 TEST(NonlinearLoop, DampingInContactNeverPulls) {
-  NonlinearLoop loop;
+  coupling_models::NonlinearLoop loop;
   loop.plant = {0.1, 0.05, 0, 0, 0, 1e-3, 1e-3, 0};
   loop.controller.w0_rad_per_s = 2.0 * kPi * 60.0, loop.controller.damping_ratio = 0.707;
   loop.controller.injected_damping = 5.0, loop.controller.velocity_filter_rad_per_s = 628.0;
   loop.contact_stiffness = 200.0;
   loop.start_position = 0.005, loop.start_speed = -0.5;  // torn out of the wall: the damping would hold it back
   loop.duration_s = loop.longest_s = 0.2;
-  const NonlinearVerdict pulled = simulate(loop);
+  const coupling_models::NonlinearVerdict pulled = coupling_models::simulate(loop);
   loop.damping_only_in_contact = true;
-  const NonlinearVerdict let_go = simulate(loop);
+  const coupling_models::NonlinearVerdict let_go = coupling_models::simulate(loop);
   EXPECT_LT(let_go.end_position, pulled.end_position - 1e-3);
   EXPECT_LE(let_go.energy_extracted_j, 0.5 * 200.0 * 0.005 * 0.005 * 1.01);
 }
 
 TEST(NonlinearLoop, TheLawPushesOnlyHoweverFastTheDeviceIsTornOut) {
-  NonlinearLoop loop;
+  coupling_models::NonlinearLoop loop;
   loop.plant.period_s = 1e-3;
   loop.controller.w0_rad_per_s = 2.0 * kPi * 60.0,
   loop.controller.damping_ratio = 1.0;  // below 1 the filter itself swings over
   loop.controller.injected_damping = 5.0, loop.controller.velocity_filter_rad_per_s = 628.0;
   loop.damping_only_in_contact = true;
-  LoopLaw law(loop);
+  coupling_models::LoopLaw law(loop);
   double strongest = 0.0;
   for (int i = 0; i < 100; ++i) strongest = std::min(strongest, law.step(0.01 * i / 100.0, 200.0, 1e-3));
   EXPECT_LT(strongest, -1.0);
@@ -256,22 +257,22 @@ TEST(NonlinearLoop, TheLawPushesOnlyHoweverFastTheDeviceIsTornOut) {
 }
 
 TEST(NonlinearLoop, FindsTheLimitThatTheLinearModelHas) {
-  NonlinearLoop loop = literal_recipe();
-  loop.wall = WallLaw::kBilateral, loop.resolution = 0.0;
-  EXPECT_NEAR(simulated_limit(loop, 100.0, 1e5, 0.01), 508.99, 8.0);
+  coupling_models::NonlinearLoop loop = literal_recipe();
+  loop.wall = coupling_models::WallLaw::kBilateral, loop.resolution = 0.0;
+  EXPECT_NEAR(coupling_models::simulated_limit(loop, 100.0, 1e5, 0.01), 508.99, 8.0);
 }
 
 TEST(NonlinearLoop, RefusesNumbersThatItCannotRun) {
-  NonlinearLoop loop = literal_recipe();
+  coupling_models::NonlinearLoop loop = literal_recipe();
   loop.jitter = 1.0;
-  EXPECT_THROW(simulate(loop), std::invalid_argument);
+  EXPECT_THROW(coupling_models::simulate(loop), std::invalid_argument);
   loop = literal_recipe(), loop.plant.mass = 0.0;
-  EXPECT_THROW(simulate(loop), std::invalid_argument);
+  EXPECT_THROW(coupling_models::simulate(loop), std::invalid_argument);
   loop = literal_recipe(), loop.plant.delay_s = 1.0;
-  EXPECT_THROW(simulate(loop), std::invalid_argument);
+  EXPECT_THROW(coupling_models::simulate(loop), std::invalid_argument);
   loop = literal_recipe(), loop.plant.damping = NAN;
-  EXPECT_THROW(simulate(loop), std::invalid_argument);
+  EXPECT_THROW(coupling_models::simulate(loop), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -11,7 +11,7 @@
 #include "tests/unit/coupling_design/routh.hpp"
 #include "tests/unit/coupling_design/support.hpp"
 
-namespace voxtouch {
+namespace voxtouch::coupling::design {
 namespace sampled_loop_test {
 
 using testing::controller_of;
@@ -111,7 +111,7 @@ TEST(SampledLoop, RadiusIsTheGrowthOfALoopWithTheRingsOwnFilter) {
     const LoopPlant p = plant_of(c);
     for (const double share : {0.98, 1.02}) {  // near the limit one slow oscillation outlives the rest
       const double k = share * c["k_crit"].get<double>();
-      Pt2 filter(c["w0"], c["d"], c["K"]);
+      coupling_models::Pt2 filter(c["w0"], c["d"], c["K"]);
       const double grown = growth(p, k, [&](double f) { return filter.step(f, p.period_s); });
       EXPECT_NEAR(grown, spectral_radius(p, controller_of(c), k), 3e-7) << c["note"] << " share " << share;
     }
@@ -204,4 +204,4 @@ TEST(SampledLoop, RefusesWhatIsNoLoop) {
 }
 
 }  // namespace sampled_loop_test
-}  // namespace voxtouch
+}  // namespace voxtouch::coupling::design

@@ -19,7 +19,7 @@ inline nlohmann::json loop_cases() {
   return nlohmann::json::parse(in)["cases"];
 }
 
-inline LoopPlant plant_of(const nlohmann::json& c) {
+inline coupling::design::LoopPlant plant_of(const nlohmann::json& c) {
   return {.mass = c["m"],
           .damping = c["b"],
           .hand_mass = c["m_h"],
@@ -30,7 +30,7 @@ inline LoopPlant plant_of(const nlohmann::json& c) {
           .effort_lag_s = c["force_lag"]};
 }
 
-inline LoopController controller_of(const nlohmann::json& c) {
+inline coupling::design::LoopController controller_of(const nlohmann::json& c) {
   return {.w0_rad_per_s = c["w0"],
           .damping_ratio = c["d"],
           .gain = c["K"],
@@ -54,8 +54,8 @@ class Random {
 };
 
 /// Devices from a small stylus to a heavy arm, held by anyone or nobody, with delay and lag.
-inline LoopPlant random_plant(Random& random, bool released) {
-  LoopPlant p;
+inline coupling::design::LoopPlant random_plant(Random& random, bool released) {
+  coupling::design::LoopPlant p;
   p.mass = random.log(0.03, 24.0);
   p.damping = random.log(0.003, 60.0);
   p.period_s = random.log(0.25e-3, 4e-3);
@@ -69,9 +69,9 @@ inline LoopPlant random_plant(Random& random, bool released) {
   return p;
 }
 
-inline LoopController random_filter(Random& random) {
+inline coupling::design::LoopController random_filter(Random& random) {
   constexpr double kRatios[] = {0.2, 0.577, 0.707, 0.866, 1.0, 2.0};
-  LoopController c;
+  coupling::design::LoopController c;
   c.w0_rad_per_s = 2.0 * std::numbers::pi * random.log(1.0, 200.0);
   c.damping_ratio = kRatios[random.below(6)];
   return c;

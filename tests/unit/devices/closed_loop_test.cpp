@@ -12,7 +12,7 @@
 #include "devices/force_guard.hpp"
 #include "devices/sim/simulated_device.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
 using std::chrono::microseconds;
@@ -42,19 +42,19 @@ struct LinearCase {
 
 /// Amplitude late in the run over the amplitude in its middle.
 double growth(const LinearCase& c, double k, double run_s) {
-  SimParameters p;
+  sim::SimParameters p;
   p.description.rate_hz = 1.0 / c.period;
   p.description.max_force_n = 1e9;
   p.description.damping_ns_per_m = c.b;
   p.description.delay_s = c.delay;
   p.description.force_bandwidth_hz = c.lag > 0.0 ? 1.0 / (2.0 * std::numbers::pi * c.lag) : kInf;
   p.mass_kg = Vec3::Constant(c.m);
-  OperatorConfig hand;
+  sim::OperatorConfig hand;
   hand.mass_kg = c.m_h, hand.damping_ns_per_m = c.b_h, hand.stiffness_n_per_m = c.k_h;
   hand.released = c.k_h == 0.0;
   Motion motion;
   motion.path.push_back(Vec3::Zero());
-  SimulatedDevice device(p, hand, motion);
+  sim::SimulatedDevice device(p, hand, motion);
   Pt2 filter{c.w0, c.d, c.gain, c.period};
   double middle = 0.0, late = 0.0;
   const int periods = static_cast<int>(run_s / c.period);
@@ -95,10 +95,10 @@ struct WallResult {
   double mean_n = 0.0;
 };
 
-WallResult press_wall(const SimParameters& p, const OperatorConfig& hand, double k, double into_m, double seconds = 5.0) {
+WallResult press_wall(const sim::SimParameters& p, const sim::OperatorConfig& hand, double k, double into_m, double seconds = 5.0) {
   Motion motion;
   motion.path = {Vec3(0.02, 0, 0), Vec3(-into_m, 0, 0)};  // the wall fills x < 0
-  SimulatedDevice device(p, hand, motion);
+  sim::SimulatedDevice device(p, hand, motion);
   ForceGuard guard(guard_config(p.description));
   const double period = 1.0 / p.description.rate_hz;
   Pt2 filter{2 * std::numbers::pi * 100, std::numbers::sqrt2 / 2, 1.0, period};
@@ -116,10 +116,10 @@ WallResult press_wall(const SimParameters& p, const OperatorConfig& hand, double
   return {high - low, sum / last_second};
 }
 
-bool quiet(const SimParameters& p, const WallResult& r) { return r.ripple_n <= 0.02 * p.description.max_force_n; }
+bool quiet(const sim::SimParameters& p, const WallResult& r) { return r.ripple_n <= 0.02 * p.description.max_force_n; }
 
 TEST(ClosedLoop, PhantomInAPenGripRestsOnAWall) {
-  const SimParameters p = sim_phantom();
+  const sim::SimParameters p = sim::sim_phantom();
   for (double k : {300.0, 400.0}) {
     const WallResult r = press_wall(p, p.hand, k, 0.01);
     EXPECT_TRUE(quiet(p, r)) << k << " N/m ripples by " << r.ripple_n << " N";
@@ -128,20 +128,20 @@ TEST(ClosedLoop, PhantomInAPenGripRestsOnAWall) {
 }
 
 TEST(ClosedLoop, LwrHeldByAnArmRestsOnAWall) {
-  const SimParameters p = sim_lwr();
+  const sim::SimParameters p = sim::sim_lwr();
   const WallResult r = press_wall(p, p.hand, 1500.0, 0.05);
   EXPECT_TRUE(quiet(p, r)) << r.ripple_n << " N";
   EXPECT_NEAR(r.mean_n, 1500.0 * 200.0 / 1700.0 * 0.05, 3.1);
 }
 
 TEST(ClosedLoop, AWallThatIsTooStiffDoesNotRest) {
-  const SimParameters p = sim_phantom();
-  OperatorConfig light = p.hand;
+  const sim::SimParameters p = sim::sim_phantom();
+  sim::OperatorConfig light = p.hand;
   light.mass_kg = 0.02, light.damping_ns_per_m = 0.5, light.stiffness_n_per_m = 20.0;
   EXPECT_FALSE(quiet(p, press_wall(p, light, 5000.0, 0.01)));
-  const SimParameters robot = sim_lwr();
+  const sim::SimParameters robot = sim::sim_lwr();
   EXPECT_FALSE(quiet(robot, press_wall(robot, robot.hand, 30'000.0, 0.05)));
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
 constexpr std::uint64_t kMine = 77, kNewest = 1000, kAnna = 1, kBert = 2;
@@ -43,4 +43,4 @@ TEST(Gate, RefusesAnswersToSamplesThatDoNotExistYet) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -4,7 +4,7 @@
 
 #include "devices/registry.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -41,4 +41,4 @@ TEST(Description, IsRefusedForEachNumberThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -7,7 +7,7 @@
 
 #include "devices/limits.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace force_guard_test {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -333,4 +333,4 @@ TEST(GuardConfig, NamesTheFieldThatIsWrong) {
 }
 
 }  // namespace force_guard_test
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

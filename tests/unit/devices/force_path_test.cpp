@@ -7,7 +7,7 @@
 
 #include "devices/limits.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
 constexpr double kSubstep = 125e-6;
@@ -23,7 +23,7 @@ DeviceDescription device(double delay_s, double lag_s) {
 
 TEST(ForcePath, DelaysByExactlyTheStatedSubsteps) {
   for (int substeps : {0, 1, 7, 8, 16, 19, 256}) {
-    ForcePath path(device(substeps * kSubstep, 0.0), kSubstep);
+    sim::ForcePath path(device(substeps * kSubstep, 0.0), kSubstep);
     ASSERT_EQ(path.delay_substeps(), static_cast<std::size_t>(substeps));
     for (int i = 0; i < 600; ++i) {
       const Wrench out = path.step({Vec3(1.0 + i * 1e-3, 0, 0), Vec3::Zero()});
@@ -34,7 +34,7 @@ TEST(ForcePath, DelaysByExactlyTheStatedSubsteps) {
 
 TEST(ForcePath, LagsLikeAFirstOrderSystem) {
   const double lag = 0.003;
-  ForcePath path(device(0.002, lag), kSubstep);
+  sim::ForcePath path(device(0.002, lag), kSubstep);
   for (int i = 0; i < 200; ++i) {
     const Wrench out = path.step({Vec3(0, 2, 0), Vec3(0, 0, 0.5)});
     const double t = (i - 16) * kSubstep;  // at the start of the substep
@@ -45,7 +45,7 @@ TEST(ForcePath, LagsLikeAFirstOrderSystem) {
 }
 
 TEST(ForcePath, SaturatesInTheDirectionOfTheCommand) {
-  ForcePath path(device(0.0, 0.0), kSubstep);
+  sim::ForcePath path(device(0.0, 0.0), kSubstep);
   const Wrench out = path.step({Vec3(30, -40, 0), Vec3(0, 0, -3)});
   EXPECT_NEAR(out.force.x(), 6.0, 1e-12);
   EXPECT_NEAR(out.force.y(), -8.0, 1e-12);
@@ -54,11 +54,11 @@ TEST(ForcePath, SaturatesInTheDirectionOfTheCommand) {
 }
 
 TEST(ForcePath, ClearDropsWhatIsUnderWay) {
-  ForcePath path(device(0.002, 0.003), kSubstep);
+  sim::ForcePath path(device(0.002, 0.003), kSubstep);
   for (int i = 0; i < 100; ++i) path.step({Vec3(1, 2, 3), Vec3(0.1, 0, 0)});
   path.clear();
   for (int i = 0; i < 300; ++i) ASSERT_TRUE(path.step({}).zero());
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -5,7 +5,7 @@
 #include <array>
 #include <random>
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace limits_test {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -97,4 +97,4 @@ TEST(Limits, EveryErrorHasItsOwnName) {
 }
 
 }  // namespace limits_test
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -6,7 +6,7 @@
 #include "devices/registry.hpp"
 #include "tests/support/heap_count/heap_count.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
 TEST(NoAllocation, ReadGuardWriteAndStopTakeNothingFromTheHeap) {
@@ -36,4 +36,4 @@ TEST(NoAllocation, ReadGuardWriteAndStopTakeNothingFromTheHeap) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

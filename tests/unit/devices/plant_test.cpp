@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
 constexpr double kDt = 125e-6;
@@ -17,32 +17,32 @@ Motion stay(const Vec3& at = Vec3::Zero()) {
   return motion;
 }
 
-SimParameters ideal(double mass) {  // no damping, no friction
-  SimParameters p;
+sim::SimParameters ideal(double mass) {  // no damping, no friction
+  sim::SimParameters p;
   p.mass_kg = Vec3::Constant(mass);
   p.description.damping_ns_per_m = p.description.coulomb_friction_n = 0.0;
   return p;
 }
 
-OperatorConfig spring(double mass, double damping, double stiffness) {
-  OperatorConfig hand;
+sim::OperatorConfig spring(double mass, double damping, double stiffness) {
+  sim::OperatorConfig hand;
   hand.mass_kg = mass, hand.damping_ns_per_m = damping, hand.stiffness_n_per_m = stiffness;
   hand.inertia_kg_m2 = 1e-4, hand.stiffness_nm_per_rad = 0.5;
   return hand;
 }
 
-OperatorConfig released() {
-  OperatorConfig hand;
+sim::OperatorConfig released() {
+  sim::OperatorConfig hand;
   hand.released = true;
   return hand;
 }
 
-void run(SimPlant& plant, const Wrench& push, int substeps, int from = 0) {
+void run(sim::SimPlant& plant, const Wrench& push, int substeps, int from = 0) {
   for (int i = 0; i < substeps; ++i) plant.step(push, Vec3::Zero(), (from + i) * kDt, kDt);
 }
 
 TEST(Plant, UndampedSpringKeepsItsEnergy) {
-  SimPlant plant(ideal(0.075), spring(0.1, 0.0, 300.0), stay());
+  sim::SimPlant plant(ideal(0.075), spring(0.1, 0.0, 300.0), stay());
   plant.set_state({Vec3(0.01, -0.02, 0.005), Quat::Identity()}, {Vec3(0.1, 0, -0.2), Vec3::Zero()});
   const double before = plant.energy(0.0);
   run(plant, {}, 200'000);
@@ -50,7 +50,7 @@ TEST(Plant, UndampedSpringKeepsItsEnergy) {
 }
 
 TEST(Plant, UndampedTurningKeepsItsEnergy) {
-  SimPlant plant(ideal(0.075), spring(0.1, 0.0, 300.0), stay());
+  sim::SimPlant plant(ideal(0.075), spring(0.1, 0.0, 300.0), stay());
   plant.set_state({Vec3::Zero(), Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 2) / 3.0))}, {});
   const double before = plant.energy(0.0);
   double most = 0.0;
@@ -66,11 +66,11 @@ TEST(Plant, FrictionOnlyTakesEnergy) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   for (int trial = 0; trial < 200; ++trial) {
-    SimParameters p = ideal(1.0);
+    sim::SimParameters p = ideal(1.0);
     p.mass_kg = Vec3(6.0, 0.05, 1.0 + 0.9 * any(random));
     p.description.coulomb_friction_n = std::pow(10.0, 2.0 * any(random));
     p.coulomb_friction_nm = std::pow(10.0, 2.0 * any(random) - 3.0);
-    SimPlant plant(p, spring(0.1, 0.0, 2000.0), stay());
+    sim::SimPlant plant(p, spring(0.1, 0.0, 2000.0), stay());
     plant.set_state({0.02 * Vec3(any(random), any(random), any(random)), Quat::Identity()},
                     {Vec3(any(random), any(random), any(random)), Vec3(any(random), any(random), any(random))});
     const double start = plant.energy(0.0);
@@ -86,11 +86,11 @@ TEST(Plant, FrictionOnlyTakesEnergy) {
 }
 
 TEST(Plant, AtRestUnderLessThanTheFrictionStaysExactlyThere) {
-  SimParameters p = ideal(0.075);
+  sim::SimParameters p = ideal(0.075);
   p.description.coulomb_friction_n = 0.04;
   p.coulomb_friction_nm = 0.1;
   const Vec3 at(0.0123, -0.0456, 0.0789);
-  SimPlant plant(p, spring(0.1, 4.0, 300.0), stay(at));
+  sim::SimPlant plant(p, spring(0.1, 4.0, 300.0), stay(at));
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> any(-0.023, 0.023);
   for (int i = 0; i < 20'000; ++i)
@@ -104,9 +104,9 @@ TEST(Plant, AtRestUnderLessThanTheFrictionStaysExactlyThere) {
 }
 
 TEST(Plant, SlidingBodyStopsWhereTheClosedFormSays) {
-  SimParameters p = ideal(2.0);
+  sim::SimParameters p = ideal(2.0);
   p.description.coulomb_friction_n = 3.0;
-  SimPlant plant(p, released(), stay());
+  sim::SimPlant plant(p, released(), stay());
   plant.set_state({}, {Vec3(0.3, 0.4, 0), Vec3::Zero()});
   const double stop_s = 2.0 * 0.5 / 3.0, way = 0.5 * 0.5 * stop_s;
   run(plant, {}, static_cast<int>(stop_s / kDt) - 2);
@@ -118,7 +118,7 @@ TEST(Plant, SlidingBodyStopsWhereTheClosedFormSays) {
 }
 
 TEST(Plant, ConstantForceOnAFreeMassGivesAParabola) {
-  SimPlant plant(ideal(0.075), released(), stay());
+  sim::SimPlant plant(ideal(0.075), released(), stay());
   run(plant, {Vec3(0.2, 0, -0.1), Vec3::Zero()}, 8000);
   EXPECT_NEAR(plant.pose().position.x(), 0.5 * 0.2 / 0.075, 1e-11);
   EXPECT_NEAR(plant.pose().position.z(), -0.5 * 0.1 / 0.075, 1e-11);
@@ -126,9 +126,9 @@ TEST(Plant, ConstantForceOnAFreeMassGivesAParabola) {
 }
 
 TEST(Plant, ConstantForceOnADampedMassGivesTheClosedForm) {
-  SimParameters p = ideal(5.0);
+  sim::SimParameters p = ideal(5.0);
   p.description.damping_ns_per_m = 30.0;
-  SimPlant plant(p, released(), stay());
+  sim::SimPlant plant(p, released(), stay());
   run(plant, {Vec3(0, 12, 0), Vec3::Zero()}, 4000);
   const double t = 0.5, decay = std::exp(-30.0 / 5.0 * t);
   EXPECT_NEAR(plant.twist().linear.y(), 12.0 / 30.0 * (1.0 - decay), 1e-7);
@@ -136,7 +136,7 @@ TEST(Plant, ConstantForceOnADampedMassGivesTheClosedForm) {
 }
 
 TEST(Plant, HandSpringRingsAndDecaysAsTheClosedFormSays) {
-  SimPlant plant(ideal(0.075), spring(0.1, 2.0, 300.0), stay());
+  sim::SimPlant plant(ideal(0.075), spring(0.1, 2.0, 300.0), stay());
   plant.set_state({Vec3(0.01, 0, 0), Quat::Identity()}, {});
   const double mass = 0.175, sigma = 2.0 / (2.0 * mass), wd = std::sqrt(300.0 / mass - sigma * sigma);
   for (int i = 1; i <= 4000; ++i) {
@@ -148,9 +148,9 @@ TEST(Plant, HandSpringRingsAndDecaysAsTheClosedFormSays) {
 }
 
 TEST(Plant, HandTurnsTheToolAtTheClosedFormsFrequency) {
-  SimParameters p = ideal(1.0);
+  sim::SimParameters p = ideal(1.0);
   p.inertia_kg_m2 = 1e-4;
-  SimPlant plant(p, spring(0.1, 4.0, 300.0), stay());
+  sim::SimPlant plant(p, spring(0.1, 4.0, 300.0), stay());
   plant.set_state({Vec3::Zero(), Quat(Eigen::AngleAxisd(0.02, Vec3::UnitY()))}, {});
   const double w = std::sqrt(0.5 / 2e-4);
   for (int i = 1; i <= 4000; ++i) {
@@ -163,8 +163,8 @@ TEST(Plant, HandFollowsItsMotionAndTheToolKeepsItsOrientation) {
   Motion motion;
   motion.path = {Vec3(0.05, 0, 0), Vec3(-0.03, 0.01, 0.02)};
   motion.orientation = Quat(0.5, 0.5, -0.5, 0.5);
-  const SimParameters p = sim_phantom();
-  SimPlant plant(p, p.hand, motion);
+  const sim::SimParameters p = sim::sim_phantom();
+  sim::SimPlant plant(p, p.hand, motion);
   EXPECT_EQ(plant.pose().position, motion.path.front());
   run(plant, {}, 8 * 8000);
   EXPECT_LT((plant.pose().position - motion.path.back()).norm(), 0.04 / 300.0 + 1e-9);  // friction over stiffness
@@ -172,9 +172,9 @@ TEST(Plant, HandFollowsItsMotionAndTheToolKeepsItsOrientation) {
 }
 
 TEST(Plant, AHandThatLetsGoTakesItsMassAndItsSpringAlong) {
-  OperatorConfig hand = spring(0.1, 0.0, 300.0);
+  sim::OperatorConfig hand = spring(0.1, 0.0, 300.0);
   hand.let_go_at_s = 0.01;
-  SimPlant plant(ideal(0.075), hand, stay());
+  sim::SimPlant plant(ideal(0.075), hand, stay());
   run(plant, {}, 80);
   EXPECT_TRUE(plant.held_at(0.0099));
   EXPECT_FALSE(plant.held_at(0.01));
@@ -184,13 +184,13 @@ TEST(Plant, AHandThatLetsGoTakesItsMassAndItsSpringAlong) {
 }
 
 TEST(Plant, AnyStepIsStable) {
-  SimParameters p = ideal(0.05);
+  sim::SimParameters p = ideal(0.05);
   p.description.coulomb_friction_n = 0.04;
-  SimPlant plant(p, spring(0.0, 50.0, 1e7), stay());
+  sim::SimPlant plant(p, spring(0.0, 50.0, 1e7), stay());
   plant.set_state({Vec3(0.01, 0.01, 0.01), Quat::Identity()}, {});
   for (int i = 0; i < 10'000; ++i) plant.step({}, Vec3::Zero(), i * 0.01, 0.01);
   EXPECT_LE(plant.pose().position.norm(), 0.0174);
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

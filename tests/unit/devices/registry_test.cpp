@@ -7,7 +7,7 @@
 #include "devices/lwr/udp_socket.hpp"
 #include "devices/settings.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
 std::string refusal(std::string_view name, const DeviceOptions& options = {}) {
@@ -44,7 +44,7 @@ TEST(Registry, SaysWhichLibrariesOfAPhantomItTriedAndWhatToInstall) {
 
 TEST(Registry, SaysOnWhichPortItWaitedForARobotAndWhatToSet) {
   DeviceOptions options;
-  const std::string port = std::to_string(UdpSocket("127.0.0.1", 0).local().port);
+  const std::string port = std::to_string(lwr::UdpSocket("127.0.0.1", 0).local().port);
   options.settings = {{"address", "127.0.0.1"}, {"port", port}, {"connect_timeout_s", "0.2"}};
   const std::string said = refusal("lwr", options);
   EXPECT_NE(said.find("UDP 127.0.0.1:" + port), std::string::npos) << said;
@@ -210,4 +210,4 @@ TEST(Registry, TurnsBadOptionsIntoOneSentence) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

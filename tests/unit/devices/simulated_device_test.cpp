@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace simulated_device_test {
 
 using std::chrono::microseconds;
@@ -18,18 +18,18 @@ Motion stay() {
   return motion;
 }
 
-OperatorConfig released() {
-  OperatorConfig hand;
+sim::OperatorConfig released() {
+  sim::OperatorConfig hand;
   hand.released = true;
   return hand;
 }
 
-SimulatedDevice free_phantom() { return {sim_phantom(), released(), stay()}; }
+sim::SimulatedDevice free_phantom() { return {sim::sim_phantom(), released(), stay()}; }
 
 Wrench push_x(double newton) { return {Vec3(newton, 0, 0), Vec3::Zero()}; }
 
 TEST(SimulatedDevice, FirstSampleIsAtTimeZeroAndEachWriteTakesOnePeriod) {
-  SimulatedDevice device = free_phantom();
+  sim::SimulatedDevice device = free_phantom();
   EXPECT_TRUE(device.simulated());
   for (int i = 0; i < 5; ++i) {
     const auto sample = device.read(microseconds(0));
@@ -41,8 +41,8 @@ TEST(SimulatedDevice, FirstSampleIsAtTimeZeroAndEachWriteTakesOnePeriod) {
 }
 
 TEST(SimulatedDevice, ForceReachesTheToolAfterExactlyTheDelay) {
-  for (const SimParameters& p : {sim_phantom(), sim_lwr()}) {
-    SimulatedDevice device(p, released(), stay());
+  for (const sim::SimParameters& p : {sim::sim_phantom(), sim::sim_lwr()}) {
+    sim::SimulatedDevice device(p, released(), stay());
     const double ms = p.description.delay_s * 1e3;
     for (int i = 0; i < ms; ++i) {
       device.write(push_x(p.description.max_force_n));
@@ -55,7 +55,7 @@ TEST(SimulatedDevice, ForceReachesTheToolAfterExactlyTheDelay) {
 }
 
 TEST(SimulatedDevice, AReadThatNobodyAnsweredLetsOnePeriodPassWithoutForce) {
-  SimulatedDevice device = free_phantom();
+  sim::SimulatedDevice device = free_phantom();
   device.read(microseconds(0));
   device.write(push_x(1.0));
   device.write(push_x(1.0));
@@ -69,8 +69,8 @@ TEST(SimulatedDevice, AReadThatNobodyAnsweredLetsOnePeriodPassWithoutForce) {
 
 TEST(SimulatedDevice, RefusesANanCommandAndGivesZeroForThatPeriod) {
   for (int axis = 0; axis < 6; ++axis) {
-    SimulatedDevice device(sim_lwr(), released(), stay());
-    SimulatedDevice quiet(sim_lwr(), released(), stay());
+    sim::SimulatedDevice device(sim::sim_lwr(), released(), stay());
+    sim::SimulatedDevice quiet(sim::sim_lwr(), released(), stay());
     Wrench bad = push_x(1.0);
     (axis < 3 ? bad.force : bad.torque)[axis % 3] = kNan;
     ASSERT_TRUE(device.write(bad) == std::unexpected(DeviceError::kNotFinite));
@@ -85,7 +85,7 @@ TEST(SimulatedDevice, RefusesANanCommandAndGivesZeroForThatPeriod) {
 }
 
 TEST(SimulatedDevice, RefusesACommandOverItsLimitAndGivesZeroForThatPeriod) {
-  SimulatedDevice device = free_phantom();
+  sim::SimulatedDevice device = free_phantom();
   EXPECT_TRUE(device.write(push_x(8.5)));
   EXPECT_TRUE(device.write(push_x(8.6)) == std::unexpected(DeviceError::kLimit));
   EXPECT_EQ(device.applied().force.x(), 8.5);
@@ -96,7 +96,7 @@ TEST(SimulatedDevice, RefusesACommandOverItsLimitAndGivesZeroForThatPeriod) {
 }
 
 TEST(SimulatedDevice, StopIsZeroAtOnceAndTwiceIsAsOnce) {
-  SimulatedDevice device(sim_lwr(), released(), stay());
+  sim::SimulatedDevice device(sim::sim_lwr(), released(), stay());
   for (int i = 0; i < 50; ++i) device.write({Vec3(50, 0, 0), Vec3(0, 5, 0)});
   EXPECT_GT(device.applied().force.x(), 40.0);
   device.stop();
@@ -112,8 +112,8 @@ TEST(SimulatedDevice, StopIsZeroAtOnceAndTwiceIsAsOnce) {
 TEST(SimulatedDevice, ReportsQuantisedPositionsThatFollowTheTruth) {
   Motion motion;
   motion.path = {Vec3::Zero(), Vec3(0.03, 0.02, -0.01)};
-  const SimParameters p = sim_phantom();
-  SimulatedDevice device(p, p.hand, motion);
+  const sim::SimParameters p = sim::sim_phantom();
+  sim::SimulatedDevice device(p, p.hand, motion);
   const double r = p.description.position_resolution_m;
   for (int i = 0; i < 1500; ++i) {
     const auto sample = device.read(microseconds(0));
@@ -131,10 +131,10 @@ TEST(SimulatedDevice, ReportsQuantisedPositionsThatFollowTheTruth) {
 std::vector<unsigned char> trace(std::uint64_t seed, double tremor_n) {
   Motion motion;
   motion.path = {Vec3(0.01, 0, 0), Vec3(-0.01, 0.02, 0)};
-  const SimParameters p = sim_lwr();
-  OperatorConfig hand = p.hand;
+  const sim::SimParameters p = sim::sim_lwr();
+  sim::OperatorConfig hand = p.hand;
   hand.tremor_n = tremor_n;
-  SimulatedDevice device(p, hand, motion, seed);
+  sim::SimulatedDevice device(p, hand, motion, seed);
   std::vector<unsigned char> bytes;
   for (int i = 0; i < 2000; ++i) {
     const DeviceSample s = *device.read(microseconds(0));
@@ -156,27 +156,27 @@ TEST(SimulatedDevice, ARestartGivesTheSameBits) {
 }
 
 TEST(SimulatedDevice, PhantomTurnsWithTheHandAndLwrWithTheTorque) {
-  const SimParameters phantom = sim_phantom(), lwr = sim_lwr();
+  const sim::SimParameters phantom = sim::sim_phantom(), lwr = sim::sim_lwr();
   Motion motion = stay();
   motion.orientation = Quat(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
-  SimulatedDevice pen(phantom, phantom.hand, motion);
+  sim::SimulatedDevice pen(phantom, phantom.hand, motion);
   for (int i = 0; i < 500; ++i) pen.write(push_x(3.0));
   EXPECT_EQ(pen.plant().pose().orientation.coeffs(), motion.orientation.coeffs());
   EXPECT_LT(pen.read(microseconds(0))->pose.orientation.angularDistance(motion.orientation), 1e-3);
-  SimulatedDevice arm(lwr, lwr.hand, stay());
+  sim::SimulatedDevice arm(lwr, lwr.hand, stay());
   for (int i = 0; i < 3000; ++i) arm.write({Vec3::Zero(), Vec3(1.0, 0, 0)});
   const double angle = 2.0 * std::asin(arm.plant().pose().orientation.x());
   EXPECT_NEAR(angle, 1.0 / 5.0, (0.1 + 0.01) / 5.0);  // torque over the hand's stiffness, friction apart
 }
 
 TEST(SimulatedDevice, DefaultsAreThoseOfTheDocumentedDevices) {
-  const SimParameters phantom = sim_phantom(), lwr = sim_lwr();
+  const sim::SimParameters phantom = sim::sim_phantom(), lwr = sim::sim_lwr();
   EXPECT_NO_THROW(phantom.validate());
   EXPECT_NO_THROW(lwr.validate());
   EXPECT_EQ(phantom.description.max_torque_nm, 0.0);
   EXPECT_EQ(phantom.description.output_dof, 3U);
   EXPECT_NEAR(1.0 / (2.0 * std::numbers::pi * lwr.description.force_bandwidth_hz), 0.003, 1e-12);
-  for (const SimParameters& p : {phantom, lwr}) {
+  for (const sim::SimParameters& p : {phantom, lwr}) {
     EXPECT_GE(p.mass_kg.minCoeff(), p.description.mass_min_kg);
     EXPECT_LE(p.mass_kg.maxCoeff(), p.description.mass_max_kg);
   }
@@ -184,11 +184,11 @@ TEST(SimulatedDevice, DefaultsAreThoseOfTheDocumentedDevices) {
 
 template <class Change>
 std::string sentence(Change change) {
-  SimParameters p = sim_lwr();
+  sim::SimParameters p = sim::sim_lwr();
   Motion motion = stay();
   change(p, motion);
   try {
-    SimulatedDevice device(p, p.hand, motion);
+    sim::SimulatedDevice device(p, p.hand, motion);
   } catch (const std::runtime_error& error) {
     return error.what();
   }
@@ -214,4 +214,4 @@ TEST(SimulatedDevice, NamesWhatCannotBeSimulated) {
 }
 
 }  // namespace simulated_device_test
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

@@ -10,7 +10,7 @@
 #include "devices/sim/parameters.hpp"
 #include "tests/support/seed.hpp"
 
-namespace voxtouch {
+namespace voxtouch::devices {
 namespace {
 
 constexpr std::uint64_t kWriter = 5, kSession = 7;
@@ -36,7 +36,7 @@ struct Loop {
 };
 
 TEST(SpoofedWriter, IsHeldWithinTheLimitsAndTheCouplingIsFeltAgainWhenHeStops) {
-  const DeviceDescription device = sim_phantom().description;
+  const DeviceDescription device = sim::sim_phantom().description;
   const auto chosen = testing::seed(1);
   SCOPED_TRACE(testing::seed_trace(chosen));
   std::mt19937_64 random(chosen);
@@ -70,4 +70,4 @@ TEST(SpoofedWriter, IsHeldWithinTheLimitsAndTheCouplingIsFeltAgainWhenHeStops) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::devices

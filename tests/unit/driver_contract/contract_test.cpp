@@ -135,18 +135,18 @@ TEST_P(DriverContract, RefusedCommandsReachThePlantAsZero) {
   const DeviceDescription d = subject->driver().description();
   struct Bad {
     Wrench wrench;
-    DeviceError error;
+    devices::DeviceError error;
   };
   std::vector<Bad> all;
   for (const double value : {kNaN, kInf, -kInf})
     for (int axis = 0; axis < 6; ++axis) {
       Wrench bad = push;
       (axis < 3 ? bad.force : bad.torque)[axis % 3] = value;
-      all.push_back({bad, DeviceError::kNotFinite});
+      all.push_back({bad, devices::DeviceError::kNotFinite});
     }
-  all.push_back({{Vec3(0, d.max_force_n * (1 + 1e-9), 0), Vec3::Zero()}, DeviceError::kLimit});
-  all.push_back({{Vec3(kHuge, kHuge, kHuge), Vec3::Zero()}, DeviceError::kLimit});
-  all.push_back({{push.force, Vec3(0, d.max_torque_nm * (1 + 1e-9) + 1e-9, 0)}, DeviceError::kLimit});
+  all.push_back({{Vec3(0, d.max_force_n * (1 + 1e-9), 0), Vec3::Zero()}, devices::DeviceError::kLimit});
+  all.push_back({{Vec3(kHuge, kHuge, kHuge), Vec3::Zero()}, devices::DeviceError::kLimit});
+  all.push_back({{push.force, Vec3(0, d.max_torque_nm * (1 + 1e-9) + 1e-9, 0)}, devices::DeviceError::kLimit});
   for (const Bad& bad : all) {
     ASSERT_TRUE(subject->push_until_felt(push));
     Subject::Turn first;
@@ -237,7 +237,7 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
     if (i % 3 == 0) command.torque.setZero();
     if (i % 5 == 0) command.force[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
     if (i % 7 == 0) command.torque[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
-    const auto expected = check_command(command, d);
+    const auto expected = devices::check_command(command, d);
     const auto t = turn(command);
     if (!t.sample) continue;
     ++samples;
@@ -265,7 +265,7 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
 TEST_P(DriverContract, AnOpenDriverTakesNothingFromTheHeap) {
   if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
   open_and_push();
-  Driver& driver = subject->driver();
+  devices::Driver& driver = subject->driver();
   const auto timeout = std::chrono::microseconds(static_cast<std::int64_t>(4e6 * period_s));
   int good = 0;
   EXPECT_EQ(test::heap_count_of([&] {
@@ -298,7 +298,7 @@ TEST_P(DriverContract, InVirtualTimeTheSameCallsGiveTheSameBits) {
       EXPECT_TRUE(t.sample);
       if (!t.sample) break;
       all.push_back(static_cast<double>(t.sample->time_ns));
-      const DeviceSample& s = *t.sample;
+      const devices::DeviceSample& s = *t.sample;
       for (const Vec3& v : {s.pose.position, Vec3(s.pose.orientation.vec()), s.twist.linear, s.twist.angular})
         all.insert(all.end(), v.data(), v.data() + 3);
       all.push_back(t.written.has_value());

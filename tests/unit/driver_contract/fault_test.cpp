@@ -17,7 +17,7 @@ std::unique_ptr<Subject> subject_of(const FaultCase& fault, bool virtual_time) {
   return fault.plant == Plant::kPhantom ? phantom("premium", virtual_time) : lwr(virtual_time);
 }
 
-bool told(const FaultOutcome& o, DeviceError error) {
+bool told(const FaultOutcome& o, devices::DeviceError error) {
   return std::find(o.told.begin(), o.told.end(), error) != o.told.end();
 }
 
@@ -41,12 +41,12 @@ TEST_P(EveryFault, IsToldAndZeroInTimeAndEndsAsExpected) {
     return;
   }
   ASSERT_FALSE(o.told.empty());
-  EXPECT_EQ(name_of(o.told.front()), name_of(fault().told));
+  EXPECT_EQ(devices::name_of(o.told.front()), devices::name_of(fault().told));
   ASSERT_TRUE(o.zero_after_s);
   EXPECT_LE(*o.zero_after_s, o.bound_s + 1e-9);
   EXPECT_EQ(o.bound_s > o.period_s, !fault().why.empty()) << "longer than a period only with a reason";
   // In virtual time nothing waits, so a driver that hears nothing has nothing to say yet.
-  if (fault().told != DeviceError::kTimeout) {
+  if (fault().told != devices::DeviceError::kTimeout) {
     EXPECT_GT(o.sentence.size(), 20u) << o.sentence;
   }
 }
@@ -73,20 +73,20 @@ TEST(FaultInRealTime, IsZeroInTimeToo) {
 }
 
 TEST(Fault, AKilledControllerIsATimeoutAndThenDisconnectedAndTheDriverStillCloses) {
-  const std::uint16_t port = UdpSocket("127.0.0.1", 0).local().port;
+  const std::uint16_t port = lwr::UdpSocket("127.0.0.1", 0).local().port;
   test::Process controller({std::string(VOXTOUCH_BIN) + "/voxtouch_fri_controller", "--remote",
                             "127.0.0.1:" + std::to_string(port), "--period-ms", "5"});
-  LwrOptions options;
+  lwr::LwrOptions options;
   options.address = "127.0.0.1";
   options.port = port;
   options.silence_s = 0.1;
-  std::optional<LwrDriver> driver(options);
+  std::optional<lwr::LwrDriver> driver(options);
   const Wrench push{Vec3(3, 0, 0), Vec3::Zero()};
   int taken = 0;
   for (int i = 0; i < 2000 && taken < 20; ++i) taken += driver->read(20ms) && driver->write(push);
   ASSERT_EQ(taken, 20) << driver->status_text();
   controller.signal(SIGKILL);
-  std::vector<DeviceError> errors;
+  std::vector<devices::DeviceError> errors;
   for (int i = 0; i < 30; ++i) {
     const auto sample = driver->read(20ms);
     if (!sample) errors.push_back(sample.error());
@@ -96,8 +96,8 @@ TEST(Fault, AKilledControllerIsATimeoutAndThenDisconnectedAndTheDriverStillClose
     }
   }
   ASSERT_GT(errors.size(), 10u);
-  EXPECT_EQ(errors.front(), DeviceError::kTimeout);
-  EXPECT_EQ(errors.back(), DeviceError::kDisconnected);
+  EXPECT_EQ(errors.front(), devices::DeviceError::kTimeout);
+  EXPECT_EQ(errors.back(), devices::DeviceError::kDisconnected);
   EXPECT_NE(driver->trouble().find("cable"), std::string::npos) << driver->trouble();
   const auto start = std::chrono::steady_clock::now();
   driver.reset();

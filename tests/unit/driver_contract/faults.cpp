@@ -10,7 +10,7 @@ namespace voxtouch::contract {
 namespace {
 
 using namespace std::chrono_literals;
-using enum DeviceError;
+using enum devices::DeviceError;
 
 constexpr double kWatchdog = 0.012;  // the simulated amplifier's 10 ms, and the two ticks that it may lie between
 constexpr double kMisses = 0.006;    // the simulated controller's five misses in a row, and the period that they end in
@@ -20,14 +20,14 @@ constexpr std::string_view kLateTick = "no tick, no driver: the amplifier's watc
 constexpr std::string_view kController = "no measurement, no answer: the controller bears five misses";
 constexpr std::string_view kHalf = "every other answer still comes: the controller bears ten misses of a hundred";
 
-constexpr FaultCase hd(std::string_view name, int code, double amount, double end_amount, After after, DeviceError told,
+constexpr FaultCase hd(std::string_view name, int code, double amount, double end_amount, After after, devices::DeviceError told,
                        double bound_s = 0.0, std::string_view why = {}) {
   return {name, Plant::kPhantom, code, amount, end_amount, {}, false, after, told, bound_s, why};
 }
 constexpr FaultCase opening(std::string_view name, int code, double amount, After after) {
   return {name, Plant::kPhantom, code, amount, -1, {}, false, after, kFault, 0.0, {}, true};
 }
-constexpr FaultCase fri(std::string_view name, std::string_view text, After after, DeviceError told,
+constexpr FaultCase fri(std::string_view name, std::string_view text, After after, devices::DeviceError told,
                         double bound_s = 0.0, std::string_view why = {}, bool short_one = false) {
   return {name, Plant::kLwr, 0, 0.0, 0.0, text, short_one, after, told, bound_s, why};
 }
@@ -94,7 +94,7 @@ double fault_lasts_s(const Subject& subject, const FaultCase& fault) {
 
 namespace {
 
-void note(FaultOutcome& o, DeviceError error, double after_s, const std::string& trouble) {
+void note(FaultOutcome& o, devices::DeviceError error, double after_s, const std::string& trouble) {
   if (!o.told_after_s) o.told_after_s = after_s;
   if (o.sentence.empty()) o.sentence = trouble;
   if (std::find(o.told.begin(), o.told.end(), error) == o.told.end()) o.told.push_back(error);
@@ -131,7 +131,7 @@ FaultOutcome run_fault(Subject& subject, const FaultCase& fault) {
   subject.plan(fault);
   try {
     subject.open();
-  } catch (const DeviceOpenError& error) {
+  } catch (const devices::DeviceOpenError& error) {
     o.after = After::kRefused;
     o.sentence = error.what();
     for (const Received& r : subject.received()) o.largest_n = std::max(o.largest_n, r.wrench.force.norm());

@@ -30,7 +30,7 @@ struct FaultCase {
   std::string_view text;  ///< of the controller's schedule, without START:DURATION; a value may follow after a colon
   bool short_one;         ///< lasts a millisecond; the others longer than anything is watched for
   After after;
-  DeviceError told;      ///< means nothing for kRidesThrough and kRefused
+  devices::DeviceError told;      ///< means nothing for kRidesThrough and kRefused
   double bound_s;        ///< longest until zero force; 0: one period
   std::string_view why;  ///< the bound is longer than one period
   bool at_opening = false;
@@ -44,7 +44,7 @@ struct FaultOutcome {
   bool virtual_time = true, pushed = false;  ///< pushed: the plant gave the push before the fault
   double period_s = 0.0, bound_s = 0.0;
   double before_n = 0.0;          ///< force when it began
-  std::vector<DeviceError> told;  ///< each kind once, in order
+  std::vector<devices::DeviceError> told;  ///< each kind once, in order
   std::optional<double> told_after_s;
   std::optional<double> zero_after_s;        ///< from the begin of the fault; absent: not zero for the 100 ms
   double largest_n = 0.0, largest_nm = 0.0;  ///< begun after the bound, within 100 ms

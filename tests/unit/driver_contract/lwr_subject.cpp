@@ -30,7 +30,7 @@ class Ears {
   void reset() {
     const std::lock_guard lock(mutex_);
     wire_ = {};
-    measured_.fill(LwrJoints::Zero());
+    measured_.fill(lwr::LwrJoints::Zero());
   }
   Wire wire() {
     const std::lock_guard lock(mutex_);
@@ -38,39 +38,39 @@ class Ears {
   }
   void hear(const void* data, std::size_t size) {
     const std::lock_guard lock(mutex_);
-    if (size == sizeof(fri::MsrPacket)) {
-      fri::MsrPacket msr;
+    if (size == sizeof(lwr::fri::MsrPacket)) {
+      lwr::fri::MsrPacket msr;
       std::memcpy(&msr, data, size);
-      if (fri::measured_finite(msr))
-        measured_[msr.header.send_seq % measured_.size()] = fri::from_wire(msr.data.jnt_pos);
+      if (lwr::fri::measured_finite(msr))
+        measured_[msr.header.send_seq % measured_.size()] = lwr::fri::from_wire(msr.data.jnt_pos);
     }
-    if (size == sizeof(fri::CmdPacket)) {
-      fri::CmdPacket cmd;
+    if (size == sizeof(lwr::fri::CmdPacket)) {
+      lwr::fri::CmdPacket cmd;
       std::memcpy(&cmd, data, size);
       judge(cmd);
     }
   }
 
  private:
-  void judge(const fri::CmdPacket& cmd) {
+  void judge(const lwr::fri::CmdPacket& cmd) {
     ++wire_.orders;
-    const LwrJoints torque = fri::from_wire(cmd.command.add_jnt_trq);
-    if (!fri::finite(cmd)) ++wire_.not_finite;
+    const lwr::LwrJoints torque = lwr::fri::from_wire(cmd.command.add_jnt_trq);
+    if (!lwr::fri::finite(cmd)) ++wire_.not_finite;
     if (torque.isZero(0.0) || !torque.allFinite()) return;
     ++wire_.pushes;
     // The posture's torque is at right angles to that of any wrench, so the wrench in it is found by least squares.
-    const LwrArm::State arm = arm_.at(measured_[cmd.header.refl_seq % measured_.size()]);
+    const lwr::LwrArm::State arm = arm_.at(measured_[cmd.header.refl_seq % measured_.size()]);
     const Mat6 square = arm.jacobian * arm.jacobian.transpose();
     const Vec6 wrench = square.ldlt().solve(arm.jacobian * torque);
     wire_.force_n = std::max(wire_.force_n, wrench.head<3>().norm());
     wire_.torque_nm = std::max(wire_.torque_nm, wrench.tail<3>().norm());
-    const LwrJoints limit = LwrOptions().max_add_torque_nm;
+    const lwr::LwrJoints limit = lwr::LwrOptions().max_add_torque_nm;
     wire_.drive_share = std::max(wire_.drive_share, (torque.array().abs() / limit.array()).maxCoeff());
   }
 
   std::mutex mutex_;
-  LwrArm arm_;
-  std::array<LwrJoints, 256> measured_{};
+  lwr::LwrArm arm_;
+  std::array<lwr::LwrJoints, 256> measured_{};
   Wire wire_;
 };
 
@@ -105,16 +105,16 @@ class LwrSubject final : public Subject {
   bool answers_are_final() const override { return virtual_time_; }
 
  protected:
-  std::unique_ptr<Driver> make() override {
+  std::unique_ptr<devices::Driver> make() override {
     if (!session_) start_controller();
-    LwrOptions options;
+    lwr::LwrOptions options;
     options.address = "127.0.0.1";
     options.port = port_;
     options.connect_timeout_s = 5.0;
     options.virtual_timeout_s = fault_ != nullptr && fault_->text == "silent" ? 0.04 : 2.0;
     options.silence_s = 0.1;
     options.capture_file = capture_;
-    return std::make_unique<LwrDriver>(options);
+    return std::make_unique<lwr::LwrDriver>(options);
   }
   bool scheduled_faults() const override { return true; }
   void collect(std::vector<Received>& all) override {
@@ -125,7 +125,7 @@ class LwrSubject final : public Subject {
 
  private:
   void start_controller() {
-    port_ = UdpSocket("127.0.0.1", 0).local().port;
+    port_ = lwr::UdpSocket("127.0.0.1", 0).local().port;
     ControllerConfig config;
     config.virtual_time = virtual_time_;
     config.period_s = usual_period_s();
@@ -147,11 +147,11 @@ class LwrSubject final : public Subject {
     const TraceRow row = controller_->row();
     Received got{row.time_s - period_s, row.time_s, {}};
     ++periods_in_command_;
-    if (row.state == fri::State::kCmd && !row.braked && periods_in_command_ > 1) got.wrench = row.applied;
+    if (row.state == lwr::fri::State::kCmd && !row.braked && periods_in_command_ > 1) got.wrench = row.applied;
     while (const auto event = controller_->take_event()) {
-      if (event->from != fri::State::kCmd && event->to == fri::State::kCmd) periods_in_command_ = 0, got.wrench = {};
+      if (event->from != lwr::fri::State::kCmd && event->to == lwr::fri::State::kCmd) periods_in_command_ = 0, got.wrench = {};
       // Left at the period's end: until then force was as before.
-      if (event->from == fri::State::kCmd && event->time_s > row.time_s - 0.5 * period_s) got.wrench = last_.wrench;
+      if (event->from == lwr::fri::State::kCmd && event->time_s > row.time_s - 0.5 * period_s) got.wrench = last_.wrench;
     }
     last_ = got;
     now_s_ = row.time_s;

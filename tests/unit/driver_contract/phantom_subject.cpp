@@ -16,11 +16,11 @@ namespace {
 std::mutex g_mutex;
 Wire g_wire;
 
-void spied_set(hd::HDenum name, const hd::HDdouble* values);
+void spied_set(phantom::hd::HDenum name, const phantom::hd::HDdouble* values);
 
 /// The library's functions and hooks, loaded once a process.
 struct Library {
-  const HdLibrary& library = HdLibrary::load(VOXTOUCH_HD_SIM_LIBRARY);
+  const phantom::HdLibrary& library = phantom::HdLibrary::load(VOXTOUCH_HD_SIM_LIBRARY);
   decltype(&hdsim_defaults) defaults = find<decltype(&hdsim_defaults)>("hdsim_defaults");
   decltype(&hdsim_use_virtual_time) use_virtual_time =
       find<decltype(&hdsim_use_virtual_time)>("hdsim_use_virtual_time");
@@ -29,10 +29,10 @@ struct Library {
   decltype(&hdsim_step) step = find<decltype(&hdsim_step)>("hdsim_step");
   decltype(&hdsim_inject) inject = find<decltype(&hdsim_inject)>("hdsim_inject");
   decltype(&hdsim_read_state) read_state = find<decltype(&hdsim_read_state)>("hdsim_read_state");
-  void (*set_doublev)(hd::HDenum, const hd::HDdouble*) = nullptr;
+  void (*set_doublev)(phantom::hd::HDenum, const phantom::hd::HDdouble*) = nullptr;
 
   Library() {
-    auto& api = const_cast<hd::Api&>(library.api());  // nothing of it is called yet
+    auto& api = const_cast<phantom::hd::Api&>(library.api());  // nothing of it is called yet
     set_doublev = api.hdSetDoublev;
     api.hdSetDoublev = spied_set;
   }
@@ -51,15 +51,15 @@ Library& sim() {
 }
 
 /// Force in N, torque in mNm.
-void spied_set(hd::HDenum name, const hd::HDdouble* values) {
-  if (name == hd::kCurrentForce || name == hd::kCurrentTorque) {
+void spied_set(phantom::hd::HDenum name, const phantom::hd::HDdouble* values) {
+  if (name == phantom::hd::kCurrentForce || name == phantom::hd::kCurrentTorque) {
     const Vec3 v(values[0], values[1], values[2]);
     const std::lock_guard lock(g_mutex);
-    if (name == hd::kCurrentForce) ++g_wire.orders;
-    if (name == hd::kCurrentForce && !v.isZero(0.0)) ++g_wire.pushes;
+    if (name == phantom::hd::kCurrentForce) ++g_wire.orders;
+    if (name == phantom::hd::kCurrentForce && !v.isZero(0.0)) ++g_wire.pushes;
     if (!v.allFinite()) ++g_wire.not_finite;
-    double& largest = name == hd::kCurrentForce ? g_wire.force_n : g_wire.torque_nm;
-    largest = std::max(largest, (name == hd::kCurrentForce ? 1.0 : 1e-3) * v.norm());
+    double& largest = name == phantom::hd::kCurrentForce ? g_wire.force_n : g_wire.torque_nm;
+    largest = std::max(largest, (name == phantom::hd::kCurrentForce ? 1.0 : 1e-3) * v.norm());
   }
   sim().set_doublev(name, values);
 }
@@ -90,12 +90,12 @@ class PhantomSubject final : public Subject {
   Wrench usual_push() const override { return {Vec3(1.0, -0.5, 0.8), Vec3::Zero()}; }
 
  protected:
-  std::unique_ptr<Driver> make() override {
+  std::unique_ptr<devices::Driver> make() override {
     if (fault_ != nullptr && fault_->at_opening) sim().inject(fault_->code, fault_->amount);
-    PhantomOptions options;
+    phantom::PhantomOptions options;
     options.library = VOXTOUCH_HD_SIM_LIBRARY;
     options.silence_s = 0.1;
-    return std::make_unique<PhantomDriver>(options);
+    return std::make_unique<phantom::PhantomDriver>(options);
   }
   void observe() override {
     const hdsim_state s = state();

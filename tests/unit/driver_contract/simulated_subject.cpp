@@ -7,7 +7,7 @@ namespace {
 
 class SimulatedSubject final : public Subject {
  public:
-  SimulatedSubject(std::string name, const SimParameters& parameters)
+  SimulatedSubject(std::string name, const sim::SimParameters& parameters)
       : name_(std::move(name)), parameters_(parameters) {
     parameters_.description.delay_s = 0.0;
     parameters_.description.force_bandwidth_hz = std::numeric_limits<double>::infinity();
@@ -22,10 +22,10 @@ class SimulatedSubject final : public Subject {
   }
 
  protected:
-  std::unique_ptr<Driver> make() override {
+  std::unique_ptr<devices::Driver> make() override {
     Motion rest;
     rest.path = {Vec3::Zero()};
-    auto device = std::make_unique<SimulatedDevice>(parameters_, parameters_.hand, rest, 3);
+    auto device = std::make_unique<sim::SimulatedDevice>(parameters_, parameters_.hand, rest, 3);
     if (!opened()) device_ = device.get();
     return device;
   }
@@ -45,8 +45,8 @@ class SimulatedSubject final : public Subject {
 
  private:
   std::string name_;
-  SimParameters parameters_;
-  SimulatedDevice* device_ = nullptr;
+  sim::SimParameters parameters_;
+  sim::SimulatedDevice* device_ = nullptr;
   double last_s_ = 0.0;
   Wire wire_;
 };
@@ -54,8 +54,8 @@ class SimulatedSubject final : public Subject {
 }  // namespace
 
 std::unique_ptr<Subject> simulated_phantom() {
-  return std::make_unique<SimulatedSubject>("sim-phantom", sim_phantom());
+  return std::make_unique<SimulatedSubject>("sim-phantom", sim::sim_phantom());
 }
-std::unique_ptr<Subject> simulated_lwr() { return std::make_unique<SimulatedSubject>("sim-lwr", sim_lwr()); }
+std::unique_ptr<Subject> simulated_lwr() { return std::make_unique<SimulatedSubject>("sim-lwr", sim::sim_lwr()); }
 
 }  // namespace voxtouch::contract

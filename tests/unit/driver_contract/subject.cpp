@@ -62,7 +62,7 @@ bool Subject::push_until_felt(const Wrench& command, double tolerance) {
 Subject::Another Subject::open_another() {
   try {
     return {make(), {}};
-  } catch (const DeviceOpenError& error) {
+  } catch (const devices::DeviceOpenError& error) {
     return {nullptr, error.what()};
   }
 }

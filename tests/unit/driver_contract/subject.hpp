@@ -38,12 +38,12 @@ class Subject {
   void open();
   /// The driver goes; the plant stays as long as its time does.
   void close() { driver_.reset(); }
-  Driver& driver() { return *driver_; }
+  devices::Driver& driver() { return *driver_; }
   bool opened() const { return driver_ != nullptr; }
 
   struct Turn {
-    DeviceResult<DeviceSample> sample;
-    DeviceResult<void> written;
+    devices::DeviceResult<devices::DeviceSample> sample;
+    devices::DeviceResult<void> written;
     double time_s = 0.0;  ///< of the plant, when the write came
     std::string trouble;  ///< as another thread would hear it between the two; once a planned fault has begun
   };
@@ -53,7 +53,7 @@ class Subject {
   bool push_until_felt(const Wrench& command, double tolerance = 0.1);
 
   struct Another {
-    std::unique_ptr<Driver> driver;  ///< null: it was refused
+    std::unique_ptr<devices::Driver> driver;  ///< null: it was refused
     std::string sentence;
   };
   /// A second driver at the same device while the first is open.
@@ -80,7 +80,7 @@ class Subject {
   virtual bool answers_are_final() const { return false; }
 
  protected:
-  virtual std::unique_ptr<Driver> make() = 0;
+  virtual std::unique_ptr<devices::Driver> make() = 0;
   /// For plants whose time passes only in the driver's calls: what they received since the last time.
   virtual void observe() {}
   /// One period without the driver, where it made none.
@@ -92,7 +92,7 @@ class Subject {
   virtual void collect(std::vector<Received>&) {}
 
   const FaultCase* fault_ = nullptr;
-  std::unique_ptr<Driver> driver_;
+  std::unique_ptr<devices::Driver> driver_;
   std::vector<Received> received_;
 
  private:

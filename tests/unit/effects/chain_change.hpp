@@ -11,18 +11,18 @@
 namespace voxtouch::test {
 
 /// Why `wish` cannot be; empty if it was done.
-inline std::string change(EffectChain& chain, const EffectWish& wish) {
-  std::vector<EffectSpec> effects;
+inline std::string change(effects::EffectChain& chain, const effects::EffectWish& wish) {
+  std::vector<effects::EffectSpec> effects;
   for (std::size_t i = 0; i < chain.size(); ++i) effects.push_back(chain.spec(i));
-  const auto judged = judge(effects, wish);
+  const auto judged = effects::judge(effects, wish);
   if (!judged) return judged.error();
   chain.take(*judged);
   return {};
 }
 
 /// The same for one parameter of the chain's first effect.
-inline std::string set_value(EffectChain& chain, std::string_view parameter, const std::array<double, 3>& value) {
-  return change(chain, {.action = EffectAction::kValue, .effect = chain.spec(0).name, .parameter = parameter, .value = value});
+inline std::string set_value(effects::EffectChain& chain, std::string_view parameter, const std::array<double, 3>& value) {
+  return change(chain, {.action = effects::EffectAction::kValue, .effect = chain.spec(0).name, .parameter = parameter, .value = value});
 }
 
 }  // namespace voxtouch::test

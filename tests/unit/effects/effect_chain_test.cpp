@@ -6,7 +6,7 @@
 
 #include "tests/unit/effects/chain_change.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 /// A spring to the origin, U = k x^2 / 2: known in every place.
@@ -141,4 +141,4 @@ TEST(EffectChain, LeavesOutAnEffectThatIsNoNumberAndCountsIt) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -7,7 +7,7 @@
 
 #include "core/effects/effect_chain.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
@@ -133,4 +133,4 @@ TEST(EffectChange, DoesToTheSpecWhatTheChainComesTo) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -32,15 +32,15 @@ Vec6 as_vector(const Wrench& w) {
 
 }  // namespace
 
-EffectSpec effect(std::string_view kind,
+effects::EffectSpec effect(std::string_view kind,
                   std::initializer_list<std::pair<std::string_view, std::array<double, 3>>> values,
-                  const Region& region) {
-  EffectSpec spec{.name = std::string(kind), .kind = find_effect_kind(kind), .values = {}, .region = region};
+                  const effects::Region& region) {
+  effects::EffectSpec spec{.name = std::string(kind), .kind = effects::find_effect_kind(kind), .values = {}, .region = region};
   if (spec.kind == nullptr) throw std::invalid_argument(std::string(kind));
-  spec.values = EffectValues(spec.kind->parameters);
+  spec.values = effects::EffectValues(spec.kind->parameters);
   for (const auto& [name, value] : values) {
     const auto found = std::find_if(spec.kind->parameters.begin(), spec.kind->parameters.end(),
-                                    [n = name](const EffectParameter& p) { return p.name == n; });
+                                    [n = name](const effects::EffectParameter& p) { return p.name == n; });
     if (found == spec.kind->parameters.end()) throw std::invalid_argument(std::string(name));
     spec.values.at(static_cast<std::size_t>(found - spec.kind->parameters.begin())) = value;
   }
@@ -56,8 +56,8 @@ Vec3 Random::direction() {
 
 Quat Random::orientation() { return Quat(Eigen::AngleAxisd(number(0, std::numbers::pi), direction())); }
 
-EffectPush Bench::at(const Pose& pose) noexcept {
-  EffectFrame frame;
+effects::EffectPush Bench::at(const Pose& pose) noexcept {
+  effects::EffectFrame frame;
   frame.tool = pose, frame.dt_s = 0.001;
   frame.proximity = proximity_, frame.tool_points = points_;
   return chain_.apply(frame);
@@ -74,19 +74,19 @@ void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_
 }
 
 void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, bool turning, double step) {
-  const EffectPush here = bench.at(pose);
+  const effects::EffectPush here = bench.at(pose);
   const int axes = turning ? 6 : 3;
   Eigen::MatrixXd own(axes, axes);
   double bound = here.stiffness_bound_n_per_m;
   for (int axis = 0; axis < axes; ++axis) {
-    const EffectPush more = bench.at(moved(pose, axis, step)), less = bench.at(moved(pose, axis, -step));
+    const effects::EffectPush more = bench.at(moved(pose, axis, step)), less = bench.at(moved(pose, axis, -step));
     own.col(axis) = -((as_vector(more.wrench) - as_vector(less.wrench)) / (2 * step)).head(axes);
     bound = std::max({bound, more.stiffness_bound_n_per_m, less.stiffness_bound_n_per_m});
   }
   const double found = Eigen::JacobiSVD<Mat3>(own.topLeftCorner<3, 3>()).singularValues()[0];
   EXPECT_LE(found, bound * (1 + 1e-6) + tolerance) << bench.spec().name << " at " << pose.position.transpose();
-  EXPECT_LE(bound, bound_of(bench.spec()).stiffness_n_per_m * (1 + 1e-9)) << bench.spec().name;
-  EXPECT_LE(here.wrench.force.norm(), bound_of(bench.spec()).force_n * (1 + 1e-9)) << bench.spec().name;
+  EXPECT_LE(bound, effects::bound_of(bench.spec()).stiffness_n_per_m * (1 + 1e-9)) << bench.spec().name;
+  EXPECT_LE(here.wrench.force.norm(), effects::bound_of(bench.spec()).force_n * (1 + 1e-9)) << bench.spec().name;
   EXPECT_TRUE(here.stiffness.isApprox(here.stiffness.transpose(), 1e-12) || here.stiffness.isZero(1e-12));
   Eigen::MatrixXd given = here.stiffness.topLeftCorner(axes, axes);
   if (turning) given.bottomRows(3) /= kLever, given.rightCols(3) /= kLever;
@@ -98,7 +98,7 @@ void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, b
       << bench.spec().name << " at " << pose.position.transpose();
   if (!turning) return;
   const Eigen::SelfAdjointEigenSolver<Mat3> rotation(here.stiffness.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
-  EXPECT_LE(rotation.eigenvalues()[2], bound_of(bench.spec()).stiffness_nm_per_rad * (1 + 1e-9));
+  EXPECT_LE(rotation.eigenvalues()[2], effects::bound_of(bench.spec()).stiffness_nm_per_rad * (1 + 1e-9));
 }
 
 std::vector<Pose> closed_path(Random& random, const Vec3& centre, double size_m, double turn_rad, std::size_t steps) {

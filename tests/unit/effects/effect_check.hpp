@@ -12,9 +12,9 @@
 namespace voxtouch::test {
 
 /// A scene's effect of that kind, its values by name.
-EffectSpec effect(std::string_view kind,
+effects::EffectSpec effect(std::string_view kind,
                   std::initializer_list<std::pair<std::string_view, std::array<double, 3>>> values,
-                  const Region& region = {});
+                  const effects::Region& region = {});
 
 class Random {
  public:
@@ -34,17 +34,18 @@ class Random {
 /// One effect on its own, at poses of a tool at rest.
 class Bench {
  public:
-  explicit Bench(const EffectSpec& spec, const Proximity* proximity = nullptr, std::span<const ToolPoint> points = {})
+  explicit Bench(const effects::EffectSpec& spec, const effects::Proximity* proximity = nullptr,
+                 std::span<const effects::ToolPoint> points = {})
       : spec_(spec), chain_({spec}), proximity_(proximity), points_(points) {}
-  EffectPush at(const Pose& pose) noexcept;
-  const EffectSpec& spec() const noexcept { return spec_; }
-  EffectChain& chain() noexcept { return chain_; }
+  effects::EffectPush at(const Pose& pose) noexcept;
+  const effects::EffectSpec& spec() const noexcept { return spec_; }
+  effects::EffectChain& chain() noexcept { return chain_; }
 
  private:
-  EffectSpec spec_;
-  EffectChain chain_;
-  const Proximity* proximity_;
-  std::span<const ToolPoint> points_;
+  effects::EffectSpec spec_;
+  effects::EffectChain chain_;
+  const effects::Proximity* proximity_;
+  std::span<const effects::ToolPoint> points_;
 };
 
 /// Wrench = -grad U at `pose` by central differences over `step` metres; with `turning` also the torque, by `step` / 0.01 rad.

@@ -10,7 +10,7 @@
 #include "tests/support/seed.hpp"
 #include "tests/unit/effects/chain_change.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 EffectSpec oil(double damping) {
@@ -109,4 +109,4 @@ TEST(EffectChainAtRest, IsSoWhenAllNumbersHaveCome) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

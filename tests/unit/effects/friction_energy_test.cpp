@@ -8,7 +8,7 @@ namespace {
 
 const Vec3 kUp = Vec3::UnitZ();
 
-EffectSpec any_friction(std::mt19937_64& random) {
+effects::EffectSpec any_friction(std::mt19937_64& random) {
   return effect("friction", {{"coulomb", {between(random, 0.0, 2.0)}},
                              {"sticking", {between(random, 1.0, 2.0)}},
                              {"stiffness_n_per_m", {scale_between(random, 10, 5000)}},
@@ -22,7 +22,7 @@ struct Given {
 };
 
 /// The effect's own work on a closed way of `samples`, gone twice, against a plane and a ball that both rest.
-Given given_on(const ClosedPath& path, EffectSpec spec, const BallTool& tool, int samples) {
+Given given_on(const ClosedPath& path, effects::EffectSpec spec, const BallTool& tool, int samples) {
   Asked asked(std::move(spec));
   Given given;
   Wrench last;
@@ -62,8 +62,8 @@ TEST(Friction, GivesNoEnergyOnAnyOf240RandomClosedPaths) {
 /// that the region scaled would come back larger than it was put in.
 TEST(Friction, GivesNoEnergyAtTheRimOfARegionHoweverSharpItIs) {
   for (const double blend : {1e-5, 1e-4, 1e-3}) {
-    EffectSpec spec = effect("friction", {{"coulomb", {1.0}}, {"stiffness_n_per_m", {300}}});
-    spec.region = {.shape = BoxRegion{.pose = {}, .size_m = Vec3(0.02, 1.0, 1.0)}, .blend_m = blend};  // its face at x = 10 mm
+    effects::EffectSpec spec = effect("friction", {{"coulomb", {1.0}}, {"stiffness_n_per_m", {300}}});
+    spec.region = {.shape = effects::BoxRegion{.pose = {}, .size_m = Vec3(0.02, 1.0, 1.0)}, .blend_m = blend};  // its face at x = 10 mm
     Asked asked(std::move(spec));
     const BallTool tool;
     const double rim = 0.010 + 0.9 * blend, inside = 0.010, bend = 5e-4;
@@ -99,8 +99,8 @@ TEST(Friction, HoldsAToolOnATiltedPlaneForAMinuteWithoutCreepUnderEncoderNoise) 
   for (int n = 0; n < 60000; ++n) {
     Pose seen;
     for (int a = 0; a < 3; ++a) seen.position[a] = kStep * (std::round(x[a] / kStep) + dither(random));
-    const ContactResult contact = on_plane(seen, tool, up, 0, kWall);
-    const EffectPush push = asked.at(seen, {contact});
+    const contact::ContactResult contact = on_plane(seen, tool, up, 0, kWall);
+    const effects::EffectPush push = asked.at(seen, {contact});
     const Vec3 force = contact.wrench.force + push.wrench.force - kMass * kGravity * Vec3::UnitZ() - kDamping * v;
     v += kDt / kMass * force, x += kDt * v;
     if (n >= 1000 && n < 6000) early += x / 5000.0;
@@ -120,7 +120,7 @@ TEST(Friction, IsConstantToTheLastBitForAToolAtRestHoweverItCameToRest) {
     const ClosedPath path(random, {Vec3(0, 0, 0.0085) - tool.centre, Quat::Identity()}, Vec3(2e-3, 2e-3, 5e-4), 0.3);
     for (int n = 0; n < 300; ++n) asked.at(path.at(n / 400.0), {on_plane(path.at(n / 400.0), tool, kUp, 0, 800)});
     const Pose rest = path.at(0.75);
-    const std::vector<ContactResult> contact = {on_plane(rest, tool, kUp, 0, 800)};
+    const std::vector<contact::ContactResult> contact = {on_plane(rest, tool, kUp, 0, 800)};
     const Vec3 first = asked.at(rest, contact).wrench.force;
     for (int n = 0; n < 100; ++n) ASSERT_LT((asked.at(rest, contact).wrench.force - first).norm(), 1e-14) << trial;
   }
@@ -134,11 +134,11 @@ TEST(Friction, HasNoForceStepOnTheWayInAlongAndOut) {
     const Vec3 along(std::cos(heading), std::sin(heading), 0);
     Vec3 last = Vec3::Zero();
     Pose before;
-    EffectPush push;
+    effects::EffectPush push;
     for (int n = 0; n <= 20000; ++n) {  // a parabola of 2 mm depth over 20 mm, there and back again
       const double s = n / 10000.0, t = s <= 1.0 ? s : 2.0 - s;
       const Pose pose{0.02 * t * along + Vec3(0, 0, 0.011 - 0.012 * t * (1 - t)), Quat::Identity()};
-      const ContactResult contact = on_plane(pose, BallTool{}, kUp, 0, 800);
+      const contact::ContactResult contact = on_plane(pose, BallTool{}, kUp, 0, 800);
       const double bound_before = push.stiffness_bound_n_per_m;
       push = asked.at(pose, {contact});
       const double bound = std::max(bound_before, push.stiffness_bound_n_per_m);
@@ -158,7 +158,7 @@ TEST(Friction, GivesNoTorqueStepWhereTheDeepestPointJumps) {
   Vec3 last = Vec3::Zero();
   for (int n = 0; n < 4000; ++n) {
     const Pose pose{Vec3(1e-6 * n, 0, 0.009), Quat::Identity()};
-    ContactResult contact = on_plane(pose, BallTool{}, kUp, 0, 1000);
+    contact::ContactResult contact = on_plane(pose, BallTool{}, kUp, 0, 1000);
     if (n / 100 % 2 == 1) contact.deepest_point.z() += 0.004;
     const Vec3 torque = asked.at(pose, {contact}).wrench.torque;
     largest = std::max(largest, (torque - last).norm());
@@ -172,13 +172,13 @@ TEST(Friction, StaysANumberThroughContactsThatHaveNoSense) {
   Asked asked(effect("friction", {{"coulomb", {2.0}}, {"sticking", {2.0}}, {"stiffness_n_per_m", {5000}}}));
   std::mt19937_64 random(2);
   for (int n = 0; n < 5000; ++n) {
-    ContactResult contact;
+    contact::ContactResult contact;
     contact.wrench.force = std::pow(10.0, between(random, -300, 100)) * Vec3::Random();
     contact.wrench.torque = std::pow(10.0, between(random, -300, 100)) * Vec3::Random();
     contact.deepest_point = std::pow(10.0, between(random, -10, 10)) * Vec3::Random();
     const Pose pose{std::pow(10.0, between(random, -10, 10)) * Vec3::Random(),
                     Quat(Eigen::Vector4d::Random()).normalized()};
-    const EffectPush push = asked.at(pose, {contact, contact});
+    const effects::EffectPush push = asked.at(pose, {contact, contact});
     ASSERT_TRUE(push.wrench.finite() && push.stiffness.allFinite());
     ASSERT_LE(push.wrench.force.norm(), 2 * 20.0 * (1 + 1e-9));
   }

@@ -16,18 +16,18 @@ Pose pressing(double push_n, double x, double y = 0.0) {
   return {Vec3(x, y, kBall.radius_m - push_n / kWall), Quat::Identity()};
 }
 
-EffectPush slide_to(Asked& asked, const Pose& pose) { return asked.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)}); }
+effects::EffectPush slide_to(Asked& asked, const Pose& pose) { return asked.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)}); }
 
 TEST(Friction, IsASpringUntilTheFrictionConeAndThatConeBeyondIt) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
   for (int n = 0; n <= 1000; ++n) {
     const double x = 1e-5 * n;
-    const EffectPush push = slide_to(asked, pressing(2.0, x));
+    const effects::EffectPush push = slide_to(asked, pressing(2.0, x));
     EXPECT_NEAR(push.wrench.force.x(), -std::min(400 * x, 0.5 * 2.0), 1e-9);
     EXPECT_NEAR(push.wrench.torque.y(), 0.01 * std::min(400 * x, 1.0), 1e-9);
   }
   for (int n = 0; n <= 1000; ++n) {  // and back: 5 mm of way from one side of the cone to the other
-    const EffectPush push = slide_to(asked, pressing(2.0, 0.01 - 1e-5 * n));
+    const effects::EffectPush push = slide_to(asked, pressing(2.0, 0.01 - 1e-5 * n));
     EXPECT_NEAR(push.wrench.force.x(), -1.0 + std::min(400 * 1e-5 * n, 2.0), 1e-9);
   }
 }
@@ -74,7 +74,7 @@ TEST(Friction, IsNeverMoreThanTheCapOfItsScene) {
   double most = 0.0;
   for (int n = 0; n < 2000; ++n) most = std::max(most, slide_to(asked, pressing(5.0, 1e-5 * n)).wrench.force.norm());
   EXPECT_NEAR(most, 0.8, 1e-9);
-  EXPECT_EQ(bound_of(asked.chain.spec(0)).force_n, 0.8);
+  EXPECT_EQ(effects::bound_of(asked.chain.spec(0)).force_n, 0.8);
 }
 
 TEST(Friction, WeakerPressureLetsTheBristlesSlipAndMorePressureDoesNotBendThem) {
@@ -91,7 +91,7 @@ TEST(Friction, WeakerPressureLetsTheBristlesSlipAndMorePressureDoesNotBendThem) 
 
 TEST(Friction, OfABallThatTurnsOnTheSpotIsATorqueAtItsDeepestPoint) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
-  EffectPush push;
+  effects::EffectPush push;
   for (int n = 0; n <= 100; ++n) {
     Pose pose = pressing(2.0, 0);
     pose.orientation = Quat(Eigen::AngleAxisd(1e-3 * n, Vec3::UnitY()));
@@ -105,7 +105,7 @@ TEST(Friction, OfABallThatTurnsOnTheSpotIsATorqueAtItsDeepestPoint) {
 TEST(Friction, OfAToolThatTouchesAsideOfItsOriginActsWhereItTouches) {
   const BallTool tool{Vec3(0.05, 0, 0), 0.01};
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
-  EffectPush push;
+  effects::EffectPush push;
   for (int n = 0; n <= 10; ++n) {
     const Pose pose{Vec3(0, 1e-4 * n, 0.008), Quat::Identity()};
     push = asked.at(pose, {on_plane(pose, tool, kUp, 0, kWall)});
@@ -117,7 +117,7 @@ TEST(Friction, OfAToolThatTouchesAsideOfItsOriginActsWhereItTouches) {
 TEST(Friction, IsAgainstTheObjectsOwnMotion) {
   Asked carried(effect("friction", {{"coulomb", {0.5}}})), dragged(effect("friction", {{"coulomb", {0.5}}}));
   const Twist belt{Vec3(0.1, 0, 0), Vec3::Zero()};
-  EffectPush push;
+  effects::EffectPush push;
   for (int n = 0; n < 100; ++n) {  // the tool goes with the belt: nothing rubs
     const Pose pose = pressing(1.0, 1e-4 * n);
     EXPECT_NEAR(carried.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)}, {}, {belt}).wrench.force.norm(), 0.0, 1e-12);
@@ -143,7 +143,7 @@ TEST(Friction, GoesRoundACornerWithItsBendUnstretchedAndAcrossTheNormal) {
   for (int n = 0; n <= 900; ++n) {  // pulled 1 mm along y, then carried round a ball in x and z: the pull stays as long
     const double angle = 1e-3 * std::max(0, n - 100), y = 1e-5 * std::min(n, 100);
     const Pose pose{0.019 * Vec3(std::sin(angle), 0, std::cos(angle)) + Vec3(0, y, 0), Quat::Identity()};
-    const ContactResult contact = on_ball(pose, kBall, middle + Vec3(0, y, 0), 0.01, 5000);
+    const contact::ContactResult contact = on_ball(pose, kBall, middle + Vec3(0, y, 0), 0.01, 5000);
     const Wrench wrench = asked.at(pose, {contact}).wrench;
     EXPECT_NEAR(wrench.force.dot(contact.mean_normal), 0.0, 1e-12);
     EXPECT_NEAR(wrench.force.y(), -100 * y, 1e-12);
@@ -177,9 +177,9 @@ TEST(Friction, SumsOverObjectsInAnyOrderAndKeepsThemApart) {
   const ClosedPath path(random, {Vec3(0.009, 0.009, 0.009), Quat::Identity()}, Vec3(2e-3, 2e-3, 2e-3), 0.2);
   for (int n = 0; n <= 2000; ++n) {
     const Pose pose = path.at(n / 2000.0);
-    std::vector<ContactResult> contacts;
+    std::vector<contact::ContactResult> contacts;
     for (const Vec3& normal : normals) contacts.push_back(on_plane(pose, kBall, normal, 0, kWall));
-    std::vector<ObjectContact> order = {{7, &contacts[0], {}}, {0, &contacts[1], {}}, {3, &contacts[2], {}}};
+    std::vector<effects::ObjectContact> order = {{7, &contacts[0], {}}, {0, &contacts[1], {}}, {3, &contacts[2], {}}};
     Wrench sum;
     for (std::size_t a = 0; a < 3; ++a) {
       const Wrench one = alone[a].with(pose, std::span(&order[a], 1)).wrench;
@@ -198,7 +198,7 @@ TEST(Friction, OfMoreObjectsThanItHasRoomForLeavesTheRestOut) {
   double force = 0.0;
   for (int n = 0; n <= 10; ++n) {
     const Pose pose = pressing(2.0, 1e-4 * n);
-    force = asked.at(pose, std::vector<ContactResult>(20, on_plane(pose, kBall, kUp, 0, kWall))).wrench.force.x();
+    force = asked.at(pose, std::vector<contact::ContactResult>(20, on_plane(pose, kBall, kUp, 0, kWall))).wrench.force.x();
   }
   EXPECT_NEAR(force, -16 * 0.1, 1e-12);
 }
@@ -232,14 +232,14 @@ TEST(Friction, ReportsAStiffnessThatIsNotLessThanItsOwn) {
     Pose pose{-tool.centre + Vec3(0, 0, 0.01 - 1.0 / wall), Quat::Identity()};
     asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
     pose.position.x() += scale_between(random, 1e-5, 1e-2);
-    const EffectPush before = asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
+    const effects::EffectPush before = asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
     const Mat6& s = before.stiffness;
     EXPECT_LT((s - s.transpose()).norm(), 1e-12 * s.norm());
     EXPECT_GT(least_eigenvalue(s), -1e-9 * s.norm());
     EXPECT_LE(norm_of(s.topLeftCorner<3, 3>()), before.stiffness_bound_n_per_m * (1 + 1e-12));
     const Vec3 way = 1e-7 * Vec3::Random();
     pose.position += way;
-    const EffectPush after = asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
+    const effects::EffectPush after = asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
     const Vec3 change = after.wrench.force - before.wrench.force;
     EXPECT_LE(change.norm(), before.stiffness_bound_n_per_m * way.norm() * (1 + 1e-3)) << trial;
     EXPECT_LE(-change.dot(way), way.dot(s.topLeftCorner<3, 3>() * way) * (1 + 1e-3) + 1e-18) << trial;
@@ -253,11 +253,11 @@ TEST(Friction, ReportsAStiffnessThatCoversAPushThatEasesWhileItLetsGo) {
   Pose pose{Vec3(0, 0, 0.01 - push_n / wall), Quat::Identity()};
   asked.at(pose, contact(pose));
   pose.position.x() = (1.5 * slides * push_n + 0.25 * slides * push_n) / k;  // half torn
-  const EffectPush before = asked.at(pose, contact(pose));
+  const effects::EffectPush before = asked.at(pose, contact(pose));
   ASSERT_GT(before.wrench.force.norm(), 1.1 * slides * push_n);
   ASSERT_LT(before.wrench.force.norm(), 1.4 * slides * push_n);
   pose.position.z() += 1e-7;
-  const EffectPush after = asked.at(pose, contact(pose));
+  const effects::EffectPush after = asked.at(pose, contact(pose));
   const double change = (after.wrench.force - before.wrench.force).norm() / 1e-7;
   EXPECT_LE(change, before.stiffness_bound_n_per_m);
   EXPECT_GT(change, 0.7 * before.stiffness_bound_n_per_m);

@@ -15,17 +15,17 @@ std::array<double, 3> just(double number) { return {number, 0, 0}; }
 
 Pose at(const Vec3& x) { return {x, Quat::Identity()}; }
 
-Mat3 translation(const EffectPush& push) { return push.stiffness.topLeftCorner<3, 3>(); }
+Mat3 translation(const effects::EffectPush& push) { return push.stiffness.topLeftCorner<3, 3>(); }
 
 /// k = 200 N/m, F = 2 N: w = 10 mm; bends from 5 to 15 mm.
-EffectSpec point_guide(bool release = false) {
+effects::EffectSpec point_guide(bool release = false) {
   return effect("guide_point", {{"stiffness_n_per_m", just(200)},
                                 {"limit_n", just(2)},
                                 {"point", {0.1, 0.2, 0.3}},
                                 {"beyond", release ? kRelease : kHold},
                                 {"range_m", just(release ? 0.06 : 0.0)}});
 }
-EffectSpec line_guide(double half_length) {
+effects::EffectSpec line_guide(double half_length) {
   return effect("guide_line", {{"stiffness_n_per_m", just(200)},
                                {"limit_n", just(2)},
                                {"point", {0, 0, 0}},
@@ -33,7 +33,7 @@ EffectSpec line_guide(double half_length) {
                                {"ends", half_length > 0 ? kSegment : kHold},
                                {"half_length_m", just(half_length)}});
 }
-EffectSpec plane_guide(bool one_sided) {
+effects::EffectSpec plane_guide(bool one_sided) {
   return effect("guide_plane", {{"stiffness_n_per_m", just(200)},
                                 {"limit_n", just(2)},
                                 {"point", {0, 0, 0.05}},
@@ -42,12 +42,12 @@ EffectSpec plane_guide(bool one_sided) {
 }
 
 /// Any guide with any parameters that it takes, sometimes behind a region.
-EffectSpec random_guide(Random& random, int which) {
+effects::EffectSpec random_guide(Random& random, int which) {
   const double k = random.number(20, 2000), limit = random.number(0.1, 10);
   const bool release = random.coin();
   const double range = release ? limit / k * random.number(3.0, 12.0) : 0.0;
   const bool segment = random.coin(), one = random.coin();
-  EffectSpec spec = which == 0   ? point_guide()
+  effects::EffectSpec spec = which == 0   ? point_guide()
                     : which == 1 ? line_guide(segment ? random.number(0.002, 0.05) : 0.0)
                                  : plane_guide(one);
   spec.values.at(0) = just(k), spec.values.at(1) = just(limit), spec.values.at(2) = release ? kRelease : kHold;
@@ -56,9 +56,9 @@ EffectSpec random_guide(Random& random, int which) {
   if (random.coin()) {
     spec.region.blend_m = random.number(0.005, 0.02);
     if (random.coin())
-      spec.region.shape = SphereRegion{random.vector(0.03), random.number(0.005, 0.04)};
+      spec.region.shape = effects::SphereRegion{random.vector(0.03), random.number(0.005, 0.04)};
     else
-      spec.region.shape = BoxRegion{{random.vector(0.03), random.orientation()}, Vec3(0.02, 0.03, 0.04)};
+      spec.region.shape = effects::BoxRegion{{random.vector(0.03), random.orientation()}, Vec3(0.02, 0.03, 0.04)};
   }
   spec.gain = random.number(0.2, 1.0);
   return spec;
@@ -77,7 +77,7 @@ TEST(GuidePoint, PullsAsAnIdealSpringThenBendsToItsLimit) {
   EXPECT_NEAR(bench.at(at(p + 0.015 * u)).potential_j, 0.02 * 23 / 24, 1e-13);
   EXPECT_NEAR(bench.at(at(p + 0.115 * u)).potential_j, 0.02 * 23 / 24 + 0.2, 1e-13);
   EXPECT_TRUE(translation(bench.at(at(p + 0.004 * u))).isApprox(200 * Mat3::Identity()));
-  EXPECT_TRUE(std::isinf(bound_of(bench.spec()).potential_j));
+  EXPECT_TRUE(std::isinf(effects::bound_of(bench.spec()).potential_j));
 }
 
 TEST(GuidePoint, LetsGoAtItsRangeWhereAskedTo) {
@@ -90,12 +90,12 @@ TEST(GuidePoint, LetsGoAtItsRangeWhereAskedTo) {
   EXPECT_TRUE(pull(0.5).wrench.zero());
   EXPECT_NEAR(pull(0.5).potential_j, 0.0, 1e-15);
   EXPECT_NEAR(pull(0.0).potential_j, -(0.02 * 23 / 24 + 2 * 0.015 + 2 * 0.015), 1e-13);
-  EXPECT_NEAR(bound_of(bench.spec()).potential_j, -pull(0.0).potential_j, 1e-13);
+  EXPECT_NEAR(effects::bound_of(bench.spec()).potential_j, -pull(0.0).potential_j, 1e-13);
 }
 
 TEST(GuideLine, HoldsAcrossAndLetsSlideAlong) {
   Bench bench(line_guide(0));
-  const EffectPush push = bench.at(at({0.003, 0.004, 7.0}));
+  const effects::EffectPush push = bench.at(at({0.003, 0.004, 7.0}));
   EXPECT_TRUE(push.wrench.force.isApprox(-200 * Vec3(0.003, 0.004, 0)));
   EXPECT_TRUE(translation(push).isApprox(Mat3(Vec3(200, 200, 0).asDiagonal())));
 }
@@ -140,13 +140,13 @@ TEST(Guides, ReachTheirBoundSoThatItIsNoLargerThanNeeded) {
   Bench bench(point_guide(true));
   double most = 0.0;
   for (int n = 0; n < 700; ++n) most = std::max(most, bench.at(at({0.1 + 1e-4 * n, 0.2, 0.3})).stiffness_bound_n_per_m);
-  EXPECT_DOUBLE_EQ(most, bound_of(bench.spec()).stiffness_n_per_m);
+  EXPECT_DOUBLE_EQ(most, effects::bound_of(bench.spec()).stiffness_n_per_m);
 }
 
 TEST(Guides, StepNowhereOnASweepThroughSidesLimitsEndsAndRims) {
   Random random(13);
   for (int trial = 0; trial < 60; ++trial) {
-    EffectSpec spec = random_guide(random, trial % 3);
+    effects::EffectSpec spec = random_guide(random, trial % 3);
     const double k = spec.gain * spec.values.number(0);
     spec.region = {};
     Bench bench(spec);
@@ -182,7 +182,7 @@ TEST(Guides, LeaveLessEnergyTheFinerAPathIsSampled) {
 }
 
 TEST(Guides, AreFiniteWhereTheToolIsOnThemFarOffAndWhereNothingPushes) {
-  for (EffectSpec spec :
+  for (effects::EffectSpec spec :
        {point_guide(), point_guide(true), line_guide(0), line_guide(0.02), plane_guide(false), plane_guide(true)})
     for (const double k : {0.0, 1e-300, 200.0})
       for (const double limit : {0.0, 1e-300, 2.0})
@@ -191,18 +191,18 @@ TEST(Guides, AreFiniteWhereTheToolIsOnThemFarOffAndWhereNothingPushes) {
           if (spec.values.number(2) > 0.0 && k < 200.0) continue;  // refused: see below
           spec.values.at(0) = just(k), spec.values.at(1) = just(limit);
           Bench bench(spec);
-          const EffectPush push = bench.at(at(x));
+          const effects::EffectPush push = bench.at(at(x));
           EXPECT_EQ(bench.chain().not_finite(), 0u) << spec.name << k << limit << x.transpose();
           EXPECT_LE(push.wrench.force.norm(), limit * (1 + 1e-9));
         }
 }
 
 TEST(Guides, RefuseWhatContradictsItselfWithASentence) {
-  const auto why = [](EffectSpec spec, std::size_t p, std::array<double, 3> value) {
+  const auto why = [](effects::EffectSpec spec, std::size_t p, std::array<double, 3> value) {
     spec.values.at(p) = value;
-    return check_values(*spec.kind, spec.values);
+    return effects::check_values(*spec.kind, spec.values);
   };
-  EXPECT_EQ(check_values(*point_guide().kind, point_guide().values), "");
+  EXPECT_EQ(effects::check_values(*point_guide().kind, point_guide().values), "");
   EXPECT_NE(why(point_guide(), 3, just(0.1)).find("for 'beyond: release' only"), std::string::npos);
   EXPECT_NE(why(point_guide(true), 3, just(0.029)).find("at least 3 limit_n / stiffness_n_per_m = 0.03 m"),
             std::string::npos);
@@ -213,7 +213,7 @@ TEST(Guides, RefuseWhatContradictsItselfWithASentence) {
 }
 
 TEST(Guides, StayWithinTheirStiffnessWhileAllTheirParametersChangeAtOnce) {
-  EffectSpec spec = point_guide(true);
+  effects::EffectSpec spec = point_guide(true);
   spec.values.at(0) = just(100), spec.values.at(1) = just(1), spec.values.at(3) = just(0.03);
   Bench bench(spec);
   EXPECT_EQ(set_value(bench.chain(), "range_m", just(0.3)), "");
@@ -221,13 +221,13 @@ TEST(Guides, StayWithinTheirStiffnessWhileAllTheirParametersChangeAtOnce) {
   EXPECT_EQ(set_value(bench.chain(), "limit_n", just(100)), "");
   for (int n = 1; n <= 100; ++n) {  // on the way 3 F / R is above k
     const double way = 0.01 * n;
-    const EffectPush push = bench.at(at({0.1 + 0.75 * (0.03 + 0.27 * way), 0.2, 0.3}));
+    const effects::EffectPush push = bench.at(at({0.1 + 0.75 * (0.03 + 0.27 * way), 0.2, 0.3}));
     EXPECT_LE(push.stiffness_bound_n_per_m, (100 + 900 * way) * (1 + 1e-9)) << n;
   }
 }
 
 TEST(Guides, TurnedAndMovedWhileRunningMakeNoForceStep) {
-  for (EffectSpec spec : {line_guide(0), line_guide(0.02), plane_guide(false), plane_guide(true)}) {
+  for (effects::EffectSpec spec : {line_guide(0), line_guide(0.02), plane_guide(false), plane_guide(true)}) {
     Bench bench(spec);
     const Pose pose = at({0.004, -0.003, 0.012});
     Vec3 last = bench.at(pose).wrench.force;

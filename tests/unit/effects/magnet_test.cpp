@@ -7,15 +7,15 @@
 namespace voxtouch::test {
 namespace magnet_test {
 
-EffectSpec magnet(const Vec3& point, double radius, double force) {
+effects::EffectSpec magnet(const Vec3& point, double radius, double force) {
   return effect("magnet",
                 {{"point", Random::as_array(point)}, {"radius_m", {radius, 0, 0}}, {"force_n", {force, 0, 0}}});
 }
 
-EffectSpec random_magnet(Random& random) {
-  EffectSpec spec = magnet(random.vector(0.01), random.number(0.005, 0.06), random.number(0.1, 8));
+effects::EffectSpec random_magnet(Random& random) {
+  effects::EffectSpec spec = magnet(random.vector(0.01), random.number(0.005, 0.06), random.number(0.1, 8));
   if (random.coin())
-    spec.region = {SphereRegion{random.vector(0.02), random.number(0.005, 0.03)}, random.number(0.005, 0.02)};
+    spec.region = {effects::SphereRegion{random.vector(0.02), random.number(0.005, 0.03)}, random.number(0.005, 0.02)};
   spec.gain = random.number(0.2, 1.0);
   return spec;
 }
@@ -55,20 +55,20 @@ TEST(Magnet, HasAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
     expect_stiffness_covers(bench, at(random.vector(0.04)), 1e-3);
   }
   Bench bench(magnet({0, 0, 0}, 0.02, 3));
-  EXPECT_NEAR(bench.at({}).stiffness_bound_n_per_m, bound_of(bench.spec()).stiffness_n_per_m, 1e-9)
+  EXPECT_NEAR(bench.at({}).stiffness_bound_n_per_m, effects::bound_of(bench.spec()).stiffness_n_per_m, 1e-9)
       << "reached at the point";
-  EXPECT_NEAR(bound_of(bench.spec()).stiffness_n_per_m, 3.4939 * 3 / 0.02, 0.02);
+  EXPECT_NEAR(effects::bound_of(bench.spec()).stiffness_n_per_m, 3.4939 * 3 / 0.02, 0.02);
 }
 
 TEST(Magnet, StepsNowhereOnASweepThroughRimAndPoint) {
   Random random(23);
   for (int trial = 0; trial < 40; ++trial) {
-    EffectSpec spec = random_magnet(random);
+    effects::EffectSpec spec = random_magnet(random);
     spec.region = {}, spec.gain = 1.0;
     Bench bench(spec);
     const Vec3 u = random.direction(), off = trial % 2 == 0 ? Vec3(Vec3::Zero()) : random.vector(0.005);
     const Vec3 middle = spec.values.vector(0) + off;
-    EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 20000, bound_of(spec).stiffness_n_per_m),
+    EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 20000, effects::bound_of(spec).stiffness_n_per_m),
               1 + 1e-6);
   }
 }

@@ -12,9 +12,9 @@ namespace {
 TEST(ProximityField, IsTheTrueDistanceBeforeAFlatWallOutToItsRange) {
   const double range = 0.02;
   for (const double h : {0.002, 0.005}) {
-    const ProximityField field = ground_of(block_mesh(), range, h);
+    const rendering::ProximityField field = ground_of(block_mesh(), range, h);
     for (double z = -0.01; z < range; z += 0.0003) {
-      const ProximitySample sample = field.at({0.003, -0.0041, 0.02 + z});
+      const effects::ProximitySample sample = field.at({0.003, -0.0041, 0.02 + z});
       EXPECT_NEAR(sample.distance_m, z, 1e-8);
       EXPECT_TRUE(sample.gradient.isApprox(Vec3::UnitZ(), 1e-5)) << z;
       EXPECT_LT(sample.curvature.norm(), 1e-2) << z;
@@ -24,10 +24,10 @@ TEST(ProximityField, IsTheTrueDistanceBeforeAFlatWallOutToItsRange) {
 
 TEST(ProximityField, IsOffByLessThanAQuarterOfTheSmoothingSquaredOverTheRadiusBeforeABall) {
   const double radius = 0.03, range = 0.008;
-  const TriangleMesh mesh = sphere_mesh(radius, 4);
+  const mesh::TriangleMesh mesh = sphere_mesh(radius, 4);
   Random random(31);
   for (const double h : {0.002, 0.006}) {
-    const ProximityField field = ground_of(mesh, range, h);
+    const rendering::ProximityField field = ground_of(mesh, range, h);
     EXPECT_NEAR(field.smoothing_m(), h, 1e-12);
     double most = 0.0;
     for (int n = 0; n < 3000; ++n) {
@@ -47,7 +47,7 @@ TEST(ProximityField, ReachesOutAsFarAsAskedOnEverySideAndNoNearerThanThatBeyond)
   const Quat turn(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()));
   const Vec3 size(0.06, 0.06, 0.04);
   for (const double range : {0.004, 0.03}) {
-    const ProximityField field = ground_of(block_mesh(turn), range, 0.002);
+    const rendering::ProximityField field = ground_of(block_mesh(turn), range, 0.002);
     int inside_range = 0;
     for (int n = 0; n < 20000; ++n) {
       const Vec3 x = random.vector(0.09);
@@ -68,14 +68,14 @@ TEST(ProximityField, ReachesOutAsFarAsAskedOnEverySideAndNoNearerThanThatBeyond)
 TEST(ProximityField, HasTheGradientAndCurvatureOfItsDistanceWithinTheirBounds) {
   Random random(33);
   for (const double h : {0.002, 0.004}) {
-    const ProximityField field = ground_of(block_mesh(random.orientation()), 0.012, h);
+    const rendering::ProximityField field = ground_of(block_mesh(random.orientation()), 0.012, h);
     double steepest = 0.0, bent = 0.0;
     for (int n = 0; n < 4000; ++n) {
       const Vec3 x = random.vector(0.05);
-      const ProximitySample here = field.at(x);
+      const effects::ProximitySample here = field.at(x);
       for (int axis = 0; axis < 3; ++axis) {
         const Vec3 step = 1e-7 * Vec3::Unit(axis);
-        const ProximitySample more = field.at(x + step), less = field.at(x - step);
+        const effects::ProximitySample more = field.at(x + step), less = field.at(x - step);
         EXPECT_NEAR((more.distance_m - less.distance_m) / 2e-7, here.gradient[axis], 1e-5);
         EXPECT_LT(((more.gradient - less.gradient) / 2e-7 - here.curvature.col(axis)).norm(), 1e-3 + 2e-3 / h);
       }
@@ -91,10 +91,10 @@ TEST(ProximityField, HasTheGradientAndCurvatureOfItsDistanceWithinTheirBounds) {
 }
 
 TEST(ProximityField, ContinuesWhereWhatIsStoredEndsAndStandsAnyPoint) {
-  const ProximityField field = ground_of(block_mesh(), 0.01, 0.002);
-  ProximitySample last = field.at({0.001, 0.002, 0.0});
+  const rendering::ProximityField field = ground_of(block_mesh(), 0.01, 0.002);
+  effects::ProximitySample last = field.at({0.001, 0.002, 0.0});
   for (int n = 1; n <= 40000; ++n) {
-    const ProximitySample sample = field.at({0.001, 0.002, 5e-6 * n});
+    const effects::ProximitySample sample = field.at({0.001, 0.002, 5e-6 * n});
     if (std::min(sample.distance_m, last.distance_m) < 0.01) {
       EXPECT_LE(std::abs(sample.distance_m - last.distance_m), 5e-6 * 1.0001);
       EXPECT_LE((sample.gradient - last.gradient).norm(), 5e-6 * 6 / 0.002);
@@ -110,32 +110,32 @@ TEST(ProximityField, ContinuesWhereWhatIsStoredEndsAndStandsAnyPoint) {
 }
 
 TEST(ToolPoints, AreShellPointsThatStandForAllOfItsAreaAndLieNearAllOfIt) {
-  const TriangleMesh mesh = sphere_mesh(0.01, 4);
-  const Pointshell shell = exact_shell(mesh, 0.001);
+  const mesh::TriangleMesh mesh = sphere_mesh(0.01, 4);
+  const pointshell::Pointshell shell = exact_shell(mesh, 0.001);
   double last = 1.0;
   for (const std::size_t most : {1u, 16u, 128u, 100000u}) {
-    const ToolPoints tool = spread_tool_points(shell, most);
+    const rendering::ToolPoints tool = rendering::spread_tool_points(shell, most);
     EXPECT_EQ(tool.points.size(), std::min(most, shell.size()));
     double share = 0.0, farthest = 0.0;
-    for (const ToolPoint& point : tool.points)
+    for (const effects::ToolPoint& point : tool.points)
       share += point.share, farthest = std::max(farthest, point.position.norm());
     EXPECT_NEAR(share, 1.0, 1e-12);
-    for (const ToolPoint& point : tool.points) {
+    for (const effects::ToolPoint& point : tool.points) {
       EXPECT_LT(point.share * static_cast<double>(tool.points.size()), 8.0) << "of a ball all shares are alike, nearly";
     }
     EXPECT_EQ(tool.reach_m, farthest);
     double gap = 0.0;
     for (std::size_t p = 0; p < shell.size(); ++p) {
       double nearest = 1.0;
-      for (const ToolPoint& point : tool.points) nearest = std::min(nearest, (shell.point(p) - point.position).norm());
+      for (const effects::ToolPoint& point : tool.points) nearest = std::min(nearest, (shell.point(p) - point.position).norm());
       gap = std::max(gap, nearest);
     }
     EXPECT_EQ(tool.gap_m, gap);
     EXPECT_LT(gap, last);
     last = gap;
   }
-  EXPECT_LT(spread_tool_points(shell).gap_m, 0.0025);
-  EXPECT_TRUE(spread_tool_points({}).points.empty());
+  EXPECT_LT(rendering::spread_tool_points(shell).gap_m, 0.0025);
+  EXPECT_TRUE(rendering::spread_tool_points({}).points.empty());
 }
 
 }  // namespace

@@ -12,17 +12,17 @@ namespace voxtouch::test {
 
 inline constexpr double kEdge = 0.002;
 
-inline ProximityField ground_of(const TriangleMesh& mesh, double range, double smoothing) {
-  return {mesh, voxelise(mesh, default_grid(mesh, kEdge), serial_for()), range, smoothing, serial_for()};
+inline rendering::ProximityField ground_of(const mesh::TriangleMesh& mesh, double range, double smoothing) {
+  return {mesh, voxmap::voxelise(mesh, voxmap::default_grid(mesh, kEdge), serial_for()), range, smoothing, serial_for()};
 }
 /// 60 x 60 x 40 mm round the origin, on the grid and across it.
-inline TriangleMesh block_mesh(const Quat& turn = Quat::Identity()) {
+inline mesh::TriangleMesh block_mesh(const Quat& turn = Quat::Identity()) {
   return box_mesh({0.06, 0.06, 0.04}, {Vec3::Zero(), turn});
 }
 
 /// Equal shares of a ball round `centre` in T, on a spiral.
-inline std::vector<ToolPoint> ball(double radius, std::size_t count, const Vec3& centre = Vec3::Zero()) {
-  std::vector<ToolPoint> points;
+inline std::vector<effects::ToolPoint> ball(double radius, std::size_t count, const Vec3& centre = Vec3::Zero()) {
+  std::vector<effects::ToolPoint> points;
   for (std::size_t n = 0; n < count; ++n) {
     const double z = 1.0 - (2.0 * static_cast<double>(n) + 1.0) / static_cast<double>(count),
                  r = std::sqrt(1.0 - z * z);
@@ -39,7 +39,7 @@ inline double box_distance(const Vec3& x, const Vec3& size) {
   return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
 }
 
-inline EffectSpec proximity(double limit, double range, double smoothing, double lever = 0.0) {
+inline effects::EffectSpec proximity(double limit, double range, double smoothing, double lever = 0.0) {
   return effect("proximity", {{"limit_n", {limit, 0, 0}},
                               {"range_m", {range, 0, 0}},
                               {"smoothing_m", {smoothing, 0, 0}},

@@ -7,7 +7,7 @@
 #include "core/rendering/build.hpp"
 #include "tests/unit/scene/scene_fixture.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 bool any_has(const std::vector<std::string>& lines, const std::string& text) {
@@ -27,17 +27,17 @@ std::string box_obj(double size, std::size_t faces = 12) {
   return text;
 }
 
-class ProximityScene : public SceneFolder {
+class ProximityScene : public scene::SceneFolder {
  protected:
   void SetUp() override {
-    SceneFolder::SetUp();
+    scene::SceneFolder::SetUp();
     write("tool.obj", box_obj(0.01));
     write("block.obj", box_obj(0.06));
     write("open.obj", box_obj(0.06, 11));
   }
-  std::unique_ptr<BuiltScene> built(const std::string& effects, const std::string& meshes = "{mesh: block.obj}",
+  std::unique_ptr<rendering::BuiltScene> built(const std::string& effects, const std::string& meshes = "{mesh: block.obj}",
                                     const std::string& contact = "stiffness_n_per_m: 30") const {
-    return build_scene(parse("scene: s\nvoxel_size: 0.002\nstatic: [" + meshes +
+    return rendering::build_scene(parse("scene: s\nvoxel_size: 0.002\nstatic: [" + meshes +
                              "]\ndynamic: {mesh: tool.obj}\ncontact: {" + contact + "}\neffects: [" + effects + "]\n"),
                        serial_for());
   }
@@ -56,7 +56,7 @@ class ProximityScene : public SceneFolder {
 TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
   const auto with = built(kProximity), magnet = built(kMagnet), none = built("");
   ASSERT_TRUE(with->effect_ground().proximity.has_value());
-  for (const BuiltScene* scene : {magnet.get(), none.get()}) {
+  for (const rendering::BuiltScene* scene : {magnet.get(), none.get()}) {
     EXPECT_FALSE(scene->effect_ground().proximity.has_value());
     EXPECT_TRUE(scene->effect_ground().tool.points.empty());
     EXPECT_FALSE(any_has(scene->plan().built, "Distances round"));
@@ -64,13 +64,13 @@ TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
   }
   EXPECT_EQ(magnet->plan().bytes, none->plan().bytes);
   EXPECT_EQ(magnet->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame,
-            kNsPerEffect + find_effect_kind("magnet")->expected_ns);
-  const EffectGround& ground = with->effect_ground();
+            rendering::kNsPerEffect + find_effect_kind("magnet")->expected_ns);
+  const rendering::EffectGround& ground = with->effect_ground();
   EXPECT_EQ(with->plan().bytes - none->plan().bytes,
             ground.proximity->bytes() + ground.tool.points.size() * sizeof(ToolPoint));
-  EXPECT_EQ(ground.tool.points.size(), ToolPoints::kMost);
+  EXPECT_EQ(ground.tool.points.size(), rendering::ToolPoints::kMost);
   EXPECT_NEAR(with->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame,
-              kNsPerEffect + find_effect_kind("proximity")->expected_ns + 128 * kNsPerProximityPoint, 1e-6);
+              rendering::kNsPerEffect + find_effect_kind("proximity")->expected_ns + 128 * rendering::kNsPerProximityPoint, 1e-6);
   EXPECT_TRUE(any_has(with->plan().built, "Distances round the static meshes out to 10 mm, smoothed over 4 mm: "));
   EXPECT_TRUE(any_has(with->plan().built, "for 128 points of the tool a frame (25.6 us at most)"));
   EXPECT_FALSE(any_has(with->plan().left_out, "Distances outside"));
@@ -86,9 +86,9 @@ TEST_F(ProximityScene, TheModelFieldKeepsAFieldOfItsOwn) {
 
 TEST_F(ProximityScene, IsFeltBeforeTheToolTouchesAndThePlanBoundsIt) {
   const auto scene = built(kProximity), none = built("");
-  ToolState tool;
+  rendering::ToolState tool;
   tool.pose = {Vec3(0.025, 0.025, 0.064), Quat::Identity()};
-  const SceneFrame frame = scene->scene_renderer().render(tool, 0.0), bare = none->scene_renderer().render(tool, 0.0);
+  const rendering::SceneFrame frame = scene->scene_renderer().render(tool, 0.0), bare = none->scene_renderer().render(tool, 0.0);
   EXPECT_TRUE(bare.wrench.zero());
   EXPECT_TRUE(frame.touch.contact.wrench.zero());
   EXPECT_GT(frame.wrench.force.z(), 0.2);
@@ -112,4 +112,4 @@ TEST_F(ProximityScene, RefusesOpenMeshesAndLeversThatAreTooShortWithASentence) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

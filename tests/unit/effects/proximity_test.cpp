@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kRange = 0.01;
 
-const ProximityField& block(double h) {
-  static const ProximityField fine = ground_of(block_mesh(), kRange, 0.002),
+const rendering::ProximityField& block(double h) {
+  static const rendering::ProximityField fine = ground_of(block_mesh(), kRange, 0.002),
                               soft = ground_of(block_mesh(), kRange, 0.004);
   return h > 0.003 ? soft : fine;
 }
@@ -25,17 +25,17 @@ Pose near_block(Random& random) {
           random.orientation()};
 }
 
-EffectSpec random_proximity(Random& random, double h, double lever) {
+effects::EffectSpec random_proximity(Random& random, double h, double lever) {
   const double range = random.number(0.3, 1.0) * kRange;
-  EffectSpec spec = proximity(random.number(0.1, 8), range, h, lever);
+  effects::EffectSpec spec = proximity(random.number(0.1, 8), range, h, lever);
   spec.gain = random.number(0.2, 1.0);
   if (random.coin())
-    spec.region = {SphereRegion{random.vector(0.04), random.number(0.01, 0.04)}, random.number(0.005, 0.02)};
+    spec.region = {effects::SphereRegion{random.vector(0.04), random.number(0.01, 0.04)}, random.number(0.005, 0.02)};
   return spec;
 }
 
 TEST(Proximity, PushesAPointOffAFlatWallByASmoothstepOfItsDistance) {
-  const std::vector<ToolPoint> point = {{Vec3(0.001, 0, 0), 1.0}};
+  const std::vector<effects::ToolPoint> point = {{Vec3(0.001, 0, 0), 1.0}};
   Bench bench(proximity(4.0, kRange, 0.002), &block(0.002), point);
   const auto push = [&](double d) { return bench.at(at({0, 0, 0.02 + d})); };
   EXPECT_TRUE(push(0.0101).wrench.zero());
@@ -53,7 +53,7 @@ TEST(Proximity, PushesAPointOffAFlatWallByASmoothstepOfItsDistance) {
 
 TEST(Proximity, IsTheSameForMorePointsOnTheSameTool) {
   const auto force = [&](std::size_t count) {
-    const std::vector<ToolPoint> points = ball(0.01, count);
+    const std::vector<effects::ToolPoint> points = ball(0.01, count);
     Bench bench(proximity(4.0, kRange, 0.002), &block(0.002), points);
     return bench.at(at({0, 0, 0.02 + 0.01 + 0.002}));
   };
@@ -70,7 +70,7 @@ TEST(Proximity, IsTheSameForMorePointsOnTheSameTool) {
 }
 
 TEST(Proximity, TurnsTheToolOnlyWhereALeverSaysThatItMay) {
-  const std::vector<ToolPoint> points = ball(0.005, 64, {0.02, 0, 0});
+  const std::vector<effects::ToolPoint> points = ball(0.005, 64, {0.02, 0, 0});
   Bench with(proximity(4.0, kRange, 0.002, 0.03), &block(0.002), points),
       without(proximity(4.0, kRange, 0.002), &block(0.002), points);
   const Pose pose = at({-0.02, 0, 0.027});
@@ -80,13 +80,13 @@ TEST(Proximity, TurnsTheToolOnlyWhereALeverSaysThatItMay) {
   const Wrench wrench = with.at(pose).wrench;
   EXPECT_TRUE(wrench.force.isApprox(without.at(pose).wrench.force));
   EXPECT_NEAR(wrench.torque.y(), -0.02 * wrench.force.z(), 0.02 * 0.02 * wrench.force.z());
-  EXPECT_TRUE(std::isinf(needs_of(std::vector{without.spec()}).lever_m));
-  EXPECT_EQ(needs_of(std::vector{without.spec(), with.spec()}).lever_m, 0.03);
+  EXPECT_TRUE(std::isinf(effects::needs_of(std::vector{without.spec()}).lever_m));
+  EXPECT_EQ(effects::needs_of(std::vector{without.spec(), with.spec()}).lever_m, 0.03);
 }
 
 TEST(Proximity, PushesAndTurnsAsItsPotentialSaysForAnyParameters) {
   Random random(41);
-  const std::vector<ToolPoint> points = ball(0.008, 100, {0.004, 0, -0.002});
+  const std::vector<effects::ToolPoint> points = ball(0.008, 100, {0.004, 0, -0.002});
   int felt = 0;
   for (int trial = 0; trial < 1000; ++trial) {
     const double h = trial % 2 ? 0.002 : 0.004;
@@ -100,17 +100,17 @@ TEST(Proximity, PushesAndTurnsAsItsPotentialSaysForAnyParameters) {
 
 TEST(Proximity, HasAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
   Random random(42);
-  const std::vector<ToolPoint> points = ball(0.008, 100, {0.004, 0, -0.002});
+  const std::vector<effects::ToolPoint> points = ball(0.008, 100, {0.004, 0, -0.002});
   for (int trial = 0; trial < 1500; ++trial) {
     const double h = trial % 2 ? 0.002 : 0.004;
     const bool turning = trial % 3 > 0;
-    EffectSpec spec = random_proximity(random, h, turning ? 0.013 : 0.0);
+    effects::EffectSpec spec = random_proximity(random, h, turning ? 0.013 : 0.0);
     if (turning) spec.region = {};
     Bench bench(spec, &block(h), points);
     expect_stiffness_covers(bench, near_block(random), 0.3, turning, 1e-8);
   }
   // One point alone may sit right at an edge.
-  const std::vector<ToolPoint> point = ball(0.0, 1);
+  const std::vector<effects::ToolPoint> point = ball(0.0, 1);
   for (int trial = 0; trial < 1500; ++trial) {
     Bench bench(random_proximity(random, 0.002, 0.0), &block(0.002), point);
     expect_stiffness_covers(bench, {random.vector(0.04), Quat::Identity()}, 0.3, false, 1e-8);
@@ -119,19 +119,19 @@ TEST(Proximity, HasAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
 
 TEST(Proximity, StepsNowhereOnASweepThroughRimEdgeAndInside) {
   Random random(43);
-  const std::vector<ToolPoint> points = ball(0.008, 100), point = ball(0.0, 1);
+  const std::vector<effects::ToolPoint> points = ball(0.008, 100), point = ball(0.0, 1);
   for (int trial = 0; trial < 20; ++trial) {
-    const EffectSpec spec = proximity(4.0, kRange, 0.002);
+    const effects::EffectSpec spec = proximity(4.0, kRange, 0.002);
     Bench bench(spec, &block(0.002), trial % 2 ? points : point);
     const Vec3 u = random.direction(), middle = random.vector(0.03);
-    EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 4000, bound_of(spec).stiffness_n_per_m),
+    EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 4000, effects::bound_of(spec).stiffness_n_per_m),
               1 + 1e-6);
   }
 }
 
 TEST(Proximity, GivesNoEnergyOnAnyClosedPath) {
   Random random(44);
-  const std::vector<ToolPoint> points = ball(0.008, 30, {0.004, 0, -0.002});
+  const std::vector<effects::ToolPoint> points = ball(0.008, 30, {0.004, 0, -0.002});
   double felt = 0.0;
   for (int trial = 0; trial < 200; ++trial) {
     const double h = trial % 2 ? 0.002 : 0.004;
@@ -146,7 +146,7 @@ TEST(Proximity, GivesNoEnergyOnAnyClosedPath) {
 }
 
 TEST(Proximity, LeavesLessEnergyTheFinerAPathIsSampled) {
-  const std::vector<ToolPoint> points = ball(0.008, 60);
+  const std::vector<effects::ToolPoint> points = ball(0.008, 60);
   double coarse = 0.0, fine = 0.0;
   for (unsigned trial = 0; trial < 20; ++trial) {
     Bench bench(proximity(4.0, kRange, 0.002), &block(0.002), points);
@@ -160,7 +160,7 @@ TEST(Proximity, LeavesLessEnergyTheFinerAPathIsSampled) {
 TEST(Proximity, OfNothingToLookUpGivesNothing) {
   Bench bench(proximity(4.0, kRange, 0.002));
   EXPECT_TRUE(bench.at({}).wrench.zero());
-  const std::vector<ToolPoint> points = ball(0.008, 60);
+  const std::vector<effects::ToolPoint> points = ball(0.008, 60);
   Bench far(proximity(4.0, kRange, 0.002), &block(0.002), points);
   for (const double x : {1.0, 1e9, 1e200}) EXPECT_TRUE(far.at(at({x, 0, 0})).wrench.zero());
   EXPECT_EQ(far.chain().not_finite(), 0u);
@@ -173,14 +173,14 @@ TEST(Proximity, MayNotBeChangedToWhatWasNotBuilt) {
   EXPECT_NE(set_value(bench.chain(), "smoothing_m", {0.004, 0, 0}), "");
   EXPECT_NE(set_value(bench.chain(), "lever_m", {0.02, 0, 0}), "");
   EXPECT_EQ(set_value(bench.chain(), "limit_n", {1, 0, 0}), "");
-  const EffectSpec spec = proximity(4.0, 0.001, 0.005);
-  EXPECT_NE(check_values(*spec.kind, spec.values).find("four times 'range_m'"), std::string::npos);
+  const effects::EffectSpec spec = proximity(4.0, 0.001, 0.005);
+  EXPECT_NE(effects::check_values(*spec.kind, spec.values).find("four times 'range_m'"), std::string::npos);
 }
 
 TEST(SpaceEffects, AllocateNothingWhileTheyRun) {
   if (!heap_is_counted()) GTEST_SKIP() << "the sanitizer owns malloc";
-  const std::vector<ToolPoint> points = ball(0.008, 100);
-  std::vector<EffectSpec> specs = {
+  const std::vector<effects::ToolPoint> points = ball(0.008, 100);
+  std::vector<effects::EffectSpec> specs = {
       proximity(4.0, kRange, 0.002, 0.02),
       effect("magnet", {{"point", {0, 0, 0.03}}, {"radius_m", {0.02, 0, 0}}, {"force_n", {2, 0, 0}}}),
       effect("guide_point", {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}}),
@@ -190,9 +190,9 @@ TEST(SpaceEffects, AllocateNothingWhileTheyRun) {
       effect(
           "guide_plane",
           {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}, {"normal", {0, 0, 1}}})};
-  const ProximityField& field = block(0.002);
-  EffectChain chain(std::move(specs));
-  EffectFrame frame;
+  const rendering::ProximityField& field = block(0.002);
+  effects::EffectChain chain(std::move(specs));
+  effects::EffectFrame frame;
   frame.dt_s = 0.001, frame.proximity = &field, frame.tool_points = points;
   double felt = 0.0;
   EXPECT_EQ(heap_count_of([&] {

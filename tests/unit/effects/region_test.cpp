@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 Region sphere() { return {SphereRegion{Vec3(1, 2, 3), 0.05}, 0.02}; }
@@ -48,4 +48,4 @@ TEST(Region, HasTheGradientOfItsWeightWithinItsBounds) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 constexpr double kStep = 1e-3;
@@ -186,4 +186,4 @@ TEST(RigidBody, KeepsTheSpinOfAFreeTop) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

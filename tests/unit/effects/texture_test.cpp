@@ -9,7 +9,7 @@ enum : int { kGrating, kNoise };
 const BallTool kBall;
 const Vec3 kUp = Vec3::UnitZ();
 
-EffectSpec texture(int pattern, double wavelength_m, double force_n, const Vec3& direction = Vec3::UnitX()) {
+effects::EffectSpec texture(int pattern, double wavelength_m, double force_n, const Vec3& direction = Vec3::UnitX()) {
   return effect("texture", {{"pattern", {static_cast<double>(pattern)}},
                             {"wavelength_m", {wavelength_m}},
                             {"force_n", {force_n}},
@@ -18,10 +18,10 @@ EffectSpec texture(int pattern, double wavelength_m, double force_n, const Vec3&
 Pose pressing(double push_n, double x, double y = 0.0) {
   return {Vec3(x, y, 0.01 - push_n / 1000.0), Quat::Identity()};
 }
-ContactResult plane(const Pose& pose) { return on_plane(pose, kBall, kUp, 0, 1000); }
-EffectSpec any_texture(std::mt19937_64& random) {
+contact::ContactResult plane(const Pose& pose) { return on_plane(pose, kBall, kUp, 0, 1000); }
+effects::EffectSpec any_texture(std::mt19937_64& random) {
   const double heading = between(random, 0, 2 * M_PI);
-  EffectSpec spec = texture(random() % 2 == 0 ? kGrating : kNoise, scale_between(random, 0.0005, 0.05),
+  effects::EffectSpec spec = texture(random() % 2 == 0 ? kGrating : kNoise, scale_between(random, 0.0005, 0.05),
                             scale_between(random, 0.05, 20), Vec3(std::cos(heading), std::sin(heading), 0));
   spec.values.at(4)[0] = scale_between(random, 0.05, 5);
   return spec;
@@ -33,30 +33,30 @@ TEST(TexturePattern, HasTheSlopeOfItsHeightWithinOneAndItsBendWithinItsBound) {
     const double wave = 0.002;
     const Vec3 direction = Vec3(1, 2, -1).normalized();
     const auto at = [&](const Vec3& x) {
-      return pattern == kGrating ? grating_at(x, wave, direction) : noise_at(x, wave);
+      return pattern == kGrating ? effects::grating_at(x, wave, direction) : effects::noise_at(x, wave);
     };
     double steepest = 0.0, bent = 0.0, sum = 0.0;
     for (int n = 0; n < 60000; ++n) {
       const Vec3 x(between(random, -0.1, 0.1), between(random, -0.1, 0.1), between(random, -0.1, 0.1));
-      const PatternSample here = at(x);
+      const effects::PatternSample here = at(x);
       const double h = 1e-8;
       Mat3 bend;
       for (int a = 0; a < 3; ++a) {
-        const PatternSample more = at(x + h * Vec3::Unit(a)), less = at(x - h * Vec3::Unit(a));
+        const effects::PatternSample more = at(x + h * Vec3::Unit(a)), less = at(x - h * Vec3::Unit(a));
         ASSERT_NEAR((more.height_m - less.height_m) / (2 * h), here.slope[a], 2e-6);
         bend.col(a) = (more.slope - less.slope) / (2 * h);
       }
       steepest = std::max(steepest, here.slope.norm()), bent = std::max(bent, norm_of(bend));
       sum += here.height_m;
     }
-    const double bound = (pattern == kGrating ? kGratingBend : kNoiseBend) / wave;
+    const double bound = (pattern == kGrating ? effects::kGratingBend : effects::kNoiseBend) / wave;
     EXPECT_LE(steepest, 1 + 1e-12);
     EXPECT_GT(steepest, 0.6);
     EXPECT_LE(bent, bound * (1 + 1e-6));
     EXPECT_GT(bent, 0.6 * bound);
     EXPECT_LT(std::abs(sum / 60000), 0.02 * wave) << "neither up nor down on the whole";
   }
-  EXPECT_EQ(noise_at(Vec3(1e300, 0, 0), 0.001).slope, Vec3::Zero());
+  EXPECT_EQ(effects::noise_at(Vec3(1e300, 0, 0), 0.001).slope, Vec3::Zero());
 }
 
 TEST(Texture, OfAGratingIsTheSlopeOfASineAcrossItsRidges) {
@@ -92,7 +92,7 @@ TEST(Texture, PushesAlongTheSurfaceOnlyAndNotInFreeSpace) {
 TEST(Texture, OnAFlatSurfacePressedEvenlyGivesNoEnergyOn220RandomClosedPaths) {
   std::mt19937_64 random(77);
   for (int trial = 0; trial < 220; ++trial) {
-    EffectSpec spec = any_texture(random);
+    effects::EffectSpec spec = any_texture(random);
     const double wave = spec.values.number(1), full = spec.values.number(4);
     const ClosedPath path(random, pressing(1.01 * full, 0.03, -0.02),
                           scale_between(random, 0.2, 3.0) * wave * Vec3(1, 1, 0), 0.0);
@@ -114,8 +114,8 @@ TEST(Texture, GivesNoMoreThanItsBoundForEachMetreOnAnyOf220RandomClosedPaths) {
   std::mt19937_64 random(78);
   double highest = 0.0;
   for (int trial = 0; trial < 220; ++trial) {
-    EffectSpec spec = any_texture(random);
-    const double bound = bound_of(spec).energy_per_metre_j, wave = spec.values.number(1);
+    effects::EffectSpec spec = any_texture(random);
+    const double bound = effects::bound_of(spec).energy_per_metre_j, wave = spec.values.number(1);
     const BallTool tool{0.02 * Vec3(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1)), 0.01};
     const ClosedPath path(random, {Vec3(0, 0, 0.009) - tool.centre, Quat::Identity()}, Vec3(wave, wave, 5e-4),
                           between(random, 0, 0.2));
@@ -125,7 +125,7 @@ TEST(Texture, GivesNoMoreThanItsBoundForEachMetreOnAnyOf220RandomClosedPaths) {
     Pose before;
     for (int n = 0; n <= 3000; ++n) {
       const Pose pose = path.at(n / 3000.0);
-      const std::vector<ContactResult> contacts = {on_plane(pose, tool, kUp, 0, 800),
+      const std::vector<contact::ContactResult> contacts = {on_plane(pose, tool, kUp, 0, 800),
                                                    on_ball(pose, tool, Vec3(0.015, 0, 0), 0.012, 1500)};
       const Wrench wrench = asked.at(pose, contacts).wrench;
       ASSERT_LE(wrench.force.norm(), bound * (1 + 1e-12));
@@ -140,7 +140,7 @@ TEST(Texture, GivesNoMoreThanItsBoundForEachMetreOnAnyOf220RandomClosedPaths) {
     highest = std::max(highest, sum / (bound * way));
   }
   EXPECT_GT(highest, 1e-4) << "some are given energy: that is why the kind is called bounded";
-  EXPECT_EQ(find_effect_kind("texture")->energy, EnergyBehaviour::kBounded);
+  EXPECT_EQ(effects::find_effect_kind("texture")->energy, effects::EnergyBehaviour::kBounded);
 }
 
 TEST(Texture, GivesEnergyToAHandThatPressesDownhillOnlyAndNoMoreThanTheBound) {
@@ -170,7 +170,7 @@ TEST(Texture, HasNoForceStepWithinItsReportedStiffness) {
     for (int n = 0; n <= 10000; ++n) {
       const double t = n / 10000.0;
       const Pose pose{Vec3(0.02 * t, 0.013 * t, 0.011 - 0.012 * t * (1 - t)), Quat::Identity()};
-      const EffectPush push = asked.at(pose, {plane(pose)});
+      const effects::EffectPush push = asked.at(pose, {plane(pose)});
       ASSERT_GE(least_eigenvalue(push.stiffness), -1e-9 * push.stiffness.norm());
       if (n > 0) {
         ASSERT_LE((push.wrench.force - last).norm(), std::max(bound_before, push.stiffness_bound_n_per_m) *
@@ -205,7 +205,7 @@ TEST(Texture, BelongsToThePlaceAndNotToTheTimeOrTheWayThere) {
     const ClosedPath path(random, pressing(3.0, 0.01), Vec3(5e-3, 5e-3, 1e-3), 0.0);
     for (int n = 0; n <= 700; ++n) wandering.at(path.at(n / 1000.0), {plane(path.at(n / 1000.0))});
     const Pose place = path.at(0.7);
-    const std::vector<ContactResult> there = {plane(place)};
+    const std::vector<contact::ContactResult> there = {plane(place)};
     EXPECT_EQ(wandering.at(place, there).wrench.force, fresh.at(place, there).wrench.force);
   }
 }
@@ -216,7 +216,7 @@ TEST(Texture, OfSeveralObjectsSumsInAnyOrderToNoMoreThanItsForce) {
   for (int n = 0; n < 500; ++n) {
     const Pose pose{Vec3(between(random, 0.007, 0.011), between(random, 0.007, 0.011), between(random, 0.007, 0.011)),
                     Quat::Identity()};
-    const ContactResult a = on_plane(pose, kBall, Vec3::UnitX(), 0, 800),
+    const contact::ContactResult a = on_plane(pose, kBall, Vec3::UnitX(), 0, 800),
                         b = on_plane(pose, kBall, Vec3::UnitY(), 0, 900), c = on_plane(pose, kBall, kUp, 0, 500);
     const Vec3 forward = asked.at(pose, {a, b, c}).wrench.force, back = asked.at(pose, {c, a, b}).wrench.force;
     EXPECT_LT((forward - back).norm(), 1e-14);
@@ -228,7 +228,7 @@ TEST(Texture, ActsAtTheFootOfTheContactForceButNoFartherOutThanItsReach) {
   const BallTool tool{Vec3(0, 0.05, 0), 0.01};
   const Pose pose{Vec3(0, 0, 0.008), Quat::Identity()};
   for (const double reach : {0.02, 0.2}) {
-    EffectSpec spec = texture(kGrating, 0.004, 0.3);
+    effects::EffectSpec spec = texture(kGrating, 0.004, 0.3);
     spec.values.at(5)[0] = reach;
     const Wrench wrench = Asked(std::move(spec)).at(pose, {on_plane(pose, tool, kUp, 0, 1000)}).wrench;
     EXPECT_NEAR(wrench.force.x(), -0.3, 1e-9);

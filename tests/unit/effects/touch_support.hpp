@@ -20,35 +20,35 @@ struct BallTool {
 };
 
 /// Push of `n_per_m` for each metre of depth, along `normal`, at the ball's deepest point.
-inline ContactResult pushed(const Pose& pose, const BallTool& tool, const Vec3& normal, double depth_m,
+inline contact::ContactResult pushed(const Pose& pose, const BallTool& tool, const Vec3& normal, double depth_m,
                             double n_per_m) {
-  ContactResult out;
+  contact::ContactResult out;
   if (!(depth_m > 0.0)) return out;
   out.mean_normal = normal, out.coherence = 1.0, out.surface_hits = 1;
   out.deepest_point = pose * tool.centre - tool.radius_m * normal, out.deepest_depth_m = depth_m;
   const Vec3 arm = out.deepest_point - pose.position;
   out.wrench.force = n_per_m * depth_m * normal;
   out.wrench.torque = arm.cross(out.wrench.force);
-  out.stiffness = seen_from_origin(n_per_m * normal * normal.transpose(), arm);
+  out.stiffness = effects::seen_from_origin(n_per_m * normal * normal.transpose(), arm);
   out.stiffness_bound_n_per_m = n_per_m;
   return out;
 }
 /// Against the half space below `level_m` along the unit vector `up`.
-inline ContactResult on_plane(const Pose& pose, const BallTool& tool, const Vec3& up, double level_m, double n_per_m) {
+inline contact::ContactResult on_plane(const Pose& pose, const BallTool& tool, const Vec3& up, double level_m, double n_per_m) {
   return pushed(pose, tool, up, tool.radius_m - (up.dot(pose * tool.centre) - level_m), n_per_m);
 }
 /// Against a ball.
-inline ContactResult on_ball(const Pose& pose, const BallTool& tool, const Vec3& centre, double radius_m,
+inline contact::ContactResult on_ball(const Pose& pose, const BallTool& tool, const Vec3& centre, double radius_m,
                              double n_per_m) {
   const Vec3 away = pose * tool.centre - centre;
   return pushed(pose, tool, away.normalized(), tool.radius_m + radius_m - away.norm(), n_per_m);
 }
 
 /// An effect of `kind` with its standards and then `values`.
-inline EffectSpec effect(std::string_view kind,
+inline effects::EffectSpec effect(std::string_view kind,
                          const std::vector<std::pair<std::string_view, std::array<double, 3>>>& values) {
-  EffectSpec spec{.name = std::string(kind), .kind = find_effect_kind(kind), .values = {}, .region = {}};
-  spec.values = EffectValues(spec.kind->parameters);
+  effects::EffectSpec spec{.name = std::string(kind), .kind = effects::find_effect_kind(kind), .values = {}, .region = {}};
+  spec.values = effects::EffectValues(spec.kind->parameters);
   for (const auto& [name, value] : values)
     for (std::size_t n = 0; n < spec.values.size(); ++n)
       if (spec.kind->parameters[n].name == name) spec.values.at(n) = value;
@@ -58,23 +58,23 @@ inline EffectSpec effect(std::string_view kind,
 /// A chain of one effect, asked sample by sample.
 class Asked {
  public:
-  explicit Asked(EffectSpec spec) : chain(std::vector{std::move(spec)}) {}
+  explicit Asked(effects::EffectSpec spec) : chain(std::vector{std::move(spec)}) {}
 
-  EffectPush at(const Pose& pose, const std::vector<ContactResult>& contacts, const Twist& twist = {},
+  effects::EffectPush at(const Pose& pose, const std::vector<contact::ContactResult>& contacts, const Twist& twist = {},
                 const std::vector<Twist>& objects = {}) {
-    std::vector<ObjectContact> touched;
+    std::vector<effects::ObjectContact> touched;
     for (std::size_t n = 0; n < contacts.size(); ++n)
       touched.push_back({static_cast<std::uint32_t>(n), &contacts[n], n < objects.size() ? objects[n] : Twist{}});
     return with(pose, touched, twist);
   }
-  EffectPush with(const Pose& pose, std::span<const ObjectContact> touched, const Twist& twist = {}) {
-    EffectFrame frame;
+  effects::EffectPush with(const Pose& pose, std::span<const effects::ObjectContact> touched, const Twist& twist = {}) {
+    effects::EffectFrame frame;
     frame.tool = pose, frame.twist = twist, frame.dt_s = 0.001, frame.time_s = time_s += 0.001,
     frame.contacts = touched;
     return chain.apply(frame);
   }
 
-  EffectChain chain;
+  effects::EffectChain chain;
   double time_s = 0.0;
 };
 

@@ -2,7 +2,7 @@
 
 #include "core/effects/effect_chain.hpp"
 
-namespace voxtouch {
+namespace voxtouch::effects {
 namespace {
 
 TEST(Viscosity, PushesAgainstTheVelocityAndTakesEnergyOnly) {
@@ -24,4 +24,4 @@ TEST(Viscosity, PushesAgainstTheVelocityAndTakesEnergyOnly) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::effects

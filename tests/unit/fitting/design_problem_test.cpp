@@ -7,20 +7,20 @@
 
 #include "core/rendering/device_mapping.hpp"
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Scene scaled_scene() {
-  Scene s;
+scene::Scene scaled_scene() {
+  scene::Scene s;
   s.voxel_size_m = 0.002;
   s.device.position_scale = 4, s.device.force_scale = 0.5;
-  s.design = DesignOptions{};
+  s.design = scene::DesignOptions{};
   return s;
 }
-DeviceModel device() {
-  DeviceModel d;
+coupling::design::DeviceModel device() {
+  coupling::design::DeviceModel d;
   d.name = "third";
   d.translation.max_effort = 22, d.translation.max_stiffness = 1000, d.translation.inertia_max = 0.2;
   d.rotation.max_effort = 0.5;
@@ -29,39 +29,40 @@ DeviceModel device() {
   return d;
 }
 
-DeviceModel giving(double force_n, double torque_nm) {
-  DeviceModel d;
+coupling::design::DeviceModel giving(double force_n, double torque_nm) {
+  coupling::design::DeviceModel d;
   d.translation.max_effort = force_n, d.rotation.max_effort = torque_nm, d.gives_torque = torque_nm > 0.0;
   return d;
 }
-DeviceModel arm() {
-  DeviceModel d = device();
-  d.grip = Grip::kArm;
+coupling::design::DeviceModel arm() {
+  coupling::design::DeviceModel d = device();
+  d.grip = coupling::design::Grip::kArm;
   return d;
 }
 
 /// What the hand feels of a spring in W, through the mapping that the ring uses.
 TEST(HandScales, AreWhatTheDeviceMappingDoes) {
-  WorkspaceMapping spec;
+  scene::WorkspaceMapping spec;
   spec.position_scale = 4, spec.force_scale = 0.5;
   spec.device_in_world.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   const HandScales scales = hand_scales(spec);
-  DeviceMapping mapping(spec);
+  rendering::DeviceMapping mapping(spec);
   const Pose rest = mapping.update({}, {}, 0).pose;
   const double translation_w = 300, rotation_w = 7, step = 1e-3, turn = 1e-4;
   const Pose pulled = mapping.update({Vec3(step, 0, 0), Quat::Identity()}, {}, 0).pose;
-  const Wrench force = wrench_to_device(spec, {-translation_w * (pulled.position - rest.position), Vec3::Zero()}, pulled.orientation);
+  const Wrench force =
+      rendering::wrench_to_device(spec, {-translation_w * (pulled.position - rest.position), Vec3::Zero()}, pulled.orientation);
   EXPECT_NEAR(-force.force.x() / step, translation_w * scales.translation, 1e-9);
   const Pose turned = mapping.update({Vec3::Zero(), Quat(Eigen::AngleAxisd(turn, Vec3::UnitX()))}, {}, 0).pose;
   const Eigen::AngleAxisd angle(turned.orientation * rest.orientation.conjugate());
-  const Wrench torque = wrench_to_device(spec, {Vec3::Zero(), -rotation_w * angle.angle() * angle.axis()}, turned.orientation);
+  const Wrench torque = rendering::wrench_to_device(spec, {Vec3::Zero(), -rotation_w * angle.angle() * angle.axis()}, turned.orientation);
   EXPECT_NEAR(-torque.torque.x() / turn, rotation_w * scales.rotation, 1e-6);
   EXPECT_DOUBLE_EQ(scales.translation, 2.0);
   EXPECT_DOUBLE_EQ(scales.rotation, 0.125);
 }
 
 TEST(DesignProblem, IsAllAtTheHand) {
-  const DesignProblem r = design_problem(scaled_scene(), arm(), {10, 4000}, {0.01, 8});
+  const coupling::design::DesignProblem r = design_problem(scaled_scene(), arm(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.one_point, 20);
   EXPECT_DOUBLE_EQ(r.contact.all_points, 8000);
   EXPECT_DOUBLE_EQ(r.contact_rotation.one_point, 0.00125);
@@ -78,14 +79,14 @@ TEST(DesignProblem, IsAllAtTheHand) {
   EXPECT_TRUE(r.wishes.free_cap);
   EXPECT_EQ(r.wishes.kind, "auto");
   EXPECT_EQ(r.wishes.cutoff_hz, 5);
-  EXPECT_EQ(r.wishes.max_cutoff_hz, DesignGoals{}.max_cutoff_hz);
+  EXPECT_EQ(r.wishes.max_cutoff_hz, coupling::design::DesignGoals{}.max_cutoff_hz);
 }
 
 TEST(DesignProblem, CarriesEveryWishOfTheScene) {
-  Scene s = scaled_scene();
+  scene::Scene s = scaled_scene();
   s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5, s.design->inject_damping = false;
-  s.design->hand = HandOption::kAnyPassive;
-  const DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
+  s.design->hand = scene::HandOption::kAnyPassive;
+  const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_EQ(r.wishes.kind, "direct");
   EXPECT_EQ(r.wishes.cutoff_hz, 300);
   EXPECT_EQ(r.wishes.max_cutoff_hz, 300) << "a wish is not above what is allowed";
@@ -95,9 +96,9 @@ TEST(DesignProblem, CarriesEveryWishOfTheScene) {
 }
 
 TEST(DesignProblem, PutsTheScenesCapsInAndThenLeavesTheDesignerNone) {
-  Scene s = scaled_scene();
+  scene::Scene s = scaled_scene();
   s.design->stiffness_cap_n_per_m = 500;
-  DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
+  coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.one_point, 20);
   EXPECT_DOUBLE_EQ(r.contact.all_points, 1000) << "500 N/m in W";
   EXPECT_DOUBLE_EQ(r.contact_rotation.all_points, 1);
@@ -111,26 +112,26 @@ TEST(DesignProblem, PutsTheScenesCapsInAndThenLeavesTheDesignerNone) {
 }
 
 TEST(DesignProblem, OfACouplingSetByHandIsForJudgingIt) {
-  Scene s = scaled_scene();
+  scene::Scene s = scaled_scene();
   s.design.reset();
   s.coupling.stiffness_cap_n_per_m = 500;
-  const DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
+  const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.all_points, 1000);
   EXPECT_FALSE(r.wishes.free_cap);
-  const CouplingSpec hand = spec_at_hand(s.coupling, s.device);
+  const coupling::CouplingSpec hand = spec_at_hand(s.coupling, s.device);
   EXPECT_DOUBLE_EQ(hand.stiffness_cap_n_per_m, 1000);
   EXPECT_TRUE(std::isinf(hand.stiffness_cap_nm_per_rad));
 }
 
 TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
-  Design design;
+  coupling::design::Design design;
   design.spec.cutoff_hz = 33, design.spec.gain = 0.5, design.spec.damping_ratio = 0.9,
   design.spec.velocity_filter_hz = 50;
   design.spec.stiffness_n_per_m = 600, design.spec.damping_ns_per_m = 4;
   design.spec.stiffness_cap_n_per_m = 800, design.spec.stiffness_cap_nm_per_rad = 2;
   design.spec.injected_damping_ns_per_m = 3, design.spec.injected_damping_nms_per_rad = 0.01;
-  Scene scene = scaled_scene();
-  CouplingSpec spec = spec_in_world(design, scene);
+  scene::Scene scene = scaled_scene();
+  coupling::CouplingSpec spec = spec_in_world(design, scene);
   EXPECT_DOUBLE_EQ(spec.stiffness_cap_n_per_m, 400);
   EXPECT_DOUBLE_EQ(spec.stiffness_cap_nm_per_rad, 16);
   EXPECT_DOUBLE_EQ(spec.injected_damping_ns_per_m, 1.5);
@@ -141,15 +142,15 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   EXPECT_EQ(spec.gain, 0.5);
   EXPECT_EQ(spec.damping_ratio, 0.9);
   EXPECT_EQ(spec.velocity_filter_hz, 50);
-  const CouplingSpec back = spec_at_hand(spec, scene.device);
+  const coupling::CouplingSpec back = spec_at_hand(spec, scene.device);
   EXPECT_DOUBLE_EQ(back.stiffness_cap_nm_per_rad, 2);
   EXPECT_DOUBLE_EQ(back.injected_damping_nms_per_rad, 0.01);
   EXPECT_DOUBLE_EQ(back.damping_ns_per_m, 4);
 }
 
 TEST(SpecInWorld, NeverLosesTheScenesOwnCaps) {
-  Design uncapped;
-  Scene scene = scaled_scene();
+  coupling::design::Design uncapped;
+  scene::Scene scene = scaled_scene();
   EXPECT_TRUE(std::isinf(spec_in_world(uncapped, scene).stiffness_cap_n_per_m));
   scene.design->stiffness_cap_n_per_m = 500, scene.design->stiffness_cap_nm_per_rad = 3;
   EXPECT_EQ(spec_in_world(uncapped, scene).stiffness_cap_n_per_m, 500);
@@ -159,18 +160,18 @@ TEST(SpecInWorld, NeverLosesTheScenesOwnCaps) {
 }
 
 TEST(LimitsInWorld, AreTheDevicesThroughTheScales) {
-  const CouplingLimits limits = limits_in_world(scaled_scene().device, giving(20, 0.5));
+  const coupling::CouplingLimits limits = limits_in_world(scaled_scene().device, giving(20, 0.5));
   EXPECT_DOUBLE_EQ(limits.max_force_n, 40);
   EXPECT_DOUBLE_EQ(limits.max_torque_nm, 4);
-  const CouplingLimits none = limits_in_world(scaled_scene().device, giving(kInfinity, 0));
+  const coupling::CouplingLimits none = limits_in_world(scaled_scene().device, giving(kInfinity, 0));
   EXPECT_TRUE(std::isinf(none.max_force_n));
   EXPECT_EQ(none.max_torque_nm, 0);
   // At the limit in W the device gets just its own.
-  const Wrench at_limit = wrench_to_device(
+  const Wrench at_limit = rendering::wrench_to_device(
       scaled_scene().device, {Vec3(limits.max_force_n, 0, 0), Vec3(0, limits.max_torque_nm, 0)}, Quat::Identity());
   EXPECT_DOUBLE_EQ(at_limit.force.norm(), 20);
   EXPECT_DOUBLE_EQ(at_limit.torque.norm(), 0.5);
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

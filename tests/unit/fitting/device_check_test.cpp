@@ -4,24 +4,24 @@
 
 #include <limits>
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 namespace {
 
-Scene scene_with(double cutoff_hz = 20) {
-  Scene s;
+scene::Scene scene_with(double cutoff_hz = 20) {
+  scene::Scene s;
   s.contact.stiffness_n_per_m = 10;
   s.coupling.cutoff_hz = cutoff_hz;
   return s;
 }
-DeviceModel device_with(double max_stiffness, double period_s, double max_effort) {
-  DeviceModel device;
+coupling::design::DeviceModel device_with(double max_stiffness, double period_s, double max_effort) {
+  coupling::design::DeviceModel device;
   device.translation.max_stiffness = max_stiffness, device.translation.max_effort = max_effort, device.timing.period_s = period_s;
   return device;
 }
-DeviceModel phantom() { return device_with(1000, 1e-3, 3.3); }
+coupling::design::DeviceModel phantom() { return device_with(1000, 1e-3, 3.3); }
 /// Its force comes this long after the sample, counted to the middle of the period that it is held for.
-DeviceModel late(double mass_kg, double delay_s) {
-  DeviceModel device = phantom();
+coupling::design::DeviceModel late(double mass_kg, double delay_s) {
+  coupling::design::DeviceModel device = phantom();
   device.translation.inertia_min = mass_kg;
   device.timing.delay_s = delay_s - 1.5 * device.timing.period_s;
   return device;
@@ -35,9 +35,9 @@ TEST(DeviceCheck, ComparesTheTotalStiffnessAndNotOnePoint) {
   EXPECT_NE(stiff.errors[0].find("contact.stiffness_n_per_m by a factor of 2,"), std::string::npos) << stiff.errors[0];
 }
 
-EffectSpec effect(const char* kind, std::initializer_list<double> first) {
-  EffectSpec spec{.name = kind, .kind = find_effect_kind(kind), .values = {}, .region = {}};
-  spec.values = EffectValues(spec.kind->parameters);
+effects::EffectSpec effect(const char* kind, std::initializer_list<double> first) {
+  effects::EffectSpec spec{.name = kind, .kind = effects::find_effect_kind(kind), .values = {}, .region = {}};
+  spec.values = effects::EffectValues(spec.kind->parameters);
   std::size_t n = 0;
   for (const double value : first) spec.values.at(n++)[0] = value;
   spec.place = "a.yaml:7:5";
@@ -45,8 +45,8 @@ EffectSpec effect(const char* kind, std::initializer_list<double> first) {
 }
 
 TEST(DeviceCheck, CountsWhatTheEffectsMayShowAndNamesTheStiffestWithItsPlace) {
-  Scene s = scene_with();
-  EffectSpec guide = effect("guide_point", {});
+  scene::Scene s = scene_with();
+  effects::EffectSpec guide = effect("guide_point", {});
   for (std::size_t n = 0; n < guide.kind->parameters.size(); ++n) {
     if (guide.kind->parameters[n].name == "stiffness_n_per_m") guide.values.at(n)[0] = 3000;
     if (guide.kind->parameters[n].name == "limit_n") guide.values.at(n)[0] = 2;
@@ -59,15 +59,15 @@ TEST(DeviceCheck, CountsWhatTheEffectsMayShowAndNamesTheStiffestWithItsPlace) {
 }
 
 TEST(DeviceCheck, SeesTheGripAloneWhereTheObjectIsABody) {
-  Scene s = scene_with();
+  scene::Scene s = scene_with();
   s.effects = {effect("body", {0.1})};
   EXPECT_DOUBLE_EQ(least_stiffness_n_per_m(s), 200);
 }
 
 TEST(DeviceCheck, RefusesDampingThatComesTooLateForTheDevice) {
-  Scene s = scene_with(80);
-  const DeviceModel device = late(0.1, 0.002);
-  const double limit = 0.25 * 3.14159265358979 * 0.1 / (lag_s(s.coupling) + 0.002);
+  scene::Scene s = scene_with(80);
+  const coupling::design::DeviceModel device = late(0.1, 0.002);
+  const double limit = 0.25 * 3.14159265358979 * 0.1 / (coupling::lag_s(s.coupling) + 0.002);
   s.effects = {effect("viscosity", {0.99 * limit})};
   EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "");
   s.effects = {effect("viscosity", {0.6 * limit}), effect("viscosity", {0.5 * limit})};
@@ -78,10 +78,10 @@ TEST(DeviceCheck, RefusesDampingThatComesTooLateForTheDevice) {
 }
 
 TEST(DeviceCheck, RefusesDampingOfTurningThatComesTooLateForADeviceThatGivesTorque) {
-  Scene s = scene_with(80);
-  DeviceModel device = late(0.1, 0.002);
+  scene::Scene s = scene_with(80);
+  coupling::design::DeviceModel device = late(0.1, 0.002);
   device.gives_torque = true, device.rotation.inertia_min = 1e-3;
-  const double limit = 0.25 * 3.14159265358979 * 1e-3 / (lag_s(s.coupling) + 0.002);
+  const double limit = 0.25 * 3.14159265358979 * 1e-3 / (coupling::lag_s(s.coupling) + 0.002);
   s.effects = {effect("viscosity", {0.0, 0.99 * limit})};
   EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "");
   s.effects = {effect("viscosity", {0.0, 0.6 * limit}), effect("viscosity", {0.0, 0.5 * limit})};
@@ -95,7 +95,7 @@ TEST(DeviceCheck, RefusesDampingOfTurningThatComesTooLateForADeviceThatGivesTorq
 }
 
 TEST(DeviceCheck, CountsTheScalesAndTheCoupling) {
-  Scene s = scene_with();
+  scene::Scene s = scene_with();
   s.device.position_scale = 4, s.device.force_scale = 0.5;
   EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s.coupling, s.device, 600), 1200);
   EXPECT_FALSE(check_device(s, phantom(), 600).fits());
@@ -108,7 +108,7 @@ TEST(DeviceCheck, CountsTheScalesAndTheCoupling) {
 }
 
 TEST(DeviceCheck, CountsTheCouplingsCap) {
-  Scene s = scene_with();
+  scene::Scene s = scene_with();
   s.coupling.stiffness_cap_n_per_m = 900;
   EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s.coupling, s.device, 5000), 900);
   EXPECT_DOUBLE_EQ(stiffness_at_hand_n_per_m(s.coupling, s.device, 500), 500);
@@ -119,7 +119,7 @@ TEST(DeviceCheck, CountsTheCouplingsCap) {
 }
 
 TEST(DeviceCheck, JudgesTheFilterForTheDevicesOwnPeriod) {
-  DeviceModel slow = phantom();
+  coupling::design::DeviceModel slow = phantom();
   slow.timing.period_s = 5e-3;
   EXPECT_TRUE(check_device(scene_with(20), phantom(), 1).warnings.empty());
   EXPECT_EQ(check_device(scene_with(20), slow, 1).warnings.size(), 1U);
@@ -136,9 +136,9 @@ TEST(DeviceCheck, LetsNothingPassThatIsNoNumber) {
 }
 
 TEST(DeviceCheck, NamesAnEffectWhoseTorqueADeviceWithoutTorqueCannotShow) {
-  Scene s = scene_with();
-  EffectSpec oil{.name = "oil", .kind = find_effect_kind("viscosity"), .values = {}, .region = {}};
-  oil.values = EffectValues(oil.kind->parameters);
+  scene::Scene s = scene_with();
+  effects::EffectSpec oil{.name = "oil", .kind = effects::find_effect_kind("viscosity"), .values = {}, .region = {}};
+  oil.values = effects::EffectValues(oil.kind->parameters);
   oil.values.at(0)[0] = 1.0;
   s.effects = {oil};
   EXPECT_EQ(torque_not_shown(demand_of(s), false), "");
@@ -148,4 +148,4 @@ TEST(DeviceCheck, NamesAnEffectWhoseTorqueADeviceWithoutTorqueCannotShow) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

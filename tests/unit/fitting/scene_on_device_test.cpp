@@ -6,75 +6,75 @@
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 namespace scene_on_device_test {
 
-constexpr StiffnessBounds kContact = {{30.0, 3000.0}, {0.003, 0.3}};
+constexpr rendering::StiffnessBounds kContact = {{30.0, 3000.0}, {0.003, 0.3}};
 
 /// As the simulated Phantom.
-DeviceModel stylus(double mass_kg = 0.1) {
-  DeviceModel model;
+coupling::design::DeviceModel stylus(double mass_kg = 0.1) {
+  coupling::design::DeviceModel model;
   model.name = "stylus";
   model.translation = {.inertia_min = mass_kg, .inertia_max = 2.0 * mass_kg, .damping = 2.0, .resolution = 3e-5, .max_effort = 8.5, .max_stiffness = 800.0};
   model.timing.delay_s = 1e-3;
   return model;
 }
-DeviceModel arm() {
-  DeviceModel model = stylus(2.0);
+coupling::design::DeviceModel arm() {
+  coupling::design::DeviceModel model = stylus(2.0);
   model.name = "arm";
   model.gives_torque = true;
   model.rotation = {.inertia_min = 0.01, .inertia_max = 0.02, .damping = 0.05, .resolution = 1e-5, .max_effort = 5.0, .max_stiffness = 50.0};
   return model;
 }
 
-EffectSpec effect(const char* kind, std::initializer_list<double> first) {
-  EffectSpec spec{.name = kind, .kind = find_effect_kind(kind), .values = {}, .region = {}};
-  spec.values = EffectValues(spec.kind->parameters);
+effects::EffectSpec effect(const char* kind, std::initializer_list<double> first) {
+  effects::EffectSpec spec{.name = kind, .kind = effects::find_effect_kind(kind), .values = {}, .region = {}};
+  spec.values = effects::EffectValues(spec.kind->parameters);
   std::size_t n = 0;
   for (const double value : first) spec.values.at(n++)[0] = value;
   spec.place = "a.yaml:7:5";
   return spec;
 }
-EffectSpec oil(double damping, double turning = 0.0) { return effect("viscosity", {damping, turning}); }
+effects::EffectSpec oil(double damping, double turning = 0.0) { return effect("viscosity", {damping, turning}); }
 
-Scene scene_with(std::vector<EffectSpec> effects) {
-  Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+scene::Scene scene_with(std::vector<effects::EffectSpec> effects) {
+  scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   scene.effects = std::move(effects);
   return scene;
 }
-Scene by_hand(std::vector<EffectSpec> effects) {
-  Scene scene = scene_with(std::move(effects));
+scene::Scene by_hand(std::vector<effects::EffectSpec> effects) {
+  scene::Scene scene = scene_with(std::move(effects));
   scene.design.reset();
   return scene;
 }
-StiffnessBounds bounds(const Scene& scene) { return with_effects(kContact, scene.effects); }
+rendering::StiffnessBounds bounds(const scene::Scene& scene) { return rendering::with_effects(kContact, scene.effects); }
 
 /// What the start says of it.
-std::string at_start(const Scene& scene, const DeviceModel& device) {
+std::string at_start(const scene::Scene& scene, const coupling::design::DeviceModel& device) {
   return fit_coupling(scene, device, bounds(scene).translation, bounds(scene).rotation).refusal;
 }
-SceneOnDevice running(const Scene& scene, const DeviceModel& device) {
+SceneOnDevice running(const scene::Scene& scene, const coupling::design::DeviceModel& device) {
   SceneOnDevice on;
   on.device_is(device);
   on.runs(scene, bounds(scene), demand_of(scene));
   return on;
 }
-std::string asked(SceneOnDevice& on, const Scene& next) { return on.why_not(next, kContact, at_rest(next.effects)); }
+std::string asked(SceneOnDevice& on, const scene::Scene& next) { return on.why_not(next, kContact, effects::at_rest(next.effects)); }
 
 /// The damping that this device stands with this contact, by what the start takes.
-double most_damping(const DeviceModel& device) {
+double most_damping(const coupling::design::DeviceModel& device) {
   double low = 0.0, high = 100.0;
   while (high - low > 1e-6) (at_start(scene_with({oil(0.5 * (low + high))}), device).empty() ? low : high) = 0.5 * (low + high);
   return low;
 }
 
 TEST(SceneOnDevice, RefusesEveryValueThatTheStartRefusesWithTheSameSentence) {
-  const Scene now = scene_with({oil(0.5)});
+  const scene::Scene now = scene_with({oil(0.5)});
   SceneOnDevice on = running(now, stylus());
   ASSERT_EQ(on.refusal(), "");
   int taken = 0, refused = 0;
   for (double damping = 0.25; damping < 100.0; damping *= 1.3) {
-    const Scene next = scene_with({oil(damping)});
+    const scene::Scene next = scene_with({oil(damping)});
     const std::string start = at_start(next, stylus());
     EXPECT_EQ(asked(on, next), start) << damping;
     (start.empty() ? taken : refused)++;
@@ -88,10 +88,10 @@ TEST(SceneOnDevice, RefusesEveryValueThatTheStartRefusesWithTheSameSentence) {
 
 TEST(SceneOnDevice, JudgesTheSumOfAllEffects) {
   const double most = most_damping(stylus());
-  const Scene now = scene_with({oil(0.6 * most), effect("surface_damping", {0.3 * most})});
+  const scene::Scene now = scene_with({oil(0.6 * most), effect("surface_damping", {0.3 * most})});
   SceneOnDevice on = running(now, stylus());
   ASSERT_EQ(on.refusal(), "");
-  Scene next = now;
+  scene::Scene next = now;
   next.effects[1].values.at(0)[0] = 0.5 * most;
   EXPECT_NE(asked(on, next), "");
   EXPECT_EQ(asked(on, next), at_start(next, stylus()));
@@ -99,12 +99,12 @@ TEST(SceneOnDevice, JudgesTheSumOfAllEffects) {
 
 TEST(SceneOnDevice, CountsEffectsAtFullGainSoThatNoGainAndNoSwitchBringsOutMore) {
   const double most = most_damping(stylus());
-  Scene off = scene_with({oil(1.5 * most)});
+  scene::Scene off = scene_with({oil(1.5 * most)});
   off.effects[0].on = false;
   EXPECT_NE(at_start(off, stylus()), "");
   off.effects[0].on = true, off.effects[0].gain = 0.1;
   EXPECT_NE(at_start(off, stylus()), "");
-  Scene now = scene_with({oil(0.5 * most)});
+  scene::Scene now = scene_with({oil(0.5 * most)});
   now.effects[0].on = false, now.effects[0].gain = 0.1;
   SceneOnDevice on = running(now, stylus());
   EXPECT_NE(asked(on, off), "") << "a value that is too much is refused also where the gain is low";
@@ -115,16 +115,16 @@ TEST(SceneOnDevice, CountsEffectsAtFullGainSoThatNoGainAndNoSwitchBringsOutMore)
 /// The first effect is on its way down from nearly all that may be felt when the second one is to rise.
 TEST(SceneOnDevice, JudgesWhatIsStillOnItsWay) {
   const double most = most_damping(stylus());
-  const Scene now = scene_with({oil(0.9 * most), effect("surface_damping", {0.05 * most})});
+  const scene::Scene now = scene_with({oil(0.9 * most), effect("surface_damping", {0.05 * most})});
   SceneOnDevice on = running(now, stylus());
-  Scene next = scene_with({oil(0.05 * most), effect("surface_damping", {0.9 * most})});
+  scene::Scene next = scene_with({oil(0.05 * most), effect("surface_damping", {0.9 * most})});
   ASSERT_EQ(at_start(next, stylus()), "");
-  std::vector<EffectReach> reach = at_rest(now.effects);
+  std::vector<effects::EffectReach> reach = effects::at_rest(now.effects);
   reach[0].widen(next.effects[0]), reach[1].widen(next.effects[1]);
   const std::string why = on.why_not(next, kContact, reach);
   EXPECT_NE(why.find("with a margin of 2"), std::string::npos) << why;
   EXPECT_NE(why.find("on the way"), std::string::npos) << why;
-  Scene lower = now;
+  scene::Scene lower = now;
   lower.effects[0] = next.effects[0];
   on.runs(lower, bounds(lower), demand_of(lower));
   EXPECT_EQ(asked(on, next), "") << "once the first one has come to rest";
@@ -132,39 +132,39 @@ TEST(SceneOnDevice, JudgesWhatIsStillOnItsWay) {
 
 /// A coupling is fitted anew some tenths of a second after the contact has changed: what damps must be good with both.
 TEST(SceneOnDevice, JudgesDampingOnTheCouplingThatRunsAndOnTheOneThatFollows) {
-  const auto lag = [](const StiffnessBounds& bounds) {
-    return lag_s(fit_coupling(scene_with({}), stylus(), bounds, {}).spec);
+  const auto lag = [](const rendering::StiffnessBounds& bounds) {
+    return coupling::lag_s(fit_coupling(scene_with({}), stylus(), bounds, {}).spec);
   };
-  StiffnessBounds soft = kContact, stiff = kContact;
+  rendering::StiffnessBounds soft = kContact, stiff = kContact;
   soft.translation = {0.3, 30.0};
   ASSERT_GT(lag(soft), 1.2 * lag(stiff)) << "a soft contact may be filtered more";
   const double most = most_damping(stylus());
-  const Scene scene = scene_with({oil(0.95 * most)});
+  const scene::Scene scene = scene_with({oil(0.95 * most)});
   SceneOnDevice on = running(scene, stylus());
   ASSERT_EQ(on.refusal(), "");
-  EXPECT_NE(on.why_not(scene, soft, at_rest(scene.effects)), "") << "the coupling that follows lags more";
-  const Scene thin = scene_with({});
+  EXPECT_NE(on.why_not(scene, soft, effects::at_rest(scene.effects)), "") << "the coupling that follows lags more";
+  const scene::Scene thin = scene_with({});
   on.runs(thin, soft, demand_of(thin));
-  const std::string why = on.why_not(scene, kContact, at_rest(scene.effects));
+  const std::string why = on.why_not(scene, kContact, effects::at_rest(scene.effects));
   EXPECT_NE(why.find("on the way"), std::string::npos) << "the one that runs still lags more: " << why;
 }
 
 /// Damping that goes down is felt until it is down; the coupling that follows may be there before.
 TEST(SceneOnDevice, JudgesTheWayOnTheCouplingThatFollows) {
-  StiffnessBounds soft = kContact;
+  rendering::StiffnessBounds soft = kContact;
   soft.translation = {0.3, 30.0};
-  const Scene scene = scene_with({oil(0.95 * most_damping(stylus()))}), thin = scene_with({oil(0.1)});
+  const scene::Scene scene = scene_with({oil(0.95 * most_damping(stylus()))}), thin = scene_with({oil(0.1)});
   SceneOnDevice on = running(scene, stylus());
   ASSERT_EQ(on.refusal(), "");
-  ASSERT_EQ(on.why_not(thin, kContact, at_rest(thin.effects)), "") << "with the lag as it is";
-  const std::string why = on.why_not(thin, soft, at_rest(thin.effects));
+  ASSERT_EQ(on.why_not(thin, kContact, effects::at_rest(thin.effects)), "") << "with the lag as it is";
+  const std::string why = on.why_not(thin, soft, effects::at_rest(thin.effects));
   EXPECT_NE(why.find("on the way"), std::string::npos) << "the one that follows lags more: " << why;
   on.runs(thin, kContact, demand_of(thin));
-  EXPECT_EQ(on.why_not(thin, soft, at_rest(thin.effects)), "") << "once it has settled";
+  EXPECT_EQ(on.why_not(thin, soft, effects::at_rest(thin.effects)), "") << "once it has settled";
 }
 
 TEST(SceneOnDevice, RefusesAnEffectThatGivesTorqueWhereTheDeviceGivesNone) {
-  const Scene now = scene_with({oil(0.5)}), next = scene_with({oil(0.5, 0.01)});
+  const scene::Scene now = scene_with({oil(0.5)}), next = scene_with({oil(0.5, 0.01)});
   SceneOnDevice on = running(now, stylus());
   EXPECT_NE(asked(on, next).find("gives torque, and the device gives none"), std::string::npos) << asked(on, next);
   EXPECT_EQ(asked(on, next), at_start(next, stylus()));
@@ -178,13 +178,13 @@ TEST(SceneOnDevice, JudgesDampingOfTurningAsDampingOfMotion) {
   double most = 0.0, high = 100.0;
   while (high - most > 1e-6) (at_start(turning(0.5 * (most + high)), arm()).empty() ? most : high) = 0.5 * (most + high);
   ASSERT_GT(most, 0.01);
-  const Scene now = turning(0.9 * most), next = turning(0.6 * most, 0.5 * most), other = turning(0.05 * most, 0.9 * most);
+  const scene::Scene now = turning(0.9 * most), next = turning(0.6 * most, 0.5 * most), other = turning(0.05 * most, 0.9 * most);
   SceneOnDevice on = running(now, arm());
   ASSERT_EQ(on.refusal(), "");
   EXPECT_NE(asked(on, next).find("damp turning"), std::string::npos) << asked(on, next);
   EXPECT_EQ(asked(on, next), at_start(next, arm()));
   EXPECT_EQ(asked(on, turning(0.95 * most)), "");
-  std::vector<EffectReach> reach = at_rest(now.effects);
+  std::vector<effects::EffectReach> reach = effects::at_rest(now.effects);
   reach[0].widen(other.effects[0]), reach[1].widen(other.effects[1]);
   EXPECT_NE(on.why_not(other, kContact, reach).find("on the way"), std::string::npos);
   SceneOnDevice still = running(next, arm());
@@ -194,31 +194,31 @@ TEST(SceneOnDevice, JudgesDampingOfTurningAsDampingOfMotion) {
 
 TEST(SceneOnDevice, RefusesStiffnessThatADeviceCannotShowWhereTheCouplingIsSetByHand) {
   const auto guide = [](double stiffness) {
-    EffectSpec spec = effect("guide_point", {});
+    effects::EffectSpec spec = effect("guide_point", {});
     for (std::size_t n = 0; n < spec.kind->parameters.size(); ++n) {
       if (spec.kind->parameters[n].name == "stiffness_n_per_m") spec.values.at(n)[0] = stiffness;
       if (spec.kind->parameters[n].name == "limit_n") spec.values.at(n)[0] = 2;
     }
     return spec;
   };
-  const Scene now = by_hand({guide(100)}), next = by_hand({guide(5000)});
+  const scene::Scene now = by_hand({guide(100)}), next = by_hand({guide(5000)});
   SceneOnDevice on = running(now, stylus());
   ASSERT_EQ(on.refusal(), "");
   EXPECT_NE(asked(on, next).find("5000 N/m"), std::string::npos) << asked(on, next);
   EXPECT_EQ(asked(on, next), at_start(next, stylus()));
-  Scene stiffer = now;
+  scene::Scene stiffer = now;
   stiffer.contact.stiffness_n_per_m = 900.0;
   EXPECT_NE(asked(on, stiffer).find("contact.stiffness_n_per_m"), std::string::npos) << asked(on, stiffer);
 }
 
 TEST(SceneOnDevice, JudgesAnewWhenTheDeviceIsAnother) {
   const double most = most_damping(stylus());
-  const Scene now = scene_with({oil(0.9 * most)});
+  const scene::Scene now = scene_with({oil(0.9 * most)});
   SceneOnDevice on = running(now, stylus());
   ASSERT_EQ(on.refusal(), "");
-  DeviceModel late = stylus();
+  coupling::design::DeviceModel late = stylus();
   late.timing.delay_s = 0.05;
-  for (const DeviceModel& other : {stylus(0.01), late}) {
+  for (const coupling::design::DeviceModel& other : {stylus(0.01), late}) {
     on.device_is(other);
     on.runs(now, bounds(now), demand_of(now));
     EXPECT_NE(on.refusal(), "");
@@ -231,7 +231,7 @@ TEST(SceneOnDevice, JudgesAnewWhenTheDeviceIsAnother) {
 
 TEST(SceneOnDevice, TakesEverythingBeforeADeviceIsKnownAndJudgesItWhenOneComes) {
   SceneOnDevice on;
-  const Scene thick = scene_with({oil(50.0)});
+  const scene::Scene thick = scene_with({oil(50.0)});
   on.runs(scene_with({oil(1.0)}), kContact, {});
   EXPECT_EQ(asked(on, thick), "");
   on.runs(thick, bounds(thick), demand_of(thick));
@@ -243,23 +243,23 @@ TEST(SceneOnDevice, TakesEverythingBeforeADeviceIsKnownAndJudgesItWhenOneComes) 
 
 /// No force is commanded then: what demands less is on the way out of it.
 TEST(SceneOnDevice, TakesWhatDemandsLessWhereNothingIsFelt) {
-  const Scene two = scene_with({oil(50.0), effect("surface_damping", {50.0})});
+  const scene::Scene two = scene_with({oil(50.0), effect("surface_damping", {50.0})});
   SceneOnDevice on = running(two, stylus());
   ASSERT_NE(on.refusal(), "");
-  Scene one = two;
+  scene::Scene one = two;
   one.effects[0].values.at(0)[0] = 1.0;
   EXPECT_EQ(asked(on, one), "") << "the other one is still too much, but must be lowered somehow";
-  Scene more = two;
+  scene::Scene more = two;
   more.effects[0].values.at(0)[0] = 60.0;
   EXPECT_NE(asked(on, more), "");
 }
 
 TEST(SceneOnDevice, LetsNothingPassThatIsNoNumber) {
-  const Scene scene = scene_with({oil(0.5)});
-  const Scene hand = by_hand({});
+  const scene::Scene scene = scene_with({oil(0.5)});
+  const scene::Scene hand = by_hand({});
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto refused = [](const Scene& s, double one_point, const DeviceDemand& demand) {
-    const StiffnessBounds bounds{{one_point, 3000.0}, {0.003, 0.3}};
+  const auto refused = [](const scene::Scene& s, double one_point, const DeviceDemand& demand) {
+    const rendering::StiffnessBounds bounds{{one_point, 3000.0}, {0.003, 0.3}};
     return !fit_coupling(s, stylus(), bounds, demand).refusal.empty();
   };
   for (const double bad : {nan, -1.0, std::numeric_limits<double>::infinity()}) {
@@ -288,4 +288,4 @@ TEST(DeviceDemand, OfTwoScenesThatFadeIsTheLargerOfEachFigure) {
 }
 
 }  // namespace scene_on_device_test
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

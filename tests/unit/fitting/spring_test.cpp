@@ -6,49 +6,49 @@
 #include "core/fitting/scene_on_device.hpp"
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::fitting {
 namespace spring_test {
 
 constexpr double kLever = 0.01;
 
-DeviceModel stylus() {
-  DeviceModel model;
+coupling::design::DeviceModel stylus() {
+  coupling::design::DeviceModel model;
   model.name = "stylus";
   model.translation = {.inertia_min = 0.1, .inertia_max = 0.2, .damping = 2.0, .resolution = 3e-5, .max_effort = 8.5, .max_stiffness = 800.0};
   model.timing.delay_s = 1e-3;
   return model;
 }
-DeviceModel arm() {
-  DeviceModel model = stylus();
+coupling::design::DeviceModel arm() {
+  coupling::design::DeviceModel model = stylus();
   model.name = "arm";
   model.translation.inertia_min = 2.0, model.translation.inertia_max = 4.0;
   model.gives_torque = true;
   model.rotation = {.inertia_min = 0.01, .inertia_max = 0.02, .damping = 0.05, .resolution = 1e-5, .max_effort = 5.0, .max_stiffness = 50.0};
   return model;
 }
-Scene scene_of(const std::string& kind = "shaping_filter") {
-  Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
-  scene.contact = {.model = "field", .rendering = RenderingKind::kVirtualTool};
+scene::Scene scene_of(const std::string& kind = "shaping_filter") {
+  scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  scene.contact = {.model = "field", .rendering = scene::RenderingKind::kVirtualTool};
   scene.design->kind = kind;
   return scene;
 }
-EffectSpec oil(double damping) {
-  EffectSpec spec{.name = "oil", .kind = find_effect_kind("viscosity"), .values = {}, .region = {}};
-  spec.values = EffectValues(spec.kind->parameters);
+effects::EffectSpec oil(double damping) {
+  effects::EffectSpec spec{.name = "oil", .kind = effects::find_effect_kind("viscosity"), .values = {}, .region = {}};
+  spec.values = effects::EffectValues(spec.kind->parameters);
   spec.values.at(0)[0] = damping;
   return spec;
 }
-FittedCoupling fit(const Scene& scene, const DeviceModel& device, double lever = kLever) {
-  return fit_coupling(scene, device, spring_of_any_device(lever), demand_of(scene));
+FittedCoupling fit(const scene::Scene& scene, const coupling::design::DeviceModel& device, double lever = kLever) {
+  return fit_coupling(scene, device, rendering::spring_of_any_device(lever), demand_of(scene));
 }
 
 TEST(Spring, IsAllThatIsCertifiedAndNothingIsTakenOffItAgain) {
   for (const char* kind : {"shaping_filter", "direct"})
-    for (const DeviceModel& device : {stylus(), arm()}) {
-      const Scene scene = scene_of(kind);
+    for (const coupling::design::DeviceModel& device : {stylus(), arm()}) {
+      const scene::Scene scene = scene_of(kind);
       const FittedCoupling fitted = fit(scene, device);
       ASSERT_EQ(fitted.refusal, "") << kind;
-      const double spring = spring_n_per_m(fitted, scene, device, spring_of_any_device(kLever));
+      const double spring = spring_n_per_m(fitted, scene, device, rendering::spring_of_any_device(kLever));
       EXPECT_NEAR(spring, fitted.design.translation.shown_stiffness, 1e-6 * spring) << kind << " " << device.name;
       EXPECT_LE(spring, fitted.spec.stiffness_cap_n_per_m);
       EXPECT_LE(spring * kLever * kLever, fitted.spec.stiffness_cap_nm_per_rad * (1 + 1e-12));
@@ -59,9 +59,9 @@ TEST(Spring, IsAllThatIsCertifiedAndNothingIsTakenOffItAgain) {
 }
 
 TEST(Spring, LeavesRoomForEffectsSoThatTheCapTakesNothingFromBoth) {
-  Scene scene = scene_of();
-  EffectSpec guide{.name = "guide", .kind = find_effect_kind("guide_plane"), .values = {}, .region = {}};
-  guide.values = EffectValues(guide.kind->parameters);
+  scene::Scene scene = scene_of();
+  effects::EffectSpec guide{.name = "guide", .kind = effects::find_effect_kind("guide_plane"), .values = {}, .region = {}};
+  guide.values = effects::EffectValues(guide.kind->parameters);
   guide.values.at(0) = {0, 0, 0};
   for (std::size_t p = 0; p < guide.values.size(); ++p) {
     const std::string_view name = guide.kind->parameters[p].name;
@@ -69,69 +69,71 @@ TEST(Spring, LeavesRoomForEffectsSoThatTheCapTakesNothingFromBoth) {
     if (name == "stiffness_n_per_m") guide.values.at(p)[0] = 60.0;
     if (name == "limit_n") guide.values.at(p)[0] = 3.0;
   }
-  const StiffnessBounds alone = spring_of_any_device(kLever), all = with_effects(alone, std::vector{guide});
+  const rendering::StiffnessBounds alone = rendering::spring_of_any_device(kLever),
+                                   all = rendering::with_effects(alone, std::vector{guide});
   ASSERT_NEAR(all.translation.all_points - alone.translation.all_points, 60.0, 1e-6);
   const FittedCoupling fitted = fit_coupling(scene, stylus(), all, {});
   const double spring = spring_n_per_m(fitted, scene, stylus(), all);
   EXPECT_NEAR(spring + 60.0, fitted.spec.stiffness_cap_n_per_m, 1e-6);
-  EffectSpec friction{.name = "dry", .kind = find_effect_kind("friction"), .values = {}, .region = {}};
-  friction.values = EffectValues(friction.kind->parameters);
+  effects::EffectSpec friction{.name = "dry", .kind = effects::find_effect_kind("friction"), .values = {}, .region = {}};
+  friction.values = effects::EffectValues(friction.kind->parameters);
   friction.values.at(0)[0] = 0.4;
-  EXPECT_EQ(with_effects(alone, std::vector{friction}), alone) << "which the virtual tool does";
+  EXPECT_EQ(rendering::with_effects(alone, std::vector{friction}), alone) << "which the virtual tool does";
 }
 
 TEST(Spring, IsNoStifferThanTheDeviceCanShow) {
-  DeviceModel device = arm();
+  coupling::design::DeviceModel device = arm();
   device.translation.max_stiffness = 60.0;
-  const Scene scene = scene_of();
-  EXPECT_LE(spring_n_per_m(fit(scene, device), scene, device, spring_of_any_device(kLever)), 60.0);
+  const scene::Scene scene = scene_of();
+  EXPECT_LE(spring_n_per_m(fit(scene, device), scene, device, rendering::spring_of_any_device(kLever)), 60.0);
 }
 
 TEST(Spring, GivesWayWhereTurningIsTheHarderPart) {
-  const Scene scene = scene_of();
+  const scene::Scene scene = scene_of();
   const double lever = 1.0;
   const FittedCoupling fitted = fit(scene, arm(), lever);
-  const double spring = spring_n_per_m(fitted, scene, arm(), spring_of_any_device(lever));
+  const double spring = spring_n_per_m(fitted, scene, arm(), rendering::spring_of_any_device(lever));
   EXPECT_LE(spring * lever * lever, fitted.design.rotation.shown_stiffness * (1 + 1e-9));
   EXPECT_LT(spring, fitted.design.translation.shown_stiffness);
-  EXPECT_NE(felt_sentence(fitted, scene, arm(), spring_of_any_device(lever)).find("Turning limits it: a tool.lever_m of"), std::string::npos);
+  EXPECT_NE(felt_sentence(fitted, scene, arm(), rendering::spring_of_any_device(lever)).find("Turning limits it: a tool.lever_m of"),
+            std::string::npos);
 }
 
 TEST(Spring, FollowsTheScalesOfTheDevice) {
-  Scene scene = scene_of();
-  const double plain = spring_n_per_m(fit(scene, stylus()), scene, stylus(), spring_of_any_device(kLever));
+  scene::Scene scene = scene_of();
+  const double plain = spring_n_per_m(fit(scene, stylus()), scene, stylus(), rendering::spring_of_any_device(kLever));
   scene.device.position_scale = 10.0, scene.device.force_scale = 0.5;
-  EXPECT_NEAR(spring_n_per_m(fit(scene, stylus()), scene, stylus(), spring_of_any_device(kLever)), plain / 5.0, 1e-3 * plain);
+  EXPECT_NEAR(spring_n_per_m(fit(scene, stylus()), scene, stylus(), rendering::spring_of_any_device(kLever)), plain / 5.0, 1e-3 * plain);
 }
 
 TEST(Spring, IsNoneOfAPenaltyContactAndNoneWhereNoCouplingHolds) {
-  const Scene scene = scene_of();
-  const StiffnessBounds contact = {{30.0, 3000.0}, {0.003, 0.3}};
+  const scene::Scene scene = scene_of();
+  const rendering::StiffnessBounds contact = {{30.0, 3000.0}, {0.003, 0.3}};
   EXPECT_EQ(spring_n_per_m(fit_coupling(scene, stylus(), contact, {}), scene, stylus(), contact), 0.0);
-  DeviceModel light = stylus();
+  coupling::design::DeviceModel light = stylus();
   light.translation.inertia_min = light.translation.inertia_max = 1e-5;
   light.translation.damping = 0.0;
   const FittedCoupling none = fit(scene, light);
   ASSERT_NE(none.refusal, "");
-  EXPECT_EQ(spring_n_per_m(none, scene, light, spring_of_any_device(kLever)), 0.0);
-  EXPECT_EQ(felt_sentence(none, scene, light, spring_of_any_device(kLever)), "");
+  EXPECT_EQ(spring_n_per_m(none, scene, light, rendering::spring_of_any_device(kLever)), 0.0);
+  EXPECT_EQ(felt_sentence(none, scene, light, rendering::spring_of_any_device(kLever)), "");
 }
 
 TEST(Spring, UnderACouplingSetByHandIsItsCap) {
-  Scene scene = scene_of();
+  scene::Scene scene = scene_of();
   scene.design.reset();
   scene.coupling.stiffness_cap_n_per_m = 120.0;
   const FittedCoupling fitted = fit(scene, stylus());
   ASSERT_EQ(fitted.refusal, "");
-  EXPECT_EQ(spring_n_per_m(fitted, scene, stylus(), spring_of_any_device(kLever)), 120.0);
+  EXPECT_EQ(spring_n_per_m(fitted, scene, stylus(), rendering::spring_of_any_device(kLever)), 120.0);
   scene.coupling.stiffness_cap_n_per_m = 5000.0, scene.coupling.kind = "direct";
   const std::string why = fit(scene, stylus()).refusal;
   EXPECT_NE(why.find("the device can show 800 N/m. Lower coupling.stiffness_cap_n_per_m"), std::string::npos) << why;
 }
 
 TEST(Spring, IsToldInOneLine) {
-  const Scene scene = scene_of();
-  const std::string told = felt_sentence(fit(scene, stylus()), scene, stylus(), spring_of_any_device(kLever));
+  const scene::Scene scene = scene_of();
+  const std::string told = felt_sentence(fit(scene, stylus()), scene, stylus(), rendering::spring_of_any_device(kLever));
   for (const char* part : {"What will be felt: ", "N/m at the hand, certified", "10 mm deep", "% of the 8.5 N that stylus gives", "What limits it:", "More:"})
     EXPECT_NE(told.find(part), std::string::npos) << part << " in " << told;
   EXPECT_EQ(told.find('\n'), std::string::npos);
@@ -139,41 +141,41 @@ TEST(Spring, IsToldInOneLine) {
 
 /// Its row in the table of changes: the plan says that the contact is a spring, and all that is judged is judged as at the start.
 TEST(SceneOnDevice, JudgesASceneWithAVirtualToolByTheSameCode) {
-  Scene now = scene_of();
+  scene::Scene now = scene_of();
   now.effects = {oil(0.2)};
-  const StiffnessBounds alone = spring_of_any_device(kLever);
+  const rendering::StiffnessBounds alone = rendering::spring_of_any_device(kLever);
   SceneOnDevice on;
   on.device_is(stylus());
-  on.runs(now, with_effects(alone, now.effects), demand_of(now));
+  on.runs(now, rendering::with_effects(alone, now.effects), demand_of(now));
   ASSERT_EQ(on.refusal(), "");
   EXPECT_EQ(on.spring_n_per_m(), spring_n_per_m(fit(now, stylus()), now, stylus(), alone));
   int taken = 0, refused = 0;
   for (double damping = 0.1; damping < 100.0; damping *= 1.5) {
-    Scene next = now;
+    scene::Scene next = now;
     next.effects = {oil(damping)};
-    const StiffnessBounds bounds = with_effects(alone, next.effects);
+    const rendering::StiffnessBounds bounds = rendering::with_effects(alone, next.effects);
     const std::string start = fit_coupling(next, stylus(), bounds.translation, bounds.rotation).refusal;
-    EXPECT_EQ(on.why_not(next, alone, at_rest(next.effects)), start) << damping;
+    EXPECT_EQ(on.why_not(next, alone, effects::at_rest(next.effects)), start) << damping;
     (start.empty() ? taken : refused)++;
   }
   EXPECT_GT(taken, 1);
   EXPECT_GT(refused, 3);
   // A reload from the penalty contact of the same file, and another device.
-  Scene penalty = now;
+  scene::Scene penalty = now;
   penalty.contact = {.model = "field", .stiffness_n_per_m3 = 1e6};
-  const StiffnessBounds contact = {{30.0, 3000.0}, {0.003, 0.3}};
-  on.runs(penalty, with_effects(contact, now.effects), demand_of(penalty));
+  const rendering::StiffnessBounds contact = {{30.0, 3000.0}, {0.003, 0.3}};
+  on.runs(penalty, rendering::with_effects(contact, now.effects), demand_of(penalty));
   EXPECT_EQ(on.spring_n_per_m(), 0.0);
-  EXPECT_EQ(on.why_not(now, alone, at_rest(now.effects)), "");
-  on.runs(now, with_effects(alone, now.effects), demand_of(now));
+  EXPECT_EQ(on.why_not(now, alone, effects::at_rest(now.effects)), "");
+  on.runs(now, rendering::with_effects(alone, now.effects), demand_of(now));
   const double before = on.spring_n_per_m();
-  DeviceModel light = stylus();
+  coupling::design::DeviceModel light = stylus();
   light.translation.inertia_min = 0.02, light.translation.inertia_max = 0.04;
   on.device_is(light);
-  on.runs(now, with_effects(alone, now.effects), demand_of(now));
+  on.runs(now, rendering::with_effects(alone, now.effects), demand_of(now));
   EXPECT_LT(on.spring_n_per_m(), before);
   EXPECT_EQ(on.refusal(), fit(now, light).refusal);
 }
 
 }  // namespace spring_test
-}  // namespace voxtouch
+}  // namespace voxtouch::fitting

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace voxtouch {
+namespace voxtouch::log {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -43,4 +43,4 @@ TEST(FewASecond, LosesNoCountBetweenThreads) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::log

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxtouch {
+namespace voxtouch::log {
 namespace {
 
 TEST(Printable, LeavesUtf8NewlinesAndTabulatorsAlone) {
@@ -28,4 +28,4 @@ TEST(Printable, TakesOutWhatIsNotUtf8) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::log

@@ -14,7 +14,7 @@
 
 #include "tests/support/process/forked.hpp"
 
-namespace voxtouch {
+namespace voxtouch::log {
 namespace {
 
 using std::chrono::milliseconds;
@@ -187,4 +187,4 @@ TEST(PrintResult, ThrowsWhereTheResultGoesNowhere) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::log

@@ -5,7 +5,7 @@
 
 #include "devices/lwr/lwr_arm.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
@@ -93,4 +93,4 @@ TEST(LwrArm, GivesNoNumberForAPostureThatIsNone) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

@@ -9,7 +9,7 @@
 #include "devices/lwr/fri_codec.hpp"
 #include "tests/interop/fri/named_packets.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 namespace {
 
 const float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -135,4 +135,4 @@ TEST(FriCodec, CountsAcrossTheWrap) {
 }
 
 }  // namespace
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

@@ -4,7 +4,7 @@
 
 #include "devices/lwr/fri_composer.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 namespace {
 
 /// A session in command mode, with the measurement that brought it there.
@@ -54,4 +54,4 @@ TEST(FriComposer, RepeatsThePositionWithoutPushForAPacketItCannotTrust) {
 }
 
 }  // namespace
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

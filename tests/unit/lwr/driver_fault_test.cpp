@@ -18,7 +18,7 @@ const double kNaN = std::numeric_limits<double>::quiet_NaN();
 class LwrDriverFault : public testing::Test {
  protected:
   void SetUp() override { run(quick_options()); }
-  void run(const LwrOptions& options) {
+  void run(const lwr::LwrOptions& options) {
     driver.reset();
     krc = std::make_unique<FakeController>();
     driver = krc->open(options);
@@ -33,10 +33,10 @@ class LwrDriverFault : public testing::Test {
     EXPECT_EQ(torque_of(t.command), 0.0);
     return t;
   }
-  fri::MsrPacket& msr() { return krc->msr; }
+  lwr::fri::MsrPacket& msr() { return krc->msr; }
 
   std::unique_ptr<FakeController> krc;
-  std::unique_ptr<LwrDriver> driver;
+  std::unique_ptr<lwr::LwrDriver> driver;
 };
 
 TEST_F(LwrDriverFault, RefusesACommandThatIsNoNumber) {
@@ -44,15 +44,15 @@ TEST_F(LwrDriverFault, RefusesACommandThatIsNoNumber) {
     for (const double bad : {kNaN, std::numeric_limits<double>::infinity()}) {
       Wrench wrench = kPush;
       (axis < 3 ? wrench.force : wrench.torque)[axis % 3] = bad;
-      EXPECT_EQ(without_push(wrench).written.error(), DeviceError::kNotFinite);
+      EXPECT_EQ(without_push(wrench).written.error(), devices::DeviceError::kNotFinite);
       push();
     }
 }
 
 TEST_F(LwrDriverFault, RefusesACommandOverTheLimits) {
-  EXPECT_EQ(without_push({Vec3(0, 0, 150.1), Vec3::Zero()}).written.error(), DeviceError::kLimit);
+  EXPECT_EQ(without_push({Vec3(0, 0, 150.1), Vec3::Zero()}).written.error(), devices::DeviceError::kLimit);
   push();
-  EXPECT_EQ(without_push({Vec3::Zero(), Vec3(15.1, 0, 0)}).written.error(), DeviceError::kLimit);
+  EXPECT_EQ(without_push({Vec3::Zero(), Vec3(15.1, 0, 0)}).written.error(), devices::DeviceError::kLimit);
   EXPECT_EQ(driver->status().counts.refused, 2U);
   push();
 }
@@ -68,7 +68,7 @@ TEST_F(LwrDriverFault, MarksAPoseWhoseJointsAreNoNumbersOrImpossible) {
     EXPECT_TRUE(t.sample->pose.finite());
     EXPECT_TRUE(t.sample->twist.finite());
     EXPECT_EQ(t.sample->pose.position, before.position) << "the last one that was good";
-    EXPECT_EQ(t.written.error(), DeviceError::kProtocol);
+    EXPECT_EQ(t.written.error(), devices::DeviceError::kProtocol);
     EXPECT_LT(std::abs(t.command.command.jnt_pos[2] - good), 1e-6) << "finite, and where it was";
   }
   msr().data.jnt_pos[2] = good;
@@ -78,17 +78,17 @@ TEST_F(LwrDriverFault, MarksAPoseWhoseJointsAreNoNumbersOrImpossible) {
 
 TEST_F(LwrDriverFault, AnswersAMeasurementItCannotTrustWithTheLastPosition) {
   const float kept = krc->heard.back().command.jnt_pos[4];
-  const fri::MsrPacket good = msr();
+  const lwr::fri::MsrPacket good = msr();
   msr().data.cmd_jnt_pos[4] = static_cast<float>(kNaN);
   Turn t = without_push();
-  EXPECT_EQ(t.sample.error(), DeviceError::kProtocol);
+  EXPECT_EQ(t.sample.error(), devices::DeviceError::kProtocol);
   EXPECT_EQ(t.command.command.jnt_pos[4], kept);
   EXPECT_EQ(t.command.header.refl_seq, msr().header.send_seq);
   msr().data.cmd_jnt_pos[4] = good.data.cmd_jnt_pos[4];
   push();
-  msr().interface.quality = static_cast<fri::Quality>(7);
-  EXPECT_EQ(without_push().sample.error(), DeviceError::kProtocol);
-  msr().interface.quality = fri::Quality::kPerfect;
+  msr().interface.quality = static_cast<lwr::fri::Quality>(7);
+  EXPECT_EQ(without_push().sample.error(), devices::DeviceError::kProtocol);
+  msr().interface.quality = lwr::fri::Quality::kPerfect;
   push();
   EXPECT_EQ(driver->status().counts.untrusted, 2U);
 }
@@ -97,35 +97,35 @@ TEST_F(LwrDriverFault, SaysProtocolWhereOnlyGarbageComes) {
   const std::array<std::byte, 916> garbage{};
   krc->send_bytes(garbage);
   krc->send_bytes(std::span(garbage).first(10));
-  EXPECT_EQ(driver->read(2ms).error(), DeviceError::kProtocol);
+  EXPECT_EQ(driver->read(2ms).error(), devices::DeviceError::kProtocol);
   EXPECT_EQ(driver->status().counts.malformed, 2U);
-  EXPECT_EQ(driver->read(2ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->read(2ms).error(), devices::DeviceError::kTimeout);
   push();
 }
 
 TEST_F(LwrDriverFault, TimesOutWithoutAMeasurementAndIsGoneAfterASilence) {
-  EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
-  EXPECT_EQ(driver->write(kPush).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
+  EXPECT_EQ(driver->write(kPush).error(), devices::DeviceError::kTimeout);
   EXPECT_TRUE(krc->receive().empty());
   driver->stop();
   const auto answers = krc->receive();
   ASSERT_EQ(answers.size(), 1U) << "what the loop does after an error";
   EXPECT_EQ(torque_of(answers[0]), 0.0);
   push();
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.silence_s = 0.03;
   run(options);
-  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kTimeout);
-  EXPECT_EQ(driver->read(40ms).error(), DeviceError::kDisconnected);
+  EXPECT_EQ(driver->read(10ms).error(), devices::DeviceError::kTimeout);
+  EXPECT_EQ(driver->read(40ms).error(), devices::DeviceError::kDisconnected);
 }
 
 TEST_F(LwrDriverFault, TakesDuplicatesAndOldPacketsForNothingNew) {
-  const fri::MsrPacket old = krc->next();
+  const lwr::fri::MsrPacket old = krc->next();
   push();
   krc->send(old);
-  EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
   krc->send(msr());  // the newest once more
-  EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
   EXPECT_TRUE(krc->receive().empty());
   EXPECT_EQ(driver->status().sequence.reordered, 1U);
   EXPECT_EQ(driver->status().sequence.duplicates, 1U);
@@ -133,7 +133,7 @@ TEST_F(LwrDriverFault, TakesDuplicatesAndOldPacketsForNothingNew) {
 }
 
 TEST_F(LwrDriverFault, TakesTheNewestOfSeveralWhateverTheirOrder) {
-  const fri::MsrPacket first = krc->next(), second = krc->next(), third = krc->next();
+  const lwr::fri::MsrPacket first = krc->next(), second = krc->next(), third = krc->next();
   const auto before = driver->status().counts.superseded;  // while it opened, a busy machine may have let some come together
   krc->send(first);
   krc->send(third);
@@ -159,12 +159,12 @@ TEST_F(LwrDriverFault, CountsLostPacketsAcrossTheWrap) {
 }
 
 TEST_F(LwrDriverFault, TakesAMeasurementThatLayTooLongForNothingNew) {
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.max_age_s = 0.1;
   run(options);
   krc->send();
   std::this_thread::sleep_for(120ms);
-  EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
   EXPECT_EQ(driver->status().counts.aged, 1U);
   push();
 }
@@ -187,32 +187,32 @@ TEST_F(LwrDriverFault, HearsOnlyTheControllerThatItKnows) {
   stranger.msr = msr();
   stranger.msr.header.send_seq = static_cast<std::uint16_t>(msr().header.send_seq + 1);
   stranger.send();
-  EXPECT_EQ(driver->read(1ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
   EXPECT_TRUE(stranger.receive().empty());
   EXPECT_EQ(driver->status().counts.foreign, 1U);
 }
 
 TEST_F(LwrDriverFault, DropsTheForceWithTheQualityAndTakesItUpAgain) {
-  msr().interface.quality = fri::Quality::kBad;
+  msr().interface.quality = lwr::fri::Quality::kBad;
   const Turn t = without_push();
   EXPECT_TRUE(t.sample);
-  EXPECT_EQ(t.written.error(), DeviceError::kRecoverable);
-  EXPECT_EQ(t.command.krl.integer[fri::kFrmIntRun], fri::kRun);
+  EXPECT_EQ(t.written.error(), devices::DeviceError::kRecoverable);
+  EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kRun);
   EXPECT_NE(driver->status_text().find("quality dropped"), std::string::npos);
-  msr().interface.quality = fri::Quality::kOk;
+  msr().interface.quality = lwr::fri::Quality::kOk;
   push();
 }
 
 TEST_F(LwrDriverFault, ComesBackByItselfAfterTheControllerLeftCommandMode) {
   krc->program_runs = false;
-  msr().interface.state = fri::State::kMon;
-  msr().krl.integer[fri::kToIntEcho] = fri::kHalt;
+  msr().interface.state = lwr::fri::State::kMon;
+  msr().krl.integer[lwr::fri::kToIntEcho] = lwr::fri::kHalt;
   msr().data.cmd_jnt_pos[0] = 0.3F;
   const Turn t = without_push();
-  EXPECT_EQ(t.written.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(t.written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(t.command.command.jnt_pos[0], 0.3F) << "mirrors again at once";
-  EXPECT_EQ(t.command.krl.integer[fri::kFrmIntRun], fri::kHalt);
-  EXPECT_EQ(driver->status().trouble, fri::Trouble::kDroppedOut);
+  EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kHalt);
+  EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kDroppedOut);
   krc->program_runs = true;
   ASSERT_TRUE(run_to_command(*krc, *driver));
   EXPECT_EQ(driver->status().starts, 2U);
@@ -222,9 +222,9 @@ TEST_F(LwrDriverFault, ComesBackByItselfAfterTheControllerLeftCommandMode) {
 
 TEST_F(LwrDriverFault, SaysThatTheDrivesWentOffAndWhichOnes) {
   msr().robot.power = 0x7B;
-  msr().interface.state = fri::State::kMon;
+  msr().interface.state = lwr::fri::State::kMon;
   krc->program_runs = false;
-  EXPECT_EQ(without_push().written.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(without_push().written.error(), devices::DeviceError::kRecoverable);
   EXPECT_NE(driver->status_text().find("drives went off"), std::string::npos);
   EXPECT_NE(driver->status_text().find("[drives off: E1]"), std::string::npos) << driver->status_text();
 }
@@ -232,14 +232,14 @@ TEST_F(LwrDriverFault, SaysThatTheDrivesWentOffAndWhichOnes) {
 TEST_F(LwrDriverFault, EndsWithAFaultWhereADriveReportsAnError) {
   msr().robot.error = 0x41;
   const Turn t = without_push();
-  EXPECT_EQ(t.sample.error(), DeviceError::kFault);
+  EXPECT_EQ(t.sample.error(), devices::DeviceError::kFault);
   EXPECT_NE(driver->status_text().find("[errors of A1 A6]"), std::string::npos) << driver->status_text();
 }
 
 TEST_F(LwrDriverFault, IsGoneWhenTheControllerClosesTheInterface) {
-  msr().interface.state = fri::State::kOff;
+  msr().interface.state = lwr::fri::State::kOff;
   krc->program_runs = false;
-  EXPECT_EQ(without_push().sample.error(), DeviceError::kDisconnected);
+  EXPECT_EQ(without_push().sample.error(), devices::DeviceError::kDisconnected);
 }
 
 TEST_F(LwrDriverFault, DropsTheForceWhileAJointIsTooFast) {
@@ -253,14 +253,14 @@ TEST_F(LwrDriverFault, DropsTheForceWhileAJointIsTooFast) {
     }
   }
   EXPECT_TRUE(refused);
-  EXPECT_EQ(driver->status().trouble, fri::Trouble::kTooFast);
+  EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kTooFast);
   for (int n = 0; n < 40; ++n) turn(*krc, *driver, kPush);
   push();
 }
 
 TEST_F(LwrDriverFault, SendsNothingThatIsNoNumberWhateverComesIn) {
   std::uint32_t random = 1;
-  const fri::MsrPacket good = msr();
+  const lwr::fri::MsrPacket good = msr();
   krc->program_runs = false;
   for (int n = 0; n < 3000; ++n) {
     random = random * 1664525U + 1013904223U;

@@ -14,10 +14,10 @@ namespace {
 using namespace std::chrono_literals;
 
 /// What opening says when it fails; empty if it does not.
-std::string refusal(const LwrOptions& options) {
+std::string refusal(const lwr::LwrOptions& options) {
   try {
-    LwrDriver driver(options);
-  } catch (const DeviceOpenError& error) {
+    lwr::LwrDriver driver(options);
+  } catch (const devices::DeviceOpenError& error) {
     return error.what();
   }
   return {};
@@ -25,7 +25,7 @@ std::string refusal(const LwrOptions& options) {
 bool says(const std::string& sentence, std::string_view part) { return sentence.find(part) != std::string::npos; }
 
 TEST(LwrOpen, SaysThatNothingCameAndWhatToCheck) {
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 0.02;
   const std::string sentence = refusal(options);
   for (const std::string& part : {std::string("0.02 s"), "127.0.0.1:" + std::to_string(options.port),
@@ -34,7 +34,7 @@ TEST(LwrOpen, SaysThatNothingCameAndWhatToCheck) {
 }
 
 TEST(LwrOpen, IsCancelledBySomebodyElse) {
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 3600.0;
   std::atomic<bool> cancelled{false};
   options.cancelled = &cancelled;
@@ -45,7 +45,7 @@ TEST(LwrOpen, IsCancelledBySomebodyElse) {
 TEST(LwrOpen, SaysThatThePortIsBusy) {
   FakeController krc;
   const auto driver = krc.open();
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.port = krc.port;
   const std::string sentence = refusal(options);
   EXPECT_TRUE(says(sentence, "127.0.0.1:" + std::to_string(krc.port))) << sentence;
@@ -54,7 +54,7 @@ TEST(LwrOpen, SaysThatThePortIsBusy) {
 }
 
 TEST(LwrOpen, SaysThatAnAddressIsNoneOrNotOurs) {
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.address = "robot";
   EXPECT_TRUE(says(refusal(options), "'robot' is no IPv4 address"));
   options.address = "203.0.113.7";
@@ -63,14 +63,14 @@ TEST(LwrOpen, SaysThatAnAddressIsNoneOrNotOurs) {
 
 TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
   FakeController krc;
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 0.05;
   krc.port = options.port;
   std::string sentence;
   krc.msr.header.datagram_id = 0x2007;
   krc.serve_while([&] { sentence = refusal(options); });
   EXPECT_TRUE(says(sentence, "916 bytes from 127.0.0.1:") && says(sentence, "wrong datagram id")) << sentence;
-  krc.msr.header.datagram_id = fri::kMsrId;
+  krc.msr.header.datagram_id = lwr::fri::kMsrId;
   krc.msr.data.cmd_jnt_pos[0] = std::numeric_limits<float>::quiet_NaN();
   krc.serve_while([&] { sentence = refusal(options); });
   EXPECT_TRUE(says(sentence, "not finite")) << sentence;
@@ -79,10 +79,10 @@ TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
 TEST(LwrOpen, SaysThatTheInterfaceIsClosed) {
   FakeController krc;
   krc.program_runs = false;
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 0.05;
   krc.port = options.port;
-  krc.msr.interface.state = fri::State::kOff;
+  krc.msr.interface.state = lwr::fri::State::kOff;
   std::string sentence;
   krc.serve_while([&] { sentence = refusal(options); });
   EXPECT_TRUE(says(sentence, "closed") && says(sentence, "friOpen")) << sentence;
@@ -90,10 +90,10 @@ TEST(LwrOpen, SaysThatTheInterfaceIsClosed) {
 
 TEST(LwrOpen, TakesAFirstMeasurementThatHadToWait) {
   FakeController krc;
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.max_age_s = 1e-6;  // every packet is older than that
   krc.port = options.port;
-  const fri::MsrPacket first = krc.next();  // sent again and again, as a controller in virtual time does
+  const lwr::fri::MsrPacket first = krc.next();  // sent again and again, as a controller in virtual time does
   std::atomic<bool> done{false};
   std::thread sender([&] {
     while (!done) {
@@ -108,7 +108,7 @@ TEST(LwrOpen, TakesAFirstMeasurementThatHadToWait) {
 
 TEST(LwrOpen, SaysThatOnlyOthersSend) {
   FakeController krc;
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 0.05;
   options.controller = "127.0.0.9";
   krc.port = options.port;
@@ -119,7 +119,7 @@ TEST(LwrOpen, SaysThatOnlyOthersSend) {
 
 TEST(LwrOpen, RefusesAPeriodThatTheInterfaceDoesNotKnow) {
   FakeController krc;
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   krc.port = options.port;
   krc.msr.interface.msr_period_s = 0.0F;
   std::string sentence;
@@ -129,7 +129,7 @@ TEST(LwrOpen, RefusesAPeriodThatTheInterfaceDoesNotKnow) {
 
 TEST(LwrOpen, RefusesAnArmWithADriveError) {
   FakeController krc;
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   krc.port = options.port;
   krc.msr.robot.error = 0x08;
   std::string sentence;
@@ -141,33 +141,33 @@ TEST(LwrOpen, OpensWithDrivesOffAndWaitsForThem) {
   FakeController krc;
   krc.msr.robot.power = 0;
   const auto driver = krc.open();
-  EXPECT_EQ(turn(krc, *driver).written.error(), DeviceError::kRecoverable);
-  EXPECT_EQ(driver->status().trouble, fri::Trouble::kDrivesNotOn);
-  krc.msr.robot.power = fri::kAllDrives;
+  EXPECT_EQ(turn(krc, *driver).written.error(), devices::DeviceError::kRecoverable);
+  EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kDrivesNotOn);
+  krc.msr.robot.power = lwr::fri::kAllDrives;
   EXPECT_TRUE(run_to_command(krc, *driver));
 }
 
 TEST(LwrOpen, RefusesOptionsThatCannotBe) {
   const auto refused = [](auto change, const char* field) {
-    LwrOptions options = quick_options();
+    lwr::LwrOptions options = quick_options();
     change(options);
     const std::string sentence = refusal(options);
     EXPECT_TRUE(says(sentence, field)) << field << ": " << sentence;
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  refused([&](LwrOptions& o) { o.max_add_torque_nm[6] = nan; }, "max_add_torque_nm[6]");
-  refused([](LwrOptions& o) { o.max_add_torque_nm[6] = 31.0; }, "max_add_torque_nm[6]");
-  refused([](LwrOptions& o) { o.posture.posture[1] = 3.0; }, "posture.posture[1]");
-  refused([&](LwrOptions& o) { o.tool_in_flange.position.x() = nan; }, "tool_in_flange");
-  refused([](LwrOptions& o) { o.d_in_base.orientation.coeffs() *= 2.0; }, "d_in_base");
-  refused([](LwrOptions& o) { o.controller = "krc"; }, "controller");
-  refused([&](LwrOptions& o) { o.silence_s = nan; }, "silence_s");
-  refused([](LwrOptions& o) { o.capture_file = "/nowhere/at/all.pcap"; }, "/nowhere/at/all.pcap");
+  refused([&](lwr::LwrOptions& o) { o.max_add_torque_nm[6] = nan; }, "max_add_torque_nm[6]");
+  refused([](lwr::LwrOptions& o) { o.max_add_torque_nm[6] = 31.0; }, "max_add_torque_nm[6]");
+  refused([](lwr::LwrOptions& o) { o.posture.posture[1] = 3.0; }, "posture.posture[1]");
+  refused([&](lwr::LwrOptions& o) { o.tool_in_flange.position.x() = nan; }, "tool_in_flange");
+  refused([](lwr::LwrOptions& o) { o.d_in_base.orientation.coeffs() *= 2.0; }, "d_in_base");
+  refused([](lwr::LwrOptions& o) { o.controller = "krc"; }, "controller");
+  refused([&](lwr::LwrOptions& o) { o.silence_s = nan; }, "silence_s");
+  refused([](lwr::LwrOptions& o) { o.capture_file = "/nowhere/at/all.pcap"; }, "/nowhere/at/all.pcap");
 }
 
 TEST(LwrOpen, OpensAgainOnTheSamePortAfterItWent) {
   FakeController krc;
-  const LwrOptions options = quick_options();
+  const lwr::LwrOptions options = quick_options();
   for (int n = 0; n < 3; ++n) {
     auto driver = krc.open(options);
     EXPECT_TRUE(run_to_command(krc, *driver)) << n;
@@ -181,7 +181,7 @@ TEST(LwrOpen, OpensAgainOnTheSamePortAfterItWent) {
 TEST(LwrOpen, WritesWhatItHeardAndSaid) {
   const std::string file = testing::TempDir() + "voxtouch_lwr_capture.pcap";
   FakeController krc;
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.capture_file = file;
   options.capture_packets = 100;
   {

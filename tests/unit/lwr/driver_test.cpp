@@ -15,51 +15,51 @@ using namespace std::chrono_literals;
 const Wrench kPush{Vec3(5, -3, 8), Vec3(0.4, -0.2, 0.1)};
 
 /// A driver without posture torque, so that all torque is the command's.
-LwrOptions plain_options() {
-  LwrOptions options = quick_options();
+lwr::LwrOptions plain_options() {
+  lwr::LwrOptions options = quick_options();
   options.posture.max_torque_nm = 0.0;
   return options;
 }
 
-double difference(const fri::Joints& a, const LwrJoints& b) { return (fri::from_wire(a) - b).cwiseAbs().maxCoeff(); }
+double difference(const lwr::fri::Joints& a, const lwr::LwrJoints& b) { return (lwr::fri::from_wire(a) - b).cwiseAbs().maxCoeff(); }
 
 TEST(LwrDriver, MirrorsTheControllersPositionUntilCommandMode) {
   FakeController krc;
   krc.msr.data.cmd_jnt_pos_fri_offset = {0.01F, 0.02F, 0.03F, 0.04F, 0.05F, 0.06F, 0.07F};
-  krc.msr.interface.quality = fri::Quality::kOk;
+  krc.msr.interface.quality = lwr::fri::Quality::kOk;
   const auto driver = krc.open();
   for (int n = 0; n < 30; ++n) {
     krc.msr.data.cmd_jnt_pos[0] += 0.01F;
     const Turn t = turn(krc, *driver, kPush);
     ASSERT_TRUE(t.sample);
     EXPECT_TRUE(t.sample->pose_valid) << "the arm can be followed all the same";
-    EXPECT_EQ(t.written.error(), DeviceError::kRecoverable);
+    EXPECT_EQ(t.written.error(), devices::DeviceError::kRecoverable);
     ASSERT_EQ(t.answers, 1U);
-    EXPECT_LT(difference(t.command.command.jnt_pos, fri::from_wire(krc.msr.data.cmd_jnt_pos) +
-                                                        fri::from_wire(krc.msr.data.cmd_jnt_pos_fri_offset)),
+    EXPECT_LT(difference(t.command.command.jnt_pos, lwr::fri::from_wire(krc.msr.data.cmd_jnt_pos) +
+                                                        lwr::fri::from_wire(krc.msr.data.cmd_jnt_pos_fri_offset)),
               1e-6);
     EXPECT_EQ(torque_of(t.command), 0.0);
-    EXPECT_EQ(t.command.krl.integer[fri::kFrmIntRun], fri::kHalt);
+    EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kHalt);
   }
-  EXPECT_EQ(driver->status().trouble, fri::Trouble::kQualityTooLowToStart);
+  EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kQualityTooLowToStart);
 }
 
 TEST(LwrDriver, GivesTheWrenchAsJointTorqueAtTheMeasuredPosition) {
   FakeController krc;
   const auto driver = krc.open(plain_options());
   ASSERT_TRUE(run_to_command(krc, *driver));
-  LwrJoints q = lwr_rest_posture();
+  lwr::LwrJoints q = lwr::lwr_rest_posture();
   for (int n = 0; n < 50; ++n) {
     q[0] += 2e-4, q[3] -= 1e-4;
-    krc.msr.data.jnt_pos = fri::to_wire(q);
+    krc.msr.data.jnt_pos = lwr::fri::to_wire(q);
     const Turn t = turn(krc, *driver, kPush);
     ASSERT_TRUE(t.written);
-    EXPECT_LT(difference(t.command.command.add_jnt_trq, joint_torque(LwrArm().jacobian(q), kPush)), 1e-4);
+    EXPECT_LT(difference(t.command.command.add_jnt_trq, lwr::joint_torque(lwr::LwrArm().jacobian(q), kPush)), 1e-4);
     EXPECT_LT(difference(t.command.command.jnt_pos, q), 1e-6);
-    EXPECT_EQ(t.command.command.jnt_stiffness, fri::Joints{});
+    EXPECT_EQ(t.command.command.jnt_stiffness, lwr::fri::Joints{});
     EXPECT_EQ(t.command.command.cmd_flags, 0x35U);
-    EXPECT_EQ(t.command.krl.integer[fri::kFrmIntStrategy], 30);
-    EXPECT_EQ(t.command.krl.integer[fri::kFrmIntRun], fri::kRun);
+    EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntStrategy], 30);
+    EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kRun);
   }
 }
 
@@ -82,13 +82,13 @@ TEST(LwrDriver, CountsItsAnswersAndReflectsTheMeasurement) {
 
 TEST(LwrDriver, NeverChangesItsFlags) {
   FakeController krc;
-  krc.msr.interface.quality = fri::Quality::kBad;
+  krc.msr.interface.quality = lwr::fri::Quality::kBad;
   auto driver = krc.open();
-  krc.msr.interface.quality = fri::Quality::kPerfect;
+  krc.msr.interface.quality = lwr::fri::Quality::kPerfect;
   ASSERT_TRUE(run_to_command(krc, *driver));
   turn(krc, *driver, {Vec3(1e9, 0, 0), Vec3::Zero()});
   krc.close(std::move(driver));
-  for (const fri::CmdPacket& answer : krc.heard)
+  for (const lwr::fri::CmdPacket& answer : krc.heard)
     EXPECT_EQ(answer.command.cmd_flags, krc.heard.front().command.cmd_flags);
 }
 
@@ -99,8 +99,8 @@ TEST(LwrDriver, EntersCommandModeWithoutAJumpOfTheCommandedPosition) {
   ASSERT_TRUE(run_to_command(krc, *driver));
   for (int n = 0; n < 200; ++n) turn(krc, *driver);
   float last = krc.msr.data.cmd_jnt_pos[1];
-  for (const fri::CmdPacket& answer : krc.heard) {
-    EXPECT_LE(std::abs(answer.command.jnt_pos[1] - last), 0.001 * lwr_limits().velocity_rad_s[1]);
+  for (const lwr::fri::CmdPacket& answer : krc.heard) {
+    EXPECT_LE(std::abs(answer.command.jnt_pos[1] - last), 0.001 * lwr::lwr_limits().velocity_rad_s[1]);
     last = answer.command.jnt_pos[1];
   }
   EXPECT_NEAR(last, krc.msr.data.jnt_pos[1], 1e-6);
@@ -108,17 +108,17 @@ TEST(LwrDriver, EntersCommandModeWithoutAJumpOfTheCommandedPosition) {
 
 TEST(LwrDriver, ReportsPoseAndTwistOfTheToolInD) {
   FakeController krc;
-  LwrOptions options = plain_options();
+  lwr::LwrOptions options = plain_options();
   options.tool_in_flange = {Vec3(0.0, 0.05, 0.1), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
   options.d_in_base = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))};
   const auto driver = krc.open(options);
-  const LwrArm arm(options.tool_in_flange);
-  LwrJoints q = lwr_rest_posture();
-  const LwrJoints rate = (LwrJoints() << 0.2, -0.1, 0.1, 0.3, -0.2, 0.1, 0.4).finished();
-  DeviceSample sample;
+  const lwr::LwrArm arm(options.tool_in_flange);
+  lwr::LwrJoints q = lwr::lwr_rest_posture();
+  const lwr::LwrJoints rate = (lwr::LwrJoints() << 0.2, -0.1, 0.1, 0.3, -0.2, 0.1, 0.4).finished();
+  devices::DeviceSample sample;
   for (int n = 0; n < 100; ++n) {
     q += 0.001 * rate;
-    krc.msr.data.jnt_pos = fri::to_wire(q);
+    krc.msr.data.jnt_pos = lwr::fri::to_wire(q);
     sample = *turn(krc, *driver).sample;
   }
   const Pose expected = options.d_in_base.inverse() * arm.tool(q);
@@ -132,40 +132,40 @@ TEST(LwrDriver, ReportsPoseAndTwistOfTheToolInD) {
 
 TEST(LwrDriver, TakesTheWrenchInDAboutTheTool) {
   FakeController krc;
-  LwrOptions options = plain_options();
+  lwr::LwrOptions options = plain_options();
   options.tool_in_flange.position = Vec3(0.02, 0.05, 0.1);
   options.d_in_base = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()))};
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
   const Turn t = turn(krc, *driver, kPush);
   const Wrench in_base{options.d_in_base.orientation * kPush.force, options.d_in_base.orientation * kPush.torque};
-  const LwrJoints expected = joint_torque(LwrArm(options.tool_in_flange).jacobian(lwr_rest_posture()), in_base);
+  const lwr::LwrJoints expected = lwr::joint_torque(lwr::LwrArm(options.tool_in_flange).jacobian(lwr::lwr_rest_posture()), in_base);
   EXPECT_LT(difference(t.command.command.add_jnt_trq, expected), 1e-4);
 }
 
 TEST(LwrDriver, GivesForceAndPoseThatDoTheSameWork) {
   FakeController krc;
-  LwrOptions options = plain_options();
+  lwr::LwrOptions options = plain_options();
   options.d_in_base.orientation = Quat(Eigen::AngleAxisd(-0.7, Vec3(3, 2, 1).normalized()));
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
   const Turn first = turn(krc, *driver, kPush);
-  const LwrJoints step = 1e-4 * LwrJoints::Random();
-  krc.msr.data.jnt_pos = fri::to_wire(LwrJoints(lwr_rest_posture() + step));
+  const lwr::LwrJoints step = 1e-4 * lwr::LwrJoints::Random();
+  krc.msr.data.jnt_pos = lwr::fri::to_wire(lwr::LwrJoints(lwr::lwr_rest_posture() + step));
   const Turn second = turn(krc, *driver, kPush);
   const Eigen::AngleAxisd turned(second.sample->pose.orientation * first.sample->pose.orientation.conjugate());
   const double at_tool = kPush.force.dot(second.sample->pose.position - first.sample->pose.position) +
                          kPush.torque.dot(turned.angle() * turned.axis());
-  EXPECT_NEAR(at_tool, fri::from_wire(first.command.command.add_jnt_trq).dot(step), 2e-5 * 8);
+  EXPECT_NEAR(at_tool, lwr::fri::from_wire(first.command.command.add_jnt_trq).dot(step), 2e-5 * 8);
 }
 
 TEST(LwrDriver, KeepsTheElbowInPostureWithoutTheToolFeelingIt) {
   FakeController krc;
   const auto driver = krc.open();
-  const LwrArm arm;
-  const LwrJoints n = free_motion(arm.jacobian(lwr_rest_posture())).normalized();
-  const LwrJoints q = lwr_rest_posture() + 0.1 * n;
-  krc.msr.data.jnt_pos = krc.msr.data.cmd_jnt_pos = fri::to_wire(q);
+  const lwr::LwrArm arm;
+  const lwr::LwrJoints n = lwr::free_motion(arm.jacobian(lwr::lwr_rest_posture())).normalized();
+  const lwr::LwrJoints q = lwr::lwr_rest_posture() + 0.1 * n;
+  krc.msr.data.jnt_pos = krc.msr.data.cmd_jnt_pos = lwr::fri::to_wire(q);
   ASSERT_TRUE(run_to_command(krc, *driver));
   double first = 0.0, last = 0.0;
   for (int i = 0; i < 600; ++i) {
@@ -174,23 +174,23 @@ TEST(LwrDriver, KeepsTheElbowInPostureWithoutTheToolFeelingIt) {
   }
   EXPECT_LT(first, 0.02) << "ramped in";
   EXPECT_GT(last, 0.1);
-  const LwrJoints torque = fri::from_wire(krc.heard.back().command.add_jnt_trq);
+  const lwr::LwrJoints torque = lwr::fri::from_wire(krc.heard.back().command.add_jnt_trq);
   EXPECT_LT(torque.dot(n), 0.0) << "towards the posture";
-  EXPECT_LT(torque.dot(joint_torque(arm.jacobian(q), kPush)), 1e-4);
+  EXPECT_LT(torque.dot(lwr::joint_torque(arm.jacobian(q), kPush)), 1e-4);
 }
 
 TEST(LwrDriver, MakesATorqueThatTheJointsCannotGiveSmallerInProportion) {
   FakeController krc;
-  LwrOptions options = plain_options();
-  options.max_add_torque_nm = LwrJoints::Constant(20.0);
+  lwr::LwrOptions options = plain_options();
+  options.max_add_torque_nm = lwr::LwrJoints::Constant(20.0);
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
   const Wrench strong{Vec3(0, 60, 100), Vec3::Zero()};
   const Turn t = turn(krc, *driver, strong);
   ASSERT_TRUE(t.written);
   EXPECT_NEAR(torque_of(t.command), 20.0, 1e-4);
-  const LwrJoints wanted = joint_torque(LwrArm().jacobian(lwr_rest_posture()), strong);
-  const LwrJoints got = fri::from_wire(t.command.command.add_jnt_trq);
+  const lwr::LwrJoints wanted = lwr::joint_torque(lwr::LwrArm().jacobian(lwr::lwr_rest_posture()), strong);
+  const lwr::LwrJoints got = lwr::fri::from_wire(t.command.command.add_jnt_trq);
   EXPECT_NEAR(got.normalized().dot(wanted.normalized()), 1.0, 1e-9);
   EXPECT_EQ(driver->status().counts.scaled, 1U);
 }
@@ -251,12 +251,12 @@ TEST(LwrDriver, AnswersOnStopAndTakesAnAnswerBackThatHasGoneOut) {
   answers = krc.receive();
   ASSERT_EQ(answers.size(), 1U);
   EXPECT_EQ(torque_of(answers[0]), 0.0);
-  EXPECT_EQ(driver->write(kPush).error(), DeviceError::kTimeout) << "the measurement is answered";
+  EXPECT_EQ(driver->write(kPush).error(), devices::DeviceError::kTimeout) << "the measurement is answered";
 }
 
 TEST(LwrDriver, LeavesCommandModeBeforeItGoes) {
   FakeController krc;
-  LwrOptions options = plain_options();
+  lwr::LwrOptions options = plain_options();
   options.stop_timeout_s = 2.0;
   auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
@@ -265,11 +265,11 @@ TEST(LwrDriver, LeavesCommandModeBeforeItGoes) {
   const auto start = std::chrono::steady_clock::now();
   krc.close(std::move(driver));
   EXPECT_LT(std::chrono::steady_clock::now() - start, 1s) << "followed, not timed out";
-  EXPECT_EQ(krc.msr.interface.state, fri::State::kMon);
+  EXPECT_EQ(krc.msr.interface.state, lwr::fri::State::kMon);
   ASSERT_GT(krc.heard.size(), before + 2);
   for (std::size_t n = before; n < krc.heard.size(); ++n) {
     EXPECT_EQ(torque_of(krc.heard[n]), 0.0);
-    EXPECT_EQ(krc.heard[n].krl.integer[fri::kFrmIntRun], fri::kHalt);
+    EXPECT_EQ(krc.heard[n].krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kHalt);
   }
 }
 
@@ -288,9 +288,9 @@ TEST(LwrDriver, GoesWithinItsTimeWhereNobodyFollows) {
 
 TEST(LwrDriver, WaitsForAControllerInVirtualTime) {
   FakeController krc;
-  krc.msr.krl.integer[fri::kToIntSimulated] = fri::kVirtualTime;
+  krc.msr.krl.integer[lwr::fri::kToIntSimulated] = lwr::fri::kVirtualTime;
   krc.port = quick_options().port;
-  LwrOptions options = plain_options();
+  lwr::LwrOptions options = plain_options();
   options.port = krc.port;
   std::atomic<bool> done{false};
   std::atomic<int> pushes{0};
@@ -309,11 +309,11 @@ TEST(LwrDriver, WaitsForAControllerInVirtualTime) {
         }
       });
   {
-    LwrDriver driver(options);
+    lwr::LwrDriver driver(options);
     EXPECT_TRUE(driver.simulated());
     for (int n = 0; n < 100; ++n) {
       const auto sample = driver.read(0us);  // its own time counts for nothing here
-      ASSERT_TRUE(sample) << n << name_of(sample.error());
+      ASSERT_TRUE(sample) << n << devices::name_of(sample.error());
       EXPECT_EQ(sample->time_ns, 1'000'000 * n);
       EXPECT_TRUE(driver.write(kPush)) << "in command mode from the first sample on";
     }

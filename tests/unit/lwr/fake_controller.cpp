@@ -9,17 +9,17 @@ namespace voxtouch::test {
 using namespace std::chrono_literals;
 
 FakeController::FakeController(const std::string& address) : socket_(address, 0) {
-  msr.interface.state = fri::State::kMon;
-  msr.interface.quality = fri::Quality::kPerfect;
+  msr.interface.state = lwr::fri::State::kMon;
+  msr.interface.quality = lwr::fri::Quality::kPerfect;
   msr.interface.msr_period_s = msr.interface.cmd_period_s = 0.001F;
-  msr.robot.power = fri::kAllDrives;
-  msr.robot.control = fri::Control::kJointImpedance;
-  msr.krl.integer[fri::kToIntEcho] = fri::kKrlInitialised;
-  msr.data.jnt_pos = msr.data.cmd_jnt_pos = fri::to_wire(lwr_rest_posture());
-  msr.data.cart_pos = fri::to_wire(LwrArm().flange(lwr_rest_posture()));
+  msr.robot.power = lwr::fri::kAllDrives;
+  msr.robot.control = lwr::fri::Control::kJointImpedance;
+  msr.krl.integer[lwr::fri::kToIntEcho] = lwr::fri::kKrlInitialised;
+  msr.data.jnt_pos = msr.data.cmd_jnt_pos = lwr::fri::to_wire(lwr::lwr_rest_posture());
+  msr.data.cart_pos = lwr::fri::to_wire(lwr::LwrArm().flange(lwr::lwr_rest_posture()));
 }
 
-fri::MsrPacket FakeController::next() {
+lwr::fri::MsrPacket FakeController::next() {
   ++periods_;
   ++msr.header.send_seq;
   msr.interface.timestamp_s = static_cast<float>(0.001 * static_cast<double>(periods_));
@@ -27,15 +27,15 @@ fri::MsrPacket FakeController::next() {
 }
 
 void FakeController::send() { send(next()); }
-void FakeController::send(const fri::MsrPacket& packet) { send_bytes(std::as_bytes(std::span(&packet, 1))); }
+void FakeController::send(const lwr::fri::MsrPacket& packet) { send_bytes(std::as_bytes(std::span(&packet, 1))); }
 void FakeController::send_bytes(std::span<const std::byte> bytes) { socket_.send(bytes, {0x7F000001, port}); }
 
-std::vector<fri::CmdPacket> FakeController::receive() {
-  std::vector<fri::CmdPacket> answers;
+std::vector<lwr::fri::CmdPacket> FakeController::receive() {
+  std::vector<lwr::fri::CmdPacket> answers;
   std::array<std::byte, 2048> buffer;
   while (const auto datagram = socket_.receive(buffer)) {
-    fri::CmdPacket command;
-    if (fri::decode(std::span(buffer).first(datagram->size), command) != fri::PacketFault::kNone) continue;
+    lwr::fri::CmdPacket command;
+    if (lwr::fri::decode(std::span(buffer).first(datagram->size), command) != lwr::fri::PacketFault::kNone) continue;
     answers.push_back(command);
     heard.push_back(command);
     if (program_runs) follow(command);
@@ -43,10 +43,10 @@ std::vector<fri::CmdPacket> FakeController::receive() {
   return answers;
 }
 
-void FakeController::follow(const fri::CmdPacket& command) {
-  const bool run = command.krl.integer[fri::kFrmIntRun] == fri::kRun;
-  msr.interface.state = run ? fri::State::kCmd : fri::State::kMon;
-  msr.krl.integer[fri::kToIntEcho] = run ? fri::kRun : fri::kHalt;
+void FakeController::follow(const lwr::fri::CmdPacket& command) {
+  const bool run = command.krl.integer[lwr::fri::kFrmIntRun] == lwr::fri::kRun;
+  msr.interface.state = run ? lwr::fri::State::kCmd : lwr::fri::State::kMon;
+  msr.krl.integer[lwr::fri::kToIntEcho] = run ? lwr::fri::kRun : lwr::fri::kHalt;
   msr.header.refl_seq = command.header.send_seq;
 }
 
@@ -70,23 +70,23 @@ void FakeController::serve_while(const std::function<void()>& body) {
   if (thrown) std::rethrow_exception(thrown);
 }
 
-std::unique_ptr<LwrDriver> FakeController::open(LwrOptions options) {
-  if (options.port == fri::kDefaultPort) options = quick_options();
+std::unique_ptr<lwr::LwrDriver> FakeController::open(lwr::LwrOptions options) {
+  if (options.port == lwr::fri::kDefaultPort) options = quick_options();
   port = options.port;
-  std::unique_ptr<LwrDriver> driver;
-  serve_while([&] { driver = std::make_unique<LwrDriver>(options); });
+  std::unique_ptr<lwr::LwrDriver> driver;
+  serve_while([&] { driver = std::make_unique<lwr::LwrDriver>(options); });
   (void)turn(*this, *driver);  // takes what was sent while the driver opened
   return driver;
 }
 
-void FakeController::close(std::unique_ptr<LwrDriver> driver) {
+void FakeController::close(std::unique_ptr<lwr::LwrDriver> driver) {
   serve_while([&] { driver.reset(); });
 }
 
-LwrOptions quick_options() {
-  LwrOptions options;
+lwr::LwrOptions quick_options() {
+  lwr::LwrOptions options;
   options.address = "127.0.0.1";
-  options.port = UdpSocket("127.0.0.1", 0).local().port;
+  options.port = lwr::UdpSocket("127.0.0.1", 0).local().port;
   options.connect_timeout_s = 5.0;
   options.silence_s = 10.0;  // these two: a test machine may be busy
   options.max_age_s = 5.0;
@@ -96,7 +96,7 @@ LwrOptions quick_options() {
   return options;
 }
 
-Turn turn(FakeController& controller, LwrDriver& driver, const Wrench& command) {
+Turn turn(FakeController& controller, lwr::LwrDriver& driver, const Wrench& command) {
   controller.send();
   Turn result;
   result.sample = driver.read(20ms);
@@ -107,14 +107,14 @@ Turn turn(FakeController& controller, LwrDriver& driver, const Wrench& command) 
   return result;
 }
 
-bool run_to_command(FakeController& controller, LwrDriver& driver) {
+bool run_to_command(FakeController& controller, lwr::LwrDriver& driver) {
   for (int n = 0; n < 200; ++n)
     if (const Turn t = turn(controller, driver); t.sample && t.written) return true;
   return false;
 }
 
-double torque_of(const fri::CmdPacket& command) {
-  return fri::from_wire(command.command.add_jnt_trq).cwiseAbs().maxCoeff();
+double torque_of(const lwr::fri::CmdPacket& command) {
+  return lwr::fri::from_wire(command.command.add_jnt_trq).cwiseAbs().maxCoeff();
 }
 
 }  // namespace voxtouch::test

@@ -18,45 +18,45 @@ class FakeController {
 
   /// Stamps, counts on and sends `msr`. The two halves apart for tests that lose, hold back or double packets.
   void send();
-  fri::MsrPacket next();
-  void send(const fri::MsrPacket& packet);
+  lwr::fri::MsrPacket next();
+  void send(const lwr::fri::MsrPacket& packet);
   void send_bytes(std::span<const std::byte> bytes);
   /// All answers that have come since; the program follows the last one's request if `program_runs`.
-  std::vector<fri::CmdPacket> receive();
+  std::vector<lwr::fri::CmdPacket> receive();
 
   /// Opens a driver that listens on a free port, sending until it has opened (or thrown).
-  std::unique_ptr<LwrDriver> open(LwrOptions options = {});
+  std::unique_ptr<lwr::LwrDriver> open(lwr::LwrOptions options = {});
   /// Lets go of the driver while answering its handshake.
-  void close(std::unique_ptr<LwrDriver> driver);
+  void close(std::unique_ptr<lwr::LwrDriver> driver);
   /// Runs `body` while measurements are sent every half a millisecond.
   void serve_while(const std::function<void()>& body);
 
-  fri::MsrPacket msr = fri::empty_msr();  ///< what is sent next
+  lwr::fri::MsrPacket msr = lwr::fri::empty_msr();  ///< what is sent next
   bool program_runs = true;               ///< state and echo follow the requests
   std::uint16_t port = 0;                 ///< of the driver
-  std::vector<fri::CmdPacket> heard;      ///< every answer so far
+  std::vector<lwr::fri::CmdPacket> heard;      ///< every answer so far
 
  private:
-  void follow(const fri::CmdPacket& command);
-  UdpSocket socket_;
+  void follow(const lwr::fri::CmdPacket& command);
+  lwr::UdpSocket socket_;
   std::uint64_t periods_ = 0;
 };
 
 /// Options for a test: loopback, a port that is free now, short times.
-LwrOptions quick_options();
+lwr::LwrOptions quick_options();
 
 struct Turn {
-  DeviceResult<DeviceSample> sample;
-  DeviceResult<void> written;
-  fri::CmdPacket command;  ///< the last answer
+  devices::DeviceResult<devices::DeviceSample> sample;
+  devices::DeviceResult<void> written;
+  lwr::fri::CmdPacket command;  ///< the last answer
   std::size_t answers = 0;
 };
 /// One period: measurement, read, write (only after a good read), answers.
-Turn turn(FakeController& controller, LwrDriver& driver, const Wrench& command = {});
+Turn turn(FakeController& controller, lwr::LwrDriver& driver, const Wrench& command = {});
 /// Turns until force flows, at most 200. False if it never did.
-bool run_to_command(FakeController& controller, LwrDriver& driver);
+bool run_to_command(FakeController& controller, lwr::LwrDriver& driver);
 
 /// Largest torque in an answer.
-double torque_of(const fri::CmdPacket& command);
+double torque_of(const lwr::fri::CmdPacket& command);
 
 }  // namespace voxtouch::test

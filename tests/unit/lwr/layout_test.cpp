@@ -3,7 +3,7 @@
 
 #include "devices/lwr/fri_packets.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 namespace {
 
 #define VOXTOUCH_FRI_AT(packet, field, offset) static_assert(offsetof(packet, field) == (offset), #field)
@@ -63,4 +63,4 @@ VOXTOUCH_FRI_AT(CmdPacket, command.cart_damping, 352);
 #undef VOXTOUCH_FRI_AT
 
 }  // namespace
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

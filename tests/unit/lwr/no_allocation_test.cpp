@@ -14,12 +14,12 @@ namespace {
 TEST(LwrNoAllocation, NothingIsTakenFromTheHeapWhateverHappens) {
   if (!heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
   FakeController krc;
-  LwrOptions options = quick_options();
+  lwr::LwrOptions options = quick_options();
   options.capture_file = testing::TempDir() + "voxtouch_lwr_no_allocation.pcap";
   options.capture_packets = 50;
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
-  const fri::MsrPacket good = krc.msr;
+  const lwr::fri::MsrPacket good = krc.msr;
   long taken = 0;
   int pushed = 0, failed = 0;
   for (int n = 0; n < 500; ++n) {
@@ -28,7 +28,7 @@ TEST(LwrNoAllocation, NothingIsTakenFromTheHeapWhateverHappens) {
     krc.msr.header.send_seq = sequence;
     if (n % 7 == 1) krc.msr.data.jnt_pos[0] = std::nanf("");
     if (n % 7 == 2) krc.msr.data.cmd_jnt_pos[0] = std::nanf("");
-    if (n % 7 == 3) krc.msr.interface.quality = fri::Quality::kBad;
+    if (n % 7 == 3) krc.msr.interface.quality = lwr::fri::Quality::kBad;
     if (n % 7 != 4) krc.send();
     if (n % 11 == 5) krc.send_bytes(std::as_bytes(std::span("no packet")));
     taken += heap_count_of([&] {

@@ -5,7 +5,7 @@
 
 #include "devices/lwr/posture_torque.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr {
 namespace posture_test {
 
 LwrJoints random_posture(std::mt19937& random) {
@@ -70,4 +70,4 @@ TEST(PostureTorque, FadesAtASingularityAndForWhatIsNoNumber) {
 }
 
 }  // namespace posture_test
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr

@@ -5,7 +5,7 @@
 #include "devices/lwr/fri_sequence.hpp"
 #include "devices/lwr/joint_rates.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 namespace {
 
 using Verdict = SequenceTracker::Verdict;
@@ -115,4 +115,4 @@ TEST(FriCapture, KeepsTheNewestAndSaysWhereItCannotWrite) {
 }
 
 }  // namespace
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

@@ -5,7 +5,7 @@
 #include "devices/lwr/fri_codec.hpp"
 #include "devices/lwr/fri_session.hpp"
 
-namespace voxtouch::fri {
+namespace voxtouch::lwr::fri {
 namespace session_test {
 
 constexpr double kDt = 1e-3;
@@ -91,7 +91,7 @@ TEST(FriSession, ComesBackAfterTheControllerLeftCommandMode) {
   s.run();
   s.monitor();
   EXPECT_EQ(s.see(), Trouble::kDroppedOut);
-  EXPECT_EQ(s.session.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(s.request(), kHalt) << "asked to halt before it is asked to start";
   EXPECT_EQ(s.see(0.04), Trouble::kDroppedOut);
   EXPECT_EQ(s.see(0.02), Trouble::kStarting);
@@ -104,13 +104,13 @@ TEST(FriSession, ComesBackAfterTheControllerLeftCommandMode) {
 TEST(FriSession, AsksAPersonAfterTooManyDrops) {
   Scene s({.pause_s = 0.0, .max_drops = 3});
   for (int n = 0; n < 3; ++n) {
-    ASSERT_NE(s.session.error(), DeviceError::kFault);
+    ASSERT_NE(s.session.error(), devices::DeviceError::kFault);
     s.run();
     s.monitor();
     s.see();
   }
   EXPECT_EQ(s.see(1.0), Trouble::kTooManyDrops);
-  EXPECT_EQ(s.session.error(), DeviceError::kFault);
+  EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);
   EXPECT_EQ(s.request(), kHalt);
 }
 
@@ -119,7 +119,7 @@ TEST(FriSession, TakesTheForceAwayWhileTheQualityIsDown) {
   s.run();
   s.msr.interface.quality = Quality::kBad;
   EXPECT_EQ(s.see(), Trouble::kQualityDropped);
-  EXPECT_EQ(s.session.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(s.request(), kRun) << "command mode is kept";
   s.msr.interface.quality = Quality::kInvalid;
   EXPECT_EQ(s.see(), Trouble::kQualityDropped);
@@ -131,15 +131,15 @@ TEST(FriSession, TellsDrivesThatAreNotOnYetFromDrivesThatWentOff) {
   Scene s({.pause_s = 0.0, .drives_off_grace_s = 0.5});
   s.msr.robot.power = 0x3F;
   EXPECT_EQ(s.see(10.0), Trouble::kDrivesNotOn);
-  EXPECT_EQ(s.session.error(), DeviceError::kRecoverable) << "a person has not switched them on yet";
+  EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable) << "a person has not switched them on yet";
   s.msr.robot.power = kAllDrives;
   s.run();
   s.msr.robot.power = 0;
   EXPECT_EQ(s.see(), Trouble::kDrivesWentOff);
   EXPECT_FALSE(s.session.in_command()) << "drives off: the position must mirror, whatever the state says";
-  EXPECT_EQ(s.session.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
   s.see(0.6);
-  EXPECT_EQ(s.session.error(), DeviceError::kFault);
+  EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);
 }
 
 TEST(FriSession, TakesADriveErrorForAFaultAtOnce) {
@@ -147,7 +147,7 @@ TEST(FriSession, TakesADriveErrorForAFaultAtOnce) {
   s.run();
   s.msr.robot.error = 0x04;
   EXPECT_EQ(s.see(), Trouble::kDriveError);
-  EXPECT_EQ(s.session.error(), DeviceError::kFault);
+  EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);
 }
 
 TEST(FriSession, TakesAClosedInterfaceForGone) {
@@ -156,7 +156,7 @@ TEST(FriSession, TakesAClosedInterfaceForGone) {
     s.run();
     s.msr.interface.state = state;
     EXPECT_EQ(s.see(), Trouble::kClosed);
-    EXPECT_EQ(s.session.error(), DeviceError::kDisconnected);
+    EXPECT_EQ(s.session.error(), devices::DeviceError::kDisconnected);
     EXPECT_FALSE(s.session.in_command());
   }
 }
@@ -179,7 +179,7 @@ TEST(FriSession, TakesTheForceAwayWhileAJointIsTooFast) {
   Scene s;
   s.run();
   EXPECT_EQ(s.see(kDt, Trouble::kTooFast), Trouble::kTooFast);
-  EXPECT_EQ(s.session.error(), DeviceError::kRecoverable);
+  EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(s.see(), Trouble::kNone);
 }
 
@@ -208,4 +208,4 @@ TEST(FriSession, HasASentenceForEveryTrouble) {
 }
 
 }  // namespace session_test
-}  // namespace voxtouch::fri
+}  // namespace voxtouch::lwr::fri

@@ -5,7 +5,7 @@
 namespace voxtouch::lwr_sim {
 
 /// Sum over links, rotors and load [J]; made from the links' velocities, not from M.
-inline double kinetic_energy(const ArmDynamics& arm, const LwrJoints& q, const LwrJoints& rate, const TipLoad& load = {}) {
+inline double kinetic_energy(const ArmDynamics& arm, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, const TipLoad& load = {}) {
   const std::array<ArmDynamics::Frame, 7> frames = arm.links(q);
   const auto speed_of = [&](const Vec3& point, std::size_t last) {
     Vec3 v = Vec3::Zero();
@@ -27,7 +27,7 @@ inline double kinetic_energy(const ArmDynamics& arm, const LwrJoints& q, const L
 }
 
 /// Of the links, zero with all centres at the height of the base [J].
-inline double potential_energy(const ArmDynamics& arm, const LwrJoints& q) {
+inline double potential_energy(const ArmDynamics& arm, const lwr::LwrJoints& q) {
   const std::array<ArmDynamics::Frame, 7> frames = arm.links(q);
   double sum = 0.0;
   for (std::size_t i = 0; i < 7; ++i)

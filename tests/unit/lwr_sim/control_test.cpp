@@ -25,7 +25,7 @@ Vec3 tip_of(const Rig& rig) { return rig.controller.plant().terms().tool.positio
 
 /// Sets the remote side's torques to J^T F at the arm's posture.
 void push(Rig& rig, const Vec3& force) {
-  const LwrJoints torque = joint_torque(LwrArm().jacobian(rig.controller.plant().q()), {force, Vec3::Zero()});
+  const lwr::LwrJoints torque = lwr::joint_torque(lwr::LwrArm().jacobian(rig.controller.plant().q()), {force, Vec3::Zero()});
   for (std::size_t i = 0; i < 7; ++i) rig.remote.torque[i] = static_cast<float>(torque[static_cast<Eigen::Index>(i)]);
 }
 
@@ -57,7 +57,7 @@ TEST(Control, WithoutStiffnessTheHandLeadsTheArmWhereItWants) {
   rig.periods(6000);
   // Friction stops it a little before: a newton over the hand's 200 N/m.
   EXPECT_LT((tip_of(rig) - start - Vec3(0.04, -0.03, 0.02)).norm(), 0.006);
-  EXPECT_EQ(rig.controller.state(), fri::State::kCmd);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kCmd);
 }
 
 TEST(Control, ATorqueOnTopIsAForceAtTheToolThatTheHandHolds) {
@@ -106,9 +106,9 @@ TEST(Control, JointStiffnessHoldsAgainstTheHandAsMuchAsItSays) {
   rig.remote.follows = false;
   ASSERT_TRUE(rig.start());
   rig.periods(4000);
-  const LwrJoints off = rig.controller.plant().q() - quick().start_rad;
+  const lwr::LwrJoints off = rig.controller.plant().q() - quick().start_rad;
   const ArmDynamics::Terms terms = rig.controller.plant().terms();
-  const LwrJoints hand = joint_torque(terms.jacobian, rig.controller.plant().hand_wrench());
+  const lwr::LwrJoints hand = lwr::joint_torque(terms.jacobian, rig.controller.plant().hand_wrench());
   EXPECT_LT((300.0 * off - hand).norm(), 0.05);
   EXPECT_GT(off.norm(), 0.005);
 }
@@ -152,7 +152,7 @@ TEST(Control, LongerPeriodsAreInterpolated) {
   }
   EXPECT_NEAR(least, 0.5, 0.01);
   EXPECT_NEAR(most, 0.5, 0.01);
-  EXPECT_EQ(rig.controller.state(), fri::State::kCmd);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kCmd);
 }
 
 TEST(Control, ASingleMissIsExtrapolated) {
@@ -177,13 +177,13 @@ TEST(Control, TheSameSeedAndAnswersGiveTheSameBits) {
     ControllerConfig config;
     config.seed = seed;
     config.script_pause_s = 0.002;
-    OperatorConfig hand = *grip("arm");
+    sim::OperatorConfig hand = *hand::grip("arm");
     hand.tremor_n = 0.5;
     Motion motion;
-    const Pose tool = LwrArm().tool(config.start_rad);
+    const Pose tool = lwr::LwrArm().tool(config.start_rad);
     motion.path = {tool.position, tool.position + Vec3(0.0, 0.05, 0.0)};
     motion.orientation = tool.orientation;
-    Rig rig(config, Hand(hand, motion, kSubstep, seed));
+    Rig rig(config, hand::Hand(hand, motion, kSubstep, seed));
     std::vector<test::MsrBytes> all;
     for (int i = 0; i < 400; ++i) all.push_back(rig.period());
     return all;
@@ -203,16 +203,16 @@ TEST(Control, AClosedControllerSaysOff) {
 }
 
 TEST(StartPosture, BringsTheToolWhereTheMotionStarts) {
-  const LwrArm arm(Pose{Vec3(0.0, 0.0, 0.1), Quat::Identity()});
-  const Pose rest = arm.tool(lwr_rest_posture());
+  const lwr::LwrArm arm(Pose{Vec3(0.0, 0.0, 0.1), Quat::Identity()});
+  const Pose rest = arm.tool(lwr::lwr_rest_posture());
   const Pose wanted{rest.position + Vec3(0.05, 0.2, 0.1),
                     rest.orientation * Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()))};
-  const LwrJoints q = start_posture(arm, wanted, lwr_rest_posture());
+  const lwr::LwrJoints q = start_posture(arm, wanted, lwr::lwr_rest_posture());
   EXPECT_LT((arm.tool(q).position - wanted.position).norm(), 1e-8);
   EXPECT_LT(arm.tool(q).orientation.angularDistance(wanted.orientation), 1e-7);
-  EXPECT_TRUE((q.cwiseAbs().array() <= lwr_limits().position_rad.array()).all());
-  EXPECT_EQ(start_posture(arm, rest, lwr_rest_posture()), lwr_rest_posture());
-  EXPECT_THROW(start_posture(arm, {Vec3(2.0, 0.0, 0.0), rest.orientation}, lwr_rest_posture()), std::runtime_error);
+  EXPECT_TRUE((q.cwiseAbs().array() <= lwr::lwr_limits().position_rad.array()).all());
+  EXPECT_EQ(start_posture(arm, rest, lwr::lwr_rest_posture()), lwr::lwr_rest_posture());
+  EXPECT_THROW(start_posture(arm, {Vec3(2.0, 0.0, 0.0), rest.orientation}, lwr::lwr_rest_posture()), std::runtime_error);
 }
 
 }  // namespace

@@ -13,12 +13,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::uint16_t free_port() { return UdpSocket("127.0.0.1", 0).local().port; }
+std::uint16_t free_port() { return lwr::UdpSocket("127.0.0.1", 0).local().port; }
 
 /// A controller on a thread of its own; rows of its trace are to be read after `end`.
 class RunningController {
  public:
-  RunningController(std::uint16_t remote_port, Hand hand, const std::vector<std::string>& faults = {},
+  RunningController(std::uint16_t remote_port, hand::Hand hand, const std::vector<std::string>& faults = {},
                     bool first_start_keeps_strategy = false) {
     std::vector<Fault> parsed;
     for (const std::string& text : faults) parsed.push_back(parse_fault(text));
@@ -47,8 +47,8 @@ class RunningController {
   std::thread thread_;
 };
 
-LwrOptions options(std::uint16_t port) {
-  LwrOptions o;
+lwr::LwrOptions options(std::uint16_t port) {
+  lwr::LwrOptions o;
   o.address = "127.0.0.1";
   o.port = port;
   o.connect_timeout_s = 5.0;
@@ -60,7 +60,7 @@ TEST(DriverAtTheController, ItsForceIsFeltByTheHandAndNothingIsRefused) {
   const std::uint16_t port = free_port();
   RunningController krc(port, test::arm_at(Vec3::Zero(), 500.0, 60.0));
   {
-    LwrDriver driver(options(port));
+    lwr::LwrDriver driver(options(port));
     EXPECT_TRUE(driver.simulated());
     Vec3 start = Vec3::Zero(), at = Vec3::Zero();
     for (int i = 0; i < 3000; ++i) {
@@ -85,7 +85,7 @@ TEST(DriverAtTheController, ItsForceIsFeltByTheHandAndNothingIsRefused) {
 TEST(DriverAtTheController, FindsItsModeWhereTheFirstStartKeepsPositionControl) {
   const std::uint16_t port = free_port();
   RunningController krc(port, test::nobody(), {}, true);
-  LwrDriver driver(options(port));
+  lwr::LwrDriver driver(options(port));
   const auto sample = driver.read(1s);
   ASSERT_TRUE(sample);
   EXPECT_TRUE(driver.write({Vec3(1.0, 0.0, 0.0), Vec3::Zero()}));
@@ -96,7 +96,7 @@ TEST(DriverAtTheController, BearsAnUncleanNetwork) {
   RunningController krc(port, test::arm_at(Vec3::Zero()),
                         {"loss@0:inf:0.02", "answer_loss@0:inf:0.01", "duplicate@0:inf:0.05", "reorder@0:inf:0.01",
                          "jitter@0:inf:0.0005"});
-  LwrDriver driver(options(port));
+  lwr::LwrDriver driver(options(port));
   int good = 0;
   for (int i = 0; i < 2000; ++i) {
     if (!driver.read(1s)) continue;
@@ -111,7 +111,7 @@ TEST(DriverAtTheController, AfterAFaultNoForceReachesTheArm) {
     const std::uint16_t port = free_port();
     RunningController krc(port, test::arm_at(Vec3::Zero(), 500.0, 60.0), {fault});
     {
-      LwrDriver driver(options(port));
+      lwr::LwrDriver driver(options(port));
       for (int i = 0, after = 0; i < 5000 && after < 150; ++i) {
         after += driver.status().drops > 0;
         (void)driver.read(1s);

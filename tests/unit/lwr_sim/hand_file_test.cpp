@@ -8,11 +8,11 @@
 
 #include "devices/operator/hand.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr_sim {
 namespace {
 
-HandFile sample() {
-  HandFile f;
+hand::HandFile sample() {
+  hand::HandFile f;
   f.motion.path = {Vec3(0.1, -1.0 / 3.0, 1e-300), Vec3(-0.538, 0.0, 0.384)};
   f.motion.speed_m_per_s = 0.07;
   f.motion.hold_s = 0.25;
@@ -20,7 +20,7 @@ HandFile sample() {
   f.motion.circle_centre = Vec3(0.1, 0.2, 0.3);
   f.motion.circle_axis = Vec3(1.0, 2.0, 3.0).normalized();
   f.motion.orientation = Quat(0.1, 0.2, -0.3, 0.4).normalized();
-  f.hand = *grip("arm-firm");
+  f.hand = *hand::grip("arm-firm");
   f.hand.let_go_at_s = 2.5;
   f.hand.tremor_n = 0.1;
   f.posture_rad = {0.1, 0.2, 0.3, -1.4, 0.5, 0.6, 1.0 / 7.0};
@@ -29,8 +29,8 @@ HandFile sample() {
 }
 
 TEST(HandFile, ReadsBackToTheSameBits) {
-  const HandFile f = sample(), back = parse_hand(to_text(f), "test");
-  EXPECT_EQ(to_text(back), to_text(f));
+  const hand::HandFile f = sample(), back = hand::parse_hand(hand::to_text(f), "test");
+  EXPECT_EQ(hand::to_text(back), hand::to_text(f));
   EXPECT_EQ(back.motion.path, f.motion.path);
   EXPECT_EQ(back.motion.orientation.coeffs(), f.motion.orientation.coeffs());
   EXPECT_EQ(back.motion.circle_axis, f.motion.circle_axis);
@@ -46,22 +46,22 @@ TEST(HandFile, ReadsBackToTheSameBits) {
 
 TEST(HandFile, EveryFieldOfTheOperatorIsWritten) {
   // One more field of the struct changes its size, and whoever adds it is sent here.
-  static_assert(sizeof(OperatorConfig) == 13 * sizeof(double));
-  const std::string plain = to_text(sample());
-  for (double OperatorConfig::*field :
-       {&OperatorConfig::let_go_at_s, &OperatorConfig::grip_harder_at_s, &OperatorConfig::grip_factor,
-        &OperatorConfig::mass_kg, &OperatorConfig::damping_ns_per_m, &OperatorConfig::stiffness_n_per_m,
-        &OperatorConfig::inertia_kg_m2, &OperatorConfig::damping_nms_per_rad, &OperatorConfig::stiffness_nm_per_rad,
-        &OperatorConfig::tremor_n, &OperatorConfig::tremor_bandwidth_hz}) {
-    HandFile changed = sample();
+  static_assert(sizeof(sim::OperatorConfig) == 13 * sizeof(double));
+  const std::string plain = hand::to_text(sample());
+  for (double sim::OperatorConfig::*field :
+       {&sim::OperatorConfig::let_go_at_s, &sim::OperatorConfig::grip_harder_at_s, &sim::OperatorConfig::grip_factor,
+        &sim::OperatorConfig::mass_kg, &sim::OperatorConfig::damping_ns_per_m, &sim::OperatorConfig::stiffness_n_per_m,
+        &sim::OperatorConfig::inertia_kg_m2, &sim::OperatorConfig::damping_nms_per_rad, &sim::OperatorConfig::stiffness_nm_per_rad,
+        &sim::OperatorConfig::tremor_n, &sim::OperatorConfig::tremor_bandwidth_hz}) {
+    hand::HandFile changed = sample();
     changed.hand.*field = 0.375;
-    EXPECT_NE(to_text(changed), plain);
-    EXPECT_EQ(parse_hand(to_text(changed), "test").hand.*field, 0.375);
+    EXPECT_NE(hand::to_text(changed), plain);
+    EXPECT_EQ(hand::parse_hand(hand::to_text(changed), "test").hand.*field, 0.375);
   }
 }
 
 TEST(HandFile, DoesNotDependOnTheLocale) {
-  const std::string plain = to_text(sample());
+  const std::string plain = hand::to_text(sample());
   struct Comma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }
     char do_thousands_sep() const override { return '.'; }
@@ -69,20 +69,20 @@ TEST(HandFile, DoesNotDependOnTheLocale) {
   };
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
   const char* c_locale = std::setlocale(LC_ALL, "de_DE.UTF-8");  // where the machine has it
-  const std::string text = to_text(sample());
+  const std::string text = hand::to_text(sample());
   EXPECT_EQ(text, plain);
-  EXPECT_EQ(to_text(parse_hand(text, "test")), plain);
+  EXPECT_EQ(hand::to_text(hand::parse_hand(text, "test")), plain);
   if (c_locale) std::setlocale(LC_ALL, "C");
   std::locale::global(before);
 }
 
 TEST(HandFile, WhatIsLeftOutKeepsItsDefaultAndCommentsAreNoKeys) {
-  const HandFile f = parse_hand("# a hand\n\npath_m: [[1, 2,\t3]]  # here\r\n", "test");
+  const hand::HandFile f = hand::parse_hand("# a hand\n\npath_m: [[1, 2,\t3]]  # here\r\n", "test");
   EXPECT_EQ(f.motion.path.front(), Vec3(1, 2, 3));
   EXPECT_EQ(f.motion.speed_m_per_s, Motion{}.speed_m_per_s);
   EXPECT_FALSE(f.motion.repeat_from);
   EXPECT_TRUE(f.posture_rad.empty());
-  EXPECT_EQ(parse_hand("path_m:\n  - [0, 0, 0]\nlet_go_at_s: .inf\nreleased: true\n", "test").hand.let_go_at_s,
+  EXPECT_EQ(hand::parse_hand("path_m:\n  - [0, 0, 0]\nlet_go_at_s: .inf\nreleased: true\n", "test").hand.let_go_at_s,
             std::numeric_limits<double>::infinity());
 }
 
@@ -90,7 +90,7 @@ TEST(HandFile, RefusesWhatIsWrongAndSaysWhere) {
   const std::string head = "path_m: [[0, 0, 0]]\n";
   const auto message = [](const std::string& text) -> std::string {
     try {
-      parse_hand(text, "file");
+      hand::parse_hand(text, "file");
     } catch (const std::runtime_error& error) {
       return error.what();
     }
@@ -112,8 +112,8 @@ TEST(HandFile, RefusesWhatIsWrongAndSaysWhere) {
     EXPECT_NE(message(text).find("one map"), std::string::npos) << text;
   EXPECT_NE(message(",\x9a\nv=0,n\xcbn,\x9a" "1"), "taken") << "what yaml-cpp takes for documents without end";
   EXPECT_NE(message(head + "mass_kg: -1").find("mass_kg"), std::string::npos);
-  EXPECT_THROW(read_hand("/nonexistent/hand"), std::runtime_error);
+  EXPECT_THROW(hand::read_hand("/nonexistent/hand"), std::runtime_error);
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr_sim

@@ -10,7 +10,7 @@
 namespace voxtouch::lwr_sim {
 namespace {
 
-using fri::Quality;
+using lwr::fri::Quality;
 
 void answers(LinkQuality& link, int n) {
   for (int i = 0; i < n; ++i) link.answered(1e-4);
@@ -63,7 +63,7 @@ TEST(LinkQuality, ScatteredMissesAddUpOverAHundred) {
 TEST(LinkQuality, ReportsTheLastHundred) {
   LinkQuality link;
   for (int i = 0; i < 50; ++i) link.answered(1e-4), link.answered(3e-4);
-  fri::Statistics s = link.statistics();
+  lwr::fri::Statistics s = link.statistics();
   EXPECT_FLOAT_EQ(s.answer_rate, 1.0F);
   EXPECT_NEAR(s.latency_s, 2e-4F, 1e-9F);
   EXPECT_NEAR(s.jitter_s, 2e-4F, 1e-9F);
@@ -117,7 +117,7 @@ TEST(Faults, ActFromTheirStartToTheirEnd) {
 std::vector<std::pair<int, int>> leaves(const std::vector<Fault>& faults, int n, std::uint64_t seed = 1) {
   Line line(FaultSchedule(faults), 1e-3, seed);
   std::vector<std::pair<int, int>> out;
-  fri::MsrPacket msr = fri::empty_msr();
+  lwr::fri::MsrPacket msr = lwr::fri::empty_msr();
   for (int i = 0; i < n; ++i) {
     msr.header.send_seq = static_cast<std::uint16_t>(i);
     line.put(msr, 1e-3 * i);
@@ -162,7 +162,7 @@ TEST(Line, DuplicatesLeaveTwice) {
 
 TEST(Line, JitterStaysWithinItsBound) {
   Line line(FaultSchedule({parse_fault("jitter@0:inf:0.0004")}), 1e-3, 1);
-  fri::MsrPacket msr = fri::empty_msr();
+  lwr::fri::MsrPacket msr = lwr::fri::empty_msr();
   double least = 1.0, most = 0.0;
   for (int i = 0; i < 1000; ++i) {
     line.put(msr, 1e-3 * i);

@@ -73,8 +73,8 @@ TEST(MsrBytes, GeometryAndDynamicsOfTheArm) {
   Rig rig(config, test::arm_at(Vec3(0.05, 0.02, -0.03)));
   rig.remote.run = 0;
   const MsrBytes msr = rig.periods(3);
-  const LwrArm::State arm = LwrArm().at(config.start_rad);
-  const ArmDynamics::Terms terms = ArmDynamics(config.plant.inertia).at(config.start_rad, LwrJoints::Zero());
+  const lwr::LwrArm::State arm = lwr::LwrArm().at(config.start_rad);
+  const ArmDynamics::Terms terms = ArmDynamics(config.plant.inertia).at(config.start_rad, lwr::LwrJoints::Zero());
   for (std::size_t i = 0; i < 7; ++i) {
     const auto n = static_cast<Eigen::Index>(i);
     EXPECT_NEAR(get<float>(msr, 216 + 4 * i), config.start_rad[n], 1e-3);  // the hand pulls at it
@@ -102,21 +102,21 @@ TEST(MsrBytes, TheHandShowsInTheJointsAndAtTheTool) {
   ControllerConfig config = exact();
   config.laws.task_frame_is_tool = false;
   config.hand_waits = false;
-  OperatorConfig hand = *grip("arm");
-  const Pose tool = LwrArm().tool(config.start_rad);
+  sim::OperatorConfig hand = *hand::grip("arm");
+  const Pose tool = lwr::LwrArm().tool(config.start_rad);
   Motion motion;
   motion.path = {tool.position + Vec3(0.05, 0.0, 0.0)};
   motion.orientation = tool.orientation * Quat(Eigen::AngleAxisd(0.2, Vec3::UnitZ()));
-  Rig rig(config, Hand(hand, motion, kSubstep));
+  Rig rig(config, hand::Hand(hand, motion, kSubstep));
   rig.remote.run = 0;
   const MsrBytes msr = rig.periods(1500);  // position control holds; the hand pulls with 10 N and 1 Nm
   EXPECT_NEAR(get<float>(msr, 500), 10.0F, 0.05F);
   EXPECT_NEAR(get<float>(msr, 504), 0.0F, 0.05F);
   EXPECT_NEAR(get<float>(msr, 512), -1.0F, 0.05F);  // about z comes first; the tool points down
   EXPECT_NEAR(get<float>(msr, 520), 0.0F, 0.05F);
-  const LwrJacobian jacobian = LwrArm().jacobian(rig.controller.plant().q());
-  const LwrJoints outer = joint_torque(jacobian, rig.controller.plant().hand_wrench());
-  const LwrJoints gravity = rig.controller.plant().terms().gravity;
+  const lwr::LwrJacobian jacobian = lwr::LwrArm().jacobian(rig.controller.plant().q());
+  const lwr::LwrJoints outer = lwr::joint_torque(jacobian, rig.controller.plant().hand_wrench());
+  const lwr::LwrJoints gravity = rig.controller.plant().terms().gravity;
   for (std::size_t i = 0; i < 7; ++i) {
     const auto n = static_cast<Eigen::Index>(i);
     EXPECT_NEAR(get<float>(msr, 472 + 4 * i), outer[n], 0.02);

@@ -13,7 +13,7 @@
 #include "tests/support/process/process.hpp"
 #include "tests/unit/lwr_sim/scripted_remote.hpp"
 
-namespace voxtouch {
+namespace voxtouch::lwr_sim {
 namespace {
 
 using namespace std::chrono_literals;
@@ -22,10 +22,10 @@ using voxtouch::test::TemporaryFolder;
 
 const std::string kProgram = std::string(VOXTOUCH_BIN) + "/voxtouch_fri_controller";
 
-std::string remote_of(const UdpSocket& socket) { return text_of(socket.local()); }
+std::string remote_of(const lwr::UdpSocket& socket) { return lwr::text_of(socket.local()); }
 
 /// Answers until the controller says OFF or nothing comes for `patience`; returns the last measurement.
-lwr_sim::test::MsrBytes serve(UdpSocket& socket, std::chrono::nanoseconds patience, int most = 1 << 30) {
+lwr_sim::test::MsrBytes serve(lwr::UdpSocket& socket, std::chrono::nanoseconds patience, int most = 1 << 30) {
   lwr_sim::test::ScriptedRemote remote;
   lwr_sim::test::MsrBytes msr{};
   std::array<std::byte, 2048> buffer;
@@ -44,7 +44,7 @@ lwr_sim::test::MsrBytes serve(UdpSocket& socket, std::chrono::nanoseconds patien
 }
 
 TEST(ControllerProgram, EndsCleanlyBySigtermAndSaysOff) {
-  UdpSocket socket("127.0.0.1", 0);
+  lwr::UdpSocket socket("127.0.0.1", 0);
   Process program({kProgram, "--remote", remote_of(socket), "--period-ms", "10"});
   serve(socket, 5s, 20);
   program.signal(SIGTERM);
@@ -55,7 +55,7 @@ TEST(ControllerProgram, EndsCleanlyBySigtermAndSaysOff) {
 }
 
 TEST(ControllerProgram, EndsCleanlyBySigtermWhileItWaitsInVirtualTime) {
-  UdpSocket socket("127.0.0.1", 0);
+  lwr::UdpSocket socket("127.0.0.1", 0);
   Process program({kProgram, "--remote", remote_of(socket), "--virtual-time", "--patience", "60"});
   ASSERT_TRUE(socket.wait(5s));
   program.signal(SIGTERM);
@@ -63,7 +63,7 @@ TEST(ControllerProgram, EndsCleanlyBySigtermWhileItWaitsInVirtualTime) {
 }
 
 TEST(ControllerProgram, SaysInASentenceThatThePortIsTakenAndThatNobodyAnswers) {
-  UdpSocket socket("127.0.0.1", 0);
+  lwr::UdpSocket socket("127.0.0.1", 0);
   const std::string port = std::to_string(socket.local().port);
   Process taken({kProgram, "--port", port});
   auto end = taken.wait(10s);
@@ -96,13 +96,13 @@ TEST(ControllerProgram, RefusesOptionsThatMakeNoSense) {
 
 TEST(ControllerProgram, LeadsTheArmAlongAHandFilesMotionAndTracesWhatItFeltAfterAFault) {
   TemporaryFolder folder;
-  const Pose rest = LwrArm().tool(lwr_rest_posture());
-  HandFile file;
+  const Pose rest = lwr::LwrArm().tool(lwr::lwr_rest_posture());
+  hand::HandFile file;
   file.motion.path = {rest.position, rest.position + Vec3(0.0, 0.05, 0.0)};
   file.motion.orientation = rest.orientation;
-  file.hand = *grip("arm");
-  std::ofstream(folder / "hand") << to_text(file);
-  UdpSocket socket("127.0.0.1", 0);
+  file.hand = *hand::grip("arm");
+  std::ofstream(folder / "hand") << hand::to_text(file);
+  lwr::UdpSocket socket("127.0.0.1", 0);
   const std::string trace = (folder / "trace.csv").string();
   Process program({kProgram, "--remote", remote_of(socket), "--virtual-time", "--duration", "2.6", "--hand",
                    (folder / "hand").string(), "--trace", trace, "--fault", "estop@2.5"});
@@ -138,4 +138,4 @@ TEST(ControllerProgram, LeadsTheArmAlongAHandFilesMotionAndTracesWhatItFeltAfter
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::lwr_sim

@@ -7,29 +7,29 @@
 
 namespace voxtouch::lwr_sim::test {
 
-inline Hand nobody() {
-  OperatorConfig config;
+inline hand::Hand nobody() {
+  sim::OperatorConfig config;
   config.released = true;
   Motion motion;
-  motion.path = {LwrArm().tool(lwr_rest_posture()).position};
-  return Hand(config, motion, kSubstep);
+  motion.path = {lwr::LwrArm().tool(lwr::lwr_rest_posture()).position};
+  return hand::Hand(config, motion, kSubstep);
 }
 
 /// An arm's grip that wants to be `offset` away from where the tool starts.
-inline Hand arm_at(const Vec3& offset, double stiffness_n_per_m = 200.0, double damping_ns_per_m = 15.0) {
-  OperatorConfig config = *grip("arm");
+inline hand::Hand arm_at(const Vec3& offset, double stiffness_n_per_m = 200.0, double damping_ns_per_m = 15.0) {
+  sim::OperatorConfig config = *hand::grip("arm");
   config.carries_tool = false;
   config.stiffness_n_per_m = stiffness_n_per_m;
   config.damping_ns_per_m = damping_ns_per_m;
-  const Pose tool = LwrArm().tool(lwr_rest_posture());
+  const Pose tool = lwr::LwrArm().tool(lwr::lwr_rest_posture());
   Motion motion;
   motion.path = {tool.position + offset};
   motion.orientation = tool.orientation;
-  return Hand(config, motion, kSubstep);
+  return hand::Hand(config, motion, kSubstep);
 }
 
 struct Rig {
-  explicit Rig(const ControllerConfig& config = {}, Hand hand = nobody(), std::vector<Fault> faults = {})
+  explicit Rig(const ControllerConfig& config = {}, hand::Hand hand = nobody(), std::vector<Fault> faults = {})
       : controller(config, std::move(hand), FaultSchedule(std::move(faults))) {}
 
   /// One period; the answer is delivered unless `answers` is false.
@@ -51,8 +51,8 @@ struct Rig {
   }
   /// Until command mode; false if it does not come within `most` periods.
   bool start(int most = 300) {
-    for (int i = 0; i < most && controller.state() != fri::State::kCmd; ++i) period();
-    return controller.state() == fri::State::kCmd;
+    for (int i = 0; i < most && controller.state() != lwr::fri::State::kCmd; ++i) period();
+    return controller.state() == lwr::fri::State::kCmd;
   }
   /// The last thing that happened, all taken.
   Reason reason() {

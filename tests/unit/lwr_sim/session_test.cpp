@@ -51,7 +51,7 @@ class Client {
       if (answers_left-- > 0) socket_.send(remote_.answer(msr), datagram->from);
     }
   }
-  UdpSocket socket_;
+  lwr::UdpSocket socket_;
   test::ScriptedRemote remote_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
@@ -265,7 +265,7 @@ TEST(Session, InRealTimeItGoesOnWithoutAnyAnswer) {
   Session session(network, controller, Line(FaultSchedule(), config.period_s, 0));
   const std::atomic<bool> never{false};
   EXPECT_EQ(session.run(never), Ending::kDuration);
-  EXPECT_EQ(controller.state(), fri::State::kOff);
+  EXPECT_EQ(controller.state(), lwr::fri::State::kOff);
   EXPECT_EQ(controller.starts(), 0u);
 }
 
@@ -278,7 +278,7 @@ TEST(Session, StrangersAreNotListenedTo) {
   network.remote_port = client.port();
   network.duration_s = 0.2;
   Session session(network, controller, Line(FaultSchedule(), config.period_s, 0));
-  UdpSocket stranger("127.0.0.1", 0);
+  lwr::UdpSocket stranger("127.0.0.1", 0);
   const test::CmdBytes nothing{};
   ASSERT_TRUE(stranger.send(nothing, session.local()));
   const std::atomic<bool> never{false};
@@ -289,7 +289,7 @@ TEST(Session, StrangersAreNotListenedTo) {
 
 TEST(Session, ASilentControllerHearsNothing) {
   for (const bool silent : {false, true}) {
-    UdpSocket remote("127.0.0.1", 0);
+    lwr::UdpSocket remote("127.0.0.1", 0);
     std::vector<Fault> faults;
     if (silent) faults = {parse_fault("silent@0")};
     ControllerConfig config;
@@ -307,19 +307,19 @@ TEST(Session, ASilentControllerHearsNothing) {
 }
 
 TEST(Session, APortThatIsTakenGivesASentence) {
-  UdpSocket holder("127.0.0.1", 0);
+  lwr::UdpSocket holder("127.0.0.1", 0);
   FriController controller({}, test::nobody());
   SessionConfig network;
   network.port = holder.local().port;
   try {
     Session session(network, controller, Line(FaultSchedule(), 1e-3, 0));
     FAIL() << "the port was given twice";
-  } catch (const DeviceOpenError& error) {
+  } catch (const devices::DeviceOpenError& error) {
     EXPECT_NE(std::string(error.what()).find(std::to_string(network.port)), std::string::npos);
   }
   network.port = 0;
   network.remote_address = "nowhere";
-  EXPECT_THROW(Session(network, controller, Line(FaultSchedule(), 1e-3, 0)), DeviceOpenError);
+  EXPECT_THROW(Session(network, controller, Line(FaultSchedule(), 1e-3, 0)), devices::DeviceOpenError);
 }
 
 }  // namespace

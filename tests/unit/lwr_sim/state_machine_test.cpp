@@ -22,8 +22,8 @@ ControllerConfig quick() {
 TEST(StateMachine, CommandModeBeginsOnlyAtQualityPerfect) {
   Rig rig(quick());
   for (int i = 0; i < 19; ++i) EXPECT_EQ(test::state(rig.period()), 1);
-  EXPECT_EQ(rig.controller.quality(), fri::Quality::kOk);
-  EXPECT_EQ(rig.controller.state(), fri::State::kMon);
+  EXPECT_EQ(rig.controller.quality(), lwr::fri::Quality::kOk);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kMon);
   EXPECT_TRUE(rig.start(10));
   const MsrBytes msr = rig.period();
   EXPECT_EQ(test::state(msr), 2);
@@ -61,7 +61,7 @@ TEST(StateMachine, TheProgramsPauseIsThatOfAPublishedOne) {
   rig.periods(60);
   rig.remote.run = 1;
   int periods = 0;
-  while (rig.controller.state() != fri::State::kCmd && periods < 200) rig.period(), ++periods;
+  while (rig.controller.state() != lwr::fri::State::kCmd && periods < 200) rig.period(), ++periods;
   EXPECT_GT(periods, 1);
   EXPECT_LE(periods, 51);
 }
@@ -98,13 +98,13 @@ TEST(StateMachine, OneLostAnswerIsBridgedAndFiveInARowEndCommandMode) {
   Rig rig(quick());
   ASSERT_TRUE(rig.start());
   rig.period(false);
-  EXPECT_EQ(rig.controller.state(), fri::State::kCmd);
-  EXPECT_EQ(rig.controller.quality(), fri::Quality::kPerfect);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kCmd);
+  EXPECT_EQ(rig.controller.quality(), lwr::fri::Quality::kPerfect);
   rig.periods(50);
   rig.periods(4, false);
-  EXPECT_EQ(rig.controller.state(), fri::State::kCmd);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kCmd);
   rig.period(false);
-  EXPECT_EQ(rig.controller.state(), fri::State::kMon);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kMon);
   EXPECT_TRUE(rig.controller.braked());
   const MsrBytes msr = rig.period();
   EXPECT_EQ(test::warning(msr), 0x7F);
@@ -118,7 +118,7 @@ TEST(StateMachine, MoreThanTenOfAHundredMissesEndCommandMode) {
   Rig rig(quick());
   ASSERT_TRUE(rig.start());
   int misses = 0;
-  for (; misses < 30 && rig.controller.state() == fri::State::kCmd; ++misses) {
+  for (; misses < 30 && rig.controller.state() == lwr::fri::State::kCmd; ++misses) {
     rig.period(false);
     rig.periods(5);
   }
@@ -140,7 +140,7 @@ TEST(StateMachine, CommandModeThatEndedByItselfNeedsAStopBeforeItBeginsAgain) {
 
 /// Each violation in turn ends command mode, closes the brakes and leaves error bits until the stop is asked for.
 void expect_drop(Rig& rig, Reason reason, int bits) {
-  EXPECT_EQ(rig.controller.state(), fri::State::kMon);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kMon);
   EXPECT_TRUE(rig.controller.braked());
   const MsrBytes msr = rig.period();
   EXPECT_EQ(test::error(msr), bits);
@@ -176,7 +176,7 @@ TEST(StateMachine, ANumberThatIsNoneEndsCommandMode) {
 TEST(StateMachine, ATorqueOverItsLimitEndsCommandMode) {
   Rig rig(quick());
   ASSERT_TRUE(rig.start());
-  rig.remote.torque[4] = static_cast<float>(lwr_limits().torque_nm[4]) * 1.01F;
+  rig.remote.torque[4] = static_cast<float>(lwr::lwr_limits().torque_nm[4]) * 1.01F;
   rig.period();
   expect_drop(rig, Reason::kTorque, 1 << 4);
 }
@@ -184,10 +184,10 @@ TEST(StateMachine, ATorqueOverItsLimitEndsCommandMode) {
 TEST(StateMachine, ACommandedPositionThatIsTooFastEndsCommandMode) {
   Rig rig(quick());
   ASSERT_TRUE(rig.start());
-  rig.remote.step = 0.9F * static_cast<float>(lwr_limits().velocity_rad_s[0]) * 1e-3F;
+  rig.remote.step = 0.9F * static_cast<float>(lwr::lwr_limits().velocity_rad_s[0]) * 1e-3F;
   rig.remote.follows = false;
   rig.periods(20);
-  EXPECT_EQ(rig.controller.state(), fri::State::kCmd);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kCmd);
   rig.remote.step *= 1.3F;
   rig.period();
   expect_drop(rig, Reason::kCommandSpeed, 1);
@@ -210,9 +210,9 @@ TEST(StateMachine, AJointThatIsTooFastEndsCommandMode) {
   ASSERT_TRUE(rig.start());
   rig.remote.torque[6] = 3.0F;
   int periods = 0;
-  while (rig.controller.state() == fri::State::kCmd && periods < 500) rig.period(), ++periods;
+  while (rig.controller.state() == lwr::fri::State::kCmd && periods < 500) rig.period(), ++periods;
   EXPECT_EQ(rig.reason(), Reason::kJointSpeed);
-  EXPECT_LT(rig.controller.plant().rate().cwiseAbs().maxCoeff(), 0.2 * lwr_limits().velocity_rad_s[6]);
+  EXPECT_LT(rig.controller.plant().rate().cwiseAbs().maxCoeff(), 0.2 * lwr::lwr_limits().velocity_rad_s[6]);
 }
 
 TEST(StateMachine, WithoutMirroringCommandModeIsRefusedAndAsksForAcknowledgement) {
@@ -281,15 +281,15 @@ TEST(StateMachine, AnEmergencyStopTakesThePowerAndTheBrakesStayUntilTheNextStart
   Rig rig(quick(), test::arm_at(Vec3(0.1, 0.0, 0.0)), {parse_fault("estop@0.5:0.2")});
   ASSERT_TRUE(rig.start());
   while (rig.controller.time_s() < 0.4995) rig.period();
-  EXPECT_EQ(rig.controller.state(), fri::State::kCmd);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kCmd);
   MsrBytes msr = rig.period();  // the one at 0.5 s
   EXPECT_EQ(test::state(msr), 1);
   EXPECT_EQ(test::power(msr), 0);
   EXPECT_EQ(test::error(msr), 0);
   EXPECT_EQ(rig.reason(), Reason::kEmergencyStop);
   rig.periods(50);
-  EXPECT_EQ(rig.controller.plant().rate(), LwrJoints::Zero());
-  const LwrJoints stands = rig.controller.plant().q();
+  EXPECT_EQ(rig.controller.plant().rate(), lwr::LwrJoints::Zero());
+  const lwr::LwrJoints stands = rig.controller.plant().q();
   EXPECT_EQ(test::power(rig.periods(120)), 0);
   EXPECT_EQ(test::power(rig.periods(100)), 0x7F);
   EXPECT_EQ(rig.controller.plant().q(), stands);
@@ -305,7 +305,7 @@ TEST(StateMachine, DrivesThatGoOffShowWhichAndADriveErrorShowsAsOne) {
   while (off.controller.time_s() < 0.2005) off.period();
   EXPECT_EQ(test::power(off.period()), 0x7B);
   EXPECT_EQ(test::error(off.period()), 0);
-  EXPECT_EQ(off.controller.state(), fri::State::kMon);
+  EXPECT_EQ(off.controller.state(), lwr::fri::State::kMon);
   EXPECT_EQ(off.reason(), Reason::kDrivesOff);
   Rig error(quick(), test::nobody(), {parse_fault("drive_error@0.2:0.1:4")});
   ASSERT_TRUE(error.start());
@@ -319,11 +319,11 @@ TEST(StateMachine, AForcedQualityShowsAndEndsCommandMode) {
   ASSERT_TRUE(rig.start());
   while (rig.controller.time_s() < 0.2005) rig.period();
   EXPECT_EQ(test::quality(rig.period()), 2);
-  EXPECT_EQ(rig.controller.state(), fri::State::kCmd);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kCmd);
   while (rig.controller.time_s() < 0.4015) rig.period();
   EXPECT_EQ(test::quality(rig.period()), 1);
   EXPECT_EQ(rig.reason(), Reason::kQualityForced);
-  EXPECT_EQ(rig.controller.state(), fri::State::kMon);
+  EXPECT_EQ(rig.controller.state(), lwr::fri::State::kMon);
 }
 
 TEST(StateMachine, AMeasurementWithoutNumbersIsSentAsTheScheduleSays) {

@@ -14,8 +14,8 @@ using samples::tetrahedron;
 
 namespace {
 
-void expect_tetrahedron(const ImportedMesh& got, double scale = 1.0, const Vec3& shift = Vec3::Zero()) {
-  const TriangleMesh t = tetrahedron();
+void expect_tetrahedron(const mesh::ImportedMesh& got, double scale = 1.0, const Vec3& shift = Vec3::Zero()) {
+  const mesh::TriangleMesh t = tetrahedron();
   ASSERT_EQ(got.mesh.triangles.size(), 4u);
   for (std::size_t f = 0; f < 4; ++f) {
     for (int k = 0; k < 3; ++k) {
@@ -36,26 +36,26 @@ std::string ply_header(const std::string& format) {
 
 TEST(ImportFormats, ReadObj) {
   const Folder folder;
-  expect_tetrahedron(import_mesh(folder.write("t.obj", samples::obj_text(tetrahedron()))));
-  expect_tetrahedron(import_mesh(folder.write("UPPER.OBJ", samples::obj_text(tetrahedron()))));
+  expect_tetrahedron(mesh::import_mesh(folder.write("t.obj", samples::obj_text(tetrahedron()))));
+  expect_tetrahedron(mesh::import_mesh(folder.write("UPPER.OBJ", samples::obj_text(tetrahedron()))));
 }
 
 TEST(ImportFormats, ReadStlAsTextAndBinary) {
   const Folder folder;
-  expect_tetrahedron(import_mesh(folder.write("text.stl", samples::text_stl(tetrahedron()))));
-  expect_tetrahedron(import_mesh(folder.write("binary.stl", samples::binary_stl(tetrahedron()))));
+  expect_tetrahedron(mesh::import_mesh(folder.write("text.stl", samples::text_stl(tetrahedron()))));
+  expect_tetrahedron(mesh::import_mesh(folder.write("binary.stl", samples::binary_stl(tetrahedron()))));
   std::string misleading = samples::binary_stl(tetrahedron());
   misleading.replace(0, 5, "solid");  // some tools begin binary files like text
-  expect_tetrahedron(import_mesh(folder.write("misleading.stl", misleading)));
-  TriangleMesh first = tetrahedron(), second = tetrahedron();
+  expect_tetrahedron(mesh::import_mesh(folder.write("misleading.stl", misleading)));
+  mesh::TriangleMesh first = tetrahedron(), second = tetrahedron();
   first.triangles.resize(2), second.triangles.erase(second.triangles.begin(), second.triangles.begin() + 2);
-  expect_tetrahedron(import_mesh(folder.write("two.stl", samples::text_stl(first) +
+  expect_tetrahedron(mesh::import_mesh(folder.write("two.stl", samples::text_stl(first) +
       samples::text_stl(second))));
 }
 
 TEST(ImportFormats, ReadPlyAsTextAndInBothByteOrders) {
   const Folder folder;
-  expect_tetrahedron(import_mesh(folder.write(
+  expect_tetrahedron(mesh::import_mesh(folder.write(
       "text.ply", ply_header("ascii") + "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")));
   for (const bool big : {false, true}) {
     std::string bytes = ply_header(big ? "binary_big_endian" : "binary_little_endian");
@@ -70,7 +70,7 @@ TEST(ImportFormats, ReadPlyAsTextAndInBothByteOrders) {
       bytes += '\3';
       for (const std::uint32_t v : t) add(samples::little({v}));
     }
-    expect_tetrahedron(import_mesh(folder.write(big ? "big.ply" : "little.ply", bytes)));
+    expect_tetrahedron(mesh::import_mesh(folder.write(big ? "big.ply" : "little.ply", bytes)));
   }
 }
 
@@ -78,8 +78,8 @@ TEST(ImportFormats, ReadPlyWithAnUnusedVertex) {
   const Folder folder;
   std::string text = ply_header("ascii");
   text.replace(text.find("vertex 4"), 8, "vertex 5");
-  const ImportedMesh got =
-      import_mesh(folder.write("t.ply", text +
+  const mesh::ImportedMesh got =
+      mesh::import_mesh(folder.write("t.ply", text +
           "0 0 0\n1 0 0\n0 1 0\n0 0 1\n9 9 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"));
   EXPECT_EQ(got.report.unused_vertices.count, 1u);
   EXPECT_EQ(got.report.max, Vec3(1, 1, 1));
@@ -88,25 +88,25 @@ TEST(ImportFormats, ReadPlyWithAnUnusedVertex) {
 
 TEST(ImportFormats, ReadGltfInOneFileAndInTwo) {
   const Folder folder;
-  expect_tetrahedron(import_mesh(folder.write("t.glb", Gltf().glb())));
+  expect_tetrahedron(mesh::import_mesh(folder.write("t.glb", Gltf().glb())));
   folder.write("t.bin", samples::gltf_buffer());
   Gltf two;
   two.buffer = R"({"byteLength":72,"uri":"t.bin"})";
-  expect_tetrahedron(import_mesh(folder.write("t.gltf", two.json())));
+  expect_tetrahedron(mesh::import_mesh(folder.write("t.gltf", two.json())));
 }
 
 TEST(ImportFormats, GltfIsInMetresWithItsAxesAsTheyAre) {
   const Folder folder;
   Gltf moved;
   moved.nodes = R"([{"children":[1],"scale":[2,2,2]},{"mesh":0,"translation":[1,2,3]}])";
-  expect_tetrahedron(import_mesh(folder.write("t.glb", moved.glb())), 2.0, {2, 4, 6});
+  expect_tetrahedron(mesh::import_mesh(folder.write("t.glb", moved.glb())), 2.0, {2, 4, 6});
 }
 
 TEST(ImportFormats, AMirroringNodeKeepsTrianglesFacingOutward) {
   const Folder folder;
   Gltf mirrored;
   mirrored.nodes = R"([{"mesh":0,"scale":[-1,1,1]}])";
-  const ImportedMesh got = import_mesh(folder.write("t.glb", mirrored.glb()));
+  const mesh::ImportedMesh got = mesh::import_mesh(folder.write("t.glb", mirrored.glb()));
   EXPECT_FALSE(got.report.inverted);
   EXPECT_NEAR(got.report.signed_volume_m3, 1.0 / 6, 1e-15);
   EXPECT_EQ(got.report.min, Vec3(-1, 0, 0));
@@ -115,9 +115,9 @@ TEST(ImportFormats, AMirroringNodeKeepsTrianglesFacingOutward) {
 TEST(ImportFormats, ColladaUnitsBecomeMetres) {
   const Folder folder;
   Collada file;
-  expect_tetrahedron(import_mesh(folder.write("m.dae", file.xml())));
+  expect_tetrahedron(mesh::import_mesh(folder.write("m.dae", file.xml())));
   file.unit = R"(<unit name="millimeter" meter="0.001"/>)";
-  expect_tetrahedron(import_mesh(folder.write("mm.dae", file.xml())), 0.001);
+  expect_tetrahedron(mesh::import_mesh(folder.write("mm.dae", file.xml())), 0.001);
 }
 
 TEST(ImportFormats, ColladaAxesStayAsTheyAreWhateverIsUp) {
@@ -125,7 +125,7 @@ TEST(ImportFormats, ColladaAxesStayAsTheyAreWhateverIsUp) {
   for (const char* up : {"X_UP", "Y_UP", "Z_UP"}) {
     Collada file;
     file.up = up;
-    expect_tetrahedron(import_mesh(folder.write("t.dae", file.xml())));
+    expect_tetrahedron(mesh::import_mesh(folder.write("t.dae", file.xml())));
   }
 }
 
@@ -134,7 +134,7 @@ TEST(ImportFormats, ColladaNodesAndTheirInstancesAreApplied) {
   Collada file;
   file.library = R"(<library_nodes><node id="l"><scale>2 2 2</scale><instance_geometry url="#g"/></node></library_nodes>)";
   file.nodes = R"(<node id="n"><translate>1 2 3</translate><instance_node url="#l"/></node>)";
-  expect_tetrahedron(import_mesh(folder.write("t.dae", file.xml())), 2.0, {1, 2, 3});
+  expect_tetrahedron(mesh::import_mesh(folder.write("t.dae", file.xml())), 2.0, {1, 2, 3});
 }
 
 TEST(ImportFormats, ColladaMaterialsAnimationsAndExtrasAreNotLookedAt) {
@@ -143,7 +143,7 @@ TEST(ImportFormats, ColladaMaterialsAnimationsAndExtrasAreNotLookedAt) {
   file.library =
       "<library_animations><animation><source id='x'><float_array id='x' count='9'>1</float_array></source>"
                  "</animation></library_animations><library_controllers/><!-- a > b --><extra><technique>?</technique></extra>";
-  expect_tetrahedron(import_mesh(folder.write("t.dae", file.xml())));
+  expect_tetrahedron(mesh::import_mesh(folder.write("t.dae", file.xml())));
 }
 
 }  // namespace

@@ -21,15 +21,15 @@ using samples::tetrahedron;
 namespace {
 
 /// Some of these files crash assimp, hang it or fill memory.
-const TriangleReader kApart = mesh_process({.cpu_s = 2, .memory_mib = 512});
+const mesh::TriangleReader kApart = mesh_import::mesh_process({.cpu_s = 2, .memory_mib = 512});
 
 class Refusal : public ::testing::Test {
  protected:
   /// The sentence of the refusal; it must name the file.
-  std::string refusal(const std::filesystem::path& path, const ImportOptions& options = {}) {
+  std::string refusal(const std::filesystem::path& path, const mesh::ImportOptions& options = {}) {
     try {
-      import_mesh(path, options, kApart);
-    } catch (const MeshError& error) {
+      mesh::import_mesh(path, options, kApart);
+    } catch (const mesh::MeshError& error) {
       EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos) << error.what();
       EXPECT_NE(std::string(error.what()).find("; "), std::string::npos) << "no remedy: " << error.what();
       return error.what();
@@ -38,7 +38,7 @@ class Refusal : public ::testing::Test {
     return {};
   }
   void expect_refused(const std::string& name, const std::string& bytes, const std::string& reason,
-                      const ImportOptions& options = {}) {
+                      const mesh::ImportOptions& options = {}) {
     const std::string sentence = refusal(folder_.write(name, bytes), options);
     EXPECT_NE(sentence.find(reason), std::string::npos) << sentence;
   }
@@ -245,16 +245,16 @@ TEST_F(Refusal, OfWhatOneOfAssimpsAssertionsWouldEndTheProcessFor) {
 }
 
 TEST_F(Refusal, OfNumbersInTheFileThatAreTooLargeForTheirVoxels) {
-  TriangleMesh far = tetrahedron();
+  mesh::TriangleMesh far = tetrahedron();
   for (Vec3& v : far.vertices) v.x() += 1e6;
   const std::string text = samples::obj_text(far);
   expect_refused("far.obj", text, "steps of 0.0625 m; a voxel of 0.001 m needs steps of at most 1e-05 m",
       {.voxel_size_m = 0.001});
-  EXPECT_NO_THROW(import_mesh(folder_.write("far.obj", text)));
-  EXPECT_NO_THROW(import_mesh(folder_.write("far.obj", text), {.voxel_size_m = 10}));
-  EXPECT_NO_THROW(import_mesh(folder_.write("far.obj", text), {.scale = 1e-9, .voxel_size_m = 1e-8}));
+  EXPECT_NO_THROW(mesh::import_mesh(folder_.write("far.obj", text)));
+  EXPECT_NO_THROW(mesh::import_mesh(folder_.write("far.obj", text), {.voxel_size_m = 10}));
+  EXPECT_NO_THROW(mesh::import_mesh(folder_.write("far.obj", text), {.scale = 1e-9, .voxel_size_m = 1e-8}));
   const auto near = folder_.write("near.obj", samples::obj_text(tetrahedron()));
-  EXPECT_NO_THROW(import_mesh(near, {.pose = {{1e6, 0, 0}, Quat::Identity()}, .voxel_size_m = 0.001}));
+  EXPECT_NO_THROW(mesh::import_mesh(near, {.pose = {{1e6, 0, 0}, Quat::Identity()}, .voxel_size_m = 0.001}));
   Gltf node;
   node.nodes = R"([{"mesh":0,"translation":[1000000,0,0]}])";
   expect_refused("node.glb", node.glb(), "steps of 0.0625 m", {.voxel_size_m = 0.001});
@@ -296,11 +296,11 @@ TEST_F(Refusal, OrATriangleMeshComesOfEveryDamagedFile) {
       }
     }
     try {
-      const ImportedMesh got = import_mesh(folder_.write(std::to_string(round) + name, bytes),
+      const mesh::ImportedMesh got = mesh::import_mesh(folder_.write(std::to_string(round) + name, bytes),
           {.max_triangles = 10000}, kApart);
       EXPECT_FALSE(got.mesh.empty());
       EXPECT_EQ(got.report.not_finite_vertices.count, 0u);
-    } catch (const MeshError&) {
+    } catch (const mesh::MeshError&) {
     }
   }
 }

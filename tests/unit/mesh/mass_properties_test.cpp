@@ -6,7 +6,7 @@
 
 #include "core/mesh/import.hpp"
 
-namespace voxtouch {
+namespace voxtouch::mesh {
 namespace {
 
 TriangleMesh shipped(const char* name) { return import_mesh(std::string(VOXTOUCH_DEPLOY) + "/meshes/" + name).mesh; }
@@ -42,4 +42,4 @@ TEST(MassProperties, RefuseWhatEnclosesNothing) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::mesh

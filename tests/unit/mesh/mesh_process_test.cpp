@@ -33,10 +33,10 @@ std::string endless() {
   return bomb.xml();
 }
 
-std::string sentence(const std::filesystem::path& path, const ReadLimits& limits) {
+std::string sentence(const std::filesystem::path& path, const mesh_import::ReadLimits& limits) {
   try {
-    import_mesh(path, {}, mesh_process(limits));
-  } catch (const MeshError& refusal) {
+    mesh::import_mesh(path, {}, mesh_import::mesh_process(limits));
+  } catch (const mesh::MeshError& refusal) {
     return refusal.what();
   }
   return "read";
@@ -50,8 +50,8 @@ TEST(MeshProcess, GivesWhatReadingHereGives) {
        {std::filesystem::path(VOXTOUCH_DEPLOY "/meshes/cup.obj"), folder.write("t.glb", samples::Gltf().glb()),
         folder.write("t.dae", skinned.xml()),
         folder.write("l.obj", samples::obj_text(samples::tetrahedron()) + "l 1 2\n")}) {
-    const ImportedMesh here = import_mesh(path, {.voxel_size_m = 0.002});
-    const ImportedMesh apart = import_mesh(path, {.voxel_size_m = 0.002}, mesh_process());
+    const mesh::ImportedMesh here = mesh::import_mesh(path, {.voxel_size_m = 0.002});
+    const mesh::ImportedMesh apart = mesh::import_mesh(path, {.voxel_size_m = 0.002}, mesh_import::mesh_process());
     EXPECT_EQ(here.mesh.vertices, apart.mesh.vertices);
     EXPECT_EQ(here.mesh.triangles, apart.mesh.triangles);
     EXPECT_EQ(here.warnings, apart.warnings);
@@ -61,7 +61,8 @@ TEST(MeshProcess, GivesWhatReadingHereGives) {
 TEST(MeshProcess, ReadsInManyThreadsAtOnce) {
   std::vector<std::jthread> threads;
   for (int n = 0; n < 6; ++n) {
-    threads.emplace_back([] { EXPECT_FALSE(import_mesh(VOXTOUCH_DEPLOY "/meshes/cup.obj", {}, mesh_process()).mesh.empty()); });
+    threads.emplace_back(
+        [] { EXPECT_FALSE(mesh::import_mesh(VOXTOUCH_DEPLOY "/meshes/cup.obj", {}, mesh_import::mesh_process()).mesh.empty()); });
   }
 }
 
@@ -111,7 +112,7 @@ TEST(MeshProcess, EndsWithWhoAskedAndHasNoneOfItsFiles) {
     for (const auto& file : std::filesystem::directory_iterator(reader / "fd")) {
       last = std::max(last, std::stoi(file.path().filename()));
     }
-    return last == kSharedFile;
+    return last == mesh_import::kSharedFile;
   }));
   ::kill(asks, SIGKILL);
   ::waitpid(asks, nullptr, 0);
@@ -123,44 +124,44 @@ TEST(MeshProcess, RehearsesWhatIsReadWithoutChecks) {
   const Folder folder;
   samples::Collada self;
   self.nodes = R"(<node id="n"><instance_geometry url="#g"/><instance_node url="#n"/></node>)";
-  Scene scene;
+  scene::Scene scene;
   scene.dynamic_mesh.path = folder.write("good.dae", samples::Collada().xml());
-  EXPECT_NO_THROW(rehearse_reading(scene));
+  EXPECT_NO_THROW(mesh_import::rehearse_reading(scene));
   scene.static_meshes.resize(1);
   scene.static_meshes[0].path = folder.write("self.dae", self.xml());
-  EXPECT_THROW(rehearse_reading(scene), MeshError);
+  EXPECT_THROW(mesh_import::rehearse_reading(scene), mesh::MeshError);
   scene.static_meshes[0].path = folder.write("none.dae", "no XML");
-  EXPECT_NO_THROW(rehearse_reading(scene));
+  EXPECT_NO_THROW(mesh_import::rehearse_reading(scene));
 }
 
 TEST(MeshProcess, RefusesAnswersThatDoNotFit) {
-  const FileTriangles read{.mesh = samples::tetrahedron(),
+  const mesh::FileTriangles read{.mesh = samples::tetrahedron(),
                            .points = 1,
                            .lines = 2,
                            .uncut = 3,
                            .spacing = 4,
                            .largest = 5,
                            .warnings = {"a", "b"}};
-  const std::string answer = encode(read);
-  const FileTriangles back = decode(answer);
+  const std::string answer = mesh_import::encode(read);
+  const mesh::FileTriangles back = mesh_import::decode(answer);
   EXPECT_EQ(back.mesh.vertices, read.mesh.vertices);
   EXPECT_EQ(back.mesh.triangles, read.mesh.triangles);
   EXPECT_EQ(back.warnings, read.warnings);
   EXPECT_EQ(back.points + 10 * back.lines + 100 * back.uncut, 321u);
   EXPECT_EQ(back.spacing + 10 * back.largest, 54.0);
-  for (std::size_t size = 0; size < answer.size(); ++size) EXPECT_THROW(decode(answer.substr(0, size)), std::runtime_error);
+  for (std::size_t size = 0; size < answer.size(); ++size) EXPECT_THROW(mesh_import::decode(answer.substr(0, size)), std::runtime_error);
   for (std::size_t field = 0; field < 5; ++field) {
     std::string wrong = answer;
     wrong[8 * field + 7] = '\x20';
-    EXPECT_THROW(decode(wrong), std::runtime_error) << field;
+    EXPECT_THROW(mesh_import::decode(wrong), std::runtime_error) << field;
   }
-  FileTriangles bad = read;
+  mesh::FileTriangles bad = read;
   bad.mesh.triangles[2][1] = 4;
-  EXPECT_THROW(decode(encode(bad)), std::runtime_error);
+  EXPECT_THROW(mesh_import::decode(mesh_import::encode(bad)), std::runtime_error);
   bad = read;
   bad.mesh.vertices[3].z() = std::numeric_limits<double>::infinity();
-  EXPECT_THROW(decode(encode(bad)), std::runtime_error);
-  EXPECT_THROW(decode(encode_refusal("no")), MeshError);
+  EXPECT_THROW(mesh_import::decode(mesh_import::encode(bad)), std::runtime_error);
+  EXPECT_THROW(mesh_import::decode(mesh_import::encode_refusal("no")), mesh::MeshError);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using samples::turned_round;
 
 namespace {
 
-bool says(const MeshReport& report, const std::string& part) {
+bool says(const mesh::MeshReport& report, const std::string& part) {
   for (const std::string& s : report.sentences()) {
     if (s.find(part) != std::string::npos) return true;
   }
@@ -26,7 +26,7 @@ bool says(const MeshReport& report, const std::string& part) {
 using Indices = std::vector<std::uint32_t>;
 
 TEST(MeshReport, HasNothingToSayOfACleanMesh) {
-  const MeshReport r = inspect(box({0, 0, 0}, {1, 2, 3}));
+  const mesh::MeshReport r = mesh::inspect(box({0, 0, 0}, {1, 2, 3}));
   EXPECT_TRUE(r.clean());
   EXPECT_TRUE(r.closed);
   EXPECT_FALSE(r.inverted);
@@ -40,16 +40,16 @@ TEST(MeshReport, HasNothingToSayOfACleanMesh) {
 }
 
 TEST(MeshReport, SeesThroughVerticesThatEachTriangleHasForItself) {
-  const MeshReport r = inspect(samples::soup(tetrahedron()));
+  const mesh::MeshReport r = mesh::inspect(samples::soup(tetrahedron()));
   EXPECT_TRUE(r.closed);
   EXPECT_EQ(r.vertices, 12u);
   EXPECT_EQ(r.points, 4u);
 }
 
 TEST(MeshReport, CountsOpenEdgesAndSaysThatThereIsNoInterior) {
-  TriangleMesh mesh = tetrahedron();
+  mesh::TriangleMesh mesh = tetrahedron();
   mesh.triangles.pop_back();
-  const MeshReport r = inspect(mesh);
+  const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_FALSE(r.closed);
   EXPECT_EQ(r.open_edges.count, 3u);
   EXPECT_EQ(r.open_edges.examples, (Indices{0, 1, 2}));
@@ -58,13 +58,13 @@ TEST(MeshReport, CountsOpenEdgesAndSaysThatThereIsNoInterior) {
 }
 
 TEST(MeshReport, NeverCallsAnOpenMeshInverted) {
-  TriangleMesh mesh = turned_round(tetrahedron());
+  mesh::TriangleMesh mesh = turned_round(tetrahedron());
   mesh.triangles.pop_back();
-  EXPECT_FALSE(inspect(mesh).inverted);
+  EXPECT_FALSE(mesh::inspect(mesh).inverted);
 }
 
 TEST(MeshReport, FindsAMeshThatFacesInward) {
-  const MeshReport r = inspect(turned_round(tetrahedron()));
+  const mesh::MeshReport r = mesh::inspect(turned_round(tetrahedron()));
   EXPECT_TRUE(r.closed);
   EXPECT_TRUE(r.inverted);
   EXPECT_EQ(r.flipped.count, 0u);
@@ -74,9 +74,9 @@ TEST(MeshReport, FindsAMeshThatFacesInward) {
 
 TEST(MeshReport, NamesTheFlippedTriangleAndNotItsNeighbours) {
   for (std::uint32_t t = 0; t < 12; ++t) {
-    TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
+    mesh::TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
     std::swap(mesh.triangles[t][0], mesh.triangles[t][1]);
-    const MeshReport r = inspect(mesh);
+    const mesh::MeshReport r = mesh::inspect(mesh);
     EXPECT_EQ(r.flipped.examples, Indices{t});
     EXPECT_EQ(r.flipped.count, 1u);
     EXPECT_TRUE(r.closed);
@@ -85,10 +85,10 @@ TEST(MeshReport, NamesTheFlippedTriangleAndNotItsNeighbours) {
 }
 
 TEST(MeshReport, TellsDuplicatesFromTrianglesTurnedRound) {
-  TriangleMesh mesh = tetrahedron();
+  mesh::TriangleMesh mesh = tetrahedron();
   mesh.triangles.push_back({2, 1, 0});  // triangle 0, other first corner
   mesh.triangles.push_back({3, 2, 1});  // triangle 3, turned round
-  const MeshReport r = inspect(mesh);
+  const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.duplicates.examples, Indices{4});
   EXPECT_EQ(r.opposite_duplicates.examples, Indices{5});
   EXPECT_TRUE(r.closed);
@@ -97,13 +97,13 @@ TEST(MeshReport, TellsDuplicatesFromTrianglesTurnedRound) {
 }
 
 TEST(MeshReport, JudgesClosednessWithoutZeroAreaTriangles) {
-  TriangleMesh mesh = tetrahedron();
+  mesh::TriangleMesh mesh = tetrahedron();
   mesh.vertices.emplace_back(0, 0, 0);         // same place as vertex 0
   mesh.vertices.emplace_back(0.5, 0, 0);       // on the edge 0-1
   mesh.triangles.push_back({0, 0, 1});
   mesh.triangles.push_back({0, 4, 2});
   mesh.triangles.push_back({0, 5, 1});
-  const MeshReport r = inspect(mesh);
+  const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.zero_area.examples, (Indices{4, 5, 6}));
   EXPECT_TRUE(r.closed);
   EXPECT_EQ(r.triangles, 7u);
@@ -113,24 +113,24 @@ TEST(MeshReport, JudgesClosednessWithoutZeroAreaTriangles) {
 TEST(MeshReport, LetsAZeroAreaTriangleFillTheGapAlongALongEdge) {
   // The face on edge 0-1 of one side is split at vertex 4, the other is not; a collinear triangle stands
   // between them.
-  const TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}},
+  const mesh::TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}},
                           {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 1}}};
-  const MeshReport r = inspect(mesh);
+  const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.zero_area.count, 1u);
   EXPECT_TRUE(r.closed);
   EXPECT_EQ(r.open_edges.count, 0u);
-  TriangleMesh without = mesh;
+  mesh::TriangleMesh without = mesh;
   without.triangles.pop_back();
-  EXPECT_EQ(inspect(without).open_edges.count, 3u);
+  EXPECT_EQ(mesh::inspect(without).open_edges.count, 3u);
 }
 
 TEST(MeshReport, FindsCollinearCornersAtAnyScaleAndPlace) {
   const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   for (const double scale : {1e-6, 1.0, 1e3}) {
     for (const double offset : {0.0, 1e6}) {
-      TriangleMesh mesh{{{0, 0, 0}, {0.1, 0.2, 0.3}, {0.7, 1.4, 2.1}, {0, 1, 0}}, {{0, 1, 2}, {0, 1, 3}}};
-      mesh = transform(mesh, scale, Pose{{offset, offset, -offset}, turn});
-      const MeshReport r = inspect(mesh);
+      mesh::TriangleMesh mesh{{{0, 0, 0}, {0.1, 0.2, 0.3}, {0.7, 1.4, 2.1}, {0, 1, 0}}, {{0, 1, 2}, {0, 1, 3}}};
+      mesh = mesh::transform(mesh, scale, Pose{{offset, offset, -offset}, turn});
+      const mesh::MeshReport r = mesh::inspect(mesh);
       EXPECT_EQ(r.zero_area.examples, Indices{0}) << scale << ' ' << offset;
     }
   }
@@ -138,16 +138,16 @@ TEST(MeshReport, FindsCollinearCornersAtAnyScaleAndPlace) {
 
 TEST(MeshReport, FindsEdgesWhereSheetsMeet) {
   // Two boxes that share one edge: four triangles there.
-  const TriangleMesh mesh = weld(joined(box({0, 0, 0}, {1, 1, 1}), box({1, 1, 0}, {2, 2, 1})));
-  const MeshReport r = inspect(mesh);
+  const mesh::TriangleMesh mesh = mesh::weld(joined(box({0, 0, 0}, {1, 1, 1}), box({1, 1, 0}, {2, 2, 1})));
+  const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.non_manifold_edges.count, 1u);
   EXPECT_TRUE(r.closed);
   EXPECT_NEAR(r.signed_volume_m3, 2.0, 1e-12);
 }
 
 TEST(MeshReport, NamesPartsThatFaceInwardAmongOthers) {
-  const TriangleMesh mesh = joined(box({0, 0, 0}, {3, 3, 3}), turned_round(box({1, 1, 1}, {2, 2, 2})));
-  const MeshReport r = inspect(mesh);
+  const mesh::TriangleMesh mesh = joined(box({0, 0, 0}, {3, 3, 3}), turned_round(box({1, 1, 1}, {2, 2, 2})));
+  const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.parts, 2u);
   EXPECT_EQ(r.inward_parts.examples, Indices{12});
   EXPECT_FALSE(r.inverted);
@@ -156,20 +156,20 @@ TEST(MeshReport, NamesPartsThatFaceInwardAmongOthers) {
 }
 
 TEST(MeshReport, SaysThatAMoebiusStripHasOneSide) {
-  TriangleMesh strip{{}, {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}, {3, 5, 4}, {4, 5, 1}, {5, 0, 1}}};
+  mesh::TriangleMesh strip{{}, {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}, {3, 5, 4}, {4, 5, 1}, {5, 0, 1}}};
   for (int k = 0; k < 3; ++k) {
     const double a = 2 * M_PI * k / 3;
     strip.vertices.emplace_back(std::cos(a), std::sin(a), 0.1 * k);
     strip.vertices.emplace_back(2 * std::cos(a + 0.1), 2 * std::sin(a + 0.1), 1.0);
   }
-  EXPECT_FALSE(inspect(strip).orientable);
+  EXPECT_FALSE(mesh::inspect(strip).orientable);
 }
 
 TEST(MeshReport, CountsVerticesThatAreNotFiniteOrNotUsed) {
-  TriangleMesh mesh = tetrahedron();
+  mesh::TriangleMesh mesh = tetrahedron();
   mesh.vertices.emplace_back(9, 9, 9);
   mesh.vertices[3].z() = std::numeric_limits<double>::quiet_NaN();
-  const MeshReport r = inspect(mesh);
+  const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.not_finite_vertices.examples, Indices{3});
   EXPECT_EQ(r.unused_vertices.examples, Indices{4});
   EXPECT_FALSE(r.closed);
@@ -179,22 +179,22 @@ TEST(MeshReport, CountsVerticesThatAreNotFiniteOrNotUsed) {
 }
 
 TEST(MeshReport, ListsOnlyTheFirstFew) {
-  TriangleMesh mesh = tetrahedron();
+  mesh::TriangleMesh mesh = tetrahedron();
   for (int k = 0; k < 9; ++k) mesh.triangles.push_back({0, 0, 1});
-  const MeshReport r = inspect(mesh);
+  const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.zero_area.count, 9u);
   EXPECT_EQ(r.zero_area.examples, (Indices{4, 5, 6, 7, 8}));
   EXPECT_TRUE(says(r, "9 triangles have no area (triangles 4, 5, 6, 7, 8, ...)"));
 }
 
 TEST(MeshReport, SurvivesAnEmptyMesh) {
-  const MeshReport r = inspect({});
+  const mesh::MeshReport r = mesh::inspect({});
   EXPECT_FALSE(r.closed);
   EXPECT_EQ(r.triangles, 0u);
 }
 
 TEST(MeshReport, KeepsTheVolumeFarFromTheOrigin) {
-  const MeshReport r = inspect(transform(tetrahedron(), 1e-3, Pose{{1e3, -1e3, 1e3}, Quat::Identity()}));
+  const mesh::MeshReport r = mesh::inspect(mesh::transform(tetrahedron(), 1e-3, Pose{{1e3, -1e3, 1e3}, Quat::Identity()}));
   EXPECT_NEAR(r.signed_volume_m3 / (1e-9 / 6), 1.0, 1e-8);
 }
 

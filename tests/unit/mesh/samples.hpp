@@ -12,7 +12,7 @@
 
 namespace samples {
 
-using voxtouch::TriangleMesh;
+using voxtouch::mesh::TriangleMesh;
 using voxtouch::Vec3;
 
 /// Closed, outward, volume 1/6.

@@ -26,7 +26,7 @@ class EveryShippedMesh : public ::testing::TestWithParam<Shipped> {};
 
 TEST_P(EveryShippedMesh, IsOneClosedSurfaceFacingOutward) {
   const Shipped& s = GetParam();
-  const ImportedMesh got = import_mesh(kMeshes / s.name, {.scale = s.scale, .voxel_size_m = 0.002});
+  const mesh::ImportedMesh got = mesh::import_mesh(kMeshes / s.name, {.scale = s.scale, .voxel_size_m = 0.002});
   EXPECT_TRUE(got.report.clean()) << got.report.sentences().front();
   EXPECT_TRUE(got.warnings.empty() || std::string(s.name) == "sphere.obj") << got.warnings.front();
   EXPECT_TRUE(got.report.closed);
@@ -54,14 +54,14 @@ TEST(ShippedMeshes, AreWhatTheirScriptWrites) {
 }
 
 TEST(ShippedMeshes, StandWhereTheirScenesExpectThem) {
-  const MeshReport plane = import_mesh(kMeshes / "plane.obj").report;
+  const mesh::MeshReport plane = mesh::import_mesh(kMeshes / "plane.obj").report;
   EXPECT_EQ(plane.max.z(), 0.0);
   EXPECT_NEAR(plane.min.z(), -0.02, 1e-8);
   EXPECT_NEAR(plane.max.x(), 0.12, 1e-8);
-  const MeshReport cylinder = import_mesh(kMeshes / "cylinder.obj").report;
+  const mesh::MeshReport cylinder = mesh::import_mesh(kMeshes / "cylinder.obj").report;
   EXPECT_NEAR((cylinder.max - Vec3(0.04, 0.1, 0.04)).norm(), 0.0, 1e-8);
   EXPECT_NEAR((cylinder.min + Vec3(0.04, 0.1, 0.04)).norm(), 0.0, 1e-8);
-  const MeshReport cup = import_mesh(kMeshes / "cup.obj").report;
+  const mesh::MeshReport cup = mesh::import_mesh(kMeshes / "cup.obj").report;
   EXPECT_EQ(cup.min.z(), 0.0);
   EXPECT_NEAR(cup.max.z(), 0.09, 1e-6);
   EXPECT_NEAR(cup.max.y(), 0.04, 1e-4);
@@ -69,21 +69,21 @@ TEST(ShippedMeshes, StandWhereTheirScenesExpectThem) {
 }
 
 TEST(ShippedMeshes, TiltedPlaneFollowsNoAxis) {
-  const TriangleMesh mesh = import_mesh(kMeshes / "tilted_plane.obj").mesh;
+  const mesh::TriangleMesh mesh = mesh::import_mesh(kMeshes / "tilted_plane.obj").mesh;
   const double a = 20 * M_PI / 180, b = 25 * M_PI / 180;
   const Mat3 turn = (Eigen::AngleAxisd(b, Vec3::UnitY()) * Eigen::AngleAxisd(a,
       Vec3::UnitX())).toRotationMatrix();
-  const TriangleMesh flat = import_mesh(kMeshes / "plane.obj").mesh;
+  const mesh::TriangleMesh flat = mesh::import_mesh(kMeshes / "plane.obj").mesh;
   for (std::size_t v = 0; v < 8; ++v) EXPECT_LT((turn * flat.vertices[v] - mesh.vertices[v]).norm(), 2e-8);
 }
 
 TEST(ShippedMeshes, SphereCornersLieOnTheSphere) {
-  for (const Vec3& v : import_mesh(kMeshes / "sphere.obj").mesh.vertices) EXPECT_NEAR(v.norm(), 1.0, 1e-7);
+  for (const Vec3& v : mesh::import_mesh(kMeshes / "sphere.obj").mesh.vertices) EXPECT_NEAR(v.norm(), 1.0, 1e-7);
 }
 
 TEST(ShippedMeshes, BothCupsAreOne) {
-  const TriangleMesh metres = import_mesh(kMeshes / "cup.obj").mesh;
-  const TriangleMesh millimetres = import_mesh(kMeshes / "cup_mm.stl", {.scale = 0.001}).mesh;
+  const mesh::TriangleMesh metres = mesh::import_mesh(kMeshes / "cup.obj").mesh;
+  const mesh::TriangleMesh millimetres = mesh::import_mesh(kMeshes / "cup_mm.stl", {.scale = 0.001}).mesh;
   ASSERT_EQ(metres.triangles.size(), millimetres.triangles.size());
   for (std::size_t t = 0; t < metres.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) EXPECT_LT((metres.corner(t, k) - millimetres.corner(t, k)).norm(), 2e-8) << t;
@@ -109,7 +109,7 @@ bool share_a_corner(const std::array<std::uint32_t, 3>& s, const std::array<std:
 
 /// Pairs without a common corner: no side of one goes through the other. Neighbours: not folded onto each
 /// other.
-std::size_t self_intersections(const TriangleMesh& mesh) {
+std::size_t self_intersections(const mesh::TriangleMesh& mesh) {
   std::vector<Eigen::AlignedBox3d> boxes(mesh.triangles.size());
   std::vector<Vec3> normals;
   for (std::size_t t = 0; t < boxes.size(); ++t) {
@@ -139,7 +139,7 @@ std::size_t self_intersections(const TriangleMesh& mesh) {
 }
 
 TEST(ShippedMeshes, CupRunsThroughItselfNowhere) {
-  EXPECT_EQ(self_intersections(import_mesh(kMeshes / "cup.obj").mesh), 0u);
+  EXPECT_EQ(self_intersections(mesh::import_mesh(kMeshes / "cup.obj").mesh), 0u);
 }
 
 TEST(ShippedMeshes, TheTestForSelfIntersectionsFindsThem) {
@@ -149,7 +149,7 @@ TEST(ShippedMeshes, TheTestForSelfIntersectionsFindsThem) {
 
 /// The hand's way through: a finger's width of air between wall and handle, and china around it.
 TEST(ShippedMeshes, CupHasAHandleWithRoomForAFinger) {
-  const TriangleMesh cup = import_mesh(kMeshes / "cup.obj").mesh;
+  const mesh::TriangleMesh cup = mesh::import_mesh(kMeshes / "cup.obj").mesh;
   const auto crossings = [&](const Vec3& from, const Vec3& to) {
     int count = 0;
     for (std::size_t t = 0; t < cup.triangles.size(); ++t) {

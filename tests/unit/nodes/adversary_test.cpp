@@ -50,9 +50,12 @@ struct Node {
 class Attacked : public testing::Test {
  protected:
   Attacked()
-      : registry(listener, rig), contacts(listener, qos::kContactState, rig, stream()),
-        commands(listener, qos::kForceCommand, rig, stream()), states(listener, qos::kDeviceState, rig, stream()),
-        rendering(options<rendering::Options>(), rendering::run), coupling(options<coupling::Options>(), coupling::run) {}
+      : registry(listener, rig),
+        contacts(listener, qos::kContactState, rig, stream()),
+        commands(listener, qos::kForceCommand, rig, stream()),
+        states(listener, qos::kDeviceState, rig, stream()),
+        rendering(options<rendering_node::Options>(), rendering_node::run),
+        coupling(options<coupling_node::Options>(), coupling_node::run) {}
   static const qos::Profile& stream() { return qos::profile(qos::ProfileId::kStream); }
   template <class Options>
   Options options() const {
@@ -61,9 +64,9 @@ class Attacked : public testing::Test {
     return o;
   }
   void start_device() {
-    auto o = options<device::Options>();
+    auto o = options<device_node::Options>();
     o.motion = "hit";
-    device.emplace(std::move(o), device::run);
+    device.emplace(std::move(o), device_node::run);
   }
   /// Listens to the ring's own nodes alone.
   void look() {
@@ -151,9 +154,9 @@ class Attacked : public testing::Test {
   bus::FollowedReader<msg::ContactState> contacts;
   bus::FollowedReader<msg::ForceCommand> commands;
   bus::FollowedReader<msg::DeviceState> states;
-  Node<rendering::Options> rendering;
-  Node<coupling::Options> coupling;
-  std::optional<Node<device::Options>> device;
+  Node<rendering_node::Options> rendering;
+  Node<coupling_node::Options> coupling;
+  std::optional<Node<device_node::Options>> device;
   runtime::NodeReport last_report;
   msg::ContactState newest_contact{};
   msg::ForceCommand newest_command{};
@@ -265,11 +268,11 @@ TEST(LockstepAttacked, ByOneWhoCallsHimselfAsItsNodesAndFallsSilentTheRunGoesOn)
     options.peers = {"rendering", "coupling"};
     return options;
   };
-  auto of_device = in_lockstep(device::Options());
+  auto of_device = in_lockstep(device_node::Options());
   of_device.motion = "hit";
-  Node<rendering::Options> rendering(in_lockstep(rendering::Options()), rendering::run);
-  Node<coupling::Options> coupling(in_lockstep(coupling::Options()), coupling::run);
-  Node<device::Options> device(of_device, device::run);
+  Node<rendering_node::Options> rendering(in_lockstep(rendering_node::Options()), rendering_node::run);
+  Node<coupling_node::Options> coupling(in_lockstep(coupling_node::Options()), coupling_node::run);
+  Node<device_node::Options> device(of_device, device_node::run);
   bus::Participant listener{{kDomain, "lo", "listener"}};
   runtime::NodeRegistry registry(listener, rig);
   const auto samples = [&] {

@@ -7,7 +7,7 @@
 
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch::rendering {
+namespace voxtouch::rendering_node {
 namespace {
 
 using What = ChangeReport::What;
@@ -47,18 +47,18 @@ TEST(SpscQueue, RefusesWhatDoesNotFit) {
 class ChangeLineTest : public testing::Test {
  protected:
   ChangeLineTest() {
-    Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
-    const EffectKind* kind = find_effect_kind("viscosity");
+    scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+    const effects::EffectKind* kind = effects::find_effect_kind("viscosity");
     scene.effects = {
-        EffectSpec{.name = "viscosity", .kind = kind, .values = EffectValues(kind->parameters), .region = {}}};
+        effects::EffectSpec{.name = "viscosity", .kind = kind, .values = effects::EffectValues(kind->parameters), .region = {}}};
     scene.effects[0].values.at(0)[0] = 1.0;
-    built_ = build_scene(scene, serial_for());
-    next_ = build_scene(scene, serial_for());
+    built_ = rendering::build_scene(scene, serial_for());
+    next_ = rendering::build_scene(scene, serial_for());
     live_.emplace(*built_);
   }
   void ask(std::uint64_t ticket, std::uint64_t from_sample = 0, double gain = 0.5, std::uint64_t session = 0) {
     Change change{.ticket = ticket, .session = session, .from_sample = from_sample, .epoch = epoch_, .effect = {}};
-    change.effect = {.action = EffectAction::kGain, .value = {gain, 0.0, 0.0}};
+    change.effect = {.action = effects::EffectAction::kGain, .value = {gain, 0.0, 0.0}};
     ASSERT_TRUE(line_.ask(change));
   }
   std::vector<ChangeReport> reports() {
@@ -69,8 +69,8 @@ class ChangeLineTest : public testing::Test {
   }
   double gain() { return live_->effects().spec(0).gain; }
 
-  std::unique_ptr<BuiltScene> built_, next_;
-  std::optional<LiveScene> live_;
+  std::unique_ptr<rendering::BuiltScene> built_, next_;
+  std::optional<rendering::LiveScene> live_;
   ChangeLine line_;
   std::uint64_t epoch_ = 0;
 };
@@ -155,9 +155,9 @@ TEST_F(ChangeLineTest, MakesNothingInASessionBeforeItWasHeldAgainstItsDevice) {
 }
 
 TEST_F(ChangeLineTest, SaysWhenAllNumbersHaveCome) {
-  Change change{.ticket = 1, .effect = {.action = EffectAction::kValue, .value = {0.5, 0.0, 0.0}}};
+  Change change{.ticket = 1, .effect = {.action = effects::EffectAction::kValue, .value = {0.5, 0.0, 0.0}}};
   ASSERT_TRUE(line_.ask(change));
-  ToolState tool;
+  rendering::ToolState tool;
   tool.pose.position = Vec3(0, 0, 0.05);
   std::uint64_t came = 0;
   for (std::uint64_t sample = 1; sample < 150; ++sample) {
@@ -175,7 +175,7 @@ TEST_F(ChangeLineTest, SwapsASceneAndGivesTheOldOneBackOnlyWhenItHasFadedOut) {
   line_.take(*live_, 1, true);
   EXPECT_TRUE(live_->fading());
   ASSERT_EQ(reports().size(), 1U);
-  ToolState tool;
+  rendering::ToolState tool;
   tool.pose.position = Vec3(0, 0, 0.05);
   for (int i = 0; i < 199; ++i) {
     line_.take(*live_, 2, true);
@@ -191,7 +191,7 @@ TEST_F(ChangeLineTest, SwapsASceneAndGivesTheOldOneBackOnlyWhenItHasFadedOut) {
 
 TEST_F(ChangeLineTest, TakesNoMoreThanItCanReport) {
   for (std::uint64_t ticket = 1; ticket <= 1000; ++ticket) {
-    Change change{.ticket = ticket, .effect = {.action = EffectAction::kGain, .value = {0.5, 0.0, 0.0}}};
+    Change change{.ticket = ticket, .effect = {.action = effects::EffectAction::kGain, .value = {0.5, 0.0, 0.0}}};
     if (!line_.ask(change)) {
       line_.take(*live_, ticket, true);
       if (!line_.ask(change)) break;
@@ -216,4 +216,4 @@ TEST_F(ChangeLineTest, HoldsTheLoopBeforeTheSampleOfASceneThatIsNotBuilt) {
 }
 
 }  // namespace
-}  // namespace voxtouch::rendering
+}  // namespace voxtouch::rendering_node

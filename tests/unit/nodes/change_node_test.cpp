@@ -125,9 +125,9 @@ class RenderingLive : public testing::Test {
         plans(participant, qos::kScenePlan, rig, latched()),
         states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)),
         contacts(participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kTap)), asker(participant, rig),
-        options(node_options<rendering::Options>(rig)), node([this](const std::atomic<bool>& stop) {
+        options(node_options<rendering_node::Options>(rig)), node([this](const std::atomic<bool>& stop) {
           options.scene = scene.file;
-          return rendering::run(options, stop);
+          return rendering_node::run(options, stop);
         }) {
     EXPECT_TRUE(asker.ready());
     EXPECT_TRUE(asker.send_until_heard(change(99), 1'000'000));
@@ -210,7 +210,7 @@ class RenderingLive : public testing::Test {
   bus::Writer<msg::DeviceState> states;
   bus::Reader<msg::ContactState> contacts;
   Asker asker;
-  rendering::Options options;
+  rendering_node::Options options;
   NodeThread node;
   std::uint64_t session = 0, sequence = 0, planned = 0, plan_from_sample = 0;
   int plan_count = 0;
@@ -223,7 +223,7 @@ TEST_F(RenderingLive, SwitchesAndSetsAnEffectWithoutAStep) {
   begin(5);
   samples(50);
   ASSERT_NEAR(drag(), -2.0 * kSpeed, 1e-12);
-  const double whole = 2.0 * kSpeed, ramp = 1.001 * whole * 0.001 / EffectChain::kEffectRampS;
+  const double whole = 2.0 * kSpeed, ramp = 1.001 * whole * 0.001 / effects::EffectChain::kEffectRampS;
   largest_step = 0.0;
   const Said off = ask(change(kActionSwitch, 0.0));
   EXPECT_EQ(off.result, result::kResultDone) << off.sentence;
@@ -351,7 +351,7 @@ TEST_F(RenderingLive, BuildsTheSceneAnewBesideTheLoopAndFadesOverToIt) {
   EXPECT_EQ(plan_count, 3) << "the session's, the lower damping's, and this one";
   const double after = push();
   EXPECT_GT(std::abs(after - before), 0.5 * before);
-  EXPECT_LE(largest_step, 1.01 * std::abs(after - before) * 0.001 / LiveScene::kFadeS);
+  EXPECT_LE(largest_step, 1.01 * std::abs(after - before) * 0.001 / rendering::LiveScene::kFadeS);
   EXPECT_NEAR(drag(), -1.0 * kSpeed, 1e-12) << "what was changed stays where the file says the same";
   int fading = 0;
   for (const msg::ContactState& c : seen) fading += (c.flags & msg::contact_state::kFlagFading) != 0;
@@ -546,32 +546,32 @@ TEST_F(RenderingLive, StopsWhileASceneIsBeingBuilt) {
 // --- the update server alone: an effect whose stiffness changes with its parameter
 
 constexpr std::array kSpringParameters = {
-    EffectParameter{.name = "stiffness_n_per_m", .high = 1000.0, .standard = {{100.0, 0.0, 0.0}}}};
+    effects::EffectParameter{.name = "stiffness_n_per_m", .high = 1000.0, .standard = {{100.0, 0.0, 0.0}}}};
 
-class Spring final : public Effect {
+class Spring final : public effects::Effect {
  public:
-  void apply(const EffectFrame&, const EffectValues& values, EffectPush& push) noexcept override {
+  void apply(const effects::EffectFrame&, const effects::EffectValues& values, effects::EffectPush& push) noexcept override {
     push.stiffness_bound_n_per_m += values.number(0);
   }
 };
 
-const EffectKind kSpring = {
+const effects::EffectKind kSpring = {
     .name = "spring",
     .says = "",
     .equations = "",
     .parameters = kSpringParameters,
-    .needs = [](const EffectValues&) { return EffectNeeds{}; },
+    .needs = [](const effects::EffectValues&) { return effects::EffectNeeds{}; },
     .bound =
-        [](const EffectValues& v) {
-          EffectBound bound;
+        [](const effects::EffectValues& v) {
+          effects::EffectBound bound;
           bound.stiffness_n_per_m = v.number(0);
           return bound;
         },
-    .make = [] { return std::unique_ptr<Effect>(std::make_unique<Spring>()); },
+    .make = [] { return std::unique_ptr<effects::Effect>(std::make_unique<Spring>()); },
 };
 
-DeviceModel stylus() {
-  DeviceModel model;
+coupling::design::DeviceModel stylus() {
+  coupling::design::DeviceModel model;
   model.name = "stylus";
   model.translation = {.inertia_min = 0.1, .inertia_max = 0.2, .damping = 2.0, .max_effort = 8.5};
   model.timing.delay_s = 1e-3;
@@ -580,20 +580,21 @@ DeviceModel stylus() {
 
 /// The update server's thread may be held up by whatever it does; a session begins without it.
 TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
-  const Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  const scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   const std::string rig = own_rig("w");
-  const auto options = node_options<rendering::Options>(rig);
+  const auto options = node_options<rendering_node::Options>(rig);
   const bus::Participant participant({kDomain, "lo", "update server"});
-  rendering::ChangeLine line;
+  rendering_node::ChangeLine line;
   std::atomic<bool> held{false}, go_on{false};
   std::atomic<std::uint64_t> last{0};
-  rendering::SceneUpdateServer server(participant, options, scene, build_scene(scene, serial_for()), line, [](const Scene&) {},
-                             [&](std::uint64_t session) {
-                               last = session, held = true;
-                               EXPECT_TRUE(wait_until([&] { return go_on.load(); })) << "device_is waits for the update server";
-                             });
+  rendering_node::SceneUpdateServer server(
+      participant, options, scene, rendering::build_scene(scene, serial_for()), line, [](const scene::Scene&) {},
+      [&](std::uint64_t session) {
+        last = session, held = true;
+        EXPECT_TRUE(wait_until([&] { return go_on.load(); })) << "device_is waits for the update server";
+      });
   const auto begin = [&](std::uint64_t session) {
-    server.device_is(std::make_unique<rendering::DescribedDevice>(rendering::DescribedDevice{session, stylus()}));
+    server.device_is(std::make_unique<rendering_node::DescribedDevice>(rendering_node::DescribedDevice{session, stylus()}));
   };
   begin(3);
   ASSERT_TRUE(wait_until([&] { return held.load(); }));
@@ -605,21 +606,30 @@ TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
 /// The update server of plane.yaml with one effect, a device and a loop that takes what is handed over.
 class UpdateServer {
  public:
-  UpdateServer(EffectSpec effect, const DeviceModel& device)
-      : name_(effect.name), scene_(plane_with(std::move(effect))), built_(build_scene(scene_, serial_for())), live_(*built_),
-        of_contact(built_->plan().of_contact_alone.translation.all_points), rig_(own_rig("d")), options_(node_options<rendering::Options>(rig_)),
-        participant_({kDomain, "lo", "update server"}), plans_(participant_, qos::kScenePlan, rig_, latched()), asker_(participant_, rig_),
-        server_(participant_, options_, scene_, std::move(built_), line_, [](const Scene&) {}, [this](std::uint64_t session) { begun_ = session; }) {
+  UpdateServer(effects::EffectSpec effect, const coupling::design::DeviceModel& device)
+      : name_(effect.name),
+        scene_(plane_with(std::move(effect))),
+        built_(rendering::build_scene(scene_, serial_for())),
+        live_(*built_),
+        of_contact(built_->plan().of_contact_alone.translation.all_points),
+        rig_(own_rig("d")),
+        options_(node_options<rendering_node::Options>(rig_)),
+        participant_({kDomain, "lo", "update server"}),
+        plans_(participant_, qos::kScenePlan, rig_, latched()),
+        asker_(participant_, rig_),
+        server_(
+            participant_, options_, scene_, std::move(built_), line_, [](const scene::Scene&) {},
+            [this](std::uint64_t session) { begun_ = session; }) {
     EXPECT_TRUE(asker_.ready());
     EXPECT_TRUE(asker_.send_until_heard(change(99), 1'000'000));
     line_.begin_session(3);
-    server_.device_is(std::make_unique<rendering::DescribedDevice>(rendering::DescribedDevice{3, device}));
+    server_.device_is(std::make_unique<rendering_node::DescribedDevice>(rendering_node::DescribedDevice{3, device}));
     EXPECT_TRUE(wait_until([&] { return begun_ == 3 && (loop(), !plans.empty()); }));
   }
   /// One sample, as the loop takes it, and the plans that have come.
   void loop() {
     line_.take(live_, ++sample_, true);
-    EffectFrame frame;
+    effects::EffectFrame frame;
     frame.dt_s = 1e-3;
     live_.effects().apply(frame);
     plans_.take_each([&](const msg::ScenePlan& p) {
@@ -651,33 +661,33 @@ class UpdateServer {
   std::vector<Plan> plans;
 
  private:
-  static Scene plane_with(EffectSpec effect) {
-    Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  static scene::Scene plane_with(effects::EffectSpec effect) {
+    scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
     scene.effects = {std::move(effect)};
     return scene;
   }
   std::string name_;
-  Scene scene_;
-  std::unique_ptr<BuiltScene> built_;
-  LiveScene live_;
+  scene::Scene scene_;
+  std::unique_ptr<rendering::BuiltScene> built_;
+  rendering::LiveScene live_;
 
  public:
   const double of_contact;  ///< all points' stiffness [N/m]
 
  private:
   std::string rig_;
-  rendering::Options options_;
+  rendering_node::Options options_;
   bus::Participant participant_;
   bus::Reader<msg::ScenePlan> plans_;
   Asker asker_;
-  rendering::ChangeLine line_;
+  rendering_node::ChangeLine line_;
   std::atomic<std::uint64_t> begun_{0};
-  rendering::SceneUpdateServer server_;
+  rendering_node::SceneUpdateServer server_;
   std::uint64_t sample_ = 0;
 };
 
 TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
-  UpdateServer on({.name = "spring", .kind = &kSpring, .values = EffectValues(kSpringParameters), .region = {}}, stylus());
+  UpdateServer on({.name = "spring", .kind = &kSpring, .values = effects::EffectValues(kSpringParameters), .region = {}}, stylus());
   EXPECT_EQ(on.ask(change(kActionSwitch, 0.0), "").result, result::kResultDone);
   EXPECT_EQ(on.ask(change(kActionSwitch, 1.0), "").result, result::kResultDone);
   const Said stiffer = on.ask(change(kActionValue, 350.0), "stiffness_n_per_m");
@@ -695,33 +705,34 @@ TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
 
 // --- and one whose damping is a product: two numbers that change one after the other may meet where neither change comes to rest
 
-constexpr std::array kPasteParameters = {EffectParameter{.name = "share", .high = 10.0, .standard = {{2.0, 0.0, 0.0}}},
-                                         EffectParameter{.name = "thickness_ns_per_m", .high = 10.0, .standard = {{1.0, 0.0, 0.0}}},
-                                         EffectParameter{.name = "lever_m", .high = 1.0, .standard = {{0.0, 0.0, 0.0}}}};
+constexpr std::array kPasteParameters = {
+    effects::EffectParameter{.name = "share", .high = 10.0, .standard = {{2.0, 0.0, 0.0}}},
+    effects::EffectParameter{.name = "thickness_ns_per_m", .high = 10.0, .standard = {{1.0, 0.0, 0.0}}},
+    effects::EffectParameter{.name = "lever_m", .high = 1.0, .standard = {{0.0, 0.0, 0.0}}}};
 
-class Paste final : public Effect {
+class Paste final : public effects::Effect {
  public:
-  void apply(const EffectFrame&, const EffectValues&, EffectPush&) noexcept override {}
+  void apply(const effects::EffectFrame&, const effects::EffectValues&, effects::EffectPush&) noexcept override {}
 };
 
-const EffectKind kPaste = {
+const effects::EffectKind kPaste = {
     .name = "paste",
     .says = "",
     .equations = "",
     .parameters = kPasteParameters,
-    .needs = [](const EffectValues&) { return EffectNeeds{}; },
+    .needs = [](const effects::EffectValues&) { return effects::EffectNeeds{}; },
     .bound =
-        [](const EffectValues& v) {
-          EffectBound bound;
+        [](const effects::EffectValues& v) {
+          effects::EffectBound bound;
           bound.damping_ns_per_m = v.number(0) * v.number(1);
           bound.damping_nms_per_rad = bound.damping_ns_per_m * v.number(2) * v.number(2);
           return bound;
         },
-    .make = [] { return std::unique_ptr<Effect>(std::make_unique<Paste>()); },
+    .make = [] { return std::unique_ptr<effects::Effect>(std::make_unique<Paste>()); },
 };
 
-EffectSpec paste(double lever_m = 0.0) {
-  EffectSpec spec{.name = "paste", .kind = &kPaste, .values = EffectValues(kPasteParameters), .region = {}};
+effects::EffectSpec paste(double lever_m = 0.0) {
+  effects::EffectSpec spec{.name = "paste", .kind = &kPaste, .values = effects::EffectValues(kPasteParameters), .region = {}};
   spec.values.at(2)[0] = lever_m;
   spec.place = "a.yaml:7:5";
   return spec;
@@ -746,7 +757,7 @@ TEST(SceneUpdateServer, JudgesWhatTwoChangesThatWaitMayComeToOnTheirWay) {
 }
 
 TEST(SceneUpdateServer, TellsWhatTheEffectsDampOfTurning) {
-  DeviceModel arm = stylus();
+  coupling::design::DeviceModel arm = stylus();
   arm.gives_torque = true;
   arm.rotation = {.inertia_min = 0.01, .inertia_max = 0.02, .damping = 0.2, .max_effort = 5.0, .max_stiffness = 50.0};
   UpdateServer on(paste(0.05), arm);

@@ -60,14 +60,14 @@ class Around {
         designs(participant, qos::kCouplingDesign, rig, latched()),
         commands(participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kTap)),
         options(options_for(coupling)),
-        node([this](const std::atomic<bool>& stop) { return coupling::run(options, stop); }) {
+        node([this](const std::atomic<bool>& stop) { return coupling_node::run(options, stop); }) {
     EXPECT_TRUE(wait_until([&] {
       return descriptions.matched_count() && plans.matched_count() && contacts.matched_count() &&
              commands.matched_count() && designs.matched_count();
     }));
   }
-  coupling::Options options_for(const std::string& coupling) const {
-    auto o = node_options<coupling::Options>(rig);
+  coupling_node::Options options_for(const std::string& coupling) const {
+    auto o = node_options<coupling_node::Options>(rig);
     o.scene = scene_with(coupling);
     return o;
   }
@@ -176,7 +176,7 @@ class Around {
   bus::Writer<msg::ContactState> contacts;
   bus::Reader<msg::CouplingDesign> designs;
   bus::Reader<msg::ForceCommand> commands;
-  coupling::Options options;
+  coupling_node::Options options;
   NodeThread node;
   std::uint64_t sequence = 0;
   std::vector<double> forces;
@@ -420,15 +420,15 @@ TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
 
 /// A fit takes some tenths of a second; what comes meanwhile is not in it.
 TEST(Fitting, IsJudgedOnceMoreForWhatHasComeMeanwhile) {
-  const Scene scene = load_scene(scene_with("{design: auto, kind: shaping_filter}"));
+  const scene::Scene scene = scene::load_scene(scene_with("{design: auto, kind: shaping_filter}"));
   const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};
-  coupling::Fitting fitting(scene);
+  coupling_node::Fitting fitting(scene);
   fitting.take(runtime::from_msg(stylus(7)), 7);
   fitting.take(Around::message_of(30.0, 7, little));
   ASSERT_EQ(fitting.fit().refusal, "");
   fitting.begin();
   fitting.take(Around::message_of(30.0, 7, much));
-  std::optional<FittedCoupling> fitted;
+  std::optional<fitting::FittedCoupling> fitted;
   ASSERT_TRUE(wait_until([&] { return (fitted = fitting.poll()).has_value(); }));
   EXPECT_NE(fitted->refusal.find("'oil' most of it"), std::string::npos) << fitted->refusal;
 }

@@ -30,7 +30,7 @@ Said said_while(F&& told) {
   testing::internal::CaptureStderr();
   const auto begin = Clock::now();
   told();
-  finish_telling(std::chrono::seconds(5));
+  log::finish_telling(std::chrono::seconds(5));
   Said said{testing::internal::GetCapturedStderr(), 0, std::chrono::duration<double>(Clock::now() - begin).count()};
   said.lines = std::count(said.text.begin(), said.text.end(), '\n');
   return said;

@@ -12,14 +12,14 @@
 #include "nodes/runtime/clock.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
-namespace voxtouch::device {
+namespace voxtouch::device_node {
 namespace {
 
 /// Fails at the samples it is told to; remembers every force it was given.
-class FaultyDevice final : public Driver {
+class FaultyDevice final : public devices::Driver {
  public:
-  std::map<std::uint64_t, DeviceError> read_faults, write_faults;  ///< by the number of the read
-  std::map<std::uint64_t, DeviceSample> odd_samples;
+  std::map<std::uint64_t, devices::DeviceError> read_faults, write_faults;  ///< by the number of the read
+  std::map<std::uint64_t, devices::DeviceSample> odd_samples;
   std::vector<double> pushed;    ///< force after each read [N]; 0 where it failed
   double force = 0.0;
   int stops = 0;
@@ -37,7 +37,7 @@ class FaultyDevice final : public Driver {
     description_.max_torque_rate_nm_per_s = 500.0;
   }
   const DeviceDescription& description() const noexcept override { return description_; }
-  DeviceResult<DeviceSample> read(std::chrono::microseconds) noexcept override {
+  devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds) noexcept override {
     pushed.push_back(force);
     ++reads_;
     if (paces) wait_for_tick();
@@ -46,16 +46,16 @@ class FaultyDevice final : public Driver {
     if (const auto fault = read_faults.find(reads_); fault != read_faults.end()) return std::unexpected(fault->second);
     const auto time_ns = paces ? tick_ns_ : static_cast<std::int64_t>(reads_) * 1'000'000;
     if (const auto odd = odd_samples.find(reads_); odd != odd_samples.end()) {
-      DeviceSample sample = odd->second;
+      devices::DeviceSample sample = odd->second;
       sample.time_ns = time_ns;
       return sample;
     }
-    DeviceSample sample;
+    devices::DeviceSample sample;
     sample.time_ns = time_ns;
     sample.pose.position = {0.0, 0.0, 0.5};
     return sample;
   }
-  DeviceResult<void> write(const Wrench& command) noexcept override {
+  devices::DeviceResult<void> write(const Wrench& command) noexcept override {
     if (const auto fault = write_faults.find(reads_); fault != write_faults.end()) {
       force = 0.0;
       return std::unexpected(fault->second);
@@ -154,12 +154,13 @@ TEST_F(DeviceLoopRun, PushesAsCommandedAndEndsAtZero) {
 }
 
 TEST_F(DeviceLoopRun, TakesAMissedSampleForAnInterruptionNotForTheEnd) {
-  device.read_faults = {{900, DeviceError::kTimeout}, {901, DeviceError::kProtocol}, {902, DeviceError::kRecoverable}};
+  device.read_faults = {
+      {900, devices::DeviceError::kTimeout}, {901, devices::DeviceError::kProtocol}, {902, devices::DeviceError::kRecoverable}};
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_EQ(progress.samples.load(), 1200U);
   EXPECT_EQ(progress.interruptions.load(), 1U) << "three failures in a row are one";
   EXPECT_EQ(progress.zero_force_samples.load(), 3U);
-  EXPECT_EQ(progress.last_error.load(), DeviceError::kRecoverable);
+  EXPECT_EQ(progress.last_error.load(), devices::DeviceError::kRecoverable);
   EXPECT_GT(largest(700, 900), 1.5) << "the force before the interruption";
   EXPECT_EQ(device.pushed[900], 0.0) << "zero force at once";
   EXPECT_EQ(device.pushed[902], 0.0);
@@ -169,7 +170,7 @@ TEST_F(DeviceLoopRun, TakesAMissedSampleForAnInterruptionNotForTheEnd) {
 }
 
 TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {
-  for (std::uint64_t i = 800; i < 810; ++i) device.write_faults[i] = DeviceError::kRecoverable;
+  for (std::uint64_t i = 800; i < 810; ++i) device.write_faults[i] = devices::DeviceError::kRecoverable;
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_EQ(progress.interruptions.load(), 1U);
   EXPECT_EQ(progress.zero_force_samples.load(), 10U);
@@ -212,36 +213,36 @@ TEST_F(DeviceLoopRun, TellsWhichSampleWasAnsweredFirstAndThatItTurns) {
 }
 
 TEST_F(DeviceLoopRun, CountsNoInterruptionWhileADeviceGetsReady) {
-  for (std::uint64_t i = 1; i <= 300; ++i) device.write_faults[i] = DeviceError::kRecoverable;
-  device.write_faults[800] = DeviceError::kRecoverable;
+  for (std::uint64_t i = 1; i <= 300; ++i) device.write_faults[i] = devices::DeviceError::kRecoverable;
+  device.write_faults[800] = devices::DeviceError::kRecoverable;
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_EQ(progress.interruptions.load(), 1U) << "the one after it was ready";
   EXPECT_EQ(progress.zero_force_samples.load(), 301U);
 }
 
 TEST_F(DeviceLoopRun, DoesNotSpinOnADeviceThatFailsAtOnce) {
-  for (std::uint64_t i = 100; i < 400; ++i) device.read_faults[i] = DeviceError::kRecoverable;
-  device.read_faults[400] = DeviceError::kDisconnected;
+  for (std::uint64_t i = 100; i < 400; ++i) device.read_faults[i] = devices::DeviceError::kRecoverable;
+  device.read_faults[400] = devices::DeviceError::kDisconnected;
   EXPECT_EQ(run(), End::kDeviceGone);
   EXPECT_GT(took_s, 0.35) << "100 good and 300 failed samples at 1 kHz";
 }
 
 TEST_F(DeviceLoopRun, EndsAtZeroForceWhenTheDeviceHasGoneOrNeedsAPerson) {
-  device.read_faults = {{900, DeviceError::kDisconnected}};
+  device.read_faults = {{900, devices::DeviceError::kDisconnected}};
   EXPECT_EQ(run(), End::kDeviceGone);
   EXPECT_EQ(device.force, 0.0);
   EXPECT_GE(device.stops, 1);
 }
 
 TEST_F(DeviceLoopRun, EndsAtZeroForceWhenAWriteFindsAFault) {
-  device.write_faults = {{900, DeviceError::kFault}};
+  device.write_faults = {{900, devices::DeviceError::kFault}};
   EXPECT_EQ(run(), End::kDeviceFault);
   EXPECT_EQ(device.force, 0.0);
   EXPECT_GE(device.stops, 1);
 }
 
 TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
-  DeviceSample marked, not_a_number;
+  devices::DeviceSample marked, not_a_number;
   marked.pose.position = {9.0, 9.0, 9.0};
   marked.pose_valid = false;
   not_a_number.pose.position.x() = std::numeric_limits<double>::quiet_NaN();
@@ -283,4 +284,4 @@ TEST_F(DeviceLoopRun, YieldsTheRigAtZeroForce) {
 }
 
 }  // namespace
-}  // namespace voxtouch::device
+}  // namespace voxtouch::device_node

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxtouch::device {
+namespace voxtouch::device_node {
 namespace {
 
 TEST(LastSecond, HoldsTheLargestForceForASecondAndNoLonger) {
@@ -36,4 +36,4 @@ TEST(LastSecond, CountsTheShareAnsweredInIt) {
 }
 
 }  // namespace
-}  // namespace voxtouch::device
+}  // namespace voxtouch::device_node

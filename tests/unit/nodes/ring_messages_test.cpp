@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace voxtouch::coupling {
+namespace voxtouch::coupling_node {
 namespace {
 
 TEST(RingMessages, ACommandsTimeLimitIsNeverBeforeItsSample) {
@@ -16,4 +16,4 @@ TEST(RingMessages, ACommandsTimeLimitIsNeverBeforeItsSample) {
 }
 
 }  // namespace
-}  // namespace voxtouch::coupling
+}  // namespace voxtouch::coupling_node

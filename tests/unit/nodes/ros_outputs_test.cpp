@@ -16,9 +16,9 @@
 namespace voxtouch::test {
 namespace {
 
-using rendering::RosOutputCounts;
+using rendering_node::RosOutputCounts;
 
-Scene plane() { return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml"); }
+scene::Scene plane() { return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml"); }
 
 class RosOutputsTest : public testing::Test {
  protected:
@@ -40,9 +40,9 @@ class RosOutputsTest : public testing::Test {
   }
 
   const std::string rig_ = own_rig("ros");
-  Scene scene_ = plane();
+  scene::Scene scene_ = plane();
   bus::Participant participant_{{kDomain, "lo", "rendering"}}, other_{{kDomain, "lo", "looker"}};
-  rendering::RosOutputs outputs_{participant_, rig_, scene_};
+  rendering_node::RosOutputs outputs_{participant_, rig_, scene_};
   std::int64_t time_ns_ = 0;
 };
 
@@ -81,9 +81,9 @@ TEST_F(RosOutputsTest, AreEachMadeOnceSomebodyReadsIt) {
 }
 
 TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
-  const std::vector<PlanPart> parts = rendering::ring_parts(plane());
+  const std::vector<rendering::PlanPart> parts = rendering_node::ring_parts(plane());
   std::multiset<std::string> names;
-  for (const PlanPart& part : parts) {
+  for (const rendering::PlanPart& part : parts) {
     names.insert(part.name);
     EXPECT_GT(part.why.size(), 20U) << part.name;
     EXPECT_FALSE(part.node.empty());
@@ -92,7 +92,7 @@ TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
   for (const qos::Topic& topic : qos::kTopics) {
     EXPECT_EQ(names.count("topic " + std::string(topic.path)), 1U) << topic.path;
     const auto part = std::find_if(parts.begin(), parts.end(),
-                                   [&](const PlanPart& p) { return p.name == "topic " + std::string(topic.path); });
+                                   [&](const rendering::PlanPart& p) { return p.name == "topic " + std::string(topic.path); });
     // What the logger does not record unasked is there for ROS tools, and only for those who read it.
     EXPECT_EQ(part->why.find("only while somebody reads it") != std::string::npos, !(topic.readers & qos::kLogger)) << topic.path;
   }
@@ -106,13 +106,13 @@ TEST(PlanMessage, CarriesThePartsOfPlanAndRingSideBySide) {
   bus::Participant writer_side({kDomain, "lo", "rendering"}), reader_side({kDomain, "lo", "looker"});
   bus::Writer<msg::ScenePlan> writer(writer_side, qos::kScenePlan, rig, qos::profile(qos::kScenePlan.profile));
   bus::Reader<msg::ScenePlan> reader(reader_side, qos::kScenePlan, rig, qos::profile(qos::kScenePlan.profile));
-  const Scene scene = plane();
-  BuildCounts counts;
+  const scene::Scene scene = plane();
+  rendering::BuildCounts counts;
   counts.shell_points = 100, counts.shell_bytes = 6800, counts.voxmap_bytes = 1234;
-  const Plan plan = make_plan(scene, counts);
-  rendering::publish_plan(writer, scene, plan, demand_of(scene), 0.001, 7, 0);
-  std::vector<PlanPart> wanted = plan.parts, got;
-  for (PlanPart& part : rendering::ring_parts(scene)) wanted.push_back(std::move(part));
+  const rendering::Plan plan = rendering::make_plan(scene, counts);
+  rendering_node::publish_plan(writer, scene, plan, fitting::demand_of(scene), 0.001, 7, 0);
+  std::vector<rendering::PlanPart> wanted = plan.parts, got;
+  for (rendering::PlanPart& part : rendering_node::ring_parts(scene)) wanted.push_back(std::move(part));
   ASSERT_TRUE(wait_until([&] {
     reader.take_each([&](const msg::ScenePlan& m) {
       ASSERT_EQ(m.part_names._length, m.part_nodes._length);

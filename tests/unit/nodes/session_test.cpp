@@ -82,8 +82,8 @@ struct Node {
   NodeThread thread;
 };
 
-device::Options device_options(const std::string& rig, double duration_s) {
-  auto options = node_options<device::Options>(rig, "plane");
+device_node::Options device_options(const std::string& rig, double duration_s) {
+  auto options = node_options<device_node::Options>(rig, "plane");
   options.motion = "hit";
   options.duration_s = duration_s;
   return options;
@@ -92,12 +92,12 @@ device::Options device_options(const std::string& rig, double duration_s) {
 TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
   const std::string rig = own_rig();
   Bystander bystander(rig);
-  Node rendering(node_options<rendering::Options>(rig, "plane"), rendering::run);
-  Node coupling(node_options<coupling::Options>(rig, "plane"), coupling::run);
+  Node rendering(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run);
+  Node coupling(node_options<coupling_node::Options>(rig, "plane"), coupling_node::run);
   std::uint64_t old_session = 0;
   msg::ForceCommand old_command{};
   {
-    Node device(device_options(rig, 2.0), device::run);
+    Node device(device_options(rig, 2.0), device_node::run);
     ASSERT_TRUE(bystander.sees([&] { return device.thread.status() >= 0; })) << device.thread.error();
     EXPECT_EQ(device.thread.status(), 0);
     old_session = bystander.newest.session_id;
@@ -106,7 +106,7 @@ TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
     EXPECT_EQ(bystander.commanded, (std::set<std::uint64_t>{old_session}));
   }
   bystander.touched.clear(), bystander.commanded.clear(), bystander.first_force = 0.0, bystander.over = old_session;
-  Node device(device_options(rig, 2.0), device::run);
+  Node device(device_options(rig, 2.0), device_node::run);
   ASSERT_TRUE(bystander.sees([&] { return !bystander.commanded.empty(); })) << device.thread.error();
   // Somebody repeats a command of the old session: refused and counted, and it does not take the coupling's place.
   bus::Writer<msg::ForceCommand> repeater(bystander.participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kStream));
@@ -150,10 +150,10 @@ TEST(Session, IsNewInLockstepTooWhenTheNodesHaveSeenTheSameRunBefore) {
     options.peers = {"rendering", "coupling"};
     return options;
   };
-  Node rendering(lockstep(node_options<rendering::Options>(rig, "plane")), rendering::run);
-  Node coupling(lockstep(node_options<coupling::Options>(rig, "plane")), coupling::run);
+  Node rendering(lockstep(node_options<rendering_node::Options>(rig, "plane")), rendering_node::run);
+  Node coupling(lockstep(node_options<coupling_node::Options>(rig, "plane")), coupling_node::run);
   for (int i = 0; i < 2; ++i) {
-    Node device(lockstep(device_options(rig, 0.5)), device::run);
+    Node device(lockstep(device_options(rig, 0.5)), device_node::run);
     ASSERT_TRUE(bystander.sees([&] { return device.thread.status() >= 0; })) << device.thread.error();
     EXPECT_EQ(device.thread.status(), 0);
     ASSERT_TRUE(bystander.sees([&] { return !bystander.registry.find("device"); }));
@@ -193,7 +193,7 @@ class RenderingAlone : public testing::Test {
   RenderingAlone()
       : rig(own_rig()), device(rig), contacts(device.participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kTap)),
         plans(device.participant, qos::kScenePlan, rig, Bystander::latched()),
-        rendering(node_options<rendering::Options>(rig, "plane"), rendering::run) {}
+        rendering(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run) {}
   void begin(std::uint64_t session) {
     device.describe(session);
     ASSERT_TRUE(wait_until([&] {
@@ -226,7 +226,7 @@ class RenderingAlone : public testing::Test {
   FakeDevice device;
   bus::Reader<msg::ContactState> contacts;
   bus::Reader<msg::ScenePlan> plans;
-  Node<rendering::Options> rendering;
+  Node<rendering_node::Options> rendering;
   double most_n_per_m = 0.0, most_nm_per_rad = 0.0, one_n_per_m = 0.0, one_nm_per_rad = 0.0;  ///< of the last plan
   std::uint64_t points = 0;
 };
@@ -281,12 +281,12 @@ TEST_F(RenderingAlone, HoldsNoContactOfAnotherSession) {
 TEST(Rigs, OnOneDomainDoNotMix) {
   const std::string left = own_rig("left"), right = own_rig("right");
   Bystander at_left(left), at_right(right);
-  Node left_rendering(node_options<rendering::Options>(left, "plane"), rendering::run);
-  Node right_rendering(node_options<rendering::Options>(right, "plane"), rendering::run);
-  Node left_coupling(node_options<coupling::Options>(left, "plane"), coupling::run);
-  Node right_coupling(node_options<coupling::Options>(right, "plane"), coupling::run);
-  Node left_device(device_options(left, 1.5), device::run);
-  Node right_device(device_options(right, 1.5), device::run);
+  Node left_rendering(node_options<rendering_node::Options>(left, "plane"), rendering_node::run);
+  Node right_rendering(node_options<rendering_node::Options>(right, "plane"), rendering_node::run);
+  Node left_coupling(node_options<coupling_node::Options>(left, "plane"), coupling_node::run);
+  Node right_coupling(node_options<coupling_node::Options>(right, "plane"), coupling_node::run);
+  Node left_device(device_options(left, 1.5), device_node::run);
+  Node right_device(device_options(right, 1.5), device_node::run);
   ASSERT_TRUE(wait_until([&] {
     at_left.look(), at_right.look();
     return left_device.thread.status() >= 0 && right_device.thread.status() >= 0;
@@ -307,8 +307,8 @@ TEST(Rigs, OnOneDomainDoNotMix) {
 
 TEST(Rigs, KeepOneOfTwoDevicesThatStartAtTheSameTime) {
   const std::string rig = own_rig();
-  Node first(device_options(rig, 3.0), device::run);
-  Node second(device_options(rig, 3.0), device::run);
+  Node first(device_options(rig, 3.0), device_node::run);
+  Node second(device_options(rig, 3.0), device_node::run);
   const int a = first.thread.wait(), b = second.thread.wait();
   EXPECT_EQ(std::min(a, b), 0) << first.thread.error() << second.thread.error();
   EXPECT_EQ(std::max(a, b), 1);
@@ -317,9 +317,9 @@ TEST(Rigs, KeepOneOfTwoDevicesThatStartAtTheSameTime) {
 TEST(Rigs, AfterASplitTheDeviceStaysThatHadMoreSamplesAnsweredWhateverAnyClockSays) {
   const std::string rig = own_rig();
   Bystander bystander(rig);
-  Node rendering(node_options<rendering::Options>(rig, "plane"), rendering::run);
-  Node coupling(node_options<coupling::Options>(rig, "plane"), coupling::run);
-  Node device(device_options(rig, 0.0), device::run);
+  Node rendering(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run);
+  Node coupling(node_options<coupling_node::Options>(rig, "plane"), coupling_node::run);
+  Node device(device_options(rig, 0.0), device_node::run);
   const auto figure = [&](const char* name) {
     const auto report = bystander.registry.find("device");
     return report ? runtime::value_of(report->figures, name) : 0.0;
@@ -347,12 +347,12 @@ TEST(Rigs, AfterASplitTheDeviceStaysThatHadMoreSamplesAnsweredWhateverAnyClockSa
 TEST(Rigs, ARenderingThatWaitsTakesTheRoleWhenTheFirstHasGoneAndIsFelt) {
   const std::string rig = own_rig();
   Bystander bystander(rig);
-  std::optional<Node<rendering::Options>> first;
-  first.emplace(node_options<rendering::Options>(rig, "plane"), rendering::run);
-  Node coupling(node_options<coupling::Options>(rig, "plane"), coupling::run);
-  Node device(device_options(rig, 0.0), device::run);
+  std::optional<Node<rendering_node::Options>> first;
+  first.emplace(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run);
+  Node coupling(node_options<coupling_node::Options>(rig, "plane"), coupling_node::run);
+  Node device(device_options(rig, 0.0), device_node::run);
   ASSERT_TRUE(bystander.sees([&] { return bystander.last_command.sequence_number > 200; }));
-  Node second(node_options<rendering::Options>(rig, "plane"), rendering::run);
+  Node second(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run);
   ASSERT_TRUE(bystander.sees([&] {
     const auto report = bystander.registry.find("coupling");
     return report && report->message.find("is refused") != std::string::npos;

@@ -61,7 +61,7 @@ class ValidatorNodeTest : public testing::Test {
   }
 
   const std::string rig_ = own_rig("v"), none_;
-  const Scene scene_ = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  const scene::Scene scene_ = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   StandIn rendering_{kDomain, "rendering", rig_};
   bus::Participant reader_{{kDomain, "lo", "reader"}};
   runtime::NodeRegistry registry_{reader_, rig_};

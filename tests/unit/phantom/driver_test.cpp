@@ -27,7 +27,7 @@ TEST_F(Driver, DescribesTheDeviceInMetresAndNewtons) {
   EXPECT_EQ(d.input_dof, 6u);
   EXPECT_EQ(d.output_dof, 3u);
   EXPECT_TRUE(driver->simulated());
-  EXPECT_NO_THROW(guard_config(d).validate());
+  EXPECT_NO_THROW(devices::guard_config(d).validate());
 }
 
 TEST_F(Driver, AForceLimitOfTheCallerOnlyLowersTheDevices) {
@@ -94,7 +94,7 @@ TEST_F(Driver, TwistFollowsTheTipWithTheLagThatItStates) {
 
 TEST_F(Driver, ACommandActsInTheTickAfterItsSampleAndForOneTickOnly) {
   open_driver();
-  api.hdDisable(hd::kForceRamping);
+  api.hdDisable(phantom::hd::kForceRamping);
   ASSERT_TRUE(driver->read(10ms));
   ASSERT_TRUE(driver->write(push(2.0)));
   EXPECT_EQ(applied().norm(), 0.0);
@@ -119,12 +119,12 @@ TEST_F(Driver, CommandsThatAreNotFiniteAreZeroAndNeverReachTheLibrary) {
   for (const double bad : {std::nan(""), double(INFINITY)}) {
     const auto written = driver->write(push(bad));
     ASSERT_FALSE(written);
-    EXPECT_EQ(written.error(), DeviceError::kNotFinite);
+    EXPECT_EQ(written.error(), devices::DeviceError::kNotFinite);
     ASSERT_TRUE(driver->read(10ms));
     EXPECT_EQ(applied().norm(), 0.0);
     turn(push(2.0));
   }
-  EXPECT_EQ(driver->write({Vec3::Zero(), Vec3(0, std::nan(""), 0)}).error(), DeviceError::kNotFinite);
+  EXPECT_EQ(driver->write({Vec3::Zero(), Vec3(0, std::nan(""), 0)}).error(), devices::DeviceError::kNotFinite);
   EXPECT_EQ(state().non_finite_sets, 0u);
   EXPECT_EQ(driver->status().refused, 3u);
 }
@@ -135,7 +135,7 @@ TEST_F(Driver, CommandsOverALimitAreZero) {
   for (const Wrench& over : {push(8.51), push(6.1, 6.1), Wrench{Vec3::Zero(), Vec3(0.01, 0, 0)}}) {
     const auto written = driver->write(over);
     ASSERT_FALSE(written);
-    EXPECT_EQ(written.error(), DeviceError::kLimit);
+    EXPECT_EQ(written.error(), devices::DeviceError::kLimit);
     ASSERT_TRUE(driver->read(10ms));
     EXPECT_EQ(applied().norm(), 0.0);
     turn(push(2.0));
@@ -144,7 +144,7 @@ TEST_F(Driver, CommandsOverALimitAreZero) {
 
 TEST_F(Driver, ACommandBeforeTheFirstSampleIsRefused) {
   open_driver();
-  EXPECT_EQ(driver->write(push(1.0)).error(), DeviceError::kProtocol);
+  EXPECT_EQ(driver->write(push(1.0)).error(), devices::DeviceError::kProtocol);
   ASSERT_TRUE(driver->read(10ms));
   EXPECT_EQ(applied().norm(), 0.0);
 }
@@ -164,14 +164,14 @@ TEST_F(Driver, StopDropsWhatIsUnderWayAndTheNextWritePushesAgain) {
 
 TEST_F(Driver, TorqueGoesOutInMilliNewtonMetresWhereThereAreMotorsForIt) {
   ASSERT_EQ(sim.set_model("premium-6dof"), 0);
-  Spy::instance().change_reading([](hd::HDenum name, double* values) {
-    if (name == hd::kNominalMaxTorqueForce) values[0] = 188.0;
+  Spy::instance().change_reading([](phantom::hd::HDenum name, double* values) {
+    if (name == phantom::hd::kNominalMaxTorqueForce) values[0] = 188.0;
   });
   open_driver();
   EXPECT_DOUBLE_EQ(driver->description().max_torque_nm, 0.188);
   EXPECT_EQ(driver->description().output_dof, 6u);
   ASSERT_TRUE(driver->read(10ms));
-  EXPECT_EQ(driver->write({Vec3::Zero(), Vec3(0.2, 0, 0)}).error(), DeviceError::kLimit);
+  EXPECT_EQ(driver->write({Vec3::Zero(), Vec3(0.2, 0, 0)}).error(), devices::DeviceError::kLimit);
   ASSERT_TRUE(driver->write({Vec3(1, 0, 0), Vec3(0.05, 0, 0)}));
   ASSERT_TRUE(driver->read(10ms));
   EXPECT_EQ(Spy::instance().calls({"set 2701"}), std::vector<std::string>{"set 2701 50.000000"});
@@ -205,7 +205,7 @@ class Lockstep : public Driver {
     EXPECT_EQ(set_hand(hd_sim_test::shaky_hand()), 0);
     EXPECT_EQ(set_motion({0.0, 0.0, 0.0, 0.03, -0.02, 0.01}), 0);
     open_driver();
-    ForceGuard guard(guard_config(driver->description()));
+    devices::ForceGuard guard(devices::guard_config(driver->description()));
     std::vector<double> bits;
     for (int i = 0; i < 1000; ++i) {
       const auto sample = driver->read(10ms);
@@ -216,8 +216,8 @@ class Lockstep : public Driver {
       bits.insert(bits.end(), sample->twist.linear.data(), sample->twist.linear.data() + 3);
       bits.push_back(static_cast<double>(sample->time_ns));
       const Wrench spring{-300.0 * p.position - 1.0 * sample->twist.linear, Vec3::Zero()};
-      const auto written = driver->write(guard.pass(GuardInput{spring, sample->time_ns + 3'000'000}, sample->time_ns));
-      EXPECT_TRUE(written) << i << " " << name_of(written.error());
+      const auto written = driver->write(guard.pass(devices::GuardInput{spring, sample->time_ns + 3'000'000}, sample->time_ns));
+      EXPECT_TRUE(written) << i << " " << devices::name_of(written.error());
     }
     return bits;
   }
@@ -245,14 +245,14 @@ TEST_F(RealTime, ASecondOfTheServoThreadFeedsASecondOfTheLoop) {
   const auto start = std::chrono::steady_clock::now();
   while (std::chrono::steady_clock::now() - start < 1s) {
     const auto sample = driver->read(500ms);
-    ASSERT_TRUE(sample) << name_of(sample.error());
+    ASSERT_TRUE(sample) << devices::name_of(sample.error());
     ASSERT_TRUE(sample->pose_valid);
     ASSERT_GT(sample->time_ns, last);
     last = sample->time_ns;
     ASSERT_TRUE(driver->write(push(1.0)));
     ++samples;
   }
-  const PhantomStatus s = driver->status();
+  const phantom::PhantomStatus s = driver->status();
   EXPECT_GT(samples, 200);  // 1000 where nobody else wants the processor
   EXPECT_LT(samples, 1100);
   EXPECT_NEAR(1e-9 * static_cast<double>(last), 1.0, 0.3);
@@ -297,10 +297,10 @@ TEST_F(RealTime, ADeadServoLoopIsToldByItsErrorAndForceGoes) {
   }
   ASSERT_EQ(sim.inject(HDSIM_TIMER_ERROR, 0), 0);
   const auto start = std::chrono::steady_clock::now();
-  DeviceResult<DeviceSample> sample;
+  devices::DeviceResult<devices::DeviceSample> sample;
   do sample = driver->read(500ms);
   while (sample);
-  EXPECT_EQ(sample.error(), DeviceError::kFault);
+  EXPECT_EQ(sample.error(), devices::DeviceError::kFault);
   EXPECT_LT(std::chrono::steady_clock::now() - start, 100ms);  // not the whole of its timeout
   std::this_thread::sleep_for(20ms);
   EXPECT_EQ(applied().norm(), 0.0);
@@ -314,12 +314,12 @@ TEST_F(RealTime, UnpluggedInTheMiddleIsToldAtOnceAndCloses) {
   }
   ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, -1), 0);
   const auto start = std::chrono::steady_clock::now();
-  DeviceResult<DeviceSample> sample;
+  devices::DeviceResult<devices::DeviceSample> sample;
   do sample = driver->read(500ms);
   while (sample);
-  EXPECT_EQ(sample.error(), DeviceError::kDisconnected);
+  EXPECT_EQ(sample.error(), devices::DeviceError::kDisconnected);
   EXPECT_LT(std::chrono::steady_clock::now() - start, 100ms);
-  EXPECT_EQ(driver->write(push(1.0)).error(), DeviceError::kDisconnected);
+  EXPECT_EQ(driver->write(push(1.0)).error(), devices::DeviceError::kDisconnected);
   driver->stop();
   std::this_thread::sleep_for(50ms);
   EXPECT_EQ(applied().norm(), 0.0);
@@ -335,15 +335,15 @@ TEST_F(RealTime, AServoLoopThatOnlyFallsSilentIsATimeoutThenDisconnected) {
     ASSERT_TRUE(driver->write(push(1.0)));
   }
   ASSERT_EQ(sim.inject(HDSIM_SKIPPED_TICKS, 600), 0);
-  DeviceResult<DeviceSample> sample;
+  devices::DeviceResult<devices::DeviceSample> sample;
   do sample = driver->read(30ms);
   while (sample);
-  EXPECT_EQ(sample.error(), DeviceError::kTimeout);
+  EXPECT_EQ(sample.error(), devices::DeviceError::kTimeout);
   EXPECT_EQ(Spy::instance().calls({"disable 4000"}).size(), 1u);
   do sample = driver->read(30ms);
-  while (!sample && sample.error() == DeviceError::kTimeout);
+  while (!sample && sample.error() == devices::DeviceError::kTimeout);
   ASSERT_FALSE(sample);
-  EXPECT_EQ(sample.error(), DeviceError::kDisconnected);
+  EXPECT_EQ(sample.error(), devices::DeviceError::kDisconnected);
   ASSERT_TRUE(driver->read(5s));  // it comes back: nothing was final
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(driver->write(push(1.0)));

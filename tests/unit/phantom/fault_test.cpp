@@ -17,7 +17,7 @@ class Fault : public DriverTest {
 
   struct After {
     std::vector<double> force;
-    std::vector<DeviceError> read, written;  ///< errors, without those that repeat the one before
+    std::vector<devices::DeviceError> read, written;  ///< errors, without those that repeat the one before
     int samples = 0;
     int pushing() const {
       return static_cast<int>(std::count_if(force.begin(), force.end(), [](double f) { return f > 0.0; }));
@@ -26,7 +26,7 @@ class Fault : public DriverTest {
   /// A loop that hears nothing and goes on pushing for 100 periods. Where the driver makes no tick any more the arm's time goes on.
   After next_100_ms() {
     After after;
-    const auto note = [](std::vector<DeviceError>& all, DeviceError e) {
+    const auto note = [](std::vector<devices::DeviceError>& all, devices::DeviceError e) {
       if (all.empty() || all.back() != e) all.push_back(e);
     };
     for (int i = 0; i < 100; ++i) {
@@ -43,17 +43,17 @@ class Fault : public DriverTest {
   }
   const Vec3 kPush{2.0, 0.0, 0.0};
 };
-using Errors = std::vector<DeviceError>;
+using Errors = std::vector<devices::DeviceError>;
 
 TEST_F(Fault, LostCommunicationIsDisconnectedAndNothingIsSetAnyMore) {
   ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, 50), 0);
   const After after = next_100_ms();
-  EXPECT_EQ(after.read, Errors{DeviceError::kDisconnected});
+  EXPECT_EQ(after.read, Errors{devices::DeviceError::kDisconnected});
   EXPECT_EQ(after.samples, 0);
   EXPECT_EQ(Spy::instance().calls({"set"}), std::vector<std::string>{});
   EXPECT_LE(after.pushing(), 10);  // nothing gets through to the amplifier: its watchdog
   EXPECT_EQ(*std::max_element(after.force.begin() + 10, after.force.end()), 0.0);  // also once the cable is back
-  EXPECT_EQ(driver->write({kPush, Vec3::Zero()}).error(), DeviceError::kDisconnected);
+  EXPECT_EQ(driver->write({kPush, Vec3::Zero()}).error(), devices::DeviceError::kDisconnected);
   EXPECT_NE(driver->trouble().find("0x0302"), std::string::npos) << driver->trouble();
   driver.reset();
   open_driver();
@@ -62,7 +62,7 @@ TEST_F(Fault, LostCommunicationIsDisconnectedAndNothingIsSetAnyMore) {
 
 TEST_F(Fault, UnpluggedForGoodItCanStillBeClosed) {
   ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, -1), 0);
-  EXPECT_EQ(next_100_ms().read, Errors{DeviceError::kDisconnected});
+  EXPECT_EQ(next_100_ms().read, Errors{devices::DeviceError::kDisconnected});
   driver.reset();
   EXPECT_FALSE(state().device_open);
   EXPECT_EQ(state().callbacks, 0u);
@@ -71,7 +71,7 @@ TEST_F(Fault, UnpluggedForGoodItCanStillBeClosed) {
 TEST_F(Fault, FailedDeviceIsAFaultAndZeroAtOnceAndForGood) {
   ASSERT_EQ(sim.inject(HDSIM_DEVICE_FAULT, 30), 0);
   const After after = next_100_ms();
-  EXPECT_EQ(after.read, Errors{DeviceError::kFault});
+  EXPECT_EQ(after.read, Errors{devices::DeviceError::kFault});
   EXPECT_EQ(after.pushing(), 0);
   EXPECT_EQ(Spy::instance().calls({"set"}), std::vector<std::string>{});
 }
@@ -79,7 +79,7 @@ TEST_F(Fault, FailedDeviceIsAFaultAndZeroAtOnceAndForGood) {
 TEST_F(Fault, DeadServoLoopIsAFaultAndForceGoesWithinThePeriod) {
   ASSERT_EQ(sim.inject(HDSIM_TIMER_ERROR, 0), 0);
   const After after = next_100_ms();
-  EXPECT_EQ(after.read, Errors{DeviceError::kFault});
+  EXPECT_EQ(after.read, Errors{devices::DeviceError::kFault});
   EXPECT_LE(after.pushing(), 1);  // the period in which it died
   EXPECT_EQ(*std::max_element(after.force.begin() + 1, after.force.end()), 0.0);
 }
@@ -89,10 +89,10 @@ TEST_F(Fault, WarmMotorsAreToldOnceAndForceComesBackWhenTheyAreCool) {
   const After after = next_100_ms();
   EXPECT_EQ(after.read, Errors{});  // samples keep coming
   EXPECT_EQ(after.samples, 100);
-  EXPECT_EQ(after.written, Errors{DeviceError::kRecoverable});
+  EXPECT_EQ(after.written, Errors{devices::DeviceError::kRecoverable});
   EXPECT_EQ(after.pushing(), 0);
   EXPECT_EQ(driver->status().force_drops, 1u);
-  EXPECT_EQ(driver->status().newest, hd::kWarmMotors);
+  EXPECT_EQ(driver->status().newest, phantom::hd::kWarmMotors);
   EXPECT_EQ(driver->status().withheld, 1u);       // the command that was under way
   EXPECT_EQ(driver->status().invalid_poses, 0u);  // heat says nothing about where it is
   ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.4), 0);
@@ -118,28 +118,28 @@ TEST_F(Fault, TooFastDropsTheForceAndIsTold) {
   }
   ASSERT_FALSE(told.empty());
   EXPECT_LE(told.size(), 5u);  // each time that the limit is passed, which quantised speeds may do more than once
-  for (const DeviceError error : told) EXPECT_EQ(error, DeviceError::kRecoverable);
-  EXPECT_EQ(driver->status().newest, hd::kExceededMaxVelocity);
+  for (const devices::DeviceError error : told) EXPECT_EQ(error, devices::DeviceError::kRecoverable);
+  EXPECT_EQ(driver->status().newest, phantom::hd::kExceededMaxVelocity);
   EXPECT_GT(after_force, 100);
 }
 
 TEST_F(Fault, ChangeOfForceOverTheDevicesLimitIsToldAndForceComesBack) {
   double limit = 1.0;
-  api.hdSetDoublev(hd::kSoftwareForceImpulseLimit, &limit);
+  api.hdSetDoublev(phantom::hd::kSoftwareForceImpulseLimit, &limit);
   const After after = next_100_ms();  // steady: no change
   EXPECT_EQ(after.written, Errors{});
   ASSERT_TRUE(driver->read(10ms));  // nothing was asked for: 2 N to 0 in a millisecond
-  EXPECT_EQ(turn(push(0.5)).written.error(), DeviceError::kRecoverable);
-  EXPECT_EQ(driver->status().newest, hd::kExceededMaxForceImpulse);
+  EXPECT_EQ(turn(push(0.5)).written.error(), devices::DeviceError::kRecoverable);
+  EXPECT_EQ(driver->status().newest, phantom::hd::kExceededMaxForceImpulse);
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(turn(push(0.5)).written);
   EXPECT_NEAR(applied().x(), 0.5, 0.05);
 }
 
 TEST_F(Fault, ErrorsThatTheDeviceSaysOutOfNowhereTakeTheForceOfTheirTick) {
-  for (const auto& [code, error] :
-       {std::pair{hd::kForceError, DeviceError::kRecoverable},
-        std::pair{hd::kExceededMaxForce, DeviceError::kRecoverable}, std::pair{hd::kFrameError, DeviceError::kProtocol},
-        std::pair{hd::kInvalidOperation, DeviceError::kProtocol}}) {
+  for (const auto& [code, error] : {std::pair{phantom::hd::kForceError, devices::DeviceError::kRecoverable},
+                                    std::pair{phantom::hd::kExceededMaxForce, devices::DeviceError::kRecoverable},
+                                    std::pair{phantom::hd::kFrameError, devices::DeviceError::kProtocol},
+                                    std::pair{phantom::hd::kInvalidOperation, devices::DeviceError::kProtocol}}) {
     Spy::instance().plant_error(code);
     ASSERT_TRUE(driver->read(10ms));
     EXPECT_EQ(applied().norm(), 0.0) << code;
@@ -156,7 +156,7 @@ TEST_F(Fault, ErrorsThatTheDeviceSaysOutOfNowhereTakeTheForceOfTheirTick) {
 TEST_F(Fault, AnErrorThatNobodyKnowsEndsIt) {
   Spy::instance().plant_error(0x0777);
   const After after = next_100_ms();
-  EXPECT_EQ(after.read, Errors{DeviceError::kFault});
+  EXPECT_EQ(after.read, Errors{devices::DeviceError::kFault});
   EXPECT_EQ(after.pushing(), 0);
 }
 
@@ -172,7 +172,7 @@ TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
     EXPECT_EQ(t.sample->pose.position, before.position);
     EXPECT_EQ(t.sample->twist.linear, Vec3(Vec3::Zero()));
     EXPECT_EQ(t.force, 0.0);
-    EXPECT_EQ(t.written.error(), DeviceError::kProtocol);
+    EXPECT_EQ(t.written.error(), devices::DeviceError::kProtocol);
   }
   EXPECT_NE(driver->trouble().find("pose"), std::string::npos);
   Turn t = turn(push(2.0));
@@ -187,8 +187,8 @@ TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
 TEST_F(Fault, OneCoordinateThatIsNoNumberIsEnoughWhicheverItIs) {
   for (const double bad : {std::nan(""), double(INFINITY), -double(INFINITY), 1e5})
     for (int axis = 0; axis < 3; ++axis) {
-      Spy::instance().change_reading([=](hd::HDenum name, double* values) {
-        if (name == hd::kCurrentPosition) values[axis] = bad;
+      Spy::instance().change_reading([=](phantom::hd::HDenum name, double* values) {
+        if (name == phantom::hd::kCurrentPosition) values[axis] = bad;
       });
       const Turn t = turn(push(2.0));
       ASSERT_TRUE(t.sample);
@@ -199,32 +199,32 @@ TEST_F(Fault, OneCoordinateThatIsNoNumberIsEnoughWhicheverItIs) {
 }
 
 TEST_F(Fault, ATransformThatIsNoRotationIsMarkedAndASlightlySkewedOneIsMadeOne) {
-  Spy::instance().change_reading([](hd::HDenum name, double* m) {
-    if (name == hd::kCurrentTransform) m[0] *= 1.01, m[5] *= 0.99;
+  Spy::instance().change_reading([](phantom::hd::HDenum name, double* m) {
+    if (name == phantom::hd::kCurrentTransform) m[0] *= 1.01, m[5] *= 0.99;
   });
   Turn t = turn(push(2.0));
   ASSERT_TRUE(t.sample);
   EXPECT_TRUE(t.sample->pose_valid);
   EXPECT_NEAR(t.sample->pose.orientation.norm(), 1.0, 1e-15);
-  Spy::instance().change_reading([](hd::HDenum name, double* m) {
-    if (name == hd::kCurrentTransform) std::fill_n(m, 12, 0.0);
+  Spy::instance().change_reading([](phantom::hd::HDenum name, double* m) {
+    if (name == phantom::hd::kCurrentTransform) std::fill_n(m, 12, 0.0);
   });
   t = turn(push(2.0));
   ASSERT_TRUE(t.sample);
   EXPECT_FALSE(t.sample->pose_valid);
   EXPECT_EQ(t.force, 0.0);
-  EXPECT_EQ(t.written.error(), DeviceError::kProtocol);
+  EXPECT_EQ(t.written.error(), devices::DeviceError::kProtocol);
 }
 
 TEST_F(Fault, AFrameThatSomebodyElseLeftOpenSpoilsOneTickOnly) {
-  api.hdDisable(hd::kOneFrameLimit);
+  api.hdDisable(phantom::hd::kOneFrameLimit);
   api.hdBeginFrame(api.hdGetCurrentDevice());
   Turn t = turn(push(2.0));
   ASSERT_TRUE(t.sample);
   EXPECT_FALSE(t.sample->pose_valid);
   EXPECT_EQ(t.force, 0.0);
-  EXPECT_EQ(t.written.error(), DeviceError::kProtocol);
-  EXPECT_EQ(driver->status().newest, hd::kIllegalBegin);
+  EXPECT_EQ(t.written.error(), devices::DeviceError::kProtocol);
+  EXPECT_EQ(driver->status().newest, phantom::hd::kIllegalBegin);
   ASSERT_TRUE(turn(push(2.0)).written);
   EXPECT_NEAR(turn(push(2.0)).force, 2.0, 0.1);
 }
@@ -252,11 +252,11 @@ TEST_F(Fault, AFewSkippedTicksAreWaitedFor) {
 
 TEST_F(Fault, ALongSilenceIsATimeoutAndTakesTheForceUntilTheNextCommand) {
   ASSERT_EQ(sim.inject(HDSIM_SKIPPED_TICKS, 25), 0);
-  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->read(10ms).error(), devices::DeviceError::kTimeout);
   EXPECT_EQ(Spy::instance().calls({"disable"}), std::vector<std::string>{"disable 4000"});
   sim.step();
   EXPECT_EQ(applied().norm(), 0.0);
-  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kTimeout);
+  EXPECT_EQ(driver->read(10ms).error(), devices::DeviceError::kTimeout);
   driver->stop();  // what a loop does then
   ASSERT_TRUE(driver->read(10ms));
   EXPECT_EQ(Spy::instance().calls({"enable"}), std::vector<std::string>{});
@@ -267,15 +267,15 @@ TEST_F(Fault, ALongSilenceIsATimeoutAndTakesTheForceUntilTheNextCommand) {
 
 TEST_F(Fault, SchedulerStoppedBehindItsBackIsAFault) {
   api.hdStopScheduler();
-  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kFault);
+  EXPECT_EQ(driver->read(10ms).error(), devices::DeviceError::kFault);
   api.hdStartScheduler();
-  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kFault);
+  EXPECT_EQ(driver->read(10ms).error(), devices::DeviceError::kFault);
   EXPECT_EQ(next_100_ms().pushing(), 0);
 }
 
 TEST_F(Fault, DeviceDisabledBehindItsBackIsDisconnected) {
   api.hdDisableDevice(api.hdGetCurrentDevice());
-  EXPECT_EQ(driver->read(10ms).error(), DeviceError::kDisconnected);
+  EXPECT_EQ(driver->read(10ms).error(), devices::DeviceError::kDisconnected);
   EXPECT_EQ(next_100_ms().pushing(), 0);
 }
 

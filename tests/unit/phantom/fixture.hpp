@@ -26,12 +26,12 @@ class DriverTest : public hd_sim_test::SimulatedLibrary {
     SimulatedLibrary::TearDown();
   }
 
-  void open_driver() { driver = std::make_unique<PhantomDriver>(options); }
+  void open_driver() { driver = std::make_unique<phantom::PhantomDriver>(options); }
   /// The sentence of an opening that fails; empty: it opened.
   std::string refusal() {
     try {
       open_driver();
-    } catch (const DeviceOpenError& error) {
+    } catch (const devices::DeviceOpenError& error) {
       return error.what();
     }
     return "";
@@ -39,8 +39,8 @@ class DriverTest : public hd_sim_test::SimulatedLibrary {
   static Wrench push(double x, double y = 0.0, double z = 0.0) { return {Vec3(x, y, z), Vec3::Zero()}; }
 
   struct Turn {
-    DeviceResult<DeviceSample> sample;
-    DeviceResult<void> written;
+    devices::DeviceResult<devices::DeviceSample> sample;
+    devices::DeviceResult<void> written;
     double force = 0.0;  ///< at the motors, after the tick
   };
   /// What a device loop does in one period. Whatever fails, it goes on pushing: the driver has to hold.
@@ -55,13 +55,13 @@ class DriverTest : public hd_sim_test::SimulatedLibrary {
     for (int i = 0; i < 450; ++i) {
       const Turn t = turn({force, Vec3::Zero()});
       ASSERT_TRUE(t.sample);
-      ASSERT_TRUE(t.written) << name_of(t.written.error());
+      ASSERT_TRUE(t.written) << devices::name_of(t.written.error());
     }
     ASSERT_NEAR((applied() - force).norm(), 0.0, 0.05 * force.norm());
   }
 
-  PhantomOptions options;
-  std::unique_ptr<PhantomDriver> driver;
+  phantom::PhantomOptions options;
+  std::unique_ptr<phantom::PhantomDriver> driver;
 };
 
 }  // namespace voxtouch::phantom_test

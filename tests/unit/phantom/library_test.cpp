@@ -6,13 +6,13 @@
 #include "devices/phantom/hd_library.hpp"
 #include "devices/phantom/phantom_driver.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 std::string refusal(const std::string& path) {
   try {
     HdLibrary::load(path);
-  } catch (const DeviceOpenError& error) {
+  } catch (const devices::DeviceOpenError& error) {
     return error.what();
   }
   return "";
@@ -32,7 +32,7 @@ TEST(HdLibrary, WithoutAnyTheSentenceSaysWhatWasTriedAndWhatToDo) {
   for (const char* part : {"libHD.so:", "libHD.so.3.4", "libHD.so.3.0", "Install", "option library"})
     EXPECT_TRUE(says(sentence, part)) << sentence;
   PhantomOptions options;
-  EXPECT_THROW(PhantomDriver{options}, DeviceOpenError);
+  EXPECT_THROW(PhantomDriver{options}, devices::DeviceOpenError);
 }
 
 TEST(HdLibrary, ALibraryOfSomethingElseIsNamedWithWhatItLacks) {
@@ -63,4 +63,4 @@ TEST(HdLibrary, OneWithoutTheHooksHasNoVirtualTime) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -8,7 +8,7 @@
 #include "devices/phantom/phantom_models.hpp"
 #include "devices/sim/parameters.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 TEST(PhantomModels, TheLongestPrefixCountsAndCapitalsDoNot) {
@@ -40,7 +40,7 @@ TEST(PhantomModels, APremiumIsTheOneThatTheSimulatedPhantomStandsFor) {
   PhantomFacts facts;
   facts.model = "PHANTOM Premium 1.5";
   facts.rate_hz = 1000;
-  const DeviceDescription d = describe_phantom(facts), s = sim_phantom().description;
+  const DeviceDescription d = describe_phantom(facts), s = sim::sim_phantom().description;
   EXPECT_EQ(d.max_force_n, s.max_force_n);
   EXPECT_EQ(d.max_stiffness_n_per_m, s.max_stiffness_n_per_m);
   EXPECT_EQ(d.mass_min_kg, s.mass_min_kg);
@@ -61,7 +61,7 @@ TEST(PhantomModels, EveryDescriptionFitsTheGuard) {
       facts.output_dof = dof;
       facts.max_torque_nm = 0.188;
       const DeviceDescription d = describe_phantom(facts);
-      EXPECT_NO_THROW(guard_config(d).validate()) << model;
+      EXPECT_NO_THROW(devices::guard_config(d).validate()) << model;
       EXPECT_EQ(d.max_torque_nm > 0.0, dof == 6);
       EXPECT_LE(continuous_force_n(facts), d.max_force_n);
       EXPECT_GT(d.mass_max_kg, d.mass_min_kg);
@@ -91,4 +91,4 @@ TEST(PhantomModels, RatesAreThoseThatAServoLoopCanHave) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

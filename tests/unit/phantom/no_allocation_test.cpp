@@ -5,7 +5,7 @@
 #include "tests/support/heap_count/heap_count.hpp"
 #include "tests/unit/phantom_sim/library.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 using namespace std::chrono_literals;
@@ -42,7 +42,7 @@ TEST_F(NoAllocation, AnOpenDriverAndItsCallbackTakeNothingFromTheHeap) {
               }
             }, test::HeapOf::kAllThreads),
             0);
-  EXPECT_EQ(driver.read(10ms).error(), DeviceError::kDisconnected);
+  EXPECT_EQ(driver.read(10ms).error(), devices::DeviceError::kDisconnected);
 }
 
 TEST_F(NoAllocation, NorDoTheyInTheServoThread) {
@@ -57,4 +57,4 @@ TEST_F(NoAllocation, NorDoTheyInTheServoThread) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -44,7 +44,7 @@ TEST_F(Opening, AStylusInItsInkwellIsCalibrated) {
   sim.set_switches(0, 1, 1);
   open_driver();
   EXPECT_EQ(Spy::instance().calls({"calibrate"}), Calls{"calibrate 4"});
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationOk);
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationOk);
   EXPECT_EQ(driver->description().model, "PHANTOM Omni");
   EXPECT_EQ(driver->description().max_force_n, 3.3);
   EXPECT_DOUBLE_EQ(driver->description().max_stiffness_n_per_m, 700.0);
@@ -68,14 +68,14 @@ TEST_F(Opening, EncodersAreSetToZeroOnceUntilThePowerGoes) {
   open_driver();
   EXPECT_EQ(Spy::instance().calls({"calibrate"}), Calls{});
   driver.reset();
-  options.encoder_reset = EncoderReset::kAlways;
+  options.encoder_reset = phantom::EncoderReset::kAlways;
   open_driver();
   EXPECT_EQ(Spy::instance().calls({"calibrate"}), Calls{"calibrate 1"});
 }
 
 TEST_F(Opening, NamesAreTriedInTurn) {
   options.name = "Left Phantom";
-  Spy::instance().fail_init(hd::kCommConfigError, 3);
+  Spy::instance().fail_init(phantom::hd::kCommConfigError, 3);
   open_driver();
   EXPECT_EQ(Spy::instance().calls({"init"}),
             (Calls{"init Left Phantom", "init Default Device", "init Default PHANToM", "init null"}));
@@ -83,7 +83,7 @@ TEST_F(Opening, NamesAreTriedInTurn) {
 
 TEST_F(Opening, WithoutADeviceTheSentenceSaysWhatWasTriedAndWhatToLookAt) {
   options.name = "Left Phantom";
-  Spy::instance().fail_init(hd::kCommConfigError, 4);
+  Spy::instance().fail_init(phantom::hd::kCommConfigError, 4);
   const std::string sentence = refusal();
   for (const char* part : {"Left Phantom", "Default Device", "Default PHANToM", "no name", "0x0303", "plugged in"})
     EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
@@ -92,14 +92,14 @@ TEST_F(Opening, WithoutADeviceTheSentenceSaysWhatWasTriedAndWhatToLookAt) {
 }
 
 TEST_F(Opening, AMissingLicenceIsSaidAtOnce) {
-  ASSERT_EQ(sim.inject(HDSIM_FAIL_INIT, hd::kInvalidLicense), 0);
+  ASSERT_EQ(sim.inject(HDSIM_FAIL_INIT, phantom::hd::kInvalidLicense), 0);
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("licence"), std::string::npos) << sentence;
   EXPECT_EQ(Spy::instance().calls({"init"}).size(), 1u);
 }
 
 TEST_F(Opening, ADeviceThatIsInUseIsSaidAtOnce) {
-  ASSERT_NE(api.hdInitDevice(nullptr), hd::kInvalidHandle);  // somebody else in this process
+  ASSERT_NE(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);  // somebody else in this process
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("in use"), std::string::npos) << sentence;
 }
@@ -108,9 +108,9 @@ TEST_F(Opening, TwiceInAProcessIsASentenceAndTheFirstGoesOn) {
   open_driver();
   push_until_steady({2.0, 0.0, 0.0});
   try {
-    PhantomDriver second(options);
+    phantom::PhantomDriver second(options);
     FAIL() << "a second one opened";
-  } catch (const DeviceOpenError& error) {
+  } catch (const devices::DeviceOpenError& error) {
     EXPECT_NE(std::string(error.what()).find("already"), std::string::npos) << error.what();
   }
   EXPECT_NEAR(turn(push(2.0)).force, 2.0, 0.1);

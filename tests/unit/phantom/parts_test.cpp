@@ -15,7 +15,7 @@
 #include "devices/phantom/twist_estimate.hpp"
 #include "devices/phantom/wake_up.hpp"
 
-namespace voxtouch {
+namespace voxtouch::phantom {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -150,18 +150,18 @@ TEST(HdErrors, AreToldApartByWhatCanBeDone) {
   for (const hd::HDerror code : {hd::kWarmMotors, hd::kExceededMaxForce, hd::kExceededMaxForceImpulse,
                                  hd::kExceededMaxVelocity, hd::kForceError}) {
     EXPECT_EQ(classify(code).severity, HdSeverity::kForceDropped) << code;
-    EXPECT_EQ(classify(code).error, DeviceError::kRecoverable) << code;
+    EXPECT_EQ(classify(code).error, devices::DeviceError::kRecoverable) << code;
   }
   for (const hd::HDerror code : {hd::kDeviceFault, hd::kTimerError, hd::kInvalidPriority, hd::kSchedulerFull,
                                  hd::kInvalidLicense, hd::HDerror{0x0999}}) {
     EXPECT_EQ(classify(code).severity, HdSeverity::kFatal) << code;
-    EXPECT_EQ(classify(code).error, DeviceError::kFault) << code;
+    EXPECT_EQ(classify(code).error, devices::DeviceError::kFault) << code;
   }
   for (const hd::HDerror code : {hd::kCommError, hd::kCommConfigError, hd::kBadHandle}) {
     EXPECT_EQ(classify(code).severity, HdSeverity::kFatal) << code;
-    EXPECT_EQ(classify(code).error, DeviceError::kDisconnected) << code;
+    EXPECT_EQ(classify(code).error, devices::DeviceError::kDisconnected) << code;
   }
-  EXPECT_EQ(classify(hd::kFrameError).error, DeviceError::kProtocol);
+  EXPECT_EQ(classify(hd::kFrameError).error, devices::DeviceError::kProtocol);
   EXPECT_EQ(classify(hd::kSuccess).severity, HdSeverity::kNone);
 }
 
@@ -195,7 +195,7 @@ TEST(PhantomOptions, SayWhichIsWrong) {
   const auto message = [](PhantomOptions o) -> std::string {
     try {
       o.validate();
-    } catch (const DeviceOpenError& e) {
+    } catch (const devices::DeviceOpenError& e) {
       return e.what();
     }
     return "";
@@ -216,4 +216,4 @@ TEST(PhantomOptions, SayWhichIsWrong) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::phantom

@@ -54,14 +54,14 @@ TEST_F(Rules, ARefusedCommandTakesTheOneBeforeItBack) {
 }
 
 TEST_F(Rules, ErrorsAreTakenUntilThereAreNone) {
-  for (int i = 0; i < 100; ++i) Spy::instance().plant_error(hd::kForceError);
+  for (int i = 0; i < 100; ++i) Spy::instance().plant_error(phantom::hd::kForceError);
   ASSERT_TRUE(driver->read(10ms));
   EXPECT_EQ(driver->status().errors, 100u);
   EXPECT_EQ(state().errors_waiting, 0u);
 }
 
 TEST_F(Rules, RampingAndClampingAreOnWhileForceIs) {
-  for (const hd::HDenum what : {hd::kForceOutput, hd::kForceRamping, hd::kMaxForceClamping})
+  for (const phantom::hd::HDenum what : {phantom::hd::kForceOutput, phantom::hd::kForceRamping, phantom::hd::kMaxForceClamping})
     EXPECT_TRUE(api.hdIsEnabled(what)) << what;
 }
 
@@ -103,8 +103,8 @@ TEST_F(Rules, TheClampKeepsMotorsFromTheHeatThatDropsTheForce) {
 TEST_F(Rules, ADeviceThatTellsNoTemperatureIsNotClampedAndThatCanBeSeen) {
   EXPECT_EQ(driver->status().temperatures, 3);
   driver.reset();
-  Spy::instance().change_reading([](hd::HDenum name, double* values) {
-    if (name == hd::kMotorTemperature) values[0] = std::nan("");
+  Spy::instance().change_reading([](phantom::hd::HDenum name, double* values) {
+    if (name == phantom::hd::kMotorTemperature) values[0] = std::nan("");
   });
   open_driver();
   EXPECT_EQ(driver->status().temperatures, 0);
@@ -115,14 +115,14 @@ TEST_F(Rules, ADeviceThatTellsNoTemperatureIsNotClampedAndThatCanBeSeen) {
 class Servo : public DriverTest {};
 
 TEST_F(Servo, ATickWakesWhoeverWaitsForIt) {
-  const HdLibrary& library = HdLibrary::load(options.library);
-  HdSession session(library, options);
-  PhantomServo servo(library, session.device(), session.facts(), describe_phantom(session.facts()), 50.0, true);
-  ServoSample sample;
+  const phantom::HdLibrary& library = phantom::HdLibrary::load(options.library);
+  phantom::HdSession session(library, options);
+  phantom::PhantomServo servo(library, session.device(), session.facts(), phantom::describe_phantom(session.facts()), 50.0, true);
+  phantom::ServoSample sample;
   EXPECT_FALSE(servo.take(sample, {}));
   std::jthread ticker([&servo] {
     std::this_thread::sleep_for(50ms);
-    PhantomServo::run(&servo);
+    phantom::PhantomServo::run(&servo);
   });
   const auto start = std::chrono::steady_clock::now();
   EXPECT_TRUE(servo.take(sample, start + 20s));

@@ -5,7 +5,7 @@
 namespace voxtouch::phantom_test {
 namespace {
 
-using namespace hd;
+using namespace phantom::hd;
 
 Spy& spy() { return Spy::instance(); }
 
@@ -19,7 +19,7 @@ std::string hex(HDenum value) {
 
 Spy::Spy() {
   // The library's functions are the driver's for the whole process; in tests they may be exchanged, since none is called yet.
-  auto& api = const_cast<Api&>(HdLibrary::load(VOXTOUCH_HD_SIM_LIBRARY).api());
+  auto& api = const_cast<Api&>(phantom::HdLibrary::load(VOXTOUCH_HD_SIM_LIBRARY).api());
   real = api;
   api.hdInitDevice = [](HDstring name) -> HHD {
     spy().note(std::string("init ") + (name != nullptr ? name : "null"));

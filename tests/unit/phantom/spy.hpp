@@ -21,29 +21,29 @@ class Spy {
   std::vector<std::string> calls(const std::vector<std::string>& beginnings) const;
 
   /// hdInitDevice fails with this code as often as this.
-  void fail_init(hd::HDerror code, int times);
+  void fail_init(phantom::hd::HDerror code, int times);
   /// hdGetError gives this once, before what the library has.
-  void plant_error(hd::HDerror code);
+  void plant_error(phantom::hd::HDerror code);
   /// Changes what hdGetDoublev has read.
-  void change_reading(std::function<void(hd::HDenum name, double* values)> change);
+  void change_reading(std::function<void(phantom::hd::HDenum name, double* values)> change);
   /// hdStartScheduler does nothing.
   void swallow_start();
 
   // for the functions that stand in
   void note(std::string call);
-  hd::HDerror next_init_failure();
-  hd::HDerror next_error();
-  void touch(hd::HDenum name, double* values);
+  phantom::hd::HDerror next_init_failure();
+  phantom::hd::HDerror next_error();
+  void touch(phantom::hd::HDenum name, double* values);
   bool start_swallowed() const;
-  hd::Api real;
+  phantom::hd::Api real;
 
  private:
   Spy();
   mutable std::mutex mutex_;
   std::vector<std::string> calls_;
-  std::vector<hd::HDerror> planted_;
-  std::function<void(hd::HDenum, double*)> change_;
-  hd::HDerror init_code_ = hd::kSuccess;
+  std::vector<phantom::hd::HDerror> planted_;
+  std::function<void(phantom::hd::HDenum, double*)> change_;
+  phantom::hd::HDerror init_code_ = phantom::hd::kSuccess;
   int init_times_ = 0;
   bool swallow_start_ = false;
 };

@@ -56,8 +56,8 @@ TEST_F(Abi, HeaderOfTheHooksIsC) { EXPECT_EQ(hdsim_header_is_c(), sizeof(hdsim_s
 TEST_F(Abi, ErrorComesByValueInTwoRegisters) {
   open();
   api.hdEndFrame(device);
-  const hd::HDErrorInfo info = api.hdGetError();
-  EXPECT_EQ(info.error_code, hd::kIllegalEnd);
+  const phantom::hd::HDErrorInfo info = api.hdGetError();
+  EXPECT_EQ(info.error_code, phantom::hd::kIllegalEnd);
   EXPECT_EQ(info.internal_error_code, 0);
   EXPECT_EQ(info.device, device);
   // The same call seen as what the calling convention makes of twelve bytes: eight in one register, four in the next.
@@ -67,23 +67,24 @@ TEST_F(Abi, ErrorComesByValueInTwoRegisters) {
   const auto raw = reinterpret_cast<Registers (*)()>(dlsym(handle(), "hdGetError"));
   api.hdInitDevice(nullptr);  // again: no handle belongs to this error
   const Registers r = raw();
-  EXPECT_EQ(r.low & 0xFFFFFFFF, hd::kDeviceAlreadyInitiated);
-  EXPECT_EQ(r.high & 0xFFFFFFFF, hd::kInvalidHandle);
+  EXPECT_EQ(r.low & 0xFFFFFFFF, phantom::hd::kDeviceAlreadyInitiated);
+  EXPECT_EQ(r.high & 0xFFFFFFFF, phantom::hd::kInvalidHandle);
 }
 
 TEST_F(Abi, EncoderValuesTakeFortyEightBytes) {
   open();
-  std::array<hd::HDlong, 7> counts;
+  std::array<phantom::hd::HDlong, 7> counts;
   counts.fill(0x5555555555555555);
-  frame([&] { api.hdGetLongv(hd::kCurrentEncoderValues, counts.data()); });
+  frame([&] { api.hdGetLongv(phantom::hd::kCurrentEncoderValues, counts.data()); });
   for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(counts[static_cast<std::size_t>(i)]), 100000);
   EXPECT_EQ(counts[6], 0x5555555555555555);
 }
 
 TEST_F(Abi, EveryErrorHasASentence) {
   std::set<std::string> all;
-  for (const hd::HDerror code : {hd::kSuccess, hd::kInvalidEnum, hd::kWarmMotors, hd::kDeviceFault, hd::kCommError,
-                                 hd::kTimerError, hd::kIllegalBegin, hd::kFrameError, hd::kInvalidLicense, 0x7777u})
+  for (const phantom::hd::HDerror code :
+       {phantom::hd::kSuccess, phantom::hd::kInvalidEnum, phantom::hd::kWarmMotors, phantom::hd::kDeviceFault, phantom::hd::kCommError,
+        phantom::hd::kTimerError, phantom::hd::kIllegalBegin, phantom::hd::kFrameError, phantom::hd::kInvalidLicense, 0x7777u})
     all.insert(api.hdGetErrorString(code));
   EXPECT_EQ(all.size(), 10u);
 }

@@ -3,13 +3,13 @@
 
 #include "devices/phantom/phantom_arm.hpp"
 
-namespace voxtouch {
+namespace voxtouch::hd_sim {
 
 /// What one would feel pushing along each axis of D [kg]: 1 / diag(J M^-1 J^T). Zero where the arm is stretched.
-inline Vec3 apparent_mass(const PhantomDynamics& dynamics, const Vec3& joints) {
-  const Mat3 j = phantom_jacobian(dynamics.geometry(), joints);
+inline Vec3 apparent_mass(const phantom::PhantomDynamics& dynamics, const Vec3& joints) {
+  const Mat3 j = phantom::phantom_jacobian(dynamics.geometry(), joints);
   const Vec3 mobility = (j * dynamics.mass(joints).inverse() * j.transpose()).diagonal();
   return mobility.unaryExpr([](double x) { return x > 0.0 ? 1.0 / x : 0.0; });
 }
 
-}  // namespace voxtouch
+}  // namespace voxtouch::hd_sim

@@ -9,7 +9,7 @@
 #include "devices/phantom/phantom_arm.hpp"
 #include "tests/unit/phantom_sim/apparent_mass.hpp"
 
-namespace voxtouch {
+namespace voxtouch::hd_sim {
 namespace {
 
 constexpr double kStep = 1e-6;
@@ -19,8 +19,8 @@ class Arm : public ::testing::Test {
   Vec3 joints() { return {angle_(random_), angle_(random_), angle_(random_)}; }
   Vec3 rates() { return 3.0 * joints(); }
 
-  PhantomGeometry geometry_;
-  PhantomDynamics dynamics_;
+  phantom::PhantomGeometry geometry_;
+  phantom::PhantomDynamics dynamics_;
   std::mt19937_64 random_{7};
   std::uniform_real_distribution<double> angle_{-0.9, 0.9};
 };
@@ -49,22 +49,22 @@ double kinetic_energy(const Body& b, const Vec3& q, const Vec3& v) {
   return linear + 0.5 * b.moments.dot(turn.cwiseAbs2());
 }
 
-TEST_F(Arm, TipAtRestIsTheOrigin) { EXPECT_LT(phantom_tip(geometry_, Vec3::Zero()).norm(), 1e-15); }
+TEST_F(Arm, TipAtRestIsTheOrigin) { EXPECT_LT(phantom::phantom_tip(geometry_, Vec3::Zero()).norm(), 1e-15); }
 
 TEST_F(Arm, AxesAreRightUpAndTowardsTheOperator) {
-  EXPECT_GT(phantom_tip(geometry_, {0.1, 0.0, 0.0}).x(), 0.0);
-  EXPECT_GT(phantom_tip(geometry_, {0.0, 0.1, 0.0}).y(), 0.0);
-  EXPECT_GT(phantom_tip(geometry_, {0.0, 0.0, 0.1}).z(), 0.0);
-  EXPECT_LT(to_library_angles({0.1, 0.0, 0.0}).x(), 0.0);  // to the right is negative there
+  EXPECT_GT(phantom::phantom_tip(geometry_, {0.1, 0.0, 0.0}).x(), 0.0);
+  EXPECT_GT(phantom::phantom_tip(geometry_, {0.0, 0.1, 0.0}).y(), 0.0);
+  EXPECT_GT(phantom::phantom_tip(geometry_, {0.0, 0.0, 0.1}).z(), 0.0);
+  EXPECT_LT(phantom::to_library_angles({0.1, 0.0, 0.0}).x(), 0.0);  // to the right is negative there
 }
 
 TEST_F(Arm, JacobianIsTheDerivativeOfTheTip) {
   for (int i = 0; i < 200; ++i) {
     const Vec3 q = joints();
-    const Mat3 j = phantom_jacobian(geometry_, q);
+    const Mat3 j = phantom::phantom_jacobian(geometry_, q);
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3 slope =
-          (phantom_tip(geometry_, q + kStep * unit(axis)) - phantom_tip(geometry_, q - kStep * unit(axis))) /
+          (phantom::phantom_tip(geometry_, q + kStep * unit(axis)) - phantom::phantom_tip(geometry_, q - kStep * unit(axis))) /
           (2.0 * kStep);
       EXPECT_LT((j.col(axis) - slope).norm(), 1e-9);
     }
@@ -75,8 +75,8 @@ TEST_F(Arm, JacobianRateIsItsDerivativeByTime) {
   for (int i = 0; i < 200; ++i) {
     const Vec3 q = joints(), v = rates();
     const Mat3 slope =
-        (phantom_jacobian(geometry_, q + kStep * v) - phantom_jacobian(geometry_, q - kStep * v)) / (2.0 * kStep);
-    EXPECT_LT((phantom_jacobian_rate(geometry_, q, v) - slope).norm(), 1e-8);
+        (phantom::phantom_jacobian(geometry_, q + kStep * v) - phantom::phantom_jacobian(geometry_, q - kStep * v)) / (2.0 * kStep);
+    EXPECT_LT((phantom::phantom_jacobian_rate(geometry_, q, v) - slope).norm(), 1e-8);
   }
 }
 
@@ -88,7 +88,7 @@ TEST_F(Arm, InverseKinematicsReturnsTheJoints) {
       for (double difference = -0.95; difference <= 1.13; difference += 0.08) {  // of thigh and shin: between the stops
         const Vec3 q(turret, thigh, thigh - difference);
         if (geometry_.thigh_m * std::cos(q[1]) + geometry_.shin_m * std::sin(q[2]) < 0.01) continue;
-        const auto back = phantom_joints(geometry_, phantom_tip(geometry_, q));
+        const auto back = phantom::phantom_joints(geometry_, phantom::phantom_tip(geometry_, q));
         ASSERT_TRUE(back);
         worst = std::max(worst, (*back - q).norm());
         ++count;
@@ -98,14 +98,14 @@ TEST_F(Arm, InverseKinematicsReturnsTheJoints) {
 }
 
 TEST_F(Arm, DoesNotReachBeyondItsLength) {
-  EXPECT_FALSE(phantom_joints(geometry_, {0.0, 0.0, 0.3}));
-  EXPECT_FALSE(phantom_joints(geometry_, {0.0, 0.17, -0.215 + 0.02}));  // nearer to the shoulder than thigh less shin
-  EXPECT_FALSE(phantom_joints(geometry_, {std::nan(""), 0.0, 0.0}));
-  EXPECT_FALSE(phantom_joints(geometry_, {0.0, 0.0, -0.215}));  // on the turret's axis
+  EXPECT_FALSE(phantom::phantom_joints(geometry_, {0.0, 0.0, 0.3}));
+  EXPECT_FALSE(phantom::phantom_joints(geometry_, {0.0, 0.17, -0.215 + 0.02}));  // nearer to the shoulder than thigh less shin
+  EXPECT_FALSE(phantom::phantom_joints(geometry_, {std::nan(""), 0.0, 0.0}));
+  EXPECT_FALSE(phantom::phantom_joints(geometry_, {0.0, 0.0, -0.215}));  // on the turret's axis
 }
 
 TEST_F(Arm, MassMatrixIsTheCurvatureOfTheKineticEnergyOfItsLinks) {
-  const PhantomInertia p;
+  const phantom::PhantomInertia p;
   const double l1 = geometry_.thigh_m, l2 = geometry_.shin_m;
   const std::array<Body, 4> bodies{
       Body{p.a_kg, p.a_kg_m2, l1, 0.5 * l2, l1, 0.5 * l2, 2},
@@ -167,9 +167,9 @@ TEST_F(Arm, GravityIsTheGradientOfThePotential) {
 }
 
 TEST_F(Arm, MassAndApparentMassAtRestAreThePublishedOnes) {
-  PhantomInertia links;
+  phantom::PhantomInertia links;
   links.rotor_kg_m2.setZero();
-  const PhantomDynamics without(geometry_, links);
+  const phantom::PhantomDynamics without(geometry_, links);
   const Vec3 diagonal = without.mass(Vec3::Zero()).diagonal();
   EXPECT_NEAR(diagonal[0], 3.57e-3, 5e-6);
   EXPECT_NEAR(diagonal[1], 2.43e-3, 5e-6);
@@ -181,20 +181,20 @@ TEST_F(Arm, MassAndApparentMassAtRestAreThePublishedOnes) {
 TEST_F(Arm, GimbalAnglesGiveTheOrientationBack) {
   for (int i = 0; i < 200; ++i) {
     const Vec3 q = joints(), gimbal = 1.5 * joints();
-    const Quat stylus = stylus_orientation(q, gimbal);
-    EXPECT_LT((gimbal_angles(q, stylus) - gimbal).norm(), 1e-12);
+    const Quat stylus = phantom::stylus_orientation(q, gimbal);
+    EXPECT_LT((phantom::gimbal_angles(q, stylus) - gimbal).norm(), 1e-12);
   }
-  const Quat straight_up = stylus_orientation(Vec3::Zero(), {0.4, std::numbers::pi / 2.0, 0.0});
-  EXPECT_LT(stylus_orientation(Vec3::Zero(), gimbal_angles(Vec3::Zero(), straight_up)).angularDistance(straight_up),
+  const Quat straight_up = phantom::stylus_orientation(Vec3::Zero(), {0.4, std::numbers::pi / 2.0, 0.0});
+  EXPECT_LT(phantom::stylus_orientation(Vec3::Zero(), phantom::gimbal_angles(Vec3::Zero(), straight_up)).angularDistance(straight_up),
             1e-7);
 }
 
 TEST_F(Arm, StylusTurnsRightUpAndClockwiseWithTheLibrarysSigns) {
   const Vec3 ahead = -Vec3::UnitZ();  // the stylus points at the base
-  EXPECT_GT((stylus_orientation(Vec3::Zero(), {0.1, 0.0, 0.0}) * ahead).x(), 0.0);
-  EXPECT_GT((stylus_orientation(Vec3::Zero(), {0.0, -0.1, 0.0}) * ahead).y(), 0.0);
-  EXPECT_GT((stylus_orientation(Vec3::Zero(), {0.0, 0.0, 0.1}) * Vec3::UnitY()).x(), 0.0);
+  EXPECT_GT((phantom::stylus_orientation(Vec3::Zero(), {0.1, 0.0, 0.0}) * ahead).x(), 0.0);
+  EXPECT_GT((phantom::stylus_orientation(Vec3::Zero(), {0.0, -0.1, 0.0}) * ahead).y(), 0.0);
+  EXPECT_GT((phantom::stylus_orientation(Vec3::Zero(), {0.0, 0.0, 0.1}) * Vec3::UnitY()).x(), 0.0);
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::hd_sim

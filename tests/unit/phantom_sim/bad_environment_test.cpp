@@ -11,10 +11,10 @@ const bool kSet = setenv("VOXTOUCH_HD_SIM", "model=omni;coulomb_nm=much", 1) == 
 TEST(BadEnvironment, MeansThatNoDeviceIsFound) {
   ASSERT_TRUE(kSet);
   ASSERT_NE(handle(), nullptr);
-  hd::Api api;
-  ASSERT_EQ(hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
-  EXPECT_EQ(api.hdInitDevice(nullptr), hd::kInvalidHandle);
-  EXPECT_EQ(api.hdGetError().error_code, hd::kCommConfigError);
+  phantom::hd::Api api;
+  ASSERT_EQ(phantom::hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
+  EXPECT_EQ(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);
+  EXPECT_EQ(api.hdGetError().error_code, phantom::hd::kCommConfigError);
 }
 
 }  // namespace

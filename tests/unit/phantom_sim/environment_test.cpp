@@ -12,12 +12,12 @@ const bool kSet = setenv("VOXTOUCH_HD_SIM", "virtual=1;model=omni;grip=pen-firm;
 TEST(Environment, SetsWhatTheLibraryStartsFrom) {
   ASSERT_TRUE(kSet);
   ASSERT_NE(handle(), nullptr);
-  hd::Api api;
-  ASSERT_EQ(hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
+  phantom::hd::Api api;
+  ASSERT_EQ(phantom::hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
   decltype(&hdsim_step) step;
   find(step, "hdsim_step");
-  ASSERT_NE(api.hdInitDevice(nullptr), hd::kInvalidHandle);
-  EXPECT_STREQ(api.hdGetString(hd::kDeviceModelType), "PHANTOM Omni");
+  ASSERT_NE(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);
+  EXPECT_STREQ(api.hdGetString(phantom::hd::kDeviceModelType), "PHANTOM Omni");
   api.hdStartScheduler();
   EXPECT_EQ(step(), 0);
   api.hdStopScheduler();

@@ -6,7 +6,7 @@
 namespace voxtouch::hd_sim_test {
 namespace {
 
-using Errors = std::vector<hd::HDerror>;
+using Errors = std::vector<phantom::hd::HDerror>;
 
 class Faults : public SimulatedLibrary {
  protected:
@@ -35,15 +35,15 @@ class Faults : public SimulatedLibrary {
 TEST_F(Faults, LostCommunicationFreezesSamplesAndTheWatchdogEndsTheForce) {
   ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, 100), 0);
   set_motion({0.0, 0.0, 0.0, 0.05, 0.0, 0.0}, 0.3);
-  const Vec3 before = read_vector(hd::kCurrentPosition);
+  const Vec3 before = read_vector(phantom::hd::kCurrentPosition);
   const std::vector<double> force = next_100_ms();
   EXPECT_LE(nonzero(force), 10);
   EXPECT_EQ(force[20], 0.0);
   EXPECT_EQ(force[99], 0.0);
-  EXPECT_EQ(read_vector(hd::kCurrentPosition), before);
+  EXPECT_EQ(read_vector(phantom::hd::kCurrentPosition), before);
   const Errors seen = errors();
   ASSERT_GE(seen.size(), 100u);  // at each frame, as far as the stack goes
-  for (const hd::HDerror e : seen) EXPECT_EQ(e, hd::kCommError);
+  for (const phantom::hd::HDerror e : seen) EXPECT_EQ(e, phantom::hd::kCommError);
   tick_force(kPush);
   EXPECT_EQ(errors(), Errors{});
   EXPECT_NEAR(applied().x(), 2.0, 0.05);  // it was 100 ticks only
@@ -52,7 +52,7 @@ TEST_F(Faults, LostCommunicationFreezesSamplesAndTheWatchdogEndsTheForce) {
 TEST_F(Faults, NoOrderReachesAnAmplifierThatCommunicationIsLostTo) {
   ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, 100), 0);
   tick_force(kPush);
-  api.hdDisable(hd::kForceOutput);
+  api.hdDisable(phantom::hd::kForceOutput);
   tick();
   EXPECT_NEAR(applied().x(), 2.0, 0.1);  // its watchdog only
   for (int i = 0; i < 10; ++i) tick();
@@ -64,7 +64,7 @@ TEST_F(Faults, FailedDeviceGivesNothingAtOnce) {
   EXPECT_EQ(nonzero(next_100_ms()), 0);
   const Errors seen = errors();
   ASSERT_EQ(seen.size(), 100u);
-  EXPECT_EQ(seen.front(), hd::kDeviceFault);
+  EXPECT_EQ(seen.front(), phantom::hd::kDeviceFault);
   ASSERT_EQ(sim.inject(HDSIM_DEVICE_FAULT, 0), 0);
   tick_force(kPush);
   EXPECT_NEAR(applied().x(), 2.0, 0.05);
@@ -72,7 +72,7 @@ TEST_F(Faults, FailedDeviceGivesNothingAtOnce) {
 
 TEST_F(Faults, DeadTimerMeansNoCallbacksAndTheWatchdogEndsTheForce) {
   ASSERT_EQ(sim.inject(HDSIM_TIMER_ERROR, 0), 0);
-  EXPECT_EQ(errors(), Errors{hd::kTimerError});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kTimerError});
   int called = 0;
   EXPECT_EQ(tick([&] { ++called; }), 1);
   EXPECT_EQ(called, 0);
@@ -88,7 +88,7 @@ TEST_F(Faults, DeadTimerMeansNoCallbacksAndTheWatchdogEndsTheForce) {
 TEST_F(Faults, WarmMotorsDropTheForceUntilTheyAreCool) {
   ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 1.0), 0);
   EXPECT_EQ(nonzero(next_100_ms()), 0);
-  EXPECT_EQ(errors(), Errors{hd::kWarmMotors});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kWarmMotors});
   ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.85), 0);
   tick_force(kPush);
   EXPECT_GT(applied().x(), 1.5);
@@ -114,10 +114,10 @@ TEST_F(Faults, LateTickIsTimeUnderTheLastForce) {
   const double before = state().time;
   ASSERT_EQ(sim.inject(HDSIM_LATE_TICK, 0.005), 0);
   int rate = 0;
-  tick([&] { api.hdGetIntegerv(hd::kInstantaneousUpdateRate, &rate); });
+  tick([&] { api.hdGetIntegerv(phantom::hd::kInstantaneousUpdateRate, &rate); });
   EXPECT_NEAR(state().time - before, 0.006, 1e-12);
   EXPECT_EQ(rate, 167);
-  tick([&] { api.hdGetIntegerv(hd::kInstantaneousUpdateRate, &rate); });
+  tick([&] { api.hdGetIntegerv(phantom::hd::kInstantaneousUpdateRate, &rate); });
   EXPECT_EQ(rate, 1000);
 }
 
@@ -128,8 +128,8 @@ TEST_F(Faults, PositionThatIsNoNumberIsReadAsThat) {
     Vec3 p;
     tick([&] {
       frame([&] {
-        p = read_vector(hd::kCurrentPosition);
-        api.hdGetDoublev(hd::kCurrentTransform, m);
+        p = read_vector(phantom::hd::kCurrentPosition);
+        api.hdGetDoublev(phantom::hd::kCurrentTransform, m);
       });
     });
     EXPECT_EQ(std::isnan(p.x()), i < 2);
@@ -143,11 +143,11 @@ TEST_F(Faults, PositionThatIsNoNumberIsReadAsThat) {
 TEST_F(Faults, FrameLeftOpenGivesNoForceAndSpoilsTheNext) {
   tick([&] {
     api.hdBeginFrame(device);
-    api.hdSetDoublev(hd::kCurrentForce, Vec3(-2.0, 0.0, 0.0).data());
+    api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(-2.0, 0.0, 0.0).data());
   });
   EXPECT_GT(applied().x(), 1.5);  // the last one still
   tick([&] { api.hdBeginFrame(device); });
-  EXPECT_EQ(errors(), Errors{hd::kIllegalBegin});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kIllegalBegin});
 }
 
 TEST_F(Faults, TicksWithoutFramesHoldTheForceNoLongerThanTheWatchdog) {
@@ -161,7 +161,7 @@ TEST_F(Faults, TicksWithoutFramesHoldTheForceNoLongerThanTheWatchdog) {
 }
 
 TEST_F(Faults, HandThatLetsGoLeavesTheArmToTheMotors) {
-  OperatorConfig hand;
+  sim::OperatorConfig hand;
   hand.mass_kg = 0.1;
   hand.damping_ns_per_m = 4.0;
   hand.stiffness_n_per_m = 300.0;
@@ -176,25 +176,25 @@ TEST_F(Faults, HandThatLetsGoLeavesTheArmToTheMotors) {
 class Openings : public SimulatedLibrary {};
 
 TEST_F(Openings, FailedInitGivesNoHandleAndItsError) {
-  ASSERT_EQ(sim.inject(HDSIM_FAIL_INIT, hd::kDeviceFault), 0);
-  EXPECT_EQ(api.hdInitDevice(nullptr), hd::kInvalidHandle);
-  const hd::HDErrorInfo info = api.hdGetError();
-  EXPECT_EQ(info.error_code, hd::kDeviceFault);
-  EXPECT_EQ(info.device, hd::kInvalidHandle);
-  EXPECT_NE(api.hdInitDevice(nullptr), hd::kInvalidHandle);  // the next one works
+  ASSERT_EQ(sim.inject(HDSIM_FAIL_INIT, phantom::hd::kDeviceFault), 0);
+  EXPECT_EQ(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);
+  const phantom::hd::HDErrorInfo info = api.hdGetError();
+  EXPECT_EQ(info.error_code, phantom::hd::kDeviceFault);
+  EXPECT_EQ(info.device, phantom::hd::kInvalidHandle);
+  EXPECT_NE(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);  // the next one works
 }
 
 TEST_F(Openings, MissingLicenceIsToldAtTheInit) {
-  ASSERT_EQ(sim.inject(HDSIM_FAIL_INIT, hd::kInvalidLicense), 0);
-  EXPECT_EQ(api.hdInitDevice(nullptr), hd::kInvalidHandle);
-  EXPECT_EQ(errors(), Errors{hd::kInvalidLicense});
+  ASSERT_EQ(sim.inject(HDSIM_FAIL_INIT, phantom::hd::kInvalidLicense), 0);
+  EXPECT_EQ(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);
+  EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidLicense});
 }
 
 TEST_F(Openings, FailedStartIsATimerError) {
   open();
   ASSERT_EQ(sim.inject(HDSIM_FAIL_START, 0), 0);
   api.hdStartScheduler();
-  EXPECT_EQ(errors(), Errors{hd::kTimerError});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kTimerError});
   EXPECT_FALSE(state().scheduler_running);
   api.hdStartScheduler();
   EXPECT_TRUE(state().scheduler_running);
@@ -215,7 +215,7 @@ TEST_F(Openings, HooksSayWhyTheyCannot) {
   EXPECT_EQ(sim.inject(HDSIM_COMM_ERROR, std::nan("")), -1);
   hdsim_state s;
   EXPECT_EQ(sim.read_state(&s, sizeof s - 8), -1);
-  EXPECT_EQ(set_hand(*grip("pen-firm")), 0);
+  EXPECT_EQ(set_hand(*hand::grip("pen-firm")), 0);
   EXPECT_STREQ(sim.last_message(), "");
 }
 
@@ -239,8 +239,8 @@ class Determinism : public SimulatedLibrary {
       tick([&] {
         frame([&] {
           const Vec3 wall =
-              -0.3 * read_vector(hd::kCurrentPosition).cwiseMin(4.0) - 0.002 * read_vector(hd::kCurrentVelocity);
-          api.hdSetDoublev(hd::kCurrentForce, wall.data());
+              -0.3 * read_vector(phantom::hd::kCurrentPosition).cwiseMin(4.0) - 0.002 * read_vector(phantom::hd::kCurrentVelocity);
+          api.hdSetDoublev(phantom::hd::kCurrentForce, wall.data());
         });
       });
     }
@@ -250,7 +250,7 @@ class Determinism : public SimulatedLibrary {
     std::copy_n(s.tip, 3, r.tip.begin());
     std::copy_n(s.tip_velocity, 3, r.velocity.begin());
     std::copy_n(s.temperature, 3, r.temperature.begin());
-    api.hdGetLongv(hd::kCurrentEncoderValues, r.counts);
+    api.hdGetLongv(phantom::hd::kCurrentEncoderValues, r.counts);
     return r;
   }
 };

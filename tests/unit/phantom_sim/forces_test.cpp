@@ -7,21 +7,21 @@
 namespace voxtouch::hd_sim_test {
 namespace {
 
-using Errors = std::vector<hd::HDerror>;
+using Errors = std::vector<phantom::hd::HDerror>;
 
 class Forces : public SimulatedLibrary {
  protected:
-  void set_number(hd::HDenum name, double value) { api.hdSetDoublev(name, &value); }
+  void set_number(phantom::hd::HDenum name, double value) { api.hdSetDoublev(name, &value); }
   double motor(int i) { return state().motor_torque[i]; }
 };
 
 TEST_F(Forces, NothingIsGivenBeforeForceOutputIsOn) {
   open_and_start();
-  api.hdDisable(hd::kForceOutput);
+  api.hdDisable(phantom::hd::kForceOutput);
   tick_force({2.0, 0.0, 0.0});
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
-  api.hdEnable(hd::kForceOutput);
-  EXPECT_TRUE(api.hdIsEnabled(hd::kForceOutput));
+  api.hdEnable(phantom::hd::kForceOutput);
+  EXPECT_TRUE(api.hdIsEnabled(phantom::hd::kForceOutput));
   tick_force({2.0, 0.0, 0.0});
   EXPECT_NEAR(applied().x(), 2.0, 0.02);
   EXPECT_EQ(errors(), Errors{});
@@ -30,14 +30,14 @@ TEST_F(Forces, NothingIsGivenBeforeForceOutputIsOn) {
 TEST_F(Forces, SwitchingOutputOffTakesTheForceAtOnce) {
   open_and_start();
   tick_force({2.0, 0.0, 0.0});
-  api.hdDisable(hd::kForceOutput);
+  api.hdDisable(phantom::hd::kForceOutput);
   tick();
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
 }
 
 TEST_F(Forces, FrameOutsideTheSchedulerGivesNone) {
   open();
-  frame([&] { api.hdSetDoublev(hd::kCurrentForce, Vec3(2.0, 0.0, 0.0).data()); });
+  frame([&] { api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(2.0, 0.0, 0.0).data()); });
   api.hdStartScheduler();
   sim.step();
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
@@ -64,8 +64,8 @@ TEST_F(Forces, JointTorqueIsInMilliNewtonMetresAndOverridesForce) {
   open_and_start();
   tick([&] {
     frame([&] {
-      api.hdSetDoublev(hd::kCurrentForce, Vec3(0.0, 3.0, 0.0).data());
-      api.hdSetDoublev(hd::kCurrentJointTorque, Vec3(100.0, 0.0, 50.0).data());
+      api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(0.0, 3.0, 0.0).data());
+      api.hdSetDoublev(phantom::hd::kCurrentJointTorque, Vec3(100.0, 0.0, 50.0).data());
     });
   });
   EXPECT_NEAR(motor(0), -0.1, 1e-9);  // the library's turret turns to the left
@@ -79,31 +79,31 @@ TEST_F(Forces, DacOverridesEverything) {
   const long dac[3] = {-32767, 0, 16383};
   tick([&] {
     frame([&] {
-      api.hdSetLongv(hd::kCurrentMotorDacValues, dac);
-      api.hdSetDoublev(hd::kCurrentForce, Vec3(0.0, 3.0, 0.0).data());
+      api.hdSetLongv(phantom::hd::kCurrentMotorDacValues, dac);
+      api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(0.0, 3.0, 0.0).data());
     });
   });
   EXPECT_NEAR(motor(0), -1.8275, 1e-9);
   EXPECT_NEAR(motor(1), 0.0, 1e-9);
   EXPECT_NEAR(motor(2), 0.5 * 1.445, 1e-3);
   const long over[3] = {40000, 0, 0};
-  tick([&] { frame([&] { api.hdSetLongv(hd::kCurrentMotorDacValues, over); }); });
-  EXPECT_EQ(errors(), Errors{hd::kInvalidValue});
+  tick([&] { frame([&] { api.hdSetLongv(phantom::hd::kCurrentMotorDacValues, over); }); });
+  EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidValue});
 }
 
 TEST_F(Forces, TorqueNeedsMotorsInTheGimbal) {
   open_and_start();
-  tick([&] { frame([&] { api.hdSetDoublev(hd::kCurrentTorque, Vec3(10.0, 0.0, 0.0).data()); }); });
-  EXPECT_EQ(errors(), Errors{hd::kInvalidOperation});
+  tick([&] { frame([&] { api.hdSetDoublev(phantom::hd::kCurrentTorque, Vec3(10.0, 0.0, 0.0).data()); }); });
+  EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidOperation});
   shut();
   ASSERT_EQ(sim.set_model("premium-6dof"), 0);
   open_and_start();
   Vec3 seen;
   tick([&] {
     frame([&] {
-      api.hdSetDoublev(hd::kCurrentForce, Vec3(1.0, 0.0, 0.0).data());
-      api.hdSetDoublev(hd::kCurrentTorque, Vec3(10.0, 0.0, 0.0).data());
-      seen = read_vector(hd::kCurrentTorque);
+      api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(1.0, 0.0, 0.0).data());
+      api.hdSetDoublev(phantom::hd::kCurrentTorque, Vec3(10.0, 0.0, 0.0).data());
+      seen = read_vector(phantom::hd::kCurrentTorque);
     });
   });
   EXPECT_EQ(errors(), Errors{});
@@ -116,18 +116,18 @@ TEST_F(Forces, ContradictoryTorquesAreAForceErrorAndNoForce) {
   open_and_start();
   tick([&] {
     frame([&] {
-      api.hdSetDoublev(hd::kCurrentTorque, Vec3(10.0, 0.0, 0.0).data());
-      api.hdSetDoublev(hd::kCurrentJointTorque, Vec3(10.0, 0.0, 0.0).data());
+      api.hdSetDoublev(phantom::hd::kCurrentTorque, Vec3(10.0, 0.0, 0.0).data());
+      api.hdSetDoublev(phantom::hd::kCurrentJointTorque, Vec3(10.0, 0.0, 0.0).data());
     });
   });
-  EXPECT_EQ(errors(), Errors{hd::kForceError});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kForceError});
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
 }
 
 TEST_F(Forces, ClampingCutsSilentlyAndKeepsTheDirection) {
   open_and_start();
-  api.hdEnable(hd::kMaxForceClamping);
-  set_number(hd::kSoftwareForceImpulseLimit, 1000.0);
+  api.hdEnable(phantom::hd::kMaxForceClamping);
+  set_number(phantom::hd::kSoftwareForceImpulseLimit, 1000.0);
   tick_force({30.0, 40.0, 0.0});
   EXPECT_EQ(errors(), Errors{});
   EXPECT_NEAR(motor(0) / motor(1), 0.75, 0.01);
@@ -136,14 +136,14 @@ TEST_F(Forces, ClampingCutsSilentlyAndKeepsTheDirection) {
 
 TEST_F(Forces, MoreThanTheMaximumIsAnErrorAndNoForce) {
   open_and_start();
-  set_number(hd::kSoftwareForceImpulseLimit, 1000.0);
+  set_number(phantom::hd::kSoftwareForceImpulseLimit, 1000.0);
   tick_force({8.6, 0.0, 0.0});
-  EXPECT_EQ(errors(), Errors{hd::kExceededMaxForce});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kExceededMaxForce});
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
   tick_force({8.4, 0.0, 0.0});
   EXPECT_EQ(errors(), Errors{});
   EXPECT_NEAR(applied().x(), 8.4, 0.1);
-  api.hdDisable(hd::kSoftwareForceLimit);
+  api.hdDisable(phantom::hd::kSoftwareForceLimit);
   tick_force({20.0, 0.0, 0.0});
   EXPECT_EQ(errors(), Errors{});
   EXPECT_NEAR(motor(0), 1.8275, 1e-9);  // what the motor can
@@ -151,14 +151,14 @@ TEST_F(Forces, MoreThanTheMaximumIsAnErrorAndNoForce) {
 
 TEST_F(Forces, ImpulseOverItsLimitIsAnErrorAndNoForce) {
   open_and_start();
-  set_number(hd::kSoftwareForceImpulseLimit, 2.0);
+  set_number(phantom::hd::kSoftwareForceImpulseLimit, 2.0);
   tick_force({3.0, 0.0, 0.0});
-  EXPECT_EQ(errors(), Errors{hd::kExceededMaxForceImpulse});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kExceededMaxForceImpulse});
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
   for (double f : {1.5, 3.0, 4.5}) tick_force({f, 0.0, 0.0});
   EXPECT_EQ(errors(), Errors{});
   EXPECT_NEAR(applied().x(), 4.5, 0.05);
-  api.hdDisable(hd::kSoftwareForceImpulseLimit);
+  api.hdDisable(phantom::hd::kSoftwareForceImpulseLimit);
   tick_force({-4.5, 0.0, 0.0});
   EXPECT_EQ(errors(), Errors{});
 }
@@ -166,14 +166,14 @@ TEST_F(Forces, ImpulseOverItsLimitIsAnErrorAndNoForce) {
 TEST_F(Forces, SpeedOverItsLimitDropsTheForceWhileItLasts) {
   set_motion({0.0, 0.0, 0.0, 0.12, 0.0, 0.0}, 0.5);
   open_and_start();
-  set_number(hd::kSoftwareVelocityLimit, 200.0);
+  set_number(phantom::hd::kSoftwareVelocityLimit, 200.0);
   Errors seen;
   int dropped = 0, slow_after = 0;
   for (int i = 0; i < 1500; ++i) {
     tick_force({0.0, 0.5, 0.0});
     const auto now = errors();
     seen.insert(seen.end(), now.begin(), now.end());
-    const double speed = read_vector(hd::kCurrentVelocity).norm();
+    const double speed = read_vector(phantom::hd::kCurrentVelocity).norm();
     if (motor(1) == 0.0) {
       ++dropped;
       EXPECT_GT(speed, 200.0);
@@ -181,22 +181,22 @@ TEST_F(Forces, SpeedOverItsLimitDropsTheForceWhileItLasts) {
       ++slow_after;
     }
   }
-  EXPECT_EQ(seen, Errors{hd::kExceededMaxVelocity});  // once, where it begins
+  EXPECT_EQ(seen, Errors{phantom::hd::kExceededMaxVelocity});  // once, where it begins
   EXPECT_GT(dropped, 50);
   EXPECT_GT(slow_after, 50);
 }
 
 TEST_F(Forces, RampRisesFromZeroAtTheStartAndAfterAnError) {
   open();
-  api.hdEnable(hd::kForceRamping);
-  set_number(hd::kForceRampingRate, 100.0);
+  api.hdEnable(phantom::hd::kForceRamping);
+  set_number(phantom::hd::kForceRampingRate, 100.0);
   api.hdScheduleAsynchronous(
       [](void* self) {
         auto* t = static_cast<Forces*>(self);
-        t->frame([t] { t->api.hdSetDoublev(hd::kCurrentForce, Vec3(2.0, 0.0, 0.0).data()); });
-        return hd::kCallbackContinue;
+        t->frame([t] { t->api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(2.0, 0.0, 0.0).data()); });
+        return phantom::hd::kCallbackContinue;
       },
-      this, hd::kMaxPriority);
+      this, phantom::hd::kMaxPriority);
   api.hdStartScheduler();
   for (int ms = 1; ms <= 30; ++ms) {
     sim.step();
@@ -222,7 +222,7 @@ TEST_F(Forces, MotorsWarmUpWithTheSquareOfTheForceAndDropIt) {
   while (errors().empty() && ++ticks < 3000) tick_force({0.0, 4.0, 0.0});
   EXPECT_LT(ticks, 500);
   double told[3];
-  api.hdGetDoublev(hd::kMotorTemperature, told);
+  api.hdGetDoublev(phantom::hd::kMotorTemperature, told);
   EXPECT_GE(told[1], 0.99);
   tick_force({0.0, 1.0, 0.0});
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
@@ -252,67 +252,67 @@ class Calibration : public SimulatedLibrary {};
 
 TEST_F(Calibration, EncodersKnowNothingUntilTheyAreReset) {
   device = api.hdInitDevice(nullptr);
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationNeedsManualInput);
-  EXPECT_EQ(api.hdCheckCalibrationStyle(), hd::kCalibrationEncoderReset);
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsManualInput);
+  EXPECT_EQ(api.hdCheckCalibrationStyle(), phantom::hd::kCalibrationEncoderReset);
   frame();
-  EXPECT_GT(read_vector(hd::kCurrentPosition).norm(), 50.0);
-  api.hdUpdateCalibration(hd::kCalibrationEncoderReset);
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationOk);
+  EXPECT_GT(read_vector(phantom::hd::kCurrentPosition).norm(), 50.0);
+  api.hdUpdateCalibration(phantom::hd::kCalibrationEncoderReset);
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationOk);
   frame();
-  EXPECT_LT(read_vector(hd::kCurrentPosition).norm(), 0.05);
+  EXPECT_LT(read_vector(phantom::hd::kCurrentPosition).norm(), 0.05);
 }
 
 TEST_F(Calibration, LastsUntilThePowerGoes) {
   open();
   api.hdDisableDevice(device);
   device = api.hdInitDevice(nullptr);
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationOk);
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationOk);
   EXPECT_EQ(sim.power_cycle(), -1);  // not while it is open
   api.hdDisableDevice(device);
   EXPECT_EQ(sim.power_cycle(), 0);
   device = api.hdInitDevice(nullptr);
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationNeedsManualInput);
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsManualInput);
 }
 
 TEST_F(Calibration, LinksHeldWrongAtTheResetShiftThePosition) {
   ASSERT_EQ(sim.set_number("reset_error_thigh_rad", 0.05), 0);
   open();
   frame();
-  EXPECT_NEAR(read_vector(hd::kCurrentPosition).y(), -0.05 * 215.0, 0.1);
+  EXPECT_NEAR(read_vector(phantom::hd::kCurrentPosition).y(), -0.05 * 215.0, 0.1);
 }
 
 TEST_F(Calibration, NotWhileForcesAreOn) {
   open_and_start();
   tick();
-  api.hdUpdateCalibration(hd::kCalibrationEncoderReset);
-  EXPECT_EQ(errors(), Errors{hd::kInvalidOperation});
+  api.hdUpdateCalibration(phantom::hd::kCalibrationEncoderReset);
+  EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidOperation});
 }
 
 TEST_F(Calibration, InkwellNeedsTheStylusInItAndTheScheduler) {
   ASSERT_EQ(sim.set_model("omni"), 0);
   device = api.hdInitDevice(nullptr);
-  EXPECT_STREQ(api.hdGetString(hd::kDeviceModelType), "PHANTOM Omni");
+  EXPECT_STREQ(api.hdGetString(phantom::hd::kDeviceModelType), "PHANTOM Omni");
   api.hdStartScheduler();
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationNeedsManualInput);
-  api.hdUpdateCalibration(hd::kCalibrationInkwell);
-  EXPECT_EQ(errors(), Errors{hd::kInvalidOperation});
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsManualInput);
+  api.hdUpdateCalibration(phantom::hd::kCalibrationInkwell);
+  EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidOperation});
   sim.set_switches(0, 1, 1);
   sim.step();
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationNeedsUpdate);
-  api.hdUpdateCalibration(hd::kCalibrationInkwell);
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsUpdate);
+  api.hdUpdateCalibration(phantom::hd::kCalibrationInkwell);
   EXPECT_EQ(errors(), Errors{});
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationOk);
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationOk);
 }
 
 TEST_F(Calibration, AutomaticOneAsksForAnUpdateOnceItHasSeenTheArm) {
   ASSERT_EQ(sim.set_model("desktop"), 0);
   device = api.hdInitDevice(nullptr);
   api.hdStartScheduler();
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationNeedsManualInput);
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsManualInput);
   for (int i = 0; i < 60; ++i) sim.step();
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationNeedsUpdate);
-  api.hdUpdateCalibrationMessage(hd::kCalibrationAuto);
-  EXPECT_EQ(api.hdCheckCalibration(), hd::kCalibrationOk);
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsUpdate);
+  api.hdUpdateCalibrationMessage(phantom::hd::kCalibrationAuto);
+  EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationOk);
 }
 
 }  // namespace

@@ -8,56 +8,56 @@ namespace voxtouch::hd_sim_test {
 namespace {
 
 class Frames : public SimulatedLibrary {};
-using Errors = std::vector<hd::HDerror>;
+using Errors = std::vector<phantom::hd::HDerror>;
 
 TEST_F(Frames, HandleOfTheFirstDeviceIsZeroAndCurrent) {
   open();
   EXPECT_EQ(device, 0u);
   EXPECT_EQ(api.hdGetCurrentDevice(), device);
   api.hdDisableDevice(device);
-  EXPECT_EQ(api.hdGetCurrentDevice(), hd::kInvalidHandle);
+  EXPECT_EQ(api.hdGetCurrentDevice(), phantom::hd::kInvalidHandle);
 }
 
 TEST_F(Frames, KnowsTheUsualNamesOnly) {
   for (const char* name : {"Default PHANToM", "Default Device"}) {
-    const hd::HHD handle = api.hdInitDevice(name);
-    EXPECT_NE(handle, hd::kInvalidHandle) << name;
+    const phantom::hd::HHD handle = api.hdInitDevice(name);
+    EXPECT_NE(handle, phantom::hd::kInvalidHandle) << name;
     api.hdDisableDevice(handle);
   }
-  EXPECT_EQ(api.hdInitDevice("Right Hand"), hd::kInvalidHandle);
-  EXPECT_EQ(errors(), Errors{hd::kCommConfigError});
+  EXPECT_EQ(api.hdInitDevice("Right Hand"), phantom::hd::kInvalidHandle);
+  EXPECT_EQ(errors(), Errors{phantom::hd::kCommConfigError});
 }
 
 TEST_F(Frames, SecondInitIsRefused) {
   open();
-  EXPECT_EQ(api.hdInitDevice(nullptr), hd::kInvalidHandle);
-  EXPECT_EQ(errors(), Errors{hd::kDeviceAlreadyInitiated});
+  EXPECT_EQ(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);
+  EXPECT_EQ(errors(), Errors{phantom::hd::kDeviceAlreadyInitiated});
   EXPECT_EQ(api.hdGetCurrentDevice(), device);
 }
 
 TEST_F(Frames, WrongHandlesAreBad) {
   open();
   api.hdBeginFrame(7);
-  api.hdEndFrame(hd::kInvalidHandle);
+  api.hdEndFrame(phantom::hd::kInvalidHandle);
   api.hdMakeCurrentDevice(1);
   api.hdDisableDevice(1);
-  EXPECT_EQ(errors(), (Errors{hd::kBadHandle, hd::kBadHandle, hd::kBadHandle, hd::kBadHandle}));
+  EXPECT_EQ(errors(), (Errors{phantom::hd::kBadHandle, phantom::hd::kBadHandle, phantom::hd::kBadHandle, phantom::hd::kBadHandle}));
 }
 
 TEST_F(Frames, WithoutADeviceNothingCanBeReadOrSwitched) {
-  read_vector(hd::kCurrentPosition);
-  api.hdEnable(hd::kForceOutput);
-  EXPECT_EQ(api.hdGetString(hd::kDeviceModelType), nullptr);
-  EXPECT_EQ(errors(), (Errors{hd::kInvalidOperation, hd::kInvalidOperation, hd::kInvalidOperation}));
+  read_vector(phantom::hd::kCurrentPosition);
+  api.hdEnable(phantom::hd::kForceOutput);
+  EXPECT_EQ(api.hdGetString(phantom::hd::kDeviceModelType), nullptr);
+  EXPECT_EQ(errors(), (Errors{phantom::hd::kInvalidOperation, phantom::hd::kInvalidOperation, phantom::hd::kInvalidOperation}));
 }
 
 TEST_F(Frames, NewestErrorComesFirst) {
   open();
   api.hdEndFrame(device);
   api.hdGetDoublev(0x9999, Vec3().data());
-  api.hdSetDoublev(hd::kCurrentForce, Vec3(1.0, 0.0, 0.0).data());
-  EXPECT_EQ(errors(), (Errors{hd::kFrameError, hd::kInvalidEnum, hd::kIllegalEnd}));
-  EXPECT_EQ(error(), hd::kSuccess);
+  api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(1.0, 0.0, 0.0).data());
+  EXPECT_EQ(errors(), (Errors{phantom::hd::kFrameError, phantom::hd::kInvalidEnum, phantom::hd::kIllegalEnd}));
+  EXPECT_EQ(error(), phantom::hd::kSuccess);
 }
 
 TEST_F(Frames, BeginsAndEndsHaveToPair) {
@@ -68,7 +68,7 @@ TEST_F(Frames, BeginsAndEndsHaveToPair) {
     api.hdEndFrame(device);
     api.hdEndFrame(device);
   });
-  EXPECT_EQ(errors(), (Errors{hd::kIllegalEnd, hd::kIllegalBegin}));
+  EXPECT_EQ(errors(), (Errors{phantom::hd::kIllegalEnd, phantom::hd::kIllegalBegin}));
 }
 
 TEST_F(Frames, OneFrameATick) {
@@ -77,10 +77,10 @@ TEST_F(Frames, OneFrameATick) {
     frame();
     frame();
   });
-  EXPECT_EQ(errors(), (Errors{hd::kIllegalEnd, hd::kIllegalBegin}));
+  EXPECT_EQ(errors(), (Errors{phantom::hd::kIllegalEnd, phantom::hd::kIllegalBegin}));
   tick([&] { frame(); });
   EXPECT_EQ(errors(), Errors{});
-  api.hdDisable(hd::kOneFrameLimit);
+  api.hdDisable(phantom::hd::kOneFrameLimit);
   tick([&] {
     frame();
     frame();
@@ -98,10 +98,10 @@ TEST_F(Frames, LimitOfFramesIsForTicksOnly) {
 TEST_F(Frames, SetOutsideAFrameIsAnErrorAndNoForce) {
   open_and_start();
   tick([&] {
-    api.hdSetDoublev(hd::kCurrentForce, Vec3(2.0, 0.0, 0.0).data());
+    api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(2.0, 0.0, 0.0).data());
     frame();
   });
-  EXPECT_EQ(errors(), Errors{hd::kFrameError});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kFrameError});
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
 }
 
@@ -117,9 +117,9 @@ TEST_F(Frames, GetOutsideAFrameGivesTheLastFrame) {
   set_motion({0.0, 0.0, 0.0, 0.1, 0.0, 0.0}, 0.5);
   open_and_start();
   Vec3 seen;
-  for (int i = 0; i < 200; ++i) tick([&] { frame([&] { seen = read_vector(hd::kCurrentPosition); }); });
+  for (int i = 0; i < 200; ++i) tick([&] { frame([&] { seen = read_vector(phantom::hd::kCurrentPosition); }); });
   for (int i = 0; i < 20; ++i) tick();
-  EXPECT_EQ(read_vector(hd::kCurrentPosition), seen);
+  EXPECT_EQ(read_vector(phantom::hd::kCurrentPosition), seen);
   EXPECT_GT((1e3 * tip() - seen).norm(), 0.5);
 }
 
@@ -131,11 +131,11 @@ TEST_F(Frames, LastParametersAreThoseOfTheFrameBefore) {
     const Vec3 before = position;
     tick([&] {
       frame([&] {
-        position = read_vector(hd::kCurrentPosition);
-        last = read_vector(hd::kLastPosition);
-        last_force = read_vector(hd::kLastForce);
-        api.hdSetDoublev(hd::kCurrentForce, Vec3(0.01 * i, 0.0, 0.0).data());
-        force = read_vector(hd::kCurrentForce);
+        position = read_vector(phantom::hd::kCurrentPosition);
+        last = read_vector(phantom::hd::kLastPosition);
+        last_force = read_vector(phantom::hd::kLastForce);
+        api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(0.01 * i, 0.0, 0.0).data());
+        force = read_vector(phantom::hd::kCurrentForce);
       });
     });
     if (i == 0) continue;
@@ -147,44 +147,45 @@ TEST_F(Frames, LastParametersAreThoseOfTheFrameBefore) {
 
 TEST_F(Frames, WrongTypesAreRefusedAndWriteNothing) {
   open();
-  hd::HDint number = 77;
-  api.hdGetIntegerv(hd::kCurrentPosition, &number);
+  phantom::hd::HDint number = 77;
+  api.hdGetIntegerv(phantom::hd::kCurrentPosition, &number);
   EXPECT_EQ(number, 77);
-  api.hdGetDoublev(hd::kCurrentButtons, Vec3().data());
-  api.hdGetIntegerv(hd::kCurrentEncoderValues, &number);
-  api.hdGetDoublev(hd::kOutputDof, Vec3().data());
-  api.hdSetIntegerv(hd::kCurrentForce, &number);
-  EXPECT_EQ(errors(), Errors(5, hd::kInvalidInputType));
+  api.hdGetDoublev(phantom::hd::kCurrentButtons, Vec3().data());
+  api.hdGetIntegerv(phantom::hd::kCurrentEncoderValues, &number);
+  api.hdGetDoublev(phantom::hd::kOutputDof, Vec3().data());
+  api.hdSetIntegerv(phantom::hd::kCurrentForce, &number);
+  EXPECT_EQ(errors(), Errors(5, phantom::hd::kInvalidInputType));
 }
 
 TEST_F(Frames, NumbersThatAreNoneAreRefused) {
   open();
   double x[16] = {};
-  for (const hd::HDenum name : {0x1u, 0x2599u, hd::kCurrentPinchValue, hd::kCurrentJacobian}) api.hdGetDoublev(name, x);
-  api.hdSetDoublev(hd::kCurrentPosition, x);
-  api.hdEnable(hd::kCurrentPosition);
+  for (const phantom::hd::HDenum name : {0x1u, 0x2599u, phantom::hd::kCurrentPinchValue, phantom::hd::kCurrentJacobian})
+    api.hdGetDoublev(name, x);
+  api.hdSetDoublev(phantom::hd::kCurrentPosition, x);
+  api.hdEnable(phantom::hd::kCurrentPosition);
   EXPECT_FALSE(api.hdIsEnabled(0x4005));
-  EXPECT_EQ(api.hdGetString(hd::kCurrentPosition), nullptr);
-  EXPECT_EQ(errors(), Errors(8, hd::kInvalidEnum));
+  EXPECT_EQ(api.hdGetString(phantom::hd::kCurrentPosition), nullptr);
+  EXPECT_EQ(errors(), Errors(8, phantom::hd::kInvalidEnum));
 }
 
 TEST_F(Frames, ValuesOutOfRangeAreRefused) {
   open();
   const double negative = -1.0;
   const int light = 9;
-  api.hdSetDoublev(hd::kSoftwareVelocityLimit, &negative);
-  api.hdSetDoublev(hd::kForceRampingRate, &negative);
-  api.hdSetIntegerv(hd::kUserStatusLight, &light);
-  api.hdGetDoublev(hd::kCurrentPosition, nullptr);
-  api.hdUpdateCalibration(hd::kCalibrationInkwell);
-  EXPECT_EQ(errors(), Errors(5, hd::kInvalidValue));
+  api.hdSetDoublev(phantom::hd::kSoftwareVelocityLimit, &negative);
+  api.hdSetDoublev(phantom::hd::kForceRampingRate, &negative);
+  api.hdSetIntegerv(phantom::hd::kUserStatusLight, &light);
+  api.hdGetDoublev(phantom::hd::kCurrentPosition, nullptr);
+  api.hdUpdateCalibration(phantom::hd::kCalibrationInkwell);
+  EXPECT_EQ(errors(), Errors(5, phantom::hd::kInvalidValue));
 }
 
 TEST_F(Frames, ForceThatIsNoNumberIsRefusedAndCounted) {
   open_and_start();
   tick_force({std::nan(""), 0.0, 0.0});
   tick_force({0.0, std::numeric_limits<double>::infinity(), 0.0});
-  EXPECT_EQ(errors(), Errors(2, hd::kInvalidValue));
+  EXPECT_EQ(errors(), Errors(2, phantom::hd::kInvalidValue));
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
   EXPECT_EQ(state().non_finite_sets, 2u);
 }
@@ -192,10 +193,10 @@ TEST_F(Frames, ForceThatIsNoNumberIsRefusedAndCounted) {
 TEST_F(Frames, FloatsAreTakenToo) {
   open_and_start();
   const float force[3] = {0.0f, 1.5f, 0.0f};
-  tick([&] { frame([&] { api.hdSetFloatv(hd::kCurrentForce, force); }); });
+  tick([&] { frame([&] { api.hdSetFloatv(phantom::hd::kCurrentForce, force); }); });
   EXPECT_NEAR(applied().y(), 1.5, 0.02);
   float position[3] = {9.0f, 9.0f, 9.0f};
-  api.hdGetFloatv(hd::kCurrentPosition, position);
+  api.hdGetFloatv(phantom::hd::kCurrentPosition, position);
   EXPECT_LT(std::abs(position[0]), 1.0f);
 }
 
@@ -206,8 +207,8 @@ TEST_F(Frames, PositionIsInMillimetresAndTheTransformColumnMajor) {
   double m[16];
   Vec3 p;
   frame([&] {
-    p = read_vector(hd::kCurrentPosition);
-    api.hdGetDoublev(hd::kCurrentTransform, m);
+    p = read_vector(phantom::hd::kCurrentPosition);
+    api.hdGetDoublev(phantom::hd::kCurrentTransform, m);
   });
   EXPECT_LT((p - Vec3(30.0, 50.0, -20.0)).norm(), 0.05);
   EXPECT_EQ(Vec3(m[12], m[13], m[14]), p);
@@ -215,10 +216,10 @@ TEST_F(Frames, PositionIsInMillimetresAndTheTransformColumnMajor) {
   EXPECT_EQ(m[3], 0.0);
   Mat3 r = Eigen::Map<Eigen::Matrix4d>(m).topLeftCorner<3, 3>();
   EXPECT_LT((r - Mat3::Identity()).norm(), 0.01);  // the stylus is held level whatever the arm does
-  const Vec3 joints = read_vector(hd::kCurrentJointAngles);
+  const Vec3 joints = read_vector(phantom::hd::kCurrentJointAngles);
   EXPECT_LT(joints.x(), 0.0);  // to the right is negative
   EXPECT_GT(joints.y(), 0.0);
-  EXPECT_GT(read_vector(hd::kCurrentGimbalAngles).norm(), 0.05);  // so the gimbal has to make up for the arm
+  EXPECT_GT(read_vector(phantom::hd::kCurrentGimbalAngles).norm(), 0.05);  // so the gimbal has to make up for the arm
 }
 
 TEST_F(Frames, GimbalIsScaledInTheTransform) {
@@ -226,7 +227,7 @@ TEST_F(Frames, GimbalIsScaledInTheTransform) {
   open();
   double scaled[16] = {}, plain[16] = {};
   frame([&] {
-    api.hdGetDoublev(hd::kCurrentTransform, plain);
+    api.hdGetDoublev(phantom::hd::kCurrentTransform, plain);
     api.hdScaleGimbalAngles(1.0, 1.0, 1.0, scaled);
   });
   for (int i = 0; i < 12; ++i) EXPECT_NEAR(scaled[i], plain[i], 1e-12);
@@ -236,22 +237,22 @@ TEST_F(Frames, GimbalIsScaledInTheTransform) {
 
 TEST_F(Frames, TellsWhatItIs) {
   open();
-  EXPECT_STREQ(api.hdGetString(hd::kDeviceModelType), "PHANTOM Premium 1.5");
-  EXPECT_NE(api.hdGetString(hd::kDeviceSerialNumber), nullptr);
-  EXPECT_EQ(api.hdDeploymentLicense("a", "b", "c"), hd::kTrue);
+  EXPECT_STREQ(api.hdGetString(phantom::hd::kDeviceModelType), "PHANTOM Premium 1.5");
+  EXPECT_NE(api.hdGetString(phantom::hd::kDeviceSerialNumber), nullptr);
+  EXPECT_EQ(api.hdDeploymentLicense("a", "b", "c"), phantom::hd::kTrue);
   double box[6], force = 0.0, stiffness = 0.0, temperature[3] = {9.0, 9.0, 9.0};
-  api.hdGetDoublev(hd::kMaxWorkspaceDimensions, box);
+  api.hdGetDoublev(phantom::hd::kMaxWorkspaceDimensions, box);
   for (int i = 0; i < 3; ++i) EXPECT_LT(box[i], box[i + 3]);
-  api.hdGetDoublev(hd::kNominalMaxForce, &force);
-  api.hdGetDoublev(hd::kNominalMaxStiffness, &stiffness);
-  api.hdGetDoublev(hd::kMotorTemperature, temperature);
+  api.hdGetDoublev(phantom::hd::kNominalMaxForce, &force);
+  api.hdGetDoublev(phantom::hd::kNominalMaxStiffness, &stiffness);
+  api.hdGetDoublev(phantom::hd::kMotorTemperature, temperature);
   EXPECT_DOUBLE_EQ(force, 8.5);
   EXPECT_DOUBLE_EQ(stiffness, 0.8);
   EXPECT_EQ(temperature[2], 0.0);
   int in = 0, out = 0, style = 0;
-  api.hdGetIntegerv(hd::kInputDof, &in);
-  api.hdGetIntegerv(hd::kOutputDof, &out);
-  api.hdGetIntegerv(hd::kCalibrationStyle, &style);
+  api.hdGetIntegerv(phantom::hd::kInputDof, &in);
+  api.hdGetIntegerv(phantom::hd::kOutputDof, &out);
+  api.hdGetIntegerv(phantom::hd::kCalibrationStyle, &style);
   EXPECT_EQ(in, 6);
   EXPECT_EQ(out, 3);
   EXPECT_EQ(style, 1);
@@ -261,13 +262,13 @@ TEST_F(Frames, TellsWhatItIs) {
 TEST_F(Frames, UsableWorkspaceCanBeReachedInFull) {
   open();
   double box[6];
-  api.hdGetDoublev(hd::kUsableWorkspaceDimensions, box);
+  api.hdGetDoublev(phantom::hd::kUsableWorkspaceDimensions, box);
   EXPECT_GT(box[3] - box[0], 100.0);
   for (int corner = 0; corner < 8; ++corner) {
     const double x = box[corner & 1 ? 3 : 0], y = box[corner & 2 ? 4 : 1], z = box[corner & 4 ? 5 : 2];
     ASSERT_EQ(set_motion({1e-3 * x, 1e-3 * y, 1e-3 * z}), 0) << sim.last_message();
     frame();
-    EXPECT_LT((read_vector(hd::kCurrentPosition) - Vec3(x, y, z)).norm(), 0.1);
+    EXPECT_LT((read_vector(phantom::hd::kCurrentPosition) - Vec3(x, y, z)).norm(), 0.1);
     const hdsim_state s = state();
     EXPECT_LT(s.joints[1] - s.joints[2], 1.134);
     EXPECT_GT(s.joints[1] - s.joints[2], -0.960);
@@ -278,14 +279,14 @@ TEST_F(Frames, SwitchesAreSeenByTheNextFrame) {
   open();
   sim.set_switches(5, 1, 1);
   int buttons = 0;
-  hd::HDboolean inkwell = 0;
-  api.hdGetIntegerv(hd::kCurrentButtons, &buttons);
+  phantom::hd::HDboolean inkwell = 0;
+  api.hdGetIntegerv(phantom::hd::kCurrentButtons, &buttons);
   EXPECT_EQ(buttons, 0);
   frame();
-  api.hdGetIntegerv(hd::kCurrentButtons, &buttons);
-  api.hdGetBooleanv(hd::kCurrentInkwellSwitch, &inkwell);
+  api.hdGetIntegerv(phantom::hd::kCurrentButtons, &buttons);
+  api.hdGetBooleanv(phantom::hd::kCurrentInkwellSwitch, &inkwell);
   EXPECT_EQ(buttons, 5);
-  EXPECT_EQ(inkwell, hd::kTrue);
+  EXPECT_EQ(inkwell, phantom::hd::kTrue);
 }
 
 }  // namespace

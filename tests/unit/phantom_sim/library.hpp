@@ -46,8 +46,8 @@ void find(F& f, const char* name) {
 }
 
 /// One that does all it can: trembles, carries, grips harder after 0.5 s and lets go.
-inline OperatorConfig shaky_hand(double let_go_at_s = std::numeric_limits<double>::infinity()) {
-  OperatorConfig hand;
+inline sim::OperatorConfig shaky_hand(double let_go_at_s = std::numeric_limits<double>::infinity()) {
+  sim::OperatorConfig hand;
   hand.mass_kg = 0.1, hand.damping_ns_per_m = 4.0, hand.stiffness_n_per_m = 300.0;
   hand.let_go_at_s = let_go_at_s, hand.grip_harder_at_s = 0.5, hand.grip_factor = 2.0;
   hand.tremor_n = 0.2, hand.tremor_bandwidth_hz = 10.0;
@@ -60,7 +60,7 @@ class SimulatedLibrary : public ::testing::Test {
  protected:
   void SetUp() override {
     ASSERT_NE(handle(), nullptr) << dlerror();
-    ASSERT_EQ(hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
+    ASSERT_EQ(phantom::hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
     find(sim.defaults, "hdsim_defaults");
     find(sim.power_cycle, "hdsim_power_cycle");
     find(sim.use_virtual_time, "hdsim_use_virtual_time");
@@ -83,30 +83,30 @@ class SimulatedLibrary : public ::testing::Test {
  public:  // callbacks are no members
   /// As a driver would, up to the scheduler's start; forces on, no ramp.
   void open() {
-    device = api.hdInitDevice(hd::kDefaultDevice);
-    ASSERT_NE(device, hd::kInvalidHandle);
-    api.hdUpdateCalibration(hd::kCalibrationEncoderReset);
-    api.hdEnable(hd::kForceOutput);
-    ASSERT_EQ(error(), hd::kSuccess);
+    device = api.hdInitDevice(phantom::hd::kDefaultDevice);
+    ASSERT_NE(device, phantom::hd::kInvalidHandle);
+    api.hdUpdateCalibration(phantom::hd::kCalibrationEncoderReset);
+    api.hdEnable(phantom::hd::kForceOutput);
+    ASSERT_EQ(error(), phantom::hd::kSuccess);
   }
   void open_and_start() {
     open();
-    api.hdScheduleAsynchronous(run_tick, this, hd::kMaxPriority);
+    api.hdScheduleAsynchronous(run_tick, this, phantom::hd::kMaxPriority);
     api.hdStartScheduler();
-    ASSERT_EQ(error(), hd::kSuccess);
+    ASSERT_EQ(error(), phantom::hd::kSuccess);
   }
   void shut() {
     if (api.hdStopScheduler == nullptr) return;
     api.hdStopScheduler();
-    if (api.hdGetCurrentDevice() != hd::kInvalidHandle) api.hdDisableDevice(api.hdGetCurrentDevice());
-    while (error() != hd::kSuccess) {
+    if (api.hdGetCurrentDevice() != phantom::hd::kInvalidHandle) api.hdDisableDevice(api.hdGetCurrentDevice());
+    while (error() != phantom::hd::kSuccess) {
     }
   }
 
-  hd::HDerror error() { return api.hdGetError().error_code; }
-  std::vector<hd::HDerror> errors() {
-    std::vector<hd::HDerror> all;
-    for (hd::HDerror e = error(); e != hd::kSuccess; e = error()) all.push_back(e);
+  phantom::hd::HDerror error() { return api.hdGetError().error_code; }
+  std::vector<phantom::hd::HDerror> errors() {
+    std::vector<phantom::hd::HDerror> all;
+    for (phantom::hd::HDerror e = error(); e != phantom::hd::kSuccess; e = error()) all.push_back(e);
     return all;
   }
 
@@ -119,7 +119,7 @@ class SimulatedLibrary : public ::testing::Test {
   }
   /// One tick with a frame that asks for this force [N], as doubles.
   int tick_force(const Vec3& force) {
-    return tick([this, force] { frame([&] { api.hdSetDoublev(hd::kCurrentForce, force.data()); }); });
+    return tick([this, force] { frame([&] { api.hdSetDoublev(phantom::hd::kCurrentForce, force.data()); }); });
   }
   void frame(const std::function<void()>& work = {}) {
     api.hdBeginFrame(device);
@@ -139,15 +139,15 @@ class SimulatedLibrary : public ::testing::Test {
     const hdsim_state s = state();
     return {s.tip[0], s.tip[1], s.tip[2]};
   }
-  Vec3 read_vector(hd::HDenum name) {
+  Vec3 read_vector(phantom::hd::HDenum name) {
     Vec3 v = Vec3::Constant(-1.0);
     api.hdGetDoublev(name, v.data());
     return v;
   }
   int set_motion(const Motion& motion) {
-    HandFile file;
+    hand::HandFile file;
     file.motion = motion;
-    return sim.set_motion(to_text(file).c_str());
+    return sim.set_motion(hand::to_text(file).c_str());
   }
   int set_motion(const std::vector<double>& points, double speed = 0.1) {
     Motion motion;
@@ -155,22 +155,22 @@ class SimulatedLibrary : public ::testing::Test {
     motion.speed_m_per_s = speed;
     return set_motion(motion);
   }
-  int set_hand(const OperatorConfig& hand) {
-    HandFile file;
+  int set_hand(const sim::OperatorConfig& hand) {
+    hand::HandFile file;
     file.hand = hand;
     file.motion.path = {Vec3::Zero()};
-    return sim.set_hand(to_text(file).c_str());
+    return sim.set_hand(hand::to_text(file).c_str());
   }
 
-  hd::Api api;
+  phantom::hd::Api api;
   Hooks sim{};
-  hd::HHD device = hd::kInvalidHandle;
+  phantom::hd::HHD device = phantom::hd::kInvalidHandle;
 
  private:
-  static hd::HDCallbackCode run_tick(void* self) {
+  static phantom::hd::HDCallbackCode run_tick(void* self) {
     const auto& work = static_cast<SimulatedLibrary*>(self)->work_;
     if (work) work();
-    return hd::kCallbackContinue;
+    return phantom::hd::kCallbackContinue;
   }
   std::function<void()> work_;
 };

@@ -15,8 +15,8 @@ namespace {
 
 Motion still(const Vec3& at = Vec3::Zero()) { return {.path = {at}, .repeat_from = {}, .circle_centre = {}}; }
 
-OperatorConfig released() {
-  OperatorConfig hand;
+sim::OperatorConfig released() {
+  sim::OperatorConfig hand;
   hand.released = true;
   return hand;
 }
@@ -28,13 +28,13 @@ PlantConfig frictionless() {
   return config;
 }
 
-PhantomPlant plant_of(const PlantConfig& config, const OperatorConfig& hand = released(),
+PhantomPlant plant_of(const PlantConfig& config, const sim::OperatorConfig& hand = released(),
                       const Motion& motion = still()) {
-  return PhantomPlant(config, hand, motion, 0, Hand::kBandwidthHz);
+  return PhantomPlant(config, hand, motion, 0, hand::Hand::kBandwidthHz);
 }
 
 Vec3 torque_of(const PhantomPlant& plant, const Vec3& force) {
-  return phantom_jacobian(plant.config().geometry, plant.joints()).transpose() * force;
+  return phantom::phantom_jacobian(plant.config().geometry, plant.joints()).transpose() * force;
 }
 
 /// Largest change of the energy over 10 s, relative to the energy of motion at the start.
@@ -67,7 +67,7 @@ TEST(Plant, AcceleratesByItsApparentMassAndTheHands) {
   for (const double hand_kg : {0.0, 0.1}) {
     PlantConfig config = frictionless();
     config.gravity_m_per_s2 = 0.0;
-    OperatorConfig hand;
+    sim::OperatorConfig hand;
     hand.mass_kg = hand_kg;
     PhantomPlant plant = plant_of(config, hand);
     const Vec3 mass = apparent_mass(plant.dynamics(), plant.joints()) + Vec3::Constant(hand_kg);
@@ -80,7 +80,7 @@ TEST(Plant, AcceleratesByItsApparentMassAndTheHands) {
 TEST(Plant, UndampedHandKeepsItsEnergyToo) {
   PlantConfig config = frictionless();
   config.gravity_m_per_s2 = 0.0;
-  OperatorConfig hand;
+  sim::OperatorConfig hand;
   hand.mass_kg = 0.1;
   hand.stiffness_n_per_m = 300.0;
   PhantomPlant plant = plant_of(config, hand);
@@ -106,14 +106,14 @@ TEST(Plant, JointAtRestIsNotMovedByLessThanItsFriction) {
   EXPECT_GT(plant.joints()[1], 0.1 + 1e-3);
 
   // At zero even the smallest double would be seen; a hand pulls and the weight as well.
-  OperatorConfig hand = *grip("pen");
+  sim::OperatorConfig hand = *hand::grip("pen");
   hand.carries_tool = false;
   config = {};
   config.coulomb_nm = 0.1;
   plant = plant_of(config, hand, still());
   plant.follow(still({1e-3, 1e-3, -1e-3}));
   for (int i = 0; i < 8000; ++i) plant.step({0.003, -0.002, 0.001});
-  EXPECT_EQ(plant.joints(), *phantom_joints({}, Vec3::Zero()));
+  EXPECT_EQ(plant.joints(), *phantom::phantom_joints({}, Vec3::Zero()));
 }
 
 TEST(Plant, FrictionOnlyTakesEnergyAndThenHolds) {
@@ -174,7 +174,7 @@ TEST(Plant, HandLeadsTheTipToItsTarget) {
   Motion motion = still();
   motion.path.push_back({0.05, 0.04, -0.03});
   motion.speed_m_per_s = 0.1;
-  PhantomPlant plant = plant_of({}, *grip("pen"), motion);
+  PhantomPlant plant = plant_of({}, *hand::grip("pen"), motion);
   for (int i = 0; i < 24000; ++i) plant.step(Vec3::Zero());
   EXPECT_LT((plant.tip() - motion.path.back()).norm(), 1.5e-3);  // friction and weight over 300 N/m
   EXPECT_GT((plant.tip() - motion.path.back()).norm(), 1e-6);
@@ -189,7 +189,7 @@ TEST(Plant, ReleasedArmIsMovedByItsWeightAlone) {
 
 TEST(Plant, RefusesWhatItCannotSimulate) {
   EXPECT_THROW(plant_of({}, released(), still({0.0, 0.0, 0.5})), std::runtime_error);
-  OperatorConfig vice;
+  sim::OperatorConfig vice;
   vice.stiffness_n_per_m = 1e7;
   EXPECT_THROW(plant_of({}, vice), std::runtime_error);
   vice.stiffness_n_per_m = 1e5;
@@ -201,10 +201,10 @@ TEST(Plant, RefusesWhatItCannotSimulate) {
 }
 
 TEST(Plant, SameCallsGiveTheSameBits) {
-  OperatorConfig hand = *grip("pen");
+  sim::OperatorConfig hand = *hand::grip("pen");
   hand.tremor_n = 0.2;
-  PhantomPlant a(PlantConfig{}, hand, still(), 5, Hand::kBandwidthHz),
-      b(PlantConfig{}, hand, still(), 5, Hand::kBandwidthHz);
+  PhantomPlant a(PlantConfig{}, hand, still(), 5, hand::Hand::kBandwidthHz),
+      b(PlantConfig{}, hand, still(), 5, hand::Hand::kBandwidthHz);
   for (int i = 0; i < 8000; ++i) {
     const Vec3 torque(0.1 * std::sin(0.01 * i), 0.05, -0.02);
     a.step(torque);
@@ -216,15 +216,15 @@ TEST(Plant, SameCallsGiveTheSameBits) {
 
 TEST(Sensors, StepAtTheTipIsThatOfTheEncoder) {
   Sensors sensors({}, 0.03e-3, 1e-3, 50.0);
-  const PhantomGeometry geometry;
+  const phantom::PhantomGeometry geometry;
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 one = sensors.step_rad()[axis] * Vec3::Unit(axis);
-    EXPECT_NEAR(phantom_tip(geometry, one).norm(), 0.03e-3, 1e-8);
+    EXPECT_NEAR(phantom::phantom_tip(geometry, one).norm(), 0.03e-3, 1e-8);
   }
   const Vec3 joints(0.12345, -0.2345, 0.3456);
   const Reading& r = sensors.sample(joints, Quat::Identity());
   EXPECT_LT((r.joints - joints).cwiseAbs().cwiseQuotient(sensors.step_rad()).maxCoeff(), 0.5 + 1e-9);
-  EXPECT_LT((r.pose.position - phantom_tip(geometry, joints)).norm(), 0.03e-3);
+  EXPECT_LT((r.pose.position - phantom::phantom_tip(geometry, joints)).norm(), 0.03e-3);
   EXPECT_LT(r.pose.orientation.angularDistance(Quat::Identity()), 2e-3);
 }
 

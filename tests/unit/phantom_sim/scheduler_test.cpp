@@ -9,23 +9,23 @@
 namespace voxtouch::hd_sim_test {
 namespace {
 
-using Errors = std::vector<hd::HDerror>;
+using Errors = std::vector<phantom::hd::HDerror>;
 
 /// A callback that notes its calls.
 struct Note {
   std::vector<int>* calls = nullptr;
   int name = 0;
   int lasts = 1000000;  // calls until it is done
-  static hd::HDCallbackCode run(void* self) {
+  static phantom::hd::HDCallbackCode run(void* self) {
     auto* note = static_cast<Note*>(self);
     note->calls->push_back(note->name);
-    return --note->lasts > 0 ? hd::kCallbackContinue : hd::kCallbackDone;
+    return --note->lasts > 0 ? phantom::hd::kCallbackContinue : phantom::hd::kCallbackDone;
   }
 };
 
 class Scheduler : public SimulatedLibrary {
  protected:
-  hd::HDSchedulerHandle add(Note& note, hd::HDushort priority) {
+  phantom::hd::HDSchedulerHandle add(Note& note, phantom::hd::HDushort priority) {
     note.calls = &calls;
     return api.hdScheduleAsynchronous(Note::run, &note, priority);
   }
@@ -34,10 +34,10 @@ class Scheduler : public SimulatedLibrary {
 
 TEST_F(Scheduler, CallsInFallingPriorityAndOlderFirst) {
   Note low{nullptr, 1}, high{nullptr, 2}, first{nullptr, 3}, second{nullptr, 4};
-  add(low, hd::kMinPriority);
-  add(first, hd::kDefaultPriority);
-  add(high, hd::kMaxPriority);
-  add(second, hd::kDefaultPriority);
+  add(low, phantom::hd::kMinPriority);
+  add(first, phantom::hd::kDefaultPriority);
+  add(high, phantom::hd::kMaxPriority);
+  add(second, phantom::hd::kDefaultPriority);
   api.hdStartScheduler();
   sim.step();
   EXPECT_EQ(calls, (std::vector<int>{2, 3, 4, 1}));
@@ -47,22 +47,22 @@ TEST_F(Scheduler, CallsInFallingPriorityAndOlderFirst) {
 
 TEST_F(Scheduler, DoneEndsACallback) {
   Note note{nullptr, 1, 2};
-  const auto handle = add(note, hd::kDefaultPriority);
+  const auto handle = add(note, phantom::hd::kDefaultPriority);
   api.hdStartScheduler();
   sim.step();
-  EXPECT_EQ(api.hdWaitForCompletion(handle, hd::kWaitCheckStatus), hd::kTrue);
+  EXPECT_EQ(api.hdWaitForCompletion(handle, phantom::hd::kWaitCheckStatus), phantom::hd::kTrue);
   sim.step();
   sim.step();
   EXPECT_EQ(calls.size(), 2u);
-  EXPECT_EQ(api.hdWaitForCompletion(handle, hd::kWaitCheckStatus), hd::kFalse);
+  EXPECT_EQ(api.hdWaitForCompletion(handle, phantom::hd::kWaitCheckStatus), phantom::hd::kFalse);
   EXPECT_EQ(errors(), Errors{});
   api.hdUnschedule(handle);
-  EXPECT_EQ(errors(), Errors{hd::kInvalidOperation});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidOperation});
 }
 
 TEST_F(Scheduler, UnscheduledIsNotCalledAgain) {
   Note note{nullptr, 1};
-  const auto handle = add(note, hd::kDefaultPriority);
+  const auto handle = add(note, phantom::hd::kDefaultPriority);
   api.hdStartScheduler();
   sim.step();
   api.hdUnschedule(handle);
@@ -74,7 +74,7 @@ TEST_F(Scheduler, UnscheduledIsNotCalledAgain) {
 
 TEST_F(Scheduler, CallbacksOutliveAStopAndCanBeTakenOutThen) {
   Note note{nullptr, 1};
-  const auto handle = add(note, hd::kDefaultPriority);
+  const auto handle = add(note, phantom::hd::kDefaultPriority);
   api.hdStartScheduler();
   api.hdStopScheduler();
   EXPECT_EQ(state().callbacks, 1u);
@@ -84,7 +84,7 @@ TEST_F(Scheduler, CallbacksOutliveAStopAndCanBeTakenOutThen) {
 
 TEST_F(Scheduler, SynchronousOneRunsOnceAtOnceWhereTheSchedulerStands) {
   Note note{&calls, 1};
-  api.hdScheduleSynchronous(Note::run, &note, hd::kDefaultPriority);
+  api.hdScheduleSynchronous(Note::run, &note, phantom::hd::kDefaultPriority);
   EXPECT_EQ(calls, std::vector<int>{1});
 }
 
@@ -92,7 +92,7 @@ TEST_F(Scheduler, SynchronousOneFromACallbackRunsAtOnce) {
   open_and_start();
   Note note{&calls, 1};
   tick([&] {
-    api.hdScheduleSynchronous(Note::run, &note, hd::kDefaultPriority);
+    api.hdScheduleSynchronous(Note::run, &note, phantom::hd::kDefaultPriority);
     EXPECT_EQ(calls.size(), 1u);
   });
   tick();
@@ -102,15 +102,15 @@ TEST_F(Scheduler, SynchronousOneFromACallbackRunsAtOnce) {
 TEST_F(Scheduler, StoppingFromACallbackIsRefused) {
   open_and_start();
   tick([&] { api.hdStopScheduler(); });
-  EXPECT_EQ(errors(), Errors{hd::kInvalidOperation});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidOperation});
   EXPECT_TRUE(state().scheduler_running);
 }
 
 TEST_F(Scheduler, WaitingInVirtualTimeLetsItPass) {
   Note note{nullptr, 1, 25};
-  const auto handle = add(note, hd::kDefaultPriority);
+  const auto handle = add(note, phantom::hd::kDefaultPriority);
   api.hdStartScheduler();
-  EXPECT_EQ(api.hdWaitForCompletion(handle, hd::kWaitInfinite), hd::kFalse);
+  EXPECT_EQ(api.hdWaitForCompletion(handle, phantom::hd::kWaitInfinite), phantom::hd::kFalse);
   EXPECT_EQ(calls.size(), 25u);
   EXPECT_EQ(state().ticks, 25u);
 }
@@ -119,26 +119,26 @@ TEST_F(Scheduler, FullSchedulerSaysSo) {
   Note note{&calls, 1};
   for (int i = 0; i < 64; ++i) EXPECT_NE(add(note, 1), 0u);
   EXPECT_EQ(add(note, 1), 0u);
-  EXPECT_EQ(errors(), Errors{hd::kSchedulerFull});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kSchedulerFull});
 }
 
 TEST_F(Scheduler, RatesAreThoseOfTheBus) {
   open();
-  for (const hd::HDulong rate : {500ul, 1000ul, 2000ul}) api.hdSetSchedulerRate(rate);
+  for (const phantom::hd::HDulong rate : {500ul, 1000ul, 2000ul}) api.hdSetSchedulerRate(rate);
   EXPECT_EQ(errors(), Errors{});
-  for (const hd::HDulong rate : {0ul, 750ul, 1600ul, 4000ul}) api.hdSetSchedulerRate(rate);
-  EXPECT_EQ(errors(), Errors(4, hd::kInvalidValue));
+  for (const phantom::hd::HDulong rate : {0ul, 750ul, 1600ul, 4000ul}) api.hdSetSchedulerRate(rate);
+  EXPECT_EQ(errors(), Errors(4, phantom::hd::kInvalidValue));
   shut();
   sim.set_model("omni");
   device = api.hdInitDevice(nullptr);
-  for (const hd::HDulong rate : {500ul, 1000ul, 1143ul, 1333ul, 1600ul, 2000ul}) api.hdSetSchedulerRate(rate);
+  for (const phantom::hd::HDulong rate : {500ul, 1000ul, 1143ul, 1333ul, 1600ul, 2000ul}) api.hdSetSchedulerRate(rate);
   EXPECT_EQ(errors(), Errors{});
   api.hdSetSchedulerRate(1500);
-  EXPECT_EQ(errors(), Errors{hd::kInvalidValue});
+  EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidValue});
 }
 
 TEST_F(Scheduler, TickTakesOnePeriodOfItsRate) {
-  for (const hd::HDulong rate : {500ul, 1000ul, 2000ul}) {
+  for (const phantom::hd::HDulong rate : {500ul, 1000ul, 2000ul}) {
     ASSERT_EQ(sim.power_cycle(), 0);
     open_and_start();
     api.hdSetSchedulerRate(rate);
@@ -171,18 +171,18 @@ struct Counter {
   std::atomic<int> calls{0};
   std::atomic<bool> on_other_thread{false};
   std::thread::id caller = std::this_thread::get_id();
-  static hd::HDCallbackCode run(void* self) {
+  static phantom::hd::HDCallbackCode run(void* self) {
     auto* c = static_cast<Counter*>(self);
     c->on_other_thread = std::this_thread::get_id() != c->caller;
     ++c->calls;
-    return hd::kCallbackContinue;
+    return phantom::hd::kCallbackContinue;
   }
 };
 
 TEST_F(RealTime, TicksAtItsRateOnAThreadOfItsOwn) {
   Counter counter;
   open();
-  api.hdScheduleAsynchronous(Counter::run, &counter, hd::kMaxPriority);
+  api.hdScheduleAsynchronous(Counter::run, &counter, phantom::hd::kMaxPriority);
   api.hdStartScheduler();
   sleep_ms(300);
   api.hdStopScheduler();
@@ -201,7 +201,7 @@ TEST_F(RealTime, SynchronousOneWaitsForTheServoThread) {
   Counter counter;
   open();
   api.hdStartScheduler();
-  api.hdScheduleSynchronous(Counter::run, &counter, hd::kDefaultPriority);
+  api.hdScheduleSynchronous(Counter::run, &counter, phantom::hd::kDefaultPriority);
   EXPECT_EQ(counter.calls, 1);
   EXPECT_TRUE(counter.on_other_thread);
 }
@@ -209,12 +209,12 @@ TEST_F(RealTime, SynchronousOneWaitsForTheServoThread) {
 TEST_F(RealTime, UnscheduleReturnsOnlyWhenTheCallbackIsOver) {
   struct Slow {
     std::atomic<bool> inside{false}, over{false};
-    static hd::HDCallbackCode run(void* self) {
+    static phantom::hd::HDCallbackCode run(void* self) {
       auto* s = static_cast<Slow*>(self);
       s->inside = true;
       std::this_thread::sleep_for(std::chrono::milliseconds(30));
       s->over = true;
-      return hd::kCallbackContinue;
+      return phantom::hd::kCallbackContinue;
     }
   } slow;
   const auto handle = api.hdScheduleAsynchronous(Slow::run, &slow, 1);
@@ -227,32 +227,32 @@ TEST_F(RealTime, UnscheduleReturnsOnlyWhenTheCallbackIsOver) {
 TEST_F(RealTime, WaitsForCompletion) {
   struct Few {
     std::atomic<int> left{5};
-    static hd::HDCallbackCode run(void* self) {
-      return --static_cast<Few*>(self)->left > 0 ? hd::kCallbackContinue : hd::kCallbackDone;
+    static phantom::hd::HDCallbackCode run(void* self) {
+      return --static_cast<Few*>(self)->left > 0 ? phantom::hd::kCallbackContinue : phantom::hd::kCallbackDone;
     }
   } few;
   const auto handle = api.hdScheduleAsynchronous(Few::run, &few, 1);
   api.hdStartScheduler();
-  EXPECT_EQ(api.hdWaitForCompletion(handle, hd::kWaitInfinite), hd::kFalse);
+  EXPECT_EQ(api.hdWaitForCompletion(handle, phantom::hd::kWaitInfinite), phantom::hd::kFalse);
   EXPECT_EQ(few.left, 0);
 }
 
 TEST_F(RealTime, TimeStampIsTheAgeOfTheTick) {
   struct Stamp {
     SimulatedLibrary* test;
-    hd::Api* api;
+    phantom::hd::Api* api;
     std::atomic<double> early{-1.0}, late{-1.0};
-    static hd::HDCallbackCode run(void* self) {
+    static phantom::hd::HDCallbackCode run(void* self) {
       auto* s = static_cast<Stamp*>(self);
       s->early = s->api->hdGetSchedulerTimeStamp();
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
       s->late = s->api->hdGetSchedulerTimeStamp();
-      return hd::kCallbackDone;
+      return phantom::hd::kCallbackDone;
     }
   } stamp{this, &api};
   const auto handle = api.hdScheduleAsynchronous(Stamp::run, &stamp, 1);
   api.hdStartScheduler();
-  api.hdWaitForCompletion(handle, hd::kWaitInfinite);
+  api.hdWaitForCompletion(handle, phantom::hd::kWaitInfinite);
   EXPECT_GE(stamp.early, 0.0);
   EXPECT_GE(stamp.late - stamp.early, 0.0049);
 }
@@ -277,9 +277,9 @@ TEST_F(RealTime, DeadTimerWakesWhoeverWaits) {
     sleep_ms(20);
     sim.inject(HDSIM_TIMER_ERROR, 0.0);
   });
-  EXPECT_EQ(api.hdWaitForCompletion(handle, hd::kWaitInfinite), hd::kTrue);  // still there, never done
+  EXPECT_EQ(api.hdWaitForCompletion(handle, phantom::hd::kWaitInfinite), phantom::hd::kTrue);  // still there, never done
   killer.join();
-  EXPECT_EQ(error(), hd::kTimerError);
+  EXPECT_EQ(error(), phantom::hd::kTimerError);
 }
 
 }  // namespace

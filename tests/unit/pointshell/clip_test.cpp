@@ -7,7 +7,7 @@
 #include "core/voxmap/exact_sign.hpp"
 #include "core/voxmap/triangle_voxels.hpp"
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 namespace {
 
 struct Bound {
@@ -66,11 +66,11 @@ TEST(Clip, NearestPointIsTheConstrainedMinimum) {
     for (Vec3& v : x) v = centre + Vec3(corner(random), corner(random), corner(random));
     if (n % 5 == 0)
       for (Vec3& v : x) v = (v * 4.0).array().round() / 4.0;  // corners on borders, centres and faces
-    const Vec3 normal = area_vector(x[0], x[1], x[2]);
+    const Vec3 normal = voxmap::area_vector(x[0], x[1], x[2]);
     const double longest = std::max({(x[1] - x[0]).norm(), (x[2] - x[0]).norm(), (x[2] - x[1]).norm()});
     if (normal.norm() < 1e-2 * longest * longest) continue;  // the oracle's own conditioning
     const Vec3 shift = Vec3::Constant(0.5);
-    if (TriangleVoxels(x[0] + shift, x[1] + shift, x[2] + shift).meeting({0, 0, 0}) == Meeting::kNone)
+    if (voxmap::TriangleVoxels(x[0] + shift, x[1] + shift, x[2] + shift).meeting({0, 0, 0}) == voxmap::Meeting::kNone)
       continue;
     ++met;
     const VoxelPolygon polygon = clip_to_voxel(x[0], x[1], x[2]);
@@ -92,7 +92,7 @@ TEST(Clip, ASliverEndsWhereItEnds) {
   for (int n = 10; n < 300; n += 10) {
     const double thin = std::ldexp(1.0, -n);
     const Vec3 a(0.2, 0.1, 0.1), b(0.4, 0.3, 0.1), c(0.3, 0.2 + thin, 0.1 - thin);
-    const Vec3 p = nearest_to_centre({a, b, c}, area_vector(a, b, c).stableNormalized(),
+    const Vec3 p = nearest_to_centre({a, b, c}, voxmap::area_vector(a, b, c).stableNormalized(),
                                      clip_to_voxel(a, b, c));
     ASSERT_LT((p - a).norm(), 2 * thin + 1e-15) << n;
   }
@@ -112,7 +112,7 @@ TEST(Clip, ASliverThatPointsAtTheFootEndsWhereItEnds) {
 
 TEST(Clip, TouchingIsNeverEmpty) {
   const auto nearest = [](const Vec3& a, const Vec3& b, const Vec3& c) {
-    return nearest_to_centre({a, b, c}, area_vector(a, b, c).stableNormalized(), clip_to_voxel(a, b, c));
+    return nearest_to_centre({a, b, c}, voxmap::area_vector(a, b, c).stableNormalized(), clip_to_voxel(a, b, c));
   };
   const Vec3 corner = Vec3::Constant(0.5);
   EXPECT_LT((nearest(Vec3(1.5, 0, 0), Vec3(0, 1.5, 0), Vec3(0, 0, 1.5)) - corner).norm(), 1e-9);
@@ -139,4 +139,4 @@ TEST(Clip, AreaOfAPlaneThroughTheMiddle) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

@@ -8,7 +8,7 @@
 #include "core/voxmap/voxelise.hpp"
 #include "tests/unit/voxmap/vectors.hpp"
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 namespace {
 
 using namespace test;
@@ -30,7 +30,7 @@ std::string written(Write&& write) {
 
 TEST(Export, InteriorFilesAreByteForByteThoseOfTheVectors) {
   for (const std::string& name : vector_meshes()) {
-    const Voxmap map = voxelise(read_obj(name), vector_grid(name), serial_for());
+    const voxmap::Voxmap map = voxmap::voxelise(read_obj(name), vector_grid(name), serial_for());
     std::stringstream expected;
     expected << open_vector("voxels/" + name + "_interior.csv").rdbuf();
     EXPECT_EQ(written([&](std::ostream& out) { write_interior_csv(out, map); }), expected.str()) << name;
@@ -38,11 +38,11 @@ TEST(Export, InteriorFilesAreByteForByteThoseOfTheVectors) {
 }
 
 TEST(Export, ARunEndsAtAGapAndAtARowsEnd) {
-  Voxmap map({}, {-9, 0, -9}, {9, 9, 9});
-  for (const VoxelIndex& v : {VoxelIndex{-9, 0, -9}, {-9, 0, -8}, {-9, 0, -6}, {-9, 1, -5}, {0, 1, -4}})
-    map.set(v, VoxelKind::kInterior);
-  map.set({0, 1, -3}, VoxelKind::kSurface);
-  map.set({0, 1, -2}, VoxelKind::kInterior);
+  voxmap::Voxmap map({}, {-9, 0, -9}, {9, 9, 9});
+  for (const voxmap::VoxelIndex& v : {voxmap::VoxelIndex{-9, 0, -9}, {-9, 0, -8}, {-9, 0, -6}, {-9, 1, -5}, {0, 1, -4}})
+    map.set(v, voxmap::VoxelKind::kInterior);
+  map.set({0, 1, -3}, voxmap::VoxelKind::kSurface);
+  map.set({0, 1, -2}, voxmap::VoxelKind::kInterior);
   EXPECT_EQ(written([&](std::ostream& out) { write_interior_csv(out, map); }),
             "i,j,k_first,k_last\n-9,0,-9,-8\n-9,0,-6,-6\n-9,1,-5,-5\n0,1,-4,-4\n0,1,-2,-2\n");
 }
@@ -85,4 +85,4 @@ TEST(Export, PlyHoldsSevenDoublesAPoint) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

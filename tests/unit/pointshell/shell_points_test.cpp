@@ -7,7 +7,7 @@
 #include "core/voxmap/voxelise.hpp"
 #include "tests/unit/voxmap/vectors.hpp"
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 namespace {
 
 using namespace test;
@@ -20,14 +20,14 @@ bool same_bits(const std::vector<ShellPoint>& a, const std::vector<ShellPoint>& 
   });
 }
 
-double mesh_area(const TriangleMesh& mesh) {
+double mesh_area(const mesh::TriangleMesh& mesh) {
   double sum = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     sum += 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
   return sum;
 }
 
-void expect_sane(const std::vector<ShellPoint>& points, const Grid& grid) {
+void expect_sane(const std::vector<ShellPoint>& points, const voxmap::Grid& grid) {
   for (const ShellPoint& p : points) {
     ASSERT_NEAR(p.normal.norm(), 1.0, 1e-12);
     ASSERT_NEAR(p.plain_normal.norm(), 1.0, 1e-12);
@@ -42,18 +42,18 @@ void expect_sane(const std::vector<ShellPoint>& points, const Grid& grid) {
 
 TEST(ShellPoints, LieInTheSurfaceVoxelsOfTheVoxmap) {
   for (const std::string& name : vector_meshes()) {
-    const Grid grid = vector_grid(name);
+    const voxmap::Grid grid = vector_grid(name);
     const auto points = shell_points(read_obj(name), grid, serial_for());
-    std::vector<VoxelIndex> voxels;
+    std::vector<voxmap::VoxelIndex> voxels;
     for (const ShellPoint& p : points) voxels.push_back(p.voxel);
-    EXPECT_EQ(voxels, voxels_of(voxelise(read_obj(name), grid, serial_for()), VoxelKind::kSurface)) << name;
+    EXPECT_EQ(voxels, voxels_of(voxmap::voxelise(read_obj(name), grid, serial_for()), voxmap::VoxelKind::kSurface)) << name;
     expect_sane(points, grid);
   }
 }
 
 TEST(ShellPoints, WeightsSumToTheAreaAlsoOnTheGrid) {
   for (const std::string& name : vector_meshes()) {
-    const TriangleMesh mesh = read_obj(name);
+    const mesh::TriangleMesh mesh = read_obj(name);
     double sum = 0.0;
     for (const ShellPoint& p : shell_points(mesh, vector_grid(name), serial_for())) sum += p.area_m2;
     EXPECT_NEAR(sum / mesh_area(mesh), 1.0, 1e-11) << name;
@@ -61,14 +61,14 @@ TEST(ShellPoints, WeightsSumToTheAreaAlsoOnTheGrid) {
 }
 
 TEST(ShellPoints, AreTheSameBitsWhateverTheLoop) {
-  const TriangleMesh mesh = sphere(Vec3(0.1, 0.2, 0.3), 1.0, 30);
-  const Grid grid = default_grid(mesh, 0.037);
+  const mesh::TriangleMesh mesh = sphere(Vec3(0.1, 0.2, 0.3), 1.0, 30);
+  const voxmap::Grid grid = voxmap::default_grid(mesh, 0.037);
   EXPECT_TRUE(same_bits(shell_points(mesh, grid, serial_for()), shell_points(mesh, grid, scrambled_for())));
 }
 
 TEST(ShellPoints, ScaleByPowersOfTwoExactly) {
-  const TriangleMesh mesh = read_obj("lshape");
-  const Grid grid = vector_grid("lshape");
+  const mesh::TriangleMesh mesh = read_obj("lshape");
+  const voxmap::Grid grid = vector_grid("lshape");
   const auto at_one = shell_points(mesh, grid, serial_for());
   for (const double scale : {0x1p-20, 0x1p20}) {
     auto scaled = shell_points(moved(mesh, Vec3::Zero(), scale), {grid.origin * scale, grid.edge * scale},
@@ -80,8 +80,8 @@ TEST(ShellPoints, ScaleByPowersOfTwoExactly) {
 
 TEST(ShellPoints, AFarPoseMovesThePointsAndNothingElse) {
   const Vec3 far(1e6, -1e6, 1e6);
-  const TriangleMesh mesh = read_obj("sphere");
-  const Grid grid = vector_grid("sphere");
+  const mesh::TriangleMesh mesh = read_obj("sphere");
+  const voxmap::Grid grid = vector_grid("sphere");
   const auto near_points = shell_points(mesh, grid, serial_for());
   const auto far_points = shell_points(moved(mesh, far), {grid.origin + far, grid.edge}, serial_for());
   ASSERT_EQ(near_points.size(), far_points.size());
@@ -94,7 +94,7 @@ TEST(ShellPoints, AFarPoseMovesThePointsAndNothingElse) {
 
 TEST(ShellPoints, LitterOnTheSurfaceChangesNothing) {
   for (const std::string& name : vector_meshes()) {
-    const Grid grid = vector_grid(name);
+    const voxmap::Grid grid = vector_grid(name);
     const auto clean = shell_points(read_obj(name), grid, serial_for());
     const auto dirty = shell_points(littered(read_obj(name), 5), grid, serial_for());
     expect_sane(dirty, grid);
@@ -112,27 +112,27 @@ TEST(ShellPoints, LitterOnTheSurfaceChangesNothing) {
 
 TEST(ShellPoints, HaveUnitNormalsWhereTheNormalsCancel) {
   // A sheet with two sides a tenth of a voxel apart, a cone's tip, a segment alone, a cube's corners.
-  const TriangleMesh plate = box(Vec3(0, 0, 0.42), Vec3(3, 3, 0.52));
-  const Grid grid{Vec3::Constant(-1.01), 1.0};
+  const mesh::TriangleMesh plate = box(Vec3(0, 0, 0.42), Vec3(3, 3, 0.52));
+  const voxmap::Grid grid{Vec3::Constant(-1.01), 1.0};
   const auto points = shell_points(plate, grid, serial_for());
   expect_sane(points, grid);
   std::size_t cancelling = 0;
   for (const ShellPoint& p : points) cancelling += p.rule == NormalRule::kFaceForCancelling;
   EXPECT_GT(cancelling, 0U);
-  TriangleMesh cone;
+  mesh::TriangleMesh cone;
   cone.vertices.push_back(Vec3(0.5, 0.5, 30));
   for (int n = 0; n < 16; ++n)
     cone.vertices.push_back(Vec3(0.5 + std::cos(n * 0.3926990817), 0.5 + std::sin(n * 0.3926990817), 0));
   for (std::uint32_t n = 0; n < 16; ++n) cone.triangles.push_back({0, 1 + n, 1 + (n + 1) % 16});
   expect_sane(shell_points(cone, grid, serial_for()), grid);
-  TriangleMesh segment;
+  mesh::TriangleMesh segment;
   segment.vertices = {Vec3(0.1, 0.1, 0.1), Vec3(2.3, 0.7, 1.9), Vec3(0.1, 0.1, 0.1), Vec3(0.49, 0.49, 0.49)};
   segment.triangles = {{0, 1, 2}, {3, 3, 3}};
   expect_sane(shell_points(segment, grid, serial_for()), grid);
 }
 
 TEST(ShellPoints, SliversGiveNumbers) {
-  TriangleMesh mesh = read_obj("lshape");
+  mesh::TriangleMesh mesh = read_obj("lshape");
   std::mt19937 random(9);
   for (int n = 0; n < 300; ++n) {
     const auto t = mesh.triangles[random() % 20];
@@ -142,20 +142,20 @@ TEST(ShellPoints, SliversGiveNumbers) {
     mesh.vertices.insert(mesh.vertices.end(), {a, b, Vec3(0.5 * (a + b) + Vec3(thin, -thin, 0.0))});
     mesh.triangles.push_back({v, v + 1, v + 2});
   }
-  const Grid grid = default_grid(mesh, 0.0625);
+  const voxmap::Grid grid = voxmap::default_grid(mesh, 0.0625);
   expect_sane(shell_points(mesh, grid, serial_for()), grid);
 }
 
 TEST(Pointshell, IsInMortonOrderAndKnowsItsRanks) {
-  const TriangleMesh mesh = read_obj("cylinder");
-  const Grid grid = vector_grid("cylinder");
+  const mesh::TriangleMesh mesh = read_obj("cylinder");
+  const voxmap::Grid grid = vector_grid("cylinder");
   const auto points = shell_points(mesh, grid, serial_for());
   const Pointshell exact = make_exact_shell(shell_points(mesh, grid, serial_for()), grid);
   const Pointshell naive = make_naive_shell(shell_points(mesh, grid, scrambled_for()), grid);
   ASSERT_EQ(exact.size(), points.size());
   EXPECT_EQ(exact.id, naive.id);
   EXPECT_EQ(std::set<std::uint32_t>(exact.id.begin(), exact.id.end()).size(), points.size());
-  VoxelIndex low = points[0].voxel;
+  voxmap::VoxelIndex low = points[0].voxel;
   for (const ShellPoint& p : points)
     low = {std::min(low.i, p.voxel.i), std::min(low.j, p.voxel.j), std::min(low.k, p.voxel.k)};
   std::uint64_t last = 0;
@@ -187,12 +187,12 @@ TEST(Pointshell, IsInMortonOrderAndKnowsItsRanks) {
 }
 
 TEST(Pointshell, RefusesWhatCannotBeHad) {
-  const TriangleMesh mesh = box(Vec3::Zero(), Vec3::Constant(100.0));
-  EXPECT_THROW(shell_points(mesh, default_grid(mesh, 1e-3), serial_for()), VoxelBudgetError);
-  TriangleMesh bad = mesh;
+  const mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Constant(100.0));
+  EXPECT_THROW(shell_points(mesh, voxmap::default_grid(mesh, 1e-3), serial_for()), voxmap::VoxelBudgetError);
+  mesh::TriangleMesh bad = mesh;
   bad.vertices[2].y() = NAN;
   EXPECT_THROW(shell_points(bad, {}, serial_for()), std::runtime_error);
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

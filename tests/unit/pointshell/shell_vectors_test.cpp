@@ -5,7 +5,7 @@
 #include "core/pointshell/build_shell.hpp"
 #include "tests/unit/voxmap/vectors.hpp"
 
-namespace voxtouch {
+namespace voxtouch::pointshell {
 namespace {
 
 using namespace test;
@@ -24,7 +24,7 @@ class ShellVectors : public testing::TestWithParam<std::string> {};
 
 TEST_P(ShellVectors, EqualsTheReference) {
   const std::string name = GetParam();
-  const Grid grid = vector_grid(name);
+  const voxmap::Grid grid = vector_grid(name);
   const std::vector<ShellPoint> points = shell_points(read_obj(name), grid, serial_for());
   std::ifstream file = open_vector("voxels/" + name + "_surface.csv");
   const std::vector<Row> rows = read_csv(file);
@@ -34,7 +34,7 @@ TEST_P(ShellVectors, EqualsTheReference) {
     const ShellPoint& p = points[n];
     const Row& row = rows[n];
     SCOPED_TRACE(name + " row " + std::to_string(n));
-    ASSERT_EQ(p.voxel, (VoxelIndex{int(row.at("i")), int(row.at("j")), int(row.at("k"))}));
+    ASSERT_EQ(p.voxel, (voxmap::VoxelIndex{int(row.at("i")), int(row.at("j")), int(row.at("k"))}));
     EXPECT_EQ(p.open, row.at("open") != 0.0);
     EXPECT_EQ(p.tie, row.at("tie") != 0.0);
     largest.distance = std::max(largest.distance, std::abs(p.distance_m - row.at("dist")));
@@ -66,4 +66,4 @@ INSTANTIATE_TEST_SUITE_P(All, ShellVectors, testing::ValuesIn(vector_meshes()),
                          [](const auto& mesh) { return mesh.param; });
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::pointshell

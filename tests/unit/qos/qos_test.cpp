@@ -7,7 +7,7 @@
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/writer.hpp"
 
-namespace voxtouch {
+namespace voxtouch::qos {
 namespace {
 
 using qos::Endpoint;
@@ -125,4 +125,4 @@ TEST(Bus, GivesALatchedValueToALateReader) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::qos

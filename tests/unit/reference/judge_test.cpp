@@ -6,7 +6,7 @@
 
 #include "core/reference/judgement.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
 constexpr double kE = 0.002;
@@ -308,4 +308,4 @@ TEST(Judge, AsksNothingOfTheTorqueWherePushesNeedNotAgree) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

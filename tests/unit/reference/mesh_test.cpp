@@ -10,7 +10,7 @@
 #include "core/reference/reference_mesh.hpp"
 #include "test_scenes.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
 using namespace test_scenes;
@@ -113,7 +113,7 @@ TEST(ReferenceMesh, TellsOpenFromClosed) {
 }
 
 TEST(ReferenceMesh, RefusesWhatItCannotRead) {
-  const auto sentence = [](const MeshSpec& spec) -> std::string {
+  const auto sentence = [](const scene::MeshSpec& spec) -> std::string {
     try {
       read_reference_mesh(spec);
     } catch (const std::runtime_error& error) {
@@ -196,4 +196,4 @@ TEST(MeshDistance, OfTwoBoxesIsTheirGap) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

@@ -7,12 +7,12 @@
 #include "core/reference/chord_error.hpp"
 #include "test_scenes.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
 using namespace test_scenes;
 
-ChordError error_of(const MeshSpec& spec) {
+ChordError error_of(const scene::MeshSpec& spec) {
   const ReferenceMesh solid = read_reference_mesh(spec);
   return chord_error(solid, MeshDistance(solid), spec.primitives);
 }
@@ -47,13 +47,13 @@ f 6 1 7 12
 )";
 
 TEST(DeclaredPrimitives, AreExactForABox) {
-  MeshSpec spec = mesh("aligned_box.obj");
+  scene::MeshSpec spec = mesh("aligned_box.obj");
   spec.primitives = {box_primitive()};
   EXPECT_NEAR(error_of(spec).value_m(), 0.0, 1e-12);
 }
 
 TEST(DeclaredPrimitives, DifferFromACylinderByTheSagOfItsChords) {
-  MeshSpec spec = mesh("cylinder.obj");
+  scene::MeshSpec spec = mesh("cylinder.obj");
   spec.primitives = {cylinder_primitive()};
   const double sag = 0.5 * (1 - std::cos(std::numbers::pi / 32));
   EXPECT_NEAR(error_of(spec).mesh_to_primitives_m, sag, 3e-4);  // the file is rounded to 2^-12
@@ -67,9 +67,9 @@ TEST(DeclaredPrimitives, DifferFromASphereOfTenEdgesByLessThanAFifthOfAnEdge) {
 
 TEST(DeclaredPrimitives, MayBeAUnionOfParts) {
   const TemporaryMesh file("voxtouch_reference_ell.obj", kEll);
-  MeshSpec spec = file.spec();
-  spec.primitives = {BoxPrimitive{{Vec3(1.5, 0.5, 0.5), Quat::Identity()}, Vec3(3, 1, 1)},
-                     BoxPrimitive{{Vec3(0.5, 1.0, 0.5), Quat::Identity()}, Vec3(1, 2, 1)}};
+  scene::MeshSpec spec = file.spec();
+  spec.primitives = {scene::BoxPrimitive{{Vec3(1.5, 0.5, 0.5), Quat::Identity()}, Vec3(3, 1, 1)},
+                     scene::BoxPrimitive{{Vec3(0.5, 1.0, 0.5), Quat::Identity()}, Vec3(1, 2, 1)}};
   EXPECT_NEAR(error_of(spec).value_m(), 0.0, 1e-12);
   spec.primitives.pop_back();
   EXPECT_NEAR(error_of(spec).value_m(), 1.0, 1e-12) << "a part without a primitive is seen from the mesh";
@@ -77,10 +77,10 @@ TEST(DeclaredPrimitives, MayBeAUnionOfParts) {
 
 TEST(DeclaredPrimitives, ThatAreTooLargeOrMovedAreOffByAsMuchAndByTheirChords) {
   const double sag = error_of(sphere()).value_m();
-  MeshSpec large = sphere(), moved = sphere();
-  std::get<SpherePrimitive>(large.primitives[0]).radius_m += 0.3 * kEdge;
-  std::get<SpherePrimitive>(moved.primitives[0]).centre.y() += 0.3 * kEdge;
-  for (const MeshSpec& spec : {large, moved}) EXPECT_NEAR(error_of(spec).value_m(), 0.3 * kEdge, sag + 0.006 * kEdge);
+  scene::MeshSpec large = sphere(), moved = sphere();
+  std::get<scene::SpherePrimitive>(large.primitives[0]).radius_m += 0.3 * kEdge;
+  std::get<scene::SpherePrimitive>(moved.primitives[0]).centre.y() += 0.3 * kEdge;
+  for (const scene::MeshSpec& spec : {large, moved}) EXPECT_NEAR(error_of(spec).value_m(), 0.3 * kEdge, sag + 0.006 * kEdge);
 }
 
 TEST(DeclaredPrimitives, ThatTheMeshDoesNotCoverAreFound) {
@@ -96,4 +96,4 @@ TEST(DeclaredPrimitives, ThatTheMeshDoesNotCoverAreFound) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

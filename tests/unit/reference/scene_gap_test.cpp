@@ -8,21 +8,22 @@
 #include "core/reference/reference_scene.hpp"
 #include "test_scenes.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
 using namespace test_scenes;
+using test_scenes::mesh, test_scenes::scene;  // before the namespaces of these names
 
 constexpr double kExact = 1e-9;  ///< [m], in scenes of about 1 m: what FCL's distance may differ from a closed form by
 
-MeshSpec declared(const char* name, const Primitive& primitive) {
-  MeshSpec spec = mesh(name);
+scene::MeshSpec declared(const char* name, const scene::Primitive& primitive) {
+  scene::MeshSpec spec = mesh(name);
   spec.primitives = {primitive};
   return spec;
 }
 
 /// Largest difference between gap and closed form over random places of the sphere, near and deep.
-double largest_difference(const ReferenceScene& reference, const Primitive& truth) {
+double largest_difference(const ReferenceScene& reference, const scene::Primitive& truth) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(-1.3, 1.3);
   double largest = 0.0;
@@ -47,11 +48,11 @@ TEST(SphereGap, ToACylinderIsWithinTheChordError) {
 }
 
 TEST(SphereGap, ToASphereIsWithinTheChordError) {
-  MeshSpec fixed = sphere(0.75);
+  scene::MeshSpec fixed = sphere(0.75);
   const ReferenceScene by_form(scene(fixed));
   fixed.primitives.clear();
   const ReferenceScene by_mesh(scene(fixed));
-  const SpherePrimitive truth{Vec3::Zero(), 0.75};
+  const scene::SpherePrimitive truth{Vec3::Zero(), 0.75};
   EXPECT_LT(largest_difference(by_form, truth), kExact);
   EXPECT_LT(largest_difference(by_mesh, truth), by_form.chord_error_m());
 }
@@ -71,21 +72,21 @@ TEST(SphereGap, ToAPlaneIsHeightLessRadiusWithThePlanesNormal) {
 }
 
 TEST(SphereGap, FollowsToolPoseScaleAndStaticPose) {
-  MeshSpec fixed = mesh("aligned_box.obj", 2.0);
+  scene::MeshSpec fixed = mesh("aligned_box.obj", 2.0);
   fixed.pose = {Vec3(0.2, -0.4, 1.0), Quat(Eigen::AngleAxisd(0.7, Vec3(1, -1, 2).normalized()))};
-  MeshSpec moving = sphere();
+  scene::MeshSpec moving = sphere();
   moving.pose.position += Vec3(0.3, 0.0, 0.0);  // the sphere's centre stands 0.3 m off the tool's origin
   const ReferenceScene reference(scene(fixed, moving));
-  const BoxPrimitive truth{fixed.pose, Vec3(1.5, 1.0, 1.0)};
+  const scene::BoxPrimitive truth{fixed.pose, Vec3(1.5, 1.0, 1.0)};
   const Quat turn(Eigen::AngleAxisd(1.1, Vec3::UnitZ()));
   for (const Vec3& x : {Vec3(0, 0, 0), Vec3(1, 1, 2), Vec3(-0.5, 0.3, 1.4)}) {
-    const double expected = signed_distance(Primitive(truth), x + turn * Vec3(0.3, 0, 0)).distance_m - kSphereRadius;
+    const double expected = signed_distance(scene::Primitive(truth), x + turn * Vec3(0.3, 0, 0)).distance_m - kSphereRadius;
     EXPECT_NEAR(reference.gap({x, turn}).gap_m, expected, kExact);
   }
 }
 
 TEST(SphereGap, LosesNothingAThousandKilometresFromTheOrigin) {
-  MeshSpec fixed = mesh("lshape.obj");
+  scene::MeshSpec fixed = mesh("lshape.obj");
   const ReferenceScene here(scene(fixed));
   const Vec3 far(1048576, -1048576, 524288);
   fixed.pose.position = far;
@@ -152,7 +153,7 @@ TEST(SphereGap, CallsAFaceUniqueOnlyWhereThePatchHasOneDirection) {
 }
 
 TEST(SphereGap, InASlotIsThatOfTheNearerWallAndNotUnique) {
-  Scene slot = scene(mesh("aligned_box.obj"), sphere(0.25));
+  scene::Scene slot = scene(mesh("aligned_box.obj"), sphere(0.25));
   slot.static_meshes.push_back(slot.static_meshes[0]);
   slot.static_meshes[0].pose.position = Vec3(0, 0, -0.48);
   slot.static_meshes[1].pose.position = Vec3(0, 0, 0.49);
@@ -211,14 +212,14 @@ TEST(ReferenceScene, AnswersAPoseThatIsNotFiniteWithNothing) {
 }
 
 TEST(ReferenceScene, RefusesASceneWithoutStaticMeshVoxelSizeOrFile) {
-  Scene none = scene(mesh("aligned_box.obj"));
+  scene::Scene none = scene(mesh("aligned_box.obj"));
   none.static_meshes.clear();
   EXPECT_THROW(ReferenceScene{none}, std::runtime_error);
-  Scene no_edge = scene(mesh("aligned_box.obj"));
+  scene::Scene no_edge = scene(mesh("aligned_box.obj"));
   no_edge.voxel_size_m = 0;
   EXPECT_THROW(ReferenceScene{no_edge}, std::runtime_error);
   EXPECT_THROW(ReferenceScene{scene(mesh("no_such.obj"))}, std::runtime_error);
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

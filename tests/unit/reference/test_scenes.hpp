@@ -11,30 +11,30 @@ namespace voxtouch::test_scenes {
 inline constexpr double kEdge = 0.05;          ///< voxel edge of these scenes [m]
 inline constexpr double kSphereRadius = 0.5;   ///< sphere.obj (R = 0.75) at scale 2/3: ten edges
 
-inline MeshSpec mesh(const std::string& name, double scale = 1.0) {
-  MeshSpec spec;
+inline scene::MeshSpec mesh(const std::string& name, double scale = 1.0) {
+  scene::MeshSpec spec;
   spec.path = std::filesystem::path(VOXTOUCH_TEST_DATA) / "vectors/meshes" / name;
   spec.scale = scale;
   return spec;
 }
 
 /// The sphere with its centre at the tool's origin.
-inline MeshSpec sphere(double radius = kSphereRadius) {
-  MeshSpec spec = mesh("sphere.obj", radius / 0.75);
+inline scene::MeshSpec sphere(double radius = kSphereRadius) {
+  scene::MeshSpec spec = mesh("sphere.obj", radius / 0.75);
   const Vec3 centre = spec.scale * Vec3(0.012939453125, -0.02099609375, 0.033935546875);
-  spec.primitives = {SpherePrimitive{centre, radius}};
+  spec.primitives = {scene::SpherePrimitive{centre, radius}};
   spec.pose.position = -centre;
   return spec;
 }
 
 inline const Vec3 kCylinderCentre(0.030029296875, 0.010009765625, -0.02001953125);
-inline CylinderPrimitive cylinder_primitive() {
+inline scene::CylinderPrimitive cylinder_primitive() {
   return {{kCylinderCentre, Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY())}, 0.5, 1.5};
 }
-inline BoxPrimitive box_primitive() { return {{}, Vec3(0.75, 0.5, 0.5)}; }
+inline scene::BoxPrimitive box_primitive() { return {{}, Vec3(0.75, 0.5, 0.5)}; }
 
-inline Scene scene(MeshSpec fixed, MeshSpec moving = sphere()) {
-  Scene out;
+inline scene::Scene scene(scene::MeshSpec fixed, scene::MeshSpec moving = sphere()) {
+  scene::Scene out;
   out.voxel_size_m = kEdge;
   out.static_meshes = {std::move(fixed)};
   out.dynamic_mesh = std::move(moving);
@@ -55,8 +55,8 @@ class TemporaryMesh {
   }
   TemporaryMesh(const TemporaryMesh&) = delete;
   TemporaryMesh& operator=(const TemporaryMesh&) = delete;
-  MeshSpec spec() const {
-    MeshSpec out;
+  scene::MeshSpec spec() const {
+    scene::MeshSpec out;
     out.path = path_;
     return out;
   }

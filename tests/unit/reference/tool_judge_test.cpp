@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace tool_judge_test {
 
 constexpr double kE = 0.002, kR = 0.01, kChord = 0.1 * kE, kGap = 1.2 * kE, kSag = kGap * kGap / (8.0 * kR);
@@ -124,4 +124,4 @@ TEST(ToolJudge, DecidesEverySampleAndBlamesTheReferenceForItsOwnFaults) {
 }
 
 }  // namespace tool_judge_test
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

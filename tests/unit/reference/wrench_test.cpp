@@ -7,11 +7,11 @@
 #include "core/reference/reference_wrench.hpp"
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::reference {
 namespace {
 
-Scene shipped(const std::string& name) {
-  return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml");
+scene::Scene shipped(const std::string& name) {
+  return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml");
 }
 
 /// Sphere of radius R, h deep in a half space: k pi h^2 (R - h / 3).
@@ -38,7 +38,7 @@ TEST(ReferenceWrench, IsTheClosedFormOfASphereInAHalfSpaceUpToItsFacets) {
 /// on an edge, tilted by 45 degrees, that is a wedge h deep, h h long for each length of the edge; its triangles are far
 /// larger than the resolution, and lie across the surface.
 TEST(ReferenceWrench, IsTheWeightOfWhatABoxDisplaces) {
-  Scene scene = shipped("plane");
+  scene::Scene scene = shipped("plane");
   const std::string path = ::testing::TempDir() + "voxtouch_box_reference.obj";
   std::FILE* file = std::fopen(path.c_str(), "w");
   ASSERT_NE(file, nullptr);
@@ -62,7 +62,7 @@ TEST(ReferenceWrench, IsTheWeightOfWhatABoxDisplaces) {
 
 /// Two boxes, one of them inside out, as a part that was mirrored by hand is: the push is that of two boxes.
 TEST(ReferenceWrench, PushesOutwardWhicheverWayRoundAClosedToolsTrianglesRun) {
-  Scene scene = shipped("plane");
+  scene::Scene scene = shipped("plane");
   const std::string path = ::testing::TempDir() + "voxtouch_inverted_reference.obj";
   scene.dynamic_mesh.path = path;
   scene.dynamic_mesh.scale = 0.01;
@@ -101,7 +101,7 @@ TEST(ReferenceWrench, IsNothingApartAndForAPoseThatIsNone) {
 }
 
 TEST(ReferenceWrench, ConvergesAsItsResolutionIsHalved) {
-  const Scene scene = shipped("cup");
+  const scene::Scene scene = shipped("cup");
   const Quat turned(Eigen::AngleAxisd(1.0, Vec3(1, -1, 0.5).normalized()));
   const Pose pose{scene.motions.at("hit").path.back(), turned};
   const Vec3 a = ReferenceWrench(scene, 1e-3).at(pose).wrench.force,
@@ -138,7 +138,7 @@ TEST(ReferenceWrench, IsConservative) {
 }
 
 TEST(ReferenceWrench, RefusesAnOpenMeshWithASentence) {
-  Scene scene = shipped("plane");
+  scene::Scene scene = shipped("plane");
   const std::string path = ::testing::TempDir() + "voxtouch_open_reference.obj";
   std::FILE* file = std::fopen(path.c_str(), "w");
   ASSERT_NE(file, nullptr);
@@ -155,4 +155,4 @@ TEST(ReferenceWrench, RefusesAnOpenMeshWithASentence) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::reference

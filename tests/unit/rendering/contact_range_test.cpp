@@ -11,11 +11,11 @@
 #include "core/rendering/contact_parameters.hpp"
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
-Pointshell shell_of(const std::vector<Vec3>& points) {
-  Pointshell shell;
+pointshell::Pointshell shell_of(const std::vector<Vec3>& points) {
+  pointshell::Pointshell shell;
   for (const Vec3& p : points) shell.x.push_back(p.x()), shell.y.push_back(p.y()), shell.z.push_back(p.z());
   return shell;
 }
@@ -44,9 +44,9 @@ TEST(ContactStiffness, CountsPointsAndLevers) {
 }
 
 TEST(ContactStiffness, CountsEachPointByItsAreaWhereTheSceneDoes) {
-  Pointshell shell = shell_of({Vec3(0.5, 0, 0), Vec3(-0.1, 0, 0)});
+  pointshell::Pointshell shell = shell_of({Vec3(0.5, 0, 0), Vec3(-0.1, 0, 0)});
   shell.area_m2 = {2e-6, 6e-6};
-  const ContactStiffness bound = contact_stiffness(shell, {1e6, PointWeights::kArea});
+  const ContactStiffness bound = contact_stiffness(shell, {1e6, contact::PointWeights::kArea});
   EXPECT_DOUBLE_EQ(bound.translation.one_point, 6.0);
   EXPECT_DOUBLE_EQ(bound.translation.all_points, 8.0);
   EXPECT_NEAR(bound.rotation.one_point, 0.5, 1e-11);
@@ -54,20 +54,20 @@ TEST(ContactStiffness, CountsEachPointByItsAreaWhereTheSceneDoes) {
 }
 
 TEST(ContactParameters, WeighByAreaWhereTheSceneSaysSoOrTheModelKnowsNoOtherWay) {
-  Pointshell shell = shell_of({Vec3(0.5, 0, 0), Vec3(-0.1, 0, 0)});
+  pointshell::Pointshell shell = shell_of({Vec3(0.5, 0, 0), Vec3(-0.1, 0, 0)});
   shell.area_m2 = {2e-6, 6e-6};
-  ContactSpec by_point, by_area;
+  scene::ContactSpec by_point, by_area;
   by_point.stiffness_n_per_m = 4, by_area.stiffness_n_per_m3 = 5e5;
-  const ContactParameters paper = contact_parameters(by_point, ContactModelKind::kAdapted, shell);
-  EXPECT_EQ(paper.weights, PointWeights::kOne);
+  const contact::ContactParameters paper = contact_parameters(by_point, contact::ContactModelKind::kAdapted, shell);
+  EXPECT_EQ(paper.weights, contact::PointWeights::kOne);
   EXPECT_EQ(paper.stiffness, 4);
-  for (const auto kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kField}) {
-    const ContactParameters area = contact_parameters(by_area, kind, shell);
-    EXPECT_EQ(area.weights, PointWeights::kArea);
+  for (const auto kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField}) {
+    const contact::ContactParameters area = contact_parameters(by_area, kind, shell);
+    EXPECT_EQ(area.weights, contact::PointWeights::kArea);
     EXPECT_EQ(area.stiffness, 5e5);
   }
-  const ContactParameters other = contact_parameters(by_point, ContactModelKind::kClustered, shell);
-  EXPECT_EQ(other.weights, PointWeights::kArea);
+  const contact::ContactParameters other = contact_parameters(by_point, contact::ContactModelKind::kClustered, shell);
+  EXPECT_EQ(other.weights, contact::PointWeights::kArea);
   EXPECT_NEAR(other.stiffness, 1e6, 1e-6) << "8 N/m together, either way";
 }
 
@@ -81,7 +81,7 @@ TEST(ContactStiffness, BoundsEverySetOfPointsWithAnyDirections) {
     const auto count = 1 + trial % 12;
     for (int p = 0; p < count; ++p) points.push_back(vector() + Vec3(0.5, 0, 0));
     const ContactStiffness bound = contact_stiffness(shell_of(points), {3.0});
-    StiffnessSum sum;
+    contact::StiffnessSum sum;
     const Vec3 axis = vector().normalized();
     for (const Vec3& arm : points) {
       if (trial % 3 == 0 && number(random) < 0.0) continue;
@@ -100,7 +100,7 @@ TEST(ContactStiffness, BoundsEverySetOfPointsWithAnyDirections) {
 }
 
 TEST(ContactStiffness, HoldsForEveryFrameThatASceneRenders) {
-  const Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  const scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   const auto built = build_scene(scene, serial_for());
   const Plan& plan = built->plan();
   EXPECT_EQ(plan.contact_n_per_m.one_point, scene.contact.stiffness_n_per_m);
@@ -108,7 +108,7 @@ TEST(ContactStiffness, HoldsForEveryFrameThatASceneRenders) {
   double most = 0.0;
   for (int n = 0; n < 400; ++n) {
     const Pose pose{Vec3(0.0003 * n, 0, 0.012 - 0.0001 * n), Quat(Eigen::AngleAxisd(0.01 * n, Vec3::UnitY()))};
-    const ContactResult r = built->renderer().render(pose).contact;
+    const contact::ContactResult r = built->renderer().render(pose).contact;
     const double translation = largest_eigenvalue(r.stiffness.topLeftCorner<3, 3>());
     most = std::max(most, translation);
     EXPECT_LE(translation, plan.contact_n_per_m.all_points * (1 + 1e-12));
@@ -119,4 +119,4 @@ TEST(ContactStiffness, HoldsForEveryFrameThatASceneRenders) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

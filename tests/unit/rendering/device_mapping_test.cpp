@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 class Random {
@@ -15,7 +15,7 @@ class Random {
   Vec3 vec() { return {u(), u(), u()}; }
   Quat quat() { return Quat(u(), u(), u(), u()).normalized(); }
   Pose pose() { return {vec(), quat()}; }
-  WorkspaceMapping spec() { return {0.2 + 2 * std::abs(u()), 0.1 + std::abs(u()), pose(), pose(), 2U}; }
+  scene::WorkspaceMapping spec() { return {0.2 + 2 * std::abs(u()), 0.1 + std::abs(u()), pose(), pose(), 2U}; }
 
  private:
   std::mt19937_64 engine_{77};
@@ -36,13 +36,13 @@ Pose moved(const Pose& p, const Twist& v, double dt) {
 TEST(DeviceMapping, TipGoesThroughBaseScaleAndToolOffset) {
   Random r;
   for (int n = 0; n < 50; ++n) {
-    const WorkspaceMapping spec = r.spec();
+    const scene::WorkspaceMapping spec = r.spec();
     const Pose tip = r.pose();
     DeviceMapping mapping(spec);
     const Pose wanted = spec.device_in_world * Pose{spec.position_scale * tip.position, tip.orientation} * spec.tool_offset;
     EXPECT_LE(distance(mapping.update(tip, {}, 0).pose, wanted), 1e-14);
   }
-  DeviceMapping plain{WorkspaceMapping{}};
+  DeviceMapping plain{scene::WorkspaceMapping{}};
   const Pose tip = r.pose();
   EXPECT_LE(distance(plain.update(tip, {}, 0).pose, tip), 1e-15) << "the default maps D onto W";
 }
@@ -66,7 +66,7 @@ TEST(DeviceMapping, TwistIsThePosesDerivativeAlsoAfterAClutch) {
 TEST(DeviceMapping, PowerAtTheHandIsPowerInTheWorldTimesTheScales) {
   Random r;
   for (int n = 0; n < 200; ++n) {
-    const WorkspaceMapping spec = r.spec();
+    const scene::WorkspaceMapping spec = r.spec();
     DeviceMapping mapping(spec);
     if (n % 2) mapping.update(r.pose(), {}, 4), mapping.update(r.pose(), {}, 4);
     const Twist hand{r.vec(), r.vec()};
@@ -80,7 +80,7 @@ TEST(DeviceMapping, PowerAtTheHandIsPowerInTheWorldTimesTheScales) {
 }
 
 TEST(WrenchToDevice, AnOrientationThatIsNoneDoesNotMakeTheCommandNone) {
-  WorkspaceMapping device;
+  scene::WorkspaceMapping device;
   device.tool_offset.position = Vec3(0.0, 0.0, 0.05);
   WrenchToDevice to_device(device);
   const Wrench wrench{Vec3(1.0, 2.0, 3.0), Vec3(0.1, 0.0, 0.0)};
@@ -96,7 +96,7 @@ TEST(WrenchToDevice, AnOrientationThatIsNoneDoesNotMakeTheCommandNone) {
 }
 
 TEST(DeviceMapping, ForceComesBackAlongTheHandTimesTheForceScale) {
-  WorkspaceMapping spec;
+  scene::WorkspaceMapping spec;
   spec.force_scale = 0.5, spec.position_scale = 4;
   spec.device_in_world.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
   DeviceMapping mapping(spec);
@@ -114,7 +114,7 @@ TEST(DeviceMapping, ForceComesBackAlongTheHandTimesTheForceScale) {
 TEST(DeviceMapping, ClutchHoldsTheToolAndGoesOnWithoutAJump) {
   Random r;
   for (int n = 0; n < 50; ++n) {
-    const WorkspaceMapping spec = r.spec();
+    const scene::WorkspaceMapping spec = r.spec();
     DeviceMapping mapping(spec);
     Pose tip = r.pose();
     ToolState before = mapping.update(tip, {}, 0);
@@ -144,14 +144,14 @@ TEST(DeviceMapping, ClutchHoldsTheToolAndGoesOnWithoutAJump) {
 
 TEST(DeviceMapping, StartsWithThePressedClutchWhereTheHandIs) {
   Random r;
-  const WorkspaceMapping spec = r.spec();
+  const scene::WorkspaceMapping spec = r.spec();
   DeviceMapping pressed(spec), open(spec);
   const Pose tip = r.pose();
   EXPECT_LE(distance(pressed.update(tip, {}, 4).pose, open.update(tip, {}, 0).pose), 1e-14);
 }
 
 TEST(DeviceMapping, WithoutAButtonInTheSceneNoButtonClutches) {
-  WorkspaceMapping spec;
+  scene::WorkspaceMapping spec;
   DeviceMapping mapping(spec);
   EXPECT_FALSE(mapping.update({}, {}, 0xFFFFFFFFU).clutched);
 }
@@ -187,7 +187,7 @@ TEST(DeviceMapping, RefusesSamplesThatAreNoPoseAndKeepsTheLastOne) {
 }
 
 TEST(DeviceMapping, NoNumberOfTheDeviceMakesTheToolsPlaceOrVelocityNone) {
-  WorkspaceMapping spec;
+  scene::WorkspaceMapping spec;
   spec.position_scale = 10.0;
   spec.tool_offset.position = Vec3(0.0, 0.0, 1.0);
   DeviceMapping mapping(spec);
@@ -205,4 +205,4 @@ TEST(DeviceMapping, NoNumberOfTheDeviceMakesTheToolsPlaceOrVelocityNone) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

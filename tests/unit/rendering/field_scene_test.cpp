@@ -8,7 +8,7 @@
 #include "core/rendering/build.hpp"
 #include "tests/unit/scene/scene_fixture.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 bool any_has(const std::vector<std::string>& lines, const std::string& text) {
@@ -28,17 +28,17 @@ std::string box_obj(const Vec3& size, std::size_t faces = 12) {
   return text;
 }
 
-class FieldScene : public SceneFolder {
+class FieldScene : public scene::SceneFolder {
  protected:
   void SetUp() override {
-    SceneFolder::SetUp();
+    scene::SceneFolder::SetUp();
     write("ball.obj", box_obj({0.01, 0.01, 0.01}));
     write("thick.obj", box_obj({0.08, 0.08, 0.06}));
     write("thin.obj", box_obj({0.08, 0.08, 0.005}));
     write("open.obj", box_obj({0.08, 0.08, 0.06}, 11));
   }
   std::unique_ptr<BuiltScene> built(const std::string& meshes, const std::string& contact,
-                                    std::optional<ContactModelKind> model = {}) const {
+                                    std::optional<contact::ContactModelKind> model = {}) const {
     return build_scene(parse("scene: s\nvoxel_size: 0.002\nstatic: [" + meshes +
                              "]\ndynamic: {mesh: ball.obj}\ncontact: {" + contact + "}\n"),
                        serial_for(), {.model = model});
@@ -50,7 +50,7 @@ class FieldScene : public SceneFolder {
 TEST_F(FieldScene, BuildsTheFieldWhereTheModelAsksForItAndOnlyThere) {
   const auto with = built("{mesh: thick.obj}", kField), without = built("{mesh: thick.obj}", kAdapted);
   ASSERT_NE(with->field(), nullptr);
-  EXPECT_EQ(with->renderer().model(), ContactModelKind::kField);
+  EXPECT_EQ(with->renderer().model(), contact::ContactModelKind::kField);
   EXPECT_EQ(without->field(), nullptr);
   EXPECT_TRUE(any_has(with->plan().built, "Signed distance field to 24 mm inside: "));
   EXPECT_TRUE(any_has(with->plan().built, "the contact model 'field' asks it."));
@@ -61,8 +61,8 @@ TEST_F(FieldScene, BuildsTheFieldWhereTheModelAsksForItAndOnlyThere) {
   EXPECT_DOUBLE_EQ(with->plan().expected_ns_per_frame - without->plan().expected_ns_per_frame,
                    (kNsPerFieldPoint - kNsPerPlainPoint) * static_cast<double>(with->plan().shell_points));
   // Asked for on the command line, of a scene that names another model.
-  EXPECT_NE(built("{mesh: thick.obj}", kAdapted, ContactModelKind::kField)->field(), nullptr);
-  EXPECT_EQ(built("{mesh: thick.obj}", kField, ContactModelKind::kAdapted)->field(), nullptr);
+  EXPECT_NE(built("{mesh: thick.obj}", kAdapted, contact::ContactModelKind::kField)->field(), nullptr);
+  EXPECT_EQ(built("{mesh: thick.obj}", kField, contact::ContactModelKind::kAdapted)->field(), nullptr);
 }
 
 TEST_F(FieldScene, WarnsOfTheThinnestBodyByNameAndOfNoneThatIsThickEnough) {
@@ -100,7 +100,7 @@ TEST_F(FieldScene, ThePlansStiffnessBoundsEveryFrame) {
   for (int n = 0; n < 600; ++n) {
     const Pose pose{Vec3(0.04 + 0.00008 * n, 0.03, 0.059 - 0.00002 * n),
                     Quat(Eigen::AngleAxisd(0.01 * n, Vec3::UnitY()))};
-    const ContactResult r = scene->renderer().probe(pose);
+    const contact::ContactResult r = scene->renderer().probe(pose);
     EXPECT_LE(r.stiffness_bound_n_per_m, plan.contact_n_per_m.all_points * (1 + 1e-12));
     const Mat3 rotation = r.stiffness.bottomRightCorner<3, 3>();
     EXPECT_LE(Eigen::SelfAdjointEigenSolver<Mat3>(rotation, Eigen::EigenvaluesOnly).eigenvalues()[2],
@@ -111,4 +111,4 @@ TEST_F(FieldScene, ThePlansStiffnessBoundsEveryFrame) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

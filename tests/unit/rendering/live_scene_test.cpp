@@ -7,11 +7,11 @@
 
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 std::unique_ptr<BuiltScene> plane(double voxel_size_m, const std::string& model = "adapted") {
-  Scene scene = load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   scene.voxel_size_m = voxel_size_m;
   scene.contact.model = model;
   return build_scene(scene, serial_for());
@@ -97,4 +97,4 @@ TEST(LiveScene, ANewSessionEndsAFadeAndGivesTheOldSceneBack) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

@@ -7,14 +7,14 @@
 #include "core/rendering/build.hpp"
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 const std::string kDeploy = VOXTOUCH_DEPLOY;
 
 /// A scene on the shipped meshes.
-Scene scene_of(const std::string& statics, const std::string& effects = "[]") {
-  return parse_scene("scene: objects\nvoxel_size: 0.002\nstatic:\n" + statics +
+scene::Scene scene_of(const std::string& statics, const std::string& effects = "[]") {
+  return scene::parse_scene("scene: objects\nvoxel_size: 0.002\nstatic:\n" + statics +
                          "dynamic: {mesh: sphere.obj, scale: 0.01}\ncontact: {model: adapted, stiffness_n_per_m: 30}\n"
                          "effects: " + effects + "\n",
                      kDeploy + "/meshes/test.yaml");
@@ -22,7 +22,7 @@ Scene scene_of(const std::string& statics, const std::string& effects = "[]") {
 std::string refusal(const std::string& statics, const std::string& effects = "[]") {
   try {
     scene_of(statics, effects);
-  } catch (const SceneError& error) {
+  } catch (const scene::SceneError& error) {
     return error.what();
   }
   return {};
@@ -53,7 +53,7 @@ TEST(Objects, SumToWhatOneVoxmapGivesWhereTheyDoNotMeet) {
       corner{Vec3(0.122, 0.002, 0.009), Quat::Identity()};
   std::vector<std::uint32_t> ids;
   EXPECT_LT((one->contacts().probe(floor, ids).wrench.force - two->contacts().probe(floor, ids).wrench.force).norm(), 0.05);
-  const ContactResult sum = two->contacts().probe(corner, ids), a = two->contacts().object(0).renderer->probe(corner),
+  const contact::ContactResult sum = two->contacts().probe(corner, ids), a = two->contacts().object(0).renderer->probe(corner),
                       b = two->contacts().object(1).renderer->probe(corner);
   ASSERT_GT(a.wrench.force.norm(), 0.0);
   ASSERT_GT(b.wrench.force.norm(), 0.0);
@@ -90,9 +90,9 @@ TEST(Objects, OneThatMovesIsTouchedWhereItIsAndCarriesItsWork) {
 }
 
 TEST(Objects, TheReferenceMovesThemToo) {
-  const Scene scene =
+  const scene::Scene scene =
       scene_of("  - mesh: plane.obj\n    object: {name: lift, moves: {path: [[0, 0, 0], [0, 0, 0.1]], speed_m_per_s: 0.1}}\n");
-  ReferenceScene reference(scene);
+  reference::ReferenceScene reference(scene);
   const Pose tool{Vec3(0, 0, 0.15), Quat::Identity()};
   EXPECT_NEAR(reference.gap(tool).gap_m, 0.14, 1e-3);
   reference.move_to(1000.0);
@@ -132,7 +132,7 @@ TEST(Objects, AreRefusedWithAPlaceAndASentence) {
 }
 
 TEST(BodyScene, FallsOnTheTableAndTheHandFeelsTheGripAlone) {
-  Scene scene = load_scene(kDeploy + "/scenes/block.yaml");
+  scene::Scene scene = scene::load_scene(kDeploy + "/scenes/block.yaml");
   const auto built = build_scene(scene, serial_for());
   EXPECT_EQ(built->plan().contact_n_per_m.all_points, 200.0) << "the device meets the grip, not the table";
   ToolState tool = at({0, 0, 0.05});
@@ -160,7 +160,7 @@ TEST(Objects, AreBuiltWithAWordForEachMesh) {
 }
 
 TEST(BodyScene, NeedsAToolThatEnclosesAVolume) {
-  Scene scene = load_scene(kDeploy + "/scenes/block.yaml");
+  scene::Scene scene = scene::load_scene(kDeploy + "/scenes/block.yaml");
   const std::string path = ::testing::TempDir() + "voxtouch_flat_body.obj";
   std::FILE* file = std::fopen(path.c_str(), "w");
   ASSERT_NE(file, nullptr);
@@ -177,4 +177,4 @@ TEST(BodyScene, NeedsAToolThatEnclosesAVolume) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <initializer_list>
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
-Scene cup() {
-  Scene s;
+scene::Scene cup() {
+  scene::Scene s;
   s.name = "cup", s.hash = "0123456789abcdef", s.voxel_size_m = 0.002;
   s.static_meshes.resize(1);
   s.contact.stiffness_n_per_m = 10;
@@ -33,9 +33,9 @@ std::string line_with(const std::vector<std::string>& lines, std::initializer_li
 bool any_has(const std::vector<std::string>& lines, std::initializer_list<const char*> words) {
   return !line_with(lines, words).empty();
 }
-EffectSpec oil(const char* name, bool on) {
-  EffectSpec spec{.name = name, .kind = find_effect_kind("viscosity"), .values = {}, .region = {}};
-  spec.values = EffectValues(spec.kind->parameters);
+effects::EffectSpec oil(const char* name, bool on) {
+  effects::EffectSpec spec{.name = name, .kind = effects::find_effect_kind("viscosity"), .values = {}, .region = {}};
+  spec.values = effects::EffectValues(spec.kind->parameters);
   spec.values.at(0)[0] = 1.5;
   spec.on = on;
   return spec;
@@ -62,7 +62,7 @@ TEST(Plan, SaysWhatIsBuiltWithTheNumbersThatWereCounted) {
 }
 
 TEST(Plan, SaysWhatIsLeftOutUntilTheSceneAsksForIt) {
-  Scene s = cup();
+  scene::Scene s = cup();
   const Plan bare = make_plan(s, counts());
   for (const char* what : {"distance field", "Distances outside", "velocity", "viscosity", "Clutch"})
     EXPECT_TRUE(any_has(bare.left_out, {what})) << what;
@@ -87,7 +87,7 @@ TEST(Plan, TellsAnOpenMeshFromOneTooThinForAnInside) {
 }
 
 TEST(Plan, HasPartsThatAddUpToItsTimeAndItsMemory) {
-  Scene s = cup();
+  scene::Scene s = cup();
   const Plan bare = make_plan(s, counts());
   s.effects = {oil("oil", true), oil("off", false)};
   const Plan with_effects = make_plan(s, counts());
@@ -107,7 +107,7 @@ TEST(Plan, HasPartsThatAddUpToItsTimeAndItsMemory) {
 }
 
 TEST(Plan, CostsMoreForMorePointsAndForAnEffectThatIsOn) {
-  Scene s = cup();
+  scene::Scene s = cup();
   BuildCounts twice = counts();
   twice.shell_points *= 2;
   EXPECT_GT(make_plan(s, twice).expected_ns_per_frame, 1.5 * make_plan(s, counts()).expected_ns_per_frame);
@@ -118,7 +118,7 @@ TEST(Plan, CostsMoreForMorePointsAndForAnEffectThatIsOn) {
 }
 
 TEST(Plan, HasAPartForTheFieldWhereTheModelIsTheField) {
-  Scene s = cup();
+  scene::Scene s = cup();
   BuildCounts n = counts();
   const auto fields = [](const Plan& plan) {
     return std::count_if(plan.parts.begin(), plan.parts.end(),
@@ -130,7 +130,7 @@ TEST(Plan, HasAPartForTheFieldWhereTheModelIsTheField) {
 }
 
 TEST(Plan, PassesWarningsOnAndAddsItsOwn) {
-  Scene s = cup();
+  scene::Scene s = cup();
   s.warnings = {"scene.yaml:1:1: doubtful."};
   BuildCounts n = counts();
   n.mesh_warnings = {"3 triangles have no area."};
@@ -142,9 +142,9 @@ TEST(Plan, PassesWarningsOnAndAddsItsOwn) {
 }
 
 TEST(Plan, NamesTheOtherCouplingsAndTheReference) {
-  Scene s = cup();
+  scene::Scene s = cup();
   s.coupling.kind = "spring_damper";
-  s.dynamic_mesh.primitives.push_back(SpherePrimitive{Vec3::Zero(), 0.01});
+  s.dynamic_mesh.primitives.push_back(scene::SpherePrimitive{Vec3::Zero(), 0.01});
   EXPECT_TRUE(any_has(make_plan(s, counts()).built, {"spring-damper", "500 N/m"}));
   EXPECT_TRUE(any_has(make_plan(s, counts()).built, {"Reference"}));
   s.coupling.kind = "direct";
@@ -152,18 +152,18 @@ TEST(Plan, NamesTheOtherCouplingsAndTheReference) {
 }
 
 TEST(Plan, NamesWhatACouplingAddsAndWhatADesignIsAskedFor) {
-  Scene s = cup();
+  scene::Scene s = cup();
   EXPECT_FALSE(any_has(make_plan(s, counts()).built, {"capped"}));
   s.coupling.stiffness_cap_n_per_m = 800, s.coupling.stiffness_cap_nm_per_rad = 2, s.coupling.injected_damping_ns_per_m = 3;
   for (const char* value : {"800 N/m", "2 Nm/rad", "3 Ns/m"})
     EXPECT_TRUE(any_has(make_plan(s, counts()).built, {value})) << value;
-  s.design = DesignOptions{};
+  s.design = scene::DesignOptions{};
   EXPECT_TRUE(any_has(make_plan(s, counts()).built, {"designed", "auto", "5 Hz", "margin 2"}));
   EXPECT_FALSE(any_has(make_plan(s, counts()).built, {"shaping filter"}));
-  s.design->stiffness_cap_n_per_m = 700, s.design->released = false, s.design->hand = HandOption::kArm;
+  s.design->stiffness_cap_n_per_m = 700, s.design->released = false, s.design->hand = scene::HandOption::kArm;
   s.design->kind = "spring_damper", s.design->inject_damping = false;
   EXPECT_TRUE(any_has(make_plan(s, counts()).built, {"spring_damper", "hand: arm", "never let go", "700 N/m", "no injected"}));
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

@@ -4,50 +4,50 @@
 
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
-Scene shipped() { return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml"); }
+scene::Scene shipped() { return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml"); }
 
-std::string why_not(const std::function<void(Scene&)>& change) {
-  Scene next = shipped();
+std::string why_not(const std::function<void(scene::Scene&)>& change) {
+  scene::Scene next = shipped();
   change(next);
   return why_not_reloaded(shipped(), next);
 }
 
-EffectSpec oil(double damping, const std::string& name = "viscosity") {
-  const EffectKind* kind = find_effect_kind("viscosity");
-  EffectSpec spec{.name = name, .kind = kind, .values = EffectValues(kind->parameters), .region = {}};
+effects::EffectSpec oil(double damping, const std::string& name = "viscosity") {
+  const effects::EffectKind* kind = effects::find_effect_kind("viscosity");
+  effects::EffectSpec spec{.name = name, .kind = kind, .values = effects::EffectValues(kind->parameters), .region = {}};
   spec.values.at(0) = {damping, 0.0, 0.0};
   return spec;
 }
 
 TEST(ReloadCheck, TakesOtherMeshesVoxelsContactsEffectsAndMotions) {
-  EXPECT_EQ(why_not([](Scene&) {}), "");
-  EXPECT_EQ(why_not([](Scene& s) { s.voxel_size_m = 0.001; }), "");
-  EXPECT_EQ(why_not([](Scene& s) { s.contact.stiffness_n_per_m = 7.0; }), "");
-  EXPECT_EQ(why_not([](Scene& s) { s.static_meshes[0].scale = 2.0; }), "");
-  EXPECT_EQ(why_not([](Scene& s) { s.motions.clear(); }), "");
-  EXPECT_EQ(why_not([](Scene& s) { s.effects = {oil(1.0)}; }), "");
+  EXPECT_EQ(why_not([](scene::Scene&) {}), "");
+  EXPECT_EQ(why_not([](scene::Scene& s) { s.voxel_size_m = 0.001; }), "");
+  EXPECT_EQ(why_not([](scene::Scene& s) { s.contact.stiffness_n_per_m = 7.0; }), "");
+  EXPECT_EQ(why_not([](scene::Scene& s) { s.static_meshes[0].scale = 2.0; }), "");
+  EXPECT_EQ(why_not([](scene::Scene& s) { s.motions.clear(); }), "");
+  EXPECT_EQ(why_not([](scene::Scene& s) { s.effects = {oil(1.0)}; }), "");
 }
 
 TEST(ReloadCheck, RefusesWhatOtherNodesWouldHaveToReadAgain) {
   const auto names = [](const std::string& why, const char* section) { return why.find(section) != std::string::npos; };
-  EXPECT_TRUE(names(why_not([](Scene& s) { s.device.force_scale = 2.0; }), "'device'"));
-  EXPECT_TRUE(names(why_not([](Scene& s) { s.device.clutch_button = 1; }), "'device'"));
-  EXPECT_TRUE(names(why_not([](Scene& s) { s.device.tool_offset.position.z() = 0.1; }), "'device'"));
-  EXPECT_TRUE(names(why_not([](Scene& s) { s.design->gain_margin = 3.0; }), "'coupling'"));
-  EXPECT_TRUE(names(why_not([](Scene& s) { s.design->given_rotation = HandRange{}; }), "'coupling'"));
-  EXPECT_TRUE(names(why_not([](Scene& s) { s.design.reset(); }), "'coupling'"));
-  EXPECT_TRUE(names(why_not([](Scene& s) { s.coupling.cutoff_hz = 3.0; }), "'coupling'"));
+  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.force_scale = 2.0; }), "'device'"));
+  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.clutch_button = 1; }), "'device'"));
+  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.tool_offset.position.z() = 0.1; }), "'device'"));
+  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design->gain_margin = 3.0; }), "'coupling'"));
+  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design->given_rotation = coupling::design::HandRange{}; }), "'coupling'"));
+  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design.reset(); }), "'coupling'"));
+  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.coupling.cutoff_hz = 3.0; }), "'coupling'"));
 }
 
 TEST(CarriedOver, KeepsWhatWasChangedWhereTheFileSaysTheSameAndTheFileWhereNot) {
-  const std::vector<EffectSpec> before = {oil(1.0), oil(2.0, "viscosity2")};
-  std::vector<EffectSpec> now = before, next = {oil(3.0), oil(2.0, "viscosity2"), oil(4.0, "viscosity3")};
+  const std::vector<effects::EffectSpec> before = {oil(1.0), oil(2.0, "viscosity2")};
+  std::vector<effects::EffectSpec> now = before, next = {oil(3.0), oil(2.0, "viscosity2"), oil(4.0, "viscosity3")};
   now[0].on = false, now[0].values.at(0)[0] = 9.0;
   now[1].on = false, now[1].gain = 0.5;
-  const std::vector<EffectSpec> runs = carried_over(before, now, next);
+  const std::vector<effects::EffectSpec> runs = carried_over(before, now, next);
   ASSERT_EQ(runs.size(), 3U);
   EXPECT_TRUE(runs[0].on) << "the file says something new";
   EXPECT_EQ(runs[0].values.number(0), 3.0);
@@ -59,4 +59,4 @@ TEST(CarriedOver, KeepsWhatWasChangedWhereTheFileSaysTheSameAndTheFileWhereNot) 
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

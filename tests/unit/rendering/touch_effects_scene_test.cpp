@@ -4,11 +4,11 @@
 #include "core/rendering/build.hpp"
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
-Scene shipped(const std::string& name) {
-  return load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml");
+scene::Scene shipped(const std::string& name) {
+  return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml");
 }
 
 struct Slide {
@@ -17,7 +17,7 @@ struct Slide {
 };
 
 /// The tool along the path of the scene's motion `slide`, in steps of 0.05 mm, with what the effects do.
-Slide slide(const Scene& scene) {
+Slide slide(const scene::Scene& scene) {
   const auto built = build_scene(scene, serial_for());
   constexpr double kStep = 5e-5, kDt = 1e-3;
   Slide out;
@@ -49,7 +49,7 @@ Slide slide(const Scene& scene) {
 
 TEST(CupScenes, RubDampAndHaveARelief) {
   for (const char* name : {"cup_friction", "cup_surface_damping", "cup_texture"}) {
-    const Scene scene = shipped(name);
+    const scene::Scene scene = shipped(name);
     ASSERT_FALSE(scene.effects.empty()) << name;
     const Slide result = slide(scene);
     RecordProperty(std::string(name) + "_given_j", std::to_string(result.given_j));
@@ -60,11 +60,11 @@ TEST(CupScenes, RubDampAndHaveARelief) {
     EXPECT_GT(result.touched, 300) << name;
     EXPECT_GT(result.most_n, 0.02) << name;
     EXPECT_LT(result.largest_step_n, 0.05) << name;
-    if (scene.effects[0].kind->energy == EnergyBehaviour::kDissipative) {
+    if (scene.effects[0].kind->energy == effects::EnergyBehaviour::kDissipative) {
       EXPECT_LT(result.given_j, -1e-4) << name;
     }
   }
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

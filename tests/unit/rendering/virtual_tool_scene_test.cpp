@@ -11,13 +11,13 @@
 #include "core/scene/scene_file.hpp"
 #include "tests/support/heap_count/heap_count.hpp"
 
-namespace voxtouch {
+namespace voxtouch::rendering {
 namespace {
 
 constexpr double kSpring = 300.0;
 
-Scene scene_of(const std::string& effects = "[]", const std::string& statics = "[{mesh: plane.obj}]", const std::string& more = "") {
-  return parse_scene("scene: tool\nvoxel_size: 0.002\nstatic: " + statics +
+scene::Scene scene_of(const std::string& effects = "[]", const std::string& statics = "[{mesh: plane.obj}]", const std::string& more = "") {
+  return scene::parse_scene("scene: tool\nvoxel_size: 0.002\nstatic: " + statics +
                          "\ndynamic: {mesh: sphere.obj, scale: 0.01}\ncontact: {rendering: virtual_tool}\ncoupling: {design: auto}\neffects: " +
                          effects + "\n" + more,
                      std::string(VOXTOUCH_DEPLOY) + "/meshes/test.yaml");
@@ -32,7 +32,7 @@ ToolState at(double z, double x = 0.003) {
 
 /// A scene that renders a frame a millisecond.
 struct Rig {
-  explicit Rig(const Scene& scene) : built(build_scene(scene, serial_for())), live(*built) { live.aim_for_spring(kSpring); }
+  explicit Rig(const scene::Scene& scene) : built(build_scene(scene, serial_for())), live(*built) { live.aim_for_spring(kSpring); }
   SceneFrame operator()(const ToolState& tool) { return live.render(tool, 1e-3 * n++); }
   SceneFrame hold(const ToolState& tool, int frames) {
     SceneFrame frame;
@@ -148,7 +148,7 @@ TEST(VirtualToolScene, ChangesItsSpringOnARampAndTellsWhatThatGave) {
 TEST(VirtualToolScene, KeepsTheToolWhenASceneThatWasBuiltAnewTakesItsPlace) {
   Rig rig(scene_of());
   const double before = rig.press(0.0).wrench.force.z();
-  Scene finer = scene_of();
+  scene::Scene finer = scene_of();
   finer.voxel_size_m = 0.001;
   const auto next = build_scene(finer, serial_for());
   rig.live.swap_to(*next);
@@ -245,4 +245,4 @@ TEST(VirtualToolScene, HoldsPlatesOfAVoxelAndLess) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::rendering

@@ -7,7 +7,7 @@
 #include "tests/unit/mesh/samples.hpp"
 #include "tests/unit/scene/scene_fixture.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 using BadScene = SceneFolder;
@@ -327,9 +327,9 @@ TEST_F(BadScene, AMeshThatChangesBetweenReadingAndBuildingIsNotTheScenes) {
   EXPECT_EQ(scene.mesh_hashes.size(), 2U);
   write("b.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nf 1 2 3\n");
   try {
-    build_scene(scene, serial_for());
+    rendering::build_scene(scene, serial_for());
     ADD_FAILURE() << "was built";
-  } catch (const MeshError& error) {
+  } catch (const mesh::MeshError& error) {
     EXPECT_NE(std::string(error.what()).find("b.obj': has changed since the scene was read"), std::string::npos) << error.what();
   }
 }
@@ -345,14 +345,14 @@ TEST_F(BadScene, AMeshWhoseBufferFileChangesIsAnotherAndIsNotBuilt) {
   text.replace(text.find("b.obj"), 5, "b.gltf, scale: 0.01");
   const Scene scene = parse(text);
   EXPECT_EQ(parse(text).hash, scene.hash);
-  EXPECT_NO_THROW(build_scene(scene, serial_for()));
+  EXPECT_NO_THROW(rendering::build_scene(scene, serial_for()));
   buffer[14] ^= 0x40;  // another coordinate
   write("b.bin", buffer);
   EXPECT_NE(parse(text).hash, scene.hash);
   try {
-    build_scene(scene, serial_for());
+    rendering::build_scene(scene, serial_for());
     ADD_FAILURE() << "was built";
-  } catch (const MeshError& error) {
+  } catch (const mesh::MeshError& error) {
     EXPECT_NE(std::string(error.what()).find("b.gltf': has changed since the scene was read"), std::string::npos) << error.what();
   }
 }
@@ -364,4 +364,4 @@ TEST_F(BadScene, UnreadableMeshesAreNamed) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

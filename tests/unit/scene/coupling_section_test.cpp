@@ -3,7 +3,7 @@
 
 #include "tests/unit/scene/scene_fixture.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 class CouplingSection : public SceneFolder {
@@ -71,7 +71,7 @@ TEST_F(CouplingSection, AHandMayBeGivenInRanges) {
                                 ", inertia_kg_m2: [1, 2], damping_nms_per_rad: "
                                 "[3, 4], stiffness_nm_per_rad: [5, 6]}")
                                .design;
-  const OperatorRange hand = operator_range(whole, Grip::kPen);
+  const coupling::design::OperatorRange hand = operator_range(whole, coupling::design::Grip::kPen);
   EXPECT_EQ(hand.translation.mass_min, 0.1);
   EXPECT_EQ(hand.translation.mass_max, 0.2);
   EXPECT_EQ(hand.translation.damping_min, 0);
@@ -84,42 +84,43 @@ TEST_F(CouplingSection, AHandMayBeGivenInRanges) {
   EXPECT_EQ(hand.rotation.damping_max, 4);
   EXPECT_EQ(hand.rotation.stiffness_min, 5);
   EXPECT_EQ(hand.rotation.stiffness_max, 6);
-  EXPECT_EQ(operator_range(half, Grip::kArm).rotation.mass_max, hand_range(Grip::kArm).rotation.mass_max)
+  EXPECT_EQ(operator_range(half, coupling::design::Grip::kArm).rotation.mass_max,
+            hand_range(coupling::design::Grip::kArm).rotation.mass_max)
       << "what is not given is the device's grip";
 }
 
 TEST(HandRanges, AreNamedOrTheDevicesOwn) {
   DesignOptions ask;
-  EXPECT_EQ(operator_range(ask, Grip::kPen).translation.mass_max, 0.2);
-  EXPECT_EQ(operator_range(ask, Grip::kArm).translation.mass_max, 2.0);
+  EXPECT_EQ(operator_range(ask, coupling::design::Grip::kPen).translation.mass_max, 0.2);
+  EXPECT_EQ(operator_range(ask, coupling::design::Grip::kArm).translation.mass_max, 2.0);
   ask.hand = HandOption::kPen;
-  EXPECT_EQ(operator_range(ask, Grip::kArm).translation.mass_max, 0.2) << "the scene has the last word";
-  EXPECT_TRUE(operator_range(ask, Grip::kArm).translation.may_release);
+  EXPECT_EQ(operator_range(ask, coupling::design::Grip::kArm).translation.mass_max, 0.2) << "the scene has the last word";
+  EXPECT_TRUE(operator_range(ask, coupling::design::Grip::kArm).translation.may_release);
   ask.hand = HandOption::kArm, ask.released = false;
-  const OperatorRange held = operator_range(ask, Grip::kPen);
+  const coupling::design::OperatorRange held = operator_range(ask, coupling::design::Grip::kPen);
   EXPECT_EQ(held.rotation.stiffness_max, 15.0);
   EXPECT_FALSE(held.translation.may_release || held.rotation.may_release || held.translation.any_passive);
   ask.hand = HandOption::kAnyPassive, ask.released = true;
-  const OperatorRange any = operator_range(ask, Grip::kPen);
+  const coupling::design::OperatorRange any = operator_range(ask, coupling::design::Grip::kPen);
   EXPECT_TRUE(any.translation.any_passive && any.rotation.any_passive && any.translation.may_release);
 }
 
 TEST(HandRanges, AreRangesAndTheArmIsTheHeavierHand) {
-  const OperatorRange pen = hand_range(Grip::kPen), arm = hand_range(Grip::kArm);
-  for (const HandRange& r : {pen.translation, pen.rotation, arm.translation, arm.rotation}) {
+  const coupling::design::OperatorRange pen = hand_range(coupling::design::Grip::kPen), arm = hand_range(coupling::design::Grip::kArm);
+  for (const coupling::design::HandRange& r : {pen.translation, pen.rotation, arm.translation, arm.rotation}) {
     EXPECT_TRUE(r.mass_min > 0 && r.mass_min < r.mass_max);
     EXPECT_TRUE(r.damping_min > 0 && r.damping_min < r.damping_max);
     EXPECT_TRUE(r.stiffness_min > 0 && r.stiffness_min < r.stiffness_max);
   }
   EXPECT_GT(arm.translation.mass_min, pen.translation.mass_max);
   EXPECT_GT(arm.rotation.mass_min, pen.rotation.mass_max);
-  Grip grip = Grip::kPen;
-  EXPECT_TRUE(parse_grip("arm", grip));
-  EXPECT_EQ(grip, Grip::kArm);
-  EXPECT_FALSE(parse_grip("fist", grip));
-  EXPECT_EQ(grip, Grip::kArm);
-  EXPECT_EQ(name_of(Grip::kPen), "pen");
+  coupling::design::Grip grip = coupling::design::Grip::kPen;
+  EXPECT_TRUE(coupling::design::parse_grip("arm", grip));
+  EXPECT_EQ(grip, coupling::design::Grip::kArm);
+  EXPECT_FALSE(coupling::design::parse_grip("fist", grip));
+  EXPECT_EQ(grip, coupling::design::Grip::kArm);
+  EXPECT_EQ(coupling::design::name_of(coupling::design::Grip::kPen), "pen");
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <vector>
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace device_file_test {
 
 const std::string kArm = R"(device: third
@@ -35,10 +35,10 @@ std::string changed(const std::string& from, const std::string& to) {
 }
 
 TEST(DeviceFile, EveryKeyArrivesWhereItBelongs) {
-  const DeviceModel file = parse_device_file(kArm, "arm.yaml");
-  const DeviceModel& m = file;
+  const coupling::design::DeviceModel file = parse_device_file(kArm, "arm.yaml");
+  const coupling::design::DeviceModel& m = file;
   EXPECT_EQ(m.name, "third");
-  EXPECT_EQ(file.grip, Grip::kArm);
+  EXPECT_EQ(file.grip, coupling::design::Grip::kArm);
   EXPECT_EQ(m.timing.period_s, 0.0005);
   EXPECT_EQ(m.timing.delay_s, 0.002);
   EXPECT_EQ(m.timing.jitter, 0.4);
@@ -71,16 +71,16 @@ TEST(DeviceFile, OfAllExamplesThatAreShippedIsRead) {
   int read = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(VOXTOUCH_DEPLOY) / "devices")) {
     if (entry.path().extension() != ".yaml") continue;  // the folder also holds pages and rules for a lab
-    const DeviceModel file = load_device_file(entry.path());
+    const coupling::design::DeviceModel file = load_device_file(entry.path());
     EXPECT_FALSE(file.name.empty());
     ++read;
   }
   EXPECT_GE(read, 1);
-  const DeviceModel premium = load_device_file(std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml");
+  const coupling::design::DeviceModel premium = load_device_file(std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml");
   EXPECT_EQ(premium.translation.max_effort, 22);
   EXPECT_EQ(premium.translation.max_stiffness, 1000);
   EXPECT_FALSE(premium.gives_torque);
-  EXPECT_EQ(premium.grip, Grip::kPen);
+  EXPECT_EQ(premium.grip, coupling::design::Grip::kPen);
 }
 
 /// One change to a good file; '^' marks the place that the error must name and is taken out.
@@ -193,4 +193,4 @@ TEST(DeviceFile, IsAFileWithADeviceInIt) {
 }
 
 }  // namespace device_file_test
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -1,6 +1,6 @@
 #include "tests/unit/scene/scene_fixture.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 using EffectsSection = SceneFolder;
@@ -13,25 +13,25 @@ TEST_F(EffectsSection, EveryKeyArrivesWhereItBelongs) {
       "     region: {box: {size: [0.1, 0.2, 0.3], position: [1, 2, 3], orientation: [0, 1, 0, 0]}, blend_m: 0.004}}\n"
       "  - {viscosity: {damping_ns_per_m: 2}, region: {sphere: {centre: [4, 5, 6], radius: 0.1}}}\n");
   ASSERT_EQ(s.effects.size(), 2u);
-  const EffectSpec& oil = s.effects[0];
+  const effects::EffectSpec& oil = s.effects[0];
   EXPECT_EQ(oil.name, "oil");
-  EXPECT_EQ(oil.kind, find_effect_kind("viscosity"));
+  EXPECT_EQ(oil.kind, effects::find_effect_kind("viscosity"));
   EXPECT_EQ(oil.values.number(0), 1.5);
   EXPECT_EQ(oil.values.number(1), 0.02);
   EXPECT_EQ(oil.gain, 0.5);
   EXPECT_FALSE(oil.on);
   EXPECT_EQ(oil.region.blend_m, 0.004);
-  const auto& box = std::get<BoxRegion>(oil.region.shape);
+  const auto& box = std::get<effects::BoxRegion>(oil.region.shape);
   EXPECT_EQ(box.size_m, Vec3(0.1, 0.2, 0.3));
   EXPECT_EQ(box.pose.position, Vec3(1, 2, 3));
   EXPECT_EQ(box.pose.orientation.x(), 1.0);
-  const EffectSpec& other = s.effects[1];
+  const effects::EffectSpec& other = s.effects[1];
   EXPECT_EQ(other.name, "viscosity");
   EXPECT_EQ(other.values.number(1), 0.0);
   EXPECT_EQ(other.gain, 1.0);
   EXPECT_TRUE(other.on);
-  EXPECT_EQ(std::get<SphereRegion>(other.region.shape).centre, Vec3(4, 5, 6));
-  EXPECT_EQ(std::get<SphereRegion>(other.region.shape).radius_m, 0.1);
+  EXPECT_EQ(std::get<effects::SphereRegion>(other.region.shape).centre, Vec3(4, 5, 6));
+  EXPECT_EQ(std::get<effects::SphereRegion>(other.region.shape).radius_m, 0.1);
 }
 
 TEST_F(EffectsSection, ASceneWithoutEffectsHasNone) {
@@ -40,4 +40,4 @@ TEST_F(EffectsSection, ASceneWithoutEffectsHasNone) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -7,7 +7,7 @@
 #include "core/scene/scene_hash.hpp"
 #include "tests/unit/scene/scene_fixture.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 using SceneFile = SceneFolder;
@@ -103,7 +103,7 @@ TEST_F(SceneFile, AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesTha
   const Scene s = parse(kSmall +
                         "coupling: {}\ndevice: {}\nmotions: {m: {path: [[0, 0, 0]]}}\neffects: [{viscosity: "
                         "{damping_ns_per_m: 1}, region: {sphere: {centre: [0, 0, 0], radius: 1}}}]\n");
-  const CouplingSpec coupling;
+  const coupling::CouplingSpec coupling;
   EXPECT_EQ(s.coupling.damping_ratio, coupling.damping_ratio);
   EXPECT_EQ(s.coupling.gain, coupling.gain);
   EXPECT_EQ(s.coupling.stiffness_n_per_m, coupling.stiffness_n_per_m);
@@ -128,10 +128,10 @@ TEST_F(SceneFile, AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesTha
   EXPECT_EQ(motion.speed_m_per_s, Motion().speed_m_per_s);
   EXPECT_EQ(motion.hold_s, Motion().hold_s);
   EXPECT_EQ(motion.orientation.coeffs(), Motion().orientation.coeffs());
-  const EffectSpec& effect = s.effects.at(0);
-  EXPECT_EQ(effect.gain, EffectSpec().gain);
-  EXPECT_EQ(effect.on, EffectSpec().on);
-  EXPECT_EQ(effect.region.blend_m, Region().blend_m);
+  const effects::EffectSpec& effect = s.effects.at(0);
+  EXPECT_EQ(effect.gain, effects::EffectSpec().gain);
+  EXPECT_EQ(effect.on, effects::EffectSpec().on);
+  EXPECT_EQ(effect.region.blend_m, effects::Region().blend_m);
 }
 
 TEST_F(SceneFile, OtherCouplingsTakeTheirOwnKeys) {
@@ -273,4 +273,4 @@ TEST_F(SceneFile, MangledScenesNeverDoWorseThanAnError) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

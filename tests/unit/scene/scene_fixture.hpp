@@ -9,7 +9,7 @@
 
 #include "core/scene/scene_file.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 
 class SceneFolder : public ::testing::Test {
  protected:
@@ -60,4 +60,4 @@ motions:
   round-1: {path: [[0.1, 0, 0]], circle: {centre: [0, 0, 0], axis: [0, 0, 2]}, speed_m_per_s: 0.07}
 )";
 
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

@@ -128,7 +128,7 @@ class Checker {
   const Json& root_;
 };
 
-Json scalar(const YamlNode& node) {
+Json scalar(const scene::YamlNode& node) {
   if (node.quoted) return node.text;
   if (node.text == "true" || node.text == "false") return node.text == "true";
   std::string_view digits = node.text;
@@ -140,18 +140,18 @@ Json scalar(const YamlNode& node) {
 
 }  // namespace
 
-Json to_json(const YamlNode& node) {
+Json to_json(const scene::YamlNode& node) {
   Json out;
   switch (node.kind) {
-    case YamlNode::Kind::kNull: return nullptr;
-    case YamlNode::Kind::kScalar: return scalar(node);
-    case YamlNode::Kind::kSequence:
+    case scene::YamlNode::Kind::kNull: return nullptr;
+    case scene::YamlNode::Kind::kScalar: return scalar(node);
+    case scene::YamlNode::Kind::kSequence:
       out = Json::array();
-      for (const YamlNode& item : node.items) out.push_back(to_json(item));
+      for (const scene::YamlNode& item : node.items) out.push_back(to_json(item));
       return out;
-    case YamlNode::Kind::kMap:
+    case scene::YamlNode::Kind::kMap:
       out = Json::object();
-      for (const YamlEntry& entry : node.entries) out[entry.key] = to_json(entry.value);
+      for (const scene::YamlEntry& entry : node.entries) out[entry.key] = to_json(entry.value);
       return out;
   }
   return out;

@@ -10,7 +10,7 @@
 namespace voxtouch::test {
 
 /// As an editor reads it: plain words that are numbers or flags are such, what is quoted is a text.
-nlohmann::json to_json(const YamlNode& node);
+nlohmann::json to_json(const scene::YamlNode& node);
 
 /// What is wrong with `value`, each with its place ("/contact/model: ..."); empty where it conforms. Throws
 /// std::invalid_argument for a keyword that it does not know, so that none is passed over.

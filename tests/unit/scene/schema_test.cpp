@@ -9,7 +9,7 @@
 #include "tests/unit/scene/scene_fixture.hpp"
 #include "tests/unit/scene/schema_checker.hpp"
 
-namespace voxtouch {
+namespace voxtouch::scene {
 namespace {
 
 using Json = nlohmann::json;
@@ -239,4 +239,4 @@ TEST_F(Schema, SeesTheSlipsThatEditorsAreToShow) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::scene

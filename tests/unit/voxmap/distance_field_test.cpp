@@ -22,7 +22,7 @@ double number(std::mt19937_64& random, double low, double high) {
 }
 Quat turned(double angle) { return Quat(Eigen::AngleAxisd(angle, Vec3(1, 2, -1).normalized())); }
 
-FieldSample sample(const DistanceField& field, const Vec3& x) { return field.at(field.grid().to_grid(x)); }
+voxmap::FieldSample sample(const voxmap::DistanceField& field, const Vec3& x) { return field.at(field.grid().to_grid(x)); }
 
 /// Signed distance of a box of that size about the origin.
 double box_distance(const Vec3& size, const Vec3& x) {
@@ -32,7 +32,7 @@ double box_distance(const Vec3& size, const Vec3& x) {
 
 /// Distance to all triangles: each triangle's nearest point as a convex combination of its corners, found by trying every
 /// set of corners that may carry it.
-double brute_distance(const TriangleMesh& mesh, const Vec3& x) {
+double brute_distance(const mesh::TriangleMesh& mesh, const Vec3& x) {
   double best = HUGE_VAL;
   for (const auto& t : mesh.triangles) {
     const Vec3 corner[3] = {mesh.vertices[t[0]] - x, mesh.vertices[t[1]] - x, mesh.vertices[t[2]] - x};
@@ -61,7 +61,7 @@ TEST(DistanceField, IsTheDistanceToABoxThatStandsAskew) {
   for (int n = 0; n < 20000; ++n) {
     const Vec3 local(number(random, -0.03, 0.03), number(random, -0.03, 0.03), number(random, -0.02, 0.02));
     const double truth = box_distance(size, local);
-    const FieldSample s = sample(ground.field, pose * local);
+    const voxmap::FieldSample s = sample(ground.field, pose * local);
     if (truth > 2 * kEdge) continue;
     if (truth < -12 * kEdge) {
       EXPECT_LE(s.distance_m, -11.5 * kEdge);
@@ -86,15 +86,15 @@ TEST(DistanceField, IsTheDistanceToABoxThatStandsAskew) {
 }
 
 TEST(DistanceField, NodesHoldTheDistanceToTheTrianglesOfACurvedMesh) {
-  const TriangleMesh mesh = sphere_mesh(0.009, 2);
+  const mesh::TriangleMesh mesh = sphere_mesh(0.009, 2);
   const Ground ground(mesh, kEdge);
-  const Grid& grid = ground.field.grid();
+  const voxmap::Grid& grid = ground.field.grid();
   std::mt19937_64 random(2);
   int compared = 0;
   for (int n = 0; n < 3000 && compared < 400; ++n) {
     const Vec3 u(std::floor(number(random, 1, 20)), std::floor(number(random, 1, 20)),
                  std::floor(number(random, 1, 20)));
-    const FieldSample s = ground.field.at(u);
+    const voxmap::FieldSample s = ground.field.at(u);
     const Vec3 x = grid.from_grid(u);
     const double truth = brute_distance(mesh, x);
     if (truth > 1.99 * kEdge && x.norm() > 0.009) continue;
@@ -110,23 +110,23 @@ TEST(DistanceField, NodesHoldTheDistanceToTheTrianglesOfACurvedMesh) {
 /// What makes contacts begin and end without a step: shell points in free voxels are never looked at.
 TEST(DistanceField, IsPositiveInEveryFreeVoxelAndNegativeInEveryInteriorOne) {
   std::mt19937_64 random(3);
-  const TriangleMesh groove =
+  const mesh::TriangleMesh groove =
       joined(box_mesh(Vec3(0.02, 0.02, 0.008), {Vec3::Zero(), turned(0.7)}),
              box_mesh(Vec3(0.008, 0.02, 0.02), {turned(0.7) * Vec3(-0.008, 0, 0.006), turned(0.7)}));
-  for (const TriangleMesh& mesh : {groove, sphere_mesh(0.012, 2), cylinder_mesh(0.006, 0.02, 7),
+  for (const mesh::TriangleMesh& mesh : {groove, sphere_mesh(0.012, 2), cylinder_mesh(0.006, 0.02, 7),
                                    inside_out(box_mesh(Vec3(0.015, 0.01, 0.012), {Vec3::Zero(), turned(0.4)}))}) {
     const Ground ground(mesh, kEdge);
     int free = 0, interior = 0;
     for (int n = 0; n < 60000; ++n) {
       const Vec3 u(number(random, 0, 34), number(random, 0, 34), number(random, 0, 34));
-      const VoxelKind kind = ground.voxmap.at(Grid::voxel_of(u));
+      const voxmap::VoxelKind kind = ground.voxmap.at(voxmap::Grid::voxel_of(u));
       const double distance = ground.field.at(u).distance_m;
-      if (kind != VoxelKind::kSurface) {
-        ASSERT_EQ(distance < 0.0, kind == VoxelKind::kInterior) << u.transpose();
+      if (kind != voxmap::VoxelKind::kSurface) {
+        ASSERT_EQ(distance < 0.0, kind == voxmap::VoxelKind::kInterior) << u.transpose();
         ASSERT_NE(distance, 0.0);
       }
-      free += kind == VoxelKind::kFree;
-      interior += kind == VoxelKind::kInterior;
+      free += kind == voxmap::VoxelKind::kFree;
+      interior += kind == voxmap::VoxelKind::kInterior;
     }
     EXPECT_GT(free, 1000);
     EXPECT_GT(interior, 500);
@@ -139,7 +139,7 @@ TEST(DistanceField, KnowsTheInsideOfAWallThatHasNoInteriorVoxels) {
   const Pose pose{Vec3(0.1, 0.2, 0.3), turned(0.5)};
   const Ground ground(box_mesh(size, pose), kEdge);
   EXPECT_LT(ground.voxmap.interior_count(), 20U);
-  const Grid& grid = ground.field.grid();
+  const voxmap::Grid& grid = ground.field.grid();
   int inside = 0;
   for (int i = 0; i < 40; ++i)
     for (int j = 0; j < 40; ++j)
@@ -154,8 +154,8 @@ TEST(DistanceField, KnowsTheInsideOfAWallThatHasNoInteriorVoxels) {
 }
 
 TEST(DistanceField, HasTheSignsOfTheSolidWhicheverWayItsTrianglesFace) {
-  const TriangleMesh mesh = box_mesh(Vec3(0.02, 0.013, 0.009), {Vec3::Zero(), turned(0.3)});
-  TriangleMesh mixed = mesh;
+  const mesh::TriangleMesh mesh = box_mesh(Vec3(0.02, 0.013, 0.009), {Vec3::Zero(), turned(0.3)});
+  mesh::TriangleMesh mixed = mesh;
   std::swap(mixed.triangles[3][0], mixed.triangles[3][1]);
   std::swap(mixed.triangles[8][0], mixed.triangles[8][1]);
   const Ground right(mesh, kEdge), inverted(inside_out(mesh), kEdge), patched(mixed, kEdge);
@@ -179,7 +179,7 @@ TEST(DistanceField, IsContinuousAcrossVoxelsBricksAndItsOwnBorders) {
     u[axis] = std::round(u[axis]) + (n % 2 == 0 ? 0.0 : 8 * std::round(number(random, 0, 8)) - std::round(u[axis]));
     Vec3 before = u, after = u;
     before[axis] -= tiny, after[axis] += tiny;
-    const FieldSample a = ground.field.at(before), b = ground.field.at(after);
+    const voxmap::FieldSample a = ground.field.at(before), b = ground.field.at(after);
     ASSERT_LE(std::abs(a.distance_m - b.distance_m), 2.1 * tiny * std::sqrt(3.0) * kEdge) << u.transpose();
     bricks += std::fmod(u[axis], 8.0) == 0.0 && a.known;
     deep += a.saturated != b.saturated;
@@ -192,13 +192,13 @@ TEST(DistanceField, IsContinuousAcrossVoxelsBricksAndItsOwnBorders) {
 
 TEST(DistanceField, EndsWhereItSaysAndKnowsNothingOfWhatIsNoPlace) {
   const Ground ground(box_mesh(Vec3(0.06, 0.06, 0.06)), kEdge, 5.0);
-  const FieldSample deep = sample(ground.field, Vec3::Zero());
+  const voxmap::FieldSample deep = sample(ground.field, Vec3::Zero());
   EXPECT_TRUE(deep.known && deep.saturated);
   EXPECT_DOUBLE_EQ(deep.distance_m, -5 * kEdge);
   EXPECT_TRUE(deep.gradient.isZero(0.0));
   int shallow = 0, ended = 0;
   for (double depth = 0.0; depth < 0.030; depth += 0.00001) {
-    const FieldSample s = sample(ground.field, Vec3(0.030 - depth, 0.0003, 0.0002));
+    const voxmap::FieldSample s = sample(ground.field, Vec3(0.030 - depth, 0.0003, 0.0002));
     EXPECT_NEAR(s.distance_m, -std::min(depth, 5 * kEdge), 0.6 * kEdge);
     const bool held = s.distance_m <= -5 * kEdge * (1 - 1e-9);
     if (held) {
@@ -213,22 +213,22 @@ TEST(DistanceField, EndsWhereItSaysAndKnowsNothingOfWhatIsNoPlace) {
   EXPECT_GT(ended, 1000);
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (const Vec3& u : {Vec3(nan, 5, 5), Vec3(5, inf, 5), Vec3(5, 5, -inf), Vec3(1e300, 0, 0), Vec3(-1e9, 5, 5)}) {
-    const FieldSample s = ground.field.at(u);
+    const voxmap::FieldSample s = ground.field.at(u);
     EXPECT_FALSE(s.known || s.saturated);
     EXPECT_DOUBLE_EQ(s.distance_m, 2 * kEdge);
   }
 }
 
 TEST(DistanceField, AnOpenMeshHasNoInsideAndDisturbsNone) {
-  TriangleMesh open = box_mesh(Vec3(0.02, 0.02, 0.02));
+  mesh::TriangleMesh open = box_mesh(Vec3(0.02, 0.02, 0.02));
   open.triangles.pop_back();
   const Ground nothing(open, kEdge);
   EXPECT_FALSE(nothing.field.has_inside());
   EXPECT_FALSE(sample(nothing.field, Vec3::Zero()).known);
   EXPECT_GT(sample(nothing.field, Vec3::Zero()).distance_m, 0.0);
 
-  const TriangleMesh box = box_mesh(Vec3(0.04, 0.04, 0.04));
-  TriangleMesh sheet;  // across the middle of the box
+  const mesh::TriangleMesh box = box_mesh(Vec3(0.04, 0.04, 0.04));
+  mesh::TriangleMesh sheet;  // across the middle of the box
   sheet.vertices = {{-0.01, -0.01, 0.0003}, {0.01, -0.01, 0.0003}, {0, 0.01, 0.0003}};
   sheet.triangles = {{0, 1, 2}};
   const Ground with(joined(box, sheet), kEdge), without(box, kEdge);
@@ -256,9 +256,9 @@ TEST(DistanceField, OverlappingBodiesAreOne) {
 }
 
 TEST(DistanceField, IsTheSameWhoeverBuildsIt) {
-  const TriangleMesh mesh = sphere_mesh(0.02, 3);
-  const Grid grid = default_grid(mesh, kEdge);
-  const Voxmap voxmap = voxelise(mesh, grid, serial_for());
+  const mesh::TriangleMesh mesh = sphere_mesh(0.02, 3);
+  const voxmap::Grid grid = voxmap::default_grid(mesh, kEdge);
+  const voxmap::Voxmap voxmap = voxmap::voxelise(mesh, grid, serial_for());
   const ParallelFor backwards = [](std::size_t count, const std::function<void(std::size_t)>& body) {
     for (std::size_t n = count; n-- > 0;) body(n);
   };
@@ -270,9 +270,9 @@ TEST(DistanceField, IsTheSameWhoeverBuildsIt) {
       });
     for (std::thread& thread : pool) thread.join();
   };
-  const DistanceField one = build_distance_field(mesh, voxmap, {}, serial_for()),
-                      two = build_distance_field(mesh, voxmap, {}, backwards),
-                      three = build_distance_field(mesh, voxmap, {}, threads);
+  const voxmap::DistanceField one = voxmap::build_distance_field(mesh, voxmap, {}, serial_for()),
+                      two = voxmap::build_distance_field(mesh, voxmap, {}, backwards),
+                      three = voxmap::build_distance_field(mesh, voxmap, {}, threads);
   EXPECT_EQ(one.bytes(), two.bytes());
   EXPECT_EQ(one.steepest_gradient(), three.steepest_gradient());
   std::mt19937_64 random(8);
@@ -286,12 +286,12 @@ TEST(DistanceField, IsTheSameWhoeverBuildsIt) {
 TEST(DistanceField, IsTheSameAMillionMetresAway) {
   // Multiples of 2^-20 m: exact at either place.
   const double e = 0x1p-10;
-  TriangleMesh here = sphere_mesh(20 * e, 3);
+  mesh::TriangleMesh here = sphere_mesh(20 * e, 3);
   for (Vec3& v : here.vertices) v = (v * 0x1p20).array().round().matrix() * 0x1p-20;
-  TriangleMesh there = here;
+  mesh::TriangleMesh there = here;
   const Vec3 offset(1e6, -1e6, 5e5);
   for (Vec3& v : there.vertices) v += offset;
-  Grid grid = default_grid(here, e);
+  voxmap::Grid grid = voxmap::default_grid(here, e);
   const Ground a(here, grid, 12.0);
   grid.origin += offset;
   const Ground b(there, grid, 12.0);
@@ -308,7 +308,7 @@ TEST(DistanceField, IsTheSameAMillionMetresAway) {
 TEST(DistanceField, TakesThisMuchMemory) {
   struct Case {
     const char* name;
-    TriangleMesh mesh;
+    mesh::TriangleMesh mesh;
     double bytes_a_voxel;  ///< at most, for each surface or interior voxel
   };
   for (const Case& c :
@@ -327,20 +327,20 @@ TEST(DistanceField, TakesThisMuchMemory) {
 }
 
 TEST(DistanceField, RefusesWhatItCannotHold) {
-  const TriangleMesh mesh = box_mesh(Vec3(0.02, 0.02, 0.02));
-  const Voxmap voxmap = voxelise(mesh, default_grid(mesh, kEdge), serial_for());
+  const mesh::TriangleMesh mesh = box_mesh(Vec3(0.02, 0.02, 0.02));
+  const voxmap::Voxmap voxmap = voxmap::voxelise(mesh, voxmap::default_grid(mesh, kEdge), serial_for());
   for (const double bad : {1.0, -1.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_THROW(build_distance_field(mesh, voxmap, {.depth_voxels = bad, .band_voxels = 2.0}, serial_for()),
+    EXPECT_THROW(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = bad, .band_voxels = 2.0}, serial_for()),
                  std::invalid_argument);
-    EXPECT_THROW(build_distance_field(mesh, voxmap, {.depth_voxels = 12.0, .band_voxels = bad}, serial_for()),
+    EXPECT_THROW(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = 12.0, .band_voxels = bad}, serial_for()),
                  std::invalid_argument);
   }
-  EXPECT_THROW(build_distance_field(mesh, voxmap, {}, serial_for(), 1000), VoxelBudgetError);
+  EXPECT_THROW(voxmap::build_distance_field(mesh, voxmap, {}, serial_for(), 1000), voxmap::VoxelBudgetError);
 }
 
 TEST(ThinnestWall, IsFoundThroughTheSolidOnly) {
-  const auto thinnest = [](const TriangleMesh& mesh) {
-    return thinnest_wall(mesh, default_grid(mesh, kEdge), serial_for()).thickness_m;
+  const auto thinnest = [](const mesh::TriangleMesh& mesh) {
+    return voxmap::thinnest_wall(mesh, voxmap::default_grid(mesh, kEdge), serial_for()).thickness_m;
   };
   const Pose askew{Vec3(0.4, 0.3, 0.2), turned(0.8)};
   EXPECT_NEAR(thinnest(box_mesh(Vec3(0.05, 0.04, 0.007), askew)), 0.007, 1e-12);
@@ -349,16 +349,16 @@ TEST(ThinnestWall, IsFoundThroughTheSolidOnly) {
   // A hollow ball: the cavity's wall faces inward.
   EXPECT_NEAR(thinnest(joined(sphere_mesh(0.02, 3), inside_out(sphere_mesh(0.017, 3)))), 0.003, 0.0003);
   // Two thin plates that overlap are one thick one; the walls inside do not count.
-  const TriangleMesh two = joined(box_mesh(Vec3(0.05, 0.05, 0.006)),
+  const mesh::TriangleMesh two = joined(box_mesh(Vec3(0.05, 0.05, 0.006)),
                                   box_mesh(Vec3(0.05, 0.05, 0.006), {Vec3(0, 0, 0.004), Quat::Identity()}));
   EXPECT_NEAR(thinnest(two), 0.010, 1e-12);
-  const TriangleMesh thick = box_mesh(Vec3(0.05, 0.05, 0.03)),
+  const mesh::TriangleMesh thick = box_mesh(Vec3(0.05, 0.05, 0.03)),
                      thin = box_mesh(Vec3(0.05, 0.05, 0.002), {Vec3(0, 0, 0.1), Quat::Identity()});
-  const TriangleMesh both = joined(thick, thin);
-  const ThinnestWall wall = thinnest_wall(both, default_grid(both, kEdge), serial_for());
+  const mesh::TriangleMesh both = joined(thick, thin);
+  const voxmap::ThinnestWall wall = voxmap::thinnest_wall(both, voxmap::default_grid(both, kEdge), serial_for());
   EXPECT_NEAR(wall.thickness_m, 0.002, 1e-12);
   EXPECT_GE(wall.triangle, 12U);
-  TriangleMesh open = box_mesh(Vec3(0.02, 0.02, 0.02));
+  mesh::TriangleMesh open = box_mesh(Vec3(0.02, 0.02, 0.02));
   open.triangles.pop_back();
   EXPECT_TRUE(std::isinf(thinnest(open)));
 }

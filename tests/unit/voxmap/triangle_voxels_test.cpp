@@ -7,7 +7,7 @@
 
 #include "core/voxmap/exact_sign.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 using Int = __int128;
@@ -127,4 +127,4 @@ TEST(ExactSign, SeesThroughCancellation) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

@@ -30,9 +30,9 @@ inline std::ifstream open_vector(const std::string& path) {
 }
 
 /// Vertices and triangles of a plain OBJ; that is all the vectors hold.
-inline TriangleMesh read_obj(const std::string& name) {
+inline mesh::TriangleMesh read_obj(const std::string& name) {
   std::ifstream in = open_vector("meshes/" + name + ".obj");
-  TriangleMesh mesh;
+  mesh::TriangleMesh mesh;
   for (std::string line; std::getline(in, line);) {
     std::istringstream words(line);
     std::string kind;
@@ -55,7 +55,7 @@ inline const nlohmann::json& vector_index() {
   return index;
 }
 
-inline Grid vector_grid(const std::string& name) {
+inline voxmap::Grid vector_grid(const std::string& name) {
   const auto& entry = vector_index().at("meshes").at(name);
   return {Vec3(entry["origin"][0], entry["origin"][1], entry["origin"][2]), entry["e"].get<double>()};
 }
@@ -78,9 +78,9 @@ inline std::vector<std::map<std::string, double>> read_csv(std::istream& in) {
   return rows;
 }
 
-inline std::vector<VoxelIndex> voxels_of(const Voxmap& map, VoxelKind kind) {
-  std::vector<VoxelIndex> out;
-  map.for_each_occupied([&](const VoxelIndex& v, VoxelKind k) {
+inline std::vector<voxmap::VoxelIndex> voxels_of(const voxmap::Voxmap& map, voxmap::VoxelKind kind) {
+  std::vector<voxmap::VoxelIndex> out;
+  map.for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind k) {
     if (k == kind) out.push_back(v);
   });
   return out;
@@ -96,8 +96,8 @@ inline ParallelFor scrambled_for() {
   };
 }
 
-inline TriangleMesh box(const Vec3& low, const Vec3& high) {
-  TriangleMesh mesh;
+inline mesh::TriangleMesh box(const Vec3& low, const Vec3& high) {
+  mesh::TriangleMesh mesh;
   for (int n = 0; n < 8; ++n)
     mesh.vertices.push_back({n & 1 ? high.x() : low.x(), n & 2 ? high.y() : low.y(),
                              n & 4 ? high.z() : low.z()});
@@ -107,8 +107,8 @@ inline TriangleMesh box(const Vec3& low, const Vec3& high) {
 }
 
 /// A closed sphere of about 2 * n^2 triangles.
-inline TriangleMesh sphere(const Vec3& centre, double radius, int n) {
-  TriangleMesh mesh;
+inline mesh::TriangleMesh sphere(const Vec3& centre, double radius, int n) {
+  mesh::TriangleMesh mesh;
   mesh.vertices.push_back(centre + Vec3(0, 0, radius));
   for (int a = 1; a < n; ++a)
     for (int b = 0; b < n; ++b) {
@@ -131,25 +131,25 @@ inline TriangleMesh sphere(const Vec3& centre, double radius, int n) {
   return mesh;
 }
 
-inline TriangleMesh turned(TriangleMesh mesh) {
+inline mesh::TriangleMesh turned(mesh::TriangleMesh mesh) {
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }
 
-inline TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
+inline mesh::TriangleMesh joined(mesh::TriangleMesh a, const mesh::TriangleMesh& b) {
   const auto offset = static_cast<std::uint32_t>(a.vertices.size());
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
   for (const auto& t : b.triangles) a.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
   return a;
 }
 
-inline TriangleMesh moved(TriangleMesh mesh, const Vec3& by, double scale = 1.0) {
+inline mesh::TriangleMesh moved(mesh::TriangleMesh mesh, const Vec3& by, double scale = 1.0) {
   for (Vec3& x : mesh.vertices) x = scale * x + by;
   return mesh;
 }
 
 /// The mesh with 1000 zero-area, sliver, duplicate and opposite triangles that lie on its surface.
-inline TriangleMesh littered(TriangleMesh mesh, unsigned seed) {
+inline mesh::TriangleMesh littered(mesh::TriangleMesh mesh, unsigned seed) {
   std::mt19937 random(seed);
   const std::size_t sound = mesh.triangles.size();
   for (int n = 0; n < 1000; ++n) {

@@ -8,7 +8,7 @@
 #include "tests/support/voxel_report.hpp"
 #include "tests/unit/voxmap/vectors.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 using namespace test;
@@ -21,7 +21,7 @@ struct Voxels {
   }
 };
 
-Voxels voxels(const TriangleMesh& mesh, const Grid& grid, const ParallelFor& loop = serial_for()) {
+Voxels voxels(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& loop = serial_for()) {
   Voxels out;
   const Voxmap map = voxelise(mesh, grid, loop);
   out.report = voxel_report(mesh, grid);
@@ -66,7 +66,7 @@ TEST(Voxelise, EqualsEveryReferenceVector) {
 
 TEST(Voxelise, TheDefaultGridStartsOneLayerBeforeTheUsedVertices) {
   for (const std::string& name : vector_meshes()) {
-    const TriangleMesh mesh = read_obj(name);
+    const mesh::TriangleMesh mesh = read_obj(name);
     const double e = vector_grid(name).edge;
     const Vec3 origin = default_grid(mesh, e).origin;
     EXPECT_EQ(origin, vector_grid(name).origin + Vec3::Constant(e)) << name <<
@@ -76,11 +76,11 @@ TEST(Voxelise, TheDefaultGridStartsOneLayerBeforeTheUsedVertices) {
 
 TEST(Voxelise, ScalingByPowersOfTwoChangesNoVoxel) {
   for (const std::string& name : vector_meshes()) {
-    const TriangleMesh mesh = read_obj(name);
+    const mesh::TriangleMesh mesh = read_obj(name);
     const double edge = vector_grid(name).edge;
     const Voxels at_one = voxels(mesh, default_grid(mesh, edge));
     for (const double scale : {0x1p-20, 0x1p20}) {
-      const TriangleMesh scaled = moved(mesh, Vec3::Zero(), scale);
+      const mesh::TriangleMesh scaled = moved(mesh, Vec3::Zero(), scale);
       EXPECT_TRUE(voxels(scaled, default_grid(scaled, edge * scale)) == at_one) << name << ' ' << scale;
     }
   }
@@ -88,9 +88,9 @@ TEST(Voxelise, ScalingByPowersOfTwoChangesNoVoxel) {
 
 TEST(Voxelise, AFarPoseChangesNoVoxel) {
   for (const std::string& name : vector_meshes()) {
-    const TriangleMesh mesh = read_obj(name);
+    const mesh::TriangleMesh mesh = read_obj(name);
     const double edge = vector_grid(name).edge;
-    const TriangleMesh far = moved(mesh, Vec3(1e6, -1e6, 1e6));
+    const mesh::TriangleMesh far = moved(mesh, Vec3(1e6, -1e6, 1e6));
     EXPECT_TRUE(voxels(far, default_grid(far, edge)) == voxels(mesh, default_grid(mesh, edge))) << name;
   }
 }
@@ -114,7 +114,7 @@ TEST(Voxelise, ACubeOnTheGridHasNoHoleAndIsSymmetric) {
 
 TEST(Voxelise, LitterOnTheSurfaceChangesNoVoxel) {
   for (const std::string& name : vector_meshes()) {
-    const TriangleMesh mesh = read_obj(name);
+    const mesh::TriangleMesh mesh = read_obj(name);
     const Voxels littered_one = voxels(littered(mesh, 11), vector_grid(name));
     EXPECT_TRUE(littered_one == voxels(mesh, vector_grid(name))) << name;
     EXPECT_GT(littered_one.report.duplicates, 200U);
@@ -124,7 +124,7 @@ TEST(Voxelise, LitterOnTheSurfaceChangesNoVoxel) {
 
 TEST(Voxelise, AnOpenMeshHasNoInterior) {
   for (const std::string& name : vector_meshes()) {
-    TriangleMesh mesh = read_obj(name);
+    mesh::TriangleMesh mesh = read_obj(name);
     mesh.triangles.erase(mesh.triangles.begin());
     const Voxels got = voxels(mesh, vector_grid(name));
     EXPECT_TRUE(got.interior.empty()) << name;
@@ -133,14 +133,14 @@ TEST(Voxelise, AnOpenMeshHasNoInterior) {
 }
 
 TEST(Voxelise, AHoleSmallerThanAVoxelIsAHole) {
-  TriangleMesh fine = sphere(Vec3::Zero(), 1.0, 64);
+  mesh::TriangleMesh fine = sphere(Vec3::Zero(), 1.0, 64);
   fine.triangles.pop_back();
   EXPECT_TRUE(voxels(fine, default_grid(fine, 0.25)).interior.empty());
 }
 
 TEST(Voxelise, AnInvertedMeshHasTheSameVoxels) {
   for (const std::string& name : vector_meshes()) {
-    const TriangleMesh mesh = read_obj(name);
+    const mesh::TriangleMesh mesh = read_obj(name);
     const Voxels got = voxels(turned(mesh), vector_grid(name));
     EXPECT_TRUE(got == voxels(mesh, vector_grid(name))) << name;
     EXPECT_TRUE(got.report.inside_out());
@@ -149,7 +149,7 @@ TEST(Voxelise, AnInvertedMeshHasTheSameVoxels) {
 
 TEST(Voxelise, SomeTurnedTrianglesChangeNothing) {
   for (const std::string& name : vector_meshes()) {
-    TriangleMesh mesh = read_obj(name);
+    mesh::TriangleMesh mesh = read_obj(name);
     const Voxels straight = voxels(mesh, vector_grid(name));
     std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);
     std::swap(mesh.triangles[3][1], mesh.triangles[3][2]);
@@ -161,9 +161,9 @@ TEST(Voxelise, SomeTurnedTrianglesChangeNothing) {
 
 TEST(Voxelise, NestedAndOverlappingShellsGoByWindingNumber) {
   const Grid grid{Vec3::Constant(-2.03), 0.1};
-  const TriangleMesh outer = box(Vec3::Constant(-1.5), Vec3::Constant(1.5));
-  const TriangleMesh inner = box(Vec3::Constant(-0.7), Vec3::Constant(0.7));
-  const auto centre = [&](const TriangleMesh& mesh) {
+  const mesh::TriangleMesh outer = box(Vec3::Constant(-1.5), Vec3::Constant(1.5));
+  const mesh::TriangleMesh inner = box(Vec3::Constant(-0.7), Vec3::Constant(0.7));
+  const auto centre = [&](const mesh::TriangleMesh& mesh) {
     return voxelise(mesh, grid, serial_for()).at(Grid::voxel_of(grid.to_grid(Vec3::Zero())));
   };
   EXPECT_EQ(centre(joined(outer, turned(inner))), VoxelKind::kFree) << "a cavity";
@@ -171,17 +171,17 @@ TEST(Voxelise, NestedAndOverlappingShellsGoByWindingNumber) {
   EXPECT_EQ(centre(joined(outer, inner)), VoxelKind::kInterior) << "a body in a body";
   EXPECT_EQ(centre(joined(joined(outer, turned(inner)), box(Vec3::Constant(-0.3), Vec3::Constant(0.3)))),
             VoxelKind::kInterior) << "a body in a cavity";
-  const TriangleMesh overlap =
+  const mesh::TriangleMesh overlap =
       joined(box(Vec3(-1.5, -1, -1), Vec3(0.5, 1, 1)), box(Vec3(-0.5, -0.9, -0.9), Vec3(1.5, 0.9, 0.9)));
   EXPECT_EQ(centre(overlap), VoxelKind::kInterior);
   EXPECT_EQ(centre(joined(outer, outer)), VoxelKind::kInterior) << "the same mesh twice";
 }
 
 TEST(Voxelise, AnOpenPartTakesNothingFromAClosedOne) {
-  const TriangleMesh solid = box(Vec3::Zero(), Vec3::Ones());
-  TriangleMesh sheet = box(Vec3(2, 0, 0), Vec3(3, 1, 1));
+  const mesh::TriangleMesh solid = box(Vec3::Zero(), Vec3::Ones());
+  mesh::TriangleMesh sheet = box(Vec3(2, 0, 0), Vec3(3, 1, 1));
   sheet.triangles.resize(10);
-  const TriangleMesh both = joined(solid, sheet);
+  const mesh::TriangleMesh both = joined(solid, sheet);
   const Voxels got = voxels(both, default_grid(both, 0.11)), alone = voxels(solid, default_grid(solid, 0.11));
   EXPECT_EQ(got.interior, alone.interior);
   EXPECT_EQ(got.report.shells.open_parts, 1U);
@@ -189,12 +189,12 @@ TEST(Voxelise, AnOpenPartTakesNothingFromAClosedOne) {
 }
 
 TEST(Voxelise, StackedBoxesThatShareAWallStayClosed) {
-  const TriangleMesh low = box(Vec3::Zero(), Vec3(1, 1, 1));
-  TriangleMesh high = moved(low, Vec3(0, 0, 1));
+  const mesh::TriangleMesh low = box(Vec3::Zero(), Vec3(1, 1, 1));
+  mesh::TriangleMesh high = moved(low, Vec3(0, 0, 1));
   std::swap(high.triangles[8], high.triangles[9]);
   // The upper box's floor must use the same diagonal as the lower box's roof to be its duplicate.
   high.triangles[8] = {0, 3, 1}, high.triangles[9] = {0, 2, 3};
-  const TriangleMesh both = joined(low, high);
+  const mesh::TriangleMesh both = joined(low, high);
   const Voxels got = voxels(both, {Vec3::Constant(-0.5), 0.11});
   EXPECT_EQ(got.report.duplicates, 2U);
   EXPECT_EQ(got.report.shells.open_parts, 0U);
@@ -203,7 +203,7 @@ TEST(Voxelise, StackedBoxesThatShareAWallStayClosed) {
 }
 
 TEST(Voxelise, ATwoSidedFinTakesNothingFromABody) {
-  TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
+  mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
   const Grid grid{Vec3::Constant(-1.02), 0.11};
   const std::vector<VoxelIndex> without = voxels(mesh, grid).interior;
   mesh.vertices.push_back(Vec3(2, 2, 1));
@@ -215,7 +215,7 @@ TEST(Voxelise, ATwoSidedFinTakesNothingFromABody) {
 }
 
 TEST(Voxelise, TwoCubesThatShareAnEdgeAreSolid) {
-  const TriangleMesh both = joined(box(Vec3::Zero(), Vec3::Ones()), box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
+  const mesh::TriangleMesh both = joined(box(Vec3::Zero(), Vec3::Ones()), box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
   const Voxels got = voxels(both, default_grid(both, 0.11));
   EXPECT_EQ(got.report.shells.open_parts, 0U);
   EXPECT_FALSE(got.interior.empty());
@@ -223,7 +223,7 @@ TEST(Voxelise, TwoCubesThatShareAnEdgeAreSolid) {
 }
 
 TEST(Voxelise, AZeroAreaTriangleMayCloseATJunction) {
-  TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
+  mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
   // Split the edge 4-5 of one triangle only, and fill the slit with a zero-area triangle.
   mesh.vertices.push_back(Vec3(0.5, 0, 1));
   for (auto& t : mesh.triangles)
@@ -237,8 +237,8 @@ TEST(Voxelise, AZeroAreaTriangleMayCloseATJunction) {
 }
 
 /// A Klein bottle as a figure of eight swept round with half a turn: closed, but no side is the outside.
-TriangleMesh klein_bottle(int n) {
-  TriangleMesh mesh;
+mesh::TriangleMesh klein_bottle(int n) {
+  mesh::TriangleMesh mesh;
   for (int a = 0; a < n; ++a)
     for (int b = 0; b < n; ++b) {
       const double u = 2 * std::numbers::pi * a / n, v = 2 * std::numbers::pi * (b + 0.5) / n;
@@ -259,7 +259,7 @@ TriangleMesh klein_bottle(int n) {
 }
 
 TEST(Voxelise, AShellThatCannotBeOrientedGoesByParity) {
-  const TriangleMesh mesh = klein_bottle(40);
+  const mesh::TriangleMesh mesh = klein_bottle(40);
   const Voxels got = voxels(mesh, default_grid(mesh, 0.1));
   EXPECT_EQ(got.report.shells.closed_parts, 1U);
   EXPECT_EQ(got.report.shells.unoriented_parts, 1U);
@@ -268,7 +268,7 @@ TEST(Voxelise, AShellThatCannotBeOrientedGoesByParity) {
 }
 
 TEST(Voxelise, InteriorEqualsTheWindingNumberOfEveryVoxel) {
-  const TriangleMesh mesh =
+  const mesh::TriangleMesh mesh =
       joined(sphere(Vec3(0.1, 0, 0), 1.0, 12), turned(sphere(Vec3(0.1, 0, 0.2), 0.5, 9)));
   const Grid grid = default_grid(mesh, 0.13);
   const Voxmap map = voxelise(mesh, grid, serial_for());
@@ -295,13 +295,13 @@ TEST(Voxelise, TheOrderOfTheLoopChangesNothing) {
   for (const std::string& name : vector_meshes())
     EXPECT_TRUE(voxels(read_obj(name), vector_grid(name)) ==
                 voxels(read_obj(name), vector_grid(name), scrambled_for()));
-  const TriangleMesh fine = sphere(Vec3(0.01, 0.02, 0.03), 1.0, 40);
+  const mesh::TriangleMesh fine = sphere(Vec3(0.01, 0.02, 0.03), 1.0, 40);
   EXPECT_TRUE(voxels(fine, default_grid(fine, 0.021)) ==
               voxels(fine, default_grid(fine, 0.021), scrambled_for()));
 }
 
 TEST(VoxelBudget, RefusesAtOnceWhatCannotBeHad) {
-  const TriangleMesh mesh = box(Vec3::Zero(), Vec3::Constant(100.0));
+  const mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Constant(100.0));
   const auto start = std::chrono::steady_clock::now();
   std::string said;
   try {
@@ -316,26 +316,26 @@ TEST(VoxelBudget, RefusesAtOnceWhatCannotBeHad) {
 }
 
 TEST(VoxelBudget, RefusesByAGivenLimit) {
-  const TriangleMesh mesh = box(Vec3::Zero(), Vec3::Constant(1.0));
+  const mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Constant(1.0));
   const Grid grid = default_grid(mesh, 0.01);
   EXPECT_NO_THROW(voxelise(mesh, grid, serial_for(), 4 << 20));
   EXPECT_THROW(voxelise(mesh, grid, serial_for(), 1 << 18), VoxelBudgetError);
 }
 
 TEST(VoxelBudget, RefusesIndicesBeyondInt32AndThingsThatAreNoNumbers) {
-  TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
+  mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
   EXPECT_THROW(voxelise(mesh, {Vec3(-1e9, 0, 0), 0.1}, serial_for()), VoxelBudgetError);
   EXPECT_THROW(voxelise(mesh, {Vec3(-1e300, 0, 0), 1e-300}, serial_for()), VoxelBudgetError);
   EXPECT_THROW(voxelise(mesh, {Vec3(NAN, 0, 0), 0.1}, serial_for()), std::runtime_error);
   for (const double edge : {0.0, -1.0, double(NAN), double(INFINITY)})
     EXPECT_THROW(voxelise(mesh, {Vec3::Zero(), edge}, serial_for()), std::runtime_error);
-  EXPECT_THROW(voxelise(TriangleMesh{}, {}, serial_for()), std::runtime_error);
-  TriangleMesh bad_index = mesh;
+  EXPECT_THROW(voxelise(mesh::TriangleMesh{}, {}, serial_for()), std::runtime_error);
+  mesh::TriangleMesh bad_index = mesh;
   bad_index.triangles[3][1] = 99;
   EXPECT_THROW(voxelise(bad_index, {}, serial_for()), std::runtime_error);
   for (const double poison : {double(NAN), double(INFINITY), -double(INFINITY)})
     for (std::size_t v = 0; v < 8; ++v) {
-      TriangleMesh bad = mesh;
+      mesh::TriangleMesh bad = mesh;
       bad.vertices[v][static_cast<Eigen::Index>(v % 3)] = poison;
       try {
         default_grid(bad, 0.1);
@@ -347,7 +347,7 @@ TEST(VoxelBudget, RefusesIndicesBeyondInt32AndThingsThatAreNoNumbers) {
 }
 
 TEST(VoxelBudget, RefusesScatteredTrianglesThatTouchMoreThanForeseen) {
-  TriangleMesh dust;
+  mesh::TriangleMesh dust;
   std::mt19937 random(2);
   std::uniform_real_distribution<double> pick(0.0, 1.0);
   for (std::uint32_t n = 0; n < 20000; ++n) {
@@ -362,7 +362,7 @@ TEST(VoxelBudget, RefusesScatteredTrianglesThatTouchMoreThanForeseen) {
 }
 
 TEST(VoxelBudget, TheEstimateIsCloseToTheTruth) {
-  const TriangleMesh mesh = sphere(Vec3::Zero(), 1.0, 64);
+  const mesh::TriangleMesh mesh = sphere(Vec3::Zero(), 1.0, 64);
   for (const double edge : {0.05, 0.01, 0.004}) {
     const Grid grid = default_grid(mesh, edge);
     const double said = estimate_voxels(mesh, grid).bytes;
@@ -373,7 +373,7 @@ TEST(VoxelBudget, TheEstimateIsCloseToTheTruth) {
 }
 
 TEST(Voxelise, DenormalAndTinyVerticesDoNoHarm) {
-  TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
+  mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
   mesh.vertices[0] = Vec3(5e-324, -5e-324, 1e-310);
   const Voxels got = voxels(mesh, {Vec3::Zero(), 0.125});
   EXPECT_FALSE(got.interior.empty());
@@ -381,4 +381,4 @@ TEST(Voxelise, DenormalAndTinyVerticesDoNoHarm) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap

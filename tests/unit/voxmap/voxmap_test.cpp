@@ -8,7 +8,7 @@
 
 #include "core/voxmap/brick_bits.hpp"
 
-namespace voxtouch {
+namespace voxtouch::voxmap {
 namespace {
 
 VoxelIndex random_voxel(std::mt19937& random, int low, int high) {
@@ -191,4 +191,4 @@ TEST(BrickBits, FacesOfNeighboursUseTheSameBits) {
 }
 
 }  // namespace
-}  // namespace voxtouch
+}  // namespace voxtouch::voxmap
