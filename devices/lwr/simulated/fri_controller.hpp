@@ -42,7 +42,7 @@ struct ControllerConfig {
   bool virtual_time = false;  ///< announced in $FRI_TO_INT[16]
   std::uint64_t seed = 0;
 
-  /// What a call may set: period, safety limits, start. Throws std::runtime_error that names field and rule.
+  /// Throws std::runtime_error that names field and rule.
   void validate() const;
 };
 

@@ -1,8 +1,19 @@
 #include "devices/lwr/simulated/link_quality.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace voxtouch::lwr_sim {
+
+void QualityRules::validate() const {
+  if (ok_after < 1 || perfect_after < ok_after)
+    throw std::runtime_error("link quality: ok_after has to be 1 or more, perfect_after no less than it");
+  if (misses_in_a_row < 1 || misses_in_window < 1 || misses_in_window > static_cast<int>(LinkQuality::kWindow))
+    throw std::runtime_error(
+        "link quality: misses_in_a_row and misses_in_window have to be 1 or more, the latter at most 100");
+}
+
+LinkQuality::LinkQuality(const QualityRules& rules) : rules_((rules.validate(), rules)) {}
 
 void LinkQuality::push(bool in_time, double latency_s) noexcept {
   held_ += (in_time ? 0 : 1) - (held_against_[next_] ? 1 : 0);

@@ -14,6 +14,9 @@ struct QualityRules {
   int perfect_after = 20;     ///< likewise: PERFECT
   int misses_in_a_row = 5;    ///< that many are too many: UNACCEPTABLE
   int misses_in_window = 10;  ///< more than that of the last 100 are too many: BAD
+
+  /// Throws std::runtime_error that names field and rule.
+  void validate() const;
 };
 
 /// Counts one answer or miss a period. Quality rises through a run of answers in time and falls through misses; one lost answer
@@ -21,7 +24,7 @@ struct QualityRules {
 class LinkQuality {
  public:
   static constexpr std::size_t kWindow = 100;
-  explicit LinkQuality(const QualityRules& rules = {}) noexcept : rules_(rules) {}
+  explicit LinkQuality(const QualityRules& rules = {});
 
   void answered(double latency_s) noexcept;
   void missed() noexcept;

@@ -33,14 +33,17 @@ struct Options {
   ControllerConfig controller;
   int period_ms = 1;
   double duration_s = 0.0;
+  bool task_frame_base = false, hand_at_once = false;
   double torque_feedback_gain = 4.0;
   std::vector<double> posture_deg, tool_m;
   std::vector<std::string> faults;
   std::string hand_file, trace_file;
+  std::optional<std::uint64_t> seed;
 };
 
 void declare(CLI::App& app, Options& o) {
   app.add_option("--remote", o.remote, "Where measurements go, ADDRESS:PORT")->capture_default_str();
+  app.add_option("--address", o.session.address, "Own address")->capture_default_str();
   app.add_option("--port", o.session.port, "Own port; 0: any free one")->capture_default_str();
   app.add_option("--period-ms", o.period_ms, "Period of measurements, 1 to 100 ms")->capture_default_str();
   app.add_flag("--virtual-time", o.controller.virtual_time, "Time moves on with each answer, not with the clock");
@@ -50,6 +53,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--duration", o.duration_s, "Seconds of the controller's time, then end; 0: until SIGTERM");
   app.add_option("--hand", o.hand_file,
                  "YAML file with motion and grip of the operator (keys: devices/operator/hand_file.hpp)");
+  app.add_flag("--hand-at-once", o.hand_at_once, "The hand moves from the start, not from the first command mode");
   app.add_option("--posture-deg", o.posture_deg, "Joints A1 A2 E1 A3 A4 A5 A6 to start at, or near with --hand")
       ->expected(7);
   app.add_option("--tool", o.tool_m, "Tool's origin in the flange's frame, x y z [m]")->expected(3);
@@ -57,9 +61,22 @@ void declare(CLI::App& app, Options& o) {
                  "KIND@START[:DURATION[:VALUE]], seconds; many may be given. Kinds: loss answer_loss late jitter "
                  "reorder duplicate "
                  "nan drives_off drive_error estop quality silent");
+  app.add_option("--seed", o.seed, "Of noise and faults; default: the hand file's, or 0");
   app.add_option("--trace", o.trace_file, "CSV of every period");
+  app.add_flag("--task-frame-base", o.task_frame_base, "$STIFFNESS.TASKFRAME is the base, not the tool");
+  app.add_flag("--first-start-keeps-strategy", o.controller.first_start_keeps_strategy,
+               "As one published KRL program: the first friStart is in position control, whatever is asked for");
+  app.add_option("--perfect-after", o.controller.quality.perfect_after, "Answers in time in a row for quality PERFECT")
+      ->capture_default_str();
+  app.add_option("--misses-in-a-row", o.controller.quality.misses_in_a_row, "Misses in a row that end command mode")
+      ->capture_default_str();
+  app.add_option("--misses-of-100", o.controller.quality.misses_in_window, "Misses of 100 that command mode bears")
+      ->capture_default_str();
   app.add_option("--torque-feedback-gain", o.torque_feedback_gain, "Divides rotors' inertia and friction")
       ->capture_default_str();
+  app.add_option("--torque-noise", o.controller.torque_noise_nm, "Of the torque sensors, standard deviation [Nm]")
+      ->capture_default_str();
+  app.add_option("--overlay-lag", o.controller.overlay_lag_s, "Lag of overlaid torques [s]")->capture_default_str();
 }
 
 /// Splits ADDRESS:PORT.
@@ -89,6 +106,7 @@ hand::Hand make_hand(Options& o) {
   const lwr::LwrArm arm(c.plant.tool_in_flange);
   if (o.hand_file.empty()) {
     c.start_rad = posture(o, {});
+    c.seed = o.seed.value_or(0);
     sim::OperatorConfig nobody;
     nobody.released = true;
     Motion rest;
@@ -96,7 +114,7 @@ hand::Hand make_hand(Options& o) {
     return hand::Hand(nobody, rest, kSubstep);
   }
   const hand::HandFile file = hand::read_hand(o.hand_file);
-  c.seed = file.seed;
+  c.seed = o.seed.value_or(file.seed);
   hand::Hand hand(file.hand, file.motion, kSubstep, c.seed, kDrag);
   c.start_rad = start_posture(arm, {file.motion.path.front(), file.motion.orientation.normalized()},
                               posture(o, file.posture_rad));
@@ -136,6 +154,8 @@ int run(Options& o) {
   o.controller.period_s = 1e-3 * o.period_ms;
   o.controller.plant = lwr_plant(o.torque_feedback_gain);
   if (!o.tool_m.empty()) o.controller.plant.tool_in_flange.position = Eigen::Map<const Vec3>(o.tool_m.data());
+  o.controller.laws.task_frame_is_tool = !o.task_frame_base;
+  o.controller.hand_waits = !o.hand_at_once;
   if (o.duration_s > 0.0) o.session.duration_s = o.duration_s;
   std::vector<Fault> faults;
   for (const std::string& text : o.faults) faults.push_back(parse_fault(text));

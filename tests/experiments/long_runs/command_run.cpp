@@ -207,7 +207,7 @@ class Attack {
     const devices::GateVerdict verdict = gate_->accept(writer, session, sequence, newest_);
     guard_.count(verdict);
     if (good != (verdict == devices::GateVerdict::kAccepted))
-      held("gate", fmt::format("{} where it should be {}", name_of(verdict), good ? "accepted" : "refused"));
+      held("gate", fmt::format("verdict {} where it should be {}", static_cast<int>(verdict), good ? "accepted" : "refused"));
     if (verdict != devices::GateVerdict::kAccepted) return;
     followed_ = writer, last_ = sequence, ++sums_.accepted;
     const auto now = static_cast<std::uint64_t>(now_ns_);
