@@ -8,6 +8,7 @@
 #include "core/coupling/running_coupling.hpp"
 #include "tests/experiments/long_runs/long_runs.hpp"
 #include "tests/experiments/long_runs/loop_rig.hpp"
+#include "tests/support/coupling_models/pt2.hpp"
 
 namespace voxtouch::long_runs {
 namespace {
@@ -87,7 +88,7 @@ void respond(const FilterRunOptions& ask, Teller& teller, Findings& out) {
   const std::uint64_t steps = ask.steps / 10 / std::size(kTurns);
   double worst = 0.0;
   for (const double turn : kTurns) {
-    Pt2 pt2(turn / kT, 1.0, 1.0);
+    coupling_models::Pt2 pt2(turn / kT, 1.0, 1.0);
     std::uint64_t next = 0;
     for (std::uint64_t n = 0; n < steps; ++n) {
       const double y = pt2.step(1.0, kT);
