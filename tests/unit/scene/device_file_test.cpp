@@ -126,7 +126,7 @@ const std::vector<Bad> kBad = {
     {"[0.1, 0.2]", "^[0.3, 0.2]", "'inertia_kg_m2' goes from 0.3 to 0.2"},
     {"damping_nms_per_rad: 0.3", "damping_nms_per_rad: ^-1", "it must be 0 or above"},
     {"coulomb_friction_nm: 0.25", "coulomb_friction_nm: ^-1", "it must be 0 or above"},
-    {"orientation_resolution_rad: 1e-4", "orientation_resolution_rad: ^1", "it is in radians and must be at most 0.1."},
+    {"orientation_resolution_rad: 1e-4", "orientation_resolution_rad: ^1", "'orientation_resolution_rad' is 1; it goes from 0 to 0.1."},
     {"max_stiffness_nm_per_rad: 300", "max_stiffness_nm_per_rad: ^0", "'max_stiffness_nm_per_rad' is 0"},
     {"max_stiffness_nm_per_rad: 300", "^max_stiffness: 300", "did you mean 'max_stiffness_nm_per_rad'?"},
     {"rate_hz: 2000", "rate_hz: ^!!int 2000", "A device file has no tags"},
