@@ -80,6 +80,8 @@ TEST(LinkQuality, ThresholdsCanBeSet) {
   link.missed();
   link.missed();
   EXPECT_EQ(link.quality(), Quality::kUnacceptable);
+  EXPECT_THROW(LinkQuality({.ok_after = 5, .perfect_after = 2, .misses_in_a_row = 2, .misses_in_window = 1}),
+               std::runtime_error);
 }
 
 TEST(Faults, AreReadFromTheirText) {

@@ -352,6 +352,12 @@ TEST(StateMachine, ConfigurationsThatCannotBeAreRefused) {
   config = {};
   config.start_rad[0] = 10.0;
   EXPECT_THROW(config.validate(), std::runtime_error);
+  config = {};
+  config.plant.tool_in_flange.position[2] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(config.validate(), std::runtime_error);
+  config = {};
+  config.torque_noise_nm = -1.0;
+  EXPECT_THROW(config.validate(), std::runtime_error);
 }
 
 }  // namespace

@@ -8,12 +8,11 @@
 #include <sstream>
 
 #include "core/scene/scene_file.hpp"
-#include "nodes/rendering/scene_update_server.hpp"
+#include "nodes/rendering/rendering_node.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/node_registry.hpp"
-#include "nodes/runtime/strings.hpp"
 #include "tests/support/stand_in.hpp"
-#include "tests/unit/nodes/node_thread.hpp"
+#include "tests/unit/nodes/asker.hpp"
 
 namespace voxtouch::test {
 namespace {
@@ -48,74 +47,6 @@ class SceneCopy {
  private:
   std::string text_;
 };
-
-struct Said {
-  std::uint32_t result = 0;
-  std::uint64_t from_sample = 0, session = 0;
-  std::string sentence;
-};
-
-/// Whoever asks: `voxtouch change`, or a ROS 2 tool.
-class Asker {
- public:
-  Asker(const bus::Participant& participant, const std::string& rig)
-      : changes(participant, qos::kEffectChange, rig, qos::profile(qos::kEffectChange.profile)),
-        answers(participant, qos::kEffectChanged, rig, qos::profile(qos::kEffectChanged.profile)) {}
-  bool ready() {
-    return wait_until([&] { return changes.matched_count() == 1 && answers.matched_count() == 1; });
-  }
-
-  /// Sends until somebody has heard: a first message may go before the other end knows this one.
-  bool send_until_heard(msg::EffectChange m, std::uint64_t request) {
-    static char none[] = "", name[] = "viscosity";
-    m.request = request;
-    m.effect = name, m.parameter = m.model = none;
-    return wait_until([&] {
-      changes.write(m);
-      std::this_thread::sleep_for(milliseconds(20));
-      answers.take_each([&](const msg::EffectChanged& a) {
-        said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence});
-      });
-      return !said[request].empty();
-    });
-  }
-  std::uint64_t send(msg::EffectChange m, const std::string& effect = "", const std::string& parameter = "",
-                     const std::string& model = "") {
-    m.request = ++requests;
-    m.effect = runtime::lend(effect), m.parameter = runtime::lend(parameter), m.model = runtime::lend(model);
-    changes.write(m);
-    return requests;
-  }
-  /// The last word on a request; `meanwhile` is done until it comes.
-  Said last_word(std::uint64_t request, const std::function<void()>& meanwhile) {
-    EXPECT_TRUE(wait_until([&] {
-      meanwhile();
-      answers.take_each([&](const msg::EffectChanged& a) {
-        said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence});
-      });
-      return !said[request].empty() && said[request].back().result != result::kResultWaiting;
-    })) << "nobody answered "
-        << request;
-    return said[request].empty() ? Said{} : said[request].back();
-  }
-
-  bus::Writer<msg::EffectChange> changes;
-  bus::Reader<msg::EffectChanged> answers;
-  std::map<std::uint64_t, std::vector<Said>> said;
-  std::uint64_t requests = 0;
-};
-
-msg::EffectChange change(std::uint32_t action, double value = 0.0, std::uint64_t from_sample = 0,
-                         std::uint64_t session = 0) {
-  msg::EffectChange m{};
-  m.action = action;
-  m.value[0] = value;
-  m.from_sample = from_sample;
-  m.session_id = session;
-  return m;
-}
-
-const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
 
 class RenderingLive : public testing::Test {
  protected:
@@ -434,10 +365,7 @@ TEST_F(RenderingLive, JudgesWhatWasChangedBeforeADeviceCameWhenItComes) {
 
 TEST_F(RenderingLive, DropsWhatWaitsForASampleWhereTheDeviceThatComesDoesNotStandIt) {
   const std::uint64_t waits = asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
-  ASSERT_TRUE(wait_until([&] {
-    asker.answers.take_each([&](const msg::EffectChanged& a) { asker.said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence}); });
-    return !asker.said[waits].empty();
-  }));
+  EXPECT_EQ(asker.first_word(waits).result, result::kResultWaiting);
   begin(5);
   samples(400);
   refused(asker.last_word(waits, [this] { sample(); }), kStands);
@@ -541,231 +469,6 @@ TEST_F(RenderingLive, StopsWhileASceneIsBeingBuilt) {
   const auto before = std::chrono::steady_clock::now();
   EXPECT_EQ(node.end(), 0);
   EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(10));
-}
-
-// --- the update server alone: an effect whose stiffness changes with its parameter
-
-constexpr std::array kSpringParameters = {
-    effects::EffectParameter{.name = "stiffness_n_per_m", .high = 1000.0, .standard = {{100.0, 0.0, 0.0}}}};
-
-class Spring final : public effects::Effect {
- public:
-  void apply(const effects::EffectFrame&, const effects::EffectValues& values, effects::EffectPush& push) noexcept override {
-    push.stiffness_bound_n_per_m += values.number(0);
-  }
-};
-
-const effects::EffectKind kSpring = {
-    .name = "spring",
-    .says = "",
-    .equations = "",
-    .parameters = kSpringParameters,
-    .needs = [](const effects::EffectValues&) { return effects::EffectNeeds{}; },
-    .bound =
-        [](const effects::EffectValues& v) {
-          effects::EffectBound bound;
-          bound.stiffness_n_per_m = v.number(0);
-          return bound;
-        },
-    .make = [] { return std::unique_ptr<effects::Effect>(std::make_unique<Spring>()); },
-};
-
-coupling::design::DeviceModel stylus() {
-  coupling::design::DeviceModel model;
-  model.name = "stylus";
-  model.translation = {.inertia_min = 0.1, .inertia_max = 0.2, .damping = 2.0, .max_effort = 8.5};
-  model.timing.delay_s = 1e-3;
-  return model;
-}
-
-/// The update server's thread may be held up by whatever it does; a session begins without it.
-TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
-  const scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
-  const std::string rig = own_rig("w");
-  const auto options = node_options<rendering_node::Options>(rig);
-  const bus::Participant participant({kDomain, "lo", "update server"});
-  rendering_node::ChangeLine line;
-  std::atomic<bool> held{false}, go_on{false};
-  std::atomic<std::uint64_t> last{0};
-  rendering_node::SceneUpdateServer server(
-      participant, options, scene, rendering::build_scene(scene, serial_for()), line, [](const scene::Scene&) {},
-      [&](std::uint64_t session) {
-        last = session, held = true;
-        EXPECT_TRUE(wait_until([&] { return go_on.load(); })) << "device_is waits for the update server";
-      });
-  const auto begin = [&](std::uint64_t session) {
-    server.device_is(std::make_unique<rendering_node::DescribedDevice>(rendering_node::DescribedDevice{session, stylus()}));
-  };
-  begin(3);
-  ASSERT_TRUE(wait_until([&] { return held.load(); }));
-  begin(4), begin(5);
-  go_on = true;
-  EXPECT_TRUE(wait_until([&] { return last == 5; })) << "the last one counts";
-}
-
-/// The update server of plane.yaml with one effect, a device and a loop that takes what is handed over.
-class UpdateServer {
- public:
-  UpdateServer(effects::EffectSpec effect, const coupling::design::DeviceModel& device)
-      : name_(effect.name),
-        scene_(plane_with(std::move(effect))),
-        built_(rendering::build_scene(scene_, serial_for())),
-        live_(*built_),
-        of_contact(built_->plan().of_contact_alone.translation.all_points),
-        rig_(own_rig("d")),
-        options_(node_options<rendering_node::Options>(rig_)),
-        participant_({kDomain, "lo", "update server"}),
-        plans_(participant_, qos::kScenePlan, rig_, latched()),
-        asker_(participant_, rig_),
-        server_(
-            participant_, options_, scene_, std::move(built_), line_, [](const scene::Scene&) {},
-            [this](std::uint64_t session) { begun_ = session; }) {
-    EXPECT_TRUE(asker_.ready());
-    EXPECT_TRUE(asker_.send_until_heard(change(99), 1'000'000));
-    line_.begin_session(3);
-    server_.device_is(std::make_unique<rendering_node::DescribedDevice>(rendering_node::DescribedDevice{3, device}));
-    EXPECT_TRUE(wait_until([&] { return begun_ == 3 && (loop(), !plans.empty()); }));
-  }
-  /// One sample, as the loop takes it, and the plans that have come.
-  void loop() {
-    line_.take(live_, ++sample_, true);
-    effects::EffectFrame frame;
-    frame.dt_s = 1e-3;
-    live_.effects().apply(frame);
-    plans_.take_each([&](const msg::ScenePlan& p) {
-      plans.push_back({p.from_sample, p.all_points_stiffness_n_per_m, p.effects_damping_ns_per_m, p.effects_damping_nms_per_rad,
-                       p.largest_damping_nms_per_rad, p.largest_turning_damping, p.largest_turning_damping_place});
-    });
-  }
-  Said ask(const msg::EffectChange& m, const std::string& parameter) {
-    return asker_.last_word(asker_.send(m, name_, parameter), [this] { loop(); });
-  }
-  /// What is answered at once, if only that it waits; the loop goes nowhere meanwhile.
-  Said ask_and_wait(const msg::EffectChange& m, const std::string& parameter) {
-    const std::uint64_t request = asker_.send(m, name_, parameter);
-    EXPECT_TRUE(wait_until([&] {
-      asker_.answers.take_each([&](const msg::EffectChanged& a) { asker_.said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence}); });
-      return !asker_.said[request].empty();
-    }));
-    return asker_.said[request].empty() ? Said{} : asker_.said[request].back();
-  }
-  void samples(int count) {
-    for (int n = 0; n < count; ++n) loop(), std::this_thread::sleep_for(milliseconds(1));
-  }
-
-  struct Plan {
-    std::uint64_t from_sample;
-    double stiffness_n_per_m, damping_ns_per_m, damping_nms_per_rad, largest_nms_per_rad;
-    std::string largest, place;
-  };
-  std::vector<Plan> plans;
-
- private:
-  static scene::Scene plane_with(effects::EffectSpec effect) {
-    scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
-    scene.effects = {std::move(effect)};
-    return scene;
-  }
-  std::string name_;
-  scene::Scene scene_;
-  std::unique_ptr<rendering::BuiltScene> built_;
-  rendering::LiveScene live_;
-
- public:
-  const double of_contact;  ///< all points' stiffness [N/m]
-
- private:
-  std::string rig_;
-  rendering_node::Options options_;
-  bus::Participant participant_;
-  bus::Reader<msg::ScenePlan> plans_;
-  Asker asker_;
-  rendering_node::ChangeLine line_;
-  std::atomic<std::uint64_t> begun_{0};
-  rendering_node::SceneUpdateServer server_;
-  std::uint64_t sample_ = 0;
-};
-
-TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
-  UpdateServer on({.name = "spring", .kind = &kSpring, .values = effects::EffectValues(kSpringParameters), .region = {}}, stylus());
-  EXPECT_EQ(on.ask(change(kActionSwitch, 0.0), "").result, result::kResultDone);
-  EXPECT_EQ(on.ask(change(kActionSwitch, 1.0), "").result, result::kResultDone);
-  const Said stiffer = on.ask(change(kActionValue, 350.0), "stiffness_n_per_m");
-  EXPECT_EQ(stiffer.result, result::kResultDone) << stiffer.sentence;
-  const Said softer = on.ask(change(kActionValue, 50.0), "stiffness_n_per_m");
-  ASSERT_TRUE(wait_until([&] { return on.loop(), on.plans.size() >= 3; }));
-  ASSERT_EQ(on.plans.size(), 3U) << "the session's, and one for each change of the bound";
-  EXPECT_EQ(on.plans[0].from_sample, 0U);
-  EXPECT_NEAR(on.plans[0].stiffness_n_per_m, on.of_contact + 100.0, 1e-9);
-  EXPECT_EQ(on.plans[1].from_sample, stiffer.from_sample);
-  EXPECT_NEAR(on.plans[1].stiffness_n_per_m, on.of_contact + 350.0, 1e-9);
-  EXPECT_EQ(on.plans[2].from_sample, softer.from_sample);
-  EXPECT_NEAR(on.plans[2].stiffness_n_per_m, on.of_contact + 50.0, 1e-9);
-}
-
-// --- and one whose damping is a product: two numbers that change one after the other may meet where neither change comes to rest
-
-constexpr std::array kPasteParameters = {
-    effects::EffectParameter{.name = "share", .high = 10.0, .standard = {{2.0, 0.0, 0.0}}},
-    effects::EffectParameter{.name = "thickness_ns_per_m", .high = 10.0, .standard = {{1.0, 0.0, 0.0}}},
-    effects::EffectParameter{.name = "lever_m", .high = 1.0, .standard = {{0.0, 0.0, 0.0}}}};
-
-class Paste final : public effects::Effect {
- public:
-  void apply(const effects::EffectFrame&, const effects::EffectValues&, effects::EffectPush&) noexcept override {}
-};
-
-const effects::EffectKind kPaste = {
-    .name = "paste",
-    .says = "",
-    .equations = "",
-    .parameters = kPasteParameters,
-    .needs = [](const effects::EffectValues&) { return effects::EffectNeeds{}; },
-    .bound =
-        [](const effects::EffectValues& v) {
-          effects::EffectBound bound;
-          bound.damping_ns_per_m = v.number(0) * v.number(1);
-          bound.damping_nms_per_rad = bound.damping_ns_per_m * v.number(2) * v.number(2);
-          return bound;
-        },
-    .make = [] { return std::unique_ptr<effects::Effect>(std::make_unique<Paste>()); },
-};
-
-effects::EffectSpec paste(double lever_m = 0.0) {
-  effects::EffectSpec spec{.name = "paste", .kind = &kPaste, .values = effects::EffectValues(kPasteParameters), .region = {}};
-  spec.values.at(2)[0] = lever_m;
-  spec.place = "a.yaml:7:5";
-  return spec;
-}
-
-TEST(SceneUpdateServer, JudgesWhatTwoChangesMayComeToOnTheirWay) {
-  UpdateServer on(paste(), stylus());
-  EXPECT_EQ(on.ask(change(kActionValue, 0.2), "share").result, result::kResultDone);
-  const Said thicker = on.ask(change(kActionValue, 9.0), "thickness_ns_per_m");
-  EXPECT_EQ(thicker.result, result::kResultRefused) << "2 * 9 Ns/m may be felt before the share is down";
-  EXPECT_NE(thicker.sentence.find("on the way"), std::string::npos) << thicker.sentence;
-  on.samples(400);
-  EXPECT_EQ(on.ask(change(kActionValue, 9.0), "thickness_ns_per_m").result, result::kResultDone) << "it has settled";
-}
-
-TEST(SceneUpdateServer, JudgesWhatTwoChangesThatWaitMayComeToOnTheirWay) {
-  UpdateServer on(paste(), stylus());
-  EXPECT_EQ(on.ask_and_wait(change(kActionValue, 0.2, 5'000), "share").result, result::kResultWaiting);
-  const Said thicker = on.ask_and_wait(change(kActionValue, 9.0, 5'000), "thickness_ns_per_m");
-  EXPECT_EQ(thicker.result, result::kResultRefused) << "2 * 9 Ns/m may be felt before the share is down";
-  EXPECT_NE(thicker.sentence.find("on the way"), std::string::npos) << thicker.sentence;
-}
-
-TEST(SceneUpdateServer, TellsWhatTheEffectsDampOfTurning) {
-  coupling::design::DeviceModel arm = stylus();
-  arm.gives_torque = true;
-  arm.rotation = {.inertia_min = 0.01, .inertia_max = 0.02, .damping = 0.2, .max_effort = 5.0, .max_stiffness = 50.0};
-  UpdateServer on(paste(0.05), arm);
-  EXPECT_NEAR(on.plans[0].damping_ns_per_m, 2.0, 1e-12);
-  EXPECT_NEAR(on.plans[0].damping_nms_per_rad, 0.005, 1e-12);
-  EXPECT_NEAR(on.plans[0].largest_nms_per_rad, 0.005, 1e-12);
-  EXPECT_EQ(on.plans[0].largest, "paste");
-  EXPECT_EQ(on.plans[0].place, "a.yaml:7:5");
 }
 
 }  // namespace
