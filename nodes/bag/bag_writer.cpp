@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "nodes/bag/files.hpp"
 #include "nodes/bag/refuse.hpp"
 
 namespace voxtouch::bag {
@@ -88,7 +87,7 @@ Result<void> BagWriter::create_tables() {
                   "The file system of '{}' cannot share a write-ahead log (journal mode stays {}). Record to "
                   "a local disk.",
                   folder_.string(), *mode);
-  if (auto set = database_->run("PRAGMA synchronous=NORMAL"); !set) return set;
+  if (auto set = database_->run("PRAGMA synchronous=OFF"); !set) return set;
   if (options_.max_bytes > 0) {
     const auto pages = std::max<std::int64_t>(static_cast<std::int64_t>(options_.max_bytes) / kPageBytes, 1);
     if (auto set = database_->run(fmt::format("PRAGMA max_page_count={}", pages)); !set) return set;
@@ -204,7 +203,9 @@ Result<void> BagWriter::write_metadata_row() {
   return {};
 }
 
-Result<void> BagWriter::refresh() {
+Result<void> BagWriter::refresh() { return refresh(Flush::kNo); }
+
+Result<void> BagWriter::refresh(Flush flush) {
   last_refresh_ = Clock::now();
   if (!database_) return {};
   // Each step is tried whatever became of the one before: metadata.yaml tells the truth also when the
@@ -212,7 +213,7 @@ Result<void> BagWriter::refresh() {
   const auto committed = commit();
   const auto row = write_metadata_row();
   const auto checkpoint = database_->run("PRAGMA wal_checkpoint(PASSIVE)");
-  const auto yaml = write_atomically(folder_ / "metadata.yaml", metadata_yaml(metadata_));
+  const auto yaml = write_atomically(folder_ / "metadata.yaml", metadata_yaml(metadata_), flush);
   for (const auto* step : {&committed, &row, &checkpoint, &yaml})
     if (!*step) return *step;
   return {};
@@ -246,12 +247,16 @@ Result<void> BagWriter::report(const RecordingReport& report) {
                               {"lost", topic.lost}});
   json["errors"] = report.errors;
   return write_atomically(folder_ / "voxtouch_recording.json",
-                          json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+                          json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n",
+                          report.closed ? Flush::kYes : Flush::kNo);
 }
 
 Result<void> BagWriter::close() {
   if (!database_) return {};
-  auto result = refresh();
+  // sqlite changes how it flushes between transactions only. Each step is tried whatever became of the one before.
+  auto result = commit();
+  for (const auto& step : {database_->run("PRAGMA synchronous=FULL"), refresh(Flush::kYes)})
+    if (!step && result) result = step;
   insert_.reset();
   const auto mode = database_->value("PRAGMA journal_mode=DELETE");
   if (!mode && result) result = std::unexpected(mode.error());

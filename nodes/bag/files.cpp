@@ -23,10 +23,10 @@ bool write_all(int file, std::string_view text) {
 
 }  // namespace
 
-Result<void> write_atomically(const std::filesystem::path& path, std::string_view text) {
+Result<void> write_atomically(const std::filesystem::path& path, std::string_view text, Flush flush) {
   const std::string temporary = path.string() + ".tmp";
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  bool good = file >= 0 && write_all(file, text) && ::fsync(file) == 0;
+  bool good = file >= 0 && write_all(file, text) && (flush == Flush::kNo || ::fsync(file) == 0);
   int error = errno;  // of the first call that failed
   if (file >= 0 && ::close(file) != 0 && good) {
     good = false;
