@@ -8,6 +8,10 @@ Both feel the cup. In the middle the rendering of the left one is killed. Then t
 one goes on: its bag holds one session, no command of anybody else, no sample at which force was lost, and no message on its topics that
 came from the left one. Its own verdict has to follow from its own figures: what it names as a problem is a figure of its own (a busy
 machine is one) and never the other rig. Exit status 1 if something did not hold.
+
+A virtual machine stands still now and then, and no ring answers meanwhile: after 24 ms the guard takes the force away, as it should. So one
+witness on each CPU, at real-time priority where that is allowed, wakes every millisecond and notes when it could not. Force lost right after
+the machine was seen to stand still is counted apart, as the machine's.
 """
 import argparse
 import json
@@ -23,6 +27,8 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parents[3]
 FORCE_ON = 4
+STILL_S = 0.02  # a witness that wakes this late says that the machine stood still
+AFTER_S = 0.06  # and what is lost up to this long after it woke is a consequence: the loop catches up within some 20 samples
 STATE = struct.Struct("<QQq7d6dII")  # DeviceState, as its .msg says
 
 
@@ -33,6 +39,41 @@ def arguments():
     parser.add_argument("--domains", type=int, nargs=2, default=[66, 67], help="the first for one domain, both for two")
     parser.add_argument("--forms", choices=["names", "domains", "both"], default="both", help="told apart by rig names, by domains, or first so and then so")
     return parser.parse_args()
+
+
+class Machine:
+    """When the machine stood still: [(from, to)], Unix time."""
+
+    WITNESS = """if 1:
+        import os, sys, time
+        os.sched_setaffinity(0, {int(sys.argv[1])})
+        try:
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(90))
+        except PermissionError:
+            pass
+        last = time.time()
+        while os.getppid() == int(sys.argv[2]):
+            time.sleep(0.001)
+            now = time.time()
+            if now - last > float(sys.argv[3]):
+                print(last, now, flush=True)
+            last = now
+        """
+
+    def __init__(self, folder):
+        self.file = folder / "still"
+        with open(self.file, "a") as file:
+            self.witnesses = [subprocess.Popen([sys.executable, "-c", self.WITNESS, str(cpu), str(os.getpid()), str(STILL_S)], stdout=file)
+                              for cpu in os.sched_getaffinity(0)]
+
+    def end(self):
+        for witness in self.witnesses:
+            witness.kill()
+            witness.wait()
+        self.still = [tuple(map(float, line.split())) for line in self.file.read_text().splitlines()]
+
+    def stood_still_before(self, moment):
+        return any(begin <= moment <= end + AFTER_S for begin, end in self.still)
 
 
 class Rig:
@@ -66,21 +107,22 @@ class Rig:
         self.summary = json.loads(pathlib.Path(self.told.name).read_text())
 
     def states(self):
-        """(session, sequence, force on) of each recorded sample."""
+        """(Unix time, session, force on) of each recorded sample."""
         found = []
         for file in sorted(self.bag.glob("*.db3")):
             with sqlite3.connect(f"file:{file}?mode=ro", uri=True) as database:
-                rows = database.execute("select data from messages join topics on topics.id = topic_id where name = ? order by messages.id",
+                rows = database.execute("select timestamp, data from messages join topics on topics.id = topic_id where name = ? order by messages.id",
                                         (f"/{self.name}/device/state",))
-                for (data,) in rows:
-                    session, sequence, *rest = STATE.unpack(data[4:4 + STATE.size])
-                    found.append((session, sequence, bool(rest[-1] & FORCE_ON)))
+                for written_ns, data in rows:
+                    session, *rest = STATE.unpack(data[4:4 + STATE.size])
+                    found.append((written_ns * 1e-9, session, bool(rest[-1] & FORCE_ON)))
         return found
 
 
 def play(ask, form, domains):
     faults = []
     with tempfile.TemporaryDirectory(prefix="voxtouch_test_two_rigs_") as folder:
+        machine = Machine(pathlib.Path(folder))
         rigs = [Rig(ask, name, domain, pathlib.Path(folder)) for name, domain in zip(("left", "right"), domains)]
         try:
             until = time.monotonic() + 60
@@ -97,6 +139,7 @@ def play(ask, form, domains):
                 if rig.process.poll() is None:
                     rig.process.terminate()
                     rig.process.wait(30)
+            machine.end()
         left, right = rigs
         if left.status != 1 or not any("rendering" in p for p in left.summary["problems"]):
             faults.append(f"the left rig lost its rendering and ends with {left.status}: {left.summary['problems']}")
@@ -108,17 +151,20 @@ def play(ask, form, domains):
             faults.append(f"the right guard refused {guard['refused'] - guard['refused_late']} commands that were not its coupling's or not in order")
         for rig in rigs:
             states = rig.states()
-            sessions = {session for session, _, _ in states}
+            sessions = {session for _, session, _ in states}
             if len(sessions) != 1:
                 faults.append(f"the bag of {rig.name} holds {len(sessions)} sessions")
             if rig is right:
                 first = next((n for n, (_, _, on) in enumerate(states) if on), len(states))
-                lost = sum(not on for _, _, on in states[first:])
-                if first == len(states) or lost:
-                    faults.append(f"the right rig lost its force at {lost} of {len(states) - first} samples")
+                lost = [moment for moment, _, on in states[first:] if not on]
+                by_machine = sum(map(machine.stood_still_before, lost))
+                if first == len(states) or len(lost) > by_machine:
+                    faults.append(f"the right rig lost its force at {len(lost) - by_machine} of {len(states) - first} samples, with the machine running")
         own = "; ".join(right.summary["problems"]) or "none"
         print(f"figure: {form}: left ended with {left.status}; right ended with {right.status}, {right.summary['samples']} samples at "
-              f"{right.summary['rate_hz']:.0f} Hz, {guard['refused']} commands refused, {guard['refused_late']} of them as too late, problems of its own: {own}")
+              f"{right.summary['rate_hz']:.0f} Hz, {guard['refused']} commands refused, {guard['refused_late']} of them as too late, "
+              f"{len(lost)} samples without force, {by_machine} of them after one of {len(machine.still)} times that a CPU stood still for more than "
+              f"{1000 * STILL_S:.0f} ms (longest {1000 * max((end - begin for begin, end in machine.still), default=0):.0f} ms), problems of its own: {own}")
     return [f"{form}: {fault}" for fault in faults]
 
 
