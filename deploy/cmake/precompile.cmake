@@ -41,7 +41,7 @@ function(voxtouch_headers donor kind)
 endfunction()
 
 function(voxtouch_precompile)
-  # GCC 12 takes the standard library for ours where it comes precompiled, and warns of its string functions without a cause.
+  # GCC 12 takes the standard library for our own code where it comes precompiled, and warns of its string functions without a cause.
   target_compile_options(voxtouch_warnings INTERFACE
     $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CXX_COMPILER_ID:GNU>>:-Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds>)
   voxtouch_headers(voxtouch_headers STATIC)

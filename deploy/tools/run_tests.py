@@ -91,7 +91,7 @@ def ctest(build, junit, *arguments):
 
 
 def keep(folder, outputs, when):
-    """Each output as a file, and for the end of ours a line for each test."""
+    """Each output as a file, and, for the last lines of the output, a line for each test."""
     lines = []
     folder.mkdir(exist_ok=True)
     for name, output in outputs.items():
