@@ -1,6 +1,5 @@
 #pragma once
 /// A driver of hardware together with what stands where the hardware stands, so that both live and end as one device.
-#include <filesystem>
 #include <memory>
 
 #include "devices/driver.hpp"
@@ -24,8 +23,5 @@ class Counterpart : public Driver {
  protected:
   std::unique_ptr<Driver> driver_;  // set by whoever derives, before its constructor is over
 };
-
-/// The folder of the running program: what was built with it stands beside it (bin) or in ../lib.
-inline std::filesystem::path program_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
 
 }  // namespace voxtouch::devices

@@ -24,5 +24,5 @@ target_compile_options(voxtouch_runs_once INTERFACE
 # The repository's root is the one include root: #include "core/voxmap/voxmap.hpp" says where the file is.
 add_library(voxtouch_root INTERFACE)
 add_library(voxtouch::root ALIAS voxtouch_root)
-target_include_directories(voxtouch_root INTERFACE ${PROJECT_SOURCE_DIR})
-target_link_libraries(voxtouch_root INTERFACE voxtouch::warnings voxtouch::reproducible Threads::Threads)
+target_include_directories(voxtouch_root INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/voxtouch>)
+target_link_libraries(voxtouch_root INTERFACE $<BUILD_INTERFACE:voxtouch::warnings> voxtouch::reproducible Threads::Threads)

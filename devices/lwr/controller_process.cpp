@@ -13,6 +13,7 @@
 #include <cstring>
 #include <thread>
 
+#include "core/types/program_folder.hpp"
 #include "devices/counterpart.hpp"
 
 namespace voxtouch::lwr {
@@ -60,7 +61,7 @@ ControllerProcess::ControllerProcess(const std::vector<std::string>& arguments, 
     : hand_("voxtouch_hand"), log_("voxtouch_controller_log") {
   if (pwrite(hand_.number, hand.data(), hand.size(), 0) != static_cast<ssize_t>(hand.size()))
     throw devices::DeviceOpenError(fmt::format("device 'wire-lwr': the hand could not be written ({})", std::strerror(errno)));
-  const std::string program = (devices::program_folder() / "voxtouch_fri_controller").string();
+  const std::string program = (program_folder() / "voxtouch_fri_controller").string();
   if (access(program.c_str(), X_OK) != 0)
     throw devices::DeviceOpenError(fmt::format(
         "device 'wire-lwr': the simulated controller {} cannot be run ({}); build the target voxtouch_fri_controller, "

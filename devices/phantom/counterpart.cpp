@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/types/number.hpp"
+#include "core/types/program_folder.hpp"
 #include "devices/counterpart.hpp"
 #include "devices/operator/hand_file.hpp"
 #include "devices/phantom/phantom_driver.hpp"
@@ -149,7 +150,7 @@ class WirePhantom final : public devices::Counterpart {
   std::int64_t now_ns_ = 0;
 };
 
-std::string simulated_library() { return (devices::program_folder() / "../lib/libHD_sim.so").lexically_normal().string(); }
+std::string simulated_library() { return (library_folder() / "libHD_sim.so").string(); }
 
 }  // namespace
 

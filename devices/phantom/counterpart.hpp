@@ -14,7 +14,7 @@ std::unique_ptr<devices::Driver> open_phantom(const devices::DeviceOptions& opti
 /// Without opening: what is known of a Phantom of any model.
 DeviceDescription describe_phantom_device(const devices::DeviceOptions& options);
 
-/// Settings: library (file of the simulated library; else ../lib/libHD_sim.so from the running program), model (premium,
+/// Settings: library (file of the simulated library; else ../lib/voxtouch/libHD_sim.so from the running program), model (premium,
 /// premium-6dof, desktop, omni), rate_hz, max_force_n, rest as above, and, as often as wanted, fault: KIND@SECONDS[:AMOUNT] of the
 /// device's time, kinds and amounts as in hdsim.h: comm_error device_fault (ticks; for good unless given), timer_error,
 /// warm_motors (1.5), late_tick (0.05 s), skipped_ticks (50), nan_position (20 ticks). The hand moves in D. In lockstep time is

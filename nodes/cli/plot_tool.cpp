@@ -15,6 +15,8 @@
 
 #include <fmt/format.h>
 
+#include "core/types/program_folder.hpp"
+
 namespace voxtouch::cli {
 namespace {
 
@@ -62,7 +64,7 @@ pid_t start(std::vector<std::string> words, int input, int output) {
 
 /// Runs the tool to its end with `input`; what it said.
 std::string run_tool(const std::vector<std::string>& arguments, const std::string& input) {
-  const std::filesystem::path tool = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "voxtouch_plot";
+  const std::filesystem::path tool = program_folder() / "voxtouch_plot";
   if (!std::filesystem::exists(tool))
     throw std::runtime_error(fmt::format("{} is not there, which draws pictures: build or install anew", tool.string()));
   const MemoryFile in = memory_file(), out = memory_file();

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "nodes/cli/verbs.hpp"
+#include "nodes/runtime/scene_argument.hpp"
 #include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::cli {
@@ -30,12 +31,12 @@ void add_view(CLI::App& app, Action& action) {
       "as charts, the nodes, and the effects with switches. Prints the page's address and serves it until Ctrl-C.\n"
       "  voxtouch view                                the ring of this rig, also one that starts later\n"
       "  voxtouch view deploy/scenes/cup.yaml         with this file's meshes, where the ring runs on another host\n"
-      "  voxtouch view recordings/cup-20261122-154213 a bag, with play, speed and any place\n"
+      "  voxtouch view BAG                            a bag, with play, speed and any place\n"
       "  voxtouch up deploy/scenes/cup.yaml --view    a ring with its page\n"
       "The ring does not notice: the page taps it as a logger does. The address holds a random token, and nobody gets in without it;\n"
       "nothing is served on the network unless --address says so. Needs libjs-three and libjs-dygraphs (deploy/setup).");
-  verb->add_option("SHOWN", o->shown, "A bag's folder, or a scene file (YAML); default: the scene that the ring itself names")
-      ->check(CLI::ExistingPath)
+  verb->add_option("SHOWN", o->shown, "A bag's folder, a scene file (YAML) or the name of a scene that comes with voxtouch; default: the scene that the ring itself names")
+      ->transform(CLI::Validator([](std::string& shown) { return std::filesystem::exists(shown) ? "" : runtime::scene_argument()(shown); }, ""))
       ->option_text("[BAG|SCENE]");
   runtime::add_rig_options(*verb, o->node);
   verb->add_option("--address", o->server.address, "IPv4 address to serve at; another than 127.0.0.1 shows the page to a network")

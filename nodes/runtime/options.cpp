@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/types/number.hpp"
+#include "nodes/runtime/scene_argument.hpp"
 
 namespace voxtouch::runtime {
 
@@ -95,7 +96,7 @@ void add_rig_options(CLI::App& app, NodeOptions& o) {
 }
 
 void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
-  if (with_scene) app.add_option("--scene", o.scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
+  if (with_scene) app.add_option("--scene", o.scene, "Scene file (YAML), or the name of one that comes with voxtouch")->required()->transform(scene_argument());
   add_rig_options(app, o);
   app.add_option("--seed", o.seed, "Seed of everything random")->capture_default_str()->check(require_whole);
   app.add_flag("--lockstep", o.lockstep, "Simulated time: every sample waits for its command; same bits on every run");

@@ -5,13 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "core/types/program_folder.hpp"
+
 namespace voxtouch::view {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The folder stands beside the program under its own name, as the nodes do.
-fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path() / "voxtouch_page"; }
+fs::path own_folder() { return shared_folder() / "page"; }
 
 constexpr const char* kOwn[] = {"index.html", "page.css", "main.js", "scene3d.js", "charts.js", "panels.js"};
 constexpr const char* kScript = "text/javascript; charset=utf-8";
@@ -37,7 +38,7 @@ std::map<std::string, PageFile> find_page_files() {
   std::map<std::string, PageFile> files;
   for (const char* name : kOwn) {
     const fs::path file = own_folder() / name;
-    if (!fs::exists(file)) throw std::runtime_error(fmt::format("{} is missing: it should stand beside voxtouch", file.string()));
+    if (!fs::exists(file)) throw std::runtime_error(fmt::format("{} is missing: build or install anew", file.string()));
     files["/" + std::string(name)] = {file.string(), mime_of(file)};
   }
   files["/"] = files.extract("/index.html").mapped();

@@ -20,6 +20,7 @@
 #include "nodes/log/tell.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/options.hpp"
+#include "nodes/runtime/scene_argument.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -178,7 +179,7 @@ void add_accuracy(CLI::App& app, Action& action) {
   auto o = std::make_shared<AccuracyVerb>();
   CLI::App* verb = app.add_subcommand("accuracy", kAccuracyDescription);
   verb->footer(kFooter);
-  verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
+  verb->add_option("SCENE", o->scene, "Scene file (YAML), or the name of one that comes with voxtouch")->required()->transform(runtime::scene_argument());
   add_list(*verb, "--models", o->ask.models, "original,adapted,clustered,field,virtual_tool; default: all");
   add_list(*verb, "--weights", o->ask.weights,
            "one,area: what a shell point counts; default: both. clustered and field know area only");

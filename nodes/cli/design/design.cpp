@@ -17,6 +17,7 @@
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/parallel_for.hpp"
+#include "nodes/runtime/scene_argument.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -135,7 +136,7 @@ void add_design(CLI::App& app, Action& action) {
       ->capture_default_str();
   verb->add_option("--scene", o->scene,
                    "Scene whose contact and wishes are to be met; default: whatever the device can show")
-      ->check(CLI::ExistingFile);
+      ->transform(runtime::scene_argument());
   verb->add_option("--hand", o->hand, "pen, arm or any_passive; default: the scene's, else how the device is held")
       ->check(CLI::IsMember({"pen", "arm", "any_passive"}));
   verb->add_flag("--held", o->held, "Somebody always holds the device: nobody letting go is not among the cases");

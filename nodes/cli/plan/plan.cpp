@@ -17,6 +17,7 @@
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/rendering/plan_ring.hpp"
 #include "nodes/runtime/parallel_for.hpp"
+#include "nodes/runtime/scene_argument.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -108,7 +109,7 @@ int run(const PlanVerb& o) {
 void add_plan(CLI::App& app, Action& action) {
   auto o = std::make_shared<PlanVerb>();
   CLI::App* verb = app.add_subcommand("plan", kPlanDescription);
-  verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
+  verb->add_option("SCENE", o->scene, "Scene file (YAML), or the name of one that comes with voxtouch")->required()->transform(runtime::scene_argument());
   verb->add_option("--device", o->device,
                    "Also says what this device cannot show: a name, or a file (deploy/devices/*.yaml)");
   verb->add_option("--model", o->model, "This contact model instead of the scene's")

@@ -14,6 +14,7 @@
 #include "nodes/log/tell.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/parallel_for.hpp"
+#include "nodes/runtime/scene_argument.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -95,7 +96,7 @@ void add_probe(CLI::App& app, Action& action) {
       "tool's\n"
       "origin). Memoryless: neither blend nor hold. --model reference prints gap and push direction\n"
       "instead, and the true wrench for a stiffness of 1 N/m^3");
-  verb->add_option("SCENE", o->scene, "Scene file (YAML)")->required()->check(CLI::ExistingFile);
+  verb->add_option("SCENE", o->scene, "Scene file (YAML), or the name of one that comes with voxtouch")->required()->transform(runtime::scene_argument());
   verb->add_option("--poses", o->poses,
                    "CSV with the columns qw,qx,qy,qz,tx,ty,tz: tool in world; - for standard input")
       ->required();

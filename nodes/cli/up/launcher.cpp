@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "nodes/log/tell.hpp"
+#include "core/types/program_folder.hpp"
 #include "nodes/runtime/realtime.hpp"
 
 extern char** environ;
@@ -24,7 +25,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kStopTimeout{8'000};
 
-std::filesystem::path own_program() { return std::filesystem::read_symlink("/proc/self/exe"); }
 
 class ChildProcess final : public RunningNode {
  public:
@@ -164,7 +164,7 @@ std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o) {
   constexpr std::chrono::milliseconds kPatience{2'000};
   const std::vector<std::string> arguments = {"view",     o.scene.string(),          "--rig",       o.rig,
                                               "--domain", fmt::to_string(o.domain), "--interface", o.network_interface};
-  return std::make_unique<ChildProcess>("view", own_program(), arguments, kPatience);
+  return std::make_unique<ChildProcess>("view", program_folder() / "voxtouch", arguments, kPatience);
 }
 
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
@@ -174,7 +174,7 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
     if (o.one_process)
       nodes.push_back(std::make_unique<ThreadOfThisProcess>(name, options, std::move(run)));
     else
-      nodes.push_back(std::make_unique<ChildProcess>(name, own_program().parent_path() / ("voxtouch_" + name), arguments()));
+      nodes.push_back(std::make_unique<ChildProcess>(name, program_folder() / ("voxtouch_" + name), arguments()));
   };
   using Stop = const std::atomic<bool>&;
   o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
 #include <optional>
 #include <set>
@@ -9,6 +10,7 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -21,6 +23,7 @@
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/scene_argument.hpp"
 #include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::cli {
@@ -40,13 +43,20 @@ struct UpOptions {
   bool no_record = false, one_process = false, json = false, view = false;
 };
 
+/// Of the user and not of the current folder, which may be one that nobody can write to: as the XDG base directories have it.
+std::filesystem::path recordings_folder() {
+  if (const char* data = std::getenv("XDG_DATA_HOME"); data && *data == '/') return std::filesystem::path(data) / "voxtouch/recordings";
+  if (const char* home = std::getenv("HOME"); home && *home == '/') return std::filesystem::path(home) / ".local/share/voxtouch/recordings";
+  return std::filesystem::absolute("recordings");
+}
+
 std::filesystem::path default_bag(const std::string& scene) {
   const std::time_t now = std::time(nullptr);
   std::tm local{};
   localtime_r(&now, &local);
   char stamp[32];
   std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &local);
-  return std::filesystem::path("recordings") / (scene + "-" + stamp);
+  return recordings_folder() / (scene + "-" + stamp);
 }
 
 /// Runs the ring once: start, watch, stop in order, sum up.
@@ -322,9 +332,9 @@ void add_up(CLI::App& app, Action& action) {
   CLI::App* verb = app.add_subcommand(
       "up",
       "Start the whole ring (device, rendering, coupling, logger, validator), watch it, stop it on Ctrl-C, sum it up");
-  verb->add_option("SCENE", options->node.scene, "Scene file (YAML); deploy/scenes has some")
+  verb->add_option("SCENE", options->node.scene, "Scene file (YAML), or the name of one that comes with voxtouch: " + fmt::format("{}", fmt::join(runtime::shipped_scenes(), ", ")))
       ->required()
-      ->check(CLI::ExistingFile);
+      ->transform(runtime::scene_argument());
   runtime::add_node_options(*verb, options->node, false);
   verb->remove_option(verb->get_option("--peers"));
   device_node::add_device_options(*verb, options->device, options->settings);
@@ -335,7 +345,8 @@ void add_up(CLI::App& app, Action& action) {
       ->check(device_node::check_duration);
   device_node::add_hand_options(*verb, options->hand);
   verb->add_option("--record", options->bag,
-                   "Folder for the bag; it must not exist (default: recordings/<scene>-<time>)");
+                   "Folder for the bag; it must not exist (default: " +
+                       (recordings_folder() / "<scene>-<time>").string() + ")");
   verb->add_option("--topic", options->topics, "Record this DDS topic as well (its type has to be compiled in), such as rt/tf")
       ->check(runtime::check_topic);
   verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")

@@ -1,0 +1,45 @@
+# What stands beside the programs, in the folder of a build and in an installation alike (core/types/program_folder.hpp), and what
+# `cmake --install` and the package hold.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(here ${CMAKE_INSTALL_DATADIR}/voxtouch)
+
+# Scenes, meshes, device files, the page. In the folder of a build they are links, so that an edit needs no build.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/voxtouch)
+foreach(folder deploy/scenes deploy/meshes deploy/devices nodes/view/page)
+  get_filename_component(name ${folder} NAME)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${PROJECT_BINARY_DIR}/share/voxtouch/${name} SYMBOLIC)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${here} PATTERN "*.py" EXCLUDE PATTERN "*.rules" EXCLUDE)
+endforeach()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/services DESTINATION ${here})
+install(FILES ${PROJECT_SOURCE_DIR}/deploy/devices/99-voxtouch-phantom.rules DESTINATION ${here}/devices)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/idl/ DESTINATION ${here}/voxtouch_msgs  # a package for the src/ of a ROS 2 workspace
+  PATTERN "*.py" EXCLUDE PATTERN "ros" EXCLUDE)
+
+# Programs.
+install(TARGETS voxtouch voxtouch_device_program voxtouch_rendering_program voxtouch_coupling_program voxtouch_logger_program
+  voxtouch_validator_program voxtouch_import_mesh_program voxtouch_fri_controller RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS voxtouch_hd_sim LIBRARY DESTINATION ${CMAKE_INSTALL_PREFIX}/lib/voxtouch)
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/tools/plot.py DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME voxtouch_plot)
+
+# Libraries: find_package(voxtouch), targets by module.
+set(libraries voxtouch_root voxtouch_reproducible)
+foreach(module types mesh mesh_import voxmap pointshell contact effects coupling coupling_design scene device_mapping plan rendering fitting
+    reference accuracy accuracy_advice devices)
+  set_target_properties(voxtouch_${module} PROPERTIES EXPORT_NAME ${module})
+  list(APPEND libraries voxtouch_${module})
+endforeach()
+set_target_properties(voxtouch_root PROPERTIES EXPORT_NAME root)
+set_target_properties(voxtouch_reproducible PROPERTIES EXPORT_NAME reproducible)
+install(TARGETS ${libraries} EXPORT voxtouch ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/voxtouch)
+foreach(folder core devices)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voxtouch FILES_MATCHING PATTERN "*.hpp"
+    PATTERN "simulated" EXCLUDE)
+endforeach()
+set(config ${CMAKE_INSTALL_LIBDIR}/cmake/voxtouch)
+install(EXPORT voxtouch NAMESPACE voxtouch:: FILE voxtouch-targets.cmake DESTINATION ${config})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/voxtouch-config.cmake.in ${PROJECT_BINARY_DIR}/voxtouch-config.cmake
+  INSTALL_DESTINATION ${config})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/voxtouch-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/voxtouch-config.cmake ${PROJECT_BINARY_DIR}/voxtouch-config-version.cmake DESTINATION ${config})
