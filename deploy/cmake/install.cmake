@@ -20,7 +20,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/idl/ DESTINATION ${here}/voxtouch_msgs  
 # Programs.
 install(TARGETS voxtouch voxtouch_device_program voxtouch_rendering_program voxtouch_coupling_program voxtouch_logger_program
   voxtouch_validator_program voxtouch_import_mesh_program voxtouch_fri_controller RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(TARGETS voxtouch_hd_sim LIBRARY DESTINATION ${CMAKE_INSTALL_PREFIX}/lib/voxtouch)
+install(TARGETS voxtouch_hd_sim LIBRARY DESTINATION lib/voxtouch)
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/tools/plot.py DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME voxtouch_plot)
 
 # Libraries: find_package(voxtouch), targets by module.
