@@ -6,22 +6,27 @@ include(CMakePackageConfigHelpers)
 set(here ${CMAKE_INSTALL_DATADIR}/voxtouch)
 
 # Scenes, meshes, device files, the page. In the folder of a build they are links, so that an edit needs no build.
-file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/voxtouch)
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/voxtouch ${PROJECT_BINARY_DIR}/installed ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 foreach(folder deploy/scenes deploy/meshes deploy/devices nodes/view/page)
   get_filename_component(name ${folder} NAME)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${PROJECT_BINARY_DIR}/share/voxtouch/${name} SYMBOLIC)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${here} PATTERN "*.py" EXCLUDE PATTERN "*.rules" EXCLUDE)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${here} PATTERN "*.py" EXCLUDE)
 endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/services DESTINATION ${here})
-install(FILES ${PROJECT_SOURCE_DIR}/deploy/devices/99-voxtouch-phantom.rules DESTINATION ${here}/devices)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/idl/ DESTINATION ${here}/voxtouch_msgs  # a package for the src/ of a ROS 2 workspace
-  PATTERN "*.py" EXCLUDE PATTERN "ros" EXCLUDE)
+# The messages: voxtouch_msgs, a package for the src/ of a ROS 2 workspace, which the tool that draws reads too.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/idl DESTINATION ${here} PATTERN "__pycache__" EXCLUDE)
 
 # Programs.
 install(TARGETS voxtouch voxtouch_device_program voxtouch_rendering_program voxtouch_coupling_program voxtouch_logger_program
   voxtouch_validator_program voxtouch_import_mesh_program voxtouch_fri_controller RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS voxtouch_hd_sim LIBRARY DESTINATION lib/voxtouch)
-install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/tools/plot.py DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME voxtouch_plot)
+# What draws is Python, beside its parts; a link by its own name stands beside the programs.
+set(tools ${PROJECT_SOURCE_DIR}/deploy/tools)
+install(PROGRAMS ${tools}/plot.py DESTINATION ${here}/deploy/tools)
+install(FILES ${tools}/plot_style.py ${tools}/bag_data.py ${tools}/run_data.py ${tools}/run_pictures.py ${tools}/run_page.py DESTINATION ${here}/deploy/tools)
+file(CREATE_LINK ${tools}/plot.py ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/voxtouch_plot SYMBOLIC)
+file(CREATE_LINK ../share/voxtouch/deploy/tools/plot.py ${PROJECT_BINARY_DIR}/installed/voxtouch_plot SYMBOLIC)
+install(FILES ${PROJECT_BINARY_DIR}/installed/voxtouch_plot DESTINATION ${CMAKE_INSTALL_BINDIR})
 
 # Libraries: find_package(voxtouch), targets by module.
 set(libraries voxtouch_root voxtouch_reproducible)

@@ -4,6 +4,7 @@
   %(prog)s accuracy RUN.json PICTURE    what accuracy costs in time: error of every contact model and voxel size over the time of a frame
   %(prog)s design RUN.json PICTURE      where a designed coupling is stable: contact stiffness over the filter's cut-off
   %(prog)s forces BAG PICTURE           contact force, returned force, depth and gap of a recorded run over time
+  %(prog)s report BAG PAGE.html         all of a recorded run on one page; voxtouch report calls it
   %(prog)s stability MAP.csv PICTURE    energy that each contact model gives a hand on closed sliding loops
   %(prog)s check PICTURE                draws nothing: exit status 0 where a picture could be drawn and written there
 
@@ -21,31 +22,14 @@ import json
 import math
 import os
 import pathlib
-import sqlite3
 import statistics
-import struct
 import sys
 import textwrap
 
-try:
-    import matplotlib
-    from matplotlib import patheffects
-    from matplotlib.colors import LogNorm
-    from matplotlib.figure import Figure
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-    from matplotlib.transforms import Bbox
-    NO_MATPLOTLIB = ""
-except ImportError as error:
-    NO_MATPLOTLIB = (f"Pictures are drawn with matplotlib, which {sys.executable} does not have ({error}): "
-                     "install python3-matplotlib (deploy/setup does).")
-
-# Colours that stay apart for colour-blind eyes (after Okabe and Ito), on an opaque white ground. A model has one colour and one mark in every picture.
-GREY, BLUE, ORANGE, GREEN, PALE_GREEN, PURPLE, RED = "#6b6b6b", "#0072b2", "#c44e00", "#00805f", "#8fd0b5", "#8e24aa", "#b3261e"
-MODELS = {"original": (GREY, "s"), "adapted": (BLUE, "o"), "clustered": (ORANGE, "^"), "field": (GREEN, "D")}
-STYLE = {"font.size": 16, "axes.titlesize": 14, "axes.labelsize": 15, "legend.fontsize": 14, "xtick.labelsize": 14, "ytick.labelsize": 14,
-         "figure.titlesize": 20, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True,
-         "grid.color": "#e3e3e3", "legend.frameon": False, "figure.facecolor": "white", "savefig.facecolor": "white",
-         "svg.hashsalt": "voxtouch", "agg.path.chunksize": 20000}
+sys.dont_write_bytecode = True  # beside the program stand sources, and nothing else
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from plot_style import *  # noqa: E402, F403
+from plot_style import NO_MATPLOTLIB  # noqa: E402
 NOTE_WIDTH = 140  # characters
 ENDINGS = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}  # metadata that would differ from run to run
 
@@ -66,15 +50,6 @@ def new_figure(title, note, rows=1, columns=1, **more):
 def legend_beside(axis, **more):
     """Right of the plane, where it covers no data."""
     return axis.legend(loc="upper left", bbox_to_anchor=(1.005, 1.0), borderaxespad=0.0, **more)
-
-
-def log_axis(axis, low, high):
-    """Logarithmic from `low` to `high`, with plain numbers at 1, 2 and 5, or at decades where there are many."""
-    (axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale)("log")
-    (axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim)(low, high)
-    axis.set_major_locator(LogLocator(subs=(1,) if high / low > 2000 else (1, 2, 5), numticks=20))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_locator(NullLocator())
 
 
 def decade_round(values):
@@ -118,25 +93,29 @@ def label_marks(axis, marks, ringed=(), radius=11.0):
     return notes
 
 
-def check_picture(picture):
+def check_picture(picture, endings=tuple(ENDINGS)):
     """Ends with a sentence where a picture cannot be drawn, or not be written there."""
-    if picture.suffix.lower() not in ENDINGS:
-        sys.exit(f"{picture}: the name of a picture must end in .png, .svg or .pdf.")
+    if picture.suffix.lower() not in endings:
+        sys.exit(f"{picture}: the name of a {'picture must end in .png, .svg or .pdf' if '.png' in endings else 'page must end in .html'}.")
     if NO_MATPLOTLIB:
         sys.exit(NO_MATPLOTLIB)
     if picture.is_dir() or not os.access(picture.parent, os.W_OK | os.X_OK):
         sys.exit(f"{picture} could not be written: is its folder there, is there room, and may you write there?")
 
 
-def save(figure, picture):
+def keep(file, write):
     """Under its own name only when it is whole."""
-    part = picture.with_name(picture.name + ".part")
+    part = file.with_name(file.name + ".part")
     try:
-        figure.savefig(part, format=picture.suffix[1:].lower(), metadata=ENDINGS[picture.suffix.lower()])
-        os.replace(part, picture)
+        write(part)
+        os.replace(part, file)
     except OSError as error:
         part.unlink(missing_ok=True)
-        sys.exit(f"{picture} could not be written: {error.strerror}.")
+        sys.exit(f"{file} could not be written: {error.strerror}.")
+
+
+def save(figure, picture):
+    keep(picture, lambda part: figure.savefig(part, format=picture.suffix[1:].lower(), metadata=ENDINGS[picture.suffix.lower()]))
 
 
 def read_json(file, verb):
@@ -277,100 +256,105 @@ def design_figure(data):
 
 
 # ------------------------------------------------------------------------------------------------------------------------ forces
-def messages(bag, topic):
-    """CDR payloads (without encapsulation) of a topic, in order of arrival."""
-    for file in sorted(pathlib.Path(bag).glob("*.db3")):
-        connection = sqlite3.connect(f"file:{file}?mode=ro", uri=True)
-        yield from (data[4:] for (data,) in connection.execute(
-            "SELECT data FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = ?) ORDER BY id", (topic,)))
-        connection.close()
+FELT_NOTE = ("Contact: what the voxels give at the scene's own stiffness, felt by nobody. Returned: what the coupling made of it for the hand; capped to the stiffness that "
+             "is certified, filtered, damped, so later and usually smaller.")
 
 
-# Where things stand in a ContactState, a ForceCommand and a ValidationReport, behind the encapsulation (idl/msg).
-TIME, TOOL, OBJECT, WRENCH, CONTACT_WRENCH, DEPTH, COMMAND_WRENCH, GAP = 16, 24, 80, 136, 184, 328, 32, 24
+def read_run(bag, rig):
+    """(contact, returned, gap): of every ContactState, ForceCommand and ValidationReport the device's time [s], sizes of force [N], depth, heights
+    and gap [mm]; `contact` is the contact's force alone, `all` with what effects add. Throws BagError."""
+    from bag_data import Bag, norm, vector
+    tables = Bag(bag, rig, ["rendering/contact", "coupling/command", "validation"]).tables
+    contact, command, judged = tables.values()
+    return ({"t": contact["sample_time_ns"] * 1e-9, "all": norm(vector(contact["wrench"]["force"])), "contact": norm(vector(contact["contact_wrench"]["force"])),
+             "depth": 1e3 * contact["deepest_depth_m"], "tool": 1e3 * contact["tool_pose"]["position"]["z"], "body": 1e3 * contact["object_pose"]["position"]["z"]},
+            {"t": command["sample_time_ns"] * 1e-9, "force": norm(vector(command["wrench"]["force"]))},
+            {"t": judged["sample_time_ns"] * 1e-9, "gap": 1e3 * judged["gap_m"]})
 
 
-def number(message, at):
-    return struct.unpack_from("<d", message, at)[0]
-
-
-def vector(message, at):
-    return struct.unpack_from("<3d", message, at)
-
-
-def norm(v):
-    return math.sqrt(sum(x * x for x in v))
-
-
-def read(bag, topic, **values):
-    """Times of the device's clock [s], and for each name a list of what its function reads from a message."""
-    out = {"t": [], **{name: [] for name in values}}
-    for message in messages(bag, topic):
-        out["t"].append(struct.unpack_from("<q", message, TIME)[0] * 1e-9)
-        for name, value in values.items():
-            out[name].append(value(message))
-    return out
-
-
-def read_contact(bag, rig):
-    """Forces [N], depth and heights [mm] of every ContactState; `contact` is the contact's alone, `all` with what effects add."""
-    return read(bag, f"/{rig}/rendering/contact", all=lambda m: norm(vector(m, WRENCH)),
-                contact=lambda m: norm(vector(m, CONTACT_WRENCH)),
-                depth=lambda m: 1e3 * number(m, DEPTH), tool=lambda m: 1e3 * vector(m, TOOL)[2], body=lambda m: 1e3 * vector(m, OBJECT)[2])
-
-
-def read_returned(bag, rig):
-    """Forces [N] of every ForceCommand."""
-    return read(bag, f"/{rig}/coupling/command", force=lambda m: norm(vector(m, COMMAND_WRENCH)))
+def draw_over_time(axis, table, name, end, **more):
+    """A curve that leaves a gap where nothing was recorded for longer than three and a half times as usual."""
+    t = table["t"]
+    usual = sorted(b - a for a, b in zip(t, t[1:]))
+    axis.plot(*curve(t, table[name], 3.5 * usual[len(usual) // 2] if usual else math.inf, 0.0, end), **more)
 
 
 def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
-    if not any(pathlib.Path(bag).glob("*.db3")):
-        sys.exit(f"{bag}: there is no bag here; name the folder that holds metadata.yaml and a .db3 file.")
+    from bag_data import BagError
     try:
-        contact, returned = read_contact(bag, rig), read_returned(bag, rig)
-        gap = read(bag, f"/{rig}/validation", gap=lambda m: 1e3 * number(m, GAP))
-    except (sqlite3.Error, struct.error) as error:
-        sys.exit(f"{bag}: the bag cannot be read ({error}); is it whole, and of this version?")
-    if not contact["t"]:
+        contact, returned, gap = read_run(bag, rig)
+    except BagError as error:
+        sys.exit(str(error))
+    if not len(contact["t"]):
         sys.exit(f"{bag}: no messages on /{rig}/rendering/contact; is this a voxtouch bag, and --rig right?")
     start, length = contact["t"][0], contact["t"][-1] - contact["t"][0]
 
     def shown(table):
-        rows = [i for i, t in enumerate(table["t"]) if begin <= t - start <= end]
-        return {name: [values[i] - (start if name == "t" else 0.0) for i in rows] for name, values in table.items()}
+        rows = (table["t"] - start >= begin) & (table["t"] - start <= end)
+        return {name: values[rows] - (start if name == "t" else 0.0) for name, values in table.items()}
     contact, returned, gap = shown(contact), shown(returned), shown(gap)
-    if not contact["t"]:
+    if not len(contact["t"]):
         sys.exit(f"{bag}: nothing between --from {begin:g} and --to {end:g}; the recording lasts {length:.3g} s.")
-    body = any(abs(a - b) > 1e-3 for a, b in zip(contact["tool"], contact["body"]))
-    effects = any(abs(a - b) > 1e-9 for a, b in zip(contact["all"], contact["contact"]))
-    figure, axes = new_figure("Forces of a run, and how deep the tool is", note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}",
+    body = (abs(contact["tool"] - contact["body"]) > 1e-3).any()
+    effects = (abs(contact["all"] - contact["contact"]) > 1e-9).any()
+    felt, deepest, last = max(returned["force"], default=0.0), max(contact["depth"]), contact["t"][-1] + 1e-3
+    figure, axes = new_figure(f"{f'At most {felt:.2g} N' if felt > 1e-9 else 'No force'} came back to the hand; " +
+                              (f"the tool was {deepest:.2g} mm deep" if deepest > 0 else "the tool touched nothing"),
+                              (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}") + "\n" + FELT_NOTE,
                               3 if body else 2, sharex=True, height_ratios=(2, 1, 1) if body else (2, 1))
     top, middle, bottom = axes[0][0], axes[1][0], axes[-1][0]
-    top.plot(contact["t"], contact["contact"], color=ORANGE, lw=1.1, zorder=4, label="contact (rendering)")
+    bottom.set_xlim(contact["t"][0], last)
+    draw_over_time(top, contact, "contact", last, color=CONTACT, lw=1.1, zorder=4, label="of the contact\n(rendering)")
     if effects:
-        top.plot(contact["t"], contact["all"], color=PALE_GREEN, lw=4.5, zorder=2, label="grip on the body\n(rendering)" if body else "contact and effects\n(rendering)")
-    top.plot(returned["t"], returned["force"], color=BLUE, lw=2.0, zorder=3, label="returned to the hand\n(coupling)")
-    top.set_ylabel("force [N]")
-    top.set_ylim(bottom=0.0)
+        draw_over_time(top, contact, "all", last, color=PALE_GREEN, lw=4.5, zorder=2, label="grip on the body\n(rendering)" if body else "contact and effects\n(rendering)")
+    draw_over_time(top, returned, "force", last, color=RETURNED, lw=2.0, zorder=3, label="returned to the hand\n(coupling)")
+    top.set_ylabel("size of the force [N]")
+    top.set_ylim(0.0, robust_limit(contact["contact"], contact["all"], returned["force"]))
+    for table, name, colour in ((contact, "contact", CONTACT), (contact, "all", GREEN), (returned, "force", RETURNED)):
+        if not mark_beyond(top, table["t"], table[name], top.get_ylim()[1], "N", colour):
+            continue
+        break  # one text tells of the place; the others leave the plane with it
     if body:
-        middle.plot(contact["t"], contact["tool"], color=BLUE, lw=2.4, label="tool")
-        middle.plot(contact["t"], contact["body"], color=ORANGE, lw=1.6, ls="--", label="body")
+        draw_over_time(middle, contact, "tool", last, color=BLUE, lw=2.4, label="tool")
+        draw_over_time(middle, contact, "body", last, color=ORANGE, lw=1.6, ls="--", label="body")
         middle.set_ylabel("height [mm]")
         legend_beside(middle)
-    bottom.plot(contact["t"], contact["depth"], color=PURPLE, lw=1.4, label="depth of the deepest\npoint (rendering)")
-    bottom.plot(gap["t"], gap["gap"], color="black", lw=1.6, ls="--", label="gap, < 0: overlap\n(validator)")
+    draw_over_time(bottom, contact, "depth", last, color=PURPLE, lw=1.4, label="depth of the deepest\npoint (rendering)")
+    draw_over_time(bottom, gap, "gap", last, color="black", lw=1.6, ls="--", label="gap, < 0: overlap\n(validator); in free\nair above the plane")
     bottom.axhline(0.0, color="0.5", lw=0.8)
-    deep = max([1.0] + contact["depth"] + [-g for g in gap["gap"] if math.isfinite(g)])
+    deep = max(1.0, robust_limit(contact["depth"], gap["gap"][gap["gap"] < 0.0]))
     bottom.set_ylim(-1.25 * deep, 2.0 * deep)
+    mark_beyond(bottom, contact["t"], contact["depth"], 2.0 * deep, "mm", PURPLE)
     bottom.set_ylabel("distance [mm]")
-    bottom.set_xlabel("time [s]")
-    bottom.set_xlim(contact["t"][0], contact["t"][-1] + 1e-3)
+    bottom.set_xlabel("time on the device's clock [s]")
     legend_beside(top, labelspacing=0.8)
     legend_beside(bottom, labelspacing=0.8)
-    pushing = sum(1 for force in contact["contact"] if force > 1e-9)
+    pushing = int((contact["contact"] > 1e-9).sum())
     return figure, (f"shows {contact['t'][-1] - contact['t'][0]:.3f} s: {len(contact['t'])} samples, {pushing} with contact, "
-                    f"largest contact force {max(contact['contact']):.3f} N, largest returned force {max(returned['force'], default=0.0):.3f} N")
+                    f"largest contact force {max(contact['contact']):.3f} N, largest returned force {felt:.3f} N")
+
+
+# ------------------------------------------------------------------------------------------------------------------------ report
+def tell_progress(share):
+    """For who started this and waits: a line that is no part of what is said in the end."""
+    print(f"progress {100.0 * share:.0f}", file=sys.stderr, flush=True)
+
+
+def write_report(bag, page, beside=None, rig="", progress=lambda share: None):
+    """Writes a run's page; says what it holds. Of what goes wrong a sentence, whatever stands in the bag."""
+    import run_page
+    from bag_data import BagError
+    from run_data import Run
+    bags = [bag] + ([beside] if beside else [])
+    try:
+        runs = [Run(one, rig, lambda share, done=i: progress(0.4 * (done + share) / len(bags))) for i, one in enumerate(bags)]
+        text = run_page.page(runs, lambda share: progress(0.4 + 0.6 * share))
+    except BagError as error:
+        sys.exit(str(error))
+    except Exception as error:  # a bag may hold anything
+        sys.exit(f"{' or '.join(map(str, bags))} holds what this report was not made for ({type(error).__name__}: {error}).")
+    keep(page, lambda part: part.write_text(text, encoding="utf-8", errors="replace"))
+    return f"shows {' beside '.join(run.name for run in runs)}: {max(run.length_s for run in runs):.3f} s"
 
 
 # --------------------------------------------------------------------------------------------------------------------- stability
@@ -447,10 +431,18 @@ def main(arguments=None):
     forces.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="first second shown; 0 is the first contact message")
     forces.add_argument("--to", dest="end", type=float, default=math.inf, metavar="S", help="last second shown")
     forces.add_argument("--note", default="", help="the conditions, under the title; default: the bag's name")
+    report = commands.add_parser("report", help="writes the page of a recorded run", description="writes the page of a recorded run")
+    report.add_argument("data", metavar="BAG", help="folder of the bag")
+    report.add_argument("picture", metavar="PAGE.html", type=pathlib.Path, help="file to write")
+    report.add_argument("--beside", metavar="BAG", help="a second run, which stands beside the first")
+    report.add_argument("--rig", default="", help="rig name (default: the one that the bag holds)")
+    report.add_argument("--progress", action="store_true", help="says on stderr how far it is")
     command("stability", ("MAP.csv", "what `build/bin/stability_map --out MAP.csv` wrote"), "draws the stability map")
     command("check", None, "draws nothing; says what is missing, if anything")
     a = parser.parse_args(None if arguments is None else [str(word) for word in arguments])
-    check_picture(a.picture)
+    check_picture(a.picture, (".html",) if a.command == "report" else tuple(ENDINGS))
+    if a.command == "report":
+        return print(f"{a.picture} {write_report(a.data, a.picture, a.beside, a.rig, tell_progress if a.progress else lambda share: None)}")
     if a.command == "check":
         return
     with matplotlib.rc_context(STYLE):
@@ -469,4 +461,7 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit("stopped before the picture was drawn")

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   voxtouch::cli::add_change(app, action);
   voxtouch::cli::add_types(app, action);
   voxtouch::cli::add_view(app, action);
+  voxtouch::cli::add_report(app, action);
   voxtouch::cli::add_status(app, action);
   try {
     app.parse(argc, argv);

@@ -49,7 +49,7 @@ def main():
         said, told = pathlib.Path(folder, "err"), pathlib.Path(folder, "out")
         with open(said, "w") as err, open(told, "w") as out:
             up = subprocess.Popen([ask.build / "bin/voxtouch", "up", HERE / "deploy/scenes/cup.yaml", "--motion", "slide", "--duration", str(ask.duration),
-                                   "--json", "--domain", str(ask.domain), "--record", pathlib.Path(folder, "bag")],
+                                   "--json", "--no-report", "--domain", str(ask.domain), "--record", pathlib.Path(folder, "bag")],
                                   stdout=out, stderr=err, stdin=subprocess.DEVNULL)
         try:
             until = time.monotonic() + 60

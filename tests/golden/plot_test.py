@@ -152,11 +152,11 @@ class Pictures(unittest.TestCase):
     def test_forces_of_a_bag_are_those_that_the_run_counted(self):
         bag, file = self.at / "bag", self.at / "forces.png"
         run = voxtouch("up", DEPLOY / "scenes/cup.yaml", "--device", "sim-phantom", "--motion", "slide", "--duration", "2", "--lockstep",
-                       "--one-process", "--record", bag, "--json")
+                       "--one-process", "--record", bag, "--no-report", "--json")
         self.assertEqual(run.returncode, 0, run.stderr)
         summary = json.loads(run.stdout)
         self.assertGreater(summary["contact_samples"], 100)
-        contact, returned = plot.read_contact(bag, "haptic"), plot.read_returned(bag, "haptic")
+        contact, returned, _ = plot.read_run(bag, "haptic")
         self.assertEqual(len(contact["t"]), summary["samples"])
         self.assertEqual(sum(1 for force in contact["all"] if force > 1e-9), summary["contact_samples"])
         self.assertAlmostEqual(max(returned["force"]), summary["max_force_n"], 5)

@@ -14,7 +14,7 @@ std::vector<std::string> on_a_busy_machine() {
 }
 
 std::vector<std::string> up_arguments(const std::string& scene, const std::vector<std::string>& more) {
-  std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch", "up", scene, "--json", "--domain", fresh_domain()};
+  std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch", "up", scene, "--json", "--no-report", "--domain", fresh_domain()};
   if (std::find(more.begin(), more.end(), "--lockstep") == more.end()) {
     const std::vector<std::string> lifted = on_a_busy_machine();
     a.insert(a.end(), lifted.begin(), lifted.end());

@@ -17,6 +17,8 @@
 #include "core/scene/scene_file.hpp"
 #include "devices/settings.hpp"
 #include "nodes/bus/reader.hpp"
+#include "nodes/cli/plot_tool.hpp"
+#include "nodes/cli/up/command_line.hpp"
 #include "nodes/cli/up/launcher.hpp"
 #include "nodes/cli/up/summary.hpp"
 #include "nodes/cli/up/up_checks.hpp"
@@ -40,7 +42,7 @@ struct UpOptions {
   std::filesystem::path bag;
   std::vector<std::string> settings, topics, limits;
   std::uint64_t every = 20;
-  bool no_record = false, one_process = false, json = false, view = false;
+  bool no_record = false, no_report = false, one_process = false, json = false, view = false;
 };
 
 /// Of the user and not of the current folder, which may be one that nobody can write to: as the XDG base directories have it.
@@ -116,6 +118,8 @@ class Run {
     runtime::NodeReport report;
     report.state = state;
     report.message = "this ring's `voxtouch up`";
+    std::error_code ignored;
+    report.values = command_words(own_words(), std::filesystem::current_path(ignored).string());
     status_.publish(report);
   }
 
@@ -311,6 +315,21 @@ void print_json(const nlohmann::ordered_json& json) {
              json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
 }
 
+/// Beside the bag, and no part of the run: where it cannot be drawn a sentence says so, and a long one goes on by itself.
+void report_on(const RunSummary& summary) {
+  constexpr std::chrono::seconds kPatience{4};
+  if (number(summary.reports, "device", "samples") == 0 || !std::filesystem::exists(summary.bag)) return;
+  const std::filesystem::path page = std::filesystem::path(summary.bag) / "report.html";
+  try {
+    if (write_report({.bag = summary.bag, .page = page}, kPatience))
+      log::tell("report: {}\n", page.string());
+    else
+      log::tell("report: {} is still being drawn, and will be there when it is whole\n", page.string());
+  } catch (const std::exception& error) {
+    log::tell("note: no report is drawn: {} `voxtouch report {}` draws it later\n", error.what(), summary.bag);
+  }
+}
+
 int up(const UpOptions& options) {
   try {
     const RunSummary summary = run_up(options);
@@ -318,6 +337,7 @@ int up(const UpOptions& options) {
       print_json(to_json(summary));
     else
       log::print_result("{}", to_text(summary));
+    if (!options.no_record && !options.no_report) report_on(summary);
     return summary.problems.empty() ? 0 : 1;
   } catch (const std::exception& error) {
     if (options.json) print_json({{"ok", false}, {"problems", {error.what()}}});
@@ -359,6 +379,7 @@ void add_up(CLI::App& app, Action& action) {
       ->allow_extra_args(false)
       ->check(check_limit);
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
+  verb->add_flag("--no-report", options->no_report, "No report.html beside the bag: see voxtouch report --help");
   verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
   verb->add_flag("--view", options->view, "Serves a page that shows the ring, and tells its address: see voxtouch view --help");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");

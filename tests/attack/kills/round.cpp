@@ -33,7 +33,7 @@ bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds pa
 }
 
 std::vector<std::string> command(const RoundOptions& ask, const std::filesystem::path& bag) {
-  std::vector<std::string> words{VOXTOUCH_BIN "/voxtouch", "up", test::shipped_scene("cup"), "--json", "--domain", std::to_string(ask.domain),
+  std::vector<std::string> words{VOXTOUCH_BIN "/voxtouch", "up", test::shipped_scene("cup"), "--json", "--no-report", "--domain", std::to_string(ask.domain),
                                  "--rig", ask.rig, "--motion", "slide", "--record", bag.string()};
   words.insert(words.end(), ask.options.begin(), ask.options.end());
   return words;

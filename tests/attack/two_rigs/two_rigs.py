@@ -81,7 +81,7 @@ class Rig:
         self.name, self.bag = name, folder / name
         self.said, self.told = open(folder / f"{name}.err", "w+"), open(folder / f"{name}.out", "w+")
         self.process = subprocess.Popen(
-            [ask.build / "bin/voxtouch", "up", HERE / "deploy/scenes/cup.yaml", "--motion", "slide", "--duration", str(ask.duration), "--json",
+            [ask.build / "bin/voxtouch", "up", HERE / "deploy/scenes/cup.yaml", "--motion", "slide", "--duration", str(ask.duration), "--json", "--no-report",
              "--rig", name, "--domain", str(domain), "--record", self.bag], stdout=self.told, stderr=self.said, stdin=subprocess.DEVNULL)
 
     def lines(self):

@@ -214,7 +214,7 @@ def ring(page, build, out, quick):
             bag.parent.mkdir(exist_ok=True)
             scene = ROOT / "deploy/scenes/cup.yaml" if coupling == "designed" else out / "cup_5_hz.yaml"
             done = run([build / "bin/voxtouch", "up", scene, "--device", device, "--motion", motion, "--lockstep", "--duration", seconds,
-                        "--record", bag, "--one-process", "--json"])
+                        "--record", bag, "--one-process", "--no-report", "--json"])
             axis = axes[row][column]
             axis.set_title(f"{device}, {title}, {coupling}", fontsize=9)
             if not list(bag.glob("*.db3")):
@@ -222,7 +222,7 @@ def ring(page, build, out, quick):
                 rows.append([device, motion, coupling, "refused: " + "; ".join(problems)])
                 axis.text(0.5, 0.5, "refused", transform=axis.transAxes, ha="center")
                 continue
-            raw, returned = plot.read_contact(bag, "haptic"), plot.read_returned(bag, "haptic")
+            raw, returned, _ = plot.read_run(bag, "haptic")
             axis.plot(raw["t"], raw["all"], lw=0.5, color=ORANGE, label="contact force, raw")
             axis.plot(returned["t"], returned["force"], lw=1.6, color=BLUE, label="returned to the hand")
             axis.set_ylabel("force [N]")

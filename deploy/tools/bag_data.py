@@ -1,0 +1,233 @@
+"""What a recorded run holds, as arrays and dictionaries. The layout of the messages is read from idl/msg, where they are written down.
+
+Reads rosbag2 folders (sqlite3), also of a ring that was killed. Needs numpy, which comes with python3-matplotlib.
+"""
+import functools
+import json
+import pathlib
+import sqlite3
+import struct
+import sys
+
+import numpy
+from numpy.lib import recfunctions
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "idl"))
+from generate_idl import PRIMITIVES, parse  # noqa: E402
+
+OWN = "voxtouch_msgs"
+FORMATS = {"bool": "?", "byte": "u1", "char": "u1", "float32": "<f4", "float64": "<f8",
+           **{f"{u}int{8 * n}": f"<{s}{n}" for u, s in (("", "i"), ("u", "u")) for n in (1, 2, 4, 8)}}
+AT_ONCE = 20000  # messages that are held as they come before their numbers are taken out
+
+
+class BagError(Exception):
+    """A sentence: what of the bag cannot be used."""
+
+
+# ------------------------------------------------------------------------------------------------------------------ messages
+@functools.cache
+def message(name, package=OWN):
+    """(fields, constants) of a message, as its .msg file says."""
+    folder = ROOT / "idl" / ("" if package == OWN else f"ros/{package}") / "msg"
+    fields, constants = parse(folder / f"{name}.msg", package)
+    return fields, {key: int(value) for _, key, value in constants}
+
+
+def constants(name):
+    return message(name)[1]
+
+
+@functools.cache
+def layout(name, package=OWN):
+    """(dtype, whole): the fields of fixed size at the front of a message, and whether these are all. Ends where padding would stand."""
+    out, at = [], 0
+    for kind, owner, array, count, field in message(name, package)[0]:
+        one, whole = layout(kind, owner) if owner else (numpy.dtype(FORMATS[kind]) if kind in FORMATS else None, True)
+        if one is None or not whole or array not in (None, "fixed") or at % min(8, one.itemsize):
+            return numpy.dtype(out), False
+        out.append((field, one, (count,)) if array else (field, one))
+        at += one.itemsize * (count or 1)
+    return numpy.dtype(out), True
+
+
+def decode(name, data, last=None):
+    """A message as a dictionary, up to the field `last`. `data` begins with the encapsulation header."""
+    return Decoder(data).fields(name, OWN, last)
+
+
+class Decoder:
+    def __init__(self, data):
+        self.data, self.at = data, 4
+
+    def number(self, kind):
+        size = PRIMITIVES[kind][1]
+        self.at += -(self.at - 4) % size
+        value, = struct.unpack_from("<" + {"bool": "?", "byte": "B", "char": "B", "float32": "f", "float64": "d"}.get(
+            kind, {1: "b", 2: "h", 4: "i", 8: "q"}[size].upper() if kind[0] == "u" else {1: "b", 2: "h", 4: "i", 8: "q"}[size]), self.data, self.at)
+        self.at += size
+        return value
+
+    def text(self):
+        length = self.number("uint32")
+        if self.at + length > len(self.data):
+            raise struct.error("a text is longer than its message")
+        self.at += length
+        return self.data[self.at - length:self.at - 1].decode(errors="replace") if length else ""
+
+    def value(self, kind, owner):
+        return self.fields(kind, owner) if owner else self.text() if kind == "string" else self.number(kind)
+
+    def fields(self, name, package, last=None):
+        out = {}
+        for kind, owner, array, size, field in message(name, package)[0]:
+            if array:
+                count = size if array == "fixed" else self.number("uint32")
+                if count > len(self.data):
+                    raise struct.error("a list is longer than its message")
+                out[field] = [self.value(kind, owner) for _ in range(count)]
+            else:
+                out[field] = self.value(kind, owner)
+            if field == last:
+                break
+        return out
+
+
+def vector(field):
+    """x, y, z of many messages as n rows of three."""
+    return numpy.stack([field["x"], field["y"], field["z"]], -1)
+
+
+def norm(vectors):
+    return numpy.sqrt((vectors * vectors).sum(-1))
+
+
+# ---------------------------------------------------------------------------------------------------------------------- bags
+def database_files(path):
+    path = pathlib.Path(path)
+    files = [path] if path.suffix == ".db3" else sorted(path.glob("*.db3"), key=lambda f: (len(f.name), f.name))
+    if files and path.exists():
+        return files
+    if any(path.glob("*.mcap")) or any(path.glob("*.zstd")):
+        raise BagError(f"{path}: bags in mcap or compressed are not read; `ros2 bag convert` makes one in sqlite3.")
+    raise BagError(f"{path}: there is no bag here; name the folder that holds metadata.yaml and a .db3 file.")
+
+
+class Rows:
+    """What comes of one topic: its times [ns], and its numbers (`fields` of a message's front) or its whole messages."""
+
+    def __init__(self, type_name, fields):
+        self.fields, self.times, self.raw, self.parts = fields, [], [], []
+        self.dtype, self.whole = layout(type_name)
+        self.empty = numpy.empty(0, self.dtype)[list(fields)] if fields else None
+
+    def add(self, time, data):
+        self.times.append(time)
+        self.raw.append(data)
+        if self.fields and len(self.raw) >= AT_ONCE:
+            self.take()
+
+    def take(self):
+        """Of many messages their fields, copied, so that the rest of them is let go."""
+        size = self.dtype.itemsize
+        if any(len(data) != size + 4 if self.whole else len(data) < size + 4 for data in self.raw):
+            raise BagError("the messages are not laid out as in this version of voxtouch: read the bag with the version that recorded it.")
+        if self.raw:
+            table = numpy.frombuffer(b"".join(data[4:size + 4] for data in self.raw), self.dtype)
+            self.parts.append(recfunctions.repack_fields(table[list(self.fields)]))
+            self.raw = []
+
+    def table(self):
+        self.take()
+        return numpy.concatenate(self.parts) if self.parts else self.empty
+
+
+class Bag:
+    """Topics of one rig in a bag, by what follows the rig's name."""
+
+    # What is kept of each message, or None for all of it; a page of ten minutes has no room for more.
+    STREAMS = {
+        "device/state": ("DeviceState", ("session_id", "sequence_number", "sample_time_ns", "flags")),
+        "rendering/contact": ("ContactState", ("session_id", "sequence_number", "sample_time_ns", "tool_pose", "object_pose", "wrench",
+                                               "contact_wrench", "deepest_depth_m", "time_spent_ns", "flags")),
+        "coupling/command": ("ForceCommand", ("session_id", "sequence_number", "sample_time_ns", "wrench", "energy_j", "energy_rotation_j",
+                                              "damping_ns_per_m", "status")),
+        "validation": ("ValidationReport", ("session_id", "sequence_number", "sample_time_ns", "gap_m", "verdict"))}
+    MESSAGES = {"device/description": "DeviceDescription", "rendering/plan": "ScenePlan", "coupling/design": "CouplingDesign",
+                "node_status": "NodeStatus", "rendering/changed": "EffectChanged", "rendering/change": "EffectChange"}
+
+    def __init__(self, path, rig="", wanted=None, progress=lambda share: None):
+        self.path = pathlib.Path(path)
+        self.notes = []  # sentences on what is not as it should be, and was read all the same
+        kinds = {**{name: kind for name, (kind, _) in self.STREAMS.items()}, **self.MESSAGES}
+        wanted = list(kinds) if wanted is None else wanted
+        files = [(file, self.topics_of(file)) for file in database_files(path)]
+        self.rig = self.find_rig({name: kind for _, topics in files for name, kind in topics.values()}, rig)
+        self.rows = {name: Rows(kinds[name], self.STREAMS.get(name, (0, ()))[1]) for name in wanted}
+        for number, (file, topics) in enumerate(files):
+            rows = {row: self.rows[name] for row, (full, kind) in topics.items() for name in wanted
+                    if full == f"/{self.rig}/{name}" and kind == f"{OWN}/msg/{kinds[name]}"}
+            self.read(file, rows, lambda share, done=number: progress((done + share) / len(files)))
+        try:
+            self.tables = {name: self.rows[name].table() for name in wanted if name in self.STREAMS}
+        except BagError as error:
+            raise BagError(f"{self.path}: {error}") from None
+        self.times = {name: numpy.array(self.rows[name].times, numpy.int64) for name in wanted}
+
+    def find_rig(self, topics, rig):
+        rigs = sorted({name.split("/")[1] for name, kind in topics.items() if kind.startswith(OWN + "/") and name.count("/") > 1})
+        if not rigs:
+            raise BagError(f"{self.path}: this is no recording of voxtouch: none of its {len(topics)} topics has a type of {OWN}.")
+        if rig and rig not in rigs:
+            raise BagError(f"{self.path}: no messages on /{rig}/rendering/contact; the bag is of rig {' and '.join(rigs)}, so give that by --rig.")
+        if not rig and len(rigs) > 1:
+            self.notes.append(f"The bag holds the rigs {', '.join(rigs)}; this is {'haptic' if 'haptic' in rigs else rigs[0]} (--rig chooses another).")
+        return rig or ("haptic" if "haptic" in rigs else rigs[0])
+
+    def connect(self, file):
+        return sqlite3.connect(f"file:{str(file).replace('%', '%25').replace('?', '%3f').replace('#', '%23')}?mode=ro", uri=True)
+
+    def topics_of(self, file):
+        try:
+            connection = self.connect(file)
+            topics = {row: (name, kind) for row, name, kind in connection.execute("SELECT id, name, type FROM topics")}
+            connection.close()
+            return topics
+        except sqlite3.Error as error:
+            raise BagError(f"{self.path}: the bag cannot be read ({error}); is it whole, and of this version?") from None
+
+    def read(self, file, rows, progress):
+        connection = self.connect(file)
+        try:
+            last = connection.execute("SELECT max(id) FROM messages").fetchone()[0] or 1
+            cursor = connection.execute(f"SELECT id, topic_id, timestamp, data FROM messages WHERE topic_id IN ({','.join(map(str, rows))}) ORDER BY id")
+            while some := cursor.fetchmany(AT_ONCE):
+                for _, topic, time, data in some:
+                    rows[topic].add(time, data)
+                progress(some[-1][0] / last)
+        except sqlite3.Error as error:
+            self.notes.append(f"The bag is damaged: {file.name} could be read in part only ({error}).")
+        except BagError as error:
+            raise BagError(f"{self.path}: {error}") from None
+        finally:
+            connection.close()
+
+    def messages(self, name, last=None):
+        """(time [ns], message as a dictionary) in order of arrival; what cannot be read is left out, and said."""
+        out, bad = [], 0
+        for time, data in zip(self.rows[name].times, self.rows[name].raw):
+            try:
+                out.append((time, decode(self.MESSAGES[name], data, last)))
+            except struct.error:
+                bad += 1
+        if bad:
+            self.notes.append(f"{bad} messages on /{self.rig}/{name} are not laid out as in this version of voxtouch.")
+        return out
+
+    def recording(self):
+        """What the logger tells of the recording beside it; {} where there is nothing."""
+        try:
+            return json.loads((self.path / "voxtouch_recording.json").read_text())
+        except (OSError, ValueError):
+            return {}

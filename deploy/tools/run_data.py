@@ -1,0 +1,298 @@
+"""A recorded run in numbers: what was felt and when, on one time axis; its figures, its faults, its words. Draws nothing."""
+import functools
+import math
+import re
+import shlex
+
+import numpy
+
+from bag_data import Bag, BagError, constants, decode, norm, vector
+
+TOUCH_N = 1e-9  # what is less is no force
+APART_S = 0.05  # samples of one fault that are closer than this are one stretch of it
+MOST_STRETCHES = 6  # of one fault that are told one by one
+
+# What a flag says of a stretch of samples. What belongs to a sound run (capped, held, saturated, ramping) is told among the figures.
+CONTACT_FAULTS = {
+    "FLAG_REFUSED_SAMPLE": "the device's sample was not usable; the last good one was kept",
+    "FLAG_FAST": "the tool moved more than half a voxel a sample",
+    "FLAG_CROSSED": "a wall was crossed in one sample; the tool was pushed back to where it came from",
+    "FLAG_MISSED": "the tool was too fast to be followed: a contact may have been missed",
+    "FLAG_LAG": "the virtual tool did not reach its place within the frame",
+    "FLAG_UNPLACED": "there was no place for the virtual tool: nothing was felt"}
+COMMAND_FAULTS = {
+    "STATUS_HELD_INPUT": "the contact was missing or not finite; the last good one was held",
+    "STATUS_CLAMPED": "the contact's force was over the device's range and cut"}
+STATE_FAULTS = {"FLAG_POSE_HELD": "the device's pose was not to be trusted; the last good one was kept"}
+# Of the device's own counts, ten times a second.
+DEVICE_FAULTS = {
+    "overruns": "periods were skipped: the device's loop came too late",
+    "deadline_misses": "deadlines missed: no command came for three periods",
+    "refused": "commands were refused by the guard",
+    "clamped": "commands were cut by the guard to what the device may give",
+    "interruptions": "times the device gave no force, or lost it",
+    "foreign_commands": "commands of a second writer were refused"}
+STATES = {0: "starting", 1: "ready", 2: "running", 3: "stopped", 4: "failed"}
+
+
+def largest(values):
+    """Of those that are numbers; None where none is."""
+    values = values[numpy.isfinite(values)]
+    return float(values.max()) if len(values) else None
+
+
+class Run:
+    """`t`: seconds on the device's clock since the first recorded sample; a later session follows at the time at which it was recorded."""
+
+    def __init__(self, path, rig="", progress=lambda share: None):
+        self.bag = Bag(path, rig, progress=progress)
+        self.name = self.bag.path.resolve().name
+        self.state, self.contact, self.command, self.validation = (
+            self.bag.tables[name] for name in ("device/state", "rendering/contact", "coupling/command", "validation"))
+        self.place_sessions()
+        self.t_state, self.t_contact, self.t_command, self.t_validation = (
+            self.seconds(table) for table in (self.state, self.contact, self.command, self.validation))
+        self.description = self.last("device/description")
+        self.plan, self.design = self.last("rendering/plan"), self.last("coupling/design")
+        self.returned, self.pushed = vector(self.command["wrench"]["force"]), vector(self.contact["contact_wrench"]["force"])
+        self.rendered, self.torque = vector(self.contact["wrench"]["force"]), vector(self.command["wrench"]["torque"])
+        self.depth_mm, self.gap_mm = 1e3 * self.contact["deepest_depth_m"], 1e3 * self.validation["gap_m"]
+        self.read_statuses()
+
+    # ------------------------------------------------------------------------------------------------------------------- time
+    def place_sessions(self):
+        """Of each session its first stamp and where on the axis that lies. Of a stranger's samples nothing is known: they are left out."""
+        source, name = (self.state, "device/state") if len(self.state) else (self.contact, "rendering/contact")
+        times = self.bag.times[name]
+        if not len(source):
+            raise BagError(f"{self.bag.path}: there is nothing to report: the bag holds no sample of /{self.bag.rig}/device/state and no contact. "
+                           "The ring was stopped before its first sample, or was not recorded. " + " ".join(self.bag.notes))
+        ids, first = numpy.unique(source["session_id"], return_index=True)
+        order = numpy.argsort(first)
+        self.sessions = {int(ids[i]): (int(source["sample_time_ns"][first[i]]), int(times[first[i]] - times[0])) for i in order}
+        for table in ("state", "contact", "command", "validation"):
+            rows = getattr(self, table)
+            known = numpy.isin(rows["session_id"], list(self.sessions))
+            if not known.all():
+                self.bag.notes.append(f"{int((~known).sum())} messages ({table}) belong to no session of this bag's device; they are left out.")
+                setattr(self, table, rows[known])
+                key = {"state": "device/state", "contact": "rendering/contact", "command": "coupling/command", "validation": "validation"}[table]
+                self.bag.times[key] = self.bag.times[key][known]
+        if len(self.sessions) > 1:
+            self.bag.notes.append(f"The device began {len(self.sessions)} sessions; each stands where it was recorded.")
+
+    def seconds(self, table):
+        out = numpy.zeros(len(table))
+        for session, (begin, offset) in self.sessions.items():
+            of = table["session_id"] == session
+            out[of] = (table["sample_time_ns"][of] - begin + offset) * 1e-9
+        return out
+
+    def at(self, recorded_ns):
+        """Where a message without a sample's time lies: between the samples that were recorded around it."""
+        times, t = (self.bag.times["device/state"], self.t_state) if len(self.state) else (self.bag.times["rendering/contact"], self.t_contact)
+        return float(numpy.interp(recorded_ns, times, t))
+
+    @property
+    def length_s(self):
+        return max([float(t[-1]) for t in (self.t_state, self.t_contact, self.t_command) if len(t)], default=0.0)
+
+    @functools.cached_property
+    def lockstep(self):
+        if len(self.state):
+            return bool(self.state["flags"][0] & constants("DeviceState")["FLAG_LOCKSTEP"])
+        return bool(self.description.get("lockstep"))
+
+    # ------------------------------------------------------------------------------------------------------------------ words
+    def last(self, name):
+        every = self.bag.messages(name)
+        return every[-1][1] if every else {}
+
+    def read_statuses(self):
+        """Every node's last status; what each said and when; the device's counts over time."""
+        self.nodes, self.said, self.device_figures = {}, [], []
+        raw, latest, words = self.bag.rows["node_status"], {}, {}
+        for (time, head), data in zip(self.bag.messages("node_status", last="message"), raw.raw):
+            key = (head["node"], head["host"], head["pid"])
+            latest[key] = data
+            if words.get(key) != (head["state"], head["message"]):
+                words[key] = head["state"], head["message"]
+                self.said.append((self.at(time), head["node"], STATES.get(head["state"], "?"), head["message"]))
+            if head["node"] == "device":
+                self.device_figures.append((time, data))
+        for key, data in latest.items():
+            status = decode("NodeStatus", data)
+            status["values"] = {pair["key"]: pair["value"] for pair in status["values"]}
+            status["figures"] = {figure["name"]: figure["value"] for figure in status["figures"]}
+            self.nodes[key] = status
+        rows = [(self.at(time), {f["name"]: f["value"] for f in decode("NodeStatus", data)["figures"]}) for time, data in self.device_figures]
+        self.device_figures = [(t, figures) for t, figures in rows if "samples" in figures]
+
+    def node(self, name):
+        """The last status of a node of this name; {} where there is none."""
+        every = [status for (node, *_), status in self.nodes.items() if node == name]
+        return every[-1] if every else {}
+
+    def counted(self, node, figure):
+        return self.node(node).get("figures", {}).get(figure)
+
+    def word(self, node, key):
+        return self.node(node).get("values", {}).get(key, "")
+
+    @property
+    def scene(self):
+        return self.plan.get("scene") or self.word("device", "scene") or "unknown"
+
+    @property
+    def device(self):
+        return self.description.get("model") or self.word("device", "device") or "unknown"
+
+    @property
+    def limit_n(self):
+        limit = self.description.get("max_force_n", math.nan)
+        return limit if limit > 0 else math.nan
+
+    def command_line(self):
+        """(folder, words) of the `voxtouch up` that made the run, or None where the bag does not tell."""
+        values = self.node("up").get("values", {})
+        line = "".join(values[key] for key in sorted(values) if re.fullmatch(r"command_\d\d", key))
+        try:
+            return (values.get("folder", ""), shlex.split(line)) if line else None
+        except ValueError:
+            return None
+
+    # ---------------------------------------------------------------------------------------------------------------- figures
+    @functools.cached_property
+    def answers(self):
+        """Of each recorded command the row of the sample that it answers, or -1."""
+        def keys(table):
+            out = numpy.empty(len(table), [("session", "<u8"), ("number", "<u8")])
+            out["session"], out["number"] = table["session_id"], table["sequence_number"]
+            return out
+        states = keys(self.state)
+        order = numpy.argsort(states)
+        if not len(states):
+            return numpy.full(len(self.command), -1)
+        found = numpy.minimum(numpy.searchsorted(states[order], keys(self.command)), len(states) - 1)
+        return numpy.where(states[order[found]] == keys(self.command), order[found], -1)
+
+    @functools.cached_property
+    def latency_us(self):
+        """(t, latency) as the logger saw it: from when it took a sample to when it took the command for it. Empty in lockstep."""
+        if self.lockstep:
+            return numpy.empty(0), numpy.empty(0)
+        known = self.answers >= 0
+        spent = self.bag.times["coupling/command"][known] - self.bag.times["device/state"][self.answers[known]]
+        return self.t_command[known], spent / 1e3
+
+    @functools.cached_property
+    def figures(self):
+        """What this page counts in the recorded messages; None where they do not tell."""
+        force, pushed = norm(self.returned), norm(self.rendered)
+        peak = int(numpy.argmax(numpy.where(numpy.isfinite(force), force, -1.0))) if len(force) else None
+        most = largest(force)
+        touching = pushed > TOUCH_N
+        return {
+            "length_s": self.length_s, "samples": len(self.state), "rate_hz": self.rate_hz,
+            "answered": len(numpy.unique(self.answers[self.answers >= 0])),
+            "max_force_n": most, "max_force_at_s": None if most is None else float(self.t_command[peak]),
+            "share_of_limit": most / self.limit_n if most is not None and math.isfinite(self.limit_n) else None,
+            "max_torque_nm": largest(norm(self.torque)), "max_contact_force_n": largest(norm(self.pushed)),
+            "contact_samples": int(touching.sum()), "contact_share": float(touching.mean()) if len(pushed) else None,
+            "max_depth_mm": largest(self.depth_mm), "max_energy_j": largest(self.command["energy_j"]),
+            "least_energy_j": None if largest(-self.command["energy_j"]) is None else -largest(-self.command["energy_j"]),
+            "capped_samples": self.count(self.command["status"], "ForceCommand", "STATUS_CAPPED"),
+            "passivity_samples": self.count(self.command["status"], "ForceCommand", "STATUS_PASSIVITY"),
+            "held_samples": self.count(self.contact["flags"], "ContactState", "FLAG_HELD"),
+            "saturated_samples": self.count(self.contact["flags"], "ContactState", "FLAG_SATURATED")}
+
+    @property
+    def rate_hz(self):
+        """Samples a second of the clock by which the bag was recorded; a pause between two sessions is none of its periods."""
+        recorded, periods, seconds = self.bag.times["device/state"], 0, 0.0
+        for session in self.sessions:
+            times = recorded[self.state["session_id"] == session]
+            if len(times) > 1 and times[-1] > times[0]:
+                periods, seconds = periods + len(times) - 1, seconds + (times[-1] - times[0]) * 1e-9
+        return periods / seconds if seconds > 0.0 else None
+
+    @staticmethod
+    def count(flags, kind, name):
+        return int(((flags & constants(kind)[name]) != 0).sum())
+
+    # ----------------------------------------------------------------------------------------------------------------- faults
+    def overruns(self):
+        """(t, periods skipped since the status before), from the device's counts; a bag without them has none."""
+        return self.increments("overruns")
+
+    def increments(self, figure):
+        out, before = [], {}
+        for (t, figures), nothing in zip(self.device_figures, [0.0] * len(self.device_figures)):
+            value = figures.get(figure, nothing)
+            if value > before.get(figure, 0.0):
+                out.append((t, int(value - before.get(figure, 0.0))))
+            before[figure] = value
+        return out
+
+    def faults(self):
+        """(from [s], to [s], how many, who, what) in order of time."""
+        out = []
+        for who, table, t, kind, sentences in (("device", self.state["flags"], self.t_state, "DeviceState", STATE_FAULTS),
+                                               ("rendering", self.contact["flags"], self.t_contact, "ContactState", CONTACT_FAULTS),
+                                               ("coupling", self.command["status"], self.t_command, "ForceCommand", COMMAND_FAULTS)):
+            for flag, sentence in sentences.items():
+                out += stretches(t[(table & constants(kind)[flag]) != 0], who, "samples: " + sentence)
+        for figure, sentence in DEVICE_FAULTS.items():
+            grown = self.increments(figure)
+            out += stretches(numpy.array([t for t, _ in grown]), "device", sentence, [n for _, n in grown], apart_s=0.15)
+        out += self.lost_samples()
+        bad = self.t_validation[self.validation["verdict"] == constants("ValidationReport")["VERDICT_DISAGREE"]]
+        out += stretches(bad, "validator", "checked samples in which contact and reference disagree", apart_s=0.5)
+        over = min([t for t, node, state, _ in self.said if node == "device" and state in ("stopped", "failed")], default=math.inf)
+        for t, node, state, sentence in self.said:
+            if state == "failed" or t < over and re.search(r"hang|no sign of life|lost|refus", sentence):
+                out.append((t, t, None, node, f"{state}: {sentence}"))
+        out += self.recording_faults()
+        return sorted(out, key=lambda row: row[0])
+
+    def lost_samples(self):
+        """Samples between the first and the last answer that have none in the bag: not answered, or not recorded."""
+        out = []
+        for who, t, table in (("rendering", self.t_contact, self.contact), ("coupling", self.t_command, self.command)):
+            if not len(table) or not len(self.state):
+                continue
+            unanswered = ~numpy.isin(self.state["sequence_number"], table["sequence_number"])
+            unanswered &= (self.t_state > t[0]) & (self.t_state < t[-1])
+            out += stretches(self.t_state[unanswered], who, "samples have no answer in the bag: none was given, or none was recorded")
+        return out
+
+    def recording_faults(self):
+        recording, end = self.bag.recording(), self.length_s
+        out = []
+        if recording.get("closed") is False:
+            out.append((end, end, None, "logger", "the recording was not closed: the logger was ended by force. What is in the bag is whole up to here."))
+        for topic in recording.get("topics", []):
+            for key, what in (("dropped", "messages were dropped: the disk was too slow"), ("lost", "messages were lost: the disk refused them")):
+                if topic.get(key):
+                    out.append((0.0, end, int(topic[key]), "logger", f"{what} ({topic['name']})"))
+        out += [(end, end, None, "logger", sentence) for sentence in recording.get("errors", [])]
+        for (node, *_), status in self.nodes.items():
+            if status["state"] in (0, 1, 2) and status["message"] != "stopped" and node not in ("up", "logger"):  # these two are there to the end
+                out.append((end, end, None, node, f"gave no last word: the bag ends while it is {STATES[status['state']]} ({status['message']})"))
+        return out
+
+
+def stretches(times, who, what, counts=None, apart_s=APART_S):
+    """Times of a fault as rows of faults(): each stretch by itself, or of many the longest ones and one row for the rest."""
+    if not len(times):
+        return []
+    counts = numpy.ones(len(times), int) if counts is None else numpy.array(counts)
+    ends = numpy.flatnonzero(numpy.diff(times) > apart_s)
+    begins, ends = numpy.r_[0, ends + 1], numpy.r_[ends, len(times) - 1]
+    rows = [(float(times[a]), float(times[b]), int(counts[a:b + 1].sum()), who, what) for a, b in zip(begins, ends)]
+    if len(rows) <= MOST_STRETCHES:
+        return rows
+    rows.sort(key=lambda row: -row[2])
+    rest = rows[MOST_STRETCHES:]
+    return rows[:MOST_STRETCHES] + [(min(r[0] for r in rest), max(r[1] for r in rest), sum(r[2] for r in rest), who,
+                                     f"{what} (in {len(rest)} further, shorter stretches)")]

@@ -1,0 +1,301 @@
+"""The report of a run as one HTML page that loads nothing: words, tables, and the pictures of run_pictures.py."""
+import html
+import json
+import math
+import shlex
+
+import run_pictures
+from plot_style import STRETCHES
+from run_data import STATES
+
+CSS = """
+:root { color-scheme: light; --ground: #f3f5f7; --panel: #fff; --line: #d4dae0; --grid: #e3e6ea; --ink: #17202a; --quiet: #51606e; --returned: #b83a00;
+  --contact: #0068a8; --y: #a85400; --z: #00714f; --depth: #7a3e86; --bad: #b3261e; --good: #00714f; --link: #0b57d0;
+  --font: "DejaVu Sans", Verdana, system-ui, sans-serif; }
+@media (prefers-color-scheme: dark) { :root { color-scheme: dark; --ground: #12161b; --panel: #1b2128; --line: #343d47; --grid: #2d353e; --ink: #e8edf2;
+  --quiet: #a3b0bd; --returned: #ff8a4c; --contact: #56b4e9; --y: #e69f00; --z: #2fc79a; --depth: #d79ac0; --bad: #ff8a80; --good: #2fc79a; --link: #8ab4f8; } }
+@media print { section, header { break-inside: avoid; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 1240px; padding: 20px; background: var(--ground); color: var(--ink); font: 15px/1.5 var(--font); }
+h1 { font-size: 26px; margin: 0 0 4px; overflow-wrap: anywhere; } h2 { font-size: 19px; margin: 0 0 8px; } h3 { font-size: 15px; margin: 14px 0 4px; }
+p { margin: 0 0 8px; } ul { margin: 0 0 8px; padding-left: 22px; } .quiet, figcaption { color: var(--quiet); font-size: 14px; }
+header, section { background: var(--panel); border: 1px solid var(--line); border-radius: 8px; padding: 16px 18px; margin: 0 0 14px; }
+figure { margin: 0 0 10px; } svg { display: block; width: 100%; height: auto; } figcaption { margin-top: 6px; }
+table { border-collapse: collapse; width: 100%; } th, td { text-align: left; vertical-align: top; padding: 4px 12px 4px 0; border-bottom: 1px solid var(--line);
+  overflow-wrap: anywhere; } th { font-weight: 600; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.wide { overflow-x: auto; } .bad { color: var(--bad); } .good { color: var(--good); }
+pre { background: var(--ground); border: 1px solid var(--line); border-radius: 6px; padding: 10px; overflow-x: auto; white-space: pre-wrap; overflow-wrap: anywhere; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(max(170px, 22%), 1fr)); gap: 10px; margin: 12px 0 0; }
+.tiles div { border: 1px solid var(--line); border-radius: 6px; padding: 8px 10px; } .tiles dt { font-size: 13px; color: var(--quiet); }
+.tiles dd { margin: 0; font-size: 21px; font-weight: 600; } .tiles dd small { font-size: 13px; font-weight: 400; color: var(--quiet); display: block; }
+.beside { display: grid; grid-template-columns: repeat(auto-fit, minmax(420px, 1fr)); gap: 18px; }
+summary { cursor: pointer; color: var(--link); } a { color: var(--link); }
+"""
+
+
+def esc(text):
+    return html.escape(str(text), quote=True)
+
+
+def number(value, unit="", digits=3):
+    """A figure as people read it; a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return "–" if value is None or math.isnan(value) else "no limit"
+    text = f"{value:,.0f}".replace(",", " ") if abs(value) >= 1000 or isinstance(value, int) else f"{value:.{digits}g}"
+    return f"{text} {unit}".rstrip()
+
+
+def percent(share, digits=3):
+    return "–" if share is None or not math.isfinite(share) else f"{100.0 * share:.{digits}g} %"
+
+
+def table(head, rows, numeric=()):
+    def row(tag, words):
+        return "<tr>" + "".join(f'<{tag}{" class=n" if i in numeric else ""}>{word}</{tag}>' for i, word in enumerate(words)) + "</tr>"
+    return f'<div class="wide"><table><thead>{row("th", head)}</thead><tbody>{"".join(row("td", words) for words in rows)}</tbody></table></div>'
+
+
+def listed(sentences):
+    return "<ul>" + "".join(f"<li>{esc(s)}</li>" for s in sentences) + "</ul>" if sentences else ""
+
+
+def section(title, *parts):
+    return f"<section><h2>{title}</h2>{''.join(parts)}</section>"
+
+
+def beside(runs, part):
+    """The same of each run; of two in two columns under their names."""
+    if len(runs) == 1:
+        return part(runs[0])
+    return '<div class="beside">' + "".join(f"<div><h3>{esc(run.name)}</h3>{part(run)}</div>" for run in runs) + "</div>"
+
+
+# -------------------------------------------------------------------------------------------------------------------- sentences
+def kind_of_run(run):
+    simulated = run.description.get("simulated")
+    hand = "moved by a simulated hand" if simulated else "held by a person" if run.description else "of which the bag holds no description"
+    return (f"Scene <b>{esc(run.scene)}</b> on device <b>{esc(run.device)}</b>, {hand}; {'lockstep: simulated time' if run.lockstep else 'real time'}; "
+            f"{run.length_s:.3g} s recorded of rig {esc(run.bag.rig)}.")
+
+
+def tiles(run):
+    f = run.figures
+    limit = f" of {run.limit_n:.3g} N" if math.isfinite(run.limit_n) else ""
+    p50, p99 = run.counted("device", "latency_p50_us"), run.counted("device", "latency_p99_us")
+    checked, bad = run.counted("validator", "checked"), run.counted("validator", "disagree")
+    rows = [
+        ("Largest force returned", number(f["max_force_n"], "N"), "no command was recorded" if f["max_force_n"] is None else
+         (f"{percent(f['share_of_limit'])}{limit}, " if limit else "") + f"at {f['max_force_at_s']:.2f} s"),
+        ("In contact", percent(f["contact_share"]), f"{number(f['contact_samples'])} samples"),
+        ("Deepest", number(f["max_depth_mm"] if f["contact_samples"] else None, "mm"), "of a shell point, by the rendering"),
+        ("Samples", number(f["samples"]), "rate not known" if f["rate_hz"] is None else f"at {f['rate_hz']:.1f} Hz"),
+        ("Answered", percent(f["answered"] / f["samples"], 4) if f["samples"] else "–", f"{number(f['answered'])} commands in the bag"),
+        ("Latency, median", "–" if run.lockstep else number(p50, "µs"), "none in lockstep" if run.lockstep else
+         f"99 %: {number(p99, 'µs')}, by the device" if p99 is not None else "the device told none"),
+        ("Periods skipped", number(run.counted("device", "overruns")), "by the device"),
+        ("Validator", "–" if checked is None else "agrees" if not bad else f"{number(bad)} disagree", "–" if checked is None else f"{number(checked)} samples checked")]
+    return '<dl class="tiles">' + "".join(f"<div><dt>{esc(a)}</dt><dd>{esc(b)} <small>{esc(c)}</small></dd></div>" for a, b, c in rows) + "</dl>"
+
+
+def repeat(run):
+    """How to make the run again, and what of it that does not bring back."""
+    known = run.command_line()
+    if known is None:
+        return (f"<p>The bag does not tell by which command it was recorded: `voxtouch up` of an earlier version, or nodes that were started one by one. "
+                f"Its scene is {esc(run.word('rendering', 'scene_file') or run.scene)}, its device {esc(run.device)}.</p>").replace("`voxtouch up`", "<code>voxtouch up</code>")
+    folder, words = known
+    kept, skip = [], False
+    for word in words:  # the bag's own folder is there already, and would be refused
+        if skip or word.startswith("--record="):
+            skip = False
+        elif word == "--record":
+            skip = True
+        else:
+            kept.append(word)
+    changes = run.bag.rows["rendering/change"].times
+    text = "<pre>" + esc((f"cd {shlex.quote(folder)} && " if folder else "") + shlex.join(kept)) + "</pre>"
+    text += "<p>" + ("In lockstep the same program gives the same bits. " if run.lockstep else "In real time the motion is the same; times differ from run to run. "
+                     if run.description.get("simulated") else "The device was moved by a person, which no command repeats. ")
+    text += f"{len(changes)} changes were made while it ran, and have to be made again. " if changes else ""
+    text += ("As typed, without <code>--record</code>, whose folder is there now. " if len(kept) < len(words) else "As typed. ")
+    files = run.word("rendering", "scene_hash") or run.plan.get("scene_hash")
+    return text + (f"The scene had the hash {esc(files)}." if files else "") + "</p>"
+
+
+def design_words(run):
+    d = run.design
+    if not d:
+        return "<p>The bag holds no design: no coupling had been designed when it was recorded.</p>"
+    if d["kind"] == "shaping_filter":
+        what = f"a shaping filter of {d['cutoff_hz']:.3g} Hz, damping ratio {d['damping_ratio']:.3g}, gain {d['gain']:.3g}"
+    elif d["kind"] == "spring_damper":
+        what = f"a spring-damper of {d['stiffness_n_per_m']:.4g} N/m and {d['damping_ns_per_m']:.3g} Ns/m"
+    else:
+        what = f"{esc(d['kind'])}: the contact's force itself, gain {d['gain']:.3g}"
+    text = f"<p>The coupling is {what}; status <b>{esc(d['status'])}</b>."
+    if d["injected_damping_ns_per_m"] > 0:
+        text += f" In contact it adds {d['injected_damping_ns_per_m']:.3g} Ns/m of damping."
+    if d["critical_stiffness_n_per_m"] > 0:
+        text += (f" Wanted were {number(d['wanted_stiffness_n_per_m'], 'N/m', 4)}; {number(d['shown_stiffness_n_per_m'], 'N/m', 4)} are shown at the hand, certified with a "
+                 f"gain margin of {number(d['gain_margin'])}; the worst case ({esc(d['worst_case'])}) becomes unstable at {number(d['critical_stiffness_n_per_m'], 'N/m', 4)}.")
+    text += " It is stable with every hand that creates no energy.</p>" if d["passive"] else "</p>"
+    for title, key in (("Why so", "reasons"), ("What would give more", "remedies"), ("Notes", "notes")):
+        text += f"<h3>{title}</h3>{listed(d[key])}" if d[key] else ""
+    return text
+
+
+def plan_words(run):
+    p = run.plan
+    if not p:
+        return "<p>The bag holds no plan: no scene had been built when it was recorded.</p>"
+    text = (f"<p>Contact model <b>{esc(p['contact_model'])}</b> at voxels of {1e3 * p['voxel_size_m']:.3g} mm: {number(p['shell_points'])} shell points, "
+            f"{number(p['surface_voxels'])} surface voxels; {number(p['expected_ns_per_frame'] / 1e3, 'µs')} a frame expected.</p>{listed(p['built'])}")
+    text += f"<h3>Warnings</h3>{listed(p['warnings'])}" if p["warnings"] else ""
+    return text + (f"<details><summary>Left out ({len(p['left_out'])})</summary>{listed(p['left_out'])}</details>" if p["left_out"] else "")
+
+
+def when(begin, end):
+    return f"{begin:.3f}" if end - begin < 5e-4 else f"{begin:.3f} to {end:.3f}"
+
+
+def fault_rows(run):
+    faults = run.faults()
+    if not faults:
+        return "<p class=good>None: no flag of a fault, no sample without an answer, nothing lost on the way to the bag.</p>"
+    return table(("time [s]", "how many", "who", "what"), [(when(a, b), "" if n is None else number(n), esc(who), esc(what)) for a, b, n, who, what in faults], (0, 1))
+
+
+def change_rows(run):
+    answers = [(run.at(time), answer) for time, answer in run.bag.messages("rendering/changed")]
+    words = {1: "waiting", 2: "done", 3: "refused"}
+    return table(("time [s]", "result", "what"), [(f"{t:.3f}", words.get(a["result"], "?"), esc(a["sentence"])) for t, a in answers], (0,)) if answers else ""
+
+
+def node_rows(run):
+    rows = [(esc(node), esc(f"{host}, process {pid}"), esc(STATES.get(s["state"], "?")), esc(s["message"])) for (node, host, pid), s in sorted(run.nodes.items())]
+    return table(("node", "on", "last state", "last sentence"), rows) if rows else "<p>No node told its status.</p>"
+
+
+# What both the page and a node count, so that a reader can hold one against the other.
+COUNTED = (("largest force [N]", "max_force_n", "device", "max_force_n"), ("rate [Hz]", "rate_hz", "device", "rate_hz"), ("samples", "samples", "device", "samples"),
+           ("samples answered", "answered", "device", "answered"), ("samples with contact", "contact_samples", "rendering", "contact_samples"),
+           ("samples held: points have gone through", "held_samples", "rendering", "held_samples"),
+           ("samples in which deeper meets no more force", "saturated_samples", "rendering", "saturated_samples"),
+           ("samples capped to the certified stiffness", "capped_samples", "coupling", "capped_samples"),
+           ("samples with the passivity controller", "passivity_samples", "coupling", "passivity_samples"))
+
+
+def counted_rows(run):
+    rows = [(esc(what), number(run.figures[key], "", 5), number(run.counted(node, figure), "", 5), node) for what, key, node, figure in COUNTED]
+    return table(("figure", "counted here, in the bag", "counted by the node", "node"), rows, (1, 2))
+
+
+# --------------------------------------------------------------------------------------------------------------------- pictures
+def names(runs, sentence):
+    return "; ".join((f"{run.name}: " if len(runs) > 1 else "") + sentence(run) for run in runs)
+
+
+def force_title(run):
+    f = run.figures
+    if f["max_force_n"] is None:
+        return "no command was recorded"
+    if not f["contact_samples"] and not f["max_force_n"] > 1e-9:
+        return "nothing was touched, and no force was felt"
+    share = f", {percent(f['share_of_limit'], 2)} of what the device can give" if f["share_of_limit"] is not None else ""
+    return f"at most {number(f['max_force_n'], 'N')} came back to the hand{share}"
+
+
+def depth_title(run):
+    f = run.figures
+    return f"the tool was {number(f['max_depth_mm'], 'mm')} deep at most" if f["contact_samples"] and (f["max_depth_mm"] or 0.0) > 0 else "the tool touched nothing"
+
+
+def latency_title(run):
+    p50, overruns = run.counted("device", "latency_p50_us"), run.counted("device", "overruns")
+    if p50 is None:
+        return "the device told none"
+    return f"half of the commands came within {number(p50, 'µs')}; {number(overruns) if overruns else 'no'} periods were skipped"
+
+
+def energy_title(run):
+    if not len(run.command):
+        return "no command was recorded"
+    if run.figures["max_energy_j"] is None:
+        return "none of its numbers is one"
+    most, taken, bound = run.figures["max_energy_j"], max(0.0, -run.figures["least_energy_j"]), run.counted("coupling", "energy_bound_j")
+    text = f"the hand put in {number(1e3 * most, 'mJ')} at most in one contact, and "
+    if bound and taken <= bound:
+        return text + f"never took out more: {number(1e3 * bound, 'mJ')} below zero are allowed"
+    return text + f"took out {number(1e3 * taken, 'mJ')} more at most"
+
+
+FORCE_CAPTION = (
+    "<b>Force of the contact</b> is what the voxels and shell points give at the scene's own stiffness, in the world's axes; nobody feels it as it is. <b>Force returned</b> "
+    "is what the coupling made of it for the hand, in the device's axes: capped to the stiffness that is certified to be stable, filtered, so that it comes a little "
+    "later, damped, and with what effects add. So the two differ, and the first is usually the larger. A gap is a time of which the bag holds nothing.")
+
+
+def picture_sections(runs, progress):
+    """Title, picture and caption of each; of what cannot be drawn a sentence."""
+    out = []
+
+    def picture(title, of, sentence, name, caption, share):
+        title = f"{title}: {names(runs, sentence)}"
+        out.append(section(esc(title), f"<figure>{run_pictures.drawn(of, runs, name, esc(title))}<figcaption>{caption}</figcaption></figure>"))
+        progress(share)
+    commands, contacts = any(len(r.command) for r in runs), any(len(r.contact) for r in runs)
+    if commands or contacts:
+        picture("Force over time", run_pictures.force_picture, force_title, "force", FORCE_CAPTION, 0.3)
+    if commands:
+        picture("How long which force was felt", run_pictures.histogram_picture, force_title, "felt",
+                "Time spent at each size of the force returned; samples without force are left out. The scale of time is logarithmic, so that short peaks are seen.", 0.45)
+    if any((r.torque != 0).any() for r in runs):
+        picture("Torque over time", run_pictures.torque_picture, lambda r: f"at most {number(r.figures['max_torque_nm'], 'Nm')}", "torque", "Torque about the tool's origin.", 0.5)
+    if contacts:
+        picture("Depth and gap", run_pictures.depth_picture, depth_title, "depth",
+                "Depth is of the deepest shell point, 0 where nothing touches. The gap is the reference's, at the samples that the validator checked; in free air it leaves the plane "
+                "above. Both are positive upwards, so a gap below zero goes with a depth above it.", 0.65)
+    timed = [r for r in runs if not r.lockstep]
+    if timed:
+        picture("Latency and overruns", run_pictures.latency_picture, lambda r: "none in lockstep" if r.lockstep else latency_title(r), "latency",
+                "The logger takes each sample and its command as they pass; the time between the two is blurred by its own waking, and a long one may be the logger's. The device's own "
+                "figures are from its write of a sample to its command's arrival, over the run so far. Red: periods that the device skipped in the tenth of a second before."
+                + "".join(f" {esc(r.name)}: the device told no latency, so its lines are missing." for r in timed if r.counted("device", "latency_p50_us") is None), 0.8)
+    else:
+        out.append(section("Latency and overruns", "<p>In lockstep time is simulated: there is no latency to measure, and no period to skip.</p>"))
+    if commands:
+        picture("Energy", run_pictures.energy_picture, energy_title, "energy",
+                "What the hand has put into this contact so far, net, by the coupling's passivity observer; each contact begins anew. Where the balance falls, the "
+                "passivity controller adds damping; below zero the contact would have given more than it took.", 0.95)
+    return out
+
+
+# ------------------------------------------------------------------------------------------------------------------------- page
+def page(runs, progress=lambda share: None):
+    """The page's text."""
+    names_of_runs = " beside ".join(run.name for run in runs)
+    notes = [note for run in runs for note in run.bag.notes]
+    span = max(run.length_s for run in runs) / STRETCHES
+    drawn_from = max(len(run.command) for run in runs)
+    decimated = (f"Curves are drawn in {STRETCHES} stretches of {1e3 * span:.2g} ms each, every one from its smallest to its largest value, so that no peak is left out. "
+                 if drawn_from > 2 * STRETCHES else "Curves show every sample. ")
+    parts = [f"<header><h1>{esc(names_of_runs)}</h1>{beside(runs, lambda run: f'<p>{kind_of_run(run)}</p>{tiles(run)}')}"
+             + (f"<h3>What is to be known of the bag</h3>{listed(notes)}" if notes else "") + "</header>"]
+    parts += picture_sections(runs, progress)
+    parts.append(section("Faults and when they came", beside(runs, fault_rows), "<p class=quiet>Times are of the device's clock since the first sample. Samples of one kind that lie "
+                         "closer than 50 ms are one row; the device's own counts come ten times a second.</p>"))
+    if any(run.bag.rows["rendering/changed"].times for run in runs):
+        parts.append(section("Changes while it ran", beside(runs, change_rows)))
+    parts.append(section("The coupling", beside(runs, design_words)))
+    parts.append(section("The scene as it was built", beside(runs, plan_words)))
+    parts.append(section("To run it again", beside(runs, repeat)))
+    parts.append(section("Counted twice", "<p>By this page, sample for sample, in what was recorded; and by the nodes, which also count what no bag holds. Where they differ, "
+                         "something was not recorded, or came too late to be used.</p>", beside(runs, counted_rows)))
+    parts.append(section("Nodes", beside(runs, node_rows)))
+    parts.append(f"<p class=quiet>{decimated}A triangle at an edge marks a spike that would have squashed the rest, with its size. Written by <code>voxtouch report</code> "
+                 f"from {esc(', '.join(str(run.bag.path) for run in runs))}; this page loads nothing from anywhere.</p>")
+    data = json.dumps([run.figures for run in runs]).replace("<", "\\u003c")
+    return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
+            f'<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; style-src \'unsafe-inline\'">'
+            f'<title>{esc(names_of_runs)} – voxtouch report</title><style>{CSS}</style></head>\n<body><main>\n' + "\n".join(parts) +
+            f'\n</main><script type="application/json" id="figures">{data}</script></body></html>\n')

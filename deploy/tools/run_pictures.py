@@ -1,0 +1,232 @@
+"""The pictures of a run's report, each as SVG text whose colours follow the page, light or dark. Two runs stand side by side on one scale."""
+import io
+import math
+import re
+
+import numpy
+
+from bag_data import norm
+from plot_style import (CONTACT, GREEN, INK, LINE, ORANGE, PURPLE, QUIET, RED, RETURNED, STRETCHES, STYLE, X, Y, Z, Figure, FuncFormatter, curve,
+                        legend_above, log_axis, mark_beyond, matplotlib, robust_limit)
+
+# What each drawn colour is called on the page, which has a light and a dark value for it.
+THEME = {INK: "ink", QUIET: "quiet", LINE: "grid", RETURNED: "returned", CONTACT: "contact", Y: "y", GREEN: "z", PURPLE: "depth", RED: "bad"}
+ON_THE_PAGE = {**STYLE, "svg.fonttype": "none", "text.color": INK, "axes.edgecolor": QUIET, "axes.labelcolor": INK, "axes.titlecolor": INK,
+               "xtick.color": QUIET, "ytick.color": QUIET, "grid.color": LINE, "figure.facecolor": "none", "axes.facecolor": "none",
+               "savefig.facecolor": "none", "axes.titlesize": 15}
+
+
+def as_svg(figure, name, alt):
+    """Without a size of its own, so that it takes the page's; its names begin with `name`, for the page has several."""
+    out = io.StringIO()
+    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+    text = out.getvalue()
+    text = text[text.index("<svg"):]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
+    text = re.sub(r'^<svg[^>]*?viewBox="([^"]*)"[^>]*>', lambda m: f'<svg viewBox="{m[1]}" role="img" aria-label="{alt}">', text, count=1, flags=re.S)
+    text = re.sub(r'\bid="', f'id="{name}-', text)
+    text = text.replace("url(#", f"url(#{name}-").replace('href="#', f'href="#{name}-').replace("xlink:href", "href")
+    for colour, word in THEME.items():
+        text = text.replace(colour, f"var(--{word})")
+    return re.sub(r"font: ([\d.]+)px '[^;\"]*", r"font: \1px var(--font)", text)
+
+
+def columns(runs, heights, share_x=True):
+    """A figure with a column for each run and a row for each height."""
+    figure = Figure(figsize=(16, sum(heights) + 0.5), dpi=100, layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
+    axes = figure.subplots(len(heights), len(runs), squeeze=False, sharex=share_x, sharey="row", height_ratios=heights)
+    if len(runs) > 1:
+        for run, axis in zip(runs, axes[0]):
+            axis.set_title(run.name, fontweight="bold", pad=30, loc="left")
+    return figure, axes
+
+
+def time_axis(runs, axes):
+    end = max(run.length_s for run in runs)
+    for axis in axes[-1]:
+        axis.set_xlim(0.0, max(end, 1e-3))
+        axis.set_xlabel("time on the device's clock [s]")
+    return end
+
+
+def gap_s(run, every=1.0):
+    """Samples that lie further apart than this leave a gap: a command is held for three periods."""
+    return 3.5 * every / (run.description.get("rate_hz") or 1000.0)
+
+
+def share_axis(axis, run):
+    """The same force as a share of what the device can give, on the right."""
+    if math.isfinite(run.limit_n):
+        right = axis.secondary_yaxis("right", functions=(lambda n: 100.0 * n / run.limit_n, lambda p: p * run.limit_n / 100.0))
+        right.set_ylabel("share of the device's\nlimit [%]")
+        right.spines["right"].set_visible(False)
+
+
+def forces(runs, times, values, name_of, colour_of, end, axes, limit, unit, below=False):
+    """Curves of one row, every run in its column; what leaves the plane is marked."""
+    for run, axis in zip(runs, axes):
+        for key in values(run):
+            t, y = times(run, key), values(run)[key]
+            axis.plot(*curve(t, y, gap_s(run), 0.0, end), color=colour_of[key][0], ls=colour_of[key][1], lw=colour_of[key][2], label=name_of[key])
+            mark_beyond(axis, t, y, limit, unit, colour_of[key][0], below)
+        axis.set_ylim(-limit if below else 0.0, limit)
+        if below:
+            axis.axhline(0.0, color=QUIET, lw=0.8)
+
+
+def force_picture(runs):
+    figure, axes = columns(runs, (3.6, 2.4, 2.4))
+    end = time_axis(runs, axes)
+
+    def sizes(run):
+        return {"contact": norm(run.pushed), "returned": norm(run.returned)}
+
+    def parts(of):
+        return lambda run: dict(zip("xyz", getattr(run, of).T))
+    names = {"contact": "force of the contact, at the scene's stiffness", "returned": "force returned to the hand", "x": "x", "y": "y", "z": "z"}
+    styles = {"contact": (CONTACT, "-", 1.2), "returned": (RETURNED, "-", 2.0), "x": (X, "-", 1.4), "y": (Y, "--", 1.4), "z": (Z, "-.", 1.6)}
+    rows = ((sizes, "size of the force [N]", None, False), (parts("returned"), "returned, axes of\nthe device [N]", "returned", True),
+            (parts("pushed"), "contact, axes of\nthe world [N]", "contact", True))
+    for row, (values, label, which, below) in enumerate(rows):
+        limit = robust_limit(*(v for run in runs for v in values(run).values()))
+        forces(runs, lambda run, key: run.t_command if (which or key) == "returned" else run.t_contact, values, names, styles, end, axes[row], limit, "N", below)
+        axes[row][0].set_ylabel(label)
+        for axis in axes[row]:
+            legend_above(axis)
+    for run, axis in zip(runs, axes[0]):
+        share_axis(axis, run)
+        if axis.get_ylim()[1] > run.limit_n:
+            axis.axhline(run.limit_n, color=RED, lw=1.6, ls=":", label="the device's limit")
+            legend_above(axis)
+    return figure
+
+
+def torque_picture(runs):
+    figure, axes = columns(runs, (3.0,))
+    end = time_axis(runs, axes)
+
+    def parts(run):
+        return dict(zip("xyz", run.torque.T))
+    limit = robust_limit(*(v for run in runs for v in parts(run).values()))
+    forces(runs, lambda run, key: run.t_command, parts, {k: k for k in "xyz"}, {"x": (X, "-", 1.4), "y": (Y, "--", 1.4), "z": (Z, "-.", 1.6)},
+           end, axes[0], limit, "Nm", True)
+    axes[0][0].set_ylabel("torque returned, in axes\nof the device [Nm]")
+    legend_above(axes[0][0])
+    return figure
+
+
+def histogram_picture(runs):
+    figure, axes = columns(runs, (3.6,))
+    felt = [norm(run.returned) for run in runs]
+    felt = [force[force > 1e-9] for force in felt]
+    limit = robust_limit(*felt)
+    edges = numpy.linspace(0.0, limit, 61)
+    for run, force, axis in zip(runs, felt, axes[0]):
+        period = 1.0 / (run.description.get("rate_hz") or 1000.0)
+        axis.hist(force, edges, weights=numpy.full(len(force), period), color=RETURNED, rwidth=0.9)
+        beyond = int((force > limit).sum())
+        if beyond:
+            axis.annotate(f"{beyond} samples lie beyond: up to {force.max():.3g} N", (0.99, 0.96), xycoords="axes fraction", ha="right", va="top", color=RED, fontsize=13)
+        if not len(force):
+            axis.annotate("no force was returned", (0.5, 0.5), xycoords="axes fraction", ha="center", color=QUIET)
+        if math.isfinite(run.limit_n):
+            top = axis.secondary_xaxis("top", functions=(lambda n, of=run.limit_n: 100.0 * n / of, lambda p, of=run.limit_n: p * of / 100.0))
+            top.set_xlabel("share of the device's limit [%]")
+            top.spines["top"].set_visible(False)
+        axis.set_xlabel("size of the force returned to the hand [N]")
+        axis.set_xlim(0.0, limit)
+    if any(len(force) for force in felt):
+        axes[0][0].set_yscale("log")
+        axes[0][0].yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes[0][0].set_ylabel("time at that force [s]")
+    return figure
+
+
+def depth_picture(runs):
+    figure, axes = columns(runs, (3.6,))
+    end = time_axis(runs, axes)
+    deep = max(0.5, robust_limit(*(d for run in runs for d in (run.depth_mm, numpy.minimum(run.gap_mm, 0.0)))) if any(
+        (run.depth_mm > 0).any() for run in runs) else 0.5)
+    for run, axis in zip(runs, axes[0]):
+        axis.axhline(0.0, color=QUIET, lw=0.8)
+        axis.set_ylim(-deep, 2.0 * deep)
+        axis.plot(*curve(run.t_contact, run.depth_mm, gap_s(run), 0.0, end), color=PURPLE, lw=1.4, label="depth of the deepest point (rendering)")
+        every = float(numpy.median(numpy.diff(run.t_validation))) * (run.description.get("rate_hz") or 1000.0) if len(run.t_validation) > 2 else 1.0
+        axis.plot(*curve(run.t_validation, run.gap_mm, gap_s(run, max(every, 1.0)), 0.0, end), color=INK, lw=1.5, ls="--",
+                  label="gap to the true surface, < 0: overlap (validator)")
+        mark_beyond(axis, run.t_contact, run.depth_mm, 2.0 * deep, "mm", PURPLE)
+        legend_above(axis)
+    axes[0][0].set_ylabel("distance [mm]")
+    return figure
+
+
+def latency_picture(runs):
+    figure, axes = columns(runs, (3.6, 1.2))
+    end = time_axis(runs, axes)
+    largest = 1000.0
+    for run, axis, below in zip(runs, axes[0], axes[1]):
+        t, spent = run.latency_us
+        if len(t):
+            cells = numpy.floor(t / max(end, 1e-9) * min(STRETCHES / 3, max(len(t) / 20.0, 1.0))).astype(int)
+            starts = numpy.flatnonzero(numpy.r_[True, numpy.diff(cells) != 0])
+            middle = t[starts]
+            most = numpy.maximum.reduceat(spent, starts)
+            median = numpy.array([numpy.median(part) for part in numpy.split(spent, starts[1:])])
+            apart = 4.0 * float(numpy.median(numpy.diff(middle))) if len(middle) > 2 else 1.0
+            axis.plot(*curve(middle, most, apart, 0.0, end), color=CONTACT, lw=1.2, label="largest of a stretch (logger)")
+            axis.plot(*curve(middle, median, apart, 0.0, end), color=INK, lw=1.6, label="its median")
+            largest = max(largest, float(most.max()))
+        for figure_name, style, word in (("latency_p99_us", "--", "99 % so far (device)"), ("latency_p50_us", ":", "50 % so far (device)")):
+            rows = [(at, figures[figure_name]) for at, figures in run.device_figures if figures.get(figure_name, 0.0) > 0.0]
+            if rows:
+                axis.plot(*curve([r[0] for r in rows], [r[1] for r in rows], 1.0, 0.0, end), color=RETURNED, lw=2.4, ls=style, label=word)
+                largest = max(largest, max(r[1] for r in rows))
+        period_us = 1e6 / (run.description.get("rate_hz") or 1000.0)
+        axis.axhline(period_us, color=QUIET, lw=1.2, ls="-.", label="one period")
+        legend_above(axis)
+        over = run.overruns()
+        below.bar([at for at, _ in over], [n for _, n in over], width=max(end / 400.0, 0.05), color=RED)
+        if not over:
+            below.annotate("no period was skipped" if run.device_figures else "the bag does not tell of periods skipped", (0.5, 0.4), xycoords="axes fraction",
+                           ha="center", color=QUIET)
+        below.set_ylim(0.0, max([4.0] + [1.15 * n for r in runs for _, n in r.overruns()]))
+    log_axis(axes[0][0].yaxis, 20.0, 1.3 * largest)
+    axes[0][0].set_ylabel("latency [µs]")
+    axes[1][0].set_ylabel("overruns\n[periods]")
+    return figure
+
+
+def energy_picture(runs):
+    braked = any((run.command["damping_ns_per_m"] > 0).any() for run in runs)
+    turned = any((numpy.abs(run.command["energy_rotation_j"]) > 1e-12).any() for run in runs)
+    figure, axes = columns(runs, (3.0, 1.6) if braked else (3.0,))
+    end = time_axis(runs, axes)
+    everything = [1e3 * run.command[key] for run in runs for key in (("energy_j", "energy_rotation_j") if turned else ("energy_j",))]
+    limit = robust_limit(*everything)
+    lowest = min([0.0] + [float(numpy.nanmin(numpy.r_[0.0, e])) for e in everything])
+    for column, run in enumerate(runs):
+        axis = axes[0][column]
+        for key, colour, style, name in (("energy_j", CONTACT, "-", "of motion"), ("energy_rotation_j", RETURNED, "--", "of turning")):
+            if key == "energy_j" or turned:
+                axis.plot(*curve(run.t_command, 1e3 * run.command[key], gap_s(run), 0.0, end), color=colour, ls=style, lw=1.5, label=name)
+                mark_beyond(axis, run.t_command, 1e3 * run.command[key], limit, "mJ", colour, True)
+        axis.axhline(0.0, color=QUIET, lw=0.8)
+        axis.set_ylim(max(-limit, min(-0.06 * limit, 1.15 * lowest)), limit)
+        if turned:
+            legend_above(axis)
+        if braked:
+            damping = run.command["damping_ns_per_m"]
+            axes[1][column].plot(*curve(run.t_command, damping, gap_s(run), 0.0, end), color=ORANGE, lw=1.4)
+            axes[1][column].set_ylim(0.0, robust_limit(*(r.command["damping_ns_per_m"] for r in runs)))
+            mark_beyond(axes[1][column], run.t_command, damping, axes[1][column].get_ylim()[1], "Ns/m", ORANGE)
+    axes[0][0].set_ylabel("energy put in\nby the hand [mJ]")
+    if braked:
+        axes[1][0].set_ylabel("damping\nadded [Ns/m]")
+    return figure
+
+
+def drawn(picture, runs, name, alt):
+    """One of the pictures above as SVG text."""
+    with matplotlib.rc_context(ON_THE_PAGE):
+        return as_svg(picture(runs), name, alt)

@@ -1,0 +1,407 @@
+#!/usr/bin/python3
+"""The page of a recorded run: by `voxtouch up`, by `voxtouch report` and by the tool itself. Its figures are those of the run, counted here once more from
+the bytes of the bag; of every bag that is not whole, not ours or empty it says a sentence.
+
+usage: report_test.py BIN DEPLOY [arguments of unittest]
+"""
+import html
+import html.parser
+import json
+import math
+import os
+import pathlib
+import shutil
+import signal
+import sqlite3
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+BIN, DEPLOY = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(DEPLOY / "tools"))
+import plot  # noqa: E402
+import run_data  # noqa: E402
+import run_page  # noqa: E402
+import run_pictures  # noqa: E402
+
+SHELL = {**os.environ, "LC_ALL": "C.UTF-8"}
+
+
+def voxtouch(*words, **more):
+    return subprocess.run([BIN / "voxtouch", *map(str, words)], capture_output=True, text=True, env={**SHELL, **more.pop("env", {})}, **more)
+
+
+def up(*words, scene=DEPLOY / "scenes/cup.yaml", **more):
+    return voxtouch("up", scene, "--device", "sim-phantom", "--one-process", "--json", *words, **more)
+
+
+def rows(bag, topic):
+    """Messages of a topic without their encapsulation, read by this test alone."""
+    with sqlite3.connect(f"file:{next(bag.glob('*.db3'))}?mode=ro", uri=True) as connection:
+        return [data[4:] for (data,) in connection.execute(
+            "SELECT data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ? ORDER BY messages.id", (topic,))]
+
+
+class Page(html.parser.HTMLParser):
+    """What a browser would find: texts by section, attributes, and whether every element is closed."""
+    VOID = {"meta", "br", "link", "img", "input", "hr"}
+
+    def __init__(self, file):
+        super().__init__()
+        self.source = file.read_text(encoding="utf-8")
+        self.open, self.problems, self.tags, self.text, self.scripts = [], [], [], "", ""
+        self.feed(self.source)
+        self.close()
+        self.problems += [f"<{tag}> is not closed" for tag in self.open]
+        self.text = " ".join(self.text.split())
+        self.figures = json.loads(self.scripts)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.problems.append(f"</{tag}> closes nothing")
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] == "script":
+            self.scripts += data
+        elif not self.open or self.open[-1] != "style":
+            self.text += data + " "
+
+    def every(self, tag, key):
+        return [attributes[key] for name, attributes in self.tags if name == tag and key in attributes]
+
+
+class Reports(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.at = pathlib.Path(cls.folder.name).resolve()
+        cls.bag = cls.at / "a run"
+        cls.done = up("--motion", "slide", "--duration", "2", "--lockstep", "--record", cls.bag)
+        assert cls.done.returncode == 0, cls.done.stderr
+        cls.summary = json.loads(cls.done.stdout)
+        for _ in range(300):  # on a busy machine `up` does not wait for it
+            if (cls.bag / "report.html").exists():
+                break
+            time.sleep(0.1)
+        cls.page = Page(cls.bag / "report.html")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def says(self, page, *sentences):
+        for sentence in sentences:
+            self.assertTrue(sentence in page.text, f"the page does not say '{sentence}'; it says: {page.text[:600]} ...")
+
+    def report_of(self, bag, *words):
+        """The page that the verb writes."""
+        file = self.at / "page.html"
+        file.unlink(missing_ok=True)
+        done = voxtouch("report", bag, "--out", file, *words)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return Page(file)
+
+    def refused(self, bag, *says):
+        done = voxtouch("report", bag, "--out", self.at / "refused.html")
+        self.assertEqual(done.returncode, 1, done.stdout)
+        for word in says:
+            self.assertIn(word, done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
+        self.assertEqual(list(self.at.glob("refused*")), [])
+
+    def copy(self, name, *statements):
+        """The bag once more, after these statements of SQL."""
+        shutil.copytree(self.bag, self.at / name)
+        (self.at / name / "report.html").unlink(missing_ok=True)
+        with sqlite3.connect(next((self.at / name).glob("*.db3"))) as connection:
+            for statement in statements:
+                connection.execute(statement)
+        connection.close()
+        return self.at / name
+
+    def alter(self, bag, topic, at, new, first=0, count=1 << 30):
+        """Other bytes at a place, counted behind the encapsulation, of some messages of a topic."""
+        with sqlite3.connect(next(bag.glob("*.db3"))) as connection:
+            for row, data in connection.execute("SELECT m.id, data FROM messages m JOIN topics t ON t.id = topic_id WHERE name = ? ORDER BY m.id LIMIT ? OFFSET ?",
+                                                (f"/haptic/{topic}", count, first)).fetchall():
+                connection.execute("UPDATE messages SET data = ? WHERE id = ?", (data[:at + 4] + new + data[at + 4 + len(new):], row))
+        connection.close()
+        return bag
+
+    # ------------------------------------------------------------------------------------------------------------- figures
+    def test_the_figures_are_those_of_the_summary_and_of_the_bytes_of_the_bag(self):
+        figures, = self.page.figures
+        commands = rows(self.bag, "/haptic/coupling/command")
+        force = [math.dist((0, 0, 0), struct.unpack_from("<3d", m, 32)) for m in commands]
+        states = rows(self.bag, "/haptic/device/state")
+        numbers = {struct.unpack_from("<Q", m, 8) for m in states}
+        stamps = [struct.unpack_from("<q", m, 16)[0] * 1e-9 for m in states]
+        self.assertGreater(self.summary["max_force_n"], 0.1)
+        for value in (self.summary["max_force_n"], max(force)):
+            self.assertAlmostEqual(figures["max_force_n"], value, 9)
+        for value in (self.summary["answered"], len({struct.unpack_from("<Q", m, 8) for m in commands} & numbers)):
+            self.assertEqual(figures["answered"], value)
+        for value in (self.summary["rate_hz"], (len(stamps) - 1) / (stamps[-1] - stamps[0])):
+            self.assertAlmostEqual(figures["rate_hz"], value, 6)
+        self.assertEqual(figures["samples"], self.summary["samples"])
+        self.assertEqual(figures["contact_samples"], self.summary["contact_samples"])
+        self.assertEqual(figures["held_samples"], self.summary["held_samples"])
+        for name in ("capped_samples", "passivity_samples"):
+            self.assertEqual(figures[name], self.summary["coupling"][name])
+        limit, = {struct.unpack_from("<d", m, 8 + 4 + 12 + 8 + 0)[0] for m in rows(self.bag, "/haptic/device/description")}
+        self.assertAlmostEqual(figures["share_of_limit"], max(force) / limit, 9)
+        self.says(self.page, f"{max(force):.3g} N")
+
+    def test_layouts_are_read_where_they_are_written_down(self):
+        """Against offsets that this test has counted by hand."""
+        contact = rows(self.bag, "/haptic/rendering/contact")
+        run = run_data.Run(self.bag)
+        self.assertEqual(len(run.contact), len(contact))
+        for i in (0, len(contact) // 2, len(contact) - 1):
+            self.assertEqual(tuple(run.pushed[i]), struct.unpack_from("<3d", contact[i], 184))
+            self.assertEqual(run.depth_mm[i], 1e3 * struct.unpack_from("<d", contact[i], 328)[0])
+        self.assertEqual(run.scene, "cup")
+        self.assertEqual(run.design["status"], self.summary["coupling"]["status"])
+        self.assertEqual(run.description["model"], "sim-phantom")
+
+    # ---------------------------------------------------------------------------------------------------------------- page
+    def test_the_page_is_whole_loads_nothing_and_tells_those_who_do_not_see_it(self):
+        self.assertEqual(self.page.problems, [])
+        for key in ("src", "href", "xlink:href", "data", "action"):
+            for tag in {tag for tag, _ in self.page.tags}:
+                self.assertEqual([link for link in self.page.every(tag, key) if not link.startswith("#")], [], f"<{tag} {key}>")
+        for word in ("@import", "url(http", "<img", "<iframe"):
+            self.assertNotIn(word, self.page.source)
+        ids = [attributes["id"] for _, attributes in self.page.tags if "id" in attributes]
+        self.assertEqual(len(ids), len(set(ids)), "two elements have one name")
+        pictures = [attributes for tag, attributes in self.page.tags if tag == "svg"]
+        self.assertGreaterEqual(len(pictures), 4)
+        for picture in pictures:
+            self.assertEqual(picture["role"], "img")
+            self.assertIn(":", picture["aria-label"])
+        self.assertIn("lang", dict(self.page.tags[0][1]))
+        self.assertLess(len(self.page.source), 2_000_000)
+
+    def test_light_and_dark_both_have_every_colour_and_enough_contrast(self):
+        light, dark = (dict(pair.split(":", 1) for pair in part.split("}")[0].replace("\n", "").replace(" ", "").split(";") if pair.startswith("--"))
+                       for part in run_page.CSS.split(":root")[1:3] for part in [part.split("{", 1)[1]])
+
+        def luminance(colour):
+            colour = colour if len(colour) == 7 else "#" + "".join(2 * c for c in colour[1:])
+            parts = [int(colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
+            return sum(w * (c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4) for w, c in zip((0.2126, 0.7152, 0.0722), parts))
+        for theme in (light, dark):
+            for name in ("ink", "quiet", "returned", "contact", "y", "z", "depth", "bad", "good", "link"):
+                for ground in ("panel", "ground"):
+                    a, b = sorted((luminance(theme["--" + name]), luminance(theme["--" + ground])), reverse=True)
+                    self.assertGreater((a + 0.05) / (b + 0.05), 4.5, f"{name} on {ground}")
+        for name in run_pictures.THEME.values():
+            self.assertIn("--" + name, light)
+            self.assertIn("--" + name, dark)
+        drawn = {word for word in self.page.source.replace(";", " ").replace('"', " ").split() if len(word) == 7 and word[0] == "#" and
+                 all(c in "0123456789abcdef" for c in word[1:])}
+        in_css = set(run_page.CSS.replace(";", " ").split())
+        self.assertEqual(drawn - in_css, set(), "a colour of a picture does not follow the page")
+
+    def test_titles_say_what_is_seen_and_the_caption_tells_the_two_forces_apart(self):
+        figures, = self.page.figures
+        self.says(self.page, f"at most {figures['max_force_n']:.3g} N came back to the hand", f"{figures['max_depth_mm']:.3g} mm deep",
+                  "Force of the contact is what the voxels and shell points give", "capped to the stiffness that is certified",
+                  "[N]", "[mm]", "[mJ]", "[s]", "[%]")
+        run = run_data.Run(self.bag)
+        for picture in (run_pictures.force_picture, run_pictures.histogram_picture, run_pictures.depth_picture, run_pictures.latency_picture, run_pictures.energy_picture):
+            axes = picture([run]).axes
+            for axis in axes:
+                self.assertRegex(axis.get_ylabel(), r"\[[^ ]+\]$")
+            self.assertRegex(axes[-1].get_xlabel(), r"\[[^ ]+\]$")
+
+    def test_coupling_scene_and_what_went_wrong_are_told_in_sentences(self):
+        self.says(self.page, "certified with a gain margin of 2")
+        self.says(self.page, "Voxmap of 1 static mesh")
+        self.says(self.page, "None: no flag of a fault")
+        self.says(self.page, "In lockstep time is simulated: there is no latency")
+
+    def test_the_command_of_the_page_makes_the_same_run(self):
+        folder, words = run_data.Run(self.bag).command_line()
+        self.assertEqual(words, list(map(str, self.done.args)))
+        line = self.page.source.split("<pre>")[1].split("</pre>")[0]
+        line = html.unescape(line)
+        self.assertNotIn("--record", line)
+        again = subprocess.run(["bash", "-c", f"{line} --no-report --record '{self.at / 'again'}'"], capture_output=True, text=True)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        for topic in ("device/state", "rendering/contact", "coupling/command"):
+            self.assertEqual([m[8:] for m in rows(self.bag, f"/haptic/{topic}")], [m[8:] for m in rows(self.at / "again", f"/haptic/{topic}")], topic)
+        self.assertFalse((self.at / "again" / "report.html").exists())
+
+    def test_two_runs_stand_side_by_side_on_one_scale(self):
+        other = self.at / "other"
+        self.assertEqual(up("--motion", "hit", "--duration", "3", "--lockstep", "--record", other, "--no-report").returncode, 0)
+        page = self.report_of(self.bag, "--beside", other)
+        self.assertEqual(page.problems, [])
+        self.assertEqual([f["samples"] for f in page.figures], [2000, 3000])
+        self.says(page, "a run: at most")
+        self.says(page, "other: at most")
+        with plot.matplotlib.rc_context(run_pictures.ON_THE_PAGE):
+            figure = run_pictures.force_picture([run_data.Run(self.bag), run_data.Run(other)])
+        left, right = figure.axes[0], figure.axes[1]
+        self.assertEqual((left.get_ylim(), left.get_xlim()), (right.get_ylim(), right.get_xlim()))
+
+    # ------------------------------------------------------------------------------------------------------- bags of any kind
+    def test_faults_stand_on_the_page_with_their_times(self):
+        """Three stretches without an answer, a command that the coupling held and a contact that the reference disputes."""
+        bag = self.copy("faulty", *(f"DELETE FROM messages WHERE id IN (SELECT m.id FROM messages m JOIN topics t ON t.id = m.topic_id "
+                                    f"WHERE t.name = '/haptic/coupling/command' ORDER BY m.id LIMIT {n} OFFSET {at})" for at, n in ((1500, 30), (1000, 20), (500, 10))))
+        for topic, place, at, value in (("coupling/command", 100, 104, 2), ("rendering/contact", 200, 568, 128), ("validation", 50, 64, 2)):
+            self.alter(bag, topic, at, struct.pack("<I", value), place, 1)
+        page = self.report_of(bag)
+        for words in (("0.500 to 0.509", "10", "no answer"), ("1.000 to 1.019", "20", "no answer"), ("1.500 to 1.529", "30", "no answer"),
+                      ("0.100", "1", "the last good one was held"), ("0.200", "1", "a contact may have been missed"), ("reference disagree",)):
+            self.says(page, *words)
+        self.assertEqual(page.figures[0]["answered"], 2000 - 60)
+
+    def test_a_time_without_messages_is_a_gap_and_not_a_line(self):
+        t = [0.001 * i for i in range(1000)] + [2.0 + 0.001 * i for i in range(1000)]
+        x, y = plot.curve(t, [1.0] * 2000, 0.0035)
+        self.assertEqual(int(sum(map(math.isnan, y))), 1)
+        self.assertTrue(math.isnan(y[1000]))
+        many = [1e-5 * i for i in range(20000) if not 4000 <= i < 9000]
+        x, y = plot.curve(many, [math.sin(i) for i in range(len(many))], 3.5e-5)
+        self.assertEqual(int(sum(map(math.isnan, y))), 1)
+        bag = self.copy("gap", "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/rendering/contact') AND timestamp BETWEEN "
+                        "(SELECT min(timestamp) + 500000000 FROM messages WHERE timestamp > 0) AND (SELECT min(timestamp) + 900000000 FROM messages WHERE timestamp > 0)")
+        for figure in (run_pictures.force_picture([run_data.Run(bag)]), plot.forces_figure(bag)[0]):
+            line, = (one for one in figure.axes[0].lines if "contact" in str(one.get_label()) and "effects" not in str(one.get_label()))
+            self.assertTrue(any(math.isnan(v) for v in line.get_ydata()), "a line is drawn where nothing was recorded")
+
+    def test_of_many_samples_no_peak_is_lost_and_few_points_are_drawn(self):
+        n = 600_000
+        y = [0.0] * n
+        y[123_456], y[400_001] = 7.0, -3.0
+        x, drawn = plot.curve([1e-3 * i for i in range(n)], y, 0.0035)
+        self.assertLess(len(x), 2 * plot.STRETCHES + 10)
+        self.assertEqual((max(drawn), min(drawn)), (7.0, -3.0))
+        self.assertAlmostEqual(float(x[list(drawn).index(7.0)]), 123.456, 6)
+
+    def test_one_spike_does_not_squash_the_rest_and_is_marked(self):
+        usual = [1.0 + 0.2 * math.sin(0.01 * i) for i in range(4000)]
+        self.assertGreater(plot.robust_limit(usual), 1.2)
+        spiked = list(usual)
+        spiked[2000] = 50.0
+        limit = plot.robust_limit(spiked)
+        self.assertLess(limit, 3.0)
+        half = [0.0] * 3000 + [5.0 * math.sin(math.pi * i / 100) for i in range(100)]
+        self.assertGreater(plot.robust_limit(half), 5.0, "a short hit is no spike")
+        with plot.matplotlib.rc_context(plot.STYLE):
+            figure, axes = plot.new_figure("a", "b")
+            axes[0][0].set_xlim(0, 4)
+            self.assertEqual(plot.mark_beyond(axes[0][0], [1e-3 * i for i in range(4000)], spiked, limit, "N", plot.RED), 1)
+            self.assertIn("up to 50 N at 2.00 s", axes[0][0].texts[-1].get_text())
+            self.assertEqual(plot.mark_beyond(axes[0][0], [1e-3 * i for i in range(4000)], usual, limit, "N", plot.RED), 0)
+
+    def test_of_a_bag_that_is_none_or_not_ours_a_sentence_is_said(self):
+        (self.at / "empty").mkdir()
+        self.refused(self.at / "empty", "there is no bag here")
+        (self.at / "mcap").mkdir()
+        (self.at / "mcap" / "x.mcap").write_bytes(b"x")
+        self.refused(self.at / "mcap", "mcap or compressed are not read")
+        (self.at / "broken").mkdir()
+        (self.at / "broken" / "x.db3").write_text("no database, but long enough to be read as one" * 100)
+        self.refused(self.at / "broken", "the bag cannot be read")
+        (self.at / "foreign").mkdir()
+        with sqlite3.connect(self.at / "foreign" / "x.db3") as connection:
+            connection.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, offered_qos_profiles TEXT)")
+            connection.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
+            connection.execute("INSERT INTO topics VALUES (1, '/chatter', 'std_msgs/msg/String', 'cdr', '')")
+            connection.execute("INSERT INTO messages VALUES (1, 1, 5, x'00010000')")
+        connection.close()
+        self.refused(self.at / "foreign", "no recording of voxtouch")
+        self.refused(self.copy("unsampled", "DELETE FROM messages"), "there is nothing to report")
+        self.refused(self.copy("short", "UPDATE messages SET data = substr(data, 1, 40)"), "not laid out as in this version")
+
+    def test_a_bag_without_contact_without_latency_or_without_words_says_so(self):
+        still = self.at / "still"
+        self.assertEqual(up("--motion", "free", "--duration", "1", "--lockstep", "--record", still, "--no-report", scene=DEPLOY / "scenes/cup.yaml").returncode, 0)
+        page = self.report_of(still)
+        self.says(page, "nothing was touched, and no force was felt")
+        topic = "DELETE FROM messages WHERE topic_id IN (SELECT id FROM topics WHERE name IN ({}))"
+        in_real_time = self.alter(self.copy("silent", topic.format("'/haptic/node_status'")), "device/state", 132, bytes(4))
+        self.says(self.report_of(in_real_time), "the device told none", "the device told no latency, so its lines are missing", "does not tell by which command")
+        page = self.report_of(self.copy("bare", topic.format("'/haptic/coupling/command', '/haptic/coupling/design', '/haptic/rendering/plan', "
+                                                             "'/haptic/device/description', '/haptic/validation'")))
+        for sentence in ("no command was recorded", "The bag holds no design", "The bag holds no plan"):
+            self.says(page, sentence)
+        page = self.report_of(self.copy("states", topic.format("'/haptic/coupling/command', '/haptic/rendering/contact', '/haptic/validation'")))
+        self.assertEqual(page.figures[0]["samples"], 2000)
+
+    def test_numbers_that_are_none_leave_a_page_all_the_same(self):
+        bag = self.copy("nan")
+        for topic, at in (("coupling/command", 32), ("rendering/contact", 184), ("rendering/contact", 328), ("coupling/command", 80)):
+            self.alter(bag, topic, at, struct.pack("<d", math.nan), 1000, 50)
+        page = self.report_of(bag)
+        self.assertTrue(math.isfinite(page.figures[0]["max_force_n"]))
+        self.assertNotIn("NaN", page.scripts)
+
+    def test_a_ring_that_was_killed_has_a_page_that_says_so(self):
+        bag = self.at / "killed"
+        ring = subprocess.Popen([BIN / "voxtouch", "up", DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--record", bag], stdout=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE, text=True, start_new_session=True, env=SHELL)
+        for line in ring.stderr:
+            if " samples " in line and int(line.split()[0]) > 1500:
+                break
+        for process in [int(word) for word in pathlib.Path(f"/proc/{ring.pid}/task/{ring.pid}/children").read_text().split()] + [ring.pid]:
+            os.kill(process, signal.SIGKILL)
+        ring.wait()
+        ring.stderr.close()
+        page = self.report_of(bag)
+        self.assertGreater(page.figures[0]["samples"], 1000)
+        self.says(page, "the recording was not closed")
+        self.says(page, "gave no last word")
+        self.says(page, "Latency and overruns: half of the commands came within")
+        self.assertFalse((bag / "report.html").exists())
+
+    # ---------------------------------------------------------------------------------------------------------- beside a run
+    def test_up_writes_it_and_leaves_it_out_and_is_no_worse_without_matplotlib(self):
+        self.assertIn(f"report: {self.bag / 'report.html'}", self.done.stderr)
+        self.assertNotIn("report", self.summary)
+        (self.at / "hidden").mkdir()
+        (self.at / "hidden" / "matplotlib.py").write_text('raise ImportError("hidden by this test")\n')
+        done = up("--motion", "slide", "--duration", "1", "--lockstep", "--record", self.at / "plain", env={"PYTHONPATH": str(self.at / "hidden")})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        told = [line for line in done.stderr.splitlines() if "report" in line]
+        self.assertEqual(len(told), 1, done.stderr)
+        self.assertIn("install python3-matplotlib", told[0])
+        self.assertTrue(json.loads(done.stdout)["ok"])
+        self.assertFalse((self.at / "plain" / "report.html").exists())
+
+    def test_up_waits_a_few_seconds_at_most_and_the_page_comes_all_the_same(self):
+        (self.at / "slow").mkdir()
+        (self.at / "slow" / "numpy.py").write_text("import time, sys, importlib\ntime.sleep(8)\nsys.path = [p for p in sys.path if not p.endswith('slow')]\n"
+                                                   "del sys.modules['numpy']\nsys.modules['numpy'] = importlib.import_module('numpy')\n")
+        begun = time.monotonic()
+        done = up("--motion", "slide", "--duration", "0.5", "--lockstep", "--record", self.at / "later", env={"PYTHONPATH": str(self.at / "slow")})
+        took = time.monotonic() - begun
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("is still being drawn", done.stderr)
+        self.assertIn("report: ", done.stderr)
+        self.assertLess(took, 15.0)
+        for _ in range(300):
+            if (self.at / "later" / "report.html").exists():
+                break
+            time.sleep(0.1)
+        self.assertEqual(Page(self.at / "later" / "report.html").figures[0]["samples"], 500)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0]] + sys.argv[3:], verbosity=2)
