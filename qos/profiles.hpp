@@ -9,7 +9,7 @@
 
 namespace voxtouch::qos {
 
-enum class ProfileId : std::uint8_t { kStream, kLockstep, kLatched, kEvent, kStatus, kTap, kSensor, kState };
+enum class ProfileId : std::uint8_t { kStream, kLockstep, kLatched, kEvent, kStatus, kTap, kState };
 
 /// Policies of a profile. All are shared ownership, by reception, automatic liveliness, no lifespan and no latency budget (a
 /// latency budget above 0 makes Cyclone DDS batch samples asynchronously).
@@ -31,8 +31,7 @@ inline constexpr Profile kProfiles[] = {
     {ProfileId::kEvent, "event", true, false, false, 256, 0.0},      // reports
     {ProfileId::kStatus, "status", true, true, false, 64, 0.0},      // as latched; readers keep many writers' last
     {ProfileId::kTap, "tap", false, false, false, 64, 0.0},          // matches every stream and event, slows none
-    {ProfileId::kSensor, "sensor", false, false, false, 5, 0.0},     // ROS standard types, high rate
-    {ProfileId::kState, "state", true, false, false, 10, 0.0},       // ROS standard types, low rate
+    {ProfileId::kState, "state", true, false, false, 10, 0.0},       // ROS standard types; a full history drops, nobody waits
 };
 
 constexpr const Profile& profile(ProfileId id) {

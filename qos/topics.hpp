@@ -32,6 +32,7 @@ struct Topic {
   Nodes readers = kNobody; ///< of the ring; the logger is one of those that it records unasked
   std::string_view why = {};  ///< it is written, for the scene's plan
   bool global = false;     ///< outside the rig's namespace: /tf, /diagnostics
+  bool lockstep_only = false;  ///< there is no writer in real time
 };
 
 inline constexpr Topic kDeviceState{"device/state", "voxtouch_msgs/msg/DeviceState", ProfileId::kStream, 1000, kDevice,
@@ -61,13 +62,17 @@ inline constexpr std::string_view kForRos = "For ROS tools; made and written onl
 inline constexpr Topic kDiagnostics{"diagnostics", "diagnostic_msgs/msg/DiagnosticArray", ProfileId::kState, 1, kEveryNode, kNobody,
                                     "For ROS tools; made and written only while somebody reads it.", true};
 inline constexpr Topic kTf{"tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, kRendering, kNobody, kForRos, true};
-inline constexpr Topic kPose{"pose", "geometry_msgs/msg/PoseStamped", ProfileId::kSensor, 100, kRendering, kNobody, kForRos};
-inline constexpr Topic kWrench{"wrench", "geometry_msgs/msg/WrenchStamped", ProfileId::kSensor, 100, kRendering, kNobody, kForRos};
+inline constexpr Topic kTfStatic{"tf_static", "tf2_msgs/msg/TFMessage", ProfileId::kLatched, 0, kRendering, kNobody,
+                                 "Frames that do not move, for ROS tools; made and written once, and only while somebody reads it.", true};
+inline constexpr Topic kClock{"clock", "rosgraph_msgs/msg/Clock", ProfileId::kState, 100, kRendering, kNobody,
+                              "Simulated time for ROS tools, in lockstep; made and written only while somebody reads it, outside the loop.", true, true};
+inline constexpr Topic kPose{"pose", "geometry_msgs/msg/PoseStamped", ProfileId::kState, 100, kRendering, kNobody, kForRos};
+inline constexpr Topic kWrench{"wrench", "geometry_msgs/msg/WrenchStamped", ProfileId::kState, 100, kRendering, kNobody, kForRos};
 inline constexpr Topic kMarkers{"markers", "visualization_msgs/msg/MarkerArray", ProfileId::kState, 10, kRendering, kNobody, kForRos};
 
 inline constexpr Topic kTopics[] = {kDeviceState, kContactState, kForceCommand, kDeviceDescription, kScenePlan,
                                     kCouplingDesign, kValidation, kNodeStatus, kEffectChange, kEffectChanged,
-                                    kDiagnostics, kTf, kPose, kWrench, kMarkers};
+                                    kDiagnostics, kTf, kTfStatic, kClock, kPose, kWrench, kMarkers};
 
 enum class TimeMode : std::uint8_t { kRealTime, kLockstep };
 

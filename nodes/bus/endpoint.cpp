@@ -115,6 +115,12 @@ std::uint32_t matched_writer_count(dds_entity_t reader) noexcept {
   return status.current_count;
 }
 
+std::uint32_t readers_ever_matched(dds_entity_t writer) noexcept {
+  dds_publication_matched_status_t status{};
+  dds_get_publication_matched_status(writer, &status);
+  return status.total_count;
+}
+
 std::uint64_t deadlines_missed(dds_entity_t reader) noexcept {
   dds_requested_deadline_missed_status_t status{};
   dds_get_requested_deadline_missed_status(reader, &status);

@@ -32,6 +32,8 @@ bool writer_is_matched(dds_entity_t reader, dds_instance_handle_t writer);
 /// How many; real-time safe.
 std::uint32_t matched_reader_count(dds_entity_t writer) noexcept;
 std::uint32_t matched_writer_count(dds_entity_t reader) noexcept;
+/// How many there have ever been; real-time safe.
+std::uint32_t readers_ever_matched(dds_entity_t writer) noexcept;
 /// Deadlines that this reader has missed since it was made; real-time safe.
 std::uint64_t deadlines_missed(dds_entity_t reader) noexcept;
 

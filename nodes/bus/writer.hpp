@@ -29,6 +29,8 @@ class Writer {
   }
   std::vector<Guid> matched() const { return matched_readers(entities_.endpoint.get()); }
   std::uint32_t matched_count() const noexcept { return matched_reader_count(entities_.endpoint.get()); }
+  /// How many readers have come since it was made, also those that have gone.
+  std::uint32_t ever_matched() const noexcept { return readers_ever_matched(entities_.endpoint.get()); }
   explicit operator bool() const noexcept { return static_cast<bool>(entities_.endpoint); }
 
  private:

@@ -43,9 +43,9 @@ class RenderingNode {
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
-        ros_(participant_, options.rig, scene),
+        ros_(participant_, options.rig, scene, options.mode()),
         updates_(participant_, options, scene, std::move(built), line_,
-              [this](const scene::Scene& next) { ros_.set_static_meshes(next.static_meshes); },
+              [this](const scene::Scene& next) { ros_.scene_is(next); },
               [this](std::uint64_t session) { session_.begin(session); }),
         wait_set_(participant_), device_("device", {&descriptions_.following(), &states_.following()}) {
     wait_set_.attach(descriptions_.condition());
@@ -199,7 +199,9 @@ class RenderingNode {
     });
     if (samples_.load(kRelaxed) == 0) first_sample_.store(state.sequence_number, kRelaxed);
     const bool touches = c.surface_hits + c.interior_hits > 0, pushes = c.wrench.force.norm() > kForceEpsilonN;
-    ros_.show({state.sample_time_ns, frame_.object, frame_.wrench, c.deepest_point, touches});
+    ros_.show({state.sample_time_ns, state.session_id, static_cast<double>(m.scene_time_ns) * 1e-9, mapping_.tool().pose, frame_.object, frame_.wrench,
+               c.wrench.force});
+    if (ros_.wants_points()) show_points(touches);
     samples_.fetch_add(1, kRelaxed);
     const bool buried = touches && !pushes && c.interior_hits > c.surface_hits;
     const std::array<bool, kCounted.size()> counts = {  // in the order of the names
@@ -210,6 +212,20 @@ class RenderingNode {
     if (frame_.tool.residual_m > most_residual_m_.load(kRelaxed)) most_residual_m_.store(frame_.tool.residual_m, kRelaxed);
     if (frame_.tool.constrained && c.deepest_depth_m > most_depth_m_.load(kRelaxed)) most_depth_m_.store(c.deepest_depth_m, kRelaxed);
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
+  }
+
+  /// For who draws them: all points of the last query in contact, or every n-th of them. Of a virtual tool the deepest alone.
+  void show_points(bool touches) noexcept {
+    ShownPoints shown;
+    if (scene_.virtual_tool() && touches) shown.at[shown.count++] = frame_.touch.contact.deepest_point;
+    rendering::ObjectContacts& objects = live_.dominant().contacts();
+    const std::size_t every = (frame_.touch.contact.surface_hits + frame_.touch.contact.interior_hits) / ShownPoints::kMost + 1;
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < objects.size() && !scene_.virtual_tool(); ++k)
+      for (const contact::Hits* hits : {&objects.object(k).renderer->hits().surface, &objects.object(k).renderer->hits().interior})
+        for (std::size_t i = 0; i < hits->size() && shown.count < ShownPoints::kMost; ++i)
+          if (n++ % every == 0) shown.at[shown.count++] = frame_.object.position + (*hits)[i].arm;
+    ros_.show_points(shown);
   }
 
   void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "core/scene/scene_file.hpp"
@@ -27,7 +28,7 @@ class RosOutputsTest : public testing::Test {
     const auto until = std::chrono::steady_clock::now() + time;
     for (; std::chrono::steady_clock::now() < until; std::this_thread::sleep_for(std::chrono::milliseconds(2))) show();
   }
-  void show() { outputs_.show({.time_ns = ++time_ns_, .tool = {}, .wrench = {}, .contact = true}); }
+  void show() { outputs_->show({.stamp_ns = ++time_ns_, .session = 1, .hand = {}, .object = {}, .wrench = {}}); }
   template <class Message>
   auto reader(const qos::Topic& topic) {
     return std::make_unique<bus::Reader<Message>>(other_, topic, rig_, qos::profile(topic.profile));
@@ -42,42 +43,142 @@ class RosOutputsTest : public testing::Test {
   const std::string rig_ = own_rig("ros");
   scene::Scene scene_ = plane();
   bus::Participant participant_{{kDomain, "lo", "rendering"}}, other_{{kDomain, "lo", "looker"}};
-  rendering_node::RosOutputs outputs_{participant_, rig_, scene_};
+  std::unique_ptr<rendering_node::RosOutputs> outputs_ = std::make_unique<rendering_node::RosOutputs>(participant_, rig_, scene_, qos::TimeMode::kRealTime);
   std::int64_t time_ns_ = 0;
 };
 
 TEST_F(RosOutputsTest, AreNotMadeWhileNobodyReads) {
   run_for(std::chrono::milliseconds(400));  // forty turns of its thread
-  const RosOutputCounts made = outputs_.made();
+  const RosOutputCounts made = outputs_->made();
   // /tf has one name for all rigs: a test that runs beside this one may read it.
   EXPECT_EQ(made.pose + made.wrench + made.markers, 0U);
 }
 
 TEST_F(RosOutputsTest, AreMadeForWhoReadsAndForNothingElseAndNoLongerOnceHeHasGone) {
   auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
-  ASSERT_TRUE(shows_until([&] { return outputs_.made().pose >= 5 && poses->take_each([](const auto&) {}) > 0; }));
-  EXPECT_EQ(outputs_.made().wrench + outputs_.made().markers, 0U);
+  ASSERT_TRUE(shows_until([&] { return outputs_->made().pose >= 5 && poses->take_each([](const auto&) {}) > 0; }));
+  EXPECT_EQ(outputs_->made().wrench + outputs_->made().markers, 0U);
   poses.reset();
   // Its going takes a moment to be known; from then on the count stands still.
   std::uint64_t last = 0;
   ASSERT_TRUE(wait_until([&] {
-    last = outputs_.made().pose;
+    last = outputs_->made().pose;
     run_for(std::chrono::milliseconds(100));
-    return outputs_.made().pose == last;
+    return outputs_->made().pose == last;
   }));
   run_for(std::chrono::milliseconds(300));
-  EXPECT_EQ(outputs_.made().pose, last);
+  EXPECT_EQ(outputs_->made().pose, last);
 }
 
 TEST_F(RosOutputsTest, AreEachMadeOnceSomebodyReadsIt) {
   auto wrenches = reader<msg::geometry_msgs_WrenchStamped>(qos::kWrench);
-  ASSERT_TRUE(shows_until([&] { return outputs_.made().wrench > 0; }));
-  EXPECT_EQ(outputs_.made().markers, 0U);
+  ASSERT_TRUE(shows_until([&] { return outputs_->made().wrench > 0; }));
+  EXPECT_EQ(outputs_->made().markers, 0U);
   auto markers = reader<msg::visualization_msgs_MarkerArray>(qos::kMarkers);
-  ASSERT_TRUE(shows_until([&] { return outputs_.made().markers > 0; }));
+  ASSERT_TRUE(shows_until([&] { return outputs_->made().markers > 0; }));
   auto tf = reader<msg::tf2_msgs_TFMessage>(qos::kTf);
-  ASSERT_TRUE(shows_until([&] { return outputs_.made().tf > 0; }));
-  EXPECT_EQ(outputs_.made().pose, 0U);
+  ASSERT_TRUE(shows_until([&] { return outputs_->made().tf > 0; }));
+  EXPECT_EQ(outputs_->made().pose, 0U);
+}
+
+std::int64_t ns_of(const msg::builtin_interfaces_Time& t) { return 1'000'000'000LL * t.sec + t.nanosec; }
+
+TEST_F(RosOutputsTest, AreWrittenAHundredTimesASecondWithTheTimeOfTheWall) {
+  auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
+  std::vector<std::int64_t> written, off;
+  ASSERT_TRUE(wait_until([&] {
+    show();
+    poses->take_each([&](const msg::geometry_msgs_PoseStamped& p, const dds_sample_info_t& info) {
+      written.push_back(info.source_timestamp);
+      off.push_back(std::abs(info.source_timestamp - ns_of(p.header.stamp)));
+    });
+    return written.size() >= 800;
+  }));
+  std::ranges::nth_element(off, off.begin() + 400);
+  EXPECT_LT(off[400], 20'000'000) << "stamps are not the wall's time, although the device's clock is long behind it";
+  // How late each one is on a grid of 10 ms. Single ones may be late on a busy machine; the least late ones must not drift.
+  std::vector<double> late_ms;
+  double grid_ms = 0.0;
+  for (std::size_t n = 0; n < written.size(); ++n) {
+    const double at_ms = static_cast<double>(written[n] - written[0]) * 1e-6;
+    if (n > 0) grid_ms += 10.0 * std::round((at_ms - grid_ms - late_ms.back()) / 10.0);
+    late_ms.push_back(at_ms - grid_ms);
+  }
+  const auto half = late_ms.begin() + 400;
+  const double drift_ms = *std::min_element(half, half + 400) - *std::min_element(late_ms.begin(), half);
+  EXPECT_LT(std::abs(drift_ms), 4.0) << "in 4 s: more than 0.1 Hz beside 100 Hz";
+}
+
+TEST_F(RosOutputsTest, HaveSimulatedTimeAndAClockInLockstep) {
+  outputs_ = std::make_unique<rendering_node::RosOutputs>(participant_, rig_, scene_, qos::TimeMode::kLockstep);
+  auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
+  auto clocks = reader<msg::rosgraph_msgs_Clock>(qos::kClock);
+  std::vector<std::int64_t> of_poses, of_clocks;
+  time_ns_ = 7'000'000'000;
+  ASSERT_TRUE(shows_until([&] {
+    poses->take_each([&](const msg::geometry_msgs_PoseStamped& p) { of_poses.push_back(ns_of(p.header.stamp)); });
+    clocks->take_each([&](const msg::rosgraph_msgs_Clock& c) { of_clocks.push_back(ns_of(c.clock)); });
+    return of_poses.size() > 5 && of_clocks.size() > 5;
+  }));
+  for (const auto& stamps : {of_poses, of_clocks}) {
+    EXPECT_GT(stamps.front(), 7'000'000'000);
+    EXPECT_LE(stamps.back(), time_ns_);
+    EXPECT_TRUE(std::ranges::is_sorted(stamps));
+  }
+}
+
+TEST_F(RosOutputsTest, HaveNoClockInRealTime) {
+  auto clocks = reader<msg::rosgraph_msgs_Clock>(qos::kClock);
+  auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
+  ASSERT_TRUE(shows_until([&] { return outputs_->made().pose > 0; }));
+  EXPECT_EQ(outputs_->made().clock, 0U);
+}
+
+TEST_F(RosOutputsTest, TellWhatDoesNotMoveOnceAndAlsoToWhoComesLate) {
+  for (int reader_number = 0; reader_number < 2; ++reader_number) {
+    auto frames = reader<msg::tf2_msgs_TFMessage>(qos::kTfStatic);
+    std::set<std::string> names;
+    EXPECT_TRUE(shows_until([&] {
+      frames->take_each([&](const msg::tf2_msgs_TFMessage& m) {
+        for (std::uint32_t n = 0; n < m.transforms._length; ++n) names.insert(m.transforms._buffer[n].child_frame_id);
+      });
+      return names.contains(rig_ + "/device");
+    })) << reader_number;
+  }
+  EXPECT_EQ(outputs_->made().tf_static, 1U);
+}
+
+rendering_node::LastingMarker triangle(const std::string& name_space, std::int32_t id) {
+  return {name_space, id, "world", {}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}};
+}
+/// "ADD scene 0, DELETE ..." of what is sent from `now_ns` on, while something is due.
+std::vector<std::string> all_due(rendering_node::MarkerRounds& rounds, std::int64_t now_ns) {
+  std::vector<std::string> said;
+  for (int message = 0; message < 100 && rounds.due(now_ns); ++message) {
+    for (const auto& m : rounds.markers(now_ns))
+      said.push_back(std::string(m.action == 0 ? "ADD " : m.action == 2 ? "DELETE " : "DELETEALL ") + m.ns + " " + std::to_string(m.id));
+    rounds.sent(now_ns);
+  }
+  return said;
+}
+
+TEST(MarkerRounds, SendMeshesToWhoComesAndDeleteWhatAReloadTookAway) {
+  using Said = std::vector<std::string>;
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  rendering_node::MarkerRounds rounds;
+  EXPECT_EQ(all_due(rounds, 0), Said());
+  rounds.replace({triangle("scene", 0), triangle("scene", 1)});
+  EXPECT_EQ(all_due(rounds, 1 * kSecond), (Said{"DELETEALL  0", "ADD scene 0", "ADD scene 1"}));
+  EXPECT_EQ(all_due(rounds, 1.5 * kSecond), Said());
+  EXPECT_EQ(all_due(rounds, 2 * kSecond), (Said{"ADD scene 0", "ADD scene 1"})) << "DDS may have lost the first ones";
+  EXPECT_EQ(all_due(rounds, 11 * kSecond), Said()) << "they need not be sent each time";
+  EXPECT_EQ(all_due(rounds, 12 * kSecond).size(), 2U) << "a viewer may have been cleared";
+  rounds.reader_came();
+  EXPECT_EQ(all_due(rounds, 13 * kSecond), (Said{"ADD scene 0", "ADD scene 1"}));
+  rounds.replace({triangle("scene", 0), triangle("object/lid", 0)});
+  EXPECT_EQ(all_due(rounds, 14 * kSecond), (Said{"DELETE scene 1", "ADD scene 0", "ADD object/lid 0"}));
+  rounds.replace({triangle("scene", 0), triangle("scene", 1)});
+  EXPECT_EQ(all_due(rounds, 15 * kSecond), (Said{"DELETE object/lid 0", "ADD scene 0", "ADD scene 1"}));
 }
 
 TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {

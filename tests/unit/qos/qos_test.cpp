@@ -43,6 +43,21 @@ TEST(Topics, CarryTheNamesThatRosToolsExpect) {
   EXPECT_STREQ(msg::Type<msg::DeviceState>::descriptor->m_typename, "voxtouch_msgs::msg::dds_::DeviceState_");
 }
 
+TEST(Topics, AreOfferedAsRosToolsAskForThem) {
+  for (const qos::Topic& topic : {qos::kPose, qos::kWrench, qos::kTf, qos::kMarkers, qos::kClock, qos::kDiagnostics}) {
+    const qos::Profile& p = qos::profile(topic.profile);
+    EXPECT_TRUE(p.reliable) << topic.path << ": a subscription by default asks for it";
+    EXPECT_FALSE(p.keep_all) << topic.path << ": a reader that stands still would fill the history";
+    const qos::Qos q = qos::make_qos(p, Endpoint::kWriter, 0.0);
+    dds_reliability_kind_t kind{};
+    dds_duration_t blocking = -1;
+    ASSERT_TRUE(dds_qget_reliability(q.get(), &kind, &blocking));
+    EXPECT_EQ(blocking, 0) << topic.path << ": who writes it would wait for who looks";
+  }
+  const qos::Profile& fixed = qos::profile(qos::kTfStatic.profile);
+  EXPECT_TRUE(fixed.reliable && fixed.transient_local) << "tf2 asks for what was said before it came";
+}
+
 TEST(Topics, StreamsLoseNothingInLockstep) {
   for (const qos::Topic& topic : {qos::kDeviceState, qos::kContactState, qos::kForceCommand, qos::kValidation}) {
     const qos::Profile& p = qos::profile_in(topic, TimeMode::kLockstep);
