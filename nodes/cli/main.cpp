@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", VOXTOUCH_VERSION);
   voxtouch::cli::Action action;
   voxtouch::cli::add_up(app, action);
+  voxtouch::cli::add_new(app, action);
   voxtouch::cli::add_build(app, action);
   voxtouch::cli::add_probe(app, action);
   voxtouch::cli::add_design(app, action);

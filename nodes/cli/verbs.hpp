@@ -12,6 +12,7 @@ namespace voxtouch::cli {
 using Action = std::function<int()>;
 
 void add_up(CLI::App& app, Action& action);
+void add_new(CLI::App& app, Action& action);
 void add_build(CLI::App& app, Action& action);
 void add_probe(CLI::App& app, Action& action);
 void add_design(CLI::App& app, Action& action);

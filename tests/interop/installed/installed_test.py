@@ -50,7 +50,7 @@ class Installed(unittest.TestCase):
     def test_runs_a_scene_by_its_name_from_any_folder(self):
         for program in ("device", "rendering", "coupling", "logger", "validator"):
             self.assertTrue((self.prefix / "bin" / f"voxtouch_{program}").exists(), program)
-        told = run(self.prefix / "bin/voxtouch", "up", "cup", "--motion", "slide", "--lockstep", "--duration", "2", "--domain", "58", "--json",
+        told = run(self.prefix / "bin/voxtouch", "up", "cup", "--motion", "slide", "--lockstep", "--duration", "2", "--domain", "54", "--json",
                    cwd=self.elsewhere, env=self.environment())
         summary = json.loads(told)
         self.assertTrue(summary["ok"])
@@ -63,7 +63,7 @@ class Installed(unittest.TestCase):
             home = "/proc"  # nobody may write there, root neither
         else:
             home = "/"
-        done = subprocess.run([self.prefix / "bin/voxtouch", "up", "cup", "--lockstep", "--duration", "1", "--domain", "58"], capture_output=True, text=True,
+        done = subprocess.run([self.prefix / "bin/voxtouch", "up", "cup", "--lockstep", "--duration", "1", "--domain", "54"], capture_output=True, text=True,
                               timeout=60, cwd=self.elsewhere, env=self.environment(HOME=home))
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"can(not)? be made.* another (folder|with --record)")

@@ -1,0 +1,21 @@
+#pragma once
+/// A proposed scene as the text of a scene file, with its reasons as comments.
+#include <string>
+
+#include "core/first_scene/propose_scene.hpp"
+
+namespace voxtouch::first_scene {
+
+/// What the text names beside the proposal.
+struct SceneNames {
+  std::string scene;                        ///< letters, digits, _ - .
+  std::string part_file, tool_file;         ///< as the scene file is to name them
+  double part_scale = 1.0, tool_scale = 1.0;  ///< metres for one unit of the files
+};
+
+/// A name that a scene may have, made of any text: other characters become '_'.
+std::string scene_name(const std::string& text);
+
+std::string scene_text(const ProposedScene& scene, const SceneNames& names);
+
+}  // namespace voxtouch::first_scene

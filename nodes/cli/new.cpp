@@ -1,0 +1,125 @@
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/first_scene/measure_part.hpp"
+#include "core/first_scene/scene_text.hpp"
+#include "core/first_scene/try_scene.hpp"
+#include "core/fitting/felt.hpp"
+#include "core/mesh/import.hpp"
+#include "core/scene/scene_file.hpp"
+#include "core/types/program_folder.hpp"
+#include "nodes/cli/known_device.hpp"
+#include "nodes/cli/verbs.hpp"
+#include "nodes/log/progress.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
+#include "nodes/runtime/parallel_for.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct NewOptions {
+  fs::path part, tool, out;
+  std::string device = "sim-phantom", part_unit, tool_unit;
+};
+
+struct ReadMesh {
+  mesh::ImportedMesh mesh;  ///< in metres
+  double scale = 1.0;
+  std::string unit;  ///< a sentence
+};
+
+/// In the file's own numbers first, since they tell the unit.
+ReadMesh read_mesh(const fs::path& file, const std::string& unit) {
+  const mesh::TriangleReader reader = mesh_import::mesh_process();
+  ReadMesh read{.mesh = mesh::import_mesh(file, {}, reader), .scale = 1.0, .unit = {}};
+  const double extent = (read.mesh.report.max - read.mesh.report.min).maxCoeff();
+  first_scene::Unit guess = first_scene::likely_unit(extent);
+  if (unit == first_scene::kMillimetre.name) guess = first_scene::kMillimetre;
+  if (unit == first_scene::kMetre.name) guess = first_scene::kMetre;
+  read.scale = guess.metres;
+  read.unit = fmt::format("{} is {:.4g} {} at its largest{}.", file.filename().string(), extent, guess.name,
+                          unit.empty() ? ", if its numbers are in that unit: --unit and --tool-unit say otherwise" : "");
+  if (read.scale != 1.0) read.mesh = mesh::import_mesh(file, {.scale = read.scale}, reader);
+  return read;
+}
+
+/// As a scene file in `folder` is to name it: what lies there or below by a short path, all else by its whole one.
+std::string named_from(const fs::path& folder, const fs::path& file) {
+  const fs::path relative = fs::relative(file, folder);
+  return (relative.empty() || *relative.begin() == ".." ? fs::canonical(file) : relative).string();
+}
+
+void write_new(const fs::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::out | std::ios::noreplace);
+  out << text;
+  out.close();
+  if (!out) throw std::runtime_error(fmt::format("{} cannot be written: is it there already, is there room, and may you write there? --out FILE is another", file.string()));
+}
+
+int make_new(const NewOptions& o) {
+  const coupling::design::DeviceModel device = find_device(o.device);
+  const ReadMesh part = read_mesh(o.part, o.part_unit);
+  first_scene::Tool tool;
+  std::vector<std::string> said{part.unit};
+  first_scene::SceneNames names{.scene = first_scene::scene_name(o.part.stem().string()), .part_file = {}, .tool_file = {}, .part_scale = part.scale};
+  const fs::path out = fs::absolute(o.out.empty() ? fs::path(names.scene + ".yaml") : o.out);
+  if (fs::exists(out)) throw std::runtime_error(fmt::format("{} is there already and is left as it is; --out FILE is another", out.string()));
+  names.part_file = named_from(out.parent_path(), o.part);
+  names.tool_file = (fs::canonical(shared_folder() / "meshes") / "sphere.obj").string();
+  if (!o.tool.empty()) {
+    const ReadMesh read = read_mesh(o.tool, o.tool_unit);
+    said.push_back(read.unit);
+    tool = first_scene::tool_of(read.mesh.mesh);
+    names.tool_file = named_from(out.parent_path(), o.tool), names.tool_scale = read.scale;
+  }
+  first_scene::ProposedScene proposed = first_scene::propose_scene(part.mesh.mesh, part.mesh.report, tool);
+  if (o.tool.empty()) names.tool_scale = proposed.tool.reach_m;  // the shipped sphere has radius 1
+  proposed.reasons.insert(proposed.reasons.begin(), said.begin(), said.end());
+  for (const std::string& sentence : part.mesh.report.sentences()) log::tell("warning: {}\n", sentence);
+
+  write_new(out, first_scene::scene_text(proposed, names));
+  try {
+    const scene::Scene scene = scene::load_scene(out);
+    const auto built = rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("new"));
+    if (const std::string wrong = first_scene::what_is_wrong(scene, *built); !wrong.empty())
+      proposed.reasons.push_back("To be mended by hand: " + wrong + ".");
+    const rendering::StiffnessBounds bounds{built->plan().contact_n_per_m, built->plan().contact_nm_per_rad};
+    const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds, fitting::demand_of(scene));
+    if (!fitted.refusal.empty()) proposed.reasons.push_back("To be mended by hand: " + fitted.refusal);
+    if (const std::string felt = fitting::felt_sentence(fitted, scene, device, bounds); !felt.empty()) proposed.reasons.push_back(felt);
+  } catch (const std::exception&) {
+    fs::remove(out);  // a scene that cannot even be built is no begin
+    throw;
+  }
+  for (const std::string& reason : proposed.reasons) log::print_result("{}\n", reason);
+  log::print_result("\n{} is written. Feel it, and see it:\n  voxtouch up {} --device {} --motion press --view\n", out.string(),
+                    o.out.empty() ? out.filename().string() : out.string(), o.device);
+  return 0;
+}
+
+}  // namespace
+
+void add_new(CLI::App& app, Action& action) {
+  auto o = std::make_shared<NewOptions>();
+  CLI::App* verb = app.add_subcommand(
+      "new",
+      "Writes a scene file for a part of yours that runs as it is, and says what was guessed: unit, voxel size, contact model, tool,\n"
+      "and two motions of a simulated hand. Each line of the file may be changed afterwards.\n"
+      "Try: voxtouch new part.stl   and then   voxtouch up part.yaml --motion press --view");
+  verb->add_option("PART", o->part, "Mesh to be felt: OBJ, STL, PLY, glTF/GLB, COLLADA")->required()->check(CLI::ExistingFile);
+  verb->add_option("TOOL", o->tool, "Mesh that the hand holds, by its origin; default: a sphere")->check(CLI::ExistingFile);
+  verb->add_option("--device", o->device, "A device by name, or a file that describes one")->capture_default_str();
+  const CLI::IsMember units({first_scene::kMillimetre.name, first_scene::kMetre.name});
+  verb->add_option("--unit", o->part_unit, "Unit of the part's numbers; default: whichever makes it fit a desk")->check(units);
+  verb->add_option("--tool-unit", o->tool_unit, "Unit of the tool's numbers")->check(units);
+  verb->add_option("--out", o->out, "Scene file to write; default: PART's name with .yaml, in the current folder");
+  verb->callback([o, &action] { action = [o] { return make_new(*o); }; });
+}
+
+}  // namespace voxtouch::cli
