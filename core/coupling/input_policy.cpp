@@ -21,7 +21,7 @@ void InputPolicy::restart(bool holds_force) noexcept {
   held_s_ = 0.0, lost_ = false;
 }
 
-PolicedSample InputPolicy::take(const CouplingInput& input, double dt_s) noexcept {
+PolicedSample InputPolicy::apply(const CouplingInput& input, double dt_s) noexcept {
   PolicedSample sample;
   const bool good_period = dt_s >= nominal_s_ / kPeriodBand && dt_s <= nominal_s_ * kPeriodBand;  // false for NaN
   sample.dt_s = good_period ? dt_s : nominal_s_;

@@ -31,7 +31,7 @@ class InputPolicy {
  public:
   InputPolicy(double nominal_s, double ramp_s) noexcept : nominal_s_(nominal_s), ramp_s_(ramp_s) {}
 
-  PolicedSample take(const CouplingInput& input, double dt_s) noexcept;
+  PolicedSample apply(const CouplingInput& input, double dt_s) noexcept;
   /// The next samples are faded in from a force that is held, or, where there is none, only if the first good one is in contact: a
   /// contact that begins later begins at depth zero by itself, and fading it would let the tool sink below the layer that pushes.
   void restart(bool holds_force) noexcept;

@@ -102,7 +102,7 @@ void RunningCoupling::reset(const Wrench& held) noexcept {
 }
 
 CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) noexcept {
-  const PolicedSample sample = policy_.take(input, dt_s);
+  const PolicedSample sample = policy_.apply(input, dt_s);
   if (dt_s > kGapPeriods * nominal_s_) passivity_.reset();
   way_ = motion_.step(input.tool, dt_s);
   count_way();
