@@ -59,7 +59,7 @@ Judged judge_value(const EffectSpec& effect, std::string_view parameter, const s
   EffectCommand command{.action = EffectAction::kValue, .effect = 0, .parameter = static_cast<std::uint32_t>(p)};
   command.value = in_shape(*found, value);
   EffectSpec wanted = effect;
-  take(wanted, command);
+  carry_out(wanted, command);
   if (std::string why = check_values(*effect.kind, wanted.values); !why.empty()) return std::unexpected(std::move(why));
   if (needs_more(effect.kind->needs(wanted.values), effect.kind->needs(effect.values)))
     return std::unexpected(
@@ -102,7 +102,7 @@ Judged judge(std::span<const EffectSpec> effects, const EffectWish& wish) {
   return command;
 }
 
-void take(EffectSpec& effect, const EffectCommand& command) noexcept {
+void carry_out(EffectSpec& effect, const EffectCommand& command) noexcept {
   switch (command.action) {
     case EffectAction::kSwitch: effect.on = command.value[0] != 0.0; break;
     case EffectAction::kGain: effect.gain = command.value[0]; break;

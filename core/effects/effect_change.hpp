@@ -33,7 +33,7 @@ struct EffectCommand {
 std::expected<EffectCommand, std::string> judge(std::span<const EffectSpec> effects, const EffectWish& wish);
 
 /// Does to the spec what the chain does to the effect, without a ramp: where it will have come to. Real-time safe.
-void take(EffectSpec& effect, const EffectCommand& command) noexcept;
+void carry_out(EffectSpec& effect, const EffectCommand& command) noexcept;
 
 /// `text` for a sentence: at most 64 characters, those that cannot be printed as '?'.
 std::string quotable(std::string_view text);

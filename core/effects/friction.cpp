@@ -159,7 +159,7 @@ extern const EffectKind kFriction = {
         "while it slips mu "
         "times the contact's as a coupling between depth and force.",
     .energy = EnergyBehaviour::kDissipative,
-    .takes_share = true,
+    .shares_inside = true,
     .friction = [](const EffectValues& values) { return values.number(kCoulomb); },
     .parameters = kParameters,
     .needs = needs,

@@ -42,7 +42,7 @@ void ChangeLine::take(rendering::LiveScene& live, std::uint64_t next, bool at_sa
       if (change->scene)
         live.swap_to(*change->scene);
       else
-        live.effects().take(change->effect);
+        live.effects().carry_out(change->effect);
       moving_ |= !change->scene && change->effect.action == effects::EffectAction::kValue;
       applied_ = change->ticket;
       report(ChangeReport::What::kApplied, *change, next);

@@ -164,7 +164,7 @@ std::string SceneUpdateServer::give(const msg::EffectChange& m, const Request& r
                                              .value = {m.value[0], m.value[1], m.value[2]}});
   if (!command) return command.error();
   effects::EffectSpec& effect = after.effects[command->effect];
-  voxtouch::effects::take(effect, *command);
+  voxtouch::effects::carry_out(effect, *command);
   after.reach[command->effect].widen(effect);
   if (std::string why = on_device_.why_not(after.scene, after.contact_alone, after.reach); !why.empty()) return why;
   Outstanding asked{request, {}};
@@ -197,7 +197,7 @@ SceneUpdateServer::Next SceneUpdateServer::next() const {
   for (const Outstanding& waits : outstanding_) {
     if (after) {
       effects::EffectSpec& effect = all.effects[waits.change.effect.effect];
-      voxtouch::effects::take(effect, waits.change.effect);
+      voxtouch::effects::carry_out(effect, waits.change.effect);
       all.reach[waits.change.effect.effect].widen(effect);
     }
     after |= &waits == swap;
@@ -366,7 +366,7 @@ void SceneUpdateServer::applied(Outstanding& done, std::uint64_t sample) {
     swapped_(scene_);
   } else {
     effects::EffectSpec& effect = settled_[done.change.effect.effect];
-    voxtouch::effects::take(effect, done.change.effect);
+    voxtouch::effects::carry_out(effect, done.change.effect);
     reach_[done.change.effect.effect].widen(effect);
   }
   show(sample, done.change.scene != nullptr);

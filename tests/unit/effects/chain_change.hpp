@@ -16,7 +16,7 @@ inline std::string change(effects::EffectChain& chain, const effects::EffectWish
   for (std::size_t i = 0; i < chain.size(); ++i) effects.push_back(chain.spec(i));
   const auto judged = effects::judge(effects, wish);
   if (!judged) return judged.error();
-  chain.take(*judged);
+  chain.carry_out(*judged);
   return {};
 }
 

@@ -116,8 +116,8 @@ TEST(EffectChange, DoesToTheSpecWhatTheChainComesTo) {
   for (const EffectWish& wish : {value("force_n", {0.25, 0, 0}), value("along", {0, 0, 2}), gain(0.5)}) {
     const auto judged = judge(specs, wish);
     ASSERT_TRUE(judged) << judged.error();
-    chain.take(*judged);
-    take(specs[judged->effect], *judged);
+    chain.carry_out(*judged);
+    carry_out(specs[judged->effect], *judged);
   }
   EffectFrame frame;
   frame.dt_s = 0.001;
