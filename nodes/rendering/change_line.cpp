@@ -18,7 +18,7 @@ void ChangeLine::rest(rendering::LiveScene& live) noexcept {
   reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr});
 }
 
-void ChangeLine::take(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept {
+void ChangeLine::apply_due(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept {
   retire(live);
   rest(live);
   const bool judged = session_ == 0 || good_for_.load(std::memory_order_acquire) == session_;

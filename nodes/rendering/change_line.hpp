@@ -62,7 +62,7 @@ class ChangeLine {
 
   // Of the loop. All real-time safe.
   /// Between two samples; the next has the number `next`. Only `at_sample` is it there, and what waits for a sample may be taken.
-  void take(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept;
+  void apply_due(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept;
   /// Another session: what waits for a sample of the last one is dropped, what was asked for before any session stays.
   void begin_session(std::uint64_t session) noexcept;
   /// Ticket of the last change that was applied; 0: none.

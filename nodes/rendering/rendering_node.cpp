@@ -126,7 +126,7 @@ class RenderingNode {
   void change(std::uint64_t next, bool at_sample) noexcept {
     while (options_.lockstep && at_sample && line_.holds(next) && !over()) sleep_briefly();
     if (!options_.lockstep) (void)line_.holds(next);
-    line_.take(live_, next, at_sample);
+    line_.apply_due(live_, next, at_sample);
     while (options_.lockstep && !line_.settled(line_.applied()) && !over()) sleep_briefly();
   }
 

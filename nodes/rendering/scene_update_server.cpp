@@ -75,7 +75,7 @@ void SceneUpdateServer::run() {
 void SceneUpdateServer::turn() {
   look_after_device();
   ChangeReport report;
-  while (line_.next_report(report)) take_report(report);
+  while (line_.next_report(report)) handle_report(report);
   look_after_build();
   if (remind_.exchange(false)) republish();
   changes_.take_each([this](const msg::EffectChange& m) { receive(m); });
@@ -295,7 +295,7 @@ void SceneUpdateServer::look_after_build() {
   line_.let_go();
 }
 
-void SceneUpdateServer::take_report(const ChangeReport& report) {
+void SceneUpdateServer::handle_report(const ChangeReport& report) {
   using What = ChangeReport::What;
   epoch_ = report.epoch;
   if (report.what == What::kRetired) {

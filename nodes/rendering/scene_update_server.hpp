@@ -100,7 +100,7 @@ class SceneUpdateServer {
   void receive_reload(const msg::EffectChange& m, Request request);
   Built build(double voxel_size_m, const std::string& model) const;
   void look_after_build();
-  void take_report(const ChangeReport& report);
+  void handle_report(const ChangeReport& report);
   void applied(Outstanding& done, std::uint64_t sample);
   bool ask(Outstanding&& asked);
   Next next() const;

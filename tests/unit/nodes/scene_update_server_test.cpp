@@ -115,7 +115,7 @@ class UpdateServer {
   }
   /// One sample, as the loop takes it, and the plans that have come.
   void loop() {
-    line_.take(live_, ++sample_, true);
+    line_.apply_due(live_, ++sample_, true);
     effects::EffectFrame frame;
     frame.dt_s = 1e-3;
     live_.effects().apply(frame);
