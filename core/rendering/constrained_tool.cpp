@@ -125,7 +125,7 @@ void ConstrainedTool::tell_parts(double felt_n_per_m) noexcept {
   }
 }
 
-void ConstrainedTool::take_over(const Pose& tool, double time_s) noexcept {
+void ConstrainedTool::start_from(const Pose& tool, double time_s) noexcept {
   reset();
   put_objects(time_s);
   if (tool_.place(tool, grounds_)) frame_.tool = tool;

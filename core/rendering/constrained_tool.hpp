@@ -51,7 +51,7 @@ class ConstrainedTool {
   double stiffened_j() const noexcept { return stiffened_j_; }
 
   /// Starts from `tool`, the virtual tool of a scene that this one takes the place of, where that is free here. Real-time safe.
-  void take_over(const Pose& tool, double time_s) noexcept;
+  void start_from(const Pose& tool, double time_s) noexcept;
   /// There is no virtual tool any more, until the hand is outside. Real-time safe.
   void reset() noexcept;
 
