@@ -43,7 +43,7 @@ Wrench ForceGuard::pass(const std::optional<GuardInput>& command, std::int64_t n
   const std::int64_t dt_ns = elapsed_ns(now_ns);
   if (phase_ == Phase::kStopped) return {};
   const bool faded_out = age(dt_ns, now_ns);
-  if (command) take(*command, now_ns);
+  if (command) accept(*command, now_ns);
   // The way to zero was this period's slew; a new command sets out from there in the next.
   if (faded_out) return output_;
   lead(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
@@ -89,7 +89,7 @@ void ForceGuard::raise(double dt_s) noexcept {
   if (fraction_ >= 1.0) ramped_once_ = true;
 }
 
-void ForceGuard::take(const GuardInput& command, std::int64_t now_ns) noexcept {
+void ForceGuard::accept(const GuardInput& command, std::int64_t now_ns) noexcept {
   if (!command.wrench.finite()) {
     ++counts_.refused_not_finite;
     return;

@@ -86,7 +86,7 @@ std::string LwrDriver::nothing_came() const {
   if (counts_.untrusted)
     return fmt::format("{} that can be mirrored: its numbers are not finite, or its state is undefined ({} from {})",
                        where, name_of(last_fault_), text_of(last_bad_from_));
-  if (sequence_.counts().taken > counts_.untrusted)
+  if (sequence_.counts().accepted > counts_.untrusted)
     return fmt::format("{} of an open interface, only of one that is closed: call friOpen on the controller", where);
   if (counts_.malformed)
     return fmt::format(

@@ -181,7 +181,7 @@ FriController::Verdict FriController::receive(std::span<const std::byte> datagra
   pending_valid_ = fault == lwr::fri::PacketFault::kNone;
   pending_not_finite_ = !pending_valid_;
   if (pending_not_finite_) return ++counts_.not_finite, Verdict::kNotFinite;
-  return again ? (++counts_.replaced, Verdict::kReplaced) : (++counts_.taken, Verdict::kTaken);
+  return again ? (++counts_.replaced, Verdict::kReplaced) : (++counts_.accepted, Verdict::kAccepted);
 }
 
 lwr::LwrJoints FriController::law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept {
@@ -209,12 +209,12 @@ void FriController::tick() noexcept {
 void FriController::advance() noexcept {
   for (int i = 0; i < ticks_; ++i) tick();
   ++period_;
-  take_answer();
+  apply_answer();
   judge_motion();
   run_script();
 }
 
-void FriController::take_answer() noexcept {
+void FriController::apply_answer() noexcept {
   if (!pending_valid_) {
     if (answered_once_ || pending_not_finite_) link_.missed();
     ++periods_since_answer_;

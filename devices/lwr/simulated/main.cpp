@@ -143,7 +143,7 @@ void tell_counts(const Session& session, const FriController& controller) {
              "{} replaced by a newer answer; refused: {} stale, {} doubled, {} length, {} id, {} size field, {} not "
              "finite, {} foreign\n"
              "faults: {} lost, {} delayed, {} reordered, {} duplicated, {} answers lost; {} could not be sent\n",
-             controller.time_s(), controller.periods(), s.sent, s.received, a.taken,
+             controller.time_s(), controller.periods(), s.sent, s.received, a.accepted,
              controller.link().statistics().miss_counter, controller.starts(), controller.drops(), s.overruns,
              a.replaced, a.stale, a.doubled, a.length, a.id, a.size_field, a.not_finite, s.foreign, l.lost, l.delayed,
              l.reordered, l.duplicated, l.answers_lost, s.send_errors);
