@@ -88,9 +88,9 @@ class CouplingNode {
   /// A session is followed where the device's status and description and the rendering's plan, each of the participant that is bound,
   /// name the same.
   void listen() {
-    descriptions_.take([this](const msg::DeviceDescription& d) { take(d); });
+    descriptions_.take([this](const msg::DeviceDescription& d) { receive(d); });
     plans_.take([this](const msg::ScenePlan& p) {
-      fitting_.take(p);
+      fitting_.set_plan(p);
       voxel_m_.store(p.voxel_size_m, kRelaxed);
     });
     changed_ = fitting_.changed() || changed_;
@@ -101,10 +101,10 @@ class CouplingNode {
   }
 
   /// Numbers that cannot be a device's change nothing: what runs goes on as it was designed.
-  void take(const msg::DeviceDescription& message) {
+  void receive(const msg::DeviceDescription& message) {
     const DeviceDescription device = runtime::from_msg(message);
     std::string wrong = what_is_wrong(device);
-    if (wrong.empty()) fitting_.take(device, message.session_id);
+    if (wrong.empty()) fitting_.set_device(device, message.session_id);
     const std::lock_guard lock(running_mutex_);
     wrong_ = std::move(wrong);
   }

@@ -44,7 +44,7 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
   progress_.heartbeat.beat();
   if (stop.load(kRelaxed)) return End::kStopped;
   if (settings_.max_samples && sequence_ == settings_.max_samples) return End::kFinished;
-  if (requests_.rig_taken.load(kRelaxed)) return End::kRigTaken;
+  if (requests_.rig_claimed.load(kRelaxed)) return End::kRigClaimed;
   if (settings_.lockstep && requests_.peer_gone.load(kRelaxed)) return End::kPeerGone;
 
   const auto sample = driver_.read(std::chrono::microseconds(10 * period_ns_ / 1000));
@@ -77,7 +77,7 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
   const auto written = driver_.write(force);
   note(written ? force : Wrench{});
   progress_.in_trouble.store(!written, kRelaxed);
-  if (written) takes_force_ = true;
+  if (written) accepts_force_ = true;
   return written ? End::kNone : on_device_error(written.error());
 }
 
@@ -97,7 +97,7 @@ void DeviceLoop::let_go() noexcept {
   guard_.restart();
   progress_.force_n.store(0.0, kRelaxed);
   progress_.zero_force_samples.fetch_add(1, kRelaxed);
-  if (std::exchange(takes_force_, false)) progress_.interruptions.fetch_add(1, kRelaxed);
+  if (std::exchange(accepts_force_, false)) progress_.interruptions.fetch_add(1, kRelaxed);
 }
 
 /// Whether this process was kept from its work for longer than a command is held and faded. By our clock: that of a simulated device
@@ -184,7 +184,7 @@ std::optional<devices::GuardInput> DeviceLoop::wait_in_real_time() noexcept {
 /// Of a device that paces itself its own stamps tell which samples nobody fetched.
 void DeviceLoop::count_skipped(std::int64_t sample_ns) noexcept {
   const std::int64_t last = std::exchange(last_sample_ns_, sample_ns);
-  if (sequence_ == 0 || !takes_force_) return;  // while it gets ready, or again ready, it may pause
+  if (sequence_ == 0 || !accepts_force_) return;  // while it gets ready, or again ready, it may pause
   const std::int64_t periods = (sample_ns - last + period_ns_ / 2) / period_ns_;
   if (periods > 1) progress_.overruns.fetch_add(static_cast<std::uint64_t>(periods - 1), kRelaxed);
 }

@@ -30,7 +30,7 @@ enum class End : std::uint32_t {
   kDeviceGone,
   kDeviceFault,
   kWriteBlocked,
-  kRigTaken
+  kRigClaimed
 };
 
 /// What other threads may read while the loop runs.
@@ -60,7 +60,7 @@ struct Progress {
 /// Asked by other threads of the loop.
 struct Requests {
   std::atomic<bool> peer_gone{false};       ///< lockstep: a node that takes part has gone
-  std::atomic<bool> rig_taken{false};       ///< another device of this rig was there first
+  std::atomic<bool> rig_claimed{false};     ///< another device of this rig was there first
 };
 
 class DeviceLoop {
@@ -105,7 +105,7 @@ class DeviceLoop {
   std::int64_t last_sample_ns_ = 0;  // the device's clock
   std::array<std::int64_t, 256> published_ns_{};
   Pose last_pose_;
-  bool takes_force_ = false;  // the last write was accepted
+  bool accepts_force_ = false;  // the last write was accepted
   std::int64_t last_turn_ns_ = 0, longest_gap_ns_;
 };
 

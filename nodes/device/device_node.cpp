@@ -67,7 +67,7 @@ std::string sentence(End end, const devices::Driver& driver) {
     case End::kDeviceFault:
       return fmt::format("{} reported a fault and needs a person; it was told to give zero force{}{}",
                          driver.description().model, trouble.empty() ? "" : ": ", trouble);
-    case End::kRigTaken:
+    case End::kRigClaimed:
       return "another device runs in this rig and stays; this one is at zero force. Choose another --rig or "
              "--domain";
     case End::kWriteBlocked: return "a sample could not be handed to DDS; the device is at zero force";
@@ -187,7 +187,7 @@ class DeviceNode {
     while (options_.lockstep && !peers_ready_.load(std::memory_order_acquire)) {
       progress_.heartbeat.beat();
       if (stop.load()) return End::kStopped;
-      if (requests_.rig_taken.load()) return End::kRigTaken;
+      if (requests_.rig_claimed.load()) return End::kRigClaimed;
       if (runtime::monotonic_ns() > give_up) {
         peers_late_ = true;
         return End::kPeerSilent;
@@ -275,7 +275,7 @@ class DeviceNode {
       const auto theirs = other.figures.find(kClaim);
       if (theirs == other.figures.end()) continue;  // it has not seen this one yet
       const std::uint64_t count = runtime::as_count(theirs->second.value);
-      if (count != *claim_ ? count > *claim_ : other.participant < participant_.guid()) requests_.rig_taken.store(true);
+      if (count != *claim_ ? count > *claim_ : other.participant < participant_.guid()) requests_.rig_claimed.store(true);
     }
     if (rival_.empty()) claim_.reset();
   }

@@ -423,11 +423,11 @@ TEST(Fitting, IsJudgedOnceMoreForWhatHasComeMeanwhile) {
   const scene::Scene scene = scene::load_scene(scene_with("{design: auto, kind: shaping_filter}"));
   const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};
   coupling_node::Fitting fitting(scene);
-  fitting.take(runtime::from_msg(stylus(7)), 7);
-  fitting.take(Around::message_of(30.0, 7, little));
+  fitting.set_device(runtime::from_msg(stylus(7)), 7);
+  fitting.set_plan(Around::message_of(30.0, 7, little));
   ASSERT_EQ(fitting.fit().refusal, "");
   fitting.begin();
-  fitting.take(Around::message_of(30.0, 7, much));
+  fitting.set_plan(Around::message_of(30.0, 7, much));
   std::optional<fitting::FittedCoupling> fitted;
   ASSERT_TRUE(wait_until([&] { return (fitted = fitting.poll()).has_value(); }));
   EXPECT_NE(fitted->refusal.find("'oil' most of it"), std::string::npos) << fitted->refusal;

@@ -278,8 +278,8 @@ TEST_F(DeviceLoopRun, CountsTheSamplesOfARealDeviceThatNobodyFetched) {
 }
 
 TEST_F(DeviceLoopRun, YieldsTheRigAtZeroForce) {
-  requests.rig_taken.store(true);
-  EXPECT_EQ(run(), End::kRigTaken);
+  requests.rig_claimed.store(true);
+  EXPECT_EQ(run(), End::kRigClaimed);
   EXPECT_EQ(device.force, 0.0);
 }
 
