@@ -227,9 +227,9 @@ class Attack {
     const Wrench wrench{any_.vector(1.5 * driver_.description().max_force_n), any_.vector(1.5 * driver_.description().max_torque_nm)};
     const bool within = wrench.finite() && wrench.force.stableNorm() <= driver_.description().max_force_n &&
                         wrench.torque.stableNorm() <= driver_.description().max_torque_nm;
-    const bool taken = driver_.write(wrench).has_value();
-    ++(taken ? sums_.driver_gave : sums_.driver_refused);
-    if (taken && !within && !(length_of(wrench.force) <= driver_.description().max_force_n && length_of(wrench.torque) <= driver_.description().max_torque_nm))
+    const bool accepted = driver_.write(wrench).has_value();
+    ++(accepted ? sums_.driver_gave : sums_.driver_refused);
+    if (accepted && !within && !(length_of(wrench.force) <= driver_.description().max_force_n && length_of(wrench.torque) <= driver_.description().max_torque_nm))
       return held("driver", fmt::format("{} N and {} Nm are taken", length_of(wrench.force), length_of(wrench.torque)));
     const Wrench& given = driver_.applied();
     if (!given.finite() || length_of(given.force) > driver_.description().max_force_n * kSlack ||

@@ -230,7 +230,7 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
     return Vec3(v.normalized() * limit * scale);
   };
   const std::array<double, 8> odd = {kNaN, kInf, -kInf, kHuge, -kHuge, 1e300, 5e-324, -0.0};
-  int refused = 0, taken = 0, samples = 0;
+  int refused = 0, accepted = 0, samples = 0;
   const int commands = subject->virtual_time() ? 10000 : 500;
   for (int i = 0; i < commands; ++i) {
     Wrench command{vector(d.max_force_n), vector(std::max(d.max_torque_nm, 1e-9))};
@@ -241,7 +241,7 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
     const auto t = turn(command);
     if (!t.sample) continue;
     ++samples;
-    taken += t.written.has_value();
+    accepted += t.written.has_value();
     if (expected) continue;
     ++refused;
     ASSERT_FALSE(t.written);
@@ -255,7 +255,7 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
   EXPECT_GT(wire.force_n, 0.5 * d.max_force_n);
   EXPECT_GT(samples, commands / 2);
   EXPECT_GT(refused, samples / 4);
-  EXPECT_GT(taken, samples / 20);
+  EXPECT_GT(accepted, samples / 20);
   for (const Received& r : subject->received()) {
     ASSERT_TRUE(r.wrench.finite());
     ASSERT_LE(r.wrench.force.norm(), d.max_force_n * 1.05);

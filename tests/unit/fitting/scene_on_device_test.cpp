@@ -72,17 +72,17 @@ TEST(SceneOnDevice, RefusesEveryValueThatTheStartRefusesWithTheSameSentence) {
   const scene::Scene now = scene_with({oil(0.5)});
   SceneOnDevice on = running(now, stylus());
   ASSERT_EQ(on.refusal(), "");
-  int taken = 0, refused = 0;
+  int accepted = 0, refused = 0;
   for (double damping = 0.25; damping < 100.0; damping *= 1.3) {
     const scene::Scene next = scene_with({oil(damping)});
     const std::string start = at_start(next, stylus());
     EXPECT_EQ(asked(on, next), start) << damping;
-    (start.empty() ? taken : refused)++;
+    (start.empty() ? accepted : refused)++;
     if (!start.empty()) {
       EXPECT_NE(start.find("with a margin of 2"), std::string::npos) << start;
     }
   }
-  EXPECT_GT(taken, 2);
+  EXPECT_GT(accepted, 2);
   EXPECT_GT(refused, 5);
 }
 

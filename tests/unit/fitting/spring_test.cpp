@@ -149,16 +149,16 @@ TEST(SceneOnDevice, JudgesASceneWithAVirtualToolByTheSameCode) {
   on.runs(now, rendering::with_effects(alone, now.effects), demand_of(now));
   ASSERT_EQ(on.refusal(), "");
   EXPECT_EQ(on.spring_n_per_m(), spring_n_per_m(fit(now, stylus()), now, stylus(), alone));
-  int taken = 0, refused = 0;
+  int accepted = 0, refused = 0;
   for (double damping = 0.1; damping < 100.0; damping *= 1.5) {
     scene::Scene next = now;
     next.effects = {oil(damping)};
     const rendering::StiffnessBounds bounds = rendering::with_effects(alone, next.effects);
     const std::string start = fit_coupling(next, stylus(), bounds.translation, bounds.rotation).refusal;
     EXPECT_EQ(on.why_not(next, alone, effects::at_rest(next.effects)), start) << damping;
-    (start.empty() ? taken : refused)++;
+    (start.empty() ? accepted : refused)++;
   }
-  EXPECT_GT(taken, 1);
+  EXPECT_GT(accepted, 1);
   EXPECT_GT(refused, 3);
   // A reload from the penalty contact of the same file, and another device.
   scene::Scene penalty = now;

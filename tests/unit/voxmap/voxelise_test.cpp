@@ -366,9 +366,9 @@ TEST(VoxelBudget, TheEstimateIsCloseToTheTruth) {
   for (const double edge : {0.05, 0.01, 0.004}) {
     const Grid grid = default_grid(mesh, edge);
     const double said = estimate_voxels(mesh, grid).bytes;
-    const auto taken = static_cast<double>(voxelise(mesh, grid, serial_for()).bytes());
-    EXPECT_GE(said, 0.9 * taken) << edge;
-    EXPECT_LE(said, 2.0 * taken) << edge;
+    const auto used = static_cast<double>(voxelise(mesh, grid, serial_for()).bytes());
+    EXPECT_GE(said, 0.9 * used) << edge;
+    EXPECT_LE(said, 2.0 * used) << edge;
   }
 }
 
