@@ -130,10 +130,10 @@ TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell)
 TEST_P(RealRendering, WithFlippedNormalsOrAPullInsteadOfAPushIsCaught) {
   Ground ground(shipped_scene(GetParam()));
   contact::ContactRenderer& right = ground.built().renderer();
-  contact::ContactRenderer turned(ground.built().voxmap(), flipped(right.query().shell()), right.model(),
+  contact::ContactRenderer inverted(ground.built().voxmap(), flipped(right.query().shell()), right.model(),
                          rendering::contact_parameters(ground.scene().contact, right.model(), right.query().shell()),
                          ground.built().field());
-  const Fault flip{.name = "flipped normals", .renderer = &turned};
+  const Fault flip{.name = "flipped normals", .renderer = &inverted};
   const Fault pull = tampered("force's sign", [](reference::ReportedContact& r) { r.wrench.force *= -1.0; });
   const Fault both = tampered("force's and torque's sign", [](reference::ReportedContact& r) {
     r.wrench.force *= -1.0, r.wrench.torque *= -1.0;
