@@ -222,9 +222,9 @@ std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
   std::vector<FilterSetting> shapes;
   for (const double factor : kFactors) {
     const double cutoff = request.wishes.cutoff_hz * factor;
-    const double turn = 2.0 * std::numbers::pi * cutoff * request.device.timing.period_s;
+    const double angle_per_sample = 2.0 * std::numbers::pi * cutoff * request.device.timing.period_s;
     // The wish itself is tried as it is; `check` refuses what no filter can do.
-    if (factor > 1.0 && (turn > kWarnCutoffRad || cutoff > request.wishes.max_cutoff_hz)) break;
+    if (factor > 1.0 && (angle_per_sample > kWarnCutoffRad || cutoff > request.wishes.max_cutoff_hz)) break;
     for (const double ratio : ratios) shapes.push_back({cutoff, ratio});
   }
   return shapes;
