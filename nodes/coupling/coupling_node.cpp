@@ -68,7 +68,7 @@ class CouplingNode {
       wait_set_.wait(50'000'000);
       listen();
       if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
-      for (int i = 0; i < contacts_.kMaxTakes && !over() && turn(); ++i) {
+      for (int i = 0; i < contacts_.kMaxTakes && !over() && answer_one(); ++i) {
       }
     }
     session_.stop();
@@ -163,7 +163,7 @@ class CouplingNode {
   }
 
   /// Answers one contact; false where none waits.
-  bool turn() {
+  bool answer_one() {
     heartbeat_.beat();
     msg::ContactState contact;
     if (!contacts_.take(contact)) return false;

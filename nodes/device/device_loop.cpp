@@ -30,7 +30,7 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   deadline_ns_ = runtime::monotonic_ns();
   progress_.started_ns.store(deadline_ns_, kRelaxed);
   End end = End::kNone;
-  while (end == End::kNone) end = turn(stop);
+  while (end == End::kNone) end = cycle(stop);
   guard_.stop();
   driver_.stop();
   progress_.deadline_misses.store(commands_.deadlines_missed(), kRelaxed);
@@ -40,7 +40,7 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   return end;
 }
 
-End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
+End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   progress_.heartbeat.beat();
   if (stop.load(kRelaxed)) return End::kStopped;
   if (settings_.max_samples && sequence_ == settings_.max_samples) return End::kFinished;
@@ -88,7 +88,7 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   if (error == devices::DeviceError::kFault) return End::kDeviceFault;
   let_go();
   progress_.in_trouble.store(true, kRelaxed);
-  last_turn_ns_ = 0;  // it is at zero force: how long it takes to come back tells nothing
+  last_cycle_ns_ = 0;  // it is at zero force: how long it takes to come back tells nothing
   return End::kNone;
 }
 
@@ -104,7 +104,7 @@ void DeviceLoop::let_go() noexcept {
 /// stands still with the process, and what it pushed with then must not go on.
 bool DeviceLoop::stood_still() noexcept {
   if (settings_.lockstep) return false;
-  const std::int64_t now_ns = runtime::monotonic_ns(), last_ns = std::exchange(last_turn_ns_, now_ns);
+  const std::int64_t now_ns = runtime::monotonic_ns(), last_ns = std::exchange(last_cycle_ns_, now_ns);
   const std::int64_t gap_ns = last_ns ? now_ns - last_ns : 0;
   if (gap_ns <= longest_gap_ns_) return false;
   if (gap_ns > progress_.longest_gap_ns.load(kRelaxed)) progress_.longest_gap_ns.store(gap_ns, kRelaxed);

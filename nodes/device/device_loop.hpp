@@ -79,7 +79,7 @@ class DeviceLoop {
   End run(const std::atomic<bool>& stop) noexcept;
 
  private:
-  End turn(const std::atomic<bool>& stop) noexcept;
+  End cycle(const std::atomic<bool>& stop) noexcept;
   End on_device_error(devices::DeviceError error) noexcept;
   void let_go() noexcept;
   bool stood_still() noexcept;
@@ -106,7 +106,7 @@ class DeviceLoop {
   std::array<std::int64_t, 256> published_ns_{};
   Pose last_pose_;
   bool accepts_force_ = false;  // the last write was accepted
-  std::int64_t last_turn_ns_ = 0, longest_gap_ns_;
+  std::int64_t last_cycle_ns_ = 0, longest_gap_ns_;
 };
 
 }  // namespace voxtouch::device_node

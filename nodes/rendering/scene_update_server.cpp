@@ -64,7 +64,7 @@ void SceneUpdateServer::run() {
   while (!stop_.load(std::memory_order_acquire)) {
     wait_set_.wait(outstanding_.empty() && !reload_ ? 20'000'000 : 1'000'000);
     try {
-      turn();
+      cycle();
     } catch (const std::exception&) {
       // Out of memory, say. One change is lost; an exception that left this thread would end the process, and the ring with it.
       if (!reload_) line_.let_go();
@@ -72,7 +72,7 @@ void SceneUpdateServer::run() {
   }
 }
 
-void SceneUpdateServer::turn() {
+void SceneUpdateServer::cycle() {
   look_after_device();
   ChangeReport report;
   while (line_.next_report(report)) handle_report(report);

@@ -90,7 +90,7 @@ class SceneUpdateServer {
   };
 
   void run();
-  void turn();
+  void cycle();
   void receive(const msg::EffectChange& m);
   std::string why_not(const msg::EffectChange& m) const;
   void receive_effect(const msg::EffectChange& m, Request request);

@@ -78,11 +78,11 @@ class Asker {
   bool all_done() {
     std::map<std::uint64_t, std::uint32_t> results;
     std::set<std::uint64_t> heard;
-    int turns = 0;
+    int looks = 0;
     until([&] {
-      for (std::uint64_t request = 1; turns % 50 == 49 && request <= sent_; ++request)
+      for (std::uint64_t request = 1; looks % 50 == 49 && request <= sent_; ++request)
         if (!heard.contains(request)) send(asked_[request - 1], request);
-      ++turns;
+      ++looks;
       answers_.take_each([&](const msg::EffectChanged& a) {
         heard.insert(a.request);
         if (a.result == msg::effect_changed::kResultRefused) problems += std::string(a.sentence) + "\n";

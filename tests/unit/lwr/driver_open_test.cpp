@@ -50,7 +50,7 @@ TEST(LwrOpen, SaysThatThePortIsBusy) {
   const std::string sentence = refusal(options);
   EXPECT_TRUE(says(sentence, "127.0.0.1:" + std::to_string(krc.port))) << sentence;
   EXPECT_TRUE(says(sentence, "another program has the port")) << sentence;
-  EXPECT_TRUE(turn(krc, *driver).sample) << "the one that was first goes on";
+  EXPECT_TRUE(cycle(krc, *driver).sample) << "the one that was first goes on";
 }
 
 TEST(LwrOpen, SaysThatAnAddressIsNoneOrNotOurs) {
@@ -141,7 +141,7 @@ TEST(LwrOpen, OpensWithDrivesOffAndWaitsForThem) {
   FakeController krc;
   krc.msr.robot.power = 0;
   const auto driver = krc.open();
-  EXPECT_EQ(turn(krc, *driver).written.error(), devices::DeviceError::kRecoverable);
+  EXPECT_EQ(cycle(krc, *driver).written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kDrivesNotOn);
   krc.msr.robot.power = lwr::fri::kAllDrives;
   EXPECT_TRUE(run_to_command(krc, *driver));
@@ -186,7 +186,7 @@ TEST(LwrOpen, WritesWhatItHeardAndSaid) {
   options.capture_packets = 100;
   {
     auto driver = krc.open(options);
-    for (int n = 0; n < 200; ++n) turn(krc, *driver);
+    for (int n = 0; n < 200; ++n) cycle(krc, *driver);
     krc.close(std::move(driver));
   }
   const auto size = std::filesystem::file_size(file);

@@ -204,7 +204,7 @@ TEST_F(DeviceLoopRun, KeepsTheLargestForceForWhoeverLooksSeldom) {
   EXPECT_GT(progress.max_force_n.load(), 1.5);
 }
 
-TEST_F(DeviceLoopRun, TellsWhichSampleWasAnsweredFirstAndThatItTurns) {
+TEST_F(DeviceLoopRun, TellsWhichSampleWasAnsweredFirstAndThatItRuns) {
   EXPECT_EQ(progress.first_answered.load(), Progress::kNone);
   const std::uint64_t before = progress.heartbeat.sign();
   EXPECT_EQ(run(), End::kFinished);

@@ -88,7 +88,7 @@ class TwoNodes : public testing::Test {
       report.message = "well", report.state = runtime::NodeState::kRunning;
     };
     rendering.emplace(first, "rendering", options, well,
-                      std::vector<runtime::Watched>{{"its loop", [this] { return held_up ? 1U : ++turns; }}});
+                      std::vector<runtime::Watched>{{"its loop", [this] { return held_up ? 1U : ++beats; }}});
     device.emplace(second, "device", options, well);
     registry.emplace(third, options.rig);
   }
@@ -101,7 +101,7 @@ class TwoNodes : public testing::Test {
     });
   }
   std::atomic<bool> held_up{false};
-  std::atomic<std::uint64_t> turns{10};
+  std::atomic<std::uint64_t> beats{10};
   runtime::NodeOptions options;
   bus::Participant first{{kDomain, "lo", "first"}}, second{{kDomain, "lo", "second"}}, third{{kDomain, "lo", "third"}};
   std::optional<runtime::Housekeeping> rendering, device;
