@@ -16,7 +16,7 @@ inline constexpr double kBlendTo = 0.5;    ///< mean normal from here on
 inline constexpr double kShortestDirection = 0.1;
 
 /// A held point pushes with at least this depth: its last surface voxel may have had its centre in front of it.
-inline constexpr double kHeldDepthFloorEdges = 0.25;
+inline constexpr double kRetainedDepthFloorEdges = 0.25;
 
 /// Depth of a point that turns up in the interior without having been seen in the surface layer.
 inline constexpr double kUnseenDepthEdges = 1.0;

@@ -102,7 +102,7 @@ void Judge::count(const Judgement& judgement) noexcept {
 
 void Judge::follow(const GapResult& gap, const ReportedContact& report) {
   const bool same = run_.samples > 0 && report.wrench.force == run_.wrench.force && report.wrench.torque == run_.wrench.torque;
-  if (report.wrench.zero() || report.held) {
+  if (report.wrench.zero() || report.retained) {
     run_ = {};
   } else if (same) {
     ++run_.samples;
@@ -170,7 +170,7 @@ std::string Judge::force_breach(const ReportedContact& report) const {
 }
 
 std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
-  if (!gap.depth_exact || report.held || gap.gap_m > free_limit_m()) return "";
+  if (!gap.depth_exact || report.retained || gap.gap_m > free_limit_m()) return "";
   const double e = settings_.edge_m, g = settings_.shell_gap_m, radius = gap.sphere_radius_m;
   const double sag = radius > 0 ? std::min(g, g * g / (2.0 * radius)) : g;
   const double layer = 0.5 * e * (gap.direction.isZero() ? kDiagonal : gap.direction.lpNorm<1>());
@@ -188,14 +188,14 @@ std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& rep
 std::string Judge::direction_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
   const double e = settings_.edge_m;
   const bool coherent = report.coherence >= kDirectionFromCoherence;
-  if (!gap.unique_face || gap.direction.isZero() || report.fallback || !(coherent || report.held)) return "";
+  if (!gap.unique_face || gap.direction.isZero() || report.fallback || !(coherent || report.retained)) return "";
   if (gap.gap_m >= kSignFromGap * e || report.surface_hits + report.interior_hits == 0) return "";
   for (const Vec3& reported : {report.wrench.force, report.mean_normal})
     if (!reported.isZero(0.0))
       out.direction_error_rad = std::fmax(out.direction_error_rad, angle_between(reported, gap.direction));
   const double from_depth = kDirectionFromDepth * e + settings_.shell_offset_m;
   const bool to_angle = -gap.gap_m >= from_depth && report.surface_hits >= kDirectionFromHits &&
-                        report.interior_hits == 0 && !report.held;
+                        report.interior_hits == 0 && !report.retained;
   const double limit = to_angle ? kDirectionTolerance : kWrongSide;
   if (!(out.direction_error_rad > limit)) return "";
   return fmt::format("the direction is {:.3g} degrees off, more than {:.3g}", degrees(out.direction_error_rad), degrees(limit));
@@ -203,7 +203,7 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
 
 std::string Judge::torque_breach(const GapResult& gap, const ReportedContact& report) const {
   if (!(gap.sphere_radius_m > 0) || gap.direction.isZero()) return "";
-  if (report.held || report.fallback || report.interior_hits > 0) return "";
+  if (report.retained || report.fallback || report.interior_hits > 0) return "";
   if (report.coherence < kDirectionFromCoherence) return "";
   const Vec3 centre = gap.nearest_dynamic + gap.sphere_radius_m * gap.direction;
   const Vec3 lever = centre - report.tool_in_world.position;

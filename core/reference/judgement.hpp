@@ -81,7 +81,7 @@ struct ReportedContact {
   double deepest_depth_m = 0.0;
   double coherence = 0.0;
   std::uint32_t surface_hits = 0, interior_hits = 0;
-  bool held = false;      ///< FLAG_HELD
+  bool retained = false;      ///< FLAG_HELD
   bool fallback = false;  ///< FLAG_FALLBACK
 };
 

@@ -184,7 +184,7 @@ class RenderingNode {
     m.points_tested = c.points_tested;
     m.model = static_cast<std::uint32_t>(live_.dominant().renderer().model());
     m.flags =
-        (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.held ? msg::contact_state::kFlagHeld : 0U) |
+        (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.retained ? msg::contact_state::kFlagHeld : 0U) |
         (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
         (c.saturated ? msg::contact_state::kFlagSaturated : 0U) | (fading ? msg::contact_state::kFlagFading : 0U) |
         (touch.crossed ? msg::contact_state::kFlagCrossed : 0U) | (touch.missed ? msg::contact_state::kFlagMissed : 0U) |
@@ -203,7 +203,7 @@ class RenderingNode {
     samples_.fetch_add(1, kRelaxed);
     const bool buried = touches && !pushes && c.interior_hits > c.surface_hits;
     const std::array<bool, kCounted.size()> counts = {  // in the order of the names
-        pushes, !good, touch.fast, touch.crossed, touch.missed, buried, touch.held, c.saturated,
+        pushes, !good, touch.fast, touch.crossed, touch.missed, buried, touch.retained, c.saturated,
         frame_.tool.lag, frame_.tool.unplaced, frame_.tool.queries >= contact::limits::kMaxQueries};
     for (std::size_t n = 0; n < counts.size(); ++n)
       if (counts[n]) counted_[n].fetch_add(1, kRelaxed);

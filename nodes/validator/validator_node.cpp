@@ -43,7 +43,7 @@ reference::ReportedContact to_report(const msg::ContactState& c) {
   r.coherence = c.coherence;
   r.surface_hits = c.surface_hits;
   r.interior_hits = c.interior_hits;
-  r.held = (c.flags & (msg::contact_state::kFlagHeld | msg::contact_state::kFlagRefusedSample)) != 0;
+  r.retained = (c.flags & (msg::contact_state::kFlagHeld | msg::contact_state::kFlagRefusedSample)) != 0;
   r.fallback = (c.flags & msg::contact_state::kFlagFallback) != 0;
   return r;
 }

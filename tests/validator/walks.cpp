@@ -46,7 +46,7 @@ reference::ReportedContact to_report(const contact::StageResult& result, const P
   report.coherence = c.coherence;
   report.surface_hits = c.surface_hits;
   report.interior_hits = c.interior_hits;
-  report.held = result.held;
+  report.retained = result.retained;
   report.fallback = c.fallback;
   return report;
 }

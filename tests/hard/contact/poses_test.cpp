@@ -128,7 +128,7 @@ TEST(F7PosesThatAreNone, AreRefusedByTheContactItselfAndLeaveItAsItWas) {
       }
       const contact::StageResult a = disturbed.render(good), b = clean.render(good);
       EXPECT_EQ(a.contact.wrench.force, b.contact.wrench.force) << contact::name_of(kind) << " at " << z;
-      EXPECT_TRUE(a.crossed == b.crossed && a.missed == b.missed && a.fast == b.fast && a.held == b.held);
+      EXPECT_TRUE(a.crossed == b.crossed && a.missed == b.missed && a.fast == b.fast && a.retained == b.retained);
     }
   }
 }
