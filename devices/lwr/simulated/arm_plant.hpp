@@ -64,7 +64,7 @@ class ArmPlant {
   Slope slope(const Step& step, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, ArmDynamics::Terms& terms) const noexcept;
   lwr::LwrJoints drive_torque(const Step& step, const lwr::LwrJoints& gravity) const noexcept;
   /// Friction, brakes and stops: the impulse at each joint, within its bounds, that brings the step's end nearest to rest.
-  lwr::LwrJoints holding_impulse(const LwrMatrix& mass, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, Drives drives,
+  lwr::LwrJoints sticking_impulse(const LwrMatrix& mass, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, Drives drives,
                             double dt_s) noexcept;
 
   PlantParameters parameters_;
