@@ -147,8 +147,8 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
                          mm(buried_limit_m()));
   }
   const double cap_limit = kCapSlack * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
-  const bool cap_holds_a_point = settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
-  if (report.surface_hits == 0 && report.interior_hits == 0 && cap_holds_a_point && gap.cap_buried_m > cap_limit)
+  const bool cap_contains_a_point = settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
+  if (report.surface_hits == 0 && report.interior_hits == 0 && cap_contains_a_point && gap.cap_buried_m > cap_limit)
     return fmt::format("no hit, though all of the tool round its deepest point is at least {:.3g} mm inside",
                        mm(gap.cap_buried_m));
   if (interior > 0 && gap.gap_m > settings_.chord_error_m + settings_.shell_offset_m)

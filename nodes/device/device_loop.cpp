@@ -120,7 +120,7 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample, const std::atomic<
   if (trusted)
     last_pose_ = sample.pose;
   else
-    progress_.held_poses.fetch_add(1, kRelaxed);
+    progress_.untrusted_poses.fetch_add(1, kRelaxed);
   state.pose = runtime::to_msg(last_pose_);
   state.twist = runtime::to_msg(sample.twist);
   state.buttons = sample.buttons;

@@ -42,7 +42,7 @@ struct Progress {
   std::atomic<std::uint64_t> zero_force_samples{
       0};  ///< reads and writes that failed, of interruptions and of waiting: zero force each
   std::atomic<devices::DeviceError> last_error{devices::DeviceError::kTimeout};  ///< means something where zero_force_samples is not 0
-  std::atomic<std::uint64_t> held_poses{0};                    ///< samples whose pose was not to be trusted
+  std::atomic<std::uint64_t> untrusted_poses{0};                    ///< samples whose pose was not to be trusted
   std::atomic<bool> in_trouble{false};  ///< the last read or write failed: the device is at zero force
   std::atomic<std::uint64_t> deadline_misses{
       0};  ///< set at the end: a reader goes on counting once nobody writes any more

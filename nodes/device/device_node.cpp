@@ -314,7 +314,7 @@ class DeviceNode {
         {"clamped", {progress_.clamped.load(), "commands"}},
         {"interruptions", {progress_.interruptions.load(), "times"}},
         {"zero_force_samples", {progress_.zero_force_samples.load(), "samples"}},
-        {"held_poses", {progress_.held_poses.load(), "samples"}},
+        {"held_poses", {progress_.untrusted_poses.load(), "samples"}},
         {"faded", {progress_.faded.load(), "samples"}},
         {"foreign_commands", {coupling_->refused(), "commands"}}};
     if (const std::uint64_t first = progress_.first_answered.load(); first != Progress::kNone)

@@ -124,8 +124,8 @@ class RenderingNode {
   /// Between two samples. In lockstep it waits here for what the sample `next` must be answered with: the plan of a change, which
   /// readers must have before it, or a scene that is still being built.
   void change(std::uint64_t next, bool at_sample) noexcept {
-    while (options_.lockstep && at_sample && line_.holds(next) && !over()) sleep_briefly();
-    if (!options_.lockstep) (void)line_.holds(next);
+    while (options_.lockstep && at_sample && line_.pauses_before(next) && !over()) sleep_briefly();
+    if (!options_.lockstep) (void)line_.pauses_before(next);
     line_.apply_due(live_, next, at_sample);
     while (options_.lockstep && !line_.settled(line_.applied()) && !over()) sleep_briefly();
   }
@@ -148,7 +148,7 @@ class RenderingNode {
       frame_ = live_.render(mapping_.tool(), seconds_since_begin(state));
       refused_in_a_row_ = 0;
     } else {
-      if (++refused_in_a_row_ > kHoldSamples) frame_ = {}, live_.lose_tool();
+      if (++refused_in_a_row_ > kMaxRepeats) frame_ = {}, live_.lose_tool();
     }
     publish(state, good, fading, begin);
   }
@@ -247,7 +247,7 @@ class RenderingNode {
     report.message = refusal + " No force is commanded.";
   }
 
-  static constexpr int kHoldSamples = 3;
+  static constexpr int kMaxRepeats = 3;
   static constexpr double kForceEpsilonN = 1e-9;  ///< below this a sum of forces that cancel is rounding, not force
   const Options& options_;
   const scene::Scene& scene_;

@@ -67,7 +67,7 @@ void SceneUpdateServer::run() {
       cycle();
     } catch (const std::exception&) {
       // Out of memory, say. One change is lost; an exception that left this thread would end the process, and the ring with it.
-      if (!reload_) line_.let_go();
+      if (!reload_) line_.resume();
     }
   }
 }
@@ -143,10 +143,10 @@ void SceneUpdateServer::receive_effect(const msg::EffectChange& m, Request reque
   if (reload_ && reload_->from_sample > 0)
     return refuse(request,
                   fmt::format("the scene is being built anew for sample {}; ask again after it", reload_->from_sample));
-  if (options_.lockstep && request.from_sample > 0 && !hold(request))
+  if (options_.lockstep && request.from_sample > 0 && !pause_before(request))
     return refuse(request, fmt::format("sample {} has passed", request.from_sample));
   const std::string why = give(m, request);
-  line_.let_go();
+  line_.resume();
   if (!why.empty()) return refuse(request, why);
   if (outstanding_.back().change.from_sample > 0)
     answer(request, result::kResultWaiting, outstanding_.back().change.from_sample, wait_text(request));
@@ -172,11 +172,11 @@ std::string SceneUpdateServer::give(const msg::EffectChange& m, const Request& r
   return ask(std::move(asked)) ? "" : "too many changes wait already; wait for their answers";
 }
 
-/// Lockstep: from here on the loop answers no sample from the request's on. False, and nothing is held, where it has passed.
-bool SceneUpdateServer::hold(const Request& request) {
-  line_.hold_from(request.from_sample);
+/// Lockstep: from here on the loop answers no sample from the request's on. False, and nothing pauses, where it has passed.
+bool SceneUpdateServer::pause_before(const Request& request) {
+  line_.pause_before(request.from_sample);
   if (line_.answering() < request.from_sample) return true;
-  line_.let_go();
+  line_.resume();
   return false;
 }
 
@@ -232,7 +232,7 @@ void SceneUpdateServer::receive_reload(const msg::EffectChange& m, Request reque
   if (!outstanding_.empty() && outstanding_.back().change.from_sample > 0)
     return refuse(request, fmt::format("a change waits for sample {}; ask again after it",
                                        outstanding_.back().change.from_sample));
-  if (options_.lockstep && request.from_sample > 0 && !hold(request))
+  if (options_.lockstep && request.from_sample > 0 && !pause_before(request))
     return refuse(request, fmt::format("sample {} has passed", request.from_sample));
   reload_ = request;
   answer(request, result::kResultWaiting, request.from_sample, "the scene is being built beside the loop");
@@ -283,7 +283,7 @@ void SceneUpdateServer::look_after_build() {
     result.refusal = on_device_.why_not(result.scene, result.built->plan().of_contact_alone, effects::at_rest(effects));
   }
   if (!result.refusal.empty()) {
-    line_.let_go();
+    line_.resume();
     reload_.reset();
     return refuse(request, "the old scene goes on: " + result.refusal);
   }
@@ -292,7 +292,7 @@ void SceneUpdateServer::look_after_build() {
   asked.change.scene = result.built.get();
   scenes_.push_back(std::move(result.built));
   ask(std::move(asked));  // nothing else is there: it has room
-  line_.let_go();
+  line_.resume();
 }
 
 void SceneUpdateServer::handle_report(const ChangeReport& report) {

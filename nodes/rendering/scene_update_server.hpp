@@ -95,7 +95,7 @@ class SceneUpdateServer {
   std::string why_not(const msg::EffectChange& m) const;
   void receive_effect(const msg::EffectChange& m, Request request);
   std::string give(const msg::EffectChange& m, const Request& request);
-  bool hold(const Request& request);
+  bool pause_before(const Request& request);
   std::string wait_text(const Request& request) const;
   void receive_reload(const msg::EffectChange& m, Request request);
   Built build(double voxel_size_m, const std::string& model) const;

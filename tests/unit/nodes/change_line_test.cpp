@@ -207,12 +207,12 @@ TEST_F(ChangeLineTest, TakesNoMoreThanItCanReport) {
 }
 
 TEST_F(ChangeLineTest, HoldsTheLoopBeforeTheSampleOfASceneThatIsNotBuilt) {
-  line_.hold_from(100);
-  EXPECT_FALSE(line_.holds(99));
-  EXPECT_TRUE(line_.holds(100));
+  line_.pause_before(100);
+  EXPECT_FALSE(line_.pauses_before(99));
+  EXPECT_TRUE(line_.pauses_before(100));
   EXPECT_EQ(line_.answering(), 100U);
-  line_.let_go();
-  EXPECT_FALSE(line_.holds(100));
+  line_.resume();
+  EXPECT_FALSE(line_.pauses_before(100));
 }
 
 }  // namespace

@@ -248,7 +248,7 @@ TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
   not_a_number.pose.position.x() = std::numeric_limits<double>::quiet_NaN();
   for (std::uint64_t i = 200; i < 300; ++i) device.odd_samples[i] = i % 2 ? marked : not_a_number;
   EXPECT_EQ(run(500), End::kFinished);
-  EXPECT_EQ(progress.held_poses.load(), 100U);
+  EXPECT_EQ(progress.untrusted_poses.load(), 100U);
   int flagged = 0;
   for (const msg::DeviceState& state : seen) {
     EXPECT_EQ(state.pose.position.z, 0.5) << "sample " << state.sequence_number;
