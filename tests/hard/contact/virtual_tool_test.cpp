@@ -120,8 +120,8 @@ TEST(VirtualToolSlots, InAWedgeTheToolRestsOnBothFaces) {
     expect_sound(f);
   }
   EXPECT_NEAR(f.tool.position.z(), kBall / std::sin(half), 1e-3);
-  const Vec3 held = f.wrench(kStiffness).force;
-  for (int n = 0; n < 100; ++n) EXPECT_LT((rig.frame(Vec3(2e-4, 0, 0.005)).wrench(kStiffness).force - held).norm(), 0.05);
+  const Vec3 steady = f.wrench(kStiffness).force;
+  for (int n = 0; n < 100; ++n) EXPECT_LT((rig.frame(Vec3(2e-4, 0, 0.005)).wrench(kStiffness).force - steady).norm(), 0.05);
 }
 
 /// A pin of 10 mm with a radial clearance of a tenth to two fifths of e; one of a twentieth stays out: the grid is too coarse.

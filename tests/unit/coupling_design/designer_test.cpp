@@ -235,7 +235,7 @@ TEST(Design, OfForceAndTorqueIsStableBetweenTheCases) {
 
 TEST(Design, IsJudgedToHoldByTheJudge) {
   Random random(99);
-  int held = 0;
+  int certified = 0;
   for (int i = 0; i < 40; ++i) {
     const DesignProblem r = random_request(random);
     const Design d = designed(r);
@@ -244,9 +244,9 @@ TEST(Design, IsJudgedToHoldByTheJudge) {
     EXPECT_EQ(judged.status, DesignStatus::kAsRequested) << (judged.reasons.empty() ? "" : judged.reasons.front());
     EXPECT_EQ(judged.translation.critical_stiffness, d.translation.critical_stiffness);
     EXPECT_EQ(judged.translation.shown_stiffness, d.translation.shown_stiffness);
-    ++held;
+    ++certified;
   }
-  EXPECT_GT(held, 15);
+  EXPECT_GT(certified, 15);
 }
 
 TEST(Design, ReportsTheMarginThatItHas) {

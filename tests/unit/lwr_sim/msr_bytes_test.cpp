@@ -147,11 +147,11 @@ TEST(MsrBytes, InCommandModeTheOffsetIsWhatTheRemoteSideAddsToTheProgram) {
   rig.remote.follows = false;
   rig.remote.step = 1e-4F;
   ASSERT_TRUE(rig.start());
-  const float held = get<float>(rig.period(), 292);
+  const float commanded = get<float>(rig.period(), 292);
   const MsrBytes msr = rig.periods(500);
-  EXPECT_EQ(get<float>(msr, 292), held);
+  EXPECT_EQ(get<float>(msr, 292), commanded);
   EXPECT_NEAR(get<float>(msr, 320), 0.05F, 3e-4F);
-  EXPECT_NEAR(test::joint(msr, 0), held + get<float>(msr, 320), 5e-3F);
+  EXPECT_NEAR(test::joint(msr, 0), commanded + get<float>(msr, 320), 5e-3F);
   EXPECT_NEAR(get<float>(msr, 324), 0.0F, 1e-6F);  // rounding of floats
 }
 

@@ -307,10 +307,10 @@ TEST(Session, ASilentControllerHearsNothing) {
 }
 
 TEST(Session, APortThatIsTakenGivesASentence) {
-  lwr::UdpSocket holder("127.0.0.1", 0);
+  lwr::UdpSocket bound("127.0.0.1", 0);
   FriController controller({}, test::nobody());
   SessionConfig network;
-  network.port = holder.local().port;
+  network.port = bound.local().port;
   try {
     Session session(network, controller, Line(FaultSchedule(), 1e-3, 0));
     FAIL() << "the port was given twice";

@@ -252,9 +252,9 @@ TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
   int flagged = 0;
   for (const msg::DeviceState& state : seen) {
     EXPECT_EQ(state.pose.position.z, 0.5) << "sample " << state.sequence_number;
-    const bool held = (state.flags & msg::device_state::kFlagPoseHeld) != 0;
-    EXPECT_EQ(held, state.sequence_number >= 199 && state.sequence_number < 299) << "sample " << state.sequence_number;
-    flagged += held;
+    const bool untrusted = (state.flags & msg::device_state::kFlagPoseHeld) != 0;
+    EXPECT_EQ(untrusted, state.sequence_number >= 199 && state.sequence_number < 299) << "sample " << state.sequence_number;
+    flagged += untrusted;
   }
   EXPECT_GT(flagged, 50);
 }

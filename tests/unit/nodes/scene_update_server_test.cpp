@@ -72,19 +72,19 @@ TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
   const auto options = node_options<rendering_node::Options>(rig);
   const bus::Participant participant({kDomain, "lo", "update server"});
   rendering_node::ChangeLine line;
-  std::atomic<bool> held{false}, go_on{false};
+  std::atomic<bool> waiting{false}, go_on{false};
   std::atomic<std::uint64_t> last{0};
   rendering_node::SceneUpdateServer server(
       participant, options, scene, rendering::build_scene(scene, serial_for()), line, [](const scene::Scene&) {},
       [&](std::uint64_t session) {
-        last = session, held = true;
+        last = session, waiting = true;
         EXPECT_TRUE(wait_until([&] { return go_on.load(); })) << "device_is waits for the update server";
       });
   const auto begin = [&](std::uint64_t session) {
     server.device_is(std::make_unique<rendering_node::DescribedDevice>(rendering_node::DescribedDevice{session, stylus()}));
   };
   begin(3);
-  ASSERT_TRUE(wait_until([&] { return held.load(); }));
+  ASSERT_TRUE(wait_until([&] { return waiting.load(); }));
   begin(4), begin(5);
   go_on = true;
   EXPECT_TRUE(wait_until([&] { return last == 5; })) << "the last one counts";

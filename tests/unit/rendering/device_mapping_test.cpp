@@ -89,9 +89,9 @@ TEST(WrenchToDevice, AnOrientationThatIsNoneDoesNotMakeTheCommandNone) {
   EXPECT_EQ(good.torque, wrench_to_device(device, wrench, turned).torque) << "bit for bit";
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (const Quat& bad : {Quat(kNan, 0, 0, 0), Quat(0, 0, 0, 0), Quat(1e200, 1e200, 0, 0), Quat(INFINITY, 0, 0, 0)}) {
-    const Wrench held = to_device(wrench, bad);
-    EXPECT_TRUE(held.finite());
-    EXPECT_EQ(held.torque, good.torque) << "as it was turned last";
+    const Wrench kept = to_device(wrench, bad);
+    EXPECT_TRUE(kept.finite());
+    EXPECT_EQ(kept.torque, good.torque) << "as it was turned last";
   }
 }
 
@@ -122,10 +122,10 @@ TEST(DeviceMapping, ClutchHoldsTheToolAndGoesOnWithoutAJump) {
       for (int k = 0; k < 5; ++k) {
         const Twist twist{r.vec(), r.vec()};
         tip = moved(tip, twist, 0.3);
-        const ToolState held = mapping.update(tip, twist, 4 | 1);
-        EXPECT_TRUE(held.clutched);
-        EXPECT_LE(distance(held.pose, before.pose), 1e-13);
-        EXPECT_TRUE(held.twist.linear.isZero(0.0) && held.twist.angular.isZero(0.0));
+        const ToolState clutched = mapping.update(tip, twist, 4 | 1);
+        EXPECT_TRUE(clutched.clutched);
+        EXPECT_LE(distance(clutched.pose, before.pose), 1e-13);
+        EXPECT_TRUE(clutched.twist.linear.isZero(0.0) && clutched.twist.angular.isZero(0.0));
       }
       const ToolState released = mapping.update(tip, {}, 1);
       EXPECT_FALSE(released.clutched);
