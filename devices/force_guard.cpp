@@ -170,11 +170,11 @@ void GuardConfig::validate() const {
     if (!good) throw std::runtime_error(fmt::format("force guard: {} is {}, but has to be {}", field, value, rule));
   };
   const auto in = [](double value, double low, double high) { return value >= low && value <= high; };
-  constexpr double kMost = 1e9;  // of anything a device could push with
+  constexpr double kMaxPush = 1e9;  // of anything a device could push with
   require(in(period_s, 1e-6, 1.0), "period_s", period_s, "in [1e-6, 1] s");
-  require(max_force_n > 0.0 && max_force_n <= kMost, "max_force_n", max_force_n,
+  require(max_force_n > 0.0 && max_force_n <= kMaxPush, "max_force_n", max_force_n,
           "over 0 and finite: a guard without a limit guards nothing");
-  require(in(max_torque_nm, 0.0, kMost), "max_torque_nm", max_torque_nm, "0 (no torque) or more, and finite");
+  require(in(max_torque_nm, 0.0, kMaxPush), "max_torque_nm", max_torque_nm, "0 (no torque) or more, and finite");
   require(in(hold_periods, 1.0, 1000.0), "hold_periods", hold_periods, "in [1, 1000]");
   require(fade_s > 0.0 && fade_s <= 1.0, "fade_s", fade_s, "over 0 and at most 1 s");
   require(in(start_ramp_s, 0.0, 10.0), "start_ramp_s", start_ramp_s, "in [0, 10] s");

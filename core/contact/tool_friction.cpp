@@ -36,7 +36,7 @@ Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta, double le
     patch.radius_m += push_of(row, delta) * (from_centre - patch.normal * patch.normal.dot(from_centre)).norm();
   }
   patch.radius_m /= patch.push_m;
-  if (!(patch.radius_m > limits::kLeastPatch * lever_m)) patch.radius_m = 0.0;  // a point does not hold against turning
+  if (!(patch.radius_m > limits::kMinPatch * lever_m)) patch.radius_m = 0.0;  // a point does not hold against turning
   return patch;
 }
 

@@ -111,11 +111,11 @@ void carry_out(EffectSpec& effect, const EffectCommand& command) noexcept {
 }
 
 std::string quotable(std::string_view text) {
-  constexpr std::size_t kMost = 64;
-  std::string out(text.substr(0, kMost));
+  constexpr std::size_t kMaxLength = 64;
+  std::string out(text.substr(0, kMaxLength));
   for (char& c : out)
     if (c < ' ' || c > '~') c = '?';
-  return text.size() > kMost ? out + "..." : out;
+  return text.size() > kMaxLength ? out + "..." : out;
 }
 
 }  // namespace voxtouch::effects

@@ -81,9 +81,9 @@ DeviceDescription describe_phantom(const PhantomFacts& facts) {
 
 /// floor(8000 / n + 0.5) over FireWire, and 500, 1000, 2000 over a parallel port, which are among those.
 double servo_rate_hz(double measured_hz) noexcept {
-  constexpr double kUsual = 1000.0;
-  if (!(measured_hz > 400.0 && measured_hz < 9000.0)) return kUsual;
-  double nearest = kUsual;
+  constexpr double kDefaultHz = 1000.0;
+  if (!(measured_hz > 400.0 && measured_hz < 9000.0)) return kDefaultHz;
+  double nearest = kDefaultHz;
   for (int n = 1; n <= 16; ++n) {
     const double rate = std::floor(8000.0 / n + 0.5);
     if (std::abs(rate - measured_hz) < std::abs(nearest - measured_hz)) nearest = rate;
