@@ -73,18 +73,18 @@ Judged judge_value(const EffectSpec& effect, std::string_view parameter, const s
 
 }  // namespace
 
-Judged judge(std::span<const EffectSpec> effects, const EffectWish& wish) {
+Judged judge(std::span<const EffectSpec> effects, const EffectRequest& request) {
   const auto found =
-      std::find_if(effects.begin(), effects.end(), [&](const EffectSpec& e) { return e.name == wish.effect; });
+      std::find_if(effects.begin(), effects.end(), [&](const EffectSpec& e) { return e.name == request.effect; });
   if (found == effects.end())
     return std::unexpected(
         effects.empty()
-            ? fmt::format("the scene lists no effects, so there is no '{}'", quotable(wish.effect))
-            : fmt::format("there is no effect '{}'; the scene lists: {}", quotable(wish.effect), names_of(effects)));
-  const double first = wish.value[0];
-  EffectCommand command{.action = wish.action, .value = {first, 0.0, 0.0}};
-  if (found->kind->everywhere && wish.action != EffectAction::kValue) return std::unexpected(no_switch(*found));
-  switch (wish.action) {
+            ? fmt::format("the scene lists no effects, so there is no '{}'", quotable(request.effect))
+            : fmt::format("there is no effect '{}'; the scene lists: {}", quotable(request.effect), names_of(effects)));
+  const double first = request.value[0];
+  EffectCommand command{.action = request.action, .value = {first, 0.0, 0.0}};
+  if (found->kind->everywhere && request.action != EffectAction::kValue) return std::unexpected(no_switch(*found));
+  switch (request.action) {
     case EffectAction::kSwitch:
       if (first != 0.0 && first != 1.0) return std::unexpected("a switch takes 1 (on) or 0 (off)");
       break;
@@ -92,7 +92,7 @@ Judged judge(std::span<const EffectSpec> effects, const EffectWish& wish) {
       if (!(first >= 0.0 && first <= 1.0)) return std::unexpected("'gain' must be a number from 0 to 1");
       break;
     case EffectAction::kValue: {
-      const Judged value = judge_value(*found, wish.parameter, wish.value);
+      const Judged value = judge_value(*found, request.parameter, request.value);
       if (!value) return value;
       command = *value;
       break;

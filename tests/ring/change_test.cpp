@@ -41,7 +41,7 @@ std::string oily_plane(const TemporaryFolder& folder, bool smooth = false) {
   return file.string();
 }
 
-struct Wish {
+struct Change {
   std::uint32_t action = 0;
   double value = 0.0;
   std::uint64_t from_sample = 0;
@@ -60,11 +60,11 @@ class Asker {
   bool find() {
     return until([&] { return changes_.matched_count() > 0 && answers_.matched_count() > 0; });
   }
-  void send(const Wish& w) {
+  void send(const Change& w) {
     asked_.push_back(w);
     send(w, ++sent_);
   }
-  void send(const Wish& w, std::uint64_t request) {
+  void send(const Change& w, std::uint64_t request) {
     msg::EffectChange m{};
     m.request = request;
     m.action = w.action;
@@ -103,17 +103,17 @@ class Asker {
   bus::Writer<msg::EffectChange> changes_;
   bus::Reader<msg::EffectChanged> answers_;
   std::uint64_t sent_ = 0;
-  std::vector<Wish> asked_;
+  std::vector<Change> asked_;
 };
 
-/// A lockstep run of `scene` with `wishes`, recorded under `name`.
+/// A lockstep run of `scene` with `changes`, recorded under `name`.
 void lockstep(const TemporaryFolder& folder, const std::string& name, const std::string& motion,
-              const std::vector<Wish>& wishes, std::vector<std::string> more = {}, bool smooth = false) {
+              const std::vector<Change>& changes, std::vector<std::string> more = {}, bool smooth = false) {
   more.insert(more.end(), {"--lockstep", "--motion", motion, "--duration", "5", "--record", (folder / name).string()});
   Asker asker;
   Process up(up_arguments(oily_plane(folder, smooth), more));
   ASSERT_TRUE(asker.find());
-  for (const Wish& wish : wishes) asker.send(wish);
+  for (const Change& change : changes) asker.send(change);
   EXPECT_TRUE(asker.all_done()) << asker.problems;
   const Finished end = up.wait(std::chrono::seconds(120));
   ASSERT_EQ(end.status, 0) << end.err << end.out;
@@ -171,13 +171,13 @@ std::vector<msg::ForceCommand> commands(const TemporaryFolder& folder, const std
 
 TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
   const TemporaryFolder folder;
-  const std::vector<Wish> wishes = {{kActionSwitch, 0.0, 1500},
+  const std::vector<Change> changes = {{kActionSwitch, 0.0, 1500},
                                     {kActionSwitch, 1.0, 2000},
                                     {kActionValue, 0.5, 2500, 0.0, "viscosity", "damping_ns_per_m"},
                                     {kActionGain, 0.3, 2600}};
   lockstep(folder, "plain", "slide", {});
-  lockstep(folder, "first", "slide", wishes);
-  lockstep(folder, "second", "slide", wishes, {"--one-process"});
+  lockstep(folder, "first", "slide", changes);
+  lockstep(folder, "second", "slide", changes, {"--one-process"});
   const auto plain = contacts(folder, "plain"), changed = contacts(folder, "first");
   ASSERT_EQ(changed.size(), 5000U);
   EXPECT_GT(changed[1499].surface_hits, 0U) << "in contact";
@@ -205,10 +205,10 @@ TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
 
 TEST(Change, ToASceneThatWasBuiltAnewInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
   const TemporaryFolder folder;
-  const std::vector<Wish> wishes = {{kActionReload, 0.0, 1800, 0.0015, "", "", "clustered"}};
+  const std::vector<Change> changes = {{kActionReload, 0.0, 1800, 0.0015, "", "", "clustered"}};
   lockstep(folder, "plain", "slide", {}, {}, true);
-  lockstep(folder, "first", "slide", wishes, {}, true);
-  lockstep(folder, "second", "slide", wishes, {"--one-process"}, true);
+  lockstep(folder, "first", "slide", changes, {}, true);
+  lockstep(folder, "second", "slide", changes, {"--one-process"}, true);
   const auto plain = contacts(folder, "plain"), changed = contacts(folder, "first");
   ASSERT_EQ(changed.size(), 5000U);
   for (std::size_t i = 0; i < 1800; ++i) ASSERT_EQ(plain[i].wrench.force.z, changed[i].wrench.force.z) << i;

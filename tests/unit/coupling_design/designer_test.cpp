@@ -73,7 +73,7 @@ double margin_of(const DesignProblem& r, double cutoff_hz, double ratio, double 
 
 TEST(PublishedExample, AFreeStylusWithoutInjectedDampingIsInfeasible) {
   DesignProblem r = stylus();
-  r.wishes.allow_injected_damping = false;
+  r.goals.allow_injected_damping = false;
   const Design d = designed(r);
   EXPECT_EQ(d.status, DesignStatus::kInfeasible);
   EXPECT_NEAR(d.translation.shown_stiffness, 0.38, 0.005);
@@ -99,7 +99,7 @@ TEST(PublishedExample, AFreeStylusWithInjectedDampingShowsPart) {
 TEST(PublishedExample, AFirmlyHeldStylusShowsPartWithoutDamping) {
   DesignProblem r = stylus();
   r.hand.translation = kFirmPen;
-  r.wishes.allow_injected_damping = false;
+  r.goals.allow_injected_damping = false;
   const Design d = designed(r);
   EXPECT_EQ(d.status, DesignStatus::kStiffnessReduced);
   EXPECT_EQ(d.spec.cutoff_hz, 80.0);
@@ -178,7 +178,7 @@ TEST(Design, IsStableBetweenTheCasesThatItLookedAt) {
     const LoopController law = law_of_translation(r, t.design.spec);
     const bool series = law.law == LoopController::Law::kSpringDamper;
     for (const LoopPlant& plant : finer_cases(problem, random, 40))
-      for (const double share : {0.001, 0.1, 1.0, 0.99 * r.wishes.gain_margin}) {
+      for (const double share : {0.001, 0.1, 1.0, 0.99 * r.goals.gain_margin}) {
         LoopController scaled = law;
         if (series) scaled.stiffness *= share, scaled.damping *= share;
         const double k = series ? share * r.contact.all_points : share * t.design.translation.shown_stiffness;
@@ -202,7 +202,7 @@ TEST(Design, InjectsNoMoreThanTheInnerLoopAndTheNoiseAllow) {
     const double b = d.spec.injected_damping_ns_per_m, w = 2.0 * std::numbers::pi * d.spec.velocity_filter_hz;
     if (b == 0.0) continue;
     ++damped;
-    EXPECT_TRUE(r.wishes.allow_injected_damping);
+    EXPECT_TRUE(r.goals.allow_injected_damping);
     for (const LoopPlant& plant : finer_cases(axis_problems(r)[0], random, 30))
       ASSERT_LE(b, 0.501 * critical_damping(plant, w)) << i;
     // One step of the encoder, through the filter, at once.
@@ -217,7 +217,7 @@ TEST(Design, OfForceAndTorqueIsStableBetweenTheCases) {
   Random random(7);
   for (const char* kind : {"shaping_filter", "direct", "spring_damper"}) {
     DesignProblem r = sim_arm();
-    r.wishes.kind = kind;
+    r.goals.kind = kind;
     const Design d = designed(r);
     const std::vector<AxisProblem> problems = axis_problems(r);
     for (std::size_t a = 0; a < 2; ++a) {
@@ -254,7 +254,7 @@ TEST(Design, ReportsTheMarginThatItHas) {
     const Design d = designed(r);
     const LoopController law = law_of_translation(r, d.spec);
     EXPECT_NEAR(d.translation.gain_margin, d.translation.critical_stiffness / d.translation.shown_stiffness, 1e-9);
-    EXPECT_GE(d.translation.gain_margin, r.wishes.gain_margin);
+    EXPECT_GE(d.translation.gain_margin, r.goals.gain_margin);
     EXPECT_LT(spectral_radius(d.translation.worst_case, law, 0.999 * d.translation.critical_stiffness), 1.0);
     EXPECT_GT(spectral_radius(d.translation.worst_case, law, 1.001 * d.translation.critical_stiffness), 1.0);
     EXPECT_NE(d.translation.worst_case_text.find("kg"), std::string::npos);
@@ -377,13 +377,13 @@ TEST(ForceAndTorque, ShareOneFilterAndGetTwoDampings) {
 
 TEST(ForceAndTorque, TheWeakerAxisSetsTheGain) {
   DesignProblem r = sim_arm();
-  r.wishes.allow_injected_damping = false;
+  r.goals.allow_injected_damping = false;
   r.device.rotation.damping = 0.02;
   const Design d = designed(r);
   EXPECT_LT(d.spec.gain, 1.0);
   EXPECT_GT(d.translation.gain_margin, 2.5);
   EXPECT_NEAR(d.rotation.gain_margin, 2.0, 0.01);
-  r.wishes.free_cap = true;
+  r.goals.free_cap = true;
   const Design capped = designed(r);
   EXPECT_GT(capped.translation.shown_stiffness, 1.2 * d.translation.shown_stiffness);
 }
@@ -420,7 +420,7 @@ TEST(ForceAndTorque, RotationOfADeviceWithoutTorqueIsNotLookedAt) {
 TEST(FreeCap, KeepsEachPointsOwnStiffness) {
   DesignProblem r = stylus();
   const Design scaled = designed(r);
-  r.wishes.free_cap = true;
+  r.goals.free_cap = true;
   const Design capped = designed(r);
   EXPECT_EQ(capped.spec.gain, 1.0);
   EXPECT_NEAR(capped.spec.stiffness_cap_n_per_m, capped.translation.shown_stiffness, 1e-9);
@@ -433,11 +433,11 @@ TEST(FreeCap, KeepsEachPointsOwnStiffness) {
 
 TEST(FreeCap, IsWhatADirectCouplingNeeds) {
   DesignProblem r = stylus();
-  r.wishes.kind = "direct";
+  r.goals.kind = "direct";
   const Design refused = designed(r);
   EXPECT_EQ(refused.status, DesignStatus::kInfeasible);
   EXPECT_FALSE(refused.remedies.empty());
-  r.wishes.free_cap = true;
+  r.goals.free_cap = true;
   const Design capped = designed(r);
   EXPECT_EQ(capped.status, DesignStatus::kStiffnessReduced);
   EXPECT_GT(capped.translation.shown_stiffness, 250.0);
@@ -448,7 +448,7 @@ TEST(Design, NeverShowsMoreThanTheDeviceCan) {
   r.device.translation.max_stiffness = 300.0;
   for (const char* kind : {"shaping_filter", "direct", "spring_damper", "auto"})
     for (const bool cap : {false, true}) {
-      r.wishes.kind = kind, r.wishes.free_cap = cap;
+      r.goals.kind = kind, r.goals.free_cap = cap;
       const Design d = designed(r);
       EXPECT_LE(d.translation.shown_stiffness, 300.0 * (1 + 1e-9)) << kind << cap;
       EXPECT_EQ(d.translation.wanted_stiffness, 300.0);
@@ -472,7 +472,7 @@ TEST(Design, LeavesThePassivityControllerHalfOfWhatTheLoopBears) {
 TEST(Design, SaysHowFastOneMayApproach) {
   DesignProblem r = robot(2.0, 5.0, 50.0);
   EXPECT_EQ(designed(r).max_approach_m_per_s, 0.0);
-  r.wishes.force_layer_depth_m = 0.004;
+  r.goals.force_layer_depth_m = 0.004;
   const Design d = designed(r);
   // Slowest timing, heaviest hand on the heaviest device; M/B of the released one is the shorter way to stop.
   const double tau = d.lag_s + 0.6e-3 + (2e-3 + 2.2e-3) + 3e-3;
@@ -529,7 +529,7 @@ TEST(LimitCycle, TheNormIsReachedByTheWorstErrors) {
 
 TEST(SpringDamper, ForAnyPassiveHandIsTheDiscreteLlewellynOptimum) {
   DesignProblem r = robot(2.0, 5.0, 50.0);
-  r.wishes.kind = "spring_damper";
+  r.goals.kind = "spring_damper";
   r.hand.translation.any_passive = true;
   const Design d = designed(r);
   const LoopTiming slow = slowest(r.device.timing);
@@ -547,7 +547,7 @@ TEST(SpringDamper, ForAnyPassiveHandIsTheDiscreteLlewellynOptimum) {
 
 TEST(SpringDamper, HoldsForContactsOfEveryStiffness) {
   for (DesignProblem r : {robot(2.0, 5.0, 50.0), stylus()}) {
-    r.wishes.kind = "spring_damper";
+    r.goals.kind = "spring_damper";
     const Design d = designed(r);
     LoopController law = law_of_translation(r, d.spec);
     law.stiffness *= 1.99, law.damping *= 1.99;
@@ -559,7 +559,7 @@ TEST(SpringDamper, HoldsForContactsOfEveryStiffness) {
 
 TEST(SpringDamper, OfForceAndTorqueDrawsOnBothDampings) {
   DesignProblem r = sim_arm();
-  r.wishes.kind = "spring_damper";
+  r.goals.kind = "spring_damper";
   r.hand.translation.any_passive = r.hand.rotation.any_passive = true;
   const Design d = designed(r);
   const LoopTiming slow = slowest(r.device.timing);
@@ -571,15 +571,15 @@ TEST(SpringDamper, OfForceAndTorqueDrawsOnBothDampings) {
 
 TEST(Auto, KeepsTheFilterUnlessAnotherShowsHalfAsMuchAgain) {
   DesignProblem r = robot(2.0, 5.0, 50.0);
-  r.wishes.kind = "auto";
+  r.goals.kind = "auto";
   EXPECT_EQ(designed(r).spec.kind, "shaping_filter");
   r.contact.all_points = 400.0;
   EXPECT_EQ(designed(r).status, DesignStatus::kAsRequested);
-  r.contact.all_points = 1e5, r.wishes.free_cap = true, r.wishes.allow_injected_damping = false;
+  r.contact.all_points = 1e5, r.goals.free_cap = true, r.goals.allow_injected_damping = false;
   const Design best = designed(r);
   double filter = 0.0, most = 0.0;
   for (const char* kind : {"shaping_filter", "direct", "spring_damper"}) {
-    r.wishes.kind = kind;
+    r.goals.kind = kind;
     const Design d = designed(r);
     const double shown = d.status == DesignStatus::kInfeasible ? 0.0 : d.translation.shown_stiffness;
     if (std::string(kind) == "shaping_filter") filter = shown;
@@ -600,7 +600,7 @@ TEST(Design, MoreDampingLessDelayAndALowerWishNeverCostMuch) {
       double before = 0.0;
       for (double b = light ? 0.01 : 5.0; b < (light ? 20.0 : 100.0); b *= 2.0) {
         DesignProblem r = light ? stylus() : robot(2.0, 5.0, 1.0);
-        r.device.translation.damping = b, r.wishes.kind = kind, r.wishes.free_cap = true;
+        r.device.translation.damping = b, r.goals.kind = kind, r.goals.free_cap = true;
         const double shown = designed(r).translation.shown_stiffness;
         EXPECT_GE(shown, kGrid * before) << kind << " damping " << b;
         before = std::max(before, shown);
@@ -608,17 +608,17 @@ TEST(Design, MoreDampingLessDelayAndALowerWishNeverCostMuch) {
       before = 0.0;
       for (double delay = 6e-3; delay >= 0.0; delay -= 1.5e-3) {
         DesignProblem r = light ? stylus() : robot(2.0, 5.0, 10.0);
-        r.device.timing.delay_s = delay, r.wishes.kind = kind, r.wishes.free_cap = true;
+        r.device.timing.delay_s = delay, r.goals.kind = kind, r.goals.free_cap = true;
         const double shown = designed(r).translation.shown_stiffness;
         EXPECT_GE(shown, kGrid * before) << kind << " delay " << delay;
         before = std::max(before, shown);
       }
       before = 0.0;
-      for (double wish = 4000.0; wish > 20.0; wish /= 2.0) {
+      for (double goal = 4000.0; goal > 20.0; goal /= 2.0) {
         DesignProblem r = light ? stylus() : robot(2.0, 5.0, 10.0);
-        r.contact = {wish / 20.0, wish}, r.wishes.kind = kind, r.wishes.free_cap = true;
+        r.contact = {goal / 20.0, goal}, r.goals.kind = kind, r.goals.free_cap = true;
         const AxisDesign d = designed(r).translation;
-        EXPECT_GE(d.shown_stiffness / d.wanted_stiffness, kGrid * before) << kind << " wish " << wish;
+        EXPECT_GE(d.shown_stiffness / d.wanted_stiffness, kGrid * before) << kind << " wish " << goal;
         before = std::max(before, d.shown_stiffness / d.wanted_stiffness);
       }
     }
@@ -680,7 +680,7 @@ TEST(Design, OfTheSimulatedDevicesIsQuickAndHolds) {
   for (DesignProblem r : {sim_stylus(), sim_arm()})
     for (const char* kind : {"shaping_filter", "spring_damper", "direct", "auto"})
       for (const bool cap : {false, true}) {
-        r.wishes.kind = kind, r.wishes.free_cap = cap;
+        r.goals.kind = kind, r.goals.free_cap = cap;
         const Timed t = timed(r);
         if (cap || std::string(kind) != "auto") print(r, t);
         EXPECT_LT(t.milliseconds, 2000.0);  // 20 to 100 ms on an idle machine
@@ -711,12 +711,12 @@ TEST(Design, RefusesNumbersThatNothingCanBeDesignedFor) {
   refused(sim_arm(), "contact_rotation", [](DesignProblem& r) { r.contact_rotation = {}; });
   refused(sim_arm(), "rotation", [](DesignProblem& r) { r.device.rotation.inertia_min = 0.0; });
   refused(sim_arm(), "rotation", [](DesignProblem& r) { r.hand.rotation.damping_min = -1.0; });
-  refused(stylus(), "rubber", [](DesignProblem& r) { r.wishes.kind = "rubber"; });
-  refused(stylus(), "gain_margin", [](DesignProblem& r) { r.wishes.gain_margin = 0.9; });
-  refused(stylus(), "cutoff_hz", [](DesignProblem& r) { r.wishes.cutoff_hz = 0.0; });
-  refused(stylus(), "max_cutoff_hz", [](DesignProblem& r) { r.wishes.cutoff_hz = 300.0; });
-  refused(stylus(), "rate", [](DesignProblem& r) { r.wishes.cutoff_hz = 600.0, r.wishes.max_cutoff_hz = 1000.0; });
-  refused(stylus(), "force_layer_depth_m", [](DesignProblem& r) { r.wishes.force_layer_depth_m = std::nan(""); });
+  refused(stylus(), "rubber", [](DesignProblem& r) { r.goals.kind = "rubber"; });
+  refused(stylus(), "gain_margin", [](DesignProblem& r) { r.goals.gain_margin = 0.9; });
+  refused(stylus(), "cutoff_hz", [](DesignProblem& r) { r.goals.cutoff_hz = 0.0; });
+  refused(stylus(), "max_cutoff_hz", [](DesignProblem& r) { r.goals.cutoff_hz = 300.0; });
+  refused(stylus(), "rate", [](DesignProblem& r) { r.goals.cutoff_hz = 600.0, r.goals.max_cutoff_hz = 1000.0; });
+  refused(stylus(), "force_layer_depth_m", [](DesignProblem& r) { r.goals.force_layer_depth_m = std::nan(""); });
 }
 
 TEST(Design, OfADeviceWithoutAnyDampingThatMayBeReleasedIsInfeasibleNotANumber) {
@@ -724,7 +724,7 @@ TEST(Design, OfADeviceWithoutAnyDampingThatMayBeReleasedIsInfeasibleNotANumber) 
     for (const bool cap : {false, true}) {
       DesignProblem r = stylus();
       r.device.translation.damping = 0.0;
-      r.wishes.allow_injected_damping = false, r.wishes.kind = kind, r.wishes.free_cap = cap;
+      r.goals.allow_injected_damping = false, r.goals.kind = kind, r.goals.free_cap = cap;
       const Design d = designed(r);
       EXPECT_EQ(d.status, DesignStatus::kInfeasible) << kind;
       EXPECT_EQ(d.translation.shown_stiffness, 0.0) << kind;

@@ -60,14 +60,14 @@ std::vector<EffectSpec> two_pushes() {
   return {one, other};
 }
 
-std::string why_not(const EffectWish& wish) {
-  const auto judged = judge(two_pushes(), wish);
+std::string why_not(const EffectRequest& request) {
+  const auto judged = judge(two_pushes(), request);
   return judged ? "" : judged.error();
 }
-EffectWish value(std::string_view parameter, const std::array<double, 3>& v) {
+EffectRequest value(std::string_view parameter, const std::array<double, 3>& v) {
   return {.action = EffectAction::kValue, .effect = "push", .parameter = parameter, .value = v};
 }
-EffectWish gain(double g) { return {.action = EffectAction::kGain, .effect = "push", .parameter = {}, .value = {g}}; }
+EffectRequest gain(double g) { return {.action = EffectAction::kGain, .effect = "push", .parameter = {}, .value = {g}}; }
 
 TEST(EffectChange, FindsEffectAndParameterByName) {
   const auto judged =
@@ -113,8 +113,8 @@ TEST(EffectChange, QuotesNothingThatATerminalWouldObey) {
 TEST(EffectChange, DoesToTheSpecWhatTheChainComesTo) {
   std::vector<EffectSpec> specs = two_pushes();
   EffectChain chain(specs);
-  for (const EffectWish& wish : {value("force_n", {0.25, 0, 0}), value("along", {0, 0, 2}), gain(0.5)}) {
-    const auto judged = judge(specs, wish);
+  for (const EffectRequest& request : {value("force_n", {0.25, 0, 0}), value("along", {0, 0, 2}), gain(0.5)}) {
+    const auto judged = judge(specs, request);
     ASSERT_TRUE(judged) << judged.error();
     chain.carry_out(*judged);
     carry_out(specs[judged->effect], *judged);
