@@ -94,8 +94,8 @@ class CouplingNode {
       voxel_m_.store(p.voxel_size_m, kRelaxed);
     });
     changed_ = fitting_.changed() || changed_;
-    told_.store(descriptions_.current() && plans_.current(), std::memory_order_release);
-    if (!changed_ || !told_.load(kRelaxed) || fitting_.session() != device_.session()) return;
+    both_known_.store(descriptions_.current() && plans_.current(), std::memory_order_release);
+    if (!changed_ || !both_known_.load(kRelaxed) || fitting_.session() != device_.session()) return;
     changed_ = false;
     follow_change();
   }
@@ -168,7 +168,7 @@ class CouplingNode {
     msg::ContactState contact;
     if (!contacts_.take(contact)) return false;
     // What another participant says of itself has yet to be judged before its contacts are felt.
-    if (contact.session_id != session_in_loop_ || !coupling_ || !told_.load(kRelaxed)) return true;
+    if (contact.session_id != session_in_loop_ || !coupling_ || !both_known_.load(kRelaxed)) return true;
     // A plan that holds from this sample on is here, for the rendering waited for that: it must not be used a sample later.
     if (options_.lockstep) listen();
     if (coupling_ && contact.session_id == session_in_loop_) answer(contact);  // what came may have left none that may run
@@ -231,7 +231,7 @@ class CouplingNode {
     if (device_.bound()) rendering_.update(registry, device_.session());
     std::string missing =
         session_.report_to(report, options_, registry, links_, "a device and its scene's plan", samples_.load() > 0);
-    if (missing.empty() && !told_.load(std::memory_order_acquire)) {
+    if (missing.empty() && !both_known_.load(std::memory_order_acquire)) {
       missing = "a device and its scene's plan";
       report.session_id = 0, report.state = NodeState::kStarting;
     }
@@ -293,7 +293,7 @@ class CouplingNode {
   std::mutex running_mutex_;
   std::string wrong_;               ///< of the device's last description; under the same lock
   bool changed_ = false;            ///< description or plan have changed and are not followed yet
-  std::atomic<bool> told_{false};   ///< both are there of those who are bound
+  std::atomic<bool> both_known_{false};   ///< both are there of those who are bound
   double period_s_ = 1e-3;
   std::uint64_t session_in_loop_ = 0;
   dds_instance_handle_t plan_writer_ = 0;  ///< whose plan the session was begun with

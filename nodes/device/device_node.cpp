@@ -217,8 +217,8 @@ class DeviceNode {
                    : end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                    : NodeState::kFailed;
     if (end == End::kNone && progress_.in_trouble.load()) trouble_ = trouble_of(*driver_, progress_.last_error.load());
-    if (const std::int64_t gap_ns = progress_.longest_gap_ns.load(); gap_ns > told_gap_ns_) {
-      told_gap_ns_ = gap_ns;
+    if (const std::int64_t gap_ns = progress_.longest_gap_ns.load(); gap_ns > reported_gap_ns_) {
+      reported_gap_ns_ = gap_ns;
       trouble_ = fmt::format("its process was kept from running for {:.0f} ms", static_cast<double>(gap_ns) * 1e-6);
     }
     report.message = end != End::kNone ? end_sentence(end)
@@ -344,7 +344,7 @@ class DeviceNode {
   std::string rival_, waiting_for_;
   std::string gone_;  ///< lockstep: who was lost, and how
   LastSecond last_second_;
-  std::int64_t told_gap_ns_ = 0;
+  std::int64_t reported_gap_ns_ = 0;
   std::string trouble_;  ///< what last kept the device from giving force
 };
 

@@ -72,7 +72,7 @@ TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
   }
 }
 
-TEST(Accuracy, RungsComeInTheirOrderAndErrorsFallWithTheVoxel) {
+TEST(Accuracy, ModelsComeInTheirOrderAndErrorsFallWithTheVoxel) {
   AccuracyOptions options;
   options.contacts = 40;
   const std::vector<AccuracyRow> rows =

@@ -313,7 +313,7 @@ TEST_F(RoleTest, RosterHasRoomForSoManyAndForThoseWhoAreKnown) {
   EXPECT_EQ(named, 16U) << "a person reads it, and it is sent ten times a second";
 }
 
-TEST_F(RoleTest, StatusesOfOurOwnAreCutToWhatARosterTakes) {
+TEST_F(RoleTest, StatusesOfOurOwnAreCutToWhatARegistryAccepts) {
   StandIn node(kDomain, "rendering", rig);
   runtime::NodeReport report;
   report.session_id = 5, report.message = std::string(3000, 'm'), report.values["word"] = std::string(3000, 'w');

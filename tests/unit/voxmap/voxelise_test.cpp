@@ -347,18 +347,18 @@ TEST(VoxelBudget, RefusesIndicesBeyondInt32AndThingsThatAreNoNumbers) {
 }
 
 TEST(VoxelBudget, RefusesScatteredTrianglesThatTouchMoreThanForeseen) {
-  mesh::TriangleMesh dust;
+  mesh::TriangleMesh specks;
   std::mt19937 random(2);
   std::uniform_real_distribution<double> pick(0.0, 1.0);
   for (std::uint32_t n = 0; n < 20000; ++n) {
     const Vec3 x(pick(random), pick(random), pick(random));
-    for (const Vec3& d : {Vec3(0, 0, 0), Vec3(1e-5, 0, 0), Vec3(0, 1e-5, 0)}) dust.vertices.push_back(x + d);
-    dust.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
+    for (const Vec3& d : {Vec3(0, 0, 0), Vec3(1e-5, 0, 0), Vec3(0, 1e-5, 0)}) specks.vertices.push_back(x + d);
+    specks.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
   }
-  const Grid grid = default_grid(dust, 0.005);
-  const auto foreseen = static_cast<std::uint64_t>(estimate_voxels(dust, grid).build_bytes);
-  EXPECT_THROW(voxelise(dust, grid, serial_for(), foreseen + 1000), VoxelBudgetError);
-  EXPECT_NO_THROW(voxelise(dust, grid, serial_for(), foreseen + 20000 * 512));
+  const Grid grid = default_grid(specks, 0.005);
+  const auto foreseen = static_cast<std::uint64_t>(estimate_voxels(specks, grid).build_bytes);
+  EXPECT_THROW(voxelise(specks, grid, serial_for(), foreseen + 1000), VoxelBudgetError);
+  EXPECT_NO_THROW(voxelise(specks, grid, serial_for(), foreseen + 20000 * 512));
 }
 
 TEST(VoxelBudget, TheEstimateIsCloseToTheTruth) {
