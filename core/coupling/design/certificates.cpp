@@ -63,11 +63,11 @@ class NeededDamping {
 
   /// Integral of the effort over the command, sampled: the momentum of a free mass.
   Complex integral(const Phasor& p) const {
-    const Complex held =
+    const Complex sampled =
         delayed(p, 1) + (mass_.order == 3 ? mass_.step_less_one(1, 2) *
                                                 quotient(delayed(p, 2), p.z_less_one - mass_.step_less_one(2, 2))
                                           : 0.0);
-    return period_ * quotient(held, p.z_less_one) * std::polar(1.0, -mass_.whole_delay * p.angle);
+    return period_ * quotient(sampled, p.z_less_one) * std::polar(1.0, -mass_.whole_delay * p.angle);
   }
   Complex delayed(const Phasor& p, int row) const { return mass_.newer[row] + mass_.older[row] * p.z_inverse; }
 
