@@ -129,8 +129,8 @@ class DeviceNode {
 
  private:
   std::unique_ptr<devices::Driver> open_driver(const scene::Scene& scene, const std::atomic<bool>& stop) const {
-    const Motion motion = motion_in_device(choose_motion(scene, options_.motion), scene.device.device_in_world,
-                                           scene.device.tool_offset, scene.device.position_scale);
+    const Motion motion = motion_in_device(choose_motion(scene, options_.motion), scene.device.pose_WD,
+                                           scene.device.pose_PT, scene.device.position_scale);
     devices::DeviceOptions device;
     device.seed = options_.seed;
     device.motion = motion;

@@ -42,7 +42,7 @@ msg::visualization_msgs_Marker marker(std::int64_t time_ns, const std::string& n
 }  // namespace
 
 RosOutputs::RosOutputs(const bus::Participant& participant, const std::string& rig, const scene::Scene& scene)
-    : device_frame_(rig + "/device"), tool_frame_(rig + "/tool"), device_in_world_(scene.device.device_in_world),
+    : device_frame_(rig + "/device"), tool_frame_(rig + "/tool"), device_in_world_(scene.device.pose_WD),
       static_meshes_(scene.static_meshes), tf_(participant, qos::kTf, rig, qos::profile(qos::kTf.profile)),
       pose_(participant, qos::kPose, rig, qos::profile(qos::kPose.profile)),
       wrench_(participant, qos::kWrench, rig, qos::profile(qos::kWrench.profile)),

@@ -44,7 +44,7 @@ coupling::design::DeviceModel arm() {
 TEST(HandScales, AreWhatTheDeviceMappingDoes) {
   scene::WorkspaceMapping spec;
   spec.position_scale = 4, spec.force_scale = 0.5;
-  spec.device_in_world.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  spec.pose_WD.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   const HandScales scales = hand_scales(spec);
   rendering::DeviceMapping mapping(spec);
   const Pose rest = mapping.update({}, {}, 0).pose;

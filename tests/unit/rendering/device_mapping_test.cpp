@@ -39,7 +39,7 @@ TEST(DeviceMapping, TipGoesThroughBaseScaleAndToolOffset) {
     const scene::WorkspaceMapping spec = r.spec();
     const Pose tip = r.pose();
     DeviceMapping mapping(spec);
-    const Pose wanted = spec.device_in_world * Pose{spec.position_scale * tip.position, tip.orientation} * spec.tool_offset;
+    const Pose wanted = spec.pose_WD * Pose{spec.position_scale * tip.position, tip.orientation} * spec.pose_PT;
     EXPECT_LE(distance(mapping.update(tip, {}, 0).pose, wanted), 1e-14);
   }
   DeviceMapping plain{scene::WorkspaceMapping{}};
@@ -81,7 +81,7 @@ TEST(DeviceMapping, PowerAtTheHandIsPowerInTheWorldTimesTheScales) {
 
 TEST(WrenchToDevice, AnOrientationThatIsNoneDoesNotMakeTheCommandNone) {
   scene::WorkspaceMapping device;
-  device.tool_offset.position = Vec3(0.0, 0.0, 0.05);
+  device.pose_PT.position = Vec3(0.0, 0.0, 0.05);
   WrenchToDevice to_device(device);
   const Wrench wrench{Vec3(1.0, 2.0, 3.0), Vec3(0.1, 0.0, 0.0)};
   const Quat turned(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
@@ -98,13 +98,13 @@ TEST(WrenchToDevice, AnOrientationThatIsNoneDoesNotMakeTheCommandNone) {
 TEST(DeviceMapping, ForceComesBackAlongTheHandTimesTheForceScale) {
   scene::WorkspaceMapping spec;
   spec.force_scale = 0.5, spec.position_scale = 4;
-  spec.device_in_world.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
+  spec.pose_WD.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
   DeviceMapping mapping(spec);
   mapping.update({}, {}, 0);
   const Wrench hand = wrench_to_device(spec, {{0, 2, 0}, {0, 8, 0}}, mapping.tool().pose.orientation);
   EXPECT_LE((hand.force - Vec3(1, 0, 0)).norm(), 1e-15) << "W's y is the hand's x";
   EXPECT_LE((hand.torque - Vec3(1, 0, 0)).norm(), 1e-15);
-  spec.tool_offset.position = Vec3(0, 0, -0.1);  // the tool hangs below the tip
+  spec.pose_PT.position = Vec3(0, 0, -0.1);  // the tool hangs below the tip
   DeviceMapping lever(spec);
   lever.update({}, {}, 0);
   EXPECT_LE((wrench_to_device(spec, {{0, 2, 0}, {0, 0, 0}}, lever.tool().pose.orientation).torque - Vec3(0, -0.025, 0)).norm(), 1e-15)
@@ -134,7 +134,7 @@ TEST(DeviceMapping, ClutchHoldsTheToolAndGoesOnWithoutAJump) {
       const Pose start = tip;
       tip = moved(tip, {r.vec(), r.vec()}, 0.2);
       before = mapping.update(tip, {}, 0);
-      const Quat base = spec.device_in_world.orientation;
+      const Quat base = spec.pose_WD.orientation;
       const Quat hand_turn = base * tip.orientation * start.orientation.conjugate() * base.conjugate();
       const Quat tool_turn = before.pose.orientation * released.pose.orientation.conjugate();
       EXPECT_LE((hand_turn.toRotationMatrix() - tool_turn.toRotationMatrix()).norm(), 1e-13);
@@ -189,7 +189,7 @@ TEST(DeviceMapping, RefusesSamplesThatAreNoPoseAndKeepsTheLastOne) {
 TEST(DeviceMapping, NoNumberOfTheDeviceMakesTheToolsPlaceOrVelocityNone) {
   scene::WorkspaceMapping spec;
   spec.position_scale = 10.0;
-  spec.tool_offset.position = Vec3(0.0, 0.0, 1.0);
+  spec.pose_PT.position = Vec3(0.0, 0.0, 1.0);
   DeviceMapping mapping(spec);
   const Pose good{Vec3(0.1, 0.2, 0.3), Quat::Identity()};
   const Pose before = mapping.update(good, {}, 0).pose;
