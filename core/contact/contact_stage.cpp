@@ -60,7 +60,7 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
     last_direction_ = frame.direction;
   }
   shared_points_ = frame.shared_points;
-  last_pose_ = hits.pose;
+  last_pose_ = hits.pose_WT;
   has_last_pose_ = true;
   return result;
 }
@@ -106,8 +106,8 @@ Vec3 ContactStage::retained_direction(Push push, const Hit& hit) const noexcept 
 /// Which way a point that has just gone through is pushed from now on.
 ContactStage::Push ContactStage::choose_direction(const HitList& hits, const Hit& hit) const noexcept {
   if (shared_.isZero(0.0)) return Push::kOwn;
-  const Vec3 arm_before = last_pose_.orientation * (hits.pose.orientation.conjugate() * hit.arm);
-  const Vec3 way = (hits.pose.position - last_pose_.position) + (hit.arm - arm_before);
+  const Vec3 arm_before = last_pose_.orientation * (hits.pose_WT.orientation.conjugate() * hit.arm);
+  const Vec3 way = (hits.pose_WT.position - last_pose_.position) + (hit.arm - arm_before);
   const bool shared_pushes_back = shared_.dot(way) < 0.0;
   const bool own_pushes_back = hit.normal.dot(way) < 0.0;
   if (config_.model == ContactModelKind::kOriginal)
@@ -122,7 +122,7 @@ void ContactStage::push(const HitList& hits, const Hit& hit, double depth, const
   result.wrench.torque += hit.arm.cross(force);
   if (depth > result.deepest_depth_m) {
     result.deepest_depth_m = depth;
-    result.deepest_point = hits.pose.position + hit.arm;
+    result.deepest_point = hits.pose_WT.position + hit.arm;
   }
 }
 
@@ -150,7 +150,7 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult
   std::size_t summed = 0, next = 0;
   const auto sum_up_to = [&](std::size_t end) {
     if (blended)
-      push_along_directions(hits.surface, summed, end, frame.direction, config_.stiffness, hits.pose.position, contact,
+      push_along_directions(hits.surface, summed, end, frame.direction, config_.stiffness, hits.pose_WT.position, contact,
                             frame.stiffness);
     summed = end;
   };

@@ -63,9 +63,9 @@ class ContactStage {
 
   /// `plain` is what the model gave for `hits`. A pose that could not be looked up passes through and leaves the memory alone.
   StageResult apply(const HitList& hits, const ContactResult& plain) noexcept {
-    return apply(hits, plain, hits.pose_status == PoseStatus::kUsable ? motion_to(hits.pose) : 0.0);
+    return apply(hits, plain, hits.pose_status == PoseStatus::kUsable ? motion_to(hits.pose_WT) : 0.0);
   }
-  /// The same with what `motion_to(hits.pose)` gave.
+  /// The same with what `motion_to(hits.pose_WT)` gave.
   StageResult apply(const HitList& hits, const ContactResult& plain, double moved_m) noexcept;
 
   /// Bound of every point's way from the last pose to `pose` [m]; 0 where there is no last pose. Real-time safe.

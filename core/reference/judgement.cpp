@@ -114,7 +114,7 @@ void Judge::follow(const GapResult& gap, const ReportedContact& report) {
 }
 
 std::string Judge::not_usable(const ReportedContact& report) const {
-  const bool finite = report.tool_in_world.finite() && report.wrench.finite() && report.mean_normal.allFinite() &&
+  const bool finite = report.pose_WT.finite() && report.wrench.finite() && report.mean_normal.allFinite() &&
                       std::isfinite(report.deepest_depth_m) && std::isfinite(report.coherence);
   return finite ? "" : "the contact carries a value that is not a finite number";
 }
@@ -206,7 +206,7 @@ std::string Judge::torque_breach(const GapResult& gap, const ReportedContact& re
   if (report.retained || report.fallback || report.interior_hits > 0) return "";
   if (report.coherence < kDirectionFromCoherence) return "";
   const Vec3 centre = gap.nearest_dynamic + gap.sphere_radius_m * gap.direction;
-  const Vec3 lever = centre - report.tool_in_world.position;
+  const Vec3 lever = centre - report.pose_WT.position;
   const double off_sphere = settings_.shell_offset_m + settings_.chord_error_m + kLeverSlack * settings_.edge_m;
   const double limit = gap.sphere_radius_m + off_sphere;
   const double off = (report.wrench.torque - lever.cross(report.wrench.force)).norm();

@@ -75,7 +75,7 @@ struct JudgeSettings {
 
 /// The contact under judgement, as ContactState reports it. World frame.
 struct ReportedContact {
-  Pose tool_in_world;
+  Pose pose_WT;
   Wrench wrench;
   Vec3 mean_normal = Vec3::Zero();
   double deepest_depth_m = 0.0;

@@ -36,7 +36,7 @@ const qos::Profile& contact_profile(const Options& options) {
 
 reference::ReportedContact to_report(const msg::ContactState& c) {
   reference::ReportedContact r;
-  r.tool_in_world = runtime::from_msg(c.object_pose);
+  r.pose_WT = runtime::from_msg(c.object_pose);
   r.wrench = runtime::from_msg(c.contact_wrench);  // the reference knows contact only
   r.mean_normal = runtime::from_msg(c.mean_normal);
   r.deepest_depth_m = c.deepest_depth_m;
@@ -215,7 +215,7 @@ class ValidatorNode {
 
   reference::Judgement judge_contact(const msg::ContactState& contact, reference::GapResult& gap) {
     const reference::ReportedContact report = to_report(contact);
-    gap = reference_.gap(report.tool_in_world);
+    gap = reference_.gap(report.pose_WT);
     return judge_->judge(gap, report);
   }
   reference::Judgement judge_tool(const msg::ContactState& contact, reference::GapResult& gap) {

@@ -39,7 +39,7 @@ Perturbation random_perturbation(std::mt19937_64& random, double edge_m) {
 reference::ReportedContact to_report(const contact::StageResult& result, const Pose& tool) {
   const contact::ContactResult& c = result.contact;
   reference::ReportedContact report;
-  report.tool_in_world = tool;
+  report.pose_WT = tool;
   report.wrench = c.wrench;
   report.mean_normal = c.mean_normal;
   report.deepest_depth_m = c.deepest_depth_m;

@@ -218,7 +218,7 @@ struct Frame {
 
 Vec3 staged_force(contact::ContactStage& stage, const Frame& frame) {
   contact::HitList hits;
-  hits.pose.position = frame.position;
+  hits.pose_WT.position = frame.position;
   for (std::uint32_t p = 0; p < frame.surface.size(); ++p)
     hits.surface.push_back({p, Vec3::Zero(), frame.surface[p].normalized(), 0.4 * kEdge * frame.surface[p].normalized()});
   for (std::uint32_t p = 0; p < frame.interior.size(); ++p)
