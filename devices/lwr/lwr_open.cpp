@@ -41,9 +41,9 @@ std::chrono::nanoseconds seconds(double s) { return std::chrono::nanoseconds(std
 
 LwrDriver::LwrDriver(const LwrOptions& options)
     : options_(checked(options)), socket_(options.address, options.port),
-      capture_(options.capture_file.empty() ? 0 : options.capture_packets), arm_(options.tool_in_flange),
+      capture_(options.capture_file.empty() ? 0 : options.capture_packets), arm_(options.pose_FT),
       limits_(lwr_limits()), session_(options.session), rates_(options.rate_cutoff_hz),
-      base_to_d_(options.d_in_base.orientation.conjugate()) {
+      rotation_DB_(options.pose_BD.orientation.conjugate()) {
   if (!options_.controller.empty()) controller_.address = *parse_ipv4(options_.controller);
   connect();
   if (virtual_time_) start_in_virtual_time();

@@ -46,7 +46,7 @@ class CouplingNode {
                  qos::profile_in(qos::kCouplingDesign, options.mode())),
         wait_set_(participant_), device_("device", {&descriptions_.following()}),
         rendering_("rendering", {&plans_.following(), &contacts_.following()}), fitting_(scene),
-        to_device_(scene.device) {
+        wrench_to_device_(scene.device) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(plans_.condition());
     wait_set_.attach(contacts_.condition());
@@ -181,8 +181,8 @@ class CouplingNode {
     follow_clutch((contact.flags & msg::contact_state::kFlagClutched) != 0);
     const coupling::CouplingInput input = coupling_input(contact);
     const coupling::CouplingOutput out = coupling_->step(input, dt_s);
-    const Wrench in_device = clutched_ ? Wrench{} : to_device_(out.wrench, input.tool.orientation);
-    commands_.write_until(force_command(contact, out, in_device, kValidPeriods * period_s_), [this] {
+    const Wrench wrench_D = clutched_ ? Wrench{} : wrench_to_device_(out.wrench, input.tool.orientation);
+    commands_.write_until(force_command(contact, out, wrench_D, kValidPeriods * period_s_), [this] {
       heartbeat_.beat();
       return !options_.lockstep || over();
     });
@@ -282,7 +282,7 @@ class CouplingNode {
   runtime::RoleBinding device_, rendering_;
   std::vector<runtime::Link> links_;
   Fitting fitting_;
-  rendering::WrenchToDevice to_device_;
+  rendering::WrenchToDevice wrench_to_device_;
   std::optional<coupling::RunningCoupling> coupling_;  ///< none before the first fit and while what was found must not run
   /// What other threads may ask about; the loop takes the lock only where a fit is adopted.
   struct Running {

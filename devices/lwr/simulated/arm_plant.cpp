@@ -32,7 +32,7 @@ PlantParameters lwr_plant(double torque_feedback_gain) {
 }
 
 ArmPlant::ArmPlant(const PlantParameters& parameters, const lwr::LwrJoints& q)
-    : parameters_(parameters), dynamics_(parameters.inertia, parameters.tool_in_flange),
+    : parameters_(parameters), dynamics_(parameters.inertia, parameters.pose_FT),
       q_(q) {
   sensed_ = dynamics_.at(q_, rate_).gravity;
 }

@@ -10,7 +10,7 @@ namespace voxtouch::lwr_sim {
 /// What torque control leaves to be felt of the drives, and where the arm ends.
 struct PlantParameters {
   ArmInertia inertia = lwr_inertia();
-  Pose tool_in_flange;
+  Pose pose_FT;
   lwr::LwrJoints viscous_nms_per_rad = lwr::LwrJoints::Zero();
   lwr::LwrJoints coulomb_nm = lwr::LwrJoints::Zero();
   lwr::LwrJoints brake_nm = lwr::LwrJoints::Zero();  ///< most that a closed brake holds

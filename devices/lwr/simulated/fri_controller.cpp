@@ -32,7 +32,7 @@ void ControllerConfig::validate() const {
           "1 to 100 whole milliseconds");
   require(safety_limits > 0.0 && safety_limits <= 1.0, "safety_limits", "in (0, 1]");
   quality.validate();
-  require(plant.tool_in_flange.finite(), "plant.tool_in_flange", "finite");
+  require(plant.pose_FT.finite(), "plant.tool_in_flange", "finite");
   require(start_rad.allFinite() && (start_rad.cwiseAbs().array() <= plant.position_limit_rad.array()).all(),
           "start_rad", "within the joints' limits");
   require(overlay_delay_ticks >= 0 && overlay_delay_ticks <= static_cast<int>(CommandPath::kMaxDelay),

@@ -144,7 +144,7 @@ class FriController {
   lwr::fri::State state_ = lwr::fri::State::kOff;
   bool braked_ = false;
   std::uint16_t error_ = 0, broken_ = 0, warning_ = 0, power_ = lwr::fri::kAllDrives;
-  lwr::LwrJoints commanded_rad_;                         // the KRL side's commanded position
+  lwr::LwrJoints commanded_rad_;                // the KRL side's commanded position
   lwr::LwrJoints overlay_ = lwr::LwrJoints::Zero();  // torque of the remote side as the joints feel it
   lwr::LwrJoints applied_ = lwr::LwrJoints::Zero();  // drive torque beyond gravity in the last substep
 

@@ -158,8 +158,8 @@ TEST(LwrOpen, RefusesOptionsThatCannotBe) {
   refused([&](lwr::LwrOptions& o) { o.max_add_torque_nm[6] = nan; }, "max_add_torque_nm[6]");
   refused([](lwr::LwrOptions& o) { o.max_add_torque_nm[6] = 31.0; }, "max_add_torque_nm[6]");
   refused([](lwr::LwrOptions& o) { o.posture.posture[1] = 3.0; }, "posture.posture[1]");
-  refused([&](lwr::LwrOptions& o) { o.tool_in_flange.position.x() = nan; }, "tool_in_flange");
-  refused([](lwr::LwrOptions& o) { o.d_in_base.orientation.coeffs() *= 2.0; }, "d_in_base");
+  refused([&](lwr::LwrOptions& o) { o.pose_FT.position.x() = nan; }, "tool_in_flange");
+  refused([](lwr::LwrOptions& o) { o.pose_BD.orientation.coeffs() *= 2.0; }, "d_in_base");
   refused([](lwr::LwrOptions& o) { o.controller = "krc"; }, "controller");
   refused([&](lwr::LwrOptions& o) { o.silence_s = nan; }, "silence_s");
   refused([](lwr::LwrOptions& o) { o.capture_file = "/nowhere/at/all.pcap"; }, "/nowhere/at/all.pcap");

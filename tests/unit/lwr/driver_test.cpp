@@ -109,10 +109,10 @@ TEST(LwrDriver, EntersCommandModeWithoutAJumpOfTheCommandedPosition) {
 TEST(LwrDriver, ReportsPoseAndTwistOfTheToolInD) {
   FakeController krc;
   lwr::LwrOptions options = plain_options();
-  options.tool_in_flange = {Vec3(0.0, 0.05, 0.1), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
-  options.d_in_base = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))};
+  options.pose_FT = {Vec3(0.0, 0.05, 0.1), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
+  options.pose_BD = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))};
   const auto driver = krc.open(options);
-  const lwr::LwrArm arm(options.tool_in_flange);
+  const lwr::LwrArm arm(options.pose_FT);
   lwr::LwrJoints q = lwr::lwr_rest_posture();
   const lwr::LwrJoints rate = (lwr::LwrJoints() << 0.2, -0.1, 0.1, 0.3, -0.2, 0.1, 0.4).finished();
   devices::DeviceSample sample;
@@ -121,32 +121,32 @@ TEST(LwrDriver, ReportsPoseAndTwistOfTheToolInD) {
     krc.msr.data.jnt_pos = lwr::fri::to_wire(q);
     sample = *cycle(krc, *driver).sample;
   }
-  const Pose expected = options.d_in_base.inverse() * arm.tool(q);
+  const Pose expected = options.pose_BD.inverse() * arm.tool(q);
   EXPECT_NEAR((sample.pose.position - expected.position).norm(), 0.0, 1e-6);
   EXPECT_NEAR(sample.pose.orientation.angularDistance(expected.orientation), 0.0, 1e-6);
   const Vec6 twist = arm.jacobian(q) * rate;
-  const Quat to_d = options.d_in_base.orientation.conjugate();
-  EXPECT_NEAR((sample.twist.linear - to_d * twist.head<3>()).norm(), 0.0, 3e-3);
-  EXPECT_NEAR((sample.twist.angular - to_d * twist.tail<3>()).norm(), 0.0, 3e-3);
+  const Quat rotation_DB = options.pose_BD.orientation.conjugate();
+  EXPECT_NEAR((sample.twist.linear - rotation_DB * twist.head<3>()).norm(), 0.0, 3e-3);
+  EXPECT_NEAR((sample.twist.angular - rotation_DB * twist.tail<3>()).norm(), 0.0, 3e-3);
 }
 
 TEST(LwrDriver, TakesTheWrenchInDAboutTheTool) {
   FakeController krc;
   lwr::LwrOptions options = plain_options();
-  options.tool_in_flange.position = Vec3(0.02, 0.05, 0.1);
-  options.d_in_base = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()))};
+  options.pose_FT.position = Vec3(0.02, 0.05, 0.1);
+  options.pose_BD = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()))};
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
   const Cycle t = cycle(krc, *driver, kPush);
-  const Wrench in_base{options.d_in_base.orientation * kPush.force, options.d_in_base.orientation * kPush.torque};
-  const lwr::LwrJoints expected = lwr::joint_torque(lwr::LwrArm(options.tool_in_flange).jacobian(lwr::lwr_rest_posture()), in_base);
+  const Wrench wrench_B{options.pose_BD.orientation * kPush.force, options.pose_BD.orientation * kPush.torque};
+  const lwr::LwrJoints expected = lwr::joint_torque(lwr::LwrArm(options.pose_FT).jacobian(lwr::lwr_rest_posture()), wrench_B);
   EXPECT_LT(difference(t.command.command.add_jnt_trq, expected), 1e-4);
 }
 
 TEST(LwrDriver, GivesForceAndPoseThatDoTheSameWork) {
   FakeController krc;
   lwr::LwrOptions options = plain_options();
-  options.d_in_base.orientation = Quat(Eigen::AngleAxisd(-0.7, Vec3(3, 2, 1).normalized()));
+  options.pose_BD.orientation = Quat(Eigen::AngleAxisd(-0.7, Vec3(3, 2, 1).normalized()));
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
   const Cycle first = cycle(krc, *driver, kPush);

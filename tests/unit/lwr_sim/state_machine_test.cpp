@@ -353,7 +353,7 @@ TEST(StateMachine, ConfigurationsThatCannotBeAreRefused) {
   config.start_rad[0] = 10.0;
   EXPECT_THROW(config.validate(), std::runtime_error);
   config = {};
-  config.plant.tool_in_flange.position[2] = std::numeric_limits<double>::quiet_NaN();
+  config.plant.pose_FT.position[2] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(config.validate(), std::runtime_error);
   config = {};
   config.torque_noise_nm = -1.0;
