@@ -284,7 +284,7 @@ Verb change(std::vector<std::string> words) {
 TEST(ChangeVerb, SaysWhatWasDoneOrWhyNot) {
   const TemporaryFolder folder;
   Process up(up_arguments(oily_plane(folder), {"--motion", "slide", "--no-record"}));
-  for (int i = 0; i < 1500 && up.err().find(" samples  force") == std::string::npos; ++i)
+  for (int i = 0; i < 1500 && !runs(up); ++i)
     std::this_thread::sleep_for(milliseconds(20));
   const auto says = [](const Verb& verb, int status, const std::string& text) {
     EXPECT_EQ(verb.end.status, status) << verb.end.err << verb.end.out;
@@ -326,7 +326,7 @@ TEST(ChangeVerb, IsRefusedWhatTheDeviceDoesNotStand) {
   };
   write("1");
   Process up(up_arguments(file.string(), {"--motion", "slide", "--no-record"}));
-  for (int i = 0; i < 1500 && up.err().find(" samples  force") == std::string::npos; ++i)
+  for (int i = 0; i < 1500 && !runs(up); ++i)
     std::this_thread::sleep_for(milliseconds(20));
   const auto refused = [](const Verb& verb, const std::string& text) {
     EXPECT_EQ(verb.end.status, 1) << verb.end.err << verb.end.out;

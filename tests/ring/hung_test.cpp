@@ -26,8 +26,6 @@ bool wait_until(const std::function<bool()>& holds, milliseconds patience) {
   return true;
 }
 
-bool runs(const Process& up) { return up.err().find(" samples  force") != std::string::npos; }
-
 double ms_since(Clock::time_point begin) { return std::chrono::duration<double, std::milli>(Clock::now() - begin).count(); }
 
 /// Who hangs by what the others' statuses say.

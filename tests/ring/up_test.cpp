@@ -29,8 +29,6 @@ bool wait_until(const std::function<bool()>& holds, seconds patience) {
   return true;
 }
 
-bool runs(const Process& up) { return up.err().find(" samples  force") != std::string::npos; }
-
 void expect_a_good_touch(const RingResult& r, double duration_s, double limit_n) {
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   ASSERT_TRUE(r.summary.is_object()) << r.process.out;

@@ -153,7 +153,7 @@ TEST_P(ControllerKilled, InTheMiddleEndsTheDeviceWithASentenceAtZeroForce) {
   ASSERT_TRUE(wait_until([&] {
     const pid_t device = child_called(up.pid(), "voxtouch_device");
     controller = device ? child_called(device, "voxtouch_fri_controller") : 0;
-    return controller != 0 && up.err().find(" samples  force") != std::string::npos;
+    return controller != 0 && runs(up);
   })) << up.err();
   std::this_thread::sleep_for(std::chrono::seconds(2));
   ::kill(controller, SIGKILL);
