@@ -197,7 +197,6 @@ TEST(SceneUpdateServer, JudgesWhatTwoChangesMayComeToOnTheirWay) {
   EXPECT_EQ(on.ask(change(kActionValue, 0.2), "share").result, result::kResultDone);
   const Said thicker = on.ask(change(kActionValue, 9.0), "thickness_ns_per_m");
   EXPECT_EQ(thicker.result, result::kResultRefused) << "2 * 9 Ns/m may be felt before the share is down";
-  EXPECT_NE(thicker.sentence.find("on the way"), std::string::npos) << thicker.sentence;
   on.samples(400);
   EXPECT_EQ(on.ask(change(kActionValue, 9.0), "thickness_ns_per_m").result, result::kResultDone) << "it has settled";
 }
@@ -207,7 +206,6 @@ TEST(SceneUpdateServer, JudgesWhatTwoChangesThatWaitMayComeToOnTheirWay) {
   EXPECT_EQ(on.ask_and_wait(change(kActionValue, 0.2, 5'000), "share").result, result::kResultWaiting);
   const Said thicker = on.ask_and_wait(change(kActionValue, 9.0, 5'000), "thickness_ns_per_m");
   EXPECT_EQ(thicker.result, result::kResultRefused) << "2 * 9 Ns/m may be felt before the share is down";
-  EXPECT_NE(thicker.sentence.find("on the way"), std::string::npos) << thicker.sentence;
 }
 
 TEST(SceneUpdateServer, TellsWhatTheEffectsDampOfTurning) {
