@@ -95,7 +95,7 @@ TEST(Spring, GivesWayWhereTurningIsTheHarderPart) {
   const double spring = spring_n_per_m(fitted, scene, arm(), rendering::spring_of_any_device(lever));
   EXPECT_LE(spring * lever * lever, fitted.design.rotation.shown_stiffness * (1 + 1e-9));
   EXPECT_LT(spring, fitted.design.translation.shown_stiffness);
-  EXPECT_NE(felt_sentence(fitted, scene, arm(), rendering::spring_of_any_device(lever)).find("Turning limits it: a tool.lever_m of"),
+  EXPECT_NE(felt_sentence(fitted, scene, arm(), rendering::spring_of_any_device(lever)).find("tool.lever_m"),
             std::string::npos);
 }
 
@@ -128,7 +128,8 @@ TEST(Spring, UnderACouplingSetByHandIsItsCap) {
   EXPECT_EQ(spring_n_per_m(fitted, scene, stylus(), rendering::spring_of_any_device(kLever)), 120.0);
   scene.coupling.stiffness_cap_n_per_m = 5000.0, scene.coupling.kind = "direct";
   const std::string why = fit(scene, stylus()).refusal;
-  EXPECT_NE(why.find("the device can show 800 N/m. Lower coupling.stiffness_cap_n_per_m"), std::string::npos) << why;
+  EXPECT_NE(why.find("800 N/m"), std::string::npos) << why;
+  EXPECT_NE(why.find("coupling.stiffness_cap_n_per_m"), std::string::npos) << why;
 }
 
 TEST(Spring, IsToldInOneLine) {

@@ -57,7 +57,6 @@ TEST(Judge, DecidesThatNothingCollidesBeyondTheVoxelsDiagonal) {
   EXPECT_EQ(hit.verdict, Verdict::kDisagree);
   EXPECT_EQ(hit.cause, Cause::kRendering);
   EXPECT_TRUE(hit.decided);
-  EXPECT_NE(hit.explanation.find("free space"), std::string::npos);
   EXPECT_EQ(verdict(gap_of(kFree - 1e-9), one_hit), Verdict::kInBand);
 }
 
@@ -65,7 +64,7 @@ TEST(Judge, DecidesThatNoForceActsInFreeSpaceHeldOrNot) {
   ReportedContact pushed;
   pushed.retained = true;
   pushed.wrench.torque.x() = 1e-12;
-  EXPECT_NE(once(gap_of(kFree + 1e-9), pushed).explanation.find("free space"), std::string::npos);
+  EXPECT_EQ(once(gap_of(kFree + 1e-9), pushed).verdict, Verdict::kDisagree);
 }
 
 TEST(Judge, DecidesThatSomethingCollidesWhenBuriedDeepEnough) {
