@@ -100,4 +100,6 @@ inline coupling::design::LoopController law_of_translation(const coupling::desig
   return voxtouch::coupling::design::controller_of(spec, coupling::design::axis_problems(r)[0], coupling::design::arm_squared(r));
 }
 
+inline coupling::design::Design designed(const coupling::design::DesignProblem& request) { return design_coupling(request); }
+
 }  // namespace voxtouch::testing
