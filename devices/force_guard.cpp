@@ -43,7 +43,7 @@ Wrench ForceGuard::pass(const std::optional<GuardInput>& command, std::int64_t n
   const std::int64_t dt_ns = elapsed_ns(now_ns);
   if (phase_ == Phase::kStopped) return {};
   const bool faded_out = age(dt_ns, now_ns);
-  if (command) take(*command, now_ns);
+  if (command) accept(*command, now_ns);
   // The way to zero was this period's slew; a new command sets out from there in the next.
   if (faded_out) return output_;
   lead(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
@@ -89,7 +89,7 @@ void ForceGuard::raise(double dt_s) noexcept {
   if (fraction_ >= 1.0) ramped_once_ = true;
 }
 
-void ForceGuard::take(const GuardInput& command, std::int64_t now_ns) noexcept {
+void ForceGuard::accept(const GuardInput& command, std::int64_t now_ns) noexcept {
   if (!command.wrench.finite()) {
     ++counts_.refused_not_finite;
     return;
@@ -170,11 +170,11 @@ void GuardConfig::validate() const {
     if (!good) throw std::runtime_error(fmt::format("force guard: {} is {}, but has to be {}", field, value, rule));
   };
   const auto in = [](double value, double low, double high) { return value >= low && value <= high; };
-  constexpr double kMost = 1e9;  // of anything a device could push with
+  constexpr double kMaxPush = 1e9;  // of anything a device could push with
   require(in(period_s, 1e-6, 1.0), "period_s", period_s, "in [1e-6, 1] s");
-  require(max_force_n > 0.0 && max_force_n <= kMost, "max_force_n", max_force_n,
+  require(max_force_n > 0.0 && max_force_n <= kMaxPush, "max_force_n", max_force_n,
           "over 0 and finite: a guard without a limit guards nothing");
-  require(in(max_torque_nm, 0.0, kMost), "max_torque_nm", max_torque_nm, "0 (no torque) or more, and finite");
+  require(in(max_torque_nm, 0.0, kMaxPush), "max_torque_nm", max_torque_nm, "0 (no torque) or more, and finite");
   require(in(hold_periods, 1.0, 1000.0), "hold_periods", hold_periods, "in [1, 1000]");
   require(fade_s > 0.0 && fade_s <= 1.0, "fade_s", fade_s, "over 0 and at most 1 s");
   require(in(start_ramp_s, 0.0, 10.0), "start_ramp_s", start_ramp_s, "in [0, 10] s");

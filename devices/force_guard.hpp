@@ -91,7 +91,7 @@ class ForceGuard {
   std::int64_t elapsed_ns(std::int64_t now_ns) noexcept;
   bool age(std::int64_t dt_ns, std::int64_t now_ns) noexcept;  // true: faded out in this very period
   void raise(double dt_s) noexcept;
-  void take(const GuardInput& command, std::int64_t now_ns) noexcept;
+  void accept(const GuardInput& command, std::int64_t now_ns) noexcept;
   void lead(double dt_s) noexcept;
 
   GuardConfig config_;

@@ -137,10 +137,10 @@ class Measurement {
     }
     judge_wrenches(pairs, row);
     judge_onsets(onsets, row);
-    take_times(renderer, truth, depth, row);
+    measure_times(renderer, truth, depth, row);
   }
 
-  void take_times(contact::ContactRenderer& renderer, const Truth& truth, double depth, AccuracyRow& row) const {
+  void measure_times(contact::ContactRenderer& renderer, const Truth& truth, double depth, AccuracyRow& row) const {
     if (!options_.cpu_time_s) return;
     double clock_s = 1.0;  // what asking for the time costs
     for (int n = 0; n < 100; ++n) {

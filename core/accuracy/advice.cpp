@@ -33,20 +33,20 @@ struct Wanted {
   std::string (*text)(double);
 };
 
-std::vector<Wanted> wanted_of(const AccuracyWish& wish) {
+std::vector<Wanted> wanted_of(const AccuracyGoal& goal) {
   const auto millimetres = [](double v) { return figure(v * 1e3) + " mm"; };
   std::vector<Wanted> out;
-  if (wish.direction_deg)
-    out.push_back({"direction error", *wish.direction_deg, [](const AccuracyRow& r) { return r.direction_median_deg; },
+  if (goal.direction_deg)
+    out.push_back({"direction error", *goal.direction_deg, [](const AccuracyRow& r) { return r.direction_median_deg; },
                    [](double v) { return figure(v) + " deg"; }});
-  if (wish.noise)
-    out.push_back({"magnitude noise", *wish.noise, [](const AccuracyRow& r) { return r.magnitude_noise; },
+  if (goal.noise)
+    out.push_back({"magnitude noise", *goal.noise, [](const AccuracyRow& r) { return r.magnitude_noise; },
                    [](double v) { return figure(v * 100.0) + " %"; }});
-  if (wish.torque_m)
-    out.push_back({"torque error", *wish.torque_m, [](const AccuracyRow& r) { return r.torque_error_m; }, millimetres});
-  if (wish.onset_m)
+  if (goal.torque_m)
+    out.push_back({"torque error", *goal.torque_m, [](const AccuracyRow& r) { return r.torque_error_m; }, millimetres});
+  if (goal.onset_m)
     out.push_back(
-        {"onset error", *wish.onset_m, [](const AccuracyRow& r) { return std::abs(r.onset_error_m); }, millimetres});
+        {"onset error", *goal.onset_m, [](const AccuracyRow& r) { return std::abs(r.onset_error_m); }, millimetres});
   return out;
 }
 
@@ -87,8 +87,8 @@ std::string values_text(const AccuracyRow& row, const std::vector<Wanted>& wante
   return text;
 }
 
-void advise_for_error(const std::vector<AccuracyRow>& rows, const AccuracyWish& wish, AccuracyAdvice& out) {
-  const std::vector<Wanted> wanted = wanted_of(wish);
+void advise_for_error(const std::vector<AccuracyRow>& rows, const AccuracyGoal& goal, AccuracyAdvice& out) {
+  const std::vector<Wanted> wanted = wanted_of(goal);
   // Settings that keep the wish share the key 1 and are told apart by their cost; the others by how far they are off.
   out.row = least(rows, [&](const AccuracyRow& r) {
     return std::tuple(std::max(1.0, excess(r, wanted).factor), r.median_us, r.bytes);
@@ -156,7 +156,7 @@ void name_choices(const std::vector<AccuracyRow>& rows, AccuracyAdvice& out) {
 
 }  // namespace
 
-void AccuracyWish::validate() const {
+void AccuracyGoal::validate() const {
   const auto check = [](const char* name, const std::optional<double>& value) {
     if (value && !(std::isfinite(*value) && *value > 0.0))
       throw std::invalid_argument(
@@ -188,7 +188,7 @@ std::string describe(const AccuracySetting& s) {
   return text;
 }
 
-AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyWish& wish) {
+AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyGoal& goal) {
   std::vector<CostError> points;
   for (const AccuracyRow& row : rows)
     points.push_back(is_judged(row) ? CostError{row.median_us, std::max(row.direction_median_deg, kMinDirectionDeg)}
@@ -197,13 +197,13 @@ AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyWish& 
   out.front = pareto_front(points);
   out.knee = knee(points, out.front, kMinDirectionDeg);
   if (out.front.empty()) {
-    if (wish.wants_error() || wish.within_us) out.met = false;
+    if (goal.wants_error() || goal.within_us) out.met = false;
     out.sentence =
         fmt::format("None of the {} settings could be judged: each was refused or never met the wall.", rows.size());
-  } else if (wish.wants_error()) {
-    advise_for_error(rows, wish, out);
-  } else if (wish.within_us) {
-    advise_for_time(rows, *wish.within_us, out);
+  } else if (goal.wants_error()) {
+    advise_for_error(rows, goal, out);
+  } else if (goal.within_us) {
+    advise_for_time(rows, *goal.within_us, out);
   } else {
     name_choices(rows, out);
   }

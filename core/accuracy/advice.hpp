@@ -16,7 +16,7 @@ inline constexpr double kMinDirectionDeg = 1e-3;
 
 /// What the user wants: errors that must not be exceeded (the cheapest setting that keeps all of them), or a time (the most
 /// accurate setting within it). Nothing: what there is to choose from.
-struct AccuracyWish {
+struct AccuracyGoal {
   std::optional<double> direction_deg = {};  ///< median direction error
   std::optional<double> noise = {};          ///< magnitude noise, 0.01 = 1 %
   std::optional<double> torque_m = {};       ///< torque error as a lever arm
@@ -41,7 +41,7 @@ struct AccuracyAdvice {
 bool is_judged(const AccuracyRow& row) noexcept;
 
 /// Deterministic: among equals the faster, then the smaller, then the first row.
-AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyWish& wish);
+AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyGoal& goal);
 
 /// "one", "area".
 std::string_view weights_word(contact::PointWeights weights) noexcept;

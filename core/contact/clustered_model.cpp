@@ -22,7 +22,7 @@ static void for_each(const HitList& hits, const std::vector<BlendedPlane>& plane
 
 void ClusteredModel::look_up(const HitList& hits) const noexcept {
   const voxmap::Grid& grid = voxmap_.grid();
-  const Vec3 local = hits.pose.position - grid.origin;  // first, so that a grid at 1e6 m costs no digits of the arms
+  const Vec3 local = hits.pose_WT.position - grid.origin;  // first, so that a grid at 1e6 m costs no digits of the arms
   std::size_t n = 0;
   for (const Hits* list : {&hits.surface, &hits.interior})
     for (const Hit& hit : *list) planes_[n++] = blended_plane(voxmap_, (local + hit.arm) / grid.edge);
@@ -63,7 +63,7 @@ void ClusteredModel::evaluate(const HitList& hits, ContactResult& result) const 
     result.saturated = result.saturated || plane.surface < limits::kSurfaceWeight;
     if (depth > result.deepest_depth_m) {
       result.deepest_depth_m = depth;
-      result.deepest_point = hits.pose.position + hit.arm;
+      result.deepest_point = hits.pose_WT.position + hit.arm;
     }
   });
   const double length = normals.norm();

@@ -117,7 +117,7 @@ bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& fiel
   const double steepness = at.gradient.norm();
   Plane plane;
   if (!(in_surface && is_bent(hit, at, steepness) && plane_of_sheet(hit, field, u, plane))) {
-    if (!(steepness >= limits::kLeastGradient)) return false;
+    if (!(steepness >= limits::kMinGradient)) return false;
     plane = {at.gradient / steepness, at.distance_m / steepness};
   }
   if (!(plane.gap_m <= limits::kRowGapEdges * edge)) return false;

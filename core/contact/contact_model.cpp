@@ -34,7 +34,7 @@ bool summarise(const HitList& hits, ContactResult& result) noexcept {
 /// McNeely 1999: F = K sum w_i d_i n_i, d_i = max(0, n_i . (c_i - x_i)).
 void push_along_own_normals(const HitList& hits, double stiffness, ContactResult& result) noexcept {
   StiffnessSum sum;
-  push_along_directions(hits.surface, 0, hits.surface.size(), {}, stiffness, hits.pose.position, result, sum);
+  push_along_directions(hits.surface, 0, hits.surface.size(), {}, stiffness, hits.pose_WT.position, result, sum);
   if (sum.any()) sum.add_to(stiffness, result.stiffness);
 }
 
@@ -77,7 +77,7 @@ class AdaptedModel final : public ContactModel {
     if (stage_blends && share > 0.0 && share < 1.0) return;
     if (agree)
       // Paper, section 2.2: F = K m sum w_i d_i, d_i = max(0, m . (c_i - x_i)), m the mean normal.
-      push_along_mean(hits.surface, result.mean_normal, stiffness_, hits.pose.position, result);
+      push_along_mean(hits.surface, result.mean_normal, stiffness_, hits.pose_WT.position, result);
     else
       push_along_own_normals(hits, stiffness_, result);
   }

@@ -54,17 +54,17 @@ ContactQuery::ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell 
   if (weights == PointWeights::kArea) source_.area = shell_.area_m2.data();
 }
 
-void ContactQuery::find(const Pose& tool_in_world, HitList& hits) const noexcept {
+void ContactQuery::find(const Pose& pose_WT, HitList& hits) const noexcept {
   hits.clear();
-  Quat orientation = tool_in_world.orientation;
-  if (!tool_in_world.position.allFinite() ||
+  Quat orientation = pose_WT.orientation;
+  if (!pose_WT.position.allFinite() ||
       !normalise_within(orientation, limits::kMinQuaternionNorm, limits::kMaxQuaternionNorm)) {
     hits.pose_status = PoseStatus::kNotAPose;
     return;
   }
-  hits.pose = {tool_in_world.position, orientation};
+  hits.pose_WT = {pose_WT.position, orientation};
   const voxmap::Grid& grid = voxmap_.grid();
-  const Vec3 local = tool_in_world.position - grid.origin;
+  const Vec3 local = pose_WT.position - grid.origin;
   const double reach_voxels = reach_m_ / grid.edge;
   if (!(local.cwiseAbs().maxCoeff() / grid.edge + reach_voxels < limits::kMaxGridCoordinate)) {
     hits.pose_status = PoseStatus::kOutOfRange;

@@ -13,10 +13,10 @@ ContactRenderer::ContactRenderer(const voxmap::Voxmap& voxmap, pointshell::Point
   hits_.reserve(query_.shell().size());
 }
 
-StageResult ContactRenderer::render(const Pose& tool_in_world) noexcept {
-  const ContactResult plain = evaluate_for_stage(tool_in_world);
+StageResult ContactRenderer::render(const Pose& pose_WT) noexcept {
+  const ContactResult plain = evaluate_for_stage(pose_WT);
   if (hits_.pose_status != PoseStatus::kUsable) return stage_.apply(hits_, plain, 0.0);
-  const double moved_m = stage_.motion_to(hits_.pose);
+  const double moved_m = stage_.motion_to(hits_.pose_WT);
   if (entry_kind_ != Entry::kNone || moved_m > limits::kFastEdges * query_.voxmap().grid().edge)
     return render_fast(plain, moved_m);
   return stage_.apply(hits_, plain, moved_m);
@@ -25,7 +25,7 @@ StageResult ContactRenderer::render(const Pose& tool_in_world) noexcept {
 /// `plain` is the model's for hits_, at the frame's pose.
 StageResult ContactRenderer::render_fast(const ContactResult& plain, double moved_m) noexcept {
   const double edge = query_.voxmap().grid().edge;
-  const Pose tool = hits_.pose;
+  const Pose tool = hits_.pose_WT;
   const bool behind = entry_kind_ == Entry::kBehind;
   if (behind) moved_m = MotionPath(tool_pose_, tool).length_m(query_.reach_m());
   tool_pose_ = tool;
@@ -78,7 +78,7 @@ StageResult ContactRenderer::walk(const MotionPath& path, int steps, const Conta
     const Pose pose = path.at(static_cast<double>(n) / steps);
     const ContactResult plain = looked_up ? plain_at_end : evaluate_for_stage(pose);
     if (!looked_up) ++sub_poses_;
-    result = stage_.apply(hits_, plain, stage_.motion_to(hits_.pose));
+    result = stage_.apply(hits_, plain, stage_.motion_to(hits_.pose_WT));
     const Wrench& wrench = result.contact.wrench;
     const double share = along.share(wrench);
     if (entry_kind_ == Entry::kWatched && (wrench.zero() || share > 0.0)) {
@@ -91,28 +91,28 @@ StageResult ContactRenderer::walk(const MotionPath& path, int steps, const Conta
       entry_kind_ = Entry::kWatched;
       entry_ = result;
       entry_stage_ = stage_;
-      entry_pose_ = hits_.pose;
+      entry_pose_ = hits_.pose_WT;
     }
   }
   return result;
 }
 
-ContactResult ContactRenderer::evaluate_for_stage(const Pose& tool_in_world) noexcept {
+ContactResult ContactRenderer::evaluate_for_stage(const Pose& pose_WT) noexcept {
   ContactResult result;
-  query_.find(tool_in_world, hits_);
+  query_.find(pose_WT, hits_);
   model_->evaluate_for_stage(hits_, result);
   return result;
 }
 
-ContactResult ContactRenderer::probe(const Pose& tool_in_world) noexcept {
+ContactResult ContactRenderer::probe(const Pose& pose_WT) noexcept {
   ContactResult result;
-  query_.find(tool_in_world, hits_);
+  query_.find(pose_WT, hits_);
   model_->evaluate(hits_, result);
   return result;
 }
 
-ContactResult ContactRenderer::probe(const Pose& tool_in_world, std::vector<std::uint32_t>& surface_ids) {
-  const ContactResult result = probe(tool_in_world);
+ContactResult ContactRenderer::probe(const Pose& pose_WT, std::vector<std::uint32_t>& surface_ids) {
+  const ContactResult result = probe(pose_WT);
   surface_ids.clear();
   for (const Hit& hit : hits_.surface) surface_ids.push_back(query_.shell().id[hit.point]);
   std::sort(surface_ids.begin(), surface_ids.end());

@@ -22,7 +22,7 @@ class ContactRenderer {
   ContactRenderer(voxmap::Voxmap&&, pointshell::Pointshell, ContactModelKind, const ContactParameters&,
                   const voxmap::DistanceField* = nullptr) = delete;
 
-  /// One frame of the ring, `tool_in_world` = T in W. Real-time safe. A pose that cannot be looked up gives a zero wrench and
+  /// One frame of the ring, `pose_WT` = T in W. Real-time safe. A pose that cannot be looked up gives a zero wrench and
   /// the reason in `contact.pose_status`, and leaves the stage as it was.
   ///
   /// Fast motion. Where some point may have moved more than e/2 since the last frame, the straight way (screw: slerp) is walked in
@@ -33,7 +33,7 @@ class ContactRenderer {
   /// held (`StageResult::crossed`) while the tool is behind: until the way from there to the tool crosses nothing any more, or the
   /// tool is farther than twice its reach and what a frame walks. The held force never points away from the side of entry:
   /// F . (x - c) + M . turn < 0 for the held pose c. Faster motions are not walked (`StageResult::missed`). Slower ones cost nothing.
-  StageResult render(const Pose& tool_in_world) noexcept;
+  StageResult render(const Pose& pose_WT) noexcept;
 
   /// Forgets all frames so far: after a restart of the device, or a jump of the tool that was no motion.
   void reset() noexcept { stage_.reset(), entry_kind_ = Entry::kNone; }
@@ -46,9 +46,9 @@ class ContactRenderer {
   std::uint64_t sub_poses() const noexcept { return sub_poses_; }
 
   /// The model alone, without memory and without touching the ring's. Real-time safe.
-  ContactResult probe(const Pose& tool_in_world) noexcept;
+  ContactResult probe(const Pose& pose_WT) noexcept;
   /// The same, with the ids (`Pointshell::id`) of the points in surface voxels, ascending. Allocates.
-  ContactResult probe(const Pose& tool_in_world, std::vector<std::uint32_t>& surface_ids);
+  ContactResult probe(const Pose& pose_WT, std::vector<std::uint32_t>& surface_ids);
 
   /// The hits of the last `render` or `probe`.
   const HitList& hits() const noexcept { return hits_; }
@@ -56,7 +56,7 @@ class ContactRenderer {
   ContactModelKind model() const noexcept { return model_->kind(); }
 
  private:
-  ContactResult evaluate_for_stage(const Pose& tool_in_world) noexcept;
+  ContactResult evaluate_for_stage(const Pose& pose_WT) noexcept;
   StageResult render_fast(const ContactResult& plain, double moved_m) noexcept;
   void leave_far_side(bool to_entry) noexcept;
   bool beyond_entry(const Pose& tool) const noexcept;

@@ -21,12 +21,12 @@ struct ContactStage::Frame {
 ContactStage::ContactStage(const StageConfig& config) : config_(config) {
   if (!remembers(config.model)) return;
   last_surface_.reserve(config.points);
-  for (std::vector<Held>* const list : {&held_, &returning_, &inside_}) list->reserve(config.points);
+  for (std::vector<RetainedHit>* const list : {&retained_, &returning_, &inside_}) list->reserve(config.points);
 }
 
 void ContactStage::reset() noexcept {
   last_surface_.clear();
-  held_.clear();
+  retained_.clear();
   has_last_pose_ = false;
   shared_.setZero();
   shared_points_ = 0;
@@ -45,7 +45,7 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
   } else if (hits.surface.empty() && hits.interior.empty()) {
     shared_.setZero();
     last_surface_.clear();
-    held_.clear();
+    retained_.clear();
   } else {
     update_shared_direction(hits);
     frame.direction = {plain.mean_normal, mean_share(config_.model, plain.coherence)};
@@ -53,14 +53,14 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
     interior_points(hits, frame, result);
     if (frame.stiffness.any()) frame.stiffness.add_to(config_.stiffness, result.contact.stiffness);
     if (frame.shared.any()) result.contact.stiffness += frame.shared.matrix(config_.stiffness, shared_now_);
-    held_.resize(returning_.size() + inside_.size());
-    std::merge(returning_.begin(), returning_.end(), inside_.begin(), inside_.end(), held_.begin(),
-               [](const Held& a, const Held& b) { return a.point < b.point; });
+    retained_.resize(returning_.size() + inside_.size());
+    std::merge(returning_.begin(), returning_.end(), inside_.begin(), inside_.end(), retained_.begin(),
+               [](const RetainedHit& a, const RetainedHit& b) { return a.point < b.point; });
     last_surface_ = hits.surface;
     last_direction_ = frame.direction;
   }
   shared_points_ = frame.shared_points;
-  last_pose_ = hits.pose;
+  last_pose_ = hits.pose_WT;
   has_last_pose_ = true;
   return result;
 }
@@ -99,15 +99,15 @@ double ContactStage::plain_depth(const Hit& hit, const PushDirection& direction)
   return std::max(0.0, along.dot(hit.to_centre));
 }
 
-Vec3 ContactStage::held_direction(Push push, const Hit& hit) const noexcept {
+Vec3 ContactStage::retained_direction(Push push, const Hit& hit) const noexcept {
   return push == Push::kShared ? shared_now_ : hit.normal;
 }
 
 /// Which way a point that has just gone through is pushed from now on.
 ContactStage::Push ContactStage::choose_direction(const HitList& hits, const Hit& hit) const noexcept {
   if (shared_.isZero(0.0)) return Push::kOwn;
-  const Vec3 arm_before = last_pose_.orientation * (hits.pose.orientation.conjugate() * hit.arm);
-  const Vec3 way = (hits.pose.position - last_pose_.position) + (hit.arm - arm_before);
+  const Vec3 arm_before = last_pose_.orientation * (hits.pose_WT.orientation.conjugate() * hit.arm);
+  const Vec3 way = (hits.pose_WT.position - last_pose_.position) + (hit.arm - arm_before);
   const bool shared_pushes_back = shared_.dot(way) < 0.0;
   const bool own_pushes_back = hit.normal.dot(way) < 0.0;
   if (config_.model == ContactModelKind::kOriginal)
@@ -122,11 +122,11 @@ void ContactStage::push(const HitList& hits, const Hit& hit, double depth, const
   result.wrench.torque += hit.arm.cross(force);
   if (depth > result.deepest_depth_m) {
     result.deepest_depth_m = depth;
-    result.deepest_point = hits.pose.position + hit.arm;
+    result.deepest_point = hits.pose_WT.position + hit.arm;
   }
 }
 
-void ContactStage::count_held(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept {
+void ContactStage::count_retained(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept {
   result.stiffness_bound_n_per_m += config_.stiffness * hit.weight;
   if (push == Push::kShared) {
     frame.shared.add(hit.arm, hit.weight);
@@ -150,11 +150,11 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult
   std::size_t summed = 0, next = 0;
   const auto sum_up_to = [&](std::size_t end) {
     if (blended)
-      push_along_directions(hits.surface, summed, end, frame.direction, config_.stiffness, hits.pose.position, contact,
+      push_along_directions(hits.surface, summed, end, frame.direction, config_.stiffness, hits.pose_WT.position, contact,
                             frame.stiffness);
     summed = end;
   };
-  for (const Held& before : held_) {  // ascending, so that every sum runs over the hits in their order
+  for (const RetainedHit& before : retained_) {  // ascending, so that every sum runs over the hits in their order
     next = hits.surface.not_below(before.point, next);
     if (next == hits.surface.size()) break;
     if (hits.surface.point(next) != before.point) continue;
@@ -164,43 +164,43 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult
   sum_up_to(hits.surface.size());
 }
 
-void ContactStage::returning_point(const HitList& hits, const Hit& hit, const Held& before, Frame& frame,
+void ContactStage::returning_point(const HitList& hits, const Hit& hit, const RetainedHit& before, Frame& frame,
                                    StageResult& result) noexcept {
   const double depth = plain_depth(hit, frame.direction);
   const double left = before.depth_m - limits::kFadePerMetre * frame.moved_m;
   if (!(left > depth)) return;
-  push(hits, hit, left - depth, held_direction(before.push, hit), result.contact);
-  if (!(depth > 0.0)) count_held(before.push, hit, frame, result.contact);
+  push(hits, hit, left - depth, retained_direction(before.push, hit), result.contact);
+  if (!(depth > 0.0)) count_retained(before.push, hit, frame, result.contact);
   frame.shared_points += before.push == Push::kShared;
-  result.held = true;
+  result.retained = true;
   returning_.push_back({hit.point, before.push, left});
 }
 
-/// What a point in an interior voxel pushes with from now on. `next_held` walks through held_, as the points do.
-ContactStage::Held ContactStage::remembered(const HitList& hits, const Hit& hit, std::size_t& next_held) const noexcept {
-  while (next_held < held_.size() && held_[next_held].point < hit.point) ++next_held;
-  Held out{hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
-  if (next_held < held_.size() && held_[next_held].point == hit.point) {
-    out = held_[next_held];
+/// What a point in an interior voxel pushes with from now on. `next_retained` walks through held_, as the points do.
+ContactStage::RetainedHit ContactStage::retained_hit(const HitList& hits, const Hit& hit, std::size_t& next_retained) const noexcept {
+  while (next_retained < retained_.size() && retained_[next_retained].point < hit.point) ++next_retained;
+  RetainedHit out{hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
+  if (next_retained < retained_.size() && retained_[next_retained].point == hit.point) {
+    out = retained_[next_retained];
   } else if (const std::size_t n = last_surface_.find(hit.point); n < last_surface_.size()) {
     out = {hit.point, choose_direction(hits, hit), plain_depth(last_surface_[n], last_direction_)};
   } else {
     return out;
   }
-  out.depth_m = std::max(out.depth_m, limits::kHeldDepthFloorEdges * config_.edge_m);
+  out.depth_m = std::max(out.depth_m, limits::kRetainedDepthFloorEdges * config_.edge_m);
   return out;
 }
 
 void ContactStage::interior_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
   inside_.clear();
-  std::size_t next_held = 0;
+  std::size_t next_retained = 0;
   for (const Hit& hit : hits.interior) {
-    const Held held = remembered(hits, hit, next_held);
-    push(hits, hit, held.depth_m, held_direction(held.push, hit), result.contact);
-    count_held(held.push, hit, frame, result.contact);
-    frame.shared_points += held.push == Push::kShared;
-    result.held = true;
-    inside_.push_back(held);
+    const RetainedHit retained = retained_hit(hits, hit, next_retained);
+    push(hits, hit, retained.depth_m, retained_direction(retained.push, hit), result.contact);
+    count_retained(retained.push, hit, frame, result.contact);
+    frame.shared_points += retained.push == Push::kShared;
+    result.retained = true;
+    inside_.push_back(retained);
   }
 }
 

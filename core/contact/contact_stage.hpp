@@ -10,8 +10,8 @@ namespace voxtouch::contact {
 
 /// One frame of the ring.
 struct StageResult {
-  ContactResult contact;  ///< the model's result, with blended directions and the held points' push added
-  bool held = false;      ///< points have gone through (or just came back): remembered depths push
+  ContactResult contact;  ///< the model's result, with blended directions and the retained points' push added
+  bool retained = false;      ///< points have gone through (or just came back): remembered depths push
   bool fast = false;      ///< some point may have moved more than half a voxel since the last pose
   /// ContactRenderer: a wall was crossed faster than that. `contact` is the one on the side it was entered from, at the pose where it
   /// stood most against the motion; it stays until the tool is back or out of reach.
@@ -33,15 +33,15 @@ constexpr bool remembers(ContactModelKind model) noexcept {
   return model == ContactModelKind::kOriginal || model == ContactModelKind::kAdapted;
 }
 
-/// Blend, hold, and the fast flag. Let rho = |sum_S w_i n_i| / sum_S w_i, m the mean normal, s = smoothstep(rho; 0.2, 0.5).
+/// Blend, retain, and the fast flag. Let rho = |sum_S w_i n_i| / sum_S w_i, m the mean normal, s = smoothstep(rho; 0.2, 0.5).
 ///
 /// Blend (`adapted` only). A surface point pushes along u_i = s m + (1 - s) n_i, brought to unit length, with its depth along
 /// u_i. s = 1 gives the model's own bits, s = 0 those of `original`. Where u_i all but vanishes (n_i = -m at s = 1/2) it is
 /// divided by 0.1 instead of its length: the point's push fades through zero, never 0/0, and F stays continuous in rho, n_i.
 ///
-/// Hold. Each point remembers the depth it last pushed with. In an interior voxel it goes on pushing with that depth (at
+/// Retain. Each point remembers the depth it last pushed with. In an interior voxel it goes on pushing with that depth (at
 /// least e/4); one that was in no surface voxel the frame before pushes with e along its own normal. The direction is chosen
-/// when the point goes through: the shared held direction g or the point's own normal. g is the last coherent mean normal of
+/// when the point goes through: the shared retained direction g or the point's own normal. g is the last coherent mean normal of
 /// all points in contact, those gone through included, while there are surface hits (without any gone through: m). It follows
 /// the present mean as far as that is coherent and agrees with g: round a curved wall it turns, beyond the tool's equator
 /// it does not turn over. A point whose own normal opposes g and that moved along g to get
@@ -52,7 +52,7 @@ constexpr bool remembers(ContactModelKind model) noexcept {
 /// that way (and by the turn from g to u_i), and strengthens it by at most K w_i sqrt(3)/2 e, which is the step of the plain law
 /// at any voxel border. A point that reaches free space forgets; without any contact the stage forgets all.
 ///
-/// Where nothing is held, and directions are not blended, this costs a copy of the points' numbers and nothing else a point.
+/// Where nothing is retained, and directions are not blended, this costs a copy of the points' numbers and nothing else a point.
 ///
 /// `clustered` and `field` pass through with the fast flag only: they have neither a fallback to blend nor a layer to go through.
 ///
@@ -63,9 +63,9 @@ class ContactStage {
 
   /// `plain` is what the model gave for `hits`. A pose that could not be looked up passes through and leaves the memory alone.
   StageResult apply(const HitList& hits, const ContactResult& plain) noexcept {
-    return apply(hits, plain, hits.pose_status == PoseStatus::kUsable ? motion_to(hits.pose) : 0.0);
+    return apply(hits, plain, hits.pose_status == PoseStatus::kUsable ? motion_to(hits.pose_WT) : 0.0);
   }
-  /// The same with what `motion_to(hits.pose)` gave.
+  /// The same with what `motion_to(hits.pose_WT)` gave.
   StageResult apply(const HitList& hits, const ContactResult& plain, double moved_m) noexcept;
 
   /// Bound of every point's way from the last pose to `pose` [m]; 0 where there is no last pose. Real-time safe.
@@ -76,9 +76,9 @@ class ContactStage {
   void reset() noexcept;
 
  private:
-  enum class Push : std::uint8_t { kShared, kOwn };  ///< held along g; along the own normal
+  enum class Push : std::uint8_t { kShared, kOwn };  ///< retained, along g; along the own normal
   /// A point whose remembered depth pushes.
-  struct Held {
+  struct RetainedHit {
     std::uint32_t point = 0;
     Push push = Push::kOwn;
     double depth_m = 0.0;
@@ -88,22 +88,22 @@ class ContactStage {
   double motion_bound(const Pose& pose) const noexcept;
   void update_shared_direction(const HitList& hits) noexcept;
   double plain_depth(const Hit& hit, const PushDirection& direction) const noexcept;
-  Vec3 held_direction(Push push, const Hit& hit) const noexcept;
+  Vec3 retained_direction(Push push, const Hit& hit) const noexcept;
   Push choose_direction(const HitList& hits, const Hit& hit) const noexcept;
   void surface_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
-  void returning_point(const HitList& hits, const Hit& hit, const Held& before, Frame& frame, StageResult& result) noexcept;
+  void returning_point(const HitList& hits, const Hit& hit, const RetainedHit& before, Frame& frame, StageResult& result) noexcept;
   void interior_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
-  Held remembered(const HitList& hits, const Hit& hit, std::size_t& next_held) const noexcept;
+  RetainedHit retained_hit(const HitList& hits, const Hit& hit, std::size_t& next_retained) const noexcept;
   void push(const HitList& hits, const Hit& hit, double depth, const Vec3& direction, ContactResult& result) const noexcept;
-  void count_held(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept;
+  void count_retained(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept;
 
   StageConfig config_;
   // Of the last frame: the points in the surface layer, whose depths are worked out only should they go through, with the direction
-  // they pushed along; and those that were held, ascending.
+  // they pushed along; and those that were retained, ascending.
   Hits last_surface_;
   PushDirection last_direction_;
-  std::vector<Held> held_;
-  std::vector<Held> returning_, inside_;  ///< of the frame in work
+  std::vector<RetainedHit> retained_;
+  std::vector<RetainedHit> returning_, inside_;  ///< of the frame in work
   Pose last_pose_;
   bool has_last_pose_ = false;
   Vec3 shared_ = Vec3::Zero();    ///< last good direction; zero: none yet

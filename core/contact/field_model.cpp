@@ -44,7 +44,7 @@ void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noex
   if (hits.surface.empty() && hits.interior.empty()) return;
 
   const voxmap::Grid& grid = field_.grid();
-  const Vec3 local = hits.pose.position - grid.origin;  // first, so that a grid at 1e6 m costs no digits of the arms
+  const Vec3 local = hits.pose_WT.position - grid.origin;  // first, so that a grid at 1e6 m costs no digits of the arms
   Sums sums;
   for (const Hits* list : {&hits.surface, &hits.interior})
     for (const Hit& hit : *list) {
@@ -57,7 +57,7 @@ void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noex
       result.saturated = result.saturated || at_its_end(hit, sample);
       if (depth > result.deepest_depth_m) {
         result.deepest_depth_m = depth;
-        result.deepest_point = hits.pose.position + hit.arm;
+        result.deepest_point = hits.pose_WT.position + hit.arm;
       }
     }
   const double length = sums.normals.norm();

@@ -125,12 +125,12 @@ class Hits {
 struct HitList {
   Hits surface;   ///< points in surface voxels: the set S
   Hits interior;  ///< points in interior voxels: gone through
-  Pose pose;      ///< the pose looked up, T in W, its quaternion brought to unit norm
+  Pose pose_WT;   ///< the pose looked up, its quaternion brought to unit norm
   PoseStatus pose_status = PoseStatus::kUsable;
   std::uint32_t tested = 0;  ///< points that culling left to test
 
   void reserve(std::size_t points) { surface.reserve(points), interior.reserve(points); }
-  void clear() noexcept { surface.clear(), interior.clear(), pose = {}, pose_status = PoseStatus::kUsable, tested = 0; }
+  void clear() noexcept { surface.clear(), interior.clear(), pose_WT = {}, pose_status = PoseStatus::kUsable, tested = 0; }
 };
 
 }  // namespace voxtouch::contact

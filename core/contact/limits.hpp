@@ -16,7 +16,7 @@ inline constexpr double kBlendTo = 0.5;    ///< mean normal from here on
 inline constexpr double kShortestDirection = 0.1;
 
 /// A held point pushes with at least this depth: its last surface voxel may have had its centre in front of it.
-inline constexpr double kHeldDepthFloorEdges = 0.25;
+inline constexpr double kRetainedDepthFloorEdges = 0.25;
 
 /// Depth of a point that turns up in the interior without having been seen in the surface layer.
 inline constexpr double kUnseenDepthEdges = 1.0;
@@ -83,7 +83,7 @@ inline constexpr double kPullEdges = 60.0;
 /// The most rows of a step.
 inline constexpr std::size_t kMaxRows = 96;
 /// A gradient below this has no direction.
-inline constexpr double kLeastGradient = 0.1;
+inline constexpr double kMinGradient = 0.1;
 /// A wall of some two voxels or less bends the field: its gradient is shorter than the first, or points against the tool's own normal by
 /// more than the second. There the plane of the wall's face is taken, if it and the tool's normal agree by the third.
 inline constexpr double kSheetGradient = 0.97;
@@ -108,6 +108,6 @@ inline constexpr double kBumpShare = 2.0;
 inline constexpr int kMaxWorse = 3;
 
 /// Friction: a patch of pushes smaller than this share of the lever is a point.
-inline constexpr double kLeastPatch = 1e-4;
+inline constexpr double kMinPatch = 1e-4;
 
 }  // namespace voxtouch::contact::limits

@@ -181,8 +181,8 @@ bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, dou
   const double of_doubles = 16.0 * kDouble * (far + reach);
   // A point: 3 roundings of each product, 2 inner sums, the last one and that of the shift come to 2^-24 (8 reach + 6).
   const double band = 16.0 * kFloat * (reach + 4.0) + of_doubles;
-  constexpr double kMost = 0x1p20;  // beyond that the single numbers of voxels are not whole any more
-  const bool small = reach < kMost && largest < kMost && voxmap.arrays().brick_count < std::size_t{1} << 26;
+  constexpr double kMaxReach = 0x1p20;  // beyond that the single numbers of voxels are not whole any more
+  const bool small = reach < kMaxReach && largest < kMaxReach && voxmap.arrays().brick_count < std::size_t{1} << 26;
   f.certain = small ? static_cast<float>(0.5 - 2.0 * kFloat - band) : -1.0F;
   f.per_metre = static_cast<float>(1.0 / edge * (1.0 + 8.0 * kFloat));
   f.margin = static_cast<float>(limits::kCullSafetyVoxels + 16.0 * kFloat * (reach + largest) + of_doubles);

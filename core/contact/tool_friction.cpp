@@ -36,14 +36,14 @@ Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta, double le
     patch.radius_m += push_of(row, delta) * (from_centre - patch.normal * patch.normal.dot(from_centre)).norm();
   }
   patch.radius_m /= patch.push_m;
-  if (!(patch.radius_m > limits::kLeastPatch * lever_m)) patch.radius_m = 0.0;  // a point does not hold against turning
+  if (!(patch.radius_m > limits::kMinPatch * lever_m)) patch.radius_m = 0.0;  // a point does not hold against turning
   return patch;
 }
 
 Vec3 across(const Vec3& normal, const Vec3& v) noexcept { return v - normal * normal.dot(v); }
 
 /// The step without slip.
-EquilibriumStep held_step(std::span<const ConstraintRow> rows, const Vec6& spring, double lever_m, const Patch& patch,
+EquilibriumStep sticking_step(std::span<const ConstraintRow> rows, const Vec6& spring, double lever_m, const Patch& patch,
                           const Vec6& free) noexcept {
   const Vec3& m = patch.normal;
   Restriction allowed;
@@ -51,10 +51,10 @@ EquilibriumStep held_step(std::span<const ConstraintRow> rows, const Vec6& sprin
   allowed.from << -across(m, (turn / lever_m).cross(patch.centre)), turn;
   allowed.free.setZero();
   allowed.free.topLeftCorner<3, 3>() = m * m.transpose();
-  EquilibriumStep held = equilibrium_step(rows, spring, &allowed);
-  held.loose.topLeftCorner<3, 3>() = m * m.transpose();
-  if (patch.radius_m > 0.0) held.loose.bottomRightCorner<3, 3>() -= m * m.transpose();
-  return held;
+  EquilibriumStep sticking = equilibrium_step(rows, spring, &allowed);
+  sticking.loose.topLeftCorner<3, 3>() = m * m.transpose();
+  if (patch.radius_m > 0.0) sticking.loose.bottomRightCorner<3, 3>() -= m * m.transpose();
+  return sticking;
 }
 
 }  // namespace
@@ -64,25 +64,25 @@ EquilibriumStep with_friction(std::span<const ConstraintRow> rows, const Vec6& s
   if (!(friction > 0.0) || !free.pushed) return free;
   const Patch patch = patch_of(rows, free.delta, lever_m);
   if (!(patch.push_m > 0.0)) return free;
-  EquilibriumStep held = held_step(rows, spring, lever_m, patch, free.delta);
-  held.iterations += free.iterations;
+  EquilibriumStep sticking = sticking_step(rows, spring, lever_m, patch, free.delta);
+  sticking.iterations += free.iterations;
 
-  Vec6 unheld = spring - held.delta;  // what neither spring nor rows balance
-  double push_held = 0.0;
+  Vec6 unbalanced = spring - sticking.delta;  // what neither spring nor rows balance
+  double push_sticking = 0.0;
   for (const ConstraintRow& row : rows) {
-    const double push = push_of(row, held.delta);
-    unheld += push * row.jacobian;
-    push_held += push;
+    const double push = push_of(row, sticking.delta);
+    unbalanced += push * row.jacobian;
+    push_sticking += push;
   }
-  const double shift = across(patch.normal, unheld.head<3>()).norm();
-  const double turn = patch.radius_m > 0.0 ? patch.normal.dot(unheld.tail<3>()) * lever_m / patch.radius_m : 0.0;
-  const double needed = std::hypot(shift, turn), at_most = friction * push_held;
-  if (needed <= at_most) return held;
-  // needed (1 - slide) = friction (push_held + slide (patch.push_m - push_held))
-  const double slide = std::clamp((needed - at_most) / (needed + friction * (patch.push_m - push_held)), 0.0, 1.0);
+  const double shift = across(patch.normal, unbalanced.head<3>()).norm();
+  const double turn = patch.radius_m > 0.0 ? patch.normal.dot(unbalanced.tail<3>()) * lever_m / patch.radius_m : 0.0;
+  const double needed = std::hypot(shift, turn), at_most = friction * push_sticking;
+  if (needed <= at_most) return sticking;
+  // needed (1 - slide) = friction (push_sticking + slide (patch.push_m - push_sticking))
+  const double slide = std::clamp((needed - at_most) / (needed + friction * (patch.push_m - push_sticking)), 0.0, 1.0);
   EquilibriumStep step = free;
-  step.delta = held.delta + slide * (free.delta - held.delta);
-  step.iterations = held.iterations;
+  step.delta = sticking.delta + slide * (free.delta - sticking.delta);
+  step.iterations = sticking.iterations;
   return step;
 }
 

@@ -104,7 +104,7 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
     const ToolGround& ground = grounds[n];
     ground.query->find(less(tool, ground.displacement), hits_);
     if (hits_.pose_status != PoseStatus::kUsable) out.pose_status = hits_.pose_status;
-    const RowFrame frame{hits_.pose.position - ground.field->grid().origin, options_.lever_m, static_cast<std::uint32_t>(n)};
+    const RowFrame frame{hits_.pose_WT.position - ground.field->grid().origin, options_.lever_m, static_cast<std::uint32_t>(n)};
     ConstraintRow row;
     for (const bool in_surface : {true, false})
       for (const Hit& hit : in_surface ? hits_.surface : hits_.interior)

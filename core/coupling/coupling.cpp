@@ -27,14 +27,14 @@ class Findings {
 };
 
 void validate_cutoff(const CouplingSpec& spec, double sample_time_s, std::vector<CouplingIssue>& out) {
-  const double turn = cutoff_rad_per_s(spec) * sample_time_s;
+  const double angle_per_sample = cutoff_rad_per_s(spec) * sample_time_s;
   const auto sentence = [&](const char* rule) {
-    return fmt::format("cutoff_hz is {}, so w0*T is {:.3g} at a sample time of {:g} s; {}.", spec.cutoff_hz, turn,
+    return fmt::format("cutoff_hz is {}, so w0*T is {:.3g} at a sample time of {:g} s; {}.", spec.cutoff_hz, angle_per_sample,
                        sample_time_s, rule);
   };
-  if (turn >= std::numbers::pi) {
+  if (angle_per_sample >= std::numbers::pi) {
     out.push_back({"cutoff_hz", sentence("it must be below pi, or the filter rings at the sample rate"), true});
-  } else if (turn > kWarnCutoffRad) {
+  } else if (angle_per_sample > kWarnCutoffRad) {
     out.push_back({"cutoff_hz", sentence("above 0.6 the sampled filter's cut-off is noticeably lower than asked"), false});
   }
 }

@@ -9,14 +9,14 @@ class DirectCoupling {
  public:
   Wrench step(const LawInput& in) noexcept {
     if (in.weight >= 1.0) return in.contact;
-    return {in.weight * in.contact.force + (1.0 - in.weight) * held_.force,
-            in.weight * in.contact.torque + (1.0 - in.weight) * held_.torque};
+    return {in.weight * in.contact.force + (1.0 - in.weight) * start_.force,
+            in.weight * in.contact.torque + (1.0 - in.weight) * start_.torque};
   }
-  /// Starts again, giving `held`.
-  void rest_at(const Wrench& held) noexcept { held_ = held; }
+  /// Starts again, giving `start`.
+  void start_at(const Wrench& start) noexcept { start_ = start; }
 
  private:
-  Wrench held_;
+  Wrench start_;
 };
 
 }  // namespace voxtouch::coupling

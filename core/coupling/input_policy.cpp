@@ -15,13 +15,13 @@ bool usable(const CouplingInput& in) noexcept {
          in.contact_stiffness.cwiseAbs().maxCoeff() <= kLargestInput;
 }
 
-void InputPolicy::restart(bool holds_force) noexcept {
-  start_ = holds_force ? Start::kFade : Start::kFadeIfInContact;
+void InputPolicy::restart(bool gives_force) noexcept {
+  start_ = gives_force ? Start::kFade : Start::kFadeIfInContact;
   in_contact_ = false;
-  held_s_ = 0.0, lost_ = false;
+  repeated_s_ = 0.0, lost_ = false;
 }
 
-PolicedSample InputPolicy::take(const CouplingInput& input, double dt_s) noexcept {
+PolicedSample InputPolicy::apply(const CouplingInput& input, double dt_s) noexcept {
   PolicedSample sample;
   const bool good_period = dt_s >= nominal_s_ / kPeriodBand && dt_s <= nominal_s_ * kPeriodBand;  // false for NaN
   sample.dt_s = good_period ? dt_s : nominal_s_;
@@ -39,11 +39,11 @@ PolicedSample InputPolicy::take(const CouplingInput& input, double dt_s) noexcep
 /// True where good inputs have been missing for too long, and where they are back after that.
 bool InputPolicy::begins_again(const PolicedSample& sample) noexcept {
   if (sample.good) {
-    held_s_ = 0.0;
+    repeated_s_ = 0.0;
     return std::exchange(lost_, false);
   }
-  held_s_ += sample.dt_s;
-  if (lost_ || start_ != Start::kRunning || held_s_ <= nominal_s_ * kGapPeriods) return false;
+  repeated_s_ += sample.dt_s;
+  if (lost_ || start_ != Start::kRunning || repeated_s_ <= nominal_s_ * kGapPeriods) return false;
   return lost_ = true;
 }
 

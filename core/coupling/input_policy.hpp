@@ -31,10 +31,10 @@ class InputPolicy {
  public:
   InputPolicy(double nominal_s, double ramp_s) noexcept : nominal_s_(nominal_s), ramp_s_(ramp_s) {}
 
-  PolicedSample take(const CouplingInput& input, double dt_s) noexcept;
-  /// The next samples are faded in from a force that is held, or, where there is none, only if the first good one is in contact: a
+  PolicedSample apply(const CouplingInput& input, double dt_s) noexcept;
+  /// The next samples are faded in from a force that is given already, or, where there is none, only if the first good one is in contact: a
   /// contact that begins later begins at depth zero by itself, and fading it would let the tool sink below the layer that pushes.
-  void restart(bool holds_force) noexcept;
+  void restart(bool gives_force) noexcept;
 
   std::uint64_t faults() const noexcept { return faults_; }  ///< bad periods and bad inputs so far
 
@@ -43,7 +43,7 @@ class InputPolicy {
   bool begins_again(const PolicedSample& sample) noexcept;
   double weight_after(const PolicedSample& sample) noexcept;
 
-  double nominal_s_, ramp_s_, elapsed_s_ = 0, held_s_ = 0;
+  double nominal_s_, ramp_s_, elapsed_s_ = 0, repeated_s_ = 0;
   bool lost_ = false, in_contact_ = false;
   Start start_ = Start::kFadeIfInContact;
   std::uint64_t faults_ = 0;

@@ -65,13 +65,13 @@ double RunningCoupling::gain() const noexcept {
   return filter ? filter->gain() : 1.0;
 }
 
-/// The next samples fade from `held` to theirs; what is not finite or over the limits is not given.
-void RunningCoupling::start_law_at(const Wrench& held) noexcept {
-  given_ = held.finite() ? held : Wrench{};
+/// The next samples fade from `start` to theirs; what is not finite or over the limits is not given.
+void RunningCoupling::start_law_at(const Wrench& start) noexcept {
+  given_ = start.finite() ? start : Wrench{};
   clamp_wrench(given_, limits_.max_force_n, limits_.max_torque_nm);
   policy_.restart(!given_.zero());
   contact_ = {};
-  std::visit([this](auto& law) { law.rest_at(given_); }, law_);
+  std::visit([this](auto& law) { law.start_at(given_); }, law_);
 }
 
 bool RunningCoupling::redesign(const CouplingSpec& spec) {
@@ -92,8 +92,8 @@ bool RunningCoupling::redesign(const CouplingSpec& spec) {
   return true;
 }
 
-void RunningCoupling::reset(const Wrench& held) noexcept {
-  start_law_at(held);
+void RunningCoupling::reset(const Wrench& start) noexcept {
+  start_law_at(start);
   cap_.reset();
   motion_.forget();
   passivity_.reset();
@@ -102,7 +102,7 @@ void RunningCoupling::reset(const Wrench& held) noexcept {
 }
 
 CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) noexcept {
-  const PolicedSample sample = policy_.take(input, dt_s);
+  const PolicedSample sample = policy_.apply(input, dt_s);
   if (dt_s > kGapPeriods * nominal_s_) passivity_.reset();
   way_ = motion_.step(input.tool, dt_s);
   count_way();
@@ -145,7 +145,7 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     contact_ = {};
   }
   in_contact_ = pushes(contact_);
-  out.ramping = sample.weight < 1.0, out.held_input = !sample.good;
+  out.ramping = sample.weight < 1.0, out.repeated_input = !sample.good;
   LawInput in{contact_.contact, contact_.contact_stiffness_n_per_m, sample.dt_s, sample.weight};
   ShapingFilter* filter = std::get_if<ShapingFilter>(&law_);
   if (const double gain = filter ? filter->advance_gain() : 1.0; gain > 0.0) {
@@ -154,7 +154,7 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     in.contact = {};  // gives zero anyhow, and an uncut input must not wait in the law's state for the gain to come back
   }
   given_ = std::visit([&](auto& law) {
-    if (sample.gap) law.rest_at(given_);
+    if (sample.gap) law.start_at(given_);
     return law.step(in);
   }, law_);
   if (!given_.finite()) {
@@ -204,7 +204,7 @@ void RunningCoupling::count(const CouplingOutput& out) noexcept {
   const EnergyAccounts& energy = passivity_.energy();
   ++counters_.samples;
   counters_.faults = policy_.faults();
-  counters_.held += out.held_input, counters_.clamped += out.clamped, counters_.capped += out.capped;
+  counters_.repeated += out.repeated_input, counters_.clamped += out.clamped, counters_.capped += out.capped;
   counters_.controlled += out.passivity;
   counters_.pose_jumps = motion_.jumps();
   counters_.lowest_energy_j = std::min({counters_.lowest_energy_j, energy.normal_j, energy.tangential_j});

@@ -24,7 +24,7 @@ namespace voxtouch::coupling {
 struct CouplingOutput {
   Wrench wrench;            ///< finite and within the limits, whatever came in
   bool ramping = false;     ///< the input is still being faded in
-  bool held_input = false;  ///< the input was not usable; the last good one was held
+  bool repeated_input = false;  ///< the input was not usable; the last good one was used again
   bool clamped = false;     ///< input or command was over the device's range and was cut
   bool capped = false;      ///< the contact was stiffer than the cap: its wrench was scaled
   bool passivity = false;   ///< the passivity controller adds damping
@@ -39,7 +39,7 @@ struct CouplingOutput {
 struct CouplingCounters {
   std::uint64_t samples = 0;
   std::uint64_t faults = 0;  ///< bad periods and bad inputs
-  std::uint64_t held = 0;    ///< samples answered with a held input
+  std::uint64_t repeated = 0;    ///< samples answered with the last good input once more
   std::uint64_t clamped = 0, capped = 0;
   std::uint64_t controlled = 0;  ///< samples in which the passivity controller added damping
   std::uint64_t pose_jumps = 0;
@@ -59,12 +59,12 @@ class RunningCoupling {
                   double ramp_s = kDefaultRampS, const ToolSpeedLimits& speeds = {});
 
   /// `dt_s` as measured between samples; out of [T/5, 5T] or not finite: the nominal period is used and counted. A gap of more than
-  /// 10 T starts again at the force given last and fades the new input in. A non-finite input holds the last good one and is counted.
+  /// 10 T starts again at the force given last and fades the new input in. A non-finite input is replaced by the last good one and counted.
   /// Without contact nothing is added to the law's force, and where the law gives nothing the command is zero.
   CouplingOutput step(const CouplingInput& input, double dt_s) noexcept;
-  /// Starts again at rest, giving `held`, as far as the limits allow, without a jump and fading from it to the contact; with `held`
+  /// Starts again at rest, giving `start`, as far as the limits allow, without a jump and fading from it to the contact; with `start`
   /// zero as InputPolicy::restart says. Velocity and energy begin again too. For a new session, a clutch, a jump that is meant.
-  void reset(const Wrench& held) noexcept;
+  void reset(const Wrench& start) noexcept;
 
   /// Other parameters while running, also in contact, without a jump: cut-off and damping ratio at once (the filter's state
   /// cannot grow by it), the gain at kGainSlewPerS, the spring-damper's c and r and the caps over kDefaultRampS, injected damping
@@ -82,7 +82,7 @@ class RunningCoupling {
  private:
   using Law = std::variant<DirectCoupling, ShapingFilter, SpringDamper>;  ///< in the order of CouplingKind
   static Law law_of(const CouplingSpec& spec, double sample_time_s) noexcept;
-  void start_law_at(const Wrench& held) noexcept;
+  void start_law_at(const Wrench& start) noexcept;
   double newly_supplied(const CouplingInput& input, double dt_s) noexcept;
   Wrench run_law(const CouplingInput& input, const PolicedSample& sample, CouplingOutput& out) noexcept;
   void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;

@@ -25,9 +25,9 @@ double ShapingFilter::advance_gain() noexcept {
   return gain_ = std::clamp(gain_wanted_, gain_ - gain_step_, gain_ + gain_step_);
 }
 
-void ShapingFilter::rest_at(const Wrench& held) noexcept {
-  held_ = held;
-  for (std::size_t i = 0; i < states_.size(); ++i) states_[i].reset(component(held_, i), gain_);
+void ShapingFilter::start_at(const Wrench& start) noexcept {
+  start_ = start;
+  for (std::size_t i = 0; i < states_.size(); ++i) states_[i].reset(component(start_, i), gain_);
 }
 
 Wrench ShapingFilter::step(const LawInput& in) noexcept {
@@ -35,7 +35,7 @@ Wrench ShapingFilter::step(const LawInput& in) noexcept {
   const double back = gain_ > 0.0 ? (1.0 - in.weight) / gain_ : 0.0;  // input that would keep the held force, times its share
   Wrench given;
   for (std::size_t i = 0; i < states_.size(); ++i) {
-    const double u = in.weight < 1.0 ? in.weight * component(in.contact, i) + back * component(held_, i)
+    const double u = in.weight < 1.0 ? in.weight * component(in.contact, i) + back * component(start_, i)
                                      : component(in.contact, i);
     component(given, i) = states_[i].advance(k, gain_, u);
   }

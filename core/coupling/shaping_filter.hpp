@@ -19,8 +19,8 @@ class ShapingFilter {
   ShapingFilter(const CouplingSpec& spec, double nominal_period_s) noexcept;
 
   Wrench step(const LawInput& input) noexcept;
-  /// Starts again, giving `held` without a jump.
-  void rest_at(const Wrench& held) noexcept;
+  /// Starts again, giving `start` without a jump.
+  void start_at(const Wrench& start) noexcept;
   /// New parameters while running, as `validate` accepts them: cut-off and damping at once (the state cannot grow by it), the gain
   /// no faster than kGainSlewPerS.
   void redesign(const CouplingSpec& spec) noexcept;
@@ -32,7 +32,7 @@ class ShapingFilter {
  private:
   double w0_, d_, gain_, gain_wanted_, gain_step_;
   std::array<Pt2State, 6> states_{};  // force x y z, torque x y z
-  Wrench held_;
+  Wrench start_;
 };
 
 }  // namespace voxtouch::coupling

@@ -41,10 +41,10 @@ void SpringDamper::redesign(const CouplingSpec& spec) noexcept {
   r_.head_for(spec.damping_ns_per_m, kDefaultRampS);
 }
 
-void SpringDamper::rest_at(const Wrench& held) noexcept {
-  held_ = held;
-  force_.delta = held.force / c_.now();
-  torque_.delta = held.torque / c_.now();
+void SpringDamper::start_at(const Wrench& start) noexcept {
+  start_ = start;
+  force_.delta = start.force / c_.now();
+  torque_.delta = start.torque / c_.now();
 }
 
 Wrench SpringDamper::step(const LawInput& in) noexcept {
@@ -52,8 +52,8 @@ Wrench SpringDamper::step(const LawInput& in) noexcept {
   Wrench contact = in.contact;
   if (in.weight < 1.0) {
     const double back = (1.0 - in.weight) * (c + in.stiffness_n_per_m) / c;  // f that would keep the held force at rest
-    contact.force = in.weight * in.contact.force + back * held_.force;
-    contact.torque = in.weight * in.contact.torque + back * held_.torque;
+    contact.force = in.weight * in.contact.force + back * start_.force;
+    contact.torque = in.weight * in.contact.torque + back * start_.torque;
   }
   return {force_.step(contact.force, in.stiffness_n_per_m, c, r, in.dt_s),
           torque_.step(contact.torque, in.stiffness_n_per_m, c, r, in.dt_s)};

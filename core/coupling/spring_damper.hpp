@@ -32,8 +32,8 @@ class SpringDamper {
   explicit SpringDamper(const CouplingSpec& spec) noexcept : c_(spec.stiffness_n_per_m), r_(spec.damping_ns_per_m) {}
 
   Wrench step(const LawInput& input) noexcept;
-  /// Starts again, giving `held` without a jump.
-  void rest_at(const Wrench& held) noexcept;
+  /// Starts again, giving `start` without a jump.
+  void start_at(const Wrench& start) noexcept;
   /// New parameters while running, c > 0 and r >= 0; both go there in a straight line over kDefaultRampS.
   void redesign(const CouplingSpec& spec) noexcept;
   const Vec3& object_offset() const noexcept { return force_.delta; }  ///< object relative to the device [m], W
@@ -41,7 +41,7 @@ class SpringDamper {
  private:
   Ramp c_, r_;
   UnilateralSpringDamper force_, torque_;
-  Wrench held_;
+  Wrench start_;
 };
 
 }  // namespace voxtouch::coupling

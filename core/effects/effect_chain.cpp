@@ -54,7 +54,7 @@ void EffectChain::advance(Link& link, double dt_s) noexcept {
 }
 
 void EffectChain::weigh(const Link& link, const RegionWeight& weight, const EffectPush& own, EffectPush& sum) noexcept {
-  const bool inside = link.goal.kind->takes_share;
+  const bool inside = link.goal.kind->shares_inside;
   const double gain = link.gain.now(), share = inside ? 1.0 : gain * weight.weight;
   sum.wrench.force += share * own.wrench.force;
   sum.wrench.torque += share * own.wrench.torque;
@@ -93,7 +93,7 @@ EffectPush EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* sur
     if (surface != nullptr && link.goal.kind->friction != nullptr) continue;
     const EffectFrame& frame = surface != nullptr && link.goal.kind->needs(link.now).contact ? *surface : at_hand;
     const RegionWeight weight = link.gain.now() > 0.0 ? weight_at(link.goal.region, frame.tool.position) : RegionWeight{0.0};
-    if (weight.weight <= 0.0 && (link.goal.kind->takes_share || weight.gradient.isZero(0.0))) {
+    if (weight.weight <= 0.0 && (link.goal.kind->shares_inside || weight.gradient.isZero(0.0))) {
       link.effect->reset();  // what it remembers must not push when it comes back
       continue;
     }
@@ -127,9 +127,9 @@ void EffectChain::reset() noexcept {
   for (Link& link : links_) link.effect->reset();
 }
 
-void EffectChain::take(const EffectCommand& command) noexcept {
+void EffectChain::carry_out(const EffectCommand& command) noexcept {
   Link& link = links_[command.effect];
-  voxtouch::effects::take(link.goal, command);
+  voxtouch::effects::carry_out(link.goal, command);
   if (command.action != EffectAction::kValue) {
     link.gain.head_for(link.goal.on ? link.goal.gain : 0.0, kEffectRampS);
     return;

@@ -43,7 +43,7 @@ class EffectChain {
   /// Energy that kinds which may give some were free to give since the chain was made, over a way of `metres` [J].
   double given_over(double metres) const noexcept { return per_metre_j_ * metres; }
   /// What `judge` has found good: a switch, a gain or a parameter. Between two calls of `apply`. Real-time safe.
-  void take(const EffectCommand& command) noexcept;
+  void carry_out(const EffectCommand& command) noexcept;
 
   /// All numbers have come to where they were to go (gains may still be on their way). Real-time safe.
   bool at_rest() const noexcept;

@@ -59,7 +59,7 @@ Judged judge_value(const EffectSpec& effect, std::string_view parameter, const s
   EffectCommand command{.action = EffectAction::kValue, .effect = 0, .parameter = static_cast<std::uint32_t>(p)};
   command.value = in_shape(*found, value);
   EffectSpec wanted = effect;
-  take(wanted, command);
+  carry_out(wanted, command);
   if (std::string why = check_values(*effect.kind, wanted.values); !why.empty()) return std::unexpected(std::move(why));
   if (needs_more(effect.kind->needs(wanted.values), effect.kind->needs(effect.values)))
     return std::unexpected(
@@ -73,18 +73,18 @@ Judged judge_value(const EffectSpec& effect, std::string_view parameter, const s
 
 }  // namespace
 
-Judged judge(std::span<const EffectSpec> effects, const EffectWish& wish) {
+Judged judge(std::span<const EffectSpec> effects, const EffectRequest& request) {
   const auto found =
-      std::find_if(effects.begin(), effects.end(), [&](const EffectSpec& e) { return e.name == wish.effect; });
+      std::find_if(effects.begin(), effects.end(), [&](const EffectSpec& e) { return e.name == request.effect; });
   if (found == effects.end())
     return std::unexpected(
         effects.empty()
-            ? fmt::format("the scene lists no effects, so there is no '{}'", quotable(wish.effect))
-            : fmt::format("there is no effect '{}'; the scene lists: {}", quotable(wish.effect), names_of(effects)));
-  const double first = wish.value[0];
-  EffectCommand command{.action = wish.action, .value = {first, 0.0, 0.0}};
-  if (found->kind->everywhere && wish.action != EffectAction::kValue) return std::unexpected(no_switch(*found));
-  switch (wish.action) {
+            ? fmt::format("the scene lists no effects, so there is no '{}'", quotable(request.effect))
+            : fmt::format("there is no effect '{}'; the scene lists: {}", quotable(request.effect), names_of(effects)));
+  const double first = request.value[0];
+  EffectCommand command{.action = request.action, .value = {first, 0.0, 0.0}};
+  if (found->kind->everywhere && request.action != EffectAction::kValue) return std::unexpected(no_switch(*found));
+  switch (request.action) {
     case EffectAction::kSwitch:
       if (first != 0.0 && first != 1.0) return std::unexpected("a switch takes 1 (on) or 0 (off)");
       break;
@@ -92,7 +92,7 @@ Judged judge(std::span<const EffectSpec> effects, const EffectWish& wish) {
       if (!(first >= 0.0 && first <= 1.0)) return std::unexpected("'gain' must be a number from 0 to 1");
       break;
     case EffectAction::kValue: {
-      const Judged value = judge_value(*found, wish.parameter, wish.value);
+      const Judged value = judge_value(*found, request.parameter, request.value);
       if (!value) return value;
       command = *value;
       break;
@@ -102,7 +102,7 @@ Judged judge(std::span<const EffectSpec> effects, const EffectWish& wish) {
   return command;
 }
 
-void take(EffectSpec& effect, const EffectCommand& command) noexcept {
+void carry_out(EffectSpec& effect, const EffectCommand& command) noexcept {
   switch (command.action) {
     case EffectAction::kSwitch: effect.on = command.value[0] != 0.0; break;
     case EffectAction::kGain: effect.gain = command.value[0]; break;
@@ -111,11 +111,11 @@ void take(EffectSpec& effect, const EffectCommand& command) noexcept {
 }
 
 std::string quotable(std::string_view text) {
-  constexpr std::size_t kMost = 64;
-  std::string out(text.substr(0, kMost));
+  constexpr std::size_t kMaxLength = 64;
+  std::string out(text.substr(0, kMaxLength));
   for (char& c : out)
     if (c < ' ' || c > '~') c = '?';
-  return text.size() > kMost ? out + "..." : out;
+  return text.size() > kMaxLength ? out + "..." : out;
 }
 
 }  // namespace voxtouch::effects

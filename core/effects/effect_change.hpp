@@ -14,7 +14,7 @@ namespace voxtouch::effects {
 enum class EffectAction : std::uint8_t { kSwitch, kGain, kValue };
 
 /// As somebody asks for it. Nothing of it is trusted.
-struct EffectWish {
+struct EffectRequest {
   EffectAction action = EffectAction::kSwitch;
   std::string_view effect;        ///< its name in the scene
   std::string_view parameter;     ///< kValue
@@ -28,12 +28,12 @@ struct EffectCommand {
   std::array<double, 3> value{};            ///< directions at unit length; numbers that do not count are 0
 };
 
-/// What `wish` means for `effects`, or a sentence why not: an unknown name, a number that is not finite or out of its range, a
+/// What `request` means for `effects`, or a sentence why not: an unknown name, a number that is not finite or out of its range, a
 /// word (which never changes while running), values that together need what was not built or bound the stiffness no more.
-std::expected<EffectCommand, std::string> judge(std::span<const EffectSpec> effects, const EffectWish& wish);
+std::expected<EffectCommand, std::string> judge(std::span<const EffectSpec> effects, const EffectRequest& request);
 
 /// Does to the spec what the chain does to the effect, without a ramp: where it will have come to. Real-time safe.
-void take(EffectSpec& effect, const EffectCommand& command) noexcept;
+void carry_out(EffectSpec& effect, const EffectCommand& command) noexcept;
 
 /// `text` for a sentence: at most 64 characters, those that cannot be printed as '?'.
 std::string quotable(std::string_view text);

@@ -111,7 +111,7 @@ struct EffectKind {
   EnergyBehaviour energy = EnergyBehaviour::kConservative;
   bool alone = false;       ///< a scene has one at most: two would contradict each other (gravity)
   bool everywhere = false;  ///< takes no region, gain or switch: half of it would be nothing
-  bool takes_share =
+  bool shares_inside =
       false;  ///< stores energy: scales its limits by EffectFrame::share itself, since a stored force that is
               ///< scaled from outside comes back larger than it was put in
   /// Coulomb's coefficient, of a kind whose work a virtual tool does itself where there is one; null of all others.

@@ -19,7 +19,7 @@ constexpr std::array kParameters = {
 
 struct Law {
   double slides_n;  ///< friction of a bristle that has let go
-  double holds_n;   ///< and before, >= slides_n
+  double sticks_n;   ///< and before, >= slides_n
   double k;
 };
 
@@ -61,8 +61,8 @@ void Bristle::turn(const Vec3& to, const Vec3& object_turn) noexcept {
 /// Bends by `way` (across the normal) and slips what is too far. While it lets go its limit falls as far as the tip has slipped
 /// halved, so that the force falls with the slope k at most and never by itself; it mends by as much when it bends unslipped.
 void Bristle::drag(const Vec3& way, const Law& law) noexcept {
-  const double slides = law.slides_n / law.k, holds = law.holds_n / law.k, mends = 2.0 * (holds - slides);
-  const double limit = holds - (holds - slides) * torn;
+  const double slides = law.slides_n / law.k, sticks = law.sticks_n / law.k, mends = 2.0 * (sticks - slides);
+  const double limit = sticks - (sticks - slides) * torn;
   bend += way;
   const double asked = bend.norm();
   if (asked <= limit) {
@@ -159,7 +159,7 @@ extern const EffectKind kFriction = {
         "while it slips mu "
         "times the contact's as a coupling between depth and force.",
     .energy = EnergyBehaviour::kDissipative,
-    .takes_share = true,
+    .shares_inside = true,
     .friction = [](const EffectValues& values) { return values.number(kCoulomb); },
     .parameters = kParameters,
     .needs = needs,

@@ -39,10 +39,10 @@ double guide_depth_j(const GuideLaw& law) noexcept;
 /// guide if not.
 double guide_potential_j(const GuideLaw& law, double from_guide_j) noexcept;
 
-/// Adds the pull of a guide whose distance is |A y|, `away` = A y for the symmetric matrix `held` = A with |A| <= 1: the
-/// projector on the held directions. Force -f A away / |away|; stiffness A (max(f', 0) u u' + f/s (1 - u u')) A, u along
+/// Adds the pull of a guide whose distance is |A y|, `away` = A y for the symmetric matrix `constrained` = A with |A| <= 1: the
+/// projector on the constrained directions. Force -f A away / |away|; stiffness A (max(f', 0) u u' + f/s (1 - u u')) A, u along
 /// `away`. Real-time safe.
-void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& held, EffectPush& push) noexcept;
+void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constrained, EffectPush& push) noexcept;
 
 /// Parameters that every guide has, at these places of its table.
 enum GuideParameter : std::size_t { kGuideStiffness, kGuideLimit, kGuideBeyond, kGuideRange, kGuideOwn };

@@ -29,9 +29,9 @@ class GuideLine final : public Effect {
     // On its way the segment shrinks with its direction, to its middle at the least.
     const double length = along.norm(), half = length * values.number(kHalfLength);
     const Vec3 unit = length > 0.0 ? Vec3(along / length) : Vec3::Zero();
-    const double place = unit.dot(from_point), held = std::clamp(place, -half, half);
-    const bool beside = length > 0.0 && held == place;
-    pull_to_guide(guide_law(values), from_point - held * unit,
+    const double place = unit.dot(from_point), nearest = std::clamp(place, -half, half);
+    const bool beside = length > 0.0 && nearest == place;
+    pull_to_guide(guide_law(values), from_point - nearest * unit,
                   beside ? Mat3(Mat3::Identity() - unit * unit.transpose()) : Mat3(Mat3::Identity()), push);
   }
 };

@@ -60,23 +60,23 @@ class RigidBody {
   void place(const Pose& pose, bool held) noexcept;
   bool placed() const noexcept { return placed_; }
   /// T of the body in W, and the velocity of its origin.
-  const Pose& pose() const noexcept { return pose_; }
+  const Pose& pose() const noexcept { return pose_WB_; }
   const Twist& twist() const noexcept { return twist_; }
   bool held() const noexcept { return held_; }
 
-  /// One step of `dt_s` under `load`, hanging on `tool`. `hold`: the tool holds it, or would if it is near enough: at most
+  /// One step of `dt_s` under `load`, hanging on `pose_WT`. `hold`: the tool holds it, or would if it is near enough: at most
   /// `grab_m` from where it took it last, or from the body's origin.
-  BodyGrip step(const BodyLoad& load, const Pose& tool, const Twist& tool_twist, bool hold, double grab_m,
+  BodyGrip step(const BodyLoad& load, const Pose& pose_WT, const Twist& tool_twist, bool hold, double grab_m,
                 const BodyParameters& parameters, double dt_s) noexcept;
 
   double energy_j() const noexcept { return energy_j_; }
   const BodyShape& shape() const noexcept { return shape_; }
 
  private:
-  void follow_hold(const Pose& tool, bool hold, double grab_m, double dt_s) noexcept;
+  void follow_hold(const Pose& pose_WT, bool hold, double grab_m, double dt_s) noexcept;
 
   BodyShape shape_;
-  Pose pose_, hang_;  ///< hang_: the body in the tool's frame while held
+  Pose pose_WB_, pose_TB_;  ///< B: the body; pose_TB_ while it is held
   Twist twist_;
   coupling::Ramp strength_;
   bool placed_ = false, held_ = false;

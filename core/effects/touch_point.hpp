@@ -121,12 +121,12 @@ inline Vec3 arm_to(const TouchPoint& point, double height_m, double reach_m) noe
   return length > reach_m ? Vec3(arm * (reach_m / length)) : arm;
 }
 
-/// A `State` for each object that is being touched, by the object's number, for kMost of them at once: what is touched beyond
+/// A `State` for each object that is being touched, by the object's number, for kMaxTouches of them at once: what is touched beyond
 /// that gets none. Fixed storage: never allocates.
 template <typename State>
 class PerObject {
  public:
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kMaxTouches = 16;
 
   void begin() noexcept {
     for (Slot& slot : slots_) slot.seen = false;
@@ -160,7 +160,7 @@ class PerObject {
     std::uint32_t object = 0;
     bool used = false, seen = false;
   };
-  std::array<Slot, kMost> slots_ = {};
+  std::array<Slot, kMaxTouches> slots_ = {};
 };
 
 }  // namespace voxtouch::effects

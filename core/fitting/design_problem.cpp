@@ -66,14 +66,14 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene, const 
   if (spring) bounds = of_spring(scene, device, bounds);
   request.contact = at_hand(bounds.translation, caps.n_per_m, scales.translation);
   request.contact_rotation = at_hand(bounds.rotation, caps.nm_per_rad, scales.rotation);
-  coupling::design::DesignGoals& wishes = request.wishes;
-  wishes.kind = ask.kind;
-  wishes.cutoff_hz = ask.cutoff_hz;
-  wishes.max_cutoff_hz = std::max(wishes.max_cutoff_hz, ask.cutoff_hz);
-  wishes.gain_margin = ask.gain_margin;
-  if (!spring) wishes.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
-  wishes.allow_injected_damping = ask.inject_damping;
-  wishes.free_cap = scene.design && !ask.stiffness_cap_n_per_m && !ask.stiffness_cap_nm_per_rad;
+  coupling::design::DesignGoals& goals = request.goals;
+  goals.kind = ask.kind;
+  goals.cutoff_hz = ask.cutoff_hz;
+  goals.max_cutoff_hz = std::max(goals.max_cutoff_hz, ask.cutoff_hz);
+  goals.gain_margin = ask.gain_margin;
+  if (!spring) goals.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
+  goals.allow_injected_damping = ask.inject_damping;
+  goals.free_cap = scene.design && !ask.stiffness_cap_n_per_m && !ask.stiffness_cap_nm_per_rad;
   return request;
 }
 

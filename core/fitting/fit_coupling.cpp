@@ -24,8 +24,8 @@ std::string refusal_of(const coupling::design::Design& design, const scene::Scen
 
 /// What is left of a cap for the spring.
 double beside_effects(double cap, const coupling::design::ContactRange& range) noexcept {
-  constexpr double kLeast = 0.5;
-  return std::max(cap - (range.all_points - range.one_point), kLeast * cap);
+  constexpr double kMinShare = 0.5;
+  return std::max(cap - (range.all_points - range.one_point), kMinShare * cap);
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std
     std::size_t triangles) {
   struct Neighbour {
     std::uint32_t triangle;
-    bool turned;  ///< both triangles walk the edge the same way, so one of them is the wrong way round
+    bool flipped;  ///< both triangles walk the edge the same way, so one of them is the wrong way round
   };
   constexpr Neighbour kNone{~std::uint32_t{0}, false};
   std::vector<std::array<Neighbour, 3>> neighbours(triangles, {kNone, kNone, kNone});
@@ -109,7 +109,7 @@ Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std
   Orientation result;
   constexpr std::uint32_t kNoPart = ~std::uint32_t{0};
   std::vector<std::uint32_t> part(triangles, kNoPart), walk;
-  std::vector<std::uint8_t> turned(triangles, 0);
+  std::vector<std::uint8_t> flipped(triangles, 0);
   for (const std::uint32_t seed : which) {
     if (part[seed] != kNoPart) continue;
     const auto number = static_cast<std::uint32_t>(result.parts++);
@@ -118,24 +118,24 @@ Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std
     std::size_t against = 0;
     for (std::size_t head = 0; head < walk.size(); ++head) {
       const std::uint32_t t = walk[head];
-      against += turned[t];
+      against += flipped[t];
       for (const Neighbour& n : neighbours[t]) {
         if (n.triangle == kNone.triangle) continue;
-        const auto expected = static_cast<std::uint8_t>(turned[t] ^ static_cast<std::uint8_t>(n.turned));
+        const auto expected = static_cast<std::uint8_t>(flipped[t] ^ static_cast<std::uint8_t>(n.flipped));
         if (part[n.triangle] == kNoPart) {
           part[n.triangle] = number;
-          turned[n.triangle] = expected;
+          flipped[n.triangle] = expected;
           walk.push_back(n.triangle);
-        } else if (turned[n.triangle] != expected) {
+        } else if (flipped[n.triangle] != expected) {
           result.orientable = false;
         }
       }
     }
     if (2 * against > walk.size()) {  // most are against the seed: then the seed is the one that is wrong
-      for (const std::uint32_t t : walk) turned[t] ^= 1;
+      for (const std::uint32_t t : walk) flipped[t] ^= 1;
     }
   }
-  for (const std::uint32_t t : which) result.part.push_back(part[t]), result.against.push_back(turned[t]);
+  for (const std::uint32_t t : which) result.part.push_back(part[t]), result.against.push_back(flipped[t]);
   return result;
 }
 

@@ -113,22 +113,22 @@ ShellPoint ShellBuilder::point_of(const voxmap::VoxelIndex& voxel, const Pair* f
   }
   const Piece& best = *std::find_if(pieces.begin(), pieces.end(),
                                     [&](const Piece& p) { return p.distance == least; });
-  const Piece* holder = nullptr;  // lowest-numbered triangle that holds the point, to rounding
+  const Piece* owner = nullptr;  // lowest-numbered triangle that holds the point, to rounding
   const Piece* face = nullptr;    // the same among those with an area; if none holds it, the nearest of them
   double face_distance = INFINITY;
   for (const Piece& piece : pieces) {
-    const bool holds = (piece.nearest - best.nearest).norm() <= kSamePoint && piece.distance <= least + kTie;
-    if (holds && !holder) holder = &piece;
-    if (!holds && piece.distance <= least + kTie) point.tie = true;
-    const double distance = holds ? -1.0 : piece.distance;
+    const bool contains = (piece.nearest - best.nearest).norm() <= kSamePoint && piece.distance <= least + kTie;
+    if (contains && !owner) owner = &piece;
+    if (!contains && piece.distance <= least + kTie) point.tie = true;
+    const double distance = contains ? -1.0 : piece.distance;
     if (state[piece.triangle] == voxmap::TriangleState::kSound && distance < face_distance)
       face = &piece, face_distance = distance;
   }
-  point.triangle = holder->triangle;
-  point.point = grid.from_grid(centre + holder->nearest);
+  point.triangle = owner->triangle;
+  point.point = grid.from_grid(centre + owner->nearest);
   point.distance_m = least * grid.edge;
   point.area_m2 = sums.share * grid.edge * grid.edge;
-  set_normals(sums, face ? normal[face->triangle] : Vec3::Zero(), -holder->nearest, point);
+  set_normals(sums, face ? normal[face->triangle] : Vec3::Zero(), -owner->nearest, point);
   return point;
 }
 

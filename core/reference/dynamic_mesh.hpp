@@ -11,13 +11,13 @@ class DynamicMesh {
  public:
   explicit DynamicMesh(const scene::MeshSpec& spec);
 
-  /// Gap against the union of `statics`, at least one, with the tool at `tool_in_world`.
-  GapResult gap(const std::vector<PosedMesh>& statics, const Pose& tool_in_world) const;
+  /// Gap against the union of `statics`, at least one, with the tool at `pose_WT`.
+  GapResult gap(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const;
 
  private:
-  GapResult against(const PosedMesh& object, const Pose& tool_in_world) const;
-  bool one_swallows_other(const PosedMesh& object, const Pose& mine_in_its) const;
-  GapResult overlap(const PosedMesh& object, const Pose& mine_in_world, double surfaces_apart_m) const;
+  GapResult against(const PosedMesh& object, const Pose& pose_WT) const;
+  bool one_swallows_other(const PosedMesh& object, const Pose& pose_OM) const;
+  GapResult overlap(const PosedMesh& object, const Pose& pose_WM, double surfaces_apart_m) const;
 
   PosedMesh body_;  ///< with the mesh's pose in T
 };

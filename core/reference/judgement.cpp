@@ -102,7 +102,7 @@ void Judge::count(const Judgement& judgement) noexcept {
 
 void Judge::follow(const GapResult& gap, const ReportedContact& report) {
   const bool same = run_.samples > 0 && report.wrench.force == run_.wrench.force && report.wrench.torque == run_.wrench.torque;
-  if (report.wrench.zero() || report.held) {
+  if (report.wrench.zero() || report.retained) {
     run_ = {};
   } else if (same) {
     ++run_.samples;
@@ -114,7 +114,7 @@ void Judge::follow(const GapResult& gap, const ReportedContact& report) {
 }
 
 std::string Judge::not_usable(const ReportedContact& report) const {
-  const bool finite = report.tool_in_world.finite() && report.wrench.finite() && report.mean_normal.allFinite() &&
+  const bool finite = report.pose_WT.finite() && report.wrench.finite() && report.mean_normal.allFinite() &&
                       std::isfinite(report.deepest_depth_m) && std::isfinite(report.coherence);
   return finite ? "" : "the contact carries a value that is not a finite number";
 }
@@ -147,8 +147,8 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
                          mm(buried_limit_m()));
   }
   const double cap_limit = kCapSlack * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
-  const bool cap_holds_a_point = settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
-  if (report.surface_hits == 0 && report.interior_hits == 0 && cap_holds_a_point && gap.cap_buried_m > cap_limit)
+  const bool cap_contains_a_point = settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
+  if (report.surface_hits == 0 && report.interior_hits == 0 && cap_contains_a_point && gap.cap_buried_m > cap_limit)
     return fmt::format("no hit, though all of the tool round its deepest point is at least {:.3g} mm inside",
                        mm(gap.cap_buried_m));
   if (interior > 0 && gap.gap_m > settings_.chord_error_m + settings_.shell_offset_m)
@@ -170,7 +170,7 @@ std::string Judge::force_breach(const ReportedContact& report) const {
 }
 
 std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
-  if (!gap.depth_exact || report.held || gap.gap_m > free_limit_m()) return "";
+  if (!gap.depth_exact || report.retained || gap.gap_m > free_limit_m()) return "";
   const double e = settings_.edge_m, g = settings_.shell_gap_m, radius = gap.sphere_radius_m;
   const double sag = radius > 0 ? std::min(g, g * g / (2.0 * radius)) : g;
   const double layer = 0.5 * e * (gap.direction.isZero() ? kDiagonal : gap.direction.lpNorm<1>());
@@ -188,14 +188,14 @@ std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& rep
 std::string Judge::direction_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
   const double e = settings_.edge_m;
   const bool coherent = report.coherence >= kDirectionFromCoherence;
-  if (!gap.unique_face || gap.direction.isZero() || report.fallback || !(coherent || report.held)) return "";
+  if (!gap.unique_face || gap.direction.isZero() || report.fallback || !(coherent || report.retained)) return "";
   if (gap.gap_m >= kSignFromGap * e || report.surface_hits + report.interior_hits == 0) return "";
   for (const Vec3& reported : {report.wrench.force, report.mean_normal})
     if (!reported.isZero(0.0))
       out.direction_error_rad = std::fmax(out.direction_error_rad, angle_between(reported, gap.direction));
   const double from_depth = kDirectionFromDepth * e + settings_.shell_offset_m;
   const bool to_angle = -gap.gap_m >= from_depth && report.surface_hits >= kDirectionFromHits &&
-                        report.interior_hits == 0 && !report.held;
+                        report.interior_hits == 0 && !report.retained;
   const double limit = to_angle ? kDirectionTolerance : kWrongSide;
   if (!(out.direction_error_rad > limit)) return "";
   return fmt::format("the direction is {:.3g} degrees off, more than {:.3g}", degrees(out.direction_error_rad), degrees(limit));
@@ -203,10 +203,10 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
 
 std::string Judge::torque_breach(const GapResult& gap, const ReportedContact& report) const {
   if (!(gap.sphere_radius_m > 0) || gap.direction.isZero()) return "";
-  if (report.held || report.fallback || report.interior_hits > 0) return "";
+  if (report.retained || report.fallback || report.interior_hits > 0) return "";
   if (report.coherence < kDirectionFromCoherence) return "";
   const Vec3 centre = gap.nearest_dynamic + gap.sphere_radius_m * gap.direction;
-  const Vec3 lever = centre - report.tool_in_world.position;
+  const Vec3 lever = centre - report.pose_WT.position;
   const double off_sphere = settings_.shell_offset_m + settings_.chord_error_m + kLeverSlack * settings_.edge_m;
   const double limit = gap.sphere_radius_m + off_sphere;
   const double off = (report.wrench.torque - lever.cross(report.wrench.force)).norm();

@@ -75,13 +75,13 @@ struct JudgeSettings {
 
 /// The contact under judgement, as ContactState reports it. World frame.
 struct ReportedContact {
-  Pose tool_in_world;
+  Pose pose_WT;
   Wrench wrench;
   Vec3 mean_normal = Vec3::Zero();
   double deepest_depth_m = 0.0;
   double coherence = 0.0;
   std::uint32_t surface_hits = 0, interior_hits = 0;
-  bool held = false;      ///< FLAG_HELD
+  bool retained = false;      ///< FLAG_HELD
   bool fallback = false;  ///< FLAG_FALLBACK
 };
 

@@ -21,9 +21,9 @@ std::vector<Vec3> corner_of_each_part(const ReferenceMesh& mesh) {
   };
   for (const auto& t : mesh.triangles) root[find(t[1])] = find(t[0]), root[find(t[2])] = find(t[0]);
   std::vector<Vec3> corners;
-  std::vector<bool> taken(root.size(), false);
+  std::vector<bool> seen(root.size(), false);
   for (const auto& t : mesh.triangles)
-    if (const std::uint32_t part = find(t[0]); !taken[part]) taken[part] = true, corners.push_back(mesh.vertices[t[0]]);
+    if (const std::uint32_t part = find(t[0]); !seen[part]) seen[part] = true, corners.push_back(mesh.vertices[t[0]]);
   return corners;
 }
 

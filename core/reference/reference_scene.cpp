@@ -109,10 +109,10 @@ double ReferenceScene::tool_reach_m() const noexcept { return parts_->tool_reach
 
 bool ReferenceScene::inside_known() const noexcept { return parts_->all_closed; }
 
-GapResult ReferenceScene::gap(const Pose& tool_in_world) const {
-  if (!tool_in_world.finite()) return {};
+GapResult ReferenceScene::gap(const Pose& pose_WT) const {
+  if (!pose_WT.finite()) return {};
   const Parts& p = *parts_;
-  GapResult gap = p.sphere ? p.sphere_gap(tool_in_world * p.sphere->centre) : p.mesh->gap(p.statics, tool_in_world);
+  GapResult gap = p.sphere ? p.sphere_gap(pose_WT * p.sphere->centre) : p.mesh->gap(p.statics, pose_WT);
   gap.inside_known = p.all_closed;
   return gap;
 }

@@ -34,8 +34,8 @@ class ReferenceScene {
   /// Puts moving objects to where they are `time_s` after the session's begin. Not beside a query.
   void move_to(double time_s) noexcept;
 
-  /// The gap with the tool at `tool_in_world`. A pose that is not finite gives method kNone.
-  GapResult gap(const Pose& tool_in_world) const;
+  /// The gap with the tool at `pose_WT`. A pose that is not finite gives method kNone.
+  GapResult gap(const Pose& pose_WT) const;
 
   /// Largest difference between declared primitives and meshes that a gap may carry: the dynamic object's plus the largest
   /// of the static ones [m]. What a Judge wants to know.

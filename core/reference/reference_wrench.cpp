@@ -28,13 +28,13 @@ int outward(const InsideTest& body, const Corners& c) {
 }
 
 /// In T. A closed tool pushes outward whichever way round its file has the triangles; an open one has no outside, and keeps them.
-std::vector<Corners> outward_triangles(const ReferenceMesh& mesh, const Pose& mesh_in_tool) {
+std::vector<Corners> outward_triangles(const ReferenceMesh& mesh, const Pose& pose_TM) {
   const InsideTest body(mesh);
   std::vector<Corners> triangles;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     Corners c{mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
     if (mesh.closed && outward(body, c) < 0) std::swap(c[1], c[2]);
-    for (Vec3& corner : c) corner = mesh_in_tool * corner;
+    for (Vec3& corner : c) corner = pose_TM * corner;
     triangles.push_back(c);
   }
   return triangles;
@@ -185,9 +185,9 @@ ReferenceWrench::ReferenceWrench(const scene::Scene& scene, double resolution_m)
 }
 ReferenceWrench::~ReferenceWrench() = default;
 
-TrueWrench ReferenceWrench::at(const Pose& tool_in_world) const {
-  if (!tool_in_world.finite()) return {};
-  Integral integral(parts_->statics, tool_in_world, parts_->resolution);
+TrueWrench ReferenceWrench::at(const Pose& pose_WT) const {
+  if (!pose_WT.finite()) return {};
+  Integral integral(parts_->statics, pose_WT, parts_->resolution);
   integral.run(parts_->tool);
   return integral.result();
 }

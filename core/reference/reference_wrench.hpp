@@ -38,7 +38,7 @@ class ReferenceWrench {
   ~ReferenceWrench();
 
   /// A pose that is not finite gives zeros.
-  TrueWrench at(const Pose& tool_in_world) const;
+  TrueWrench at(const Pose& pose_WT) const;
 
  private:
   struct Parts;

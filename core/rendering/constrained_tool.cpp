@@ -56,13 +56,13 @@ void ConstrainedTool::put_objects(double time_s) noexcept {
   }
 }
 
-contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& told) noexcept {
+contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& out) noexcept {
   const bool was_placed = tool_.placed() && !fresh_;
   if (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s) tool_.reset();
   const Pose before = frame_.tool;
   put_objects(time_s);
   frame_ = tool_.frame({.pose = hand, .period_s = dt_s, .friction = friction}, grounds_);
-  told = {.constrained = frame_.constrained,
+  out = {.constrained = frame_.constrained,
           .lag = frame_.lag || frame_.moved_too_far,
           .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable,
           .residual_m = frame_.residual_m,
@@ -92,7 +92,7 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   if (!contact.wrench.finite() || !contact.stiffness.allFinite()) {  // nothing that is no number goes on from here
     contact.wrench = {}, contact.stiffness.setZero(), contact.stiffness_bound_n_per_m = 0.0;
     tool_.reset();
-    told.unplaced = true;
+    out.unplaced = true;
   }
   const bool follows = was_placed && tool_.placed() && dt_s > 0.0;
   twist_ = {};
@@ -125,7 +125,7 @@ void ConstrainedTool::tell_parts(double felt_n_per_m) noexcept {
   }
 }
 
-void ConstrainedTool::take_over(const Pose& tool, double time_s) noexcept {
+void ConstrainedTool::start_from(const Pose& tool, double time_s) noexcept {
   reset();
   put_objects(time_s);
   if (tool_.place(tool, grounds_)) frame_.tool = tool;

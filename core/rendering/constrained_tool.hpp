@@ -36,7 +36,7 @@ class ConstrainedTool {
 
   /// One frame: the spring's wrench on the hand, stiffness and what is touched, as a contact. `contact.stiffness_bound_n_per_m` is the
   /// spring's own. Real-time safe.
-  contact::ContactResult render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& told) noexcept;
+  contact::ContactResult render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& out) noexcept;
 
   /// Of the last `render`: the virtual tool, and its motion since the one before.
   const Pose& pose() const noexcept { return frame_.tool; }
@@ -51,7 +51,7 @@ class ConstrainedTool {
   double stiffened_j() const noexcept { return stiffened_j_; }
 
   /// Starts from `tool`, the virtual tool of a scene that this one takes the place of, where that is free here. Real-time safe.
-  void take_over(const Pose& tool, double time_s) noexcept;
+  void start_from(const Pose& tool, double time_s) noexcept;
   /// There is no virtual tool any more, until the hand is outside. Real-time safe.
   void reset() noexcept;
 

@@ -1,7 +1,7 @@
 #pragma once
 /// How the device moves the tool in the world, and how the contact comes back to the hand.
 ///
-///   T in W = device_in_world * scaled(tip in D) * tool_offset
+///   pose_WT = pose_WD * scaled(pose_DP) * pose_PT
 ///
 /// `scaled` multiplies the tip's position by position_scale s and leaves its orientation. What goes out of W is the wrench
 /// about the tool's origin; what the device takes is the wrench about its tip, in D. With force_scale f:
@@ -18,20 +18,20 @@
 
 namespace voxtouch::rendering {
 
-/// Wrench about the tool's origin in W to wrench about the device's tip in D. `tool_in_world` is the tool's orientation that
+/// Wrench about the tool's origin in W to wrench about the device's tip in D. `rotation_WT` is the tool's orientation that
 /// the wrench was computed for. Real-time safe.
-Wrench wrench_to_device(const scene::WorkspaceMapping& spec, const Wrench& in_world, const Quat& tool_in_world) noexcept;
+Wrench wrench_to_device(const scene::WorkspaceMapping& spec, const Wrench& wrench_W, const Quat& rotation_WT) noexcept;
 
 /// The same from sample to sample: an orientation that is none (not finite, no unit quaternion within 1e-3) must not make the command
 /// none, so the tool is taken to be turned as it was last. Real-time safe.
 class WrenchToDevice {
  public:
   explicit WrenchToDevice(const scene::WorkspaceMapping& spec) noexcept : spec_(spec) {}
-  Wrench operator()(const Wrench& in_world, const Quat& tool_in_world) noexcept;
+  Wrench operator()(const Wrench& wrench_W, const Quat& rotation_WT) noexcept;
 
  private:
   scene::WorkspaceMapping spec_;
-  Quat last_tool_in_world_ = Quat::Identity();
+  Quat last_rotation_WT_ = Quat::Identity();
 };
 
 /// The tool as the device holds it.
@@ -52,7 +52,7 @@ class DeviceMapping {
 
   /// One sample: tip in D, its twist in D axes, buttons (bit 0 = first). A norm of the quaternion within 1e-3 of 1 is
   /// normalised, any other refuses the sample. A twist that is not finite reads as zero.
-  const ToolState& update(const Pose& tip_in_device, const Twist& twist_in_device, std::uint32_t buttons) noexcept;
+  const ToolState& update(const Pose& pose_DP, const Twist& twist_D, std::uint32_t buttons) noexcept;
 
   const ToolState& tool() const noexcept { return tool_; }
   /// Forgets the clutch's offset and the last sample: a new device session.
@@ -60,9 +60,9 @@ class DeviceMapping {
 
  private:
   scene::WorkspaceMapping spec_;
-  Vec3 shift_ = Vec3::Zero();           ///< clutch: added to the tip's position in W
-  Quat turn_ = Quat::Identity();        ///< clutch: tip orientation in W is followed by this
-  Pose held_;                           ///< tip in W while clutched
+  Vec3 shift_W_ = Vec3::Zero();         ///< clutch: added to the tip's position in W
+  Quat rotation_P_ = Quat::Identity();   ///< clutch: tip orientation in W is followed by this
+  Pose clutched_WP_;                   ///< tip in W while clutched
   bool seen_ = false;
   ToolState tool_;
 };

@@ -62,7 +62,7 @@ SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
 void LiveScene::swap_to(BuiltScene& next) noexcept {
   old_ = std::exchange(now_, &next);
   now_->scene_renderer().aim_for_spring(spring_n_per_m_);
-  now_->scene_renderer().take_over_tool(old_->scene_renderer(), last_s_ < 0.0 ? 0.0 : last_s_);
+  now_->scene_renderer().start_tool_from(old_->scene_renderer(), last_s_ < 0.0 ? 0.0 : last_s_);
   supplied_old_j_ = std::exchange(supplied_now_j_, 0.0);
   weight_ = 0.0;
 }

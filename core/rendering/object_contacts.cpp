@@ -64,7 +64,7 @@ contact::StageResult ObjectContacts::render_all(const Pose& tool, double time_s)
       all = one;
     } else {
       add_contact(one.contact, all.contact);
-      all.held |= one.held, all.fast |= one.fast;
+      all.retained |= one.retained, all.fast |= one.fast;
       all.crossed |= one.crossed, all.missed |= one.missed;
     }
   }

@@ -39,7 +39,7 @@ class ProximityField final : public effects::Proximity {
 /// Points of the tool, for a cost that its size does not change.
 struct ToolPoints {
   /// Lookups a sample at most.
-  static constexpr std::size_t kMost = 128;
+  static constexpr std::size_t kMaxPoints = 128;
   std::vector<effects::ToolPoint> points;
   double gap_m = 0.0;    ///< no point of the shell is farther from one of these
   double reach_m = 0.0;  ///< of them from the tool's origin
@@ -47,6 +47,6 @@ struct ToolPoints {
 
 /// Spread over the shell: each next one is the shell point farthest from those there are (Gonzalez 1985: the gap is at most
 /// twice the least possible), ties by the shell's order; each takes the area of the shell points that are nearest to it.
-ToolPoints spread_tool_points(const pointshell::Pointshell& shell, std::size_t most = ToolPoints::kMost);
+ToolPoints spread_tool_points(const pointshell::Pointshell& shell, std::size_t most = ToolPoints::kMaxPoints);
 
 }  // namespace voxtouch::rendering

@@ -58,8 +58,8 @@ void SceneRenderer::add_effects_at_both(const ToolState& hand, double time_s, do
   add(effects_.apply(look(hand, dt_s, time_s, constrained_->parts()), &surface), frame);
 }
 
-void SceneRenderer::take_over_tool(const SceneRenderer& before, double time_s) noexcept {
-  if (constrained_ && before.constrained_ && before.constrained_->placed()) constrained_->take_over(before.constrained_->pose(), time_s);
+void SceneRenderer::start_tool_from(const SceneRenderer& before, double time_s) noexcept {
+  if (constrained_ && before.constrained_ && before.constrained_->placed()) constrained_->start_from(before.constrained_->pose(), time_s);
 }
 
 const Pose& SceneRenderer::object_pose(const Pose& tool) const noexcept {

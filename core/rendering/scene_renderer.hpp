@@ -61,7 +61,7 @@ class SceneRenderer {
     if (constrained_) constrained_->aim_for(n_per_m);
   }
   /// The virtual tool of `before`, where both scenes have one and its place is free in this one, is this one's from now on. Real-time safe.
-  void take_over_tool(const SceneRenderer& before, double time_s) noexcept;
+  void start_tool_from(const SceneRenderer& before, double time_s) noexcept;
 
   /// What the effects are given for a sample `step_s` after the last one; points into `contacts`. Real-time safe.
   effects::EffectFrame look(const ToolState& object, double step_s, double time_s,

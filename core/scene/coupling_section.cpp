@@ -65,9 +65,9 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   if (ask.kind != "auto" && ask.kind != "shaping_filter")
     map.refuse("cutoff_hz", fmt::format("goes with kind: auto or shaping_filter, not with {}.", ask.kind));
   map.read("cutoff_hz", ask.cutoff_hz);
-  coupling::CouplingSpec wished;
-  wished.cutoff_hz = ask.cutoff_hz;
-  judge(source, node, map, wished);
+  coupling::CouplingSpec requested;
+  requested.cutoff_hz = ask.cutoff_hz;
+  judge(source, node, map, requested);
   map.read("gain_margin", ask.gain_margin);
   map.read("stiffness_cap_n_per_m", ask.stiffness_cap_n_per_m);
   map.read("stiffness_cap_nm_per_rad", ask.stiffness_cap_nm_per_rad);

@@ -76,13 +76,13 @@ class MapReader {
   /// Throws where the key is required.
   template <class T>
   void read(std::string_view key, T& out) const {
-    if (!take(key, out) && row_of(key).rule == KeyRule::kRequired) require(key);
+    if (!read_if_present(key, out) && row_of(key).rule == KeyRule::kRequired) require(key);
   }
   /// The key's value or its standard; throws where there is neither.
   template <class T>
   T get(std::string_view key) const {
     T out{};
-    if (!take(key, out)) require(key);
+    if (!read_if_present(key, out)) require(key);
     return out;
   }
   /// Place among the row's words of the key's value or standard; throws where there is neither.
@@ -99,7 +99,7 @@ class MapReader {
 
   const Key& row_of(std::string_view key) const;
   template <class T>
-  bool take(std::string_view key, T& out) const {
+  bool read_if_present(std::string_view key, T& out) const {
     const Key& row = row_of(key);
     if (const YamlNode* value = find(key)) return read_value(source_, *value, row, out), true;
     if (row.standard.empty()) return false;

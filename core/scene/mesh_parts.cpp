@@ -20,8 +20,8 @@ bool is_gltf(const std::filesystem::path& mesh) {
 }  // namespace
 
 void for_each_mesh_part(const std::filesystem::path& mesh, const std::string& bytes,
-                        const std::function<void(std::string_view)>& take) {
-  take(bytes);
+                        const std::function<void(std::string_view)>& visit) {
+  visit(bytes);
   if (!is_gltf(mesh)) return;
   const nlohmann::json doc = nlohmann::json::parse(bytes, nullptr, false);
   if (!doc.is_object() || !doc.contains("buffers") || !doc["buffers"].is_array()) return;
@@ -29,7 +29,7 @@ void for_each_mesh_part(const std::filesystem::path& mesh, const std::string& by
     if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
     const std::filesystem::path file = mesh.parent_path() / buffer["uri"].get<std::string>();
     std::error_code error;
-    if (std::filesystem::is_regular_file(file, error)) take(mesh::read_mesh_bytes(file));  // "data:..." is none
+    if (std::filesystem::is_regular_file(file, error)) visit(mesh::read_mesh_bytes(file));  // "data:..." is none
   }
 }
 

@@ -53,12 +53,12 @@ struct ObjectSpec {
   std::optional<Motion> moves;  ///< displacement of the whole object in W [m] over the time since the session's begin
 };
 
-/// How the device moves the tool in the world: T in W = device_in_world * scaled(T in D) * tool_offset.
+/// How the device moves the tool in the world: pose_WT = pose_WD * scaled(pose_DP) * pose_PT.
 struct WorkspaceMapping {
   double position_scale = 1.0;  ///< metres in W for one metre of the device
   double force_scale = 1.0;     ///< newtons at the device for one newton in W; loop gain is the product of both
-  Pose device_in_world;         ///< D in W
-  Pose tool_offset;             ///< T in the device's tip frame
+  Pose pose_WD;                 ///< D, the device's base, in W
+  Pose pose_PT;                 ///< T in P, the device's tip
   std::optional<std::uint32_t> clutch_button;  ///< while pressed the tool stays and the device moves free
   bool operator==(const WorkspaceMapping&) const = default;
 };

@@ -165,8 +165,8 @@ WorkspaceMapping read_device(const MapReader& map) {
   WorkspaceMapping device;
   map.read("position_scale", device.position_scale);
   map.read("force_scale", device.force_scale);
-  if (map.has("pose")) device.device_in_world = read_pose(map.inner("pose"));
-  if (map.has("tool")) device.tool_offset = read_pose(map.inner("tool"));
+  if (map.has("pose")) device.pose_WD = read_pose(map.inner("pose"));
+  if (map.has("tool")) device.pose_PT = read_pose(map.inner("tool"));
   map.read("clutch_button", device.clutch_button);
   return device;
 }

@@ -14,17 +14,17 @@ std::string what_is_wrong(const DeviceDescription& d) {
     if (wrong.empty() && !(value >= least && value <= most))  // NaN is not within
       wrong = fmt::format("the device's {} is {:g}, not from {:g} to {:g}", name, value, least, most);
   };
-  const bool turns = d.max_torque_nm > 0.0;
+  const bool gives_torque = d.max_torque_nm > 0.0;
   within("rate_hz", d.rate_hz, 10.0, 100'000.0);
   within("max_force_n", d.max_force_n, 1e-3, 10'000.0);
   within("max_torque_nm", d.max_torque_nm, 0.0, 10'000.0);
   within("max_force_rate_n_per_s", d.max_force_rate_n_per_s, 1e-3, kNoLimit);
-  within("max_torque_rate_nm_per_s", d.max_torque_rate_nm_per_s, turns ? 1e-3 : 0.0, kNoLimit);
+  within("max_torque_rate_nm_per_s", d.max_torque_rate_nm_per_s, gives_torque ? 1e-3 : 0.0, kNoLimit);
   within("max_stiffness_n_per_m", d.max_stiffness_n_per_m, 1e-3, 1e7);
   within("max_stiffness_nm_per_rad", d.max_stiffness_nm_per_rad, 0.0, 1e7);
   within("mass_min_kg", d.mass_min_kg, 1e-4, 1'000.0);
   within("mass_max_kg", d.mass_max_kg, d.mass_min_kg, 1'000.0);
-  within("inertia_min_kg_m2", d.inertia_min_kg_m2, turns ? 1e-9 : 0.0, 1'000.0);
+  within("inertia_min_kg_m2", d.inertia_min_kg_m2, gives_torque ? 1e-9 : 0.0, 1'000.0);
   within("inertia_max_kg_m2", d.inertia_max_kg_m2, d.inertia_min_kg_m2, 1'000.0);
   within("damping_ns_per_m", d.damping_ns_per_m, 0.0, 10'000.0);
   within("damping_nms_per_rad", d.damping_nms_per_rad, 0.0, 10'000.0);

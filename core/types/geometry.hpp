@@ -5,7 +5,10 @@
 ///   W  world: where scenes, voxmaps and contact wrenches live.
 ///   D  device base: where a device reports its pose and takes its force.
 ///   T  tool: the frame of the dynamic object's mesh; its origin is the point that torques refer to.
+///   P  tip: the point of the device that the hand moves; T is fixed to it.
 /// A pose `T in W` maps points of T to W: x_W = orientation * x_T + position.
+/// Where two frames meet in a function or a struct, names end in them: `pose_WT` is T in W, `rotation_DW` turns axes of W into
+/// axes of D, `wrench_D` and `arm_PT_W` (from P to T) have the axes of their last letter.
 ///
 /// Units are SI throughout: metres, seconds, newtons, newton metres, radians. A bare number that crosses a border carries
 /// its unit in its name (`stiffness_n_per_m`). Quaternions are unit, written w x y z.

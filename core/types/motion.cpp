@@ -108,18 +108,18 @@ MotionPoint motion_at(const Motion& motion, double time_s) noexcept {
   return rest_at(motion, last);
 }
 
-Motion motion_in_device(const Motion& in_world, const Pose& device_in_world, const Pose& tool_offset, double position_scale) {
-  const Quat to_device = device_in_world.orientation.conjugate();
-  Motion out = in_world;
-  out.orientation = (to_device * in_world.orientation * tool_offset.orientation.conjugate()).normalized();
-  const Vec3 arm = out.orientation * tool_offset.position;  // tip to tool's origin; not scaled: a length of W
+Motion motion_in_device(const Motion& motion_W, const Pose& pose_WD, const Pose& pose_PT, double position_scale) {
+  const Quat rotation_DW = pose_WD.orientation.conjugate();
+  Motion out = motion_W;
+  out.orientation = (rotation_DW * motion_W.orientation * pose_PT.orientation.conjugate()).normalized();
+  const Vec3 arm_PT_D = out.orientation * pose_PT.position;  // tip to tool's origin; not scaled: a length of W
   const auto point = [&](const Vec3& x) -> Vec3 {
-    return (to_device * (x - device_in_world.position) - arm) / position_scale;
+    return (rotation_DW * (x - pose_WD.position) - arm_PT_D) / position_scale;
   };
   for (Vec3& x : out.path) x = point(x);
-  if (in_world.circle_centre) out.circle_centre = point(*in_world.circle_centre);
-  out.circle_axis = to_device * in_world.circle_axis;
-  out.speed_m_per_s = in_world.speed_m_per_s / position_scale;
+  if (motion_W.circle_centre) out.circle_centre = point(*motion_W.circle_centre);
+  out.circle_axis = rotation_DW * motion_W.circle_axis;
+  out.speed_m_per_s = motion_W.speed_m_per_s / position_scale;
   return out;
 }
 

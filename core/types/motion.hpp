@@ -50,7 +50,7 @@ MotionPoint motion_at(const Motion& motion, double time_s) noexcept;
 double approach_duration(const Motion& motion) noexcept;
 
 /// The tool's motion in W as the motion of the device's tip in D that brings it about: the inverse of
-/// `T in W = device_in_world * scaled(tip in D) * tool_offset`. `position_scale` > 0: metres in W for one metre of the device.
-Motion motion_in_device(const Motion& in_world, const Pose& device_in_world, const Pose& tool_offset, double position_scale);
+/// `T in W = pose_WD * scaled(tip in D) * pose_PT`. `position_scale` > 0: metres in W for one metre of the device.
+Motion motion_in_device(const Motion& motion_W, const Pose& pose_WD, const Pose& pose_PT, double position_scale);
 
 }  // namespace voxtouch

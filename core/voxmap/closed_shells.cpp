@@ -56,34 +56,34 @@ std::vector<KeyedTriangle> sorted_by_corners(const GridMesh& mesh, const std::ve
 /// Union-find whose links carry one bit: whether two triangles agree in orientation.
 class Orientation {
  public:
-  explicit Orientation(std::size_t count) : parent_(count), turned_(count, 0) {
+  explicit Orientation(std::size_t count) : parent_(count), flipped_(count, 0) {
     std::iota(parent_.begin(), parent_.end(), 0U);
   }
   std::uint32_t root(std::uint32_t t) {
-    std::uint8_t turn = 0;
+    std::uint8_t flip = 0;
     std::uint32_t r = t;
-    for (; parent_[r] != r; r = parent_[r]) turn ^= turned_[r];
+    for (; parent_[r] != r; r = parent_[r]) flip ^= flipped_[r];
     while (parent_[t] != r && t != r) {  // path compression keeps the bit relative to the root
       const std::uint32_t next = parent_[t];
-      const std::uint8_t own = turned_[t];
-      parent_[t] = r, turned_[t] = turn;
-      turn ^= own;
+      const std::uint8_t own = flipped_[t];
+      parent_[t] = r, flipped_[t] = flip;
+      flip ^= own;
       t = next;
     }
     return r;
   }
-  bool turned(std::uint32_t t) { return root(t) != t && turned_[t]; }
+  bool flipped(std::uint32_t t) { return root(t) != t && flipped_[t]; }
   void join(std::uint32_t a, std::uint32_t b, bool opposite) {
     const std::uint32_t ra = root(a), rb = root(b);
-    const bool turn = turned(a) ^ turned(b) ^ opposite;
+    const bool flip = flipped(a) ^ flipped(b) ^ opposite;
     if (ra == rb) return;  // a contradiction (a Moebius band) shows later as an edge that does not balance
     const auto [low, high] = std::minmax(ra, rb);
-    parent_[high] = low, turned_[high] = turn;
+    parent_[high] = low, flipped_[high] = flip;
   }
 
  private:
   std::vector<std::uint32_t> parent_;
-  std::vector<std::uint8_t> turned_;
+  std::vector<std::uint8_t> flipped_;
 };
 
 struct Edge {
@@ -152,19 +152,19 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
     if (group.size() == 2) patch.join(group[0].slot, group[1].slot, group[0].forward == group[1].forward);
     if (group.size() % 2 != 0) open[group[0].slot] = 1;
   });
-  std::vector<double> kept_area(count, 0.0), turned_area(count, 0.0);
+  std::vector<double> kept_area(count, 0.0), flipped_area(count, 0.0);
   for (std::uint32_t s = 0; s < count; ++s) {
     if (open[s]) open[part.root(s)] = 1;
-    if (!tidy) (patch.turned(s) ? turned_area : kept_area)[patch.root(s)] += twice_area(mesh, triangles[s]);
+    if (!tidy) (patch.flipped(s) ? flipped_area : kept_area)[patch.root(s)] += twice_area(mesh, triangles[s]);
   }
-  const auto turn = [&](std::uint32_t s) {
+  const auto flip = [&](std::uint32_t s) {
     const std::uint32_t root = patch.root(s);
-    return patch.turned(s) != (turned_area[root] > kept_area[root]);
+    return patch.flipped(s) != (flipped_area[root] > kept_area[root]);
   };
   if (!tidy)
     for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
       int balance = 0;
-      for (const Edge& edge : group) balance += edge.forward != turn(edge.slot) ? 1 : -1;
+      for (const Edge& edge : group) balance += edge.forward != flip(edge.slot) ? 1 : -1;
       if (balance != 0) unbalanced[part.root(group[0].slot)] = 1;
     });
   std::vector<std::uint32_t> left;
@@ -178,11 +178,11 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
     }
     shells.closed_parts += root == s;
     shells.unoriented_parts += root == s && unbalanced[root];
-    shells.role[t] = unbalanced[root] ? ShellRole::kParity : turn(s) ? ShellRole::kTurned : ShellRole::kKept;
+    shells.role[t] = unbalanced[root] ? ShellRole::kParity : flip(s) ? ShellRole::kFlipped : ShellRole::kKept;
     shells.patch[t] = triangles[patch.root(s)];
     if (unbalanced[root]) continue;
-    shells.turned_triangles += turn(s);
-    shells.signed_volume += (turn(s) ? -1.0 : 1.0) * six_volumes(mesh, t) / 6.0;
+    shells.flipped_triangles += flip(s);
+    shells.signed_volume += (flip(s) ? -1.0 : 1.0) * six_volumes(mesh, t) / 6.0;
   }
   return left;
 }

@@ -53,7 +53,7 @@ double solid_ahead(const GridMesh& mesh, const ClosedShells& shells, const Dista
       parity ^= 1;
       crossings.push_back({at, 0});
     } else {
-      crossings.push_back({at, role == ShellRole::kTurned ? -out : out});
+      crossings.push_back({at, role == ShellRole::kFlipped ? -out : out});
       winding += crossings.back().winding;
     }
   });

@@ -93,17 +93,17 @@ double DistanceTree::nearest(const Vec3& p, double bound, std::uint32_t& place) 
   std::array<Entry, kDeepest> stack;
   std::size_t depth = 0;
   double best = bound * bound;
-  const auto take = [&](std::uint32_t facet) {
+  const auto compare = [&](std::uint32_t facet) {
     const double square = square_distance(facets_[facet], p);
     if (square < best) best = square, place = facet;
   };
-  if (place != kNoPlace) take(place);
+  if (place != kNoPlace) compare(place);
   stack[depth++] = {0, square_distance(nodes_[0], p)};
   while (depth > 0) {
     const Entry entry = stack[--depth];
     if (entry.square > best * (1.0 + kRoundingRelative) + kRoundingAbsolute) continue;
     const Node& node = nodes_[entry.node];
-    for (std::uint32_t n = 0; n < node.count; ++n) take(node.first + n);
+    for (std::uint32_t n = 0; n < node.count; ++n) compare(node.first + n);
     if (node.count != 0) continue;
     Entry near{entry.node + 1, square_distance(nodes_[entry.node + 1], p)};
     Entry far{node.first, square_distance(nodes_[node.first], p)};

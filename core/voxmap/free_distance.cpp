@@ -21,7 +21,7 @@ constexpr int gap_to(std::int64_t centre, std::int64_t cell) {
 }
 
 /// best[n] = min(best[n], from[n] + more)
-VOXTOUCH_CLONES void take_nearer(Squared* best, const Squared* from, Squared more, std::size_t count) noexcept {
+VOXTOUCH_CLONES void keep_nearer(Squared* best, const Squared* from, Squared more, std::size_t count) noexcept {
   for (std::size_t n = 0; n < count; ++n) {
     const auto way = static_cast<Squared>(from[n] + more);
     best[n] = way < best[n] ? way : best[n];
@@ -49,7 +49,7 @@ class Chessboard {
   static constexpr std::uint8_t kFarthest = 255;
   static std::uint8_t farther(std::uint8_t d) noexcept { return d == kFarthest ? d : static_cast<std::uint8_t>(d + 1); }
 
-  void take(std::int64_t x, std::int64_t y) noexcept {
+  void keep_least_of(std::int64_t x, std::int64_t y) noexcept {
     if (x < 0 || x >= n_[0] || y < 0 || y >= n_[1]) return;
     const std::uint8_t* const from = row(x, y);
     for (std::size_t z = 0; z + 2 < best_.size(); ++z) best_[z + 1] = std::min(best_[z + 1], from[z]);
@@ -58,8 +58,8 @@ class Chessboard {
   void sweep(std::int64_t x, std::int64_t y, int step) noexcept {
     const std::size_t line = best_.size() - 2;
     std::fill(best_.begin(), best_.end(), kFarthest);  // of the lines already swept; one cell of margin each end
-    for (int dy = -1; dy <= 1; ++dy) take(x - step, y + dy);
-    take(x, y - step);
+    for (int dy = -1; dy <= 1; ++dy) keep_least_of(x - step, y + dy);
+    keep_least_of(x, y - step);
     std::uint8_t* const own = row(x, y);
     for (std::size_t z = 0; z < line; ++z)
       own[z] = std::min(own[z], farther(std::min(best_[z], std::min(best_[z + 1], best_[z + 2]))));
@@ -97,16 +97,16 @@ class Occupancy::Planes {
  public:
   Planes(const Occupancy& from, std::int64_t centres_y, std::int64_t centres_z)
       : from_(from), ny_(centres_y), nz_(static_cast<std::size_t>(centres_z)),
-        along_z_(static_cast<std::size_t>(from.n_[1]) * nz_), row_taken_(static_cast<std::size_t>(from.n_[1])) {
-    for (Plane& plane : ring_) plane.best.resize(static_cast<std::size_t>(ny_) * nz_), plane.taken.resize(static_cast<std::size_t>(ny_));
+        along_z_(static_cast<std::size_t>(from.n_[1]) * nz_), row_is_near_(static_cast<std::size_t>(from.n_[1])) {
+    for (Plane& plane : ring_) plane.best.resize(static_cast<std::size_t>(ny_) * nz_), plane.near.resize(static_cast<std::size_t>(ny_));
   }
 
   /// best[z] = min over the plane `x`, row of the centre `y`, with `more` added. False where nothing is near.
-  bool take(std::int64_t x, std::int64_t y, Squared more, Squared* best) {
+  bool lower(std::int64_t x, std::int64_t y, Squared more, Squared* best) {
     Plane& plane = ring_[static_cast<std::size_t>(x) % ring_.size()];
     if (plane.x != x) fill(plane, x);
-    if (plane.taken[static_cast<std::size_t>(y)] == 0) return false;
-    take_nearer(best, &plane.best[static_cast<std::size_t>(y) * nz_], more, nz_);
+    if (plane.near[static_cast<std::size_t>(y)] == 0) return false;
+    keep_nearer(best, &plane.best[static_cast<std::size_t>(y) * nz_], more, nz_);
     return true;
   }
 
@@ -114,23 +114,23 @@ class Occupancy::Planes {
   struct Plane {
     std::int64_t x = -1;
     std::vector<Squared> best;         ///< centres (y, z)
-    std::vector<std::uint8_t> taken;   ///< y: anything near
+    std::vector<std::uint8_t> near;   ///< y: anything near
   };
 
   void fill(Plane& plane, std::int64_t x) {
     plane.x = x;
-    for (std::int64_t y = 0; y < from_.n_[1]; ++y) row_taken_[static_cast<std::size_t>(y)] = line(x, y);
+    for (std::int64_t y = 0; y < from_.n_[1]; ++y) row_is_near_[static_cast<std::size_t>(y)] = line(x, y);
     for (std::int64_t y = 0; y < ny_; ++y) {
       Squared* const best = &plane.best[static_cast<std::size_t>(y) * nz_];
       std::fill(best, best + nz_, kFar);
-      std::uint8_t& taken = plane.taken[static_cast<std::size_t>(y)];
-      taken = 0;
+      std::uint8_t& near = plane.near[static_cast<std::size_t>(y)];
+      near = 0;
       const std::int64_t last = std::min(from_.n_[1], 2 * y + 1 + kReach);
       for (std::int64_t row = std::max<std::int64_t>(0, 2 * y + 1 - kReach); row < last; ++row) {
-        if (row_taken_[static_cast<std::size_t>(row)] == 0) continue;
+        if (row_is_near_[static_cast<std::size_t>(row)] == 0) continue;
         const int gap = gap_to(y, row);
-        take_nearer(best, &along_z_[static_cast<std::size_t>(row) * nz_], static_cast<Squared>(gap * gap), nz_);
-        taken = 1;
+        keep_nearer(best, &along_z_[static_cast<std::size_t>(row) * nz_], static_cast<Squared>(gap * gap), nz_);
+        near = 1;
       }
     }
   }
@@ -165,7 +165,7 @@ class Occupancy::Planes {
   std::int64_t ny_;
   std::size_t nz_;
   std::vector<Squared> along_z_;
-  std::vector<std::uint8_t> row_taken_;
+  std::vector<std::uint8_t> row_is_near_;
   std::array<Plane, static_cast<std::size_t>(2) * kReach> ring_;
 };
 
@@ -192,7 +192,7 @@ std::vector<std::uint8_t> Occupancy::bytes() const {
       const std::int64_t last = std::min(n_[0], 2 * x + 1 + kReach);
       for (std::int64_t plane = std::max<std::int64_t>(0, 2 * x + 1 - kReach); plane < last; ++plane) {
         const int gap = gap_to(x, plane);
-        near |= planes.take(plane, y, static_cast<Squared>(gap * gap), best.data());
+        near |= planes.lower(plane, y, static_cast<Squared>(gap * gap), best.data());
       }
       std::uint8_t* const row = board.row(x, y);
       for (std::size_t z = 0; z < nz; ++z)

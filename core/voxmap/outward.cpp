@@ -12,7 +12,7 @@
 namespace voxtouch::voxmap {
 namespace {
 
-bool oriented(ShellRole role) { return role == ShellRole::kKept || role == ShellRole::kTurned; }
+bool oriented(ShellRole role) { return role == ShellRole::kKept || role == ShellRole::kFlipped; }
 
 Vec3 area_of(const GridMesh& mesh, std::uint32_t t) {
   return area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
@@ -37,7 +37,7 @@ double six_volumes(const GridMesh& mesh, const ClosedShells& shells, Members::co
   for (; first != last; ++first) {
     const std::uint32_t t = first->second;
     const double volume = (mesh.corner(t, 0) - at).dot((mesh.corner(t, 1) - at).cross(mesh.corner(t, 2) - at));
-    sum += shells.role[t] == ShellRole::kTurned ? -volume : volume;
+    sum += shells.role[t] == ShellRole::kFlipped ? -volume : volume;
   }
   return sum;
 }

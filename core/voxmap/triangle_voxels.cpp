@@ -126,15 +126,15 @@ Meeting TriangleVoxels::meeting(const VoxelIndex& v) const noexcept {
 TriangleVoxels::Range TriangleVoxels::rows_in_slab(std::int32_t i) const noexcept {
   const int axis = 3 - run_;
   double low = INFINITY, high = -INFINITY;
-  const auto take = [&](double value) { low = std::min(low, value), high = std::max(high, value); };
+  const auto extend = [&](double value) { low = std::min(low, value), high = std::max(high, value); };
   for (std::size_t n = 0; n < 3; ++n) {
     const Vec3& a = corner_[n];
     const Vec3& b = corner_[(n + 1) % 3];
-    if (a.x() >= i && a.x() <= i + 1.0) take(a[axis]);
+    if (a.x() >= i && a.x() <= i + 1.0) extend(a[axis]);
     for (int border = 0; border < 2; ++border) {
       const double x = i + double(border);
       if ((a.x() < x && b.x() > x) || (a.x() > x && b.x() < x))
-        take(a[axis] + (b[axis] - a[axis]) * std::clamp((x - a.x()) / (b.x() - a.x()), 0.0, 1.0));
+        extend(a[axis] + (b[axis] - a[axis]) * std::clamp((x - a.x()) / (b.x() - a.x()), 0.0, 1.0));
     }
   }
   const auto s = static_cast<std::size_t>(axis);

@@ -120,8 +120,8 @@ VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel
       groups.group[node] = groups.group[root];
       continue;
     }
-    groups.group[node] = static_cast<std::uint32_t>(groups.member.size());
-    groups.member.push_back(node < cells ? surface.first_voxel(node)
+    groups.group[node] = static_cast<std::uint32_t>(groups.representative.size());
+    groups.representative.push_back(node < cells ? surface.first_voxel(node)
                                          : first_of(groups.pieces[node - cells], surface));
   }
   return groups;

@@ -37,7 +37,7 @@ struct VoxelGroups {
   std::vector<std::uint32_t> first_piece;  ///< of each brick, one more at the end
   /// of each cell (cells with surface: unused), then of each piece; 0 is outside
   std::vector<std::uint32_t> group;
-  std::vector<VoxelIndex> member;          ///< one voxel of each group
+  std::vector<VoxelIndex> representative;          ///< one voxel of each group
 };
 
 VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel_for);

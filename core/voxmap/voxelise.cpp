@@ -82,10 +82,10 @@ SurfaceBits mark_surface(const GridMesh& mesh, const Slabs& slabs, const Voxmap&
 /// For each group of voxels, whether it lies inside.
 std::vector<std::uint8_t> judge_groups(const GridMesh& mesh, const Slabs& slabs, const ClosedShells& shells,
                                        const VoxelGroups& groups, const ParallelFor& parallel_for) {
-  std::vector<std::uint8_t> inside(groups.member.size(), 0);
+  std::vector<std::uint8_t> inside(groups.representative.size(), 0);
   if (shells.closed_parts == 0) return inside;
   parallel_for(inside.size() - 1, [&](std::size_t n) {
-    const VoxelIndex& v = groups.member[n + 1];  // group 0 is outside
+    const VoxelIndex& v = groups.representative[n + 1];  // group 0 is outside
     const auto slab = static_cast<std::size_t>((v.i - slabs.first(0)) >> 3);
     inside[n + 1] = inside_shells(mesh, shells, slabs.triangles(slab), Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5));
   });

@@ -41,7 +41,7 @@ bool inside_shells(const GridMesh& mesh, const ClosedShells& shells,
     if (role == ShellRole::kParity)
       parity ^= 1;
     else
-      winding += shadow * (role == ShellRole::kTurned ? -1 : 1);
+      winding += shadow * (role == ShellRole::kFlipped ? -1 : 1);
   }
   return winding != 0 || parity != 0;
 }

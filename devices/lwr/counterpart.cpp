@@ -70,7 +70,7 @@ class WireLwr final : public devices::Counterpart {
  private:
   static std::vector<std::string> arguments(const LwrOptions& driver, const devices::DeviceOptions& options,
                                             const devices::SettingReader& settings) {
-    const Vec3& tool = driver.tool_in_flange.position;
+    const Vec3& tool = driver.pose_FT.position;
     std::vector<std::string> a = {"--remote",
                                   fmt::format("127.0.0.1:{}", driver.port),
                                   "--period-ms",
@@ -87,8 +87,8 @@ class WireLwr final : public devices::Counterpart {
   /// The controller's tool has the flange's axes, ours is turned against them: so is the motion in the base.
   static std::string hand(const LwrOptions& driver, const devices::DeviceOptions& options) {
     hand::HandFile file;
-    file.motion = motion_in_device(devices::motion_of(options), driver.d_in_base.inverse(),
-                                   {Vec3::Zero(), driver.tool_in_flange.orientation}, 1.0);
+    file.motion = motion_in_device(devices::motion_of(options), driver.pose_BD.inverse(),
+                                   {Vec3::Zero(), driver.pose_FT.orientation}, 1.0);
     file.hand = options.hand.value_or(usual_hand_at_wire_lwr());
     file.seed = options.seed;
     return hand::to_text(file);
@@ -99,10 +99,10 @@ class WireLwr final : public devices::Counterpart {
 
 }  // namespace
 
-void place(LwrOptions& options, const Vec3& rest_in_d, const Vec3& tool_in_flange) {
+void place(LwrOptions& options, const Vec3& rest_in_d, const Vec3& tool_F) {
   const Pose flange = LwrArm().flange(options.posture.posture);
-  options.tool_in_flange = {tool_in_flange, flange.orientation.conjugate().normalized()};
-  options.d_in_base = {(flange * options.tool_in_flange).position - rest_in_d, Quat::Identity()};
+  options.pose_FT = {tool_F, flange.orientation.conjugate().normalized()};
+  options.pose_BD = {(flange * options.pose_FT).position - rest_in_d, Quat::Identity()};
 }
 
 std::unique_ptr<devices::Driver> open_lwr(const devices::DeviceOptions& options) {

@@ -26,6 +26,6 @@ DeviceDescription describe_wire_lwr(const devices::DeviceOptions& options);
 sim::OperatorConfig usual_hand_at_wire_lwr();
 
 /// D and T so that the tool at the rest posture lies at `rest_in_d`, with the axes of T, D and the base parallel.
-void place(LwrOptions& options, const Vec3& rest_in_d, const Vec3& tool_in_flange);
+void place(LwrOptions& options, const Vec3& rest_in_d, const Vec3& tool_F);
 
 }  // namespace voxtouch::lwr

@@ -7,7 +7,7 @@
 namespace voxtouch::lwr::fri {
 
 struct SequenceCounts {
-  std::uint64_t taken = 0;
+  std::uint64_t accepted = 0;
   std::uint64_t lost = 0;        ///< counts that were jumped over, those that came late (`reordered`) among them
   std::uint64_t reordered = 0;   ///< older than the newest
   std::uint64_t duplicates = 0;  ///< the newest once more
@@ -21,11 +21,11 @@ class SequenceTracker {
 
   /// An older count is old news, unless `kRestartRun` of them come in one ascending run: then the controller counts anew.
   Verdict see(std::uint16_t sequence) noexcept {
-    if (!started_) return take(sequence, 1);
+    if (!started_) return accept(sequence, 1);
     const std::int32_t ahead = sequence_distance(newest_, sequence);
     if (ahead > 0) {
       counts_.lost += static_cast<std::uint64_t>(ahead - 1);
-      return take(sequence, static_cast<std::uint32_t>(ahead));
+      return accept(sequence, static_cast<std::uint32_t>(ahead));
     }
     if (ahead == 0) return ++counts_.duplicates, Verdict::kDuplicate;
     ++counts_.reordered;
@@ -33,12 +33,12 @@ class SequenceTracker {
     last_old_ = sequence;
     if (run_ < kRestartRun) return Verdict::kOld;
     ++counts_.restarts;
-    return take(sequence, 1);
+    return accept(sequence, 1);
   }
   /// After a silence any count is news: the wrap may have been jumped over.
   void forget() noexcept { started_ = false; }
 
-  /// Periods from the measurement taken before to the newest, at least 1.
+  /// Periods from the measurement accepted before to the newest, at least 1.
   std::uint32_t steps() const noexcept { return steps_; }
   std::uint16_t newest() const noexcept { return newest_; }
   const SequenceCounts& counts() const noexcept { return counts_; }
@@ -46,9 +46,9 @@ class SequenceTracker {
   static constexpr std::uint32_t kRestartRun = 8;
 
  private:
-  Verdict take(std::uint16_t sequence, std::uint32_t steps) noexcept {
+  Verdict accept(std::uint16_t sequence, std::uint32_t steps) noexcept {
     started_ = true, newest_ = sequence, steps_ = steps, run_ = 0;
-    ++counts_.taken;
+    ++counts_.accepted;
     return Verdict::kNew;
   }
 

@@ -35,11 +35,11 @@ LwrArm::State LwrArm::at(const LwrJoints& q) const noexcept {
     const Pose row{Vec3(0.0, 0.0, kD[n]), turn_about_z(q[i]) * quarter_turns_about_x(kAlphaQuarterTurns[n])};
     state.links[n + 1] = state.links[n] * row;
   }
-  state.tool = state.links.back() * tool_in_flange_;
+  state.pose_BT = state.links.back() * pose_FT_;
   for (int i = 0; i < kJoints; ++i) {
     const Pose& before = state.links[static_cast<std::size_t>(i)];  // joint i turns about the z axis of frame i
     const Vec3 axis = before.orientation * Vec3::UnitZ();
-    state.jacobian.col(i) << axis.cross(state.tool.position - before.position), axis;
+    state.jacobian.col(i) << axis.cross(state.pose_BT.position - before.position), axis;
   }
   return state;
 }

@@ -25,24 +25,24 @@ class LwrArm {
   static constexpr std::array<double, kJoints> kD = {0.3105, 0.0, 0.400, 0.0, 0.390, 0.0, 0.078};  ///< m
   static constexpr std::array<int, kJoints> kAlphaQuarterTurns = {1, -1, -1, 1, 1, -1, 0};
 
-  /// `tool_in_flange`: the frame T that poses, twists and wrenches are of.
-  explicit LwrArm(const Pose& tool_in_flange = {}) noexcept : tool_in_flange_(tool_in_flange) {}
+  /// `pose_FT`: the frame T that poses, twists and wrenches are of.
+  explicit LwrArm(const Pose& pose_FT = {}) noexcept : pose_FT_(pose_FT) {}
 
   /// All that one posture gives, computed once.
   struct State {
     std::array<Pose, kJoints + 1> links;  ///< DH frame i in the base; 0 the base, 7 the flange
-    Pose tool;                            ///< T in the base
+    Pose pose_BT;                         ///< T in the base B
     LwrJacobian jacobian;                 ///< geometric, about the tool's origin
   };
   /// Real-time safe. Non-finite in, non-finite out.
   State at(const LwrJoints& q) const noexcept;
   Pose flange(const LwrJoints& q) const noexcept { return at(q).links.back(); }
-  Pose tool(const LwrJoints& q) const noexcept { return at(q).tool; }
+  Pose tool(const LwrJoints& q) const noexcept { return at(q).pose_BT; }
   LwrJacobian jacobian(const LwrJoints& q) const noexcept { return at(q).jacobian; }
-  const Pose& tool_in_flange() const noexcept { return tool_in_flange_; }
+  const Pose& pose_FT() const noexcept { return pose_FT_; }
 
  private:
-  Pose tool_in_flange_;
+  Pose pose_FT_;
 };
 
 /// Joint torque that gives `wrench` (base axes, about the tool's origin): J^T F.

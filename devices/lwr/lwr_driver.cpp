@@ -160,9 +160,9 @@ void LwrDriver::measure(double elapsed_s) noexcept {
   q_ = q;
   posture_ = arm_.at(q);
   const Vec6 twist = posture_.jacobian * rates_.see(q, elapsed_s);
-  sample_.pose = options_.d_in_base.inverse() * posture_.tool;
+  sample_.pose = options_.pose_BD.inverse() * posture_.pose_BT;
   sample_.pose.orientation.normalize();
-  sample_.twist = {base_to_d_ * twist.head<3>(), base_to_d_ * twist.tail<3>()};
+  sample_.twist = {rotation_DB_ * twist.head<3>(), rotation_DB_ * twist.tail<3>()};
 }
 
 fri::Trouble LwrDriver::check_arm() const noexcept {
@@ -173,8 +173,8 @@ fri::Trouble LwrDriver::check_arm() const noexcept {
 // --- what goes out
 
 LwrJoints LwrDriver::push_for(const Wrench& command) noexcept {
-  const Quat to_base = base_to_d_.conjugate();
-  LwrJoints torque = joint_torque(posture_.jacobian, {to_base * command.force, to_base * command.torque});
+  const Quat rotation_BD = rotation_DB_.conjugate();
+  LwrJoints torque = joint_torque(posture_.jacobian, {rotation_BD * command.force, rotation_BD * command.torque});
   const double need = (torque.array().abs() / options_.max_add_torque_nm.array().max(1e-9)).maxCoeff();
   if (need > 1.0) ++counts_.scaled, torque /= need;
   const double step =

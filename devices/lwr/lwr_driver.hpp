@@ -141,7 +141,7 @@ class LwrDriver final : public devices::Driver {
   std::array<std::byte, 2048> buffer_;
   fri::MsrPacket incoming_{}, msr_{};
   UdpEndpoint controller_;
-  Quat base_to_d_ = Quat::Identity();
+  Quat rotation_DB_ = Quat::Identity();
   LwrArm::State posture_{};
   LwrJoints q_ = LwrJoints::Zero();
   devices::DeviceSample sample_;

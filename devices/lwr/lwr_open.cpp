@@ -41,9 +41,9 @@ std::chrono::nanoseconds seconds(double s) { return std::chrono::nanoseconds(std
 
 LwrDriver::LwrDriver(const LwrOptions& options)
     : options_(checked(options)), socket_(options.address, options.port),
-      capture_(options.capture_file.empty() ? 0 : options.capture_packets), arm_(options.tool_in_flange),
+      capture_(options.capture_file.empty() ? 0 : options.capture_packets), arm_(options.pose_FT),
       limits_(lwr_limits()), session_(options.session), rates_(options.rate_cutoff_hz),
-      base_to_d_(options.d_in_base.orientation.conjugate()) {
+      rotation_DB_(options.pose_BD.orientation.conjugate()) {
   if (!options_.controller.empty()) controller_.address = *parse_ipv4(options_.controller);
   connect();
   if (virtual_time_) start_in_virtual_time();
@@ -86,7 +86,7 @@ std::string LwrDriver::nothing_came() const {
   if (counts_.untrusted)
     return fmt::format("{} that can be mirrored: its numbers are not finite, or its state is undefined ({} from {})",
                        where, name_of(last_fault_), text_of(last_bad_from_));
-  if (sequence_.counts().taken > counts_.untrusted)
+  if (sequence_.counts().accepted > counts_.untrusted)
     return fmt::format("{} of an open interface, only of one that is closed: call friOpen on the controller", where);
   if (counts_.malformed)
     return fmt::format(

@@ -28,9 +28,9 @@ void LwrOptions::validate() const {
   require_in(max_age_s, 1e-6, 10.0, "max_age_s");
   require_in(virtual_timeout_s, 0.01, 3600.0, "virtual_timeout_s");
   require_in(stop_timeout_s, 0.0, 10.0, "stop_timeout_s");
-  require(tool_in_flange.finite() && unit(tool_in_flange.orientation), "tool_in_flange",
+  require(pose_FT.finite() && unit(pose_FT.orientation), "tool_in_flange",
           "finite, its quaternion of length one");
-  require(d_in_base.finite() && unit(d_in_base.orientation), "d_in_base", "finite, its quaternion of length one");
+  require(pose_BD.finite() && unit(pose_BD.orientation), "d_in_base", "finite, its quaternion of length one");
   require(session.start_quality <= fri::Quality::kPerfect, "session.start_quality", "0 to 3");
   require(session.keep_quality <= session.start_quality, "session.keep_quality", "0 to session.start_quality");
   require_in(session.start_timeout_s, 0.01, 3600.0, "session.start_timeout_s");

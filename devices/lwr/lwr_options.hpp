@@ -20,8 +20,8 @@ struct LwrOptions {
   double max_age_s = 0.02;          ///< a measurement that lay in the kernel for longer is no news
   double virtual_timeout_s = 10.0;  ///< how long a controller in virtual time may take for its next measurement
   double stop_timeout_s = 0.5;      ///< for leaving command mode at the end
-  Pose tool_in_flange;              ///< T
-  Pose d_in_base;                   ///< frame D in the robot's base (z up, along axis 1)
+  Pose pose_FT;                     ///< the tool T in the flange F
+  Pose pose_BD;                     ///< frame D in the robot's base B (z up, along axis 1)
   fri::SessionRules session;
   fri::ComposerRules composer;      ///< the step limit is set by the driver
   PostureRules posture;

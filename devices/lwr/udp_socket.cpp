@@ -33,11 +33,11 @@ UdpEndpoint from_system(const sockaddr_in& address) noexcept {
 std::chrono::nanoseconds age_of(msghdr& message) noexcept {
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part; part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS) continue;
-    timespec taken{}, now{};
-    std::memcpy(&taken, CMSG_DATA(part), sizeof taken);
+    timespec arrived{}, now{};
+    std::memcpy(&arrived, CMSG_DATA(part), sizeof arrived);
     clock_gettime(CLOCK_REALTIME, &now);
     const std::chrono::nanoseconds age =
-        std::chrono::seconds(now.tv_sec - taken.tv_sec) + std::chrono::nanoseconds(now.tv_nsec - taken.tv_nsec);
+        std::chrono::seconds(now.tv_sec - arrived.tv_sec) + std::chrono::nanoseconds(now.tv_nsec - arrived.tv_nsec);
     return std::max(age, std::chrono::nanoseconds(0));
   }
   return std::chrono::nanoseconds(0);

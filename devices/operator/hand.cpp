@@ -139,7 +139,7 @@ MotionPoint Hand::lead(const MotionPoint& wanted) noexcept {
   return {0.5 * (second_before + second_), (second_ - second_before) / step_s_};
 }
 
-void Hand::take(const sim::OperatorConfig& config) {
+void Hand::grip_as(const sim::OperatorConfig& config) {
   config_ = checked(config);
   tremor_ = sim::Tremor(config.tremor_n, config.tremor_bandwidth_hz, step_s_, seed_);
 }

@@ -48,7 +48,7 @@ struct HandAction {
 };
 
 /// Follows a Motion through two equal first-order lags in a row, which keep it to what a hand can follow on purpose. Steps of
-/// one fixed length; the same calls give the same bits. Real-time safe but for the constructor, `follow` and `take`.
+/// one fixed length; the same calls give the same bits. Real-time safe but for the constructor, `follow` and `grip_as`.
 class Hand {
  public:
   /// Voluntary movement reaches 2 to 5 Hz; -3 dB of both lags together. Infinity: the target is the motion itself.
@@ -69,7 +69,7 @@ class Hand {
   const Quat& orientation() const noexcept { return orientation_; }
 
   /// From now on this grip. Times in it stay on this hand's clock. Throws as the constructor does.
-  void take(const sim::OperatorConfig& config);
+  void grip_as(const sim::OperatorConfig& config);
   /// From now on this motion, which starts now; the target leads over to it through its lags. Throws likewise.
   void follow(Motion motion);
 

@@ -17,7 +17,7 @@ constexpr auto kPoll = std::chrono::milliseconds(10);
 constexpr int kTicksAPoll = 10;  // in virtual time
 constexpr double kPollS = 0.01;
 
-std::atomic<bool> g_taken{false};  // the servo loop is the process's, so there is one session a process
+std::atomic<bool> g_in_use{false};  // the servo loop is the process's, so there is one session a process
 
 /// Throws away what waits; the first of it that matters, which is the newest.
 hd::HDerror take_errors(const hd::Api& api) {
@@ -40,7 +40,7 @@ hd::HDenum style_of(int bits) noexcept {  // the last that is supported wins, in
 }  // namespace
 
 HdSession::Claim::Claim(const hd::Api& functions) : api(functions) {
-  if (g_taken.exchange(true))
+  if (g_in_use.exchange(true))
     throw devices::DeviceOpenError(
         "device 'phantom': a Phantom is open in this process already, and its servo loop serves one; close it first, "
         "or start "
@@ -56,7 +56,7 @@ HdSession::Claim::~Claim() {
   if (scheduled) api.hdUnschedule(callback);
   if (initiated) api.hdDisableDevice(device);
   take_errors(api);
-  g_taken.store(false);
+  g_in_use.store(false);
 }
 
 HdSession::HdSession(const HdLibrary& library, const PhantomOptions& options)

@@ -116,7 +116,7 @@ devices::DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept
     return good;
   }
   const std::uint64_t errors = servo_->trouble().count();
-  if (told_.exchange(errors, std::memory_order_relaxed) != errors) {
+  if (known_errors_.exchange(errors, std::memory_order_relaxed) != errors) {
     servo_->drop();
     return std::unexpected(classify(servo_->trouble().newest()).error);
   }
@@ -159,7 +159,7 @@ std::string PhantomDriver::trouble() const {
         "its servo loop has not ticked for {:.1f} s; look at the device and the vendor's diagnostic tool, and open it "
         "again",
         std::chrono::duration<double>(silence).count());
-  if (trouble.count() != told_.load(std::memory_order_relaxed))
+  if (trouble.count() != known_errors_.load(std::memory_order_relaxed))
     return fmt::format("force dropped by error {}; it comes back with the next commands",
                        error_text(library_.api(), trouble.newest()));
   if (pose_lost_.load(std::memory_order_relaxed))

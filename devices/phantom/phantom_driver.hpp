@@ -81,7 +81,7 @@ class PhantomDriver final : public devices::Driver {
   Clock::duration period_{};
   ServoSample sample_;
   std::int64_t zero_ns_ = 0;
-  std::atomic<std::uint64_t> told_{0};  // errors that the caller knows of
+  std::atomic<std::uint64_t> known_errors_{0};  // errors that the caller knows of
   std::atomic<bool> pose_lost_{false};  // of the last sample
   std::uint64_t refused_ = 0, timeouts_ = 0;
   bool first_ = true, virtual_time_ = false;

@@ -36,7 +36,7 @@ bool starts_with(std::string_view name, std::string_view prefix) noexcept {
   return name.size() >= prefix.size() && std::equal(prefix.begin(), prefix.end(), name.begin(), same);
 }
 
-double told_or(double told, double otherwise) noexcept { return std::isfinite(told) && told > 0.0 ? told : otherwise; }
+double known_or(double known, double otherwise) noexcept { return std::isfinite(known) && known > 0.0 ? known : otherwise; }
 
 }  // namespace
 
@@ -49,7 +49,7 @@ const PhantomFigures& phantom_figures(std::string_view model) noexcept {
 
 double continuous_force_n(const PhantomFacts& facts) noexcept {
   const PhantomFigures& f = phantom_figures(facts.model);
-  return std::min(told_or(facts.continuous_force_n, f.continuous_force_n), told_or(facts.max_force_n, f.max_force_n));
+  return std::min(known_or(facts.continuous_force_n, f.continuous_force_n), known_or(facts.max_force_n, f.max_force_n));
 }
 
 DeviceDescription describe_phantom(const PhantomFacts& facts) {
@@ -57,13 +57,13 @@ DeviceDescription describe_phantom(const PhantomFacts& facts) {
   DeviceDescription d = sim::sim_phantom().description;  // what all models share, with its sources
   d.model = facts.model.empty() ? "Phantom" : facts.model;
   d.rate_hz = servo_rate_hz(facts.rate_hz);
-  d.max_force_n = told_or(facts.max_force_n, f.max_force_n);
-  d.max_torque_nm = facts.output_dof >= 6 ? told_or(facts.max_torque_nm, 0.0) : 0.0;
+  d.max_force_n = known_or(facts.max_force_n, f.max_force_n);
+  d.max_torque_nm = facts.output_dof >= 6 ? known_or(facts.max_torque_nm, 0.0) : 0.0;
   // Assumed, as for the simulated Phantom; what makes the device drop its force is never reached.
   d.max_force_rate_n_per_s = std::min(std::max(d.max_force_rate_n_per_s, d.max_force_n / kFadeS),
-                                      0.9 * told_or(facts.max_impulse_n_per_s, 1e9));
+                                      0.9 * known_or(facts.max_impulse_n_per_s, 1e9));
   d.max_torque_rate_nm_per_s = d.max_torque_nm / kFadeS;  // assumed: as fast as a fade needs it
-  d.max_stiffness_n_per_m = std::min(told_or(facts.max_stiffness_n_per_m, 1e9), f.max_stiffness_n_per_m);
+  d.max_stiffness_n_per_m = std::min(known_or(facts.max_stiffness_n_per_m, 1e9), f.max_stiffness_n_per_m);
   d.mass_min_kg = f.mass_min_kg;
   d.mass_max_kg = f.mass_max_kg;
   d.coulomb_friction_n = f.coulomb_friction_n;
@@ -81,9 +81,9 @@ DeviceDescription describe_phantom(const PhantomFacts& facts) {
 
 /// floor(8000 / n + 0.5) over FireWire, and 500, 1000, 2000 over a parallel port, which are among those.
 double servo_rate_hz(double measured_hz) noexcept {
-  constexpr double kUsual = 1000.0;
-  if (!(measured_hz > 400.0 && measured_hz < 9000.0)) return kUsual;
-  double nearest = kUsual;
+  constexpr double kDefaultHz = 1000.0;
+  if (!(measured_hz > 400.0 && measured_hz < 9000.0)) return kDefaultHz;
+  double nearest = kDefaultHz;
   for (int n = 1; n <= 16; ++n) {
     const double rate = std::floor(8000.0 / n + 0.5);
     if (std::abs(rate - measured_hz) < std::abs(nearest - measured_hz)) nearest = rate;

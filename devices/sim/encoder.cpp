@@ -33,8 +33,8 @@ Encoder::Encoder(double position_resolution_m, double orientation_resolution_rad
     : position_resolution_m_(position_resolution_m),
       orientation_resolution_rad_(orientation_resolution_rad),
       per_period_(1.0 / period_s) {
-  const double turn = 2.0 * std::numbers::pi * filter_hz * period_s;
-  follow_ = turn / (1.0 + turn);  // backward Euler: its lag at low frequency is 1 / (2 pi filter_hz) exactly
+  const double angle_per_sample = 2.0 * std::numbers::pi * filter_hz * period_s;
+  follow_ = angle_per_sample / (1.0 + angle_per_sample);  // backward Euler: its lag at low frequency is 1 / (2 pi filter_hz) exactly
 }
 
 void Encoder::sample(const Pose& truth) noexcept {

@@ -15,7 +15,7 @@ struct ChangeOptions : runtime::ChangeWords {
 };
 
 int change(const ChangeOptions& o) {
-  (void)runtime::read_wishes(o);  // before anything of DDS begins
+  (void)runtime::read_changes(o);  // before anything of DDS begins
   const bus::Participant participant(o.node.participant("change"));
   nlohmann::ordered_json answers = nlohmann::ordered_json::array();
   const auto heard = [&](const runtime::ChangeAnswer& answer) {

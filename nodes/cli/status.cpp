@@ -59,8 +59,8 @@ class Rigs {
     view::NodeTable nodes;
   };
   void add(const std::string& name) {
-    constexpr std::size_t kMost = 64;  // names are anybody's to choose
-    if (rigs_.size() < kMost && !rigs_.contains(name))
+    constexpr std::size_t kMaxRigs = 64;  // names are anybody's to choose
+    if (rigs_.size() < kMaxRigs && !rigs_.contains(name))
       rigs_[name].registry = std::make_unique<runtime::NodeRegistry>(participant_, name);
   }
   bus::Participant participant_;

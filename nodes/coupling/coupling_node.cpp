@@ -46,7 +46,7 @@ class CouplingNode {
                  qos::profile_in(qos::kCouplingDesign, options.mode())),
         wait_set_(participant_), device_("device", {&descriptions_.following()}),
         rendering_("rendering", {&plans_.following(), &contacts_.following()}), fitting_(scene),
-        to_device_(scene.device) {
+        wrench_to_device_(scene.device) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(plans_.condition());
     wait_set_.attach(contacts_.condition());
@@ -68,7 +68,7 @@ class CouplingNode {
       wait_set_.wait(50'000'000);
       listen();
       if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
-      for (int i = 0; i < contacts_.kMaxTakes && !over() && turn(); ++i) {
+      for (int i = 0; i < contacts_.kMaxTakes && !over() && answer_one(); ++i) {
       }
     }
     session_.stop();
@@ -88,23 +88,23 @@ class CouplingNode {
   /// A session is followed where the device's status and description and the rendering's plan, each of the participant that is bound,
   /// name the same.
   void listen() {
-    descriptions_.take([this](const msg::DeviceDescription& d) { take(d); });
+    descriptions_.take([this](const msg::DeviceDescription& d) { receive(d); });
     plans_.take([this](const msg::ScenePlan& p) {
-      fitting_.take(p);
+      fitting_.set_plan(p);
       voxel_m_.store(p.voxel_size_m, kRelaxed);
     });
     changed_ = fitting_.changed() || changed_;
-    told_.store(descriptions_.current() && plans_.current(), std::memory_order_release);
-    if (!changed_ || !told_.load(kRelaxed) || fitting_.session() != device_.session()) return;
+    both_known_.store(descriptions_.current() && plans_.current(), std::memory_order_release);
+    if (!changed_ || !both_known_.load(kRelaxed) || fitting_.session() != device_.session()) return;
     changed_ = false;
     follow_change();
   }
 
   /// Numbers that cannot be a device's change nothing: what runs goes on as it was designed.
-  void take(const msg::DeviceDescription& message) {
+  void receive(const msg::DeviceDescription& message) {
     const DeviceDescription device = runtime::from_msg(message);
     std::string wrong = what_is_wrong(device);
-    if (wrong.empty()) fitting_.take(device, message.session_id);
+    if (wrong.empty()) fitting_.set_device(device, message.session_id);
     const std::lock_guard lock(running_mutex_);
     wrong_ = std::move(wrong);
   }
@@ -163,12 +163,12 @@ class CouplingNode {
   }
 
   /// Answers one contact; false where none waits.
-  bool turn() {
+  bool answer_one() {
     heartbeat_.beat();
     msg::ContactState contact;
     if (!contacts_.take(contact)) return false;
     // What another participant says of itself has yet to be judged before its contacts are felt.
-    if (contact.session_id != session_in_loop_ || !coupling_ || !told_.load(kRelaxed)) return true;
+    if (contact.session_id != session_in_loop_ || !coupling_ || !both_known_.load(kRelaxed)) return true;
     // A plan that holds from this sample on is here, for the rendering waited for that: it must not be used a sample later.
     if (options_.lockstep) listen();
     if (coupling_ && contact.session_id == session_in_loop_) answer(contact);  // what came may have left none that may run
@@ -181,8 +181,8 @@ class CouplingNode {
     follow_clutch((contact.flags & msg::contact_state::kFlagClutched) != 0);
     const coupling::CouplingInput input = coupling_input(contact);
     const coupling::CouplingOutput out = coupling_->step(input, dt_s);
-    const Wrench in_device = clutched_ ? Wrench{} : to_device_(out.wrench, input.tool.orientation);
-    commands_.write_until(force_command(contact, out, in_device, kValidPeriods * period_s_), [this] {
+    const Wrench wrench_D = clutched_ ? Wrench{} : wrench_to_device_(out.wrench, input.tool.orientation);
+    commands_.write_until(force_command(contact, out, wrench_D, kValidPeriods * period_s_), [this] {
       heartbeat_.beat();
       return !options_.lockstep || over();
     });
@@ -231,7 +231,7 @@ class CouplingNode {
     if (device_.bound()) rendering_.update(registry, device_.session());
     std::string missing =
         session_.report_to(report, options_, registry, links_, "a device and its scene's plan", samples_.load() > 0);
-    if (missing.empty() && !told_.load(std::memory_order_acquire)) {
+    if (missing.empty() && !both_known_.load(std::memory_order_acquire)) {
       missing = "a device and its scene's plan";
       report.session_id = 0, report.state = NodeState::kStarting;
     }
@@ -282,7 +282,7 @@ class CouplingNode {
   runtime::RoleBinding device_, rendering_;
   std::vector<runtime::Link> links_;
   Fitting fitting_;
-  rendering::WrenchToDevice to_device_;
+  rendering::WrenchToDevice wrench_to_device_;
   std::optional<coupling::RunningCoupling> coupling_;  ///< none before the first fit and while what was found must not run
   /// What other threads may ask about; the loop takes the lock only where a fit is adopted.
   struct Running {
@@ -293,7 +293,7 @@ class CouplingNode {
   std::mutex running_mutex_;
   std::string wrong_;               ///< of the device's last description; under the same lock
   bool changed_ = false;            ///< description or plan have changed and are not followed yet
-  std::atomic<bool> told_{false};   ///< both are there of those who are bound
+  std::atomic<bool> both_known_{false};   ///< both are there of those who are bound
   double period_s_ = 1e-3;
   std::uint64_t session_in_loop_ = 0;
   dds_instance_handle_t plan_writer_ = 0;  ///< whose plan the session was begun with

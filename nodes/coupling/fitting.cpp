@@ -20,13 +20,13 @@ fitting::DeviceDemand demand_in(const msg::ScenePlan& plan) {
 
 }  // namespace
 
-void Fitting::take(const DeviceDescription& device, std::uint64_t session) {
+void Fitting::set_device(const DeviceDescription& device, std::uint64_t session) {
   device_ = coupling::design::model_of(device);
   device_session_ = session;
   changed_ = outdated_ = true;
 }
 
-void Fitting::take(const msg::ScenePlan& plan) {
+void Fitting::set_plan(const msg::ScenePlan& plan) {
   const rendering::StiffnessBounds bounds{{plan.one_point_stiffness_n_per_m, plan.all_points_stiffness_n_per_m},
                          {plan.one_point_stiffness_nm_per_rad, plan.all_points_stiffness_nm_per_rad}};
   outdated_ |= plan_session_ != plan.session_id || bounds != bounds_;

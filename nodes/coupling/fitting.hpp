@@ -15,8 +15,8 @@ class Fitting {
  public:
   explicit Fitting(const scene::Scene& scene) : scene_(scene) {}
 
-  void take(const DeviceDescription& device, std::uint64_t session);
-  void take(const msg::ScenePlan& plan);
+  void set_device(const DeviceDescription& device, std::uint64_t session);
+  void set_plan(const msg::ScenePlan& plan);
   /// The device's session, once device and rendering both have spoken of it.
   std::optional<std::uint64_t> session() const noexcept;
   /// True once after either message came.

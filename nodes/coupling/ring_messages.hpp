@@ -21,20 +21,20 @@ inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) 
 
 inline std::uint32_t status_bits(const coupling::CouplingOutput& out) noexcept {
   using namespace msg::force_command;
-  return (out.ramping ? kStatusRamping : 0U) | (out.held_input ? kStatusHeldInput : 0U) |
+  return (out.ramping ? kStatusRamping : 0U) | (out.repeated_input ? kStatusHeldInput : 0U) |
          (out.clamped ? kStatusClamped : 0U) | (out.capped ? kStatusCapped : 0U) |
          (out.passivity ? kStatusPassivity : 0U);
 }
 
-/// The answer to the sample of `contact`: `out`, whose force is `in_device` there, good for `valid_s`.
+/// The answer to the sample of `contact`: `out`, whose force is `wrench_D` there, good for `valid_s`.
 inline msg::ForceCommand force_command(const msg::ContactState& contact, const coupling::CouplingOutput& out,
-                                       const Wrench& in_device, double valid_s) noexcept {
+                                       const Wrench& wrench_D, double valid_s) noexcept {
   msg::ForceCommand m{};
   m.session_id = contact.session_id;
   m.sequence_number = contact.sequence_number;
   m.sample_time_ns = contact.sample_time_ns;
   m.valid_until_ns = runtime::ns_after(contact.sample_time_ns, std::llround(valid_s * 1e9));
-  m.wrench = runtime::to_msg(in_device);
+  m.wrench = runtime::to_msg(wrench_D);
   m.energy_j = out.energy_j;
   m.energy_rotation_j = out.energy_rotation_j;
   m.damping_ns_per_m = out.damping_ns_per_m;

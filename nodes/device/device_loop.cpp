@@ -30,7 +30,7 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   deadline_ns_ = runtime::monotonic_ns();
   progress_.started_ns.store(deadline_ns_, kRelaxed);
   End end = End::kNone;
-  while (end == End::kNone) end = turn(stop);
+  while (end == End::kNone) end = cycle(stop);
   guard_.stop();
   driver_.stop();
   progress_.deadline_misses.store(commands_.deadlines_missed(), kRelaxed);
@@ -40,11 +40,11 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   return end;
 }
 
-End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
+End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   progress_.heartbeat.beat();
   if (stop.load(kRelaxed)) return End::kStopped;
   if (settings_.max_samples && sequence_ == settings_.max_samples) return End::kFinished;
-  if (requests_.rig_taken.load(kRelaxed)) return End::kRigTaken;
+  if (requests_.rig_claimed.load(kRelaxed)) return End::kRigClaimed;
   if (settings_.lockstep && requests_.peer_gone.load(kRelaxed)) return End::kPeerGone;
 
   const auto sample = driver_.read(std::chrono::microseconds(10 * period_ns_ / 1000));
@@ -77,7 +77,7 @@ End DeviceLoop::turn(const std::atomic<bool>& stop) noexcept {
   const auto written = driver_.write(force);
   note(written ? force : Wrench{});
   progress_.in_trouble.store(!written, kRelaxed);
-  if (written) takes_force_ = true;
+  if (written) accepts_force_ = true;
   return written ? End::kNone : on_device_error(written.error());
 }
 
@@ -88,7 +88,7 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   if (error == devices::DeviceError::kFault) return End::kDeviceFault;
   let_go();
   progress_.in_trouble.store(true, kRelaxed);
-  last_turn_ns_ = 0;  // it is at zero force: how long it takes to come back tells nothing
+  last_cycle_ns_ = 0;  // it is at zero force: how long it takes to come back tells nothing
   return End::kNone;
 }
 
@@ -97,14 +97,14 @@ void DeviceLoop::let_go() noexcept {
   guard_.restart();
   progress_.force_n.store(0.0, kRelaxed);
   progress_.zero_force_samples.fetch_add(1, kRelaxed);
-  if (std::exchange(takes_force_, false)) progress_.interruptions.fetch_add(1, kRelaxed);
+  if (std::exchange(accepts_force_, false)) progress_.interruptions.fetch_add(1, kRelaxed);
 }
 
 /// Whether this process was kept from its work for longer than a command is held and faded. By our clock: that of a simulated device
 /// stands still with the process, and what it pushed with then must not go on.
 bool DeviceLoop::stood_still() noexcept {
   if (settings_.lockstep) return false;
-  const std::int64_t now_ns = runtime::monotonic_ns(), last_ns = std::exchange(last_turn_ns_, now_ns);
+  const std::int64_t now_ns = runtime::monotonic_ns(), last_ns = std::exchange(last_cycle_ns_, now_ns);
   const std::int64_t gap_ns = last_ns ? now_ns - last_ns : 0;
   if (gap_ns <= longest_gap_ns_) return false;
   if (gap_ns > progress_.longest_gap_ns.load(kRelaxed)) progress_.longest_gap_ns.store(gap_ns, kRelaxed);
@@ -120,7 +120,7 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample, const std::atomic<
   if (trusted)
     last_pose_ = sample.pose;
   else
-    progress_.held_poses.fetch_add(1, kRelaxed);
+    progress_.untrusted_poses.fetch_add(1, kRelaxed);
   state.pose = runtime::to_msg(last_pose_);
   state.twist = runtime::to_msg(sample.twist);
   state.buttons = sample.buttons;
@@ -184,7 +184,7 @@ std::optional<devices::GuardInput> DeviceLoop::wait_in_real_time() noexcept {
 /// Of a device that paces itself its own stamps tell which samples nobody fetched.
 void DeviceLoop::count_skipped(std::int64_t sample_ns) noexcept {
   const std::int64_t last = std::exchange(last_sample_ns_, sample_ns);
-  if (sequence_ == 0 || !takes_force_) return;  // while it gets ready, or again ready, it may pause
+  if (sequence_ == 0 || !accepts_force_) return;  // while it gets ready, or again ready, it may pause
   const std::int64_t periods = (sample_ns - last + period_ns_ / 2) / period_ns_;
   if (periods > 1) progress_.overruns.fetch_add(static_cast<std::uint64_t>(periods - 1), kRelaxed);
 }

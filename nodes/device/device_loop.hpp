@@ -30,7 +30,7 @@ enum class End : std::uint32_t {
   kDeviceGone,
   kDeviceFault,
   kWriteBlocked,
-  kRigTaken
+  kRigClaimed
 };
 
 /// What other threads may read while the loop runs.
@@ -42,7 +42,7 @@ struct Progress {
   std::atomic<std::uint64_t> zero_force_samples{
       0};  ///< reads and writes that failed, of interruptions and of waiting: zero force each
   std::atomic<devices::DeviceError> last_error{devices::DeviceError::kTimeout};  ///< means something where zero_force_samples is not 0
-  std::atomic<std::uint64_t> held_poses{0};                    ///< samples whose pose was not to be trusted
+  std::atomic<std::uint64_t> untrusted_poses{0};                    ///< samples whose pose was not to be trusted
   std::atomic<bool> in_trouble{false};  ///< the last read or write failed: the device is at zero force
   std::atomic<std::uint64_t> deadline_misses{
       0};  ///< set at the end: a reader goes on counting once nobody writes any more
@@ -60,7 +60,7 @@ struct Progress {
 /// Asked by other threads of the loop.
 struct Requests {
   std::atomic<bool> peer_gone{false};       ///< lockstep: a node that takes part has gone
-  std::atomic<bool> rig_taken{false};       ///< another device of this rig was there first
+  std::atomic<bool> rig_claimed{false};     ///< another device of this rig was there first
 };
 
 class DeviceLoop {
@@ -79,7 +79,7 @@ class DeviceLoop {
   End run(const std::atomic<bool>& stop) noexcept;
 
  private:
-  End turn(const std::atomic<bool>& stop) noexcept;
+  End cycle(const std::atomic<bool>& stop) noexcept;
   End on_device_error(devices::DeviceError error) noexcept;
   void let_go() noexcept;
   bool stood_still() noexcept;
@@ -105,8 +105,8 @@ class DeviceLoop {
   std::int64_t last_sample_ns_ = 0;  // the device's clock
   std::array<std::int64_t, 256> published_ns_{};
   Pose last_pose_;
-  bool takes_force_ = false;  // the last write was accepted
-  std::int64_t last_turn_ns_ = 0, longest_gap_ns_;
+  bool accepts_force_ = false;  // the last write was accepted
+  std::int64_t last_cycle_ns_ = 0, longest_gap_ns_;
 };
 
 }  // namespace voxtouch::device_node

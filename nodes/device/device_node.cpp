@@ -67,7 +67,7 @@ std::string sentence(End end, const devices::Driver& driver) {
     case End::kDeviceFault:
       return fmt::format("{} reported a fault and needs a person; it was told to give zero force{}{}",
                          driver.description().model, trouble.empty() ? "" : ": ", trouble);
-    case End::kRigTaken:
+    case End::kRigClaimed:
       return "another device runs in this rig and stays; this one is at zero force. Choose another --rig or "
              "--domain";
     case End::kWriteBlocked: return "a sample could not be handed to DDS; the device is at zero force";
@@ -129,8 +129,8 @@ class DeviceNode {
 
  private:
   std::unique_ptr<devices::Driver> open_driver(const scene::Scene& scene, const std::atomic<bool>& stop) const {
-    const Motion motion = motion_in_device(choose_motion(scene, options_.motion), scene.device.device_in_world,
-                                           scene.device.tool_offset, scene.device.position_scale);
+    const Motion motion = motion_in_device(choose_motion(scene, options_.motion), scene.device.pose_WD,
+                                           scene.device.pose_PT, scene.device.position_scale);
     devices::DeviceOptions device;
     device.seed = options_.seed;
     device.motion = motion;
@@ -187,7 +187,7 @@ class DeviceNode {
     while (options_.lockstep && !peers_ready_.load(std::memory_order_acquire)) {
       progress_.heartbeat.beat();
       if (stop.load()) return End::kStopped;
-      if (requests_.rig_taken.load()) return End::kRigTaken;
+      if (requests_.rig_claimed.load()) return End::kRigClaimed;
       if (runtime::monotonic_ns() > give_up) {
         peers_late_ = true;
         return End::kPeerSilent;
@@ -217,8 +217,8 @@ class DeviceNode {
                    : end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                    : NodeState::kFailed;
     if (end == End::kNone && progress_.in_trouble.load()) trouble_ = trouble_of(*driver_, progress_.last_error.load());
-    if (const std::int64_t gap_ns = progress_.longest_gap_ns.load(); gap_ns > told_gap_ns_) {
-      told_gap_ns_ = gap_ns;
+    if (const std::int64_t gap_ns = progress_.longest_gap_ns.load(); gap_ns > reported_gap_ns_) {
+      reported_gap_ns_ = gap_ns;
       trouble_ = fmt::format("its process was kept from running for {:.0f} ms", static_cast<double>(gap_ns) * 1e-6);
     }
     report.message = end != End::kNone ? end_sentence(end)
@@ -275,7 +275,7 @@ class DeviceNode {
       const auto theirs = other.figures.find(kClaim);
       if (theirs == other.figures.end()) continue;  // it has not seen this one yet
       const std::uint64_t count = runtime::as_count(theirs->second.value);
-      if (count != *claim_ ? count > *claim_ : other.participant < participant_.guid()) requests_.rig_taken.store(true);
+      if (count != *claim_ ? count > *claim_ : other.participant < participant_.guid()) requests_.rig_claimed.store(true);
     }
     if (rival_.empty()) claim_.reset();
   }
@@ -314,7 +314,7 @@ class DeviceNode {
         {"clamped", {progress_.clamped.load(), "commands"}},
         {"interruptions", {progress_.interruptions.load(), "times"}},
         {"zero_force_samples", {progress_.zero_force_samples.load(), "samples"}},
-        {"held_poses", {progress_.held_poses.load(), "samples"}},
+        {"held_poses", {progress_.untrusted_poses.load(), "samples"}},
         {"faded", {progress_.faded.load(), "samples"}},
         {"foreign_commands", {coupling_->refused(), "commands"}}};
     if (const std::uint64_t first = progress_.first_answered.load(); first != Progress::kNone)
@@ -344,7 +344,7 @@ class DeviceNode {
   std::string rival_, waiting_for_;
   std::string gone_;  ///< lockstep: who was lost, and how
   LastSecond last_second_;
-  std::int64_t told_gap_ns_ = 0;
+  std::int64_t reported_gap_ns_ = 0;
   std::string trouble_;  ///< what last kept the device from giving force
 };
 

@@ -14,7 +14,7 @@
 namespace voxtouch::logger {
 namespace {
 
-constexpr std::int64_t kLongestFarewellNs = 1'000'000'000;
+constexpr std::int64_t kMaxStopNs = 1'000'000'000;
 
 std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder) {
   auto writer = bag::BagWriter::create(folder);
@@ -56,7 +56,7 @@ class LoggerNode {
       }
       // Whatever the others wrote before they stopped has been acknowledged by our readers: it is here, or on its way (best effort).
       // Not for ever: others may go on writing, a ring that this logger only listens to or a robot whose topics it was told.
-      const std::int64_t now = runtime::monotonic_ns(), quiet_until = now + 100'000'000, end = now + kLongestFarewellNs;
+      const std::int64_t now = runtime::monotonic_ns(), quiet_until = now + 100'000'000, end = now + kMaxStopNs;
       do {
         heartbeat_.beat();
         descriptions_.take([](const msg::DeviceDescription&) {});

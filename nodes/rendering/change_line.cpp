@@ -18,7 +18,7 @@ void ChangeLine::rest(rendering::LiveScene& live) noexcept {
   reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr});
 }
 
-void ChangeLine::take(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept {
+void ChangeLine::apply_due(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept {
   retire(live);
   rest(live);
   const bool judged = session_ == 0 || good_for_.load(std::memory_order_acquire) == session_;
@@ -42,7 +42,7 @@ void ChangeLine::take(rendering::LiveScene& live, std::uint64_t next, bool at_sa
       if (change->scene)
         live.swap_to(*change->scene);
       else
-        live.effects().take(change->effect);
+        live.effects().carry_out(change->effect);
       moving_ |= !change->scene && change->effect.action == effects::EffectAction::kValue;
       applied_ = change->ticket;
       report(ChangeReport::What::kApplied, *change, next);

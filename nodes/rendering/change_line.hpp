@@ -54,34 +54,34 @@ class ChangeLine {
   void found_good_for(std::uint64_t session) noexcept { good_for_.store(session, std::memory_order_release); }
   /// What waits with a ticket up to this one is dropped.
   void cancel(std::uint64_t ticket) noexcept { cancelled_.store(ticket, std::memory_order_release); }
-  /// Lockstep: the loop answers no sample from this one on before the hold is let go.
-  void hold_from(std::uint64_t sample) noexcept { hold_.store(sample, std::memory_order_seq_cst); }
-  void let_go() noexcept { hold_.store(kNoHold, std::memory_order_seq_cst); }
+  /// Lockstep: the loop answers no sample from this one on before it is resumed.
+  void pause_before(std::uint64_t sample) noexcept { pause_.store(sample, std::memory_order_seq_cst); }
+  void resume() noexcept { pause_.store(kNoPause, std::memory_order_seq_cst); }
   /// The sample that is being answered, or was last.
   std::uint64_t answering() const noexcept { return answering_.load(std::memory_order_seq_cst); }
 
   // Of the loop. All real-time safe.
   /// Between two samples; the next has the number `next`. Only `at_sample` is it there, and what waits for a sample may be taken.
-  void take(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept;
+  void apply_due(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept;
   /// Another session: what waits for a sample of the last one is dropped, what was asked for before any session stays.
   void begin_session(std::uint64_t session) noexcept;
   /// Ticket of the last change that was applied; 0: none.
   std::uint64_t applied() const noexcept { return applied_; }
   bool settled(std::uint64_t ticket) const noexcept { return settled_.load(std::memory_order_acquire) >= ticket; }
-  bool holds(std::uint64_t sample) noexcept {
+  bool pauses_before(std::uint64_t sample) noexcept {
     answering_.store(sample, std::memory_order_seq_cst);
-    return sample >= hold_.load(std::memory_order_seq_cst);
+    return sample >= pause_.load(std::memory_order_seq_cst);
   }
 
  private:
   void retire(rendering::LiveScene& live) noexcept;
   void rest(rendering::LiveScene& live) noexcept;
-  static constexpr std::uint64_t kNoHold = ~std::uint64_t{0};
+  static constexpr std::uint64_t kNoPause = ~std::uint64_t{0};
   void report(ChangeReport::What what, const Change& change, std::uint64_t sample) noexcept;
 
   runtime::SpscQueue<Change, kCapacity> changes_;
   runtime::SpscQueue<ChangeReport, 4 * kCapacity> reports_;
-  std::atomic<std::uint64_t> settled_{0}, hold_{kNoHold}, answering_{0}, good_for_{0}, cancelled_{0};
+  std::atomic<std::uint64_t> settled_{0}, pause_{kNoPause}, answering_{0}, good_for_{0}, cancelled_{0};
   std::uint64_t applied_ = 0, epoch_ = 0, session_ = 0;
   bool moving_ = false;  ///< numbers of the effects are on their way
 };

@@ -124,9 +124,9 @@ class RenderingNode {
   /// Between two samples. In lockstep it waits here for what the sample `next` must be answered with: the plan of a change, which
   /// readers must have before it, or a scene that is still being built.
   void change(std::uint64_t next, bool at_sample) noexcept {
-    while (options_.lockstep && at_sample && line_.holds(next) && !over()) sleep_briefly();
-    if (!options_.lockstep) (void)line_.holds(next);
-    line_.take(live_, next, at_sample);
+    while (options_.lockstep && at_sample && line_.pauses_before(next) && !over()) sleep_briefly();
+    if (!options_.lockstep) (void)line_.pauses_before(next);
+    line_.apply_due(live_, next, at_sample);
     while (options_.lockstep && !line_.settled(line_.applied()) && !over()) sleep_briefly();
   }
 
@@ -148,7 +148,7 @@ class RenderingNode {
       frame_ = live_.render(mapping_.tool(), seconds_since_begin(state));
       refused_in_a_row_ = 0;
     } else {
-      if (++refused_in_a_row_ > kHoldSamples) frame_ = {}, live_.lose_tool();
+      if (++refused_in_a_row_ > kMaxRepeats) frame_ = {}, live_.lose_tool();
     }
     publish(state, good, fading, begin);
   }
@@ -184,7 +184,7 @@ class RenderingNode {
     m.points_tested = c.points_tested;
     m.model = static_cast<std::uint32_t>(live_.dominant().renderer().model());
     m.flags =
-        (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.held ? msg::contact_state::kFlagHeld : 0U) |
+        (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.retained ? msg::contact_state::kFlagHeld : 0U) |
         (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
         (c.saturated ? msg::contact_state::kFlagSaturated : 0U) | (fading ? msg::contact_state::kFlagFading : 0U) |
         (touch.crossed ? msg::contact_state::kFlagCrossed : 0U) | (touch.missed ? msg::contact_state::kFlagMissed : 0U) |
@@ -205,7 +205,7 @@ class RenderingNode {
     samples_.fetch_add(1, kRelaxed);
     const bool buried = touches && !pushes && c.interior_hits > c.surface_hits;
     const std::array<bool, kCounted.size()> counts = {  // in the order of the names
-        pushes, !good, touch.fast, touch.crossed, touch.missed, buried, touch.held, c.saturated,
+        pushes, !good, touch.fast, touch.crossed, touch.missed, buried, touch.retained, c.saturated,
         frame_.tool.lag, frame_.tool.unplaced, frame_.tool.queries >= contact::limits::kMaxQueries};
     for (std::size_t n = 0; n < counts.size(); ++n)
       if (counts[n]) counted_[n].fetch_add(1, kRelaxed);
@@ -263,7 +263,7 @@ class RenderingNode {
     report.message = refusal + " No force is commanded.";
   }
 
-  static constexpr int kHoldSamples = 3;
+  static constexpr int kMaxRepeats = 3;
   static constexpr double kForceEpsilonN = 1e-9;  ///< below this a sum of forces that cancel is rounding, not force
   const Options& options_;
   const scene::Scene& scene_;

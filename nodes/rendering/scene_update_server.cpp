@@ -64,18 +64,18 @@ void SceneUpdateServer::run() {
   while (!stop_.load(std::memory_order_acquire)) {
     wait_set_.wait(outstanding_.empty() && !reload_ ? 20'000'000 : 1'000'000);
     try {
-      turn();
+      cycle();
     } catch (const std::exception&) {
       // Out of memory, say. One change is lost; an exception that left this thread would end the process, and the ring with it.
-      if (!reload_) line_.let_go();
+      if (!reload_) line_.resume();
     }
   }
 }
 
-void SceneUpdateServer::turn() {
+void SceneUpdateServer::cycle() {
   look_after_device();
   ChangeReport report;
-  while (line_.next_report(report)) take_report(report);
+  while (line_.next_report(report)) handle_report(report);
   look_after_build();
   if (remind_.exchange(false)) republish();
   changes_.take_each([this](const msg::EffectChange& m) { receive(m); });
@@ -143,10 +143,10 @@ void SceneUpdateServer::receive_effect(const msg::EffectChange& m, Request reque
   if (reload_ && reload_->from_sample > 0)
     return refuse(request,
                   fmt::format("the scene is being built anew for sample {}; ask again after it", reload_->from_sample));
-  if (options_.lockstep && request.from_sample > 0 && !hold(request))
+  if (options_.lockstep && request.from_sample > 0 && !pause_before(request))
     return refuse(request, fmt::format("sample {} has passed", request.from_sample));
   const std::string why = give(m, request);
-  line_.let_go();
+  line_.resume();
   if (!why.empty()) return refuse(request, why);
   if (outstanding_.back().change.from_sample > 0)
     answer(request, result::kResultWaiting, outstanding_.back().change.from_sample, wait_text(request));
@@ -164,7 +164,7 @@ std::string SceneUpdateServer::give(const msg::EffectChange& m, const Request& r
                                              .value = {m.value[0], m.value[1], m.value[2]}});
   if (!command) return command.error();
   effects::EffectSpec& effect = after.effects[command->effect];
-  voxtouch::effects::take(effect, *command);
+  voxtouch::effects::carry_out(effect, *command);
   after.reach[command->effect].widen(effect);
   if (std::string why = on_device_.why_not(after.scene, after.contact_alone, after.reach); !why.empty()) return why;
   Outstanding asked{request, {}};
@@ -172,11 +172,11 @@ std::string SceneUpdateServer::give(const msg::EffectChange& m, const Request& r
   return ask(std::move(asked)) ? "" : "too many changes wait already; wait for their answers";
 }
 
-/// Lockstep: from here on the loop answers no sample from the request's on. False, and nothing is held, where it has passed.
-bool SceneUpdateServer::hold(const Request& request) {
-  line_.hold_from(request.from_sample);
+/// Lockstep: from here on the loop answers no sample from the request's on. False, and nothing pauses, where it has passed.
+bool SceneUpdateServer::pause_before(const Request& request) {
+  line_.pause_before(request.from_sample);
   if (line_.answering() < request.from_sample) return true;
-  line_.let_go();
+  line_.resume();
   return false;
 }
 
@@ -197,7 +197,7 @@ SceneUpdateServer::Next SceneUpdateServer::next() const {
   for (const Outstanding& waits : outstanding_) {
     if (after) {
       effects::EffectSpec& effect = all.effects[waits.change.effect.effect];
-      voxtouch::effects::take(effect, waits.change.effect);
+      voxtouch::effects::carry_out(effect, waits.change.effect);
       all.reach[waits.change.effect.effect].widen(effect);
     }
     after |= &waits == swap;
@@ -232,7 +232,7 @@ void SceneUpdateServer::receive_reload(const msg::EffectChange& m, Request reque
   if (!outstanding_.empty() && outstanding_.back().change.from_sample > 0)
     return refuse(request, fmt::format("a change waits for sample {}; ask again after it",
                                        outstanding_.back().change.from_sample));
-  if (options_.lockstep && request.from_sample > 0 && !hold(request))
+  if (options_.lockstep && request.from_sample > 0 && !pause_before(request))
     return refuse(request, fmt::format("sample {} has passed", request.from_sample));
   reload_ = request;
   answer(request, result::kResultWaiting, request.from_sample, "the scene is being built beside the loop");
@@ -283,7 +283,7 @@ void SceneUpdateServer::look_after_build() {
     result.refusal = on_device_.why_not(result.scene, result.built->plan().of_contact_alone, effects::at_rest(effects));
   }
   if (!result.refusal.empty()) {
-    line_.let_go();
+    line_.resume();
     reload_.reset();
     return refuse(request, "the old scene goes on: " + result.refusal);
   }
@@ -292,10 +292,10 @@ void SceneUpdateServer::look_after_build() {
   asked.change.scene = result.built.get();
   scenes_.push_back(std::move(result.built));
   ask(std::move(asked));  // nothing else is there: it has room
-  line_.let_go();
+  line_.resume();
 }
 
-void SceneUpdateServer::take_report(const ChangeReport& report) {
+void SceneUpdateServer::handle_report(const ChangeReport& report) {
   using What = ChangeReport::What;
   epoch_ = report.epoch;
   if (report.what == What::kRetired) {
@@ -366,7 +366,7 @@ void SceneUpdateServer::applied(Outstanding& done, std::uint64_t sample) {
     swapped_(scene_);
   } else {
     effects::EffectSpec& effect = settled_[done.change.effect.effect];
-    voxtouch::effects::take(effect, done.change.effect);
+    voxtouch::effects::carry_out(effect, done.change.effect);
     reach_[done.change.effect.effect].widen(effect);
   }
   show(sample, done.change.scene != nullptr);

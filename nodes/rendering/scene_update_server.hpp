@@ -90,17 +90,17 @@ class SceneUpdateServer {
   };
 
   void run();
-  void turn();
+  void cycle();
   void receive(const msg::EffectChange& m);
   std::string why_not(const msg::EffectChange& m) const;
   void receive_effect(const msg::EffectChange& m, Request request);
   std::string give(const msg::EffectChange& m, const Request& request);
-  bool hold(const Request& request);
+  bool pause_before(const Request& request);
   std::string wait_text(const Request& request) const;
   void receive_reload(const msg::EffectChange& m, Request request);
   Built build(double voxel_size_m, const std::string& model) const;
   void look_after_build();
-  void take_report(const ChangeReport& report);
+  void handle_report(const ChangeReport& report);
   void applied(Outstanding& done, std::uint64_t sample);
   bool ask(Outstanding&& asked);
   Next next() const;

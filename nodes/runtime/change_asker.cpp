@@ -31,17 +31,17 @@ double number(std::string_view text) {
 }
 
 /// PARAMETER=VALUE or PARAMETER=X,Y,Z.
-ChangeWish assignment(const std::string& effect, const std::string& word) {
+ChangeRequest assignment(const std::string& effect, const std::string& word) {
   const std::size_t equals = word.find('=');
   if (equals == std::string::npos || equals == 0)
     misread(fmt::format("'{}' is neither on, off, gain nor PARAMETER=VALUE", word));
-  ChangeWish wish{kActionValue, effect, word.substr(0, equals), {}};
+  ChangeRequest change{kActionValue, effect, word.substr(0, equals), {}};
   std::string_view rest = std::string_view(word).substr(equals + 1);
   for (std::size_t n = 0;; ++n) {
     if (n == 3) misread(fmt::format("'{}' holds more than three numbers", word));
     const std::size_t comma = rest.find(',');
-    wish.value[n] = number(rest.substr(0, comma));
-    if (comma == std::string_view::npos) return wish;
+    change.value[n] = number(rest.substr(0, comma));
+    if (comma == std::string_view::npos) return change;
     rest.remove_prefix(comma + 1);
   }
 }
@@ -60,7 +60,7 @@ bool until(Clock::duration patience, Holds&& holds) {
 
 }  // namespace
 
-std::vector<ChangeWish> read_wishes(const ChangeWords& o) {
+std::vector<ChangeRequest> read_changes(const ChangeWords& o) {
   if (o.reload) {
     if (!o.words.empty()) misread("--reload takes no effect");
     return {{kActionReload, {}, {}, {}}};
@@ -68,19 +68,19 @@ std::vector<ChangeWish> read_wishes(const ChangeWords& o) {
   if (o.voxel_size_m > 0.0 || !o.model.empty()) misread("--voxel-size and --model belong to --reload");
   if (o.words.size() < 2) misread("an effect and what is to become of it are missing");
   const std::string& effect = o.words[0];
-  std::vector<ChangeWish> wishes;
+  std::vector<ChangeRequest> changes;
   for (std::size_t n = 1; n < o.words.size(); ++n) {
     const std::string& word = o.words[n];
     if (word == "on" || word == "off") {
-      wishes.push_back({kActionSwitch, effect, {}, {word == "on" ? 1.0 : 0.0, 0.0, 0.0}});
+      changes.push_back({kActionSwitch, effect, {}, {word == "on" ? 1.0 : 0.0, 0.0, 0.0}});
     } else if (word == "gain") {
       if (++n == o.words.size()) misread("'gain' needs a number from 0 to 1");
-      wishes.push_back({kActionGain, effect, {}, {number(o.words[n]), 0.0, 0.0}});
+      changes.push_back({kActionGain, effect, {}, {number(o.words[n]), 0.0, 0.0}});
     } else {
-      wishes.push_back(assignment(effect, word));
+      changes.push_back(assignment(effect, word));
     }
   }
-  return wishes;
+  return changes;
 }
 
 ChangeAsker::ChangeAsker(const bus::Participant& participant, const NodeOptions& options)
@@ -90,10 +90,10 @@ ChangeAsker::ChangeAsker(const bus::Participant& participant, const NodeOptions&
 
 std::string ChangeAsker::ask(const ChangeWords& words, const std::function<void(const ChangeAnswer&)>& heard,
                              const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
-  const std::vector<ChangeWish> wishes = read_wishes(words);
+  const std::vector<ChangeRequest> changes = read_changes(words);
   if (!until(kPatience, [&] { return leave() || (changes_.matched_count() > 0 && answers_.matched_count() > 0); })) return nobody();
-  for (const ChangeWish& wish : wishes) {
-    const std::optional<Message> answer = ask_one(wish, words, waits, leave);
+  for (const ChangeRequest& change : changes) {
+    const std::optional<Message> answer = ask_one(change, words, waits, leave);
     if (!answer) return nobody();
     if (answer->result == msg::effect_changed::kResultRefused) return answer->sentence;
     if (answer->result != msg::effect_changed::kResultDone) return "not waited for: " + answer->sentence;
@@ -103,7 +103,7 @@ std::string ChangeAsker::ask(const ChangeWords& words, const std::function<void(
 }
 
 /// None where nobody answers.
-std::optional<ChangeAsker::Message> ChangeAsker::ask_one(const ChangeWish& wish, const ChangeWords& words,
+std::optional<ChangeAsker::Message> ChangeAsker::ask_one(const ChangeRequest& change, const ChangeWords& words,
                                                          const std::function<void(const std::string&)>& waits,
                                                          const std::function<bool()>& leave) {
   const std::uint64_t request = request_number();
@@ -116,7 +116,7 @@ std::optional<ChangeAsker::Message> ChangeAsker::ask_one(const ChangeWish& wish,
   };
   // A first message may go before the other end knows this one; asked again, it is answered and not done again.
   for (int tries = 0; !answer && tries < 10 && !leave(); ++tries) {
-    send(wish, words, request);
+    send(change, words, request);
     until(kPatience / 10, [&] { return look() || answer; });
   }
   if (!answer) return answer;
@@ -126,14 +126,14 @@ std::optional<ChangeAsker::Message> ChangeAsker::ask_one(const ChangeWish& wish,
   return answer;
 }
 
-void ChangeAsker::send(const ChangeWish& wish, const ChangeWords& words, std::uint64_t request) {
+void ChangeAsker::send(const ChangeRequest& change, const ChangeWords& words, std::uint64_t request) {
   msg::EffectChange m{};
   m.request = request;
   m.from_sample = words.from_sample;
-  m.action = wish.action;
-  m.effect = lend(wish.effect);
-  m.parameter = lend(wish.parameter);
-  std::copy(wish.value.begin(), wish.value.end(), m.value);
+  m.action = change.action;
+  m.effect = lend(change.effect);
+  m.parameter = lend(change.parameter);
+  std::copy(change.value.begin(), change.value.end(), m.value);
   m.voxel_size_m = words.voxel_size_m;
   m.model = lend(words.model);
   changes_.write(m);

@@ -23,13 +23,13 @@ struct ChangeWords {
 };
 
 /// One message to be.
-struct ChangeWish {
+struct ChangeRequest {
   std::uint32_t action = 0;
   std::string effect, parameter;
   std::array<double, 3> value{};
 };
 /// One for each change that the words ask for. Throws std::runtime_error, a sentence, for words that ask for none.
-std::vector<ChangeWish> read_wishes(const ChangeWords& words);
+std::vector<ChangeRequest> read_changes(const ChangeWords& words);
 
 /// Something was done.
 struct ChangeAnswer {
@@ -55,9 +55,9 @@ class ChangeAsker {
     std::uint64_t from_sample = 0;
     std::string sentence;
   };
-  std::optional<Message> ask_one(const ChangeWish& wish, const ChangeWords& words,
+  std::optional<Message> ask_one(const ChangeRequest& change, const ChangeWords& words,
                                  const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave);
-  void send(const ChangeWish& wish, const ChangeWords& words, std::uint64_t request);
+  void send(const ChangeRequest& change, const ChangeWords& words, std::uint64_t request);
   std::string nobody() const;
 
   std::string rig_;

@@ -33,10 +33,10 @@ namespace {
 
 /// What a registry would refuse is cut where it is made.
 NodeReport cut(NodeReport report) {
-  constexpr std::size_t kMost = NodeRegistry::kLongestText;
-  if (report.message.size() > kMost) report.message.resize(kMost);
+  constexpr std::size_t kMaxText = NodeRegistry::kLongestText;
+  if (report.message.size() > kMaxText) report.message.resize(kMaxText);
   for (auto& [key, value] : report.values)
-    if (value.size() > kMost) value.resize(kMost);
+    if (value.size() > kMaxText) value.resize(kMaxText);
   return report;
 }
 
@@ -178,10 +178,10 @@ void NodeRegistry::update(const std::function<bool(const NodeReport&)>& keep) {
 }
 
 void NodeRegistry::remember_vanished() {
-  constexpr std::size_t kMost = 16;  // names are anybody's to choose
+  constexpr std::size_t kMaxVanished = 16;  // names are anybody's to choose
   constexpr double kRememberedS = 10.0;
   for (const auto& [guid, report] : reports_)
-    if (!is_here(guid) && !report.final() && vanished_.size() < kMost)
+    if (!is_here(guid) && !report.final() && vanished_.size() < kMaxVanished)
       vanished_[report.node] = report;
   std::erase_if(vanished_, [&](const auto& entry) {
     const bool again = std::any_of(reports_.begin(), reports_.end(), [&](const auto& known) {

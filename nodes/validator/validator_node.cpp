@@ -36,14 +36,14 @@ const qos::Profile& contact_profile(const Options& options) {
 
 reference::ReportedContact to_report(const msg::ContactState& c) {
   reference::ReportedContact r;
-  r.tool_in_world = runtime::from_msg(c.object_pose);
+  r.pose_WT = runtime::from_msg(c.object_pose);
   r.wrench = runtime::from_msg(c.contact_wrench);  // the reference knows contact only
   r.mean_normal = runtime::from_msg(c.mean_normal);
   r.deepest_depth_m = c.deepest_depth_m;
   r.coherence = c.coherence;
   r.surface_hits = c.surface_hits;
   r.interior_hits = c.interior_hits;
-  r.held = (c.flags & (msg::contact_state::kFlagHeld | msg::contact_state::kFlagRefusedSample)) != 0;
+  r.retained = (c.flags & (msg::contact_state::kFlagHeld | msg::contact_state::kFlagRefusedSample)) != 0;
   r.fallback = (c.flags & msg::contact_state::kFlagFallback) != 0;
   return r;
 }
@@ -215,7 +215,7 @@ class ValidatorNode {
 
   reference::Judgement judge_contact(const msg::ContactState& contact, reference::GapResult& gap) {
     const reference::ReportedContact report = to_report(contact);
-    gap = reference_.gap(report.tool_in_world);
+    gap = reference_.gap(report.pose_WT);
     return judge_->judge(gap, report);
   }
   reference::Judgement judge_tool(const msg::ContactState& contact, reference::GapResult& gap) {

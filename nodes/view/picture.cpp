@@ -24,7 +24,7 @@ json to_json(const Pose& p) {
 /// The force of a command in the world's axes; its size is what the device gives.
 Vec3 in_world(const msg::ForceCommand& command, const scene::Scene* scene) {
   const Vec3 force = from_msg(command.wrench.force);
-  return scene ? scene->device.device_in_world.orientation * force : force;
+  return scene ? scene->device.pose_WD.orientation * force : force;
 }
 
 json flags_of(const msg::ContactState& c) {

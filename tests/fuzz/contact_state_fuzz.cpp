@@ -21,8 +21,8 @@ coupling::CouplingSpec spec_of(std::uint8_t choice) {
 
 scene::WorkspaceMapping device() {
   scene::WorkspaceMapping d;
-  d.device_in_world = {Vec3(0.1, 0.2, 0.3), Quat(0.5, 0.5, 0.5, 0.5)};
-  d.tool_offset.position = Vec3(0.0, 0.0, 0.05);
+  d.pose_WD = {Vec3(0.1, 0.2, 0.3), Quat(0.5, 0.5, 0.5, 0.5)};
+  d.pose_PT.position = Vec3(0.0, 0.0, 0.05);
   return d;
 }
 
@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   coupling::RunningCoupling coupling(spec_of(data[0]), {kMaxForceN, kMaxTorqueNm}, kPeriodS);
   rendering::WrenchToDevice to_device(spec);
   std::optional<std::int64_t> last_ns;
-  const double arm_m = spec.tool_offset.position.norm(), slack = 1.0 + 1e-9;
+  const double arm_m = spec.pose_PT.position.norm(), slack = 1.0 + 1e-9;
   fuzz::each_message(wire, data + 1, size - 1, [&](const msg::ContactState& contact) {
     const double dt_s = last_ns ? runtime::seconds_between(*last_ns, contact.sample_time_ns) : kPeriodS;
     last_ns = contact.sample_time_ns;

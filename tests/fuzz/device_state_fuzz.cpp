@@ -17,8 +17,8 @@ using namespace voxtouch;
 scene::WorkspaceMapping device() {
   scene::WorkspaceMapping d;
   d.position_scale = 10.0;
-  d.device_in_world = {Vec3(0.1, 0.2, 0.3), Quat(0.5, 0.5, 0.5, 0.5)};
-  d.tool_offset.position = Vec3(0.0, 0.0, 0.05);
+  d.pose_WD = {Vec3(0.1, 0.2, 0.3), Quat(0.5, 0.5, 0.5, 0.5)};
+  d.pose_PT.position = Vec3(0.0, 0.0, 0.05);
   d.clutch_button = 0;
   return d;
 }

@@ -48,8 +48,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         FUZZ_REQUIRE(!command.error().empty());
         return;
       }
-      effects::take(planned.at(command->effect), *command);
-      chain.take(*command);
+      effects::carry_out(planned.at(command->effect), *command);
+      chain.carry_out(*command);
       check(planned[command->effect]);
     });
     for (int k = 0; k < 3; ++k) feel(chain, time_s += 0.01);

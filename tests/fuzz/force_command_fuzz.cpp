@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   devices::CommandGate gate(kSession);
   Wrench last;
   std::uint64_t sample = 0;
-  const auto turn = [&](const std::optional<devices::GuardInput>& command) {
+  const auto cycle = [&](const std::optional<devices::GuardInput>& command) {
     const Wrench out = guard.pass(command, static_cast<std::int64_t>(sample++) * kPeriodNs);
     FUZZ_REQUIRE(devices::check_command(out, description).has_value());
     const double slack = 1.0 + 1e-9, dt_s = 3e-3;  // a gap opens the slew limit by the hold time at most
@@ -38,17 +38,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     FUZZ_REQUIRE((out.torque - last.torque).norm() <= slack * description.max_torque_rate_nm_per_s * dt_s);
     last = out;
   };
-  turn({});
+  cycle({});
   fuzz::each_message(wire, data, size, [&](const msg::ForceCommand& command) {
     const devices::GateVerdict verdict = gate.accept(1, command.session_id, command.sequence_number, sample);
     guard.count(verdict);
     if (verdict == devices::GateVerdict::kAccepted)
-      turn(devices::GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns});
+      cycle(devices::GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns});
     else
-      turn({});
+      cycle({});
   });
   // Nobody speaks any more: zero after three periods and the fade.
-  for (int n = 0; n < 26; ++n) turn({});
+  for (int n = 0; n < 26; ++n) cycle({});
   FUZZ_REQUIRE(last.zero());
   return 0;
 }

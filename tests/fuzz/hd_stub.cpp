@@ -22,7 +22,7 @@ struct State {
   std::string text;
 } g;
 
-void take(void* out, std::size_t size) {
+void fill(void* out, std::size_t size) {
   const std::size_t n = std::min(size, g.left);
   std::memset(out, 0, size);
   if (n > 0) std::memcpy(out, g.at, n);
@@ -30,7 +30,7 @@ void take(void* out, std::size_t size) {
 }
 std::uint8_t byte() {
   std::uint8_t b = 0;
-  take(&b, 1);
+  fill(&b, 1);
   return b;
 }
 
@@ -55,7 +55,7 @@ void answer(HDenum name, double* values) {
   if (how % 4 == 3) return;
   for (std::size_t i = 0; i < count; ++i) {
     if (how % 4 == 2) {
-      take(&values[i], sizeof(double));
+      fill(&values[i], sizeof(double));
     } else {
       const bool diagonal = name == kCurrentTransform && (i % 5 == 0);
       values[i] = (diagonal ? 1.0 : 0.0) + (name == kCurrentTransform ? 1e-4 : 0.5) * static_cast<std::int8_t>(byte());
@@ -109,10 +109,10 @@ void hdEnable(HDenum) {}
 void hdDisable(HDenum) {}
 HDboolean hdIsEnabled(HDenum) { return byte() & 1; }
 void hdGetBooleanv(HDenum, HDboolean* values) { *values = byte() & 1; }
-void hdGetIntegerv(HDenum, HDint* values) { take(values, sizeof *values); }
-void hdGetFloatv(HDenum, HDfloat* values) { take(values, sizeof *values); }
+void hdGetIntegerv(HDenum, HDint* values) { fill(values, sizeof *values); }
+void hdGetFloatv(HDenum, HDfloat* values) { fill(values, sizeof *values); }
 void hdGetDoublev(HDenum name, HDdouble* values) { answer(name, values); }
-void hdGetLongv(HDenum, HDlong* values) { take(values, sizeof *values); }
+void hdGetLongv(HDenum, HDlong* values) { fill(values, sizeof *values); }
 HDstring hdGetString(HDenum) {
   const std::uint8_t how = byte();
   if (how & 1) return nullptr;

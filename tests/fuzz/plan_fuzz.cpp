@@ -48,8 +48,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto with_header = [](std::string_view body) { return std::string("\0\1\0\0", 4).append(body); };
   const std::string_view description = in.take(in.take<std::uint16_t>());
   const bool both = descriptions.through(with_header(description), [&](const msg::DeviceDescription& d) {
-    fitting.take(runtime::from_msg(d), d.session_id);
-  }) && plans.through(with_header(in.rest()), [&](const msg::ScenePlan& p) { fitting.take(p); });
+    fitting.set_device(runtime::from_msg(d), d.session_id);
+  }) && plans.through(with_header(in.rest()), [&](const msg::ScenePlan& p) { fitting.set_plan(p); });
   if (both) check(scene, fitting);
   return 0;
 }

@@ -70,7 +70,7 @@ void check(const scene::Scene& scene) {
   for (const auto& [name, motion] : scene.motions) check(motion);
   for (const coupling::CouplingIssue& issue : coupling::validate(scene.coupling, {}, scene::kSceneSampleTimeS)) FUZZ_REQUIRE(!issue.refuse);
   FUZZ_REQUIRE(positive(scene.device.position_scale) && positive(scene.device.force_scale));
-  FUZZ_REQUIRE(usable(scene.device.device_in_world) && usable(scene.device.tool_offset));
+  FUZZ_REQUIRE(usable(scene.device.pose_WD) && usable(scene.device.pose_PT));
   if (scene.device.clutch_button) FUZZ_REQUIRE(*scene.device.clutch_button < 32);
 }
 

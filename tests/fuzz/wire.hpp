@@ -42,9 +42,9 @@ class Wire {
 /// Types of fixed size: the input is one message after the other, each as little-endian CDR without its header.
 template <class T, class F>
 void each_message(Wire<T>& wire, const std::uint8_t* data, std::size_t size, F&& f) {
-  constexpr std::size_t kMost = 64;  // more say no more, and take time
+  constexpr std::size_t kMaxPieces = 64;  // more say no more, and take time
   Bytes in(data, size);
-  for (std::size_t n = 0; n < kMost && !in.empty(); ++n) {
+  for (std::size_t n = 0; n < kMaxPieces && !in.empty(); ++n) {
     std::string cdr("\0\1\0\0", 4);
     cdr += in.take(sizeof(T));
     wire.through(cdr, f);

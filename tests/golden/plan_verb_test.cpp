@@ -96,7 +96,8 @@ TEST(PlanVerb, SaysWhatTheDeviceCannotShowAndExitsWithOneWhereItCannotRun) {
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
   const nlohmann::json arm = plan_json({turning, "--device", "sim-lwr", "--no-measure"});
   EXPECT_EQ(arm["device"]["errors"].size(), 0U);
-  EXPECT_EQ(arm.dump().find("not felt"), std::string::npos);
+  for (const auto& note : arm["device"]["notes"])
+    EXPECT_EQ(note.get<std::string>().find("torque"), std::string::npos) << note;
 }
 
 TEST(PlanVerb, TellsAPersonInATable) {
@@ -115,7 +116,7 @@ TEST(PlanVerb, RefusesWhatItCannotDo) {
   const Finished run = voxtouch({"plan", kCylinder, "--device", "omni", "--json", "--no-measure"});
   EXPECT_EQ(run.status, 1);
   EXPECT_EQ(nlohmann::json::parse(run.out)["ok"], false);
-  EXPECT_NE(run.err.find("known are sim-phantom"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("sim-phantom"), std::string::npos) << run.err;
 }
 
 TEST(SchemaVerb, PrintsTheShippedFile) {

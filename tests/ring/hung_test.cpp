@@ -26,8 +26,6 @@ bool wait_until(const std::function<bool()>& holds, milliseconds patience) {
   return true;
 }
 
-bool runs(const Process& up) { return up.err().find(" samples  force") != std::string::npos; }
-
 double ms_since(Clock::time_point begin) { return std::chrono::duration<double, std::milli>(Clock::now() - begin).count(); }
 
 /// Who hangs by what the others' statuses say.
@@ -84,7 +82,6 @@ TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
   EXPECT_EQ(summary["ok"], false);
   EXPECT_EQ(summary["limits"]["silence_s"]["met"], false) << end.out;
   EXPECT_GT(summary["limits"]["silence_s"]["value"], 0.4);
-  EXPECT_NE(summary["problems"].dump().find("sign of life of a node is"), std::string::npos) << end.out;
   const std::string problems = summary["problems"].dump();
   EXPECT_NE(problems.find(node, problems.find("sign of life of a node is")), std::string::npos) << end.out;
   if (node == "device") {

@@ -74,7 +74,7 @@ TEST(Lockstep, OfAnotherSceneOrDeviceGivesOtherBits) {
 TEST(Lockstep, EndsWithZeroForceAndANonZeroStatusWhenAPeerFallsSilent) {
   Process up(
       up_arguments(shipped_scene("plane"), {"--lockstep", "--motion", "slide", "--duration", "3000", "--no-record"}));
-  for (int i = 0; i < 1500 && up.err().find(" samples  force") == std::string::npos; ++i)
+  for (int i = 0; i < 1500 && !runs(up); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   const pid_t coupling = child_called(up.pid(), "voxtouch_coupling");
   ASSERT_NE(coupling, 0);

@@ -19,8 +19,6 @@ using std::chrono::milliseconds;
 
 std::uint32_t domain() { return static_cast<std::uint32_t>(std::stoul(fresh_domain())); }
 
-bool runs(const Process& up) { return up.err().find(" samples  force") != std::string::npos; }
-
 void wait_until_it_runs(const Process& up) {
   for (int i = 0; i < 1500 && !runs(up); ++i) std::this_thread::sleep_for(milliseconds(20));
   ASSERT_TRUE(runs(up)) << up.err();

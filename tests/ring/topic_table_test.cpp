@@ -62,7 +62,7 @@ TEST(TopicTable, SaysWhoWritesAndWhoReadsInARunningRing) {
   Announced writers(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION), readers(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
   std::map<bus::Guid, std::string> node_of;
   int running = 0;
-  for (int turn = 0; turn < 100 && up.running() && running < 20; ++turn) {  // two seconds after all run
+  for (int look = 0; look < 100 && up.running() && running < 20; ++look) {  // two seconds after all run
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     registry.update(), writers.look(), readers.look();
     for (const runtime::NodeReport& report : registry.reports())

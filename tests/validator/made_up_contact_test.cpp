@@ -68,8 +68,8 @@ reference::Judge judged(const Ground& ground, const Fault& fault, Tamper tamper,
   for (std::size_t i = 0; i < ground.path.size(); ++i) {
     reference::ReportedContact report = ground.rendering.at(ground.path[i], fault);
     tamper(i, report);
-    report.tool_in_world = at(ground.path[i]);
-    const reference::GapResult gap = ground.reference.gap(report.tool_in_world);
+    report.pose_WT = at(ground.path[i]);
+    const reference::GapResult gap = ground.reference.gap(report.pose_WT);
     const reference::Judgement found = judge.judge(gap, report);
     if (found.verdict == reference::Verdict::kDisagree && first_sentence != nullptr && first_sentence->empty())
       *first_sentence = found.explanation + " at a gap of " + std::to_string(gap.gap_m / kEdge) + " e";

@@ -130,10 +130,10 @@ TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell)
 TEST_P(RealRendering, WithFlippedNormalsOrAPullInsteadOfAPushIsCaught) {
   Ground ground(shipped_scene(GetParam()));
   contact::ContactRenderer& right = ground.built().renderer();
-  contact::ContactRenderer turned(ground.built().voxmap(), flipped(right.query().shell()), right.model(),
+  contact::ContactRenderer inverted(ground.built().voxmap(), flipped(right.query().shell()), right.model(),
                          rendering::contact_parameters(ground.scene().contact, right.model(), right.query().shell()),
                          ground.built().field());
-  const Fault flip{.name = "flipped normals", .renderer = &turned};
+  const Fault flip{.name = "flipped normals", .renderer = &inverted};
   const Fault pull = tampered("force's sign", [](reference::ReportedContact& r) { r.wrench.force *= -1.0; });
   const Fault both = tampered("force's and torque's sign", [](reference::ReportedContact& r) {
     r.wrench.force *= -1.0, r.wrench.torque *= -1.0;
@@ -150,9 +150,9 @@ Fault stuck(std::size_t onset, bool whole_report) {
       if (contacts < onset) {
         if (!report.wrench.zero()) ++contacts, kept = report;
       } else if (whole_report) {
-        const Pose tool = report.tool_in_world;
+        const Pose tool = report.pose_WT;
         report = kept;
-        report.tool_in_world = tool;
+        report.pose_WT = tool;
       } else {
         report.wrench = kept.wrench;
       }
@@ -176,7 +176,7 @@ TEST_P(RealRendering, WithAForceThatIsHeldFromSomeContactOnIsCaught) {
 TEST_P(RealRendering, WithTheTorquesSignOrPointOfReferenceWrongIsCaughtWhereTheForceHasALever) {
   const Fault sign = tampered("torque's sign", [](reference::ReportedContact& r) { r.wrench.torque *= -1.0; });
   const Fault about_world = tampered("torque about W's origin", [](reference::ReportedContact& r) {
-    r.wrench.torque += r.tool_in_world.position.cross(r.wrench.force);
+    r.wrench.torque += r.pose_WT.position.cross(r.wrench.force);
   });
   const Fault missing = tampered("no torque", [](reference::ReportedContact& r) { r.wrench.torque.setZero(); });
   const Ground centred(shipped_scene(GetParam()));

@@ -66,7 +66,7 @@ class Rendering {
     struct Hit { Vec3 x, n, to_centre; };
     std::vector<Hit> hits;
     reference::ReportedContact report;
-    report.tool_in_world.position = centre;
+    report.pose_WT.position = centre;
     Vec3 sum = Vec3::Zero();
     for (const Vec3& out : out_) {
       const Vec3 x = centre + radius_ * out;

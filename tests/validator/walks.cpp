@@ -39,14 +39,14 @@ Perturbation random_perturbation(std::mt19937_64& random, double edge_m) {
 reference::ReportedContact to_report(const contact::StageResult& result, const Pose& tool) {
   const contact::ContactResult& c = result.contact;
   reference::ReportedContact report;
-  report.tool_in_world = tool;
+  report.pose_WT = tool;
   report.wrench = c.wrench;
   report.mean_normal = c.mean_normal;
   report.deepest_depth_m = c.deepest_depth_m;
   report.coherence = c.coherence;
   report.surface_hits = c.surface_hits;
   report.interior_hits = c.interior_hits;
-  report.held = result.held;
+  report.retained = result.retained;
   report.fallback = c.fallback;
   return report;
 }

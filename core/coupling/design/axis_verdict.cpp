@@ -137,7 +137,7 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
     out.damping_required = out.damping_required_any_cutoff = passive_damping_required_series(problem);
   } else {
     const bool filtered = law.law == Law::kShapingFilter;
-    out.damping_required = passive_damping_required(problem, filtered ? request.wishes.cutoff_hz : kInfinity);
+    out.damping_required = passive_damping_required(problem, filtered ? request.goals.cutoff_hz : kInfinity);
     const double highest = filter_settings(request).back().cutoff_hz;
     out.damping_required_any_cutoff = passive_damping_required(problem, filtered ? highest : kInfinity);
   }

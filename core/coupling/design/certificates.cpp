@@ -63,11 +63,11 @@ class NeededDamping {
 
   /// Integral of the effort over the command, sampled: the momentum of a free mass.
   Complex integral(const Phasor& p) const {
-    const Complex held =
+    const Complex sampled =
         delayed(p, 1) + (mass_.order == 3 ? mass_.step_less_one(1, 2) *
                                                 quotient(delayed(p, 2), p.z_less_one - mass_.step_less_one(2, 2))
                                           : 0.0);
-    return period_ * quotient(held, p.z_less_one) * std::polar(1.0, -mass_.whole_delay * p.angle);
+    return period_ * quotient(sampled, p.z_less_one) * std::polar(1.0, -mass_.whole_delay * p.angle);
   }
   Complex delayed(const Phasor& p, int row) const { return mass_.newer[row] + mass_.older[row] * p.z_inverse; }
 
@@ -94,9 +94,9 @@ class NeededDamping {
 /// The maximum over all angles. There may be one for every turn of the delay and a narrow one at the filter's resonance: looked
 /// for on a grid that is fine against both, then narrowed down.
 double largest(const NeededDamping& needed, double d) {
-  const double resonance = needed.resonance(), turn = 0.2 / (needed.whole_delay() + 1);
+  const double resonance = needed.resonance(), largest_step = 0.2 / (needed.whole_delay() + 1);
   std::vector<double> grid;
-  for (double angle = 0.01 * resonance; angle < kPi; angle = std::min(1.05 * angle, angle + turn))
+  for (double angle = 0.01 * resonance; angle < kPi; angle = std::min(1.05 * angle, angle + largest_step))
     grid.push_back(angle);
   for (int i = -20; i <= 20; ++i)
     if (const double angle = resonance * (1.0 + 0.2 * i * std::min(d, 0.2)); angle < kPi) grid.push_back(angle);
@@ -134,10 +134,10 @@ double lag_shape(double d) {
 
 FilterShape sampled_filter_shape(double w0, double d, double period_s) {
   constexpr double kShortStep = 1e-3, kLittleDamping = 0.02, kTail = 1e-15;
-  const double turn = w0 * period_s, g = 0.5 * turn;
+  const double angle = w0 * period_s, g = 0.5 * angle;
   if (d >= 1.0 && g <= 1.0) return {2.0 * d, 1.0};
-  if (turn < kShortStep || d < kLittleDamping) {
-    const double above = 1.0 + turn * turn;
+  if (angle < kShortStep || d < kLittleDamping) {
+    const double above = 1.0 + angle * angle;
     return {above * lag_shape(d), above * overshoot_shape(d)};
   }
   // The printed difference equation's response to one sample of 1. What is left decays with the slower pole's modulus.
@@ -151,7 +151,7 @@ FilterShape sampled_filter_shape(double w0, double d, double period_s) {
     moment += i * std::abs(now);
     if (i * (std::abs(now) + std::abs(before)) < kTail * moment) break;
   }
-  return {turn * moment, sum};
+  return {angle * moment, sum};
 }
 
 double passive_stiffness_filter(double w0, double d, double device_damping, const LoopTiming& timing,

@@ -20,7 +20,7 @@ constexpr double kHandsArm = 0.05;
 
 double noise_limit(const DesignProblem& request, bool rotation) {
   const double force = request.device.translation.max_effort, torque = request.device.rotation.max_effort;
-  const double asked = request.wishes.max_injected_damping_effort;
+  const double asked = request.goals.max_injected_damping_effort;
   const double of_force = asked > 0.0 ? asked : std::max(kQuietForce, std::isfinite(force) ? kQuietShare * force : 0.0);
   if (!rotation) return of_force;
   // A torque may be noisy to the same share of the device's range as a force.
@@ -35,9 +35,9 @@ AxisProblem problem(const DesignProblem& request, bool rotation) {
   out.hand = rotation ? request.hand.rotation : request.hand.translation;
   out.contact = rotation ? request.contact_rotation : request.contact;
   out.cases = design_cases(out.model, out.timing, out.hand);
-  out.margin = request.wishes.gain_margin;
+  out.margin = request.goals.gain_margin;
   out.wanted = std::min(out.contact.all_points, out.model.max_stiffness);
-  out.useful = rotation ? request.wishes.useful_stiffness_nm_per_rad : request.wishes.useful_stiffness_n_per_m;
+  out.useful = rotation ? request.goals.useful_stiffness_nm_per_rad : request.goals.useful_stiffness_n_per_m;
   out.noise_limit = noise_limit(request, rotation);
   return out;
 }
@@ -68,7 +68,7 @@ std::vector<AxisProblem> axis_problems(const DesignProblem& request) {
   double gain = 1.0;  // the most that one gain can show on all axes without overreaching the device on one
   for (const AxisProblem& axis : axes) gain = std::min(gain, axis.wanted / axis.contact.all_points);
   for (AxisProblem& axis : axes)
-    axis.target = request.wishes.free_cap ? axis.wanted : std::min(axis.wanted, gain * axis.contact.all_points);
+    axis.target = request.goals.free_cap ? axis.wanted : std::min(axis.wanted, gain * axis.contact.all_points);
   if (axes.size() > 1) {
     const double of_force = axes[1].model.damping, of_torque = arm_squared(request) * axes[0].model.damping;
     const double both = of_force + of_torque;

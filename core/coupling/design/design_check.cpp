@@ -39,8 +39,8 @@ void check_contact(std::string_view name, const ContactRange& contact) {
           fmt::format("at most all_points, {}", contact.all_points));
 }
 
-void check_wishes(const DesignProblem& request) {
-  const DesignGoals& w = request.wishes;
+void check_goals(const DesignProblem& request) {
+  const DesignGoals& w = request.goals;
   constexpr std::array kKinds{"auto", "shaping_filter", "spring_damper", "direct"};
   bool known = false;
   for (const std::string_view kind : kKinds) known = known || kind == w.kind;
@@ -69,7 +69,7 @@ void refuse_impossible(const DesignProblem& request) {
   if (request.device.gives_torque) refuse_first("hand, rotation", check(request.hand.rotation));
   check_contact("contact", request.contact);
   if (request.device.gives_torque) check_contact("contact_rotation", request.contact_rotation);
-  check_wishes(request);
+  check_goals(request);
 }
 
 }  // namespace voxtouch::coupling::design

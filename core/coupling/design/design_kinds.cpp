@@ -35,14 +35,14 @@ std::vector<double> fitting(const std::vector<AxisProblem>& problems, const Filt
 }  // namespace
 
 Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
-  const FilterChoice choice = search_filter(problems, filter_settings(request), request.wishes.allow_injected_damping);
+  const FilterChoice choice = search_filter(problems, filter_settings(request), request.goals.allow_injected_damping);
   const std::vector<double> fits = fitting(problems, choice);
   Proposal out{{}, choice.status};
   out.spec.kind = "shaping_filter";
   out.spec.cutoff_hz = choice.shape.cutoff_hz;
   out.spec.damping_ratio = choice.shape.damping_ratio;
   set_damping(out.spec, choice);
-  const bool free = request.wishes.free_cap;
+  const bool free = request.goals.free_cap;
   double gain = 1.0;
   for (std::size_t a = 0; a < problems.size(); ++a)
     gain = std::min(gain, fits[a] / (free ? problems[a].contact.one_point : problems[a].contact.all_points));
@@ -57,14 +57,14 @@ Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProb
 Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   std::vector<AxisProblem> whole = problems;
   for (AxisProblem& axis : whole) axis.target = axis.wanted;
-  const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.wishes.allow_injected_damping);
+  const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping);
   const std::vector<double> fits = fitting(whole, choice);
   Proposal out{{}, choice.status};
   out.spec.kind = "direct";
   set_damping(out.spec, choice);
   for (std::size_t a = 0; a < whole.size(); ++a) {
     set_cap(out.spec, a, fits[a]);
-    if (!request.wishes.free_cap && fits[a] < whole[a].contact.all_points) out.status = DesignStatus::kInfeasible;
+    if (!request.goals.free_cap && fits[a] < whole[a].contact.all_points) out.status = DesignStatus::kInfeasible;
   }
   return out;
 }

@@ -42,7 +42,7 @@ Trial trial_of(const DesignProblem& request, const std::vector<AxisProblem>& pro
     return trial;
   }
   for (const FilterSetting& shape : filter_settings(request))
-    if (shape.cutoff_hz == request.wishes.cutoff_hz) trial.laws.emplace_back(problems.size(), law_of(shape));
+    if (shape.cutoff_hz == request.goals.cutoff_hz) trial.laws.emplace_back(problems.size(), law_of(shape));
   return trial;
 }
 
@@ -70,7 +70,7 @@ class Remedies {
   std::string goal() const {
     if (short_of_) return "the stiffness wanted would be shown by this coupling";
     if (design_.spec.kind == "direct") return "no damping would have to be injected";
-    return fmt::format("{:.3g} Hz would do without injected damping", request_.wishes.cutoff_hz);
+    return fmt::format("{:.3g} Hz would do without injected damping", request_.goals.cutoff_hz);
   }
 
   void damping() {
@@ -88,7 +88,7 @@ class Remedies {
   }
 
   void injection() {
-    if (request_.wishes.allow_injected_damping || design_.spec.kind != "shaping_filter") return;
+    if (request_.goals.allow_injected_damping || design_.spec.kind != "shaping_filter") return;
     const FilterChoice choice = search_filter(problems_, filter_settings(request_), true);
     std::string allowed, shown;
     bool helps = false;
@@ -119,7 +119,7 @@ class Remedies {
 
   void cap() {
     if (!short_of_) return cap_for_cutoff();
-    if (request_.wishes.free_cap) return;
+    if (request_.goals.free_cap) return;
     std::string caps;
     for (std::size_t a = 0; a < problems_.size(); ++a) {
       const AxisProblem& p = problems_[a];

@@ -35,17 +35,17 @@ std::string damping_reason(const AxisProblem& p, const AxisDesign& d) {
 /// What the wish's cut-off allows without injected damping, and what was chosen instead.
 std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                           const Design& design) {
-  std::string held;
+  std::string reached;
   for (const AxisProblem& p : problems) {
     double most = 0.0;
     for (const FilterSetting& shape : filter_settings(request))
-      if (shape.cutoff_hz == request.wishes.cutoff_hz)
+      if (shape.cutoff_hz == request.goals.cutoff_hz)
         most = std::max(most, certified_stiffness(p, law_of(shape), most));
-    held += fmt::format("{}{:.3g} {}", held.empty() ? "" : " and ", most, p.units->stiffness);
+    reached += fmt::format("{}{:.3g} {}", reached.empty() ? "" : " and ", most, p.units->stiffness);
   }
   return fmt::format(
       "At {:.3g} Hz the filter's lag lets only {} hold without injected damping; the cut-off is {:.3g} Hz.",
-      request.wishes.cutoff_hz, held, design.spec.cutoff_hz);
+      request.goals.cutoff_hz, reached, design.spec.cutoff_hz);
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ std::vector<std::string> reasons_of(const DesignProblem& request, const std::vec
     if (d.shown_stiffness < 0.999 * p.target) out.push_back(shortfall(p, d));
     if (d.injected_damping > 0.0) out.push_back(damping_reason(p, d));
   }
-  if (filter && design.spec.cutoff_hz > request.wishes.cutoff_hz)
+  if (filter && design.spec.cutoff_hz > request.goals.cutoff_hz)
     out.push_back(cutoff_reason(request, problems, design));
   return out;
 }

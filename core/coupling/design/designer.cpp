@@ -35,7 +35,7 @@ Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& prob
     out.faults.insert(out.faults.end(), verdict.faults.begin(), verdict.faults.end());
   }
   out.design.lag_s = lag_s(spec);
-  out.design.max_approach_m_per_s = max_approach(problems[0], spec, request.wishes.force_layer_depth_m);
+  out.design.max_approach_m_per_s = max_approach(problems[0], spec, request.goals.force_layer_depth_m);
   return out;
 }
 
@@ -43,7 +43,7 @@ Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& prob
 CouplingSpec shrunk(const DesignProblem& request, CouplingSpec spec, double factor) {
   if (spec.kind == "spring_damper") {
     spec.stiffness_n_per_m *= factor, spec.damping_ns_per_m *= factor;
-  } else if (spec.kind == "direct" || request.wishes.free_cap) {
+  } else if (spec.kind == "direct" || request.goals.free_cap) {
     spec.stiffness_cap_n_per_m *= factor, spec.stiffness_cap_nm_per_rad *= factor;
   } else {
     spec.gain *= factor;
@@ -128,7 +128,7 @@ std::string_view name_of(DesignStatus status) noexcept {
 Design design_coupling(const DesignProblem& request) {
   refuse_impossible(request);
   const std::vector<AxisProblem> problems = axis_problems(request);
-  const std::string& kind = request.wishes.kind;
+  const std::string& kind = request.goals.kind;
   if (kind == "shaping_filter") return certified(request, problems, propose_filter(request, problems));
   if (kind == "spring_damper") return certified(request, problems, propose_spring_damper(request, problems));
   if (kind == "direct") return certified(request, problems, propose_direct(request, problems));

@@ -33,7 +33,7 @@ struct DesignProblem {
   OperatorRange hand;
   ContactRange contact;               ///< translation, at the hand [N/m]
   ContactRange contact_rotation;      ///< about the tool's origin [Nm/rad]; used if the device gives torque
-  DesignGoals wishes;
+  DesignGoals goals;
 };
 
 enum class DesignStatus : std::uint8_t { kAsRequested, kBandwidthRaised, kDampingAdded, kStiffnessReduced, kInfeasible };

@@ -122,8 +122,8 @@ class Search {
       bool likely = true;
       for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0) >= kTableDoubt;
       if (!likely || !confirmed(candidate)) continue;
-      const bool wished = shapes_[s].cutoff_hz == shapes_.front().cutoff_hz;
-      return chosen(candidate, wished ? DesignStatus::kAsRequested : DesignStatus::kBandwidthRaised);
+      const bool requested = shapes_[s].cutoff_hz == shapes_.front().cutoff_hz;
+      return chosen(candidate, requested ? DesignStatus::kAsRequested : DesignStatus::kBandwidthRaised);
     }
     return std::nullopt;
   }
@@ -221,10 +221,10 @@ std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
   if (passive) ratios.insert(ratios.begin() + 1, std::numbers::sqrt3 / 2.0);
   std::vector<FilterSetting> shapes;
   for (const double factor : kFactors) {
-    const double cutoff = request.wishes.cutoff_hz * factor;
-    const double turn = 2.0 * std::numbers::pi * cutoff * request.device.timing.period_s;
+    const double cutoff = request.goals.cutoff_hz * factor;
+    const double angle_per_sample = 2.0 * std::numbers::pi * cutoff * request.device.timing.period_s;
     // The wish itself is tried as it is; `check` refuses what no filter can do.
-    if (factor > 1.0 && (turn > kWarnCutoffRad || cutoff > request.wishes.max_cutoff_hz)) break;
+    if (factor > 1.0 && (angle_per_sample > kWarnCutoffRad || cutoff > request.goals.max_cutoff_hz)) break;
     for (const double ratio : ratios) shapes.push_back({cutoff, ratio});
   }
   return shapes;

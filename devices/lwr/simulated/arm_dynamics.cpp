@@ -99,7 +99,7 @@ std::array<ArmDynamics::Frame, 7> ArmDynamics::links(const lwr::LwrJoints& q) co
 ArmDynamics::Terms ArmDynamics::at(const lwr::LwrJoints& q, const lwr::LwrJoints& rate, const TipLoad& load) const noexcept {
   const std::array<Frame, 7> frames = links(q);
   Terms terms;
-  terms.tool = Pose{frames[6].origin, Quat(frames[6].rotation)} * tool_in_flange_;
+  terms.tool = Pose{frames[6].origin, Quat(frames[6].rotation)} * pose_FT_;
   const Vec3& tip = terms.tool.position;
 
   // Outward: velocities, and the accelerations that they alone ask for (recursive Newton-Euler with q'' = 0).

@@ -36,9 +36,9 @@ struct TipLoad {
 
 class ArmDynamics {
  public:
-  /// `inertia`: of bodies that can be. `tool_in_flange`: the frame T, whose origin carries the load.
-  explicit ArmDynamics(const ArmInertia& inertia = lwr_inertia(), const Pose& tool_in_flange = {}) noexcept
-      : inertia_(inertia), tool_in_flange_(tool_in_flange) {}
+  /// `inertia`: of bodies that can be. `pose_FT`: the frame T, whose origin carries the load.
+  explicit ArmDynamics(const ArmInertia& inertia = lwr_inertia(), const Pose& pose_FT = {}) noexcept
+      : inertia_(inertia), pose_FT_(pose_FT) {}
 
   /// All that one state gives.
   struct Terms {
@@ -60,11 +60,11 @@ class ArmDynamics {
   std::array<Frame, 7> links(const lwr::LwrJoints& q) const noexcept;
 
   const ArmInertia& inertia() const noexcept { return inertia_; }
-  const Pose& tool_in_flange() const noexcept { return tool_in_flange_; }
+  const Pose& pose_FT() const noexcept { return pose_FT_; }
 
  private:
   ArmInertia inertia_;
-  Pose tool_in_flange_;
+  Pose pose_FT_;
 };
 
 }  // namespace voxtouch::lwr_sim

@@ -32,7 +32,7 @@ PlantParameters lwr_plant(double torque_feedback_gain) {
 }
 
 ArmPlant::ArmPlant(const PlantParameters& parameters, const lwr::LwrJoints& q)
-    : parameters_(parameters), dynamics_(parameters.inertia, parameters.tool_in_flange),
+    : parameters_(parameters), dynamics_(parameters.inertia, parameters.pose_FT),
       q_(q) {
   sensed_ = dynamics_.at(q_, rate_).gravity;
 }
@@ -51,7 +51,7 @@ ArmPlant::Slope ArmPlant::slope(const Step& step, const lwr::LwrJoints& q, const
   return {rate, terms.mass.llt().solve(push)};
 }
 
-lwr::LwrJoints ArmPlant::holding_impulse(const LwrMatrix& mass, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, Drives drives,
+lwr::LwrJoints ArmPlant::sticking_impulse(const LwrMatrix& mass, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, Drives drives,
                                     double dt_s) noexcept {
   lwr::LwrJoints low, high;
   high = dt_s * parameters_.coulomb_nm;
@@ -98,16 +98,16 @@ void ArmPlant::step(const lwr::LwrJoints& torque, Drives drives, const hand::Han
   lwr::LwrJoints rate = rate_ + sixth * (a.acceleration + 2.0 * (b.acceleration + c.acceleration) + d.acceleration);
 
   hand_wrench_ = wrench_of(hand, start);
-  const lwr::LwrJoints impulse = holding_impulse(start.mass, q, rate, drives, dt_s);
+  const lwr::LwrJoints impulse = sticking_impulse(start.mass, q, rate, drives, dt_s);
   sensed_ = drive_torque(step, start.gravity) + impulse / dt_s;
   if (!impulse.isZero(0.0)) {
     const lwr::LwrJoints change = start.mass.llt().solve(impulse);
-    lwr::LwrJoints held = rate + change;
+    lwr::LwrJoints stuck = rate + change;
     // Rounding is no motion: what friction holds stays exactly where it is.
     for (int i = 0; i < 7; ++i)
-      if (std::abs(held[i]) < 1e-12 && std::abs(before[i]) < 1e-12) held[i] = 0.0;
+      if (std::abs(stuck[i]) < 1e-12 && std::abs(before[i]) < 1e-12) stuck[i] = 0.0;
     q += half * change;
-    rate = held;
+    rate = stuck;
     for (int i = 0; i < 7; ++i)
       if (rate[i] == 0.0 && before[i] == 0.0) q[i] = q_[i];
   }

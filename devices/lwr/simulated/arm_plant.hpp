@@ -10,7 +10,7 @@ namespace voxtouch::lwr_sim {
 /// What torque control leaves to be felt of the drives, and where the arm ends.
 struct PlantParameters {
   ArmInertia inertia = lwr_inertia();
-  Pose tool_in_flange;
+  Pose pose_FT;
   lwr::LwrJoints viscous_nms_per_rad = lwr::LwrJoints::Zero();
   lwr::LwrJoints coulomb_nm = lwr::LwrJoints::Zero();
   lwr::LwrJoints brake_nm = lwr::LwrJoints::Zero();  ///< most that a closed brake holds
@@ -64,7 +64,7 @@ class ArmPlant {
   Slope slope(const Step& step, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, ArmDynamics::Terms& terms) const noexcept;
   lwr::LwrJoints drive_torque(const Step& step, const lwr::LwrJoints& gravity) const noexcept;
   /// Friction, brakes and stops: the impulse at each joint, within its bounds, that brings the step's end nearest to rest.
-  lwr::LwrJoints holding_impulse(const LwrMatrix& mass, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, Drives drives,
+  lwr::LwrJoints sticking_impulse(const LwrMatrix& mass, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, Drives drives,
                             double dt_s) noexcept;
 
   PlantParameters parameters_;

@@ -8,8 +8,8 @@ CommandPath::CommandPath(int ticks_per_period, std::size_t delay_ticks) noexcept
   line_.fill(lwr::LwrJoints::Zero());
 }
 
-void CommandPath::start(const Setpoint& held) noexcept {
-  from_ = to_ = held;
+void CommandPath::start(const Setpoint& start) noexcept {
+  from_ = to_ = start;
   done_ = ticks_;
   misses_ = 0;
   position_step_.setZero();

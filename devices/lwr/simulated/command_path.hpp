@@ -18,8 +18,8 @@ class CommandPath {
   /// `ticks_per_period` of 1 ms each. `delay_ticks` (at most kMaxDelay): what overlaid torques need on top.
   CommandPath(int ticks_per_period, std::size_t delay_ticks) noexcept;
 
-  /// Begins anew: rests at `held`, no force under way.
-  void start(const Setpoint& held) noexcept;
+  /// Begins anew: rests at `start`, no force under way.
+  void start(const Setpoint& start) noexcept;
   /// An answer at the begin of a period: reached at its end.
   void answer(const Setpoint& wanted) noexcept;
   void miss() noexcept;

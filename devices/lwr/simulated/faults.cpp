@@ -44,7 +44,7 @@ double number(std::string_view text, std::string_view part, std::string_view nam
 }
 
 /// The part up to the next colon; takes it off `rest`.
-std::string_view take_part(std::string_view& rest) {
+std::string_view split_off_part(std::string_view& rest) {
   const std::size_t colon = rest.find(':');
   const std::string_view part = rest.substr(0, colon);
   rest = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
@@ -62,10 +62,10 @@ Fault parse_fault(std::string_view text) {
   if (!row) refuse(text, fmt::format("there is no fault '{}'", text.substr(0, at)));
   Fault fault{row->kind, 0.0, kInfinity, row->usual};
   std::string_view rest = text.substr(at + 1);
-  fault.start_s = number(text, take_part(rest), "start in seconds");
+  fault.start_s = number(text, split_off_part(rest), "start in seconds");
   if (!(fault.start_s >= 0.0 && fault.start_s < kInfinity)) refuse(text, "the start has to be 0 or more");
   const bool timed = text.substr(at + 1).find(':') != std::string_view::npos;
-  if (timed) fault.duration_s = number(text, take_part(rest), "duration in seconds");
+  if (timed) fault.duration_s = number(text, split_off_part(rest), "duration in seconds");
   if (!(fault.duration_s > 0.0)) refuse(text, "the duration has to be over 0 (inf: for ever)");
   if (rest.empty()) return fault;
   fault.value = number(text, rest, "value");

@@ -32,7 +32,7 @@ void ControllerConfig::validate() const {
           "1 to 100 whole milliseconds");
   require(safety_limits > 0.0 && safety_limits <= 1.0, "safety_limits", "in (0, 1]");
   quality.validate();
-  require(plant.tool_in_flange.finite(), "plant.tool_in_flange", "finite");
+  require(plant.pose_FT.finite(), "plant.tool_in_flange", "finite");
   require(start_rad.allFinite() && (start_rad.cwiseAbs().array() <= plant.position_limit_rad.array()).all(),
           "start_rad", "within the joints' limits");
   require(overlay_delay_ticks >= 0 && overlay_delay_ticks <= static_cast<int>(CommandPath::kMaxDelay),
@@ -48,7 +48,7 @@ FriController::FriController(const ControllerConfig& config, hand::Hand hand, Fa
       plant_(config.plant, config.start_rad), hand_(std::move(hand)), link_(config.quality),
       script_(config.script_pause_s, config.first_start_keeps_strategy),
       path_(ticks_, static_cast<std::size_t>(config.overlay_delay_ticks)), impedance_(config.laws),
-      random_(config.seed), held_(config.start_rad), msr_(lwr::fri::empty_msr()) {
+      random_(config.seed), commanded_rad_(config.start_rad), msr_(lwr::fri::empty_msr()) {
   config_.safety.max_speed_rad_s *= config.safety_limits;
   path_.start(resting());
 }
@@ -68,7 +68,7 @@ lwr::fri::Quality FriController::quality() const noexcept {
 
 Setpoint FriController::resting() const noexcept {
   Setpoint s;
-  s.position = held_;
+  s.position = commanded_rad_;
   s.stiffness = config_.krl_stiffness_nm_per_rad;
   s.damping.setConstant(config_.krl_damping);
   return s;
@@ -101,8 +101,8 @@ std::optional<Event> FriController::take_event() noexcept {
   return event;
 }
 
-void FriController::hold_here() noexcept {
-  held_ = plant_.q();
+void FriController::command_here() noexcept {
+  commanded_rad_ = plant_.q();
   overlay_.setZero();
   applied_.setZero();
   path_.start(resting());
@@ -111,7 +111,7 @@ void FriController::hold_here() noexcept {
 /// Command mode ends. Unasked, the brakes close; a violation leaves error bits, a bad link warning bits (it is no drive's error).
 void FriController::leave(const Violation& why) noexcept {
   const State from = std::exchange(state_, State::kMon);
-  hold_here();
+  command_here();
   note(from, why);
   if (why.reason == Reason::kAsked) return;
   ++drops_;
@@ -139,7 +139,7 @@ void FriController::watch_power() noexcept {
   if (state_ == State::kCmd) {
     leave(why);
   } else {
-    hold_here();
+    command_here();
     braked_ = true;
     note(state_, why);
   }
@@ -181,11 +181,11 @@ FriController::Verdict FriController::receive(std::span<const std::byte> datagra
   pending_valid_ = fault == lwr::fri::PacketFault::kNone;
   pending_not_finite_ = !pending_valid_;
   if (pending_not_finite_) return ++counts_.not_finite, Verdict::kNotFinite;
-  return again ? (++counts_.replaced, Verdict::kReplaced) : (++counts_.taken, Verdict::kTaken);
+  return again ? (++counts_.replaced, Verdict::kReplaced) : (++counts_.accepted, Verdict::kAccepted);
 }
 
 lwr::LwrJoints FriController::law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept {
-  if (state_ != State::kCmd) return position_law(config_.laws, terms, plant_.q(), plant_.rate(), held_);
+  if (state_ != State::kCmd) return position_law(config_.laws, terms, plant_.q(), plant_.rate(), commanded_rad_);
   if (script_.control() == Control::kPosition)
     return position_law(config_.laws, terms, plant_.q(), plant_.rate(), now.position);
   return impedance_.torque(terms, plant_.q(), plant_.rate(), now) + overlay_;
@@ -209,12 +209,12 @@ void FriController::tick() noexcept {
 void FriController::advance() noexcept {
   for (int i = 0; i < ticks_; ++i) tick();
   ++period_;
-  take_answer();
+  apply_answer();
   judge_motion();
   run_script();
 }
 
-void FriController::take_answer() noexcept {
+void FriController::apply_answer() noexcept {
   if (!pending_valid_) {
     if (answered_once_ || pending_not_finite_) link_.missed();
     ++periods_since_answer_;
@@ -265,7 +265,7 @@ void FriController::run_script() noexcept {
 void FriController::start() noexcept {
   if (power_ != lwr::fri::kAllDrives) return note(state_, {Reason::kDrivesOff, 0});
   const lwr::LwrJoints mirrored = lwr::fri::from_wire(answer_.command.jnt_pos);
-  if (const Violation why = check_entry(config_.safety, mirrored, held_)) {
+  if (const Violation why = check_entry(config_.safety, mirrored, commanded_rad_)) {
     error_ = why.joints ? why.joints : lwr::fri::kAllDrives;
     return note(state_, why);
   }
@@ -282,7 +282,7 @@ void FriController::start() noexcept {
 
 const lwr::fri::MsrPacket& FriController::close() noexcept {
   const State from = std::exchange(state_, State::kOff);
-  hold_here();
+  command_here();
   braked_ = true;
   note(from, {Reason::kClosed, 0});
   ++msr_.header.send_seq;
@@ -321,11 +321,11 @@ void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
   const ArmDynamics& dynamics = plant_.dynamics();
   d.jnt_pos = lwr::fri::to_wire(q);
   d.cart_pos = lwr::fri::to_wire(dynamics.at(q, lwr::LwrJoints::Zero()).tool);
-  const lwr::LwrJoints goal = state_ == State::kCmd ? path_.goal().position : held_;
-  const Pose held_pose = dynamics.at(held_, lwr::LwrJoints::Zero()).tool;
-  d.cmd_jnt_pos = lwr::fri::to_wire(held_);
-  d.cmd_jnt_pos_fri_offset = lwr::fri::to_wire(lwr::LwrJoints(goal - held_));
-  d.cmd_cart_pos = lwr::fri::to_wire(held_pose);
+  const lwr::LwrJoints goal = state_ == State::kCmd ? path_.goal().position : commanded_rad_;
+  const Pose commanded_pose = dynamics.at(commanded_rad_, lwr::LwrJoints::Zero()).tool;
+  d.cmd_jnt_pos = lwr::fri::to_wire(commanded_rad_);
+  d.cmd_jnt_pos_fri_offset = lwr::fri::to_wire(lwr::LwrJoints(goal - commanded_rad_));
+  d.cmd_cart_pos = lwr::fri::to_wire(commanded_pose);
   d.cmd_cart_pos_fri_offset = lwr::fri::to_wire(Pose{});
   const Mat3 axes = task_axes(config_.laws, terms);
   const Wrench& hand = plant_.hand_wrench();

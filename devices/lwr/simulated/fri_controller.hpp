@@ -48,11 +48,11 @@ struct ControllerConfig {
 
 /// What came in, by what became of it.
 struct AnswerCounts {
-  std::uint64_t taken = 0;                           ///< in time
+  std::uint64_t accepted = 0;                        ///< in time
   std::uint64_t length = 0, id = 0, size_field = 0;  ///< no command packet
   std::uint64_t not_finite = 0;
   std::uint64_t stale = 0;     ///< does not answer the last measurement
-  std::uint64_t replaced = 0;  ///< answers it once more with a newer count: taken in place of the one before
+  std::uint64_t replaced = 0;  ///< answers it once more with a newer count: accepted in place of the one before
   std::uint64_t doubled = 0;   ///< answers it once more with the same or an older count
 };
 
@@ -85,7 +85,7 @@ class FriController {
 
   /// The measurement that this period begins with.
   const lwr::fri::MsrPacket& measure() noexcept;
-  enum class Verdict : std::uint8_t { kTaken, kLength, kId, kSizeField, kNotFinite, kStale, kReplaced, kDoubled };
+  enum class Verdict : std::uint8_t { kAccepted, kLength, kId, kSizeField, kNotFinite, kStale, kReplaced, kDoubled };
   /// A datagram that came in this period, `latency_s` after its measurement left.
   Verdict receive(std::span<const std::byte> datagram, double latency_s) noexcept;
   /// Moves on by one period; then judges the answer or its absence, and motion and link.
@@ -114,7 +114,7 @@ class FriController {
   void watch_power() noexcept;
   void tick() noexcept;
   lwr::LwrJoints law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept;
-  void take_answer() noexcept;
+  void apply_answer() noexcept;
   void judge_answer() noexcept;
   void judge_motion() noexcept;
   void run_script() noexcept;
@@ -122,7 +122,7 @@ class FriController {
   void leave(const Violation& why) noexcept;
   Setpoint setpoint_of(const lwr::fri::Command& command) const noexcept;
   Setpoint resting() const noexcept;
-  void hold_here() noexcept;
+  void command_here() noexcept;
   void note(lwr::fri::State from, const Violation& why) noexcept;
   void fill_interface() noexcept;
   void fill_robot() noexcept;
@@ -144,7 +144,7 @@ class FriController {
   lwr::fri::State state_ = lwr::fri::State::kOff;
   bool braked_ = false;
   std::uint16_t error_ = 0, broken_ = 0, warning_ = 0, power_ = lwr::fri::kAllDrives;
-  lwr::LwrJoints held_;                         // the KRL side's commanded position
+  lwr::LwrJoints commanded_rad_;                // the KRL side's commanded position
   lwr::LwrJoints overlay_ = lwr::LwrJoints::Zero();  // torque of the remote side as the joints feel it
   lwr::LwrJoints applied_ = lwr::LwrJoints::Zero();  // drive torque beyond gravity in the last substep
 

@@ -44,8 +44,8 @@ void Line::put(const lwr::fri::MsrPacket& msr, double now_s) noexcept {
   double delay = faults_.active(FaultKind::kLate, now_s).value_or(0.0);
   if (const auto most = faults_.active(FaultKind::kJitter, now_s)) delay += *most * uniform(FaultKind::kJitter);
   if (delay > 0.0) ++counts_.delayed;
-  held_back_ = !held_back_ && happens(FaultKind::kReorder, now_s);
-  if (held_back_) {
+  reordering_ = !reordering_ && happens(FaultKind::kReorder, now_s);
+  if (reordering_) {
     ++counts_.reordered;
     delay += 1.05 * period_s_;  // just after its successor
   }

@@ -47,7 +47,7 @@ class Line {
   std::array<std::mt19937_64, kFaultKinds> dice_;
   std::vector<Packet> waiting_;  // by due time; capacity fixed
   Packet taken_;
-  bool held_back_ = false;
+  bool reordering_ = false;
   Counts counts_;
 };
 

@@ -16,9 +16,9 @@ void QualityRules::validate() const {
 LinkQuality::LinkQuality(const QualityRules& rules) : rules_((rules.validate(), rules)) {}
 
 void LinkQuality::push(bool in_time, double latency_s) noexcept {
-  held_ += (in_time ? 0 : 1) - (held_against_[next_] ? 1 : 0);
+  missed_in_window_ += (in_time ? 0 : 1) - (was_missed_[next_] ? 1 : 0);
   latency_[next_] = in_time ? std::max(latency_s, 0.0) : -1.0;
-  held_against_[next_] = !in_time;
+  was_missed_[next_] = !in_time;
   next_ = (next_ + 1) % kWindow;
   count_ = std::min(count_ + 1, kWindow);
 }
@@ -33,8 +33,8 @@ void LinkQuality::answered(double latency_s) noexcept {
   if (earned <= quality_) return;
   quality_ = earned;
   if (earned != lwr::fri::Quality::kPerfect) return;
-  held_against_.fill(false);
-  held_ = 0;
+  was_missed_.fill(false);
+  missed_in_window_ = 0;
 }
 
 void LinkQuality::missed() noexcept {
@@ -44,7 +44,7 @@ void LinkQuality::missed() noexcept {
   ++misses_;
   lwr::fri::Quality most = lwr::fri::Quality::kPerfect;
   if (missed_run_ >= 2) most = lwr::fri::Quality::kOk;
-  if (held_ > rules_.misses_in_window) most = lwr::fri::Quality::kBad;
+  if (missed_in_window_ > rules_.misses_in_window) most = lwr::fri::Quality::kBad;
   if (missed_run_ >= rules_.misses_in_a_row) most = lwr::fri::Quality::kUnacceptable;
   quality_ = std::min(quality_, most);
 }

@@ -39,9 +39,9 @@ class LinkQuality {
 
   QualityRules rules_;
   std::array<double, kWindow> latency_{};  // [s]; negative: missed
-  std::array<bool, kWindow> held_against_{};
+  std::array<bool, kWindow> was_missed_{};
   std::size_t count_ = 0, next_ = 0;
-  int answered_run_ = 0, missed_run_ = 0, held_ = 0;
+  int answered_run_ = 0, missed_run_ = 0, missed_in_window_ = 0;
   std::uint32_t misses_ = 0;
   lwr::fri::Quality quality_ = lwr::fri::Quality::kUnacceptable;
 };

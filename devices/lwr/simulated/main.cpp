@@ -103,7 +103,7 @@ constexpr hand::ToolDrag kDrag{1.0, 0.5};
 
 hand::Hand make_hand(Options& o) {
   ControllerConfig& c = o.controller;
-  const lwr::LwrArm arm(c.plant.tool_in_flange);
+  const lwr::LwrArm arm(c.plant.pose_FT);
   if (o.hand_file.empty()) {
     c.start_rad = posture(o, {});
     c.seed = o.seed.value_or(0);
@@ -143,7 +143,7 @@ void tell_counts(const Session& session, const FriController& controller) {
              "{} replaced by a newer answer; refused: {} stale, {} doubled, {} length, {} id, {} size field, {} not "
              "finite, {} foreign\n"
              "faults: {} lost, {} delayed, {} reordered, {} duplicated, {} answers lost; {} could not be sent\n",
-             controller.time_s(), controller.periods(), s.sent, s.received, a.taken,
+             controller.time_s(), controller.periods(), s.sent, s.received, a.accepted,
              controller.link().statistics().miss_counter, controller.starts(), controller.drops(), s.overruns,
              a.replaced, a.stale, a.doubled, a.length, a.id, a.size_field, a.not_finite, s.foreign, l.lost, l.delayed,
              l.reordered, l.duplicated, l.answers_lost, s.send_errors);
@@ -153,7 +153,7 @@ int run(Options& o) {
   set_remote(o);
   o.controller.period_s = 1e-3 * o.period_ms;
   o.controller.plant = lwr_plant(o.torque_feedback_gain);
-  if (!o.tool_m.empty()) o.controller.plant.tool_in_flange.position = Eigen::Map<const Vec3>(o.tool_m.data());
+  if (!o.tool_m.empty()) o.controller.plant.pose_FT.position = Eigen::Map<const Vec3>(o.tool_m.data());
   o.controller.laws.task_frame_is_tool = !o.task_frame_base;
   o.controller.hand_waits = !o.hand_at_once;
   if (o.duration_s > 0.0) o.session.duration_s = o.duration_s;

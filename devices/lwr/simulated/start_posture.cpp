@@ -30,7 +30,7 @@ lwr::LwrJoints start_posture(const lwr::LwrArm& arm, const Pose& wanted, const l
   lwr::LwrJoints q = posture.cwiseMax(-limit).cwiseMin(limit);
   for (int i = 0; i < kIterations; ++i) {
     const lwr::LwrArm::State state = arm.at(q);
-    const Vec6 way = way_to(wanted, state.tool);
+    const Vec6 way = way_to(wanted, state.pose_BT);
     if (way.norm() < kReached) return q;
     const double damp = std::min(1e-2, 1e-2 * way.squaredNorm());
     const Mat6 square = state.jacobian * state.jacobian.transpose() + damp * Mat6::Identity();

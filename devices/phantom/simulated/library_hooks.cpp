@@ -38,7 +38,7 @@ void Library::set_motion(const Motion& motion) {
 
 void Library::set_hand(const sim::OperatorConfig& hand) {
   const Lock lock(mutex_);
-  device_->plant.take(hand);
+  device_->plant.set_hand(hand);
   settings_.hand = hand;
 }
 

@@ -75,7 +75,7 @@ PhantomPlant::PhantomPlant(const PlantConfig& config, const sim::OperatorConfig&
       hand_(checked(hand), motion, kSubstep, seed, drag_of(config), hand_bandwidth_hz),
       joints_(start_of(config, hand_)) {}
 
-void PhantomPlant::take(const sim::OperatorConfig& hand) { hand_.take(checked(hand)); }
+void PhantomPlant::set_hand(const sim::OperatorConfig& hand) { hand_.grip_as(checked(hand)); }
 
 /// A stop pushes back only, also while it is left.
 Vec3 PhantomPlant::stop_torque(const Vec3& q, const Vec3& v) const noexcept {

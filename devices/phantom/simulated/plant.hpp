@@ -30,7 +30,7 @@ struct PlantConfig {
 
 /// Fourth-order Runge-Kutta at a fixed step: the undamped arm keeps its energy to 1e-9 in 10 s. Dry friction is projected: it
 /// takes at most what brings a joint to rest, so it never drives, and a joint at rest under less than its friction is not
-/// moved by one bit. Real-time safe but for construction, `take` and `follow`. The same calls give the same bits.
+/// moved by one bit. Real-time safe but for construction, `set_hand` and `follow`. The same calls give the same bits.
 class PhantomPlant {
  public:
   /// At rest, with the tip where the hand wants it. Throws std::runtime_error: values out of range, a start out of the arm's
@@ -42,7 +42,7 @@ class PhantomPlant {
   void step(const Vec3& motor_torque) noexcept;
 
   /// Throw as the constructor does; the hand or motion from before stays then.
-  void take(const sim::OperatorConfig& hand);
+  void set_hand(const sim::OperatorConfig& hand);
   void follow(const Motion& motion) { hand_.follow(motion); }
 
   const Vec3& joints() const noexcept { return joints_; }

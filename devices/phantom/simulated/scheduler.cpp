@@ -6,7 +6,7 @@ namespace voxtouch::hd_sim {
 
 phantom::hd::HDSchedulerHandle CallbackList::add(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority,
                                         bool once) {
-  if (entries_.size() >= kMost) return 0;
+  if (entries_.size() >= kMaxEntries) return 0;
   const Entry entry{++newest_, callback, data, priority, once};
   const auto behind =
       std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.priority < priority; });

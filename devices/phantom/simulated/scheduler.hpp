@@ -11,7 +11,7 @@ namespace voxtouch::hd_sim {
 /// Guarded by the mutex that the owner gives; functions are called with it held, callbacks run without it.
 class CallbackList {
  public:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMaxEntries = 64;
   using Lock = std::unique_lock<std::recursive_mutex>;
 
   /// 0: there is no room.

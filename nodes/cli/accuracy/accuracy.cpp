@@ -28,7 +28,7 @@ namespace {
 struct AccuracyVerb {
   std::filesystem::path scene, plot, csv;
   AccuracyChoice ask;
-  accuracy::AccuracyWish wish;
+  accuracy::AccuracyGoal goal;
   std::uint64_t seed = 1;
   std::uint32_t contacts = 200;
   double depth_edges = 0.5;
@@ -100,7 +100,7 @@ class ProgressLine {
 };
 
 AccuracyReport measure(const AccuracyVerb& o) {
-  o.wish.validate();
+  o.goal.validate();
   const scene::Scene scene = scene::load_scene(o.scene);
   for (const std::string& warning : scene.warnings) log::tell("warning: {}\n", warning);
   const std::vector<accuracy::AccuracySetting> settings = settings_of(o.ask, scene.voxel_size_m);
@@ -109,7 +109,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   report.scene_hash = scene.hash;
   report.scene_voxel_m = scene.voxel_size_m;
   report.seed = o.seed, report.contacts = o.contacts, report.depth_edges = o.depth_edges;
-  report.wish = o.wish;
+  report.goal = o.goal;
   report.machine = this_machine();
   report.load_before = load_average();
 
@@ -124,7 +124,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   report.rows = accuracy::measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
   line.end();
   report.load_after = load_average();
-  report.advice = accuracy::advise(report.rows, o.wish);
+  report.advice = accuracy::advise(report.rows, o.goal);
   return report;
 }
 
@@ -159,17 +159,17 @@ CLI::Option* add_list(CLI::App& verb, const char* name, std::vector<T>& list, co
   return verb.add_option(name, list, help)->delimiter(',')->allow_extra_args(false);
 }
 
-void add_wishes(CLI::App& verb, accuracy::AccuracyWish& wish) {
+void add_goals(CLI::App& verb, accuracy::AccuracyGoal& goal) {
   constexpr const char* kGroup = "What you want (errors, all of which must be kept, or a time)";
   const auto add = [&](const char* name, std::optional<double>& value, const char* help) {
     verb.add_option(name, value, help)->group(kGroup);
   };
-  add("--want-direction-deg", wish.direction_deg,
+  add("--want-direction-deg", goal.direction_deg,
       "Names the cheapest setting whose median direction error is at most this");
-  add("--want-noise", wish.noise, "... whose magnitude noise is at most this, 0.01 for 1 %");
-  add("--want-torque-m", wish.torque_m, "... whose median torque error, as a lever arm, is at most this [m]");
-  add("--want-onset-m", wish.onset_m, "... whose median onset is at most this far from the wall, either way [m]");
-  add("--within-us", wish.within_us,
+  add("--want-noise", goal.noise, "... whose magnitude noise is at most this, 0.01 for 1 %");
+  add("--want-torque-m", goal.torque_m, "... whose median torque error, as a lever arm, is at most this [m]");
+  add("--want-onset-m", goal.onset_m, "... whose median onset is at most this far from the wall, either way [m]");
+  add("--within-us", goal.within_us,
       "Names the setting with the least direction error whose median frame stays within this");
 }
 
@@ -195,7 +195,7 @@ void add_accuracy(CLI::App& app, Action& action) {
       ->check(runtime::require_positive)  // a range lets NaN through
       ->check(CLI::Range(1e-3, 20.0));
   verb->add_option("--seed", o->seed, "Chooses the contact poses")->capture_default_str()->check(runtime::require_whole);
-  add_wishes(*verb, o->wish);
+  add_goals(*verb, o->goal);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->add_option("--csv", o->csv, "Writes the table as CSV");
   verb->add_option("--plot", o->plot, "Draws direction error and noise over time, with the Pareto front, as .png, .svg or .pdf");

@@ -147,11 +147,11 @@ nlohmann::ordered_json to_json(const AccuracyReport& r) {
   j["scene_hash"] = r.scene_hash;
   j["scene_voxel_m"] = r.scene_voxel_m;
   j["options"] = {{"seed", r.seed}, {"contacts", r.contacts}, {"depth_edges", r.depth_edges}};
-  j["wish"] = {{"direction_deg", given(r.wish.direction_deg)},
-               {"noise", given(r.wish.noise)},
-               {"torque_m", given(r.wish.torque_m)},
-               {"onset_m", given(r.wish.onset_m)},
-               {"within_us", given(r.wish.within_us)}};
+  j["wish"] = {{"direction_deg", given(r.goal.direction_deg)},
+               {"noise", given(r.goal.noise)},
+               {"torque_m", given(r.goal.torque_m)},
+               {"onset_m", given(r.goal.onset_m)},
+               {"within_us", given(r.goal.within_us)}};
   const auto load = [](double value) { return value < 0.0 ? nlohmann::ordered_json() : nlohmann::ordered_json(value); };
   j["conditions"] = {
       {"time", "CPU time of one frame on this thread; ratios carry over to another machine, figures do not"},

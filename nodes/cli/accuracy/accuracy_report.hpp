@@ -16,7 +16,7 @@ struct AccuracyReport {
   std::uint64_t seed = 0;
   std::uint32_t contacts = 0;  ///< asked for
   double depth_edges = 0.0;
-  accuracy::AccuracyWish wish;
+  accuracy::AccuracyGoal goal;
   std::vector<accuracy::AccuracyRow> rows;
   accuracy::AccuracyAdvice advice;  ///< of these rows and this wish
   Machine machine;

@@ -66,7 +66,7 @@ void apply(const DesignVerbOptions& o, const coupling::design::DeviceModel& devi
     hand = o.hand;
   }
   if (o.held) request.hand.translation.may_release = request.hand.rotation.may_release = false;
-  if (o.no_damping) request.wishes.allow_injected_damping = false;
+  if (o.no_damping) request.goals.allow_injected_damping = false;
 }
 
 Asked ask(const DesignVerbOptions& o, const coupling::design::DeviceModel& device) {
@@ -90,9 +90,9 @@ Asked ask(const DesignVerbOptions& o, const coupling::design::DeviceModel& devic
                          : fmt::format("scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} points, at the hand", scene.name,
                     out.request.contact.one_point, out.request.contact.all_points, plan.shell_points);
   }
-  if (o.scene.empty() || o.kind != "auto") out.request.wishes.kind = o.kind;
-  if (o.scene.empty() || o.cutoff_hz != 5.0) out.request.wishes.cutoff_hz = o.cutoff_hz;
-  if (o.scene.empty() || o.gain_margin != 2.0) out.request.wishes.gain_margin = o.gain_margin;
+  if (o.scene.empty() || o.kind != "auto") out.request.goals.kind = o.kind;
+  if (o.scene.empty() || o.cutoff_hz != 5.0) out.request.goals.cutoff_hz = o.cutoff_hz;
+  if (o.scene.empty() || o.gain_margin != 2.0) out.request.goals.gain_margin = o.gain_margin;
   apply(o, device, out.request, hand);
   out.hand = hand_text(out.request.hand, hand);
   return out;

@@ -96,7 +96,7 @@ struct RegionColumn {
 
 std::vector<RegionColumn> region_columns(const DesignReport& r) {
   std::vector<double> certified = r.region.critical;
-  for (double& k : certified) k /= r.request.wishes.gain_margin;
+  for (double& k : certified) k /= r.request.goals.gain_margin;
   return {{"cutoff_hz", r.region.cutoff_hz},
           {"critical_n_per_m", r.region.critical},
           {"certified_n_per_m", certified},
@@ -105,7 +105,7 @@ std::vector<RegionColumn> region_columns(const DesignReport& r) {
 }
 
 nlohmann::ordered_json region_json(const DesignReport& r) {
-  nlohmann::ordered_json j{{"gain_margin", r.request.wishes.gain_margin},
+  nlohmann::ordered_json j{{"gain_margin", r.request.goals.gain_margin},
                            {"device_limit_n_per_m", finite(r.request.device.translation.max_stiffness)}};
   for (const RegionColumn& column : region_columns(r)) {
     j[column.key] = nlohmann::ordered_json::array();
@@ -174,7 +174,7 @@ std::string to_text(const DesignReport& r) {
     row("approach",
         fmt::format(
             "up to {:.2g} m/s stays within the layer that pushes ({:.2g} mm); faster goes deeper, and is held there",
-            d.max_approach_m_per_s, r.request.wishes.force_layer_depth_m * 1e3));
+            d.max_approach_m_per_s, r.request.goals.force_layer_depth_m * 1e3));
   row("paper's way", paper_line(r.paper));
   return text + list("What limits:", d.reasons) + list("What would help:", d.remedies);
 }

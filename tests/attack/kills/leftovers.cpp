@@ -41,8 +41,8 @@ std::set<std::string> own_sockets() {
 
 }  // namespace
 
-std::vector<int> held_ports(std::uint32_t domain) {
-  std::vector<int> held;
+std::vector<int> bound_ports(std::uint32_t domain) {
+  std::vector<int> bound;
   const std::set<std::string> own = own_sockets();
   const int first = 7400 + 250 * static_cast<int>(domain);
   std::ifstream sockets("/proc/net/udp");
@@ -54,9 +54,9 @@ std::vector<int> held_ports(std::uint32_t domain) {
     std::istringstream fields(line);
     std::string inode;
     for (int n = 0; n < 10; ++n) fields >> inode;
-    if (port >= first && port < first + 250 && !own.contains(inode)) held.push_back(port);
+    if (port >= first && port < first + 250 && !own.contains(inode)) bound.push_back(port);
   }
-  return held;
+  return bound;
 }
 
 std::string program_of(pid_t pid) {

@@ -13,7 +13,7 @@ namespace voxtouch::attack {
 std::set<std::string> shared_names();
 
 /// UDP ports of a DDS domain that a process other than this one holds.
-std::vector<int> held_ports(std::uint32_t domain);
+std::vector<int> bound_ports(std::uint32_t domain);
 
 /// The name of the program that runs as `pid`; empty if none.
 std::string program_of(pid_t pid);

@@ -21,7 +21,7 @@ constexpr double kMsPerNs = 1e-6;
 constexpr double kFeltN = 0.05;      // more than this is commanded: the hand feels the contact
 constexpr double kBagLosesS = 1.0;   // at most
 constexpr auto kStopped = 700ms;     // how long a node stands still
-constexpr double kHeldMs = 3.0;      // a command is held this long before it fades
+constexpr double kCommandLivesMs = 3.0;      // a command is held this long before it fades
 
 bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds patience) {
   const auto until = std::chrono::steady_clock::now() + patience;
@@ -155,7 +155,7 @@ class Round {
   void judge_undisturbed() {
     for (const Seen& s : tap_->seen()) result_.unforced += s.received_ns >= at_ns_ && !s.force_on;
     result_.machine_ms = kMsPerNs * static_cast<double>(beat_.longest_ns());
-    result_.stalled = result_.unforced > 0 && result_.machine_ms > kHeldMs;
+    result_.stalled = result_.unforced > 0 && result_.machine_ms > kCommandLivesMs;
     if (result_.unforced > 0 && !result_.stalled)
       result_.faults.push_back(fmt::format("{} samples were without force while {} stood still; the machine kept a thread waiting for {:.1f} ms at most",
                                            result_.unforced, ask_.victim, result_.machine_ms));
@@ -190,7 +190,7 @@ class Round {
     }, 2s);
     for (const std::string& name : left) result_.faults.push_back(name + " is left behind");
     // A process that ends gives up its memory, and with it its name, before its sockets.
-    if (!wait_until([this] { return held_ports(ask_.domain).empty(); }, 2s)) result_.faults.push_back("a port of the domain is left behind");
+    if (!wait_until([this] { return bound_ports(ask_.domain).empty(); }, 2s)) result_.faults.push_back("a port of the domain is left behind");
     try {
       const auto states = test::read_ring_topic<msg::DeviceState>(folder_ / "bag", "/" + ask_.rig + "/device/state");
       // Of what was there while the logger was.

@@ -51,9 +51,9 @@ void flood(const Options& o, const bus::Participant& participant, const qos::Top
       std::this_thread::sleep_until(start + std::chrono::nanoseconds(std::llround(1e9 * static_cast<double>(n) / o.rate)));
     written += dds_write(writer.endpoint.get(), sample.data()) == DDS_RETCODE_OK;
   }
-  const double took = std::chrono::duration<double>(Clock::now() - start).count();
-  fmt::print("figure: {}: {} of {} written in {:.1f} s, {:.0f} a second, to {} readers\n", topic.path, written, count, took,
-             static_cast<double>(written) / took, bus::matched_reader_count(writer.endpoint.get()));
+  const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
+  fmt::print("figure: {}: {} of {} written in {:.1f} s, {:.0f} a second, to {} readers\n", topic.path, written, count, elapsed,
+             static_cast<double>(written) / elapsed, bus::matched_reader_count(writer.endpoint.get()));
   std::fflush(stdout);
 }
 

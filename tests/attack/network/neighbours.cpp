@@ -60,7 +60,7 @@ T number(const Bytes& bytes, std::size_t at) {
   return value;
 }
 
-void take_ports(const Bytes& bytes, std::size_t at, std::size_t end, std::set<std::uint16_t>& ports) {
+void collect_ports(const Bytes& bytes, std::size_t at, std::size_t end, std::set<std::uint16_t>& ports) {
   while (at + 4 <= end) {
     const auto id = number<std::uint16_t>(bytes, at), size = number<std::uint16_t>(bytes, at + 2);
     // a locator: kind, port, address of 16 bytes
@@ -84,7 +84,7 @@ Neighbours listen_for_neighbours(std::uint32_t domain, std::chrono::milliseconds
     for (std::size_t at = kHeader; at + 4 <= bytes.size();) {
       const std::size_t size = number<std::uint16_t>(bytes, at + 2), end = size ? at + 4 + size : bytes.size();
       // 20 bytes of the submessage, then 4 that say how the parameters are encoded
-      if (bytes[at] == kData) take_ports(bytes, at + 28, std::min(end, bytes.size()), found.ports);
+      if (bytes[at] == kData) collect_ports(bytes, at + 28, std::min(end, bytes.size()), found.ports);
       if (bytes[at] == kData && found.prefixes.insert(prefix).second) found.announcements.push_back(bytes);
       at = end;
     }

@@ -33,11 +33,11 @@ coupling::design::DesignProblem request_for(const coupling_models::PopulationMem
   out.hand.translation = member.hand;
   out.contact = member.contact;
   const unsigned kind = random.below(4);
-  out.wishes.kind = kind == 0 ? "shaping_filter" : "auto";
-  out.wishes.cutoff_hz = random.chance(0.7) ? 5.0 : random.log_uniform(1.0, 50.0);
-  out.wishes.cutoff_hz = std::min(out.wishes.cutoff_hz, 0.5 / (2.0 * std::numbers::pi * member.device.timing.period_s));
-  out.wishes.allow_injected_damping = random.chance(0.8);
-  out.wishes.free_cap = random.chance(0.3);
+  out.goals.kind = kind == 0 ? "shaping_filter" : "auto";
+  out.goals.cutoff_hz = random.chance(0.7) ? 5.0 : random.log_uniform(1.0, 50.0);
+  out.goals.cutoff_hz = std::min(out.goals.cutoff_hz, 0.5 / (2.0 * std::numbers::pi * member.device.timing.period_s));
+  out.goals.allow_injected_damping = random.chance(0.8);
+  out.goals.free_cap = random.chance(0.3);
   return out;
 }
 
@@ -125,7 +125,7 @@ class Phase {
     ++statuses_[static_cast<std::size_t>(design.status)];
     const coupling::design::AxisDesign& axis = design.translation;
     // What is infeasible is tried as well, with the little that it shows, unless nothing at all is promised.
-    if (!(axis.shown_stiffness > 0.0 && axis.gain_margin >= 0.999 * request.wishes.gain_margin)) {
+    if (!(axis.shown_stiffness > 0.0 && axis.gain_margin >= 0.999 * request.goals.gain_margin)) {
       ++nothing_promised_;
       return;
     }

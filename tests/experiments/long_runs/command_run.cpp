@@ -139,8 +139,8 @@ class Attack {
     for (std::uint64_t n = any_.one_in(8) ? any_.bits() % 4 : 1; n > 0; --n) receive(newest);
     if (newest && newest->wrench.finite() && newest->valid_until_ns >= now_ns_) judge_.good_command(newest->valid_until_ns);
     const Wrench out = guard_.pass(newest, now_ns_);
-    if (!held("gate and guard", judge_.judge(out))) return false;
-    if (!devices::check_command(out, device_)) return held("gate and guard", "the driver refuses what the guard lets pass");
+    if (!require("gate and guard", judge_.judge(out))) return false;
+    if (!devices::check_command(out, device_)) return require("gate and guard", "the driver refuses what the guard lets pass");
     sums_.pushed += !out.zero(), sums_.near_limit += length_of(out.force) > 0.9 * device_.max_force_n;
     if (any_.one_in(5000)) fail_device();
     return !any_.one_in(16) || (attack_driver() && attack_clamp());
@@ -155,7 +155,7 @@ class Attack {
   }
 
  private:
-  bool held(const char* where, const std::string& fault) {
+  bool require(const char* where, const std::string& fault) {
     if (fault.empty()) return true;
     out_.faults.push_back(fmt::format("{}, {}: {}", device_.model, where, fault));
     return false;
@@ -207,7 +207,7 @@ class Attack {
     const devices::GateVerdict verdict = gate_->accept(writer, session, sequence, newest_);
     guard_.count(verdict);
     if (good != (verdict == devices::GateVerdict::kAccepted))
-      held("gate", fmt::format("verdict {} where it should be {}", static_cast<int>(verdict), good ? "accepted" : "refused"));
+      require("gate", fmt::format("verdict {} where it should be {}", static_cast<int>(verdict), good ? "accepted" : "refused"));
     if (verdict != devices::GateVerdict::kAccepted) return;
     followed_ = writer, last_ = sequence, ++sums_.accepted;
     const auto now = static_cast<std::uint64_t>(now_ns_);
@@ -227,14 +227,14 @@ class Attack {
     const Wrench wrench{any_.vector(1.5 * driver_.description().max_force_n), any_.vector(1.5 * driver_.description().max_torque_nm)};
     const bool within = wrench.finite() && wrench.force.stableNorm() <= driver_.description().max_force_n &&
                         wrench.torque.stableNorm() <= driver_.description().max_torque_nm;
-    const bool taken = driver_.write(wrench).has_value();
-    ++(taken ? sums_.driver_gave : sums_.driver_refused);
-    if (taken && !within && !(length_of(wrench.force) <= driver_.description().max_force_n && length_of(wrench.torque) <= driver_.description().max_torque_nm))
-      return held("driver", fmt::format("{} N and {} Nm are taken", length_of(wrench.force), length_of(wrench.torque)));
+    const bool accepted = driver_.write(wrench).has_value();
+    ++(accepted ? sums_.driver_gave : sums_.driver_refused);
+    if (accepted && !within && !(length_of(wrench.force) <= driver_.description().max_force_n && length_of(wrench.torque) <= driver_.description().max_torque_nm))
+      return require("driver", fmt::format("{} N and {} Nm are taken", length_of(wrench.force), length_of(wrench.torque)));
     const Wrench& given = driver_.applied();
     if (!given.finite() || length_of(given.force) > driver_.description().max_force_n * kSlack ||
         length_of(given.torque) > driver_.description().max_torque_nm * kSlack)
-      return held("driver", fmt::format("the motors give {} N and {} Nm", length_of(given.force), length_of(given.torque)));
+      return require("driver", fmt::format("the motors give {} N and {} Nm", length_of(given.force), length_of(given.torque)));
     return true;
   }
   /// What guard, coupling and force path cut with: finite and within any limit, whatever comes.
@@ -243,9 +243,9 @@ class Attack {
     const double limit = any_.one_in(2) ? any_.uniform(0.0, 2.0) : any_.number();
     const bool was_zero = v.isZero(0.0);
     const bool cut = clamp_length(v, limit);
-    const bool held_to_limit = v.isZero(0.0) || (limit >= 0.0 && length_of(v) <= limit);
-    if (!v.allFinite() || !held_to_limit || (was_zero && limit >= 0.0 && cut))
-      return held("clamp", fmt::format("({}, {}, {}) under a limit of {}", v.x(), v.y(), v.z(), limit));
+    const bool within_limit = v.isZero(0.0) || (limit >= 0.0 && length_of(v) <= limit);
+    if (!v.allFinite() || !within_limit || (was_zero && limit >= 0.0 && cut))
+      return require("clamp", fmt::format("({}, {}, {}) under a limit of {}", v.x(), v.y(), v.z(), limit));
     return true;
   }
 

@@ -97,10 +97,10 @@ void judge(const LoopRig& rig, const Tenth& first, const Tenth& last, Findings& 
       rig.guard().counts().refused()));
   const double q = rig.front().frame().object.orientation.norm();
   if (last.touching == 0) out.faults.push_back("the tool does not touch any more");
-  if (c.faults || c.held || c.not_finite || c.pose_jumps || rig.refused_writes() || rig.guard().counts().refused())
+  if (c.faults || c.repeated || c.not_finite || c.pose_jumps || rig.refused_writes() || rig.guard().counts().refused())
     out.faults.push_back(
         fmt::format("faults where none were given: {} bad samples, {} held, {} not finite, {} jumps, {} refused",
-                    c.faults, c.held, c.not_finite, c.pose_jumps, rig.refused_writes()));
+                    c.faults, c.repeated, c.not_finite, c.pose_jumps, rig.refused_writes()));
   if (!(std::abs(q - 1.0) < 1e-14))
     out.faults.push_back(fmt::format("the tool's quaternion has the norm 1 + {:.2g}", q - 1.0));
   // A tenth of many rounds (one takes a minute and a half) is as every other; of a few it is not.

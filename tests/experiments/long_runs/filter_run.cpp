@@ -84,20 +84,20 @@ void hold(const FilterRunOptions& ask, Teller& teller, Findings& out) {
 }
 
 void respond(const FilterRunOptions& ask, Teller& teller, Findings& out) {
-  constexpr double kTurns[] = {1e-6, 1e-4, 1e-2, 0.5, 3.0, 3.3, 30.0, 1000.0};
-  const std::uint64_t steps = ask.steps / 10 / std::size(kTurns);
+  constexpr double kAngles[] = {1e-6, 1e-4, 1e-2, 0.5, 3.0, 3.3, 30.0, 1000.0};
+  const std::uint64_t steps = ask.steps / 10 / std::size(kAngles);
   double worst = 0.0;
-  for (const double turn : kTurns) {
-    coupling_models::Pt2 pt2(turn / kT, 1.0, 1.0);
+  for (const double angle : kAngles) {
+    coupling_models::Pt2 pt2(angle / kT, 1.0, 1.0);
     std::uint64_t next = 0;
     for (std::uint64_t n = 0; n < steps; ++n) {
       const double y = pt2.step(1.0, kT);
       if (n != next && n + 1 != steps) continue;
       next = n + 1 + n / 16;
-      const double error = std::abs(y - step_response(0.5L * turn, n));
+      const double error = std::abs(y - step_response(0.5L * angle, n));
       worst = std::max(worst, error);
       if (!(error <= 1e-12))
-        return out.faults.push_back(fmt::format("w0 T = {}: sample {} is off by {:.3g} K", turn, n, error));
+        return out.faults.push_back(fmt::format("w0 T = {}: sample {} is off by {:.3g} K", angle, n, error));
     }
     teller.count(steps);
   }

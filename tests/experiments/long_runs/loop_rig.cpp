@@ -67,8 +67,8 @@ LoopRig::LoopRig(const RigOptions& ask)
   front_ = std::make_unique<RigFront>(scene_, std::move(built), spec_, limits_, 1.0 / d.rate_hz);
   const Motion in_world = ask.path ? *ask.path : scene_.motions.at(ask.motion);
   device_ = std::make_unique<sim::SimulatedDevice>(ask.device, ask.hand.value_or(ask.device.hand),
-                                              motion_in_device(in_world, scene_.device.device_in_world,
-                                                               scene_.device.tool_offset, scene_.device.position_scale),
+                                              motion_in_device(in_world, scene_.device.pose_WD,
+                                                               scene_.device.pose_PT, scene_.device.position_scale),
                                               ask.seed);
 }
 

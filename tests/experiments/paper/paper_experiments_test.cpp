@@ -35,7 +35,7 @@ TEST(PaperExperiments, AFiveHertzFilterSmoothsWhatIsLeft) {
   EXPECT_NEAR(e.of_filter.noise, 0.076, 0.02);
 }
 
-TEST(PaperExperiments, TheMeanNormalFailsInCornersAndSlotsAndTheRungsAboveMendIt) {
+TEST(PaperExperiments, TheMeanNormalFailsInCornersAndSlotsAndTheModelsBeyondMendIt) {
   const std::vector<CornerAndSlot> all = corner_and_slot(22);
   const auto of = [&](const std::string& name) {
     for (const CornerAndSlot& c : all)

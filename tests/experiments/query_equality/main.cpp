@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
     for (int n = 0; n < 500; ++n) {
       const Vec3 u(uniform(random, -10, 74), uniform(random, -10, 74), uniform(random, -10, 74));
       query.find({grid.origin + e * u, test::random_rotation(random)}, hits);
-      const test::ReferenceHits reference = test::reference_hits(map, shell, hits.pose);
+      const test::ReferenceHits reference = test::reference_hits(map, shell, hits.pose_WT);
       if (!test::same(hits.surface, reference.surface) || !test::same(hits.interior, reference.interior)) {
         fmt::print("not the same: seed {}, after {:.0f} points, e = {} m, reach {} voxels\n", seed, decided, e, reach);
         return 1;

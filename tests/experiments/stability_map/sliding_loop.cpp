@@ -36,7 +36,7 @@ class Crossings {
     double sum = 0.0, stayed = 0.0, now = 0.0;
     for (const contact::Hits* list : {&hits.surface, &hits.interior})
       for (const contact::Hit& hit : *list) {
-        const voxmap::VoxelIndex v = voxmap::Grid::voxel_of((hits.pose.position + hit.arm - grid.origin) / grid.edge);
+        const voxmap::VoxelIndex v = voxmap::Grid::voxel_of((hits.pose_WT.position + hit.arm - grid.origin) / grid.edge);
         now += hit.weight;
         if (seen_[hit.point] + 1 == frame_) {
           stayed += hit.weight;

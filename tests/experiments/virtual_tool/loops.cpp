@@ -24,15 +24,15 @@ bool dies_out(const LoopOptions& o, Rig* rig, const Vec3& normal, double k) {
   const auto late = static_cast<std::size_t>(std::lround(o.delay_s / kFine));
   std::vector<Vec3> waiting(late + 1, o.pull_n * normal);
   double early[2] = {1.0, -1.0}, last[2] = {1.0, -1.0};  // least and most along the normal, early and late
-  Vec3 held = o.pull_n * normal;
+  Vec3 felt = o.pull_n * normal;
   const int fine_per_sample = static_cast<int>(std::lround(kPeriod / kFine)), samples = 1500;
   const Vec3 rest = x;
   for (int n = 0; n < samples; ++n) {
     const Vec3 force = force_at(x);
     for (int f = 0; f < fine_per_sample; ++f) {
       waiting.push_back(force);
-      held = waiting[waiting.size() - 1 - late];
-      v += kFine / o.mass_kg * (held - o.pull_n * normal - o.damping_ns_per_m * v);
+      felt = waiting[waiting.size() - 1 - late];
+      v += kFine / o.mass_kg * (felt - o.pull_n * normal - o.damping_ns_per_m * v);
       x += kFine * v;
     }
     waiting.erase(waiting.begin(), waiting.end() - static_cast<std::ptrdiff_t>(late) - 1);

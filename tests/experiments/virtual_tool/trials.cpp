@@ -182,16 +182,16 @@ WallFigures walls(const WallOptions& o) {
       Vec3 hand = aside + side * (5 * e + 0.5 * thick + uniform(random, 0.5, 3.0) * e) * normal;
       const Vec3 across = turn * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), 0.0);
       const Vec3 way = (0.5 * across - side * normal).normalized();
-      Quat held(Eigen::AngleAxisd(uniform(random, 0, 3), random_direction(random)));
+      Quat orientation(Eigen::AngleAxisd(uniform(random, 0, 3), random_direction(random)));
       const double spin = uniform(random, 0.0, 0.3) * speed / 5.0;
       const Vec3 axis = random_direction(random);
-      if (!wall.tool.place({hand, held}, {&ground, 1})) continue;
+      if (!wall.tool.place({hand, orientation}, {&ground, 1})) continue;
       ++figures.runs;
       bool passed = false;
       const auto step = [&](const Vec3& by, bool turning) {
         hand += by;
-        if (turning) held = (Quat(Eigen::AngleAxisd(spin, axis)) * held).normalized();
-        const contact::VirtualToolFrame frame = wall.tool.frame({{hand, held}, kPeriod, 0.0}, {&ground, 1});
+        if (turning) orientation = (Quat(Eigen::AngleAxisd(spin, axis)) * orientation).normalized();
+        const contact::VirtualToolFrame frame = wall.tool.frame({{hand, orientation}, kPeriod, 0.0}, {&ground, 1});
         figures.depth_worst = std::max(figures.depth_worst, frame.worst_depth_m / e);
         queries += frame.queries, ++frames;
         const double height = side * normal.dot(frame.tool.position);

@@ -84,9 +84,9 @@ TEST(F7PosesThatAreNone, ForOneToAHundredCyclesLeaveTheForceFiniteWithinItsLimit
     };
     const Vec3 settled = rest();
     ASSERT_GT(settled.norm(), 0.1) << contact::name_of(kind);
-    std::size_t turn = 0;
+    std::size_t round = 0;
     for (const int cycles : {1, 2, 3, 5, 10, 30, 100})
-      for (std::size_t first = 0; first < bad.size(); ++first, ++turn) {
+      for (std::size_t first = 0; first < bad.size(); ++first, ++round) {
         const int before = ring.refused;
         int refused = 0;
         for (int n = 0; n < cycles; ++n) {
@@ -128,7 +128,7 @@ TEST(F7PosesThatAreNone, AreRefusedByTheContactItselfAndLeaveItAsItWas) {
       }
       const contact::StageResult a = disturbed.render(good), b = clean.render(good);
       EXPECT_EQ(a.contact.wrench.force, b.contact.wrench.force) << contact::name_of(kind) << " at " << z;
-      EXPECT_TRUE(a.crossed == b.crossed && a.missed == b.missed && a.fast == b.fast && a.held == b.held);
+      EXPECT_TRUE(a.crossed == b.crossed && a.missed == b.missed && a.fast == b.fast && a.retained == b.retained);
     }
   }
 }

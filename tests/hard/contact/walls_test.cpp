@@ -37,8 +37,8 @@ struct Wall {
 
   Vec3 across() const { return turn * Vec3::UnitZ(); }
   /// The ball's middle `z` [m] from the wall's, along its normal.
-  Pose at(double z, const Vec3& aside = Vec3::Zero(), const Quat& held = Quat::Identity()) const {
-    return ball.posed(kEdge * Vec3(0.13, 0.41, 0.37) + turn * (aside + Vec3(0, 0, z)), held);
+  Pose at(double z, const Vec3& aside = Vec3::Zero(), const Quat& orientation = Quat::Identity()) const {
+    return ball.posed(kEdge * Vec3(0.13, 0.41, 0.37) + turn * (aside + Vec3(0, 0, z)), orientation);
   }
   double touch_m() const { return 2.5 * kEdge + 0.5 * thick * kEdge; }
 };

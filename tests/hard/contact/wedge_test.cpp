@@ -62,7 +62,7 @@ TEST(F1NormalsThatCancel, PushNoWayInTheSymmetricPoseAndTurnWithoutAJump) {
       ASSERT_GT(wall, 0.0);
       ASSERT_TRUE(still.wrench.finite());
       EXPECT_LE(still.wrench.force.norm(), net(w) * wall) << w.name << ", " << contact::name_of(kModels[m]);
-      double largest[2] = {0, 0}, turned = 0.0;
+      double largest[2] = {0, 0}, flipped = 0.0;
       int fine = 0;
       for (const double step : {1e-9 * kEdge, 1e-3 * kEdge}) {
         renderer.reset();
@@ -72,7 +72,7 @@ TEST(F1NormalsThatCancel, PushNoWayInTheSymmetricPoseAndTurnWithoutAJump) {
           EXPECT_TRUE(now.wrench.finite());
           const double change = (now.wrench.force - last).norm();
           largest[fine] = std::max(largest[fine], change);
-          if (now.wrench.force.dot(last) < 0.0) turned = std::max(turned, change);
+          if (now.wrench.force.dot(last) < 0.0) flipped = std::max(flipped, change);
           last = now.wrench.force;
         }
         ++fine;
@@ -82,7 +82,7 @@ TEST(F1NormalsThatCancel, PushNoWayInTheSymmetricPoseAndTurnWithoutAJump) {
           "%-16s %-9s net %.4f of one wall's force %.3g N; largest step over 1e-9 e %.2g, over 1e-3 e %.4f; a turn "
           "%.4f\n",
           w.name, std::string(contact::name_of(kModels[m])).c_str(), still.wrench.force.norm() / wall, wall, largest[0] / wall,
-          largest[1] / wall, turned / wall);
+          largest[1] / wall, flipped / wall);
       EXPECT_LE(largest[0] / wall, 1e-7) << w.name << ", " << contact::name_of(kModels[m]);
       EXPECT_LE(largest[1] / wall, steps ? 0.1 : 0.02) << w.name << ", " << contact::name_of(kModels[m]);
     }

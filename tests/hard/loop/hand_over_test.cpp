@@ -48,10 +48,10 @@ TEST(HardCaseL6, AnOverrunIsCountedAndTheLoopGoesOnInItsOwnGrid) {
   std::int64_t deadline = 5 * kPeriod;
   std::uint64_t skipped = 0;
   // Turns that take 0.2, 0.9, 3.4, 0.1, 1.05 periods after their deadline.
-  for (const double took : {0.2, 0.9, 3.4, 0.1, 1.05}) {
-    const Deadline next = next_deadline(deadline, deadline + static_cast<std::int64_t>(took * kPeriod), kPeriod);
+  for (const double elapsed : {0.2, 0.9, 3.4, 0.1, 1.05}) {
+    const Deadline next = next_deadline(deadline, deadline + static_cast<std::int64_t>(elapsed * kPeriod), kPeriod);
     EXPECT_EQ(next.at_ns % kPeriod, 0) << "no drift";
-    EXPECT_GT(next.at_ns, deadline + static_cast<std::int64_t>(took * kPeriod) - kPeriod) << "no burst to catch up";
+    EXPECT_GT(next.at_ns, deadline + static_cast<std::int64_t>(elapsed * kPeriod) - kPeriod) << "no burst to catch up";
     skipped += next.skipped;
     deadline = next.at_ns;
   }

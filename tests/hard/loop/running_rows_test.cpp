@@ -31,19 +31,19 @@ double thread_seconds() {
 
 // H1
 TEST(HardCases, AnyCutoffAndDampingRatioStaysBoundedOrIsRefused) {
-  for (const double turn : {1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.14, 3.15, 10.0, 1e6})
+  for (const double angle : {1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.14, 3.15, 10.0, 1e6})
     for (const double d : {1e-9, 1e-3, 0.577, 1.0, 1e3, 1e6})
       for (const double gain : {0.0, 1.0, 3.0}) {
-        const coupling::CouplingSpec spec = filter(turn / (2 * std::numbers::pi * kT), d, gain);
-        if (turn >= std::numbers::pi) {
-          EXPECT_THROW(coupling::RunningCoupling(spec, {}, kT), std::invalid_argument) << turn;
+        const coupling::CouplingSpec spec = filter(angle / (2 * std::numbers::pi * kT), d, gain);
+        if (angle >= std::numbers::pi) {
+          EXPECT_THROW(coupling::RunningCoupling(spec, {}, kT), std::invalid_argument) << angle;
           continue;
         }
         coupling::RunningCoupling coupling(spec, {}, kT, 0.0);
         double peak = 0;
         for (int n = 0; n < 2000; ++n) peak = std::max(peak, coupling.step(push(1), kT).wrench.force.norm());
         ASSERT_TRUE(std::isfinite(peak));
-        EXPECT_LE(peak, 2 * gain * (1 + 1e-9)) << turn << " " << d;
+        EXPECT_LE(peak, 2 * gain * (1 + 1e-9)) << angle << " " << d;
       }
   for (const double bad : {-1.0, kNan, kInf})
     EXPECT_THROW(coupling::RunningCoupling(filter(5, 1, bad), {}, kT), std::invalid_argument);

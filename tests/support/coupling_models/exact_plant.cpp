@@ -163,8 +163,8 @@ double ExactPlant::slide_until_rest(double h, double u, double direction) noexce
 }
 
 void ExactPlant::advance_with_friction(double h, double u) noexcept {
-  constexpr int kMaxTurns = 32;  // an interval has two or three; the end is a guard against rounding
-  for (int turn = 0; turn < kMaxTurns && h > 0.0; ++turn) {
+  constexpr int kMaxPieces = 32;  // an interval has two or three; the end is a guard against rounding
+  for (int piece = 0; piece < kMaxPieces && h > 0.0; ++piece) {
     if (v_ == 0.0) h -= rest_until_slip(h, u);
     if (!(h > 0.0)) return;
     const double direction = v_ != 0.0 ? std::copysign(1.0, v_) : std::copysign(1.0, net_at_rest(u, 1.0));

@@ -18,19 +18,19 @@ class EffortsUnderWay {
   struct Effort {
     double in_s, value;
   };
-  static constexpr std::size_t kMost = 256;
+  static constexpr std::size_t kMaxEfforts = 256;
 
   /// The newest effort; those that would arrive after it have been overtaken and are dropped. Their number.
   std::uint64_t send(double in_s, double value) noexcept {
     std::uint64_t dropped = 0;
     for (; size_ > 0 && at(size_ - 1).in_s >= in_s; --size_) ++dropped;
-    if (size_ < kMost) at(size_++) = {in_s, value};
+    if (size_ < kMaxEfforts) at(size_++) = {in_s, value};
     return dropped;
   }
   bool any_within(double period_s) noexcept { return size_ > 0 && at(0).in_s < period_s; }
   Effort take() noexcept {
     const Effort first = at(0);
-    first_ = (first_ + 1) % kMost, --size_;
+    first_ = (first_ + 1) % kMaxEfforts, --size_;
     return first;
   }
   void pass(double period_s) noexcept {
@@ -38,8 +38,8 @@ class EffortsUnderWay {
   }
 
  private:
-  Effort& at(std::size_t i) noexcept { return ring_[(first_ + i) % kMost]; }
-  std::array<Effort, kMost> ring_{};
+  Effort& at(std::size_t i) noexcept { return ring_[(first_ + i) % kMaxEfforts]; }
+  std::array<Effort, kMaxEfforts> ring_{};
   std::size_t first_ = 0, size_ = 0;
 };
 

@@ -42,9 +42,9 @@ int claim_domain() {
     address.sun_family = AF_UNIX;
     name.copy(address.sun_path + 1, sizeof address.sun_path - 1);  // the zero before it: a name without a file
     const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-    const int held = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (held >= 0 && bind(held, reinterpret_cast<const sockaddr*>(&address), size) == 0) return domain;
-    if (held >= 0) close(held);
+    const int bound = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (bound >= 0 && bind(bound, reinterpret_cast<const sockaddr*>(&address), size) == 0) return domain;
+    if (bound >= 0) close(bound);
   }
   throw std::runtime_error("every DDS domain from 61 to 100 is held by another test");
 }

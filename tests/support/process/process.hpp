@@ -38,6 +38,9 @@ class Process {
   std::filesystem::path folder_;
 };
 
+/// Whether `up` has shown a line of figures on standard error: all its nodes run.
+inline bool runs(const Process& up) { return up.err().find(" samples  force") != std::string::npos; }
+
 /// A folder of its own, removed at the end.
 class TemporaryFolder {
  public:

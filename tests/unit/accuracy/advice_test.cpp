@@ -110,9 +110,9 @@ TEST(AccuracyAdvice, NeverChoosesWhatWasRefusedOrNeverTouchedOrIsNotANumber) {
   untouched.contacts = 0;
   AccuracyRow odd = row(contact::ContactModelKind::kAdapted, 0.002, 1, std::numeric_limits<double>::quiet_NaN());
   const std::vector<AccuracyRow> all{refused(), untouched, odd, rows()[1]};
-  for (const AccuracyWish& wish : {AccuracyWish{}, AccuracyWish{.direction_deg = 1}, AccuracyWish{.direction_deg = 90},
-                                   AccuracyWish{.within_us = 1}, AccuracyWish{.within_us = 1e6}})
-    EXPECT_EQ(advise(all, wish).row, 3u) << advise(all, wish).sentence;
+  for (const AccuracyGoal& goal : {AccuracyGoal{}, AccuracyGoal{.direction_deg = 1}, AccuracyGoal{.direction_deg = 90},
+                                   AccuracyGoal{.within_us = 1}, AccuracyGoal{.within_us = 1e6}})
+    EXPECT_EQ(advise(all, goal).row, 3u) << advise(all, goal).sentence;
 }
 
 TEST(AccuracyAdvice, ARowWithoutTheWantedFigureDoesNotKeepTheWish) {
@@ -130,8 +130,8 @@ TEST(AccuracyAdvice, ARowWithoutTheWantedFigureDoesNotKeepTheWish) {
 }
 
 TEST(AccuracyAdvice, SaysSoWhereNothingCouldBeJudged) {
-  for (const AccuracyWish& wish : {AccuracyWish{}, AccuracyWish{.direction_deg = 1}, AccuracyWish{.within_us = 1}}) {
-    const AccuracyAdvice advice = advise({refused(), refused()}, wish);
+  for (const AccuracyGoal& goal : {AccuracyGoal{}, AccuracyGoal{.direction_deg = 1}, AccuracyGoal{.within_us = 1}}) {
+    const AccuracyAdvice advice = advise({refused(), refused()}, goal);
     EXPECT_FALSE(advice.row);
     EXPECT_NE(advice.met, true);
     expect_says(advice, {"None of the 2 settings"});
@@ -160,18 +160,18 @@ TEST(AccuracyAdvice, TakesTheFasterThenTheSmallerThenTheFirstOfEquals) {
   EXPECT_EQ(advise(equals, {.direction_deg = 2}).row, 2u);
 }
 
-TEST(AccuracyWish, RefusesWhatCannotBeWanted) {
+TEST(AccuracyGoal, RefusesWhatCannotBeWanted) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (const double bad : {0.0, -1.0, nan, inf}) {
-    EXPECT_THROW(AccuracyWish{.direction_deg = bad}.validate(), std::invalid_argument) << bad;
-    EXPECT_THROW(AccuracyWish{.noise = bad}.validate(), std::invalid_argument) << bad;
-    EXPECT_THROW(AccuracyWish{.torque_m = bad}.validate(), std::invalid_argument) << bad;
-    EXPECT_THROW(AccuracyWish{.onset_m = bad}.validate(), std::invalid_argument) << bad;
-    EXPECT_THROW(AccuracyWish{.within_us = bad}.validate(), std::invalid_argument) << bad;
+    EXPECT_THROW(AccuracyGoal{.direction_deg = bad}.validate(), std::invalid_argument) << bad;
+    EXPECT_THROW(AccuracyGoal{.noise = bad}.validate(), std::invalid_argument) << bad;
+    EXPECT_THROW(AccuracyGoal{.torque_m = bad}.validate(), std::invalid_argument) << bad;
+    EXPECT_THROW(AccuracyGoal{.onset_m = bad}.validate(), std::invalid_argument) << bad;
+    EXPECT_THROW(AccuracyGoal{.within_us = bad}.validate(), std::invalid_argument) << bad;
   }
-  EXPECT_THROW((AccuracyWish{.noise = 1, .within_us = 5}.validate()), std::invalid_argument);
-  EXPECT_NO_THROW((AccuracyWish{.direction_deg = 1, .noise = 1}.validate()));
-  EXPECT_NO_THROW(AccuracyWish{}.validate());
+  EXPECT_THROW((AccuracyGoal{.noise = 1, .within_us = 5}.validate()), std::invalid_argument);
+  EXPECT_NO_THROW((AccuracyGoal{.direction_deg = 1, .noise = 1}.validate()));
+  EXPECT_NO_THROW(AccuracyGoal{}.validate());
 }
 
 TEST(AccuracySettingNames, TellTheShellOnlyWhereItIsAnother) {

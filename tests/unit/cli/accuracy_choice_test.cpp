@@ -26,7 +26,7 @@ void expect_refused(const AccuracyChoice& ask, const std::vector<std::string>& w
   }
 }
 
-TEST(AccuracyChoice, MeansEveryRungAtThreeVoxelSizesRoundTheScenesOwn) {
+TEST(AccuracyChoice, MeansEveryModelAtThreeVoxelSizesRoundTheScenesOwn) {
   const auto settings = settings_of({}, 0.002);
   ASSERT_EQ(settings.size(), 19u) << "original and adapted twice, clustered and field by area, three sizes each; the virtual tool";
   EXPECT_EQ(accuracy::describe(settings[0]), "original/one, e = 4 mm");
@@ -56,12 +56,12 @@ TEST(AccuracyChoice, MakesADenserShellWithSmallerVoxels) {
                                 "adapted/one, e = 2 mm, shell 4 mm"}));
 }
 
-TEST(AccuracyChoice, LeavesOutTheRungsByAreaWhereOnlyWeightsOfOneAreAskedForAndNoModelIsNamed) {
+TEST(AccuracyChoice, LeavesOutTheModelsByAreaWhereOnlyWeightsOfOneAreAskedForAndNoneIsNamed) {
   EXPECT_EQ(names(settings_of({.weights = {"one"}, .voxel_sizes_m = {0.002}}, 0.1)),
             (std::vector<std::string>{"original/one, e = 2 mm", "adapted/one, e = 2 mm"}));
 }
 
-TEST(AccuracyChoice, RefusesARungByAreaWithWeightsOfOne) {
+TEST(AccuracyChoice, RefusesAModelByAreaWithWeightsOfOne) {
   expect_refused({.models = {"adapted", "clustered"}, .weights = {"one"}},
                  {"--weights one", "'clustered'", "add area"});
   expect_refused({.models = {"field"}, .weights = {"one"}}, {"--weights one", "'field'"});

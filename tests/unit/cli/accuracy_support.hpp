@@ -24,13 +24,13 @@ inline accuracy::AccuracyRow accuracy_row(contact::ContactModelKind model, conta
 }
 
 /// Rows 0, 2 and 3 are the front, row 2 its knee; row 4 was refused, row 5 never met the wall.
-inline cli::AccuracyReport accuracy_report(const accuracy::AccuracyWish& wish = {}) {
+inline cli::AccuracyReport accuracy_report(const accuracy::AccuracyGoal& goal = {}) {
   cli::AccuracyReport r;
   r.scene = "cup & saucer";
   r.scene_hash = "0123456789abcdef";
   r.scene_voxel_m = 0.002;
   r.seed = 7, r.contacts = 40, r.depth_edges = 0.5;
-  r.wish = wish;
+  r.goal = goal;
   r.rows = {accuracy_row(contact::ContactModelKind::kOriginal, contact::PointWeights::kOne, 0.004, 5, 8),
             accuracy_row(contact::ContactModelKind::kAdapted, contact::PointWeights::kOne, 0.002, 20, 2.3),
             accuracy_row(contact::ContactModelKind::kField, contact::PointWeights::kArea, 0.004, 10, 0.5),
@@ -41,7 +41,7 @@ inline cli::AccuracyReport accuracy_report(const accuracy::AccuracyWish& wish = 
   r.rows[4].refused = "it would need 80 GB, \"too much\" <here>";
   r.rows[5].setting = {contact::ContactModelKind::kField, contact::PointWeights::kArea, 0.5, 0.5};
   r.rows[5].shell_points = 8;
-  r.advice = accuracy::advise(r.rows, wish);
+  r.advice = accuracy::advise(r.rows, goal);
   r.machine = {.version = "0.1.0", .processor = "Some(R) CPU", .cpus = 2, .compiler = "gcc 12", .flags = "-O3"};
   r.load_before = 0.5, r.load_after = 1.5;
   return r;

@@ -113,7 +113,7 @@ TEST(ClusteredMotion, GoesOnPushingDownToThreeVoxelsAndSaysThatItIsAtItsEnd) {
     const contact::StageResult r = renderer.render(ball.posed(base * Vec3(0, 0, kRadius - depth), Quat::Identity()));
     const Vec3 force = base.orientation.conjugate() * r.contact.wrench.force;
     EXPECT_GT(force.z(), before) << depth / kEdge << " e deep";
-    EXPECT_FALSE(r.held) << "nothing is remembered";
+    EXPECT_FALSE(r.retained) << "nothing is remembered";
     before = force.z();
     if (depth < 0.5 * kEdge || depth > 2.5 * kEdge) {
       EXPECT_EQ(r.contact.saturated, depth > 2.5 * kEdge);

@@ -104,7 +104,7 @@ TEST(Culling, NeverDropsAHitInThousandsOfRandomPoses) {
       const Pose pose{grid.origin + e * u, random_rotation(random)};
       query.find(pose, hits);
       // The query brings the quaternion to unit norm; take its rotation so that the last bit is the same.
-      const BruteForce all = brute_force(voxmap, shell, hits.pose);
+      const BruteForce all = brute_force(voxmap, shell, hits.pose_WT);
       ASSERT_EQ(points(hits.surface), all.surface) << "pose " << n << " u " << u.transpose();
       ASSERT_EQ(points(hits.interior), all.interior) << "pose " << n << " u " << u.transpose();
       ASSERT_EQ(hits.pose_status, contact::PoseStatus::kUsable);

@@ -27,12 +27,12 @@ TEST(FieldDepth, TheForceGrowsDownToTenVoxelsInABodyOf25) {
     contact::ContactRenderer renderer = ground.renderer(shell);
     std::mt19937_64 random(21);
     for (int walk = 0; walk < 4; ++walk) {
-      const Quat held = random_rotation(random);
+      const Quat orientation = random_rotation(random);
       const Vec3 side(uniform(random, -0.005, 0.005), uniform(random, -0.005, 0.005), 0);
       double last = 0.0;
       for (double depth = 0.0; depth <= 10.0 * kEdge; depth += 0.02 * kEdge) {
         const Vec3 at = turn * (side + Vec3(0, 0, 12.5 * kEdge + 15 * kEdge - depth));
-        const contact::ContactResult r = renderer.probe(tool.posed(at, held));
+        const contact::ContactResult r = renderer.probe(tool.posed(at, orientation));
         const double push = r.wrench.force.dot(turn * Vec3::UnitZ());
         ASSERT_GE(push, last) << "at a depth of " << depth / kEdge << " voxels";
         ASSERT_LE(degrees_between(r.wrench.force, turn * Vec3::UnitZ()), depth > 0.5 * kEdge ? 1.0 : 90.0);

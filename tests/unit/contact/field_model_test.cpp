@@ -39,7 +39,7 @@ TEST(FieldModel, PushesEachPointAlongItsNormalWithItsAreaAndItsDepth) {
     const contact::HitList& hits = s.renderer.hits();
     for (const contact::Hits* list : {&hits.surface, &hits.interior})
       for (const contact::Hit& hit : *list) {
-        const Vec3 u = s.ground.field.grid().to_grid(hits.pose.position + hit.arm);
+        const Vec3 u = s.ground.field.grid().to_grid(hits.pose_WT.position + hit.arm);
         const double depth = std::max(0.0, -s.ground.field.at(u).distance_m);
         const double area = s.renderer.query().shell().area_m2[hit.point];
         const Vec3 force = kPressure * area * depth * hit.normal;
@@ -121,7 +121,7 @@ TEST(FieldModel, PassesThroughTheStageWithTheFastFlagOnly) {
     const contact::ContactResult plain = s.renderer.probe(pose);
     EXPECT_TRUE(same_bits(r.contact.wrench, plain.wrench));
     EXPECT_EQ(r.contact.saturated, plain.saturated);
-    EXPECT_FALSE(r.held);
+    EXPECT_FALSE(r.retained);
     EXPECT_EQ(r.fast, n > 0);  // the poses are millimetres apart
   }
   const Pose pose = s.random_pose(random);

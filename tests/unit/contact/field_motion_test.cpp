@@ -18,7 +18,7 @@ std::vector<double> depths_of(const contact::ContactRenderer& renderer, const Gr
   const contact::HitList& hits = renderer.hits();
   for (const contact::Hits* list : {&hits.surface, &hits.interior})
     for (const contact::Hit& hit : *list) {
-      const Vec3 x = hits.pose.position - ground.field.grid().origin + hit.arm;
+      const Vec3 x = hits.pose_WT.position - ground.field.grid().origin + hit.arm;
       depth[hit.point] = std::max(0.0, -ground.field.at(x / kEdge).distance_m);
     }
   return depth;

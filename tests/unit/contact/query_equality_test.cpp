@@ -48,7 +48,7 @@ class Compared {
   void at(const Pose& pose) {
     query_.find(pose, hits_);
     ASSERT_EQ(hits_.pose_status, contact::PoseStatus::kUsable);
-    const ReferenceHits reference = reference_hits(voxmap_, shell_, hits_.pose, by_area_);
+    const ReferenceHits reference = reference_hits(voxmap_, shell_, hits_.pose_WT, by_area_);
     ASSERT_TRUE(same(hits_.surface, reference.surface)) << pose.position.transpose() << ", " << pose.orientation.coeffs().transpose();
     ASSERT_TRUE(same(hits_.interior, reference.interior)) << pose.position.transpose();
     Vec3 sum = Vec3::Zero();

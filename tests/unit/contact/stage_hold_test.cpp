@@ -47,7 +47,7 @@ TEST_P(DeepPush, NeverLosesForceOnTheWayInAndReturnsToZeroWhenOut) {
   for (int n = -10; n <= steps; ++n) {
     const contact::StageResult r = renderer.render(over(c.thickness, n * c.step, turn, x, y));
     const double up = r.contact.wrench.force.z();
-    EXPECT_EQ(r.held, r.contact.interior_hits > 0);
+    EXPECT_EQ(r.retained, r.contact.interior_hits > 0);
     if (r.contact.interior_hits > 0) {
       ASSERT_GT(up, 0.0) << "depth " << n * c.step;
     }
@@ -68,7 +68,7 @@ TEST_P(DeepPush, NeverLosesForceOnTheWayInAndReturnsToZeroWhenOut) {
     last = up;
     if (r.contact.surface_hits + r.contact.interior_hits == 0) {
       EXPECT_TRUE(r.contact.wrench.zero());
-      EXPECT_FALSE(r.held);
+      EXPECT_FALSE(r.retained);
     }
   }
   EXPECT_EQ(last, 0.0);
@@ -156,7 +156,7 @@ TEST(Hold, GivesAPointThatWasNeverSeenInTheLayerOneEdgeAlongItsOwnNormal) {
   contact::ContactRenderer renderer(voxmap, shell_of({{Vec3(0.002, 0, 0), normal}}, kEdge), contact::ContactModelKind::kAdapted,
                                     {kStiffness});
   const contact::StageResult r = renderer.render({Vec3(0.03, 0.03, 0.03), Quat::Identity()});
-  EXPECT_TRUE(r.held);
+  EXPECT_TRUE(r.retained);
   EXPECT_NEAR((r.contact.wrench.force - kUnit * normal).norm(), 0.0, 1e-15);
   EXPECT_NEAR((r.contact.wrench.torque - Vec3(0.002, 0, 0).cross(kUnit * normal)).norm(), 0.0, 1e-15);
   EXPECT_EQ(r.contact.deepest_depth_m, kEdge);
@@ -176,7 +176,7 @@ TEST(Hold, KeepsTheLastDepthOfAPointThatGoesThrough) {
   EXPECT_NEAR(at(58.9).contact.wrench.force.z(), 0.4 * kUnit, 1e-12);
   const contact::StageResult back = at(59.05);                                   // surface: the plain depth is larger again
   EXPECT_NEAR(back.contact.wrench.force.z(), 0.45 * kUnit, 1e-12);
-  EXPECT_FALSE(back.held);
+  EXPECT_FALSE(back.retained);
 }
 
 TEST(Hold, FadesWithTheWayMovedWhenAPointComesBackElsewhere) {
@@ -188,7 +188,7 @@ TEST(Hold, FadesWithTheWayMovedWhenAPointComesBackElsewhere) {
   at(1.1, 58.9);                                          // sideways, still inside
   const contact::StageResult side = at(0.9, 58.9);                 // the side's layer, 0.4 below a voxel's centre's level by chance
   EXPECT_NEAR(side.contact.wrench.force.z(), 0.2 * kUnit, 1e-12);  // 0.4 - 0.2 moved; the plain law has none here
-  EXPECT_TRUE(side.held);
+  EXPECT_TRUE(side.retained);
   EXPECT_NEAR(at(0.9, 58.9).contact.wrench.force.z(), 0.2 * kUnit, 1e-12);  // resting keeps it
   EXPECT_TRUE(at(0.65, 58.9).contact.wrench.zero());
 }
@@ -218,7 +218,7 @@ struct Frame {
 
 Vec3 staged_force(contact::ContactStage& stage, const Frame& frame) {
   contact::HitList hits;
-  hits.pose.position = frame.position;
+  hits.pose_WT.position = frame.position;
   for (std::uint32_t p = 0; p < frame.surface.size(); ++p)
     hits.surface.push_back({p, Vec3::Zero(), frame.surface[p].normalized(), 0.4 * kEdge * frame.surface[p].normalized()});
   for (std::uint32_t p = 0; p < frame.interior.size(); ++p)
@@ -277,7 +277,7 @@ TEST(Hold, ChangesThePushOfAReturningPointByNoMoreThanStated) {
       if (last.contact.surface_hits == 1 && now.contact.interior_hits == 1) {
         ++entries;
         ASSERT_GE(change, -1e-9);  // going through never takes force away
-        ASSERT_LE(change, contact::limits::kHeldDepthFloorEdges + 1e-9);
+        ASSERT_LE(change, contact::limits::kRetainedDepthFloorEdges + 1e-9);
       }
       if (now.contact.interior_hits == 1) {
         ASSERT_GE(now.contact.wrench.force.norm(), 0.2499 * kUnit);
@@ -340,7 +340,7 @@ TEST(Hold, TurnsWithTheWallWhenTheToolGoesRoundACurvedOne) {
   for (double depth = -1.0; depth < 2.5; depth += 0.05) at(0.0, depth);
   for (double angle = 0.0; angle < 2.0 * std::numbers::pi; angle += 0.005) {
     const contact::StageResult r = at(angle, 2.5);
-    EXPECT_TRUE(r.held);
+    EXPECT_TRUE(r.retained);
     const Vec3 out(std::sin(angle), 0.0, std::cos(angle));
     ASSERT_GT(r.contact.wrench.force.normalized().dot(out), 0.97) << angle;
   }
@@ -358,7 +358,7 @@ TEST(Stage, LeavesItsMemoryAloneWhenAPoseCannotBeUsed) {
     const contact::StageResult refused = disturbed.render(bad);
     EXPECT_EQ(refused.contact.pose_status, n % 2 == 0 ? contact::PoseStatus::kNotAPose : contact::PoseStatus::kOutOfRange);
     EXPECT_TRUE(refused.contact.wrench.zero());
-    EXPECT_FALSE(refused.held || refused.fast);
+    EXPECT_FALSE(refused.retained || refused.fast);
     const contact::StageResult a = disturbed.render(over(60, depth)), b = clean.render(over(60, depth));
     EXPECT_TRUE(same_bits(a.contact.wrench, b.contact.wrench));
     EXPECT_EQ(a.fast, b.fast);

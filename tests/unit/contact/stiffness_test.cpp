@@ -159,7 +159,7 @@ TEST(Stiffness, CountsPointsThatHaveGoneThroughAndThoseOnTheirWayBack) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
   for (const auto kind : kBothModels) {
     contact::ContactRenderer renderer(voxmap, sphere_shell(10 * kEdge, kEdge), kind, {kStiffness});
-    int held = 0, free = 0;
+    int retained = 0, free = 0;
     for (int n = 0; n < 600; ++n) {
       const double depth = 0.05 * (n < 300 ? n : 600 - n) - 1.0;
       const contact::StageResult r = renderer.render({kEdge * Vec3(30.13, 29.77, 70.0 - depth), Quat::Identity()});
@@ -167,8 +167,8 @@ TEST(Stiffness, CountsPointsThatHaveGoneThroughAndThoseOnTheirWayBack) {
       // Every direction is of unit length here, so each point that pushes gives the trace K.
       const double trace = r.contact.stiffness.topLeftCorner<3, 3>().trace();
       EXPECT_NEAR(trace, r.contact.stiffness_bound_n_per_m, 1e-9 * r.contact.stiffness_bound_n_per_m);
-      if (r.held) {
-        ++held;
+      if (r.retained) {
+        ++retained;
         EXPECT_GE(trace, kStiffness * r.contact.interior_hits * (1 - 1e-9));
       }
       if (r.contact.surface_hits + r.contact.interior_hits == 0) {
@@ -176,7 +176,7 @@ TEST(Stiffness, CountsPointsThatHaveGoneThroughAndThoseOnTheirWayBack) {
         EXPECT_TRUE(r.contact.stiffness.isZero(0.0));
       }
     }
-    EXPECT_GT(held, 400);
+    EXPECT_GT(retained, 400);
     EXPECT_GT(free, 20);
   }
 }

@@ -196,9 +196,9 @@ TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
   for (int k = 0; k < 30; ++k) rig.frame((kBall - 0.005) * n + 5e-5 * k * t, Quat::Identity(), 0.4);  // 1.5 mm along: 0.3 of it
   const Vec3 hand = (kBall - 0.005) * n + 1.5e-3 * t;
   rig.frame(hand, Quat::Identity(), 0.4);
-  const Vec3 held = rig.frame(hand, Quat::Identity(), 0.4).tool.position;
-  for (int k = 0; k < 2000; ++k) ASSERT_EQ(rig.frame(hand, Quat::Identity(), 0.4).tool.position, held) << k;
-  EXPECT_LT(std::abs(held.dot(t)), 2e-4);  // it turned a little about the point that sticks
+  const Vec3 sticking = rig.frame(hand, Quat::Identity(), 0.4).tool.position;
+  for (int k = 0; k < 2000; ++k) ASSERT_EQ(rig.frame(hand, Quat::Identity(), 0.4).tool.position, sticking) << k;
+  EXPECT_LT(std::abs(sticking.dot(t)), 2e-4);  // it turned a little about the point that sticks
   for (int k = 0; k < 60; ++k) rig.frame(hand + 1e-4 * k * t, Quat::Identity(), 0.4);  // 7.5 mm along: it slides
   const contact::VirtualToolFrame f = rig.frame(hand + 6e-3 * t, Quat::Identity(), 0.4);
   EXPECT_GT(f.tool.position.dot(t), 4e-3);

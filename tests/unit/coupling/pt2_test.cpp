@@ -120,17 +120,17 @@ TEST(Pt2, DcGainIsExact) {
 
 /// w0 T from 1e-9 to beyond the Nyquist frequency, d over fifteen decades: bounded and never NaN.
 TEST(Pt2, ExtremeParametersStayBounded) {
-  for (const double turn : {1e-9, 1e-6, 1e-3, 0.5, 3.0, 3.15, 100.0, 1e6, 1e12})
+  for (const double angle : {1e-9, 1e-6, 1e-3, 0.5, 3.0, 3.15, 100.0, 1e6, 1e12})
     for (const double d : {1e-9, 1e-3, 0.7, 1.0, 1e3, 1e6})
       for (const double gain : {0.0, 1.0, -2.0, 1e3}) {
-        coupling_models::Pt2 filter(turn / 1e-3, d, gain);
+        coupling_models::Pt2 filter(angle / 1e-3, d, gain);
         double peak = 0;
         for (int n = 0; n < 5000; ++n) {
           const double y = filter.step(1.0, 1e-3);
-          ASSERT_TRUE(std::isfinite(y)) << turn << " " << d;
+          ASSERT_TRUE(std::isfinite(y)) << angle << " " << d;
           peak = std::max(peak, std::abs(y));
         }
-        EXPECT_LE(peak, 2 * std::abs(gain) * (1 + 1e-9)) << turn << " " << d;
+        EXPECT_LE(peak, 2 * std::abs(gain) * (1 + 1e-9)) << angle << " " << d;
       }
 }
 

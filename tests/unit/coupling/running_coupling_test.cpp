@@ -57,7 +57,7 @@ TEST(RunningCoupling, IsTheLawAloneWhereNothingElseIsAskedFor) {
       const Wrench wanted = step_alone(laws[k], in, dt);
       ASSERT_EQ(out.wrench.force, wanted.force) << kKinds[k] << n;
       ASSERT_EQ(out.wrench.torque, wanted.torque) << kKinds[k] << n;
-      ASSERT_FALSE(out.ramping || out.held_input);
+      ASSERT_FALSE(out.ramping || out.repeated_input);
     }
     EXPECT_EQ(running.counters().faults, 0U);
     EXPECT_EQ(running.counters().samples, 3001U);

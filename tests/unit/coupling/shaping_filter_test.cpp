@@ -105,7 +105,7 @@ TEST(ShapingFilter, HoldsTheLastGoodInputWhereOneIsNotANumber) {
   for (int n = 0; n < 500; ++n) {
     const CouplingInput good = push({std::sin(0.05 * n), 1, 2}, {0.1, 0, 0.01 * n});
     a.step(good, kT), b.step(good, kT);
-    EXPECT_FALSE(a.status().held_input);
+    EXPECT_FALSE(a.status().repeated_input);
     for (int c = 0; c < 7; ++c) {
       for (const double value : {kNan, kInf, -kInf, 1e13}) {
         CouplingInput broken = push({9, 9, 9}, {9, 9, 9}, 1.0);
@@ -116,7 +116,7 @@ TEST(ShapingFilter, HoldsTheLastGoodInputWhereOneIsNotANumber) {
         const Wrench out = a.step(broken, kT), wanted = b.step(good, kT);
         EXPECT_EQ(out.force, wanted.force);
         EXPECT_EQ(out.torque, wanted.torque);
-        EXPECT_TRUE(a.status().held_input);
+        EXPECT_TRUE(a.status().repeated_input);
         ++bad;
       }
     }
@@ -189,11 +189,11 @@ TEST(ShapingFilter, ResetGivesTheHeldForceAndFadesToTheContact) {
   for (const double gain : {1.0, 0.4}) {
     LawAlone filter = running(filter_spec(100, 0.7, gain), {10, 10});
     for (int n = 0; n < 200; ++n) filter.step(push({7, 0, 0}), kT);
-    const Wrench held{{1, 2, -1}, {0.1, 0, 0}};
-    filter.reset(held);
+    const Wrench start{{1, 2, -1}, {0.1, 0, 0}};
+    filter.reset(start);
     Wrench out = filter.step(push({5, 0, 0}), kT);
-    EXPECT_LE((out.force - held.force).norm(), 0.01);
-    EXPECT_LE((out.torque - held.torque).norm(), 0.001);
+    EXPECT_LE((out.force - start.force).norm(), 0.01);
+    EXPECT_LE((out.torque - start.torque).norm(), 0.001);
     EXPECT_TRUE(filter.status().ramping);
     for (int n = 0; n < 1000; ++n) out = filter.step(push({5, 0, 0}), kT);
     EXPECT_NEAR(out.force.x(), 5 * gain, 1e-9);
@@ -304,9 +304,9 @@ TEST(Couplings, CountHoldClampAndFadeAlike) {
     for (int n = 0; n < 1000; ++n) coupling.step(push({1, 0, 0}), kT);
     EXPECT_FALSE(coupling.status().ramping);
     const Wrench steady = coupling.step(push({1, 0, 0}), kT);
-    const Wrench held = coupling.step(push({kNan, 0, 0}), kT);
-    EXPECT_LE((held.force - steady.force).norm(), 1e-9) << kind;
-    EXPECT_TRUE(coupling.status().held_input);
+    const Wrench start = coupling.step(push({kNan, 0, 0}), kT);
+    EXPECT_LE((start.force - steady.force).norm(), 1e-9) << kind;
+    EXPECT_TRUE(coupling.status().repeated_input);
     EXPECT_EQ(coupling.faults(), 1U);
     const Wrench after = coupling.step(push({3, 0, 0}), 1.0);
     EXPECT_LE((after.force - steady.force).norm(), 0.05) << kind << ": a gap fades";

@@ -123,7 +123,7 @@ TEST(StiffnessCap, HoldsTheLastContactWhereTheMatrixIsNotFinite) {
     broken.contact.force *= 3.0;
     broken.contact_stiffness(2, 4) = bad;
     const CouplingOutput out = coupling.step(broken, kT);
-    EXPECT_TRUE(out.held_input);
+    EXPECT_TRUE(out.repeated_input);
     EXPECT_EQ(out.wrench.force, before.force);
   }
   EXPECT_EQ(cap_scale(Mat6::Constant(1e12), 1e12, 1e300, 1e300), 0.0)

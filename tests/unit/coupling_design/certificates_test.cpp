@@ -64,37 +64,37 @@ constexpr double kHit = 1e12;
 
 TEST(FilterShape, SampledSumsAreThoseOfTheRingsFilter) {
   for (const double d : kRatios) {
-    for (const double turn : {2e-3, 0.0314, 0.314, 0.6, 1.5, 3.0}) {
-      const double period = 1e-3, w0 = turn / period;
+    for (const double angle : {2e-3, 0.0314, 0.314, 0.6, 1.5, 3.0}) {
+      const double period = 1e-3, w0 = angle / period;
       coupling_models::Pt2 filter(w0, d, 1.0);
-      const int samples = static_cast<int>(60.0 * (d < 1.0 ? 1.0 / d : 2.0 * d) / turn * (1.0 + turn * turn)) + 100;
+      const int samples = static_cast<int>(60.0 * (d < 1.0 ? 1.0 / d : 2.0 * d) / angle * (1.0 + angle * angle)) + 100;
       double overshoot = 0.0, lag = 0.0;
       for (int i = 0; i < samples; ++i) {
         const double h = std::abs(filter.step(i == 0 ? kHit : 0.0, period)) / kHit;
-        overshoot += h, lag += turn * i * h;
+        overshoot += h, lag += angle * i * h;
       }
       const FilterShape shape = sampled_filter_shape(w0, d, period);
-      EXPECT_NEAR(shape.overshoot / overshoot, 1.0, 1e-8) << d << " " << turn;
-      EXPECT_NEAR(shape.lag / lag, 1.0, 1e-8) << d << " " << turn;
-      EXPECT_GE(shape.lag, lag_shape(d) * (1.0 - 1e-9)) << "the continuous shape is too small: " << d << " " << turn;
+      EXPECT_NEAR(shape.overshoot / overshoot, 1.0, 1e-8) << d << " " << angle;
+      EXPECT_NEAR(shape.lag / lag, 1.0, 1e-8) << d << " " << angle;
+      EXPECT_GE(shape.lag, lag_shape(d) * (1.0 - 1e-9)) << "the continuous shape is too small: " << d << " " << angle;
     }
   }
 }
 
 TEST(FilterShape, BoundForVeryLongResponsesLiesAboveTheSums) {
   for (const double d : {0.005, 0.019, 0.5}) {
-    for (const double turn : {9e-4, 0.03, 0.3, 1.5}) {
-      if (d == 0.5 && turn > 1e-3) continue;  // summed
-      coupling_models::Pt2 filter(turn / 1e-3, d, 1.0);
-      const int samples = static_cast<int>(40.0 / (d * turn) * (1.0 + turn * turn)) + 100;
+    for (const double angle : {9e-4, 0.03, 0.3, 1.5}) {
+      if (d == 0.5 && angle > 1e-3) continue;  // summed
+      coupling_models::Pt2 filter(angle / 1e-3, d, 1.0);
+      const int samples = static_cast<int>(40.0 / (d * angle) * (1.0 + angle * angle)) + 100;
       double overshoot = 0.0, lag = 0.0;
       for (int i = 0; i < samples; ++i) {
         const double h = std::abs(filter.step(i == 0 ? kHit : 0.0, 1e-3)) / kHit;
-        overshoot += h, lag += turn * i * h;
+        overshoot += h, lag += angle * i * h;
       }
-      const FilterShape shape = sampled_filter_shape(turn / 1e-3, d, 1e-3);
-      EXPECT_GE(shape.overshoot, overshoot * (1.0 - 1e-12)) << d << " " << turn;
-      EXPECT_GE(shape.lag, lag * (1.0 - 1e-12)) << d << " " << turn;
+      const FilterShape shape = sampled_filter_shape(angle / 1e-3, d, 1e-3);
+      EXPECT_GE(shape.overshoot, overshoot * (1.0 - 1e-12)) << d << " " << angle;
+      EXPECT_GE(shape.lag, lag * (1.0 - 1e-12)) << d << " " << angle;
     }
   }
 }

@@ -26,7 +26,7 @@ inline coupling::design::DesignProblem stylus() {
   r.device.timing = {1e-3, 1e-3, 0.2, 2};
   r.hand.translation = kPen;
   r.contact = {50.0, 1000.0};
-  r.wishes.kind = "shaping_filter";
+  r.goals.kind = "shaping_filter";
   return r;
 }
 
@@ -41,7 +41,7 @@ inline coupling::design::DesignProblem robot(double mass_min, double mass_max, d
   r.device.timing = {1e-3, 2e-3, 0.2, 2};
   r.hand.translation = kArm;
   r.contact = {50.0, 2000.0};
-  r.wishes.kind = "shaping_filter";
+  r.goals.kind = "shaping_filter";
   return r;
 }
 
@@ -52,7 +52,7 @@ inline coupling::design::DesignProblem sim_stylus() {
   r.device.translation.inertia_min = 0.035, r.device.translation.inertia_max = 0.08;
   r.device.translation.max_stiffness = 800.0;
   r.device.timing.lost_in_a_row = 1;
-  r.wishes.force_layer_depth_m = 0.004;
+  r.goals.force_layer_depth_m = 0.004;
   return r;
 }
 
@@ -69,7 +69,7 @@ inline coupling::design::DesignProblem sim_arm() {
   r.hand.rotation = kWrist;
   r.contact = {100.0, 4000.0};
   r.contact_rotation = {0.5, 30.0};
-  r.wishes.force_layer_depth_m = 0.004;
+  r.goals.force_layer_depth_m = 0.004;
   return r;
 }
 
@@ -89,15 +89,17 @@ inline coupling::design::DesignProblem random_request(Random& random) {
   r.hand.translation.any_passive = random.chance(0.1);
   r.contact.all_points = light ? random.log(20.0, 5000.0) : random.log(100.0, 16000.0);
   r.contact.one_point = std::min(r.contact.all_points, 50.0);
-  r.wishes.free_cap = random.chance(0.3);
-  r.wishes.allow_injected_damping = random.chance(0.8);
+  r.goals.free_cap = random.chance(0.3);
+  r.goals.allow_injected_damping = random.chance(0.8);
   constexpr const char* kKinds[] = {"shaping_filter", "shaping_filter", "spring_damper", "direct", "auto"};
-  r.wishes.kind = kKinds[random.below(5)];
+  r.goals.kind = kKinds[random.below(5)];
   return r;
 }
 
 inline coupling::design::LoopController law_of_translation(const coupling::design::DesignProblem& r, const coupling::CouplingSpec& spec) {
   return voxtouch::coupling::design::controller_of(spec, coupling::design::axis_problems(r)[0], coupling::design::arm_squared(r));
 }
+
+inline coupling::design::Design designed(const coupling::design::DesignProblem& request) { return design_coupling(request); }
 
 }  // namespace voxtouch::testing

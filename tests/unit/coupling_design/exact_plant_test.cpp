@@ -153,19 +153,19 @@ TEST(ExactPlant, AHeldBodyWithFrictionSwingsOutAsTheTextbookSays) {
   p.mass = 1.0, p.hand_stiffness = 100.0;
   coupling_models::ExactPlant plant(p, 1.0, 0.0);  // 2 F_c / k = 20 mm lost each half swing
   plant.set(0.095, 0.0);
-  std::vector<double> turns;
+  std::vector<double> reversals;
   double last = plant.position();
   bool inward = true;
   for (int i = 0; i < 5000; ++i) {
     plant.advance(0.7e-3, 0.0);
-    if ((plant.position() > last) == inward && plant.position() != last) turns.push_back(last), inward = !inward;
+    if ((plant.position() > last) == inward && plant.position() != last) reversals.push_back(last), inward = !inward;
     last = plant.position();
   }
-  ASSERT_GE(turns.size(), 4u);
-  EXPECT_NEAR(turns[0], -0.075, 1e-5);
-  EXPECT_NEAR(turns[1], 0.055, 1e-5);
-  EXPECT_NEAR(turns[2], -0.035, 1e-5);
-  EXPECT_NEAR(turns[3], 0.015, 1e-5);  // from here inward to
+  ASSERT_GE(reversals.size(), 4u);
+  EXPECT_NEAR(reversals[0], -0.075, 1e-5);
+  EXPECT_NEAR(reversals[1], 0.055, 1e-5);
+  EXPECT_NEAR(reversals[2], -0.035, 1e-5);
+  EXPECT_NEAR(reversals[3], 0.015, 1e-5);  // from here inward to
   EXPECT_NEAR(last, 0.005, 1e-12);     // less than F_c / k: it stays
   EXPECT_EQ(plant.speed(), 0.0);
 }

@@ -35,9 +35,9 @@ TEST(Description, IsRefusedForEachNumberThatCannotBe) {
   DeviceDescription swapped = good;
   std::swap(swapped.mass_min_kg, swapped.mass_max_kg);
   EXPECT_NE(what_is_wrong(swapped).find("mass_max_kg is 3"), std::string::npos) << what_is_wrong(swapped);
-  DeviceDescription held = good;
-  held.grip = "teeth";
-  EXPECT_NE(what_is_wrong(held), "");
+  DeviceDescription gripped = good;
+  gripped.grip = "teeth";
+  EXPECT_NE(what_is_wrong(gripped), "");
 }
 
 }  // namespace

@@ -53,9 +53,9 @@ TEST(Limits, ClampMakesAnythingFinite) {
 }
 
 TEST(Limits, ALimitThatIsNoNumberNegativeOrNextToZeroLetsNothingPass) {
-  constexpr double kLeast = std::numeric_limits<double>::denorm_min();
-  for (double limit : {kNan, -1.0, -kInf, 0.0, -0.0, kLeast, 1e-310}) {
-    for (const Vec3& wanted : {Vec3(1, 2, 3), Vec3(kLeast, -kLeast, kLeast), Vec3(1e-309, 0, -1e-309)}) {
+  constexpr double kMin = std::numeric_limits<double>::denorm_min();
+  for (double limit : {kNan, -1.0, -kInf, 0.0, -0.0, kMin, 1e-310}) {
+    for (const Vec3& wanted : {Vec3(1, 2, 3), Vec3(kMin, -kMin, kMin), Vec3(1e-309, 0, -1e-309)}) {
       Vec3 v = wanted;
       EXPECT_EQ(clamp_length(v, limit), !(length_of(wanted) <= limit)) << limit;
       EXPECT_TRUE(v.isZero(0.0) || length_of(v) <= limit) << limit;

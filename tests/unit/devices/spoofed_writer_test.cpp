@@ -23,7 +23,7 @@ struct Loop {
     guard.count(verdict);
     if (verdict == GateVerdict::kAccepted) newest = GuardInput{{Vec3(force_n, 0, 0), Vec3::Zero()}, valid_until_ns};
   }
-  double turn() {
+  double cycle() {
     const double force = guard.pass(newest, static_cast<std::int64_t>(sample) * kPeriodNs).force.x();
     newest.reset();
     ++sample;
@@ -44,8 +44,8 @@ TEST(SpoofedWriter, IsHeldWithinTheLimitsAndTheCouplingIsFeltAgainWhenHeStops) {
   const auto genuine = [&] {
     loop.offer(loop.sample, 0.3, static_cast<std::int64_t>(loop.sample + 5) * kPeriodNs);
   };
-  for (int i = 0; i < 1000; ++i) genuine(), loop.turn();
-  double last = loop.turn();
+  for (int i = 0; i < 1000; ++i) genuine(), loop.cycle();
+  double last = loop.cycle();
   const double most_step = device.max_force_rate_n_per_s * 1e-3 * (1 + 1e-9);
   const double forces[] = {1e300, -1e300, 8.5, -8.5, std::numeric_limits<double>::quiet_NaN(),
                            std::numeric_limits<double>::infinity()};
@@ -54,7 +54,7 @@ TEST(SpoofedWriter, IsHeldWithinTheLimitsAndTheCouplingIsFeltAgainWhenHeStops) {
       loop.offer(k == 0 ? std::numeric_limits<std::uint64_t>::max() - random() % 3 : loop.sample - random() % 2,
                  forces[random() % std::size(forces)], std::numeric_limits<std::int64_t>::max() - random() % 2);
     genuine();
-    const double force = loop.turn();
+    const double force = loop.cycle();
     ASSERT_TRUE(std::isfinite(force));
     ASSERT_LE(std::abs(force), device.max_force_n);
     ASSERT_LE(std::abs(force - last), most_step) << "sample " << loop.sample;
@@ -62,10 +62,10 @@ TEST(SpoofedWriter, IsHeldWithinTheLimitsAndTheCouplingIsFeltAgainWhenHeStops) {
   }
   // What he said last, valid for ever, is not held for longer than any command.
   int periods = 0;
-  while (std::abs(last - 0.3) > 1e-6 && periods < 1000) genuine(), last = loop.turn(), ++periods;
+  while (std::abs(last - 0.3) > 1e-6 && periods < 1000) genuine(), last = loop.cycle(), ++periods;
   EXPECT_LT(periods, 150) << "the coupling is felt again";
   loop.offer(loop.sample, 8.5, std::numeric_limits<std::int64_t>::max());
-  for (int i = 0; i < 30; ++i) last = loop.turn();
+  for (int i = 0; i < 30; ++i) last = loop.cycle();
   EXPECT_EQ(last, 0.0) << "a command that is valid for ever fades as any other where nothing follows it";
 }
 

@@ -23,7 +23,7 @@ Packets capture(const test::TemporaryFolder& folder, int periods) {
     const auto subject = lwr(true, file);
     subject->open();
     for (int i = 0; i < periods; ++i) {
-      const auto t = subject->turn(subject->usual_push());
+      const auto t = subject->cycle(subject->usual_push());
       EXPECT_TRUE(t.sample && t.written) << i;
     }
     subject->close();

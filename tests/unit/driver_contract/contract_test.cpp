@@ -40,9 +40,9 @@ class DriverContract : public testing::TestWithParam<Maker> {
     open();
     ASSERT_TRUE(subject->push_until_felt(push)) << subject->driver().trouble();
   }
-  Subject::Turn turn(const std::optional<Wrench>& command) { return subject->turn(command); }
-  void turns(int n, const std::optional<Wrench>& command) {
-    for (int i = 0; i < n; ++i) turn(command);
+  Subject::Cycle cycle(const std::optional<Wrench>& command) { return subject->cycle(command); }
+  void cycles(int n, const std::optional<Wrench>& command) {
+    for (int i = 0; i < n; ++i) cycle(command);
   }
   /// Every period that begins within `for_s` from one period after `since_s` on was without force; there were some.
   void expect_zero_after(double since_s, double for_s, double periods = 1.0) {
@@ -90,8 +90,8 @@ TEST_P(DriverContract, OpensAndSaysWhatItIsTheSameBeforeAndAfter) {
   EXPECT_TRUE(d.output_dof == 3 || d.output_dof == 6);
   EXPECT_TRUE(d.max_torque_nm == 0.0 || d.output_dof == 6);
   EXPECT_EQ(subject->driver().simulated(), subject->virtual_time());
-  turns(20, push);
-  turns(2, Wrench{Vec3(kNaN, 0, 0), Vec3::Zero()});
+  cycles(20, push);
+  cycles(2, Wrench{Vec3(kNaN, 0, 0), Vec3::Zero()});
   subject->driver().stop();
   EXPECT_EQ(numbers_of(subject->driver().description()), numbers_of(d));
   subject->close();
@@ -105,7 +105,7 @@ TEST_P(DriverContract, ReadGivesFiniteSamplesAndTimeGrows) {
   int samples = 0;
   double way_s = 0.0;
   for (int i = 0; i < 300; ++i) {
-    const auto t = turn(push);
+    const auto t = cycle(push);
     if (!t.sample) continue;
     ++samples;
     EXPECT_TRUE(t.sample->pose.finite() && t.sample->twist.finite());
@@ -149,12 +149,12 @@ TEST_P(DriverContract, RefusedCommandsReachThePlantAsZero) {
   all.push_back({{push.force, Vec3(0, d.max_torque_nm * (1 + 1e-9) + 1e-9, 0)}, devices::DeviceError::kLimit});
   for (const Bad& bad : all) {
     ASSERT_TRUE(subject->push_until_felt(push));
-    Subject::Turn first;
-    do first = turn(bad.wrench);  // in real time a period may go by without a sample
+    Subject::Cycle first;
+    do first = cycle(bad.wrench);  // in real time a period may go by without a sample
     while (!first.sample && !subject->virtual_time());
     ASSERT_FALSE(first.written);
     EXPECT_EQ(first.written.error(), bad.error) << bad.wrench.force.transpose() << " " << bad.wrench.torque.transpose();
-    turns(periods_of(8 * period_s), bad.wrench);
+    cycles(periods_of(8 * period_s), bad.wrench);
     expect_zero_after(first.time_s, 8 * period_s + subject->slack_s());
   }
   EXPECT_TRUE(subject->push_until_felt(push)) << "and takes good ones again";
@@ -162,32 +162,32 @@ TEST_P(DriverContract, RefusedCommandsReachThePlantAsZero) {
 
 TEST_P(DriverContract, StopIsZeroNowAndTwiceIsFine) {
   open_and_push();
-  ASSERT_TRUE(turn(std::nullopt).time_s > 0.0);
+  ASSERT_TRUE(cycle(std::nullopt).time_s > 0.0);
   double at_s = subject->now_s();
   subject->driver().stop();
   subject->driver().stop();
-  turns(periods_of(0.1), std::nullopt);
+  cycles(periods_of(0.1), std::nullopt);
   expect_zero_after(at_s, 0.1);
 
   ASSERT_TRUE(subject->push_until_felt(push));  // now with a command under way
-  at_s = turn(push).time_s;
+  at_s = cycle(push).time_s;
   subject->driver().stop();
   subject->driver().stop();
-  turns(periods_of(0.1), std::nullopt);
+  cycles(periods_of(0.1), std::nullopt);
   expect_zero_after(at_s, 0.1, subject->answers_are_final() ? 2.0 : 1.0);
   EXPECT_TRUE(subject->push_until_felt(push)) << "the next write pushes again";
 }
 
 TEST_P(DriverContract, AnUnansweredPeriodIsZeroForce) {
   open_and_push();
-  const double at_s = turn(std::nullopt).time_s;
-  turns(periods_of(0.1), std::nullopt);
+  const double at_s = cycle(std::nullopt).time_s;
+  cycles(periods_of(0.1), std::nullopt);
   expect_zero_after(at_s, 0.1);
 }
 
 TEST_P(DriverContract, AfterTheDriverHasGoneThePlantReceivesNothing) {
   open_and_push();
-  turn(push);
+  cycle(push);
   subject->close();
   const double at_s = subject->now_s();
   if (!subject->virtual_time()) std::this_thread::sleep_for(150ms);  // where time goes on by itself
@@ -199,7 +199,7 @@ TEST_P(DriverContract, AfterTheDriverHasGoneThePlantReceivesNothing) {
   // The same plant, opened once more: the force of before has not waited in it.
   subject->open();
   const std::size_t before = subject->received().size();
-  turns(20, std::nullopt);
+  cycles(20, std::nullopt);
   for (std::size_t i = before; i < subject->received().size(); ++i)
     EXPECT_TRUE(subject->received()[i].wrench.zero() || !subject->exclusive());
 }
@@ -230,7 +230,7 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
     return Vec3(v.normalized() * limit * scale);
   };
   const std::array<double, 8> odd = {kNaN, kInf, -kInf, kHuge, -kHuge, 1e300, 5e-324, -0.0};
-  int refused = 0, taken = 0, samples = 0;
+  int refused = 0, accepted = 0, samples = 0;
   const int commands = subject->virtual_time() ? 10000 : 500;
   for (int i = 0; i < commands; ++i) {
     Wrench command{vector(d.max_force_n), vector(std::max(d.max_torque_nm, 1e-9))};
@@ -238,10 +238,10 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
     if (i % 5 == 0) command.force[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
     if (i % 7 == 0) command.torque[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
     const auto expected = devices::check_command(command, d);
-    const auto t = turn(command);
+    const auto t = cycle(command);
     if (!t.sample) continue;
     ++samples;
-    taken += t.written.has_value();
+    accepted += t.written.has_value();
     if (expected) continue;
     ++refused;
     ASSERT_FALSE(t.written);
@@ -255,7 +255,7 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
   EXPECT_GT(wire.force_n, 0.5 * d.max_force_n);
   EXPECT_GT(samples, commands / 2);
   EXPECT_GT(refused, samples / 4);
-  EXPECT_GT(taken, samples / 20);
+  EXPECT_GT(accepted, samples / 20);
   for (const Received& r : subject->received()) {
     ASSERT_TRUE(r.wrench.finite());
     ASSERT_LE(r.wrench.force.norm(), d.max_force_n * 1.05);
@@ -294,7 +294,7 @@ TEST_P(DriverContract, InVirtualTimeTheSameCallsGiveTheSameBits) {
       const Vec3 force =
           push.force + Vec3(static_cast<double>(random() % 100), static_cast<double>(random() % 100), 0) *
                            (0.002 * push.force.norm());
-      const auto t = turn(Wrench{force, Vec3::Zero()});
+      const auto t = cycle(Wrench{force, Vec3::Zero()});
       EXPECT_TRUE(t.sample);
       if (!t.sample) break;
       all.push_back(static_cast<double>(t.sample->time_ns));

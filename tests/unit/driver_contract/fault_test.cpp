@@ -82,9 +82,9 @@ TEST(Fault, AKilledControllerIsATimeoutAndThenDisconnectedAndTheDriverStillClose
   options.silence_s = 0.1;
   std::optional<lwr::LwrDriver> driver(options);
   const Wrench push{Vec3(3, 0, 0), Vec3::Zero()};
-  int taken = 0;
-  for (int i = 0; i < 2000 && taken < 20; ++i) taken += driver->read(20ms) && driver->write(push);
-  ASSERT_EQ(taken, 20) << driver->status_text();
+  int accepted = 0;
+  for (int i = 0; i < 2000 && accepted < 20; ++i) accepted += driver->read(20ms) && driver->write(push);
+  ASSERT_EQ(accepted, 20) << driver->status_text();
   controller.signal(SIGKILL);
   std::vector<devices::DeviceError> errors;
   for (int i = 0; i < 30; ++i) {

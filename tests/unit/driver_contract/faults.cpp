@@ -145,7 +145,7 @@ FaultOutcome run_fault(Subject& subject, const FaultCase& fault) {
   double end_s = 1e9;  // of the time for the force to come back
   bool back = false;
   while (patient() && subject.now_s() < end_s && !back) {
-    const Subject::Turn t = subject.turn(push);
+    const Subject::Cycle t = subject.cycle(push);
     const auto began = subject.fault_began_s();
     if (!began) continue;
     const double over_s = *began + std::max(fault_lasts_s(subject, fault), o.bound_s + kWatched);

@@ -24,11 +24,11 @@ void Subject::look_after_fault() {
   }
 }
 
-Subject::Turn Subject::turn(const std::optional<Wrench>& command) {
+Subject::Cycle Subject::cycle(const std::optional<Wrench>& command) {
   look_after_fault();
   const double before = now_s();
   const auto period = std::chrono::microseconds(static_cast<std::int64_t>(1e6 / driver_->description().rate_hz));
-  Turn t{driver_->read(virtual_time() ? period : 4 * period), {}, 0.0, {}};
+  Cycle t{driver_->read(virtual_time() ? period : 4 * period), {}, 0.0, {}};
   observe();
   t.time_s = now_s();
   if (scheduled_faults()) look_after_fault();
@@ -47,7 +47,7 @@ bool Subject::push_until_felt(const Wrench& command, double tolerance) {
   const double start = now_s();
   while (now_s() < start + 4.0 && std::chrono::steady_clock::now() < give_up) {
     const std::size_t before = received().size();
-    for (int i = 0; i < 10; ++i) turn(command);
+    for (int i = 0; i < 10; ++i) cycle(command);
     const std::vector<Received>& all = received();
     // In real time a period that a busy machine has skipped reads as the mean of two commands: the one before it will do.
     const std::size_t last = all.size(), first = virtual_time() && last > 0 ? last - 1 : std::min(before, last);

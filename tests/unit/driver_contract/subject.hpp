@@ -41,14 +41,14 @@ class Subject {
   devices::Driver& driver() { return *driver_; }
   bool opened() const { return driver_ != nullptr; }
 
-  struct Turn {
+  struct Cycle {
     devices::DeviceResult<devices::DeviceSample> sample;
     devices::DeviceResult<void> written;
     double time_s = 0.0;  ///< of the plant, when the write came
     std::string trouble;  ///< as another thread would hear it between the two; once a planned fault has begun
   };
   /// One period of a loop that hears nothing: whatever `read` says, it writes, unless `command` is absent.
-  Turn turn(const std::optional<Wrench>& command);
+  Cycle cycle(const std::optional<Wrench>& command);
   /// Writes `command` until the plant gives it. False: it never did.
   bool push_until_felt(const Wrench& command, double tolerance = 0.1);
 

@@ -10,13 +10,13 @@
 
 namespace voxtouch::test {
 
-/// Why `wish` cannot be; empty if it was done.
-inline std::string change(effects::EffectChain& chain, const effects::EffectWish& wish) {
+/// Why `request` cannot be; empty if it was done.
+inline std::string change(effects::EffectChain& chain, const effects::EffectRequest& request) {
   std::vector<effects::EffectSpec> effects;
   for (std::size_t i = 0; i < chain.size(); ++i) effects.push_back(chain.spec(i));
-  const auto judged = effects::judge(effects, wish);
+  const auto judged = effects::judge(effects, request);
   if (!judged) return judged.error();
-  chain.take(*judged);
+  chain.carry_out(*judged);
   return {};
 }
 

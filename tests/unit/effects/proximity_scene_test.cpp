@@ -68,7 +68,7 @@ TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
   const rendering::EffectGround& ground = with->effect_ground();
   EXPECT_EQ(with->plan().bytes - none->plan().bytes,
             ground.proximity->bytes() + ground.tool.points.size() * sizeof(ToolPoint));
-  EXPECT_EQ(ground.tool.points.size(), rendering::ToolPoints::kMost);
+  EXPECT_EQ(ground.tool.points.size(), rendering::ToolPoints::kMaxPoints);
   EXPECT_NEAR(with->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame,
               rendering::kNsPerEffect + find_effect_kind("proximity")->expected_ns + 128 * rendering::kNsPerProximityPoint, 1e-6);
   EXPECT_TRUE(any_has(with->plan().built, "Distances round the static meshes out to 10 mm, smoothed over 4 mm: "));

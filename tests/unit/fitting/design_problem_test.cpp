@@ -44,7 +44,7 @@ coupling::design::DeviceModel arm() {
 TEST(HandScales, AreWhatTheDeviceMappingDoes) {
   scene::WorkspaceMapping spec;
   spec.position_scale = 4, spec.force_scale = 0.5;
-  spec.device_in_world.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  spec.pose_WD.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   const HandScales scales = hand_scales(spec);
   rendering::DeviceMapping mapping(spec);
   const Pose rest = mapping.update({}, {}, 0).pose;
@@ -67,7 +67,7 @@ TEST(DesignProblem, IsAllAtTheHand) {
   EXPECT_DOUBLE_EQ(r.contact.all_points, 8000);
   EXPECT_DOUBLE_EQ(r.contact_rotation.one_point, 0.00125);
   EXPECT_DOUBLE_EQ(r.contact_rotation.all_points, 1);
-  EXPECT_DOUBLE_EQ(r.wishes.force_layer_depth_m, 0.00025) << "half a voxel is a quarter as long in the hand";
+  EXPECT_DOUBLE_EQ(r.goals.force_layer_depth_m, 0.00025) << "half a voxel is a quarter as long in the hand";
   EXPECT_EQ(r.device.name, "third");
   EXPECT_EQ(r.device.translation.max_effort, 22) << "the device is at the hand already";
   EXPECT_EQ(r.device.translation.max_stiffness, 1000);
@@ -76,10 +76,10 @@ TEST(DesignProblem, IsAllAtTheHand) {
   EXPECT_EQ(r.device.timing.delay_s, 0.002);
   EXPECT_EQ(r.hand.translation.mass_max, 2.0) << "held by the device's grip";
   EXPECT_TRUE(r.hand.translation.may_release);
-  EXPECT_TRUE(r.wishes.free_cap);
-  EXPECT_EQ(r.wishes.kind, "auto");
-  EXPECT_EQ(r.wishes.cutoff_hz, 5);
-  EXPECT_EQ(r.wishes.max_cutoff_hz, coupling::design::DesignGoals{}.max_cutoff_hz);
+  EXPECT_TRUE(r.goals.free_cap);
+  EXPECT_EQ(r.goals.kind, "auto");
+  EXPECT_EQ(r.goals.cutoff_hz, 5);
+  EXPECT_EQ(r.goals.max_cutoff_hz, coupling::design::DesignGoals{}.max_cutoff_hz);
 }
 
 TEST(DesignProblem, CarriesEveryWishOfTheScene) {
@@ -87,11 +87,11 @@ TEST(DesignProblem, CarriesEveryWishOfTheScene) {
   s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5, s.design->inject_damping = false;
   s.design->hand = scene::HandOption::kAnyPassive;
   const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
-  EXPECT_EQ(r.wishes.kind, "direct");
-  EXPECT_EQ(r.wishes.cutoff_hz, 300);
-  EXPECT_EQ(r.wishes.max_cutoff_hz, 300) << "a wish is not above what is allowed";
-  EXPECT_EQ(r.wishes.gain_margin, 1.5);
-  EXPECT_FALSE(r.wishes.allow_injected_damping);
+  EXPECT_EQ(r.goals.kind, "direct");
+  EXPECT_EQ(r.goals.cutoff_hz, 300);
+  EXPECT_EQ(r.goals.max_cutoff_hz, 300) << "a wish is not above what is allowed";
+  EXPECT_EQ(r.goals.gain_margin, 1.5);
+  EXPECT_FALSE(r.goals.allow_injected_damping);
   EXPECT_TRUE(r.hand.translation.any_passive && r.hand.rotation.any_passive);
 }
 
@@ -102,13 +102,13 @@ TEST(DesignProblem, PutsTheScenesCapsInAndThenLeavesTheDesignerNone) {
   EXPECT_DOUBLE_EQ(r.contact.one_point, 20);
   EXPECT_DOUBLE_EQ(r.contact.all_points, 1000) << "500 N/m in W";
   EXPECT_DOUBLE_EQ(r.contact_rotation.all_points, 1);
-  EXPECT_FALSE(r.wishes.free_cap);
+  EXPECT_FALSE(r.goals.free_cap);
   s.design->stiffness_cap_n_per_m = 5, s.design->stiffness_cap_nm_per_rad = 4;
   r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.one_point, 10) << "a cap below one point's stiffness caps that too";
   EXPECT_DOUBLE_EQ(r.contact.all_points, 10);
   EXPECT_DOUBLE_EQ(r.contact_rotation.all_points, 0.5);
-  EXPECT_FALSE(r.wishes.free_cap);
+  EXPECT_FALSE(r.goals.free_cap);
 }
 
 TEST(DesignProblem, OfACouplingSetByHandIsForJudgingIt) {
@@ -117,7 +117,7 @@ TEST(DesignProblem, OfACouplingSetByHandIsForJudgingIt) {
   s.coupling.stiffness_cap_n_per_m = 500;
   const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.all_points, 1000);
-  EXPECT_FALSE(r.wishes.free_cap);
+  EXPECT_FALSE(r.goals.free_cap);
   const coupling::CouplingSpec hand = spec_at_hand(s.coupling, s.device);
   EXPECT_DOUBLE_EQ(hand.stiffness_cap_n_per_m, 1000);
   EXPECT_TRUE(std::isinf(hand.stiffness_cap_nm_per_rad));

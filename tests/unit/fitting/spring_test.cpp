@@ -95,7 +95,7 @@ TEST(Spring, GivesWayWhereTurningIsTheHarderPart) {
   const double spring = spring_n_per_m(fitted, scene, arm(), rendering::spring_of_any_device(lever));
   EXPECT_LE(spring * lever * lever, fitted.design.rotation.shown_stiffness * (1 + 1e-9));
   EXPECT_LT(spring, fitted.design.translation.shown_stiffness);
-  EXPECT_NE(felt_sentence(fitted, scene, arm(), rendering::spring_of_any_device(lever)).find("Turning limits it: a tool.lever_m of"),
+  EXPECT_NE(felt_sentence(fitted, scene, arm(), rendering::spring_of_any_device(lever)).find("tool.lever_m"),
             std::string::npos);
 }
 
@@ -128,7 +128,8 @@ TEST(Spring, UnderACouplingSetByHandIsItsCap) {
   EXPECT_EQ(spring_n_per_m(fitted, scene, stylus(), rendering::spring_of_any_device(kLever)), 120.0);
   scene.coupling.stiffness_cap_n_per_m = 5000.0, scene.coupling.kind = "direct";
   const std::string why = fit(scene, stylus()).refusal;
-  EXPECT_NE(why.find("the device can show 800 N/m. Lower coupling.stiffness_cap_n_per_m"), std::string::npos) << why;
+  EXPECT_NE(why.find("800 N/m"), std::string::npos) << why;
+  EXPECT_NE(why.find("coupling.stiffness_cap_n_per_m"), std::string::npos) << why;
 }
 
 TEST(Spring, IsToldInOneLine) {
@@ -149,16 +150,16 @@ TEST(SceneOnDevice, JudgesASceneWithAVirtualToolByTheSameCode) {
   on.runs(now, rendering::with_effects(alone, now.effects), demand_of(now));
   ASSERT_EQ(on.refusal(), "");
   EXPECT_EQ(on.spring_n_per_m(), spring_n_per_m(fit(now, stylus()), now, stylus(), alone));
-  int taken = 0, refused = 0;
+  int accepted = 0, refused = 0;
   for (double damping = 0.1; damping < 100.0; damping *= 1.5) {
     scene::Scene next = now;
     next.effects = {oil(damping)};
     const rendering::StiffnessBounds bounds = rendering::with_effects(alone, next.effects);
     const std::string start = fit_coupling(next, stylus(), bounds.translation, bounds.rotation).refusal;
     EXPECT_EQ(on.why_not(next, alone, effects::at_rest(next.effects)), start) << damping;
-    (start.empty() ? taken : refused)++;
+    (start.empty() ? accepted : refused)++;
   }
-  EXPECT_GT(taken, 1);
+  EXPECT_GT(accepted, 1);
   EXPECT_GT(refused, 3);
   // A reload from the penalty contact of the same file, and another device.
   scene::Scene penalty = now;

@@ -103,7 +103,7 @@ TEST(FriCodec, RefusesACommandWithAnyNumberThatIsNone) {
   }
 }
 
-TEST(FriCodec, TurnsTheRotationsRoundBetweenWireAndHouse) {
+TEST(FriCodec, TransposesTheRotationsBetweenTheWireAndOurs) {
   const CartVector wire = {1, 2, 3, 40, 50, 60};  // x y z, about z, y, x
   Vec6 ours;
   ours << 1, 2, 3, 60, 50, 40;

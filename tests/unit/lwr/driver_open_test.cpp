@@ -50,7 +50,7 @@ TEST(LwrOpen, SaysThatThePortIsBusy) {
   const std::string sentence = refusal(options);
   EXPECT_TRUE(says(sentence, "127.0.0.1:" + std::to_string(krc.port))) << sentence;
   EXPECT_TRUE(says(sentence, "another program has the port")) << sentence;
-  EXPECT_TRUE(turn(krc, *driver).sample) << "the one that was first goes on";
+  EXPECT_TRUE(cycle(krc, *driver).sample) << "the one that was first goes on";
 }
 
 TEST(LwrOpen, SaysThatAnAddressIsNoneOrNotOurs) {
@@ -141,7 +141,7 @@ TEST(LwrOpen, OpensWithDrivesOffAndWaitsForThem) {
   FakeController krc;
   krc.msr.robot.power = 0;
   const auto driver = krc.open();
-  EXPECT_EQ(turn(krc, *driver).written.error(), devices::DeviceError::kRecoverable);
+  EXPECT_EQ(cycle(krc, *driver).written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kDrivesNotOn);
   krc.msr.robot.power = lwr::fri::kAllDrives;
   EXPECT_TRUE(run_to_command(krc, *driver));
@@ -158,8 +158,8 @@ TEST(LwrOpen, RefusesOptionsThatCannotBe) {
   refused([&](lwr::LwrOptions& o) { o.max_add_torque_nm[6] = nan; }, "max_add_torque_nm[6]");
   refused([](lwr::LwrOptions& o) { o.max_add_torque_nm[6] = 31.0; }, "max_add_torque_nm[6]");
   refused([](lwr::LwrOptions& o) { o.posture.posture[1] = 3.0; }, "posture.posture[1]");
-  refused([&](lwr::LwrOptions& o) { o.tool_in_flange.position.x() = nan; }, "tool_in_flange");
-  refused([](lwr::LwrOptions& o) { o.d_in_base.orientation.coeffs() *= 2.0; }, "d_in_base");
+  refused([&](lwr::LwrOptions& o) { o.pose_FT.position.x() = nan; }, "tool_in_flange");
+  refused([](lwr::LwrOptions& o) { o.pose_BD.orientation.coeffs() *= 2.0; }, "d_in_base");
   refused([](lwr::LwrOptions& o) { o.controller = "krc"; }, "controller");
   refused([&](lwr::LwrOptions& o) { o.silence_s = nan; }, "silence_s");
   refused([](lwr::LwrOptions& o) { o.capture_file = "/nowhere/at/all.pcap"; }, "/nowhere/at/all.pcap");
@@ -186,7 +186,7 @@ TEST(LwrOpen, WritesWhatItHeardAndSaid) {
   options.capture_packets = 100;
   {
     auto driver = krc.open(options);
-    for (int n = 0; n < 200; ++n) turn(krc, *driver);
+    for (int n = 0; n < 200; ++n) cycle(krc, *driver);
     krc.close(std::move(driver));
   }
   const auto size = std::filesystem::file_size(file);

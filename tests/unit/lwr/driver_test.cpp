@@ -30,7 +30,7 @@ TEST(LwrDriver, MirrorsTheControllersPositionUntilCommandMode) {
   const auto driver = krc.open();
   for (int n = 0; n < 30; ++n) {
     krc.msr.data.cmd_jnt_pos[0] += 0.01F;
-    const Turn t = turn(krc, *driver, kPush);
+    const Cycle t = cycle(krc, *driver, kPush);
     ASSERT_TRUE(t.sample);
     EXPECT_TRUE(t.sample->pose_valid) << "the arm can be followed all the same";
     EXPECT_EQ(t.written.error(), devices::DeviceError::kRecoverable);
@@ -52,7 +52,7 @@ TEST(LwrDriver, GivesTheWrenchAsJointTorqueAtTheMeasuredPosition) {
   for (int n = 0; n < 50; ++n) {
     q[0] += 2e-4, q[3] -= 1e-4;
     krc.msr.data.jnt_pos = lwr::fri::to_wire(q);
-    const Turn t = turn(krc, *driver, kPush);
+    const Cycle t = cycle(krc, *driver, kPush);
     ASSERT_TRUE(t.written);
     EXPECT_LT(difference(t.command.command.add_jnt_trq, lwr::joint_torque(lwr::LwrArm().jacobian(q), kPush)), 1e-4);
     EXPECT_LT(difference(t.command.command.jnt_pos, q), 1e-6);
@@ -69,7 +69,7 @@ TEST(LwrDriver, CountsItsAnswersAndReflectsTheMeasurement) {
   const auto driver = krc.open();
   std::uint16_t last = krc.heard.back().header.send_seq;
   for (int n = 0; n < 200; ++n) {
-    const Turn t = turn(krc, *driver);
+    const Cycle t = cycle(krc, *driver);
     ASSERT_EQ(t.answers, 1U);
     EXPECT_EQ(t.command.header.refl_seq, krc.msr.header.send_seq);
     EXPECT_EQ(t.command.header.send_seq, static_cast<std::uint16_t>(last + 1));
@@ -86,7 +86,7 @@ TEST(LwrDriver, NeverChangesItsFlags) {
   auto driver = krc.open();
   krc.msr.interface.quality = lwr::fri::Quality::kPerfect;
   ASSERT_TRUE(run_to_command(krc, *driver));
-  turn(krc, *driver, {Vec3(1e9, 0, 0), Vec3::Zero()});
+  cycle(krc, *driver, {Vec3(1e9, 0, 0), Vec3::Zero()});
   krc.close(std::move(driver));
   for (const lwr::fri::CmdPacket& answer : krc.heard)
     EXPECT_EQ(answer.command.cmd_flags, krc.heard.front().command.cmd_flags);
@@ -97,7 +97,7 @@ TEST(LwrDriver, EntersCommandModeWithoutAJumpOfTheCommandedPosition) {
   krc.msr.data.jnt_pos[1] += 0.1F;  // sagged away from what is commanded
   const auto driver = krc.open();
   ASSERT_TRUE(run_to_command(krc, *driver));
-  for (int n = 0; n < 200; ++n) turn(krc, *driver);
+  for (int n = 0; n < 200; ++n) cycle(krc, *driver);
   float last = krc.msr.data.cmd_jnt_pos[1];
   for (const lwr::fri::CmdPacket& answer : krc.heard) {
     EXPECT_LE(std::abs(answer.command.jnt_pos[1] - last), 0.001 * lwr::lwr_limits().velocity_rad_s[1]);
@@ -109,50 +109,50 @@ TEST(LwrDriver, EntersCommandModeWithoutAJumpOfTheCommandedPosition) {
 TEST(LwrDriver, ReportsPoseAndTwistOfTheToolInD) {
   FakeController krc;
   lwr::LwrOptions options = plain_options();
-  options.tool_in_flange = {Vec3(0.0, 0.05, 0.1), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
-  options.d_in_base = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))};
+  options.pose_FT = {Vec3(0.0, 0.05, 0.1), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
+  options.pose_BD = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))};
   const auto driver = krc.open(options);
-  const lwr::LwrArm arm(options.tool_in_flange);
+  const lwr::LwrArm arm(options.pose_FT);
   lwr::LwrJoints q = lwr::lwr_rest_posture();
   const lwr::LwrJoints rate = (lwr::LwrJoints() << 0.2, -0.1, 0.1, 0.3, -0.2, 0.1, 0.4).finished();
   devices::DeviceSample sample;
   for (int n = 0; n < 100; ++n) {
     q += 0.001 * rate;
     krc.msr.data.jnt_pos = lwr::fri::to_wire(q);
-    sample = *turn(krc, *driver).sample;
+    sample = *cycle(krc, *driver).sample;
   }
-  const Pose expected = options.d_in_base.inverse() * arm.tool(q);
+  const Pose expected = options.pose_BD.inverse() * arm.tool(q);
   EXPECT_NEAR((sample.pose.position - expected.position).norm(), 0.0, 1e-6);
   EXPECT_NEAR(sample.pose.orientation.angularDistance(expected.orientation), 0.0, 1e-6);
   const Vec6 twist = arm.jacobian(q) * rate;
-  const Quat to_d = options.d_in_base.orientation.conjugate();
-  EXPECT_NEAR((sample.twist.linear - to_d * twist.head<3>()).norm(), 0.0, 3e-3);
-  EXPECT_NEAR((sample.twist.angular - to_d * twist.tail<3>()).norm(), 0.0, 3e-3);
+  const Quat rotation_DB = options.pose_BD.orientation.conjugate();
+  EXPECT_NEAR((sample.twist.linear - rotation_DB * twist.head<3>()).norm(), 0.0, 3e-3);
+  EXPECT_NEAR((sample.twist.angular - rotation_DB * twist.tail<3>()).norm(), 0.0, 3e-3);
 }
 
 TEST(LwrDriver, TakesTheWrenchInDAboutTheTool) {
   FakeController krc;
   lwr::LwrOptions options = plain_options();
-  options.tool_in_flange.position = Vec3(0.02, 0.05, 0.1);
-  options.d_in_base = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()))};
+  options.pose_FT.position = Vec3(0.02, 0.05, 0.1);
+  options.pose_BD = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()))};
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
-  const Turn t = turn(krc, *driver, kPush);
-  const Wrench in_base{options.d_in_base.orientation * kPush.force, options.d_in_base.orientation * kPush.torque};
-  const lwr::LwrJoints expected = lwr::joint_torque(lwr::LwrArm(options.tool_in_flange).jacobian(lwr::lwr_rest_posture()), in_base);
+  const Cycle t = cycle(krc, *driver, kPush);
+  const Wrench wrench_B{options.pose_BD.orientation * kPush.force, options.pose_BD.orientation * kPush.torque};
+  const lwr::LwrJoints expected = lwr::joint_torque(lwr::LwrArm(options.pose_FT).jacobian(lwr::lwr_rest_posture()), wrench_B);
   EXPECT_LT(difference(t.command.command.add_jnt_trq, expected), 1e-4);
 }
 
 TEST(LwrDriver, GivesForceAndPoseThatDoTheSameWork) {
   FakeController krc;
   lwr::LwrOptions options = plain_options();
-  options.d_in_base.orientation = Quat(Eigen::AngleAxisd(-0.7, Vec3(3, 2, 1).normalized()));
+  options.pose_BD.orientation = Quat(Eigen::AngleAxisd(-0.7, Vec3(3, 2, 1).normalized()));
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
-  const Turn first = turn(krc, *driver, kPush);
+  const Cycle first = cycle(krc, *driver, kPush);
   const lwr::LwrJoints step = 1e-4 * lwr::LwrJoints::Random();
   krc.msr.data.jnt_pos = lwr::fri::to_wire(lwr::LwrJoints(lwr::lwr_rest_posture() + step));
-  const Turn second = turn(krc, *driver, kPush);
+  const Cycle second = cycle(krc, *driver, kPush);
   const Eigen::AngleAxisd turned(second.sample->pose.orientation * first.sample->pose.orientation.conjugate());
   const double at_tool = kPush.force.dot(second.sample->pose.position - first.sample->pose.position) +
                          kPush.torque.dot(turned.angle() * turned.axis());
@@ -169,7 +169,7 @@ TEST(LwrDriver, KeepsTheElbowInPostureWithoutTheToolFeelingIt) {
   ASSERT_TRUE(run_to_command(krc, *driver));
   double first = 0.0, last = 0.0;
   for (int i = 0; i < 600; ++i) {
-    last = torque_of(turn(krc, *driver).command);
+    last = torque_of(cycle(krc, *driver).command);
     if (i == 0) first = last;
   }
   EXPECT_LT(first, 0.02) << "ramped in";
@@ -186,7 +186,7 @@ TEST(LwrDriver, MakesATorqueThatTheJointsCannotGiveSmallerInProportion) {
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
   const Wrench strong{Vec3(0, 60, 100), Vec3::Zero()};
-  const Turn t = turn(krc, *driver, strong);
+  const Cycle t = cycle(krc, *driver, strong);
   ASSERT_TRUE(t.written);
   EXPECT_NEAR(torque_of(t.command), 20.0, 1e-4);
   const lwr::LwrJoints wanted = lwr::joint_torque(lwr::LwrArm().jacobian(lwr::lwr_rest_posture()), strong);
@@ -203,8 +203,8 @@ TEST(LwrDriver, GivesItsWholeForceInEveryDirectionAtTheRestPosture) {
   int scaled = 0;
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {1.0, -1.0}) {
-      ASSERT_TRUE(turn(krc, *driver, {sign * 0.99 * d.max_force_n * Vec3::Unit(axis), Vec3::Zero()}).written);
-      ASSERT_TRUE(turn(krc, *driver, {Vec3::Zero(), sign * 0.99 * d.max_torque_nm * Vec3::Unit(axis)}).written);
+      ASSERT_TRUE(cycle(krc, *driver, {sign * 0.99 * d.max_force_n * Vec3::Unit(axis), Vec3::Zero()}).written);
+      ASSERT_TRUE(cycle(krc, *driver, {Vec3::Zero(), sign * 0.99 * d.max_torque_nm * Vec3::Unit(axis)}).written);
     }
   scaled = static_cast<int>(driver->status().counts.scaled);
   EXPECT_EQ(scaled, 0);
@@ -227,17 +227,17 @@ TEST(LwrDriver, SaysWhatItIs) {
 TEST(LwrDriver, StampsSamplesByTheControllersPeriods) {
   FakeController krc;
   const auto driver = krc.open();
-  const std::int64_t start = turn(krc, *driver).sample->time_ns;
-  EXPECT_EQ(turn(krc, *driver).sample->time_ns, start + 1'000'000);
+  const std::int64_t start = cycle(krc, *driver).sample->time_ns;
+  EXPECT_EQ(cycle(krc, *driver).sample->time_ns, start + 1'000'000);
   (void)krc.next(), (void)krc.next();  // two lost
-  EXPECT_EQ(turn(krc, *driver).sample->time_ns, start + 4'000'000);
+  EXPECT_EQ(cycle(krc, *driver).sample->time_ns, start + 4'000'000);
 }
 
 TEST(LwrDriver, AnswersOnStopAndTakesAnAnswerBackThatHasGoneOut) {
   FakeController krc;
   const auto driver = krc.open(plain_options());
   ASSERT_TRUE(run_to_command(krc, *driver));
-  EXPECT_GT(torque_of(turn(krc, *driver, kPush).command), 1.0);
+  EXPECT_GT(torque_of(cycle(krc, *driver, kPush).command), 1.0);
   driver->stop();
   auto answers = krc.receive();
   ASSERT_EQ(answers.size(), 1U);
@@ -260,7 +260,7 @@ TEST(LwrDriver, LeavesCommandModeBeforeItGoes) {
   options.stop_timeout_s = 2.0;
   auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
-  turn(krc, *driver, kPush);
+  cycle(krc, *driver, kPush);
   const std::size_t before = krc.heard.size();
   const auto start = std::chrono::steady_clock::now();
   krc.close(std::move(driver));
@@ -277,7 +277,7 @@ TEST(LwrDriver, GoesWithinItsTimeWhereNobodyFollows) {
   FakeController krc;
   auto driver = krc.open(plain_options());
   ASSERT_TRUE(run_to_command(krc, *driver));
-  turn(krc, *driver, kPush);
+  cycle(krc, *driver, kPush);
   const auto start = std::chrono::steady_clock::now();
   driver.reset();
   EXPECT_LT(std::chrono::steady_clock::now() - start, 500ms);

@@ -75,7 +75,7 @@ std::unique_ptr<lwr::LwrDriver> FakeController::open(lwr::LwrOptions options) {
   port = options.port;
   std::unique_ptr<lwr::LwrDriver> driver;
   serve_while([&] { driver = std::make_unique<lwr::LwrDriver>(options); });
-  (void)turn(*this, *driver);  // takes what was sent while the driver opened
+  (void)cycle(*this, *driver);  // takes what was sent while the driver opened
   return driver;
 }
 
@@ -96,9 +96,9 @@ lwr::LwrOptions quick_options() {
   return options;
 }
 
-Turn turn(FakeController& controller, lwr::LwrDriver& driver, const Wrench& command) {
+Cycle cycle(FakeController& controller, lwr::LwrDriver& driver, const Wrench& command) {
   controller.send();
-  Turn result;
+  Cycle result;
   result.sample = driver.read(20ms);
   if (result.sample) result.written = driver.write(command);
   const auto answers = controller.receive();
@@ -109,7 +109,7 @@ Turn turn(FakeController& controller, lwr::LwrDriver& driver, const Wrench& comm
 
 bool run_to_command(FakeController& controller, lwr::LwrDriver& driver) {
   for (int n = 0; n < 200; ++n)
-    if (const Turn t = turn(controller, driver); t.sample && t.written) return true;
+    if (const Cycle t = cycle(controller, driver); t.sample && t.written) return true;
   return false;
 }
 

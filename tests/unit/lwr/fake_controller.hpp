@@ -45,14 +45,14 @@ class FakeController {
 /// Options for a test: loopback, a port that is free now, short times.
 lwr::LwrOptions quick_options();
 
-struct Turn {
+struct Cycle {
   devices::DeviceResult<devices::DeviceSample> sample;
   devices::DeviceResult<void> written;
   lwr::fri::CmdPacket command;  ///< the last answer
   std::size_t answers = 0;
 };
 /// One period: measurement, read, write (only after a good read), answers.
-Turn turn(FakeController& controller, lwr::LwrDriver& driver, const Wrench& command = {});
+Cycle cycle(FakeController& controller, lwr::LwrDriver& driver, const Wrench& command = {});
 /// Turns until force flows, at most 200. False if it never did.
 bool run_to_command(FakeController& controller, lwr::LwrDriver& driver);
 

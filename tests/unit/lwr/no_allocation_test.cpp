@@ -20,7 +20,7 @@ TEST(LwrNoAllocation, NothingIsTakenFromTheHeapWhateverHappens) {
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
   const lwr::fri::MsrPacket good = krc.msr;
-  long taken = 0;
+  long allocated = 0;
   int pushed = 0, failed = 0;
   for (int n = 0; n < 500; ++n) {
     const std::uint16_t sequence = krc.msr.header.send_seq;
@@ -31,7 +31,7 @@ TEST(LwrNoAllocation, NothingIsTakenFromTheHeapWhateverHappens) {
     if (n % 7 == 3) krc.msr.interface.quality = lwr::fri::Quality::kBad;
     if (n % 7 != 4) krc.send();
     if (n % 11 == 5) krc.send_bytes(std::as_bytes(std::span("no packet")));
-    taken += heap_count_of([&] {
+    allocated += heap_count_of([&] {
       const auto sample = driver->read(std::chrono::microseconds(500));
       const Wrench wrench{Vec3(n % 13 ? 10.0 : 1e6, 0, 0), Vec3::Zero()};
       const bool written = sample && driver->write(wrench);
@@ -41,7 +41,7 @@ TEST(LwrNoAllocation, NothingIsTakenFromTheHeapWhateverHappens) {
     });
     krc.receive();
   }
-  EXPECT_EQ(taken, 0);
+  EXPECT_EQ(allocated, 0);
   EXPECT_GT(pushed, 100);
   EXPECT_GT(failed, 100);
   std::remove(options.capture_file.c_str());

@@ -36,8 +36,8 @@ TEST(ArmDynamics, ItsFlangeIsThatOfTheDenavitHartenbergRows) {
     const lwr::LwrJoints q = random_joints(random, 2.5);
     const lwr::LwrArm::State expected = arm.at(q);
     const ArmDynamics::Terms terms = dynamics.at(q, lwr::LwrJoints::Zero());
-    EXPECT_NEAR((terms.tool.position - expected.tool.position).norm(), 0.0, 1e-12);
-    EXPECT_NEAR(terms.tool.orientation.angularDistance(expected.tool.orientation), 0.0, 1e-7);
+    EXPECT_NEAR((terms.tool.position - expected.pose_BT.position).norm(), 0.0, 1e-12);
+    EXPECT_NEAR(terms.tool.orientation.angularDistance(expected.pose_BT.orientation), 0.0, 1e-7);
     EXPECT_NEAR((terms.jacobian - expected.jacobian).norm(), 0.0, 1e-12);
   }
 }

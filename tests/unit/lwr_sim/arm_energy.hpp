@@ -21,7 +21,7 @@ inline double kinetic_energy(const ArmDynamics& arm, const lwr::LwrJoints& q, co
     twice += link.mass_kg * speed_of(frames[i].rotation * link.centre_m + frames[i].origin, i).squaredNorm();
     twice += (frames[i].rotation.transpose() * angular).cwiseAbs2().dot(link.inertia_kg_m2);
   }
-  const Vec3 tip = frames[6].rotation * arm.tool_in_flange().position + frames[6].origin;
+  const Vec3 tip = frames[6].rotation * arm.pose_FT().position + frames[6].origin;
   twice += load.mass_kg * speed_of(tip, 6).squaredNorm() + load.inertia_kg_m2 * angular.squaredNorm();
   return 0.5 * twice;
 }

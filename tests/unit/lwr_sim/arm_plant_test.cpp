@@ -50,9 +50,9 @@ TEST(ArmPlant, AnArmWithoutDampingKeepsItsEnergy) {
   plant.set_state(kBent, joints(0.8, -0.6, 1.0, 0.9, -1.2, 0.7, 1.5));
   const auto start = std::chrono::steady_clock::now();
   const double drift = largest_drift(plant, {}, 10.0, kDt);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   RecordProperty("relative_drift", std::to_string(drift));
-  std::printf("10 s of free motion: relative drift %.2g, took %.2f s\n", drift, took.count());
+  std::printf("10 s of free motion: relative drift %.2g, took %.2f s\n", drift, elapsed.count());
   EXPECT_LE(drift, 1e-6);
   EXPECT_GT((plant.q() - kBent).cwiseAbs().maxCoeff(), 1.0) << "the arm did not move";
 }

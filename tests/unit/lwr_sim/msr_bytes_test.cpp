@@ -86,10 +86,10 @@ TEST(MsrBytes, GeometryAndDynamicsOfTheArm) {
   }
   // Position in the fourth column of three rows.
   for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_NEAR(get<float>(msr, 244 + 16 * static_cast<std::size_t>(axis) + 12), arm.tool.position[axis], 1e-3);
-    EXPECT_NEAR(get<float>(msr, 348 + 16 * static_cast<std::size_t>(axis) + 12), arm.tool.position[axis], 1e-5);
+    EXPECT_NEAR(get<float>(msr, 244 + 16 * static_cast<std::size_t>(axis) + 12), arm.pose_BT.position[axis], 1e-3);
+    EXPECT_NEAR(get<float>(msr, 348 + 16 * static_cast<std::size_t>(axis) + 12), arm.pose_BT.position[axis], 1e-5);
   }
-  EXPECT_NEAR(get<float>(msr, 244 + 4), arm.tool.orientation.toRotationMatrix()(0, 1), 1e-3);
+  EXPECT_NEAR(get<float>(msr, 244 + 4), arm.pose_BT.orientation.toRotationMatrix()(0, 1), 1e-3);
   // Rows of the Jacobian: x, y, z, then about z, y, x.
   const int rows[6] = {0, 1, 2, 5, 4, 3};
   for (int row = 0; row < 6; ++row)
@@ -147,11 +147,11 @@ TEST(MsrBytes, InCommandModeTheOffsetIsWhatTheRemoteSideAddsToTheProgram) {
   rig.remote.follows = false;
   rig.remote.step = 1e-4F;
   ASSERT_TRUE(rig.start());
-  const float held = get<float>(rig.period(), 292);
+  const float commanded = get<float>(rig.period(), 292);
   const MsrBytes msr = rig.periods(500);
-  EXPECT_EQ(get<float>(msr, 292), held);
+  EXPECT_EQ(get<float>(msr, 292), commanded);
   EXPECT_NEAR(get<float>(msr, 320), 0.05F, 3e-4F);
-  EXPECT_NEAR(test::joint(msr, 0), held + get<float>(msr, 320), 5e-3F);
+  EXPECT_NEAR(test::joint(msr, 0), commanded + get<float>(msr, 320), 5e-3F);
   EXPECT_NEAR(get<float>(msr, 324), 0.0F, 1e-6F);  // rounding of floats
 }
 

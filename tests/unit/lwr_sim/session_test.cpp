@@ -113,7 +113,7 @@ bool dropped_after(const Outcome& out, double time_s) {
 TEST(Session, InVirtualTimeEveryMeasurementIsAnsweredAndTheLastSaysOff) {
   const Outcome out = virtual_run({}, 0.3);
   EXPECT_EQ(out.ending, Ending::kDuration);
-  EXPECT_EQ(out.answers.taken, 300u);
+  EXPECT_EQ(out.answers.accepted, 300u);
   EXPECT_EQ(out.misses, 0u);
   ASSERT_GE(out.seen.size(), 301u);
   EXPECT_EQ(test::state(out.seen.back()), 0);
@@ -228,7 +228,7 @@ TEST(Session, InVirtualTimePatienceEnds) {
   const auto start = std::chrono::steady_clock::now();
   const Outcome out = virtual_run({}, 1.0, 1, 50, 0.2);
   EXPECT_EQ(out.ending, Ending::kNoAnswer);
-  EXPECT_EQ(out.answers.taken, 50u);
+  EXPECT_EQ(out.answers.accepted, 50u);
   EXPECT_LT(std::chrono::steady_clock::now() - start, 3s);
 }
 
@@ -245,12 +245,12 @@ TEST(Session, InRealTimeMeasurementsLeaveByTheClock) {
   const std::atomic<bool> never{false};
   const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(session.run(never), Ending::kDuration);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  EXPECT_GE(took.count(), 0.599);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  EXPECT_GE(elapsed.count(), 0.599);
   client.stop();
-  EXPECT_GT(controller.counts().taken, 0u);  // how many come in time is the machine's matter, not the protocol's
+  EXPECT_GT(controller.counts().accepted, 0u);  // how many come in time is the machine's matter, not the protocol's
   EXPECT_GT(client.seen.size(), 10u);
-  EXPECT_EQ(controller.counts().taken + controller.counts().stale, session.counts().received);
+  EXPECT_EQ(controller.counts().accepted + controller.counts().stale, session.counts().received);
 }
 
 TEST(Session, InRealTimeItGoesOnWithoutAnyAnswer) {
@@ -307,10 +307,10 @@ TEST(Session, ASilentControllerHearsNothing) {
 }
 
 TEST(Session, APortThatIsTakenGivesASentence) {
-  lwr::UdpSocket holder("127.0.0.1", 0);
+  lwr::UdpSocket bound("127.0.0.1", 0);
   FriController controller({}, test::nobody());
   SessionConfig network;
-  network.port = holder.local().port;
+  network.port = bound.local().port;
   try {
     Session session(network, controller, Line(FaultSchedule(), 1e-3, 0));
     FAIL() << "the port was given twice";

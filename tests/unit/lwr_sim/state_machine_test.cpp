@@ -241,7 +241,7 @@ TEST(StateMachine, ParsesOnlyAnswersToItsLastMeasurement) {
     return result;
   };
   using Verdict = FriController::Verdict;
-  EXPECT_EQ(verdict([](CmdBytes&) {}), Verdict::kTaken);
+  EXPECT_EQ(verdict([](CmdBytes&) {}), Verdict::kAccepted);
   EXPECT_EQ(verdict([](CmdBytes& c) { put<std::uint16_t>(c, 6, 0x2006); }), Verdict::kId);
   EXPECT_EQ(verdict([](CmdBytes& c) { put<std::uint16_t>(c, 4, 375); }), Verdict::kSizeField);
   EXPECT_EQ(verdict([](CmdBytes& c) { put<std::uint16_t>(c, 2, 1); }), Verdict::kStale);
@@ -253,10 +253,10 @@ TEST(StateMachine, ParsesOnlyAnswersToItsLastMeasurement) {
   std::memcpy(longer.data(), cmd.data(), cmd.size());
   EXPECT_EQ(rig.controller.receive(longer, 0.0), Verdict::kLength);
   EXPECT_EQ(rig.controller.receive({}, 0.0), Verdict::kLength);
-  EXPECT_EQ(rig.controller.receive(cmd, 0.0), Verdict::kTaken);
+  EXPECT_EQ(rig.controller.receive(cmd, 0.0), Verdict::kAccepted);
   EXPECT_EQ(rig.controller.receive(cmd, 0.0), Verdict::kDoubled);
   const AnswerCounts& c = rig.controller.counts();
-  EXPECT_EQ(c.taken + c.id + c.size_field + c.stale + c.length + c.doubled, 9u);
+  EXPECT_EQ(c.accepted + c.id + c.size_field + c.stale + c.length + c.doubled, 9u);
 }
 
 TEST(StateMachine, ASecondAnswerWithANewerCountTakesTheFirstOnesPlace) {
@@ -269,7 +269,7 @@ TEST(StateMachine, ASecondAnswerWithANewerCountTakesTheFirstOnesPlace) {
   const CmdBytes strong = rig.remote.answer(msr);
   rig.remote.torque[0] = 0.0F;
   const CmdBytes back = rig.remote.answer(msr);
-  EXPECT_EQ(rig.controller.receive(strong, 0.0), FriController::Verdict::kTaken);
+  EXPECT_EQ(rig.controller.receive(strong, 0.0), FriController::Verdict::kAccepted);
   EXPECT_EQ(rig.controller.receive(back, 0.0), FriController::Verdict::kReplaced);
   EXPECT_EQ(rig.controller.receive(strong, 0.0), FriController::Verdict::kDoubled);
   rig.controller.advance();
@@ -353,7 +353,7 @@ TEST(StateMachine, ConfigurationsThatCannotBeAreRefused) {
   config.start_rad[0] = 10.0;
   EXPECT_THROW(config.validate(), std::runtime_error);
   config = {};
-  config.plant.tool_in_flange.position[2] = std::numeric_limits<double>::quiet_NaN();
+  config.plant.pose_FT.position[2] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(config.validate(), std::runtime_error);
   config = {};
   config.torque_noise_nm = -1.0;

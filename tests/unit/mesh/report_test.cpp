@@ -12,7 +12,7 @@ using namespace voxtouch;
 using samples::box;
 using samples::joined;
 using samples::tetrahedron;
-using samples::turned_round;
+using samples::flipped;
 
 namespace {
 
@@ -58,13 +58,13 @@ TEST(MeshReport, CountsOpenEdgesAndSaysThatThereIsNoInterior) {
 }
 
 TEST(MeshReport, NeverCallsAnOpenMeshInverted) {
-  mesh::TriangleMesh mesh = turned_round(tetrahedron());
+  mesh::TriangleMesh mesh = flipped(tetrahedron());
   mesh.triangles.pop_back();
   EXPECT_FALSE(mesh::inspect(mesh).inverted);
 }
 
 TEST(MeshReport, FindsAMeshThatFacesInward) {
-  const mesh::MeshReport r = mesh::inspect(turned_round(tetrahedron()));
+  const mesh::MeshReport r = mesh::inspect(flipped(tetrahedron()));
   EXPECT_TRUE(r.closed);
   EXPECT_TRUE(r.inverted);
   EXPECT_EQ(r.flipped.count, 0u);
@@ -84,7 +84,7 @@ TEST(MeshReport, NamesTheFlippedTriangleAndNotItsNeighbours) {
   }
 }
 
-TEST(MeshReport, TellsDuplicatesFromTrianglesTurnedRound) {
+TEST(MeshReport, TellsDuplicatesFromFlippedTriangles) {
   mesh::TriangleMesh mesh = tetrahedron();
   mesh.triangles.push_back({2, 1, 0});  // triangle 0, other first corner
   mesh.triangles.push_back({3, 2, 1});  // triangle 3, turned round
@@ -146,7 +146,7 @@ TEST(MeshReport, FindsEdgesWhereSheetsMeet) {
 }
 
 TEST(MeshReport, NamesPartsThatFaceInwardAmongOthers) {
-  const mesh::TriangleMesh mesh = joined(box({0, 0, 0}, {3, 3, 3}), turned_round(box({1, 1, 1}, {2, 2, 2})));
+  const mesh::TriangleMesh mesh = joined(box({0, 0, 0}, {3, 3, 3}), flipped(box({1, 1, 1}, {2, 2, 2})));
   const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.parts, 2u);
   EXPECT_EQ(r.inward_parts.examples, Indices{12});

@@ -39,7 +39,7 @@ inline TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
   return a;
 }
 
-inline TriangleMesh turned_round(TriangleMesh mesh) {
+inline TriangleMesh flipped(TriangleMesh mesh) {
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }

@@ -77,7 +77,7 @@ class ChangeLineTest : public testing::Test {
 
 TEST_F(ChangeLineTest, MakesAChangeThatWaitsForNothingAtTheNextSample) {
   ask(1);
-  line_.take(*live_, 7, true);
+  line_.apply_due(*live_, 7, true);
   EXPECT_EQ(gain(), 0.5);
   const auto said = reports();
   ASSERT_EQ(said.size(), 1U);
@@ -89,35 +89,35 @@ TEST_F(ChangeLineTest, MakesAChangeThatWaitsForNothingAtTheNextSample) {
 
 TEST_F(ChangeLineTest, WaitsForTheSampleThatWasNamedAndKeepsTheOrder) {
   ask(1, 9, 0.25), ask(2, 0, 0.75);
-  for (std::uint64_t sample = 5; sample < 9; ++sample) line_.take(*live_, sample, true);
+  for (std::uint64_t sample = 5; sample < 9; ++sample) line_.apply_due(*live_, sample, true);
   EXPECT_EQ(gain(), 1.0);
-  line_.take(*live_, 9, false);
+  line_.apply_due(*live_, 9, false);
   EXPECT_EQ(gain(), 1.0) << "sample 9 is not there yet";
-  line_.take(*live_, 9, true);
+  line_.apply_due(*live_, 9, true);
   EXPECT_EQ(gain(), 0.75) << "the second was asked for later";
   EXPECT_EQ(reports().size(), 2U);
 }
 
 TEST_F(ChangeLineTest, RefusesASampleThatHasPassedAndWhatWasJudgedByIt) {
   ask(1, 3, 0.25), ask(2, 20, 0.75);
-  line_.take(*live_, 4, true);
+  line_.apply_due(*live_, 4, true);
   EXPECT_EQ(gain(), 1.0);
   auto said = reports();
   ASSERT_EQ(said.size(), 2U);
   EXPECT_EQ(said[0].what, What::kLate);
   EXPECT_EQ(said[1].what, What::kDropped);
   ask(3, 0, 0.5);
-  line_.take(*live_, 5, true);
+  line_.apply_due(*live_, 5, true);
   EXPECT_EQ(gain(), 0.5) << "judged anew, it runs";
 }
 
 TEST_F(ChangeLineTest, AnotherSessionDropsWhatWaitsForTheLastOnesSamples) {
   ask(1, 9, 0.25);
   line_.begin_session(77);
-  line_.take(*live_, 0, true);
+  line_.apply_due(*live_, 0, true);
   EXPECT_TRUE(reports().empty()) << "asked for before any session, it waits for the first";
   line_.begin_session(78);
-  for (std::uint64_t sample = 0; sample < 20; ++sample) line_.take(*live_, sample, true);
+  for (std::uint64_t sample = 0; sample < 20; ++sample) line_.apply_due(*live_, sample, true);
   EXPECT_EQ(gain(), 1.0);
   const auto said = reports();
   ASSERT_EQ(said.size(), 1U);
@@ -128,25 +128,25 @@ TEST_F(ChangeLineTest, NeverMakesAChangeOfAnotherSession) {
   line_.begin_session(77);
   line_.found_good_for(77);
   ask(1, 0, 0.25, 76);
-  line_.take(*live_, 1, true);
+  line_.apply_due(*live_, 1, true);
   EXPECT_EQ(gain(), 1.0);
   EXPECT_EQ(reports().at(0).what, What::kDropped);
   ask(2, 0, 0.25, 77);
-  line_.take(*live_, 2, true);
+  line_.apply_due(*live_, 2, true);
   EXPECT_EQ(gain(), 0.25);
 }
 
 TEST_F(ChangeLineTest, MakesNothingInASessionBeforeItWasHeldAgainstItsDevice) {
   ask(1, 0, 0.25);
   line_.begin_session(77);
-  line_.take(*live_, 1, true);
+  line_.apply_due(*live_, 1, true);
   EXPECT_EQ(gain(), 1.0);
   line_.found_good_for(77);
-  line_.take(*live_, 2, true);
+  line_.apply_due(*live_, 2, true);
   EXPECT_EQ(gain(), 0.25);
   ask(2, 0, 0.5), ask(3, 0, 0.75);
   line_.cancel(2);
-  line_.take(*live_, 3, true);
+  line_.apply_due(*live_, 3, true);
   EXPECT_EQ(gain(), 0.25);
   const auto said = reports();
   ASSERT_EQ(said.size(), 3U);
@@ -161,7 +161,7 @@ TEST_F(ChangeLineTest, SaysWhenAllNumbersHaveCome) {
   tool.pose.position = Vec3(0, 0, 0.05);
   std::uint64_t came = 0;
   for (std::uint64_t sample = 1; sample < 150; ++sample) {
-    line_.take(*live_, sample, true);
+    line_.apply_due(*live_, sample, true);
     for (const ChangeReport& report : reports())
       if (report.what == What::kAtRest) came = sample;
     live_->render(tool, 0.001 * static_cast<double>(sample));
@@ -172,17 +172,17 @@ TEST_F(ChangeLineTest, SaysWhenAllNumbersHaveCome) {
 TEST_F(ChangeLineTest, SwapsASceneAndGivesTheOldOneBackOnlyWhenItHasFadedOut) {
   Change swap{.ticket = 1, .effect = {}, .scene = next_.get()};
   ASSERT_TRUE(line_.ask(swap));
-  line_.take(*live_, 1, true);
+  line_.apply_due(*live_, 1, true);
   EXPECT_TRUE(live_->fading());
   ASSERT_EQ(reports().size(), 1U);
   rendering::ToolState tool;
   tool.pose.position = Vec3(0, 0, 0.05);
   for (int i = 0; i < 199; ++i) {
-    line_.take(*live_, 2, true);
+    line_.apply_due(*live_, 2, true);
     live_->render(tool, 0.001 * i);
     ASSERT_TRUE(reports().empty()) << i;
   }
-  for (int i = 199; i < 202; ++i) live_->render(tool, 0.001 * i), line_.take(*live_, 2, true);
+  for (int i = 199; i < 202; ++i) live_->render(tool, 0.001 * i), line_.apply_due(*live_, 2, true);
   const auto said = reports();
   ASSERT_EQ(said.size(), 1U);
   EXPECT_EQ(said[0].what, What::kRetired);
@@ -193,7 +193,7 @@ TEST_F(ChangeLineTest, TakesNoMoreThanItCanReport) {
   for (std::uint64_t ticket = 1; ticket <= 1000; ++ticket) {
     Change change{.ticket = ticket, .effect = {.action = effects::EffectAction::kGain, .value = {0.5, 0.0, 0.0}}};
     if (!line_.ask(change)) {
-      line_.take(*live_, ticket, true);
+      line_.apply_due(*live_, ticket, true);
       if (!line_.ask(change)) break;
     }
   }
@@ -202,17 +202,17 @@ TEST_F(ChangeLineTest, TakesNoMoreThanItCanReport) {
   const auto drain = [&] {
     while (line_.next_report(report)) ASSERT_EQ(report.ticket, expected++) << "one was forgotten";
   };
-  drain(), line_.take(*live_, 5, true), drain();
+  drain(), line_.apply_due(*live_, 5, true), drain();
   EXPECT_EQ(expected - 1, line_.applied());
 }
 
 TEST_F(ChangeLineTest, HoldsTheLoopBeforeTheSampleOfASceneThatIsNotBuilt) {
-  line_.hold_from(100);
-  EXPECT_FALSE(line_.holds(99));
-  EXPECT_TRUE(line_.holds(100));
+  line_.pause_before(100);
+  EXPECT_FALSE(line_.pauses_before(99));
+  EXPECT_TRUE(line_.pauses_before(100));
   EXPECT_EQ(line_.answering(), 100U);
-  line_.let_go();
-  EXPECT_FALSE(line_.holds(100));
+  line_.resume();
+  EXPECT_FALSE(line_.pauses_before(100));
 }
 
 }  // namespace

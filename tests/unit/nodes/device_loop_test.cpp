@@ -204,7 +204,7 @@ TEST_F(DeviceLoopRun, KeepsTheLargestForceForWhoeverLooksSeldom) {
   EXPECT_GT(progress.max_force_n.load(), 1.5);
 }
 
-TEST_F(DeviceLoopRun, TellsWhichSampleWasAnsweredFirstAndThatItTurns) {
+TEST_F(DeviceLoopRun, TellsWhichSampleWasAnsweredFirstAndThatItRuns) {
   EXPECT_EQ(progress.first_answered.load(), Progress::kNone);
   const std::uint64_t before = progress.heartbeat.sign();
   EXPECT_EQ(run(), End::kFinished);
@@ -248,13 +248,13 @@ TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
   not_a_number.pose.position.x() = std::numeric_limits<double>::quiet_NaN();
   for (std::uint64_t i = 200; i < 300; ++i) device.odd_samples[i] = i % 2 ? marked : not_a_number;
   EXPECT_EQ(run(500), End::kFinished);
-  EXPECT_EQ(progress.held_poses.load(), 100U);
+  EXPECT_EQ(progress.untrusted_poses.load(), 100U);
   int flagged = 0;
   for (const msg::DeviceState& state : seen) {
     EXPECT_EQ(state.pose.position.z, 0.5) << "sample " << state.sequence_number;
-    const bool held = (state.flags & msg::device_state::kFlagPoseHeld) != 0;
-    EXPECT_EQ(held, state.sequence_number >= 199 && state.sequence_number < 299) << "sample " << state.sequence_number;
-    flagged += held;
+    const bool untrusted = (state.flags & msg::device_state::kFlagPoseHeld) != 0;
+    EXPECT_EQ(untrusted, state.sequence_number >= 199 && state.sequence_number < 299) << "sample " << state.sequence_number;
+    flagged += untrusted;
   }
   EXPECT_GT(flagged, 50);
 }
@@ -278,8 +278,8 @@ TEST_F(DeviceLoopRun, CountsTheSamplesOfARealDeviceThatNobodyFetched) {
 }
 
 TEST_F(DeviceLoopRun, YieldsTheRigAtZeroForce) {
-  requests.rig_taken.store(true);
-  EXPECT_EQ(run(), End::kRigTaken);
+  requests.rig_claimed.store(true);
+  EXPECT_EQ(run(), End::kRigClaimed);
   EXPECT_EQ(device.force, 0.0);
 }
 

@@ -72,19 +72,19 @@ TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
   const auto options = node_options<rendering_node::Options>(rig);
   const bus::Participant participant({kDomain, "lo", "update server"});
   rendering_node::ChangeLine line;
-  std::atomic<bool> held{false}, go_on{false};
+  std::atomic<bool> waiting{false}, go_on{false};
   std::atomic<std::uint64_t> last{0};
   rendering_node::SceneUpdateServer server(
       participant, options, scene, rendering::build_scene(scene, serial_for()), line, [](const scene::Scene&) {},
       [&](std::uint64_t session) {
-        last = session, held = true;
+        last = session, waiting = true;
         EXPECT_TRUE(wait_until([&] { return go_on.load(); })) << "device_is waits for the update server";
       });
   const auto begin = [&](std::uint64_t session) {
     server.device_is(std::make_unique<rendering_node::DescribedDevice>(rendering_node::DescribedDevice{session, stylus()}));
   };
   begin(3);
-  ASSERT_TRUE(wait_until([&] { return held.load(); }));
+  ASSERT_TRUE(wait_until([&] { return waiting.load(); }));
   begin(4), begin(5);
   go_on = true;
   EXPECT_TRUE(wait_until([&] { return last == 5; })) << "the last one counts";
@@ -115,7 +115,7 @@ class UpdateServer {
   }
   /// One sample, as the loop takes it, and the plans that have come.
   void loop() {
-    line_.take(live_, ++sample_, true);
+    line_.apply_due(live_, ++sample_, true);
     effects::EffectFrame frame;
     frame.dt_s = 1e-3;
     live_.effects().apply(frame);
@@ -197,7 +197,6 @@ TEST(SceneUpdateServer, JudgesWhatTwoChangesMayComeToOnTheirWay) {
   EXPECT_EQ(on.ask(change(kActionValue, 0.2), "share").result, result::kResultDone);
   const Said thicker = on.ask(change(kActionValue, 9.0), "thickness_ns_per_m");
   EXPECT_EQ(thicker.result, result::kResultRefused) << "2 * 9 Ns/m may be felt before the share is down";
-  EXPECT_NE(thicker.sentence.find("on the way"), std::string::npos) << thicker.sentence;
   on.samples(400);
   EXPECT_EQ(on.ask(change(kActionValue, 9.0), "thickness_ns_per_m").result, result::kResultDone) << "it has settled";
 }
@@ -207,7 +206,6 @@ TEST(SceneUpdateServer, JudgesWhatTwoChangesThatWaitMayComeToOnTheirWay) {
   EXPECT_EQ(on.ask_and_wait(change(kActionValue, 0.2, 5'000), "share").result, result::kResultWaiting);
   const Said thicker = on.ask_and_wait(change(kActionValue, 9.0, 5'000), "thickness_ns_per_m");
   EXPECT_EQ(thicker.result, result::kResultRefused) << "2 * 9 Ns/m may be felt before the share is down";
-  EXPECT_NE(thicker.sentence.find("on the way"), std::string::npos) << thicker.sentence;
 }
 
 TEST(SceneUpdateServer, TellsWhatTheEffectsDampOfTurning) {

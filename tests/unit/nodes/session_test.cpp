@@ -237,14 +237,14 @@ TEST_F(RenderingAlone, HoldsAContactForThreeRefusedSamplesAndThenLetsGo) {
   begin(1);
   const double good = force(contact_of(1, 0, kInContact));
   ASSERT_GT(good, 0.01);
-  std::vector<double> held;
+  std::vector<double> repeated;
   for (std::uint64_t i = 1; i <= 6; ++i) {
     const msg::ContactState c = contact_of(1, i, kNotANumber);
     EXPECT_NE(c.flags & msg::contact_state::kFlagRefusedSample, 0U);
-    held.push_back(force(c));
+    repeated.push_back(force(c));
   }
-  EXPECT_EQ(held.front(), good);
-  EXPECT_EQ(held.back(), 0.0);
+  EXPECT_EQ(repeated.front(), good);
+  EXPECT_EQ(repeated.back(), 0.0);
   EXPECT_EQ(force(contact_of(1, 7, kInContact)), good);
 }
 

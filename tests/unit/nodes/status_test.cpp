@@ -88,7 +88,7 @@ class TwoNodes : public testing::Test {
       report.message = "well", report.state = runtime::NodeState::kRunning;
     };
     rendering.emplace(first, "rendering", options, well,
-                      std::vector<runtime::Watched>{{"its loop", [this] { return held_up ? 1U : ++turns; }}});
+                      std::vector<runtime::Watched>{{"its loop", [this] { return stuck ? 1U : ++beats; }}});
     device.emplace(second, "device", options, well);
     registry.emplace(third, options.rig);
   }
@@ -100,8 +100,8 @@ class TwoNodes : public testing::Test {
       return report && holds(*report);
     });
   }
-  std::atomic<bool> held_up{false};
-  std::atomic<std::uint64_t> turns{10};
+  std::atomic<bool> stuck{false};
+  std::atomic<std::uint64_t> beats{10};
   runtime::NodeOptions options;
   bus::Participant first{{kDomain, "lo", "first"}}, second{{kDomain, "lo", "second"}}, third{{kDomain, "lo", "third"}};
   std::optional<runtime::Housekeeping> rendering, device;
@@ -111,12 +111,12 @@ class TwoNodes : public testing::Test {
 TEST_F(TwoNodes, SayThatALoopStandsStillTheOneOfItselfTheOtherOfIt) {
   const auto is_well = [](const runtime::NodeReport& report) { return report.message == "well"; };
   ASSERT_TRUE(comes_to("rendering", is_well) && comes_to("device", is_well));
-  held_up = true;
+  stuck = true;
   EXPECT_TRUE(comes_to("rendering", [](const auto& r) { return r.message == "well; its loop has stood still for 0.4 s"; }));
   EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message == "well; rendering hangs: its loop has stood still for 0.4 s"; }));
   ASSERT_EQ(registry->hung().size(), 1U);
   EXPECT_EQ(registry->hung()[0].node, "rendering");
-  held_up = false;
+  stuck = false;
   EXPECT_TRUE(comes_to("rendering", is_well));
   EXPECT_TRUE(comes_to("device", is_well));
   EXPECT_TRUE(registry->hung().empty());

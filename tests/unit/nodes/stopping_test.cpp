@@ -77,7 +77,7 @@ pid_t child_called(const Process& up, const std::string& program) {
 
 TEST(Up, DoesNotClaimThatAKilledDeviceWentToZero) {
   Process up(up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record", "--duration", "30"}));
-  for (int i = 0; i < 500 && up.err().find(" samples  force") == std::string::npos; ++i) std::this_thread::sleep_for(milliseconds(20));
+  for (int i = 0; i < 500 && !runs(up); ++i) std::this_thread::sleep_for(milliseconds(20));
   const pid_t device = child_called(up, "voxtouch_device");
   ASSERT_NE(device, 0);
   ::kill(device, SIGKILL);
@@ -90,7 +90,7 @@ TEST(Up, DoesNotClaimThatAKilledDeviceWentToZero) {
 
 TEST(Up, NamesOnlyTheNodeThatDied) {
   Process up(up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record", "--duration", "30"}));
-  for (int i = 0; i < 500 && up.err().find(" samples  force") == std::string::npos; ++i) std::this_thread::sleep_for(milliseconds(20));
+  for (int i = 0; i < 500 && !runs(up); ++i) std::this_thread::sleep_for(milliseconds(20));
   const pid_t coupling = child_called(up, "voxtouch_coupling");
   ASSERT_NE(coupling, 0);
   ::kill(coupling, SIGKILL);

@@ -107,8 +107,8 @@ TEST_F(Driver, ACommandActsInTheTickAfterItsSampleAndForOneTickOnly) {
 
 TEST_F(Driver, ForceRisesAlongTheDevicesRamp) {
   open_driver();
-  turn(push(2.0));
-  for (int i = 0; i < 20; ++i) turn(push(2.0));
+  cycle(push(2.0));
+  for (int i = 0; i < 20; ++i) cycle(push(2.0));
   EXPECT_GT(applied().x(), 0.2);
   EXPECT_LT(applied().x(), 0.6);  // 20 N/s
 }
@@ -122,7 +122,7 @@ TEST_F(Driver, CommandsThatAreNotFiniteAreZeroAndNeverReachTheLibrary) {
     EXPECT_EQ(written.error(), devices::DeviceError::kNotFinite);
     ASSERT_TRUE(driver->read(10ms));
     EXPECT_EQ(applied().norm(), 0.0);
-    turn(push(2.0));
+    cycle(push(2.0));
   }
   EXPECT_EQ(driver->write({Vec3::Zero(), Vec3(0, std::nan(""), 0)}).error(), devices::DeviceError::kNotFinite);
   EXPECT_EQ(state().non_finite_sets, 0u);
@@ -138,7 +138,7 @@ TEST_F(Driver, CommandsOverALimitAreZero) {
     EXPECT_EQ(written.error(), devices::DeviceError::kLimit);
     ASSERT_TRUE(driver->read(10ms));
     EXPECT_EQ(applied().norm(), 0.0);
-    turn(push(2.0));
+    cycle(push(2.0));
   }
 }
 

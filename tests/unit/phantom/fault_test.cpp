@@ -31,7 +31,7 @@ class Fault : public DriverTest {
     };
     for (int i = 0; i < 100; ++i) {
       const std::uint64_t ticks = state().ticks;
-      const Turn t = turn({kPush, Vec3::Zero()});
+      const Cycle t = cycle({kPush, Vec3::Zero()});
       if (state().ticks == ticks) sim.step();
       after.force.push_back(applied().norm());
       if (t.sample) ++after.samples;
@@ -107,7 +107,7 @@ TEST_F(Fault, TooFastDropsTheForceAndIsTold) {
   Errors told;
   int after_force = 0;
   for (int i = 0; i < 1500; ++i) {
-    const Turn t = turn(push(0.0, 0.5));
+    const Cycle t = cycle(push(0.0, 0.5));
     ASSERT_TRUE(t.sample);
     if (!t.written) told.push_back(t.written.error());
     const double speed = Eigen::Map<const Vec3>(state().tip_velocity).norm();
@@ -129,9 +129,9 @@ TEST_F(Fault, ChangeOfForceOverTheDevicesLimitIsToldAndForceComesBack) {
   const After after = next_100_ms();  // steady: no change
   EXPECT_EQ(after.written, Errors{});
   ASSERT_TRUE(driver->read(10ms));  // nothing was asked for: 2 N to 0 in a millisecond
-  EXPECT_EQ(turn(push(0.5)).written.error(), devices::DeviceError::kRecoverable);
+  EXPECT_EQ(cycle(push(0.5)).written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(driver->status().newest, phantom::hd::kExceededMaxForceImpulse);
-  for (int i = 0; i < 100; ++i) ASSERT_TRUE(turn(push(0.5)).written);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(cycle(push(0.5)).written);
   EXPECT_NEAR(applied().x(), 0.5, 0.05);
 }
 
@@ -165,7 +165,7 @@ TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
   ASSERT_TRUE(driver->write(push(2.0)));
   ASSERT_EQ(sim.inject(HDSIM_NAN_POSITION, 3), 0);
   for (int i = 0; i < 3; ++i) {
-    const Turn t = turn(push(2.0));
+    const Cycle t = cycle(push(2.0));
     ASSERT_TRUE(t.sample);
     EXPECT_FALSE(t.sample->pose_valid);
     EXPECT_TRUE(t.sample->pose.finite());
@@ -175,12 +175,12 @@ TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
     EXPECT_EQ(t.written.error(), devices::DeviceError::kProtocol);
   }
   EXPECT_NE(driver->trouble().find("pose"), std::string::npos);
-  Turn t = turn(push(2.0));
+  Cycle t = cycle(push(2.0));
   EXPECT_TRUE(t.sample->pose_valid);
   EXPECT_EQ(t.force, 0.0);
   ASSERT_TRUE(t.written);
   EXPECT_LT(t.sample->twist.linear.norm(), 0.01);
-  EXPECT_NEAR(turn(push(2.0)).force, 2.0, 0.1);
+  EXPECT_NEAR(cycle(push(2.0)).force, 2.0, 0.1);
   EXPECT_EQ(driver->status().invalid_poses, 3u);
 }
 
@@ -190,7 +190,7 @@ TEST_F(Fault, OneCoordinateThatIsNoNumberIsEnoughWhicheverItIs) {
       Spy::instance().change_reading([=](phantom::hd::HDenum name, double* values) {
         if (name == phantom::hd::kCurrentPosition) values[axis] = bad;
       });
-      const Turn t = turn(push(2.0));
+      const Cycle t = cycle(push(2.0));
       ASSERT_TRUE(t.sample);
       EXPECT_FALSE(t.sample->pose_valid) << bad << " on axis " << axis;
       EXPECT_TRUE(t.sample->pose.finite());
@@ -202,14 +202,14 @@ TEST_F(Fault, ATransformThatIsNoRotationIsMarkedAndASlightlySkewedOneIsMadeOne) 
   Spy::instance().change_reading([](phantom::hd::HDenum name, double* m) {
     if (name == phantom::hd::kCurrentTransform) m[0] *= 1.01, m[5] *= 0.99;
   });
-  Turn t = turn(push(2.0));
+  Cycle t = cycle(push(2.0));
   ASSERT_TRUE(t.sample);
   EXPECT_TRUE(t.sample->pose_valid);
   EXPECT_NEAR(t.sample->pose.orientation.norm(), 1.0, 1e-15);
   Spy::instance().change_reading([](phantom::hd::HDenum name, double* m) {
     if (name == phantom::hd::kCurrentTransform) std::fill_n(m, 12, 0.0);
   });
-  t = turn(push(2.0));
+  t = cycle(push(2.0));
   ASSERT_TRUE(t.sample);
   EXPECT_FALSE(t.sample->pose_valid);
   EXPECT_EQ(t.force, 0.0);
@@ -219,14 +219,14 @@ TEST_F(Fault, ATransformThatIsNoRotationIsMarkedAndASlightlySkewedOneIsMadeOne) 
 TEST_F(Fault, AFrameThatSomebodyElseLeftOpenSpoilsOneTickOnly) {
   api.hdDisable(phantom::hd::kOneFrameLimit);
   api.hdBeginFrame(api.hdGetCurrentDevice());
-  Turn t = turn(push(2.0));
+  Cycle t = cycle(push(2.0));
   ASSERT_TRUE(t.sample);
   EXPECT_FALSE(t.sample->pose_valid);
   EXPECT_EQ(t.force, 0.0);
   EXPECT_EQ(t.written.error(), devices::DeviceError::kProtocol);
   EXPECT_EQ(driver->status().newest, phantom::hd::kIllegalBegin);
-  ASSERT_TRUE(turn(push(2.0)).written);
-  EXPECT_NEAR(turn(push(2.0)).force, 2.0, 0.1);
+  ASSERT_TRUE(cycle(push(2.0)).written);
+  EXPECT_NEAR(cycle(push(2.0)).force, 2.0, 0.1);
 }
 
 TEST_F(Fault, ALateTickIsCountedAndTheTwistStartsAnew) {

@@ -38,14 +38,14 @@ class DriverTest : public hd_sim_test::SimulatedLibrary {
   }
   static Wrench push(double x, double y = 0.0, double z = 0.0) { return {Vec3(x, y, z), Vec3::Zero()}; }
 
-  struct Turn {
+  struct Cycle {
     devices::DeviceResult<devices::DeviceSample> sample;
     devices::DeviceResult<void> written;
     double force = 0.0;  ///< at the motors, after the tick
   };
   /// What a device loop does in one period. Whatever fails, it goes on pushing: the driver has to hold.
-  Turn turn(const Wrench& command) {
-    Turn t{driver->read(10ms), {}};
+  Cycle cycle(const Wrench& command) {
+    Cycle t{driver->read(10ms), {}};
     t.force = applied().norm();
     if (t.sample) t.written = driver->write(command);
     return t;
@@ -53,7 +53,7 @@ class DriverTest : public hd_sim_test::SimulatedLibrary {
   /// Until the ramp is over: the motors give `force`.
   void push_until_steady(const Vec3& force) {
     for (int i = 0; i < 450; ++i) {
-      const Turn t = turn({force, Vec3::Zero()});
+      const Cycle t = cycle({force, Vec3::Zero()});
       ASSERT_TRUE(t.sample);
       ASSERT_TRUE(t.written) << devices::name_of(t.written.error());
     }

@@ -18,7 +18,7 @@ class NoAllocation : public hd_sim_test::SimulatedLibrary {
     o.library = VOXTOUCH_HD_SIM_LIBRARY;
     return o;
   }
-  static void turn(PhantomDriver& driver, int i) {
+  static void cycle(PhantomDriver& driver, int i) {
     (void)driver.read(500ms);
     (void)driver.write({Vec3(i % 7 ? 1.0 : 1e9, 0, 0), Vec3::Zero()});
     if (i % 11 == 0) (void)driver.write({Vec3(std::nan(""), 0, 0), Vec3::Zero()});
@@ -30,10 +30,10 @@ class NoAllocation : public hd_sim_test::SimulatedLibrary {
 TEST_F(NoAllocation, AnOpenDriverAndItsCallbackTakeNothingFromTheHeap) {
   if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
   PhantomDriver driver(options(true));
-  for (int i = 0; i < 10; ++i) turn(driver, i);
+  for (int i = 0; i < 10; ++i) cycle(driver, i);
   EXPECT_EQ(test::heap_count_of([&] {
               for (int i = 0; i < 500; ++i) {
-                turn(driver, i);
+                cycle(driver, i);
                 if (i == 100) sim.inject(HDSIM_WARM_MOTORS, 1.0);
                 if (i == 150) sim.inject(HDSIM_WARM_MOTORS, 0.8);
                 if (i == 200) sim.inject(HDSIM_NAN_POSITION, 5);
@@ -48,9 +48,9 @@ TEST_F(NoAllocation, AnOpenDriverAndItsCallbackTakeNothingFromTheHeap) {
 TEST_F(NoAllocation, NorDoTheyInTheServoThread) {
   if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
   PhantomDriver driver(options(false));
-  for (int i = 0; i < 50; ++i) turn(driver, i);
+  for (int i = 0; i < 50; ++i) cycle(driver, i);
   EXPECT_EQ(test::heap_count_of([&] {
-              for (int i = 0; i < 300; ++i) turn(driver, i);
+              for (int i = 0; i < 300; ++i) cycle(driver, i);
             }, test::HeapOf::kAllThreads),
             0);
   EXPECT_GT(driver.status().pushed, 0u);

@@ -113,7 +113,7 @@ TEST_F(Opening, TwiceInAProcessIsASentenceAndTheFirstGoesOn) {
   } catch (const devices::DeviceOpenError& error) {
     EXPECT_NE(std::string(error.what()).find("already"), std::string::npos) << error.what();
   }
-  EXPECT_NEAR(turn(push(2.0)).force, 2.0, 0.1);
+  EXPECT_NEAR(cycle(push(2.0)).force, 2.0, 0.1);
   driver.reset();
   EXPECT_EQ(refusal(), "");
 }

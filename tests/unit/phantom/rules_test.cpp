@@ -71,7 +71,7 @@ TEST_F(Rules, WarmMotorsGetLessForceDownToTheContinuousOne) {
   double last = 8.5;
   for (int i = 0; i < 3000; ++i) {
     ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.85), 0);
-    const Turn t = turn(push(8.0));
+    const Cycle t = cycle(push(8.0));
     ASSERT_TRUE(t.written);
     ASSERT_LE(driver->status().force_limit_n, last);
     last = driver->status().force_limit_n;
@@ -82,7 +82,7 @@ TEST_F(Rules, WarmMotorsGetLessForceDownToTheContinuousOne) {
   EXPECT_NEAR(driver->status().temperature[0], 0.85, 0.01);
   for (int i = 0; i < 3000; ++i) {
     ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.3), 0);
-    ASSERT_TRUE(turn(push(8.0)).written);
+    ASSERT_TRUE(cycle(push(8.0)).written);
   }
   EXPECT_EQ(driver->status().force_limit_n, 8.5);
   EXPECT_NEAR(applied().x(), 8.0, 0.4);
@@ -92,7 +92,7 @@ TEST_F(Rules, WarmMotorsGetLessForceDownToTheContinuousOne) {
 TEST_F(Rules, TheClampKeepsMotorsFromTheHeatThatDropsTheForce) {
   double hottest = 0.0;
   for (int i = 0; i < 8000; ++i) {
-    ASSERT_TRUE(turn(push(0.0, 8.0)).written) << i;
+    ASSERT_TRUE(cycle(push(0.0, 8.0)).written) << i;
     hottest = std::max(hottest, state().temperature[1]);
   }
   EXPECT_GT(hottest, 0.7);

@@ -67,16 +67,16 @@ TEST(ReferenceWrench, PushesOutwardWhicheverWayRoundAClosedToolsTrianglesRun) {
   scene.dynamic_mesh.path = path;
   scene.dynamic_mesh.scale = 0.01;
   scene.dynamic_mesh.primitives.clear();
-  const auto wrench = [&](bool first_turned, bool second_turned) {
+  const auto wrench = [&](bool first_flipped, bool second_flipped) {
     std::FILE* file = std::fopen(path.c_str(), "w");
     for (int box = 0; box < 2; ++box)
       for (int n = 0; n < 8; ++n) std::fprintf(file, "v %d %d %d\n", (n & 1) + 3 * box, n >> 1 & 1, n >> 2 & 1);
     const int faces[6][4] = {{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}};
     for (int box = 0; box < 2; ++box)
       for (const auto& f : faces) {
-        const bool turned = box == 0 ? first_turned : second_turned;
-        std::fprintf(file, "f %d %d %d %d\n", f[0] + 8 * box, f[turned ? 3 : 1] + 8 * box, f[2] + 8 * box,
-                     f[turned ? 1 : 3] + 8 * box);
+        const bool flipped = box == 0 ? first_flipped : second_flipped;
+        std::fprintf(file, "f %d %d %d %d\n", f[0] + 8 * box, f[flipped ? 3 : 1] + 8 * box, f[2] + 8 * box,
+                     f[flipped ? 1 : 3] + 8 * box);
       }
     std::fclose(file);
     const Wrench w = ReferenceWrench(scene, 0.25e-3).at({Vec3(-0.02, 0, -2e-3), Quat::Identity()}).wrench;

@@ -39,7 +39,7 @@ TEST(DeviceMapping, TipGoesThroughBaseScaleAndToolOffset) {
     const scene::WorkspaceMapping spec = r.spec();
     const Pose tip = r.pose();
     DeviceMapping mapping(spec);
-    const Pose wanted = spec.device_in_world * Pose{spec.position_scale * tip.position, tip.orientation} * spec.tool_offset;
+    const Pose wanted = spec.pose_WD * Pose{spec.position_scale * tip.position, tip.orientation} * spec.pose_PT;
     EXPECT_LE(distance(mapping.update(tip, {}, 0).pose, wanted), 1e-14);
   }
   DeviceMapping plain{scene::WorkspaceMapping{}};
@@ -81,7 +81,7 @@ TEST(DeviceMapping, PowerAtTheHandIsPowerInTheWorldTimesTheScales) {
 
 TEST(WrenchToDevice, AnOrientationThatIsNoneDoesNotMakeTheCommandNone) {
   scene::WorkspaceMapping device;
-  device.tool_offset.position = Vec3(0.0, 0.0, 0.05);
+  device.pose_PT.position = Vec3(0.0, 0.0, 0.05);
   WrenchToDevice to_device(device);
   const Wrench wrench{Vec3(1.0, 2.0, 3.0), Vec3(0.1, 0.0, 0.0)};
   const Quat turned(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
@@ -89,22 +89,22 @@ TEST(WrenchToDevice, AnOrientationThatIsNoneDoesNotMakeTheCommandNone) {
   EXPECT_EQ(good.torque, wrench_to_device(device, wrench, turned).torque) << "bit for bit";
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (const Quat& bad : {Quat(kNan, 0, 0, 0), Quat(0, 0, 0, 0), Quat(1e200, 1e200, 0, 0), Quat(INFINITY, 0, 0, 0)}) {
-    const Wrench held = to_device(wrench, bad);
-    EXPECT_TRUE(held.finite());
-    EXPECT_EQ(held.torque, good.torque) << "as it was turned last";
+    const Wrench kept = to_device(wrench, bad);
+    EXPECT_TRUE(kept.finite());
+    EXPECT_EQ(kept.torque, good.torque) << "as it was turned last";
   }
 }
 
 TEST(DeviceMapping, ForceComesBackAlongTheHandTimesTheForceScale) {
   scene::WorkspaceMapping spec;
   spec.force_scale = 0.5, spec.position_scale = 4;
-  spec.device_in_world.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
+  spec.pose_WD.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
   DeviceMapping mapping(spec);
   mapping.update({}, {}, 0);
   const Wrench hand = wrench_to_device(spec, {{0, 2, 0}, {0, 8, 0}}, mapping.tool().pose.orientation);
   EXPECT_LE((hand.force - Vec3(1, 0, 0)).norm(), 1e-15) << "W's y is the hand's x";
   EXPECT_LE((hand.torque - Vec3(1, 0, 0)).norm(), 1e-15);
-  spec.tool_offset.position = Vec3(0, 0, -0.1);  // the tool hangs below the tip
+  spec.pose_PT.position = Vec3(0, 0, -0.1);  // the tool hangs below the tip
   DeviceMapping lever(spec);
   lever.update({}, {}, 0);
   EXPECT_LE((wrench_to_device(spec, {{0, 2, 0}, {0, 0, 0}}, lever.tool().pose.orientation).torque - Vec3(0, -0.025, 0)).norm(), 1e-15)
@@ -122,10 +122,10 @@ TEST(DeviceMapping, ClutchHoldsTheToolAndGoesOnWithoutAJump) {
       for (int k = 0; k < 5; ++k) {
         const Twist twist{r.vec(), r.vec()};
         tip = moved(tip, twist, 0.3);
-        const ToolState held = mapping.update(tip, twist, 4 | 1);
-        EXPECT_TRUE(held.clutched);
-        EXPECT_LE(distance(held.pose, before.pose), 1e-13);
-        EXPECT_TRUE(held.twist.linear.isZero(0.0) && held.twist.angular.isZero(0.0));
+        const ToolState clutched = mapping.update(tip, twist, 4 | 1);
+        EXPECT_TRUE(clutched.clutched);
+        EXPECT_LE(distance(clutched.pose, before.pose), 1e-13);
+        EXPECT_TRUE(clutched.twist.linear.isZero(0.0) && clutched.twist.angular.isZero(0.0));
       }
       const ToolState released = mapping.update(tip, {}, 1);
       EXPECT_FALSE(released.clutched);
@@ -134,7 +134,7 @@ TEST(DeviceMapping, ClutchHoldsTheToolAndGoesOnWithoutAJump) {
       const Pose start = tip;
       tip = moved(tip, {r.vec(), r.vec()}, 0.2);
       before = mapping.update(tip, {}, 0);
-      const Quat base = spec.device_in_world.orientation;
+      const Quat base = spec.pose_WD.orientation;
       const Quat hand_turn = base * tip.orientation * start.orientation.conjugate() * base.conjugate();
       const Quat tool_turn = before.pose.orientation * released.pose.orientation.conjugate();
       EXPECT_LE((hand_turn.toRotationMatrix() - tool_turn.toRotationMatrix()).norm(), 1e-13);
@@ -189,7 +189,7 @@ TEST(DeviceMapping, RefusesSamplesThatAreNoPoseAndKeepsTheLastOne) {
 TEST(DeviceMapping, NoNumberOfTheDeviceMakesTheToolsPlaceOrVelocityNone) {
   scene::WorkspaceMapping spec;
   spec.position_scale = 10.0;
-  spec.tool_offset.position = Vec3(0.0, 0.0, 1.0);
+  spec.pose_PT.position = Vec3(0.0, 0.0, 1.0);
   DeviceMapping mapping(spec);
   const Pose good{Vec3(0.1, 0.2, 0.3), Quat::Identity()};
   const Pose before = mapping.update(good, {}, 0).pose;

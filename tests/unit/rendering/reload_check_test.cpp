@@ -35,7 +35,7 @@ TEST(ReloadCheck, RefusesWhatOtherNodesWouldHaveToReadAgain) {
   const auto names = [](const std::string& why, const char* section) { return why.find(section) != std::string::npos; };
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.force_scale = 2.0; }), "'device'"));
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.clutch_button = 1; }), "'device'"));
-  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.tool_offset.position.z() = 0.1; }), "'device'"));
+  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.pose_PT.position.z() = 0.1; }), "'device'"));
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design->gain_margin = 3.0; }), "'coupling'"));
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design->given_rotation = coupling::design::HandRange{}; }), "'coupling'"));
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design.reset(); }), "'coupling'"));

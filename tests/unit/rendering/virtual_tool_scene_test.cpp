@@ -103,9 +103,9 @@ TEST(VirtualToolScene, IsPlacedAnewAfterTheClutchALossAJumpAndASession) {
   const auto pressed = [](Rig& rig) { ASSERT_GT(rig.press(0.0).wrench.force.z(), 2.8); };
   Rig clutch(scene_of()), loss(scene_of()), jump(scene_of()), session(scene_of());
   for (Rig* rig : {&clutch, &loss, &jump, &session}) pressed(*rig);
-  ToolState held = at(0.0);
-  held.clutched = true;
-  EXPECT_TRUE(clutch(held).wrench.zero());
+  ToolState clutched = at(0.0);
+  clutched.clutched = true;
+  EXPECT_TRUE(clutch(clutched).wrench.zero());
   EXPECT_TRUE(clutch(at(0.0)).tool.unplaced);
   loss.live.lose_tool();
   EXPECT_TRUE(loss(at(0.0)).wrench.zero());

@@ -64,10 +64,10 @@ TEST_F(SceneFile, EveryKeyArrivesWhereItBelongs) {
   EXPECT_EQ(s.coupling.gain, 0.5);
   EXPECT_EQ(s.device.position_scale, 2);
   EXPECT_EQ(s.device.force_scale, 0.25);
-  EXPECT_EQ(s.device.device_in_world.position, Vec3(0, 0, 1));
-  EXPECT_EQ(s.device.device_in_world.orientation.z(), 0.5);
-  EXPECT_EQ(s.device.tool_offset.position, Vec3(0.1, 0, 0));
-  EXPECT_EQ(s.device.tool_offset.orientation.y(), 1);
+  EXPECT_EQ(s.device.pose_WD.position, Vec3(0, 0, 1));
+  EXPECT_EQ(s.device.pose_WD.orientation.z(), 0.5);
+  EXPECT_EQ(s.device.pose_PT.position, Vec3(0.1, 0, 0));
+  EXPECT_EQ(s.device.pose_PT.orientation.y(), 1);
   EXPECT_EQ(s.device.clutch_button, 1U);
   ASSERT_EQ(s.motions.size(), 2U);
   const Motion& slide = s.motions.at("slide");

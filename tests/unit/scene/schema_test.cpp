@@ -197,20 +197,20 @@ TEST_F(Schema, RequiresTheKeysThatTheReaderMisses) {
 TEST_F(Schema, RefusesNothingThatTheReaderTakes) {
   const std::vector<Json> candidates = {
       -1, 0, 0.5, 1, 2, 32, 1e9, "word", "auto", true, Json::array(), {1, 0, 0}, {1, 0, 0, 0}, Json::object()};
-  int refused = 0, taken = 0;
+  int refused = 0, accepted = 0;
   walk_all([&](const std::string& at, const Json& object, const Wrap& wrap) {
     for (const auto& [key, unused] : object["properties"].items())
       for (const Json& candidate : candidates) {
         const Json scene = wrap(with(object, key, candidate));
         const std::vector<std::string> wrong = violations(schema(), scene);
         const std::string error = said(scene);
-        (error.empty() ? taken : refused) += 1;
+        (error.empty() ? accepted : refused) += 1;
         if (error.empty() && !wrong.empty())
           ADD_FAILURE() << at << "/" << key << " = " << candidate << ": " << joined(wrong);
       }
   });
   EXPECT_GT(refused, 1000);
-  EXPECT_GT(taken, 100);
+  EXPECT_GT(accepted, 100);
 }
 
 TEST_F(Schema, SeesTheSlipsThatEditorsAreToShow) {

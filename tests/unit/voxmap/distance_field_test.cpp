@@ -200,14 +200,14 @@ TEST(DistanceField, EndsWhereItSaysAndKnowsNothingOfWhatIsNoPlace) {
   for (double depth = 0.0; depth < 0.030; depth += 0.00001) {
     const voxmap::FieldSample s = sample(ground.field, Vec3(0.030 - depth, 0.0003, 0.0002));
     EXPECT_NEAR(s.distance_m, -std::min(depth, 5 * kEdge), 0.6 * kEdge);
-    const bool held = s.distance_m <= -5 * kEdge * (1 - 1e-9);
-    if (held) {
+    const bool saturated = s.distance_m <= -5 * kEdge * (1 - 1e-9);
+    if (saturated) {
       EXPECT_TRUE(s.saturated) << depth;
     }
     if (depth < 3.9 * kEdge) {
       EXPECT_FALSE(s.saturated) << depth;
     }
-    shallow += !s.saturated, ended += held;
+    shallow += !s.saturated, ended += saturated;
   }
   EXPECT_GT(shallow, 300);
   EXPECT_GT(ended, 1000);

@@ -131,7 +131,7 @@ inline mesh::TriangleMesh sphere(const Vec3& centre, double radius, int n) {
   return mesh;
 }
 
-inline mesh::TriangleMesh turned(mesh::TriangleMesh mesh) {
+inline mesh::TriangleMesh flipped(mesh::TriangleMesh mesh) {
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }

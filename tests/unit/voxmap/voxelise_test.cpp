@@ -141,13 +141,13 @@ TEST(Voxelise, AHoleSmallerThanAVoxelIsAHole) {
 TEST(Voxelise, AnInvertedMeshHasTheSameVoxels) {
   for (const std::string& name : vector_meshes()) {
     const mesh::TriangleMesh mesh = read_obj(name);
-    const Voxels got = voxels(turned(mesh), vector_grid(name));
+    const Voxels got = voxels(flipped(mesh), vector_grid(name));
     EXPECT_TRUE(got == voxels(mesh, vector_grid(name))) << name;
     EXPECT_TRUE(got.report.inside_out());
   }
 }
 
-TEST(Voxelise, SomeTurnedTrianglesChangeNothing) {
+TEST(Voxelise, SomeFlippedTrianglesChangeNothing) {
   for (const std::string& name : vector_meshes()) {
     mesh::TriangleMesh mesh = read_obj(name);
     const Voxels straight = voxels(mesh, vector_grid(name));
@@ -155,7 +155,7 @@ TEST(Voxelise, SomeTurnedTrianglesChangeNothing) {
     std::swap(mesh.triangles[3][1], mesh.triangles[3][2]);
     const Voxels got = voxels(mesh, vector_grid(name));
     EXPECT_TRUE(got == straight) << name;
-    EXPECT_GT(got.report.shells.turned_triangles, 0U);
+    EXPECT_GT(got.report.shells.flipped_triangles, 0U);
   }
 }
 
@@ -166,10 +166,10 @@ TEST(Voxelise, NestedAndOverlappingShellsGoByWindingNumber) {
   const auto centre = [&](const mesh::TriangleMesh& mesh) {
     return voxelise(mesh, grid, serial_for()).at(Grid::voxel_of(grid.to_grid(Vec3::Zero())));
   };
-  EXPECT_EQ(centre(joined(outer, turned(inner))), VoxelKind::kFree) << "a cavity";
-  EXPECT_EQ(centre(turned(joined(outer, turned(inner)))), VoxelKind::kFree) << "a cavity, all inside out";
+  EXPECT_EQ(centre(joined(outer, flipped(inner))), VoxelKind::kFree) << "a cavity";
+  EXPECT_EQ(centre(flipped(joined(outer, flipped(inner)))), VoxelKind::kFree) << "a cavity, all inside out";
   EXPECT_EQ(centre(joined(outer, inner)), VoxelKind::kInterior) << "a body in a body";
-  EXPECT_EQ(centre(joined(joined(outer, turned(inner)), box(Vec3::Constant(-0.3), Vec3::Constant(0.3)))),
+  EXPECT_EQ(centre(joined(joined(outer, flipped(inner)), box(Vec3::Constant(-0.3), Vec3::Constant(0.3)))),
             VoxelKind::kInterior) << "a body in a cavity";
   const mesh::TriangleMesh overlap =
       joined(box(Vec3(-1.5, -1, -1), Vec3(0.5, 1, 1)), box(Vec3(-0.5, -0.9, -0.9), Vec3(1.5, 0.9, 0.9)));
@@ -269,7 +269,7 @@ TEST(Voxelise, AShellThatCannotBeOrientedGoesByParity) {
 
 TEST(Voxelise, InteriorEqualsTheWindingNumberOfEveryVoxel) {
   const mesh::TriangleMesh mesh =
-      joined(sphere(Vec3(0.1, 0, 0), 1.0, 12), turned(sphere(Vec3(0.1, 0, 0.2), 0.5, 9)));
+      joined(sphere(Vec3(0.1, 0, 0), 1.0, 12), flipped(sphere(Vec3(0.1, 0, 0.2), 0.5, 9)));
   const Grid grid = default_grid(mesh, 0.13);
   const Voxmap map = voxelise(mesh, grid, serial_for());
   std::size_t inside = 0;
@@ -347,18 +347,18 @@ TEST(VoxelBudget, RefusesIndicesBeyondInt32AndThingsThatAreNoNumbers) {
 }
 
 TEST(VoxelBudget, RefusesScatteredTrianglesThatTouchMoreThanForeseen) {
-  mesh::TriangleMesh dust;
+  mesh::TriangleMesh specks;
   std::mt19937 random(2);
   std::uniform_real_distribution<double> pick(0.0, 1.0);
   for (std::uint32_t n = 0; n < 20000; ++n) {
     const Vec3 x(pick(random), pick(random), pick(random));
-    for (const Vec3& d : {Vec3(0, 0, 0), Vec3(1e-5, 0, 0), Vec3(0, 1e-5, 0)}) dust.vertices.push_back(x + d);
-    dust.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
+    for (const Vec3& d : {Vec3(0, 0, 0), Vec3(1e-5, 0, 0), Vec3(0, 1e-5, 0)}) specks.vertices.push_back(x + d);
+    specks.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
   }
-  const Grid grid = default_grid(dust, 0.005);
-  const auto foreseen = static_cast<std::uint64_t>(estimate_voxels(dust, grid).build_bytes);
-  EXPECT_THROW(voxelise(dust, grid, serial_for(), foreseen + 1000), VoxelBudgetError);
-  EXPECT_NO_THROW(voxelise(dust, grid, serial_for(), foreseen + 20000 * 512));
+  const Grid grid = default_grid(specks, 0.005);
+  const auto foreseen = static_cast<std::uint64_t>(estimate_voxels(specks, grid).build_bytes);
+  EXPECT_THROW(voxelise(specks, grid, serial_for(), foreseen + 1000), VoxelBudgetError);
+  EXPECT_NO_THROW(voxelise(specks, grid, serial_for(), foreseen + 20000 * 512));
 }
 
 TEST(VoxelBudget, TheEstimateIsCloseToTheTruth) {
@@ -366,9 +366,9 @@ TEST(VoxelBudget, TheEstimateIsCloseToTheTruth) {
   for (const double edge : {0.05, 0.01, 0.004}) {
     const Grid grid = default_grid(mesh, edge);
     const double said = estimate_voxels(mesh, grid).bytes;
-    const auto taken = static_cast<double>(voxelise(mesh, grid, serial_for()).bytes());
-    EXPECT_GE(said, 0.9 * taken) << edge;
-    EXPECT_LE(said, 2.0 * taken) << edge;
+    const auto used = static_cast<double>(voxelise(mesh, grid, serial_for()).bytes());
+    EXPECT_GE(said, 0.9 * used) << edge;
+    EXPECT_LE(said, 2.0 * used) << edge;
   }
 }
 

@@ -1,0 +1,32 @@
+#pragma once
+/// What the virtual tool's hard cases share: a voxel edge, a slot, and what holds in every frame.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/experiments/virtual_tool/trials.hpp"
+#include "tests/unit/contact/fixtures.hpp"
+
+namespace voxtouch::virtual_tool {
+
+inline constexpr double kEdge = 0.002;
+
+inline bool finite(const contact::VirtualToolFrame& f) {
+  return f.tool.finite() && f.wrench(kStiffness).finite() && f.stiffness(kStiffness).allFinite() && f.contact_point.allFinite() &&
+         std::isfinite(f.residual_m) && std::isfinite(f.worst_depth_m);
+}
+
+/// What holds in every frame, whatever the scene is.
+inline void expect_sound(const contact::VirtualToolFrame& f) {
+  ASSERT_TRUE(finite(f));
+  ASSERT_LE(f.queries, 8 + 2);  // one more to start, or where an object has moved
+  ASSERT_GE(f.share, 0.0);
+  ASSERT_LE(f.share, 1.0);
+}
+
+inline mesh::TriangleMesh slot_mesh(double width) {
+  return test::joined(test::box_mesh(Vec3(0.02, 0.06, 0.04), {Vec3(-0.5 * width - 0.01, 0, -0.02), Quat::Identity()}),
+                      test::box_mesh(Vec3(0.02, 0.06, 0.04), {Vec3(0.5 * width + 0.01, 0, -0.02), Quat::Identity()}));
+}
+
+}  // namespace voxtouch::virtual_tool

@@ -1,0 +1,279 @@
+// Hard cases of the virtual tool: odd poses, levers and grids, balls, broken meshes, noise, and what must not change a bit.
+#include <fenv.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/contact/limits.hpp"
+#include "tests/experiments/virtual_tool/trials.hpp"
+#include "tests/hard/contact/virtual_tool_frames.hpp"
+#include "tests/support/seed.hpp"
+#include "tests/unit/contact/fixtures.hpp"
+
+namespace voxtouch::virtual_tool {
+namespace {
+
+TEST(VirtualToolPoses, ThatAreNoneLeaveTheToolWhereItIs) {
+  Rig rig(scene_mesh("plane"), kEdge, ball_shell(kEdge));
+  ASSERT_TRUE(rig.place({Vec3(0, 0, 0.0105), Quat::Identity()}));
+  const Vec3 hand(0, 0, 0.004);
+  contact::VirtualToolFrame good;
+  for (int n = 0; n < 200; ++n) good = rig.frame(hand);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+  for (const Pose& bad : {Pose{Vec3(kNan, 0, 0), Quat::Identity()}, Pose{Vec3(0, kInf, 0), Quat::Identity()}, Pose{Vec3(0, 0, 1e300), Quat::Identity()},
+                          Pose{Vec3::Zero(), Quat(0, 0, 0, 0)}, Pose{Vec3::Zero(), Quat(kNan, 0, 0, 0)}, Pose{Vec3::Zero(), Quat(1e9, 0, 0, 0)},
+                          Pose{Vec3(1e12, 0, 0), Quat::Identity()}}) {
+    const contact::VirtualToolFrame f = rig.frame(bad);
+    EXPECT_NE(f.pose_status, contact::PoseStatus::kUsable);
+    EXPECT_TRUE(f.wrench(kStiffness).zero());
+    EXPECT_EQ(f.tool.position, good.tool.position);
+    const contact::VirtualToolFrame again = rig.frame(hand);
+    EXPECT_EQ(again.tool.position, good.tool.position);
+    EXPECT_EQ(again.wrench(kStiffness).force, good.wrench(kStiffness).force);
+  }
+}
+
+TEST(VirtualToolPoses, AQuaternionAndItsNegativeAreOne) {
+  const pointshell::Pointshell box = shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge);
+  Rig plus(scene_mesh("cup"), kEdge, box), minus(scene_mesh("cup"), kEdge, box);
+  for (Rig* rig : {&plus, &minus}) ASSERT_TRUE(rig->place({Vec3(0, 0, 0.14), Quat::Identity()}));
+  for (int n = 0; n < 800; ++n) {
+    const Quat q(Eigen::AngleAxisd(0.005 * n, Vec3(1, 2, 3).normalized()));
+    const Quat negative(-q.w(), -q.x(), -q.y(), -q.z());
+    const Vec3 hand(1e-5 * n, 0, 0.14 - 2e-4 * n);
+    const contact::VirtualToolFrame a = plus.frame(Pose{hand, q}), b = minus.frame(Pose{hand, n % 2 == 0 ? q : negative});
+    ASSERT_EQ(a.tool.position, b.tool.position) << n;
+    ASSERT_EQ(a.wrench(kStiffness).torque, b.wrench(kStiffness).torque) << n;
+  }
+}
+
+/// A bar in a slot that cannot turn, a hand that turns on and on: the torque keeps its axis past half a turn by some degrees, then turns over.
+TEST(VirtualToolPoses, AHandTurnedRoundByHalfATurnGivesNoNoise) {
+  const pointshell::Pointshell bar = shell_of(test::box_mesh(Vec3(0.03, 0.008, 0.008)), 0.001);
+  Rig rig(slot_mesh(0.0095), 0.001, bar);
+  const Quat along(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
+  ASSERT_TRUE(rig.place({Vec3(0, 0, -0.01), along}));
+  std::mt19937_64 random(4);
+  int turned_over = 0;
+  Vec3 last = Vec3::Zero();
+  for (int n = 0; n < 4000; ++n) {
+    const double angle = std::min(0.001 * n, std::numbers::pi) + 1e-3 * uniform(random, -1, 1);  // then trembles about half a turn
+    const contact::VirtualToolFrame f = rig.frame(Pose{Vec3(0, 0, -0.01), Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ())) * along});
+    expect_sound(f);
+    turned_over += n > 0 && f.turn.dot(last) < 0.0;
+    last = f.turn;
+  }
+  EXPECT_LE(turned_over, 1);
+  EXPECT_GT(last.norm(), 2.5);
+}
+
+TEST(VirtualToolPoses, AnyLeverFromATenthToTenTimesTheReachIsSound) {
+  const pointshell::Pointshell box = shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge);
+  for (const double lever : {0.1, 1.0, 10.0}) {
+    Rig rig(scene_mesh("cup"), kEdge, box, lever * 0.017);
+    std::mt19937_64 random(testing::seed(9));
+    Pose hand{Vec3(0, 0, 0.14), Quat::Identity()};
+    ASSERT_TRUE(rig.place(hand));
+    Vec3 target = Vec3::Zero();
+    for (int n = 0; n < 1500; ++n) {
+      if (n % 100 == 0) target = Vec3(uniform(random, -0.05, 0.05), uniform(random, -0.05, 0.05), uniform(random, 0.0, 0.12));
+      hand.position += 0.02 * (target - hand.position);
+      hand.orientation = (Quat(Eigen::AngleAxisd(0.01, random_direction(random))) * hand.orientation).normalized();
+      const contact::VirtualToolFrame f = rig.frame(hand);
+      expect_sound(f);
+      ASSERT_LT(f.worst_depth_m, kEdge) << "lever " << lever << ", frame " << n;
+    }
+  }
+}
+
+/// 10^4 points flat on a plane: bounded rows, no turn, the same force for any order of the points.
+TEST(VirtualToolMany, PointsFlatOnAPlaneAreAsGoodAsFew) {
+  const pointshell::Pointshell shell = shell_of(test::box_mesh(Vec3(0.05, 0.05, 0.004)), 0.0005);
+  ASSERT_GT(shell.size(), 20000U);
+  std::vector<std::uint32_t> backwards(shell.size());
+  for (std::uint32_t n = 0; n < backwards.size(); ++n) backwards[n] = static_cast<std::uint32_t>(shell.size()) - 1 - n;
+  Rig a(scene_mesh("plane"), kEdge, shell), b(scene_mesh("plane"), kEdge, test::reordered(shell, backwards));
+  contact::VirtualToolFrame fa, fb;
+  for (Rig* rig : {&a, &b}) ASSERT_TRUE(rig->place({Vec3(0, 0, 0.003), Quat::Identity()}));
+  for (int n = 0; n < 100; ++n) {
+    const Vec3 hand(0, 0, 0.003 - 5e-5 * n);
+    fa = a.frame(hand), fb = b.frame(hand);
+    expect_sound(fa);
+    ASSERT_LE(fa.rows, contact::limits::kMaxRows);
+  }
+  EXPECT_LT((fa.wrench(kStiffness).force - fb.wrench(kStiffness).force).norm(), 1e-4);
+  EXPECT_LT(fa.turn.norm(), 1e-5);
+  EXPECT_NEAR(fa.wrench(kStiffness).force.z(), kStiffness * (0.002 - (0.003 - 5e-5 * 99)), 1e-2);
+}
+
+/// Ball on ball: the top of a ball is no minimum. Energy is only lost: what the hand puts in on a closed loop is not less than nothing.
+TEST(VirtualToolBalls, OnABallSlideOffAndGiveNoEnergy) {
+  Rig rig(test::sphere_mesh(0.02, 4), 0.001, ball_shell(0.001));
+  ASSERT_TRUE(rig.place({Vec3(1e-5, 0, 0.032), Quat::Identity()}));
+  double work = 0.0;
+  Vec3 last_force = Vec3::Zero(), last(1e-5, 0, 0.032);
+  for (int n = 0; n <= 2400; ++n) {
+    const double angle = 2 * std::numbers::pi * n / 2400;
+    const Vec3 hand(0.004 * std::sin(2 * angle), 1e-5, 0.027 + 0.005 * std::cos(angle));
+    const contact::VirtualToolFrame f = rig.frame(hand);
+    expect_sound(f);
+    const Vec3 force = f.wrench(kStiffness).force;
+    work += 0.5 * (force + last_force).dot(hand - last);
+    last_force = force, last = hand;
+  }
+  EXPECT_LE(work, 1e-6);
+}
+
+/// Traps on for as long as it lives: the process ends at the first operation that is invalid, divides by zero or overflows.
+struct Traps {
+  Traps() { feclearexcept(FE_ALL_EXCEPT), feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW); }
+  ~Traps() { fedisableexcept(FE_ALL_EXCEPT); }
+  Traps(const Traps&) = delete;
+};
+
+TEST(VirtualToolTraps, NoFrameOfATumblingToolIsInvalidOverflowsOrDividesByZero) {
+  const std::uint64_t seed = testing::seed(51);
+  SCOPED_TRACE(testing::seed_trace(seed));
+  for (const bool box : {false, true})
+    for (const double friction : {0.0, 0.5}) {
+      const pointshell::Pointshell shell = box ? shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge) : ball_shell(kEdge);
+      Rig rig(scene_mesh("cup"), kEdge, shell);
+      std::mt19937_64 random(seed);
+      Pose hand{Vec3(0, 0, 0.14), Quat::Identity()};
+      Vec3 target = Vec3::Zero();
+      const Traps traps;
+      for (int n = 0; n < 4000; ++n) {
+        if (n % 60 == 0) target = Vec3(uniform(random, -0.06, 0.06), uniform(random, -0.06, 0.06), uniform(random, -0.02, 0.12));
+        hand.position += 0.03 * (target - hand.position);
+        hand.orientation = (Quat(Eigen::AngleAxisd(0.03, random_direction(random))) * hand.orientation).normalized();
+        if (n % 500 == 0) rig.tool.reset();
+        expect_sound(rig.frame(hand, friction));
+      }
+    }
+}
+
+TEST(VirtualToolTumbling, NeverHasItsMiddleInsideAndIsFreeToTheBit) {
+  const std::uint64_t seed = testing::seed(52);
+  SCOPED_TRACE(testing::seed_trace(seed));
+  for (const bool box : {false, true})
+    for (const double speed : {1.0, 3.0}) {
+      const TumbleFigures f = tumble({.box = box, .speed = speed, .spin = 30 * speed, .frames = 2000, .seed = seed});
+      std::printf("%s at %g m/s: contact %.2f, lag %.3f, deepest row %.3f e, queries %.1f\n", box ? "box" : "ball", speed, f.contact_share,
+                  f.lag_share, f.depth_worst, f.queries_mean);
+      EXPECT_EQ(f.inside, 0);
+      EXPECT_EQ(f.not_exact, 0);
+      EXPECT_LT(f.depth_worst, 1.0);
+    }
+}
+
+class BrokenMesh : public ::testing::TestWithParam<int> {};
+TEST_P(BrokenMesh, GivesSoundFrames) {
+  mesh::TriangleMesh mesh = test::box_mesh(Vec3(0.04, 0.04, 0.02));
+  if (GetParam() == 0) mesh.triangles.resize(9);             // open
+  if (GetParam() == 1) mesh = test::inside_out(mesh);
+  if (GetParam() == 2) {                                     // a Moebius strip
+    mesh = {};
+    for (std::uint32_t n = 0; n < 60; ++n) {
+      const double angle = 2 * std::numbers::pi * n / 60;
+      const Vec3 radial(std::cos(angle), std::sin(angle), 0);
+      const Vec3 across = std::cos(angle / 2) * radial + std::sin(angle / 2) * Vec3::UnitZ();
+      mesh.vertices.push_back(0.02 * radial + 0.006 * across);
+      mesh.vertices.push_back(0.02 * radial - 0.006 * across);
+      const std::uint32_t next = n == 59 ? 1 : 2 * n + 2, other = n == 59 ? 0 : 2 * n + 3;
+      mesh.triangles.push_back({2 * n, 2 * n + 1, next});
+      mesh.triangles.push_back({2 * n + 1, other, next});
+    }
+  }
+  if (GetParam() == 3) mesh = test::joined(mesh, test::box_mesh(Vec3(0.02, 0.02, 0.04)));  // overlapping
+  Rig rig(mesh, 0.001, ball_shell(0.001));
+  std::mt19937_64 random(testing::seed(31));
+  Vec3 hand(0, 0, 0.06), target = Vec3::Zero();
+  ASSERT_TRUE(rig.place({hand, Quat::Identity()}));
+  for (int n = 0; n < 2000; ++n) {
+    if (n % 100 == 0) target = 0.04 * random_direction(random);
+    hand += 0.02 * (target - hand);
+    const contact::VirtualToolFrame f = rig.frame(hand);
+    expect_sound(f);
+    if (GetParam() == 1 || GetParam() == 3) {
+      ASSERT_GE(rig.ground.field.at((f.tool.position - rig.ground.field.grid().origin) / 0.001).distance_m, 0.0) << n;
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(OpenInvertedMoebiusOverlapping, BrokenMesh, ::testing::Range(0, 4));
+
+/// Encoder steps of 0.03 mm on a resting hand: force follows the steps and no more.
+TEST(VirtualToolNoise, OfTheEncoderIsNotMadeLarger) {
+  std::mt19937_64 random(testing::seed(41));
+  for (const char* scene : {"plane", "tilted", "cylinder"}) {
+    Rig rig(scene_mesh(scene), kEdge, ball_shell(kEdge));
+    const Place place = random_place(scene, rig.mesh, random);
+    ASSERT_TRUE(rig.place({place.point + (kBall + 0.001) * place.normal, Quat::Identity()}));
+    Vec3 hand;
+    for (int n = 0; n <= 120; ++n) rig.frame(hand = place.point + (kBall + 0.001 - 5e-5 * n) * place.normal);
+    const double q = 3e-5;
+    double most = 0.0;
+    Vec3 last = rig.frame(hand).wrench(kStiffness).force;
+    for (int n = 0; n < 2000; ++n) {
+      const Vec3 shaken = hand + q * Vec3(std::round(uniform(random, -0.6, 0.6)), std::round(uniform(random, -0.6, 0.6)), std::round(uniform(random, -0.6, 0.6)));
+      const Vec3 force = rig.frame(shaken).wrench(kStiffness).force;
+      if (n > 100) most = std::max(most, (force - last).norm());
+      last = force;
+    }
+    std::printf("%s: %.4f N, a step of the encoder is %.4f N\n", scene, most, kStiffness * q);
+    EXPECT_LT(most, (std::string(scene) == "cylinder" ? 5.0 : 4.0) * kStiffness * q);  // from corner to corner of a cube: sqrt(3) 2 q
+  }
+}
+
+/// The scene moved by multiples of e, with numbers that a double holds exactly: the same bits.
+TEST(VirtualToolBits, AreTheSameWhereTheSceneIsMovedByVoxels) {
+  const double e = 0x1p-9;
+  const Vec3 shift = e * Vec3(512, -1024, 256);
+  const pointshell::Pointshell shell = ball_shell(e);
+  const auto moved = [&](const Vec3& by) {
+    mesh::TriangleMesh mesh = test::box_mesh(e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
+    for (Vec3& v : mesh.vertices) v += by;
+    return mesh;
+  };
+  Rig here(moved(Vec3::Zero()), e, shell), there(moved(shift), e, shell);
+  const Vec3 start(0, 0, e * 16);
+  ASSERT_TRUE(here.place({start, Quat::Identity()}));
+  ASSERT_TRUE(there.place({start + shift, Quat::Identity()}));
+  for (int n = 0; n < 600; ++n) {
+    const Vec3 hand = start + 0x1p-16 * Vec3(2 * n, n, -2 * n);
+    const contact::VirtualToolFrame a = here.frame(hand), b = there.frame(Vec3(hand + shift));
+    ASSERT_EQ(a.wrench(1.0).force, b.wrench(1.0).force) << n;
+    ASSERT_EQ(a.tool.position + shift, b.tool.position) << n;
+  }
+}
+
+TEST(VirtualToolBits, AreTheSameWhereAllIsScaledByAPowerOfTwo) {
+  const double e = 0x1p-9;
+  const auto scaled = [&](double by) {
+    mesh::TriangleMesh mesh = test::box_mesh(by * e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
+    return mesh;
+  };
+  const auto shell = [&](double by) {
+    pointshell::Pointshell points = ball_shell(e);
+    for (auto* axis : {&points.x, &points.y, &points.z})
+      for (double& x : *axis) x *= by;
+    for (double& a : points.area_m2) a *= by * by;
+    points.edge *= by;
+    return points;
+  };
+  for (const double by : {0.25, 8.0}) {
+    Rig one(scaled(1.0), e, shell(1.0)), other(scaled(by), by * e, shell(by));
+    const Vec3 start(0, 0, e * 16);
+    ASSERT_TRUE(one.place({start, Quat::Identity()}));
+    ASSERT_TRUE(other.place({by * start, Quat::Identity()}));
+    for (int n = 0; n < 600; ++n) {
+      const Vec3 hand = start + 0x1p-16 * Vec3(2 * n, n, -2 * n);
+      const Vec3 a = one.frame(hand).wrench(1.0).force, b = other.frame(Vec3(by * hand)).wrench(1.0).force;
+      ASSERT_EQ(Vec3(by * a), b) << "by " << by << ", frame " << n;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch::virtual_tool

@@ -1,0 +1,85 @@
+// The published examples. Their mass range is not given; 0.05 to 0.1 kg is used here.
+#include <gtest/gtest.h>
+
+#include "tests/unit/coupling_design/designer_support.hpp"
+
+namespace voxtouch::coupling::design {
+namespace designer_examples_test {
+
+using namespace testing;
+
+double margin_of(const DesignProblem& r, double cutoff_hz, double ratio, double damping, double filter_hz,
+                 double stiffness) {
+  CouplingSpec spec;
+  spec.cutoff_hz = cutoff_hz, spec.damping_ratio = ratio, spec.injected_damping_ns_per_m = damping;
+  spec.velocity_filter_hz = filter_hz, spec.gain = stiffness / r.contact.all_points;
+  return judge_coupling(r, spec).translation.gain_margin;
+}
+
+TEST(PublishedExample, AFreeStylusWithoutInjectedDampingIsInfeasible) {
+  DesignProblem r = stylus();
+  r.goals.allow_injected_damping = false;
+  const Design d = designed(r);
+  EXPECT_EQ(d.status, DesignStatus::kInfeasible);
+  EXPECT_NEAR(d.translation.shown_stiffness, 0.38, 0.005);
+  // The published 13 Ns/m scale this result to 1000 N/m: the limit for a linear contact. Rule P, which also covers contacts that
+  // only push, asks for more.
+  EXPECT_NEAR(r.device.translation.damping * 1000.0 / d.translation.shown_stiffness, 13.0, 0.5);
+  EXPECT_GT(d.translation.damping_required_any_cutoff, 13.0);
+  EXPECT_LT(d.translation.damping_required_any_cutoff, 20.0);
+}
+
+TEST(PublishedExample, AFreeStylusWithInjectedDampingShowsPart) {
+  const DesignProblem r = stylus();
+  const Design d = designed(r);
+  EXPECT_EQ(d.status, DesignStatus::kStiffnessReduced);
+  EXPECT_EQ(d.spec.cutoff_hz, 60.0);
+  // Published: 6.2 Ns/m and 288 N/m. Those are certified here too; but nine tenths of that damping are within a tenth of the
+  // best stiffness, and the gentler one of such is taken.
+  EXPECT_NEAR(margin_of(r, 60.0, 1.0, 6.18, 50.0, 288.0), 2.0, 0.04);
+  EXPECT_NEAR(d.spec.injected_damping_ns_per_m, 0.9 * 6.18, 0.01);
+  EXPECT_GT(d.translation.shown_stiffness, 0.9 * 288.0);
+}
+
+TEST(PublishedExample, AFirmlyHeldStylusShowsPartWithoutDamping) {
+  DesignProblem r = stylus();
+  r.hand.translation = kFirmPen;
+  r.goals.allow_injected_damping = false;
+  const Design d = designed(r);
+  EXPECT_EQ(d.status, DesignStatus::kStiffnessReduced);
+  EXPECT_EQ(d.spec.cutoff_hz, 80.0);
+  EXPECT_NEAR(d.translation.shown_stiffness, 230.0, 2.0);
+}
+
+TEST(PublishedExample, ADampedRobotNeedsOnlyMoreBandwidth) {
+  const Design d = designed(robot(2.0, 5.0, 50.0));
+  EXPECT_EQ(d.status, DesignStatus::kBandwidthRaised);
+  EXPECT_EQ(d.spec.cutoff_hz, 40.0);
+  EXPECT_EQ(d.spec.gain, 1.0);
+  EXPECT_EQ(d.spec.injected_damping_ns_per_m, 0.0);
+}
+
+TEST(PublishedExample, ASoftWallIsShownAsRequested) {
+  DesignProblem r = robot(2.0, 5.0, 50.0);
+  r.contact.all_points = 400.0;
+  const Design d = designed(r);
+  EXPECT_EQ(d.status, DesignStatus::kAsRequested);
+  EXPECT_EQ(d.spec.cutoff_hz, 5.0);
+  EXPECT_EQ(d.spec.gain, 1.0);
+  EXPECT_TRUE(d.remedies.empty());
+}
+
+TEST(PublishedExample, ALightlyDampedRobotGetsDamping) {
+  const Design d = designed(robot(2.0, 10.0, 10.0));
+  EXPECT_EQ(d.status, DesignStatus::kDampingAdded);
+  EXPECT_EQ(d.spec.cutoff_hz, 80.0);
+  EXPECT_EQ(d.spec.gain, 1.0);
+  // Published: 35 Ns/m, half of what the noise of 200 N allows behind 200 Hz. It is certified here too; three tenths of what is
+  // allowed behind 100 Hz, which is less, hold as well.
+  EXPECT_GE(margin_of(robot(2.0, 10.0, 10.0), 80.0, 0.577, 34.95, 200.0, 2000.0), 2.0);
+  EXPECT_NEAR(d.spec.injected_damping_ns_per_m, 32.2, 0.1);
+  EXPECT_EQ(d.spec.velocity_filter_hz, 100.0);
+}
+
+}  // namespace designer_examples_test
+}  // namespace voxtouch::coupling::design
