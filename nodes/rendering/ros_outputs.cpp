@@ -116,7 +116,7 @@ void RosOutputs::write_tf() {
 void RosOutputs::write_tf_static() {
   ++made_tf_static_;
   const std::int64_t stamp_ns = mode_ == qos::TimeMode::kLockstep ? 0 : runtime::realtime_ns();
-  msg::geometry_msgs_TransformStamped device = transform(stamp_ns, device_frame_, scene_.device.device_in_world);
+  msg::geometry_msgs_TransformStamped device = transform(stamp_ns, device_frame_, scene_.device.pose_WD);
   msg::tf2_msgs_TFMessage m{};
   m.transforms._buffer = &device;
   m.transforms._length = m.transforms._maximum = 1;
@@ -156,7 +156,7 @@ void RosOutputs::read_commands() {
   if (!commands_) commands_.emplace(participant_, qos::kForceCommand, rig_, qos::profile(qos::ProfileId::kTap));
   returned_.reset();
   commands_->take_each([this](const msg::ForceCommand& command) {
-    if (command.session_id == shown_.session) returned_ = scene_.device.device_in_world.orientation * runtime::from_msg(command.wrench.force);
+    if (command.session_id == shown_.session) returned_ = scene_.device.pose_WD.orientation * runtime::from_msg(command.wrench.force);
   });
 }
 
