@@ -22,5 +22,6 @@ void add_change(CLI::App& app, Action& action);
 void add_types(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_status(CLI::App& app, Action& action);
+void add_doctor(CLI::App& app, Action& action);
 
 }  // namespace voxtouch::cli

@@ -3,6 +3,8 @@
 usage: ros_tools.py CASE VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS
 found: every set-up of rmw_cyclonedds and rmw_fastrtps finds every topic and gets the device's samples; another host finds and sends nothing.
 graph_iron, graph_humble: nodes, endpoints and type hashes, read as rmw_dds_common writes them.
+doctor: what `voxtouch doctor` says of cards and of a Humble tool, and the environment that it prints.
+peers: nodes on two hosts without multicast meet by --discovery-peer, and with CYCLONEDDS_URI the rest of the settings holds.
 Exit status 77, with a sentence: this machine allows no network namespaces.
 """
 import json
@@ -46,14 +48,18 @@ def card(name, address):
 
 
 class OtherHost:
-    """A second network namespace at the other end of a cable."""
+    """A second network namespace behind a switch."""
 
     def __init__(self):
         self.holder = subprocess.Popen(["unshare", "-n", "cat"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)  # until this process ends
         own = os.readlink("/proc/self/ns/net")
         while os.readlink(f"/proc/{self.holder.pid}/ns/net") == own:
             time.sleep(0.01)
-        run("ip", "link", "add", "eth0", "type", "veth", "peer", "name", "far0")
+        run("ip", "link", "add", "switch", "type", "bridge", "mcast_snooping", "0")
+        run("ip", "link", "set", "switch", "up")
+        for name, port in (("eth0", "port0"), ("far0", "port1")):
+            run("ip", "link", "add", name, "type", "veth", "peer", "name", port)
+            run("ip", "link", "set", port, "master", "switch", "up")
         run("ip", "link", "set", "far0", "netns", str(self.holder.pid))
         card("eth0", "10.77.0.1/24")
         self.run("ip", "link", "set", "lo", "up")
@@ -225,6 +231,74 @@ def graph(voxtouch, fast, distribution, gid_size):
     print(f"{len(newest)} nodes, {len(owner)} endpoints of theirs, GIDs of {gid_size} bytes")
 
 
+def examine(voxtouch, *arguments):
+    end = subprocess.run([voxtouch, "doctor", "--domain", DOMAIN, *arguments], stdout=subprocess.PIPE, text=True, check=False)
+    return end.returncode, end.stdout
+
+
+def doctor(voxtouch, cyclone, fast):
+    other, ring = OtherHost(), Ring(voxtouch)
+    tool = subprocess.Popen([fast, DOMAIN, "default", "6"], stdout=subprocess.DEVNULL) if fast != "none" else None
+    status, text = examine(voxtouch)
+    expect(status == 0 and text.count("is up, and multicast works") == 2, f"two cards are well: {text}")
+    expect(f"{len(NODES)} participants of ROS 2 or voxtouch" in text, f"the nodes are seen: {text}")
+    if tool:  # it reads the graph without a type's hash, as Humble does
+        expect("--ros humble" in text, f"a Humble is seen: {text}")
+        tool.wait()
+        expect("--ros humble" not in examine(voxtouch)[1], "nobody is taken for a Humble")
+    settings = dict(line.removeprefix("export ").split("=", 1) for line in text.splitlines() if line.startswith("export "))
+    expect(settings["ROS_DOMAIN_ID"] == DOMAIN, "the domain is printed")
+    run("ip", "link", "set", "eth0", "multicast", "off")  # from now on the ring would not use it, and a tool would
+    expect("eth0 (10.77.0.1) is not used" in examine(voxtouch)[1], "a card without multicast is named")
+    ring.close()
+    ring = Ring(voxtouch)
+    answer = ask([cyclone, DOMAIN, settings["CYCLONEDDS_URI"].strip("'"), "2"])
+    expect(len(topics_of(answer)) >= 10 and answer["samples"] > 500, f"the printed environment finds the ring: {answer}")
+    ring.close()
+    status, text = examine(voxtouch, "--interface", "eth9")
+    expect(status == 1 and "BAD" in text and "eth9" in text, f"a card that is not there is named: {text}")
+    del other
+
+
+def heard_from(other, voxtouch, *arguments):
+    """Whether `voxtouch status` on the other host hears all nodes over its card; None if it hears nobody."""
+    command = [voxtouch, "status", "--json", "--domain", DOMAIN, "--interface", "far0", *arguments]
+    end = subprocess.run(other.inside(*command), stdout=subprocess.PIPE, text=True, check=False)
+    rigs = json.loads(end.stdout)["rigs"]
+    heard = {node["node"] for nodes in rigs.values() for node in nodes}
+    return heard == set(NODES) - {"up"} if heard else None
+
+
+def expect_settings_under_those_of_the_environment(voxtouch):
+    """What DDS says of its configuration: where it stands and what its value is."""
+    with tempfile.NamedTemporaryFile() as trace:
+        added = ("<CycloneDDS><Domain><Discovery><SPDPInterval>700 ms</SPDPInterval></Discovery>"
+                 f"<Tracing><Verbosity>config</Verbosity><OutputFile>{trace.name}</OutputFile></Tracing></Domain></CycloneDDS>")
+        subprocess.run([voxtouch, "status", "--domain", DOMAIN], env={**os.environ, "CYCLONEDDS_URI": added}, stdout=subprocess.DEVNULL, check=False)
+        text = pathlib.Path(trace.name).read_text()
+    for value in ("LeaseDuration/#text: 2 s", "ParticipantIndex/#text: auto", "SPDPInterval/#text: 700 ms", "MulticastTimeToLive/#text: 0",
+                  "NetworkInterface[@address]: 10.77.0.1"):
+        expect(value in text, f"DDS runs with {value}")
+
+
+def peers(voxtouch):
+    other = OtherHost()
+    expect_settings_under_those_of_the_environment(voxtouch)
+    ring = Ring(voxtouch, "--interface", "eth0")
+    expect(heard_from(other, voxtouch), "by multicast all nodes are heard")
+    ring.close()
+    for port in ("port0", "port1"):  # from now on no multicast passes the switch
+        run("bridge", "link", "set", "dev", port, "mcast_flood", "off")
+    ring = Ring(voxtouch, "--interface", "eth0", "--discovery-peer", "10.77.0.2")
+    expect(heard_from(other, voxtouch, "--discovery-peer", "10.77.0.1"), "without multicast all nodes are heard by peers on both sides")
+    expect(heard_from(other, voxtouch), "the ring's side asks by itself")
+    ring.close()
+    ring = Ring(voxtouch, "--interface", "eth0")
+    expect(heard_from(other, voxtouch) is None, "without multicast and peers nobody is heard")
+    expect(heard_from(other, voxtouch, "--discovery-peer", "10.77.0.1"), "one side that asks is enough")
+    ring.close()
+
+
 def main():
     case, voxtouch, cyclone, fast, python = sys.argv[1:6]
     if os.environ.get("VOXTOUCH_OWN_NETWORK") != "1":
@@ -236,6 +310,10 @@ def main():
     run("ip", "link", "set", "lo", "up")
     if case == "found":
         found(voxtouch, cyclone, fast, python)
+    elif case == "doctor":
+        doctor(voxtouch, cyclone, fast)
+    elif case == "peers":
+        peers(voxtouch)
     else:
         graph(voxtouch, fast, *{"graph_iron": ("iron", 16), "graph_humble": ("humble", 24)}[case])
     sys.exit(1 if failures else 0)
