@@ -12,6 +12,7 @@ import re
 import sys
 
 import python_types
+import type_hash
 
 PRIMITIVES = {  # .msg name -> (idl name, bytes in CDR and in C)
     "bool": ("boolean", 1), "byte": ("octet", 1), "char": ("uint8", 1), "int8": ("int8", 1), "uint8": ("uint8", 1),
@@ -94,7 +95,10 @@ def header_text(messages, own):
            "#include <cstddef>", "#include <cstdint>", "#include <string_view>", "#include <dds/dds.h>"]
     out += [f'#include "{package}/msg/{name}_.h"' for package, name in messages]
     out += ["namespace voxtouch::msg {", "/// Descriptor and names of a wire type.",
-            "template <class T> struct Type;", ""]
+            "template <class T> struct Type;",
+            "/// The same as a value. `hash` is the type's RIHS01 hash, which ROS 2 tools compare from Iron on.",
+            "struct AnyType {", "  std::string_view ros_name;", "  const dds_topic_descriptor_t* descriptor;", "  std::string_view hash;", "};",
+            "template <class T> inline constexpr AnyType kAnyType{Type<T>::ros_name, Type<T>::descriptor, Type<T>::hash};", ""]
     for package, name in messages:
         c_name = f"{package}_msg_dds__{name}_"
         short = name if package == own else f"{package}_{name}"
@@ -102,7 +106,8 @@ def header_text(messages, own):
                 f"template <> struct Type<{short}> {{",
                 f"  static constexpr const dds_topic_descriptor_t* descriptor = &{c_name}_desc;",
                 f'  static constexpr std::string_view ros_name = "{package}/msg/{name}";',
-                f'  static constexpr std::string_view dds_name = "{package}::msg::dds_::{name}_";', "};"]
+                f'  static constexpr std::string_view dds_name = "{package}::msg::dds_::{name}_";',
+                f'  static constexpr std::string_view hash = "{type_hash.type_hash(messages, package, name)}";', "};"]
         constants = [c for c in messages[package, name][1] if c[0] in CONSTANT_TYPES]
         if constants:
             snake = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
@@ -124,10 +129,9 @@ def all_types_text(messages, own):
     """A C++ header with the descriptor of every type by its name, for what takes any topic of the table."""
     shorts = [name if package == own else f"{package}_{name}" for package, name in messages]
     return "\n".join(["#pragma once", "/// Written by generate_idl.py: every wire type by its ROS name.",
-                      f'#include "{own}/messages.hpp"', "namespace voxtouch::msg {", "struct AnyType {",
-                      "  std::string_view ros_name;", "  const dds_topic_descriptor_t* descriptor;", "};",
+                      f'#include "{own}/messages.hpp"', "namespace voxtouch::msg {",
                       "inline constexpr AnyType kAllTypes[] = {",
-                      *(f"    {{Type<{short}>::ros_name, Type<{short}>::descriptor}}," for short in shorts),
+                      *(f"    kAnyType<{short}>," for short in shorts),
                       "};", "}  // namespace voxtouch::msg", ""])
 
 

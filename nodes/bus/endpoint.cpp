@@ -6,13 +6,19 @@
 namespace voxtouch::bus {
 namespace {
 
-Entity make_topic(const Participant& participant, const qos::Topic& row, std::string_view rig,
-                  const dds_topic_descriptor_t* descriptor, std::string_view ros_type) {
+Entity make_topic(const Participant& participant, const qos::Topic& row, std::string_view rig, const msg::AnyType& type) {
   const std::string name = qos::dds_name(row, rig);
-  if (ros_type != row.type)
-    throw Error("topic " + name + " carries " + std::string(row.type) + ", not " + std::string(ros_type));
-  return Entity(dds_create_topic(participant.get(), descriptor, name.c_str(), nullptr, nullptr),
+  if (type.ros_name != row.type)
+    throw Error("topic " + name + " carries " + std::string(row.type) + ", not " + std::string(type.ros_name));
+  return Entity(dds_create_topic(participant.get(), type.descriptor, name.c_str(), nullptr, nullptr),
                 "topic " + name + " could not be made");
+}
+
+qos::Qos qos_of(const qos::Topic& row, const qos::Profile& profile, qos::Endpoint endpoint, const msg::AnyType& type) {
+  qos::Qos qos = qos::make_qos(profile, endpoint, row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0);
+  const std::string hash = "typehash=" + std::string(type.hash) + ";";  // as ROS 2 announces it from Iron on
+  dds_qset_userdata(qos.get(), hash.data(), hash.size());
+  return qos;
 }
 
 Guid to_guid(const dds_builtintopic_guid_t& key) {
@@ -49,31 +55,29 @@ std::vector<Guid> matched(dds_entity_t endpoint, List list, Data data) {
 }  // namespace
 
 EndpointEntities make_writer(const Participant& participant, const qos::Topic& row, std::string_view rig,
-                             const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
-                             std::string_view ros_type) {
-  Entity topic = make_topic(participant, row, rig, descriptor, ros_type);
-  const double period_s = row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0;
-  const qos::Qos qos = qos::make_qos(profile, qos::Endpoint::kWriter, period_s);
+                             const qos::Profile& profile, const msg::AnyType& type) {
+  Entity topic = make_topic(participant, row, rig, type);
+  const qos::Qos qos = qos_of(row, profile, qos::Endpoint::kWriter, type);
   Entity writer(dds_create_writer(participant.get(), topic.get(), qos.get(), nullptr),
                 "a writer on " + qos::dds_name(row, rig) + " could not be made");
-  return {std::move(topic), std::move(writer)};
+  GraphEntry entry = participant.enter(writer.get(), qos::Endpoint::kWriter);
+  return {std::move(topic), std::move(writer), std::move(entry)};
 }
 
 EndpointEntities make_reader(const Participant& participant, const qos::Topic& row, std::string_view rig,
-                             const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
-                             std::string_view ros_type, Following* following) {
-  Entity topic = make_topic(participant, row, rig, descriptor, ros_type);
+                             const qos::Profile& profile, const msg::AnyType& type, Following* following) {
+  Entity topic = make_topic(participant, row, rig, type);
   if (following) {
     const dds_topic_filter filter = following->filter();
     if (dds_set_topic_filter_extended(topic.get(), &filter) != DDS_RETCODE_OK)
       throw Error("the reader on " + qos::dds_name(row, rig) + " could not be told whom to follow");
   }
-  const double period_s = row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0;
-  const qos::Qos qos = qos::make_qos(profile, qos::Endpoint::kReader, period_s);
+  const qos::Qos qos = qos_of(row, profile, qos::Endpoint::kReader, type);
   Entity reader(dds_create_reader(participant.get(), topic.get(), qos.get(), nullptr),
                 "a reader on " + qos::dds_name(row, rig) + " could not be made");
   if (following) following->attach(reader.get());
-  return {std::move(topic), std::move(reader)};
+  GraphEntry entry = participant.enter(reader.get(), qos::Endpoint::kReader);
+  return {std::move(topic), std::move(reader), std::move(entry)};
 }
 
 std::vector<Guid> matched_readers(dds_entity_t writer) {

@@ -7,20 +7,21 @@
 #include "nodes/bus/following.hpp"
 #include "nodes/bus/participant.hpp"
 #include "qos/topics.hpp"
+#include "voxtouch_msgs/messages.hpp"
 
 namespace voxtouch::bus {
 
-/// Topic entity plus endpoint entity. Throws Error where the row's type is not `ros_type`.
+/// Topic entity plus endpoint entity, and the endpoint's entry in the graph that ROS 2 tools show. Throws Error where the row's type is
+/// not `type`.
 struct EndpointEntities {
   Entity topic, endpoint;
+  GraphEntry entry;
 };
 EndpointEntities make_writer(const Participant& participant, const qos::Topic& row, std::string_view rig,
-                             const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
-                             std::string_view ros_type);
+                             const qos::Profile& profile, const msg::AnyType& type);
 /// `following` (if given) is asked about each sample before it is stored; it must outlive the reader.
 EndpointEntities make_reader(const Participant& participant, const qos::Topic& row, std::string_view rig,
-                             const qos::Profile& profile, const dds_topic_descriptor_t* descriptor,
-                             std::string_view ros_type, Following* following = nullptr);
+                             const qos::Profile& profile, const msg::AnyType& type, Following* following = nullptr);
 
 /// Participants whose readers (writers) this writer (reader) has matched. Not for the loop.
 std::vector<Guid> matched_readers(dds_entity_t writer);

@@ -13,10 +13,10 @@
 #include <mutex>
 #include <vector>
 
+#include "nodes/bus/network.hpp"
 #include "nodes/log/few_a_second.hpp"
 #include "nodes/log/tell.hpp"
 #include "qos/profiles.hpp"
-#include "qos_network.hpp"
 
 namespace voxtouch::bus {
 namespace {
@@ -56,26 +56,31 @@ void require_descriptors() {
 /// A domain is configured once a process, before its first participant; nodes composed into one process share it.
 void configure_domain(const ParticipantOptions& options) {
   static std::mutex mutex;
-  static std::map<std::uint32_t, std::string> configured;
+  static std::map<std::uint32_t, std::pair<std::string, std::vector<std::string>>> configured;
   const std::lock_guard lock(mutex);
   dds_set_log_sink(say, nullptr);
   require_descriptors();
-  if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri && *uri) return;
+  const auto settings = std::pair(options.network_interface, options.discovery_peers);
   if (const auto known = configured.find(options.domain); known != configured.end()) {
-    if (known->second != options.network_interface)
-      throw Error("domain " + std::to_string(options.domain) + " already runs on interface '" + known->second +
-                  "' in this process; it cannot run on '" + options.network_interface + "' as well");
+    if (known->second != settings)
+      throw Error("domain " + std::to_string(options.domain) + " already runs in this process with other network settings than '" +
+                  options.network_interface + "'");
     return;
   }
-  std::string xml(qos::kNetworkXml);
-  static constexpr std::string_view kSlot = "@INTERFACE@";
-  xml.replace(xml.find(kSlot), kSlot.size(), options.network_interface);
-  const dds_entity_t domain = dds_create_domain(options.domain, xml.c_str());
+  const char* const uri = std::getenv("CYCLONEDDS_URI");
+  const Network network = network_of(options.network_interface, options.discovery_peers, uri ? uri : "");
+  const std::vector<int> before = udp_sockets();
+  const dds_entity_t domain = dds_create_domain(options.domain, network.configuration.c_str());
   if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET)
     throw Error("DDS domain " + std::to_string(options.domain) + " could not be set up on interface '" +
                 options.network_interface + "' (DDS says: " + dds_strretcode(-domain) +
                 "); `ip link` lists the interfaces");
-  configured[options.domain] = options.network_interface;
+  if (network.is_closed) {
+    std::vector<int> sockets = udp_sockets();
+    std::erase_if(sockets, [&](int fd) { return std::ranges::find(before, fd) != before.end(); });
+    close_to_other_hosts(sockets);
+  }
+  configured[options.domain] = settings;
 }
 
 }  // namespace
@@ -93,6 +98,7 @@ Participant::Participant(const ParticipantOptions& options) {
   dds_guid_t guid{};
   dds_get_guid(entity_.get(), &guid);
   std::memcpy(guid_.data(), guid.v, guid_.size());
+  if (!options.node.name.empty()) graph_ = std::make_shared<Graph>(entity_.get(), options.node);
 }
 
 }  // namespace voxtouch::bus

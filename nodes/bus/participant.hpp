@@ -1,20 +1,21 @@
 #pragma once
 /// One DDS participant a node: where it joins the network.
-#include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "nodes/bus/entity.hpp"
+#include "nodes/bus/graph.hpp"
 
 namespace voxtouch::bus {
 
-/// DDS GUID of a participant, as bytes.
-using Guid = std::array<std::uint8_t, 16>;
-
 struct ParticipantOptions {
   std::uint32_t domain = 0;              ///< as ROS_DOMAIN_ID
-  std::string network_interface = "lo";  ///< ignored where CYCLONEDDS_URI is set: then that configuration holds
-  std::string name = "voxtouch";         ///< seen by DDS tools
+  std::string network_interface = "host";     ///< kThisHost, or a network card; cards that CYCLONEDDS_URI names hold instead
+  std::string name = "voxtouch";              ///< seen by DDS tools
+  std::vector<std::string> discovery_peers{};  ///< other hosts to ask, where multicast does not reach them
+  RosNode node{};                              ///< what ROS 2 tools show it as; without a name: not at all
 };
 
 /// Announces itself as ROS 2 does (USER_DATA "enclave=/;"). Threads of Cyclone DDS inherit the caller's scheduling: set it first.
@@ -25,9 +26,12 @@ class Participant {
 
   dds_entity_t get() const noexcept { return entity_.get(); }
   const Guid& guid() const noexcept { return guid_; }
+  /// Shows an endpoint of this participant to ROS 2 tools, while the entry lives.
+  GraphEntry enter(dds_entity_t endpoint, qos::Endpoint kind) const { return graph_ ? GraphEntry(graph_, endpoint, kind) : GraphEntry(); }
 
  private:
   Entity entity_;
+  std::shared_ptr<Graph> graph_;
   Guid guid_{};
 };
 

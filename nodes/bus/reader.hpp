@@ -15,7 +15,7 @@ class Reader {
   Reader() = default;
   Reader(const Participant& participant, const qos::Topic& row, std::string_view rig, const qos::Profile& profile,
          Following* following = nullptr)
-      : entities_(make_reader(participant, row, rig, profile, msg::Type<T>::descriptor, msg::Type<T>::ros_name, following)),
+      : entities_(make_reader(participant, row, rig, profile, msg::kAnyType<T>, following)),
         unread_(dds_create_readcondition(entities_.endpoint.get(), DDS_ANY_STATE),
                 "a read condition could not be made") {}
 

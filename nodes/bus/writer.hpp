@@ -10,7 +10,7 @@ class Writer {
  public:
   Writer() = default;
   Writer(const Participant& participant, const qos::Topic& row, std::string_view rig, const qos::Profile& profile)
-      : entities_(make_writer(participant, row, rig, profile, msg::Type<T>::descriptor, msg::Type<T>::ros_name)) {}
+      : entities_(make_writer(participant, row, rig, profile, msg::kAnyType<T>)) {}
 
   /// False if DDS did not take the sample (a bounded history stayed full for 100 ms).
   bool write(const T& sample) noexcept { return dds_write(entities_.endpoint.get(), &sample) == DDS_RETCODE_OK; }

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   voxtouch::cli::add_view(app, action);
   voxtouch::cli::add_report(app, action);
   voxtouch::cli::add_status(app, action);
+  voxtouch::cli::add_doctor(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -24,5 +24,6 @@ void add_types(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_status(CLI::App& app, Action& action);
+void add_doctor(CLI::App& app, Action& action);
 
 }  // namespace voxtouch::cli

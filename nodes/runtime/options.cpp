@@ -40,6 +40,11 @@ std::string check_interface(const std::string& name) {
               : fmt::format("'{}' is no name of a network interface; `ip link` lists them", name.substr(0, kShown));
 }
 
+/// A host's name or address becomes part of that XML too.
+std::string check_host(const std::string& name) {
+  return check_interface(name).empty() ? std::string() : fmt::format("'{}' is no host's name or address", name.substr(0, kShown));
+}
+
 }  // namespace
 
 std::string require_cpu(const std::string& text) {
@@ -90,9 +95,17 @@ void add_rig_options(CLI::App& app, NodeOptions& o) {
       ->capture_default_str()
       ->envname("ROS_DOMAIN_ID")
       ->check(CLI::Range(0, 232));
-  app.add_option("--interface", o.network_interface, "Network interface (CYCLONEDDS_URI overrides)")
+  app.add_option("--interface", o.network_interface,
+                 "Network interface for a ring on several hosts; host: this one, closed to others (CYCLONEDDS_URI overrides)")
       ->capture_default_str()
       ->check(check_interface);
+  app.add_option("--discovery-peer", o.discovery_peers, "Another host of the ring, where multicast does not reach it; may be repeated")
+      ->allow_extra_args(false)
+      ->check(check_host);
+  app.add_option("--ros", o.ros, "The ROS 2 that shows the nodes: humble, or iron for every later one (Jazzy, Kilted, ...)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, bus::RosGraph>{{"humble", bus::RosGraph::kHumble}, {"iron", bus::RosGraph::kIron}}))
+      ->option_text("humble|iron");
 }
 
 void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
@@ -116,6 +129,8 @@ std::vector<std::string> to_arguments(const NodeOptions& o, bool with_scene) {
   if (with_scene) a.insert(a.end(), {"--scene", o.scene.string()});
   a.insert(a.end(), {"--rig", o.rig, "--domain", fmt::to_string(o.domain), "--interface", o.network_interface, "--seed",
                      fmt::to_string(o.seed)});
+  for (const std::string& peer : o.discovery_peers) a.insert(a.end(), {"--discovery-peer", peer});
+  if (o.ros == bus::RosGraph::kHumble) a.insert(a.end(), {"--ros", "humble"});
   if (o.lockstep) a.push_back("--lockstep");
   if (!o.peers.empty()) a.insert(a.end(), {"--peers", fmt::format("{}", fmt::join(o.peers, ","))});
   if (o.realtime.mode == Realtime::kEnforce) a.insert(a.end(), {"--realtime", "enforce"});

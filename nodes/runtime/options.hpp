@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "nodes/bus/network.hpp"
 #include "nodes/bus/participant.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "qos/topics.hpp"
@@ -19,7 +20,9 @@ struct NodeOptions {
   std::filesystem::path scene;
   std::string rig = "haptic";
   std::uint32_t domain = 0;
-  std::string network_interface = "lo";
+  std::string network_interface{bus::kThisHost};
+  std::vector<std::string> discovery_peers;
+  bus::RosGraph ros = bus::RosGraph::kIron;
   bool lockstep = false;
   std::vector<std::string> peers;  ///< lockstep: the nodes that take part, the device aside
   std::uint64_t seed = 1;
@@ -29,7 +32,7 @@ struct NodeOptions {
 
   qos::TimeMode mode() const noexcept { return lockstep ? qos::TimeMode::kLockstep : qos::TimeMode::kRealTime; }
   bus::ParticipantOptions participant(const std::string& node) const {
-    return {domain, network_interface, "voxtouch_" + node + "/" + rig};
+    return {domain, network_interface, "voxtouch_" + node + "/" + rig, discovery_peers, {"/" + rig, node, ros}};
   }
   bool has_peer(std::string_view node) const;
 };
@@ -44,7 +47,7 @@ std::string check_topic(const std::string& name);
 /// The number of a CPU that this process may run on (its affinity mask).
 std::string require_cpu(const std::string& text);
 
-/// --rig, --domain and --interface alone: whom to talk to.
+/// --rig, --domain, --interface and --discovery-peer alone: whom to talk to.
 void add_rig_options(CLI::App& app, NodeOptions& options);
 
 /// Adds the options above to a command line: --scene (where `with_scene`), --rig, --domain, --interface, --lockstep, ...

@@ -53,7 +53,8 @@ _domains = {}
 def join(domain=0, interface="lo"):
     """A participant of the domain on that network card, with the network settings of voxtouch."""
     if domain not in _domains:
-        _domains[domain] = Domain(domain, NETWORK.replace("@INTERFACE@", interface))
+        cards = f'<Interfaces><NetworkInterface name="{interface}" multicast="true"/></Interfaces>'
+        _domains[domain] = Domain(domain, NETWORK.replace("@CARDS@", cards).replace("@PEERS@", "").replace("@LAST_INDEX@", "119"))
     return DomainParticipant(domain)
 
 )py";

@@ -40,7 +40,7 @@ std::vector<std::uint64_t> sample_of(const dds_topic_descriptor_t& type, std::mt
 void flood(const Options& o, const bus::Participant& participant, const qos::Topic& topic, std::mt19937_64& random) {
   const auto type = std::find_if(std::begin(msg::kAllTypes), std::end(msg::kAllTypes), [&](const msg::AnyType& t) { return t.ros_name == topic.type; });
   const bus::EndpointEntities writer =
-      bus::make_writer(participant, topic, o.rig, qos::profile(topic.profile), type->descriptor, type->ros_name);
+      bus::make_writer(participant, topic, o.rig, qos::profile(topic.profile), *type);
   std::this_thread::sleep_for(std::chrono::milliseconds(200));  // discovery
   const auto start = Clock::now();
   const auto count = static_cast<std::uint64_t>(std::llround(o.seconds * o.rate));

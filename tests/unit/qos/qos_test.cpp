@@ -58,6 +58,18 @@ TEST(Topics, AreOfferedAsRosToolsAskForThem) {
   EXPECT_TRUE(fixed.reliable && fixed.transient_local) << "tf2 asks for what was said before it came";
 }
 
+/// Published hashes of ROS 2 from Iron on: texts, arrays, sequences and nested types are among them.
+TEST(Types, HaveTheHashesThatRosPublishes) {
+  EXPECT_EQ(msg::Type<msg::std_msgs_Header>::hash, "RIHS01_f49fb3ae2cf070f793645ff749683ac6b06203e41c891e17701b1cb597ce6a01");
+  EXPECT_EQ(msg::Type<msg::geometry_msgs_Vector3>::hash, "RIHS01_cc12fe83e4c02719f1ce8070bfd14aecd40f75a96696a67a2a1f37f7dbb0765d");
+  EXPECT_EQ(msg::Type<msg::geometry_msgs_Twist>::hash, "RIHS01_9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a");
+  EXPECT_EQ(msg::Type<msg::geometry_msgs_PoseStamped>::hash, "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8");
+  EXPECT_EQ(msg::Type<msg::geometry_msgs_WrenchStamped>::hash, "RIHS01_8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77");
+  EXPECT_EQ(msg::Type<msg::tf2_msgs_TFMessage>::hash, "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087");
+  EXPECT_EQ(msg::Type<msg::diagnostic_msgs_DiagnosticArray>::hash, "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e");
+  EXPECT_EQ(msg::Type<msg::visualization_msgs_MarkerArray>::hash, "RIHS01_86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf");
+}
+
 TEST(Topics, StreamsLoseNothingInLockstep) {
   for (const qos::Topic& topic : {qos::kDeviceState, qos::kContactState, qos::kForceCommand, qos::kValidation}) {
     const qos::Profile& p = qos::profile_in(topic, TimeMode::kLockstep);

@@ -102,6 +102,8 @@ TEST(NodeOptions, ComeBackFromTheArgumentsThatAChildGets) {
   given.rig = "left_hand";
   given.domain = 17;
   given.network_interface = "eth7";
+  given.discovery_peers = {"10.0.0.2", "lab-pc"};
+  given.ros = bus::RosGraph::kHumble;
   given.seed = 99;
   given.lockstep = true;
   given.peers = {"rendering", "coupling"};
@@ -117,6 +119,8 @@ TEST(NodeOptions, ComeBackFromTheArgumentsThatAChildGets) {
   EXPECT_EQ(got.rig, given.rig);
   EXPECT_EQ(got.domain, given.domain);
   EXPECT_EQ(got.network_interface, given.network_interface);
+  EXPECT_EQ(got.discovery_peers, given.discovery_peers);
+  EXPECT_EQ(got.ros, given.ros);
   EXPECT_EQ(got.seed, given.seed);
   EXPECT_EQ(got.lockstep, given.lockstep);
   EXPECT_EQ(got.peers, given.peers);

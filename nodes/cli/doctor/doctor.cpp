@@ -1,0 +1,103 @@
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <set>
+#include <thread>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "nodes/bus/participant.hpp"
+#include "nodes/cli/doctor/doctor_checks.hpp"
+#include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
+#include "nodes/runtime/options.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+std::string_view text_of(const dds_qos_t* qos, void** keeper) {
+  std::size_t size = 0;
+  return qos && dds_qget_userdata(qos, keeper, &size) && *keeper ? std::string_view(static_cast<const char*>(*keeper), size) : std::string_view();
+}
+
+/// Calls f(const T&, user data) for each that is announced on a built-in topic.
+template <class T, class F>
+void each_announced(dds_entity_t reader, F&& f) {
+  void* lent[1] = {nullptr};
+  dds_sample_info_t info;
+  while (dds_take(reader, lent, &info, 1, 1) == 1) {
+    const T& one = *static_cast<const T*>(lent[0]);
+    if (info.valid_data) {
+      void* data = nullptr;
+      f(one, text_of(one.qos, &data));
+      dds_free(data);
+    }
+    dds_return_loan(reader, lent, 1);
+  }
+}
+
+/// Who else is on the domain: joins it for 2 s.
+std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
+  bus::ParticipantOptions options = o.participant("doctor");
+  options.node.name.clear();  // it comes and goes: nothing for the graph
+  const bus::Participant own(options);
+  const bus::Entity participants(dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr), "participants could not be asked for");
+  const bus::Entity readers(dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr), "readers could not be asked for");
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  std::size_t ros = 0, others = 0;
+  each_announced<dds_builtintopic_participant_t>(participants.get(), [&](const auto& one, std::string_view user_data) {
+    if (std::memcmp(one.key.v, own.guid().data(), own.guid().size()) == 0) return;
+    ++(user_data.starts_with("enclave=") || user_data.contains(";enclave=") ? ros : others);
+  });
+  bool humble = false, iron = false;  // a reader of the graph has its type's hash from Iron on
+  each_announced<dds_builtintopic_endpoint_t>(readers.get(), [&](const auto& one, std::string_view user_data) {
+    if (std::string_view(one.topic_name) == "ros_discovery_info") (user_data.contains("typehash=") ? iron : humble) = true;
+  });
+  std::vector<Finding> findings{{Health::kGood, fmt::format("{} participants of ROS 2 or voxtouch are on domain {}, and {} others", ros, o.domain, others)}};
+  if (humble && iron) findings.push_back({Health::kMind, "Humble and a later ROS 2 share the domain: one of them does not see a ring's nodes"});
+  if (humble && !iron && o.ros != bus::RosGraph::kHumble)
+    findings.push_back({Health::kMind, "a ROS 2 Humble is on the domain: start with --ros humble, or it does not see the ring's nodes"});
+  if (iron && !humble && o.ros == bus::RosGraph::kHumble)
+    findings.push_back({Health::kMind, "a ROS 2 later than Humble is on the domain: start without --ros humble, or it does not see the ring's nodes"});
+  return findings;
+}
+
+int doctor(const runtime::NodeOptions& o) {
+  bool is_bad = false;
+  const auto say = [&](const std::vector<Finding>& findings) {
+    static constexpr std::string_view kMarks[] = {"ok  ", "mind", "BAD "};
+    for (const Finding& finding : findings) {
+      log::print_result("{}  {}\n", kMarks[static_cast<std::size_t>(finding.health)], finding.sentence);
+      is_bad = is_bad || finding.health == Health::kBad;
+    }
+  };
+  if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri && bus::names_cards(uri))
+    say({{Health::kMind, "CYCLONEDDS_URI names network cards, which hold instead of --interface; the ring is not closed to other machines"}});
+  else
+    say(check_cards(o.network_interface, bus::network_cards()));
+  std::ifstream udp("/proc/net/udp");
+  say({check_indices(taken_indices(udp, o.domain))});
+  say(check_rights());
+  if (is_bad) return 1;
+  say(check_neighbours(o));
+  log::print_result("\nROS 2 finds the ring as it comes, but for what stands above. One with rmw_cyclonedds that does not:\n{}",
+                    ros_environment(o.domain, o.network_interface));
+  return 0;
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app, Action& action) {
+  auto o = std::make_shared<runtime::NodeOptions>();
+  CLI::App* verb = app.add_subcommand("doctor",
+                                      "Checks what a ring needs of this machine: network cards and multicast, ports, real-time rights, buffers, and who\n"
+                                      "else is on the domain. Prints the environment for a ROS 2 tool that does not find the ring. Takes 2 s; exit status 1\n"
+                                      "where a ring cannot run.");
+  runtime::add_rig_options(*verb, *o);
+  verb->callback([o, &action] { action = [o] { return doctor(*o); }; });
+}
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,142 @@
+#include "nodes/cli/doctor/doctor_checks.hpp"
+
+#include <arpa/inet.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "nodes/runtime/realtime.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+/// A UDP socket that is closed when it goes.
+class Socket {
+ public:
+  Socket() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+  ~Socket() {
+    if (fd_ >= 0) close(fd_);
+  }
+  template <class T>
+  bool set(int option, const T& value) const {
+    return setsockopt(fd_, IPPROTO_IP, option, &value, sizeof value) == 0;
+  }
+  int fd() const noexcept { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/// Whether a datagram to DDS's group over this card comes back, as those of other processes of this machine must.
+bool multicast_returns(const bus::Card& card) {
+  const Socket receiver, sender;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  socklen_t size = sizeof address;
+  auto* const plain = reinterpret_cast<sockaddr*>(&address);
+  ip_mreq group{};
+  group.imr_interface.s_addr = card.address;
+  inet_pton(AF_INET, "239.255.0.1", &group.imr_multiaddr);
+  const in_addr from = group.imr_interface;
+  const unsigned char hops = 0;
+  if (bind(receiver.fd(), plain, size) != 0 || getsockname(receiver.fd(), plain, &size) != 0 || !receiver.set(IP_ADD_MEMBERSHIP, group) ||
+      !sender.set(IP_MULTICAST_IF, from) || !sender.set(IP_MULTICAST_TTL, hops))
+    return false;
+  address.sin_addr = group.imr_multiaddr;
+  if (sendto(sender.fd(), "?", 1, 0, plain, size) != 1) return false;
+  pollfd waiting{receiver.fd(), POLLIN, 0};
+  return poll(&waiting, 1, 200) == 1;
+}
+
+long number_in(const char* file) {
+  long number = 0;
+  return std::ifstream(file) >> number ? number : -1;
+}
+
+}  // namespace
+
+std::vector<Finding> check_cards(std::string_view interface_name, const std::vector<bus::Card>& cards) {
+  const bool is_host = interface_name == bus::kThisHost;
+  const std::vector<bus::Card> chosen = bus::cards_of_this_host(cards);
+  std::vector<Finding> findings;
+  for (const bus::Card& card : cards) {
+    const std::string name = fmt::format("{} ({})", card.name, bus::to_text(card.address));
+    const bool used = is_host ? std::ranges::any_of(chosen, [&](const bus::Card& c) { return c.name == card.name; }) : card.name == interface_name;
+    if (!is_host && !used) continue;
+    if (!used)
+      findings.push_back({Health::kMind, fmt::format("card {} is not used ({}): a ROS 2 tool that listens there alone does not find the ring", name,
+                                                     card.is_multicast ? "DDS takes four" : "it does no multicast")});
+    else if (!multicast_returns(card))
+      findings.push_back({is_host ? Health::kBad : Health::kMind,
+                          fmt::format("card {}: multicast does not come back to this machine; a firewall may drop UDP to 239.255.0.1{}", name,
+                                      is_host ? "" : ", or name the other hosts by --discovery-peer")});
+    else
+      findings.push_back({Health::kGood, fmt::format("card {} is up, and multicast works within this machine", name)});
+  }
+  if (findings.empty())
+    findings.push_back({Health::kBad, fmt::format("there is no card '{}' that is up and has an IPv4 address; `ip -4 address` lists them", interface_name)});
+  return findings;
+}
+
+std::set<unsigned> taken_indices(std::istream& udp, std::uint32_t domain) {
+  constexpr unsigned kLast = 119;
+  const unsigned first = 7400 + 250 * domain + 10;  // index n has first + 2n for discovery, and the next for data
+  std::set<unsigned> taken;
+  std::string line;
+  while (std::getline(udp, line)) {
+    const std::size_t colon = line.find(':', line.find(':') + 1);  // "  12: 00000000:1CF2 ..."
+    if (colon == std::string::npos || line.size() < colon + 5) continue;
+    unsigned port = 0;
+    for (const char c : line.substr(colon + 1, 4)) {
+      if (std::isxdigit(static_cast<unsigned char>(c)) == 0) break;
+      port = 16 * port + static_cast<unsigned>(c <= '9' ? c - '0' : (c & 0xdf) - 'A' + 10);
+    }
+    if (port >= first && (port - first) / 2 <= kLast) taken.insert((port - first) / 2);
+  }
+  return taken;
+}
+
+Finding check_indices(const std::set<unsigned>& taken) {
+  constexpr unsigned kOfARing = 7;
+  const auto left = [&](unsigned last) { return last + 1 - static_cast<unsigned>(std::ranges::count_if(taken, [&](unsigned n) { return n <= last; })); };
+  const std::string counts = fmt::format("{} of the domain's participant indices are taken; of those up to 9 {} are left, of those up to 32 {}", taken.size(), left(9), left(32));
+  if (left(119) < kOfARing) return {Health::kBad, counts + ": too few for a ring"};
+  if (left(32) < kOfARing) return {Health::kMind, counts + ": tools that use no multicast do not find a ring that starts now (see qos/README.md)"};
+  if (left(9) < kOfARing)
+    return {Health::kMind, counts + ": Humble with ROS_LOCALHOST_ONLY=1 does not find all of a ring that starts now (see qos/README.md)"};
+  return {Health::kGood, counts};
+}
+
+std::vector<Finding> check_rights() {
+  std::vector<Finding> findings;
+  std::thread([&] {  // of this thread only
+    for (const std::string& refused : runtime::enter_realtime({})) findings.push_back({Health::kMind, refused});
+  }).join();
+  if (findings.empty()) findings.push_back({Health::kGood, "real-time scheduling and locked memory are allowed"});
+  constexpr long kWanted = 4L << 20;
+  const long most = number_in("/proc/sys/net/core/rmem_max");
+  if (most >= 0 && most < kWanted)
+    findings.push_back({Health::kMind, fmt::format("receive buffers end at {} bytes: a reader that is late loses more; `sysctl -w net.core.rmem_max={}` allows DDS what it asks for",
+                                                   most, kWanted)});
+  return findings;
+}
+
+std::string ros_environment(std::uint32_t domain, std::string_view interface_name) {
+  const std::string_view card = interface_name == bus::kThisHost ? "lo" : interface_name;
+  return fmt::format(
+      "export ROS_DOMAIN_ID={}\n"
+      "export CYCLONEDDS_URI='<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"{}\" multicast=\"true\"/></Interfaces></General>"
+      "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</MaxAutoParticipantIndex></Discovery></Domain></CycloneDDS>'\n",
+      domain, card);
+}
+
+}  // namespace voxtouch::cli
