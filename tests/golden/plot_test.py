@@ -109,6 +109,25 @@ class Pictures(unittest.TestCase):
         for colour in (plot.BLUE, plot.GREEN, plot.RED):
             self.assertGreater(painted(file, colour), 300, colour)
 
+    def test_design_draws_the_law_that_was_chosen_with_its_point_where_it_is_certified(self):
+        for kind in ("direct", "spring_damper"):
+            file = self.at / f"{kind}.png"
+            done = voxtouch("design", "--device", "sim-phantom", "--kind", kind, "--plot", file, "--json")
+            data = json.loads(done.stdout)  # a spring-damper is infeasible here, and drawn all the same
+            law, shown = data["region"]["law"], data["translation"]["shown_stiffness"]
+            self.assertEqual(law["kind"], kind)
+            place = next(i for i, x in enumerate(law["x"]) if x >= law["chosen"])
+            around = [law["certified_n_per_m"][i] for i in (place - 1, place)]
+            self.assertTrue(0.9 * min(around) < shown < 1.001 * max(around), f"{kind}: {shown} N/m is not on the border of its region: {around}")
+            self.assertAlmostEqual(law["critical_n_per_m"][place], data["region"]["gain_margin"] * law["certified_n_per_m"][place], 6)
+            with plot.matplotlib.rc_context(plot.STYLE):
+                figure = plot.design_figure(data)[0]
+                self.judge(figure)
+            points = [tuple(line.get_xydata()[0]) for line in figure.axes[1].lines if line.get_marker() == "o"]
+            self.assertEqual(points, [(law["chosen"], shown)])
+            self.assertGreater(painted(file, plot.GREEN), 300)
+        self.assertNotIn("law", json.loads(voxtouch("design", "--device", "sim-phantom", "--json").stdout)["region"])
+
     def test_without_matplotlib_one_sentence_says_what_to_install_before_anything_is_measured(self):
         (self.at / "hidden").mkdir(exist_ok=True)
         (self.at / "hidden" / "matplotlib.py").write_text('raise ImportError("hidden by this test")\n')
