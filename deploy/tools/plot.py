@@ -162,6 +162,17 @@ def draw_points(axis, rows, value, labelled):
     return marks
 
 
+def choice_word(advice):
+    return "knee" if advice["met"] is None and advice["knee"] is not None else {None: "best", True: "advised", False: "nearest"}[advice["met"]]
+
+
+def accuracy_title(data, direction):
+    if data["advice"]["row"] is None:
+        return "What accuracy costs: no setting is to be advised"
+    row = data["rows"][data["advice"]["row"]]
+    return f"What accuracy costs; {choice_word(data['advice'])}: {row['model']} at {size_word(row)} mm, {direction(row):.2g} deg off in {row['median_us']:.2g} µs a frame"
+
+
 def accuracy_figure(data):
     rows = [r for r in data["rows"] if r.get("median_us") is not None and r.get("direction_median_deg") is not None]
     wish, advice, missing = data["wish"], data["advice"], len(data["rows"]) - len(rows)
@@ -179,7 +190,7 @@ def accuracy_figure(data):
             "Shell points weigh one each, or their area.\n"
             f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of {processor[:48]}"
             f"{'' if load is None else f', load average {load:.1f}'}")
-    figure, axes = new_figure("What accuracy costs: error of the contact force over the time of a frame", note, 2, sharex=True, height_ratios=(2.3, 1))
+    figure, axes = new_figure(accuracy_title(data, direction), note, 2, sharex=True, height_ratios=(2.3, 1))
     top, bottom = axes[0][0], axes[1][0]
     marks = draw_points(top, rows, direction, True)
     draw_points(bottom, rows, noise, False)
@@ -193,9 +204,8 @@ def accuracy_figure(data):
                  label="Pareto front: least\nerror within each time")
     if advice["row"] is not None:
         row = data["rows"][advice["row"]]
-        word = "knee" if advice["met"] is None and advice["knee"] is not None else {None: "best", True: "advised", False: "nearest"}[advice["met"]]
         top.plot([row["median_us"]], [direction(row)], "o", ms=23, mfc="none", mec=RED, mew=2.2, ls="none", zorder=4,
-                 label=f"{word}: {row['model']},\n{row['weights']}, {size_word(row)} mm")
+                 label=f"{choice_word(advice)}: {row['model']},\n{row['weights']}, {size_word(row)} mm")
     if wish["direction_deg"]:
         top.axhline(wish["direction_deg"], color=RED, ls="--", label=f"wanted: {wish['direction_deg']:.4g} deg")
     if wish["noise"]:
@@ -271,8 +281,9 @@ def design_figure(data):
 
 
 # ------------------------------------------------------------------------------------------------------------------------ forces
-FELT_NOTE = ("Contact: what the voxels give at the scene's own stiffness, felt by nobody. Returned: what the coupling made of it for the hand; capped to the stiffness that "
-             "is certified, filtered, damped, so later and usually smaller.")
+FELT_NOTE = ("Contact: what the voxels give at the scene's own stiffness, felt by nobody as it is. Returned: what the coupling made of it for the hand; capped to "
+             "the stiffness that is certified, filtered, damped, so later and usually smaller")
+BODY_NOTE = "; the contact is the body's here, and the hand feels its grip on it"
 
 
 def read_run(bag, rig):
@@ -314,8 +325,8 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     effects = (abs(contact["all"] - contact["contact"]) > 1e-9).any()
     felt, deepest, last = max(returned["force"], default=0.0), max(contact["depth"]), contact["t"][-1] + 1e-3
     figure, axes = new_figure(f"{f'At most {felt:.2g} N' if felt > 1e-9 else 'No force'} came back to the hand; " +
-                              (f"the tool was {deepest:.2g} mm deep" if deepest > 0 else "the tool touched nothing"),
-                              (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}") + "\n" + FELT_NOTE,
+                              (f"{'the body' if body else 'the tool'} was at most {deepest:.2g} mm deep" if deepest > 0 else "nothing was touched"),
+                              (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}") + "\n" + FELT_NOTE + (BODY_NOTE if body else "") + ".",
                               3 if body else 2, sharex=True, height_ratios=(2, 1, 1) if body else (2, 1))
     top, middle, bottom = axes[0][0], axes[1][0], axes[-1][0]
     bottom.set_xlim(contact["t"][0], last)
@@ -405,7 +416,7 @@ def draw_largest(axis, rows, model):
     axis.set_xticks(x, [f"1/{s:g}" for s in sizes])
     axis.xaxis.set_minor_locator(NullLocator())
     axis.set_ylim(1e-11, 1)
-    axis.set_xlabel("e / R")
+    axis.set_xlabel("e / R [1]")
 
 
 def stability_figure(file):
@@ -417,15 +428,16 @@ def stability_figure(file):
     if not rows or "energy_share" not in rows[0]:
         sys.exit(f"{file} holds no stability map; write it with: build/bin/stability_map --out {file}")
     note = (f"A ball of radius R slides over a plane of voxels of edge e; the worst of several loops. Above: R = {SHOWN_RADIUS:g} e; below: all depths "
-            "and tilts.\n0.01: as much as a friction coefficient of 0.01 would take. Darkest: next to none, or energy taken; grey: no contact.")
-    figure, axes = new_figure("Energy that the contact gives a hand on a closed sliding loop", note, 2, len(BOUND), sharey="row")
+            "and tilts.\n0.01: as much as a friction coefficient of 0.01 would take. Darkest: next to none, or energy taken; grey: no contact. A line that leaves its plane below: less than 1e-11.")
+    worst = max(rows, key=lambda r: r["energy_share"] if r["mean_force_n"] > 0 else -1.0)
+    figure, axes = new_figure(f"Sliding round a closed loop gives the hand at most {100 * worst['energy_share']:.2g} % of force × way ({worst['model']})", note, 2, len(BOUND), sharey="row")
     for column, model in enumerate(BOUND):
         image = draw_heat(axes[0][column], rows, model)
         draw_largest(axes[1][column], rows, model)
     axes[0][0].set_ylabel("tilt against the grid [deg]")
-    axes[1][0].set_ylabel("energy given / (force × way)")
-    figure.colorbar(image, ax=list(axes[0]), pad=0.01).set_label("energy given / (force × way)")
-    axes[1][1].legend(loc="lower center")
+    axes[1][0].set_ylabel("energy given / (force × way) [1]")
+    figure.colorbar(image, ax=list(axes[0]), pad=0.01).set_label("energy given / (force × way) [1]")
+    legend_beside(axes[1][-1])
     return figure, f"shows {len(rows)} loops' energies"
 
 

@@ -145,6 +145,11 @@ class Run:
     def word(self, node, key):
         return self.node(node).get("values", {}).get(key, "")
 
+    @functools.cached_property
+    def apart(self):
+        """The object that touches is elsewhere than the tool that the hand moves: a body, or a virtual tool."""
+        return bool((norm(vector(self.contact["tool_pose"]["position"]) - vector(self.contact["object_pose"]["position"])) > 1e-6).any())
+
     @property
     def scene(self):
         return self.plan.get("scene") or self.word("device", "scene") or "unknown"

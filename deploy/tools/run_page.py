@@ -86,7 +86,7 @@ def tiles(run):
     rows = [
         ("Largest force returned", number(f["max_force_n"], "N"), "no command was recorded" if f["max_force_n"] is None else
          (f"{percent(f['share_of_limit'])}{limit}, " if limit else "") + f"at {f['max_force_at_s']:.2f}\u00a0s"),
-        ("In contact", percent(f["contact_share"]), f"{number(f['contact_samples'])} samples"),
+        ("With a force", percent(f["contact_share"]), f"{number(f['contact_samples'])} samples, of contact or effects"),
         ("Deepest", number(f["max_depth_mm"] if f["contact_samples"] else None, "mm"), "of a shell point, by the rendering"),
         ("Samples", number(f["samples"]), "rate not known" if f["rate_hz"] is None else f"at {f['rate_hz']:.1f}\u00a0Hz"),
         ("Answered", percent(f["answered"] / f["samples"], 4) if f["samples"] else "–", f"{number(f['answered'])} commands in the bag"),
@@ -178,7 +178,7 @@ def node_rows(run):
 
 # What both the page and a node count, so that a reader can hold one against the other.
 COUNTED = (("largest force [N]", "max_force_n", "device", "max_force_n"), ("rate [Hz]", "rate_hz", "device", "rate_hz"), ("samples", "samples", "device", "samples"),
-           ("samples answered", "answered", "device", "answered"), ("samples with contact", "contact_samples", "rendering", "contact_samples"),
+           ("samples answered", "answered", "device", "answered"), ("samples with a force, of contact or effects", "contact_samples", "rendering", "contact_samples"),
            ("samples held: points have gone through", "held_samples", "rendering", "held_samples"),
            ("samples in which deeper meets no more force", "saturated_samples", "rendering", "saturated_samples"),
            ("samples capped to the certified stiffness", "capped_samples", "coupling", "capped_samples"),
@@ -234,6 +234,8 @@ FORCE_CAPTION = (
     "is what the coupling made of it for the hand, in the device's axes: capped to the stiffness that is certified to be stable, filtered, so that it comes a little "
     "later, damped, and with what effects add. So the two differ, and the first is usually the larger. A gap is a time of which the bag holds nothing.")
 
+APART_CAPTION = " Here what touches is not where the hand is (a body, or a virtual tool): the contact acts on it, and the hand feels its grip on the body or the spring between."
+
 
 def picture_sections(runs, progress):
     """Title, picture and caption of each; of what cannot be drawn a sentence."""
@@ -245,7 +247,7 @@ def picture_sections(runs, progress):
         progress(share)
     commands, contacts = any(len(r.command) for r in runs), any(len(r.contact) for r in runs)
     if commands or contacts:
-        picture("Force over time", run_pictures.force_picture, force_title, "force", FORCE_CAPTION, 0.3)
+        picture("Force over time", run_pictures.force_picture, force_title, "force", FORCE_CAPTION + (APART_CAPTION if any(r.apart for r in runs) else ""), 0.3)
     if any(len(run.command) > 2 * STRETCHES for run in runs):
         picture("Sample by sample around the largest force", run_pictures.peak_picture, lambda r: "no command was recorded" if r.figures["max_force_n"] is None else
                 f"{number(r.figures['max_force_n'], 'N')} at {r.figures['max_force_at_s']:.2f}\u00a0s", "peak", "The second before and the second after it; every sample is drawn.", 0.35)

@@ -34,7 +34,7 @@ def as_svg(figure, name, alt):
 
 def columns(runs, heights, share_x=True, legend_lines=1):
     """A figure with a column for each run and a row for each height; over the first one's legend the name of each of two runs."""
-    figure = Figure(figsize=(16, sum(heights) + 0.5), dpi=100, layout="constrained")
+    figure = Figure(figsize=(13 if len(runs) == 1 else 16, sum(heights) + 0.5), dpi=100, layout="constrained")
     figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
     axes = figure.subplots(len(heights), len(runs), squeeze=False, sharex=share_x, sharey="row", height_ratios=heights)
     if len(runs) > 1:
@@ -71,7 +71,8 @@ def share_axis(axis, run, named):
 
 
 NAMES = {"contact": "force of the contact", "returned": "force returned to the hand", "x": "x", "y": "y", "z": "z"}
-STYLES = {"contact": (CONTACT, "-", 1.2), "returned": (RETURNED, "-", 2.0), "x": (X, "-", 1.4), "y": (Y, "--", 1.4), "z": (Z, "-.", 1.6)}
+# Colour, dashes, width and place: the thin line is on top, so that it is seen where it lies on the wide one.
+STYLES = {"contact": (CONTACT, "-", 1.1, 4), "returned": (RETURNED, "-", 2.6, 3), "x": (X, "-", 1.4, 3), "y": (Y, "--", 1.4, 3), "z": (Z, "-.", 1.6, 3)}
 
 
 def forces(runs, times, values, end, axes, limit, unit, below=False):
@@ -79,7 +80,7 @@ def forces(runs, times, values, end, axes, limit, unit, below=False):
     for run, axis in zip(runs, axes):
         for key in values(run):
             t, y = times(run, key), values(run)[key]
-            axis.plot(*curve(t, y, gap_s(run), 0.0, end), color=STYLES[key][0], ls=STYLES[key][1], lw=STYLES[key][2], label=NAMES[key])
+            axis.plot(*curve(t, y, gap_s(run), 0.0, end), color=STYLES[key][0], ls=STYLES[key][1], lw=STYLES[key][2], zorder=STYLES[key][3], label=NAMES[key])
             mark_beyond(axis, t, y, limit, unit, STYLES[key][0], below)
         axis.set_ylim(-limit if below else 0.0, limit)
         if below:
@@ -125,7 +126,7 @@ def peak_picture(runs):
         begin, end = max(0.0, peak - 1.0), peak + 1.0
         for key, t in (("contact", run.t_contact), ("returned", run.t_command)):
             near = (t >= begin) & (t <= end)
-            axis.plot(*curve(t[near], of[key][near], gap_s(run), begin, end), color=STYLES[key][0], lw=STYLES[key][2], label=NAMES[key])
+            axis.plot(*curve(t[near], of[key][near], gap_s(run), begin, end), color=STYLES[key][0], lw=STYLES[key][2], zorder=STYLES[key][3], label=NAMES[key])
         axis.set_xlim(begin, end)
         axis.set_ylim(0.0, limit)
         axis.set_xlabel("time on the device's clock [s]")
@@ -209,7 +210,7 @@ def latency_picture(runs):
             axis.plot(*curve(middle, most, apart, 0.0, end), color=CONTACT, lw=1.2, label="largest (logger)")
             axis.plot(*curve(middle, median, apart, 0.0, end), color=INK, lw=1.6, label="median (logger)")
             largest, least = max(largest, float(most.max())), min(least, float(median.min()))
-        for figure_name, style, word in (("latency_p99_us", "--", "99 % so far (device)"), ("latency_p50_us", ":", "50 % so far (device)")):
+        for figure_name, style, word in (("latency_p99_us", "--", "99 % (device)"), ("latency_p50_us", ":", "50 % (device)")):
             rows = [(at, figures[figure_name]) for at, figures in run.device_figures if figures.get(figure_name, 0.0) > 0.0]
             if rows:
                 axis.plot(*curve([r[0] for r in rows], [r[1] for r in rows], 1.0, 0.0, end), color=RETURNED, lw=2.4, ls=style, label=word)
