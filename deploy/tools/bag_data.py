@@ -122,14 +122,10 @@ class Rows:
         self.dtype, self.whole = layout(type_name)
         self.empty = numpy.empty(0, self.dtype)[list(fields)] if fields else None
 
-    def add(self, time, data):
-        self.times.append(time)
-        self.raw.append(data)
-        if self.fields and len(self.raw) >= AT_ONCE:
-            self.take()
-
     def take(self):
         """Of many messages their fields, copied, so that the rest of them is let go."""
+        if not self.fields:
+            return
         size = self.dtype.itemsize
         if any(len(data) != size + 4 if self.whole else len(data) < size + 4 for data in self.raw):
             raise BagError("the messages are not laid out as in this version of voxtouch: read the bag with the version that recorded it.")
@@ -204,7 +200,11 @@ class Bag:
             cursor = connection.execute(f"SELECT id, topic_id, timestamp, data FROM messages WHERE topic_id IN ({','.join(map(str, rows))}) ORDER BY id")
             while some := cursor.fetchmany(AT_ONCE):
                 for _, topic, time, data in some:
-                    rows[topic].add(time, data)
+                    one = rows[topic]
+                    one.times.append(time)
+                    one.raw.append(data)
+                for one in rows.values():
+                    one.take()
                 progress(some[-1][0] / last)
         except sqlite3.Error as error:
             self.notes.append(f"The bag is damaged: {file.name} could be read in part only ({error}).")

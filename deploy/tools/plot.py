@@ -162,6 +162,17 @@ def draw_points(axis, rows, value, labelled):
     return marks
 
 
+def choice_word(advice):
+    return "knee" if advice["met"] is None and advice["knee"] is not None else {None: "best", True: "advised", False: "nearest"}[advice["met"]]
+
+
+def accuracy_title(data, direction):
+    if data["advice"]["row"] is None:
+        return "What accuracy costs: no setting is to be advised"
+    row = data["rows"][data["advice"]["row"]]
+    return f"What accuracy costs; {choice_word(data['advice'])}: {row['model']} at {size_word(row)} mm, {direction(row):.2g} deg off in {row['median_us']:.2g} µs a frame"
+
+
 def accuracy_figure(data):
     rows = [r for r in data["rows"] if r.get("median_us") is not None and r.get("direction_median_deg") is not None]
     wish, advice, missing = data["wish"], data["advice"], len(data["rows"]) - len(rows)
@@ -179,7 +190,7 @@ def accuracy_figure(data):
             "Shell points weigh one each, or their area.\n"
             f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of {processor[:48]}"
             f"{'' if load is None else f', load average {load:.1f}'}")
-    figure, axes = new_figure("What accuracy costs: error of the contact force over the time of a frame", note, 2, sharex=True, height_ratios=(2.3, 1))
+    figure, axes = new_figure(accuracy_title(data, direction), note, 2, sharex=True, height_ratios=(2.3, 1))
     top, bottom = axes[0][0], axes[1][0]
     marks = draw_points(top, rows, direction, True)
     draw_points(bottom, rows, noise, False)
@@ -193,9 +204,8 @@ def accuracy_figure(data):
                  label="Pareto front: least\nerror within each time")
     if advice["row"] is not None:
         row = data["rows"][advice["row"]]
-        word = "knee" if advice["met"] is None and advice["knee"] is not None else {None: "best", True: "advised", False: "nearest"}[advice["met"]]
         top.plot([row["median_us"]], [direction(row)], "o", ms=23, mfc="none", mec=RED, mew=2.2, ls="none", zorder=4,
-                 label=f"{word}: {row['model']},\n{row['weights']}, {size_word(row)} mm")
+                 label=f"{choice_word(advice)}: {row['model']},\n{row['weights']}, {size_word(row)} mm")
     if wish["direction_deg"]:
         top.axhline(wish["direction_deg"], color=RED, ls="--", label=f"wanted: {wish['direction_deg']:.4g} deg")
     if wish["noise"]:
@@ -216,48 +226,64 @@ def accuracy_figure(data):
 
 
 # ------------------------------------------------------------------------------------------------------------------------ design
+LAWS = {"shaping_filter": "shaping filter", "spring_damper": "spring-damper", "direct": "direct force"}
+
+
+def draw_region(axis, x, curves, low, high):
+    """Two areas and their upper edges; `curves`: (values, colour, label). None: nothing makes it unstable; what is 0 lies under the plane."""
+    for values, colour, label in curves:
+        values = [min(high * 10 if k is None else k, high * 10) for k in values]
+        axis.fill_between(x, low, values, color=colour, alpha=0.14, lw=0)
+        axis.plot(x, values, color=colour, lw=2.5, label=label)
+
+
 def design_figure(data):
     region, coupling, axis_design, paper = data["region"], data["coupling"], data["translation"], data["paper_recipe"]
-    x = region["cutoff_hz"]
+    x, law, kind = region["cutoff_hz"], region.get("law"), coupling["kind"]
     undamped, limit = region["critical_undamped_n_per_m"], region["device_limit_n_per_m"]
-    lowest = min([axis_design["shown_stiffness"] or 100.0] + [k for k in undamped if k])
+    shown = axis_design["shown_stiffness"]
+    lowest = min([shown or 100.0] + [k for k in undamped if k])
     low = 10.0 ** math.floor(math.log10(min(max(lowest, 0.01), 100.0)))
     high = 2.0 * max(limit or 0.0, axis_design["critical_stiffness"] or 0.0, 100.0)
-
-    def curve(values):  # None: nothing makes it unstable; what is 0 lies under the plane
-        return [min(high * 10 if k is None else k, high * 10) for k in values]
-    note = (f"{data['device']}; hand: {data['hand']}.\nWorst case of them; damping ratio {coupling['damping_ratio']:.3g}, injected damping "
+    note = (f"{data['device']}; hand: {data['hand']}.\nWorst case of them{'' if law else f', damping ratio %.3g' % coupling['damping_ratio']}; injected damping "
             f"{axis_design['injected_damping']:.3g} Ns/m, velocity filter {axis_design['velocity_filter_hz']:.3g} Hz.")
-    figure, axes = new_figure("Where the virtual coupling is stable: contact stiffness over the filter's cut-off", note)
-    axis = axes[0][0]
+    useful = f"are certified to be stable with a {LAWS.get(kind, kind)}" if data["status"] != "infeasible" else "hold, which is too little to be of use"
+    figure, axes = new_figure(f"{shown:.4g} N/m at the hand {useful}" if shown else "No coupling holds here", note, 1, 2 if law else 1, sharey=True)
+    axis, named = axes[0][0], "stable below"
     log_axis(axis.xaxis, x[0], x[-1])
     log_axis(axis.yaxis, low, high)
-    stable, certified = curve(region["critical_n_per_m"]), curve(region["certified_n_per_m"])
-    axis.fill_between(x, low, stable, color=BLUE, alpha=0.12, lw=0)
-    axis.fill_between(x, low, certified, color=GREEN, alpha=0.16, lw=0)
-    axis.plot(x, stable, color=BLUE, lw=2.5, label="stable below")
-    axis.plot(x, certified, color=GREEN, lw=2.5, label=f"certified below\n(gain margin {region['gain_margin']:.3g})")
+    draw_region(axis, x, ((region["critical_n_per_m"], BLUE, named), (region["certified_n_per_m"], GREEN, f"certified below\n(gain margin {region['gain_margin']:.3g})")), low, high)
     if axis_design["injected_damping"] > 0:
-        axis.plot(x, curve(undamped), color=BLUE, lw=1.8, ls="--", label="stable below,\nwithout injected damping")
+        axis.plot(x, [min(k or 10 * high, 10 * high) if k != 0 else 0 for k in undamped], color=BLUE, lw=1.8, ls="--", label="stable below,\nwithout injected damping")
     if any(k is None or k > low for k in region["passive_n_per_m"]):
-        axis.plot(x, curve(region["passive_n_per_m"]), color=PURPLE, lw=1.8, ls="-.", label="stable below with any hand\n(passivity rule), no\ninjected damping")
-    if limit:
-        axis.axhline(limit, color=GREY, lw=1.8, ls=":", label=f"most that the device\ncan show: {limit:.4g} N/m")
+        axis.plot(x, [10 * high if k is None else min(k, 10 * high) for k in region["passive_n_per_m"]], color=PURPLE, lw=1.8, ls="-.",
+                  label="stable below with any hand\n(passivity rule), no\ninjected damping")
     if paper["stiffness_n_per_m"]:
         axis.plot([paper["cutoff_hz"]], [paper["stiffness_n_per_m"]], "s", ms=14, mfc="white", mec=RED, mew=2.5, ls="none", zorder=4,
                   label=f"paper: {paper['cutoff_hz']:g} Hz,\n{paper['stiffness_n_per_m']:.4g} N/m")
-    if coupling["kind"] == "shaping_filter" and axis_design["shown_stiffness"]:
-        axis.plot([coupling["cutoff_hz"]], [axis_design["shown_stiffness"]], "o", ms=14, color="#111111", ls="none", zorder=4,
-                  label=f"designed: {coupling['cutoff_hz']:.3g} Hz,\n{axis_design['shown_stiffness']:.4g} N/m")
+    place, word = (axis, f"designed: {coupling['cutoff_hz']:.3g} Hz") if not law else (axes[0][1], f"designed: {law['chosen']:.3g} {law['unit']}")
+    if law:
+        axis.set_title("a shaping filter with that damping: not chosen", loc="left")
+        place.set_title(f"the law that was chosen: {LAWS.get(kind, kind)}", loc="left", fontweight="bold")
+        log_axis(place.xaxis, law["x"][0], law["x"][-1])
+        draw_region(place, law["x"], ((law["critical_n_per_m"], BLUE, None), (law["certified_n_per_m"], GREEN, None)), low, high)
+        place.set_xlabel(f"{law['over']} [{law['unit']}]")
+    if shown and (law["chosen"] > 0 if law else kind == "shaping_filter"):
+        place.plot([law["chosen"] if law else coupling["cutoff_hz"]], [shown], "o", ms=14, color="#111111", ls="none", zorder=4, label=f"{word},\n{shown:.4g} N/m")
+    for one in axes[0]:
+        if limit:
+            one.axhline(limit, color=GREY, lw=1.8, ls=":", label=f"most that the device\ncan show: {limit:.4g} N/m" if one is axis else None)
     axis.set_xlabel("cut-off of the shaping filter, w0 / 2π [Hz]")
     axis.set_ylabel("contact stiffness at the hand [N/m]")
-    legend_beside(axis, labelspacing=0.9)
-    return figure, "shows where the loop is stable"
+    handles, labels = (sum(pair, []) for pair in zip(*(one.get_legend_handles_labels() for one in axes[0])))
+    axes[0][-1].legend(handles, labels, loc="upper left", bbox_to_anchor=(1.005, 1.0), borderaxespad=0.0, labelspacing=0.9)
+    return figure, f"shows where the loop is stable with a {LAWS.get(kind, kind)}"
 
 
 # ------------------------------------------------------------------------------------------------------------------------ forces
-FELT_NOTE = ("Contact: what the voxels give at the scene's own stiffness, felt by nobody. Returned: what the coupling made of it for the hand; capped to the stiffness that "
-             "is certified, filtered, damped, so later and usually smaller.")
+FELT_NOTE = ("Contact: what the voxels give at the scene's own stiffness, felt by nobody as it is. Returned: what the coupling made of it for the hand; capped to "
+             "the stiffness that is certified, filtered, damped, so later and usually smaller")
+BODY_NOTE = "; the contact is the body's here, and the hand feels its grip on it"
 
 
 def read_run(bag, rig):
@@ -299,8 +325,8 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     effects = (abs(contact["all"] - contact["contact"]) > 1e-9).any()
     felt, deepest, last = max(returned["force"], default=0.0), max(contact["depth"]), contact["t"][-1] + 1e-3
     figure, axes = new_figure(f"{f'At most {felt:.2g} N' if felt > 1e-9 else 'No force'} came back to the hand; " +
-                              (f"the tool was {deepest:.2g} mm deep" if deepest > 0 else "the tool touched nothing"),
-                              (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}") + "\n" + FELT_NOTE,
+                              (f"{'the body' if body else 'the tool'} was at most {deepest:.2g} mm deep" if deepest > 0 else "nothing was touched"),
+                              (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}") + "\n" + FELT_NOTE + (BODY_NOTE if body else "") + ".",
                               3 if body else 2, sharex=True, height_ratios=(2, 1, 1) if body else (2, 1))
     top, middle, bottom = axes[0][0], axes[1][0], axes[-1][0]
     bottom.set_xlim(contact["t"][0], last)
@@ -342,6 +368,7 @@ def tell_progress(share):
 
 def write_report(bag, page, beside=None, rig="", progress=lambda share: None):
     """Writes a run's page; says what it holds. Of what goes wrong a sentence, whatever stands in the bag."""
+    progress(0.0)
     import run_page
     from bag_data import BagError
     from run_data import Run
@@ -389,7 +416,7 @@ def draw_largest(axis, rows, model):
     axis.set_xticks(x, [f"1/{s:g}" for s in sizes])
     axis.xaxis.set_minor_locator(NullLocator())
     axis.set_ylim(1e-11, 1)
-    axis.set_xlabel("e / R")
+    axis.set_xlabel("e / R [1]")
 
 
 def stability_figure(file):
@@ -401,15 +428,16 @@ def stability_figure(file):
     if not rows or "energy_share" not in rows[0]:
         sys.exit(f"{file} holds no stability map; write it with: build/bin/stability_map --out {file}")
     note = (f"A ball of radius R slides over a plane of voxels of edge e; the worst of several loops. Above: R = {SHOWN_RADIUS:g} e; below: all depths "
-            "and tilts.\n0.01: as much as a friction coefficient of 0.01 would take. Darkest: next to none, or energy taken; grey: no contact.")
-    figure, axes = new_figure("Energy that the contact gives a hand on a closed sliding loop", note, 2, len(BOUND), sharey="row")
+            "and tilts.\n0.01: as much as a friction coefficient of 0.01 would take. Darkest: next to none, or energy taken; grey: no contact. A line that leaves its plane below: less than 1e-11.")
+    worst = max(rows, key=lambda r: r["energy_share"] if r["mean_force_n"] > 0 else -1.0)
+    figure, axes = new_figure(f"Sliding round a closed loop gives the hand at most {100 * worst['energy_share']:.2g} % of force × way ({worst['model']})", note, 2, len(BOUND), sharey="row")
     for column, model in enumerate(BOUND):
         image = draw_heat(axes[0][column], rows, model)
         draw_largest(axes[1][column], rows, model)
     axes[0][0].set_ylabel("tilt against the grid [deg]")
-    axes[1][0].set_ylabel("energy given / (force × way)")
-    figure.colorbar(image, ax=list(axes[0]), pad=0.01).set_label("energy given / (force × way)")
-    axes[1][1].legend(loc="lower center")
+    axes[1][0].set_ylabel("energy given / (force × way) [1]")
+    figure.colorbar(image, ax=list(axes[0]), pad=0.01).set_label("energy given / (force × way) [1]")
+    legend_beside(axes[1][-1])
     return figure, f"shows {len(rows)} loops' energies"
 
 

@@ -96,7 +96,7 @@ def mark_beyond(axis, t, y, limit, unit, colour, below=False):
     return len(peaks)
 
 
-def legend_above(axis, **more):
-    """Over the plane, where it covers no data and takes no width; nothing without a name."""
+def legend_above(axis, side_by_side=5, **more):
+    """Over the plane, where it covers no data; nothing without a name."""
     if axis.get_legend_handles_labels()[0]:
-        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=5, columnspacing=1.6, handlelength=1.8, **more)
+        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=side_by_side, columnspacing=1.6, handlelength=1.8, **more)

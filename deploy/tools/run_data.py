@@ -88,10 +88,16 @@ class Run:
             out[of] = (table["sample_time_ns"][of] - begin + offset) * 1e-9
         return out
 
+    @functools.cached_property
+    def clock(self):
+        """When a sample was recorded [s since the first one], and where it stands on the axis."""
+        times, t = (self.bag.times["device/state"], self.t_state) if len(self.state) else (self.bag.times["rendering/contact"], self.t_contact)
+        return int(times[0]), (times - times[0]) * 1e-9, t
+
     def at(self, recorded_ns):
         """Where a message without a sample's time lies: between the samples that were recorded around it."""
-        times, t = (self.bag.times["device/state"], self.t_state) if len(self.state) else (self.bag.times["rendering/contact"], self.t_contact)
-        return float(numpy.interp(recorded_ns, times, t))
+        begin, recorded_s, t = self.clock
+        return float(numpy.interp((recorded_ns - begin) * 1e-9, recorded_s, t))
 
     @property
     def length_s(self):
@@ -138,6 +144,11 @@ class Run:
 
     def word(self, node, key):
         return self.node(node).get("values", {}).get(key, "")
+
+    @functools.cached_property
+    def apart(self):
+        """The object that touches is elsewhere than the tool that the hand moves: a body, or a virtual tool."""
+        return bool((norm(vector(self.contact["tool_pose"]["position"]) - vector(self.contact["object_pose"]["position"])) > 1e-6).any())
 
     @property
     def scene(self):

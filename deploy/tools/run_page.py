@@ -42,7 +42,7 @@ def number(value, unit="", digits=3):
     if value is None or not math.isfinite(value):
         return "–" if value is None or math.isnan(value) else "no limit"
     text = f"{value:,.0f}".replace(",", " ") if abs(value) >= 1000 or isinstance(value, int) else f"{value:.{digits}g}"
-    return f"{text} {unit}".rstrip()
+    return f"{text}\u00a0{unit}" if unit else text
 
 
 def percent(share, digits=3):
@@ -85,10 +85,10 @@ def tiles(run):
     checked, bad = run.counted("validator", "checked"), run.counted("validator", "disagree")
     rows = [
         ("Largest force returned", number(f["max_force_n"], "N"), "no command was recorded" if f["max_force_n"] is None else
-         (f"{percent(f['share_of_limit'])}{limit}, " if limit else "") + f"at {f['max_force_at_s']:.2f} s"),
-        ("In contact", percent(f["contact_share"]), f"{number(f['contact_samples'])} samples"),
+         (f"{percent(f['share_of_limit'])}{limit}, " if limit else "") + f"at {f['max_force_at_s']:.2f}\u00a0s"),
+        ("With a force", percent(f["contact_share"]), f"{number(f['contact_samples'])} samples, of contact or effects"),
         ("Deepest", number(f["max_depth_mm"] if f["contact_samples"] else None, "mm"), "of a shell point, by the rendering"),
-        ("Samples", number(f["samples"]), "rate not known" if f["rate_hz"] is None else f"at {f['rate_hz']:.1f} Hz"),
+        ("Samples", number(f["samples"]), "rate not known" if f["rate_hz"] is None else f"at {f['rate_hz']:.1f}\u00a0Hz"),
         ("Answered", percent(f["answered"] / f["samples"], 4) if f["samples"] else "–", f"{number(f['answered'])} commands in the bag"),
         ("Latency, median", "–" if run.lockstep else number(p50, "µs"), "none in lockstep" if run.lockstep else
          f"99 %: {number(p99, 'µs')}, by the device" if p99 is not None else "the device told none"),
@@ -178,7 +178,7 @@ def node_rows(run):
 
 # What both the page and a node count, so that a reader can hold one against the other.
 COUNTED = (("largest force [N]", "max_force_n", "device", "max_force_n"), ("rate [Hz]", "rate_hz", "device", "rate_hz"), ("samples", "samples", "device", "samples"),
-           ("samples answered", "answered", "device", "answered"), ("samples with contact", "contact_samples", "rendering", "contact_samples"),
+           ("samples answered", "answered", "device", "answered"), ("samples with a force, of contact or effects", "contact_samples", "rendering", "contact_samples"),
            ("samples held: points have gone through", "held_samples", "rendering", "held_samples"),
            ("samples in which deeper meets no more force", "saturated_samples", "rendering", "saturated_samples"),
            ("samples capped to the certified stiffness", "capped_samples", "coupling", "capped_samples"),
@@ -234,6 +234,8 @@ FORCE_CAPTION = (
     "is what the coupling made of it for the hand, in the device's axes: capped to the stiffness that is certified to be stable, filtered, so that it comes a little "
     "later, damped, and with what effects add. So the two differ, and the first is usually the larger. A gap is a time of which the bag holds nothing.")
 
+APART_CAPTION = " Here what touches is not where the hand is (a body, or a virtual tool): the contact acts on it, and the hand feels its grip on the body or the spring between."
+
 
 def picture_sections(runs, progress):
     """Title, picture and caption of each; of what cannot be drawn a sentence."""
@@ -245,7 +247,10 @@ def picture_sections(runs, progress):
         progress(share)
     commands, contacts = any(len(r.command) for r in runs), any(len(r.contact) for r in runs)
     if commands or contacts:
-        picture("Force over time", run_pictures.force_picture, force_title, "force", FORCE_CAPTION, 0.3)
+        picture("Force over time", run_pictures.force_picture, force_title, "force", FORCE_CAPTION + (APART_CAPTION if any(r.apart for r in runs) else ""), 0.3)
+    if any(len(run.command) > 2 * STRETCHES for run in runs):
+        picture("Sample by sample around the largest force", run_pictures.peak_picture, lambda r: "no command was recorded" if r.figures["max_force_n"] is None else
+                f"{number(r.figures['max_force_n'], 'N')} at {r.figures['max_force_at_s']:.2f}\u00a0s", "peak", "The second before and the second after it; every sample is drawn.", 0.35)
     if commands:
         picture("How long which force was felt", run_pictures.histogram_picture, force_title, "felt",
                 "Time spent at each size of the force returned; samples without force are left out. The scale of time is logarithmic, so that short peaks are seen.", 0.45)
@@ -258,7 +263,7 @@ def picture_sections(runs, progress):
     timed = [r for r in runs if not r.lockstep]
     if timed:
         picture("Latency and overruns", run_pictures.latency_picture, lambda r: "none in lockstep" if r.lockstep else latency_title(r), "latency",
-                "The logger takes each sample and its command as they pass; the time between the two is blurred by its own waking, and a long one may be the logger's. The device's own "
+                "The logger takes each sample and its command as they pass (largest and median of each stretch); the time between the two is blurred by its own waking, and a long one may be the logger's. The device's own "
                 "figures are from its write of a sample to its command's arrival, over the run so far. Red: periods that the device skipped in the tenth of a second before."
                 + "".join(f" {esc(r.name)}: the device told no latency, so its lines are missing." for r in timed if r.counted("device", "latency_p50_us") is None), 0.8)
     else:

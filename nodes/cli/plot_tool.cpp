@@ -106,8 +106,7 @@ std::optional<int> wait_for(pid_t child, int output, Patience patience) {
     if (ended == child) return status;
     if (ended < 0 && errno != EINTR) throw std::runtime_error(fmt::format("voxtouch_plot was lost: {}", std::strerror(errno)));
     if (patience && std::chrono::steady_clock::now() - begun > *patience) return std::nullopt;
-    const std::string share = last_progress(output);
-    tell(share.empty() ? "reading" : share + " % drawn");
+    if (const std::string share = last_progress(output); !share.empty()) tell(share + " %");
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }

@@ -109,6 +109,25 @@ class Pictures(unittest.TestCase):
         for colour in (plot.BLUE, plot.GREEN, plot.RED):
             self.assertGreater(painted(file, colour), 300, colour)
 
+    def test_design_draws_the_law_that_was_chosen_with_its_point_where_it_is_certified(self):
+        for kind in ("direct", "spring_damper"):
+            file = self.at / f"{kind}.png"
+            done = voxtouch("design", "--device", "sim-phantom", "--kind", kind, "--plot", file, "--json")
+            data = json.loads(done.stdout)  # a spring-damper is infeasible here, and drawn all the same
+            law, shown = data["region"]["law"], data["translation"]["shown_stiffness"]
+            self.assertEqual(law["kind"], kind)
+            place = next(i for i, x in enumerate(law["x"]) if x >= law["chosen"])
+            around = [law["certified_n_per_m"][i] for i in (place - 1, place)]
+            self.assertTrue(0.9 * min(around) < shown < 1.001 * max(around), f"{kind}: {shown} N/m is not on the border of its region: {around}")
+            self.assertAlmostEqual(law["critical_n_per_m"][place], data["region"]["gain_margin"] * law["certified_n_per_m"][place], 6)
+            with plot.matplotlib.rc_context(plot.STYLE):
+                figure = plot.design_figure(data)[0]
+                self.judge(figure)
+            points = [tuple(line.get_xydata()[0]) for line in figure.axes[1].lines if line.get_marker() == "o"]
+            self.assertEqual(points, [(law["chosen"], shown)])
+            self.assertGreater(painted(file, plot.GREEN), 300)
+        self.assertNotIn("law", json.loads(voxtouch("design", "--device", "sim-phantom", "--json").stdout)["region"])
+
     def test_without_matplotlib_one_sentence_says_what_to_install_before_anything_is_measured(self):
         (self.at / "hidden").mkdir(exist_ok=True)
         (self.at / "hidden" / "matplotlib.py").write_text('raise ImportError("hidden by this test")\n')
@@ -168,7 +187,10 @@ class Pictures(unittest.TestCase):
         for colour in (plot.ORANGE, plot.BLUE, plot.PURPLE):
             self.assertGreater(painted(file, colour), 200, colour)
         with plot.matplotlib.rc_context(plot.STYLE):
-            self.judge(plot.forces_figure(bag)[0])
+            figure = plot.forces_figure(bag)[0]
+            self.judge(figure)
+            self.assertIn(f"At most {max(returned['force']):.2g} N came back to the hand", figure._suptitle.get_text())
+            self.assertTrue(any("felt by nobody as it is" in " ".join(text.get_text().split()) for text in figure.axes[0].texts))
             self.judge(plot.forces_figure(bag, note="conditions " * 40)[0])
         self.refused(tool("forces", bag, self.at / "refused.png", "--from", "50"), "nothing between --from 50")
         self.refused(tool("forces", bag, self.at / "refused.png", "--rig", "other"), "/other/rendering/contact")
@@ -212,6 +234,8 @@ class Pictures(unittest.TestCase):
             box = text.get_window_extent()
             self.assertGreater(plot.overlap(box, page), 0.98 * box.width * box.height, f"'{text.get_text()}' leaves the picture")
         for axis in figure.axes:
+            for word in (axis.get_xlabel(), axis.get_ylabel()):
+                self.assertTrue(not word or "[" in word, f"'{word}' has no unit")
             for legend in [axis.get_legend()] if axis.get_legend() else []:
                 box = legend.get_window_extent()
                 for line in axis.lines:
@@ -226,8 +250,16 @@ class Pictures(unittest.TestCase):
             drawn = {tuple(point) for line in figure.axes[0].lines for point in line.get_xydata()}
             for row in self.run_json["rows"]:
                 self.assertIn((row["median_us"], max(row["direction_median_deg"], plot.LEAST_DIRECTION_DEG)), drawn)
+            advised, best = json.loads(json.dumps(self.run_json)), self.run_json["rows"][0]
+            advised["advice"]["row"] = 0
+            figure, _ = plot.accuracy_figure(advised)
+            self.judge(figure)
+            self.assertIn(f"{best['model']} at ", figure._suptitle.get_text())
+            self.assertIn(f"{best['direction_median_deg']:.2g} deg off in {best['median_us']:.2g} µs", figure._suptitle.get_text())
             design = json.loads(voxtouch("design", "--scene", DEPLOY / "scenes/cup.yaml", "--json").stdout)
-            self.judge(plot.design_figure(design)[0])
+            figure = plot.design_figure(design)[0]
+            self.judge(figure)
+            self.assertIn(f"{design['translation']['shown_stiffness']:.4g} N/m at the hand are certified", figure._suptitle.get_text())
 
     def test_a_stability_map_is_grey_where_nothing_touches(self):
         table = self.at / "map.csv"
@@ -240,6 +272,7 @@ class Pictures(unittest.TestCase):
         with plot.matplotlib.rc_context(plot.STYLE):
             figure, _ = plot.stability_figure(table)
             self.judge(figure)
+        self.assertIn("at most 0.4 % of force × way (original)", figure._suptitle.get_text())
         self.assertEqual(tool("stability", table, self.at / "map.png").returncode, 0)
         self.assertGreater(painted(self.at / "map.png", "#d9d9d9"), 5000, "the cell without contact is not grey")
 

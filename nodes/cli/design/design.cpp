@@ -109,6 +109,7 @@ int design(const DesignVerbOptions& o) {
   report.design = coupling::design::design_coupling(asked.request);
   report.paper = judge_paper_recipe(asked.request);
   report.region = region_round(asked.request, report.design);
+  report.law = region_of_law(asked.request, report.design);
   report.device = device.name;
   report.hand = asked.hand;
   report.contact = asked.contact;

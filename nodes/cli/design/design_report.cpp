@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/coupling/design/design_axis.hpp"
 #include "core/coupling/design/design_cases.hpp"
 
 namespace voxtouch::cli {
@@ -111,6 +112,12 @@ nlohmann::ordered_json region_json(const DesignReport& r) {
     j[column.key] = nlohmann::ordered_json::array();
     for (const double value : column.values) j[column.key].push_back(finite(value));
   }
+  if (r.law.x.empty()) return j;
+  nlohmann::ordered_json& law = j["law"] = {{"kind", r.design.spec.kind}, {"over", r.law.over}, {"unit", r.law.unit}, {"chosen", r.law.chosen}, {"x", r.law.x}};
+  for (const double critical : r.law.critical) {
+    law["critical_n_per_m"].push_back(finite(critical));
+    law["certified_n_per_m"].push_back(finite(critical / r.request.wishes.gain_margin));
+  }
   return j;
 }
 
@@ -152,6 +159,31 @@ coupling::design::StableRegion region_round(const coupling::design::DesignProble
   chosen.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * design.translation.velocity_filter_hz;
   const double high_hz = std::max(20.0, 0.6 / (2.0 * std::numbers::pi * device.timing.period_s));
   return coupling::design::stable_region(device.translation, device.timing, request.hand.translation, chosen, 1.0, high_hz, 64);
+}
+
+LawRegion region_of_law(const coupling::design::DesignProblem& request, const coupling::design::Design& design) {
+  namespace cd = coupling::design;
+  constexpr int kCount = 64;
+  const cd::AxisProblem axis = cd::axis_problems(request).front();
+  cd::LoopController law = cd::controller_of(design.spec, axis, cd::arm_squared(request));
+  const double cap = design.spec.stiffness_cap_n_per_m, contact = std::min(request.contact.all_points, cap);
+  const bool spring = law.law == cd::LoopController::Law::kSpringDamper;
+  LawRegion out;
+  if (law.law == cd::LoopController::Law::kShapingFilter || (spring && law.stiffness <= 0.0)) return out;
+  out.over = spring ? "damper over spring" : "injected damping";
+  out.unit = spring ? "s" : "Ns/m";
+  out.chosen = spring ? law.damping / law.stiffness : law.injected_damping;
+  const double middle = out.chosen > 0.0 ? out.chosen : 1.0;
+  for (int i = 0; i < kCount; ++i) {
+    const double x = middle * std::pow(10.0, 2.0 * i / (kCount - 1) - 1.0);
+    (spring ? law.damping : law.injected_damping) = spring ? x * law.stiffness : x;
+    double critical = spring ? cd::critical_scale(axis, law, std::isfinite(cap) ? contact : cd::kInfinity).stiffness : cd::critical_case(axis, law).stiffness;
+    if (axis.hand.any_passive) critical = std::min(critical, cd::passive_limit(axis, law));
+    if (spring) critical *= law.stiffness * contact / (law.stiffness + contact);  // a factor on what is shown
+    out.x.push_back(x);
+    out.critical.push_back(critical);
+  }
+  return out;
 }
 
 std::string to_text(const DesignReport& r) {

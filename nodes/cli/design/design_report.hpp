@@ -20,11 +20,22 @@ PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& request);
 /// Stiffness at the hand over the filter's cut-off, from 1 Hz on: where the loop is stable with the damping that was chosen.
 coupling::design::StableRegion region_round(const coupling::design::DesignProblem& request, const coupling::design::Design& design);
 
+/// Stiffness at the hand over the one number that a law without a cut-off has: injected damping of `direct`, damper over spring of
+/// `spring_damper`.
+struct LawRegion {
+  std::string over, unit;        ///< empty: the shaping filter, whose region is the one over the cut-off
+  double chosen = 0.0;           ///< of `over`
+  std::vector<double> x;         ///< of `over`, from a tenth of the chosen one to ten times it
+  std::vector<double> critical;  ///< the worst case becomes unstable here [N/m]
+};
+LawRegion region_of_law(const coupling::design::DesignProblem& request, const coupling::design::Design& design);
+
 struct DesignReport {
   coupling::design::DesignProblem request;
   coupling::design::Design design;
   PaperRecipe paper;
   coupling::design::StableRegion region;                ///< of the chosen damping, over the cut-off
+  LawRegion law;                                        ///< of the law that was chosen, where that is no filter
   std::string device, hand, contact;  ///< where the numbers come from, for a person
 };
 

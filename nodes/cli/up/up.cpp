@@ -331,18 +331,22 @@ void report_on(const RunSummary& summary) {
 }
 
 int up(const UpOptions& options) {
+  RunSummary summary;
   try {
-    const RunSummary summary = run_up(options);
+    summary = run_up(options);
     if (options.json)
       print_json(to_json(summary));
     else
       log::print_result("{}", to_text(summary));
-    if (!options.no_record && !options.no_report) report_on(summary);
-    return summary.problems.empty() ? 0 : 1;
   } catch (const std::exception& error) {
     if (options.json) print_json({{"ok", false}, {"problems", {error.what()}}});
     throw;
   }
+  if (!options.no_record && !options.no_report) {
+    log::finish_results();  // nobody waits for the summary while a page is drawn
+    report_on(summary);
+  }
+  return summary.problems.empty() ? 0 : 1;
 }
 
 }  // namespace
