@@ -16,6 +16,7 @@ enum class ContactModelKind : std::uint8_t { kOriginal = 1, kAdapted = 2, kClust
 
 /// "original", "adapted", ... ; and back (false where the word is unknown).
 std::string_view name_of(ContactModelKind kind) noexcept;
+/// The kind called `word`; false, and `kind` untouched, where there is none. Real-time safe.
 bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept;
 
 /// What one pose gives. All in W; torque about the tool's origin.

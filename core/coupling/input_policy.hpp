@@ -29,8 +29,10 @@ bool usable(const CouplingInput& input) noexcept;
 /// again at the force given last and fades, first to no contact and, when good inputs are back, to theirs.
 class InputPolicy {
  public:
+  /// `nominal_s`: the sample time [s]; `ramp_s`: how long an input is faded in [s]. Both above 0.
   InputPolicy(double nominal_s, double ramp_s) noexcept : nominal_s_(nominal_s), ramp_s_(ramp_s) {}
 
+  /// One sample, `dt_s` [s] after the last; call once a sample. What is wrong with either is counted, and answered as above.
   PolicedSample apply(const CouplingInput& input, double dt_s) noexcept;
   /// The next samples are faded in from a force that is given already, or, where there is none, only if the first good one is in contact: a
   /// contact that begins later begins at depth zero by itself, and fading it would let the tool sink below the layer that pushes.

@@ -113,6 +113,7 @@ class Judge {
   /// Throws what JudgeSettings::validate throws.
   explicit Judge(const JudgeSettings& settings);
 
+  /// One sample of a contact by penalty: whether the report can be true where the gap is `gap`. Allocates.
   Judgement judge(const GapResult& gap, const ReportedContact& report);
   /// Of a virtual tool, by other rules: tool_judgement.hpp.
   Judgement judge(const GapResult& at_tool, const GapResult& at_hand, const ToolSettings& tool, const ReportedTool& report);
