@@ -37,7 +37,7 @@ struct ContactResult {
   /// [N/m, N, Nm/rad], W axes, about the tool's origin; symmetric, positive semidefinite, the trace of its translational
   /// part at most the bound above. It is how -wrench changes with the depths while the colliding set stays: for
   /// translations that is all; a rotation also turns the arms and directions, which adds terms of the size of the wrench
-  /// itself. A held point, whose push does not depend on the pose, counts as one that does, so that the matrix does not
+  /// itself. A retained point, whose push does not depend on the pose, counts as one that does, so that the matrix does not
   /// fall where points go through.
   Mat6 stiffness = Mat6::Zero();
   bool fallback = false;                ///< normals face each other (coherence <= 0.3): `original` was used for this frame

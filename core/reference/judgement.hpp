@@ -32,7 +32,7 @@
 ///  - Direction to 20 degrees, of the force and of the mean normal, where the nearest face is unique, t >= e/4 + o, at least 4
 ///    points collide with a coherence of 1/2 or more, none has gone through and the model is not in its fallback. Points that
 ///    touch while s > 0 do so by the accident of one voxel's corner, and a sphere of 10 e has normals 34 degrees off there;
-///    in these frames, in held ones and in those with interior hits only the sign counts: neither may point more than 90
+///    in these frames, in retained ones and in those with interior hits only the sign counts: neither may point more than 90
 ///    degrees away (s < e/2). The o: voxel centres collide deeper or sooner than the surface does, and a law with own
 ///    normals pushes askew with them. Force laws with a tangential part (friction) keep within 20 degrees up to a coefficient
 ///    of 0.3.
