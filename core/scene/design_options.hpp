@@ -49,7 +49,7 @@ struct DesignOptions {
 /// to 0.6 Nms/rad).
 coupling::design::OperatorRange hand_range(coupling::design::Grip grip) noexcept;
 
-/// The hands that `ask` means on a device that is held by `grip`.
-coupling::design::OperatorRange operator_range(const DesignOptions& ask, coupling::design::Grip grip) noexcept;
+/// The hands that `options` means on a device that is held by `grip`.
+coupling::design::OperatorRange operator_range(const DesignOptions& options, coupling::design::Grip grip) noexcept;
 
 }  // namespace voxtouch::scene
