@@ -22,6 +22,7 @@ enum class DeviceError : std::uint8_t {
   kRecoverable,   ///< the device dropped its force (warm motors, too fast) and will take commands again
   kFault,         ///< the device stopped and needs a person
 };
+/// One word, for logs and messages. Real-time safe.
 std::string_view name_of(DeviceError error) noexcept;
 
 template <class T>
@@ -59,6 +60,7 @@ struct DeviceSample {
 class Driver {
  public:
   virtual ~Driver() = default;
+  /// What the device is and can give; the same from opening to the end.
   virtual const DeviceDescription& description() const noexcept = 0;
   /// The next sample that has not been given out yet, the newest if several have come; waits at most
   /// `timeout` for it.

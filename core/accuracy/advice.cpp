@@ -25,7 +25,7 @@ std::string time_and_error(const AccuracyRow& row) {
   return fmt::format("{} us, {}", figure(row.median_us), degrees(row.direction_median_deg));
 }
 
-/// One wished figure and what a row has of it.
+/// One wanted figure and what a row has of it.
 struct Wanted {
   const char* name;
   double limit;
@@ -50,7 +50,7 @@ std::vector<Wanted> wanted_of(const AccuracyGoal& goal) {
   return out;
 }
 
-/// The wished figure that `row` misses by the largest factor, and that factor; at most 1 where it keeps all.
+/// The wanted figure that `row` misses by the largest factor, and that factor; at most 1 where it keeps all.
 struct Excess {
   double factor = 0.0;
   const Wanted* of = nullptr;
@@ -89,7 +89,7 @@ std::string values_text(const AccuracyRow& row, const std::vector<Wanted>& wante
 
 void advise_for_error(const std::vector<AccuracyRow>& rows, const AccuracyGoal& goal, AccuracyAdvice& out) {
   const std::vector<Wanted> wanted = wanted_of(goal);
-  // Settings that keep the wish share the key 1 and are told apart by their cost; the others by how far they are off.
+  // Settings that keep the goal share the key 1 and are told apart by their cost; the others by how far they are off.
   out.row = least(rows, [&](const AccuracyRow& r) {
     return std::tuple(std::max(1.0, excess(r, wanted).factor), r.median_us, r.bytes);
   });

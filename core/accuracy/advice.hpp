@@ -1,5 +1,5 @@
 #pragma once
-/// What to choose: from measured rows and a wish to one sentence and the row it names.
+/// What to choose: from measured rows and a goal to one sentence and the row it names.
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -24,14 +24,14 @@ struct AccuracyGoal {
   std::optional<double> within_us = {};      ///< median CPU time of a frame
 
   bool wants_error() const noexcept { return direction_deg || noise || torque_m || onset_m; }
-  /// Throws std::invalid_argument for a wish that is not finite and above 0, and for an error and a time at once.
+  /// Throws std::invalid_argument for a goal that is not finite and above 0, and for an error and a time at once.
   void validate() const;
 };
 
 struct AccuracyAdvice {
   std::string sentence;
-  std::optional<std::size_t> row;  ///< what the sentence recommends; without a wish the knee, or the only choice
-  std::optional<bool> met;         ///< whether `row` keeps the wish; absent without a wish
+  std::optional<std::size_t> row;  ///< what the sentence recommends; without a goal the knee, or the only choice
+  std::optional<bool> met;         ///< whether `row` keeps the goal; absent without a goal
   std::vector<std::size_t> front;  ///< Pareto front of time and median direction error, by ascending time
   std::optional<std::size_t> knee;
 };

@@ -16,6 +16,7 @@ enum class ContactModelKind : std::uint8_t { kOriginal = 1, kAdapted = 2, kClust
 
 /// "original", "adapted", ... ; and back (false where the word is unknown).
 std::string_view name_of(ContactModelKind kind) noexcept;
+/// The kind called `word`; false, and `kind` untouched, where there is none. Real-time safe.
 bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept;
 
 /// What one pose gives. All in W; torque about the tool's origin.
@@ -36,7 +37,7 @@ struct ContactResult {
   /// [N/m, N, Nm/rad], W axes, about the tool's origin; symmetric, positive semidefinite, the trace of its translational
   /// part at most the bound above. It is how -wrench changes with the depths while the colliding set stays: for
   /// translations that is all; a rotation also turns the arms and directions, which adds terms of the size of the wrench
-  /// itself. A held point, whose push does not depend on the pose, counts as one that does, so that the matrix does not
+  /// itself. A retained point, whose push does not depend on the pose, counts as one that does, so that the matrix does not
   /// fall where points go through.
   Mat6 stiffness = Mat6::Zero();
   bool fallback = false;                ///< normals face each other (coherence <= 0.3): `original` was used for this frame

@@ -31,8 +31,8 @@ class ContactRenderer {
   /// pushes on, at a later sub-pose or in a later frame, slow ones included, before the tool was back where it stood against it.
   /// Then the frame's contact is that of the sub-pose where it stood against the motion most, and it is
   /// held (`StageResult::crossed`) while the tool is behind: until the way from there to the tool crosses nothing any more, or the
-  /// tool is farther than twice its reach and what a frame walks. The held force never points away from the side of entry:
-  /// F . (x - c) + M . turn < 0 for the held pose c. Faster motions are not walked (`StageResult::missed`). Slower ones cost nothing.
+  /// tool is farther than twice its reach and what a frame walks. The kept force never points away from the side of entry:
+  /// F . (x - c) + M . turn < 0 for the kept pose c. Faster motions are not walked (`StageResult::missed`). Slower ones cost nothing.
   StageResult render(const Pose& pose_WT) noexcept;
 
   /// Forgets all frames so far: after a restart of the device, or a jump of the tool that was no motion.

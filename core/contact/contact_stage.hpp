@@ -59,6 +59,7 @@ constexpr bool remembers(ContactModelKind model) noexcept {
 /// All memory is taken at construction; `apply` and `reset` are real-time safe. Not safe to share between threads.
 class ContactStage {
  public:
+  /// Takes all memory for a shell of `config.points` points. Allocates.
   explicit ContactStage(const StageConfig& config);
 
   /// `plain` is what the model gave for `hits`. A pose that could not be looked up passes through and leaves the memory alone.

@@ -106,10 +106,14 @@ class Hits {
   void push_back(const Hit& hit);
   /// For the query: room for `count` numbers, none written yet; the first `found` of them were, and stay; and what they sum up to.
   std::uint32_t* room(std::size_t count);
+  /// Keeps the first `found` numbers of those that were written into `room`, hits of `source`. Real-time safe.
   void keep(std::size_t found, const HitSource& source);
+  /// What `normal_sum` and `weight_sum` give from now on. Real-time safe.
   void set_sums(const Vec3& normals, double weights) noexcept { normal_sum_ = normals, weight_sum_ = weights; }
 
+  /// Room for `count` hits. Allocates.
   void reserve(std::size_t count) { points_.reserve(count); }
+  /// No hits; the memory stays. Real-time safe.
   void clear() noexcept;
 
  private:

@@ -15,7 +15,7 @@ inline constexpr double kBlendTo = 0.5;    ///< mean normal from here on
 /// point's push fades through zero instead of turning round at full strength.
 inline constexpr double kShortestDirection = 0.1;
 
-/// A held point pushes with at least this depth: its last surface voxel may have had its centre in front of it.
+/// A retained point pushes with at least this depth: its last surface voxel may have had its centre in front of it.
 inline constexpr double kRetainedDepthFloorEdges = 0.25;
 
 /// Depth of a point that turns up in the interior without having been seen in the surface layer.
@@ -25,7 +25,7 @@ inline constexpr double kUnseenDepthEdges = 1.0;
 /// 1 is the slope of the plain law on the way out, so that a straight way in and out gives no energy away.
 inline constexpr double kFadePerMetre = 1.0;
 
-/// The shared held direction follows the present mean fully where their cosine is at least `kAgreeTo`, not at all below
+/// The shared retained direction follows the present mean fully where their cosine is at least `kAgreeTo`, not at all below
 /// `kAgreeFrom`: beyond a sphere's equator the rim's normals point down into the wall.
 inline constexpr double kAgreeFrom = 0.0;
 inline constexpr double kAgreeTo = 0.5;

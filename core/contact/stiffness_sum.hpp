@@ -48,6 +48,7 @@ class CommonDirectionSum {
       : weights_(sums[0]), arms_(sums[1], sums[2], sums[3]), xx_(sums[4]), xy_(sums[5]), xz_(sums[6]), yy_(sums[7]), yz_(sums[8]),
         zz_(sums[9]) {}
 
+  /// One point at `arm` from the tool's origin [m], W axes. Real-time safe.
   void add(const Vec3& arm, double weight = 1.0) noexcept {
     const Vec3 weighed = weight * arm;
     weights_ += weight;

@@ -11,6 +11,7 @@ namespace voxtouch::coupling {
 enum class CouplingKind : std::uint8_t { kDirect = 0, kShapingFilter = 1, kSpringDamper = 2 };
 /// "direct", "shaping_filter", "spring_damper"; and back (false where the word is unknown, `kind` untouched).
 std::string_view name_of(CouplingKind kind) noexcept;
+/// The kind called `word`, as above. Real-time safe.
 bool parse_coupling(std::string_view word, CouplingKind& kind) noexcept;
 
 /// One sample's input: what the contact gives at the device's pose.

@@ -18,12 +18,15 @@ void never_pull(Vec3& sum, const Vec3& push) noexcept;
 /// against the motion, and as the tool leaves it ends from what `never_pull` has left of it.
 class InjectedDamping {
  public:
+  /// The dampings of `spec`, as `validate` accepts it [Ns/m, Nms/rad].
   explicit InjectedDamping(const CouplingSpec& spec) noexcept
       : linear_(spec.injected_damping_ns_per_m), angular_(spec.injected_damping_nms_per_rad) {}
+  /// Goes to the dampings of `spec` in a straight line over `over_s` > 0. Real-time safe.
   void redesign(const CouplingSpec& spec, double over_s) noexcept {
     linear_.head_for(spec.injected_damping_ns_per_m, over_s);
     angular_.head_for(spec.injected_damping_nms_per_rad, over_s);
   }
+  /// Moves on by `dt_s` [s] on that way. Real-time safe.
   void advance(double dt_s) noexcept { linear_.advance(dt_s), angular_.advance(dt_s); }
   /// What to add for `contact`, at velocity v^: nothing where it shows no stiffness at all. Real-time safe.
   Wrench of(const CouplingInput& contact, const Twist& velocity) const noexcept;

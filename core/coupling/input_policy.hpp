@@ -15,8 +15,8 @@ inline constexpr double kLargestInput = 1e12;
 /// What the policy finds about one sample.
 struct PolicedSample {
   double dt_s = 0;      ///< the period as measured, within the band, or the nominal one
-  double weight = 1;    ///< share of the contact in what the law is given; the rest belongs to the force that was held at the start
-  bool good = false;    ///< the input is made of numbers; else the last good one is held
+  double weight = 1;    ///< share of the contact in what the law is given; the rest belongs to the force of the start
+  bool good = false;    ///< the input is made of numbers; else the last good one is repeated
   bool lost = false;    ///< none was good for kGapPeriods: from now on the contact is none, until one is
   bool gap = false;     ///< the loop stood still, or good inputs have ended or come back: start again at the force given last
 };
@@ -29,8 +29,10 @@ bool usable(const CouplingInput& input) noexcept;
 /// again at the force given last and fades, first to no contact and, when good inputs are back, to theirs.
 class InputPolicy {
  public:
+  /// `nominal_s`: the sample time [s]; `ramp_s`: how long an input is faded in [s]. Both above 0.
   InputPolicy(double nominal_s, double ramp_s) noexcept : nominal_s_(nominal_s), ramp_s_(ramp_s) {}
 
+  /// One sample, `dt_s` [s] after the last; call once a sample. What is wrong with either is counted, and answered as above.
   PolicedSample apply(const CouplingInput& input, double dt_s) noexcept;
   /// The next samples are faded in from a force that is given already, or, where there is none, only if the first good one is in contact: a
   /// contact that begins later begins at depth zero by itself, and fading it would let the tool sink below the layer that pushes.

@@ -86,6 +86,7 @@ struct PassivityDamping {
 /// Real-time safe.
 class Passivity {
  public:
+  /// `nominal_s`: the sample time [s].
   explicit Passivity(double nominal_s) noexcept : nominal_s_(nominal_s) {}
 
   /// Books what the last command did over `way`, and closes the accounts of a contact that has ended. `supplied_j`: energy
@@ -97,6 +98,7 @@ class Passivity {
                            const PassivityLimits& limits) noexcept;
   /// The command of this sample, to be booked with the next way.
   void command(const Wrench& applied) noexcept { applied_ = applied; }
+  /// All accounts begin at zero, and no command is waiting to be booked.
   void reset() noexcept;
 
   const EnergyAccounts& energy() const noexcept { return energy_; }

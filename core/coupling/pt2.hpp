@@ -16,6 +16,7 @@ struct Pt2Coefficients {
   double c = 0;   ///< 2 (2 d + g)
   double gd = 0;  ///< g / (1 + 2 d g + g^2)
 
+  /// Of the Tustin rule without prewarping, for w0 >= 0, d >= 0 and T > 0 (the paper, section 3). Real-time safe.
   static Pt2Coefficients of(double w0_rad_per_s, double damping_ratio, double period_s) noexcept {
     const double g = 0.5 * w0_rad_per_s * period_s, damped = 2.0 * damping_ratio + g;
     return {g, 2.0 * damped, g / (1.0 + g * damped)};
@@ -32,6 +33,7 @@ struct Pt2State {
   /// times the time, and would stick there.
   static constexpr double kRest = 1e-12;
 
+  /// One sample with the input `u` [any unit]; gives the output in the unit of `gain * u`. Real-time safe.
   double advance(const Pt2Coefficients& k, double gain, double u) noexcept {
     const double e = gain * (u + u_last) - 2.0 * y;
     const double dv = k.gd * (e - k.c * v);

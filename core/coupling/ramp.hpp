@@ -18,10 +18,12 @@ inline double ramp_behind_filter_s(double w0_rad_per_s) noexcept {
 class Ramp {
  public:
   Ramp() = default;
+  /// At rest at `value`.
   explicit Ramp(double value) noexcept : now_(value), goal_(value) {}
 
   /// From where it is to `goal` in `duration_s` > 0.
   void head_for(double goal, double duration_s) noexcept { goal_ = goal, rate_ = std::abs(goal - now_) / duration_s; }
+  /// Moves on by `dt_s` [s] and gives the number as it is then.
   double advance(double dt_s) noexcept {
     if (now_ != goal_) now_ = std::clamp(goal_, now_ - rate_ * dt_s, now_ + rate_ * dt_s);
     return now_;

@@ -32,7 +32,7 @@ void ShapingFilter::start_at(const Wrench& start) noexcept {
 
 Wrench ShapingFilter::step(const LawInput& in) noexcept {
   const Pt2Coefficients k = Pt2Coefficients::of(w0_, d_, in.dt_s);
-  const double back = gain_ > 0.0 ? (1.0 - in.weight) / gain_ : 0.0;  // input that would keep the held force, times its share
+  const double back = gain_ > 0.0 ? (1.0 - in.weight) / gain_ : 0.0;  // input that would keep the force of the start, times its share
   Wrench given;
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const double u = in.weight < 1.0 ? in.weight * component(in.contact, i) + back * component(start_, i)

@@ -18,6 +18,7 @@ class ShapingFilter {
   /// `spec` as `validate` accepts it.
   ShapingFilter(const CouplingSpec& spec, double nominal_period_s) noexcept;
 
+  /// One sample: K H_f of the contact, faded in from the force given at the start [N, Nm], W axes. Source: the paper, section 3.
   Wrench step(const LawInput& input) noexcept;
   /// Starts again, giving `start` without a jump.
   void start_at(const Wrench& start) noexcept;

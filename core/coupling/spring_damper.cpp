@@ -51,7 +51,7 @@ Wrench SpringDamper::step(const LawInput& in) noexcept {
   const double c = c_.advance(in.dt_s), r = r_.advance(in.dt_s);
   Wrench contact = in.contact;
   if (in.weight < 1.0) {
-    const double back = (1.0 - in.weight) * (c + in.stiffness_n_per_m) / c;  // f that would keep the held force at rest
+    const double back = (1.0 - in.weight) * (c + in.stiffness_n_per_m) / c;  // f that would keep the force of the start at rest
     contact.force = in.weight * in.contact.force + back * start_.force;
     contact.torque = in.weight * in.contact.torque + back * start_.torque;
   }

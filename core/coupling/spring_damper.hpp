@@ -21,6 +21,7 @@ namespace voxtouch::coupling {
 /// (F would pull), and in free space. F is never against f and never longer than f.
 struct UnilateralSpringDamper {
   Vec3 delta = Vec3::Zero();
+  /// F of one sample for the contact's force `f` [N or Nm], its stiffness `k`, spring `c` [N/m], damper `r` [Ns/m] and the period [s].
   Vec3 step(const Vec3& f, double k, double c, double r, double dt_s) noexcept;
 };
 
@@ -29,8 +30,10 @@ struct UnilateralSpringDamper {
 /// to the force, with no rotational stiffness to be tuned.
 class SpringDamper {
  public:
+  /// c and r of `spec`, as `validate` accepts it.
   explicit SpringDamper(const CouplingSpec& spec) noexcept : c_(spec.stiffness_n_per_m), r_(spec.damping_ns_per_m) {}
 
+  /// One sample of the law above for force and torque [N, Nm], W axes, faded in from the force given at the start.
   Wrench step(const LawInput& input) noexcept;
   /// Starts again, giving `start` without a jump.
   void start_at(const Wrench& start) noexcept;

@@ -29,6 +29,7 @@ double cap_scale(const Mat6& stiffness, double bound, double per_cap_t, double p
 /// way in: a cycle costs the hand energy and gives it none.
 class StiffnessCap {
  public:
+  /// The caps of `spec`, as `validate` accepts it; infinity: none.
   explicit StiffnessCap(const CouplingSpec& spec) noexcept;
   /// New caps. A contact that pushes meanwhile does not jump: from what it shows now the displayed stiffness goes to what the
   /// new caps let it show in a straight line, over kDefaultRampS or `ramp_behind_filter_s`, whichever is longer, also from or to
@@ -37,6 +38,7 @@ class StiffnessCap {
   void redesign(const CouplingSpec& spec) noexcept;
   /// s for this sample; `input` as `usable` accepts it.
   double step(const CouplingInput& input, double dt_s) noexcept;
+  /// Nothing pushes: the next contact is scaled at once as it comes.
   void reset() noexcept { scale_ = 1.0, over_ = Ramp(1.0); }
 
  private:

@@ -29,10 +29,14 @@ struct ToolStep {
 /// towards the next; after a gap, and after a jump, v^ begins again at zero.
 class ToolMotion {
  public:
+  /// `nominal_s`: the sample time [s]; `limits`: a pose that would need a faster tool is a jump.
   ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits) noexcept;
 
+  /// The way to `tool` (T in W) and the velocity there, `dt_s` [s] after the last sample. Valid until the next call.
   const ToolStep& step(const Pose& tool, double dt_s) noexcept;
+  /// Another cut-off of v^ [Hz], from the next sample on.
   void set_filter(double velocity_filter_hz) noexcept;
+  /// The next pose is the first: no way leads to it, and v^ begins at zero.
   void forget() noexcept;
   const Twist& velocity() const noexcept { return velocity_; }  ///< v^, W axes
   std::uint64_t jumps() const noexcept { return jumps_; }

@@ -48,7 +48,7 @@ struct EffectFrame {
   std::span<const ObjectContact> contacts;  ///< empty where no effect needs them
   const Proximity* proximity = nullptr;     ///< null where no effect needs it
   std::span<const ToolPoint> tool_points;   ///< empty where `proximity` is null
-  double share = 1.0;                       ///< 0..1, what gain and region leave; of matter to EffectKind::takes_share
+  double share = 1.0;                       ///< 0..1, what gain and region leave; of matter to EffectKind::shares_inside
 };
 
 /// What the effects of one sample add up to. W axes; torque and stiffness about the tool's origin.

@@ -33,6 +33,7 @@ class EffectChain {
   EffectPush apply(const EffectFrame& frame, const EffectFrame* surface) noexcept;
   /// Sum of the coefficients of such kinds behind their gains and regions, for a tool at `x` in W that touches `object`. Real-time safe.
   double friction_at(const Vec3& x, std::uint32_t object) const noexcept;
+  /// Each effect forgets what it remembers, as for a new session. Gains and values stay. Real-time safe.
   void reset() noexcept;
 
   std::size_t size() const noexcept { return links_.size(); }
@@ -48,6 +49,7 @@ class EffectChain {
   /// All numbers have come to where they were to go (gains may still be on their way). Real-time safe.
   bool at_rest() const noexcept;
 
+  /// Samples of effects that gave a number that is none, since the chain was made.
   std::uint64_t not_finite() const noexcept { return not_finite_; }
 
  private:

@@ -37,15 +37,19 @@ struct EffectParameter {
 
 /// The rows of a kind's table; without a standard the scene must give the value.
 namespace row {
+/// A number within [low, high], in the unit that the name ends in.
 constexpr EffectParameter number(std::string_view name, double low, double high, std::string_view meaning) {
   return {.name = name, .low = low, .high = high, .meaning = meaning};
 }
+/// The same with a standard.
 constexpr EffectParameter number(std::string_view name, double low, double high, double standard, std::string_view meaning) {
   return {.name = name, .low = low, .high = high, .standard = {{standard, 0.0, 0.0}}, .meaning = meaning};
 }
+/// A point in W [m].
 constexpr EffectParameter place(std::string_view name, std::string_view meaning) {
   return {.name = name, .shape = ParameterShape::kVector, .meaning = meaning};
 }
+/// A direction in W, brought to unit length.
 constexpr EffectParameter direction(std::string_view name, std::string_view meaning) {
   return {.name = name, .shape = ParameterShape::kDirection, .meaning = meaning};
 }

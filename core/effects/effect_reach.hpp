@@ -11,10 +11,12 @@ namespace voxtouch::effects {
 /// time (EffectChain), so that two that change one after the other may meet in any combination.
 class EffectReach {
  public:
+  /// At rest at the values of `spec`.
   explicit EffectReach(EffectSpec spec) : spec_(std::move(spec)), low_(spec_.values), high_(spec_.values) {}
 
   /// It goes there as well, from wherever it is. Of the same kind.
   void widen(const EffectSpec& to);
+  /// All that `to` may come to is reached as well. Of the same kind.
   void widen(const EffectReach& to);
 
   const EffectSpec& spec() const noexcept { return spec_; }  ///< where it comes to rest

@@ -59,7 +59,9 @@ constexpr std::array<EffectParameter, kGuideOwn + sizeof...(Own)> guide_rows(con
           own...};
 }
 
+/// The law of a guide with these values: stiffness [N/m], limit [N] and range [m]. Real-time safe.
 GuideLaw guide_law(const EffectValues& values) noexcept;
+/// Empty where the values go together; else the sentence why not.
 std::string check_guide(const EffectValues& values);
 /// k, F and the depth of the potential.
 EffectBound guide_bound(const EffectValues& values);

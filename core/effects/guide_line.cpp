@@ -1,4 +1,4 @@
-// A guide to a line: the tool's origin slides along it freely and is held across it.
+// A guide to a line: the tool's origin slides along it freely and is constrained across it.
 #include <algorithm>
 
 #include "core/effects/guide_law.hpp"

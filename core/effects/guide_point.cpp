@@ -1,4 +1,4 @@
-// A guide to a point: the tool's origin is held there by a spring of limited force.
+// A guide to a point: the tool's origin is pulled there by a spring of limited force.
 #include "core/effects/guide_law.hpp"
 
 namespace voxtouch::effects {

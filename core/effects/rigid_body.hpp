@@ -54,6 +54,7 @@ class RigidBody {
  public:
   static constexpr double kGripRampS = 0.05, kMaxSpeed = 20.0, kMaxSpin = 200.0, kContactDampingRatio = 0.5;
 
+  /// Placed nowhere yet: it has to be, before the first step.
   explicit RigidBody(const BodyShape& shape) noexcept : shape_(shape) {}
 
   /// Lies at `pose` and hangs on a tool at the same pose.
@@ -69,6 +70,7 @@ class RigidBody {
   BodyGrip step(const BodyLoad& load, const Pose& pose_WT, const Twist& tool_twist, bool hold, double grab_m,
                 const BodyParameters& parameters, double dt_s) noexcept;
 
+  /// Of the last step [J]; see above.
   double energy_j() const noexcept { return energy_j_; }
   const BodyShape& shape() const noexcept { return shape_; }
 

@@ -57,6 +57,7 @@ inline constexpr double kSteepestStep = 1.5;  ///< largest slope of a smoothstep
 
 /// No hand moves a tool faster; beyond it what damps grows thinner, so that its force has a bound.
 inline constexpr double kFastestMPerS = 2.0;
+/// `v` [m/s], shortened to that speed. Real-time safe.
 inline Vec3 within_hand_speed(const Vec3& v) noexcept {
   const double speed = v.stableNorm();
   return speed > kFastestMPerS ? Vec3(v * (kFastestMPerS / speed)) : v;
@@ -85,6 +86,7 @@ class ToolDisplacement {
     last_ = {tool.position, turned};
     known_ = true;
   }
+  /// The next pose is the first. Real-time safe.
   void forget() noexcept { known_ = false; }
 
   /// Way [m] of the tool's own point that is now at `arm` from the tool's origin. Exactly zero for a tool that rests.
@@ -103,6 +105,7 @@ class ToolDisplacement {
 /// no more than the tool moved, so that a torque across it has no step and a tool that rests none at all.
 class FollowedHeight {
  public:
+  /// `height_m` of this sample, as far as `moved_m`, the tool's way since the last one, lets it follow [m]. Real-time safe.
   double follow(double height_m, double moved_m) noexcept {
     height_ = known_ ? std::clamp(height_m, height_ - moved_m, height_ + moved_m) : height_m;
     known_ = true;
@@ -128,6 +131,7 @@ class PerObject {
  public:
   static constexpr std::size_t kMaxTouches = 16;
 
+  /// A new sample: nothing has been asked for yet. Real-time safe.
   void begin() noexcept {
     for (Slot& slot : slots_) slot.seen = false;
   }
@@ -150,6 +154,7 @@ class PerObject {
   void end() noexcept {
     for (Slot& slot : slots_) slot.used = slot.used && slot.seen;
   }
+  /// Forgets all objects. Real-time safe.
   void clear() noexcept {
     for (Slot& slot : slots_) slot.used = false;
   }

@@ -55,25 +55,25 @@ HandScales hand_scales(const scene::WorkspaceMapping& device) noexcept {
 coupling::design::DesignProblem design_problem(const scene::Scene& scene, const coupling::design::DeviceModel& device,
                                                const coupling::design::ContactRange& translation_in_world,
                                                const coupling::design::ContactRange& rotation_in_world) {
-  const scene::DesignOptions ask = scene.design.value_or(scene::DesignOptions{});
+  const scene::DesignOptions options = scene.design.value_or(scene::DesignOptions{});
   const HandScales scales = hand_scales(scene.device);
   const Caps caps = caps_of(scene);
   coupling::design::DesignProblem request;
   request.device = device;
-  request.hand = scene::operator_range(ask, device.grip);
+  request.hand = scene::operator_range(options, device.grip);
   rendering::StiffnessBounds bounds{translation_in_world, rotation_in_world};
   const bool spring = rendering::is_spring(bounds);
   if (spring) bounds = of_spring(scene, device, bounds);
   request.contact = at_hand(bounds.translation, caps.n_per_m, scales.translation);
   request.contact_rotation = at_hand(bounds.rotation, caps.nm_per_rad, scales.rotation);
   coupling::design::DesignGoals& goals = request.goals;
-  goals.kind = ask.kind;
-  goals.cutoff_hz = ask.cutoff_hz;
-  goals.max_cutoff_hz = std::max(goals.max_cutoff_hz, ask.cutoff_hz);
-  goals.gain_margin = ask.gain_margin;
+  goals.kind = options.kind;
+  goals.cutoff_hz = options.cutoff_hz;
+  goals.max_cutoff_hz = std::max(goals.max_cutoff_hz, options.cutoff_hz);
+  goals.gain_margin = options.gain_margin;
   if (!spring) goals.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
-  goals.allow_injected_damping = ask.inject_damping;
-  goals.free_cap = scene.design && !ask.stiffness_cap_n_per_m && !ask.stiffness_cap_nm_per_rad;
+  goals.allow_injected_damping = options.inject_damping;
+  goals.free_cap = scene.design && !options.stiffness_cap_n_per_m && !options.stiffness_cap_nm_per_rad;
   return request;
 }
 

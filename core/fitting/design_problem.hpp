@@ -17,6 +17,7 @@ struct HandScales {
   double translation = 1.0;  ///< s f
   double rotation = 1.0;     ///< f / s
 };
+/// Those of a device with these scales s and f. Real-time safe.
 HandScales hand_scales(const scene::WorkspaceMapping& device) noexcept;
 
 /// What the designer is asked for this scene on this device: the scene's `design`, or the defaults of DesignOptions where

@@ -20,11 +20,14 @@ struct MeshFile {
   std::vector<std::string> warnings;
 };
 
+/// Throws MeshError: the file ends before what it announces; `found` says how much there is.
 [[noreturn]] void refuse_truncated(const MeshFile& file, const std::string& found);
 
 /// The file's `bytes`, checked for its format. What plays no part in geometry may be left out of them.
 MeshFile open_mesh_file(const std::filesystem::path& path, std::string bytes);
 
+/// Each checks what assimp does not for its format, and throws MeshError with the remedy. glTF and COLLADA lose what plays no part in
+/// geometry.
 void check_ply(const MeshFile& file);
 void check_gltf(MeshFile& file);
 void check_collada(MeshFile& file);

@@ -32,7 +32,7 @@
 ///  - Direction to 20 degrees, of the force and of the mean normal, where the nearest face is unique, t >= e/4 + o, at least 4
 ///    points collide with a coherence of 1/2 or more, none has gone through and the model is not in its fallback. Points that
 ///    touch while s > 0 do so by the accident of one voxel's corner, and a sphere of 10 e has normals 34 degrees off there;
-///    in these frames, in held ones and in those with interior hits only the sign counts: neither may point more than 90
+///    in these frames, in retained ones and in those with interior hits only the sign counts: neither may point more than 90
 ///    degrees away (s < e/2). The o: voxel centres collide deeper or sooner than the surface does, and a law with own
 ///    normals pushes askew with them. Force laws with a tangential part (friction) keep within 20 degrees up to a coefficient
 ///    of 0.3.
@@ -113,6 +113,7 @@ class Judge {
   /// Throws what JudgeSettings::validate throws.
   explicit Judge(const JudgeSettings& settings);
 
+  /// One sample of a contact by penalty: whether the report can be true where the gap is `gap`. Allocates.
   Judgement judge(const GapResult& gap, const ReportedContact& report);
   /// Of a virtual tool, by other rules: tool_judgement.hpp.
   Judgement judge(const GapResult& at_tool, const GapResult& at_hand, const ToolSettings& tool, const ReportedTool& report);

@@ -21,6 +21,7 @@ struct NearestPair {
 /// A bounding-volume tree of OBBRSS over one mesh. Queries are const and may run at once; they allocate.
 class MeshDistance {
  public:
+  /// Builds the tree over all triangles. Allocates.
   explicit MeshDistance(const ReferenceMesh& mesh);
   ~MeshDistance();
   MeshDistance(MeshDistance&&) noexcept;
@@ -33,6 +34,7 @@ class MeshDistance {
   /// Second way, which shares only the tree with the first: FCL's mesh against a mesh of one triangle that is small enough to
   /// count as a point. Differs from the truth by up to `second_way_error_m()`.
   double second_way(const Vec3& x) const;
+  /// The bound for `second_way` [m].
   double second_way_error_m() const noexcept;
 
   /// Distance to another mesh posed in this one's frame.

@@ -23,6 +23,7 @@ class PosedMesh {
     bool closed_form = false;      ///< from declared primitives
     double check_error_m = 0.0;    ///< by how much two ways differ beyond what they may
   };
+  /// Of `x` in W [m], negative inside. Allocates.
   Answer signed_distance(const Vec3& x) const;
   /// By the triangles alone.
   SignedPoint mesh_signed_distance(const Vec3& x) const;
@@ -31,6 +32,7 @@ class PosedMesh {
   bool inside(const Vec3& x) const noexcept;
 
   bool closed() const noexcept { return mesh_.closed; }
+  /// How far the triangles may lie from the shape that they stand for [m].
   double chord_error_m() const noexcept { return chord_error_m_; }
   const ReferenceMesh& mesh() const noexcept { return mesh_; }
   const MeshDistance& distance() const noexcept { return distance_; }

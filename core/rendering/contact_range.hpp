@@ -17,7 +17,7 @@ struct ContactStiffness {
 /// arms r_i the contact is sum_S K_i J_i' J_i, J_i = [u_i', (r_i x u_i)']:
 ///
 ///  - translation: a' (sum K_i u_i u_i') a <= sum_S K_i, so max K_i alone and sum K_i together. `adapted` reaches it, since
-///    its points share one direction, and points held in a wall can be all of them: nothing smaller holds for all poses.
+///    its points share one direction, and points retained in a wall can be all of them: nothing smaller holds for all poses.
 ///  - rotation about a unit axis a: sum K_i (a . (r_i x u_i))^2 = sum K_i (u_i . (a x r_i))^2 <= sum K_i |a x r_i|^2
 ///    = a' I a, with I the inertia tensor of masses K_i at the points. So max K_i |r_i|^2 alone, and the largest eigenvalue
 ///    of I together; that is at most sum K_i |r_i|^2 (its trace is twice that sum, and no eigenvalue exceeds the sum of the

@@ -26,7 +26,9 @@ Wrench wrench_to_device(const scene::WorkspaceMapping& spec, const Wrench& wrenc
 /// none, so the tool is taken to be turned as it was last. Real-time safe.
 class WrenchToDevice {
  public:
+  /// The tool is not turned until a first orientation has come.
   explicit WrenchToDevice(const scene::WorkspaceMapping& spec) noexcept : spec_(spec) {}
+  /// As `wrench_to_device`, for the wrench of this sample [N, Nm].
   Wrench operator()(const Wrench& wrench_W, const Quat& rotation_WT) noexcept;
 
  private:
@@ -48,6 +50,7 @@ struct ToolState {
 /// the hand about an axis of the world still turns the tool about that axis. Real-time safe, deterministic.
 class DeviceMapping {
  public:
+  /// `spec` as the scene's reader accepts it.
   explicit DeviceMapping(const scene::WorkspaceMapping& spec) noexcept : spec_(spec) {}
 
   /// One sample: tip in D, its twist in D axes, buttons (bit 0 = first). A norm of the quaternion within 1e-3 of 1 is

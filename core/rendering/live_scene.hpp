@@ -14,13 +14,16 @@ class LiveScene {
  public:
   static constexpr double kFadeS = 0.2;
 
+  /// `first` must outlive this, or be given back by `retired`.
   explicit LiveScene(BuiltScene& first) noexcept : dominant_(&first), now_(&first) {}
 
+  /// One sample: T in W as the device holds it, `time_s` since the session's begin. Wrenches in N and Nm, W axes.
   SceneFrame render(const ToolState& tool, double time_s) noexcept;
   /// Not while one is still fading in. Where both have a virtual tool, the next one's begins at the present one's place, if that is free.
   void swap_to(BuiltScene& next) noexcept;
   /// Of a virtual tool, in all scenes from now on: the spring's stiffness in W [N/m], and that it is placed anew; see SceneRenderer.
   void aim_for_spring(double n_per_m) noexcept;
+  /// The virtual tool of every scene is placed anew.
   void lose_tool() noexcept;
   bool fading() const noexcept { return old_ != nullptr; }
   /// Ends a fade at once, where nobody feels it: no session runs.

@@ -45,6 +45,7 @@ class ObjectContacts {
   }
   /// Power [W] with which moving objects pushed the tool in the last `render`; below zero where it pushed them.
   double power_w() const noexcept { return power_w_; }
+  /// Each object's contact forgets its memory. Real-time safe.
   void reset() noexcept;
 
   /// The models alone, without memory, with the ids of the points in surface voxels of any object, ascending, each once. Allocates.

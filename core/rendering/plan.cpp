@@ -38,14 +38,14 @@ std::string coupling_sentence(const coupling::CouplingSpec& c) {
   return text;
 }
 
-std::string design_sentence(const scene::DesignOptions& ask) {
-  std::string text = fmt::format("Coupling: designed when the device is known; kind {}, ", ask.kind);
-  if (ask.kind == "auto" || ask.kind == "shaping_filter") text += fmt::format("wished cut-off {:g} Hz, ", ask.cutoff_hz);
-  text += fmt::format("gain margin {:g}, hand: {}, {}", ask.gain_margin, scene::name_of(ask.hand),
-                      ask.released ? "and it may be let go" : "but it is never let go");
-  if (ask.stiffness_cap_n_per_m) text += fmt::format(", stiffness capped at {:g} N/m", *ask.stiffness_cap_n_per_m);
-  if (ask.stiffness_cap_nm_per_rad) text += fmt::format(", capped at {:g} Nm/rad", *ask.stiffness_cap_nm_per_rad);
-  if (!ask.inject_damping) text += ", no injected damping";
+std::string design_sentence(const scene::DesignOptions& options) {
+  std::string text = fmt::format("Coupling: designed when the device is known; kind {}, ", options.kind);
+  if (options.kind == "auto" || options.kind == "shaping_filter") text += fmt::format("wished cut-off {:g} Hz, ", options.cutoff_hz);
+  text += fmt::format("gain margin {:g}, hand: {}, {}", options.gain_margin, scene::name_of(options.hand),
+                      options.released ? "and it may be let go" : "but it is never let go");
+  if (options.stiffness_cap_n_per_m) text += fmt::format(", stiffness capped at {:g} N/m", *options.stiffness_cap_n_per_m);
+  if (options.stiffness_cap_nm_per_rad) text += fmt::format(", capped at {:g} Nm/rad", *options.stiffness_cap_nm_per_rad);
+  if (!options.inject_damping) text += ", no injected damping";
   return text + ".";
 }
 

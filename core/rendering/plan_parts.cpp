@@ -11,7 +11,7 @@ namespace voxtouch::rendering {
 namespace {
 
 constexpr const char* kRendering = "rendering";
-/// What the stage behind the contact model may remember of a point: that it was in the surface layer, and thrice the depth it is held
+/// What the stage behind the contact model may remember of a point: that it was in the surface layer, and thrice the depth it is retained
 /// with; now, and where a fast motion met a wall. `clustered` and `field` remember nothing.
 std::uint64_t stage_bytes_per_point(std::string_view contact_model) {
   return contact_model == "original" || contact_model == "adapted" ? 104 : 0;

@@ -52,7 +52,7 @@ class SceneRenderer {
   }
   /// Forgets all samples so far.
   void reset() noexcept;
-  /// A virtual tool is placed anew: where samples were missing for longer than the last one is held. Real-time safe.
+  /// A virtual tool is placed anew: where samples were missing for longer than the last one is repeated. Real-time safe.
   void lose_tool() noexcept {
     if (constrained_) constrained_->reset();
   }

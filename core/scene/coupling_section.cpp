@@ -28,14 +28,14 @@ coupling::design::HandRange axis_range(const MapReader& map, std::string_view ma
   return out;
 }
 
-void read_hand(const SceneSource& source, const YamlNode& node, const MapReader& coupling, DesignOptions& ask) {
+void read_hand(const SceneSource& source, const YamlNode& node, const MapReader& coupling, DesignOptions& options) {
   if (node.kind == YamlNode::Kind::kMap) {
     const MapReader map = coupling.inner("hand");
-    ask.hand = HandOption::kGiven;
-    ask.given_translation = axis_range(map, "mass_kg", "damping_ns_per_m", "stiffness_n_per_m");
+    options.hand = HandOption::kGiven;
+    options.given_translation = axis_range(map, "mass_kg", "damping_ns_per_m", "stiffness_n_per_m");
     // A hand that is only half known about its rotation would be completed by guessing.
     if (map.has("inertia_kg_m2") || map.has("damping_nms_per_rad") || map.has("stiffness_nm_per_rad"))
-      ask.given_rotation = axis_range(map, "inertia_kg_m2", "damping_nms_per_rad", "stiffness_nm_per_rad");
+      options.given_rotation = axis_range(map, "inertia_kg_m2", "damping_nms_per_rad", "stiffness_nm_per_rad");
     return;
   }
   constexpr std::array kinds = {HandOption::kPen, HandOption::kArm, HandOption::kAnyPassive};
@@ -43,7 +43,7 @@ void read_hand(const SceneSource& source, const YamlNode& node, const MapReader&
     source.fail(node.place,
                 fmt::format("'hand' must be one of: pen, arm, any_passive; or a map of ranges, but here is {}.",
                             describe(node)));
-  ask.hand = kinds[coupling.choice("hand")];
+  options.hand = kinds[coupling.choice("hand")];
 }
 
 /// Places the findings of `validate` at the keys that they are about.
@@ -60,25 +60,25 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   map.get<std::string>("design");
   refuse_all(map, KeyRule::kWithoutFirst,
              "is what the designer chooses; leave it out, or set the coupling by hand without 'design'.");
-  DesignOptions ask;
-  map.read("kind", ask.kind);
-  if (ask.kind != "auto" && ask.kind != "shaping_filter")
-    map.refuse("cutoff_hz", fmt::format("goes with kind: auto or shaping_filter, not with {}.", ask.kind));
-  map.read("cutoff_hz", ask.cutoff_hz);
+  DesignOptions options;
+  map.read("kind", options.kind);
+  if (options.kind != "auto" && options.kind != "shaping_filter")
+    map.refuse("cutoff_hz", fmt::format("goes with kind: auto or shaping_filter, not with {}.", options.kind));
+  map.read("cutoff_hz", options.cutoff_hz);
   coupling::CouplingSpec requested;
-  requested.cutoff_hz = ask.cutoff_hz;
+  requested.cutoff_hz = options.cutoff_hz;
   judge(source, node, map, requested);
-  map.read("gain_margin", ask.gain_margin);
-  map.read("stiffness_cap_n_per_m", ask.stiffness_cap_n_per_m);
-  map.read("stiffness_cap_nm_per_rad", ask.stiffness_cap_nm_per_rad);
-  if (const YamlNode* hand = map.find("hand")) read_hand(source, *hand, map, ask);
-  map.read("released", ask.released);
-  map.read("inject_damping", ask.inject_damping);
-  map.read("run_infeasible", ask.run_infeasible);
-  if (ask.hand == HandOption::kAnyPassive && !ask.released)
+  map.read("gain_margin", options.gain_margin);
+  map.read("stiffness_cap_n_per_m", options.stiffness_cap_n_per_m);
+  map.read("stiffness_cap_nm_per_rad", options.stiffness_cap_nm_per_rad);
+  if (const YamlNode* hand = map.find("hand")) read_hand(source, *hand, map, options);
+  map.read("released", options.released);
+  map.read("inject_damping", options.inject_damping);
+  map.read("run_infeasible", options.run_infeasible);
+  if (options.hand == HandOption::kAnyPassive && !options.released)
     source.fail(map.place_of("released"),
                 "'released: false' does not go with 'hand: any_passive', among which is no hand at all.");
-  return ask;
+  return options;
 }
 
 coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, const MapReader& map) {

@@ -30,17 +30,17 @@ std::string_view name_of(HandOption hand) noexcept {
   return "unknown";
 }
 
-coupling::design::OperatorRange operator_range(const DesignOptions& ask, coupling::design::Grip grip) noexcept {
-  if (ask.hand == HandOption::kPen) grip = coupling::design::Grip::kPen;
-  if (ask.hand == HandOption::kArm) grip = coupling::design::Grip::kArm;
+coupling::design::OperatorRange operator_range(const DesignOptions& options, coupling::design::Grip grip) noexcept {
+  if (options.hand == HandOption::kPen) grip = coupling::design::Grip::kPen;
+  if (options.hand == HandOption::kArm) grip = coupling::design::Grip::kArm;
   coupling::design::OperatorRange out = hand_range(grip);
-  if (ask.hand == HandOption::kGiven) {
-    out.translation = ask.given_translation;
-    out.rotation = ask.given_rotation.value_or(out.rotation);
+  if (options.hand == HandOption::kGiven) {
+    out.translation = options.given_translation;
+    out.rotation = options.given_rotation.value_or(out.rotation);
   }
   for (coupling::design::HandRange* axis : {&out.translation, &out.rotation}) {
-    axis->any_passive = ask.hand == HandOption::kAnyPassive;
-    axis->may_release = ask.released;
+    axis->any_passive = options.hand == HandOption::kAnyPassive;
+    axis->may_release = options.released;
   }
   return out;
 }

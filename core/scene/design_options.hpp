@@ -23,7 +23,7 @@ std::string_view name_of(HandOption hand) noexcept;
 /// Values as in the scene file; what they mean for the designer is in design_problem.hpp.
 struct DesignOptions {
   std::string kind = "auto";  ///< auto | shaping_filter | spring_damper | direct
-  double cutoff_hz = 5.0;     ///< wish, w0 / (2 pi)
+  double cutoff_hz = 5.0;     ///< goal, w0 / (2 pi)
   double gain_margin = 2.0;   ///< >= 1
   /// Caps on the contact's stiffness in W that are wanted as they are; without both the designer is free to cap.
   std::optional<double> stiffness_cap_n_per_m, stiffness_cap_nm_per_rad;
@@ -49,7 +49,7 @@ struct DesignOptions {
 /// to 0.6 Nms/rad).
 coupling::design::OperatorRange hand_range(coupling::design::Grip grip) noexcept;
 
-/// The hands that `ask` means on a device that is held by `grip`.
-coupling::design::OperatorRange operator_range(const DesignOptions& ask, coupling::design::Grip grip) noexcept;
+/// The hands that `options` means on a device that is held by `grip`.
+coupling::design::OperatorRange operator_range(const DesignOptions& options, coupling::design::Grip grip) noexcept;
 
 }  // namespace voxtouch::scene

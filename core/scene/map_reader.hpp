@@ -20,6 +20,7 @@ struct SceneSource {
   std::vector<std::string> warnings;  ///< `file:line:column: sentence`
 
   [[noreturn]] void fail(SourcePlace place, const std::string& sentence) const { throw SceneError(file, place, sentence); }
+  /// Keeps a warning about `place`. Allocates.
   void warn(SourcePlace place, const std::string& sentence) { warnings.push_back(at_place(file, place, sentence)); }
 };
 
@@ -27,6 +28,7 @@ struct SceneSource {
 std::string_view nearest_word(std::string_view word, const std::vector<std::string_view>& allowed);
 /// "; did you mean 'x'?" or an empty string, and "a, b and c".
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& allowed);
+/// "a, b and c".
 std::string listed(const std::vector<std::string_view>& words);
 
 /// Values of one node. `what` names it in messages, for example "voxel_size". All throw SceneError at the node's place.
@@ -36,10 +38,12 @@ std::string read_text(const SceneSource& source, const YamlNode& node, std::stri
 /// and topic names. Else what is wrong with it, to follow the name: "holds ...".
 std::string fault_of_name(std::string_view name);
 inline constexpr std::size_t kLongestName = 64;
+/// Three finite numbers.
 Vec3 read_vec3(const SceneSource& source, const YamlNode& node, std::string_view what);
 /// Index of the word among `allowed`.
 std::size_t read_choice(const SceneSource& source, const YamlNode& node, std::string_view what,
                         const std::vector<std::string_view>& allowed);
+/// The nodes of a list, which may be empty.
 const std::vector<YamlNode>& read_list(const SceneSource& source, const YamlNode& node, std::string_view what);
 
 /// A value as the key's row wants it written.

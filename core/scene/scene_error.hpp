@@ -14,6 +14,7 @@ struct SourcePlace {
 /// what() is `file:line:column: sentence`, or `file: sentence` where the file could not be read at all.
 class SceneError : public std::runtime_error {
  public:
+  /// About `place` of `file`; `sentence` says what is wrong there.
   SceneError(const std::filesystem::path& file, SourcePlace place, const std::string& sentence);
   const SourcePlace& place() const noexcept { return place_; }
   const std::string& sentence() const noexcept { return sentence_; }

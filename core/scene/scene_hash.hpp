@@ -11,6 +11,7 @@ namespace voxtouch::scene {
 /// FNV-1a over parts; each part's length goes in after it, so that no byte can wander from one part to the next.
 class SceneHash {
  public:
+  /// One part more. Real-time safe.
   void add(std::string_view bytes) noexcept;
   std::string hex() const;  ///< 16 digits, lower case
 

@@ -37,6 +37,7 @@ inline bool clamp_length(Vec3& v, double limit) noexcept {
 /// Which part of a wrench was over its limit.
 struct WrenchCut {
   bool force = false, torque = false;
+  /// Whether either was.
   bool any() const noexcept { return force || torque; }
 };
 

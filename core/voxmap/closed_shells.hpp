@@ -38,6 +38,7 @@ struct ClosedShells {
   double signed_volume = 0.0;
 };
 
+/// Parts of `mesh` that enclose space. `welded`: the vertex that each vertex is one with; `state`: of each triangle. Allocates.
 ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
                                 const std::vector<TriangleState>& state);
 /// The same from the mesh alone.

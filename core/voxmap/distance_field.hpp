@@ -60,6 +60,7 @@ class DistanceField {
   double node(const VoxelIndex& voxel) const noexcept;
 
   const Grid& grid() const noexcept { return grid_; }
+  /// Memory of all that is stored.
   std::size_t bytes() const noexcept;
   /// Nodes in memory, those on common faces once for each brick.
   std::size_t stored_nodes() const noexcept { return bricks_.size() * Brick().size(); }

@@ -40,6 +40,7 @@ struct VoxelGroups {
   std::vector<VoxelIndex> representative;          ///< one voxel of each group
 };
 
+/// Groups of the voxels that are not `surface`, by common faces; the same whatever `parallel_for` does. Allocates.
 VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel_for);
 
 }  // namespace voxtouch::voxmap

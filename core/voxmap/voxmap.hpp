@@ -64,6 +64,7 @@ class Voxmap {
   /// Surface and interior voxels, counted.
   std::size_t surface_count() const noexcept { return surface_count_; }
   std::size_t interior_count() const noexcept { return interior_count_; }
+  /// Memory of all that is stored.
   std::size_t bytes() const noexcept;
 
   /// Calls f(VoxelIndex, VoxelKind) for each voxel that is not free, sorted by (i, j, k).

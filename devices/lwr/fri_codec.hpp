@@ -20,6 +20,7 @@ enum class PacketFault : std::uint8_t {
   kEnum,       ///< state, quality or control has a value that the interface does not define
   kNotFinite,  ///< a number that must be one is not (which: see the function)
 };
+/// One word, for logs.
 std::string_view name_of(PacketFault fault) noexcept;
 
 /// Copies `datagram` to `packet` and checks it. On kLength nothing is copied; after every other fault the packet holds the
@@ -36,6 +37,7 @@ bool finite(const CmdPacket& packet) noexcept;
 
 /// Header of a packet with size and id filled in, counters zero, all else zero.
 MsrPacket empty_msr() noexcept;
+/// The same of a command.
 CmdPacket empty_cmd() noexcept;
 
 /// How far `to` is ahead of `from` on a counter that wraps: in [-32768, 32767].
@@ -52,6 +54,7 @@ LwrJoints from_wire(const Joints& wire) noexcept;
 Joints to_wire(const LwrJoints& joints) noexcept;
 /// The rotation is made orthonormal again: floats are not quite.
 Pose from_wire(const Frame& wire) noexcept;
+/// [R | p] as floats, p in m.
 Frame to_wire(const Pose& pose) noexcept;
 
 }  // namespace voxtouch::lwr::fri

@@ -12,8 +12,10 @@ namespace voxtouch::lwr {
 /// sampled low-pass is ahead, which is within one period of the sum given. Real-time safe.
 class JointRates {
  public:
+  /// `cutoff_hz`: f of the low-pass, above 0.
   explicit JointRates(double cutoff_hz) noexcept : per_s_(2.0 * std::numbers::pi * cutoff_hz) {}
 
+  /// The rates [rad/s] with the positions `q` [rad], `dt_s` [s] after the last ones.
   const LwrJoints& see(const LwrJoints& q, double dt_s) noexcept {
     if (started_ && dt_s > 0.0) rate_ += (1.0 - std::exp(-per_s_ * dt_s)) * ((q - last_) / dt_s - rate_);
     started_ = true;
@@ -23,6 +25,7 @@ class JointRates {
   /// The next position starts anew, at rest: after a gap a difference says nothing.
   void restart() noexcept { started_ = false, rate_.setZero(); }
   const LwrJoints& rate() const noexcept { return rate_; }
+  /// The lag [s] at this period.
   double lag_s(double period_s) const noexcept { return 1.0 / per_s_ + period_s / 2.0; }
 
  private:

@@ -15,6 +15,7 @@ struct LwrLimits {
   LwrJoints velocity_rad_s;
   LwrJoints torque_nm;
 };
+/// In radians, rad/s and Nm; of each joint.
 LwrLimits lwr_limits() noexcept;
 
 /// Forward kinematics. q = 0 is the arm stretched upwards; base frame: z up, along axis 1. Source: standard Denavit-Hartenberg
@@ -36,6 +37,7 @@ class LwrArm {
   };
   /// Real-time safe. Non-finite in, non-finite out.
   State at(const LwrJoints& q) const noexcept;
+  /// Flange in the base, T in the base, and the Jacobian alone. Each costs what `at` costs. Real-time safe.
   Pose flange(const LwrJoints& q) const noexcept { return at(q).links.back(); }
   Pose tool(const LwrJoints& q) const noexcept { return at(q).pose_BT; }
   LwrJacobian jacobian(const LwrJoints& q) const noexcept { return at(q).jacobian; }

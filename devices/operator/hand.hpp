@@ -15,6 +15,7 @@ namespace voxtouch::hand {
 /// A named grip: mass, damping and stiffness from published ranges of fingertips, pens and arms; empty for an unknown name.
 /// "fingertip"; "pen", "pen-light", "pen-firm"; "arm", "arm-light", "arm-firm", "arm-measured"; "released".
 std::optional<sim::OperatorConfig> grip(std::string_view name);
+/// Those names, in that order.
 const std::vector<std::string_view>& grip_names();
 
 /// The motion, its orientation normalised. Throws std::runtime_error, a sentence, for one that no hand can follow: no way point, a

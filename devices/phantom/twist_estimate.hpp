@@ -20,8 +20,10 @@ inline Vec3 rotation_vector(const Quat& turn) noexcept {
 /// difference and 1 / w of the low-pass. Outer frame's axes. Real-time safe.
 class TwistEstimate {
  public:
+  /// `cutoff_hz`: f of the low-pass, above 0.
   explicit TwistEstimate(double cutoff_hz) noexcept : per_s_(2.0 * std::numbers::pi * cutoff_hz) {}
 
+  /// The twist [m/s, rad/s] at `pose`, `dt_s` [s] after the last one.
   const Twist& see(const Pose& pose, double dt_s) noexcept {
     if (started_ && dt_s > 0.0) {
       const double follow = per_s_ * dt_s / (1.0 + per_s_ * dt_s);

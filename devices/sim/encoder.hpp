@@ -16,6 +16,7 @@ Quat quantise(const Quat& orientation, double resolution_rad) noexcept;
 /// the true one by half a period (difference) and 1 / (2 pi filter_hz) (filter). Real-time safe.
 class Encoder {
  public:
+  /// Steps [m, rad], 0 for none; cut-off of the velocity's low-pass [Hz]; the time between samples [s].
   Encoder(double position_resolution_m, double orientation_resolution_rad, double filter_hz, double period_s) noexcept;
 
   /// Takes the true pose once a period. The first call gives zero twist.

@@ -45,6 +45,7 @@ class SimPlant {
   /// Of the masses and the hand's springs about the target at `time_s` [J].
   double energy(double time_s) const noexcept;
 
+  /// Puts the tip there in D, with these rates [m/s, rad/s].
   void set_state(const Pose& pose, const Twist& twist) noexcept { pose_ = pose, twist_ = twist; }
 
  private:

@@ -30,8 +30,8 @@ namespace {
 using runtime::NodeState;
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
-/// What bounds each loop of the thread that answers contacts. `run`: it is the process, each turn looks at `stop`. Contacts in a turn:
-/// kMaxTakes; in real time the history holds one. Descriptions and plans in a turn: kMaxTakes, of
+/// What bounds each loop of the thread that answers contacts. `run`: it is the process, each cycle looks at `stop`. Contacts in a cycle:
+/// kMaxTakes; in real time the history holds one. Descriptions and plans in a cycle: kMaxTakes, of
 /// those who are bound, or of anybody while none is and no force can come of it. A fit, some tenths of a second, where a session begins
 /// and, in lockstep, where it changes; else it runs beside the loop. One lock, where a fit is adopted or a description has come.
 class CouplingNode {

@@ -3,7 +3,7 @@
 /// here, at absolute deadlines; a real one paces by its own clock, in `read`, and gets its command as soon as it is there.
 /// Commands are those of the one writer that the reader follows; the housekeeping decides whose it is.
 ///
-/// What bounds each loop. `run`: it is the session, each turn looks at `stop`. `read`: ten periods. `take_commands`: kMaxTakes
+/// What bounds each loop. `run`: it is the session, each cycle looks at `stop`. `read`: ten periods. `take_commands`: kMaxTakes
 /// commands, of which the history in real time holds one. `wait_in_real_time`: the sample's own period. `wait_in_lockstep`: peer_timeout,
 /// in steps of 50 ms that look at `stop`. No lock is taken.
 #include <array>

@@ -31,8 +31,8 @@ namespace {
 
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
-/// What bounds each loop of the thread that answers samples. `run`: it is the process, each turn looks at `stop`. Samples in a turn:
-/// kMaxTakes; in real time the history holds one. Descriptions in a turn: kMaxTakes, of the bound device, or of anybody while none
+/// What bounds each loop of the thread that answers samples. `run`: it is the process, each cycle looks at `stop`. Samples in a cycle:
+/// kMaxTakes; in real time the history holds one. Descriptions in a cycle: kMaxTakes, of the bound device, or of anybody while none
 /// is bound and no force can come of it. `change`: in real time no wait, and at most the changes that the line holds; in lockstep it
 /// waits for the update server, asleep for 0.2 ms at a time, and looks at `stop`. A frame: the scene's own counts. One lock, where a description has come.
 class RenderingNode {

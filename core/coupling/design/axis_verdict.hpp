@@ -34,7 +34,7 @@ double passive_damping_required(const AxisProblem& problem, double cutoff_hz);
 /// The same through a spring-damper that takes no more than a tenth of the target.
 double passive_damping_required_series(const AxisProblem& problem);
 
-/// A spring in series always takes something: what shows this share of the target counts as the wish.
+/// A spring in series always takes something: what shows this share of the target counts as the goal.
 inline constexpr double kSeriesShare = 0.9;
 
 /// Fastest approach [m/s] at which a tool is stopped within the force layer [m], by the softest contact, one point alone:

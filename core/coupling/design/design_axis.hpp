@@ -24,7 +24,7 @@ struct AxisProblem {
   std::vector<DesignCase> cases;
   double margin = 2.0;
   double wanted = 0.0;  ///< min(contact's total, the device's limit)
-  double target = 0.0;  ///< K k at which the wish counts as met; below `wanted` where one gain has to serve two axes
+  double target = 0.0;  ///< K k at which the goal counts as met; below `wanted` where one gain has to serve two axes
   double useful = 0.0;  ///< below it, and below the target, the design is called infeasible
   /// Of the device's damping, what a spring-damper's law may count on here. One law acts along a wrench [n; arm n], so force
   /// and torque draw on both dampings at once: beta (1/b + arm^2/br) <= 1 for a law that needs beta.

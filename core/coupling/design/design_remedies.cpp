@@ -15,7 +15,7 @@ namespace {
 constexpr std::array kDelayShares{0.75, 0.5, 0.25, 0.0};
 constexpr std::array kGripShares{0.25, 0.5, 0.75, 1.0};
 
-/// The wish, tried under another circumstance: all axes reach their targets with one of the laws.
+/// The goal, tried under another circumstance: all axes reach their targets with one of the laws.
 struct Trial {
   std::vector<std::vector<LoopController>> laws;  ///< [attempt][axis]
 
@@ -28,7 +28,7 @@ struct Trial {
   }
 };
 
-/// Where stiffness is short, the design's own law is tried; where only the cut-off was raised or damping added, the wish's.
+/// Where stiffness is short, the design's own law is tried; where only the cut-off was raised or damping added, the goal's.
 Trial trial_of(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Design& design,
                bool short_of) {
   Trial trial;

@@ -5,7 +5,7 @@
 
 namespace voxtouch::coupling::design {
 
-/// Throws std::invalid_argument with the first sentence about what is wrong with device, hands, contact or wishes.
+/// Throws std::invalid_argument with the first sentence about what is wrong with device, hands, contact or goals.
 void refuse_impossible(const DesignProblem& request);
 
 struct Proposal {
@@ -30,8 +30,8 @@ Proposal propose_spring_damper(const DesignProblem& request, const std::vector<A
 std::vector<std::string> reasons_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                                     const Design& design);
 
-/// What would give the wish as it is: device damping, a shorter delay, a cap, a grip. Each was tried by the same certificates,
-/// with everything else unchanged. Empty where the wish is met.
+/// What would give the goal as it is: device damping, a shorter delay, a cap, a grip. Each was tried by the same certificates,
+/// with everything else unchanged. Empty where the goal is met.
 std::vector<std::string> remedies_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                                      const Design& design);
 

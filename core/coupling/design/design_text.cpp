@@ -32,7 +32,7 @@ std::string damping_reason(const AxisProblem& p, const AxisDesign& d) {
       p.units->name, d.injected_damping, p.units->damping, d.velocity_filter_hz);
 }
 
-/// What the wish's cut-off allows without injected damping, and what was chosen instead.
+/// What the goal's cut-off allows without injected damping, and what was chosen instead.
 std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                           const Design& design) {
   std::string reached;

@@ -11,9 +11,9 @@
 
 namespace voxtouch::coupling::design {
 
-/// What is wished; the designer gives up as little of it as it can.
+/// What is wanted; the designer gives up as little of it as it can.
 ///
-/// `auto` takes the shaping filter if it does as wished, and else of all kinds that hold the one that shows most; the filter,
+/// `auto` takes the shaping filter if it does as wanted, and else of all kinds that hold the one that shows most; the filter,
 /// which smooths the steps of voxels that are crossed, counts half as much again: another has to show at least 1.5 times as much.
 struct DesignGoals {
   std::string kind = "auto";          ///< auto | shaping_filter | spring_damper | direct
@@ -54,7 +54,7 @@ struct AxisDesign {
   double passive_stiffness = 0.0;     ///< K k that rule P would allow
   double spectral_radius = 0.0;       ///< at margin * shown, over all cases; < 1
   double limit_cycle_bound = 0.0;     ///< peak to peak of what quantisation may leave [m] or [rad]; 0: friction removes it
-  double damping_required = 0.0;      ///< device damping with which the wish would be passive as it is, margin included
+  double damping_required = 0.0;      ///< device damping with which the goal would be passive as it is, margin included
   double damping_required_any_cutoff = 0.0;  ///< the same with the highest cut-off that may be
 };
 
@@ -72,7 +72,7 @@ struct Design {
   /// force / (K k) of the depth beforehand. 0: not asked.
   double max_approach_m_per_s = 0.0;
   std::vector<std::string> reasons;   ///< what limits, one sentence each
-  std::vector<std::string> remedies;  ///< what it would take to have the wish as it is: damping, delay, cap; empty if it is met
+  std::vector<std::string> remedies;  ///< what it would take to have the goal as it is: damping, delay, cap; empty if it is met
 };
 
 /// Pure arithmetic, some milliseconds to some tens; not for the loop. The same request gives the same bits. Throws

@@ -223,7 +223,7 @@ std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
   for (const double factor : kFactors) {
     const double cutoff = request.goals.cutoff_hz * factor;
     const double angle_per_sample = 2.0 * std::numbers::pi * cutoff * request.device.timing.period_s;
-    // The wish itself is tried as it is; `check` refuses what no filter can do.
+    // The goal itself is tried as it is; `check` refuses what no filter can do.
     if (factor > 1.0 && (angle_per_sample > kWarnCutoffRad || cutoff > request.goals.max_cutoff_hz)) break;
     for (const double ratio : ratios) shapes.push_back({cutoff, ratio});
   }

@@ -1,6 +1,6 @@
 #pragma once
 /// Steps 1 to 4 of the design of a shaping filter, or of a coupling without any: which cut-off, damping ratio and injected
-/// damping give the wish with the least given up, or else the most stiffness.
+/// damping give the goal with the least given up, or else the most stiffness.
 #include <vector>
 
 #include "core/coupling/design/design_axis.hpp"
@@ -14,7 +14,7 @@ struct FilterSetting {
 /// The law of that shape, of unit gain and without injected damping.
 LoopController law_of(const FilterSetting& shape);
 
-/// What may be tried, the wish first, then raised: wished cut-off x {1, 1.5, 2, ... 40} while w0 T <= 0.6 and below the wish's
+/// What may be tried, the goal first, then raised: wanted cut-off x {1, 1.5, 2, ... 40} while w0 T <= 0.6 and below the goal's
 /// highest; at each the damping ratios .707, .577 and 1, and where only passivity is known of a hand also .866, which rule P
 /// likes best.
 std::vector<FilterSetting> filter_settings(const DesignProblem& request);

@@ -22,6 +22,7 @@ class CommandPath {
   void start(const Setpoint& start) noexcept;
   /// An answer at the begin of a period: reached at its end.
   void answer(const Setpoint& wanted) noexcept;
+  /// No answer came for this period.
   void miss() noexcept;
   /// The set point over the next millisecond. Gains are the last answer's; forces come out late by the delay.
   Setpoint tick() noexcept;

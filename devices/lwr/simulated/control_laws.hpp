@@ -36,7 +36,9 @@ class Impedance {
  public:
   explicit Impedance(const LawParameters& parameters = {}) noexcept : parameters_(parameters) {}
 
+  /// The damping matrix for the gains of `wanted` in this posture. Real-time safe.
   void prepare(const ArmDynamics::Terms& terms, const Setpoint& wanted) noexcept;
+  /// Torques [Nm] towards `wanted` at `q` [rad] and `rate` [rad/s], with the damping prepared last. Real-time safe.
   lwr::LwrJoints torque(const ArmDynamics::Terms& terms, const lwr::LwrJoints& q, const lwr::LwrJoints& rate,
                    const Setpoint& wanted) const noexcept;
 

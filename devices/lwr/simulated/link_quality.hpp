@@ -24,9 +24,12 @@ struct QualityRules {
 class LinkQuality {
  public:
   static constexpr std::size_t kWindow = 100;
+  /// `rules` as `validate` accepts them. No answer has come yet: UNACCEPTABLE.
   explicit LinkQuality(const QualityRules& rules = {});
 
+  /// This period's answer came in time, `latency_s` [s] after the measurement.
   void answered(double latency_s) noexcept;
+  /// None did.
   void missed() noexcept;
 
   lwr::fri::Quality quality() const noexcept { return quality_; }

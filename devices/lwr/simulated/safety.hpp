@@ -28,6 +28,7 @@ enum class Reason : std::uint8_t {
   kDrivesOff,
   kQualityForced,  ///< by a fault of the simulation
 };
+/// For people: why the controller left command mode, or does not enter it.
 std::string_view sentence_of(Reason reason) noexcept;
 
 /// A reason with the joints that it is about, one bit each (0: none in particular).

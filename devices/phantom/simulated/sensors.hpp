@@ -27,6 +27,7 @@ class Sensors {
   void zero_at(const Vec3& joints) noexcept;
   /// Time from one sample to the next. The velocity starts anew.
   void set_period(double period_s) noexcept;
+  /// The reading at these true angles [rad] and this orientation of the stylus in D. Valid until the next call.
   const Reading& sample(const Vec3& joints, const Quat& orientation) noexcept;
   const Reading& reading() const noexcept { return reading_; }
   const Vec3& step_rad() const noexcept { return step_; }
