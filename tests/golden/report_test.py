@@ -210,6 +210,8 @@ class Reports(unittest.TestCase):
         for name in run_pictures.THEME.values():
             self.assertIn("--" + name, light)
             self.assertIn("--" + name, dark)
+        for name, colour in vars(run_pictures).items():
+            self.assertTrue(not isinstance(colour, str) or not colour.startswith("#") or colour in run_pictures.THEME, f"{name} does not follow the page")
         drawn = {word for word in self.page.source.replace(";", " ").replace('"', " ").split() if len(word) == 7 and word[0] == "#" and
                  all(c in "0123456789abcdef" for c in word[1:])}
         in_css = set(run_page.CSS.replace(";", " ").split())
@@ -254,9 +256,9 @@ class Reports(unittest.TestCase):
         self.says(page, "a run: at most")
         self.says(page, "other: at most")
         with plot.matplotlib.rc_context(run_pictures.ON_THE_PAGE):
-            figure = run_pictures.force_picture([run_data.Run(self.bag), run_data.Run(other)])
-        left, right = figure.axes[0], figure.axes[1]
-        self.assertEqual((left.get_ylim(), left.get_xlim()), (right.get_ylim(), right.get_xlim()))
+            for picture in (run_pictures.force_picture, run_pictures.histogram_picture, run_pictures.depth_picture, run_pictures.energy_picture):
+                left, right = picture([run_data.Run(self.bag), run_data.Run(other)]).axes[:2]
+                self.assertEqual((left.get_ylim(), left.get_xlim()), (right.get_ylim(), right.get_xlim()))
 
     # ------------------------------------------------------------------------------------------------------- bags of any kind
     def test_faults_stand_on_the_page_with_their_times(self):
@@ -337,7 +339,7 @@ class Reports(unittest.TestCase):
         self.says(page, "nothing was touched, and no force was felt")
         topic = "DELETE FROM messages WHERE topic_id IN (SELECT id FROM topics WHERE name IN ({}))"
         in_real_time = self.alter(self.copy("silent", topic.format("'/haptic/node_status'")), "device/state", 132, bytes(4))
-        self.says(self.report_of(in_real_time), "the device told none", "the device told no latency, so its lines are missing", "does not tell by which command")
+        self.says(self.report_of(in_real_time), "Latency and overruns: the device told none", "the device told no latency, so its lines are missing", "does not tell by which command")
         page = self.report_of(self.copy("bare", topic.format("'/haptic/coupling/command', '/haptic/coupling/design', '/haptic/rendering/plan', "
                                                              "'/haptic/device/description', '/haptic/validation'")))
         for sentence in ("no command was recorded", "The bag holds no design", "The bag holds no plan"):
