@@ -7,14 +7,16 @@
 #include <fmt/format.h>
 
 #include "core/first_scene/measure_part.hpp"
+#include "core/types/motion.hpp"
 
 namespace voxtouch::first_scene {
 namespace {
 
 constexpr double kVoxelsInWall = 4.0;                       ///< of a wall, for the distances in it to be right
-constexpr double kCoarsest = 40.0, kFinest = 220.0;         ///< voxels along the part's largest extent: 220 cubed are 11 million
+constexpr double kCoarsest = 100.0, kFinest = 220.0;        ///< voxels along the part's largest extent: 220 cubed are 11 million
 constexpr double kSmallestSphereVoxels = 4.0, kSphereShare = 15.0, kLargestSphereM = 0.015;
 constexpr double kPressM = 0.01, kSlideM = 0.005;           ///< how deep the hand wants to go
+constexpr double kApproachS = 1.5, kSlowest = 0.03, kFastest = 0.15;  ///< to the surface and in; peak speeds [m/s]
 constexpr double kPointStiffness = 10.0;
 
 /// Down to two digits, as a person would write it.
@@ -42,7 +44,7 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
   const auto because = [&](std::string reason) { scene.reasons.push_back(std::move(reason)); };
 
   const auto wall = report.closed ? wall_thickness_m(part) : std::nullopt;
-  const double wanted = wall ? *wall / kVoxelsInWall : largest / 100.0;
+  const double wanted = wall ? *wall / kVoxelsInWall : largest / kCoarsest;
   scene.voxel_size_m = rounded_down(std::clamp(wanted, largest / kFinest, largest / kCoarsest));
   const double e = scene.voxel_size_m;
   if (wall)
@@ -74,6 +76,8 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
   scene.press_W = {along_z(at, clear), along_z(at, -press)};
   const Vec3 aside = at + Vec3(extents.x() / 6.0, 0.0, 0.0), back = at - Vec3(extents.x() / 6.0, 0.0, 0.0);
   scene.slide_W = {along_z(back, clear), along_z(back, -slide), along_z(aside, -slide), along_z(aside, clear)};
+  scene.press_speed_m_per_s = std::clamp(kMinimumJerkPeak * (clear + press) / kApproachS, kSlowest, kFastest);
+  scene.slide_speed_m_per_s = std::max(scene.press_speed_m_per_s, 0.05);
   because(fmt::format("The motion `press` comes down over ({:.3g}, {:.3g}) mm and wants {:.3g} mm deeper than the surface; `slide` goes {:.3g} mm across.",
                       1e3 * at.x(), 1e3 * at.y(), 1e3 * press, 1e3 * extents.x() / 3.0));
   return scene;

@@ -21,6 +21,7 @@ struct ProposedScene {
   double point_stiffness_n_per_m = 0.0;  ///< of `adapted`, for each point of the tool's shell
   Tool tool;
   std::vector<Vec3> press_W, slide_W;    ///< way points of the tool's origin in W [m]; both begin outside, above the part
+  double press_speed_m_per_s = 0.0, slide_speed_m_per_s = 0.0;
   std::vector<std::string> reasons;      ///< sentences: what was found and what follows from it
 };
 

@@ -116,7 +116,7 @@ nlohmann::ordered_json region_json(const DesignReport& r) {
   nlohmann::ordered_json& law = j["law"] = {{"kind", r.design.spec.kind}, {"over", r.law.over}, {"unit", r.law.unit}, {"chosen", r.law.chosen}, {"x", r.law.x}};
   for (const double critical : r.law.critical) {
     law["critical_n_per_m"].push_back(finite(critical));
-    law["certified_n_per_m"].push_back(finite(critical / r.request.wishes.gain_margin));
+    law["certified_n_per_m"].push_back(finite(critical / r.request.goals.gain_margin));
   }
   return j;
 }

@@ -17,14 +17,14 @@ using test::box;
 ProposedScene proposal(const mesh::TriangleMesh& part, Tool tool = {}) { return propose_scene(part, mesh::inspect(part), tool); }
 
 TEST(ProposedScene, HasFourVoxelsInAWall) {
-  const ProposedScene scene = proposal(box({0, 0, 0}, {0.1, 0.08, 0.008}));
-  EXPECT_NEAR(scene.voxel_size_m, 0.002, 1e-9);
+  const ProposedScene scene = proposal(box({0, 0, 0}, {0.1, 0.08, 0.0032}));
+  EXPECT_NEAR(scene.voxel_size_m, 0.0008, 1e-9);
   EXPECT_TRUE(scene.virtual_tool);
 }
 
 TEST(ProposedScene, BoundsTheVoxelsOfAVeryThinAndOfASolidPart) {
   EXPECT_NEAR(proposal(box({0, 0, 0}, {0.2, 0.2, 0.0002})).voxel_size_m, 0.2 / 220, 0.05 * 0.2 / 220);
-  EXPECT_NEAR(proposal(box({0, 0, 0}, {0.2, 0.2, 0.2})).voxel_size_m, 0.2 / 40, 0.05 * 0.2 / 40);
+  EXPECT_NEAR(proposal(box({0, 0, 0}, {0.2, 0.2, 0.2})).voxel_size_m, 0.2 / 100, 0.05 * 0.2 / 100);
 }
 
 TEST(ProposedScene, OfAnOpenPartHasNoVirtualTool) {
