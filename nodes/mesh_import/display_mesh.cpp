@@ -1,5 +1,8 @@
 #include "nodes/mesh_import/display_mesh.hpp"
 
+#include <algorithm>
+#include <numeric>
+
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
@@ -24,23 +27,52 @@ void coarsen(DisplayMesh& mesh, std::size_t most) {
   mesh.positions = std::move(used), mesh.indices = std::move(fewer);
 }
 
-}  // namespace
-
-DisplayMesh read_display_mesh(const scene::MeshSpec& spec, double voxel_size_m, std::size_t most_triangles) {
-  const mesh::TriangleMesh read =
-      mesh::import_mesh(spec.path, {.scale = spec.scale, .pose = spec.pose, .voxel_size_m = voxel_size_m}, mesh_process()).mesh;
-  DisplayMesh mesh{{}, {}, read.triangles.size()};
-  for (const Vec3& v : read.vertices)
-    for (const double x : {v.x(), v.y(), v.z()}) mesh.positions.push_back(static_cast<float>(x));
-  for (const auto& triangle : read.triangles) mesh.indices.insert(mesh.indices.end(), triangle.begin(), triangle.end());
-  if (mesh.triangles() > most_triangles) coarsen(mesh, most_triangles);
+DisplayMesh read_whole(const scene::MeshSpec& spec, double voxel_size_m) {
+  DisplayMesh mesh;
+  try {
+    const mesh::TriangleMesh read =
+        mesh::import_mesh(spec.path, {.scale = spec.scale, .pose = spec.pose, .voxel_size_m = voxel_size_m}, mesh_process()).mesh;
+    mesh.in_file = read.triangles.size();
+    for (const Vec3& v : read.vertices)
+      for (const double x : {v.x(), v.y(), v.z()}) mesh.positions.push_back(static_cast<float>(x));
+    for (const auto& triangle : read.triangles) mesh.indices.insert(mesh.indices.end(), triangle.begin(), triangle.end());
+  } catch (const std::exception& error) {
+    mesh.note = error.what();
+  }
   return mesh;
 }
 
-std::string what_is_left_out(const scene::MeshSpec& spec, const DisplayMesh& mesh) {
-  if (mesh.triangles() >= mesh.in_file) return {};
-  return fmt::format("{} is drawn with {} of its {} triangles; it is felt with all.", spec.path.filename().string(), mesh.triangles(),
-                     mesh.in_file);
+}  // namespace
+
+std::vector<std::size_t> shares_of(const std::vector<std::size_t>& counts, std::size_t most) {
+  std::vector<std::size_t> order(counts.size()), shares(counts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t n) { return counts[n]; });
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    shares[order[k]] = std::min(counts[order[k]], most / (order.size() - k));
+    most -= shares[order[k]];
+  }
+  return shares;
+}
+
+std::vector<DisplayMesh> read_display_meshes(const scene::Scene& scene, const std::atomic<bool>& stop) {
+  std::vector<const scene::MeshSpec*> specs;
+  for (const scene::MeshSpec& spec : scene.static_meshes) specs.push_back(&spec);
+  specs.push_back(&scene.dynamic_mesh);
+  std::vector<DisplayMesh> all;
+  std::vector<std::size_t> counts;
+  for (const scene::MeshSpec* spec : specs) {
+    all.push_back(stop.load() ? DisplayMesh{} : read_whole(*spec, scene.voxel_size_m));
+    counts.push_back(all.back().triangles());
+  }
+  const std::vector<std::size_t> shares = shares_of(counts, kMostDrawnTriangles);
+  for (std::size_t n = 0; n < all.size() && !stop.load(); ++n) {
+    if (counts[n] <= shares[n]) continue;
+    coarsen(all[n], shares[n]);
+    all[n].note = fmt::format("{} is drawn with {} of its {} triangles; it is felt with all.", specs[n]->path.filename().string(),
+                              all[n].triangles(), counts[n]);
+  }
+  return all;
 }
 
 }  // namespace voxtouch::mesh_import

@@ -1,5 +1,6 @@
 #pragma once
 /// Meshes as something draws them, large ones coarser. What is felt has all triangles.
+#include <atomic>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -8,18 +9,23 @@
 
 namespace voxtouch::mesh_import {
 
+/// Triangles of all meshes of a scene together: a browser without a graphics card draws them 30 times a second, and as corners in a message they
+/// are 1.4 MB.
+inline constexpr std::size_t kMostDrawnTriangles = 20'000;
+
 /// In the frame that the scene names for the mesh, scaled and posed.
 struct DisplayMesh {
   std::vector<float> positions;   ///< x y z of each vertex [m]
   std::vector<unsigned> indices;  ///< three a triangle
   std::size_t in_file = 0;        ///< triangles that the file has
+  std::string note;               ///< for people: it is drawn coarser than it is felt, or why it is not drawn at all; empty otherwise
   std::size_t triangles() const noexcept { return indices.size() / 3; }
 };
 
-/// With at most `most_triangles`, or nearly so. Reads in a process of its own; throws mesh::MeshError. Takes as long as the file is
-/// large; not for the loop.
-DisplayMesh read_display_mesh(const scene::MeshSpec& spec, double voxel_size_m, std::size_t most_triangles);
-/// For people, where it has fewer triangles than its file; empty otherwise.
-std::string what_is_left_out(const scene::MeshSpec& spec, const DisplayMesh& mesh);
+/// The static meshes in the scene's order, then the dynamic one; small ones whole, large ones with an equal share of what these leave of
+/// kMostDrawnTriangles, or nearly so. Reads each in a process of its own; takes as long as the files are large. The rest are empty once `stop` is set.
+std::vector<DisplayMesh> read_display_meshes(const scene::Scene& scene, const std::atomic<bool>& stop);
+/// What each of meshes with `counts` triangles may keep, so that they have `most` together.
+std::vector<std::size_t> shares_of(const std::vector<std::size_t>& counts, std::size_t most);
 
 }  // namespace voxtouch::mesh_import

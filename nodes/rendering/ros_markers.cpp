@@ -97,38 +97,23 @@ std::string object_frame(const std::string& rig, const scene::ObjectSpec& object
 }
 
 std::vector<LastingMarker> scene_markers(const scene::Scene& scene, const std::string& rig, const std::atomic<bool>& stop) {
+  const std::vector<mesh_import::DisplayMesh> meshes = mesh_import::read_display_meshes(scene, stop);
   Gathered gathered;
   std::string text;
-  const std::size_t share = kMostMarkerTriangles / (scene.static_meshes.size() + 1);
-  const auto read = [&](const scene::MeshSpec& spec) -> std::optional<mesh_import::DisplayMesh> {
-    if (stop.load()) return {};
-    std::string note;
-    std::optional<mesh_import::DisplayMesh> mesh;
-    try {
-      mesh = mesh_import::read_display_mesh(spec, scene.voxel_size_m, share);
-      note = what_is_left_out(spec, *mesh);
-    } catch (const std::exception& error) {
-      note = error.what();
+  for (std::size_t n = 0; n < meshes.size(); ++n) {
+    if (!meshes[n].note.empty()) {
+      log::tell("markers: {}\n", meshes[n].note);
+      text += (text.empty() ? "" : "\n") + meshes[n].note;
     }
-    if (!note.empty()) {
-      log::tell("markers: {}\n", note);
-      text += (text.empty() ? "" : "\n") + note;
-    }
-    return mesh;
-  };
-  for (const scene::MeshSpec& spec : scene.static_meshes) {
-    const auto mesh = read(spec);
-    if (!mesh) continue;
-    if (spec.object == 0) {
-      gathered.add(*mesh, "scene", kWorldFrame, kSceneColor);
+    if (n == scene.static_meshes.size()) {
+      gathered.add(meshes[n], "tool", rig + "/tool", kToolColor);
+      if (scene.virtual_tool()) gathered.add(meshes[n], "hand", rig + "/hand", kHandColor);
+    } else if (const std::uint32_t object = scene.static_meshes[n].object; object == 0) {
+      gathered.add(meshes[n], "scene", kWorldFrame, kSceneColor);
     } else {
-      const scene::ObjectSpec& object = scene.objects[spec.object - 1];
-      gathered.add(*mesh, "object/" + object.name, object_frame(rig, object), kObjectColor);
+      const scene::ObjectSpec& spec = scene.objects[object - 1];
+      gathered.add(meshes[n], "object/" + spec.name, object_frame(rig, spec), kObjectColor);
     }
-  }
-  if (const auto mesh = read(scene.dynamic_mesh)) {
-    gathered.add(*mesh, "tool", rig + "/tool", kToolColor);
-    if (scene.virtual_tool()) gathered.add(*mesh, "hand", rig + "/hand", kHandColor);
   }
   if (!text.empty()) gathered.all.push_back(text_above(gathered.all, std::move(text)));
   return std::move(gathered.all);

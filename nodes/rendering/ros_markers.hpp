@@ -14,8 +14,6 @@
 namespace voxtouch::rendering_node {
 
 inline const std::string kWorldFrame = "world";
-/// Triangles of all meshes of a scene together: 1.4 MB of corners, which a reader that has just come gets within two seconds.
-inline constexpr std::size_t kMostMarkerTriangles = 20'000;
 /// Length of an arrow for one newton [m], of each force alike.
 inline constexpr double kArrowMetresPerNewton = 0.02;
 

@@ -144,13 +144,14 @@ void BagPlayer::take(const bag::BagMessage& m, Picture& picture, Facts& facts, N
   const auto fact = [&](const auto& message) { facts.take(message); };
   switch (types_->kinds[m.topic]) {
     case Kind::kState:
-      if (msg::DeviceState state; read_stream(m.bytes, state)) picture.take(state, 0);
+      // Not written then, but taken by the logger, like its command: between the two lies the way round the ring. Simulated times measure nothing.
+      if (msg::DeviceState state; read_stream(m.bytes, state)) picture.take(state, state.flags & msg::device_state::kFlagLockstep ? 0 : m.time_ns);
       break;
     case Kind::kContact:
       if (msg::ContactState contact; read_stream(m.bytes, contact)) picture.take(contact);
       break;
     case Kind::kCommand:
-      if (msg::ForceCommand command; read_stream(m.bytes, command)) picture.take(command, 0);
+      if (msg::ForceCommand command; read_stream(m.bytes, command)) picture.take(command, m.time_ns);
       break;
     case Kind::kPlan: types_->plan.read(cdr, fact); break;
     case Kind::kDesign: types_->design.read(cdr, fact); break;

@@ -56,7 +56,7 @@ void ContactPoints::scene_is(const scene::Scene& scene) {
 void ContactPoints::forget() {
   const std::lock_guard lock(mutex_);
   ++wanted_;
-  scene_.reset(), question_.reset(), points_.reset();
+  scene_.reset(), question_.reset(), points_.reset(), slice_question_.reset(), slice_.reset();
   why_not_ = "the scene's file is not at hand";
 }
 
@@ -64,6 +64,17 @@ void ContactPoints::ask(const Pose& object, double scene_time_s) {
   const std::lock_guard lock(mutex_);
   question_ = Question{object, scene_time_s};
   something_.notify_one();
+}
+
+void ContactPoints::ask(const SliceQuestion& question) {
+  const std::lock_guard lock(mutex_);
+  slice_question_ = question;
+  something_.notify_one();
+}
+
+std::optional<nlohmann::json> ContactPoints::take_slice() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(slice_, std::nullopt);
 }
 
 std::optional<std::vector<Vec3>> ContactPoints::points() const {
@@ -83,7 +94,7 @@ void ContactPoints::run() {
   std::uint64_t built_for = 0;
   std::unique_lock lock(mutex_);
   while (!stop_) {
-    something_.wait(lock, [&] { return stop_ || scene_ || (question_ && built && built_for == wanted_); });
+    something_.wait(lock, [&] { return stop_ || scene_ || ((question_ || slice_question_) && built && built_for == wanted_); });
     if (stop_) return;
     const std::uint64_t wanted = wanted_;
     if (auto scene = std::exchange(scene_, std::nullopt)) {
@@ -100,11 +111,17 @@ void ContactPoints::run() {
       if (wanted == wanted_) why_not_ = why_not;
       continue;
     }
-    const Question question = *std::exchange(question_, std::nullopt);
+    const auto question = std::exchange(question_, std::nullopt);
+    const auto slice_question = std::exchange(slice_question_, std::nullopt);
     lock.unlock();
-    std::vector<Vec3> found = find(*built, question.object, question.scene_time_s);
+    std::optional<std::vector<Vec3>> found;
+    std::optional<nlohmann::json> slice;
+    if (question) found = find(*built, question->object, question->scene_time_s);
+    if (slice_question) slice = slice_of(built->contacts(), *slice_question);
     lock.lock();
-    if (wanted == wanted_) points_ = std::move(found);
+    if (wanted != wanted_) continue;
+    if (found) points_ = std::move(found);
+    if (slice) slice_ = std::move(slice);
   }
 }
 

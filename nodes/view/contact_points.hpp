@@ -1,5 +1,5 @@
 #pragma once
-/// The tool's points in contact, found anew here: the ring carries their number, not their places, and is not asked for more.
+/// The tool's points in contact, and planes through the voxels, found anew here: the ring carries neither, and is not asked for more.
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -9,7 +9,10 @@
 #include <thread>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "core/scene/scene.hpp"
+#include "nodes/view/voxel_slice.hpp"
 
 namespace voxtouch::view {
 
@@ -25,6 +28,10 @@ class ContactPoints {
   void scene_is(const scene::Scene& scene);
   void forget();
   void ask(const Pose& object, double scene_time_s);
+  /// A plane of voxels, likewise the newest question alone.
+  void ask(const SliceQuestion& question);
+  /// The last one answered, once; see slice_of.
+  std::optional<nlohmann::json> take_slice();
   /// In W [m], of the pose that was answered last; at most kMost, evenly chosen. Nothing where there is no scene to ask.
   std::optional<std::vector<Vec3>> points() const;
   /// Why there are none; empty: there are.
@@ -43,6 +50,8 @@ class ContactPoints {
   std::condition_variable something_;
   std::optional<scene::Scene> scene_;         ///< to be built
   std::optional<Question> question_;
+  std::optional<SliceQuestion> slice_question_;
+  std::optional<nlohmann::json> slice_;
   std::optional<std::vector<Vec3>> points_;
   std::string why_not_ = "the scene's file is not at hand";
   std::uint64_t wanted_ = 0;  ///< counts scenes: answers of an old one are dropped

@@ -20,26 +20,23 @@ json to_json(const std::vector<float>& positions) {
 
 }  // namespace
 
-json shapes_of(const scene::Scene& scene) {
+json shapes_of(const scene::Scene& scene, const std::atomic<bool>& stop) {
   json meshes = json::array(), notes = json::array();
-  const std::size_t share = kMostTriangles / (scene.static_meshes.size() + 1);
-  const auto add = [&](const scene::MeshSpec& spec, const char* role) {
-    try {
-      const mesh_import::DisplayMesh mesh = mesh_import::read_display_mesh(spec, scene.voxel_size_m, share);
-      if (const std::string left_out = what_is_left_out(spec, mesh); !left_out.empty()) notes.push_back(left_out);
-      meshes.push_back({{"name", spec.path.filename().string()},
-                        {"role", role},
-                        {"object", spec.object},
-                        {"positions", to_json(mesh.positions)},
-                        {"indices", mesh.indices},
-                        {"triangles", mesh.in_file},
-                        {"shown", mesh.triangles()}});
-    } catch (const std::exception& error) {
-      notes.push_back(error.what());
-    }
-  };
-  for (const scene::MeshSpec& spec : scene.static_meshes) add(spec, "static");
-  add(scene.dynamic_mesh, "dynamic");
+  const std::vector<mesh_import::DisplayMesh> all = mesh_import::read_display_meshes(scene, stop);
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const mesh_import::DisplayMesh& mesh = all[n];
+    if (!mesh.note.empty()) notes.push_back(mesh.note);
+    if (mesh.triangles() == 0) continue;
+    const bool is_static = n < scene.static_meshes.size();
+    const scene::MeshSpec& spec = is_static ? scene.static_meshes[n] : scene.dynamic_mesh;
+    meshes.push_back({{"name", spec.path.filename().string()},
+                      {"role", is_static ? "static" : "dynamic"},
+                      {"object", spec.object},
+                      {"positions", to_json(mesh.positions)},
+                      {"indices", mesh.indices},
+                      {"triangles", mesh.in_file},
+                      {"shown", mesh.triangles()}});
+  }
   return {{"meshes", meshes}, {"notes", notes}};
 }
 

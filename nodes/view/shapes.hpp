@@ -1,6 +1,6 @@
 #pragma once
 /// The meshes of a scene as a page draws them: large ones coarser.
-#include <cstddef>
+#include <atomic>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -8,11 +8,8 @@
 
 namespace voxtouch::view {
 
-/// Triangles that a page draws at 30 pictures a second also where it has no graphics card, over all meshes of a scene.
-inline constexpr std::size_t kMostTriangles = 60'000;
-
 /// {"meshes": [{"name", "role", "object", "positions", "indices", "triangles", "shown"}], "notes": [sentence]}: static ones and moving
-/// objects in W where they rest, the dynamic one in T. A mesh that cannot be read is a note. Reads files; takes as long as they are large.
-nlohmann::json shapes_of(const scene::Scene& scene);
+/// objects in W where they rest, the dynamic one in T. A mesh that cannot be read is a note. Reads files, until `stop`; takes as long as they are large.
+nlohmann::json shapes_of(const scene::Scene& scene, const std::atomic<bool>& stop);
 
 }  // namespace voxtouch::view

@@ -2,7 +2,9 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <deque>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -77,27 +79,33 @@ class View {
     if (!player_ && !options.shown.empty()) show(options.shown);
   }
 
+  ~View() { ended_.store(true); }
+  View(const View&) = delete;
+  View& operator=(const View&) = delete;
+
   int run(const std::atomic<bool>& stop) {
     const std::string line = fmt::format("view: {}", server_.address());
     if (options_.to_stderr)
       log::tell("{}\n", line);
     else
       log::print_result("{}\n", line), log::finish_results();
-    std::int64_t before_ns = runtime::monotonic_ns(), frame_at_ns = 0, facts_at_ns = 0;
+    std::int64_t at_ns = runtime::monotonic_ns(), before_ns = at_ns, frame_at_ns = 0, facts_at_ns = 0;
     while (!stop.load()) {
       const std::int64_t now_ns = runtime::monotonic_ns();
       obey();
-      advance(now_ns, static_cast<double>(now_ns - before_ns) * 1e-9);
+      advance(now_ns, std::min(kLongestStepS, static_cast<double>(now_ns - before_ns) * 1e-9));
       before_ns = now_ns;
-      if (now_ns >= frame_at_ns) send_frame(), frame_at_ns = now_ns + kFrameNs - kTurnNs / 2;
+      if (at_ns >= frame_at_ns) send_frame(), frame_at_ns = at_ns + kFrameNs - kTurnNs / 2;
       if (now_ns >= facts_at_ns) send_facts(now_ns), facts_at_ns = now_ns + kFactsNs;
-      runtime::sleep_until(now_ns + kTurnNs);
+      at_ns = runtime::next_deadline(at_ns, runtime::monotonic_ns(), kTurnNs).at_ns;
+      runtime::sleep_until(at_ns);
     }
     return 0;
   }
 
  private:
-  static constexpr std::int64_t kTurnNs = 16'500'000;
+  static constexpr std::int64_t kTurnNs = kFrameNs / 2;
+  static constexpr double kLongestStepS = 0.25;  ///< a recorded run waits where this thread was held up, and nobody misses a part of it
 
   void advance(std::int64_t now_ns, double elapsed_s) {
     if (tap_) {
@@ -124,6 +132,7 @@ class View {
   }
 
   void send_facts(std::int64_t now_ns) {
+    look_after_shapes();
     follow_scene();
     if (server_.clients() == 0) return;
     const std::vector<NodeRow> rows = nodes_.rows(player_ ? player_->now_ns() : now_ns);
@@ -136,6 +145,20 @@ class View {
     facts["scene_note"] = scene_note();
     if (player_) facts["bag"] = player_->to_json();
     server_.send_fact(text_of(facts));
+    send_slice();
+  }
+
+  /// Of what a page has asked for, and only where it is another one than the last.
+  void send_slice() {
+    if (!slice_ || !is_same_scene()) return;
+    if (const auto found = points_.take_slice(); found && !found->is_null())
+      if (std::string text = text_of(*found); text != slice_text_) server_.send_fact(slice_text_ = std::move(text));
+    SliceQuestion question{slice_->axis, slice_->at_m.value_or(0.0), 0.0};
+    if (const auto& contact = picture_.contact()) {
+      if (!slice_->at_m) question.at_m = runtime::from_msg(contact->object_pose).position[question.axis];
+      question.scene_time_s = static_cast<double>(contact->scene_time_ns) * 1e-9;
+    }
+    points_.ask(question);
   }
 
   const scene::Scene* known_scene() const { return scene_ ? &*scene_ : nullptr; }
@@ -154,7 +177,7 @@ class View {
   void follow_scene() {
     const std::string named = player_ ? player_->scene_file() : tap_->scene_file();
     const std::filesystem::path file = !named.empty() ? std::filesystem::path(named) : player_ ? "" : options_.shown;
-    if (file.empty() || facts_.scene_hash().empty() || is_same_scene()) return;
+    if (shapes_.valid() || file.empty() || facts_.scene_hash().empty() || is_same_scene()) return;
     if (tried_ == std::pair(file, facts_.scene_hash())) return;
     tried_ = {file, facts_.scene_hash()};
     show(file);
@@ -170,13 +193,22 @@ class View {
       return;
     }
     facts_.scene_is(*scene_);
-    json scene = shapes_of(*scene_);
-    scene["type"] = "scene";
-    scene["name"] = scene_->name;
-    scene["file"] = file.filename().string();
+    // Large meshes take seconds to read; forces and charts do not wait for them.
+    shapes_ = std::async(std::launch::async, [this, scene = *scene_] {
+      json shapes = shapes_of(scene, ended_);
+      shapes["type"] = "scene";
+      shapes["name"] = scene.name;
+      shapes["file"] = scene.file.filename().string();
+      return text_of(shapes);
+    });
     points_.scene_is(*scene_);
+  }
+
+  void look_after_shapes() {
+    if (!shapes_.valid() || shapes_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    std::string text = shapes_.get();
     const std::lock_guard lock(mutex_);
-    scene_text_ = text_of(scene);
+    scene_text_ = std::move(text);
     server_.send_fact(scene_text_);
   }
 
@@ -210,7 +242,11 @@ class View {
   }
 
   void obey(const json& order) {
-    if (order.contains("past")) server_.send_fact(text_of(picture_.past(known_scene())));
+    if (order.contains("past")) {
+      server_.send_fact(text_of(picture_.past(known_scene())));
+      slice_text_.clear();  // for a page that has come
+    }
+    if (order.contains("slice")) cut(order["slice"]);
     if (order.contains("change") && changer_) {
       const auto words = order["change"].get<std::vector<std::string>>();
       if (!changer_->change(words))
@@ -222,13 +258,30 @@ class View {
     if (order.contains("seek")) player_->seek(order["seek"].get<double>());
   }
 
+  /// {"axis": "z", "at": 0.01}: there, or without `at` where the tool is; null: none.
+  void cut(const json& order) {
+    slice_.reset(), slice_text_.clear();
+    if (!order.is_object()) return;
+    const std::size_t axis = std::string("xyz").find(order.at("axis").get<std::string>());
+    if (axis > 2) return;
+    slice_ = Cut{static_cast<int>(axis), order.contains("at") ? std::optional(order["at"].get<double>()) : std::nullopt};
+  }
+  struct Cut {
+    int axis = 2;
+    std::optional<double> at_m;  ///< nothing: at the tool
+  };
+
   const Options& options_;
   bus::Participant participant_;
+  std::optional<Cut> slice_;
+  std::string slice_text_;  ///< as it was sent last
   Picture picture_;
   Facts facts_;
   NodeTable nodes_;
   std::optional<scene::Scene> scene_;
   std::string why_no_scene_;
+  std::atomic<bool> ended_{false};
+  std::future<std::string> shapes_;  ///< being read
   std::pair<std::filesystem::path, std::string> tried_;
   ContactPoints points_;
   std::mutex mutex_;

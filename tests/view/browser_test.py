@@ -65,7 +65,7 @@ class Browser:
           const box = e => e.getBoundingClientRect();
           const apart = (a, b) => a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
           const say = e => e.id || e.className || e.tagName;
-          for (const group of ['main > section, #design', '#numbers, #cameras, #legend, #player, #flags', '.chart', '.chart h2, .chart .plot', 'header > *']) {
+          for (const group of ['main > section, #design', '#numbers, #cameras, #cut, #legend, #player, #flags', '.chart', '.chart h2, .chart .plot', 'header > *']) {
             const all = of(group);
             all.forEach((a, i) => all.slice(i + 1).forEach(b => { if (!apart(box(a), box(b))) faults.push(say(a) + ' over ' + say(b)); }));
           }
@@ -135,6 +135,15 @@ class InABrowser(unittest.TestCase):
                 time.sleep(1)
                 self.judge("ring_tablet.png")
                 browser.resize(1280, 720)
+
+                browser.press("vv")
+                until(lambda: browser.js("voxtouch.slice && voxtouch.slice.axis") == "y", 15, "a plane through the voxels")
+                self.assertTrue(browser.js("voxtouch.scene3d.slice.visible"))
+                until(lambda: "mm" in browser.find("#slice-text").text, 5, "its place")
+                time.sleep(1)
+                self.judge("slice.png")
+                browser.press("vv")
+                until(lambda: browser.js("voxtouch.scene3d.slice") is None, 5, "no plane any more")
 
                 until(lambda: size(browser.frame().get("effects_force")) > 0.005, 10, "drag")
                 browser.find(".effect input[role=switch]").click()

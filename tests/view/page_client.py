@@ -21,6 +21,30 @@ def scene(name):
     return str(DEPLOY / "scenes" / f"{name}.yaml")
 
 
+def write_block(path, n):
+    """A block of 0.24 x 0.24 x 0.02 m with its top at z = 0, of 12 n n triangles, as binary STL."""
+    side = lambda u, v: [((u, v), (u + 1, v), (u + 1, v + 1)), ((u, v), (u + 1, v + 1), (u, v + 1))]
+    faces = [(lambda a, b: (a, b, 1)), (lambda a, b: (b, a, 0)), (lambda a, b: (1, a, b)), (lambda a, b: (0, b, a)), (lambda a, b: (b, 1, a)), (lambda a, b: (a, 0, b))]
+    with open(path, "wb") as file:
+        file.write(b" " * 80 + struct.pack("<I", 12 * n * n))
+        for face in faces:
+            for u in range(n):
+                for v in range(n):
+                    for corners in side(u, v):
+                        xyz = [face(a / n, b / n) for a, b in corners]
+                        flat = [c for x, y, z in xyz for c in (0.24 * x - 0.12, 0.24 * y - 0.12, 0.02 * z - 0.02)]
+                        file.write(struct.pack("<12fH", 0, 0, 0, *flat, 0))
+
+
+def fine_scene(folder, n):
+    """The shipped plane's scene with a block of 12 n n triangles."""
+    mesh, scene_file = pathlib.Path(folder) / "fine.stl", pathlib.Path(folder) / "fine.yaml"
+    write_block(mesh, n)
+    text = pathlib.Path(scene("plane")).read_text()
+    scene_file.write_text(text.replace("../meshes/plane.obj", str(mesh)).replace("../meshes", str(DEPLOY / "meshes")))
+    return scene_file
+
+
 def until(holds, patience_s, what):
     """The first true value of holds(); fails with a sentence after so long."""
     end = time.monotonic() + patience_s

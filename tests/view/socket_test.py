@@ -1,14 +1,16 @@
 """The page's server as a plain client sees it: who is let in, what it may cost, and what of the ring comes through."""
+import contextlib
 import json
 import os
 import pathlib
 import signal
+import sqlite3
 import tempfile
 import time
 import unittest
 import urllib.parse
 
-from page_client import DOMAIN, Process, WebSocket, page, pid_of, request, ring, scene, size, state_of, until
+from page_client import DOMAIN, Process, WebSocket, fine_scene, page, pid_of, request, ring, scene, size, state_of, until
 
 
 class Guards(unittest.TestCase):
@@ -116,6 +118,8 @@ class Live(unittest.TestCase):
                 facts = socket.facts(lambda m: state_of(m, "coupling") == "running" and m["latency"] and m["design"], 10, "all that is known")
                 self.assertGreater(facts["latency"]["samples"], 100)
                 self.assertIn("shaping filter", facts["design"]["sentence"])
+                tasks = [t.read_text().rsplit(")", 1)[1].split() for t in pathlib.Path(f"/proc/{shown.process.pid}/task").glob("*/stat")]
+                self.assertTrue(all(int(t[16]) >= 10 and t[38] == "0" for t in tasks), "a thread of the page is as urgent as those that feel")
                 rate = socket.facts(lambda m: any(n["node"] == "device" and n["rate_hz"] for n in m["nodes"]), 10, "a rate")
                 self.assertTrue(rate)
                 os.kill(pid_of(facts, "coupling"), signal.SIGKILL)
@@ -124,6 +128,50 @@ class Live(unittest.TestCase):
             with ring("cup_viscosity"):
                 socket.facts(lambda m: state_of(m, "coupling") == "running", 30, "the node's return")
                 socket.frame(lambda m: m["session"] != felt["session"] and size(m.get("force")) > 0.05, 20, "force of the next session")
+
+
+class Slices(unittest.TestCase):
+    def test_cut_the_voxels_of_the_scene(self):
+        """The plane's block fills 0 > z > -20 mm: what the page is told of it is checked against that, cell by cell."""
+        with page() as shown, WebSocket(shown.address()) as socket, ring("plane"):
+            socket.frame(lambda m: m.get("tool"), 20, "samples")
+            for axis, at in ("z", -0.009), ("x", 0.011), ("z", 0.05):
+                socket.order(slice={"axis": axis, "at": at})
+                cut = socket.wait_for(lambda m: m["type"] == "slice" and m["axis"] == axis and abs(m["at"] - at) < 1e-9, 20, f"a plane across {axis}")
+                self.assertEqual(len(cut["cells"]), cut["columns"] * cut["rows"])
+                low, step, seen = cut["low"], cut["step"], {"0": 0, "1": 0, "2": 0}
+                for n, kind in enumerate(cut["cells"]):
+                    u, v = low[0] + (n % cut["columns"] + 0.5) * step, low[1] + (n // cut["columns"] + 0.5) * step
+                    x, y, z = {"x": (at, u, v), "z": (u, v, at)}[axis]
+                    depth = min(0.12 - abs(x), 0.12 - abs(y), -z, z + 0.02)  # in the block: above 0
+                    seen[kind] += 1
+                    if depth < -1.5 * step:
+                        self.assertEqual(kind, "0", (x, y, z))
+                    if depth > 1.5 * step:
+                        self.assertEqual(kind, "2", (x, y, z))
+                if at == 0.05:
+                    self.assertEqual(seen["1"] + seen["2"], 0)
+                else:
+                    self.assertGreater(min(seen["1"], seen["2"]), 100, seen)
+            socket.order(slice={"axis": "z"})  # where the tool is
+            cut = socket.wait_for(lambda m: m["type"] == "slice" and m["at"] != at, 10, "a plane at the tool")
+            frame = socket.frame(lambda m: True, 5, "the tool")
+            self.assertAlmostEqual(cut["at"], frame["object"][2], delta=0.01)
+
+
+class Large(unittest.TestCase):
+    def test_meshes_are_drawn_coarser_and_nobody_waits_for_them(self):
+        with tempfile.TemporaryDirectory() as folder, page(str(fine_scene(folder, 160))) as shown, WebSocket(shown.address()) as socket:
+            facts = 0
+            while not (message := socket.receive()).get("meshes"):
+                facts += message["type"] == "facts"
+            self.assertGreater(facts, 0, "the page hears nothing while a mesh is read")
+            count = [(m["triangles"], m["shown"]) for m in message["meshes"]]
+            self.assertEqual(count[0][0], 12 * 160 * 160)
+            self.assertEqual(count[1], (1280, 1280), "what is small is drawn whole")
+            self.assertGreater(count[0][1], 10_000)
+            self.assertLessEqual(count[0][1] + count[1][1], 20_000)
+            self.assertIn(f"{count[0][1]} of its {count[0][0]} triangles", message["notes"][0])
 
 
 class Together(unittest.TestCase):
@@ -171,6 +219,28 @@ class Status(unittest.TestCase):
 
 
 class Recorded(unittest.TestCase):
+    def test_counts_the_latency_of_a_recorded_ring_as_its_logger_took_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bag = str(pathlib.Path(folder) / "bag")
+            with Process("up", scene("cup"), "--motion", "slide", "--domain", DOMAIN, "--duration", "5", "--record", bag) as run:
+                run.process.wait(60)
+            with page(bag) as shown, WebSocket(shown.address()) as socket:
+                socket.order(speed=4)
+                facts = socket.facts(lambda m: not m["bag"]["playing"] and m["latency"] and m["counts"], 30, "the end")
+            self.assertGreater(facts["counts"]["latency_p50_us"], 0, "what the device measured stands beside it")
+            taken = {"/haptic/device/state": {}, "/haptic/coupling/command": {}}
+            for file in pathlib.Path(bag).glob("*.db3"):
+                with contextlib.closing(sqlite3.connect(file)) as db:
+                    for name, time_ns, data in db.execute("select name, timestamp, data from messages join topics on topics.id = topic_id"):
+                        if name in taken:
+                            taken[name][int.from_bytes(data[12:20], "little")] = time_ns
+            states, commands = taken.values()
+            us = sorted((commands[n] - states[n]) * 1e-3 for n in commands if n in states and commands[n] >= states[n])
+            self.assertEqual(facts["latency"]["samples"], len(us))
+            self.assertEqual(sum(facts["latency"]["counts"]), len(us))
+            self.assertAlmostEqual(facts["latency"]["p50_us"], us[len(us) // 2], delta=2.0)
+            self.assertAlmostEqual(facts["latency"]["counts"][0], sum(x < 25.0 for x in us), delta=2)
+
     def test_plays_seeks_and_ends(self):
         with tempfile.TemporaryDirectory() as folder:
             bag = str(pathlib.Path(folder) / "bag")
@@ -183,6 +253,7 @@ class Recorded(unittest.TestCase):
                 self.assertAlmostEqual(end["bag"]["t"], end["bag"]["duration"], 2)
                 self.assertAlmostEqual(end["bag"]["duration"], 6.0, delta=1.0)
                 self.assertEqual(state_of(end, "device"), "stopped")
+                self.assertIsNone(end["latency"], "lockstep: simulated times measure nothing")
                 socket.order(seek=2.0)
                 past = socket.wait_for(lambda m: m["type"] == "past" and m["rows"], 10, "what was before")
                 self.assertLess(past["rows"][-1][0], 2.1)

@@ -84,11 +84,14 @@
         const p50 = counts && counts.latency_p50_us, said = p50 !== undefined && p50 !== null && !isLockstep;
         this.title.innerHTML = '<span>Latency of the ring <span class="unit">µs</span></span>' +
           (said ? `<span class="series">by the device: median <b>${p50}</b>, 99 % within <b>${counts.latency_p99_us}</b></span>` : '');
-        this.plot.innerHTML = isLockstep ? '<p class="quiet">Lockstep: samples wait for their commands, and nothing is measured.</p>' : isBag ? '<p class="quiet">A recording holds no times of writing: no histogram.</p>' : '<p class="quiet">Nothing measured yet.</p>';
+        this.plot.innerHTML = isLockstep ? '<p class="quiet">Lockstep: samples wait for their commands, and nothing is measured.</p>' : '<p class="quiet">Nothing measured yet.</p>';
         return;
       }
-      this.title.innerHTML = `<span title="From the device's write of a sample to the coupling's write of its command; the last ${latency.samples}">Latency of the ring <span class="unit">µs</span></span>` +
-        `<span class="series">median <b>${latency.p50_us}</b></span><span class="series">99 % within <b>${latency.p99_us}</b></span>`;
+      const from = isBag ? 'Between the times at which the logger took a sample and its command. Where it is late it takes several at once, and shows too little'
+                         : "From the device's write of a sample to the coupling's write of its command";
+      const device = isBag && counts && counts.latency_p50_us ? `<span class="series">by the device: median <b>${counts.latency_p50_us}</b></span>` : '';
+      this.title.innerHTML = `<span title="${from}; the last ${latency.samples}">Latency ${isBag ? 'as the logger took it' : 'of the ring'} <span class="unit">µs</span></span>` +
+        `<span class="series">median <b>${latency.p50_us}</b></span><span class="series">99 % within <b>${latency.p99_us}</b></span>${device}`;
       const width = this.plot.clientWidth || 400, height = this.plot.clientHeight || 80, left = 44, bottom = 18, right = 38;
       const bins = latency.counts.length, most = Math.max(...latency.counts, 1), w = (width - left - right) / bins, h = height - bottom - 12;
       const share = 100 * most / latency.samples;

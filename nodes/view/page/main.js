@@ -25,7 +25,7 @@
 
   function connect() {
     socket = new WebSocket(`ws://${location.host}/ring?token=${encodeURIComponent(token)}`, 'voxtouch-view');
-    socket.onopen = () => { state.connected = true, retry = 250, firstFacts = true; pill(); };
+    socket.onopen = () => { state.connected = true, retry = 250, firstFacts = true; pill(); if (cut.axis) askSlice(); };
     socket.onmessage = event => take(JSON.parse(event.data));
     socket.onclose = () => {
       state.connected = false;
@@ -41,6 +41,7 @@
     else if (message.type === 'scene') takeScene(message);
     else if (message.type === 'past') takePast(message);
     else if (message.type === 'answer') effects.answered(message);
+    else if (message.type === 'slice') takeSlice(message);
   }
 
   function takeScene(scene) {
@@ -49,6 +50,38 @@
     $('what').textContent = scene.name || 'waiting for a scene';
     note();
   }
+
+  // --- a plane through the voxels, found by the page's server
+  const cut = {axis: '', follow: true, at: 0};
+  function askSlice() {
+    send({slice: cut.axis ? {axis: cut.axis, ...(cut.follow ? {} : {at: cut.at})} : null});
+    for (const e of document.querySelectorAll('.of-slice')) e.hidden = !cut.axis;
+    $('slice').value = cut.axis, $('slice-at').hidden = $('slice-follow').hidden = !cut.axis;
+    $('slice-follow').setAttribute('aria-pressed', String(cut.follow));
+    if (!cut.axis) state.slice = null, scene3d && scene3d.setSlice(null);
+    if (cut.axis && scene3d) {
+      const [low, high] = scene3d.rangeAlong(cut.axis);
+      Object.assign($('slice-at'), {min: low, max: high, step: (high - low) / 500});
+    }
+  }
+  function takeSlice(slice) {
+    if (slice.axis !== cut.axis) return;  // of another page
+    state.slice = slice;
+    if (scene3d) scene3d.setSlice(slice);
+    if (cut.follow) $('slice-at').value = slice.at;
+    $('slice-text').textContent = `at ${slice.axis} = ${(1000 * slice.at).toFixed(1)} mm, cells of ${+(1000 * slice.step).toPrecision(3)} mm` +
+      (slice.step > 1.001 * slice.voxel ? `, every ${Math.round(slice.step / slice.voxel)}th voxel` : '');
+  }
+  $('slice').addEventListener('change', () => { cut.axis = $('slice').value, askSlice(); });
+  $('slice-follow').addEventListener('click', () => { cut.follow = !cut.follow, cut.at = Number($('slice-at').value), askSlice(); });
+  let slicedAt = 0;
+  $('slice-at').addEventListener('input', event => {
+    cut.follow = false, cut.at = Number($('slice-at').value);
+    if (performance.now() - slicedAt < 100 && event.type === 'input') return;
+    slicedAt = performance.now();
+    askSlice();
+  });
+  $('slice-at').addEventListener('change', () => { cut.at = Number($('slice-at').value), askSlice(); });
 
   function takePast(past) {
     if (paused && !isBag()) return;
@@ -162,7 +195,7 @@
     const next = document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark';
     document.documentElement.dataset.theme = next;
     localStorage.setItem('voxtouch-theme', next);
-    if (scene3d) scene3d.recolor();
+    if (scene3d) scene3d.recolor(), scene3d.setSlice(state.slice || null);
     charts.recolor();
     histogramAt = 0, chartsDirty = true;
   }
@@ -178,6 +211,7 @@
   for (const button of document.querySelectorAll('[data-camera]')) button.addEventListener('click', () => look(button.dataset.camera));
   const step = by => isBag() && send({seek: Math.max(0, state.facts.bag.t + by)});
   const KEYS = {' ': toggle, t: switchTheme, o: see, '?': () => $('keys').showModal(), ArrowLeft: () => step(-1), ArrowRight: () => step(1),
+                v: () => { cut.axis = {'': 'x', x: 'y', y: 'z', z: ''}[cut.axis], askSlice(); },
                 0: () => look('home'), 1: () => look('front'), 2: () => look('side'), 3: () => look('top'), 4: () => look('near')};
   document.addEventListener('keydown', event => {
     if (event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;

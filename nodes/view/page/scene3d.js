@@ -15,8 +15,7 @@
 
   // Faces that meet at less than 40 degrees share a normal: round things look round, and edges stay edges.
   function creased(positions, indices) {
-    const limit = Math.cos(40 * Math.PI / 180), count = indices.length;
-    const out = new Float32Array(3 * count), normals = new Float32Array(3 * count), faces = [], around = new Map();
+    const limit = Math.cos(40 * Math.PI / 180), count = indices.length, faces = [], around = new Map();
     const a = new THREE.Vector3(), b = new THREE.Vector3(), c = new THREE.Vector3();
     for (let f = 0; f < count / 3; ++f) {
       const [i, j, k] = [indices[3 * f], indices[3 * f + 1], indices[3 * f + 2]];
@@ -25,18 +24,26 @@
       faces.push({normal, unit: normal.clone().normalize()});
       for (const v of [i, j, k]) around.has(v) ? around.get(v).push(f) : around.set(v, [f]);
     }
-    const sum = new THREE.Vector3();
+    // A corner is one vertex for all faces that give it the same normal: what draws in software turns each vertex by itself.
+    const sum = new THREE.Vector3(), out = [], normals = [], corners = new Uint32Array(count), known = new Map();
     for (let n = 0; n < count; ++n) {
       const face = faces[Math.floor(n / 3)], v = indices[n];
       sum.set(0, 0, 0);
       for (const other of around.get(v)) if (faces[other].unit.dot(face.unit) >= limit) sum.add(faces[other].normal);
       if (sum.lengthSq() === 0) sum.copy(face.unit);
-      sum.normalize().toArray(normals, 3 * n);
-      for (let x = 0; x < 3; ++x) out[3 * n + x] = positions[3 * v + x];
+      sum.normalize();
+      const key = `${v} ${Math.round(500 * sum.x)} ${Math.round(500 * sum.y)} ${Math.round(500 * sum.z)}`;
+      if (!known.has(key)) {
+        known.set(key, out.length / 3);
+        out.push(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]);
+        normals.push(sum.x, sum.y, sum.z);
+      }
+      corners[n] = known.get(key);
     }
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute('position', new THREE.BufferAttribute(out, 3));
-    geometry.setAttribute('normal', new THREE.BufferAttribute(normals, 3));
+    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(out), 3));
+    geometry.setAttribute('normal', new THREE.BufferAttribute(new Float32Array(normals), 3));
+    geometry.setIndex(new THREE.BufferAttribute(corners, 1));
     return geometry;
   }
 
@@ -65,7 +72,7 @@
   class Scene3D {
     constructor(canvas, labels, smooth) {
       this.canvas = canvas;
-      const slow = inSoftware() && !smooth;
+      const slow = this.slow = inSoftware() && !smooth;
       this.mostPixels = slow ? 0.8 : 2;
       this.renderer = new THREE.WebGLRenderer({canvas, antialias: !slow, alpha: true});
       this.world = new THREE.Scene();
@@ -124,8 +131,8 @@
           const group = new THREE.Group();
           this.objects.set(mesh.object, group), this.statics.add(group);
         }
-        // The back of each surface first, then its front: what is seen through looks the same from all sides.
-        for (const side of [THREE.BackSide, THREE.FrontSide]) {
+        // The back of each surface first, then its front: what is seen through looks the same from all sides. In software at once: half the work.
+        for (const side of this.slow ? [THREE.DoubleSide] : [THREE.BackSide, THREE.FrontSide]) {
           const part = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({side, transparent: true}));
           part.renderOrder = side === THREE.BackSide ? 1 : 2;
           this.objects.get(mesh.object).add(part);
@@ -174,6 +181,39 @@
         this.grid.material.color.copy(color('--grid'));
       }
       this.dirty = true;
+    }
+
+    rangeAlong(axis) {
+      const margin = 0.1 * this.radius;
+      return [this.box.min[axis] - margin, this.box.max[axis] + margin];
+    }
+
+    // Cells as a picture on a plane across one axis; what is free is not drawn.
+    setSlice(slice) {
+      if (this.slice) {
+        this.world.remove(this.slice);
+        this.slice.geometry.dispose(), this.slice.material.map.dispose(), this.slice.material.dispose();
+        this.slice = null;
+      }
+      this.dirty = true;
+      if (!slice) return;
+      const {columns, rows, cells, step, at, axis} = slice, pixels = new Uint8Array(4 * columns * rows);
+      const paint = [null, color('--surface'), color('--interior')];
+      for (let n = 0; n < columns * rows; ++n) {
+        const kind = paint[cells.charCodeAt(n) - 48];
+        if (kind) pixels.set([255 * kind.r, 255 * kind.g, 255 * kind.b, 255], 4 * n);
+      }
+      const texture = new THREE.DataTexture(pixels, columns, rows, THREE.RGBAFormat);
+      texture.magFilter = texture.minFilter = THREE.NearestFilter;
+      texture.needsUpdate = true;
+      const place = {x: (u, v) => [at, u, v], y: (u, v) => [u, at, v], z: (u, v) => [u, v, at]}[axis];
+      const [u0, v0] = slice.low, u1 = u0 + columns * step, v1 = v0 + rows * step, geometry = new THREE.BufferGeometry();
+      geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array([place(u0, v0), place(u1, v0), place(u1, v1), place(u0, v1)].flat()), 3));
+      geometry.setAttribute('uv', new THREE.BufferAttribute(new Float32Array([0, 0, 1, 0, 1, 1, 0, 1]), 2));
+      geometry.setIndex([0, 1, 2, 0, 2, 3]);
+      this.slice = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({map: texture, side: THREE.DoubleSide, transparent: true, opacity: 0.85, alphaTest: 0.3}));
+      this.slice.renderOrder = 3;
+      this.world.add(this.slice);
     }
 
     toggleThrough() {

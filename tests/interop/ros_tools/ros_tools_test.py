@@ -21,7 +21,7 @@ sys.path[:0] = [TYPES.name, str(DEPLOY.parent / "tests" / "view")]
 from cyclonedds.qos import Policy, Qos  # noqa: E402
 from cyclonedds.sub import DataReader  # noqa: E402
 from looker import Looker, join  # noqa: E402
-from page_client import Process, until  # noqa: E402
+from page_client import Process, fine_scene, until  # noqa: E402
 from rviz_rules import ADD, ARROW, SPHERE_LIST, TEXT, TRIANGLES, seconds  # noqa: E402
 from voxtouch_types import TOPICS  # noqa: E402
 
@@ -136,10 +136,8 @@ class Pictures(unittest.TestCase):
 
     def test_a_large_mesh_is_drawn_coarser_and_says_so(self):
         with tempfile.TemporaryDirectory() as folder:
-            mesh, n = pathlib.Path(folder) / "fine.stl", 160
-            write_block(mesh, n)
-            scene = pathlib.Path(folder) / "fine.yaml"
-            scene.write_text((DEPLOY / "scenes" / "plane.yaml").read_text().replace("../meshes/plane.obj", str(mesh)).replace("../meshes", str(DEPLOY / "meshes")))
+            n = 160
+            scene = fine_scene(folder, n)
             looker = Looker(self.participant)
             with ring(scene, "--motion", "free") as up:
                 runs(up)
@@ -224,22 +222,6 @@ class Layouts(unittest.TestCase):
         self.assertEqual(panels, leaves)
         followed = next(c for name, c in layout["configById"].items() if name.startswith("3D!"))
         self.assertIn(followed["followTf"], {"world", "haptic/tool"})
-
-
-def write_block(path, n):
-    """A block of 0.24 x 0.24 x 0.02 m with its top at z = 0, of 12 n n triangles, as binary STL."""
-    import struct
-    side = lambda u, v: [((u, v), (u + 1, v), (u + 1, v + 1)), ((u, v), (u + 1, v + 1), (u, v + 1))]
-    faces = [(lambda a, b: (a, b, 1)), (lambda a, b: (b, a, 0)), (lambda a, b: (1, a, b)), (lambda a, b: (0, b, a)), (lambda a, b: (b, 1, a)), (lambda a, b: (a, 0, b))]
-    with open(path, "wb") as file:
-        file.write(b" " * 80 + struct.pack("<I", 12 * n * n))
-        for face in faces:
-            for u in range(n):
-                for v in range(n):
-                    for corners in side(u, v):
-                        xyz = [face(a / n, b / n) for a, b in corners]
-                        flat = [c for x, y, z in xyz for c in (0.24 * x - 0.12, 0.24 * y - 0.12, 0.02 * z - 0.02)]
-                        file.write(struct.pack("<12fH", 0, 0, 0, *flat, 0))
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@
 
 #include "core/scene/scene_file.hpp"
 #include "nodes/bus/reader.hpp"
+#include "nodes/mesh_import/display_mesh.hpp"
 #include "nodes/rendering/plan_message.hpp"
 #include "nodes/rendering/plan_ring.hpp"
 #include "nodes/runtime/node_registry.hpp"
@@ -179,6 +180,14 @@ TEST(MarkerRounds, SendMeshesToWhoComesAndDeleteWhatAReloadTookAway) {
   EXPECT_EQ(all_due(rounds, 14 * kSecond), (Said{"DELETE scene 1", "ADD scene 0", "ADD object/lid 0"}));
   rounds.replace({triangle("scene", 0), triangle("scene", 1)});
   EXPECT_EQ(all_due(rounds, 15 * kSecond), (Said{"DELETE object/lid 0", "ADD scene 0", "ADD scene 1"}));
+}
+
+TEST(DisplayMesh, SharesLeaveSmallMeshesWholeAndGiveTheRestToLargeOnes) {
+  using Counts = std::vector<std::size_t>;
+  EXPECT_EQ(mesh_import::shares_of({12, 1'000'000, 1280}, 20'000), (Counts{12, 18'708, 1280}));
+  EXPECT_EQ(mesh_import::shares_of({1'000'000, 500'000}, 20'000), (Counts{10'000, 10'000}));
+  EXPECT_EQ(mesh_import::shares_of({5, 7}, 20'000), (Counts{5, 7}));
+  EXPECT_EQ(mesh_import::shares_of({}, 20'000), Counts());
 }
 
 TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
