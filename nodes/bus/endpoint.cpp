@@ -16,8 +16,7 @@ Entity make_topic(const Participant& participant, const qos::Topic& row, std::st
 
 qos::Qos qos_of(const qos::Topic& row, const qos::Profile& profile, qos::Endpoint endpoint, const msg::AnyType& type) {
   qos::Qos qos = qos::make_qos(profile, endpoint, row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0);
-  const std::string hash = "typehash=" + std::string(type.hash) + ";";  // as ROS 2 announces it from Iron on
-  dds_qset_userdata(qos.get(), hash.data(), hash.size());
+  announce(qos.get(), type);
   return qos;
 }
 
@@ -53,6 +52,11 @@ std::vector<Guid> matched(dds_entity_t endpoint, List list, Data data) {
 }
 
 }  // namespace
+
+void announce(dds_qos_t* qos, const msg::AnyType& type) {
+  const std::string hash = "typehash=" + std::string(type.hash) + ";";
+  dds_qset_userdata(qos, hash.data(), hash.size());
+}
 
 EndpointEntities make_writer(const Participant& participant, const qos::Topic& row, std::string_view rig,
                              const qos::Profile& profile, const msg::AnyType& type) {

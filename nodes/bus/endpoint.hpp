@@ -11,6 +11,9 @@
 
 namespace voxtouch::bus {
 
+/// The type's hash as user data of an endpoint, as ROS 2 announces it from Iron on.
+void announce(dds_qos_t* qos, const msg::AnyType& type);
+
 /// Topic entity plus endpoint entity, and the endpoint's entry in the graph that ROS 2 tools show. Throws Error where the row's type is
 /// not `type`.
 struct EndpointEntities {

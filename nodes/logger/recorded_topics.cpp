@@ -48,13 +48,15 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtim
 
 void RecordedTopics::add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos, const dds_qos_t* offered,
                          Stamp stamp) {
+  bus::announce(qos.get(), type);
   bus::RawReader reader(participant_.get(), name, *type.descriptor, qos.get());
+  bus::GraphEntry shown = participant_.enter(reader.get(), qos::Endpoint::kReader);
   const auto id = recorder_.add_topic({.name = name.substr(kRosPrefix.size()),
                                        .type = std::string(type.ros_name),
                                        .offered_qos = offered_qos_text(offered)});
   if (!id) throw bus::Error(id.error().sentence);
   wait_set_.attach(reader.condition());
-  entries_.push_back({name, std::move(reader), *id, stamp});
+  entries_.push_back({name, std::move(reader), std::move(shown), *id, stamp});
   known_.insert(name);
 }
 

@@ -45,6 +45,7 @@ class RecordedTopics {
   struct Entry {
     std::string name;
     bus::RawReader reader;
+    bus::GraphEntry shown;  ///< to ROS 2 tools
     bag::TopicId id;
     Stamp stamp;
     std::string stream{};     ///< "device_state"; empty where samples bear no number

@@ -44,8 +44,10 @@ std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
   bus::ParticipantOptions options = o.participant("doctor");
   options.node.name.clear();  // it comes and goes: nothing for the graph
   const bus::Participant own(options);
-  const bus::Entity participants(dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr), "participants could not be asked for");
-  const bus::Entity readers(dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr), "readers could not be asked for");
+  const bus::Entity participants(dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
+                                 "participants could not be asked for");
+  const bus::Entity readers(dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
+                            "readers could not be asked for");
   std::this_thread::sleep_for(std::chrono::seconds(2));
   std::size_t ros = 0, others = 0;
   each_announced<dds_builtintopic_participant_t>(participants.get(), [&](const auto& one, std::string_view user_data) {
@@ -56,12 +58,14 @@ std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
   each_announced<dds_builtintopic_endpoint_t>(readers.get(), [&](const auto& one, std::string_view user_data) {
     if (std::string_view(one.topic_name) == "ros_discovery_info") (user_data.contains("typehash=") ? iron : humble) = true;
   });
-  std::vector<Finding> findings{{Health::kGood, fmt::format("{} participants of ROS 2 or voxtouch are on domain {}, and {} others", ros, o.domain, others)}};
+  std::vector<Finding> findings{
+      {Health::kGood, fmt::format("{} participants of ROS 2 or voxtouch are on domain {}, and {} others", ros, o.domain, others)}};
   if (humble && iron) findings.push_back({Health::kMind, "Humble and a later ROS 2 share the domain: one of them does not see a ring's nodes"});
   if (humble && !iron && o.ros != bus::RosGraph::kHumble)
     findings.push_back({Health::kMind, "a ROS 2 Humble is on the domain: start with --ros humble, or it does not see the ring's nodes"});
   if (iron && !humble && o.ros == bus::RosGraph::kHumble)
-    findings.push_back({Health::kMind, "a ROS 2 later than Humble is on the domain: start without --ros humble, or it does not see the ring's nodes"});
+    findings.push_back(
+        {Health::kMind, "a ROS 2 later than Humble is on the domain: start without --ros humble, or it does not see the ring's nodes"});
   return findings;
 }
 

@@ -107,8 +107,11 @@ std::set<unsigned> taken_indices(std::istream& udp, std::uint32_t domain) {
 
 Finding check_indices(const std::set<unsigned>& taken) {
   constexpr unsigned kOfARing = 7;
-  const auto left = [&](unsigned last) { return last + 1 - static_cast<unsigned>(std::ranges::count_if(taken, [&](unsigned n) { return n <= last; })); };
-  const std::string counts = fmt::format("{} of the domain's participant indices are taken; of those up to 9 {} are left, of those up to 32 {}", taken.size(), left(9), left(32));
+  const auto left = [&](unsigned last) {
+    return last + 1 - static_cast<unsigned>(std::ranges::count_if(taken, [&](unsigned n) { return n <= last; }));
+  };
+  const std::string counts = fmt::format("{} of the domain's participant indices are taken; of those up to 9 {} are left, of those up to 32 {}",
+                                         taken.size(), left(9), left(32));
   if (left(119) < kOfARing) return {Health::kBad, counts + ": too few for a ring"};
   if (left(32) < kOfARing) return {Health::kMind, counts + ": tools that use no multicast do not find a ring that starts now (see qos/README.md)"};
   if (left(9) < kOfARing)
@@ -125,8 +128,8 @@ std::vector<Finding> check_rights() {
   constexpr long kWanted = 4L << 20;
   const long most = number_in("/proc/sys/net/core/rmem_max");
   if (most >= 0 && most < kWanted)
-    findings.push_back({Health::kMind, fmt::format("receive buffers end at {} bytes: a reader that is late loses more; `sysctl -w net.core.rmem_max={}` allows DDS what it asks for",
-                                                   most, kWanted)});
+    findings.push_back({Health::kMind, fmt::format("receive buffers end at {} bytes: a reader that is late loses more; "
+                                                   "`sysctl -w net.core.rmem_max={}` allows DDS what it asks for", most, kWanted)});
   return findings;
 }
 

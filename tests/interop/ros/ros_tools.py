@@ -73,10 +73,10 @@ class OtherHost:
         run(*self.inside(*arguments))
 
 class Ring:
-    def __init__(self, voxtouch, *more):
+    def __init__(self, voxtouch, *more, record=("--no-record",)):
         repository = pathlib.Path(__file__).resolve().parents[3]
         self.up = subprocess.Popen([voxtouch, "up", repository / "deploy/scenes/plane.yaml", "--device", "sim-phantom", "--motion", "slide",
-                                    "--domain", DOMAIN, "--duration", "600", "--no-record", *more],
+                                    "--domain", DOMAIN, "--duration", "600", *record, *more],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         for line in self.up.stderr:
             if "samples  force" in line:
@@ -130,7 +130,25 @@ def found(voxtouch, cyclone, fast, python):
     for name, command in clients.commands("1.5"):
         answer = ask(other.inside(*command))
         expect(not topics_of(answer) and not answer["samples"], f"another host, {name}, finds {sorted(topics_of(answer))}")
+    datagrams = json.loads(subprocess.run(other.inside(sys.executable, "-c", LISTENER), stdout=subprocess.PIPE, check=True).stdout)
+    expect(datagrams == 0, f"{datagrams} datagrams of the ring reach another host")
     ring.close()
+
+
+LISTENER = """
+import socket, time
+heard, end = 0, time.monotonic() + 1.5
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as group:
+    group.bind(("", 7400))
+    group.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton("239.255.0.1") + socket.inet_aton("10.77.0.2"))
+    group.settimeout(0.1)
+    while time.monotonic() < end:
+        try:
+            heard += bool(group.recv(65536))
+        except TimeoutError:
+            pass
+print(heard)
+"""
 
 
 class Cdr:
@@ -201,7 +219,8 @@ def expect_array_hash():
 def graph(voxtouch, fast, distribution, gid_size):
     if fast == "none":
         raise SystemExit(77)
-    other, ring = OtherHost(), Ring(voxtouch, "--ros", distribution)
+    bags = tempfile.TemporaryDirectory()
+    other, ring = OtherHost(), Ring(voxtouch, "--ros", distribution, record=("--record", bags.name + "/bag"))
     answer = ask([fast, DOMAIN, "default", "4"])
     ring.close()
     del other
@@ -213,7 +232,7 @@ def graph(voxtouch, fast, distribution, gid_size):
         if participant not in newest or len(nodes[0][2] + nodes[0][3]) > len(newest[participant][2] + newest[participant][3]):
             newest[participant] = nodes[0]
     names = sorted(node[1] for node in newest.values())
-    expect(names == NODES, f"nodes {names}")
+    expect(names == sorted([*NODES, "logger"]), f"nodes {names}")
     expect({node[0] for node in newest.values()} == {"/haptic"}, "nodes stand in the rig's namespace")
     for participant in newest:
         expect(key_value(answer["participants"].get(participant, ""), "enclave") == "/", f"enclave of {participant}")

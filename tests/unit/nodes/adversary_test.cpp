@@ -264,7 +264,7 @@ TEST_F(Attacked, FromTheStartTheRingStillFindsItself) {
 TEST(LockstepAttacked, ByOneWhoCallsHimselfAsItsNodesAndFallsSilentTheRunGoesOn) {
   const std::string rig = own_rig("l"), scene = pressing_scene();
   const auto in_lockstep = [&](auto options) {
-    options.rig = rig, options.domain = kDomain, options.scene = scene, options.lockstep = true;
+    options.rig = rig, options.domain = kDomain, options.network_interface = "lo", options.scene = scene, options.lockstep = true;
     options.peers = {"rendering", "coupling"};
     return options;
   };

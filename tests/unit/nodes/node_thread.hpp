@@ -21,6 +21,7 @@ Options node_options(const std::string& rig, const std::string& scene = {}) {
   Options options;
   options.rig = rig;
   options.domain = kDomain;
+  options.network_interface = "lo";  // a process has one for all its participants of a domain, and those of tests name it
   if (!scene.empty()) options.scene = std::string(VOXTOUCH_DEPLOY) + "/scenes/" + scene + ".yaml";
   return options;
 }
