@@ -213,12 +213,12 @@ class Bag:
         finally:
             connection.close()
 
-    def messages(self, name, last=None):
-        """(time [ns], message as a dictionary) in order of arrival; what cannot be read is left out, and said."""
-        out, bad = [], 0
-        for time, data in zip(self.rows[name].times, self.rows[name].raw):
+    def messages(self, name, last=None, rows=None):
+        """(row, time [ns], message as a dictionary) in order of arrival, of all rows or of these; what cannot be read is left out, and said."""
+        out, of, bad = [], self.rows[name], 0
+        for row in range(len(of.raw)) if rows is None else rows:
             try:
-                out.append((time, decode(self.MESSAGES[name], data, last)))
+                out.append((row, of.times[row], decode(self.MESSAGES[name], of.raw[row], last)))
             except struct.error:
                 bad += 1
         if bad:

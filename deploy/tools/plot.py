@@ -493,3 +493,5 @@ if __name__ == "__main__":
         main()
     except KeyboardInterrupt:
         sys.exit("stopped before the picture was drawn")
+    except ModuleNotFoundError as error:
+        sys.exit(f"{pathlib.Path(__file__).resolve()} has to stand in voxtouch's own tree, with what it is made of: {error}.")

@@ -51,7 +51,8 @@ def percent(share, digits=3):
 
 def table(head, rows, numeric=()):
     def row(tag, words):
-        return "<tr>" + "".join(f'<{tag}{" class=n" if i in numeric else ""}>{word}</{tag}>' for i, word in enumerate(words)) + "</tr>"
+        scope = ' scope="col"' if tag == "th" else ""
+        return "<tr>" + "".join(f'<{tag}{scope}{" class=n" if i in numeric else ""}>{word}</{tag}>' for i, word in enumerate(words)) + "</tr>"
     return f'<div class="wide"><table><thead>{row("th", head)}</thead><tbody>{"".join(row("td", words) for words in rows)}</tbody></table></div>'
 
 
@@ -166,7 +167,7 @@ def fault_rows(run):
 
 
 def change_rows(run):
-    answers = [(run.at(time), answer) for time, answer in run.bag.messages("rendering/changed")]
+    answers = [(run.at(time), answer) for _, time, answer in run.bag.messages("rendering/changed")]
     words = {1: "waiting", 2: "done", 3: "refused"}
     return table(("time [s]", "result", "what"), [(f"{t:.3f}", words.get(a["result"], "?"), esc(a["sentence"])) for t, a in answers], (0,)) if answers else ""
 

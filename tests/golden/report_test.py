@@ -10,6 +10,7 @@ import json
 import math
 import os
 import pathlib
+import random
 import shutil
 import signal
 import sqlite3
@@ -354,6 +355,27 @@ class Reports(unittest.TestCase):
         page = self.report_of(bag)
         self.assertTrue(math.isfinite(page.figures[0]["max_force_n"]))
         self.assertNotIn("NaN", page.scripts)
+
+    def test_bytes_of_any_kind_leave_a_page_or_a_sentence(self):
+        dice = random.Random(int(os.environ.get("VOXTOUCH_SEED", "1")))
+        for turn in range(12):
+            bag = self.copy(f"spoiled {turn}")
+            with sqlite3.connect(next(bag.glob("*.db3"))) as connection:
+                for row, data in connection.execute("SELECT id, data FROM messages ORDER BY topic_id, id").fetchall():
+                    if dice.random() < (0.3 if len(data) > 200 else 0.002):
+                        new = bytearray(data)
+                        for _ in range(3):
+                            new[dice.randrange(4, len(new))] = dice.choice((0, 127, 255, dice.randrange(256)))
+                        connection.execute("UPDATE messages SET data = ? WHERE id = ?", (bytes(new), row))
+            connection.close()
+            if turn % 4 == 3:
+                file, whole = next(bag.glob("*.db3")), next(bag.glob("*.db3")).read_bytes()
+                file.write_bytes(whole[:dice.randrange(len(whole))])
+            with self.subTest(f"turn {turn}"):
+                try:
+                    run_page.page([run_data.Run(bag)])
+                except run_data.BagError as error:
+                    self.assertTrue(str(error).startswith(str(bag)))
 
     def test_a_ring_that_was_killed_has_a_page_that_says_so(self):
         bag = self.at / "killed"
