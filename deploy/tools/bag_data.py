@@ -16,6 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "idl"))
 from generate_idl import PRIMITIVES, parse  # noqa: E402
 
+numpy.seterr(all="ignore")  # a bag may hold any number; what is not finite is left out where it is drawn or counted
 OWN = "voxtouch_msgs"
 FORMATS = {"bool": "?", "byte": "u1", "char": "u1", "float32": "<f4", "float64": "<f8",
            **{f"{u}int{8 * n}": f"<{s}{n}" for u, s in (("", "i"), ("u", "u")) for n in (1, 2, 4, 8)}}
