@@ -22,7 +22,7 @@ p { margin: 0 0 8px; } ul { margin: 0 0 8px; padding-left: 22px; } .quiet, figca
 header, section { background: var(--panel); border: 1px solid var(--line); border-radius: 8px; padding: 16px 18px; margin: 0 0 14px; }
 figure { margin: 0 0 10px; } svg { display: block; width: 100%; height: auto; } figcaption { margin-top: 6px; }
 table { border-collapse: collapse; width: 100%; } th, td { text-align: left; vertical-align: top; padding: 4px 12px 4px 0; border-bottom: 1px solid var(--line);
-  overflow-wrap: break-word; } th { font-weight: 600; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+  overflow-wrap: break-word; } th { font-weight: 600; } td.n, th.n { text-align: right; } td.n { font-variant-numeric: tabular-nums; white-space: nowrap; }
 .wide { overflow-x: auto; } .bad { color: var(--bad); } .good { color: var(--good); }
 pre { background: var(--ground); border: 1px solid var(--line); border-radius: 6px; padding: 10px; white-space: pre-wrap; overflow-wrap: anywhere; }
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(max(170px, 22%), 1fr)); gap: 10px; margin: 12px 0 0; }
@@ -192,7 +192,7 @@ COUNTED = (("largest force [N]", "max_force_n", "device", "max_force_n"), ("rate
 
 def counted_rows(run):
     rows = [(esc(what), number(run.figures[key], "", 5), number(run.counted(node, figure), "", 5), node) for what, key, node, figure in COUNTED]
-    return table(("figure", "counted here, in the bag", "counted by the node", "node"), rows, (1, 2))
+    return table(("figure", "in the bag", "by the node", "node"), rows, (1, 2))
 
 
 # --------------------------------------------------------------------------------------------------------------------- pictures
