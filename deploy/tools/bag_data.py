@@ -16,6 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "idl"))
 from generate_idl import PRIMITIVES, parse  # noqa: E402
 
+numpy.seterr(all="ignore")  # a bag may hold any number; what is not finite is left out where it is drawn or counted
 OWN = "voxtouch_msgs"
 FORMATS = {"bool": "?", "byte": "u1", "char": "u1", "float32": "<f4", "float64": "<f8",
            **{f"{u}int{8 * n}": f"<{s}{n}" for u, s in (("", "i"), ("u", "u")) for n in (1, 2, 4, 8)}}
@@ -213,12 +214,12 @@ class Bag:
         finally:
             connection.close()
 
-    def messages(self, name, last=None):
-        """(time [ns], message as a dictionary) in order of arrival; what cannot be read is left out, and said."""
-        out, bad = [], 0
-        for time, data in zip(self.rows[name].times, self.rows[name].raw):
+    def messages(self, name, last=None, rows=None):
+        """(row, time [ns], message as a dictionary) in order of arrival, of all rows or of these; what cannot be read is left out, and said."""
+        out, of, bad = [], self.rows[name], 0
+        for row in range(len(of.raw)) if rows is None else rows:
             try:
-                out.append((time, decode(self.MESSAGES[name], data, last)))
+                out.append((row, of.times[row], decode(self.MESSAGES[name], of.raw[row], last)))
             except struct.error:
                 bad += 1
         if bad:

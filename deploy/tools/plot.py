@@ -25,6 +25,7 @@ import pathlib
 import statistics
 import sys
 import textwrap
+import warnings
 
 sys.dont_write_bytecode = True  # beside the program stand sources, and nothing else
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -170,7 +171,8 @@ def accuracy_title(data, direction):
     if data["advice"]["row"] is None:
         return "What accuracy costs: no setting is to be advised"
     row = data["rows"][data["advice"]["row"]]
-    return f"What accuracy costs; {choice_word(data['advice'])}: {row['model']} at {size_word(row)} mm, {direction(row):.2g} deg off in {row['median_us']:.2g} µs a frame"
+    return (f"What accuracy costs; {choice_word(data['advice'])}: {row['model']} at {size_word(row)} mm, "
+            f"{direction(row):.2g} deg off in {row['median_us']:.2g} µs a frame")
 
 
 def accuracy_figure(data):
@@ -249,12 +251,14 @@ def design_figure(data):
             f"{axis_design['injected_damping']:.3g} Ns/m, velocity filter {axis_design['velocity_filter_hz']:.3g} Hz.")
     useful = f"are certified to be stable with a {LAWS.get(kind, kind)}" if data["status"] != "infeasible" else "hold, which is too little to be of use"
     figure, axes = new_figure(f"{shown:.4g} N/m at the hand {useful}" if shown else "No coupling holds here", note, 1, 2 if law else 1, sharey=True)
-    axis, named = axes[0][0], "stable below"
+    axis = axes[0][0]
     log_axis(axis.xaxis, x[0], x[-1])
     log_axis(axis.yaxis, low, high)
-    draw_region(axis, x, ((region["critical_n_per_m"], BLUE, named), (region["certified_n_per_m"], GREEN, f"certified below\n(gain margin {region['gain_margin']:.3g})")), low, high)
+    certified = f"certified below\n(gain margin {region['gain_margin']:.3g})"
+    draw_region(axis, x, ((region["critical_n_per_m"], BLUE, "stable below"), (region["certified_n_per_m"], GREEN, certified)), low, high)
     if axis_design["injected_damping"] > 0:
-        axis.plot(x, [min(k or 10 * high, 10 * high) if k != 0 else 0 for k in undamped], color=BLUE, lw=1.8, ls="--", label="stable below,\nwithout injected damping")
+        axis.plot(x, [min(k or 10 * high, 10 * high) if k != 0 else 0 for k in undamped], color=BLUE, lw=1.8, ls="--",
+                  label="stable below,\nwithout injected damping")
     if any(k is None or k > low for k in region["passive_n_per_m"]):
         axis.plot(x, [10 * high if k is None else min(k, 10 * high) for k in region["passive_n_per_m"]], color=PURPLE, lw=1.8, ls="-.",
                   label="stable below with any hand\n(passivity rule), no\ninjected damping")
@@ -332,7 +336,8 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     bottom.set_xlim(contact["t"][0], last)
     draw_over_time(top, contact, "contact", last, color=CONTACT, lw=1.1, zorder=4, label="of the contact\n(rendering)")
     if effects:
-        draw_over_time(top, contact, "all", last, color=PALE_GREEN, lw=4.5, zorder=2, label="grip on the body\n(rendering)" if body else "contact and effects\n(rendering)")
+        draw_over_time(top, contact, "all", last, color=PALE_GREEN, lw=4.5, zorder=2,
+                       label="grip on the body\n(rendering)" if body else "contact and effects\n(rendering)")
     draw_over_time(top, returned, "force", last, color=RETURNED, lw=2.0, zorder=3, label="returned to the hand\n(coupling)")
     top.set_ylabel("size of the force [N]")
     top.set_ylim(0.0, robust_limit(contact["contact"], contact["all"], returned["force"]))
@@ -428,9 +433,11 @@ def stability_figure(file):
     if not rows or "energy_share" not in rows[0]:
         sys.exit(f"{file} holds no stability map; write it with: build/bin/stability_map --out {file}")
     note = (f"A ball of radius R slides over a plane of voxels of edge e; the worst of several loops. Above: R = {SHOWN_RADIUS:g} e; below: all depths "
-            "and tilts.\n0.01: as much as a friction coefficient of 0.01 would take. Darkest: next to none, or energy taken; grey: no contact. A line that leaves its plane below: less than 1e-11.")
+            "and tilts.\n0.01: as much as a friction coefficient of 0.01 would take. Darkest: next to none, or energy taken; grey: no contact. A line that "
+            "leaves its plane below: less than 1e-11.")
     worst = max(rows, key=lambda r: r["energy_share"] if r["mean_force_n"] > 0 else -1.0)
-    figure, axes = new_figure(f"Sliding round a closed loop gives the hand at most {100 * worst['energy_share']:.2g} % of force × way ({worst['model']})", note, 2, len(BOUND), sharey="row")
+    title = f"Sliding round a closed loop gives the hand at most {100 * worst['energy_share']:.2g} % of force × way ({worst['model']})"
+    figure, axes = new_figure(title, note, 2, len(BOUND), sharey="row")
     for column, model in enumerate(BOUND):
         image = draw_heat(axes[0][column], rows, model)
         draw_largest(axes[1][column], rows, model)
@@ -468,6 +475,7 @@ def main(arguments=None):
     command("stability", ("MAP.csv", "what `build/bin/stability_map --out MAP.csv` wrote"), "draws the stability map")
     command("check", None, "draws nothing; says what is missing, if anything")
     a = parser.parse_args(None if arguments is None else [str(word) for word in arguments])
+    warnings.simplefilter("ignore")  # what is said goes to a user, who can do nothing about matplotlib's
     check_picture(a.picture, (".html",) if a.command == "report" else tuple(ENDINGS))
     if a.command == "report":
         return print(f"{a.picture} {write_report(a.data, a.picture, a.beside, a.rig, tell_progress if a.progress else lambda share: None)}")
@@ -493,3 +501,5 @@ if __name__ == "__main__":
         main()
     except KeyboardInterrupt:
         sys.exit("stopped before the picture was drawn")
+    except ModuleNotFoundError as error:
+        sys.exit(f"{pathlib.Path(__file__).resolve()} has to stand in voxtouch's own tree, with what it is made of: {error}.")

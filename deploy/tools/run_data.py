@@ -6,7 +6,7 @@ import shlex
 
 import numpy
 
-from bag_data import Bag, BagError, constants, decode, norm, vector
+from bag_data import Bag, BagError, constants, norm, vector
 
 TOUCH_N = 1e-9  # what is less is no force
 APART_S = 0.05  # samples of one fault that are closer than this are one stretch of it
@@ -112,27 +112,26 @@ class Run:
     # ------------------------------------------------------------------------------------------------------------------ words
     def last(self, name):
         every = self.bag.messages(name)
-        return every[-1][1] if every else {}
+        return every[-1][2] if every else {}
 
     def read_statuses(self):
-        """Every node's last status; what each said and when; the device's counts over time."""
+        """Every node's last status; what each said and when; the device's counts over time. Of the others' the heads are enough."""
         self.nodes, self.said, self.device_figures = {}, [], []
-        raw, latest, words = self.bag.rows["node_status"], {}, {}
-        for (time, head), data in zip(self.bag.messages("node_status", last="message"), raw.raw):
-            key = (head["node"], head["host"], head["pid"])
-            latest[key] = data
+        latest, words, of_device = {}, {}, []
+        for row, time, head in self.bag.messages("node_status", last="message"):
+            key = head["node"], head["host"], head["pid"]
+            latest[key] = row
+            if head["node"] == "device":
+                of_device.append(row)
             if words.get(key) != (head["state"], head["message"]):
                 words[key] = head["state"], head["message"]
                 self.said.append((self.at(time), head["node"], STATES.get(head["state"], "?"), head["message"]))
-            if head["node"] == "device":
-                self.device_figures.append((time, data))
-        for key, data in latest.items():
-            status = decode("NodeStatus", data)
+        for _, time, status in self.bag.messages("node_status", rows=sorted({*of_device, *latest.values()})):
             status["values"] = {pair["key"]: pair["value"] for pair in status["values"]}
             status["figures"] = {figure["name"]: figure["value"] for figure in status["figures"]}
-            self.nodes[key] = status
-        rows = [(self.at(time), {f["name"]: f["value"] for f in decode("NodeStatus", data)["figures"]}) for time, data in self.device_figures]
-        self.device_figures = [(t, figures) for t, figures in rows if "samples" in figures]
+            self.nodes[status["node"], status["host"], status["pid"]] = status
+            if status["node"] == "device" and "samples" in status["figures"]:
+                self.device_figures.append((self.at(time), status["figures"]))
 
     def node(self, name):
         """The last status of a node of this name; {} where there is none."""
@@ -237,12 +236,13 @@ class Run:
         return self.increments("overruns")
 
     def increments(self, figure):
-        out, before = [], {}
-        for (t, figures), nothing in zip(self.device_figures, [0.0] * len(self.device_figures)):
-            value = figures.get(figure, nothing)
-            if value > before.get(figure, 0.0):
-                out.append((t, int(value - before.get(figure, 0.0))))
-            before[figure] = value
+        """(t, by how much a count of the device had grown since the status before)."""
+        out, before = [], 0.0
+        for t, figures in self.device_figures:
+            value = figures.get(figure, 0.0)
+            if math.isfinite(value) and value > before:
+                out.append((t, int(value - before)))
+            before = value
         return out
 
     def faults(self):

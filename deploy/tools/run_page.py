@@ -22,9 +22,9 @@ p { margin: 0 0 8px; } ul { margin: 0 0 8px; padding-left: 22px; } .quiet, figca
 header, section { background: var(--panel); border: 1px solid var(--line); border-radius: 8px; padding: 16px 18px; margin: 0 0 14px; }
 figure { margin: 0 0 10px; } svg { display: block; width: 100%; height: auto; } figcaption { margin-top: 6px; }
 table { border-collapse: collapse; width: 100%; } th, td { text-align: left; vertical-align: top; padding: 4px 12px 4px 0; border-bottom: 1px solid var(--line);
-  overflow-wrap: anywhere; } th { font-weight: 600; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+  overflow-wrap: break-word; } th { font-weight: 600; } td.n, th.n { text-align: right; } td.n { font-variant-numeric: tabular-nums; white-space: nowrap; }
 .wide { overflow-x: auto; } .bad { color: var(--bad); } .good { color: var(--good); }
-pre { background: var(--ground); border: 1px solid var(--line); border-radius: 6px; padding: 10px; overflow-x: auto; white-space: pre-wrap; overflow-wrap: anywhere; }
+pre { background: var(--ground); border: 1px solid var(--line); border-radius: 6px; padding: 10px; white-space: pre-wrap; overflow-wrap: anywhere; }
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(max(170px, 22%), 1fr)); gap: 10px; margin: 12px 0 0; }
 .tiles div { border: 1px solid var(--line); border-radius: 6px; padding: 8px 10px; } .tiles dt { font-size: 13px; color: var(--quiet); }
 .tiles dd { margin: 0; font-size: 21px; font-weight: 600; } .tiles dd small { font-size: 13px; font-weight: 400; color: var(--quiet); display: block; }
@@ -51,7 +51,8 @@ def percent(share, digits=3):
 
 def table(head, rows, numeric=()):
     def row(tag, words):
-        return "<tr>" + "".join(f'<{tag}{" class=n" if i in numeric else ""}>{word}</{tag}>' for i, word in enumerate(words)) + "</tr>"
+        scope = ' scope="col"' if tag == "th" else ""
+        return "<tr>" + "".join(f'<{tag}{scope}{" class=n" if i in numeric else ""}>{word}</{tag}>' for i, word in enumerate(words)) + "</tr>"
     return f'<div class="wide"><table><thead>{row("th", head)}</thead><tbody>{"".join(row("td", words) for words in rows)}</tbody></table></div>'
 
 
@@ -93,7 +94,8 @@ def tiles(run):
         ("Latency, median", "–" if run.lockstep else number(p50, "µs"), "none in lockstep" if run.lockstep else
          f"99 %: {number(p99, 'µs')}, by the device" if p99 is not None else "the device told none"),
         ("Periods skipped", number(run.counted("device", "overruns")), "by the device"),
-        ("Validator", "–" if checked is None else "agrees" if not bad else f"{number(bad)} disagree", "–" if checked is None else f"{number(checked)} samples checked")]
+        ("Validator", "–" if checked is None else f"{number(bad)} disagree" if bad else "agrees",
+         "–" if checked is None else f"{number(checked)} samples checked")]
     return '<dl class="tiles">' + "".join(f"<div><dt>{esc(a)}</dt><dd>{esc(b)} <small>{esc(c)}</small></dd></div>" for a, b, c in rows) + "</dl>"
 
 
@@ -101,8 +103,8 @@ def repeat(run):
     """How to make the run again, and what of it that does not bring back."""
     known = run.command_line()
     if known is None:
-        return (f"<p>The bag does not tell by which command it was recorded: `voxtouch up` of an earlier version, or nodes that were started one by one. "
-                f"Its scene is {esc(run.word('rendering', 'scene_file') or run.scene)}, its device {esc(run.device)}.</p>").replace("`voxtouch up`", "<code>voxtouch up</code>")
+        return (f"<p>The bag does not tell by which command it was recorded: <code>voxtouch up</code> of an earlier version, or nodes that were started one by one. "
+                f"Its scene is {esc(run.word('rendering', 'scene_file') or run.scene)}, its device {esc(run.device)}.</p>")
     folder, words = known
     kept, skip = [], False
     for word in words:  # the bag's own folder is there already, and would be refused
@@ -136,8 +138,9 @@ def design_words(run):
     if d["injected_damping_ns_per_m"] > 0:
         text += f" In contact it adds {d['injected_damping_ns_per_m']:.3g} Ns/m of damping."
     if d["critical_stiffness_n_per_m"] > 0:
-        text += (f" Wanted were {number(d['wanted_stiffness_n_per_m'], 'N/m', 4)}; {number(d['shown_stiffness_n_per_m'], 'N/m', 4)} are shown at the hand, certified with a "
-                 f"gain margin of {number(d['gain_margin'])}; the worst case ({esc(d['worst_case'])}) becomes unstable at {number(d['critical_stiffness_n_per_m'], 'N/m', 4)}.")
+        wanted, shown, critical = (number(d[f"{word}_stiffness_n_per_m"], "N/m", 4) for word in ("wanted", "shown", "critical"))
+        text += (f" Wanted were {wanted}; {shown} are shown at the hand, certified with a gain margin of {number(d['gain_margin'])}; "
+                 f"the worst case ({esc(d['worst_case'])}) becomes unstable at {critical}.")
     text += " It is stable with every hand that creates no energy.</p>" if d["passive"] else "</p>"
     for title, key in (("Why so", "reasons"), ("What would give more", "remedies"), ("Notes", "notes")):
         text += f"<h3>{title}</h3>{listed(d[key])}" if d[key] else ""
@@ -162,11 +165,12 @@ def fault_rows(run):
     faults = run.faults()
     if not faults:
         return "<p class=good>None: no flag of a fault, no sample without an answer, nothing lost on the way to the bag.</p>"
-    return table(("time [s]", "how many", "who", "what"), [(when(a, b), "" if n is None else number(n), esc(who), esc(what)) for a, b, n, who, what in faults], (0, 1))
+    rows = [(when(begin, end), "" if n is None else number(n), esc(who), esc(what)) for begin, end, n, who, what in faults]
+    return table(("time [s]", "how many", "who", "what"), rows, (0, 1))
 
 
 def change_rows(run):
-    answers = [(run.at(time), answer) for time, answer in run.bag.messages("rendering/changed")]
+    answers = [(run.at(time), answer) for _, time, answer in run.bag.messages("rendering/changed")]
     words = {1: "waiting", 2: "done", 3: "refused"}
     return table(("time [s]", "result", "what"), [(f"{t:.3f}", words.get(a["result"], "?"), esc(a["sentence"])) for t, a in answers], (0,)) if answers else ""
 
@@ -178,7 +182,8 @@ def node_rows(run):
 
 # What both the page and a node count, so that a reader can hold one against the other.
 COUNTED = (("largest force [N]", "max_force_n", "device", "max_force_n"), ("rate [Hz]", "rate_hz", "device", "rate_hz"), ("samples", "samples", "device", "samples"),
-           ("samples answered", "answered", "device", "answered"), ("samples with a force, of contact or effects", "contact_samples", "rendering", "contact_samples"),
+           ("samples answered", "answered", "device", "answered"),
+           ("samples with a force, of contact or effects", "contact_samples", "rendering", "contact_samples"),
            ("samples held: points have gone through", "held_samples", "rendering", "held_samples"),
            ("samples in which deeper meets no more force", "saturated_samples", "rendering", "saturated_samples"),
            ("samples capped to the certified stiffness", "capped_samples", "coupling", "capped_samples"),
@@ -187,7 +192,7 @@ COUNTED = (("largest force [N]", "max_force_n", "device", "max_force_n"), ("rate
 
 def counted_rows(run):
     rows = [(esc(what), number(run.figures[key], "", 5), number(run.counted(node, figure), "", 5), node) for what, key, node, figure in COUNTED]
-    return table(("figure", "counted here, in the bag", "counted by the node", "node"), rows, (1, 2))
+    return table(("figure", "in the bag", "by the node", "node"), rows, (1, 2))
 
 
 # --------------------------------------------------------------------------------------------------------------------- pictures
@@ -203,6 +208,11 @@ def force_title(run):
         return "nothing was touched, and no force was felt"
     share = f", {percent(f['share_of_limit'], 2)} of what the device can give" if f["share_of_limit"] is not None else ""
     return f"at most {number(f['max_force_n'], 'N')} came back to the hand{share}"
+
+
+def peak_title(run):
+    peak = run.figures["max_force_n"]
+    return "no command was recorded" if peak is None else f"{number(peak, 'N')} at {run.figures['max_force_at_s']:.2f}\u00a0s"
 
 
 def depth_title(run):
@@ -229,49 +239,55 @@ def energy_title(run):
     return text + f"took out {number(1e3 * taken, 'mJ')} more at most"
 
 
-FORCE_CAPTION = (
-    "<b>Force of the contact</b> is what the voxels and shell points give at the scene's own stiffness, in the world's axes; nobody feels it as it is. <b>Force returned</b> "
-    "is what the coupling made of it for the hand, in the device's axes: capped to the stiffness that is certified to be stable, filtered, so that it comes a little "
-    "later, damped, and with what effects add. So the two differ, and the first is usually the larger. A gap is a time of which the bag holds nothing.")
-
-APART_CAPTION = " Here what touches is not where the hand is (a body, or a virtual tool): the contact acts on it, and the hand feels its grip on the body or the spring between."
+# What stands under each picture.
+CAPTIONS = {
+    "force": "<b>Force of the contact</b> is what the voxels and shell points give at the scene's own stiffness, in the world's axes; nobody "
+        "feels it as it is. <b>Force returned</b> is what the coupling made of it for the hand, in the device's axes: capped to the "
+        "stiffness that is certified to be stable, filtered, so that it comes a little later, damped, and with what effects add. So the two "
+        "differ, and the first is usually the larger. A gap is a time of which the bag holds nothing.",
+    "apart": "Here what touches is not where the hand is (a body, or a virtual tool): the contact acts on it, and the hand feels its grip on the "
+        "body or the spring between.",
+    "peak": "The second before and the second after it; every sample is drawn.",
+    "felt": "Time spent at each size of the force returned; samples without force are left out. The scale of time is logarithmic, so that short "
+        "peaks are seen.",
+    "torque": "Torque about the tool's origin.",
+    "depth": "Depth is of the deepest shell point, 0 where nothing touches. The gap is the reference's, at the samples that the validator "
+        "checked; in free air it leaves the plane above. Both are positive upwards, so a gap below zero goes with a depth above it.",
+    "latency": "The logger takes each sample and its command as they pass (largest and median of each stretch); the time between the two is "
+        "blurred by its own waking, and a long one may be the logger's. The device's own figures are from its write of a sample to its "
+        "command's arrival, over the run so far. Red: periods that the device skipped in the tenth of a second before.",
+    "energy": "What the hand has put into this contact so far, net, by the coupling's passivity observer; each contact begins anew. Where the "
+        "balance falls, the passivity controller adds damping; below zero the contact would have given more than it took."}
 
 
 def picture_sections(runs, progress):
     """Title, picture and caption of each; of what cannot be drawn a sentence."""
     out = []
 
-    def picture(title, of, sentence, name, caption, share):
+    def picture(name, title, sentence, share, more=""):
         title = f"{title}: {names(runs, sentence)}"
-        out.append(section(esc(title), f"<figure>{run_pictures.drawn(of, runs, name, esc(title))}<figcaption>{caption}</figcaption></figure>"))
+        svg = run_pictures.drawn(getattr(run_pictures, name + "_picture"), runs, name, esc(title))
+        out.append(section(esc(title), f"<figure>{svg}<figcaption>{CAPTIONS[name]} {more}</figcaption></figure>"))
         progress(share)
     commands, contacts = any(len(r.command) for r in runs), any(len(r.contact) for r in runs)
     if commands or contacts:
-        picture("Force over time", run_pictures.force_picture, force_title, "force", FORCE_CAPTION + (APART_CAPTION if any(r.apart for r in runs) else ""), 0.3)
+        picture("force", "Force over time", force_title, 0.3, CAPTIONS["apart"] if any(r.apart for r in runs) else "")
     if any(len(run.command) > 2 * STRETCHES for run in runs):
-        picture("Sample by sample around the largest force", run_pictures.peak_picture, lambda r: "no command was recorded" if r.figures["max_force_n"] is None else
-                f"{number(r.figures['max_force_n'], 'N')} at {r.figures['max_force_at_s']:.2f}\u00a0s", "peak", "The second before and the second after it; every sample is drawn.", 0.35)
+        picture("peak", "Sample by sample around the largest force", peak_title, 0.35)
     if commands:
-        picture("How long which force was felt", run_pictures.histogram_picture, force_title, "felt",
-                "Time spent at each size of the force returned; samples without force are left out. The scale of time is logarithmic, so that short peaks are seen.", 0.45)
+        picture("felt", "How long which force was felt", force_title, 0.45)
     if any((r.torque != 0).any() for r in runs):
-        picture("Torque over time", run_pictures.torque_picture, lambda r: f"at most {number(r.figures['max_torque_nm'], 'Nm')}", "torque", "Torque about the tool's origin.", 0.5)
+        picture("torque", "Torque over time", lambda r: f"at most {number(r.figures['max_torque_nm'], 'Nm')}", 0.5)
     if contacts:
-        picture("Depth and gap", run_pictures.depth_picture, depth_title, "depth",
-                "Depth is of the deepest shell point, 0 where nothing touches. The gap is the reference's, at the samples that the validator checked; in free air it leaves the plane "
-                "above. Both are positive upwards, so a gap below zero goes with a depth above it.", 0.65)
-    timed = [r for r in runs if not r.lockstep]
-    if timed:
-        picture("Latency and overruns", run_pictures.latency_picture, lambda r: "none in lockstep" if r.lockstep else latency_title(r), "latency",
-                "The logger takes each sample and its command as they pass (largest and median of each stretch); the time between the two is blurred by its own waking, and a long one may be the logger's. The device's own "
-                "figures are from its write of a sample to its command's arrival, over the run so far. Red: periods that the device skipped in the tenth of a second before."
-                + "".join(f" {esc(r.name)}: the device told no latency, so its lines are missing." for r in timed if r.counted("device", "latency_p50_us") is None), 0.8)
+        picture("depth", "Depth and gap", depth_title, 0.65)
+    if any(not r.lockstep for r in runs):
+        untold = [r.name for r in runs if not r.lockstep and r.counted("device", "latency_p50_us") is None]
+        picture("latency", "Latency and overruns", lambda r: "none in lockstep" if r.lockstep else latency_title(r), 0.8,
+                "".join(f"{esc(name)}: the device told no latency, so its lines are missing. " for name in untold))
     else:
         out.append(section("Latency and overruns", "<p>In lockstep time is simulated: there is no latency to measure, and no period to skip.</p>"))
     if commands:
-        picture("Energy", run_pictures.energy_picture, energy_title, "energy",
-                "What the hand has put into this contact so far, net, by the coupling's passivity observer; each contact begins anew. Where the balance falls, the "
-                "passivity controller adds damping; below zero the contact would have given more than it took.", 0.95)
+        picture("energy", "Energy", energy_title, 0.95)
     return out
 
 
@@ -282,22 +298,26 @@ def page(runs, progress=lambda share: None):
     notes = [note for run in runs for note in run.bag.notes]
     span = max(run.length_s for run in runs) / STRETCHES
     drawn_from = max(len(run.command) for run in runs)
-    decimated = (f"Curves are drawn in {STRETCHES} stretches of {1e3 * span:.2g} ms each, every one from its smallest to its largest value, so that no peak is left out. "
+    decimated = (f"Curves are drawn in {STRETCHES} stretches of {1e3 * span:.2g} ms each, every one from its smallest to its largest value, so that no "
+                 "peak is left out. "
                  if drawn_from > 2 * STRETCHES else "Curves show every sample. ")
     parts = [f"<header><h1>{esc(names_of_runs)}</h1>{beside(runs, lambda run: f'<p>{kind_of_run(run)}</p>{tiles(run)}')}"
              + (f"<h3>What is to be known of the bag</h3>{listed(notes)}" if notes else "") + "</header>"]
     parts += picture_sections(runs, progress)
-    parts.append(section("Faults and when they came", beside(runs, fault_rows), "<p class=quiet>Times are of the device's clock since the first sample. Samples of one kind that lie "
+    parts.append(section("Faults and when they came", beside(runs, fault_rows), "<p class=quiet>Times are of the device's clock since "
+                         "the first sample. Samples of one kind that lie "
                          "closer than 50 ms are one row; the device's own counts come ten times a second.</p>"))
     if any(run.bag.rows["rendering/changed"].times for run in runs):
         parts.append(section("Changes while it ran", beside(runs, change_rows)))
     parts.append(section("The coupling", beside(runs, design_words)))
     parts.append(section("The scene as it was built", beside(runs, plan_words)))
     parts.append(section("To run it again", beside(runs, repeat)))
-    parts.append(section("Counted twice", "<p>By this page, sample for sample, in what was recorded; and by the nodes, which also count what no bag holds. Where they differ, "
+    parts.append(section("Counted twice", "<p>By this page, sample for sample, in what was recorded; and by the nodes, which also count what no "
+                         "bag holds. Where they differ, "
                          "something was not recorded, or came too late to be used.</p>", beside(runs, counted_rows)))
     parts.append(section("Nodes", beside(runs, node_rows)))
-    parts.append(f"<p class=quiet>{decimated}A triangle at an edge marks a spike that would have squashed the rest, with its size. Written by <code>voxtouch report</code> "
+    parts.append(f"<p class=quiet>{decimated}A triangle at an edge marks a spike that would have squashed the rest, with its size. "
+                 f"Written by <code>voxtouch report</code> "
                  f"from {esc(', '.join(str(run.bag.path) for run in runs))}; this page loads nothing from anywhere.</p>")
     data = json.dumps([run.figures for run in runs]).replace("<", "\\u003c")
     return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'

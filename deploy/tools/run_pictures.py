@@ -149,7 +149,7 @@ def torque_picture(runs):
     return figure
 
 
-def histogram_picture(runs):
+def felt_picture(runs):
     figure, axes = columns(runs, (3.6,), legend_lines=2)
     felt = [norm(run.returned) for run in runs]
     felt = [force[force > 1e-9] for force in felt]
@@ -160,7 +160,8 @@ def histogram_picture(runs):
         axis.hist(force, edges, weights=numpy.full(len(force), period), color=RETURNED, rwidth=0.9)
         beyond = int((force > limit).sum())
         if beyond:
-            axis.annotate(f"{beyond} samples lie beyond: up to {force.max():.3g} N", (0.99, 0.96), xycoords="axes fraction", ha="right", va="top", color=RED, fontsize=13)
+            axis.annotate(f"{beyond} samples lie beyond: up to {force.max():.3g} N", (0.99, 0.96), xycoords="axes fraction", ha="right", va="top",
+                          color=RED, fontsize=13)
         if not len(force):
             axis.annotate("no force was returned", (0.5, 0.5), xycoords="axes fraction", ha="center", color=QUIET)
         if math.isfinite(run.limit_n):

@@ -22,8 +22,8 @@ struct Report {
   std::string rig{};               ///< empty: the one that the bag holds
 };
 
-/// Writes it, and tells on stderr how far it is once that takes longer than a second. Gives the tool's sentence. Throws std::runtime_error, a sentence, where it
-/// was not written. Where it takes longer than `patience`, nothing is given and the tool goes on by itself, also when this program has
+/// Writes it, and tells on stderr how far it is once that takes longer than a second. Gives the tool's sentence. Throws
+/// std::runtime_error, a sentence, where it was not written. Where it takes longer than `patience`, nothing is given and the tool goes on by itself, also when this program has
 /// ended; a page is under its name only when it is whole.
 std::optional<std::string> write_report(const Report& report, std::optional<std::chrono::milliseconds> patience = std::nullopt);
 

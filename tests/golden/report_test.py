@@ -10,6 +10,7 @@ import json
 import math
 import os
 import pathlib
+import random
 import shutil
 import signal
 import sqlite3
@@ -223,8 +224,8 @@ class Reports(unittest.TestCase):
                   "Force of the contact is what the voxels and shell points give", "capped to the stiffness that is certified",
                   "[N]", "[mm]", "[mJ]", "[s]", "[%]")
         run = run_data.Run(self.bag)
-        for picture in (run_pictures.force_picture, run_pictures.histogram_picture, run_pictures.depth_picture, run_pictures.latency_picture, run_pictures.energy_picture):
-            axes = picture([run]).axes
+        for name in ("force", "peak", "felt", "depth", "latency", "energy"):
+            axes = getattr(run_pictures, name + "_picture")([run]).axes
             for axis in axes:
                 self.assertRegex(axis.get_ylabel(), r"\[[^ ]+\]$")
             self.assertRegex(axes[-1].get_xlabel(), r"\[[^ ]+\]$")
@@ -232,7 +233,10 @@ class Reports(unittest.TestCase):
     def test_coupling_scene_and_what_went_wrong_are_told_in_sentences(self):
         self.says(self.page, "certified with a gain margin of 2")
         self.says(self.page, "Voxmap of 1 static mesh")
-        self.says(self.page, "None: no flag of a fault")
+        on_a_busy_machine = [row for row in run_data.Run(self.bag).faults() if "hang" in row[4] or "stood still" in row[4]]  # a node tells that of another
+        self.assertEqual(run_data.Run(self.bag).faults(), on_a_busy_machine)
+        unsaid = self.copy("unsaid", "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/node_status')")
+        self.says(self.report_of(unsaid), "None: no flag of a fault")
         self.says(self.page, "In lockstep time is simulated: there is no latency")
 
     def test_the_command_of_the_page_makes_the_same_run(self):
@@ -256,7 +260,7 @@ class Reports(unittest.TestCase):
         self.says(page, "a run: at most")
         self.says(page, "other: at most")
         with plot.matplotlib.rc_context(run_pictures.ON_THE_PAGE):
-            for picture in (run_pictures.force_picture, run_pictures.histogram_picture, run_pictures.depth_picture, run_pictures.energy_picture):
+            for picture in (run_pictures.force_picture, run_pictures.felt_picture, run_pictures.depth_picture, run_pictures.energy_picture):
                 left, right = picture([run_data.Run(self.bag), run_data.Run(other)]).axes[:2]
                 self.assertEqual((left.get_ylim(), left.get_xlim()), (right.get_ylim(), right.get_xlim()))
 
@@ -264,7 +268,8 @@ class Reports(unittest.TestCase):
     def test_faults_stand_on_the_page_with_their_times(self):
         """Three stretches without an answer, a command that the coupling held and a contact that the reference disputes."""
         bag = self.copy("faulty", *(f"DELETE FROM messages WHERE id IN (SELECT m.id FROM messages m JOIN topics t ON t.id = m.topic_id "
-                                    f"WHERE t.name = '/haptic/coupling/command' ORDER BY m.id LIMIT {n} OFFSET {at})" for at, n in ((1500, 30), (1000, 20), (500, 10))))
+                                    f"WHERE t.name = '/haptic/coupling/command' ORDER BY m.id LIMIT {n} OFFSET {at})"
+                                    for at, n in ((1500, 30), (1000, 20), (500, 10))))
         for topic, place, at, value in (("coupling/command", 100, 104, 2), ("rendering/contact", 200, 568, 128), ("validation", 50, 64, 2)):
             self.alter(bag, topic, at, struct.pack("<I", value), place, 1)
         page = self.report_of(bag)
@@ -282,7 +287,8 @@ class Reports(unittest.TestCase):
         x, y = plot.curve(many, [math.sin(i) for i in range(len(many))], 3.5e-5)
         self.assertEqual(int(sum(map(math.isnan, y))), 1)
         bag = self.copy("gap", "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/rendering/contact') AND timestamp BETWEEN "
-                        "(SELECT min(timestamp) + 500000000 FROM messages WHERE timestamp > 0) AND (SELECT min(timestamp) + 900000000 FROM messages WHERE timestamp > 0)")
+                        "(SELECT min(timestamp) + 500000000 FROM messages WHERE timestamp > 0) AND "
+                        "(SELECT min(timestamp) + 900000000 FROM messages WHERE timestamp > 0)")
         for figure in (run_pictures.force_picture([run_data.Run(bag)]), plot.forces_figure(bag)[0]):
             line, = (one for one in figure.axes[0].lines if "contact" in str(one.get_label()) and "effects" not in str(one.get_label()))
             self.assertTrue(any(math.isnan(v) for v in line.get_ydata()), "a line is drawn where nothing was recorded")
@@ -339,7 +345,8 @@ class Reports(unittest.TestCase):
         self.says(page, "nothing was touched, and no force was felt")
         topic = "DELETE FROM messages WHERE topic_id IN (SELECT id FROM topics WHERE name IN ({}))"
         in_real_time = self.alter(self.copy("silent", topic.format("'/haptic/node_status'")), "device/state", 132, bytes(4))
-        self.says(self.report_of(in_real_time), "Latency and overruns: the device told none", "the device told no latency, so its lines are missing", "does not tell by which command")
+        self.says(self.report_of(in_real_time), "Latency and overruns: the device told none",
+                  "the device told no latency, so its lines are missing", "does not tell by which command")
         page = self.report_of(self.copy("bare", topic.format("'/haptic/coupling/command', '/haptic/coupling/design', '/haptic/rendering/plan', "
                                                              "'/haptic/device/description', '/haptic/validation'")))
         for sentence in ("no command was recorded", "The bag holds no design", "The bag holds no plan"):
@@ -354,6 +361,27 @@ class Reports(unittest.TestCase):
         page = self.report_of(bag)
         self.assertTrue(math.isfinite(page.figures[0]["max_force_n"]))
         self.assertNotIn("NaN", page.scripts)
+
+    def test_bytes_of_any_kind_leave_a_page_or_a_sentence(self):
+        dice = random.Random(int(os.environ.get("VOXTOUCH_SEED", "1")))
+        for turn in range(12):
+            bag = self.copy(f"spoiled {turn}")
+            with sqlite3.connect(next(bag.glob("*.db3"))) as connection:
+                for row, data in connection.execute("SELECT id, data FROM messages ORDER BY topic_id, id").fetchall():
+                    if dice.random() < (0.3 if len(data) > 200 else 0.002):
+                        new = bytearray(data)
+                        for _ in range(3):
+                            new[dice.randrange(4, len(new))] = dice.choice((0, 127, 255, dice.randrange(256)))
+                        connection.execute("UPDATE messages SET data = ? WHERE id = ?", (bytes(new), row))
+            connection.close()
+            if turn % 4 == 3:
+                file, whole = next(bag.glob("*.db3")), next(bag.glob("*.db3")).read_bytes()
+                file.write_bytes(whole[:dice.randrange(len(whole))])
+            with self.subTest(f"turn {turn}"):
+                try:
+                    run_page.page([run_data.Run(bag)])
+                except run_data.BagError as error:
+                    self.assertTrue(str(error).startswith(str(bag)))
 
     def test_a_ring_that_was_killed_has_a_page_that_says_so(self):
         bag = self.at / "killed"

@@ -113,7 +113,8 @@ nlohmann::ordered_json region_json(const DesignReport& r) {
     for (const double value : column.values) j[column.key].push_back(finite(value));
   }
   if (r.law.x.empty()) return j;
-  nlohmann::ordered_json& law = j["law"] = {{"kind", r.design.spec.kind}, {"over", r.law.over}, {"unit", r.law.unit}, {"chosen", r.law.chosen}, {"x", r.law.x}};
+  nlohmann::ordered_json& law = j["law"] = {
+      {"kind", r.design.spec.kind}, {"over", r.law.over}, {"unit", r.law.unit}, {"chosen", r.law.chosen}, {"x", r.law.x}};
   for (const double critical : r.law.critical) {
     law["critical_n_per_m"].push_back(finite(critical));
     law["certified_n_per_m"].push_back(finite(critical / r.request.goals.gain_margin));
@@ -177,7 +178,8 @@ LawRegion region_of_law(const coupling::design::DesignProblem& request, const co
   for (int i = 0; i < kCount; ++i) {
     const double x = middle * std::pow(10.0, 2.0 * i / (kCount - 1) - 1.0);
     (spring ? law.damping : law.injected_damping) = spring ? x * law.stiffness : x;
-    double critical = spring ? cd::critical_scale(axis, law, std::isfinite(cap) ? contact : cd::kInfinity).stiffness : cd::critical_case(axis, law).stiffness;
+    double critical = spring ? cd::critical_scale(axis, law, std::isfinite(cap) ? contact : cd::kInfinity).stiffness
+                             : cd::critical_case(axis, law).stiffness;
     if (axis.hand.any_passive) critical = std::min(critical, cd::passive_limit(axis, law));
     if (spring) critical *= law.stiffness * contact / (law.stiffness + contact);  // a factor on what is shown
     out.x.push_back(x);
