@@ -51,6 +51,7 @@ TEST(SceneText, IsASceneWhateverTheFilesAreCalled) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "voxtouch_first_scene";
   std::filesystem::create_directories(folder);
   SceneNames names{.scene = scene_name("a part: \"#1\"\n"), .part_file = "a \"part\": #1\\{}.stl", .tool_file = "b.obj", .part_scale = 0.001, .tool_scale = 0.01};
+  for (const std::string& file : {names.part_file, names.tool_file}) std::ofstream(folder / file) << "v 0 0 0\n";
   std::ofstream(folder / "scene.yaml") << scene_text(proposal(box({0, 0, 0}, {0.1, 0.08, 0.02})), names);
   const scene::Scene scene = scene::load_scene(folder / "scene.yaml");
   EXPECT_EQ(scene.name, "a_part____1__");
