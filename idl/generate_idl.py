@@ -135,6 +135,12 @@ def all_types_text(messages, own):
                       "};", "}  // namespace voxtouch::msg", ""])
 
 
+def write(path, text):
+    """A file that says so already stays as it is: what is made of it need not be compiled again."""
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
+
+
 def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
@@ -151,11 +157,11 @@ def main():
                 sys.exit(f"{package}/{name}.msg uses {owner}/{kind}, which none of the given folders holds.")
         target = out / package / "msg" / f"{name}_.idl"
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(idl_text(package, name, fields, constants))
+        write(target, idl_text(package, name, fields, constants))
     (out / own).mkdir(parents=True, exist_ok=True)
-    (out / own / "messages.hpp").write_text(header_text(messages, own))
-    (out / own / "all_types.hpp").write_text(all_types_text(messages, own))
-    (out / own / "python_types.hpp").write_text(python_types.header_text(messages))
+    write(out / own / "messages.hpp", header_text(messages, own))
+    write(out / own / "all_types.hpp", all_types_text(messages, own))
+    write(out / own / "python_types.hpp", python_types.header_text(messages))
 
 
 if __name__ == "__main__":
