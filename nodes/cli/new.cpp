@@ -1,6 +1,5 @@
 #include <filesystem>
 #include <fstream>
-#include <optional>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -90,7 +89,7 @@ int make_new(const NewOptions& o) {
     if (const std::string wrong = first_scene::what_is_wrong(scene, *built); !wrong.empty())
       proposed.reasons.push_back("To be mended by hand: " + wrong + ".");
     const rendering::StiffnessBounds bounds{built->plan().contact_n_per_m, built->plan().contact_nm_per_rad};
-    const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds, fitting::demand_of(scene));
+    const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds.translation, bounds.rotation);
     if (!fitted.refusal.empty()) proposed.reasons.push_back("To be mended by hand: " + fitted.refusal);
     if (const std::string felt = fitting::felt_sentence(fitted, scene, device, bounds); !felt.empty()) proposed.reasons.push_back(felt);
   } catch (const std::exception&) {

@@ -27,8 +27,8 @@ void add_report(CLI::App& app, Action& action) {
       "report",
       "All of a recorded run on one HTML page that needs no network and no other file: what was felt and when, depth and gap, latency and\n"
       "overruns, energy, the coupling and the scene in sentences, faults with their times, and the command that runs it again.\n"
-      "  voxtouch report recordings/cup-20261122-154213                                           BAG/report.html\n"
-      "  voxtouch report recordings/cup-20261122-154213 --beside recordings/cup-20261122-160101   two runs on one scale\n"
+      "  voxtouch report BAG                      writes BAG/report.html\n"
+      "  voxtouch report BAG --beside OTHER_BAG   two runs on one scale\n"
       "`voxtouch up` writes it beside each bag. Also of a ring that was killed. Needs python3-matplotlib (deploy/setup).");
   verb->add_option("BAG", o->bag, "A bag's folder")->required()->check(CLI::ExistingPath);
   verb->add_option("--beside", o->beside, "A second bag, which stands beside the first")->check(CLI::ExistingPath);

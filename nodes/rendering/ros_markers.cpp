@@ -168,7 +168,8 @@ MomentMarkers::MomentMarkers(const Moment& moment) {
   };
   const auto arrow = [&](const std::string& name_space, const msg::std_msgs_ColorRGBA& color, auto& ends, const Vec3& from, const Vec3& force) {
     ends[0] = runtime::to_point(from), ends[1] = runtime::to_point(from + kArrowMetresPerNewton * force);
-    add(name_space, kind::kArrow, color, ends, force.norm() >= kLeastForceN);
+    const double size_n = force.norm();  // of a command that anybody may have sent
+    add(name_space, kind::kArrow, color, ends, size_n >= kLeastForceN && std::isfinite(size_n));
     all.back().scale = {0.002, 0.004, 0.0};  // shaft and head [m]
   };
   arrow(kReturned, kReturnedColor, arrows[0], moment.hand, moment.returned.value_or(Vec3::Zero()));

@@ -14,8 +14,8 @@
 
 #include <fmt/format.h>
 
-#include "nodes/log/tell.hpp"
 #include "core/types/program_folder.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/realtime.hpp"
 
 extern char** environ;
@@ -24,7 +24,6 @@ namespace voxtouch::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kStopTimeout{8'000};
-
 
 class ChildProcess final : public RunningNode {
  public:

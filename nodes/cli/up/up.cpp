@@ -356,7 +356,8 @@ void add_up(CLI::App& app, Action& action) {
   CLI::App* verb = app.add_subcommand(
       "up",
       "Start the whole ring (device, rendering, coupling, logger, validator), watch it, stop it on Ctrl-C, sum it up");
-  verb->add_option("SCENE", options->node.scene, "Scene file (YAML), or the name of one that comes with voxtouch: " + fmt::format("{}", fmt::join(runtime::shipped_scenes(), ", ")))
+  verb->add_option("SCENE", options->node.scene,
+                   fmt::format("Scene file (YAML), or the name of one that comes with voxtouch: {}", fmt::join(runtime::shipped_scenes(), ", ")))
       ->required()
       ->transform(runtime::scene_argument());
   runtime::add_node_options(*verb, options->node, false);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "core/scene/scene_file.hpp"
@@ -180,6 +181,13 @@ TEST(MarkerRounds, SendMeshesToWhoComesAndDeleteWhatAReloadTookAway) {
   EXPECT_EQ(all_due(rounds, 14 * kSecond), (Said{"DELETE scene 1", "ADD scene 0", "ADD object/lid 0"}));
   rounds.replace({triangle("scene", 0), triangle("scene", 1)});
   EXPECT_EQ(all_due(rounds, 15 * kSecond), (Said{"DELETE object/lid 0", "ADD scene 0", "ADD scene 1"}));
+}
+
+TEST(MomentMarkers, DrawNoForceThatIsNoNumber) {
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
+    const rendering_node::MomentMarkers markers({.stamp_ns = 0, .hand = Vec3::Zero(), .object = Vec3::Zero(), .returned = Vec3(bad, 0, 0), .contact = Vec3(0, 0, bad), .points = {}});
+    for (const auto& m : markers.all) EXPECT_NE(m.action, 0) << m.ns << ": a command that came from anybody has a force of " << bad;
+  }
 }
 
 TEST(DisplayMesh, SharesLeaveSmallMeshesWholeAndGiveTheRestToLargeOnes) {
