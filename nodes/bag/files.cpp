@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 #include "nodes/bag/refuse.hpp"
@@ -21,6 +22,14 @@ bool write_all(int file, std::string_view text) {
   return true;
 }
 
+/// Puts `temporary` in the place of `path`. A rename over a file makes ext4 write the new one to the disk first, 0.4 s where the disk is busy;
+/// an exchange of the two names does not, and a reader sees the old text or the new one just the same.
+bool replace(const std::string& temporary, const std::filesystem::path& path, Flush flush) {
+  if (flush == Flush::kNo && ::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path.c_str(), RENAME_EXCHANGE) == 0)
+    return ::unlink(temporary.c_str()) == 0;
+  return ::rename(temporary.c_str(), path.c_str()) == 0;  // the first of its name, or a file system without exchange
+}
+
 }  // namespace
 
 Result<void> write_atomically(const std::filesystem::path& path, std::string_view text, Flush flush) {
@@ -32,7 +41,7 @@ Result<void> write_atomically(const std::filesystem::path& path, std::string_vie
     good = false;
     error = errno;
   }
-  if (good && ::rename(temporary.c_str(), path.c_str()) != 0) {
+  if (good && !replace(temporary, path, flush)) {
     good = false;
     error = errno;
   }

@@ -56,7 +56,7 @@ class Machine:
             time.sleep(0.001)
             now = time.time()
             if now - last > float(sys.argv[3]):
-                print(last, now, flush=True)
+                os.write(1, f"{last} {now}\\n".encode())  # in one piece: both witnesses write to one file
             last = now
         """
 

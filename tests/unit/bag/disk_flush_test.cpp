@@ -10,6 +10,7 @@
 namespace {
 
 std::atomic<int> flushes{0};
+std::atomic<int> replacements{0};  // renames over a file that is there, which ext4 makes durable first (its mount option auto_da_alloc)
 
 int flush_by(const char* name, int file) {
   ++flushes;
@@ -21,6 +22,10 @@ int flush_by(const char* name, int file) {
 // In front of the C library's, for this program and the sqlite that it has loaded.
 extern "C" int fsync(int file) { return flush_by("fsync", file); }
 extern "C" int fdatasync(int file) { return flush_by("fdatasync", file); }
+extern "C" int rename(const char* from, const char* to) {
+  if (access(to, F_OK) == 0) ++replacements;
+  return reinterpret_cast<int (*)(const char*, const char*)>(dlsym(RTLD_NEXT, "rename"))(from, to);
+}
 
 namespace voxtouch::bag {
 namespace {
@@ -33,7 +38,7 @@ TEST(Bag, IsNotFlushedToTheDiskWhileItIsRecordedButWhenItIsClosed) {
   const TemporaryFolder folder;
   auto writer = expect_value(BagWriter::create(folder / "run"));
   const TopicId topic = expect_value(writer.add_topic({"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", "", 0}));
-  const int before = flushes;
+  const int before = flushes, replaced_before = replacements;
   for (std::uint64_t i = 0; i < 20001; ++i) {
     EXPECT_GOOD(writer.append(topic, static_cast<std::int64_t>(i), ring_message(9, i, 200)));
     if (i % 2000 != 0) continue;
@@ -41,6 +46,7 @@ TEST(Bag, IsNotFlushedToTheDiskWhileItIsRecordedButWhenItIsClosed) {
     EXPECT_GOOD(writer.report({}));
   }
   EXPECT_EQ(flushes - before, 0);
+  EXPECT_EQ(replacements - replaced_before, 0);
   EXPECT_GOOD(writer.close());
   const int database_and_metadata = flushes - before;
   EXPECT_GE(database_and_metadata, 2);
