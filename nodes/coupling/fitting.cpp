@@ -1,8 +1,8 @@
 #include "nodes/coupling/fitting.hpp"
 
-#include <sched.h>
-
 #include <chrono>
+
+#include "nodes/runtime/realtime.hpp"
 
 namespace voxtouch::coupling_node {
 
@@ -42,6 +42,7 @@ std::optional<std::uint64_t> Fitting::session() const noexcept {
 
 fitting::FittedCoupling Fitting::fit() {
   outdated_ = false;
+  const runtime::AtOrdinaryPriority while_no_sample_waits;
   return fitting::fit_coupling(scene_, device_, bounds_, demand_);
 }
 
@@ -54,8 +55,7 @@ void Fitting::begin() {
   again_ = false;
   under_way_ =
       std::async(std::launch::async, [this, device = device_, bounds = bounds_, demand = demand_] {
-        const sched_param ordinary{};
-        sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the loop, which starts this thread, may run under SCHED_FIFO
+        runtime::ordinary_priority();
         return fitting::fit_coupling(scene_, device, bounds, demand);
       });
 }

@@ -304,12 +304,16 @@ class RenderingNode {
   std::atomic<std::int64_t> longest_ns_{0};
 };
 
+std::unique_ptr<rendering::BuiltScene> build(const scene::Scene& scene) {
+  const runtime::AtOrdinaryPriority while_no_sample_waits;
+  return rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("rendering"));
+}
+
 }  // namespace
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const scene::Scene scene = scene::load_scene(options.scene);
-  std::unique_ptr<rendering::BuiltScene> built =
-      rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("rendering"));
+  std::unique_ptr<rendering::BuiltScene> built = build(scene);
   for (const std::string& warning : built->plan().warnings) log::tell("warning: {}\n", warning);
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);

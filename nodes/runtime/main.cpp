@@ -41,7 +41,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   options.announce = parent == 0;
   try {
     if (!program.in_ring) options.realtime.mode = Realtime::kOff;
-    options.warnings = enter_realtime(options.realtime);
+    options.warnings = enter_realtime(options.scheduling());
     for (const std::string& warning : options.warnings) log::tell("warning: {}: {}\n", program.name, warning);
     return run(stop_requested());
   } catch (const std::exception& error) {

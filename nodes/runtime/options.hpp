@@ -35,6 +35,12 @@ struct NodeOptions {
     return {domain, network_interface, "voxtouch_" + node + "/" + rig, discovery_peers, {"/" + rig, node, ros}};
   }
   bool has_peer(std::string_view node) const;
+  /// In lockstep no deadline is to be met, and a loop that never rests would keep the real-time rings of this machine from running.
+  RealtimeOptions scheduling() const {
+    RealtimeOptions asked = realtime;
+    if (lockstep) asked.priority = 0;
+    return asked;
+  }
 };
 
 /// For numbers on a command line: a check with a message that a person can read.

@@ -32,7 +32,7 @@ std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
   if (options.mode == Realtime::kOff) return refused;
   sched_param parameters{};
   parameters.sched_priority = options.priority;
-  if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
+  if (options.priority > 0 && sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
     refused.push_back(
         fmt::format("SCHED_FIFO priority {} was refused ({}): expect late samples under load. 'rtprio' in "
                     "/etc/security/limits.d allows it "
@@ -46,7 +46,7 @@ std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
       refused.push_back(fmt::format("CPU {} could not be taken ({}); `nproc` says how many there are.", *options.cpu,
                                     std::strerror(errno)));
   }
-  if (const int error = lock_memory(); error != 0)
+  if (const int error = options.priority > 0 ? lock_memory() : 0; error != 0)
     refused.push_back(
         fmt::format("memory could not be locked ({}): a page fault may delay a sample. 'memlock' in "
                     "/etc/security/limits.d allows it "
@@ -60,6 +60,18 @@ std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
 void ordinary_priority() noexcept {
   const sched_param ordinary{};
   sched_setscheduler(0, SCHED_OTHER, &ordinary);
+}
+
+AtOrdinaryPriority::AtOrdinaryPriority() noexcept : policy_(sched_getscheduler(0)), priority_(0) {
+  sched_param had{};
+  if (sched_getparam(0, &had) == 0) priority_ = had.sched_priority;
+  ordinary_priority();
+}
+
+AtOrdinaryPriority::~AtOrdinaryPriority() {
+  sched_param had{};
+  had.sched_priority = priority_;
+  if (policy_ >= 0) sched_setscheduler(0, policy_, &had);
 }
 
 void flush_denormals() noexcept {

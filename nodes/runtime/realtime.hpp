@@ -14,7 +14,7 @@ enum class Realtime {
 
 struct RealtimeOptions {
   Realtime mode = Realtime::kIgnore;
-  int priority = 50;       ///< SCHED_FIFO
+  int priority = 50;       ///< SCHED_FIFO; 0: ordinary, and memory stays unlocked
   std::optional<int> cpu;  ///< pins the process; absent: the kernel chooses
 };
 
@@ -25,6 +25,19 @@ std::vector<std::string> enter_realtime(const RealtimeOptions& options);
 
 /// Ordinary priority for the calling thread: whoever started it may run under SCHED_FIFO, which threads inherit.
 void ordinary_priority() noexcept;
+
+/// Ordinary priority for the calling thread and all that it starts meanwhile, and then what the thread had: for what takes long and no
+/// sample waits for. Under SCHED_FIFO it would keep the loops of other rigs on this machine waiting.
+class AtOrdinaryPriority {
+ public:
+  AtOrdinaryPriority() noexcept;
+  ~AtOrdinaryPriority();
+  AtOrdinaryPriority(const AtOrdinaryPriority&) = delete;
+  AtOrdinaryPriority& operator=(const AtOrdinaryPriority&) = delete;
+
+ private:
+  int policy_, priority_;
+};
 
 /// Flush denormals to zero in the calling thread: they cost a hundred times a normal operation. Call first in each loop thread.
 void flush_denormals() noexcept;

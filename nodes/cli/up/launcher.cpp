@@ -87,7 +87,7 @@ class ThreadOfThisProcess final : public RunningNode {
       : name_(std::move(name)), thread_([this, &options, run = std::move(run)] {
           int status = 1;
           try {
-            options.warnings = runtime::enter_realtime(options.realtime);
+            options.warnings = runtime::enter_realtime(options.scheduling());
             for (const std::string& warning : options.warnings) log::tell("warning: {}: {}\n", name_, warning);
             status = run(stop_);
           } catch (const std::exception& error) {

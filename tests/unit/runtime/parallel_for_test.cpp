@@ -1,4 +1,5 @@
 #include "nodes/runtime/parallel_for.hpp"
+#include "nodes/runtime/realtime.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -65,6 +66,29 @@ TEST(ThreadedFor, TakesNoRealTimePriorityFromItsCaller) {
   }).join();
   if (!real_time) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   EXPECT_EQ(policies, std::set<int>{SCHED_OTHER});
+}
+
+TEST(AtOrdinaryPriority, GivesBackWhatTheThreadHad) {
+  int before = -1, within = -1, of_started = -1, after = -1, priority = -1;
+  bool real_time = false;
+  std::thread([&] {
+    const sched_param parameters{.sched_priority = 7};
+    real_time = sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;
+    before = sched_getscheduler(0);
+    {
+      const AtOrdinaryPriority meanwhile;
+      within = sched_getscheduler(0);
+      std::thread([&] { of_started = sched_getscheduler(0); }).join();
+    }
+    after = sched_getscheduler(0);
+    sched_param had{};
+    sched_getparam(0, &had);
+    priority = had.sched_priority;
+  }).join();
+  EXPECT_EQ(within, SCHED_OTHER);
+  EXPECT_EQ(of_started, SCHED_OTHER);
+  EXPECT_EQ(after, before);
+  EXPECT_EQ(priority, real_time ? 7 : 0);
 }
 
 }  // namespace
