@@ -1,8 +1,8 @@
 #include "nodes/coupling/fitting.hpp"
 
-#include <sched.h>
-
 #include <chrono>
+
+#include "nodes/runtime/realtime.hpp"
 
 namespace voxtouch::coupling_node {
 
@@ -54,8 +54,7 @@ void Fitting::begin() {
   again_ = false;
   under_way_ =
       std::async(std::launch::async, [this, device = device_, bounds = bounds_, demand = demand_] {
-        const sched_param ordinary{};
-        sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the loop, which starts this thread, may run under SCHED_FIFO
+        runtime::ordinary_priority();
         return fitting::fit_coupling(scene_, device, bounds, demand);
       });
 }
