@@ -22,6 +22,7 @@ namespace voxtouch::log {
 namespace {
 
 std::atomic<std::uint64_t> posted{0}, handled{0}, lost{0};
+std::atomic<bool> results_begun{false};
 
 /// False where the stream takes no more. Waits as long as it takes: only the writing thread calls it.
 bool write_all(std::string_view text) noexcept {
@@ -112,6 +113,7 @@ void count_lost() noexcept { lost.fetch_add(1); }
 
 void put(std::string_view text) {
   finish_telling();
+  results_begun = true;
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) finish_results();
 }
 
@@ -137,6 +139,8 @@ void finish_telling(std::chrono::milliseconds patience) noexcept {
   } catch (...) {  // no memory: nothing was said
   }
 }
+
+bool has_results() noexcept { return results_begun; }
 
 void finish_results() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout))

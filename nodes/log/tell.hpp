@@ -57,6 +57,8 @@ void print_result(fmt::format_string<Args...> format, Args&&... args) {
   log_parts::put(fmt::vformat(format, fmt::make_format_args(log_parts::shown(args)...)));
 }
 
+/// Whether a result has been printed so far. Any thread.
+bool has_results() noexcept;
 /// Before a program that has printed results ends well; throws as `print_result`.
 void finish_results();
 
