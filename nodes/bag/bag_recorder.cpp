@@ -24,7 +24,7 @@ BagRecorder::~BagRecorder() { (void)stop(); }
 Result<TopicId> BagRecorder::add_topic(const TopicInfo& topic) {
   const std::scoped_lock lock(table_mutex_);
   if (topics_.size() >= counts_.size())
-    return refuse(BagFault::kNoSuchTopic, "'{}' is topic number {} and the recorder was made for {}. Raise max_topics.",
+    return refuse("'{}' is topic number {} and the recorder was made for {}. Raise max_topics.",
                   topic.name, topics_.size() + 1, counts_.size());
   topics_.push_back(topic);
   disk_counts_.push_back({.name = topic.name});
