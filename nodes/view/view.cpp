@@ -37,20 +37,6 @@ bool is_bag(const std::filesystem::path& path) {
   return std::filesystem::is_directory(path) || path.extension() == ".db3";
 }
 
-json to_json(const std::vector<NodeRow>& rows) {
-  json all = json::array();
-  for (const NodeRow& row : rows)
-    all.push_back({{"node", row.report.node},
-                   {"host", row.report.host},
-                   {"pid", row.report.pid},
-                   {"state", row.state},
-                   {"rate_hz", row.rate_hz ? rounded(*row.rate_hz) : json()},
-                   {"counted", row.counted},
-                   {"answered", row.answered_share ? rounded(*row.answered_share) : json()},
-                   {"sentence", row.report.message}});
-  return all;
-}
-
 /// What the device's guard and clock have counted, for the line above the charts.
 json counts_of(const std::vector<NodeRow>& rows) {
   for (const NodeRow& row : rows) {
@@ -92,7 +78,7 @@ class View {
       obey();
       look_after_changes();
       points_.look();
-      advance(now_ns, std::min(kLongestStepS, static_cast<double>(now_ns - before_ns) * 1e-9));
+      advance(now_ns, std::min(kMaxStepS, static_cast<double>(now_ns - before_ns) * 1e-9));
       before_ns = now_ns;
       if (at_ns >= frame_at_ns) send_frame(), frame_at_ns = at_ns + kFrameNs - kTurnNs / 2;
       if (now_ns >= facts_at_ns) send_facts(now_ns), facts_at_ns = now_ns + kFactsNs;
@@ -104,7 +90,7 @@ class View {
 
  private:
   static constexpr std::int64_t kTurnNs = kFrameNs / 2;
-  static constexpr double kLongestStepS = 0.25;  ///< a recorded run waits where this thread was held up, and nobody misses a part of it
+  static constexpr double kMaxStepS = 0.25;  ///< a recorded run waits where this thread was held up, and nobody misses a part of it
 
   void advance(std::int64_t now_ns, double elapsed_s) {
     if (tap_) {
