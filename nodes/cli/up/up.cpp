@@ -38,7 +38,7 @@ constexpr useconds_t kWatchPeriodUs = 20'000;
 struct UpOptions {
   runtime::NodeOptions node;  ///< what all nodes are started with
   LauncherOptions ring;       ///< what each has beside that
-  std::vector<std::string> limits;
+  ChosenLimits limits;
   bool no_record = false, no_report = false, json = false, view = false;
 };
 
@@ -71,7 +71,7 @@ class Run {
     summary_.mode = options.node.lockstep ? "lockstep" : "real time";
     summary_.seed = options.node.seed;
     summary_.validate_every = static_cast<double>(options.ring.validator.every);
-    for (const std::string& text : options.limits) ask_limit(text, summary_.asked);
+    summary_.limits = options.limits;
     if (!options.no_record)
       summary_.bag = options.ring.logger.bag.empty() ? default_bag(scene.name).string() : options.ring.logger.bag.string();
   }
@@ -357,12 +357,15 @@ void add_up(CLI::App& app, Action& action) {
   verb->add_option("--validate-every", options->ring.validator.every, "The validator checks every n-th sample")
       ->capture_default_str()
       ->check(runtime::require_count);
-  verb->add_option("--limit", options->limits,
-                   "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets one of them (0 or inf "
-                   "lifts it), and may be given more than once. Defaults: " +
-                       describe_limits())
-      ->allow_extra_args(false)
-      ->check(check_limit);
+  const auto choose_limits = [options](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts)
+      if (const std::string wrong = choose_limit(text, options->limits); !wrong.empty()) throw CLI::ValidationError("--limit", wrong);
+  };
+  verb->add_option_function<std::vector<std::string>>("--limit", choose_limits,
+                                                      "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets one of "
+                                                      "them (0 or inf lifts it), and may be given more than once. Defaults: " +
+                                                          describe_limits())
+      ->allow_extra_args(false);
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
   verb->add_flag("--no-report", options->no_report, "No report.html beside the bag: see voxtouch report --help");
   verb->add_flag("--one-process", options->ring.one_process, "All nodes in this process; still over DDS");
