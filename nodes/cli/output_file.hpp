@@ -17,7 +17,6 @@ class OutputFile {
 
   std::ostream& stream() noexcept { return out_; }  ///< for a long text, before keep()
   void keep(const std::string& text = {});          ///< once; throws std::runtime_error, a sentence
-  const std::filesystem::path& path() const noexcept { return file_; }
 
  private:
   std::filesystem::path file_, fresh_;
