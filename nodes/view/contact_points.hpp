@@ -20,6 +20,7 @@ class ContactPoints {
  public:
   /// Another scene; built when its turn comes.
   void scene_is(const scene::Scene& scene);
+  /// Which points touch with the tool at `object` in W, where moving objects are at `scene_time_s`.
   void ask(const Pose& object, double scene_time_s);
   /// A plane of voxels, likewise the newest question alone.
   void ask(const SliceQuestion& question);

@@ -56,11 +56,7 @@ std::string design_sentence(const msg::CouplingDesign& d) {
 
 void Facts::take(const msg::ScenePlan& p) {
   scene_hash_ = p.scene_hash;
-  contact_model_ = p.contact_model;
-  voxel_size_m_ = p.voxel_size_m;
-  plan_ = {{"scene", p.scene},
-           {"model", p.contact_model},
-           {"voxel_size_m", rounded(p.voxel_size_m)}};
+  plan_ = {{"scene", p.scene}, {"model", p.contact_model}, {"voxel_size_m", rounded(p.voxel_size_m)}};
 }
 
 void Facts::take(const msg::CouplingDesign& d) {

@@ -29,8 +29,6 @@ class Facts {
 
   /// Of the plan that runs; empty where none is known.
   const std::string& scene_hash() const noexcept { return scene_hash_; }
-  double voxel_size_m() const noexcept { return voxel_size_m_; }
-  const std::string& contact_model() const noexcept { return contact_model_; }
   /// {plan, design, device, effects, answers}
   nlohmann::json to_json() const;
 
@@ -38,8 +36,7 @@ class Facts {
   void apply(const runtime::ChangeRequest& change);
 
   nlohmann::json plan_, design_, device_, effects_ = nlohmann::json::array(), first_effects_ = effects_;
-  std::string scene_hash_, contact_model_;
-  double voxel_size_m_ = 0.0;
+  std::string scene_hash_;
   std::map<std::uint64_t, runtime::ChangeRequest> unanswered_;
   std::deque<nlohmann::json> answers_;    ///< the last ones
 };
