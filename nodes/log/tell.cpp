@@ -57,12 +57,12 @@ class StderrSink final : public spdlog::sinks::sink {
   void tell_of_gap() {
     const auto pool = pool_.lock();
     const std::size_t overrun = pool ? pool->overrun_counter() : 0;
-    if (overrun == told_) return;
-    write_all(fmt::format("({} lines are missing here: nobody took them in time)\n", overrun - told_));
-    told_ = overrun;
+    if (overrun == told_overrun_) return;
+    write_all(fmt::format("({} lines are missing here: nobody took them in time)\n", overrun - told_overrun_));
+    told_overrun_ = overrun;
   }
   std::weak_ptr<spdlog::details::thread_pool> pool_;
-  std::size_t told_ = 0;
+  std::size_t told_overrun_ = 0;
 };
 
 void enter_writing_thread() {
@@ -100,7 +100,7 @@ namespace log_parts {
 void post(std::string_view text) noexcept {
   try {
     Log& log = the_log();
-    const std::string cut = text.size() <= kLongestText ? "" : std::string(text.substr(0, kLongestText)) + "...\n";
+    const std::string cut = text.size() <= kMaxTextBytes ? "" : std::string(text.substr(0, kMaxTextBytes)) + "...\n";
     if (!cut.empty()) text = cut;
     posted.fetch_add(1);
     log.logger->log(spdlog::level::info, spdlog::string_view_t(text.data(), text.size()));

@@ -40,7 +40,7 @@ void tell(fmt::format_string<Args...> format, Args&&... args) noexcept {
 }
 
 inline constexpr std::size_t kLinesKept = 1024;          ///< texts that wait for a slow stream
-inline constexpr std::size_t kLongestText = 16 * 1024;  ///< [bytes]; the rest of a longer text is cut off
+inline constexpr std::size_t kMaxTextBytes = 16 * 1024;  ///< [bytes]; the rest of a longer text is cut off
 /// How long the end of a process waits for a stream that takes nothing.
 inline constexpr std::chrono::milliseconds kStopTimeout{500};
 
