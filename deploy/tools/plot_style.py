@@ -4,7 +4,6 @@ import sys
 try:
     import matplotlib
     from matplotlib import patheffects
-    from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
     from matplotlib.transforms import Bbox

@@ -30,25 +30,20 @@ struct Described {
   std::vector<std::string> files;
 };
 
-Result<Described> read_metadata(const fs::path& file) {
+// Nothing where it is missing or no metadata of a bag: the databases can be read without it.
+std::optional<Described> read_metadata(const fs::path& file) {
   try {
     const YAML::Node node = YAML::LoadFile(file.string())["rosbag2_bagfile_information"];
     const YAML::Node mode = node["compression_mode"];
     return Described{node["storage_identifier"].as<std::string>(), mode ? mode.as<std::string>() : "",
                      node["relative_file_paths"].as<std::vector<std::string>>()};
-  } catch (const YAML::BadFile&) {
-    return refuse(BagFault::kDisk, "'{}' cannot be read. Name a folder that holds a bag.", file.string());
-  } catch (const YAML::Exception& error) {
-    return refuse(BagFault::kFormat,
-                  "'{}' is not the metadata of a bag: {}. Record it again, or remove the file to read the "
-                  ".db3 beside it without it.",
-                  file.string(), error.what());
+  } catch (const YAML::Exception&) {
+    return std::nullopt;
   }
 }
 
 // The files that metadata names; if one is not there, what the folder holds.
-std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<Described>& metadata,
-                                   std::vector<std::string>& warnings) {
+std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<Described>& metadata) {
   std::vector<fs::path> named;
   if (metadata)
     for (const auto& file : metadata->files) named.push_back(folder / file);
@@ -56,11 +51,7 @@ std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<D
     std::error_code error;
     return fs::exists(path, error);
   });
-  if (!named.empty() && all_there) return named;
-  if (metadata)
-    warnings.push_back(
-        fmt::format("'{}' names files that are not there; the folder's .db3 files are read.", folder.string()));
-  return databases_in(folder);
+  return !named.empty() && all_there ? named : databases_in(folder);
 }
 
 }  // namespace
@@ -70,29 +61,20 @@ Result<BagReader> BagReader::open(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   std::vector<fs::path> files;
-  std::optional<Described> described;
   if (fs::is_directory(status)) {
-    auto metadata = read_metadata(path / "metadata.yaml");
-    if (metadata) {
-      if (!metadata->compression.empty() && metadata->compression != "NONE" && metadata->compression != "none")
-        return refuse(BagFault::kFormat, "The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.",
-                      path.string(), metadata->compression);
-      if (metadata->storage != "sqlite3")
-        return refuse(BagFault::kFormat,
-                      "The bag '{}' is stored as {}, and only sqlite3 is read. Convert it with ros2 bag "
-                      "convert.",
-                      path.string(), metadata->storage);
-      described = std::move(*metadata);
-    } else {
-      reader.warnings_.push_back(metadata.error().sentence);
-    }
-    files = databases_of(path, described, reader.warnings_);
+    const std::optional<Described> described = read_metadata(path / "metadata.yaml");
+    if (described && !described->compression.empty() && described->compression != "NONE" && described->compression != "none")
+      return refuse("The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.", path.string(), described->compression);
+    if (described && described->storage != "sqlite3")
+      return refuse("The bag '{}' is stored as {}, and only sqlite3 is read. Convert it with ros2 bag convert.", path.string(),
+                    described->storage);
+    files = databases_of(path, described);
     if (files.empty())
-      return refuse(BagFault::kFormat, "'{}' holds no .db3 file. Name a folder that holds a bag.", path.string());
+      return refuse("'{}' holds no .db3 file. Name a folder that holds a bag.", path.string());
   } else if (fs::is_regular_file(status)) {
     files = {path};
   } else {
-    return refuse(BagFault::kDisk, "'{}' is not there. Name a folder that holds a bag.", path.string());
+    return refuse("'{}' is not there. Name a folder that holds a bag.", path.string());
   }
   for (const auto& file : files)
     if (auto added = reader.add_file(file); !added) return std::unexpected(added.error());
@@ -108,7 +90,7 @@ Result<void> BagReader::add_file(const fs::path& path) {
   if (!has_qos) return std::unexpected(has_qos.error());
   const std::string qos = *has_qos == "1" ? "offered_qos_profiles" : "''";  // schema 1 has none
   auto rows = file.database.prepare("SELECT id, name, type, serialization_format, " + qos + " FROM topics ORDER BY id");
-  if (!rows) return std::unexpected(BagError{BagFault::kFormat, rows.error().sentence});
+  if (!rows) return std::unexpected(rows.error());
   int code = rows->step();
   for (; code == SQLITE_ROW; code = rows->step()) {
     auto index = find_topic(rows->text(1));

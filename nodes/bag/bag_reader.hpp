@@ -29,13 +29,11 @@ struct BagMessage {
 /// Allocates and waits for the disk; one thread at a time.
 class BagReader {
  public:
-  /// `path`: the folder, or one .db3. Errors: kDisk, kFormat (compressed, mcap, no database at all).
+  /// `path`: the folder, or one .db3. Errors: nothing there, compressed, mcap, no database at all.
   static Result<BagReader> open(const std::filesystem::path& path);
 
   /// Topics of all files, by name. Messages are not counted, which would take seconds for minutes of a ring: message_count is 0.
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
-  /// What was not as it should be, and was read all the same. One sentence each.
-  const std::vector<std::string>& warnings() const noexcept { return warnings_; }
 
   /// Calls f for every message that was recorded from `from_ns` on and before `to_ns`, file by file, by time and then by id; f
   /// returns false to stop. Quick, wherever that lies. Errors: a damaged database.
@@ -54,7 +52,6 @@ class BagReader {
 
   std::vector<File> files_;
   std::vector<TopicInfo> topics_;
-  std::vector<std::string> warnings_;
 };
 
 }  // namespace voxtouch::bag

@@ -1,6 +1,7 @@
 #include "nodes/bag/bag_recorder.hpp"
 
 #include <algorithm>
+#include <new>
 
 #include "nodes/bag/refuse.hpp"
 
@@ -13,8 +14,8 @@ constexpr std::chrono::milliseconds kTickPeriod{20};  // a sink asks for ten a s
 }  // namespace
 
 BagRecorder::BagRecorder(std::unique_ptr<BagSink> sink, const RecorderOptions& options)
-    : options_(options), sink_(std::move(sink)), queue_(options.queue_bytes, options.queue_messages),
-      counts_(options.max_topics), last_report_(std::chrono::steady_clock::now()), last_tick_(last_report_) {
+    : options_(options), sink_(std::move(sink)), counts_(options.max_topics), last_report_(std::chrono::steady_clock::now()),
+      last_tick_(last_report_) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -23,7 +24,7 @@ BagRecorder::~BagRecorder() { (void)stop(); }
 Result<TopicId> BagRecorder::add_topic(const TopicInfo& topic) {
   const std::scoped_lock lock(table_mutex_);
   if (topics_.size() >= counts_.size())
-    return refuse(BagFault::kNoSuchTopic, "'{}' is topic number {} and the recorder was made for {}. Raise max_topics.",
+    return refuse("'{}' is topic number {} and the recorder was made for {}. Raise max_topics.",
                   topic.name, topics_.size() + 1, counts_.size());
   topics_.push_back(topic);
   disk_counts_.push_back({.name = topic.name});
@@ -36,27 +37,44 @@ PushResult BagRecorder::push(TopicId topic, std::int64_t time_ns, std::span<cons
   if (topic >= topic_count_.load(std::memory_order_acquire)) return PushResult::kUnknownTopic;
   Counts& counts = counts_[topic];
   counts.received.fetch_add(1, std::memory_order_relaxed);
-  // stop() first forbids, then waits until nobody is between these two lines: what was accepted is in the
-  // queue before the last drain.
-  pushing_.fetch_add(1, std::memory_order_seq_cst);
-  PushResult result = PushResult::kStopped;
-  while (accepting_.load(std::memory_order_seq_cst)) {
-    const std::uint64_t seen = queue_.pops();
-    const auto pushed = queue_.push(topic, time_ns, bytes);
-    if (pushed == MessageQueue::Push::kQueued) result = PushResult::kQueued;
-    if (pushed == MessageQueue::Push::kTooLarge) result = PushResult::kTooLarge;
-    if (pushed == MessageQueue::Push::kFull) {
-      if (options_.lockstep) {
-        queue_.wait_for_pop(seen);
-        continue;
-      }
-      result = PushResult::kDropped;
-    }
-    break;
+  PushResult result = PushResult::kDropped;
+  try {
+    result = enqueue(topic, time_ns, bytes);
+  } catch (const std::bad_alloc&) {  // no memory is no room
   }
-  pushing_.fetch_sub(1, std::memory_order_seq_cst);
   if (result != PushResult::kQueued) counts.dropped.fetch_add(1, std::memory_order_relaxed);
   return result;
+}
+
+PushResult BagRecorder::enqueue(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) {
+  if (bytes.size() > options_.queue_bytes) return PushResult::kTooLarge;
+  const auto has_room = [&] { return queue_.size() < options_.queue_messages && queued_bytes_ + bytes.size() <= options_.queue_bytes; };
+  std::unique_lock lock(queue_mutex_);
+  if (options_.lockstep) room_.wait(lock, [&] { return !accepting_ || has_room(); });
+  if (!accepting_) return PushResult::kStopped;
+  if (!has_room()) return PushResult::kDropped;
+  queue_.push_back({topic, time_ns, {bytes.begin(), bytes.end()}});
+  queued_bytes_ += bytes.size();
+  return PushResult::kQueued;
+}
+
+bool BagRecorder::is_stopping() {
+  const std::scoped_lock lock(queue_mutex_);
+  return !accepting_;
+}
+
+const BagRecorder::Message* BagRecorder::front() {
+  const std::scoped_lock lock(queue_mutex_);
+  return queue_.empty() ? nullptr : &queue_.front();
+}
+
+void BagRecorder::pop() {
+  {
+    const std::scoped_lock lock(queue_mutex_);
+    queued_bytes_ -= queue_.front().bytes.size();
+    queue_.pop_front();
+  }
+  room_.notify_all();
 }
 
 void BagRecorder::note(const BagError& error) {
@@ -99,7 +117,7 @@ void BagRecorder::place_refused_topics() {
 std::size_t BagRecorder::drain() {
   std::size_t written = 0;
   for (; written < options_.queue_messages; ++written) {
-    const auto message = queue_.front();
+    const Message* const message = front();
     if (!message) break;
     turns_.fetch_add(1, std::memory_order_relaxed);
     if (message->topic >= sink_topics_.size()) add_new_topics();
@@ -108,7 +126,7 @@ std::size_t BagRecorder::drain() {
     } else {
       ++unplaced_[message->topic];
     }
-    queue_.pop();
+    pop();
     if (std::chrono::steady_clock::now() - last_tick_ >= kTickPeriod) housekeeping(false);
   }
   return written;
@@ -138,7 +156,7 @@ void BagRecorder::housekeeping(bool closing) {
 
 void BagRecorder::run() {
   while (true) {
-    const bool last = stopping_.load(std::memory_order_acquire);
+    const bool last = is_stopping();
     turns_.fetch_add(1, std::memory_order_relaxed);
     add_new_topics();
     const std::size_t written = drain();
@@ -165,13 +183,12 @@ RecordingReport BagRecorder::report() const {
 }
 
 RecordingReport BagRecorder::stop() {
-  const std::scoped_lock lock(stop_mutex_);
-  if (thread_.joinable()) {
-    accepting_.store(false, std::memory_order_seq_cst);
-    while (pushing_.load(std::memory_order_seq_cst) > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    stopping_.store(true, std::memory_order_release);
-    thread_.join();
+  {
+    const std::scoped_lock lock(queue_mutex_);
+    accepting_ = false;
   }
+  room_.notify_all();
+  if (thread_.joinable()) thread_.join();
   return report();
 }
 

@@ -3,17 +3,19 @@
 /// feeds the disk.
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
 #include "nodes/bag/bag_sink.hpp"
-#include "nodes/bag/message_queue.hpp"
 
 namespace voxtouch::bag {
 
+/// Both bounds of the queue hold: at most `queue_messages` at a time, and `queue_bytes` of payload.
 struct RecorderOptions {
   std::size_t queue_bytes = std::size_t{32} << 20;  ///< the ring's five topics need 1 to 2 MB a second
   std::size_t queue_messages = 65536;
@@ -45,9 +47,8 @@ class BagRecorder {
   /// max_topics.
   Result<TopicId> add_topic(const TopicInfo& topic);
 
-  /// Any thread, also a DDS listener. In real time it never waits for the disk and allocates nothing; in
-  /// lockstep it blocks until there is room. time_ns becomes the bag's time: reception time, or simulated
-  /// time in lockstep.
+  /// Any thread of ordinary priority: copies the message, which allocates. In real time it never waits for the disk; in lockstep it
+  /// blocks until there is room. time_ns becomes the bag's time: reception time, or simulated time in lockstep.
   PushResult push(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) noexcept;
 
   /// Counts up to now. Does not wait for the disk. With `closed` set they add up.
@@ -56,13 +57,22 @@ class BagRecorder {
   /// Another number at each look for as long as the disk thread gets on.
   std::uint64_t turns() const noexcept { return turns_.load(std::memory_order_relaxed); }
 
-  /// Writes out what is queued, closes the bag, ends the thread. Waits for the disk. The report is final.
+  /// Writes out what is queued, closes the bag, ends the thread. Waits for the disk. The report is final. Of the thread that made it.
   RecordingReport stop();
 
  private:
   struct Counts {
     std::atomic<std::uint64_t> received{0}, dropped{0};
   };
+  struct Message {
+    TopicId topic;
+    std::int64_t time_ns;
+    std::vector<std::byte> bytes;
+  };
+  PushResult enqueue(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes);
+  bool is_stopping();
+  const Message* front();
+  void pop();
   void run();
   std::size_t drain();
   void add_new_topics();
@@ -73,12 +83,15 @@ class BagRecorder {
 
   const RecorderOptions options_;
   std::unique_ptr<BagSink> sink_;  // the disk thread's alone
-  MessageQueue queue_;
   std::vector<Counts> counts_;  // by topic, sized once
   std::atomic<std::uint32_t> topic_count_{0};
-  std::atomic<bool> accepting_{true}, stopping_{false};
   std::atomic<std::uint64_t> turns_{0};  // of the disk thread
-  std::atomic<std::uint32_t> pushing_{0};  // pushes between their first and last look at accepting_
+
+  std::mutex queue_mutex_;  // never held while the disk is used
+  std::condition_variable room_;
+  std::deque<Message> queue_;  // the disk thread alone takes out; what it writes stays at the front meanwhile
+  std::size_t queued_bytes_ = 0;
+  bool accepting_ = true;
 
   mutable std::mutex table_mutex_;  // names, disk counts, errors: never held while the disk is used
   std::vector<TopicInfo> topics_;
@@ -90,7 +103,6 @@ class BagRecorder {
   std::vector<std::optional<TopicId>> sink_topics_;
   std::vector<std::uint64_t> unplaced_;  // messages of topics that the sink refused
   std::chrono::steady_clock::time_point last_report_, last_tick_;
-  std::mutex stop_mutex_;
   std::thread thread_;
 };
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -13,7 +12,6 @@ namespace voxtouch::bag {
 namespace {
 
 constexpr std::int64_t kPageBytes = 4096;
-constexpr std::int64_t kNoFirst = std::numeric_limits<std::int64_t>::max();
 
 // rosbag2's schema 3 (Humble). ros_distro: the release whose form this is.
 constexpr const char* kSchema = R"(
@@ -36,16 +34,15 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   if (folder.has_parent_path()) std::filesystem::create_directories(folder.parent_path(), error);
   if (error)
-    return refuse(BagFault::kDisk, "'{}' cannot be made: {}. Choose another folder.", folder.parent_path().string(),
+    return refuse("'{}' cannot be made: {}. Choose another folder.", folder.parent_path().string(),
                   error.message());
   const bool made = std::filesystem::create_directory(folder, error);
   if (made) return {};
   if (!error || error == std::errc::file_exists)
-    return refuse(BagFault::kExists,
-                  "'{}' exists already and a bag is never written over another one. Choose another folder or "
+    return refuse("'{}' exists already and a bag is never written over another one. Choose another folder or "
                   "remove it.",
                   folder.string());
-  return refuse(BagFault::kDisk, "'{}' cannot be made: {}. Choose another folder.", folder.string(), error.message());
+  return refuse("'{}' cannot be made: {}. Choose another folder.", folder.string(), error.message());
 }
 
 }  // namespace
@@ -73,7 +70,7 @@ Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given
 
 BagWriter::BagWriter(std::filesystem::path folder, const WriterOptions& options, Database database)
     : folder_(std::move(folder)), options_(options), database_(std::make_unique<Database>(std::move(database))),
-      pending_first_ns_(kNoFirst), pending_last_ns_(0), last_commit_(Clock::now()), last_refresh_(Clock::now()) {}
+      last_commit_(Clock::now()), last_refresh_(Clock::now()) {}
 
 BagWriter::~BagWriter() {
   if (database_) (void)close();
@@ -83,8 +80,7 @@ Result<void> BagWriter::create_tables() {
   auto mode = database_->value("PRAGMA journal_mode=WAL");
   if (!mode) return std::unexpected(mode.error());
   if (*mode != "wal")
-    return refuse(BagFault::kDisk,
-                  "The file system of '{}' cannot share a write-ahead log (journal mode stays {}). Record to "
+    return refuse("The file system of '{}' cannot share a write-ahead log (journal mode stays {}). Record to "
                   "a local disk.",
                   folder_.string(), *mode);
   if (auto set = database_->run("PRAGMA synchronous=OFF"); !set) return set;
@@ -100,7 +96,7 @@ Result<void> BagWriter::create_tables() {
 }
 
 Result<TopicId> BagWriter::add_topic(const TopicInfo& topic) {
-  if (!database_) return refuse(BagFault::kDisk, "The bag is closed.");
+  if (!database_) return refuse("The bag is closed.");
   // Out of the open transaction: a message that does not fit must not take its topic with it.
   if (auto committed = commit(); !committed) return std::unexpected(committed.error());
   auto insert = database_->prepare(
@@ -125,12 +121,12 @@ Result<void> BagWriter::begin() {
 }
 
 Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const std::byte> bytes) {
-  if (!database_) return refuse(BagFault::kDisk, "The bag is closed.");
-  if (id >= topics_.size()) return refuse(BagFault::kNoSuchTopic, "Topic number {} was never added to the bag.", id);
+  if (!database_) return refuse("The bag is closed.");
+  if (id >= topics_.size()) return refuse("Topic number {} was never added to the bag.", id);
   Topic& topic = topics_[id];
   if (time_ns < 0) {  // rosbag2 reads its times as unsigned and would refuse the whole bag
     ++topic.lost;
-    return refuse(BagFault::kBadMessage, "A message on '{}' has the time {} ns; a bag holds none before 1970.",
+    return refuse("A message on '{}' has the time {} ns; a bag holds none before 1970.",
                   metadata_.topics[id].name, time_ns);
   }
   if (auto begun = begin(); !begun) {
@@ -150,9 +146,9 @@ Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const
     return std::unexpected(*error);
   }
   ++topic.pending;
-  ++pending_;
-  pending_first_ns_ = std::min(pending_first_ns_, time_ns);
-  pending_last_ns_ = std::max(pending_last_ns_, time_ns);
+  ++pending_.messages;
+  pending_.first_ns = std::min(pending_.first_ns, time_ns);
+  pending_.last_ns = std::max(pending_.last_ns, time_ns);
   return {};
 }
 
@@ -172,26 +168,22 @@ Result<void> BagWriter::commit() {
 void BagWriter::commit_counts() {
   for (std::size_t i = 0; i < topics_.size(); ++i)
     metadata_.topics[i].message_count += std::exchange(topics_[i].pending, 0);
-  if (pending_ > 0) {
+  if (pending_.messages > 0) {
     const bool first = metadata_.message_count == 0;
     const std::int64_t first_ns = metadata_.starting_time_ns, last_ns = first_ns + metadata_.duration_ns;
-    const std::int64_t begin = first ? pending_first_ns_ : std::min(first_ns, pending_first_ns_);
-    const std::int64_t end = first ? pending_last_ns_ : std::max(last_ns, pending_last_ns_);
+    const std::int64_t begin = first ? pending_.first_ns : std::min(first_ns, pending_.first_ns);
+    const std::int64_t end = first ? pending_.last_ns : std::max(last_ns, pending_.last_ns);
     metadata_.starting_time_ns = begin;
     metadata_.duration_ns = end - begin;
-    metadata_.message_count += pending_;
+    metadata_.message_count += pending_.messages;
   }
-  pending_ = 0;
-  pending_first_ns_ = kNoFirst;
-  pending_last_ns_ = 0;
+  pending_ = {};
   in_transaction_ = false;
 }
 
 void BagWriter::lose_pending() {
   for (auto& topic : topics_) topic.lost += std::exchange(topic.pending, 0);
-  pending_ = 0;
-  pending_first_ns_ = kNoFirst;
-  pending_last_ns_ = 0;
+  pending_ = {};
   in_transaction_ = false;
 }
 
@@ -261,8 +253,7 @@ Result<void> BagWriter::close() {
   const auto mode = database_->value("PRAGMA journal_mode=DELETE");
   if (!mode && result) result = std::unexpected(mode.error());
   if (mode && *mode != "delete" && result)
-    result = refuse(BagFault::kDisk,
-                    "The bag '{}' is complete, but another program has it open, so its -wal file stays; keep "
+    result = refuse("The bag '{}' is complete, but another program has it open, so its -wal file stays; keep "
                     "the two together.",
                     folder_.string());
   database_.reset();

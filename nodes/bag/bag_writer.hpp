@@ -15,6 +15,7 @@
 /// most, but a loss of power while recording may cost the bag; a closed one is on the disk.
 #include <chrono>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -34,8 +35,8 @@ struct WriterOptions {
 /// Not thread-safe. Blocks for the disk: never call it from a DDS listener; BagRecorder is for that.
 class BagWriter final : public BagSink {
  public:
-  /// Makes `folder` (parents as well), the empty bag and its metadata. Errors: kExists if anything is there
-  /// already, which is then untouched; kDisk.
+  /// Makes `folder` (parents as well), the empty bag and its metadata. Errors: anything is there already,
+  /// which is then untouched; the disk refuses.
   static Result<BagWriter> create(const std::filesystem::path& folder, const WriterOptions& options = {});
   BagWriter(BagWriter&&) = default;
   BagWriter& operator=(BagWriter&&) = delete;
@@ -72,8 +73,10 @@ class BagWriter final : public BagSink {
   std::optional<Statement> insert_;
   BagMetadata metadata_;
   std::vector<Topic> topics_;
-  std::int64_t pending_first_ns_, pending_last_ns_;
-  std::uint64_t pending_ = 0;
+  struct Pending {
+    std::int64_t first_ns = std::numeric_limits<std::int64_t>::max(), last_ns = 0;
+    std::uint64_t messages = 0;
+  } pending_;  // what the open transaction holds
   bool in_transaction_ = false;
   Clock::time_point last_commit_, last_refresh_;
 };

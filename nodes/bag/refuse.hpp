@@ -9,8 +9,8 @@
 namespace voxtouch::bag {
 
 template <class... Args>
-std::unexpected<BagError> refuse(BagFault fault, fmt::format_string<Args...> sentence, Args&&... args) {
-  return std::unexpected(BagError{fault, fmt::format(sentence, std::forward<Args>(args)...)});
+std::unexpected<BagError> refuse(fmt::format_string<Args...> sentence, Args&&... args) {
+  return std::unexpected(BagError{fmt::format(sentence, std::forward<Args>(args)...)});
 }
 
 }  // namespace voxtouch::bag

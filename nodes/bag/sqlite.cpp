@@ -76,9 +76,7 @@ BagError Database::error(std::string_view doing) const {
   if ((code & 0xff) == SQLITE_FULL || (code & 0xff) == SQLITE_IOERR) advice = "Make room on the disk.";
   if ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_PERM) advice = "Check the rights on the folder.";
   if ((code & 0xff) == SQLITE_BUSY) advice = "Close the program that has it open.";
-  const bool damaged = (code & 0xff) == SQLITE_NOTADB || (code & 0xff) == SQLITE_CORRUPT;
-  const BagFault fault = damaged ? BagFault::kFormat : BagFault::kDisk;
-  return {fault, fmt::format("sqlite cannot {} '{}': {} (code {}). {}", doing, file_.string(), text, code, advice)};
+  return {fmt::format("sqlite cannot {} '{}': {} (code {}). {}", doing, file_.string(), text, code, advice)};
 }
 
 }  // namespace voxtouch::bag

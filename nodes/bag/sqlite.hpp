@@ -41,8 +41,10 @@ class Statement {
 class Database {
  public:
   enum class Mode : std::uint8_t { kReadOnly, kCreate };
+  /// Errors: the file is not there, may not be read or made, or is no database.
   static Result<Database> open(const std::filesystem::path& file, Mode mode);
 
+  /// Error: sqlite does not take `sql`, or the database is damaged.
   Result<Statement> prepare(std::string_view sql) const;
   /// One or more statements without result.
   Result<void> run(const std::string& sql) const;

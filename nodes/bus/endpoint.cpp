@@ -111,28 +111,4 @@ bool writer_is_matched(dds_entity_t reader, dds_instance_handle_t writer) {
   return peer != nullptr;
 }
 
-std::uint32_t matched_reader_count(dds_entity_t writer) noexcept {
-  dds_publication_matched_status_t status{};
-  dds_get_publication_matched_status(writer, &status);
-  return status.current_count;
-}
-
-std::uint32_t matched_writer_count(dds_entity_t reader) noexcept {
-  dds_subscription_matched_status_t status{};
-  dds_get_subscription_matched_status(reader, &status);
-  return status.current_count;
-}
-
-std::uint32_t readers_ever_matched(dds_entity_t writer) noexcept {
-  dds_publication_matched_status_t status{};
-  dds_get_publication_matched_status(writer, &status);
-  return status.total_count;
-}
-
-std::uint64_t deadlines_missed(dds_entity_t reader) noexcept {
-  dds_requested_deadline_missed_status_t status{};
-  dds_get_requested_deadline_missed_status(reader, &status);
-  return status.total_count;
-}
-
 }  // namespace voxtouch::bus

@@ -33,12 +33,5 @@ std::vector<dds_instance_handle_t> matched_writer_handles(dds_entity_t reader);
 /// The participant of the writer with instance handle `writer`, as this reader has matched it; all zero if it has gone.
 Guid participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer);
 bool writer_is_matched(dds_entity_t reader, dds_instance_handle_t writer);
-/// How many; real-time safe.
-std::uint32_t matched_reader_count(dds_entity_t writer) noexcept;
-std::uint32_t matched_writer_count(dds_entity_t reader) noexcept;
-/// How many there have ever been; real-time safe.
-std::uint32_t readers_ever_matched(dds_entity_t writer) noexcept;
-/// Deadlines that this reader has missed since it was made; real-time safe.
-std::uint64_t deadlines_missed(dds_entity_t reader) noexcept;
 
 }  // namespace voxtouch::bus

@@ -37,7 +37,6 @@ class FollowedReader {
   std::uint32_t matched_count() const noexcept { return reader_.matched_count(); }
   std::uint64_t deadlines_missed() const noexcept { return reader_.deadlines_missed(); }
   dds_entity_t condition() const noexcept { return reader_.condition(); }
-  dds_entity_t get() const noexcept { return reader_.get(); }
 
  private:
   std::unique_ptr<Following> following_;  // outlives the reader, which asks it

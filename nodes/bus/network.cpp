@@ -69,11 +69,11 @@ std::vector<Card> network_cards() {
 }
 
 std::vector<Card> cards_of_this_host(const std::vector<Card>& cards) {
-  constexpr std::size_t kMost = 4;  // MAX_XMIT_CONNS of Cyclone DDS
+  constexpr std::size_t kMaxCards = 4;  // MAX_XMIT_CONNS of Cyclone DDS
   std::vector<Card> chosen;
   std::ranges::copy_if(cards, std::back_inserter(chosen), [](const Card& card) { return card.is_loopback; });
   for (const Card& card : cards)
-    if (!card.is_loopback && card.is_multicast && chosen.size() < kMost) chosen.push_back(card);
+    if (!card.is_loopback && card.is_multicast && chosen.size() < kMaxCards) chosen.push_back(card);
   return chosen;
 }
 
@@ -125,8 +125,8 @@ void close_to_other_hosts(const std::vector<int>& sockets) {
   const Addresses list = all_addresses();
   for (const ifaddrs* entry = list.get(); entry; entry = entry->ifa_next)
     if (const std::uint32_t address = ntohl(ipv4_of(*entry)); address != 0 && address >> 24U != 127U) own.push_back(address);
-  constexpr std::size_t kMost = 200;  // a jump of the filter goes 255 instructions far
-  own.resize(std::min(own.size(), kMost));
+  constexpr std::size_t kMaxAddresses = 200;  // a jump of the filter goes 255 instructions far
+  own.resize(std::min(own.size(), kMaxAddresses));
 
   constexpr std::uint32_t kSource = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;  // of the IPv4 header
   const auto to_accept = [&](std::size_t compared) { return static_cast<std::uint8_t>(own.size() - compared + 1); };

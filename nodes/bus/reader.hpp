@@ -57,12 +57,21 @@ class Reader {
   }
   std::vector<Guid> matched() const { return matched_writers(entities_.endpoint.get()); }
   std::vector<dds_instance_handle_t> writer_handles() const { return matched_writer_handles(entities_.endpoint.get()); }
-  std::uint32_t matched_count() const noexcept { return matched_writer_count(entities_.endpoint.get()); }
-  std::uint64_t deadlines_missed() const noexcept { return bus::deadlines_missed(entities_.endpoint.get()); }
+  /// How many writers there are; real-time safe, as the next.
+  std::uint32_t matched_count() const noexcept {
+    dds_subscription_matched_status_t status{};
+    dds_get_subscription_matched_status(entities_.endpoint.get(), &status);
+    return status.current_count;
+  }
+  /// Since it was made.
+  std::uint64_t deadlines_missed() const noexcept {
+    dds_requested_deadline_missed_status_t status{};
+    dds_get_requested_deadline_missed_status(entities_.endpoint.get(), &status);
+    return status.total_count;
+  }
   /// Triggers while samples wait: for WaitSet.
   dds_entity_t condition() const noexcept { return unread_.get(); }
   dds_entity_t get() const noexcept { return entities_.endpoint.get(); }
-  explicit operator bool() const noexcept { return static_cast<bool>(entities_.endpoint); }
 
  private:
   EndpointEntities entities_;

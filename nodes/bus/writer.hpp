@@ -28,12 +28,19 @@ class Writer {
     return dds_wait_for_acks(entities_.endpoint.get(), timeout) == DDS_RETCODE_OK;
   }
   std::vector<Guid> matched() const { return matched_readers(entities_.endpoint.get()); }
-  std::uint32_t matched_count() const noexcept { return matched_reader_count(entities_.endpoint.get()); }
+  /// How many readers there are; real-time safe, as the next.
+  std::uint32_t matched_count() const noexcept { return matches().current_count; }
   /// How many readers have come since it was made, also those that have gone.
-  std::uint32_t ever_matched() const noexcept { return readers_ever_matched(entities_.endpoint.get()); }
+  std::uint32_t ever_matched() const noexcept { return matches().total_count; }
   explicit operator bool() const noexcept { return static_cast<bool>(entities_.endpoint); }
 
  private:
+  dds_publication_matched_status_t matches() const noexcept {
+    dds_publication_matched_status_t status{};
+    dds_get_publication_matched_status(entities_.endpoint.get(), &status);
+    return status;
+  }
+
   EndpointEntities entities_;
 };
 

@@ -1,5 +1,5 @@
 #include <filesystem>
-#include <fstream>
+#include <ostream>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -8,6 +8,7 @@
 #include "core/mesh/import.hpp"
 #include "core/pointshell/export.hpp"
 #include "core/voxmap/voxelise.hpp"
+#include "nodes/cli/output_file.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
@@ -24,17 +25,11 @@ struct BuildOptions {
   bool json = false;
 };
 
-/// Writes to a new name first, so that a full disk leaves no half file under the real one.
 template <class Write>
 void write_file(const std::filesystem::path& file, Write&& write) {
-  const std::filesystem::path fresh = file.string() + ".part";
-  std::ofstream out(fresh, std::ios::binary);
-  write(out);
-  out.close();
-  if (!out)
-    throw std::runtime_error(
-        fmt::format("{} could not be written: is there room, and may you write there?", fresh.string()));
-  std::filesystem::rename(fresh, file);
+  OutputFile out(file);
+  write(out.stream());
+  out.keep();
 }
 
 int build(const BuildOptions& o) {
@@ -109,16 +104,7 @@ void add_build(CLI::App& app, Action& action) {
       ->check(runtime::require_positive);
   verb->add_option("--out", o->out, "Folder for the files")->required();
   verb->add_flag("--json", o->json, "Result as one JSON object on stdout");
-  verb->callback([o, &action] {
-    action = [o] {
-      try {
-        return build(*o);
-      } catch (const std::exception& error) {
-        if (o->json) log::print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
-        throw;
-      }
-    };
-  });
+  verb->callback([o, &action] { action = [o] { return build(*o); }; });
 }
 
 }  // namespace voxtouch::cli

@@ -11,6 +11,7 @@ struct Machine {
   std::string compiler, flags;
 };
 
+/// Reads /proc/cpuinfo; never throws for what it does not find.
 Machine this_machine();
 /// Load average over the last minute; negative where the system does not say.
 double load_average();

@@ -15,8 +15,8 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  void keep(const std::string& text);  ///< once; throws std::runtime_error, a sentence
-  const std::filesystem::path& path() const noexcept { return file_; }
+  std::ostream& stream() noexcept { return out_; }  ///< for a long text, before keep()
+  void keep(const std::string& text = {});          ///< once; throws std::runtime_error, a sentence
 
  private:
   std::filesystem::path file_, fresh_;

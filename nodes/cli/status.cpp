@@ -91,18 +91,7 @@ std::string to_text(const Rows& rigs, std::uint32_t domain) {
 
 std::string to_json(const Rows& rigs, std::uint32_t domain) {
   nlohmann::ordered_json j{{"ok", is_well(rigs)}, {"domain", domain}, {"rigs", nlohmann::ordered_json::object()}};
-  for (const auto& [name, rows] : rigs) {
-    auto nodes = nlohmann::ordered_json::array();
-    for (const view::NodeRow& row : rows)
-      nodes.push_back({{"node", row.report.node},
-                       {"host", row.report.host},
-                       {"pid", row.report.pid},
-                       {"state", row.state},
-                       {"rate_hz", row.rate_hz ? nlohmann::ordered_json(*row.rate_hz) : nullptr},
-                       {"answered_share", row.answered_share ? nlohmann::ordered_json(*row.answered_share) : nullptr},
-                       {"sentence", row.report.message}});
-    j["rigs"][name] = std::move(nodes);
-  }
+  for (const auto& [name, rows] : rigs) j["rigs"][name] = view::to_json(rows);
   return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

@@ -11,19 +11,10 @@ namespace voxtouch::cli {
 /// Runs the chosen verb; its result is the exit status.
 using Action = std::function<int()>;
 
-void add_up(CLI::App& app, Action& action);
-void add_new(CLI::App& app, Action& action);
-void add_build(CLI::App& app, Action& action);
-void add_probe(CLI::App& app, Action& action);
-void add_design(CLI::App& app, Action& action);
-void add_accuracy(CLI::App& app, Action& action);
-void add_plan(CLI::App& app, Action& action);
-void add_schema(CLI::App& app, Action& action);
-void add_change(CLI::App& app, Action& action);
-void add_types(CLI::App& app, Action& action);
-void add_view(CLI::App& app, Action& action);
-void add_report(CLI::App& app, Action& action);
-void add_status(CLI::App& app, Action& action);
-void add_doctor(CLI::App& app, Action& action);
+/// Adds a verb with its options to `app`.
+using AddVerb = void(CLI::App& app, Action& action);
+
+AddVerb add_up, add_new, add_build, add_probe, add_design, add_accuracy, add_plan, add_schema, add_change, add_types, add_view, add_report,
+    add_status, add_doctor;
 
 }  // namespace voxtouch::cli

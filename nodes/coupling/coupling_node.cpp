@@ -80,8 +80,8 @@ class CouplingNode {
   bool over() const noexcept { return stop_->load(kRelaxed) || housekeeping_->peer_lost(); }
 
   fitting::FittedCoupling fit() {
-    constexpr std::int64_t kLongestFitNs = 30'000'000'000;  // some tenths of a second on a machine that has time
-    const runtime::Heartbeat::Busy busy(heartbeat_, kLongestFitNs);
+    constexpr std::int64_t kMaxFitNs = 30'000'000'000;  // some tenths of a second on a machine that has time
+    const runtime::Heartbeat::Busy busy(heartbeat_, kMaxFitNs);
     return fitting_.fit();
   }
 

@@ -15,7 +15,9 @@ class Fitting {
  public:
   explicit Fitting(const scene::Scene& scene) : scene_(scene) {}
 
+  /// As it was told for this session.
   void set_device(const DeviceDescription& device, std::uint64_t session);
+  /// As the rendering has told it.
   void set_plan(const msg::ScenePlan& plan);
   /// The device's session, once device and rendering both have spoken of it.
   std::optional<std::uint64_t> session() const noexcept;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <optional>
 #include <random>
 #include <thread>
@@ -14,6 +13,7 @@
 
 #include "core/scene/scene_file.hpp"
 #include "core/types/fnv.hpp"
+#include "core/types/number.hpp"
 #include "devices/registry.hpp"
 #include "devices/settings.hpp"
 #include "nodes/device/device_loop.hpp"
@@ -348,21 +348,25 @@ class DeviceNode {
   std::string trouble_;  ///< what last kept the device from giving force
 };
 
-}  // namespace
-
-void add_device_options(CLI::App& app, std::string& device, std::vector<std::string>& settings) {
-  app.add_option("--device", device, fmt::format("{}", fmt::join(devices::device_names(), ", ")))->capture_default_str();
-  app.add_option("--device-option", settings,
-                 "KEY=VALUE of this device (deploy/devices/*.md list them); may be given more than once")
-      ->allow_extra_args(false);
+/// What is wrong with a duration as typed [s]; empty if nothing: 0 to 1e8 (three years), for samples are counted in whole numbers.
+std::string check_duration(const std::string& text) {
+  const double seconds = parse_finite(text).value_or(-1.0);
+  if (seconds == 0.0 || (seconds >= 1e-6 && seconds <= 1e8)) return {};
+  return "'" + text.substr(0, 64) + "' is no duration: 0 (no end), or seconds from 1e-6 to 1e8";
 }
 
-std::string check_duration(const std::string& text) {
-  char* end = nullptr;
-  const double seconds = std::strtod(text.c_str(), &end);
-  const bool good = end != text.c_str() && *end == '\0' &&
-                    (seconds == 0.0 || (seconds >= 1e-6 && seconds <= 1e8));  // NaN is neither
-  return good ? std::string() : "'" + text.substr(0, 64) + "' is no duration: 0 (no end), or seconds from 1e-6 to 1e8";
+}  // namespace
+
+void add_device_options(CLI::App& app, Options& options) {
+  app.add_option("--device", options.device, fmt::format("{}", fmt::join(devices::device_names(), ", ")))->capture_default_str();
+  app.add_option("--device-option", options.settings,
+                 "KEY=VALUE of this device (deploy/devices/*.md list them); may be given more than once")
+      ->allow_extra_args(false);
+  app.add_option("--motion", options.motion, "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
+  app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")
+      ->capture_default_str()
+      ->check(check_duration);
+  add_hand_options(app, options.hand);
 }
 
 Motion choose_motion(const scene::Scene& scene, const std::string& name) {

@@ -22,11 +22,8 @@ struct Options : runtime::NodeOptions {
   std::vector<std::string> settings;  ///< KEY=VALUE, as the device knows them
 };
 
-/// --device and --device-option.
-void add_device_options(CLI::App& app, std::string& device, std::vector<std::string>& settings);
-
-/// What is wrong with a duration as typed [s]; empty if nothing: 0 to 1e8 (three years), for samples are counted in whole numbers.
-std::string check_duration(const std::string& text);
+/// --device, --device-option, --motion, --duration [s] and how a simulated hand holds the device.
+void add_device_options(CLI::App& app, Options& options);
 
 /// The hand's motion, in W, as the scene gives it; rest at the first way point where `name` is empty. Throws where the scene has no such
 /// motion, naming those it has.

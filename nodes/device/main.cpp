@@ -10,13 +10,6 @@ int main(int argc, char** argv) {
                 "state, and gives it the\n"
                 "commanded force through the force guard. Ends with the device at zero force."},
       options,
-      [&](CLI::App& app) {
-        voxtouch::device_node::add_device_options(app, options.device, options.settings);
-        app.add_option("--motion", options.motion, "What the simulated operator's hand does (a motion of the scene)");
-        app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")
-            ->capture_default_str()
-            ->check(voxtouch::device_node::check_duration);
-        voxtouch::device_node::add_hand_options(app, options.hand);
-      },
+      [&](CLI::App& app) { voxtouch::device_node::add_device_options(app, options); },
       [&](const std::atomic<bool>& stop) { return voxtouch::device_node::run(options, stop); });
 }

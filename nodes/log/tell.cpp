@@ -22,6 +22,7 @@ namespace voxtouch::log {
 namespace {
 
 std::atomic<std::uint64_t> posted{0}, handled{0}, lost{0};
+std::atomic<bool> results_begun{false};
 
 /// False where the stream takes no more. Waits as long as it takes: only the writing thread calls it.
 bool write_all(std::string_view text) noexcept {
@@ -56,12 +57,12 @@ class StderrSink final : public spdlog::sinks::sink {
   void tell_of_gap() {
     const auto pool = pool_.lock();
     const std::size_t overrun = pool ? pool->overrun_counter() : 0;
-    if (overrun == told_) return;
-    write_all(fmt::format("({} lines are missing here: nobody took them in time)\n", overrun - told_));
-    told_ = overrun;
+    if (overrun == told_overrun_) return;
+    write_all(fmt::format("({} lines are missing here: nobody took them in time)\n", overrun - told_overrun_));
+    told_overrun_ = overrun;
   }
   std::weak_ptr<spdlog::details::thread_pool> pool_;
-  std::size_t told_ = 0;
+  std::size_t told_overrun_ = 0;
 };
 
 void enter_writing_thread() {
@@ -99,7 +100,7 @@ namespace log_parts {
 void post(std::string_view text) noexcept {
   try {
     Log& log = the_log();
-    const std::string cut = text.size() <= kLongestText ? "" : std::string(text.substr(0, kLongestText)) + "...\n";
+    const std::string cut = text.size() <= kMaxTextBytes ? "" : std::string(text.substr(0, kMaxTextBytes)) + "...\n";
     if (!cut.empty()) text = cut;
     posted.fetch_add(1);
     log.logger->log(spdlog::level::info, spdlog::string_view_t(text.data(), text.size()));
@@ -112,6 +113,7 @@ void count_lost() noexcept { lost.fetch_add(1); }
 
 void put(std::string_view text) {
   finish_telling();
+  results_begun = true;
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) finish_results();
 }
 
@@ -137,6 +139,8 @@ void finish_telling(std::chrono::milliseconds patience) noexcept {
   } catch (...) {  // no memory: nothing was said
   }
 }
+
+bool has_results() noexcept { return results_begun; }
 
 void finish_results() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout))

@@ -40,7 +40,7 @@ void tell(fmt::format_string<Args...> format, Args&&... args) noexcept {
 }
 
 inline constexpr std::size_t kLinesKept = 1024;          ///< texts that wait for a slow stream
-inline constexpr std::size_t kLongestText = 16 * 1024;  ///< [bytes]; the rest of a longer text is cut off
+inline constexpr std::size_t kMaxTextBytes = 16 * 1024;  ///< [bytes]; the rest of a longer text is cut off
 /// How long the end of a process waits for a stream that takes nothing.
 inline constexpr std::chrono::milliseconds kStopTimeout{500};
 
@@ -57,6 +57,8 @@ void print_result(fmt::format_string<Args...> format, Args&&... args) {
   log_parts::put(fmt::vformat(format, fmt::make_format_args(log_parts::shown(args)...)));
 }
 
+/// Whether a result has been printed so far. Any thread.
+bool has_results() noexcept;
 /// Before a program that has printed results ends well; throws as `print_result`.
 void finish_results();
 

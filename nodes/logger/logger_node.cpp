@@ -63,8 +63,8 @@ class LoggerNode {
         topics_.drain();
       } while (runtime::monotonic_ns() < end && (wait_set_.wait(20'000'000) || runtime::monotonic_ns() < quiet_until));
       lost_peer_ = housekeeping.peer_lost();
-      constexpr std::int64_t kLongestCloseNs = 20'000'000'000;  // as long as `up` waits for it
-      const runtime::Heartbeat::Busy busy(heartbeat_, kLongestCloseNs), closing(closing_, kLongestCloseNs);
+      constexpr std::int64_t kMaxCloseNs = 20'000'000'000;  // as long as `up` waits for it
+      const runtime::Heartbeat::Busy busy(heartbeat_, kMaxCloseNs), closing(closing_, kMaxCloseNs);
       final_ = recorder_.stop();
       session_.stop();  // what is final is in place
     }

@@ -35,7 +35,6 @@ class RecordedTopics {
   std::size_t drain();
   /// Who must have matched what before a lockstep run.
   std::vector<runtime::Link> links() const;
-  std::size_t size() const noexcept { return entries_.size(); }
   /// Which samples of `session` were taken to be written, for each stream of the ring. Any thread.
   void tell(std::uint64_t session, runtime::Figures& figures) const;
 

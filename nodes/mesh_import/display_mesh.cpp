@@ -65,7 +65,7 @@ std::vector<DisplayMesh> read_display_meshes(const scene::Scene& scene, const st
     all.push_back(stop.load() ? DisplayMesh{} : read_whole(*spec, scene.voxel_size_m));
     counts.push_back(all.back().triangles());
   }
-  const std::vector<std::size_t> shares = shares_of(counts, kMostDrawnTriangles);
+  const std::vector<std::size_t> shares = shares_of(counts, kMaxDrawnTriangles);
   for (std::size_t n = 0; n < all.size() && !stop.load(); ++n) {
     if (counts[n] <= shares[n]) continue;
     coarsen(all[n], shares[n]);

@@ -219,11 +219,11 @@ class RenderingNode {
     ShownPoints shown;
     if (scene_.virtual_tool() && touches) shown.at[shown.count++] = frame_.touch.contact.deepest_point;
     rendering::ObjectContacts& objects = live_.dominant().contacts();
-    const std::size_t every = (frame_.touch.contact.surface_hits + frame_.touch.contact.interior_hits) / ShownPoints::kMost + 1;
+    const std::size_t every = (frame_.touch.contact.surface_hits + frame_.touch.contact.interior_hits) / ShownPoints::kMaxPoints + 1;
     std::size_t n = 0;
     for (std::size_t k = 0; k < objects.size() && !scene_.virtual_tool(); ++k)
       for (const contact::Hits* hits : {&objects.object(k).renderer->hits().surface, &objects.object(k).renderer->hits().interior})
-        for (std::size_t i = 0; i < hits->size() && shown.count < ShownPoints::kMost; ++i)
+        for (std::size_t i = 0; i < hits->size() && shown.count < ShownPoints::kMaxPoints; ++i)
           if (n++ % every == 0) shown.at[shown.count++] = frame_.object.position + (*hits)[i].arm;
     ros_.show_points(shown);
   }

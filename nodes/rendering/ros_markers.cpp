@@ -20,7 +20,7 @@ constexpr msg::std_msgs_ColorRGBA kSceneColor{0.62F, 0.68F, 0.74F, 1.0F}, kObjec
     kToolColor{0.85F, 0.54F, 0.0F, 1.0F}, kHandColor{0.49F, 0.54F, 0.59F, 0.35F}, kReturnedColor{0.84F, 0.37F, 0.0F, 1.0F},
     kContactColor{0.0F, 0.45F, 0.70F, 1.0F}, kPointColor{0.0F, 0.0F, 0.0F, 1.0F}, kTextColor{0.6F, 0.35F, 0.0F, 1.0F};
 constexpr std::size_t kTrianglesOfOne = 2000;  ///< 144 kB: what a socket holds at once
-constexpr double kLeastForceN = 1e-3;          ///< an arrow without a length has no direction
+constexpr double kMinForceN = 1e-3;          ///< an arrow without a length has no direction
 constexpr std::int64_t kSoonNs = 1'000'000'000, kSeldomNs = 10'000'000'000;
 
 msg::visualization_msgs_Marker marker(std::int64_t stamp_ns, const std::string& frame, const std::string& name_space, std::int32_t id,
@@ -169,7 +169,7 @@ MomentMarkers::MomentMarkers(const Moment& moment) {
   const auto arrow = [&](const std::string& name_space, const msg::std_msgs_ColorRGBA& color, auto& ends, const Vec3& from, const Vec3& force) {
     ends[0] = runtime::to_point(from), ends[1] = runtime::to_point(from + kArrowMetresPerNewton * force);
     const double size_n = force.norm();  // of a command that anybody may have sent
-    add(name_space, kind::kArrow, color, ends, size_n >= kLeastForceN && std::isfinite(size_n));
+    add(name_space, kind::kArrow, color, ends, size_n >= kMinForceN && std::isfinite(size_n));
     all.back().scale = {0.002, 0.004, 0.0};  // shaft and head [m]
   };
   arrow(kReturned, kReturnedColor, arrows[0], moment.hand, moment.returned.value_or(Vec3::Zero()));

@@ -31,8 +31,8 @@ struct Shown {
 
 /// Points in contact, some of them where there are many.
 struct ShownPoints {
-  static constexpr std::size_t kMost = 64;
-  std::array<Vec3, kMost> at;  ///< in W [m]
+  static constexpr std::size_t kMaxPoints = 64;
+  std::array<Vec3, kMaxPoints> at;  ///< in W [m]
   std::size_t count = 0;
 };
 

@@ -19,11 +19,11 @@ namespace {
 using namespace msg::effect_change;
 namespace result = msg::effect_changed;
 
-constexpr std::size_t kLongestName = 64;
+constexpr std::size_t kMaxNameBytes = 64;
 /// What waits for a sample holds up all that is asked for later: no longer than a person would wait.
-constexpr double kLongestWaitS = 10.0;
+constexpr double kMaxWaitS = 10.0;
 
-bool too_long(const char* text) { return text && ::strnlen(text, kLongestName + 1) > kLongestName; }
+bool too_long(const char* text) { return text && ::strnlen(text, kMaxNameBytes + 1) > kMaxNameBytes; }
 std::string_view view(const char* text) { return text ? text : ""; }
 
 std::string in_words(const msg::EffectChange& m) {
@@ -111,7 +111,7 @@ void SceneUpdateServer::judge_outstanding() {
 /// What holds whatever is asked for.
 std::string SceneUpdateServer::why_not(const msg::EffectChange& m) const {
   if (too_long(m.effect) || too_long(m.parameter) || too_long(m.model))
-    return fmt::format("a name is longer than {} characters", kLongestName);
+    return fmt::format("a name is longer than {} characters", kMaxNameBytes);
   if (m.action < kActionSwitch || m.action > kActionReload)
     return fmt::format("there is no action {}; 1 switches, 2 sets a gain, 3 a parameter, 4 builds the scene anew",
                        m.action);
@@ -119,10 +119,10 @@ std::string SceneUpdateServer::why_not(const msg::EffectChange& m) const {
   if (m.session_id != 0 && m.session_id != runs)
     return fmt::format("session {} does not run{}; 0 means whichever does", m.session_id,
                        runs == 0 ? ", no device has begun one" : fmt::format(" ({} does)", runs));
-  const auto farthest = static_cast<std::uint64_t>(kLongestWaitS / std::clamp(on_device_.period_s(), 1e-5, 1.0));
+  const auto farthest = static_cast<std::uint64_t>(kMaxWaitS / std::clamp(on_device_.period_s(), 1e-5, 1.0));
   if (m.from_sample > line_.answering() + farthest)
     return fmt::format("sample {} is more than {} samples away, {:g} s: changes are made in order, and all others would wait",
-                       m.from_sample, farthest, kLongestWaitS);
+                       m.from_sample, farthest, kMaxWaitS);
   if (m.from_sample > 0 && !outstanding_.empty() && m.from_sample < outstanding_.back().change.from_sample)
     return fmt::format("a change asked for earlier waits for sample {}, and changes are made in order",
                        outstanding_.back().change.from_sample);

@@ -1,7 +1,5 @@
 #include "nodes/runtime/housekeeping.hpp"
 
-#include <sched.h>
-
 #include <algorithm>
 #include <chrono>
 
@@ -25,8 +23,7 @@ Housekeeping::Housekeeping(const bus::Participant& participant, std::string node
       own_(participant.guid()) {
   turn();
   thread_ = std::thread([this] {
-    const sched_param ordinary{};
-    sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the creator may run under SCHED_FIFO
+    ordinary_priority();
     while (!stop_.load(std::memory_order_acquire)) {
       turn_or_skip();
       std::this_thread::sleep_for(std::chrono::milliseconds(20));

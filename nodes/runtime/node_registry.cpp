@@ -33,7 +33,7 @@ namespace {
 
 /// What a registry would refuse is cut where it is made.
 NodeReport cut(NodeReport report) {
-  constexpr std::size_t kMaxText = NodeRegistry::kLongestText;
+  constexpr std::size_t kMaxText = NodeRegistry::kMaxTextBytes;
   if (report.message.size() > kMaxText) report.message.resize(kMaxText);
   for (auto& [key, value] : report.values)
     if (value.size() > kMaxText) value.resize(kMaxText);
@@ -118,18 +118,18 @@ void NodeRegistry::refuse_floods() {
 }
 
 bool NodeRegistry::fits(const msg::NodeStatus& s) {
-  const auto too_long = [](const char* text, std::size_t most = kLongestText) {
+  const auto too_long = [](const char* text, std::size_t most = kMaxTextBytes) {
     return !text || ::strnlen(text, most + 1) > most;
   };
-  constexpr std::size_t kLongestName = 256;
-  if (too_long(s.node, kLongestName) || too_long(s.host, kLongestName) || too_long(s.message)) return false;
+  constexpr std::size_t kMaxNameBytes = 256;
+  if (too_long(s.node, kMaxNameBytes) || too_long(s.host, kMaxNameBytes) || too_long(s.message)) return false;
   if (s.values._length > kMaxValues || s.figures._length > kMaxValues) return false;
   const bool figures_fit =
       std::none_of(s.figures._buffer, s.figures._buffer + s.figures._length, [&](const auto& figure) {
-        return too_long(figure.name, kLongestName) || too_long(figure.unit, kLongestName);
+        return too_long(figure.name, kMaxNameBytes) || too_long(figure.unit, kMaxNameBytes);
       });
   return figures_fit && std::none_of(s.values._buffer, s.values._buffer + s.values._length, [&](const auto& value) {
-    return too_long(value.key, kLongestName) || too_long(value.value);
+    return too_long(value.key, kMaxNameBytes) || too_long(value.value);
   });
 }
 

@@ -106,9 +106,8 @@ class NodeRegistry {
   std::uint64_t refused() const noexcept { return refused_; }
   /// Name of the node whose participant is `guid`, or "a participant that gives no name (GUID)".
   std::string name_of(const bus::Guid& guid) const;
-  dds_entity_t condition() const noexcept { return reader_.condition(); }
 
-  static constexpr std::size_t kMaxNodes = 64, kMaxValues = 256, kLongestText = 1024;
+  static constexpr std::size_t kMaxNodes = 64, kMaxValues = 256, kMaxTextBytes = 1024;
 
  private:
   void remember_vanished();

@@ -22,18 +22,18 @@ constexpr std::size_t kShown = 64;  ///< of a faulty text, in messages
 
 /// A rig becomes part of every topic name.
 std::string check_rig(const std::string& name) {
-  constexpr std::size_t kLongest = 64;
-  const bool good = !name.empty() && name.size() <= kLongest && std::isalpha(static_cast<unsigned char>(name[0])) &&
+  constexpr std::size_t kMaxLength = 64;
+  const bool good = !name.empty() && name.size() <= kMaxLength && std::isalpha(static_cast<unsigned char>(name[0])) &&
                     std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
   return good ? std::string()
               : fmt::format("'{}' is not a ROS name: letters, digits and _, a letter first, {} of them at most",
-                            name.substr(0, kShown), kLongest);
+                            name.substr(0, kShown), kMaxLength);
 }
 
 /// An interface becomes part of the XML that configures DDS. The kernel's own names are shorter; an address may stand here too.
 std::string check_interface(const std::string& name) {
-  constexpr std::size_t kLongest = 64;
-  const bool good = !name.empty() && name.size() <= kLongest && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+  constexpr std::size_t kMaxLength = 64;
+  const bool good = !name.empty() && name.size() <= kMaxLength && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == ':' || c == '@' || c == '%';
   });
   return good ? std::string()
@@ -76,8 +76,8 @@ std::string require_count(const std::string& text) {
 }
 
 std::string check_topic(const std::string& name) {
-  constexpr std::size_t kLongest = 256;
-  const bool good = !name.empty() && name.size() <= kLongest &&
+  constexpr std::size_t kMaxLength = 256;
+  const bool good = !name.empty() && name.size() <= kMaxLength &&
                     std::all_of(name.begin(), name.end(), [](unsigned char c) { return c > ' ' && c <= '~'; });
   return good ? std::string()
               : fmt::format("'{}' is no name of a DDS topic, such as rt/joint_states", name.substr(0, kShown));

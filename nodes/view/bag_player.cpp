@@ -1,7 +1,6 @@
 #include "nodes/view/bag_player.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
@@ -17,14 +16,25 @@
 namespace voxtouch::view {
 namespace {
 
-constexpr std::size_t kHeader = 4;  ///< of CDR
+/// The ring's streams are of fixed size and without padding: their CDR is the struct. `show` gets the message and when it was recorded.
+template <class T, class Show>
+BagPlayer::Take stream(Show show) {
+  return [show](const bag::BagMessage& m, Picture& picture, Facts&, NodeTable&) {
+    constexpr std::size_t kHeader = 4;
+    T message;
+    if (m.bytes.size() != sizeof message + kHeader) return;
+    std::memcpy(&message, m.bytes.data() + kHeader, sizeof message);
+    show(picture, message, m.time_ns);
+  };
+}
 
-/// The ring's streams are of fixed size and without padding: their CDR is the struct.
+std::string_view cdr_of(const bag::BagMessage& m) { return {reinterpret_cast<const char*>(m.bytes.data()), m.bytes.size()}; }
+
 template <class T>
-bool read_stream(std::span<const std::byte> bytes, T& message) {
-  if (bytes.size() != sizeof message + kHeader) return false;
-  std::memcpy(&message, bytes.data() + kHeader, sizeof message);
-  return true;
+BagPlayer::Take fact(const bus::Participant& participant) {
+  return [form = std::make_shared<bus::WireForm<T>>(participant.get())](const bag::BagMessage& m, Picture&, Facts& facts, NodeTable&) {
+    form->read(cdr_of(m), [&](const T& message) { facts.take(message); });
+  };
 }
 
 bag::BagReader open(const std::filesystem::path& path) {
@@ -46,45 +56,34 @@ nlohmann::json verdict_beside(const std::filesystem::path& path) {
 
 }  // namespace
 
-/// What each of the bag's topics holds, and the readers of types with strings.
-struct BagPlayer::Types {
-  enum class Kind : std::uint8_t { kNone, kState, kContact, kCommand, kPlan, kDesign, kDevice, kChange, kChanged, kStatus };
-  explicit Types(dds_entity_t participant)
-      : plan(participant), design(participant), device(participant), change(participant), changed(participant), status(participant) {}
-  std::vector<Kind> kinds;           ///< of the bag's topics, by index
-  std::vector<std::size_t> seldom;   ///< topics whose last message counts however old it is
-  bus::WireForm<msg::ScenePlan> plan;
-  bus::WireForm<msg::CouplingDesign> design;
-  bus::WireForm<msg::DeviceDescription> device;
-  bus::WireForm<msg::EffectChange> change;
-  bus::WireForm<msg::EffectChanged> changed;
-  bus::WireForm<msg::NodeStatus> status;
-  struct Seldom {
-    std::int64_t time_ns = 0;
-    std::size_t topic = 0;
-    std::vector<std::byte> bytes;
+BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem::path& path) : reader_(open(path)), verdict_(verdict_beside(path)) {
+  const Take status = [this, form = std::make_shared<bus::WireForm<msg::NodeStatus>>(participant.get())](const bag::BagMessage& m, Picture&, Facts&,
+                                                                                                        NodeTable& nodes) {
+    form->read(cdr_of(m), [&](const msg::NodeStatus& message) {
+      runtime::NodeReport report = runtime::to_report(message);
+      if (const auto file = report.values.find("scene_file"); file != report.values.end()) scene_file_ = file->second;
+      nodes.update(std::move(report), m.time_ns);
+    });
   };
-  std::vector<Seldom> facts;  ///< all messages of those, by time; of the thread that collects them, until it has
-};
-
-BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem::path& path)
-    : reader_(open(path)), verdict_(verdict_beside(path)), types_(std::make_unique<Types>(participant.get())) {
-  using Kind = Types::Kind;
-  constexpr std::pair<std::string_view, Kind> kKinds[] = {
-      {qos::kDeviceState.path, Kind::kState},          {qos::kContactState.path, Kind::kContact},
-      {qos::kForceCommand.path, Kind::kCommand},       {qos::kScenePlan.path, Kind::kPlan},
-      {qos::kCouplingDesign.path, Kind::kDesign},      {qos::kDeviceDescription.path, Kind::kDevice},
-      {qos::kEffectChange.path, Kind::kChange},        {qos::kEffectChanged.path, Kind::kChanged},
-      {qos::kNodeStatus.path, Kind::kStatus}};
+  const std::pair<std::string_view, Topic> known[] = {
+      // Not written then, but taken by the logger, like its command: between the two lies the way round the ring. Simulated times measure nothing.
+      {qos::kDeviceState.path, {stream<msg::DeviceState>([](Picture& picture, const auto& state, std::int64_t time_ns) {
+         picture.take(state, state.flags & msg::device_state::kFlagLockstep ? 0 : time_ns);
+       })}},
+      {qos::kContactState.path, {stream<msg::ContactState>([](Picture& picture, const auto& contact, std::int64_t) { picture.take(contact); })}},
+      {qos::kForceCommand.path, {stream<msg::ForceCommand>([](Picture& picture, const auto& command, std::int64_t time_ns) { picture.take(command, time_ns); })}},
+      {qos::kScenePlan.path, {fact<msg::ScenePlan>(participant), true}},
+      {qos::kCouplingDesign.path, {fact<msg::CouplingDesign>(participant), true}},
+      {qos::kDeviceDescription.path, {fact<msg::DeviceDescription>(participant), true}},
+      {qos::kEffectChange.path, {fact<msg::EffectChange>(participant), true}},
+      {qos::kEffectChanged.path, {fact<msg::EffectChanged>(participant), true}},
+      {qos::kNodeStatus.path, {status}}};
   bool any = false;
   for (const bag::TopicInfo& topic : reader_.topics()) {
-    Kind kind = Kind::kNone;
-    for (const auto& [name, of] : kKinds)
-      if (topic.name.ends_with("/" + std::string(name))) kind = of;
-    any = any || kind == Kind::kState || kind == Kind::kContact;
-    const bool seldom = kind >= Kind::kPlan && kind <= Kind::kChanged;
-    if (seldom) types_->seldom.push_back(types_->kinds.size());
-    types_->kinds.push_back(kind);
+    topics_.emplace_back();
+    for (const auto& [name, of] : known)
+      if (topic.name.ends_with("/" + std::string(name))) topics_.back() = of;
+    for (const qos::Topic& stream : {qos::kDeviceState, qos::kContactState}) any = any || topic.name.ends_with("/" + std::string(stream.path));
   }
   if (!any) throw std::runtime_error(fmt::format("{} holds no messages of a ring", path.string()));
   const auto times = reader_.times();
@@ -102,8 +101,7 @@ void BagPlayer::collect_facts(const std::filesystem::path& path) {
   const auto reader = bag::BagReader::open(path);
   if (!reader) return;
   (void)reader->for_each_between(begin_ns_, end_ns_ + 1, [&](const bag::BagMessage& m) {
-    if (std::ranges::find(types_->seldom, m.topic) != types_->seldom.end())
-      types_->facts.push_back({m.time_ns, m.topic, {m.bytes.begin(), m.bytes.end()}});
+    if (topics_[m.topic].seldom) seldom_.push_back({m.time_ns, m.topic, {m.bytes.begin(), m.bytes.end()}});
     return !stop_.load();
   });
   collected_.store(true, std::memory_order_release);
@@ -131,9 +129,9 @@ bool BagPlayer::advance(double elapsed_s, Picture& picture, Facts& facts, NodeTa
     at_s_ = *std::exchange(seek_s_, std::nullopt);
     picture.forget(), nodes.forget(), facts.restart();
     const std::int64_t from_ns = now_ns() - static_cast<std::int64_t>(kPastS * 1e9);
-    for (const Types::Seldom& fact : all_known ? std::span<const Types::Seldom>(types_->facts) : std::span<const Types::Seldom>())
-      if (fact.time_ns < from_ns)  // whatever was said before holds
-        take({fact.topic, fact.time_ns, 0, fact.bytes}, picture, facts, nodes);
+    for (const Seldom& said : all_known ? std::span<const Seldom>(seldom_) : std::span<const Seldom>())
+      if (said.time_ns < from_ns)  // whatever was said before holds
+        topics_[said.topic].take({said.topic, said.time_ns, 0, said.bytes}, picture, facts, nodes);
     feed(from_ns, now_ns() + 1, picture, facts, nodes);
   }
   if (!playing_) return jump;
@@ -146,40 +144,9 @@ bool BagPlayer::advance(double elapsed_s, Picture& picture, Facts& facts, NodeTa
 
 void BagPlayer::feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts, NodeTable& nodes) {
   (void)reader_.for_each_between(from_ns, to_ns, [&](const bag::BagMessage& message) {
-    take(message, picture, facts, nodes);
+    if (const Take& take = topics_[message.topic].take) take(message, picture, facts, nodes);
     return true;
   });
-}
-
-void BagPlayer::take(const bag::BagMessage& m, Picture& picture, Facts& facts, NodeTable& nodes) {
-  using Kind = Types::Kind;
-  const std::string_view cdr(reinterpret_cast<const char*>(m.bytes.data()), m.bytes.size());
-  const auto fact = [&](const auto& message) { facts.take(message); };
-  switch (types_->kinds[m.topic]) {
-    case Kind::kState:
-      // Not written then, but taken by the logger, like its command: between the two lies the way round the ring. Simulated times measure nothing.
-      if (msg::DeviceState state; read_stream(m.bytes, state)) picture.take(state, state.flags & msg::device_state::kFlagLockstep ? 0 : m.time_ns);
-      break;
-    case Kind::kContact:
-      if (msg::ContactState contact; read_stream(m.bytes, contact)) picture.take(contact);
-      break;
-    case Kind::kCommand:
-      if (msg::ForceCommand command; read_stream(m.bytes, command)) picture.take(command, m.time_ns);
-      break;
-    case Kind::kPlan: types_->plan.read(cdr, fact); break;
-    case Kind::kDesign: types_->design.read(cdr, fact); break;
-    case Kind::kDevice: types_->device.read(cdr, fact); break;
-    case Kind::kChange: types_->change.read(cdr, fact); break;
-    case Kind::kChanged: types_->changed.read(cdr, fact); break;
-    case Kind::kStatus:
-      types_->status.read(cdr, [&](const msg::NodeStatus& status) {
-        runtime::NodeReport report = runtime::to_report(status);
-        if (const auto file = report.values.find("scene_file"); file != report.values.end()) scene_file_ = file->second;
-        nodes.update(std::move(report), m.time_ns);
-      });
-      break;
-    case Kind::kNone: break;
-  }
 }
 
 nlohmann::json BagPlayer::to_json() const {

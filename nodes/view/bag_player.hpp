@@ -2,9 +2,11 @@
 /// A recorded run as if it ran now: play, pause, speed, any place.
 #include <atomic>
 #include <filesystem>
-#include <memory>
+#include <functional>
+#include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -22,6 +24,7 @@ class BagPlayer {
   BagPlayer(const bus::Participant& participant, const std::filesystem::path& path);
   ~BagPlayer();
 
+  /// Also from the end, which begins once more.
   void play(bool on);
   void speed(double times);  ///< kSlowest to kFastest
   /// Goes to a time since the first message and shows what was then, with the kPastS before it.
@@ -38,16 +41,26 @@ class BagPlayer {
 
   static constexpr double kSlowest = 0.01, kFastest = 16.0;
 
- private:
-  struct Types;
-  void feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts, NodeTable& nodes);
-  void take(const bag::BagMessage& message, Picture& picture, Facts& facts, NodeTable& nodes);
+  /// What becomes of a message of one topic.
+  using Take = std::function<void(const bag::BagMessage&, Picture&, Facts&, NodeTable&)>;
 
+ private:
+  struct Topic {
+    Take take;            ///< none: nothing of it is shown
+    bool seldom = false;  ///< its last message counts, however old it is
+  };
+  struct Seldom {
+    std::int64_t time_ns = 0;
+    std::size_t topic = 0;
+    std::vector<std::byte> bytes;
+  };
+  void feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts, NodeTable& nodes);
   void collect_facts(const std::filesystem::path& path);
 
   bag::BagReader reader_;
   nlohmann::json verdict_;  ///< of `up`, on the run
-  std::unique_ptr<Types> types_;
+  std::vector<Topic> topics_;   ///< of the bag, by index
+  std::vector<Seldom> seldom_;  ///< all such messages, by time; of the thread that collects them, until it has
   std::int64_t begin_ns_ = 0, end_ns_ = 0;
   double at_s_ = 0.0, speed_ = 1.0;
   bool playing_ = true;

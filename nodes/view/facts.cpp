@@ -56,56 +56,48 @@ std::string design_sentence(const msg::CouplingDesign& d) {
 
 void Facts::take(const msg::ScenePlan& p) {
   scene_hash_ = p.scene_hash;
-  contact_model_ = p.contact_model;
-  voxel_size_m_ = p.voxel_size_m;
-  plan_ = {{"scene", p.scene},
-           {"model", p.contact_model},
-           {"voxel_size_m", rounded(p.voxel_size_m)},
-           {"shell_points", p.shell_points},
-           {"surface_voxels", p.surface_voxels},
-           {"bytes", p.bytes},
-           {"warnings", texts(p.warnings)}};
+  plan_ = {{"scene", p.scene}, {"model", p.contact_model}, {"voxel_size_m", rounded(p.voxel_size_m)}};
 }
 
 void Facts::take(const msg::CouplingDesign& d) {
-  design_ = {{"sentence", design_sentence(d)}, {"status", d.status},           {"worst_case", d.worst_case},
-             {"reasons", texts(d.reasons)},    {"remedies", texts(d.remedies)}, {"shown_n_per_m", rounded(d.shown_stiffness_n_per_m)}};
+  design_ = {{"sentence", design_sentence(d)}, {"status", d.status}, {"worst_case", d.worst_case}, {"reasons", texts(d.reasons)},
+             {"remedies", texts(d.remedies)}};
 }
 
 void Facts::take(const msg::DeviceDescription& d) {
-  device_ = {{"model", d.model}, {"max_force_n", rounded(d.max_force_n)}, {"rate_hz", rounded(d.rate_hz)}, {"simulated", d.simulated},
+  device_ = {{"model", d.model}, {"max_force_n", rounded(d.max_force_n)}, {"simulated", d.simulated},
              {"lockstep", d.lockstep}};
 }
 
 void Facts::take(const msg::EffectChange& c) {
-  constexpr std::size_t kMost = 64;  // anybody may ask
-  if (asked_.size() >= kMost) asked_.erase(asked_.begin());
-  asked_[c.request] = {c.action, c.effect, c.parameter, {c.value[0], c.value[1], c.value[2]}};
+  constexpr std::size_t kMaxChanges = 64;  // anybody may send some
+  if (unanswered_.size() >= kMaxChanges) unanswered_.erase(unanswered_.begin());
+  unanswered_[c.request] = {c.action, c.effect, c.parameter, {c.value[0], c.value[1], c.value[2]}};
 }
 
 void Facts::take(const msg::EffectChanged& a) {
-  constexpr std::size_t kMost = 12;
+  constexpr std::size_t kMaxAnswers = 12;
   constexpr const char* kResults[] = {"", "waiting", "done", "refused"};
   answers_.push_back({{"request", std::to_string(a.request)},
                       {"result", a.result < std::size(kResults) ? kResults[a.result] : ""},
                       {"sentence", a.sentence},
                       {"from_sample", a.from_sample}});
-  if (answers_.size() > kMost) answers_.pop_front();
+  if (answers_.size() > kMaxAnswers) answers_.pop_front();
   if (a.result == msg::effect_changed::kResultWaiting) return;
-  const auto asked = asked_.extract(a.request);
-  if (asked && a.result == msg::effect_changed::kResultDone) apply(asked.mapped());
+  const auto change = unanswered_.extract(a.request);
+  if (change && a.result == msg::effect_changed::kResultDone) apply(change.mapped());
 }
 
-void Facts::apply(const Asked& asked) {
+void Facts::apply(const runtime::ChangeRequest& change) {
   using namespace msg::effect_change;
   for (json& effect : effects_) {
-    if (effect["name"] != asked.effect) continue;
-    if (asked.action == kActionSwitch) effect["on"] = asked.value[0] != 0.0;
-    if (asked.action == kActionGain) effect["gain"] = rounded(asked.value[0]);
-    if (asked.action != kActionValue) continue;
+    if (effect["name"] != change.effect) continue;
+    if (change.action == kActionSwitch) effect["on"] = change.value[0] != 0.0;
+    if (change.action == kActionGain) effect["gain"] = rounded(change.value[0]);
+    if (change.action != kActionValue) continue;
     for (json& parameter : effect["parameters"])
-      if (parameter["name"] == asked.parameter)
-        for (std::size_t n = 0; n < parameter["value"].size(); ++n) parameter["value"][n] = rounded(asked.value[n]);
+      if (parameter["name"] == change.parameter)
+        for (std::size_t n = 0; n < parameter["value"].size(); ++n) parameter["value"][n] = rounded(change.value[n]);
   }
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 /// What the page tells beside the picture: plan, design, device, effects and what became of changes. Messages in, JSON out. One thread.
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/scene/scene.hpp"
+#include "nodes/runtime/change_asker.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
 namespace voxtouch::view {
@@ -25,27 +25,19 @@ class Facts {
   /// The effects as this scene's file says.
   void scene_is(const scene::Scene& scene);
   /// A recorded run is shown from another place on: the effects are as the file says again, and nothing was asked.
-  void restart() { effects_ = first_effects_, asked_.clear(), answers_.clear(); }
+  void restart() { effects_ = first_effects_, unanswered_.clear(), answers_.clear(); }
 
   /// Of the plan that runs; empty where none is known.
   const std::string& scene_hash() const noexcept { return scene_hash_; }
-  double voxel_size_m() const noexcept { return voxel_size_m_; }
-  const std::string& contact_model() const noexcept { return contact_model_; }
   /// {plan, design, device, effects, answers}
   nlohmann::json to_json() const;
 
  private:
-  struct Asked {
-    std::uint32_t action = 0;
-    std::string effect, parameter;
-    std::array<double, 3> value{};
-  };
-  void apply(const Asked& asked);
+  void apply(const runtime::ChangeRequest& change);
 
   nlohmann::json plan_, design_, device_, effects_ = nlohmann::json::array(), first_effects_ = effects_;
-  std::string scene_hash_, contact_model_;
-  double voxel_size_m_ = 0.0;
-  std::map<std::uint64_t, Asked> asked_;  ///< not answered yet
+  std::string scene_hash_;
+  std::map<std::uint64_t, runtime::ChangeRequest> unanswered_;
   std::deque<nlohmann::json> answers_;    ///< the last ones
 };
 

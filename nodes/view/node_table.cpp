@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include <nlohmann/json.hpp>
+
+#include "nodes/view/rounded.hpp"
+
 namespace voxtouch::view {
 namespace {
 
@@ -28,13 +32,29 @@ std::string word(runtime::NodeState state) {
 
 constexpr std::int64_t kRateOverNs = 900'000'000;
 
+nlohmann::json or_null(const std::optional<double>& value) { return value ? rounded(*value) : nullptr; }
+
 }  // namespace
+
+nlohmann::ordered_json to_json(const std::vector<NodeRow>& rows) {
+  auto all = nlohmann::ordered_json::array();
+  for (const NodeRow& row : rows)
+    all.push_back({{"node", row.report.node},
+                   {"host", row.report.host},
+                   {"pid", row.report.pid},
+                   {"state", row.state},
+                   {"rate_hz", or_null(row.rate_hz)},
+                   {"counted", row.counted},
+                   {"answered_share", or_null(row.answered_share)},
+                   {"sentence", row.report.message}});
+  return all;
+}
 
 /// Rates are counts over about a second.
 void NodeTable::take(const runtime::NodeReport& report, std::int64_t now_ns) {
   if (report.node == "up") return;  // who started them is none of them
   auto known = known_.find(report.node);
-  if (known == known_.end() && known_.size() >= kMost) return;
+  if (known == known_.end() && known_.size() >= kMaxNodes) return;
   const bool another = known == known_.end() || known->second.row.report.participant != report.participant;
   if (another) known = known_.insert_or_assign(report.node, Known{}).first;
   Known& k = known->second;

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "nodes/runtime/node_registry.hpp"
 
 namespace voxtouch::view {
@@ -17,6 +19,9 @@ struct NodeRow {
   std::string counted;            ///< what that is: samples, messages
   std::optional<double> answered_share;  ///< of the device: in the last second
 };
+
+/// Of each row node, host, pid, state, rate_hz, counted, answered_share and sentence; null for what is not known.
+nlohmann::ordered_json to_json(const std::vector<NodeRow>& rows);
 
 class NodeTable {
  public:
@@ -30,7 +35,7 @@ class NodeTable {
   std::vector<NodeRow> rows(std::int64_t now_ns) const;
 
   static constexpr double kKeptS = 60.0;
-  static constexpr std::size_t kMost = 32;
+  static constexpr std::size_t kMaxNodes = 32;
 
  private:
   struct Known {

@@ -2,11 +2,8 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <deque>
@@ -42,30 +39,11 @@ std::string token_of(lws* wsi) {
   return token ? token : "";
 }
 
-/// Whether `port` is free at `address` now; throws where the address is none of this machine's.
-bool is_free(const std::string& address, int port) {
-  sockaddr_in place{};
-  place.sin_family = AF_INET;
-  place.sin_port = htons(static_cast<std::uint16_t>(port));
-  const bool is_one = inet_pton(AF_INET, address.c_str(), &place.sin_addr) == 1 && place.sin_addr.s_addr != INADDR_ANY;
-  if (!is_one) throw std::runtime_error(fmt::format("'{}' is no IPv4 address of one interface, such as 127.0.0.1", address));
-  const int socket_fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const int yes = 1;
-  setsockopt(socket_fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  const bool bound = bind(socket_fd, reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0 && listen(socket_fd, 1) == 0;
-  const int error = errno;
-  close(socket_fd);
-  if (!bound && error != EADDRINUSE)
-    throw std::runtime_error(fmt::format("{}:{} cannot be listened on: {}", address, port, std::strerror(error)));
-  return bound;
-}
-
-int choose_port(const ServerOptions& options) {
-  if (options.port == 0 || is_free(options.address, options.port)) return options.port;
-  if (options.port_is_wished)
-    throw std::runtime_error(fmt::format("port {} of {} is taken: choose another --port, or 0 for any that is free", options.port,
-                                         options.address));
-  return 0;
+/// Throws for what is no address of one interface.
+void check_address(const std::string& address) {
+  in_addr place{};
+  if (inet_pton(AF_INET, address.c_str(), &place) != 1 || place.s_addr == INADDR_ANY)
+    throw std::runtime_error(fmt::format("'{}' is no IPv4 address of one interface, such as 127.0.0.1", address));
 }
 
 /// What browsers are told about every file: nothing from elsewhere, no frame around it, no name of it to others.
@@ -103,31 +81,35 @@ class PageServer::Impl {
  public:
   Impl(const ServerOptions& options, std::function<std::string()> greeting, std::function<void(std::string)> heard)
       : files_(find_page_files()), greeting_(std::move(greeting)), heard_(std::move(heard)) {
-    access_ = {options.address, choose_port(options), make_token()};
-    lws_set_log_level(LLL_ERR, [](int, const char* line) { log::tell("page server: {}", line); });
+    check_address(options.address);
+    access_ = {options.address, options.port, make_token()};
+    lws_set_log_level(0, nullptr);  // that a port is taken is said below
     lws_context_creation_info info{};
     info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND |
                    LWS_SERVER_OPTION_DISABLE_IPV6;
-    info.fd_limit_per_thread = kMostConnections + 8;  // and the server's own
+    info.fd_limit_per_thread = kMaxConnections + 8;  // and the server's own
     info.pt_serv_buf_size = 16 * 1024;
     info.timeout_secs = 10;
     context_ = lws_create_context(&info);
     if (!context_) throw std::runtime_error("the page's server could not be made");
-    static const lws_protocols protocols[] = {{"voxtouch-view", &Impl::called, sizeof(Client*), kLongestMessage, 0, nullptr, 0}, {}};
+    static const lws_protocols protocols[] = {{"voxtouch-view", &Impl::called, sizeof(Client*), kMaxMessageBytes, 0, nullptr, 0}, {}};
     info.port = access_.port;
     info.iface = access_.address.c_str();
     info.protocols = protocols;
     info.user = this;
     info.keepalive_timeout = 30;
     lws_vhost* vhost = lws_create_vhost(context_, &info);
-    if (!vhost && !options.port_is_wished && info.port != 0) {  // another took it between our look and our claim
+    if (!vhost && !options.port_is_wished) {
       info.port = 0;
       vhost = lws_create_vhost(context_, &info);
     }
     if (!vhost) {
       lws_context_destroy(context_);
-      throw std::runtime_error(fmt::format("{}:{} cannot be listened on", access_.address, access_.port));
+      throw std::runtime_error(fmt::format("{}:{} cannot be listened on: it is no address of this machine, or the port is taken or reserved; choose "
+                                           "another --port, or 0 for any that is free",
+                                           access_.address, access_.port));
     }
+    lws_set_log_level(LLL_ERR, [](int, const char* line) { log::tell("page server: {}", line); });
     access_.port = lws_get_vhost_listen_port(vhost);
     thread_ = std::thread([this] {
       runtime::ordinary_priority();
@@ -149,7 +131,7 @@ class PageServer::Impl {
   void send(std::string_view text, bool frame) {
     {
       const std::lock_guard lock(mutex_);
-      if (frame && to_send_.size() > kMostWaiting) return;
+      if (frame && to_send_.size() > kMaxWaiting) return;
       to_send_.push_back(outgoing(text, frame));
     }
     lws_cancel_service(context_);
@@ -193,7 +175,7 @@ class PageServer::Impl {
   std::string why_no_client(lws* wsi) const {
     std::string why = why_not(wsi);
     if (why.empty() && !access_.admits_token(token_of(wsi))) why = "The token in the address is missing or wrong.";
-    if (why.empty() && clients_.size() >= kMostClients) why = "Too many pages are open.";
+    if (why.empty() && clients_.size() >= kMaxClients) why = "Too many pages are open.";
     return why;
   }
 
@@ -246,11 +228,11 @@ class PageServer::Impl {
       lws_close_reason(wsi, status, reinterpret_cast<unsigned char*>(text.data()), text.size());
       return -1;
     };
-    if (client.incoming.size() + part.size() > kLongestMessage) return end_it(LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "too long");
+    if (client.incoming.size() + part.size() > kMaxMessageBytes) return end_it(LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "too long");
     client.incoming += part;
     if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0) return 0;
     if (const auto now = Clock::now(); now - client.second > std::chrono::seconds(1)) client.second = now, client.messages = 0;
-    if (++client.messages > kMostMessagesASecond) return end_it(LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
+    if (++client.messages > kMaxMessagesASecond) return end_it(LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
     heard_(std::exchange(client.incoming, {}));
     return 0;
   }
@@ -276,8 +258,8 @@ class PageServer::Impl {
     }
     for (const auto& [wsi, client] : clients_) {
       for (const Shared& message : messages) {
-        if (message->frame && client->frames >= kMostWaiting) continue;
-        if (client->waiting.size() >= 8 * kMostWaiting) {
+        if (message->frame && client->frames >= kMaxWaiting) continue;
+        if (client->waiting.size() >= 8 * kMaxWaiting) {
           lws_set_timeout(wsi, PENDING_TIMEOUT_CLOSE_SEND, LWS_TO_KILL_ASYNC);
           break;
         }

@@ -14,11 +14,11 @@ struct ServerOptions {
 };
 
 /// Bounds of what clients may cost.
-inline constexpr std::size_t kMostClients = 8;
-inline constexpr std::size_t kMostConnections = 64;      ///< a browser opens several for one page
-inline constexpr std::size_t kLongestMessage = 4096;     ///< of a client [bytes]
-inline constexpr int kMostMessagesASecond = 50;          ///< of a client
-inline constexpr std::size_t kMostWaiting = 64;          ///< frames for a client that is slow; what comes then is left out for it
+inline constexpr std::size_t kMaxClients = 8;
+inline constexpr std::size_t kMaxConnections = 64;      ///< a browser opens several for one page
+inline constexpr std::size_t kMaxMessageBytes = 4096;     ///< of a client [bytes]
+inline constexpr int kMaxMessagesASecond = 50;          ///< of a client
+inline constexpr std::size_t kMaxWaiting = 64;          ///< frames for a client that is slow; what comes then is left out for it
 
 class PageServer {
  public:

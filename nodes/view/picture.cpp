@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
@@ -27,28 +28,27 @@ Vec3 in_world(const msg::ForceCommand& command, const scene::Scene* scene) {
   return scene ? scene->device.pose_WD.orientation * force : force;
 }
 
-json flags_of(const msg::ContactState& c) {
-  using namespace msg::contact_state;
-  constexpr std::pair<std::uint32_t, const char*> kWords[] = {
-      {kFlagHeld, "held"},       {kFlagFast, "fast"},       {kFlagRefusedSample, "sample refused"}, {kFlagSaturated, "saturated"},
-      {kFlagFading, "fading"},   {kFlagCrossed, "crossed"}, {kFlagMissed, "missed"},                {kFlagClutched, "clutch"},
-      {kFlagFallback, "fallback"}};
-  json words = json::array();
-  for (const auto& [flag, word] : kWords)
-    if (c.flags & flag) words.push_back(word);
-  return words;
-}
+using Words = std::pair<std::uint32_t, const char*>;
+constexpr Words kContactWords[] = {{msg::contact_state::kFlagHeld, "held"},
+                                   {msg::contact_state::kFlagFast, "fast"},
+                                   {msg::contact_state::kFlagRefusedSample, "sample refused"},
+                                   {msg::contact_state::kFlagSaturated, "saturated"},
+                                   {msg::contact_state::kFlagFading, "fading"},
+                                   {msg::contact_state::kFlagCrossed, "crossed"},
+                                   {msg::contact_state::kFlagMissed, "missed"},
+                                   {msg::contact_state::kFlagClutched, "clutch"},
+                                   {msg::contact_state::kFlagFallback, "fallback"}};
+constexpr Words kCommandWords[] = {{msg::force_command::kStatusRamping, "ramping"},
+                                   {msg::force_command::kStatusHeldInput, "input held"},
+                                   {msg::force_command::kStatusClamped, "clamped"},
+                                   {msg::force_command::kStatusCapped, "capped"},
+                                   {msg::force_command::kStatusPassivity, "passivity"}};
 
-json limits_of(const msg::ForceCommand& c) {
-  using namespace msg::force_command;
-  constexpr std::pair<std::uint32_t, const char*> kWords[] = {{kStatusRamping, "ramping"},
-                                                              {kStatusHeldInput, "input held"},
-                                                              {kStatusClamped, "clamped"},
-                                                              {kStatusCapped, "capped"},
-                                                              {kStatusPassivity, "passivity"}};
+/// The words of the bits that are set.
+json words_of(std::uint32_t bits, std::span<const Words> known) {
   json words = json::array();
-  for (const auto& [flag, word] : kWords)
-    if (c.status & flag) words.push_back(word);
+  for (const auto& [bit, word] : known)
+    if (bits & bit) words.push_back(word);
   return words;
 }
 
@@ -117,9 +117,9 @@ void Picture::take(const msg::ForceCommand& command, std::int64_t written_ns) {
 
 /// None for a sample whose row has been given away, and for stamps that cannot be: anybody may send some.
 Picture::Row* Picture::row(std::int64_t sample_time_ns) {
-  constexpr std::size_t kMostOpen = 4096;
+  constexpr std::size_t kMaxOpen = 4096;
   const std::int64_t index = runtime::ns_between(*begin_ns_, sample_time_ns) / kRowNs;
-  if (index <= closed_to_ || (open_.size() >= kMostOpen && !open_.contains(index))) return nullptr;
+  if (index <= closed_to_ || (open_.size() >= kMaxOpen && !open_.contains(index))) return nullptr;
   return &open_[index];
 }
 
@@ -173,11 +173,8 @@ json Picture::frame(const scene::Scene* scene) {
     f["contact_force"] = to_json(from_msg(c.contact_wrench.force));
     f["effects_force"] = to_json(from_msg(c.effects_wrench.force));
     f["depth"] = rounded(c.deepest_depth_m);
-    f["deepest"] = to_json(from_msg(c.deepest_point));
     f["hits"] = c.surface_hits + c.interior_hits;
-    f["stiffness"] = rounded(c.stiffness_bound_n_per_m);
-    f["supplied"] = rounded(c.supplied_energy_j);
-    f["flags"] = flags_of(c);
+    f["flags"] = words_of(c.flags, kContactWords);
     if (scene)
       for (std::size_t n = 0; n < scene->objects.size(); ++n)
         if (const auto& moves = scene->objects[n].moves)
@@ -185,9 +182,7 @@ json Picture::frame(const scene::Scene* scene) {
   }
   if (command_) {
     f["force"] = to_json(in_world(*command_, scene));
-    f["energy"] = rounded(command_->energy_j);
-    f["damping"] = rounded(command_->damping_ns_per_m);
-    f["limits"] = limits_of(*command_);
+    f["limits"] = words_of(command_->status, kCommandWords);
   }
   f["rows"] = std::vector<json>(closed_.end() - static_cast<std::ptrdiff_t>(fresh_), closed_.end());
   fresh_ = 0;

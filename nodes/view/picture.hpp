@@ -25,6 +25,7 @@ class LatencyCounts {
   static constexpr double kBinUs = 25.0;
   static constexpr std::size_t kBins = 41;  ///< the last one holds all that took longer
 
+  /// When the device wrote a sample and the coupling its command, by one clock; 0: not known.
   void sample(std::uint64_t sequence, std::int64_t written_ns) noexcept;
   void command(std::uint64_t sequence, std::int64_t written_ns) noexcept;
   void clear() noexcept { *this = {}; }
@@ -58,9 +59,7 @@ class Picture {
   /// All rows of the last kPastS.
   nlohmann::json past(const scene::Scene* scene);
   nlohmann::json latency() const { return latency_.to_json(); }
-  std::uint64_t session() const noexcept { return session_; }
   const std::optional<msg::ContactState>& contact() const noexcept { return contact_; }
-  double scene_time_s() const noexcept { return time_s_; }
 
  private:
   struct Row {

@@ -5,7 +5,7 @@
 namespace voxtouch::view {
 namespace {
 
-constexpr int kMostAtOnce = 256;  ///< of what comes seldom: a flood of it must not hold up the picture
+constexpr int kMaxAtOnce = 256;  ///< of what comes seldom: a flood of it must not hold up the picture
 
 /// As every tap, with room for a second of the ring: this process waits for all others.
 const qos::Profile& tap() {
@@ -34,11 +34,11 @@ void RingTap::take(Picture& picture, Facts& facts, NodeTable& nodes, std::int64_
   states_.take_each([&](const msg::DeviceState& m, const dds_sample_info_t& info) { picture.take(m, info.source_timestamp); });
   contacts_.take_each([&](const msg::ContactState& m) { picture.take(m); });
   commands_.take_each([&](const msg::ForceCommand& m, const dds_sample_info_t& info) { picture.take(m, info.source_timestamp); });
-  devices_.take_each([&](const msg::DeviceDescription& m) { facts.take(m); }, kMostAtOnce);
-  plans_.take_each([&](const msg::ScenePlan& m) { facts.take(m); }, kMostAtOnce);
-  designs_.take_each([&](const msg::CouplingDesign& m) { facts.take(m); }, kMostAtOnce);
-  changes_.take_each([&](const msg::EffectChange& m) { facts.take(m); }, kMostAtOnce);
-  answers_.take_each([&](const msg::EffectChanged& m) { facts.take(m); }, kMostAtOnce);
+  devices_.take_each([&](const msg::DeviceDescription& m) { facts.take(m); }, kMaxAtOnce);
+  plans_.take_each([&](const msg::ScenePlan& m) { facts.take(m); }, kMaxAtOnce);
+  designs_.take_each([&](const msg::CouplingDesign& m) { facts.take(m); }, kMaxAtOnce);
+  changes_.take_each([&](const msg::EffectChange& m) { facts.take(m); }, kMaxAtOnce);
+  answers_.take_each([&](const msg::EffectChanged& m) { facts.take(m); }, kMaxAtOnce);
 }
 
 std::string RingTap::scene_file() const {

@@ -14,10 +14,10 @@
 
 #include "core/scene/scene_file.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/runtime/change_asker.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/view/bag_player.hpp"
-#include "nodes/view/changer.hpp"
 #include "nodes/view/contact_points.hpp"
 #include "nodes/view/ring_tap.hpp"
 #include "nodes/view/rounded.hpp"
@@ -35,20 +35,6 @@ std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_h
 
 bool is_bag(const std::filesystem::path& path) {
   return std::filesystem::is_directory(path) || path.extension() == ".db3";
-}
-
-json to_json(const std::vector<NodeRow>& rows) {
-  json all = json::array();
-  for (const NodeRow& row : rows)
-    all.push_back({{"node", row.report.node},
-                   {"host", row.report.host},
-                   {"pid", row.report.pid},
-                   {"state", row.state},
-                   {"rate_hz", row.rate_hz ? rounded(*row.rate_hz) : json()},
-                   {"counted", row.counted},
-                   {"answered", row.answered_share ? rounded(*row.answered_share) : json()},
-                   {"sentence", row.report.message}});
-  return all;
 }
 
 /// What the device's guard and clock have counted, for the line above the charts.
@@ -72,10 +58,7 @@ class View {
       player_.emplace(participant_, options.shown);
     else
       tap_.emplace(participant_, options.node);
-    if (tap_)
-      changer_.emplace(participant_, options.node, [this](const auto& words, const std::string& problem) {
-        server_.send_fact(text_of({{"type", "answer"}, {"words", words}, {"ok", problem.empty()}, {"sentence", problem}}));
-      });
+    if (tap_) asker_.emplace(participant_, options.node);
     if (!player_ && !options.shown.empty()) show(options.shown);
   }
 
@@ -93,7 +76,9 @@ class View {
     while (!stop.load()) {
       const std::int64_t now_ns = runtime::monotonic_ns();
       obey();
-      advance(now_ns, std::min(kLongestStepS, static_cast<double>(now_ns - before_ns) * 1e-9));
+      look_after_changes();
+      points_.look();
+      advance(now_ns, std::min(kMaxStepS, static_cast<double>(now_ns - before_ns) * 1e-9));
       before_ns = now_ns;
       if (at_ns >= frame_at_ns) send_frame(), frame_at_ns = at_ns + kFrameNs - kTurnNs / 2;
       if (now_ns >= facts_at_ns) send_facts(now_ns), facts_at_ns = now_ns + kFactsNs;
@@ -105,7 +90,7 @@ class View {
 
  private:
   static constexpr std::int64_t kTurnNs = kFrameNs / 2;
-  static constexpr double kLongestStepS = 0.25;  ///< a recorded run waits where this thread was held up, and nobody misses a part of it
+  static constexpr double kMaxStepS = 0.25;  ///< a recorded run waits where this thread was held up, and nobody misses a part of it
 
   void advance(std::int64_t now_ns, double elapsed_s) {
     if (tap_) {
@@ -204,6 +189,30 @@ class View {
     points_.scene_is(*scene_);
   }
 
+  /// What pages want changed, one thing after the other, each in a thread of its own: an answer may take its time.
+  void look_after_changes() {
+    if (asking_.valid()) {
+      if (asking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+      answer(changes_.front(), asking_.get());
+      changes_.pop_front();
+    }
+    if (changes_.empty()) return;
+    asking_ = std::async(std::launch::async, [this, words = changes_.front()]() -> std::string {
+      try {
+        runtime::ChangeWords change;
+        change.words = words;
+        return asker_->ask(change, [](const auto&) {}, [](const auto&) {}, [this] { return ended_.load(); });
+      } catch (const std::exception& error) {
+        return error.what();
+      }
+    });
+  }
+
+  /// `problem`: why it was not done; empty: it was.
+  void answer(const std::vector<std::string>& words, const std::string& problem) {
+    server_.send_fact(text_of({{"type", "answer"}, {"words", words}, {"ok", problem.empty()}, {"sentence", problem}}));
+  }
+
   void look_after_shapes() {
     if (!shapes_.valid() || shapes_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     std::string text = shapes_.get();
@@ -220,9 +229,9 @@ class View {
   }
   void hear(std::string text) {
     json order = json::parse(text, nullptr, false);
-    constexpr std::size_t kMost = 64;
+    constexpr std::size_t kMaxOrders = 64;
     const std::lock_guard lock(mutex_);
-    if (order.is_object() && orders_.size() < kMost) orders_.push_back(std::move(order));
+    if (order.is_object() && orders_.size() < kMaxOrders) orders_.push_back(std::move(order));
   }
 
   /// What pages have asked for.
@@ -247,10 +256,13 @@ class View {
       slice_text_.clear();  // for a page that has come
     }
     if (order.contains("slice")) cut(order["slice"]);
-    if (order.contains("change") && changer_) {
-      const auto words = order["change"].get<std::vector<std::string>>();
-      if (!changer_->change(words))
-        server_.send_fact(text_of({{"type", "answer"}, {"words", words}, {"ok", false}, {"sentence", "too many changes wait for an answer"}}));
+    if (order.contains("change") && asker_) {
+      constexpr std::size_t kMaxChanges = 8;
+      auto words = order["change"].get<std::vector<std::string>>();
+      if (changes_.size() < kMaxChanges)
+        changes_.push_back(std::move(words));
+      else
+        answer(words, "too many changes wait for an answer");
     }
     if (!player_) return;
     if (order.contains("play")) player_->play(order["play"].get<bool>());
@@ -290,7 +302,9 @@ class View {
   PageServer server_;
   std::optional<RingTap> tap_;
   std::optional<BagPlayer> player_;
-  std::optional<Changer> changer_;
+  std::optional<runtime::ChangeAsker> asker_;  ///< of a ring
+  std::deque<std::vector<std::string>> changes_;  ///< the first is being asked for
+  std::future<std::string> asking_;
 };
 
 }  // namespace

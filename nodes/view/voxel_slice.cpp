@@ -39,7 +39,7 @@ nlohmann::json slice_of(const rendering::ObjectContacts& objects, const SliceQue
   const int u = q.axis == 0 ? 1 : 0, v = q.axis == 2 ? 1 : 2;
   const double edge = objects.object(0).voxmap.grid().edge;
   // Cells begin where voxels of the first object do.
-  const double every = std::max(1.0, std::ceil(std::max(high[u] - low[u], high[v] - low[v]) / edge / static_cast<double>(kMostAcross)));
+  const double every = std::max(1.0, std::ceil(std::max(high[u] - low[u], high[v] - low[v]) / edge / static_cast<double>(kMaxCellsPerSide)));
   const double step = every * edge;
   const Vec3 origin = objects.object(0).voxmap.grid().origin;
   const auto snapped = [&](int axis) { return origin[axis] + edge * std::floor((low[axis] - origin[axis]) / edge + 1e-9); };

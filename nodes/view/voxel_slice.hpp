@@ -20,8 +20,8 @@ struct SliceQuestion {
 
 /// {"type": "slice", "axis", "at", "step", "low": [u, v], "columns", "rows", "cells"}: u and v are the two other axes in their order; of the cell
 /// in column c and row r `cells[c + columns * r]` is '0' free, '1' surface, '2' interior, looked up at its centre. `step` [m] is the voxel's edge,
-/// or a multiple where there would be more than kMostAcross cells a side. All objects together; a surface hides an interior. Null where there are no voxels.
+/// or a multiple where there would be more than kMaxCellsPerSide cells a side. All objects together; a surface hides an interior. Null where there are no voxels.
 nlohmann::json slice_of(const rendering::ObjectContacts& objects, const SliceQuestion& question);
-inline constexpr std::int64_t kMostAcross = 192;
+inline constexpr std::int64_t kMaxCellsPerSide = 192;
 
 }  // namespace voxtouch::view

@@ -51,8 +51,8 @@ TEST_F(BadCall, OfProbeWithoutItsFiles) {
 }
 
 TEST_F(BadCall, OfProbeWithAModelThatIsNotThere) {
-  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "best"}, "'best'");
-  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "Field"}, "'Field'");
+  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "best"}, "--model: best not in");
+  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "Field"}, "--model: Field not in");
 }
 
 TEST_F(BadCall, OfProbeWithPosesThatAreNone) {

@@ -24,6 +24,8 @@ BIN, DEPLOY = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 spec = importlib.util.spec_from_file_location("plot", DEPLOY / "tools" / "plot.py")
 plot = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(plot)
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "experiments" / "stability_map"))
+import draw_map  # noqa: E402
 FEW = ["--voxel-sizes", "0.004,0.002", "--contacts", "8"]
 
 
@@ -210,7 +212,6 @@ class Pictures(unittest.TestCase):
         self.refused(tool("accuracy", self.at / "old.json", picture), "is not as this version")
         self.refused(tool("forces", self.at / "empty", picture), "there is no bag here")
         self.refused(tool("forces", self.at / "broken", picture), "the bag cannot be read")
-        self.refused(tool("stability", self.at / "words.json", picture), "stability_map --out")
         self.refused(tool("check", self.at / "empty.png" / "refused.png"), "could not be written")
         for name in ("refused.gif", "refused"):
             self.refused(tool("accuracy", self.at / "run.json", self.at / name), name, ".png, .svg or .pdf")
@@ -265,15 +266,18 @@ class Pictures(unittest.TestCase):
         table = self.at / "map.csv"
         with open(table, "w", encoding="utf-8") as out:
             out.write("model,radius_voxels,depth_voxels,tilt_deg,energy_share,energy_per_crossing,mean_force_n,largest_step\n")
-            for model in plot.BOUND:
+            for model in draw_map.BOUND:
                 for radius, depth, tilt in ((r, d, t) for r in (2.5, 5.0, 20.0) for d in (0.1, 1.0) for t in (0.0, 45.0)):
                     touches = not (model == "adapted" and depth == 0.1 and tilt == 0.0)
                     out.write(f"{model},{radius},{depth},{tilt},{1e-2 / radius if depth < 1 else -1e-3},0,{1 if touches else 0},0\n")
         with plot.matplotlib.rc_context(plot.STYLE):
-            figure, _ = plot.stability_figure(table)
+            figure, _ = draw_map.stability_figure(table)
             self.judge(figure)
         self.assertIn("at most 0.4 % of force × way (original)", figure._suptitle.get_text())
-        self.assertEqual(tool("stability", table, self.at / "map.png").returncode, 0)
+        with contextlib.redirect_stdout(io.StringIO()):
+            draw_map.main(table, self.at / "map.png")
+        with self.assertRaisesRegex(SystemExit, "stability_map --out"):
+            draw_map.stability_figure(self.at / "words.json")
         self.assertGreater(painted(self.at / "map.png", "#d9d9d9"), 5000, "the cell without contact is not grey")
 
     def test_wishes_zeros_and_nothing_at_all_are_drawn_too(self):

@@ -44,8 +44,7 @@ Result<TopicHash> hash_topic(const WholeBag& bag, std::string_view topic, const 
   for (const auto& message : *messages) {
     const auto place = key ? key(message.bytes) : std::optional<std::uint64_t>(0);
     if (!place)
-      return refuse(BagFault::kBadMessage,
-                    "Message {} of '{}' ({} bytes) holds no sequence number; hash the topic in order of "
+      return refuse("Message {} of '{}' ({} bytes) holds no sequence number; hash the topic in order of "
                     "arrival.",
                     order.size(), topic, message.bytes.size());
     order.emplace_back(*place, &message);

@@ -24,7 +24,7 @@ struct TopicHash {
 
 /// FNV-1a (64 bit) over length and bytes of each message, in the order of `key`, equal keys in order of
 /// arrival; without a key in order of arrival, as for latched topics. Recording times do not enter. Errors:
-/// kNoSuchTopic; kBadMessage if one message has no key.
+/// no such topic; a message that has no key.
 Result<TopicHash> hash_topic(const WholeBag& bag, std::string_view topic, const KeyOf& key = {});
 
 }  // namespace voxtouch::bag

@@ -34,7 +34,7 @@ inline TopicInfo parse_topic(const YAML::Node& node) {
   return topic;
 }
 
-/// Errors: kDisk if there is none, kFormat if it is not one.
+/// Errors: there is none, or it is not one.
 inline Result<WholeMetadata> read_metadata(const std::filesystem::path& file) {
   try {
     const YAML::Node node = YAML::LoadFile(file.string())["rosbag2_bagfile_information"];
@@ -47,10 +47,8 @@ inline Result<WholeMetadata> read_metadata(const std::filesystem::path& file) {
     for (const auto& topic : node["topics_with_message_count"]) metadata.topics.push_back(parse_topic(topic));
     metadata.files = node["relative_file_paths"].as<std::vector<std::string>>();
     return metadata;
-  } catch (const YAML::BadFile& error) {
-    return std::unexpected(BagError{BagFault::kDisk, error.what()});
   } catch (const YAML::Exception& error) {
-    return std::unexpected(BagError{BagFault::kFormat, error.what()});
+    return std::unexpected(BagError{error.what()});
   }
 }
 
@@ -69,7 +67,6 @@ class WholeBag {
   }
 
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
-  const std::vector<std::string>& warnings() const noexcept { return reader_.warnings(); }
   /// metadata.yaml as it stands; nothing if it is missing or unreadable. It may be up to a second behind after a kill.
   const std::optional<WholeMetadata>& metadata() const noexcept { return metadata_; }
   std::optional<std::size_t> find_topic(std::string_view name) const noexcept {
@@ -88,7 +85,7 @@ class WholeBag {
     return reader_.for_each_between(Limits::min(), Limits::max(), f);
   }
   enum class Order : std::uint8_t { kTime, kArrival };  ///< the latter for bags of one file
-  /// All messages of a topic. Error: kNoSuchTopic names what there is.
+  /// All messages of a topic. Error: no such topic; names what there is.
   Result<std::vector<StoredMessage>> read_topic(std::string_view name, Order order = Order::kTime) const {
     const auto topic = find_topic(name);
     if (!topic) return std::unexpected(no_such_topic(name));
@@ -109,7 +106,7 @@ class WholeBag {
   BagError no_such_topic(std::string_view name) const {
     std::vector<std::string> names;
     for (const TopicInfo& topic : topics_) names.push_back(topic.name);
-    return {BagFault::kNoSuchTopic, fmt::format("The bag has no topic '{}'. It has: {}.", name, fmt::join(names, ", "))};
+    return {fmt::format("The bag has no topic '{}'. It has: {}.", name, fmt::join(names, ", "))};
   }
 
   BagReader reader_;

@@ -15,7 +15,6 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 PICTURES = pathlib.Path(os.environ["VOXTOUCH_PICTURES"])
-AXE, = pathlib.Path(os.environ["VOXTOUCH_PYTHON"]).glob("lib/python3*/site-packages/axe_playwright_python/axe.min.js")
 
 
 class Browser:
@@ -92,7 +91,8 @@ class Browser:
 
     def barriers(self):
         """What axe-core finds that keeps somebody out: rule and element."""
-        self.driver.execute_script(AXE.read_text(encoding="utf-8"))
+        axe, = pathlib.Path(os.environ["VOXTOUCH_PYTHON"]).glob("lib/python3*/site-packages/axe_playwright_python/axe.min.js")
+        self.driver.execute_script(axe.read_text(encoding="utf-8"))
         found = self.driver.execute_async_script("const done = arguments[0]; axe.run(document).then(done, error => done({violations: [{id: String(error), nodes: []}]}))")
         return [(rule["id"], [node["html"][:100] for node in rule["nodes"]]) for rule in found["violations"]]
 

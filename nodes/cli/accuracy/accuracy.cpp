@@ -1,7 +1,3 @@
-#include <time.h>
-#include <unistd.h>
-
-#include <chrono>
 #include <memory>
 
 #include <fmt/format.h>
@@ -17,7 +13,7 @@
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/machine.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/log/progress.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/scene_argument.hpp"
@@ -27,7 +23,7 @@ namespace {
 
 struct AccuracyVerb {
   std::filesystem::path scene, plot, csv;
-  AccuracyChoice ask;
+  AccuracyChoice choice;
   accuracy::AccuracyGoal goal;
   std::uint64_t seed = 1;
   std::uint32_t contacts = 200;
@@ -74,36 +70,11 @@ constexpr const char* kFooter =
     "  voxtouch accuracy deploy/scenes/plane.yaml --models adapted,field --voxel-sizes 0.004,0.002 --shell-densities "
     "1,2";
 
-/// Share and what is measured now, on standard error: one line that is written over on a terminal, else a line for each new step.
-class ProgressLine {
- public:
-  void show(const std::string& what, double share) {
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
-    const std::string line = fmt::format("[{:3.0f} %] {:4.0f} s  {}", 100.0 * share, passed.count(), what);
-    if (terminal_)
-      log::tell("\r{:<{}}", line, width_);
-    else if (what != last_)
-      log::tell("{}\n", line);
-    width_ = line.size();
-    last_ = what;
-  }
-  /// Leaves the line as it is; what follows starts on a new one.
-  void end() const {
-    if (terminal_ && width_ > 0) log::tell("\n");
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-  bool terminal_ = ::isatty(STDERR_FILENO) == 1;
-  std::size_t width_ = 0;
-  std::string last_;
-};
-
 AccuracyReport measure(const AccuracyVerb& o) {
   o.goal.validate();
   const scene::Scene scene = scene::load_scene(o.scene);
   for (const std::string& warning : scene.warnings) log::tell("warning: {}\n", warning);
-  const std::vector<accuracy::AccuracySetting> settings = settings_of(o.ask, scene.voxel_size_m);
+  const std::vector<accuracy::AccuracySetting> settings = settings_of(o.choice, scene.voxel_size_m);
   AccuracyReport report;
   report.scene = scene.name;
   report.scene_hash = scene.hash;
@@ -113,22 +84,26 @@ AccuracyReport measure(const AccuracyVerb& o) {
   report.machine = this_machine();
   report.load_before = load_average();
 
-  ProgressLine line;
   accuracy::AccuracyOptions options;
   options.seed = o.seed, options.contacts = o.contacts, options.depth_edges = o.depth_edges;
   options.cpu_time_s = thread_cpu_s;
   options.read = mesh_import::mesh_process();
   mesh_import::rehearse_reading(scene);
-  options.progress = [&](const std::string& what, double share) { line.show(what, share); };
+  options.progress = [tell = log::tell_each_second("accuracy")](const std::string& what, double share) {
+    tell(fmt::format("{:.0f} %, {}", 100.0 * share, what));
+  };
   log::tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
   report.rows = accuracy::measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
-  line.end();
   report.load_after = load_average();
   report.advice = accuracy::advise(report.rows, o.goal);
   return report;
 }
 
-int show(const AccuracyVerb& o, const AccuracyReport& report, OutputFile* csv) {
+int run(const AccuracyVerb& o) {
+  std::unique_ptr<OutputFile> csv;
+  if (!o.plot.empty()) check_picture(o.plot);
+  if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
+  const AccuracyReport report = measure(o);
   const std::string json = to_json(report).dump(2);
   log::print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
@@ -137,20 +112,6 @@ int show(const AccuracyVerb& o, const AccuracyReport& report, OutputFile* csv) {
   }
   if (!o.plot.empty()) log::tell("{}\n", draw_picture("accuracy", json, o.plot));
   return !report.advice.front.empty() && report.advice.met.value_or(true) ? 0 : 1;
-}
-
-int run(const AccuracyVerb& o) {
-  std::unique_ptr<OutputFile> csv;
-  AccuracyReport report;
-  try {
-    if (!o.plot.empty()) check_picture(o.plot);
-    if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
-    report = measure(o);
-  } catch (const std::exception& error) {
-    if (o.json) log::print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2));
-    throw;
-  }
-  return show(o, report, csv.get());  // outside: what was measured is on stdout, and stays the only object there
 }
 
 /// One word after the option, split at its commas: what follows may be the scene.
@@ -180,13 +141,17 @@ void add_accuracy(CLI::App& app, Action& action) {
   CLI::App* verb = app.add_subcommand("accuracy", kAccuracyDescription);
   verb->footer(kFooter);
   verb->add_option("SCENE", o->scene, "Scene file (YAML), or the name of one that comes with voxtouch")->required()->transform(runtime::scene_argument());
-  add_list(*verb, "--models", o->ask.models, "original,adapted,clustered,field,virtual_tool; default: all");
-  add_list(*verb, "--weights", o->ask.weights,
-           "one,area: what a shell point counts; default: both. clustered and field know area only");
-  add_list(*verb, "--voxel-sizes", o->ask.voxel_sizes_m,
-           "Voxel edges e of the static map [m]; default: the scene's own times 2, 1 and 1/2");
-  add_list(*verb, "--shell-densities", o->ask.shell_densities,
-           "The shell is made with voxels of e / density, so 2 makes about four times the points; default: 1");
+  add_list(*verb, "--models", o->choice.models, "original,adapted,clustered,field,virtual_tool; default: all")
+      ->check(CLI::IsMember({"original", "adapted", "clustered", "field", "virtual_tool"}));
+  add_list(*verb, "--weights", o->choice.weights,
+           "one,area: what a shell point counts; default: both. clustered and field know area only")
+      ->check(CLI::IsMember({"one", "area"}));
+  add_list(*verb, "--voxel-sizes", o->choice.voxel_sizes_m,
+           "Voxel edges e of the static map [m]; default: the scene's own times 2, 1 and 1/2")
+      ->check(runtime::require_positive);
+  add_list(*verb, "--shell-densities", o->choice.shell_densities,
+           "The shell is made with voxels of e / density, so 2 makes about four times the points; default: 1")
+      ->check(runtime::require_positive);
   verb->add_option("--contacts", o->contacts, "Contact poses, the same for every setting")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));

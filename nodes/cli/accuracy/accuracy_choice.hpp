@@ -7,7 +7,7 @@
 
 namespace voxtouch::cli {
 
-/// As given on the command line; empty: the default.
+/// As given on the command line, which has checked words and numbers; empty: the default.
 struct AccuracyChoice {
   std::vector<std::string> models = {};      ///< default: all
   std::vector<std::string> weights = {};     ///< one, area; default: every one that the model knows
@@ -22,6 +22,6 @@ inline constexpr std::size_t kMaxSettings = 500;
 /// by area only: where both weights are meant they come once, where `one` alone is asked for they are left out if no model
 /// was named, and refused if they were. `virtual_tool` among the models, or none named: rows of a virtual tool at the end; where voxel sizes
 /// are not named either, one row at the scene's own. Throws std::invalid_argument, a sentence that names the option.
-std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& ask, double scene_voxel_m);
+std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice, double scene_voxel_m);
 
 }  // namespace voxtouch::cli

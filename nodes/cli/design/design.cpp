@@ -47,30 +47,27 @@ coupling::design::DesignProblem request_for_device(const DesignVerbOptions& o, c
   return fitting::design_problem(scene, device, {0.01 * most, most}, {0.01 * most_rotation, most_rotation});
 }
 
-struct Asked {
-  coupling::design::DesignProblem request;
-  std::string contact, hand;
-};
-
 /// What the command line says goes over what the scene says.
 void apply(const DesignVerbOptions& o, const coupling::design::DeviceModel& device, coupling::design::DesignProblem& request,
            std::string& hand) {
   if (!o.hand.empty()) {
-    scene::DesignOptions ask;
+    scene::DesignOptions options;
     coupling::design::Grip grip = device.grip;
     if (o.hand == "any_passive")
-      ask.hand = scene::HandOption::kAnyPassive;
+      options.hand = scene::HandOption::kAnyPassive;
     else
       coupling::design::parse_grip(o.hand, grip);
-    request.hand = scene::operator_range(ask, grip);
+    request.hand = scene::operator_range(options, grip);
     hand = o.hand;
   }
   if (o.held) request.hand.translation.may_release = request.hand.rotation.may_release = false;
   if (o.no_damping) request.goals.allow_injected_damping = false;
 }
 
-Asked ask(const DesignVerbOptions& o, const coupling::design::DeviceModel& device) {
-  Asked out;
+/// The problem that the command line and its scene pose, and the words for it: without what is found.
+DesignReport problem_of(const DesignVerbOptions& o, const coupling::design::DeviceModel& device) {
+  DesignReport out;
+  out.device = device.name;
   std::string hand = std::string(coupling::design::name_of(device.grip));
   if (o.scene.empty()) {
     out.request = request_for_device(o, device);
@@ -103,16 +100,11 @@ int design(const DesignVerbOptions& o) {
   if (!o.plot.empty()) check_picture(o.plot);
   if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
   const coupling::design::DeviceModel device = find_device(o.device);
-  const Asked asked = ask(o, device);
-  DesignReport report;
-  report.request = asked.request;
-  report.design = coupling::design::design_coupling(asked.request);
-  report.paper = judge_paper_recipe(asked.request);
-  report.region = region_round(asked.request, report.design);
-  report.law = region_of_law(asked.request, report.design);
-  report.device = device.name;
-  report.hand = asked.hand;
-  report.contact = asked.contact;
+  DesignReport report = problem_of(o, device);
+  report.design = coupling::design::design_coupling(report.request);
+  report.paper = judge_paper_recipe(report.request);
+  report.region = region_round(report.request, report.design);
+  report.law = region_of_law(report.request, report.design);
   const std::string json = to_json(report).dump(2);
   log::print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {

@@ -39,6 +39,7 @@ struct DesignReport {
   std::string device, hand, contact;  ///< where the numbers come from, for a person
 };
 
+/// For a person; and for a machine, where what is not finite is null.
 std::string to_text(const DesignReport& report);
 nlohmann::ordered_json to_json(const DesignReport& report);
 /// The region: RFC 4180 with a header, a row for each cut-off, columns as in the JSON; empty where that is null: nothing makes it unstable.

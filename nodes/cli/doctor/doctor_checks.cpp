@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
+#include <charconv>
 #include <fstream>
 #include <thread>
 
@@ -96,10 +96,7 @@ std::set<unsigned> taken_indices(std::istream& udp, std::uint32_t domain) {
     const std::size_t colon = line.find(':', line.find(':') + 1);  // "  12: 00000000:1CF2 ..."
     if (colon == std::string::npos || line.size() < colon + 5) continue;
     unsigned port = 0;
-    for (const char c : line.substr(colon + 1, 4)) {
-      if (std::isxdigit(static_cast<unsigned char>(c)) == 0) break;
-      port = 16 * port + static_cast<unsigned>(c <= '9' ? c - '0' : (c & 0xdf) - 'A' + 10);
-    }
+    std::from_chars(line.data() + colon + 1, line.data() + colon + 5, port, 16);
     if (port >= first && (port - first) / 2 <= kLast) taken.insert((port - first) / 2);
   }
   return taken;
@@ -126,10 +123,10 @@ std::vector<Finding> check_rights() {
   }).join();
   if (findings.empty()) findings.push_back({Health::kGood, "real-time scheduling and locked memory are allowed"});
   constexpr long kWanted = 4L << 20;
-  const long most = number_in("/proc/sys/net/core/rmem_max");
-  if (most >= 0 && most < kWanted)
+  const long allowed = number_in("/proc/sys/net/core/rmem_max");
+  if (allowed >= 0 && allowed < kWanted)
     findings.push_back({Health::kMind, fmt::format("receive buffers end at {} bytes: a reader that is late loses more; "
-                                                   "`sysctl -w net.core.rmem_max={}` allows DDS what it asks for", most, kWanted)});
+                                                   "`sysctl -w net.core.rmem_max={}` allows DDS what it asks for", allowed, kWanted)});
   return findings;
 }
 

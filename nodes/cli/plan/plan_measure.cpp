@@ -100,12 +100,12 @@ struct Samples {
 
 class Measurement {
  public:
-  Measurement(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& ask)
-      : scene_(scene), built_(built), way_(scene, built.voxmap(), built.renderer().query().reach_m(), ask.frames),
-        watch_(ask.cpu_time_s) {
+  Measurement(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& options)
+      : scene_(scene), built_(built), way_(scene, built.voxmap(), built.renderer().query().reach_m(), options.frames),
+        watch_(options.cpu_time_s) {
     samples_.effects.resize(scene.effects.size());
     for (const effects::EffectSpec& effect : scene.effects) alone_.emplace_back(std::vector<effects::EffectSpec>{effect});
-    if (ask.coupling) coupling_.emplace(*ask.coupling, coupling::CouplingLimits{}, kDefaultS);
+    if (options.coupling) coupling_.emplace(*options.coupling, coupling::CouplingLimits{}, kDefaultS);
     hits_.reserve(built.renderer().query().shell().size());
     built.scene_renderer().reset();
   }
@@ -202,11 +202,11 @@ class Measurement {
 
 }  // namespace
 
-PlanTimes measure_plan(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& ask) {
+PlanTimes measure_plan(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& options) {
   PlanTimes out;
-  out.frames = ask.frames;
-  Measurement measurement(scene, built, ask);
-  for (int n = 0; n < ask.frames; ++n) measurement.frame(n, out);
+  out.frames = options.frames;
+  Measurement measurement(scene, built, options);
+  for (int n = 0; n < options.frames; ++n) measurement.frame(n, out);
   measurement.sum_up(out);
   built.scene_renderer().reset();
   return out;

@@ -34,6 +34,6 @@ struct PlanTimes {
 
 /// Each frame's parts are timed in batches of the same frame and what asking for the time costs is taken off; the contact model
 /// is what a whole contact takes above finding its hits. Leaves the renderer reset.
-PlanTimes measure_plan(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& ask);
+PlanTimes measure_plan(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& options);
 
 }  // namespace voxtouch::cli

@@ -28,6 +28,7 @@ struct PlanReport {
   double load = -1.0;
 };
 
+/// For a person, and for a machine.
 std::string to_text(const PlanReport& report);
 nlohmann::ordered_json to_json(const PlanReport& report);
 

@@ -56,21 +56,12 @@ int probe_reference(const scene::Scene& scene, const std::vector<Pose>& poses) {
   return 0;
 }
 
-/// Absent: the scene's own, or the reference. Throws for a model that is not there, before anything is read or built.
-std::optional<contact::ContactModelKind> chosen_model(const std::string& word) {
-  if (word.empty() || word == "reference") return std::nullopt;
-  contact::ContactModelKind kind{};
-  if (!contact::parse_contact_model(word, kind))
-    throw std::runtime_error(
-        fmt::format("there is no contact model '{}'; --model takes original, adapted, clustered, field or reference", word));
-  return kind;
-}
-
 int probe(const ProbeOptions& o) {
-  const std::optional<contact::ContactModelKind> model = chosen_model(o.model);
   const scene::Scene scene = scene::load_scene(o.scene);
   const std::vector<Pose> poses = read_poses(o.poses);
   if (o.model == "reference") return mesh_import::rehearse_reading(scene), probe_reference(scene, poses);
+  std::optional<contact::ContactModelKind> model;  // absent: the scene's own
+  if (!o.model.empty()) contact::parse_contact_model(o.model, model.emplace());
   const auto built = rendering::build_scene(scene, runtime::threaded_for(), {.model = model, .read = mesh_import::mesh_process()},
                                  [](const std::string& text) { log::tell("{}\n", text); });
   for (const std::string& warning : built->plan().warnings) log::tell("warning: {}\n", warning);
@@ -100,7 +91,8 @@ void add_probe(CLI::App& app, Action& action) {
   verb->add_option("--poses", o->poses,
                    "CSV with the columns qw,qx,qy,qz,tx,ty,tz: tool in world; - for standard input")
       ->required();
-  verb->add_option("--model", o->model, "original, adapted, clustered, field or reference; default: the scene's");
+  verb->add_option("--model", o->model, "original, adapted, clustered, field or reference; default: the scene's")
+      ->check(CLI::IsMember({"original", "adapted", "clustered", "field", "reference"}));
   verb->add_flag("--points", o->points, "Adds a column with the ids of the colliding points");
   verb->callback([o, &action] { action = [o] { return probe(*o); }; });
 }

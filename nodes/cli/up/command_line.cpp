@@ -25,11 +25,11 @@ std::string quoted(const std::string& word) {
 }  // namespace
 
 std::map<std::string, std::string> command_words(const std::vector<std::string>& words, const std::string& folder) {
-  constexpr std::size_t kMostPieces = 64, kPiece = runtime::NodeRegistry::kLongestText;
+  constexpr std::size_t kMaxPieces = 64, kPiece = runtime::NodeRegistry::kMaxTextBytes;
   std::string line;
   for (const std::string& word : words) line += (line.empty() ? "" : " ") + quoted(word);
   std::map<std::string, std::string> out{{"folder", folder}};
-  for (std::size_t at = 0, number = 0; at < line.size() && line.size() <= kMostPieces * kPiece; at += kPiece, ++number)
+  for (std::size_t at = 0, number = 0; at < line.size() && line.size() <= kMaxPieces * kPiece; at += kPiece, ++number)
     out[fmt::format("command_{:02}", number)] = line.substr(at, kPiece);
   return out;
 }

@@ -1,8 +1,7 @@
-#include "nodes/cli/up/run_figures.hpp"
-
 #include <algorithm>
 #include <map>
 
+#include "nodes/cli/up/summary.hpp"
 #include "qos/topics.hpp"
 
 namespace voxtouch::cli {

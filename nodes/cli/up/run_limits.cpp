@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@
 namespace voxtouch::cli {
 namespace {
 
+/// The one place where the defaults stand.
 constexpr Limit kLimits[] = {
     {"first_answer_s", "s", false, 2.0, false, "the time to the first answered sample",
      "until then nothing is felt; the coupling is designed in it, in some tenths of a second"},
@@ -114,30 +114,16 @@ std::string with_unit(double value, std::string_view unit) {
 
 }  // namespace
 
-std::span<const Limit> limits() { return kLimits; }
-
-void ask_limit(const std::string& text, AskedLimits& asked) {
+std::string choose_limit(const std::string& text, ChosenLimits& chosen) {
   const std::size_t sign = text.find('=');
   const std::string name = text.substr(0, sign);
   std::string known;
   for (const Limit& limit : kLimits) known += (known.empty() ? "" : ", ") + std::string(limit.name);
-  if (sign == std::string::npos || !find(name))
-    throw std::runtime_error(fmt::format("--limit takes NAME=VALUE and there is no limit '{}'; there are {}", name, known));
+  if (sign == std::string::npos || !find(name)) return fmt::format("it takes NAME=VALUE and there is no limit '{}'; there are {}", name, known);
   const auto value = parse_number<double>(std::string_view(text).substr(sign + 1));
-  if (!value || !(*value >= 0.0))
-    throw std::runtime_error(
-        fmt::format("--limit {}: '{}' is not a number of 0 or more (inf: no limit)", name, text.substr(sign + 1)));
-  asked[name] = *value;
-}
-
-std::string check_limit(const std::string& text) {
-  AskedLimits ignored;
-  try {
-    ask_limit(text, ignored);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+  if (!value || !(*value >= 0.0)) return fmt::format("{}: '{}' is not a number of 0 or more (inf: no limit)", name, text.substr(sign + 1));
+  chosen[name] = *value;
+  return {};
 }
 
 std::string describe_limits() {
@@ -148,20 +134,20 @@ std::string describe_limits() {
   return text;
 }
 
-std::vector<Judged> judge_figures(const RunFigures& run, const AskedLimits& asked) {
+std::vector<Judged> judge_figures(const RunFigures& run, const ChosenLimits& chosen) {
   std::vector<Judged> all;
   for (const Limit& limit : kLimits) {
-    const auto other = asked.find(limit.name);
-    Judged judged{&limit, other == asked.end() ? limit.value : other->second, std::nullopt, true, ""};
+    const auto other = chosen.find(limit.name);
+    Judged judged{&limit, other == chosen.end() ? limit.value : other->second, std::nullopt, true, ""};
     const bool applies = run.samples > 0.0 && (limit.in_lockstep || !run.lockstep);
     const Measured measured = applies ? measure(limit.name, run) : Measured{};
     judged.measured = measured.value;
-    if (measured.value) judged.met = limit.at_least ? *measured.value >= judged.asked : *measured.value <= judged.asked;
+    if (measured.value) judged.met = limit.at_least ? *measured.value >= judged.bound : *measured.value <= judged.bound;
     if (!judged.met)
       judged.sentence = fmt::format("{} is {}{}, {} than the {} that a good run has: {}", limit.what,
                                     with_unit(*measured.value, limit.unit),
                                     measured.of.empty() ? "" : " (" + measured.of + ")",
-                                    limit.at_least ? "less" : "more", with_unit(judged.asked, limit.unit), limit.means);
+                                    limit.at_least ? "less" : "more", with_unit(judged.bound, limit.unit), limit.means);
     all.push_back(std::move(judged));
   }
   return all;

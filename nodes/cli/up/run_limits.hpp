@@ -1,8 +1,7 @@
 #pragma once
-/// When a run was a good one: what is measured of it, what is asked of it, and the sentence where it is not met. Pure.
+/// When a run was a good one: what is measured of it, the bounds, and the sentence where it is not met. Pure.
 #include <map>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,15 +18,11 @@ struct Limit {
   std::string_view what;   ///< subject of the sentence: "the share of ..."
   std::string_view means;  ///< what is wrong where it is not met, and what to do
 };
-/// The one place where the defaults stand.
-std::span<const Limit> limits();
 
-/// Values that were asked for instead of the defaults, by name.
-using AskedLimits = std::map<std::string, double, std::less<>>;
-/// "NAME=VALUE" as typed. Throws std::runtime_error with a sentence that names the limits there are.
-void ask_limit(const std::string& text, AskedLimits& asked);
-/// The same as a check of a command line: the sentence, or nothing.
-std::string check_limit(const std::string& text);
+/// Bounds that were chosen instead of the defaults, by name.
+using ChosenLimits = std::map<std::string, double, std::less<>>;
+/// Adds "NAME=VALUE" as typed. Returns nothing, or what is wrong with it: a sentence that names the limits there are.
+std::string choose_limit(const std::string& text, ChosenLimits& chosen);
 /// For --help: every limit with its default.
 std::string describe_limits();
 
@@ -59,12 +54,12 @@ struct RunFigures {
 /// One limit held against one run.
 struct Judged {
   const Limit* limit = nullptr;
-  double asked = 0.0;
+  double bound = 0.0;  ///< the chosen one, else the default
   std::optional<double> measured;  ///< absent: not judged in this run
   bool met = true;
   std::string sentence;  ///< where it is not met
 };
 /// Every limit, in the table's order. A run without a sample is not judged.
-std::vector<Judged> judge_figures(const RunFigures& run, const AskedLimits& asked);
+std::vector<Judged> judge_figures(const RunFigures& run, const ChosenLimits& chosen);
 
 }  // namespace voxtouch::cli

@@ -85,7 +85,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
                                          {"gaps", count(r, "logger", stream + std::string("_gaps"))}};
   for (const Judged& judged : s.judged)
     j["limits"][std::string(judged.limit->name)] = {{"value", judged.measured ? nlohmann::ordered_json(*judged.measured) : nullptr},
-                                                    {judged.limit->at_least ? "at_least" : "at_most", judged.asked},
+                                                    {judged.limit->at_least ? "at_least" : "at_most", judged.bound},
                                                     {"unit", judged.limit->unit},
                                                     {"met", judged.met}};
   j["bag"] = s.bag.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(s.bag);

@@ -24,16 +24,20 @@ struct RunSummary {
   std::uint64_t seed = 0;
   double validate_every = 1.0;
   std::map<std::string, double> silence_s;  ///< of each node: longest time without a status, as `up` saw it
-  AskedLimits asked;
+  ChosenLimits limits;
   std::vector<Judged> judged;  ///< by `judge`
   Reports reports;
   std::vector<std::string> problems;  ///< sentences; empty: all is well
   std::vector<std::string> notes;     ///< sentences that spoil nothing
 };
 
+/// From what the nodes have reported to what of a run is judged.
+RunFigures figures_of(const RunSummary& summary);
+
 /// Its rendering had one.
 bool has_virtual_tool(const RunSummary& summary);
 
+/// For a machine, and for a person.
 nlohmann::ordered_json to_json(const RunSummary& summary);
 std::string to_text(const RunSummary& summary);
 /// One line while the ring runs, on the last second; `nodes` are those that take part.

@@ -36,14 +36,10 @@ using std::chrono::milliseconds;
 constexpr useconds_t kWatchPeriodUs = 20'000;
 
 struct UpOptions {
-  runtime::NodeOptions node;
-  std::string device = "sim-phantom", motion;
-  device_node::HandChoice hand;
-  double duration_s = 0.0;
-  std::filesystem::path bag;
-  std::vector<std::string> settings, topics, limits;
-  std::uint64_t every = 20;
-  bool no_record = false, no_report = false, one_process = false, json = false, view = false;
+  runtime::NodeOptions node;  ///< what all nodes are started with
+  LauncherOptions ring;       ///< what each has beside that
+  ChosenLimits limits;
+  bool no_record = false, no_report = false, json = false, view = false;
 };
 
 /// Of the user and not of the current folder, which may be one that nobody can write to: as the XDG base directories have it.
@@ -70,14 +66,14 @@ class Run {
         status_(participant_, "up", options.node.rig), registry_(participant_, options.node.rig),
         verdicts_(participant_, qos::kValidation, options.node.rig, qos::profile(qos::ProfileId::kTap)) {
     summary_.scene = scene.name;
-    summary_.device = options.device;
-    summary_.motion = options.motion;
+    summary_.device = options.ring.device.device;
+    summary_.motion = options.ring.device.motion;
     summary_.mode = options.node.lockstep ? "lockstep" : "real time";
     summary_.seed = options.node.seed;
-    summary_.validate_every = static_cast<double>(options.every);
-    for (const std::string& text : options.limits) ask_limit(text, summary_.asked);
+    summary_.validate_every = static_cast<double>(options.ring.validator.every);
+    summary_.limits = options.limits;
     if (!options.no_record)
-      summary_.bag = options.bag.empty() ? default_bag(scene.name).string() : options.bag.string();
+      summary_.bag = options.ring.logger.bag.empty() ? default_bag(scene.name).string() : options.ring.logger.bag.string();
   }
 
   /// Also after an exception: the device goes first.
@@ -128,23 +124,13 @@ class Run {
     runtime::NodeOptions node = options_.node;
     if (node.lockstep) node.peers = {"rendering", "coupling", "validator"};
     if (node.lockstep && !options_.no_record) node.peers.push_back("logger");
-    LauncherOptions c;
-    static_cast<runtime::NodeOptions&>(c.device) = node;
-    static_cast<runtime::NodeOptions&>(c.rendering) = node;
-    static_cast<runtime::NodeOptions&>(c.coupling) = node;
-    static_cast<runtime::NodeOptions&>(c.logger) = node;
-    static_cast<runtime::NodeOptions&>(c.validator) = node;
-    c.device.device = options_.device;
-    c.device.motion = options_.motion;
-    c.device.duration_s = options_.duration_s;
-    c.device.hand = options_.hand;
-    c.device.settings = options_.settings;
-    c.validator.every = options_.every;
-    c.logger.bag = summary_.bag;
-    c.logger.topics = options_.topics;
-    c.record = !options_.no_record;
-    c.one_process = options_.one_process;
-    return c;
+    LauncherOptions ring = options_.ring;
+    for (runtime::NodeOptions* one : std::initializer_list<runtime::NodeOptions*>{&ring.device, &ring.rendering, &ring.coupling, &ring.logger,
+                                                                                  &ring.validator})
+      *one = node;
+    ring.logger.bag = summary_.bag;
+    ring.record = !options_.no_record;
+    return ring;
   }
 
   void listen() {
@@ -191,8 +177,8 @@ class Run {
       usleep(kWatchPeriodUs);  // ended at once by a signal: Ctrl-C, or that a node has died
     }
     log::tell("stopping\n");
-    if (options_.duration_s > 0)
-      summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", options_.duration_s));
+    if (const double duration_s = options_.ring.device.duration_s; duration_s > 0)
+      summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", duration_s));
   }
 
   /// Names who hangs as soon as it is known, and when it is heard again. True once one has been silent for too long to wait for.
@@ -231,9 +217,9 @@ class Run {
     const auto report = summary_.reports.find("device");
     if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
     const std::string& message = report->second.message;
-    if (message == told_ || !hanging_.empty()) return;  // who hangs has been named
+    if (message == last_message_ || !hanging_.empty()) return;  // who hangs has been named
     if (message != "running") log::tell("  device: {}\n", message);
-    told_ = message;
+    last_message_ = message;
   }
 
   /// A node that has failed but goes on, to say so, ends the run: without it there is no force.
@@ -262,7 +248,7 @@ class Run {
 
   /// A device that is stopped before its duration is over says so by its status; why it was stopped is known here already.
   bool was_cut_short(const std::string& name, int status) {
-    return name == "device" && status == 1 && options_.duration_s > 0 &&
+    return name == "device" && status == 1 && options_.ring.device.duration_s > 0 &&
            summary_.reports[name].state != runtime::NodeState::kFailed;
   }
 
@@ -292,7 +278,7 @@ class Run {
   bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges for whoever reads; its counts come with its status
   LauncherOptions launcher_options_;
   std::vector<std::unique_ptr<RunningNode>> children_;
-  std::string told_ = "running";  ///< of the device
+  std::string last_message_ = "running";  ///< of the device, as it was said
   std::set<std::string> hanging_;         ///< members that give no sign of life now
   std::set<std::string> noted_;  ///< members whose end is among the problems
   RunSummary summary_;
@@ -305,22 +291,21 @@ RunSummary run_up(const UpOptions& options) {
   for (const std::string& warning : scene.warnings) log::tell("warning: {}\n", warning);
   std::unique_ptr<RunningNode> page;  // first: what takes long to build can be looked at meanwhile
   if (options.view) page = start_page(options.node);
-  for (const std::string& note : check_before_start(scene, {options.device, devices::parse_settings(options.settings),
-                                                            options.motion, options.no_record ? "" : options.bag}))
+  const device_node::Options& device = options.ring.device;
+  for (const std::string& note : check_before_start(scene, {device.device, devices::parse_settings(device.settings), device.motion,
+                                                            options.no_record ? "" : options.ring.logger.bag}))
     log::tell("note: {}\n", note);
   return Run(options, scene).go();
 }
 
-std::string text_of(const nlohmann::ordered_json& json) {
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
+std::string json_of(const RunSummary& summary) {
+  return to_json(summary).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
 }
-
-void print_json(const nlohmann::ordered_json& json) { log::print_result("{}", text_of(json)); }
 
 /// A bag alone does not tell whether its run was a good one: this file beside it does, with each limit and what was met.
 void keep_verdict(const RunSummary& summary) {
   if (!std::filesystem::exists(summary.bag)) return;
-  const auto kept = bag::write_atomically(std::filesystem::path(summary.bag) / "voxtouch_run.json", text_of(to_json(summary)), bag::Flush::kNo);
+  const auto kept = bag::write_atomically(std::filesystem::path(summary.bag) / "voxtouch_run.json", json_of(summary), bag::Flush::kNo);
   if (!kept) log::tell("note: the verdict on this run does not stand beside its bag: {}\n", kept.error().sentence);
 }
 
@@ -340,17 +325,8 @@ void report_on(const RunSummary& summary) {
 }
 
 int up(const UpOptions& options) {
-  RunSummary summary;
-  try {
-    summary = run_up(options);
-    if (options.json)
-      print_json(to_json(summary));
-    else
-      log::print_result("{}", to_text(summary));
-  } catch (const std::exception& error) {
-    if (options.json) print_json({{"ok", false}, {"problems", {error.what()}}});
-    throw;
-  }
+  const RunSummary summary = run_up(options);
+  log::print_result("{}", options.json ? json_of(summary) : to_text(summary));
   if (!options.no_record) keep_verdict(summary);
   if (!options.no_record && !options.no_report) {
     log::finish_results();  // nobody waits for the summary while a page is drawn
@@ -372,30 +348,27 @@ void add_up(CLI::App& app, Action& action) {
       ->transform(runtime::scene_argument());
   runtime::add_node_options(*verb, options->node, false);
   verb->remove_option(verb->get_option("--peers"));
-  device_node::add_device_options(*verb, options->device, options->settings);
-  verb->add_option("--motion", options->motion,
-                   "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
-  verb->add_option("--duration", options->duration_s, "Seconds of device time; 0 = until Ctrl-C")
-      ->capture_default_str()
-      ->check(device_node::check_duration);
-  device_node::add_hand_options(*verb, options->hand);
-  verb->add_option("--record", options->bag,
+  device_node::add_device_options(*verb, options->ring.device);
+  verb->add_option("--record", options->ring.logger.bag,
                    "Folder for the bag; it must not exist (default: " +
                        (recordings_folder() / "<scene>-<time>").string() + ")");
-  verb->add_option("--topic", options->topics, "Record this DDS topic as well (its type has to be compiled in), such as rt/tf")
+  verb->add_option("--topic", options->ring.logger.topics, "Record this DDS topic as well (its type has to be compiled in), such as rt/tf")
       ->check(runtime::check_topic);
-  verb->add_option("--validate-every", options->every, "The validator checks every n-th sample")
+  verb->add_option("--validate-every", options->ring.validator.every, "The validator checks every n-th sample")
       ->capture_default_str()
       ->check(runtime::require_count);
-  verb->add_option("--limit", options->limits,
-                   "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets one of them (0 or inf "
-                   "lifts it), and may be given more than once. Defaults: " +
-                       describe_limits())
-      ->allow_extra_args(false)
-      ->check(check_limit);
+  const auto choose_limits = [options](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts)
+      if (const std::string wrong = choose_limit(text, options->limits); !wrong.empty()) throw CLI::ValidationError("--limit", wrong);
+  };
+  verb->add_option_function<std::vector<std::string>>("--limit", choose_limits,
+                                                      "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets one of "
+                                                      "them (0 or inf lifts it), and may be given more than once. Defaults: " +
+                                                          describe_limits())
+      ->allow_extra_args(false);
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
   verb->add_flag("--no-report", options->no_report, "No report.html beside the bag: see voxtouch report --help");
-  verb->add_flag("--one-process", options->one_process, "All nodes in this process; still over DDS");
+  verb->add_flag("--one-process", options->ring.one_process, "All nodes in this process; still over DDS");
   verb->add_flag("--view", options->view, "Serves a page that shows the ring, and tells its address: see voxtouch view --help");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");
   verb->callback([options, &action] { action = [options] { return up(*options); }; });

@@ -15,7 +15,7 @@
 #include "core/fitting/fit_coupling.hpp"
 #include "core/types/device_description.hpp"
 #include "devices/registry.hpp"
-#include "nodes/cli/up/run_figures.hpp"
+#include "nodes/cli/up/summary.hpp"
 #include "nodes/device/device_node.hpp"
 #include "nodes/log/progress.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
@@ -133,7 +133,7 @@ void judge(RunSummary& s) {
   else if (interruptions > 0)
     s.notes.push_back(fmt::format("{} gave no force in {} samples (lost {}x on the way); the last reason: {}", s.device,
                                   zero_force, interruptions, trouble));
-  s.judged = judge_figures(figures_of(s), s.asked);
+  s.judged = judge_figures(figures_of(s), s.limits);
   for (const Judged& judged : s.judged)
     if (!judged.met) s.problems.push_back(judged.sentence);
   for (const SampleNote& note : kSampleNotes)

@@ -53,7 +53,7 @@ void flood(const Options& o, const bus::Participant& participant, const qos::Top
   }
   const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
   fmt::print("figure: {}: {} of {} written in {:.1f} s, {:.0f} a second, to {} readers\n", topic.path, written, count, elapsed,
-             static_cast<double>(written) / elapsed, bus::matched_reader_count(writer.endpoint.get()));
+             static_cast<double>(written) / elapsed, bus::matched_readers(writer.endpoint.get()).size());
   std::fflush(stdout);
 }
 

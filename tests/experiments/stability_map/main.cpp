@@ -1,7 +1,7 @@
 // Energy that a contact gives to a hand per closed sliding loop, for four contact models, over voxel size, depth and tilt.
 //
 //   stability_map [--out FILE.csv] [--loops N] [--seed S]        under two minutes on two cores; then, to draw it:
-//   deploy/tools/plot.py stability FILE.csv deploy/pictures/stability_map.png
+//   tests/experiments/stability_map/draw_map.py FILE.csv deploy/pictures/stability_map.png
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 

@@ -38,7 +38,6 @@ TEST(Bag, GivesBackWhatWasWrittenInOrderOfTime) {
   const TemporaryFolder folder;
   write_bag(folder / "run", 100);
   const auto bag = expect_value(WholeBag::open(folder / "run"));
-  EXPECT_TRUE(bag.warnings().empty());
   ASSERT_EQ(bag.topics().size(), 2u);
   EXPECT_EQ(bag.topics()[0].name, kState.name);
   EXPECT_EQ(bag.topics()[0].type, kState.type);
@@ -99,14 +98,13 @@ TEST(Bag, NeverWritesOverAnythingThatIsThere) {
   const std::string before = text_of(folder / "run" / "run_0.db3");
   const auto again = BagWriter::create(folder / "run");
   ASSERT_FALSE(again);
-  EXPECT_EQ(again.error().fault, BagFault::kExists);
-  EXPECT_NE(again.error().sentence.find("run"), std::string::npos);
+  EXPECT_TRUE(says(again, "/run' exists already")) << again.error().sentence;
   EXPECT_EQ(text_of(folder / "run" / "run_0.db3"), before);
 
   std::filesystem::create_directory(folder / "empty");
-  EXPECT_EQ(BagWriter::create(folder / "empty").error().fault, BagFault::kExists);
+  EXPECT_TRUE(says(BagWriter::create(folder / "empty"), "exists already"));
   std::ofstream(folder / "file") << "mine";
-  EXPECT_EQ(BagWriter::create(folder / "file").error().fault, BagFault::kExists);
+  EXPECT_TRUE(says(BagWriter::create(folder / "file"), "exists already"));
   EXPECT_EQ(text_of(folder / "file"), "mine");
 }
 
@@ -154,16 +152,15 @@ TEST(Bag, HasWholeMetadataAtEveryInstant) {
 TEST(Bag, TellsWhyAFolderCannotBeMade) {
   const auto refused = BagWriter::create("/proc/voxtouch/run");
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().fault, BagFault::kDisk);
-  EXPECT_NE(refused.error().sentence.find("/proc/voxtouch"), std::string::npos) << refused.error().sentence;
+  EXPECT_TRUE(says(refused, "/proc/voxtouch' cannot be made")) << refused.error().sentence;
 }
 
 TEST(Bag, RefusesWhatItCannotHold) {
   const TemporaryFolder folder;
   auto writer = expect_value(BagWriter::create(folder / "run"));
   const TopicId state = expect_value(writer.add_topic(kState));
-  EXPECT_EQ(writer.append(state, -1, ring_message(1, 0)).error().fault, BagFault::kBadMessage);
-  EXPECT_EQ(writer.append(state + 1, 1, ring_message(1, 0)).error().fault, BagFault::kNoSuchTopic);
+  EXPECT_TRUE(says(writer.append(state, -1, ring_message(1, 0)), "none before 1970"));
+  EXPECT_TRUE(says(writer.append(state + 1, 1, ring_message(1, 0)), "was never added"));
   EXPECT_GOOD(writer.append(state, 0, {}));  // empty is a message too
   EXPECT_GOOD(writer.close());
   EXPECT_EQ(expect_value(WholeBag::open(folder / "run")).message_count(), 1u);
@@ -239,11 +236,9 @@ TEST(BagReader, FindsTheDatabaseWhenMetadataIsStaleMissingOrBroken) {
   write_bag(folder / "run", 10);
   std::filesystem::rename(folder / "run", folder / "moved");
   // the name of the folder does not matter
-  EXPECT_TRUE(expect_value(WholeBag::open(folder / "moved")).warnings().empty());
+  EXPECT_EQ(expect_value(WholeBag::open(folder / "moved")).message_count(), 11u);
   std::filesystem::rename(folder / "moved/run_0.db3", folder / "moved/other_0.db3");
-  const auto stale = expect_value(WholeBag::open(folder / "moved"));
-  EXPECT_EQ(stale.message_count(), 11u);
-  EXPECT_EQ(stale.warnings().size(), 1u);
+  EXPECT_EQ(expect_value(WholeBag::open(folder / "moved")).message_count(), 11u);
   std::ofstream(folder / "moved/metadata.yaml") << "rosbag2_bagfile_information: [";
   EXPECT_EQ(expect_value(WholeBag::open(folder / "moved")).message_count(), 11u);
   std::filesystem::remove(folder / "moved/metadata.yaml");
@@ -253,17 +248,16 @@ TEST(BagReader, FindsTheDatabaseWhenMetadataIsStaleMissingOrBroken) {
 
 TEST(BagReader, SaysWhatIsNotABag) {
   const TemporaryFolder folder;
-  EXPECT_EQ(WholeBag::open(folder / "nothing").error().fault, BagFault::kDisk);
-  EXPECT_EQ(WholeBag::open(folder.path()).error().fault, BagFault::kFormat);
+  EXPECT_TRUE(says(WholeBag::open(folder / "nothing"), "is not there"));
+  EXPECT_TRUE(says(WholeBag::open(folder.path()), "holds no .db3 file"));
   std::ofstream(folder / "text.db3") << std::string(5000, 'x');
   const auto text = WholeBag::open(folder / "text.db3");
   ASSERT_FALSE(text);
-  EXPECT_EQ(text.error().fault, BagFault::kFormat) << text.error().sentence;
+  EXPECT_TRUE(says(text, "not a database")) << text.error().sentence;
   write_bag(folder / "run", 1);
   const auto bag = expect_value(WholeBag::open(folder / "run"));
   const auto none = bag.read_topic("/nobody");
-  EXPECT_EQ(none.error().fault, BagFault::kNoSuchTopic);
-  EXPECT_NE(none.error().sentence.find(kState.name), std::string::npos);
+  EXPECT_TRUE(says(none, "no topic '/nobody'") && says(none, kState.name)) << none.error().sentence;
 }
 
 // As `ros2 bag record` of Jazzy leaves it after a split: version 9, schema 4, two files.
@@ -316,7 +310,6 @@ TEST(BagReader, ReadsABagOfJazzyInTwoFiles) {
   ros_distro: jazzy
 )";
   const auto bag = expect_value(WholeBag::open(folder / "jazzy"));
-  EXPECT_TRUE(bag.warnings().empty());
   EXPECT_EQ(bag.metadata()->version, 9);
   EXPECT_NE(bag.metadata()->topics[0].offered_qos.find("reliable"), std::string::npos);
   const auto messages = expect_value(bag.read_topic("/chatter"));

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace voxtouch::bag::test {
@@ -50,6 +51,12 @@ template <class T, class Error>
 T expect_value(std::expected<T, Error>&& result) {
   if (!result) throw std::runtime_error(result.error().sentence);
   return std::move(*result);
+}
+
+/// Whether there is none, and the error's sentence has these words.
+template <class T, class Error>
+bool says(const std::expected<T, Error>& result, std::string_view words) {
+  return !result && result.error().sentence.contains(words);
 }
 
 }  // namespace voxtouch::bag::test

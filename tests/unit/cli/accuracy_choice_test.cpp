@@ -1,7 +1,6 @@
 /// From words to settings: defaults, order, and what is refused with which sentence.
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <stdexcept>
 
 #include "core/accuracy/advice.hpp"
@@ -65,20 +64,6 @@ TEST(AccuracyChoice, RefusesAModelByAreaWithWeightsOfOne) {
   expect_refused({.models = {"adapted", "clustered"}, .weights = {"one"}},
                  {"--weights one", "'clustered'", "add area"});
   expect_refused({.models = {"field"}, .weights = {"one"}}, {"--weights one", "'field'"});
-}
-
-TEST(AccuracyChoice, RefusesWordsThatItDoesNotKnowAndNamesThoseThatItDoes) {
-  expect_refused({.models = {"best"}}, {"--models", "'best'", "original, adapted, clustered and field"});
-  expect_refused({.models = {""}}, {"--models"});
-  expect_refused({.weights = {"two"}}, {"--weights", "'two'", "one", "area"});
-}
-
-TEST(AccuracyChoice, RefusesSizesAndDensitiesThatAreNone) {
-  for (const double bad :
-       {0.0, -0.001, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    expect_refused({.voxel_sizes_m = {0.001, bad}}, {"--voxel-sizes", "greater than 0"});
-    expect_refused({.shell_densities = {bad}}, {"--shell-densities", "greater than 0"});
-  }
 }
 
 TEST(AccuracyChoice, RefusesMoreSettingsThanAnyoneWouldWaitFor) {

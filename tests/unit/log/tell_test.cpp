@@ -70,7 +70,7 @@ TEST(Tell, MakesStringsPrintableAndLeavesItsFormatAlone) {
 TEST(Tell, CutsATextThatNobodyCouldRead) {
   const Pipe pipe;
   EXPECT_EQ(in_a_process_with_stderr(pipe.end[1], [] { tell("{}\n", std::string(50'000, 'x')); }), 7);
-  EXPECT_EQ(drain(pipe.end[0]), std::string(kLongestText, 'x') + "...\n");
+  EXPECT_EQ(drain(pipe.end[0]), std::string(kMaxTextBytes, 'x') + "...\n");
 }
 
 void tell_much_and_expect_no_wait() {

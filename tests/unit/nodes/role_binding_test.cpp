@@ -254,7 +254,7 @@ const Unlikely kUnlikely[] = {{.what = "name", .name = 257},
                               {.what = "count of words", .values = NodeRegistry::kMaxValues + 1},
                               {.what = "count of figures", .figures = NodeRegistry::kMaxValues + 1},
                               {.what = "name of a word", .values = 1, .key = 257},
-                              {.what = "word", .values = 1, .value = NodeRegistry::kLongestText + 1},
+                              {.what = "word", .values = 1, .value = NodeRegistry::kMaxTextBytes + 1},
                               {.what = "name of a figure", .figures = 1, .key = 257},
                               {.what = "unit", .figures = 1, .unit = 257}};
 
@@ -318,8 +318,8 @@ TEST_F(RoleTest, StatusesOfOurOwnAreCutToWhatARegistryAccepts) {
   report.session_id = 5, report.message = std::string(3000, 'm'), report.values["word"] = std::string(3000, 'w');
   node.status.publish(report);
   ASSERT_TRUE(comes([&] { return registry.report_of(node.participant.guid()) != nullptr; }));
-  EXPECT_EQ(registry.report_of(node.participant.guid())->message.size(), NodeRegistry::kLongestText);
-  EXPECT_EQ(registry.report_of(node.participant.guid())->values.at("word").size(), NodeRegistry::kLongestText);
+  EXPECT_EQ(registry.report_of(node.participant.guid())->message.size(), NodeRegistry::kMaxTextBytes);
+  EXPECT_EQ(registry.report_of(node.participant.guid())->values.at("word").size(), NodeRegistry::kMaxTextBytes);
   EXPECT_EQ(registry.refused(), 0U);
 }
 

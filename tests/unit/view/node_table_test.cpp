@@ -39,7 +39,7 @@ TEST(ViewNodeTable, ShowsWhoHasGoneWithoutAWord) {
 TEST(ViewNodeTable, HasRoomForSoManyAndNoMore) {
   NodeTable table;
   for (int n = 0; n < 1000; ++n) table.update(report("node" + std::to_string(n), 0), 0);
-  EXPECT_EQ(table.rows(0).size(), NodeTable::kMost);
+  EXPECT_EQ(table.rows(0).size(), NodeTable::kMaxNodes);
 }
 
 }  // namespace

@@ -1,0 +1,70 @@
+#!/usr/bin/python3
+"""Takes a picture of the page of `voxtouch up --view` in the middle of a run, in headless Chromium.
+
+usage: page_picture.py SCENE PICTURE [--motion M] [--after S] [--dark] [--domain N]
+"""
+import argparse
+import io
+import os
+import pathlib
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+for name, folder in ("VOXTOUCH_BIN", "build/bin"), ("VOXTOUCH_DEPLOY", "deploy"), ("VOXTOUCH_PICTURES", "build/tests/view"):
+    os.environ.setdefault(name, str(ROOT / folder))
+from browser_test import Browser  # noqa: E402
+from page_client import Process, until  # noqa: E402
+from PIL import Image  # noqa: E402
+
+MOST_BYTES = 200_000
+
+
+def take(browser, address, after_s, dark):
+    """A moment in contact, with points and ten seconds of charts."""
+    browser.open(address)
+    browser.js(f"localStorage.setItem('voxtouch-theme', '{'dark' if dark else 'light'}')")
+    browser.open(address + "&smooth")
+    time.sleep(after_s)
+
+    def touches():
+        return browser.js("(f => f && f.t > 10 && f.depth > 0 && (f.points || []).length > 0 && Math.hypot(...f.force) > 0.1)(voxtouch.frame)")
+
+    def picture():
+        if not touches():
+            return None
+        time.sleep(0.3)  # what is drawn follows
+        png = browser.driver.get_screenshot_as_png()
+        return png if touches() else None
+
+    return until(picture, 60, "a moment in contact")
+
+
+def small(png):
+    """In as many colours as fit into MOST_BYTES."""
+    picture = Image.open(io.BytesIO(png)).convert("RGB")
+    for colours in 256, 128, 64, 32:
+        out = io.BytesIO()
+        picture.quantize(colours, dither=Image.Dither.NONE).save(out, "PNG", optimize=True)
+        if out.tell() <= MOST_BYTES:
+            return out.getvalue()
+    sys.exit(f"the picture does not fit into {MOST_BYTES} bytes")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scene"), parser.add_argument("picture")
+    parser.add_argument("--motion", default="slide"), parser.add_argument("--after", type=float, default=6.0)
+    parser.add_argument("--dark", action="store_true"), parser.add_argument("--domain", default="0")
+    o = parser.parse_args()
+    with Process("up", o.scene, "--motion", o.motion, "--view", "--no-record", "--domain", o.domain) as ring:
+        browser = Browser()
+        try:
+            png = take(browser, ring.address(), o.after, o.dark)
+        finally:
+            browser.end()
+    pathlib.Path(o.picture).write_bytes(small(png))
+
+
+if __name__ == "__main__":
+    main()
