@@ -53,12 +53,8 @@ FriController::FriController(const ControllerConfig& config, hand::Hand hand, Fa
   path_.start(resting());
 }
 
-/// Close to normal, from sums: the same bits with every library.
 double FriController::noise() noexcept {
-  if (config_.torque_noise_nm == 0.0) return 0.0;
-  double sum = -6.0;
-  for (int i = 0; i < 12; ++i) sum += static_cast<double>(random_() >> 11) * 0x1p-53;
-  return config_.torque_noise_nm * sum;
+  return config_.torque_noise_nm == 0.0 ? 0.0 : config_.torque_noise_nm * sim::near_normal(random_);
 }
 
 lwr::fri::Quality FriController::quality() const noexcept {
@@ -339,9 +335,7 @@ void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
   wrench << axes.transpose() * hand.force, axes.transpose() * hand.torque;
   d.est_ext_tcp_ft = lwr::fri::to_wire(wrench);
   d.jacobian = lwr::fri::to_wire(in_axes(axes, terms.jacobian));
-  for (int row = 0; row < 7; ++row)
-    for (int col = 0; col < 7; ++col)
-      d.mass_matrix[static_cast<std::size_t>(7 * row + col)] = static_cast<float>(terms.mass(row, col));
+  Eigen::Map<Eigen::Matrix<float, 7, 7, Eigen::RowMajor>>(d.mass_matrix.data()) = terms.mass.cast<float>();
   d.gravity = lwr::fri::to_wire(terms.gravity);
 }
 

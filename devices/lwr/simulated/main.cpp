@@ -59,8 +59,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--tool", o.tool_m, "Tool's origin in the flange's frame, x y z [m]")->expected(3);
   app.add_option("--fault", o.faults,
                  "KIND@START[:DURATION[:VALUE]], seconds; many may be given. Kinds: loss answer_loss late jitter "
-                 "reorder duplicate "
-                 "nan drives_off drive_error estop quality silent");
+                 "reorder duplicate nan drives_off drive_error estop quality silent");
   app.add_option("--seed", o.seed, "Of noise and faults; default: the hand file's, or 0");
   app.add_option("--trace", o.trace_file, "CSV of every period");
   app.add_flag("--task-frame-base", o.task_frame_base, "$STIFFNESS.TASKFRAME is the base, not the tool");
