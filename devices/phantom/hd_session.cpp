@@ -43,8 +43,7 @@ HdSession::Claim::Claim(const hd::Api& functions) : api(functions) {
   if (g_in_use.exchange(true))
     throw devices::DeviceOpenError(
         "device 'phantom': a Phantom is open in this process already, and its servo loop serves one; close it first, "
-        "or start "
-        "another process");
+        "or start another process");
 }
 
 HdSession::Claim::~Claim() {
@@ -83,8 +82,7 @@ void HdSession::initiate() {
     if (initiate(name, tried)) return;
   throw devices::DeviceOpenError(
       fmt::format("device 'phantom': no device could be initiated ({}). Is it plugged in and switched on, set up with "
-                  "the vendor's tool "
-                  "under that name, and may this user read and write its port?",
+                  "the vendor's tool under that name, and may this user read and write its port?",
                   tried));
 }
 
@@ -190,8 +188,7 @@ void HdSession::calibrate_encoders() {
   if (api_.hdCheckCalibration() != hd::kCalibrationOk)
     throw devices::DeviceOpenError(
         "device 'phantom': it is not calibrated after its encoders were set to zero; hold all links at right angles "
-        "and open it "
-        "again");
+        "and open it again");
   must("checking the calibration");
 }
 

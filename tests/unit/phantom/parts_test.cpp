@@ -191,29 +191,5 @@ TEST(HdTrouble, ALibraryThatNeverRunsOutOfErrorsDoesNotHoldTheServoThread) {
   EXPECT_LE(asked, 256);
 }
 
-TEST(PhantomOptions, SayWhichIsWrong) {
-  const auto message = [](PhantomOptions o) -> std::string {
-    try {
-      o.validate();
-    } catch (const devices::DeviceOpenError& e) {
-      return e.what();
-    }
-    return "";
-  };
-  EXPECT_EQ(message({}), "");
-  PhantomOptions o;
-  o.silence_s = kNan;
-  EXPECT_NE(message(o).find("silence_s"), std::string::npos);
-  o = {};
-  o.max_force_n = -1.0;
-  EXPECT_NE(message(o).find("max_force_n"), std::string::npos);
-  o = {};
-  o.rate_hz = 7;
-  EXPECT_NE(message(o).find("rate_hz"), std::string::npos);
-  o = {};
-  o.velocity_cutoff_hz = 0.0;
-  EXPECT_NE(message(o).find("velocity_cutoff_hz"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace voxtouch::phantom
