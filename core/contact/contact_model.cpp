@@ -19,15 +19,9 @@ constexpr std::array<std::string_view, 4> kNames = {"original", "adapted", "clus
 
 /// What both laws report in the same way: counts, mean normal, coherence. True if the points agree well enough on it.
 bool summarise(const HitList& hits, ContactResult& result) noexcept {
-  result = {};
-  result.surface_hits = static_cast<std::uint32_t>(hits.surface.size());
-  result.interior_hits = static_cast<std::uint32_t>(hits.interior.size());
-  result.points_tested = hits.tested;
-  result.pose_status = hits.pose_status;
+  begin_result(hits, result);
   if (hits.surface.empty()) return true;
-  const double length = hits.surface.normal_sum().norm(), weights = hits.surface.weight_sum();
-  if (weights > 0.0) result.coherence = length / weights;
-  if (length > 0.0) result.mean_normal = hits.surface.normal_sum() / length;
+  tell_mean_normal(hits.surface.normal_sum(), hits.surface.weight_sum(), result);
   return result.coherence > limits::kFallbackCoherence;
 }
 
