@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/types/enum_name.hpp"
+
 namespace voxtouch::lwr::fri {
 namespace {
 
@@ -38,15 +40,9 @@ bool known(Control control) noexcept { return control <= Control::kJointImpedanc
 }  // namespace
 
 std::string_view name_of(PacketFault fault) noexcept {
-  switch (fault) {
-    case PacketFault::kNone: return "none";
-    case PacketFault::kLength: return "length";
-    case PacketFault::kId: return "datagram id";
-    case PacketFault::kSizeField: return "size field";
-    case PacketFault::kEnum: return "undefined state, quality or control";
-    case PacketFault::kNotFinite: return "not finite";
-  }
-  return "unknown";
+  constexpr std::array<std::string_view, 6> kNames{
+      "none", "length", "datagram id", "size field", "undefined state, quality or control", "not finite"};
+  return name_in(kNames, fault);
 }
 
 PacketFault decode(std::span<const std::byte> datagram, MsrPacket& packet) noexcept {

@@ -122,13 +122,11 @@ hand::Hand make_hand(Options& o) {
 
 void tell(FriController& controller) {
   while (const auto event = controller.take_event()) {
+    const std::string why = event->why ? fmt::format(": {}", sentence_of(event->why.reason)) : "";
     if (event->from == event->to)
-      fmt::print(stderr, "t={:.3f} s, {}: {}\n", event->time_s, name_of(event->to), sentence_of(event->why.reason));
-    else if (!event->why)
-      fmt::print(stderr, "t={:.3f} s: {} -> {}\n", event->time_s, name_of(event->from), name_of(event->to));
+      fmt::print(stderr, "t={:.3f} s, {}{}\n", event->time_s, name_of(event->to), why);
     else
-      fmt::print(stderr, "t={:.3f} s: {} -> {}: {}\n", event->time_s, name_of(event->from), name_of(event->to),
-                 sentence_of(event->why.reason));
+      fmt::print(stderr, "t={:.3f} s: {} -> {}{}\n", event->time_s, name_of(event->from), name_of(event->to), why);
   }
 }
 
