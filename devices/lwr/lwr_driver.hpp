@@ -64,9 +64,8 @@ DeviceDescription describe_lwr(double period_s);
 /// its way back into command mode by itself.
 ///
 /// Force is J^T F, geometric Jacobian of the tool, plus the posture torque (posture_torque.hpp), with stiffness zero and the
-/// commanded position at the measured one. The joint torques of a command that would need
-/// more than `max_add_torque_nm` are made smaller in proportion. Twist is the Jacobian times low-passed joint rates; it lags by
-/// `twist_lag_s()`.
+/// commanded position at the measured one. The joint torques of a command that would need more than `max_add_torque_nm` are made
+/// smaller in proportion. Twist is the Jacobian times low-passed joint rates, and lags as JointRates says.
 ///
 /// Time: periods counted from the first measurement (virtual time: from the first sample in command mode). A controller that
 /// announces virtual time (fri::kVirtualTime) makes `simulated()` true: it waits for each answer, so `read` waits for it, up to
@@ -94,7 +93,6 @@ class LwrDriver : public devices::Driver {
   std::uint64_t clock_disagreements() const noexcept { return clock_ ? clock_->disagreements() : 0; }
   /// What keeps the force off and what to do, or that nothing does; with the drives' bits as joint names. Allocates.
   std::string status_text() const;
-  double twist_lag_s() const noexcept { return rates_.lag_s(1e-9 * static_cast<double>(period_ns_)); }
   UdpEndpoint local() const noexcept { return socket_.local(); }
   UdpEndpoint controller() const noexcept { return controller_; }
 

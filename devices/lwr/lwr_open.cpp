@@ -134,9 +134,8 @@ LwrDriver::~LwrDriver() {
   disengage();
   try {
     if (!options_.capture_file.empty()) capture_.write(options_.capture_file);
-  } catch (
-      const std::
-          exception&) {  // the file could be opened at the start; a disk that has filled since is no reason to abort
+  } catch (const std::exception&) {
+    // The file could be opened at the start; a disk that has filled since is no reason to abort.
   }
 }
 

@@ -11,6 +11,7 @@
 #include "devices/operator/hand_file.hpp"
 #include "devices/phantom/phantom_driver.hpp"
 #include "devices/phantom/phantom_models.hpp"
+#include "devices/phantom/simulated/models.hpp"
 #include "devices/settings.hpp"
 #include "devices/sim/parameters.hpp"
 
@@ -184,14 +185,9 @@ DeviceDescription describe_wire_phantom(const devices::DeviceOptions& options) {
   parse_faults(settings);
   const PhantomOptions driver = driver_options(settings);
   const std::string model = settings.text("model").value_or("premium");
-  PhantomFacts facts;
-  facts.model = model == "premium"        ? "PHANTOM Premium 1.5"
-                : model == "premium-6dof" ? "PHANTOM Premium 1.5 6DOF"
-                : model == "desktop"      ? "PHANTOM Desktop"
-                : model == "omni"         ? "PHANTOM Omni"
-                                          : "";
-  if (facts.model.empty()) settings.refuse("model", model, "premium, premium-6dof, desktop or omni");
-  if (model == "premium-6dof") facts.output_dof = 6;
+  const hd_sim::Model* known = hd_sim::find_model(model);
+  if (known == nullptr) settings.refuse("model", model, fmt::format("one of {}", hd_sim::model_keys()));
+  PhantomFacts facts{.model = known->type, .output_dof = known->output_dof};
   facts.rate_hz = driver.rate_hz.value_or(0);
   facts.max_force_n = std::min(phantom_figures(facts.model).max_force_n, driver.max_force_n.value_or(1e9));
   return describe_phantom(facts);

@@ -139,7 +139,6 @@ void HdSession::ask() {
   facts_.max_torque_nm = number(hd::kNominalMaxTorqueForce).value_or(0.0) * kMilli;
   facts_.max_impulse_n_per_s = number(hd::kSoftwareForceImpulseLimit).value_or(0.0) / kMilli;
   facts_.temperatures = number(hd::kMotorTemperature) ? std::clamp(facts_.output_dof, 0, 6) : 0;
-  facts_.gimbal = facts_.input_dof >= 6 && number(hd::kCurrentGimbalAngles).has_value();
   if (options_.max_force_n && !(facts_.max_force_n > 0.0 && facts_.max_force_n < *options_.max_force_n))
     facts_.max_force_n = *options_.max_force_n;
 }

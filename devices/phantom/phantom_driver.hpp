@@ -26,8 +26,8 @@ namespace voxtouch::phantom {
 /// within one period. Where the servo loop itself has died nothing can be set: `read` finds out after two periods and turns force
 /// output off; what an amplifier does until then is its own matter, and its own watchdog's.
 ///
-/// Orientation is the stylus's, gimbal included, made orthonormal. Twist is the driver's own (TwistEstimate); it lags by
-/// `twist_lag_s()`. Force is clamped lower while motors are warm (ThermalClamp).
+/// Orientation is the stylus's, gimbal included, made orthonormal. Twist is the driver's own, and lags as TwistEstimate says.
+/// Force is clamped lower while motors are warm (ThermalClamp).
 ///
 /// Time: from the first sample, by the monotonic clock. In virtual time, which only the simulated library has, `read` makes its ticks and
 /// `simulated()` is true: the first command acts in the second tick, as it would in reality, and the same calls give the same bits.
@@ -51,7 +51,6 @@ class PhantomDriver : public devices::Driver {
   const PhantomServo& servo() const noexcept { return *servo_; }
   const ServoSample& sample() const noexcept { return sample_; }
   const PhantomFacts& facts() const noexcept { return session_->facts(); }
-  double twist_lag_s() const noexcept { return servo_->twist_lag_s(); }
 
  private:
   using Clock = PhantomServo::Clock;

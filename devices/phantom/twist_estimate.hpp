@@ -7,8 +7,8 @@
 namespace voxtouch::phantom {
 
 /// Backward difference over the time that really passed, then a first-order low-pass by backward Euler: twist += w dt / (1 + w dt)
-/// (difference - twist), w = 2 pi `cutoff_hz`. Any dt is stable. The twist lags a steady acceleration by `lag_s`: half a period of the
-/// difference and 1 / w of the low-pass. Outer frame's axes. Real-time safe.
+/// (difference - twist), w = 2 pi `cutoff_hz`. Any dt is stable. The twist lags a steady acceleration by half a period (the
+/// difference) and 1 / w (the low-pass). Outer frame's axes. Real-time safe.
 class TwistEstimate {
  public:
   /// `cutoff_hz`: f of the low-pass, above 0.
@@ -27,8 +27,6 @@ class TwistEstimate {
   }
   /// The next pose starts anew, at rest: after a gap a difference says nothing about now.
   void restart() noexcept { started_ = false, twist_ = {}; }
-  const Twist& twist() const noexcept { return twist_; }
-  double lag_s(double period_s) const noexcept { return 1.0 / per_s_ + period_s / 2.0; }
 
  private:
   double per_s_;

@@ -53,7 +53,6 @@ SimParameters sim_phantom() {
   p.inertia_kg_m2 = 1e-4;              // this and the rest of the gimbal: assumed
   p.damping_nms_per_rad = 1e-3;
   p.coulomb_friction_nm = 0.0;
-  p.orientation_resolution_rad = 1e-3;
   p.velocity_filter_hz = 50.0;         // assumed: a vendor's smoothing is not published
   p.hand = *hand::grip("pen");
   return p;
@@ -89,7 +88,6 @@ SimParameters sim_lwr() {
   p.inertia_kg_m2 = 0.1;                 // derived from assumed motor inertia of the wrist, divided by four
   p.damping_nms_per_rad = 0.3;           // confirmed as a published model's value of joint 6
   p.coulomb_friction_nm = 0.1;           // likewise
-  p.orientation_resolution_rad = 1e-4;   // assumed
   p.velocity_filter_hz = 50.0;           // assumed
   p.hand = *hand::grip("arm");
   return p;

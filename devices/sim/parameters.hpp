@@ -13,7 +13,6 @@ struct SimParameters {
   double inertia_kg_m2 = 1e-3;               ///< about any axis
   double damping_nms_per_rad = 0.0;
   double coulomb_friction_nm = 0.0;
-  double orientation_resolution_rad = 0.0;   ///< 0: not quantised; likewise description.position_resolution_m
   double velocity_filter_hz = 50.0;          ///< first-order low-pass of the reported twist
   OperatorConfig hand;                       ///< how such a device is usually held
 };

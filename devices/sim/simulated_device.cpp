@@ -17,7 +17,7 @@ SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& h
     : description_(p.description),
       period_ns_(std::llround(1e9 / p.description.rate_hz)),
       plant_(p, hand::checked_grip(hand), hand::checked_motion(std::move(motion))),
-      encoder_(p.description.position_resolution_m, p.orientation_resolution_rad, p.velocity_filter_hz,
+      encoder_(p.description.position_resolution_m, p.description.orientation_resolution_rad, p.velocity_filter_hz,
                1.0 / p.description.rate_hz),
       force_path_(p.description, substep_s(p.description)),
       tremor_(hand.tremor_n, hand.tremor_bandwidth_hz, 1.0 / p.description.rate_hz, seed) {

@@ -30,17 +30,12 @@ void ControllerConfig::validate() const {
   const int ticks = ticks_of(period_s);
   require(ticks >= 1 && ticks <= 100 && std::abs(period_s - ticks * kTick) < 1e-9, "period_s",
           "1 to 100 whole milliseconds");
-  require(safety_limits > 0.0 && safety_limits <= 1.0, "safety_limits", "in (0, 1]");
   quality.validate();
   require(plant.pose_FT.finite(), "plant.tool_in_flange", "finite");
   require(start_rad.allFinite() && (start_rad.cwiseAbs().array() <= plant.position_limit_rad.array()).all(),
           "start_rad", "within the joints' limits");
-  require(overlay_delay_ticks >= 0 && overlay_delay_ticks <= static_cast<int>(CommandPath::kMaxDelay),
-          "overlay_delay_ticks", "in [0, 100]");
   require(overlay_lag_s >= 0.0 && overlay_lag_s < 1.0, "overlay_lag_s", "in [0, 1)");
   require(torque_noise_nm >= 0.0 && torque_noise_nm < 100.0, "torque_noise_nm", "in [0, 100)");
-  require(position_resolution_rad >= 0.0 && position_resolution_rad < 0.01, "position_resolution_rad", "in [0, 0.01)");
-  require(script_pause_s >= 0.0 && script_pause_s < 60.0, "script_pause_s", "in [0, 60)");
 }
 
 FriController::FriController(const ControllerConfig& config, hand::Hand hand, FaultSchedule faults)

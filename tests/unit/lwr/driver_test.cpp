@@ -221,7 +221,6 @@ TEST(LwrDriver, SaysWhatItIs) {
   EXPECT_EQ(d.input_dof, 6U);
   EXPECT_EQ(d.output_dof, 6U);
   EXPECT_FALSE(driver->simulated());
-  EXPECT_NEAR(driver->twist_lag_s(), 4.18e-3, 1e-4);
 }
 
 TEST(LwrDriver, StampsSamplesByTheControllersPeriods) {
