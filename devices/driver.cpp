@@ -1,18 +1,13 @@
 #include "devices/driver.hpp"
 
+#include "core/types/enum_name.hpp"
+
 namespace voxtouch::devices {
 
 std::string_view name_of(DeviceError error) noexcept {
-  switch (error) {
-    case DeviceError::kTimeout: return "timeout";
-    case DeviceError::kDisconnected: return "disconnected";
-    case DeviceError::kNotFinite: return "not_finite";
-    case DeviceError::kLimit: return "limit";
-    case DeviceError::kProtocol: return "protocol";
-    case DeviceError::kRecoverable: return "recoverable";
-    case DeviceError::kFault: return "fault";
-  }
-  return "unknown";
+  constexpr std::array<std::string_view, 7> kNames{"timeout",  "disconnected", "not_finite", "limit",
+                                                   "protocol", "recoverable",  "fault"};
+  return name_in(kNames, error);
 }
 
 }  // namespace voxtouch::devices

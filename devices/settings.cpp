@@ -62,28 +62,21 @@ void SettingReader::refuse(std::string_view key, std::string_view value, std::st
   throw DeviceOpenError(fmt::format("device '{}': option {} is '{}', but has to be {}", device_, key, value, rule));
 }
 
-std::optional<double> SettingReader::number(std::string_view key) const {
+template <class Number>
+std::optional<Number> SettingReader::within(std::string_view key, Number low, Number high, std::string_view kind) const {
   const auto value = text(key);
   if (!value) return std::nullopt;
-  const auto parsed = parse_finite(*value);
-  if (!parsed) refuse(key, *value, "a finite number");
-  return parsed;
-}
-
-std::optional<std::uint32_t> SettingReader::whole(std::string_view key) const {
-  const auto value = text(key);
-  if (!value) return std::nullopt;
-  const auto parsed = parse_number<std::uint32_t>(*value);
-  if (!parsed) refuse(key, *value, "a whole number of 0 or more");
+  const auto parsed = parse_number<Number>(*value);
+  if (!parsed || !(*parsed >= low && *parsed <= high)) refuse(key, *value, fmt::format("{} in [{}, {}]", kind, low, high));
   return *parsed;
 }
 
-std::optional<std::uint16_t> SettingReader::port(std::string_view key) const {
-  const auto value = text(key);
-  if (!value) return std::nullopt;
-  const auto parsed = parse_number<std::uint16_t>(*value);
-  if (!parsed || *parsed == 0) refuse(key, *value, "a UDP port, 1 to 65535");
-  return *parsed;
+std::optional<double> SettingReader::number(std::string_view key, double low, double high) const {
+  return within(key, low, high, "a number");
+}
+
+std::optional<std::uint32_t> SettingReader::whole(std::string_view key, std::uint32_t low, std::uint32_t high) const {
+  return within(key, low, high, "a whole number");
 }
 
 std::optional<Vec3> SettingReader::vector(std::string_view key) const {

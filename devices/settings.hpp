@@ -24,14 +24,17 @@ class SettingReader {
 
   /// Absent: the key was not given.
   std::optional<std::string> text(std::string_view key) const;
-  std::optional<double> number(std::string_view key) const;        ///< finite
-  std::optional<std::uint32_t> whole(std::string_view key) const;  ///< 0 or more
-  std::optional<std::uint16_t> port(std::string_view key) const;   ///< 1 to 65535
+  /// The next two: from `low` to `high`, in the unit of the key's name.
+  std::optional<double> number(std::string_view key, double low, double high) const;
+  std::optional<std::uint32_t> whole(std::string_view key, std::uint32_t low, std::uint32_t high) const;
   std::optional<Vec3> vector(std::string_view key) const;          ///< "X,Y,Z", finite
   std::vector<std::string> all(std::string_view key) const;        ///< of a key that may come more than once
   [[noreturn]] void refuse(std::string_view key, std::string_view value, std::string_view rule) const;
 
  private:
+  template <class Number>
+  std::optional<Number> within(std::string_view key, Number low, Number high, std::string_view kind) const;
+
   std::string device_;
   const DeviceSettings& settings_;
 };

@@ -146,8 +146,7 @@ void name_choices(const std::vector<AccuracyRow>& rows, AccuracyAdvice& out) {
     out.row = out.knee;
     const AccuracyRow &from = rows[*out.knee], &to = rows[exact];
     out.sentence += fmt::format(
-        "; the knee is {}: from there to the most accurate the error falls {} times, for {} "
-        "times the time",
+        "; the knee is {}: from there to the most accurate the error falls {} times, for {} times the time",
         named(*out.knee), figure(from.direction_median_deg / std::max(to.direction_median_deg, kMinDirectionDeg)),
         figure(to.median_us / from.median_us));
   }

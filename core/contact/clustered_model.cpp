@@ -5,6 +5,7 @@
 
 #include "core/contact/limits.hpp"
 #include "core/contact/patch_normals.hpp"
+#include "core/contact/push_sums.hpp"
 #include "core/contact/stiffness_sum.hpp"
 
 namespace voxtouch::contact {
@@ -29,11 +30,7 @@ void ClusteredModel::look_up(const HitList& hits) const noexcept {
 }
 
 void ClusteredModel::evaluate(const HitList& hits, ContactResult& result) const noexcept {
-  result = {};
-  result.surface_hits = static_cast<std::uint32_t>(hits.surface.size());
-  result.interior_hits = static_cast<std::uint32_t>(hits.interior.size());
-  result.points_tested = hits.tested;
-  result.pose_status = hits.pose_status;
+  begin_result(hits, result);
   const std::size_t count = hits.surface.size() + hits.interior.size();
   if (count == 0 || count > planes_.size()) return;
   look_up(hits);
@@ -66,9 +63,7 @@ void ClusteredModel::evaluate(const HitList& hits, ContactResult& result) const 
       result.deepest_point = hits.pose_WT.position + hit.arm;
     }
   });
-  const double length = normals.norm();
-  if (weights > 0.0) result.coherence = length / weights;
-  if (length > 0.0) result.mean_normal = normals / length;
+  tell_mean_normal(normals, weights, result);
   result.wrench = {stiffness_ * force, stiffness_ * torque};
   result.stiffness_bound_n_per_m = stiffness_ * pushing;
   if (sum.any()) sum.add_to(stiffness_, result.stiffness);

@@ -10,6 +10,7 @@
 #include "core/contact/limits.hpp"
 #include "core/contact/push_sums.hpp"
 #include "core/contact/stiffness_sum.hpp"
+#include "core/types/enum_name.hpp"
 #include "core/types/smoothstep.hpp"
 
 namespace voxtouch::contact {
@@ -19,15 +20,9 @@ constexpr std::array<std::string_view, 4> kNames = {"original", "adapted", "clus
 
 /// What both laws report in the same way: counts, mean normal, coherence. True if the points agree well enough on it.
 bool summarise(const HitList& hits, ContactResult& result) noexcept {
-  result = {};
-  result.surface_hits = static_cast<std::uint32_t>(hits.surface.size());
-  result.interior_hits = static_cast<std::uint32_t>(hits.interior.size());
-  result.points_tested = hits.tested;
-  result.pose_status = hits.pose_status;
+  begin_result(hits, result);
   if (hits.surface.empty()) return true;
-  const double length = hits.surface.normal_sum().norm(), weights = hits.surface.weight_sum();
-  if (weights > 0.0) result.coherence = length / weights;
-  if (length > 0.0) result.mean_normal = hits.surface.normal_sum() / length;
+  tell_mean_normal(hits.surface.normal_sum(), hits.surface.weight_sum(), result);
   return result.coherence > limits::kFallbackCoherence;
 }
 
@@ -92,18 +87,13 @@ double mean_share(ContactModelKind kind, double coherence) noexcept {
                                              : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
 }
 
-std::string_view name_of(ContactModelKind kind) noexcept {
-  const auto index = static_cast<std::size_t>(kind) - 1;
-  return index < kNames.size() ? kNames[index] : std::string_view("unknown");
-}
+std::string_view name_of(ContactModelKind kind) noexcept { return name_in(kNames, static_cast<std::size_t>(kind) - 1); }
 
 bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept {
-  for (std::size_t index = 0; index < kNames.size(); ++index) {
-    if (word != kNames[index]) continue;
-    kind = static_cast<ContactModelKind>(index + 1);
-    return true;
-  }
-  return false;
+  std::size_t place = 0;
+  const bool known = find_name(kNames, word, place);
+  if (known) kind = static_cast<ContactModelKind>(place + 1);  // scenes count them from 1
+  return known;
 }
 
 std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters,

@@ -176,7 +176,7 @@ void ContactStage::returning_point(const HitList& hits, const Hit& hit, const Re
   returning_.push_back({hit.point, before.push, left});
 }
 
-/// What a point in an interior voxel pushes with from now on. `next_retained` walks through held_, as the points do.
+/// What a point in an interior voxel pushes with from now on. `next_retained` walks through retained_, as the points do.
 ContactStage::RetainedHit ContactStage::retained_hit(const HitList& hits, const Hit& hit, std::size_t& next_retained) const noexcept {
   while (next_retained < retained_.size() && retained_[next_retained].point < hit.point) ++next_retained;
   RetainedHit out{hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};

@@ -1,6 +1,7 @@
 #include "core/contact/field_model.hpp"
 
 #include "core/contact/limits.hpp"
+#include "core/contact/push_sums.hpp"
 #include "core/contact/stiffness_sum.hpp"
 
 namespace voxtouch::contact {
@@ -36,11 +37,7 @@ bool at_its_end(const Hit& hit, const voxmap::FieldSample& sample) noexcept {
 }  // namespace
 
 void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noexcept {
-  result = {};
-  result.surface_hits = static_cast<std::uint32_t>(hits.surface.size());
-  result.interior_hits = static_cast<std::uint32_t>(hits.interior.size());
-  result.points_tested = hits.tested;
-  result.pose_status = hits.pose_status;
+  begin_result(hits, result);
   if (hits.surface.empty() && hits.interior.empty()) return;
 
   const voxmap::Grid& grid = field_.grid();
@@ -60,9 +57,7 @@ void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noex
         result.deepest_point = hits.pose_WT.position + hit.arm;
       }
     }
-  const double length = sums.normals.norm();
-  if (sums.weights > 0.0) result.coherence = length / sums.weights;
-  if (length > 0.0) result.mean_normal = sums.normals / length;
+  tell_mean_normal(sums.normals, sums.weights, result);
   result.wrench = {stiffness_ * sums.force, stiffness_ * sums.torque};
   result.stiffness_bound_n_per_m = stiffness_ * sums.stiffness;
   if (sums.along.any()) sums.along.add_to(stiffness_, result.stiffness);

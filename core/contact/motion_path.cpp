@@ -2,15 +2,12 @@
 
 #include <cmath>
 
+#include "core/types/rotation_vector.hpp"
+
 namespace voxtouch::contact {
 
 MotionPath::MotionPath(const Pose& from, const Pose& to) noexcept
-    : from_(from), to_(to), shift_(to.position - from.position), turn_(Vec3::Zero()) {
-  Quat turn = to.orientation * from.orientation.conjugate();
-  if (turn.w() < 0.0) turn.coeffs() *= -1.0;
-  const double sine = turn.vec().norm();
-  if (sine > 0.0) turn_ = (2.0 * std::atan2(sine, turn.w()) / sine) * turn.vec();
-}
+    : from_(from), to_(to), shift_(to.position - from.position), turn_(rotation_vector(from.orientation, to.orientation)) {}
 
 Pose MotionPath::at(double t) const noexcept {
   if (!(t > 0.0)) return from_;

@@ -152,4 +152,18 @@ void add_normals(const Hits& hits, Vec3& normals, double& weights) noexcept {
   weights = sums[3];
 }
 
+void begin_result(const HitList& hits, ContactResult& result) noexcept {
+  result = {};
+  result.surface_hits = static_cast<std::uint32_t>(hits.surface.size());
+  result.interior_hits = static_cast<std::uint32_t>(hits.interior.size());
+  result.points_tested = hits.tested;
+  result.pose_status = hits.pose_status;
+}
+
+void tell_mean_normal(const Vec3& normals, double weights, ContactResult& result) noexcept {
+  const double length = normals.norm();
+  if (weights > 0.0) result.coherence = length / weights;
+  if (length > 0.0) result.mean_normal = normals / length;
+}
+
 }  // namespace voxtouch::contact

@@ -26,4 +26,10 @@ void push_along_mean(const Hits& hits, const Vec3& mean, double stiffness, const
 /// Goes on with sums of weight * normal and of weights.
 void add_normals(const Hits& hits, Vec3& normals, double& weights) noexcept;
 
+/// Begins a result with what every model tells alike: the counts, and whether the pose could be looked up.
+void begin_result(const HitList& hits, ContactResult& result) noexcept;
+
+/// Coherence and mean normal from such sums.
+void tell_mean_normal(const Vec3& normals, double weights, ContactResult& result) noexcept;
+
 }  // namespace voxtouch::contact

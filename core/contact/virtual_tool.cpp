@@ -9,17 +9,10 @@
 
 #include "core/contact/limits.hpp"
 #include "core/contact/tool_friction.hpp"
+#include "core/types/rotation_vector.hpp"
 
 namespace voxtouch::contact {
 namespace {
-
-Vec3 rotation_vector(const Quat& from, const Quat& to) noexcept {
-  Quat turn = to * from.conjugate();
-  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
-  const double sine = turn.vec().norm();
-  if (!(sine > 0.0)) return Vec3::Zero();
-  return (2.0 * std::atan2(sine, turn.w()) / sine) * turn.vec();
-}
 
 /// `turn` or the same the other way round: near half a turn, whichever lies nearer to the last one.
 Vec3 keep_axis(const Vec3& turn, const Vec3& last) noexcept {

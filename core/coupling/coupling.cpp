@@ -5,8 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/types/enum_name.hpp"
+
 namespace voxtouch::coupling {
 namespace {
+
+constexpr std::array<std::string_view, 3> kNames{"direct", "shaping_filter", "spring_damper"};
 
 class Findings {
  public:
@@ -41,20 +45,8 @@ void validate_cutoff(const CouplingSpec& spec, double sample_time_s, std::vector
 
 }  // namespace
 
-std::string_view name_of(CouplingKind kind) noexcept {
-  switch (kind) {
-    case CouplingKind::kDirect: return "direct";
-    case CouplingKind::kShapingFilter: return "shaping_filter";
-    case CouplingKind::kSpringDamper: return "spring_damper";
-  }
-  return "unknown";
-}
-
-bool parse_coupling(std::string_view word, CouplingKind& kind) noexcept {
-  for (const auto k : {CouplingKind::kDirect, CouplingKind::kShapingFilter, CouplingKind::kSpringDamper})
-    if (word == name_of(k)) return kind = k, true;
-  return false;
-}
+std::string_view name_of(CouplingKind kind) noexcept { return name_in(kNames, kind); }
+bool parse_coupling(std::string_view word, CouplingKind& kind) noexcept { return find_name(kNames, word, kind); }
 
 double cutoff_rad_per_s(const CouplingSpec& spec) noexcept { return 2.0 * std::numbers::pi * spec.cutoff_hz; }
 

@@ -4,21 +4,13 @@
 #include <numbers>
 
 #include "core/coupling/input_policy.hpp"
+#include "core/types/rotation_vector.hpp"
 
 namespace voxtouch::coupling {
 namespace {
 
 /// How far a quaternion's norm may be from one [F7], and a velocity component that is none: denormal numbers are slow.
 constexpr double kNormBand = 1e-3, kRest = 1e-30;
-
-/// Rotation vector of `to * from^-1`, the shorter way round.
-Vec3 turn_between(const Quat& from, const Quat& to) noexcept {
-  const Quat way = to * from.conjugate();
-  const double sine = way.vec().norm();
-  if (!(sine > 0.0)) return Vec3::Zero();
-  const double angle = 2.0 * std::atan2(sine, std::abs(way.w()));
-  return std::copysign(angle / sine, way.w()) * way.vec();
-}
 
 void blend(Vec3& mean, double old_share, const Vec3& sample) noexcept {
   mean = old_share * mean + (1.0 - old_share) * sample;
@@ -59,7 +51,7 @@ const ToolStep& ToolMotion::step(const Pose& tool, double dt_s) noexcept {
 
 void ToolMotion::move_to(const Vec3& position, const Quat& orientation) noexcept {
   if (anchored_) {
-    const Vec3 shift = position - last_.position, turn = turn_between(last_.orientation, orientation);
+    const Vec3 shift = position - last_.position, turn = rotation_vector(last_.orientation, orientation);
     if (shift.norm() <= limits_.linear_m_per_s * elapsed_s_ && turn.norm() <= limits_.angular_rad_per_s * elapsed_s_) {
       step_ = {true, shift, turn};
       const double old_share = std::exp(-cutoff_rad_per_s_ * elapsed_s_);

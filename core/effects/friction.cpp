@@ -145,19 +145,13 @@ extern const EffectKind kFriction = {
     .says = "Surfaces hold the tool until it is pulled hard enough, and rub while it slides.",
     .equations =
         "F = -k z at the touched point, z the bend of a bristle across the contact force N n: dz = way of the tool's "
-        "point "
-        "against the object's, while |z| <= mu N / k; beyond it slips, |z| = mu N / k (elastic-plastic: Prandtl; "
-        "Hayward and "
-        "Armstrong 2000, whose drift-free band is the whole of |z| here). mu falls from sticking * coulomb to coulomb "
-        "over "
-        "2 (sticking - 1) coulomb N / k of slip, so that dF/dx >= -k there, and mends over as much bending. z turns "
-        "with n and "
-        "with the object, unstretched. A law of ways, not of time: a tool at rest feels a constant force. Gives no "
-        "energy on any "
-        "path while the object rests: k z^2 / 2 is stored, shrinks with N and never grows with it; gain and region scale "
-        "mu, not k. Stiffness: k, and "
-        "while it slips mu "
-        "times the contact's as a coupling between depth and force.",
+        "point against the object's, while |z| <= mu N / k; beyond it slips, |z| = mu N / k (elastic-plastic: Prandtl; "
+        "Hayward and Armstrong 2000, whose drift-free band is the whole of |z| here). mu falls from sticking * coulomb "
+        "to coulomb over 2 (sticking - 1) coulomb N / k of slip, so that dF/dx >= -k there, and mends over as much "
+        "bending. z turns with n and with the object, unstretched. A law of ways, not of time: a tool at rest feels a "
+        "constant force. Gives no energy on any path while the object rests: k z^2 / 2 is stored, shrinks with N and "
+        "never grows with it; gain and region scale mu, not k. Stiffness: k, and while it slips mu times the contact's "
+        "as a coupling between depth and force.",
     .energy = EnergyBehaviour::kDissipative,
     .shares_inside = true,
     .friction = [](const EffectValues& values) { return values.number(kCoulomb); },

@@ -50,9 +50,8 @@ extern const EffectKind kGuideLine = {
     .says = "The tool's origin slides freely along a line and is held across it with a limited force.",
     .equations =
         "U = phi(distance to the line or segment), F = -grad U, phi as of guide_point. The distance to a convex set is "
-        "convex, "
-        "so |dF/dx| <= k beside the line and round its ends. Conservative. Stable for k < b / (T/2 + t_d) (Colgate and "
-        "Schenkel 1997), b the damping of hand and device.",
+        "convex, so |dF/dx| <= k beside the line and round its ends. Conservative. Stable for k < b / (T/2 + t_d) "
+        "(Colgate and Schenkel 1997), b the damping of hand and device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,
     .bound = guide_bound,

@@ -40,10 +40,9 @@ extern const EffectKind kGuidePlane = {
     .says = "The tool's origin is held on a plane, or kept from going behind it, with a limited force.",
     .equations =
         "U = phi(|h|), h the height over the plane; with sides: one U = phi(max(0, -h)) (forbidden region); F = -grad "
-        "U, phi as "
-        "of guide_point. |dF/dx| <= k along the normal, 0 along the plane. Conservative; with sides: one U is 0 on the "
-        "free "
-        "side. Stable for k < b / (T/2 + t_d) (Colgate and Schenkel 1997), b the damping of hand and device.",
+        "U, phi as of guide_point. |dF/dx| <= k along the normal, 0 along the plane. Conservative; with sides: one U "
+        "is 0 on the free side. Stable for k < b / (T/2 + t_d) (Colgate and Schenkel 1997), b the damping of hand and "
+        "device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,
     .bound = guide_bound,

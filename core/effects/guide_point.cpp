@@ -22,10 +22,9 @@ extern const EffectKind kGuidePoint = {
     .says = "The tool's origin is drawn to a point and held there with a limited force.",
     .equations =
         "U = phi(|x - p|), F = -grad U: a spring k that goes over smoothly to the force limit F (virtual fixture, "
-        "Rosenberg "
-        "1993), and with beyond: release back to nothing at R. |dF/dx| <= k. Conservative. Sampled with a delay t_d "
-        "before a "
-        "hand and device of damping b it stays stable for k < b / (T/2 + t_d) (Colgate and Schenkel 1997).",
+        "Rosenberg 1993), and with beyond: release back to nothing at R. |dF/dx| <= k. Conservative. Sampled with a "
+        "delay t_d before a hand and device of damping b it stays stable for k < b / (T/2 + t_d) (Colgate and Schenkel "
+        "1997).",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,
     .bound = guide_bound,

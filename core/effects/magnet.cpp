@@ -53,14 +53,10 @@ extern const EffectKind kMagnet = {
     .says = "The tool's origin snaps to a point when it comes near, and comes off when it is pulled away.",
     .equations =
         "U = -U0 (1 - r^2/R^2)^3 within R, else 0 (twice differentiable at the rim); F = -grad U = -6 U0 / R^2 (1 - "
-        "r^2/R^2)^2 r, "
-        "at most F = force_n at r = R / sqrt(5), so U0 = 25 sqrt(5) / 96 F R. |dF/dx| <= 3.494 F / R, reached at the "
-        "point; "
-        "beyond R / sqrt(5) the pull falls with the distance (curvature down to -0.8 of that), which no stiffness "
-        "matrix shows. "
-        "Conservative. Stable at the point for 3.494 F / R < b / (T/2 + t_d) (Colgate and Schenkel 1997), b the "
-        "damping of hand "
-        "and device.",
+        "r^2/R^2)^2 r, at most F = force_n at r = R / sqrt(5), so U0 = 25 sqrt(5) / 96 F R. |dF/dx| <= 3.494 F / R, "
+        "reached at the point; beyond R / sqrt(5) the pull falls with the distance (curvature down to -0.8 of that), "
+        "which no stiffness matrix shows. Conservative. Stable at the point for 3.494 F / R < b / (T/2 + t_d) (Colgate "
+        "and Schenkel 1997), b the damping of hand and device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,
     .bound = bound,

@@ -123,13 +123,11 @@ extern const EffectKind kProximity = {
     .says = "Static objects push the tool off before it touches them, the more the nearer it comes.",
     .equations =
         "U = sum a_i p(d(x_i)) over points x_i that stand for shares a_i of the tool's surface (sum 1), d the smoothed "
-        "signed "
-        "distance; F = -sum a_i p'(d) grad d, torque sum r_i x F_i; -p' = F S(1 - |d|/R), S the smoothstep (force "
-        "field from outer "
-        "layers, McNeely et al. 1999). |F| <= sqrt(3) F, |dF/dx| <= 3 (3/2) F / R + 6 F / h, h the smoothing; before a "
-        "flat wall (3/2) F / R. Conservative; without torque for motions that do not turn the tool. Stable for that "
-        "bound below "
-        "b / (T/2 + t_d) (Colgate and Schenkel 1997), b the damping of hand and device.",
+        "signed distance; F = -sum a_i p'(d) grad d, torque sum r_i x F_i; -p' = F S(1 - |d|/R), S the smoothstep "
+        "(force field from outer layers, McNeely et al. 1999). |F| <= sqrt(3) F, |dF/dx| <= 3 (3/2) F / R + 6 F / h, h "
+        "the smoothing; before a flat wall (3/2) F / R. Conservative; without torque for motions that do not turn the "
+        "tool. Stable for that bound below b / (T/2 + t_d) (Colgate and Schenkel 1997), b the damping of hand and "
+        "device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,
     .needs = needs,

@@ -76,13 +76,10 @@ extern const EffectKind kSurfaceDamping = {
     .says = "Sliding over a surface is slow going, as through a film of oil, and lifting off it too if asked for.",
     .equations =
         "F = -s(N) (b v_t + b_n v_n) at the touched point (Stokes), v its velocity against the object's, s the "
-        "smoothstep of "
-        "the contact force N from 0 to full_force_n: none without contact, no step at its begin. Several objects share "
-        "one "
-        "s of 1. Dissipative while the objects rest. Sampled with a delay t_d and behind a filter of lag L a mass m "
-        "stays "
-        "stable for b < (pi/2) m / (L + t_d). Where N changes with depth, so does F: s'(N) b v times the contact's "
-        "stiffness.",
+        "smoothstep of the contact force N from 0 to full_force_n: none without contact, no step at its begin. Several "
+        "objects share one s of 1. Dissipative while the objects rest. Sampled with a delay t_d and behind a filter of "
+        "lag L a mass m stays stable for b < (pi/2) m / (L + t_d). Where N changes with depth, so does F: s'(N) b v "
+        "times the contact's stiffness.",
     .energy = EnergyBehaviour::kDissipative,
     .parameters = kParameters,
     .needs = needs,

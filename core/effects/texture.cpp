@@ -107,19 +107,13 @@ extern const EffectKind kTexture = {
     .says = "Surfaces have a relief, ridges or bumps, that pushes the tool along the surface.",
     .equations =
         "F = -A s(N) grad h across the normal, at the foot of the contact force's axis, h read there in W with |grad "
-        "h| <= 1, "
-        "s the smoothstep of the contact force N from 0 to full_force_n (lateral force: Minsky 1995; that it alone is "
-        "felt as "
-        "relief: Robles-De-La-Torre and Hayward 2001). On a flat surface pressed with full_force_n or more it is the "
-        "potential "
-        "A h and gives no energy; where the pressure changes on the way, or the surface is curved, at most A joule for "
-        "each metre "
-        "of the point's way. Stiffness at most 2 pi A / wavelength (grating), 7.5 A / wavelength (noise), and A s'(N) "
-        "times the "
-        "contact's. The relief is sampled: at f samples a second a speed v shows v / wavelength right below f/2 only "
-        "(1 kHz, 1 mm: "
-        "0.5 m/s; ten samples a ridge: 0.1 m/s), and a wavelength should be ten steps of the device's encoders or "
-        "more.",
+        "h| <= 1, s the smoothstep of the contact force N from 0 to full_force_n (lateral force: Minsky 1995; that it "
+        "alone is felt as relief: Robles-De-La-Torre and Hayward 2001). On a flat surface pressed with full_force_n or "
+        "more it is the potential A h and gives no energy; where the pressure changes on the way, or the surface is "
+        "curved, at most A joule for each metre of the point's way. Stiffness at most 2 pi A / wavelength (grating), "
+        "7.5 A / wavelength (noise), and A s'(N) times the contact's. The relief is sampled: at f samples a second a "
+        "speed v shows v / wavelength right below f/2 only (1 kHz, 1 mm: 0.5 m/s; ten samples a ridge: 0.1 m/s), and a "
+        "wavelength should be ten steps of the device's encoders or more.",
     .energy = EnergyBehaviour::kBounded,
     .parameters = kParameters,
     .needs = needs,

@@ -35,9 +35,8 @@ extern const EffectKind kViscosity = {
     .name = "viscosity",
     .says = "The tool moves as through a thick liquid, everywhere alike.",
     .equations =
-        "F = -b v up to 2 m/s, torque = -b_r w (Stokes). Dissipative. Sampled with a delay t_d and behind a filter of lag L a mass "
-        "m "
-        "stays stable for b < (pi/2) m / (L + t_d); the scene is refused above half of that.",
+        "F = -b v up to 2 m/s, torque = -b_r w (Stokes). Dissipative. Sampled with a delay t_d and behind a filter of "
+        "lag L a mass m stays stable for b < (pi/2) m / (L + t_d); the scene is refused above half of that.",
     .energy = EnergyBehaviour::kDissipative,
     .parameters = kParameters,
     .needs = needs,

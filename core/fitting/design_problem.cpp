@@ -19,8 +19,8 @@ Caps caps_of(const scene::Scene& scene) noexcept {
   return {scene.design->stiffness_cap_n_per_m.value_or(kNone), scene.design->stiffness_cap_nm_per_rad.value_or(kNone)};
 }
 
-coupling::design::ContactRange at_hand(const coupling::design::ContactRange& in_world, double cap, double scale) noexcept {
-  return {std::min(in_world.one_point, cap) * scale, std::min(in_world.all_points, cap) * scale};
+coupling::design::ContactRange range_D(const coupling::design::ContactRange& range_W, double cap, double scale) noexcept {
+  return {std::min(range_W.one_point, cap) * scale, std::min(range_W.all_points, cap) * scale};
 }
 
 /// Of a virtual tool's spring: no stiffer than the device can show. What is capped is the spring and nothing else, so the designer may
@@ -53,19 +53,19 @@ HandScales hand_scales(const scene::WorkspaceMapping& device) noexcept {
 }
 
 coupling::design::DesignProblem design_problem(const scene::Scene& scene, const coupling::design::DeviceModel& device,
-                                               const coupling::design::ContactRange& translation_in_world,
-                                               const coupling::design::ContactRange& rotation_in_world) {
+                                               const coupling::design::ContactRange& translation_W,
+                                               const coupling::design::ContactRange& rotation_W) {
   const scene::DesignOptions options = scene.design.value_or(scene::DesignOptions{});
   const HandScales scales = hand_scales(scene.device);
   const Caps caps = caps_of(scene);
   coupling::design::DesignProblem request;
   request.device = device;
   request.hand = scene::operator_range(options, device.grip);
-  rendering::StiffnessBounds bounds{translation_in_world, rotation_in_world};
+  rendering::StiffnessBounds bounds{translation_W, rotation_W};
   const bool spring = rendering::is_spring(bounds);
   if (spring) bounds = of_spring(scene, device, bounds);
-  request.contact = at_hand(bounds.translation, caps.n_per_m, scales.translation);
-  request.contact_rotation = at_hand(bounds.rotation, caps.nm_per_rad, scales.rotation);
+  request.contact = range_D(bounds.translation, caps.n_per_m, scales.translation);
+  request.contact_rotation = range_D(bounds.rotation, caps.nm_per_rad, scales.rotation);
   coupling::design::DesignGoals& goals = request.goals;
   goals.kind = options.kind;
   goals.cutoff_hz = options.cutoff_hz;
@@ -81,7 +81,7 @@ double largest_spring_n_per_m(const scene::Scene& scene, const coupling::design:
   return device.translation.max_stiffness / hand_scales(scene.device).translation;
 }
 
-coupling::CouplingSpec spec_in_world(const coupling::design::Design& design, const scene::Scene& scene) noexcept {
+coupling::CouplingSpec spec_W(const coupling::design::Design& design, const scene::Scene& scene) noexcept {
   const HandScales scales = hand_scales(scene.device);
   const Caps caps = caps_of(scene);
   coupling::CouplingSpec spec = scaled(design.spec, {1.0 / scales.translation, 1.0 / scales.rotation});
@@ -90,15 +90,15 @@ coupling::CouplingSpec spec_in_world(const coupling::design::Design& design, con
   return spec;
 }
 
-coupling::CouplingSpec spec_at_hand(const coupling::CouplingSpec& in_world, const scene::WorkspaceMapping& device) noexcept {
-  return scaled(in_world, hand_scales(device));
+coupling::CouplingSpec spec_D(const coupling::CouplingSpec& spec_W, const scene::WorkspaceMapping& device) noexcept {
+  return scaled(spec_W, hand_scales(device));
 }
 
 double stiffness_at_hand_n_per_m(const coupling::CouplingSpec& spec, const scene::WorkspaceMapping& device, double bound_n_per_m) noexcept {
   return coupling::displayed_stiffness_n_per_m(spec, bound_n_per_m) * hand_scales(device).translation;
 }
 
-coupling::CouplingLimits limits_in_world(const scene::WorkspaceMapping& scales, const coupling::design::DeviceModel& device) noexcept {
+coupling::CouplingLimits limits_W(const scene::WorkspaceMapping& scales, const coupling::design::DeviceModel& device) noexcept {
   const double max_torque_nm = device.gives_torque ? device.rotation.max_effort : 0.0;
   return {device.translation.max_effort / scales.force_scale, max_torque_nm * scales.position_scale / scales.force_scale};
 }

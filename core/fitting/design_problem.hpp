@@ -35,18 +35,18 @@ HandScales hand_scales(const scene::WorkspaceMapping& device) noexcept;
 ///    way without end: there is no force layer.
 ///  - The designer may choose caps where the scene gives neither.
 coupling::design::DesignProblem design_problem(const scene::Scene& scene, const coupling::design::DeviceModel& device,
-                                               const coupling::design::ContactRange& translation_in_world,
-                                               const coupling::design::ContactRange& rotation_in_world);
+                                               const coupling::design::ContactRange& translation_W,
+                                               const coupling::design::ContactRange& rotation_W);
 
 /// Of a virtual tool, in W: what the device can show at most.
 double largest_spring_n_per_m(const scene::Scene& scene, const coupling::design::DeviceModel& device) noexcept;
 
 /// What runs in W for a design: its caps, injected damping and spring-damper brought there, and never above the scene's
 /// own caps, which the designer took as given. Gain, cut-off, damping ratio and velocity filter have no scale.
-coupling::CouplingSpec spec_in_world(const coupling::design::Design& design, const scene::Scene& scene) noexcept;
+coupling::CouplingSpec spec_W(const coupling::design::Design& design, const scene::Scene& scene) noexcept;
 
 /// The other way, for a coupling that is set by hand and to be judged at the hand.
-coupling::CouplingSpec spec_at_hand(const coupling::CouplingSpec& in_world, const scene::WorkspaceMapping& device) noexcept;
+coupling::CouplingSpec spec_D(const coupling::CouplingSpec& spec_W, const scene::WorkspaceMapping& device) noexcept;
 
 /// Stiffness [N/m] at the hand for a contact of `bound_n_per_m` in W: what the coupling shows of it, up to its cap, times both
 /// scales of the device (a metre of the hand is position_scale metres in W, a newton in W is force_scale newtons there).
@@ -54,6 +54,6 @@ double stiffness_at_hand_n_per_m(const coupling::CouplingSpec& spec, const scene
 
 /// The device's largest force [N] and torque [Nm] in the units of W: / f and * s / f. Infinity stays infinity
 /// and 0 stays 0.
-coupling::CouplingLimits limits_in_world(const scene::WorkspaceMapping& scales, const coupling::design::DeviceModel& device) noexcept;
+coupling::CouplingLimits limits_W(const scene::WorkspaceMapping& scales, const coupling::design::DeviceModel& device) noexcept;
 
 }  // namespace voxtouch::fitting

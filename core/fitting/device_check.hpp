@@ -19,7 +19,7 @@ struct DeviceCheck {
 /// Why a device that gives no torque cannot show what is demanded, a sentence with what to do. Empty: it can.
 std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque);
 
-/// Judges `scene.coupling` as it is: for a designed coupling put the design's spec (spec_in_world) there first.
+/// Judges `scene.coupling` as it is: for a designed coupling put the design's spec (spec_W) there first.
 /// `stiffness_bound_n_per_m`: of all points that can push at once, not of one: the total is what the loop must stand.
 /// `stiffest`: what the sentence says to lower; empty: the stiffest of the scene as it was read.
 DeviceCheck check_device(const scene::Scene& scene, const coupling::design::DeviceModel& device, double stiffness_bound_n_per_m,

@@ -17,8 +17,7 @@ std::string refusal_of(const coupling::design::Design& design, const scene::Scen
   if (design.status != coupling::design::DesignStatus::kInfeasible || scene.design->run_infeasible) return "";
   return fmt::format(
       "No coupling holds for {} with this scene: {} To have it: {} Or set coupling.run_infeasible: true in the scene "
-      "to run "
-      "what was found ({:.3g} N/m).",
+      "to run what was found ({:.3g} N/m).",
       device.name, fmt::join(design.reasons, " "), fmt::join(design.remedies, " "), design.translation.shown_stiffness);
 }
 
@@ -38,13 +37,13 @@ FittedCoupling fit_coupling(const scene::Scene& scene, const coupling::design::D
     const coupling::design::DesignProblem request = design_problem(scene, device, bounds.translation, bounds.rotation);
     if (out.designed) {
       out.design = coupling::design::design_coupling(request);
-      out.spec = spec_in_world(out.design, scene);
+      out.spec = spec_W(out.design, scene);
       out.impossible = refusal_of(out.design, scene, device);
     } else {
-      out.design = coupling::design::judge_coupling(request, spec_at_hand(scene.coupling, scene.device));
+      out.design = coupling::design::judge_coupling(request, spec_D(scene.coupling, scene.device));
       out.spec = scene.coupling;
       // The controller is a safety net for every coupling; how much it may add is the device's matter, not the scene's.
-      const coupling::CouplingSpec judged = spec_in_world(out.design, scene);
+      const coupling::CouplingSpec judged = spec_W(out.design, scene);
       out.spec.passivity_damping_limit_ns_per_m = judged.passivity_damping_limit_ns_per_m;
       out.spec.passivity_damping_limit_nms_per_rad = judged.passivity_damping_limit_nms_per_rad;
     }

@@ -1,5 +1,7 @@
 #include "core/mesh/import.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "core/mesh/import_units.hpp"
@@ -10,24 +12,17 @@ namespace {
 
 /// The options with a unit quaternion.
 ImportOptions checked(const std::filesystem::path& path, ImportOptions options) {
-  if (!(options.scale > 0.0) || !std::isfinite(options.scale)) {
-    import::refuse(path, "the scale is " + std::to_string(options.scale),
-        "give one above 0 (0.001 for millimetres)");
-  }
-  if (!options.pose.finite() || !normalise_within(options.pose.orientation, 0.999, 1.001)) {
-    import::refuse(path, "its pose is not finite or its quaternion not of length one",
-        "give a unit quaternion w x y z");
-  }
-  if (!(options.voxel_size_m >= 0.0) || !std::isfinite(options.voxel_size_m)) {
-    import::refuse(path, "the voxel size is " + std::to_string(options.voxel_size_m),
-        "give one above 0, in metres");
-  }
+  if (!(options.scale > 0.0) || !std::isfinite(options.scale))
+    import::refuse(path, "the scale is " + std::to_string(options.scale), "give one above 0 (0.001 for millimetres)");
+  if (!options.pose.finite() || !normalise_within(options.pose.orientation, 0.999, 1.001))
+    import::refuse(path, "its pose is not finite or its quaternion not of length one", "give a unit quaternion w x y z");
+  if (!(options.voxel_size_m >= 0.0) || !std::isfinite(options.voxel_size_m))
+    import::refuse(path, "the voxel size is " + std::to_string(options.voxel_size_m), "give one above 0, in metres");
   return options;
 }
 
 std::string left_out(std::uint64_t count, const char* what) {
-  return std::to_string(count) + " " + what + (count == 1 ? " is" : "s are") +
-      " left out: only faces can be felt";
+  return fmt::format("{} {}{} left out: only faces can be felt", count, what, count == 1 ? " is" : "s are");
 }
 
 }  // namespace
@@ -47,11 +42,9 @@ ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, c
   result.warnings = std::move(read.warnings);
   if (read.points > 0) result.warnings.push_back(left_out(read.points, "point"));
   if (read.lines > 0) result.warnings.push_back(left_out(read.lines, "line"));
-  if (read.uncut > 0) {
-    result.warnings.push_back("polygons that cross themselves could not be cut: " +
-        std::to_string(read.uncut) +
-                              " triangles are missing; triangulate on export");
-  }
+  if (read.uncut > 0)
+    result.warnings.push_back(fmt::format(
+        "polygons that cross themselves could not be cut: {} triangles are missing; triangulate on export", read.uncut));
   // Welded before scaling: the file's own numbers say what coincides.
   const TriangleMesh welded = weld(read.mesh);
   const Eigen::AlignedBox3d box = bounds(welded);

@@ -1,5 +1,7 @@
 #include "core/mesh/mesh_bytes.hpp"
 
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -19,26 +21,18 @@ using import::refuse;
 std::uintmax_t size_of(const std::filesystem::path& path, std::uintmax_t most) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) {
-    refuse(path, "there is no such file", "check the path; a scene's paths start at the scene file's folder");
-  }
-  if (status.type() == std::filesystem::file_type::directory) {
-    refuse(path, "is a directory", "name the mesh file in it");
-  }
-  if (status.type() == std::filesystem::file_type::none) {
-    refuse(path, error.message(), "check the rights on its folders");
-  }
-  if (status.type() != std::filesystem::file_type::regular) {
-    refuse(path, "is not a regular file", "name a mesh file");
+  using Type = std::filesystem::file_type;
+  switch (status.type()) {
+    case Type::regular: break;
+    case Type::not_found: refuse(path, "there is no such file", "check the path; a scene's paths start at the scene file's folder");
+    case Type::directory: refuse(path, "is a directory", "name the mesh file in it");
+    case Type::none: refuse(path, error.message(), "check the rights on its folders");
+    default: refuse(path, "is not a regular file", "name a mesh file");
   }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) refuse(path, error.message(), "check the file");
   if (size == 0) refuse(path, "is empty", "export the mesh again");
-  if (size > most) {
-    refuse(path, "has " + std::to_string(size) + " bytes, and at most " +
-        std::to_string(most) + " are read",
-           "reduce the mesh");
-  }
+  if (size > most) refuse(path, fmt::format("has {} bytes, and at most {} are read", size, most), "reduce the mesh");
   return size;
 }
 

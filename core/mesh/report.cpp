@@ -1,8 +1,10 @@
 #include "core/mesh/report.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
-#include <locale>
-#include <sstream>
+#include <string_view>
 
 #include "core/mesh/topology.hpp"
 #include "core/mesh/weld.hpp"
@@ -93,17 +95,11 @@ void judge_orientation(const TriangleMesh& mesh, const std::vector<Side>& sides,
 }
 
 /// "12 open edges (at triangles 3, 4, 7, 8, 9, ...)"
-std::string counted(const Finding& f, const char* one, const char* many, const char* where) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  const std::string noun(where);
-  text << f.count << ' ' << (f.count == 1 ? one : many) << " (";
-  if (f.examples.size() == 1) text << noun << ' ';
-  if (f.examples.size() > 1) text << (noun == "vertex" ? "vertices" : noun + 's') << ' ';
-  for (std::size_t k = 0; k < f.examples.size(); ++k) text << (k ? ", " : "") << f.examples[k];
-  if (f.examples.size() == Finding::kExamples && f.count > f.examples.size()) text << ", ...";
-  text << ')';
-  return text.str();
+std::string counted(const Finding& f, const char* one, const char* many, std::string_view where) {
+  const bool plural = f.examples.size() > 1, more = f.examples.size() == Finding::kExamples && f.count > f.examples.size();
+  const std::string noun = !plural ? std::string(where) : where == "vertex" ? "vertices" : fmt::format("{}s", where);
+  return fmt::format("{} {} ({} {}{})", f.count, f.count == 1 ? one : many, noun, fmt::join(f.examples, ", "),
+                     more ? ", ..." : "");
 }
 
 }  // namespace
@@ -131,8 +127,7 @@ MeshReport inspect(const TriangleMesh& mesh) {
 
 std::vector<std::string> MeshReport::sentences() const {
   std::vector<std::string> all;
-  const auto say = [&](const Finding& f, const char* one, const char* many, const char* where,
-      const char* cost) {
+  const auto say = [&](const Finding& f, const char* one, const char* many, const char* where, const char* cost) {
     if (f.count > 0) all.push_back(counted(f, one, many, where) + cost);
   };
   say(not_finite_vertices, "vertex is not finite", "vertices are not finite", "vertex",

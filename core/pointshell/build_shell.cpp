@@ -66,10 +66,11 @@ Pointshell arrange(const std::vector<ShellPoint>& points, const voxmap::Grid& gr
   return shell;
 }
 
-/// Calls f(p, q) for every two points whose voxels share a face. One pass: each neighbour is sought ahead of
-/// its voxel by a pointer that only moves forward.
-template <class F>
-void for_each_neighbours(const std::vector<ShellPoint>& points, F&& f) {
+}  // namespace
+
+/// One pass: each neighbour is sought ahead of its voxel by a pointer that only moves forward.
+double largest_gap_m(const std::vector<ShellPoint>& points) {
+  double largest = 0.0;
   std::array<std::size_t, 3> ahead{};
   for (const ShellPoint& p : points) {
     const voxmap::VoxelIndex& v = p.voxel;
@@ -77,33 +78,19 @@ void for_each_neighbours(const std::vector<ShellPoint>& points, F&& f) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       std::size_t& at = ahead[axis];
       while (at < points.size() && points[at].voxel < next[axis]) ++at;
-      if (at < points.size() && points[at].voxel == next[axis]) f(p, points[at]);
+      if (at < points.size() && points[at].voxel == next[axis])
+        largest = std::max(largest, (p.point - points[at].point).norm());
     }
   }
-}
-
-}  // namespace
-
-double largest_gap_m(const std::vector<ShellPoint>& points) {
-  double largest = 0.0;
-  for_each_neighbours(points, [&](const ShellPoint& p, const ShellPoint& q) {
-    largest = std::max(largest, (p.point - q.point).norm());
-  });
   return largest;
 }
 
 Pointshell make_exact_shell(const std::vector<ShellPoint>& points, const voxmap::Grid& grid) {
-  Pointshell shell = arrange(points, grid, [](const ShellPoint& p) { return p.point; });
-  shell.largest_gap_m = largest_gap_m(points);
-  for (const ShellPoint& p : points)
-    shell.largest_centre_distance_m = std::max(shell.largest_centre_distance_m, p.distance_m);
-  return shell;
+  return arrange(points, grid, [](const ShellPoint& p) { return p.point; });
 }
 
 Pointshell make_naive_shell(const std::vector<ShellPoint>& points, const voxmap::Grid& grid) {
-  Pointshell shell = arrange(points, grid, [&](const ShellPoint& p) { return grid.centre(p.voxel); });
-  for_each_neighbours(points, [&](const ShellPoint&, const ShellPoint&) { shell.largest_gap_m = grid.edge; });
-  return shell;
+  return arrange(points, grid, [&](const ShellPoint& p) { return grid.centre(p.voxel); });
 }
 
 }  // namespace voxtouch::pointshell

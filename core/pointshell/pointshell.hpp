@@ -20,9 +20,6 @@ struct Pointshell {
   std::vector<double> coherence;
   std::vector<std::uint32_t> id;       ///< rank among the sorted surface voxels
   double edge = 0.0;                   ///< voxel edge the shell was built with [m]
-  /// largest distance between points of surface voxels that share a face [m]
-  double largest_gap_m = 0.0;
-  double largest_centre_distance_m = 0.0;  ///< largest distance of a point from the centre of its voxel [m]
 
   std::size_t size() const noexcept { return x.size(); }
   Vec3 point(std::size_t p) const { return {x[p], y[p], z[p]}; }

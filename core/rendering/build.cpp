@@ -201,14 +201,13 @@ void add_contact_law(const Kit& kit, const pointshell::Pointshell& shell, Static
   object.renderer.emplace(object.voxmap, shell, kit.model, parameters, object.field ? &*object.field : nullptr);
   kit.counts.shell_bytes += shell_bytes(shell);
   if (kit.has_virtual_tool()) return;  // one spring for all objects
-  const ContactStiffness contact =
+  const StiffnessBounds contact =
       contact_stiffness(shell, parameters, object.field ? object.field->steepest_gradient() : 1.0);
-  BuildCounts& counts = kit.counts;
   const auto add = [](const coupling::design::ContactRange& one, coupling::design::ContactRange& sum) {
     sum.one_point = std::max(sum.one_point, one.one_point);
     sum.all_points += one.all_points;
   };
-  add(contact.translation, counts.contact_n_per_m), add(contact.rotation, counts.contact_nm_per_rad);
+  add(contact.translation, kit.counts.contact.translation), add(contact.rotation, kit.counts.contact.rotation);
 }
 
 /// One spring, whatever it touches.
@@ -217,8 +216,7 @@ void add_virtual_tool(const Kit& kit, const contact::ContactRenderer& renderer, 
   ground.virtual_tool_lever_m = kit.scene.lever_m.value_or(0.0);
   const double reach = renderer.query().reach_m(), lever = kit.scene.lever_m.value_or(reach);
   if (!(reach > 0.0)) throw std::invalid_argument(kit.scene.file.string() + ": the tool is a point at its origin; a virtual tool needs one with a size");
-  const StiffnessBounds spring = spring_of_any_device(lever);
-  kit.counts.contact_n_per_m = spring.translation, kit.counts.contact_nm_per_rad = spring.rotation;
+  kit.counts.contact = spring_of_any_device(lever);
   kit.counts.virtual_tool_lever_m = lever;
 }
 

@@ -12,8 +12,8 @@ constexpr double kRoundingUp = 1.0 + 1e-12;
 
 }  // namespace
 
-ContactStiffness contact_stiffness(const pointshell::Pointshell& shell, const contact::ContactParameters& parameters, double steepest) {
-  ContactStiffness out;
+StiffnessBounds contact_stiffness(const pointshell::Pointshell& shell, const contact::ContactParameters& parameters, double steepest) {
+  StiffnessBounds out;
   if (shell.size() == 0) return out;
   const double stiffness = parameters.stiffness * steepest;
   double heaviest = 0.0, weights = 0.0, largest_moment = 0.0;

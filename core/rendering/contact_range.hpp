@@ -1,16 +1,10 @@
 #pragma once
 /// The stiffness that a tool's contact can show at most, before any coupling: what a coupling has to be designed for.
 #include "core/contact/contact_model.hpp"
-#include "core/coupling/design/loop_parts.hpp"
 #include "core/pointshell/pointshell.hpp"
+#include "core/rendering/plan.hpp"
 
 namespace voxtouch::rendering {
-
-/// In W: a point that pushes alone, and all that may push at once.
-struct ContactStiffness {
-  coupling::design::ContactRange translation;  ///< [N/m]
-  coupling::design::ContactRange rotation;     ///< about the tool's origin [Nm/rad]
-};
 
 /// Upper bounds for every pose, every contact model and every set S of points that push, whatever unit directions u_i
 /// they push along (also those that the stage holds). With K_i = K w_i for point i (its weight w_i is one, or its area) and
@@ -28,7 +22,7 @@ struct ContactStiffness {
 /// (field_model.hpp) are the sums above for two sets of unit directions, halved, with K_i |g_i| <= K_i steepest.
 ///
 /// An empty shell gives zeros. Not for the loop.
-ContactStiffness contact_stiffness(const pointshell::Pointshell& shell, const contact::ContactParameters& parameters,
+StiffnessBounds contact_stiffness(const pointshell::Pointshell& shell, const contact::ContactParameters& parameters,
                                    double steepest = 1.0);
 
 }  // namespace voxtouch::rendering

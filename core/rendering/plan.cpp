@@ -232,7 +232,7 @@ Plan make_plan(const scene::Scene& scene, const BuildCounts& counts) {
   plan.swept_m = contact::limits::kMaxSubPoses * contact::limits::kSubStepEdges * scene.voxel_size_m;
   plan.shell_points = counts.shell_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
-  plan.of_contact_alone = {counts.contact_n_per_m, counts.contact_nm_per_rad};
+  plan.of_contact_alone = counts.contact;
   const StiffnessBounds bounds = with_effects(plan.of_contact_alone, scene.effects);
   plan.contact_n_per_m = bounds.translation, plan.contact_nm_per_rad = bounds.rotation;
   plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes + counts.proximity_bytes;

@@ -12,6 +12,11 @@
 
 namespace voxtouch::rendering {
 
+/// In W: of what pushes alone, and of all that may push at once.
+struct StiffnessBounds {
+  coupling::design::ContactRange translation, rotation;  ///< [N/m]; [Nm/rad] about the tool's origin
+  bool operator==(const StiffnessBounds&) const = default;
+};
 /// What the builders counted, as plain numbers: the plan knows no voxmap and no pointshell.
 struct BuildCounts {
   std::uint64_t static_triangles = 0, dynamic_triangles = 0;
@@ -29,7 +34,7 @@ struct BuildCounts {
   double tool_gap_m = 0.0;                                 ///< no point of the tool's shell is farther from one of these [m]
   std::vector<std::string> open_meshes;              ///< static meshes that are not closed
   double virtual_tool_lever_m = 0.0;                 ///< [m]; 0: there is no virtual tool
-  coupling::design::ContactRange contact_n_per_m, contact_nm_per_rad;  ///< in W, without effects; see contact_range.hpp
+  StiffnessBounds contact;                           ///< without effects; see contact_range.hpp
   bool closed = true;                       ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;   ///< what is wrong with the meshes, as sentences
 };
@@ -43,11 +48,6 @@ struct PlanPart {
   double expected_ns = 0.0;  ///< a frame, at most: from counts, not measured; 0: nothing in a frame
 };
 
-/// In W: of what pushes alone, and of all that may push at once.
-struct StiffnessBounds {
-  coupling::design::ContactRange translation, rotation;  ///< [N/m]; [Nm/rad] about the tool's origin
-  bool operator==(const StiffnessBounds&) const = default;
-};
 /// Of a virtual tool's spring, before anybody knows the device: stiffer than any device can show, and against rotation that times the
 /// square of its lever. The fit brings it down to what the device and the certificates allow (design_problem.hpp).
 inline constexpr double kSpringOfAnyDevice = 1e8;  ///< [N/m]

@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "core/types/program_folder.hpp"
-#include "devices/counterpart.hpp"
+#include "devices/driver.hpp"
 
 namespace voxtouch::lwr {
 namespace {
@@ -99,8 +99,7 @@ void ControllerProcess::wait_until_ready() {
           fmt::format("device 'wire-lwr' cannot be opened: its simulated controller {}: {}", how, said()));
     if (Clock::now() > give_up)
       throw devices::DeviceOpenError(
-          "device 'wire-lwr' cannot be opened: its simulated controller did not get ready; is the "
-          "machine very busy?");
+          "device 'wire-lwr' cannot be opened: its simulated controller did not get ready; is the machine very busy?");
     std::this_thread::sleep_for(2ms);
   }
 }

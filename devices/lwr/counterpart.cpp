@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "devices/counterpart.hpp"
 #include "devices/lwr/controller_process.hpp"
 #include "devices/lwr/lwr_driver.hpp"
 #include "devices/operator/hand.hpp"
@@ -39,30 +38,27 @@ LwrOptions hardware_options(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = hardware_settings(options);
   LwrOptions o = driver_options(settings);
   o.address = settings.text("address").value_or(o.address);
-  o.port = settings.port("port").value_or(o.port);
+  o.port = static_cast<std::uint16_t>(settings.whole("port", 1, 65535).value_or(o.port));
   o.controller = settings.text("controller").value_or("");
-  o.connect_timeout_s = settings.number("connect_timeout_s").value_or(o.connect_timeout_s);
+  if (!o.controller.empty() && !parse_ipv4(o.controller))
+    settings.refuse("controller", o.controller, "an IPv4 address like 192.168.0.20, or empty");
+  o.connect_timeout_s = settings.number("connect_timeout_s", 0.0, 3600.0).value_or(o.connect_timeout_s);
   o.cancelled = options.cancelled;
-  o.validate();
   return o;
 }
 
 std::uint32_t period_ms(const devices::SettingReader& settings) {
-  const std::uint32_t period = settings.whole("period_ms").value_or(1);
-  if (period < 1 || period > 100) settings.refuse("period_ms", fmt::to_string(period), "in [1, 100]");
-  return period;
+  return settings.whole("period_ms", 1, 100).value_or(1);
 }
 
-class WireLwr final : public devices::Counterpart {
+/// The controller begins before the driver and ends after it, whose last messages need it.
+class WireLwr final : ControllerProcess, public LwrDriver {
  public:
-  WireLwr(LwrOptions driver, const devices::DeviceOptions& options, const devices::SettingReader& settings)
-      : process_(arguments(driver, options, settings), hand(driver, options)) {
-    driver_ = std::make_unique<LwrDriver>(driver);
-  }
-  ~WireLwr() override { driver_.reset(); }  // its last messages need the controller
+  WireLwr(const LwrOptions& driver, const devices::DeviceOptions& options, const devices::SettingReader& settings)
+      : ControllerProcess(arguments(driver, options, settings), hand(driver, options)), LwrDriver(driver) {}
 
   std::string trouble() const override {
-    const std::string of_driver = driver_->trouble(), how = process_.ending();
+    const std::string of_driver = LwrDriver::trouble(), how = ending();
     if (how.empty()) return of_driver;
     return fmt::format("its simulated controller {}{}{}", how, of_driver.empty() ? "" : "; ", of_driver);
   }
@@ -93,8 +89,6 @@ class WireLwr final : public devices::Counterpart {
     file.seed = options.seed;
     return hand::to_text(file);
   }
-
-  ControllerProcess process_;
 };
 
 }  // namespace
@@ -121,7 +115,6 @@ std::unique_ptr<devices::Driver> open_wire_lwr(const devices::DeviceOptions& opt
   driver.port = UdpSocket(driver.address, 0).local().port;
   driver.virtual_timeout_s = kVirtualTimeoutS;
   driver.cancelled = options.cancelled;
-  driver.validate();
   return std::make_unique<WireLwr>(driver, options, settings);
 }
 
@@ -129,7 +122,7 @@ sim::OperatorConfig usual_hand_at_wire_lwr() { return *hand::grip("arm-firm"); }
 
 DeviceDescription describe_wire_lwr(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = wire_settings(options);
-  driver_options(settings).validate();
+  driver_options(settings);
   return describe_lwr(1e-3 * period_ms(settings));
 }
 

@@ -4,10 +4,16 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/types/enum_name.hpp"
+
 namespace voxtouch::lwr::fri {
 namespace {
 
 constexpr std::array<int, 6> kOrder = {0, 1, 2, 5, 4, 3};  // its own inverse
+
+/// Numbers as they lie in a packet, row by row.
+template <int kRows, int kColumns>
+using WireRows = Eigen::Matrix<float, kRows, kColumns, kColumns == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
 
 template <std::size_t N>
 bool all_finite(const std::array<float, N>& values) noexcept {
@@ -34,15 +40,9 @@ bool known(Control control) noexcept { return control <= Control::kJointImpedanc
 }  // namespace
 
 std::string_view name_of(PacketFault fault) noexcept {
-  switch (fault) {
-    case PacketFault::kNone: return "none";
-    case PacketFault::kLength: return "length";
-    case PacketFault::kId: return "datagram id";
-    case PacketFault::kSizeField: return "size field";
-    case PacketFault::kEnum: return "undefined state, quality or control";
-    case PacketFault::kNotFinite: return "not finite";
-  }
-  return "unknown";
+  constexpr std::array<std::string_view, 6> kNames{
+      "none", "length", "datagram id", "size field", "undefined state, quality or control", "not finite"};
+  return name_in(kNames, fault);
 }
 
 PacketFault decode(std::span<const std::byte> datagram, MsrPacket& packet) noexcept {
@@ -86,59 +86,31 @@ CmdPacket empty_cmd() noexcept {
   return packet;
 }
 
-Vec6 from_wire(const CartVector& wire) noexcept {
-  Vec6 xyz;
-  for (int i = 0; i < 6; ++i) xyz[i] = wire[static_cast<std::size_t>(kOrder[static_cast<std::size_t>(i)])];
-  return xyz;
-}
-
 CartVector to_wire(const Vec6& xyz) noexcept {
   CartVector wire;
-  for (std::size_t i = 0; i < 6; ++i) wire[i] = static_cast<float>(xyz[kOrder[i]]);
+  Eigen::Map<WireRows<6, 1>>(wire.data()) = xyz(kOrder).cast<float>();
   return wire;
 }
 
 JacobianRows to_wire(const LwrJacobian& xyz) noexcept {
   JacobianRows wire;
-  for (int row = 0; row < 6; ++row)
-    for (int col = 0; col < 7; ++col)
-      wire[static_cast<std::size_t>(7 * row + col)] =
-          static_cast<float>(xyz(kOrder[static_cast<std::size_t>(row)], col));
+  Eigen::Map<WireRows<6, 7>>(wire.data()) = xyz(kOrder, Eigen::all).cast<float>();
   return wire;
 }
 
-LwrJoints from_wire(const Joints& wire) noexcept {
-  LwrJoints joints;
-  for (int i = 0; i < 7; ++i) joints[i] = wire[static_cast<std::size_t>(i)];
-  return joints;
-}
+LwrJoints from_wire(const Joints& wire) noexcept { return Eigen::Map<const WireRows<7, 1>>(wire.data()).cast<double>(); }
 
 Joints to_wire(const LwrJoints& joints) noexcept {
   Joints wire;
-  for (int i = 0; i < 7; ++i) wire[static_cast<std::size_t>(i)] = static_cast<float>(joints[i]);
+  Eigen::Map<WireRows<7, 1>>(wire.data()) = joints.cast<float>();
   return wire;
 }
 
-Pose from_wire(const Frame& wire) noexcept {
-  Mat3 rotation;
-  Pose pose;
-  for (int row = 0; row < 3; ++row) {
-    const auto at = static_cast<std::size_t>(4 * row);
-    rotation.row(row) << wire[at], wire[at + 1], wire[at + 2];
-    pose.position[row] = wire[at + 3];
-  }
-  pose.orientation = Quat(rotation).normalized();
-  return pose;
-}
-
 Frame to_wire(const Pose& pose) noexcept {
-  const Mat3 rotation = pose.orientation.toRotationMatrix();
   Frame wire;
-  for (int row = 0; row < 3; ++row) {
-    const auto at = static_cast<std::size_t>(4 * row);
-    for (int col = 0; col < 3; ++col) wire[at + static_cast<std::size_t>(col)] = static_cast<float>(rotation(row, col));
-    wire[at + 3] = static_cast<float>(pose.position[row]);
-  }
+  Eigen::Map<WireRows<3, 4>> rows(wire.data());
+  rows.leftCols<3>() = pose.orientation.toRotationMatrix().cast<float>();
+  rows.col(3) = pose.position.cast<float>();
   return wire;
 }
 

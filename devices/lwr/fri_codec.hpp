@@ -46,14 +46,11 @@ constexpr std::int32_t sequence_distance(std::uint16_t from, std::uint16_t to) n
 }
 
 // The wire's rotations come in the order Z, Y, X; the project's in X, Y, Z. All six-vectors and Jacobians pass through here.
-Vec6 from_wire(const CartVector& wire) noexcept;
 CartVector to_wire(const Vec6& xyz) noexcept;
 JacobianRows to_wire(const LwrJacobian& xyz) noexcept;
 LwrJoints from_wire(const Joints& wire) noexcept;
 /// A double beyond the floats becomes Inf, which `finite` refuses.
 Joints to_wire(const LwrJoints& joints) noexcept;
-/// The rotation is made orthonormal again: floats are not quite.
-Pose from_wire(const Frame& wire) noexcept;
 /// [R | p] as floats, p in m.
 Frame to_wire(const Pose& pose) noexcept;
 

@@ -17,21 +17,18 @@ std::string_view sentence_of(Trouble trouble) noexcept {
     case Trouble::kNone: return "in command mode";
     case Trouble::kQualityTooLowToStart:
       return "the connection's quality is too low to start: give it some seconds; if it stays, free this machine and "
-             "the cable of "
-             "other load, or open the interface with a longer period (friOpen)";
+             "the cable of other load, or open the interface with a longer period (friOpen)";
     case Trouble::kDrivesNotOn: return "the drives are off: switch them on, and start the KRL program";
     case Trouble::kDrivesWentOff:
       return "the drives went off (emergency stop, enabling switch, or a stop by the controller): acknowledge on the "
-             "panel, switch "
-             "them on, start again";
+             "panel, switch them on, start again";
     case Trouble::kDriveError: return "a drive reports an error: read and acknowledge it on the controller's panel";
     case Trouble::kProgramStillRuns:
       return "the KRL program has not yet followed the request to stop ($FRI_FRM_INT[2] = 0): is it running?";
     case Trouble::kStarting: return "waiting for the KRL program to call friStart";
     case Trouble::kStartTimedOut:
       return "the controller did not enter command mode in time: does the KRL program run, in a mode that moves the "
-             "arm, and "
-             "answer $FRI_FRM_INT[2] = 1 with friStart?";
+             "arm, and answer $FRI_FRM_INT[2] = 1 with friStart?";
     case Trouble::kDroppedOut:
       return "the controller left command mode by itself (late answers, or a limit): see its panel; it is asked again "
              "after a pause";
@@ -41,8 +38,7 @@ std::string_view sentence_of(Trouble trouble) noexcept {
       return "the connection's quality dropped in command mode: force is off until it is back";
     case Trouble::kWrongControlMode:
       return "the controller runs another control mode than the one asked for in $FRI_FRM_INT[1]: check that the KRL "
-             "program sets "
-             "$stiffness.strategy from it";
+             "program sets $stiffness.strategy from it";
     case Trouble::kTooFast: return "a joint is over its speed limit: force is off until it is slower";
     case Trouble::kClosed: return "the controller closed the interface (friClose)";
     case Trouble::kStopping: return "stopping";

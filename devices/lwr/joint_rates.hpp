@@ -8,8 +8,8 @@
 namespace voxtouch::lwr {
 
 /// Backward difference, then a first-order low-pass: rate += (1 - exp(-2 pi f dt)) (difference - rate). Any dt is stable. It lags a
-/// steady acceleration by `lag_s`: half a period of the difference and 1 / (2 pi f) of the low-pass, less the half period that a
-/// sampled low-pass is ahead, which is within one period of the sum given. Real-time safe.
+/// steady acceleration by half a period (the difference) and 1 / (2 pi f) (the low-pass), within a period: a sampled low-pass is
+/// half a period ahead. Real-time safe.
 class JointRates {
  public:
   /// `cutoff_hz`: f of the low-pass, above 0.
@@ -25,8 +25,6 @@ class JointRates {
   /// The next position starts anew, at rest: after a gap a difference says nothing.
   void restart() noexcept { started_ = false, rate_.setZero(); }
   const LwrJoints& rate() const noexcept { return rate_; }
-  /// The lag [s] at this period.
-  double lag_s(double period_s) const noexcept { return 1.0 / per_s_ + period_s / 2.0; }
 
  private:
   double per_s_;

@@ -198,16 +198,4 @@ bool LwrDriver::send(const fri::CmdPacket& packet) noexcept {
   return false;
 }
 
-LwrStatus LwrDriver::status() const noexcept {
-  LwrStatus status;
-  status.trouble = session_.trouble(), status.phase = session_.phase();
-  status.state = msr_.interface.state, status.quality = msr_.interface.quality;
-  status.power = msr_.robot.power, status.error = msr_.robot.error, status.warning = msr_.robot.warning;
-  status.starts = session_.starts(), status.drops = session_.drops();
-  status.clock_disagreements = clock_ ? clock_->disagreements() : 0;
-  status.sequence = sequence_.counts();
-  status.counts = counts_;
-  return status;
-}
-
 }  // namespace voxtouch::lwr

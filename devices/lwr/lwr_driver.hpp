@@ -51,19 +51,6 @@ struct LwrCounts {
 /// The numbers of an arm whose controller sends every `period_s`.
 DeviceDescription describe_lwr(double period_s);
 
-/// What can be asked while it runs. Real-time safe to take.
-struct LwrStatus {
-  fri::Trouble trouble = fri::Trouble::kNone;
-  fri::FriSession::Phase phase = fri::FriSession::Phase::kHalting;
-  fri::State state = fri::State::kInvalid;
-  fri::Quality quality = fri::Quality::kInvalid;
-  std::uint16_t power = 0, error = 0, warning = 0;  ///< a bit a drive, joint order of the wire
-  std::uint32_t starts = 0, drops = 0;
-  std::uint64_t clock_disagreements = 0;
-  fri::SequenceCounts sequence;
-  LwrCounts counts;
-};
-
 /// One thread owns it. Every measurement is answered: by `write`, or without push by the next `read` or by `stop` if `write` was
 /// left out, and at once by `read` where it returns an error about a measurement. So an error costs the force within the period
 /// that it is seen in.
@@ -72,21 +59,20 @@ struct LwrStatus {
 /// kProtocol (a measurement that cannot be trusted, or only malformed datagrams came), kFault (drive error, drives stay off, left
 /// command mode too often). While the controller is not in command mode samples come all the same, so that the answers keep coming
 /// that the quality is judged by.
-/// write: kNotFinite, kLimit (check_command), kRecoverable (not in command mode, quality dropped, too fast, not sent: `status`
+/// write: kNotFinite, kLimit (check_command), kRecoverable (not in command mode, quality dropped, too fast, not sent: `session`
 /// tells), kProtocol (the sample's pose was not valid), kTimeout (no unanswered measurement). After a kRecoverable the driver works
 /// its way back into command mode by itself.
 ///
 /// Force is J^T F, geometric Jacobian of the tool, plus the posture torque (posture_torque.hpp), with stiffness zero and the
-/// commanded position at the measured one. The joint torques of a command that would need
-/// more than `max_add_torque_nm` are made smaller in proportion. Twist is the Jacobian times low-passed joint rates; it lags by
-/// `twist_lag_s()`.
+/// commanded position at the measured one. The joint torques of a command that would need more than `max_add_torque_nm` are made
+/// smaller in proportion. Twist is the Jacobian times low-passed joint rates, and lags as JointRates says.
 ///
 /// Time: periods counted from the first measurement (virtual time: from the first sample in command mode). A controller that
 /// announces virtual time (fri::kVirtualTime) makes `simulated()` true: it waits for each answer, so `read` waits for it, up to
 /// `virtual_timeout_s` whatever its own timeout; the constructor then returns in command mode.
-class LwrDriver final : public devices::Driver {
+class LwrDriver : public devices::Driver {
  public:
-  /// Waits for the first measurement. Throws DeviceOpenError: options, port, nothing or nothing readable within
+  /// Waits for the first measurement. Throws DeviceOpenError: port, capture file, nothing or nothing readable within
   /// `connect_timeout_s`, a drive error; the sentence says what to check.
   explicit LwrDriver(const LwrOptions& options);
   /// No push, then the handshake out of command mode (kept up until the controller followed, at most `stop_timeout_s`); closes.
@@ -99,10 +85,14 @@ class LwrDriver final : public devices::Driver {
   bool simulated() const noexcept override { return virtual_time_; }
   std::string trouble() const override;
 
-  LwrStatus status() const noexcept;
+  /// For the thread that owns it: the handshake, the newest measurement, and what was counted so far. Real-time safe.
+  const fri::FriSession& session() const noexcept { return session_; }
+  const fri::MsrPacket& measurement() const noexcept { return msr_; }
+  const LwrCounts& counts() const noexcept { return counts_; }
+  const fri::SequenceCounts& sequence() const noexcept { return sequence_.counts(); }
+  std::uint64_t clock_disagreements() const noexcept { return clock_ ? clock_->disagreements() : 0; }
   /// What keeps the force off and what to do, or that nothing does; with the drives' bits as joint names. Allocates.
   std::string status_text() const;
-  double twist_lag_s() const noexcept { return rates_.lag_s(1e-9 * static_cast<double>(period_ns_)); }
   UdpEndpoint local() const noexcept { return socket_.local(); }
   UdpEndpoint controller() const noexcept { return controller_; }
 

@@ -20,7 +20,6 @@ fri::ComposerRules composer_rules(const LwrOptions& options, double period_s) {
 }
 
 LwrOptions checked(const LwrOptions& options) {
-  options.validate();
   if (!options.capture_file.empty() && !std::ofstream(options.capture_file, std::ios::binary))
     throw devices::DeviceOpenError(fmt::format("device 'lwr': cannot write the capture file '{}'", options.capture_file));
   return options;
@@ -44,7 +43,7 @@ LwrDriver::LwrDriver(const LwrOptions& options)
       capture_(options.capture_file.empty() ? 0 : options.capture_packets), arm_(options.pose_FT),
       limits_(lwr_limits()), session_(options.session), rates_(options.rate_cutoff_hz),
       rotation_DB_(options.pose_BD.orientation.conjugate()) {
-  if (!options_.controller.empty()) controller_.address = *parse_ipv4(options_.controller);
+  if (!options_.controller.empty()) controller_.address = parse_ipv4(options_.controller).value();
   connect();
   if (virtual_time_) start_in_virtual_time();
   describe();
@@ -98,8 +97,7 @@ std::string LwrDriver::nothing_came() const {
                        options_.controller, counts_.foreign);
   return fmt::format(
       "{}: check on the controller that the KRL program runs and has called friOpen, that friSetup names this "
-      "machine's "
-      "address and port {}, and check the cable, the network interface and the firewall",
+      "machine's address and port {}, and check the cable, the network interface and the firewall",
       where, socket_.local().port);
 }
 
@@ -136,9 +134,8 @@ LwrDriver::~LwrDriver() {
   disengage();
   try {
     if (!options_.capture_file.empty()) capture_.write(options_.capture_file);
-  } catch (
-      const std::
-          exception&) {  // the file could be opened at the start; a disk that has filled since is no reason to abort
+  } catch (const std::exception&) {
+    // The file could be opened at the start; a disk that has filled since is no reason to abort.
   }
 }
 
@@ -181,8 +178,7 @@ std::string LwrDriver::trouble() const {
   if (noted.trouble != fri::Trouble::kNone) return sentence_for(noted);
   if (noted.usable) return {};
   return "no force, the controller's measurement is not to be trusted: it holds numbers that are none or cannot be; "
-         "look at "
-         "its messages and the arm's sensors";
+         "look at its messages and the arm's sensors";
 }
 
 }  // namespace voxtouch::lwr

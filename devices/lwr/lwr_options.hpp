@@ -32,9 +32,6 @@ struct LwrOptions {
   std::string capture_file;  ///< pcap of the last packets, written at the end; empty: none
   std::size_t capture_packets = 20000;
   const std::atomic<bool>* cancelled = nullptr;  ///< DeviceOptions::cancelled
-
-  /// Throws DeviceOpenError that names field, value and rule.
-  void validate() const;
 };
 
 }  // namespace voxtouch::lwr

@@ -12,31 +12,30 @@ namespace {
 
 struct NamedGrip {
   std::string_view name;
-  double mass_kg, damping_ns_per_m, stiffness_n_per_m;
-  double inertia_kg_m2, damping_nms_per_rad, stiffness_nm_per_rad;
-  bool released = false;
+  sim::OperatorConfig config;
 };
+
+constexpr sim::OperatorConfig holding(double mass_kg, double damping_ns_per_m, double stiffness_n_per_m, double inertia_kg_m2,
+                                      double damping_nms_per_rad, double stiffness_nm_per_rad) {
+  return {.mass_kg = mass_kg, .damping_ns_per_m = damping_ns_per_m, .stiffness_n_per_m = stiffness_n_per_m,
+          .inertia_kg_m2 = inertia_kg_m2, .damping_nms_per_rad = damping_nms_per_rad,
+          .stiffness_nm_per_rad = stiffness_nm_per_rad, .carries_tool = true};
+}
 
 // Only "arm-measured" is one published subject (0.554 kg, 6.45 Ns/m, 135 N/m). The rest are middles and corners of published
 // or remembered ranges: fingertip 3.5..8.7 g, 4..7.4 Ns/m, 255..1255 N/m; pen 0.05..0.2 kg, 2..6 Ns/m, 200..1000 N/m; arm
 // 0.5..2 kg, 10..50 Ns/m, 50..800 N/m. What they do in turning is assumed.
 constexpr std::array kGrips{
-    NamedGrip{"fingertip", 0.006, 5.7, 750.0, 1e-5, 0.002, 0.1},
-    NamedGrip{"pen", 0.1, 4.0, 300.0, 1e-4, 0.01, 0.5},
-    NamedGrip{"pen-light", 0.05, 2.0, 200.0, 1e-4, 0.005, 0.2},
-    NamedGrip{"pen-firm", 0.05, 2.0, 1000.0, 1e-4, 0.01,
-              1.0},  // light, stiff, hardly damped: the corner hard to keep stable
-    NamedGrip{"arm", 1.3, 15.0, 200.0, 0.01, 0.3, 5.0},
-    NamedGrip{"arm-light", 0.5, 10.0, 50.0, 0.005, 0.1, 2.0},
-    NamedGrip{"arm-firm", 2.0, 50.0, 800.0, 0.02, 1.0, 20.0},
-    NamedGrip{"arm-measured", 0.554, 6.45, 135.0, 0.005, 0.2, 3.0},
-    NamedGrip{"released", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, true},
+    NamedGrip{"fingertip", holding(0.006, 5.7, 750.0, 1e-5, 0.002, 0.1)},
+    NamedGrip{"pen", holding(0.1, 4.0, 300.0, 1e-4, 0.01, 0.5)},
+    NamedGrip{"pen-light", holding(0.05, 2.0, 200.0, 1e-4, 0.005, 0.2)},
+    NamedGrip{"pen-firm", holding(0.05, 2.0, 1000.0, 1e-4, 0.01, 1.0)},  // light, stiff, hardly damped: the hardest to keep stable
+    NamedGrip{"arm", holding(1.3, 15.0, 200.0, 0.01, 0.3, 5.0)},
+    NamedGrip{"arm-light", holding(0.5, 10.0, 50.0, 0.005, 0.1, 2.0)},
+    NamedGrip{"arm-firm", holding(2.0, 50.0, 800.0, 0.02, 1.0, 20.0)},
+    NamedGrip{"arm-measured", holding(0.554, 6.45, 135.0, 0.005, 0.2, 3.0)},
+    NamedGrip{"released", {.released = true}},
 };
-
-const sim::OperatorConfig& checked(const sim::OperatorConfig& config) {
-  config.validate();
-  return config;
-}
 
 double checked_step(double step_s, double bandwidth_hz) {
   if (!(step_s > 0.0 && step_s <= 0.01)) throw std::runtime_error("simulated hand: the step has to be in (0, 0.01] s");
@@ -46,6 +45,11 @@ double checked_step(double step_s, double bandwidth_hz) {
 }
 
 }  // namespace
+
+const sim::OperatorConfig& checked_grip(const sim::OperatorConfig& grip) {
+  grip.validate();
+  return grip;
+}
 
 Motion checked_motion(Motion motion) {
   const auto finite = [](const Vec3& point) { return point.allFinite(); };
@@ -67,16 +71,7 @@ Motion checked_motion(Motion motion) {
 std::optional<sim::OperatorConfig> grip(std::string_view name) {
   const auto found = std::find_if(kGrips.begin(), kGrips.end(), [name](const NamedGrip& g) { return g.name == name; });
   if (found == kGrips.end()) return std::nullopt;
-  sim::OperatorConfig config;
-  config.released = found->released;
-  config.mass_kg = found->mass_kg;
-  config.damping_ns_per_m = found->damping_ns_per_m;
-  config.stiffness_n_per_m = found->stiffness_n_per_m;
-  config.inertia_kg_m2 = found->inertia_kg_m2;
-  config.damping_nms_per_rad = found->damping_nms_per_rad;
-  config.stiffness_nm_per_rad = found->stiffness_nm_per_rad;
-  config.carries_tool = !found->released;
-  return config;
+  return found->config;
 }
 
 const std::vector<std::string_view>& grip_names() {
@@ -90,7 +85,7 @@ const std::vector<std::string_view>& grip_names() {
 
 Hand::Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed, const ToolDrag& drag,
            double bandwidth_hz)
-    : config_(checked(config)), motion_(checked_motion(std::move(motion))), step_s_(checked_step(step_s, bandwidth_hz)),
+    : config_(checked_grip(config)), motion_(checked_motion(std::move(motion))), step_s_(checked_step(step_s, bandwidth_hz)),
       drag_(drag), seed_(seed), tremor_(config.tremor_n, config.tremor_bandwidth_hz, step_s, seed),
       first_(motion_at(motion_, 0.0).position), second_(first_), orientation_(motion_.orientation) {
   if (!std::isfinite(bandwidth_hz)) return;
@@ -140,7 +135,7 @@ MotionPoint Hand::lead(const MotionPoint& wanted) noexcept {
 }
 
 void Hand::grip_as(const sim::OperatorConfig& config) {
-  config_ = checked(config);
+  config_ = checked_grip(config);
   tremor_ = sim::Tremor(config.tremor_n, config.tremor_bandwidth_hz, step_s_, seed_);
 }
 

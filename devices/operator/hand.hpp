@@ -18,6 +18,8 @@ std::optional<sim::OperatorConfig> grip(std::string_view name);
 /// Those names, in that order.
 const std::vector<std::string_view>& grip_names();
 
+/// The grip itself. Throws as OperatorConfig::validate does.
+const sim::OperatorConfig& checked_grip(const sim::OperatorConfig& grip);
 /// The motion, its orientation normalised. Throws std::runtime_error, a sentence, for one that no hand can follow: no way point, a
 /// number that is not finite, no speed, an orientation that is none.
 Motion checked_motion(Motion motion);

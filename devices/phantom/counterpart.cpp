@@ -8,10 +8,10 @@
 
 #include "core/types/number.hpp"
 #include "core/types/program_folder.hpp"
-#include "devices/counterpart.hpp"
 #include "devices/operator/hand_file.hpp"
 #include "devices/phantom/phantom_driver.hpp"
 #include "devices/phantom/phantom_models.hpp"
+#include "devices/phantom/simulated/models.hpp"
 #include "devices/settings.hpp"
 #include "devices/sim/parameters.hpp"
 
@@ -87,8 +87,9 @@ PhantomOptions driver_options(const devices::SettingReader& settings) {
   PhantomOptions o;
   o.library = settings.text("library").value_or("");
   o.origin_in_d = settings.vector("rest").value_or(devices::usual_rest_in_d());
-  o.rate_hz = settings.whole("rate_hz");
-  o.max_force_n = settings.number("max_force_n");
+  if (o.origin_in_d.cwiseAbs().maxCoeff() > 10.0) settings.refuse("rest", *settings.text("rest"), "within 10 m of the origin of D");
+  o.rate_hz = settings.whole("rate_hz", 100, 10000);
+  o.max_force_n = settings.number("max_force_n", 1e-3, 1e3);
   return o;
 }
 
@@ -96,12 +97,11 @@ PhantomOptions hardware_options(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = hardware_settings(options);
   PhantomOptions o = driver_options(settings);
   o.name = settings.text("name").value_or("");
-  o.max_speed_m_per_s = settings.number("max_speed_m_per_s");
+  o.max_speed_m_per_s = settings.number("max_speed_m_per_s", 1e-3, 100.0);
   const std::string reset = settings.text("encoder_reset").value_or("if_needed");
   if (reset != "if_needed" && reset != "always") settings.refuse("encoder_reset", reset, "if_needed or always");
   o.encoder_reset = reset == "always" ? EncoderReset::kAlways : EncoderReset::kIfNeeded;
-  o.calibration_timeout_s = settings.number("calibration_timeout_s").value_or(o.calibration_timeout_s);
-  o.validate();
+  o.calibration_timeout_s = settings.number("calibration_timeout_s", 0.0, 3600.0).value_or(o.calibration_timeout_s);
   return o;
 }
 
@@ -113,9 +113,10 @@ const HdSimHooks& hooks_of(const HdLibrary& library) {
       library.name()));
 }
 
-class WirePhantom final : public devices::Counterpart {
- public:
-  WirePhantom(const PhantomOptions& driver, const devices::DeviceOptions& options, const devices::SettingReader& settings)
+/// The simulated library, told what it is to simulate before a driver opens it.
+class SimulatedArm {
+ protected:
+  SimulatedArm(const PhantomOptions& driver, const devices::DeviceOptions& options, const devices::SettingReader& settings)
       : hooks_(hooks_of(HdLibrary::load(driver.library))), faults_(parse_faults(settings)) {
     must(hooks_.use_virtual_time(options.lockstep));
     must(hooks_.set_seed(options.seed));
@@ -127,25 +128,33 @@ class WirePhantom final : public devices::Counterpart {
     must(hooks_.set_hand(hand.c_str()));
     must(hooks_.set_motion(hand.c_str()));
     must(hooks_.set_switches(0, 1, 1));  // the stylus is in its inkwell until the device is open
-    driver_ = std::make_unique<PhantomDriver>(driver);
+  }
+
+  const HdSimHooks& hooks_;
+  std::vector<Fault> faults_;  // by time
+
+ private:
+  void must(int result) const {
+    if (result < 0) throw devices::DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", kWire, hooks_.last_message()));
+  }
+};
+
+class WirePhantom final : SimulatedArm, public PhantomDriver {
+ public:
+  WirePhantom(const PhantomOptions& driver, const devices::DeviceOptions& options, const devices::SettingReader& settings)
+      : SimulatedArm(driver, options, settings), PhantomDriver(driver) {
     hooks_.set_switches(0, 1, 0);
   }
 
   devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds timeout) noexcept override {
     for (; next_ < faults_.size() && faults_[next_].at_ns <= now_ns_; ++next_)
       hooks_.inject(faults_[next_].code, faults_[next_].amount);
-    auto sample = driver_->read(timeout);
+    auto sample = PhantomDriver::read(timeout);
     if (sample) now_ns_ = sample->time_ns;
     return sample;
   }
 
  private:
-  void must(int result) const {
-    if (result < 0) throw devices::DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", kWire, hooks_.last_message()));
-  }
-
-  const HdSimHooks& hooks_;
-  std::vector<Fault> faults_;  // by time
   std::size_t next_ = 0;
   std::int64_t now_ns_ = 0;
 };
@@ -168,7 +177,6 @@ std::unique_ptr<devices::Driver> open_wire_phantom(const devices::DeviceOptions&
   const devices::SettingReader settings = wire_settings(options);
   PhantomOptions driver = driver_options(settings);
   if (driver.library.empty()) driver.library = simulated_library();
-  driver.validate();
   return std::make_unique<WirePhantom>(driver, options, settings);
 }
 
@@ -176,16 +184,10 @@ DeviceDescription describe_wire_phantom(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = wire_settings(options);
   parse_faults(settings);
   const PhantomOptions driver = driver_options(settings);
-  driver.validate();
   const std::string model = settings.text("model").value_or("premium");
-  PhantomFacts facts;
-  facts.model = model == "premium"        ? "PHANTOM Premium 1.5"
-                : model == "premium-6dof" ? "PHANTOM Premium 1.5 6DOF"
-                : model == "desktop"      ? "PHANTOM Desktop"
-                : model == "omni"         ? "PHANTOM Omni"
-                                          : "";
-  if (facts.model.empty()) settings.refuse("model", model, "premium, premium-6dof, desktop or omni");
-  if (model == "premium-6dof") facts.output_dof = 6;
+  const hd_sim::Model* known = hd_sim::find_model(model);
+  if (known == nullptr) settings.refuse("model", model, fmt::format("one of {}", hd_sim::model_keys()));
+  PhantomFacts facts{.model = known->type, .output_dof = known->output_dof};
   facts.rate_hz = driver.rate_hz.value_or(0);
   facts.max_force_n = std::min(phantom_figures(facts.model).max_force_n, driver.max_force_n.value_or(1e9));
   return describe_phantom(facts);

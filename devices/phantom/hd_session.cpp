@@ -43,8 +43,7 @@ HdSession::Claim::Claim(const hd::Api& functions) : api(functions) {
   if (g_in_use.exchange(true))
     throw devices::DeviceOpenError(
         "device 'phantom': a Phantom is open in this process already, and its servo loop serves one; close it first, "
-        "or start "
-        "another process");
+        "or start another process");
 }
 
 HdSession::Claim::~Claim() {
@@ -83,8 +82,7 @@ void HdSession::initiate() {
     if (initiate(name, tried)) return;
   throw devices::DeviceOpenError(
       fmt::format("device 'phantom': no device could be initiated ({}). Is it plugged in and switched on, set up with "
-                  "the vendor's tool "
-                  "under that name, and may this user read and write its port?",
+                  "the vendor's tool under that name, and may this user read and write its port?",
                   tried));
 }
 
@@ -141,7 +139,6 @@ void HdSession::ask() {
   facts_.max_torque_nm = number(hd::kNominalMaxTorqueForce).value_or(0.0) * kMilli;
   facts_.max_impulse_n_per_s = number(hd::kSoftwareForceImpulseLimit).value_or(0.0) / kMilli;
   facts_.temperatures = number(hd::kMotorTemperature) ? std::clamp(facts_.output_dof, 0, 6) : 0;
-  facts_.gimbal = facts_.input_dof >= 6 && number(hd::kCurrentGimbalAngles).has_value();
   if (options_.max_force_n && !(facts_.max_force_n > 0.0 && facts_.max_force_n < *options_.max_force_n))
     facts_.max_force_n = *options_.max_force_n;
 }
@@ -190,8 +187,7 @@ void HdSession::calibrate_encoders() {
   if (api_.hdCheckCalibration() != hd::kCalibrationOk)
     throw devices::DeviceOpenError(
         "device 'phantom': it is not calibrated after its encoders were set to zero; hold all links at right angles "
-        "and open it "
-        "again");
+        "and open it again");
   must("checking the calibration");
 }
 

@@ -18,15 +18,10 @@ constexpr int kStallPeriods = 5;  // without a tick for this long the force is t
 constexpr auto kFirstTick = 1s;
 constexpr auto kLongSilence = 200ms;  // worth a word to people
 
-const PhantomOptions& validated(const PhantomOptions& options) {
-  options.validate();
-  return options;
-}
-
 }  // namespace
 
 PhantomDriver::PhantomDriver(const PhantomOptions& options)
-    : options_(validated(options)), library_(HdLibrary::load(options.library)) {
+    : options_(options), library_(HdLibrary::load(options.library)) {
   session_.emplace(library_, options_);
   virtual_time_ = session_->virtual_time();
   description_ = describe_phantom(session_->facts());
@@ -46,8 +41,7 @@ void PhantomDriver::wait_for_first_tick() {
   if (!servo_->take(sample_, Clock::now() + kFirstTick))
     throw devices::DeviceOpenError(
         "device 'phantom': its servo loop started and does not tick; end other programs that use the device, and look "
-        "at the "
-        "cable and at the vendor's diagnostic tool");
+        "at the cable and at the vendor's diagnostic tool");
   if (const hd::HDerror fatal = servo_->trouble().fatal(); fatal != hd::kSuccess)
     throw devices::DeviceOpenError(
         fmt::format("device 'phantom': it failed in its first tick with error {}; look at cable and power",
@@ -101,7 +95,6 @@ bool PhantomDriver::make_ticks(std::chrono::microseconds timeout) noexcept {
 }
 
 devices::DeviceError PhantomDriver::nothing_came() noexcept {
-  ++timeouts_;
   const Clock::duration silence = servo_->silence();
   if (virtual_time_ || silence > kStallPeriods * period_) servo_->force_off();
   const bool gone = !virtual_time_ && std::chrono::duration<double>(silence).count() > options_.silence_s;
@@ -110,11 +103,7 @@ devices::DeviceError PhantomDriver::nothing_came() noexcept {
 
 devices::DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept {
   if (const auto error = ended()) return servo_->drop(), std::unexpected(*error);
-  if (const auto good = devices::check_command(command, description_); !good) {
-    ++refused_;
-    servo_->drop();
-    return good;
-  }
+  if (const auto good = devices::check_command(command, description_); !good) return servo_->drop(), good;
   const std::uint64_t errors = servo_->trouble().count();
   if (known_errors_.exchange(errors, std::memory_order_relaxed) != errors) {
     servo_->drop();
@@ -129,20 +118,6 @@ void PhantomDriver::stop() noexcept {
   if (!servo_) return;
   servo_->drop();
   if (!virtual_time_ && servo_->silence() > kStallPeriods * period_) servo_->force_off();
-}
-
-PhantomStatus PhantomDriver::status() const noexcept {
-  const HdTrouble& trouble = servo_->trouble();
-  const ServoCounts& counts = servo_->counts();
-  PhantomStatus s;
-  s.fatal = trouble.fatal(), s.newest = trouble.newest(), s.errors = trouble.count(), s.force_drops = trouble.dropped();
-  s.ticks = counts.ticks, s.late = counts.late, s.superseded = counts.superseded;
-  s.invalid_poses = counts.invalid_poses, s.pushed = counts.pushed, s.withheld = counts.withheld;
-  s.thermal = counts.thermal;
-  s.refused = refused_, s.timeouts = timeouts_;
-  s.gimbal_rad = sample_.gimbal_rad, s.temperature = sample_.temperature;
-  s.temperatures = session_->facts().temperatures, s.force_limit_n = sample_.force_limit_n;
-  return s;
 }
 
 /// From what any thread may read.

@@ -12,22 +12,6 @@
 
 namespace voxtouch::phantom {
 
-/// What can be asked while it runs. Real-time safe to take.
-struct PhantomStatus {
-  hd::HDerror fatal = hd::kSuccess;   ///< what ended it
-  hd::HDerror newest = hd::kSuccess;  ///< the newest error that did not
-  std::uint64_t errors = 0;           ///< that did not end it
-  std::uint64_t force_drops = 0;      ///< of those: the device dropped its force
-  std::uint64_t ticks = 0, late = 0, superseded = 0, invalid_poses = 0, pushed = 0, withheld = 0,
-                thermal = 0;  ///< see ServoCounts
-  std::uint64_t refused = 0;  ///< commands that were not finite or over a limit
-  std::uint64_t timeouts = 0;
-  Vec3 gimbal_rad = Vec3::Zero();  ///< of the last sample, with the library's signs; its orientation holds them too
-  std::array<double, 6> temperature{};  ///< of the motors; 1: the device drops its force
-  int temperatures = 0;  ///< motors that tell theirs; 0: nothing makes the force smaller before the device drops it
-  double force_limit_n = 0.0;  ///< what heat leaves of the maximum
-};
-
 /// One thread owns it. The vendor's servo thread makes the samples and takes the commands (PhantomServo); `read` waits for it, and
 /// neither ever waits for a lock of the other.
 ///
@@ -42,14 +26,14 @@ struct PhantomStatus {
 /// within one period. Where the servo loop itself has died nothing can be set: `read` finds out after two periods and turns force
 /// output off; what an amplifier does until then is its own matter, and its own watchdog's.
 ///
-/// Orientation is the stylus's, gimbal included, made orthonormal. Twist is the driver's own (TwistEstimate); it lags by
-/// `twist_lag_s()`. Force is clamped lower while motors are warm (ThermalClamp).
+/// Orientation is the stylus's, gimbal included, made orthonormal. Twist is the driver's own, and lags as TwistEstimate says.
+/// Force is clamped lower while motors are warm (ThermalClamp).
 ///
 /// Time: from the first sample, by the monotonic clock. In virtual time, which only the simulated library has, `read` makes its ticks and
 /// `simulated()` is true: the first command acts in the second tick, as it would in reality, and the same calls give the same bits.
-class PhantomDriver final : public devices::Driver {
+class PhantomDriver : public devices::Driver {
  public:
-  /// Throws DeviceOpenError: options, library, device, calibration, servo loop; the sentence says what to do. A device whose encoders
+  /// Throws DeviceOpenError: library, device, calibration, servo loop; the sentence says what to do. A device whose encoders
   /// are set to zero has to be held with all links at right angles meanwhile.
   explicit PhantomDriver(const PhantomOptions& options);
   /// Zero force; servo loop stopped, callback taken out, device disabled.
@@ -62,8 +46,11 @@ class PhantomDriver final : public devices::Driver {
   bool simulated() const noexcept override { return virtual_time_; }
   std::string trouble() const override;
 
-  PhantomStatus status() const noexcept;
-  double twist_lag_s() const noexcept { return servo_->twist_lag_s(); }
+  /// For the thread that owns it: what ticks and errors there were, the last sample with what heat leaves of the force, and what the
+  /// device told of itself. Real-time safe.
+  const PhantomServo& servo() const noexcept { return *servo_; }
+  const ServoSample& sample() const noexcept { return sample_; }
+  const PhantomFacts& facts() const noexcept { return session_->facts(); }
 
  private:
   using Clock = PhantomServo::Clock;
@@ -83,7 +70,6 @@ class PhantomDriver final : public devices::Driver {
   std::int64_t zero_ns_ = 0;
   std::atomic<std::uint64_t> known_errors_{0};  // errors that the caller knows of
   std::atomic<bool> pose_lost_{false};  // of the last sample
-  std::uint64_t refused_ = 0, timeouts_ = 0;
   bool first_ = true, virtual_time_ = false;
 };
 

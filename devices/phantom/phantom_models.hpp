@@ -17,7 +17,6 @@ struct PhantomFacts {
   double max_impulse_n_per_s = 0.0;  ///< change of force that makes the device drop it
   int input_dof = 6, output_dof = 3;
   int temperatures = 0;  ///< motors whose temperature can be read
-  bool gimbal = false;   ///< gimbal angles can be read
 };
 
 struct PhantomFigures {

@@ -28,9 +28,6 @@ struct PhantomOptions {
       30.0;  ///< for a stylus in its inkwell or a calibration by itself; simulated time in virtual time
   double velocity_cutoff_hz = 50.0;  ///< low-pass of the twist
   double silence_s = 1.0;            ///< without a tick for this long the servo loop has gone
-
-  /// Throws DeviceOpenError that names field, value and rule.
-  void validate() const;
 };
 
 }  // namespace voxtouch::phantom

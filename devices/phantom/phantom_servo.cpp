@@ -23,7 +23,7 @@ void count(std::atomic<std::uint64_t>& counter) noexcept { counter.fetch_add(1, 
 PhantomServo::PhantomServo(const HdLibrary& library, hd::HHD device, const PhantomFacts& facts,
                            const DeviceDescription& description, double velocity_cutoff_hz, bool virtual_time) noexcept
     : api_(library.api()), hooks_(library.hooks()), device_(device), temperatures_(facts.temperatures),
-      gimbal_(facts.gimbal), virtual_time_(virtual_time), max_torque_nm_(description.max_torque_nm),
+      virtual_time_(virtual_time), max_torque_nm_(description.max_torque_nm),
       period_ns_(std::llround(1e9 / description.rate_hz)), clamp_(description.max_force_n, continuous_force_n(facts)),
       twist_(velocity_cutoff_hz), last_tick_(Clock::now().time_since_epoch().count()) {}
 
@@ -73,7 +73,6 @@ void PhantomServo::read_frame() noexcept {
   api_.hdGetDoublev(hd::kCurrentPosition, raw_.position.data());
   api_.hdGetDoublev(hd::kCurrentTransform, raw_.transform.data());
   api_.hdGetIntegerv(hd::kCurrentButtons, &raw_.buttons);
-  if (gimbal_) api_.hdGetDoublev(hd::kCurrentGimbalAngles, raw_.gimbal.data());
   if (temperatures_ > 0) api_.hdGetDoublev(hd::kMotorTemperature, raw_.temperature.data());
 }
 
@@ -93,8 +92,6 @@ void PhantomServo::see(std::int64_t now_ns, bool frame_good) noexcept {
     twist_.restart();
     s.twist = {};
   }
-  seen_.gimbal_rad = Vec3(raw_.gimbal[0], raw_.gimbal[1], raw_.gimbal[2]);
-  std::copy_n(raw_.temperature.begin(), seen_.temperature.size(), seen_.temperature.begin());
   seen_.force_limit_n = clamp_.see(std::span(raw_.temperature).first(static_cast<std::size_t>(temperatures_)),
                                    std::exchange(set_n_, 0.0));
 }

@@ -20,8 +20,6 @@ namespace voxtouch::phantom {
 /// What a tick saw.
 struct ServoSample {
   devices::DeviceSample sample;  ///< time since the clock's own zero
-  Vec3 gimbal_rad = Vec3::Zero();
-  std::array<double, 6> temperature{};
   double force_limit_n = 0.0;  ///< of the thermal clamp
 };
 
@@ -66,7 +64,6 @@ class PhantomServo {
   HdTrouble& trouble() noexcept { return trouble_; }
   const HdTrouble& trouble() const noexcept { return trouble_; }
   const ServoCounts& counts() const noexcept { return counts_; }
-  double twist_lag_s() const noexcept { return twist_.lag_s(1e-9 * static_cast<double>(period_ns_.load())); }
   /// What the ticks are to be judged by: how late they are, and what a gap is.
   void set_rate(double rate_hz) noexcept;
 
@@ -79,7 +76,7 @@ class PhantomServo {
   /// A frame in the library's units.
   struct Raw {
     static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    std::array<double, 3> position{kNone, kNone, kNone}, gimbal{};
+    std::array<double, 3> position{kNone, kNone, kNone};
     std::array<double, 16> transform{kNone};  // of the others the first decides
     std::array<double, 16> temperature{};
     int buttons = 0;
@@ -97,7 +94,7 @@ class PhantomServo {
   const HdSimHooks& hooks_;
   hd::HHD device_;
   int temperatures_;
-  bool gimbal_, virtual_time_;
+  bool virtual_time_;
   double max_torque_nm_;
   std::atomic<std::int64_t> period_ns_;
 

@@ -1,23 +1,14 @@
 #pragma once
 /// Velocity from poses. The library's own velocity is smoothed in a way that is not published, so it is not used.
-#include <cmath>
 #include <numbers>
 
-#include "core/types/geometry.hpp"
+#include "core/types/rotation_vector.hpp"
 
 namespace voxtouch::phantom {
 
-/// Rotation vector of a unit quaternion [rad]: axis times angle, the angle in [0, pi].
-inline Vec3 rotation_vector(const Quat& turn) noexcept {
-  const double sine = turn.vec().norm();
-  if (!(sine > 0.0)) return Vec3::Zero();
-  const double sign = turn.w() < 0.0 ? -1.0 : 1.0;
-  return (sign * 2.0 * std::atan2(sine, sign * turn.w()) / sine) * turn.vec();
-}
-
 /// Backward difference over the time that really passed, then a first-order low-pass by backward Euler: twist += w dt / (1 + w dt)
-/// (difference - twist), w = 2 pi `cutoff_hz`. Any dt is stable. The twist lags a steady acceleration by `lag_s`: half a period of the
-/// difference and 1 / w of the low-pass. Outer frame's axes. Real-time safe.
+/// (difference - twist), w = 2 pi `cutoff_hz`. Any dt is stable. The twist lags a steady acceleration by half a period (the
+/// difference) and 1 / w (the low-pass). Outer frame's axes. Real-time safe.
 class TwistEstimate {
  public:
   /// `cutoff_hz`: f of the low-pass, above 0.
@@ -27,9 +18,8 @@ class TwistEstimate {
   const Twist& see(const Pose& pose, double dt_s) noexcept {
     if (started_ && dt_s > 0.0) {
       const double follow = per_s_ * dt_s / (1.0 + per_s_ * dt_s);
-      const Quat turn = pose.orientation * last_.orientation.conjugate();
       twist_.linear += follow * ((pose.position - last_.position) / dt_s - twist_.linear);
-      twist_.angular += follow * (rotation_vector(turn) / dt_s - twist_.angular);
+      twist_.angular += follow * (rotation_vector(last_.orientation, pose.orientation) / dt_s - twist_.angular);
     }
     started_ = true;
     last_ = pose;
@@ -37,8 +27,6 @@ class TwistEstimate {
   }
   /// The next pose starts anew, at rest: after a gap a difference says nothing about now.
   void restart() noexcept { started_ = false, twist_ = {}; }
-  const Twist& twist() const noexcept { return twist_; }
-  double lag_s(double period_s) const noexcept { return 1.0 / per_s_ + period_s / 2.0; }
 
  private:
   double per_s_;

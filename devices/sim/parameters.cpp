@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "devices/sim/force_path.hpp"
+#include "devices/operator/hand.hpp"
 
 namespace voxtouch::sim {
 namespace {
@@ -53,15 +53,8 @@ SimParameters sim_phantom() {
   p.inertia_kg_m2 = 1e-4;              // this and the rest of the gimbal: assumed
   p.damping_nms_per_rad = 1e-3;
   p.coulomb_friction_nm = 0.0;
-  p.orientation_resolution_rad = 1e-3;
   p.velocity_filter_hz = 50.0;         // assumed: a vendor's smoothing is not published
-  p.hand.mass_kg = 0.1;                // derived from published ranges of pen grips, like the next two
-  p.hand.damping_ns_per_m = 4.0;
-  p.hand.stiffness_n_per_m = 300.0;
-  p.hand.inertia_kg_m2 = 1e-4;         // this and the next two: assumed
-  p.hand.damping_nms_per_rad = 0.01;
-  p.hand.stiffness_nm_per_rad = 0.5;
-  p.hand.carries_tool = true;
+  p.hand = *hand::grip("pen");
   return p;
 }
 
@@ -95,35 +88,9 @@ SimParameters sim_lwr() {
   p.inertia_kg_m2 = 0.1;                 // derived from assumed motor inertia of the wrist, divided by four
   p.damping_nms_per_rad = 0.3;           // confirmed as a published model's value of joint 6
   p.coulomb_friction_nm = 0.1;           // likewise
-  p.orientation_resolution_rad = 1e-4;   // assumed
   p.velocity_filter_hz = 50.0;           // assumed
-  p.hand.mass_kg = 1.3;                  // derived from published arm models, like the next two
-  p.hand.damping_ns_per_m = 15.0;
-  p.hand.stiffness_n_per_m = 200.0;
-  p.hand.inertia_kg_m2 = 0.01;           // this and the next two: assumed
-  p.hand.damping_nms_per_rad = 0.3;
-  p.hand.stiffness_nm_per_rad = 5.0;
-  p.hand.carries_tool = true;
+  p.hand = *hand::grip("arm");
   return p;
-}
-
-void SimParameters::validate() const {
-  require_in(description.rate_hz, 1.0, 1e5, "rate_hz");
-  require_in(description.max_force_n, 0.0, 1e9, "max_force_n");
-  require_in(description.max_torque_nm, 0.0, 1e9, "max_torque_nm");
-  require_in(description.damping_ns_per_m, 0.0, 1e6, "damping_ns_per_m");
-  require_in(description.coulomb_friction_n, 0.0, 1e6, "coulomb_friction_n");
-  require_in(description.position_resolution_m, 0.0, 1.0, "position_resolution_m");
-  require_in(description.delay_s * description.rate_hz, 0.0, ForcePath::kMaxDelayPeriods, "delay_s in periods");
-  require(description.force_bandwidth_hz > 0.0, "force_bandwidth_hz", description.force_bandwidth_hz,
-          "over 0 (infinity for none)");
-  for (int axis = 0; axis < 3; ++axis) require_in(mass_kg[axis], 1e-6, 1e6, "mass_kg");
-  require_in(inertia_kg_m2, 1e-9, 1e6, "inertia_kg_m2");
-  require_in(damping_nms_per_rad, 0.0, 1e6, "damping_nms_per_rad");
-  require_in(coulomb_friction_nm, 0.0, 1e6, "coulomb_friction_nm");
-  require_in(orientation_resolution_rad, 0.0, 1.0, "orientation_resolution_rad");
-  require_in(velocity_filter_hz, 1e-3, 1e6, "velocity_filter_hz");
-  hand.validate();
 }
 
 void OperatorConfig::validate() const {

@@ -13,12 +13,8 @@ struct SimParameters {
   double inertia_kg_m2 = 1e-3;               ///< about any axis
   double damping_nms_per_rad = 0.0;
   double coulomb_friction_nm = 0.0;
-  double orientation_resolution_rad = 0.0;   ///< 0: not quantised; likewise description.position_resolution_m
   double velocity_filter_hz = 50.0;          ///< first-order low-pass of the reported twist
   OperatorConfig hand;                       ///< how such a device is usually held
-
-  /// Throws std::runtime_error that names field, value and rule.
-  void validate() const;
 };
 
 /// A Phantom Premium 1.5 with an encoder gimbal: six sensed, three driven degrees of freedom. Held like a

@@ -9,21 +9,15 @@
 namespace voxtouch::sim {
 namespace {
 
-const SimParameters& checked(const SimParameters& parameters, const OperatorConfig& hand) {
-  parameters.validate();
-  hand.validate();
-  return parameters;
-}
-
 double substep_s(const DeviceDescription& d) { return 1.0 / (d.rate_hz * kSubsteps); }
 
 }  // namespace
 
 SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& hand, Motion motion, std::uint64_t seed)
-    : description_(checked(p, hand).description),
+    : description_(p.description),
       period_ns_(std::llround(1e9 / p.description.rate_hz)),
-      plant_(p, hand, hand::checked_motion(std::move(motion))),
-      encoder_(p.description.position_resolution_m, p.orientation_resolution_rad, p.velocity_filter_hz,
+      plant_(p, hand::checked_grip(hand), hand::checked_motion(std::move(motion))),
+      encoder_(p.description.position_resolution_m, p.description.orientation_resolution_rad, p.velocity_filter_hz,
                1.0 / p.description.rate_hz),
       force_path_(p.description, substep_s(p.description)),
       tremor_(hand.tremor_n, hand.tremor_bandwidth_hz, 1.0 / p.description.rate_hz, seed) {

@@ -18,7 +18,7 @@ namespace voxtouch::sim {
 class SimulatedDevice final : public devices::Driver {
  public:
   /// `motion`: where the hand wants the tool to be, in D; the tool starts there, at rest. `hand` replaces the
-  /// one of the parameters. Throws std::runtime_error where parameters, hand or motion cannot be simulated.
+  /// one of the parameters. Throws std::runtime_error where hand or motion cannot be simulated.
   SimulatedDevice(const SimParameters& parameters, const OperatorConfig& hand, Motion motion, std::uint64_t seed = 0);
 
   const DeviceDescription& description() const noexcept override { return description_; }

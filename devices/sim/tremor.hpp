@@ -7,6 +7,10 @@
 
 namespace voxtouch::sim {
 
+/// A random number close to normal, of variance one: twelve uniforms less six. std::normal_distribution differs between libraries,
+/// and the usual transforms call a logarithm. Real-time safe.
+double near_normal(std::mt19937_64& random) noexcept;
+
 /// A force of given standard deviation on each axis through a first-order low-pass; it starts at zero.
 /// Real-time safe.
 class Tremor {
@@ -17,7 +21,6 @@ class Tremor {
   Vec3 next() noexcept;
 
  private:
-  double normal() noexcept;
   double sigma_n_, keep_, gain_;
   std::mt19937_64 random_;
   Vec3 force_ = Vec3::Zero();

@@ -148,7 +148,7 @@ class CouplingNode {
     if (!fitted.refusal.empty() || (coupling_ && !coupling_->redesign(fitted.spec))) {
       coupling_.reset();
     } else if (!coupling_) {
-      coupling_.emplace(fitted.spec, fitting::limits_in_world(scene_.device, fitting_.device()), period_s_, coupling::kDefaultRampS,
+      coupling_.emplace(fitted.spec, fitting::limits_W(scene_.device, fitting_.device()), period_s_, coupling::kDefaultRampS,
                         speed_limits());
     }
     const std::lock_guard lock(running_mutex_);

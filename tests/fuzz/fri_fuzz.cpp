@@ -115,14 +115,14 @@ void hear(Controller& controller, const lwr::LwrDriver* driver, const lwr::LwrOp
     FUZZ_REQUIRE(lwr::fri::decode(std::as_bytes(std::span(bytes)), command) == lwr::fri::PacketFault::kNone);
     const lwr::LwrJoints torque = lwr::fri::from_wire(command.command.add_jnt_trq);
     FUZZ_REQUIRE((torque.array().abs() <= options.max_add_torque_nm.array() * (1.0 + 1e-6)).all());
-    const Vec6 wrench = lwr::fri::from_wire(command.command.add_tcp_ft);
+    const Vec6 wrench = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(command.command.add_tcp_ft.data()).cast<double>();
     FUZZ_REQUIRE(wrench.head<3>().norm() < 1e3 && wrench.tail<3>().norm() < 1e3);
     const bool pushes = !torque.isZero(0.0) || !wrench.isZero(0.0);
     if (pushes) {
       FUZZ_REQUIRE(driver != nullptr);
-      const lwr::LwrStatus status = driver->status();
-      FUZZ_REQUIRE(status.state == lwr::fri::State::kCmd && (status.power & lwr::fri::kAllDrives) == lwr::fri::kAllDrives);
-      FUZZ_REQUIRE(status.error == 0);
+      const lwr::fri::MsrPacket& msr = driver->measurement();
+      FUZZ_REQUIRE(msr.interface.state == lwr::fri::State::kCmd && (msr.robot.power & lwr::fri::kAllDrives) == lwr::fri::kAllDrives);
+      FUZZ_REQUIRE(msr.robot.error == 0);
     }
     controller.follow(command);
   }

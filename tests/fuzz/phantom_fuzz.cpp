@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (int n = 0; n < 40; ++n) {
       fuzz_hd_tick();
       const auto sample = driver.read(std::chrono::microseconds(0));
-      if (!sample && driver.status().fatal != phantom::hd::kSuccess) break;
+      if (!sample && driver.servo().trouble().fatal() != phantom::hd::kSuccess) break;
       if (sample && sample->pose_valid) {
         FUZZ_REQUIRE(sample->pose.finite() && std::abs(sample->pose.orientation.norm() - 1.0) < 1e-6);
         FUZZ_REQUIRE(sample->twist.finite());

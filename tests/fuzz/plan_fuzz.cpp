@@ -24,7 +24,7 @@ void check(const scene::Scene& scene, coupling_node::Fitting& fitting) {
   const fitting::FittedCoupling fitted = fitting.fit();
   if (!fitted.refusal.empty()) return;
   const coupling::design::DeviceModel& device = fitting.device();
-  const coupling::CouplingLimits limits = fitting::limits_in_world(scene.device, device);
+  const coupling::CouplingLimits limits = fitting::limits_W(scene.device, device);
   coupling::RunningCoupling running(fitted.spec, limits, device.timing.period_s);
   coupling::CouplingInput input;
   input.contact.force = Vec3(0.0, 0.0, 1.0);

@@ -4,7 +4,6 @@
 
 #include "core/coupling/design/design_axis.hpp"
 #include "core/coupling/design/first_crossing.hpp"
-#include "core/coupling/design/loop_checks.hpp"
 #include "core/coupling/design/loop_response.hpp"
 #include "core/coupling/design/sampled_loop.hpp"
 
@@ -79,14 +78,10 @@ bool acts(const LoopController& c) {
 }  // namespace
 
 double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s) {
-  require_loop(plant);
-  require_not_negative("velocity_filter_rad_per_s", velocity_filter_rad_per_s);
   return inner_crossing(plant, velocity_filter_rad_per_s).gain;
 }
 
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c) {
-  require_loop(plant);
-  require_loop(c);
   const bool held = plant.hand_stiffness > 0.0;
   // Released, the position's eigenvalue stands at 1 and leaves it inwards for a k > 0 only if the law answers a displacement at
   // rest and something damps: without, it is a double one, of which any lag pushes one half outside.

@@ -32,6 +32,19 @@ void quantity(std::string_view field, double value) {
           fmt::format("from {} to {}", kMinQuantity, kMaxQuantity));
 }
 
+/// A matrix exponential has to be had of every case, and the search has to end: decay of the velocity and square of the resonance per
+/// period are far beyond any device here, and the delay counts with what jitter and lost samples add.
+void check_loop(std::string_view name, const AxisModel& axis, const LoopTiming& timing, const HandRange& range) {
+  constexpr double kFastest = 1e9;
+  const HandRange hand = range.any_passive ? HandRange{} : range;
+  const LoopTiming slow = slowest(timing);
+  const double damping = axis.damping + hand.damping_max, per_mass = slow.period_s / axis.inertia_min;
+  require(damping * per_mass <= kFastest, fmt::format("{}.damping", name), damping, "at most 1e9 inertias per period");
+  require(hand.stiffness_max * slow.period_s * per_mass <= kFastest, fmt::format("{}.stiffness_max", name), hand.stiffness_max,
+          "at most 1e9 inertias per period squared");
+  require(slow.delay_s <= kMaxDelayPeriods * slow.period_s, "the longest delay", slow.delay_s, "at most 200 periods");
+}
+
 void check_contact(std::string_view name, const ContactRange& contact) {
   quantity(fmt::format("{}.one_point", name), contact.one_point);
   quantity(fmt::format("{}.all_points", name), contact.all_points);
@@ -67,8 +80,11 @@ void refuse_impossible(const DesignProblem& request) {
   refuse_first("device", check(request.device));
   refuse_first("hand", check(request.hand.translation));
   if (request.device.gives_torque) refuse_first("hand, rotation", check(request.hand.rotation));
+  const DeviceModel& device = request.device;
+  check_loop("translation", device.translation, device.timing, request.hand.translation);
+  if (device.gives_torque) check_loop("rotation", device.rotation, device.timing, request.hand.rotation);
   check_contact("contact", request.contact);
-  if (request.device.gives_torque) check_contact("contact_rotation", request.contact_rotation);
+  if (device.gives_torque) check_contact("contact_rotation", request.contact_rotation);
   check_goals(request);
 }
 

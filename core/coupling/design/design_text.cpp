@@ -16,8 +16,7 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
   if (p.hand.any_passive)
     return fmt::format(
         "{}: up to {:.3g} {} no passive hand can make the loop unstable; with a margin of {:.3g}, {:.3g} of the {:.4g} "
-        "{} "
-        "wanted are shown.",
+        "{} wanted are shown.",
         p.units->name, d.critical_stiffness, p.units->stiffness, d.gain_margin, d.shown_stiffness, p.wanted,
         p.units->stiffness);
   return fmt::format(

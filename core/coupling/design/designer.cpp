@@ -10,6 +10,7 @@
 
 #include "core/coupling/design/axis_verdict.hpp"
 #include "core/coupling/design/design_steps.hpp"
+#include "core/types/enum_name.hpp"
 
 namespace voxtouch::coupling::design {
 namespace {
@@ -115,14 +116,9 @@ Design best_of_all(const DesignProblem& request, const std::vector<AxisProblem>&
 }  // namespace
 
 std::string_view name_of(DesignStatus status) noexcept {
-  switch (status) {
-    case DesignStatus::kAsRequested: return "as_requested";
-    case DesignStatus::kBandwidthRaised: return "bandwidth_raised";
-    case DesignStatus::kDampingAdded: return "damping_added";
-    case DesignStatus::kStiffnessReduced: return "stiffness_reduced";
-    case DesignStatus::kInfeasible: return "infeasible";
-  }
-  return "unknown";
+  constexpr std::array<std::string_view, 5> kNames{"as_requested", "bandwidth_raised", "damping_added", "stiffness_reduced",
+                                                   "infeasible"};
+  return name_in(kNames, status);
 }
 
 Design design_coupling(const DesignProblem& request) {

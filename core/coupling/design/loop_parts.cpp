@@ -5,9 +5,12 @@
 #include <cmath>
 #include <string_view>
 
+#include "core/types/enum_name.hpp"
+
 namespace voxtouch::coupling::design {
 namespace {
 
+constexpr std::array<std::string_view, 2> kGrips{"pen", "arm"};
 const std::string kRangeText = fmt::format("from {} to {}", kMinQuantity, kMaxQuantity);
 const std::string kOrZeroText = fmt::format("from 0 to {}", kMaxQuantity);
 const std::string kZeroOrText = "0, or " + kRangeText;
@@ -94,13 +97,8 @@ std::vector<std::string> check(const HandRange& hand) {
   return out;
 }
 
-std::string_view name_of(Grip grip) noexcept { return grip == Grip::kPen ? "pen" : "arm"; }
-
-bool parse_grip(std::string_view word, Grip& grip) noexcept {
-  for (const Grip known : {Grip::kPen, Grip::kArm})
-    if (word == name_of(known)) return grip = known, true;
-  return false;
-}
+std::string_view name_of(Grip grip) noexcept { return name_in(kGrips, grip); }
+bool parse_grip(std::string_view word, Grip& grip) noexcept { return find_name(kGrips, word, grip); }
 
 DeviceModel model_of(const DeviceDescription& d) {
   DeviceModel m;

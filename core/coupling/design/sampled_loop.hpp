@@ -7,8 +7,8 @@
 ///
 /// Contact bilateral, nothing quantised. State-space by the matrix exponential.
 ///
-/// All functions are pure arithmetic for the time of designing: they may allocate, and they throw std::invalid_argument with a
-/// sentence for a plant or controller that is none (not finite, no mass, no period, a negative damping ...).
+/// All functions are pure arithmetic for the time of designing, and may allocate. Numbers are taken as `check` (loop_parts.hpp) and
+/// `validate` (coupling_spec.hpp) leave them: finite, of the right sign.
 
 namespace voxtouch::coupling::design {
 
@@ -34,7 +34,7 @@ struct LoopPlant {
 /// integrates freely (nobody holds the device and no contact reaches it: k = 0 or K = 0) has modulus 1: its position stays
 /// where it is. That eigenvalue is taken out before the others are computed, as is that of an undamped free velocity: together
 /// they are a double root, which rounding would spread by 1e-8 to either side. With any k > 0 nothing is taken out.
-/// 10 to 100 us, the more the longer the delay.
+/// 10 to 100 us, the more the longer the delay. Throws std::invalid_argument where the numbers are too far apart for a matrix.
 double spectral_radius(const LoopPlant& plant, const LoopController& controller, double contact_stiffness);
 
 /// Where the loop becomes unstable.

@@ -50,7 +50,6 @@ class ArmPlant {
   bool at_stop() const noexcept { return at_stop_; }
   ArmDynamics::Terms terms(const TipLoad& load = {}) const noexcept { return dynamics_.at(q_, rate_, load); }
   const ArmDynamics& dynamics() const noexcept { return dynamics_; }
-  const PlantParameters& parameters() const noexcept { return parameters_; }
 
  private:
   struct Slope {

@@ -30,17 +30,12 @@ void ControllerConfig::validate() const {
   const int ticks = ticks_of(period_s);
   require(ticks >= 1 && ticks <= 100 && std::abs(period_s - ticks * kTick) < 1e-9, "period_s",
           "1 to 100 whole milliseconds");
-  require(safety_limits > 0.0 && safety_limits <= 1.0, "safety_limits", "in (0, 1]");
   quality.validate();
   require(plant.pose_FT.finite(), "plant.tool_in_flange", "finite");
   require(start_rad.allFinite() && (start_rad.cwiseAbs().array() <= plant.position_limit_rad.array()).all(),
           "start_rad", "within the joints' limits");
-  require(overlay_delay_ticks >= 0 && overlay_delay_ticks <= static_cast<int>(CommandPath::kMaxDelay),
-          "overlay_delay_ticks", "in [0, 100]");
   require(overlay_lag_s >= 0.0 && overlay_lag_s < 1.0, "overlay_lag_s", "in [0, 1)");
   require(torque_noise_nm >= 0.0 && torque_noise_nm < 100.0, "torque_noise_nm", "in [0, 100)");
-  require(position_resolution_rad >= 0.0 && position_resolution_rad < 0.01, "position_resolution_rad", "in [0, 0.01)");
-  require(script_pause_s >= 0.0 && script_pause_s < 60.0, "script_pause_s", "in [0, 60)");
 }
 
 FriController::FriController(const ControllerConfig& config, hand::Hand hand, FaultSchedule faults)
@@ -53,12 +48,8 @@ FriController::FriController(const ControllerConfig& config, hand::Hand hand, Fa
   path_.start(resting());
 }
 
-/// Close to normal, from sums: the same bits with every library.
 double FriController::noise() noexcept {
-  if (config_.torque_noise_nm == 0.0) return 0.0;
-  double sum = -6.0;
-  for (int i = 0; i < 12; ++i) sum += static_cast<double>(random_() >> 11) * 0x1p-53;
-  return config_.torque_noise_nm * sum;
+  return config_.torque_noise_nm == 0.0 ? 0.0 : config_.torque_noise_nm * sim::near_normal(random_);
 }
 
 lwr::fri::Quality FriController::quality() const noexcept {
@@ -339,9 +330,7 @@ void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
   wrench << axes.transpose() * hand.force, axes.transpose() * hand.torque;
   d.est_ext_tcp_ft = lwr::fri::to_wire(wrench);
   d.jacobian = lwr::fri::to_wire(in_axes(axes, terms.jacobian));
-  for (int row = 0; row < 7; ++row)
-    for (int col = 0; col < 7; ++col)
-      d.mass_matrix[static_cast<std::size_t>(7 * row + col)] = static_cast<float>(terms.mass(row, col));
+  Eigen::Map<Eigen::Matrix<float, 7, 7, Eigen::RowMajor>>(d.mass_matrix.data()) = terms.mass.cast<float>();
   d.gravity = lwr::fri::to_wire(terms.gravity);
 }
 

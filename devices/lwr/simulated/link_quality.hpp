@@ -35,7 +35,6 @@ class LinkQuality {
   lwr::fri::Quality quality() const noexcept { return quality_; }
   /// Of the last 100 periods: answers per period, mean latency, latest less earliest, misses per period; all misses so far.
   lwr::fri::Statistics statistics() const noexcept;
-  int misses_in_a_row() const noexcept { return missed_run_; }
 
  private:
   void push(bool in_time, double latency_s) noexcept;

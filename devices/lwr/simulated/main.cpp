@@ -59,8 +59,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--tool", o.tool_m, "Tool's origin in the flange's frame, x y z [m]")->expected(3);
   app.add_option("--fault", o.faults,
                  "KIND@START[:DURATION[:VALUE]], seconds; many may be given. Kinds: loss answer_loss late jitter "
-                 "reorder duplicate "
-                 "nan drives_off drive_error estop quality silent");
+                 "reorder duplicate nan drives_off drive_error estop quality silent");
   app.add_option("--seed", o.seed, "Of noise and faults; default: the hand file's, or 0");
   app.add_option("--trace", o.trace_file, "CSV of every period");
   app.add_flag("--task-frame-base", o.task_frame_base, "$STIFFNESS.TASKFRAME is the base, not the tool");
@@ -123,13 +122,11 @@ hand::Hand make_hand(Options& o) {
 
 void tell(FriController& controller) {
   while (const auto event = controller.take_event()) {
+    const std::string why = event->why ? fmt::format(": {}", sentence_of(event->why.reason)) : "";
     if (event->from == event->to)
-      fmt::print(stderr, "t={:.3f} s, {}: {}\n", event->time_s, name_of(event->to), sentence_of(event->why.reason));
-    else if (!event->why)
-      fmt::print(stderr, "t={:.3f} s: {} -> {}\n", event->time_s, name_of(event->from), name_of(event->to));
+      fmt::print(stderr, "t={:.3f} s, {}{}\n", event->time_s, name_of(event->to), why);
     else
-      fmt::print(stderr, "t={:.3f} s: {} -> {}: {}\n", event->time_s, name_of(event->from), name_of(event->to),
-                 sentence_of(event->why.reason));
+      fmt::print(stderr, "t={:.3f} s: {} -> {}{}\n", event->time_s, name_of(event->from), name_of(event->to), why);
   }
 }
 

@@ -8,13 +8,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/types/enum_name.hpp"
+
 namespace voxtouch::lwr_sim {
 namespace {
 
 constexpr const char* kHeader =
     "time_s,state,quality,braked,tip_x,tip_y,tip_z,vel_x,vel_y,vel_z,applied_fx,applied_fy,applied_fz,applied_tx,"
-    "applied_ty,"
-    "applied_tz,hand_fx,hand_fy,hand_fz,target_x,target_y,target_z\n";
+    "applied_ty,applied_tz,hand_fx,hand_fy,hand_fz,target_x,target_y,target_z\n";
 
 void append(fmt::memory_buffer& line, const Vec3& v) {
   fmt::format_to(std::back_inserter(line), ",{:.9g},{:.9g},{:.9g}", v.x(), v.y(), v.z());
@@ -22,25 +23,12 @@ void append(fmt::memory_buffer& line, const Vec3& v) {
 
 }  // namespace
 
-const char* name_of(lwr::fri::State state) noexcept {
-  switch (state) {
-    case lwr::fri::State::kOff: return "off";
-    case lwr::fri::State::kMon: return "mon";
-    case lwr::fri::State::kCmd: return "cmd";
-    case lwr::fri::State::kInvalid: break;
-  }
-  return "invalid";
+std::string_view name_of(lwr::fri::State state) noexcept {
+  return name_in(std::array<std::string_view, 3>{"off", "mon", "cmd"}, state, "invalid");
 }
 
-const char* name_of(lwr::fri::Quality quality) noexcept {
-  switch (quality) {
-    case lwr::fri::Quality::kUnacceptable: return "unacceptable";
-    case lwr::fri::Quality::kBad: return "bad";
-    case lwr::fri::Quality::kOk: return "ok";
-    case lwr::fri::Quality::kPerfect: return "perfect";
-    case lwr::fri::Quality::kInvalid: break;
-  }
-  return "invalid";
+std::string_view name_of(lwr::fri::Quality quality) noexcept {
+  return name_in(std::array<std::string_view, 4>{"unacceptable", "bad", "ok", "perfect"}, quality, "invalid");
 }
 
 Trace::Trace(const std::filesystem::path& file) : path_(file), file_(std::fopen(file.c_str(), "w")) {

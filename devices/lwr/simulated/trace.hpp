@@ -2,6 +2,7 @@
 /// What the arm felt, period by period, as a table for tests and people.
 #include <cstdio>
 #include <filesystem>
+#include <string_view>
 
 #include "devices/lwr/simulated/fri_controller.hpp"
 
@@ -27,8 +28,8 @@ class Trace {
 };
 
 /// "off", "mon", "cmd"
-const char* name_of(lwr::fri::State state) noexcept;
+std::string_view name_of(lwr::fri::State state) noexcept;
 /// "unacceptable", "bad", "ok", "perfect"
-const char* name_of(lwr::fri::Quality quality) noexcept;
+std::string_view name_of(lwr::fri::Quality quality) noexcept;
 
 }  // namespace voxtouch::lwr_sim

@@ -35,14 +35,17 @@ class Device {
   /// Throws as PhantomPlant does.
   explicit Device(const Settings& settings);
 
-  // --- frames
+  // --- frames; all real-time safe. `servo_runs`: the servo loop ticks, so that what is set takes effect.
+  /// Takes the snapshot that the frame shows. kIllegalBegin: one is open, or has been in this tick.
   phantom::hd::HDerror begin_frame(bool servo_runs) noexcept;
+  /// Gives what was set to the amplifier. kIllegalEnd: no frame is open.
   phantom::hd::HDerror end_frame(bool servo_runs) noexcept;
   bool frame_open() const noexcept { return frame_open_; }
-  const Frame& current() const noexcept { return current_; }
-  const Frame& last() const noexcept { return last_; }
+  const Frame& current() const noexcept { return current_; }  ///< of this frame, or the last where none is open
+  const Frame& last() const noexcept { return last_; }        ///< the one before
   /// For sets; only while a frame is open.
   Setpoint& setpoint() noexcept { return current_.setpoint; }
+  /// Ends a frame that nobody ended; what was set in it is lost.
   void close_frame() noexcept { frame_open_ = false; }
   /// What switching force output comes to. No order reaches an amplifier that communication is lost to.
   void restart_ramp() noexcept {
@@ -50,16 +53,21 @@ class Device {
   }
 
   // --- time. A tick is begin_tick, the callbacks, end_tick; the first is left out where the servo loop missed it.
+  /// Reads the sensors and judges heat and speed; what is wrong goes to `errors`. Real-time safe, like the next three.
   void begin_tick(ErrorStack& errors) noexcept;
+  /// The arm moves on by a period, and faults on a count of ticks come nearer to their end.
   void end_tick() noexcept;
   /// The arm moves on under what the amplifier holds.
   void advance(int substeps) noexcept;
+  /// Of the arm in a tick: the tick's length. The velocity starts anew.
   void set_substeps(int substeps) noexcept;
   int substeps() const noexcept { return substeps_; }
-  double period_s() const noexcept { return substeps_ * kSubstep; }
+  double period_s() const noexcept { return substeps_ * kSubstep; }  ///< of a tick [s]
 
   // --- calibration
+  /// What it needs next: nothing, an update, or somebody's hand.
   phantom::hd::HDenum calibration() const noexcept;
+  /// kInvalidValue: not this model's style. kInvalidOperation: forces are on, or the arm does not stand as it must.
   phantom::hd::HDerror calibrate(phantom::hd::HDenum style, bool servo_runs) noexcept;
 
   PhantomPlant plant;

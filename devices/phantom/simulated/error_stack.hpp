@@ -12,12 +12,13 @@ class ErrorStack {
  public:
   static constexpr std::size_t kCapacity = 128;
 
+  /// `internal`: the vendor's second number, which says nothing here.
   void push(phantom::hd::HDerror code, phantom::hd::HHD device, int internal = 0) noexcept {
     top_ = (top_ + 1) % kCapacity;
     entries_[top_] = {code, internal, device};
     if (count_ < kCapacity) ++count_;
   }
-  /// kSuccess where there is none.
+  /// The newest, taken off; kSuccess where there is none.
   phantom::hd::HDErrorInfo pop() noexcept {
     if (count_ == 0) return {};
     const phantom::hd::HDErrorInfo newest = entries_[top_];
@@ -25,7 +26,7 @@ class ErrorStack {
     --count_;
     return newest;
   }
-  std::size_t size() const noexcept { return count_; }
+  std::size_t size() const noexcept { return count_; }  ///< how many wait
 
  private:
   std::array<phantom::hd::HDErrorInfo, kCapacity> entries_{};

@@ -20,14 +20,9 @@ void require_in(double value, double low, double high, std::string_view field) {
       fmt::format("simulated Phantom: {} is {}, but has to be in [{}, {}]", field, value, low, high));
 }
 
-const PlantConfig& checked(const PlantConfig& config) {
-  config.validate();
-  return config;
-}
-
 /// The explicit step is stable for these only.
 const sim::OperatorConfig& checked(const sim::OperatorConfig& hand) {
-  hand.validate();
+  hand::checked_grip(hand);
   if (hand.released) return hand;
   const double mass = kLightestArm + hand.mass_kg, factor = std::max(1.0, hand.grip_factor);
   require_in(factor * hand.stiffness_n_per_m, 0.0, mass * kSubstepHz * kSubstepHz / 4.0, "the hand's stiffness in N/m");
@@ -52,26 +47,9 @@ Vec3 start_of(const PlantConfig& c, const hand::Hand& hand) {
 
 }  // namespace
 
-void PlantConfig::validate() const {
-  require_in(geometry.thigh_m, 0.01, 10.0, "thigh_m");
-  require_in(geometry.shin_m, 0.01, 10.0, "shin_m");
-  require_in(gravity_m_per_s2, 0.0, 100.0, "gravity_m_per_s2");
-  require_in(viscous_nms_per_rad, 0.0, 1.0, "viscous_nms_per_rad");
-  require_in(coulomb_nm, 0.0, 10.0, "coulomb_nm");
-  require_in(motor_limit_nm.minCoeff(), 0.0, motor_limit_nm.maxCoeff(), "motor_limit_nm");
-  require_in(motor_limit_nm.maxCoeff(), 0.0, 1e3, "motor_limit_nm");
-  require_in(turret_stop_rad, 0.0, 3.0, "turret_stop_rad");
-  require_in(thigh_high_rad, thigh_low_rad, 3.0, "thigh_high_rad");
-  require_in(thigh_low_rad, -3.0, 0.0, "thigh_low_rad");
-  require_in(fold_rad, 0.0, 1.5, "fold_rad");
-  require_in(stretch_rad, 0.0, 1.5, "stretch_rad");
-  require_in(stop_nm_per_rad, 0.0, 1e4, "stop_nm_per_rad");
-  require_in(stop_nms_per_rad, 0.0, 3.0, "stop_nms_per_rad");
-}
-
 PhantomPlant::PhantomPlant(const PlantConfig& config, const sim::OperatorConfig& hand, const Motion& motion,
                            std::uint64_t seed, double hand_bandwidth_hz)
-    : config_(checked(config)), dynamics_(config.geometry, config.inertia, config.gravity_m_per_s2),
+    : config_(config), dynamics_(config.geometry, config.inertia, config.gravity_m_per_s2),
       hand_(checked(hand), motion, kSubstep, seed, drag_of(config), hand_bandwidth_hz),
       joints_(start_of(config, hand_)) {}
 

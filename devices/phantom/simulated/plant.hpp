@@ -23,9 +23,6 @@ struct PlantConfig {
   double fold_rad = 1.134, stretch_rad = 0.960;  ///< of thigh less shin, up and down: 65 and 55 degrees, from a replica
   /// A replica's model has 10 and 0.1: an operator would push the arm through those into the stretched pose.
   double stop_nm_per_rad = 300.0, stop_nms_per_rad = 0.3;
-
-  /// Throws std::runtime_error that names field and rule.
-  void validate() const;
 };
 
 /// Fourth-order Runge-Kutta at a fixed step: the undamped arm keeps its energy to 1e-9 in 10 s. Dry friction is projected: it
@@ -33,20 +30,22 @@ struct PlantConfig {
 /// moved by one bit. Real-time safe but for construction, `set_hand` and `follow`. The same calls give the same bits.
 class PhantomPlant {
  public:
-  /// At rest, with the tip where the hand wants it. Throws std::runtime_error: values out of range, a start out of the arm's
-  /// reach, a hand too stiff or too light to be simulated at this step.
+  /// At rest, with the tip where the hand wants it. Throws std::runtime_error: a start out of the arm's reach, a hand too stiff
+  /// or too light to be simulated at this step.
   PhantomPlant(const PlantConfig& config, const sim::OperatorConfig& hand, const Motion& motion, std::uint64_t seed,
                double hand_bandwidth_hz);
 
   /// One substep under these torques of the motors [Nm], each cut to its limit.
   void step(const Vec3& motor_torque) noexcept;
 
-  /// Throw as the constructor does; the hand or motion from before stays then.
+  /// Another grip from now on. Throws as the constructor does; the hand from before stays then.
   void set_hand(const sim::OperatorConfig& hand);
+  /// Another motion, which starts now; likewise.
   void follow(const Motion& motion) { hand_.follow(motion); }
 
-  const Vec3& joints() const noexcept { return joints_; }
-  const Vec3& rates() const noexcept { return rates_; }
+  const Vec3& joints() const noexcept { return joints_; }  ///< [rad], PhantomGeometry's
+  const Vec3& rates() const noexcept { return rates_; }    ///< [rad/s]
+  /// Where the tip is in D [m], and how fast [m/s].
   Vec3 tip() const noexcept { return phantom::phantom_tip(config_.geometry, joints_); }
   Vec3 tip_velocity() const noexcept { return phantom::phantom_jacobian(config_.geometry, joints_) * rates_; }
   const Vec3& motor_torque() const noexcept { return motor_torque_; }  ///< over the last substep, after the limits [Nm]
@@ -58,6 +57,7 @@ class PhantomPlant {
   const phantom::PhantomDynamics& dynamics() const noexcept { return dynamics_; }
   const PlantConfig& config() const noexcept { return config_; }
 
+  /// Puts the arm there, with these rates [rad, rad/s].
   void set_state(const Vec3& joints, const Vec3& rates) noexcept { joints_ = joints, rates_ = rates; }
 
  private:

@@ -29,8 +29,8 @@ class Sensors {
   void set_period(double period_s) noexcept;
   /// The reading at these true angles [rad] and this orientation of the stylus in D. Valid until the next call.
   const Reading& sample(const Vec3& joints, const Quat& orientation) noexcept;
-  const Reading& reading() const noexcept { return reading_; }
-  const Vec3& step_rad() const noexcept { return step_; }
+  const Reading& reading() const noexcept { return reading_; }  ///< the last
+  const Vec3& step_rad() const noexcept { return step_; }       ///< of the three joints' encoders
 
  private:
   phantom::PhantomGeometry geometry_;

@@ -63,7 +63,7 @@ LoopRig::LoopRig(const RigOptions& ask)
   const DeviceDescription& d = ask.device.description;
   std::unique_ptr<rendering::BuiltScene> built = build(scene_, ask);
   spec_ = fit(scene_, d, built->plan());
-  limits_ = fitting::limits_in_world(scene_.device, coupling::design::model_of(d));
+  limits_ = fitting::limits_W(scene_.device, coupling::design::model_of(d));
   front_ = std::make_unique<RigFront>(scene_, std::move(built), spec_, limits_, 1.0 / d.rate_hz);
   const Motion in_world = ask.path ? *ask.path : scene_.motions.at(ask.motion);
   device_ = std::make_unique<sim::SimulatedDevice>(ask.device, ask.hand.value_or(ask.device.hand),

@@ -291,6 +291,11 @@ TEST(Design, RefusesNumbersThatNothingCanBeDesignedFor) {
   refused(stylus(), "inertia_min", [](DesignProblem& r) { r.device.translation.inertia_min = std::nan(""); });
   refused(stylus(), "period_s", [](DesignProblem& r) { r.device.timing.period_s = 0.0; });
   refused(stylus(), "mass_max", [](DesignProblem& r) { r.hand.translation.mass_max = 0.0; });
+  refused(stylus(), "translation.damping", [](DesignProblem& r) { r.device.translation.damping = 1e12; });
+  refused(stylus(), "translation.stiffness_max", [](DesignProblem& r) {
+    r.hand.translation.any_passive = false, r.hand.translation.stiffness_max = 1e12, r.device.translation.inertia_min = 1e-9;
+  });
+  refused(stylus(), "longest delay", [](DesignProblem& r) { r.device.timing.lost_in_a_row = 1000; });
   refused(stylus(), "contact.all_points", [](DesignProblem& r) { r.contact.all_points = kInfinity; });
   refused(stylus(), "contact.one_point", [](DesignProblem& r) { r.contact.one_point = 2000.0; });
   refused(stylus(), "contact.one_point", [](DesignProblem& r) { r.contact.one_point = 1e-180; });

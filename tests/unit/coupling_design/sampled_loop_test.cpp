@@ -174,33 +174,8 @@ TEST(SampledLoop, SlowFiltersLoseNoDigits) {
   EXPECT_GT(spectral_radius(p, c, 1.1 * limit), 1.0);
 }
 
-TEST(SampledLoop, RefusesWhatIsNoLoop) {
-  const LoopPlant good{.mass = 0.1, .damping = 0.05};
-  const LoopController filter{.w0_rad_per_s = 31.4};
-  const auto refused = [&](auto change) {
-    LoopPlant p = good;
-    LoopController c = filter;
-    change(p, c);
-    EXPECT_THROW(spectral_radius(p, c, 1.0), std::invalid_argument);
-    EXPECT_THROW(critical_stiffness(p, c), std::invalid_argument);
-  };
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  refused([](auto& p, auto&) { p.mass = 0.0; });
-  refused([](auto& p, auto&) { p.mass = kNan; });
-  refused([](auto& p, auto&) { p.damping = -1.0; });
-  refused([](auto& p, auto&) { p.hand_stiffness = kNan; });
-  refused([](auto& p, auto&) { p.period_s = 0.0; });
-  refused([](auto& p, auto&) { p.delay_s = std::numeric_limits<double>::infinity(); });
-  refused([](auto& p, auto&) { p.delay_s = 0.2001; });
-  refused([](auto& p, auto&) { p.mass = 1e-320; });
-  refused([](auto& p, auto&) { p.hand_stiffness = 1e200; });
+TEST(SampledLoop, RefusesNumbersThatNoMatrixHolds) {
   EXPECT_THROW(spectral_radius({.mass = 1e-300}, {.law = Law::kDirect}, 1e300), std::invalid_argument);
-  refused([](auto&, auto& c) { c.w0_rad_per_s = 0.0; });
-  refused([](auto&, auto& c) { c.damping_ratio = -0.1; });
-  refused([](auto&, auto& c) { c.gain = kNan; });
-  refused([](auto&, auto& c) { c.injected_damping = -1.0; });
-  EXPECT_THROW(spectral_radius(good, filter, kNan), std::invalid_argument);
-  EXPECT_THROW(critical_damping(good, -1.0), std::invalid_argument);
 }
 
 }  // namespace sampled_loop_test

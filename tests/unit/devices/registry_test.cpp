@@ -133,9 +133,13 @@ TEST(Registry, RefusesSettingsThatADeviceHasNotGotAndNamesThoseThatItHas) {
   EXPECT_NE(with("lwr", {{"rest", "1,2,3,4"}}).find("X,Y,Z"), std::string::npos);
   EXPECT_NE(with("lwr", {{"rest", "1,nan,3"}}).find("X,Y,Z"), std::string::npos);
   EXPECT_NE(with("lwr", {{"connect_timeout_s", "x"}}).find("connect_timeout_s"), std::string::npos);
+  EXPECT_NE(with("lwr", {{"connect_timeout_s", "nan"}}).find("[0, 3600]"), std::string::npos);
+  EXPECT_NE(with("lwr", {{"controller", "krc"}}).find("IPv4"), std::string::npos);
   EXPECT_NE(with("wire-lwr", {{"period_ms", "0"}}).find("[1, 100]"), std::string::npos);
   EXPECT_NE(with("phantom", {{"encoder_reset", "perhaps"}}).find("if_needed or always"), std::string::npos);
   EXPECT_NE(with("phantom", {{"max_force_n", "-1"}}).find("max_force_n"), std::string::npos);
+  EXPECT_NE(with("phantom", {{"rate_hz", "7"}}).find("[100, 10000]"), std::string::npos);
+  EXPECT_NE(with("phantom", {{"rest", "0,11,0"}}).find("within 10 m"), std::string::npos);
   EXPECT_NE(with("wire-phantom", {{"fault", "earthquake@1"}}).find("comm_error"), std::string::npos);
   EXPECT_NE(with("wire-phantom", {{"fault", "comm_error@soon"}}).find("KIND@SECONDS"), std::string::npos);
   EXPECT_NE(with("wire-phantom", {{"model", "novint"}}).find("omni"), std::string::npos);

@@ -118,7 +118,7 @@ TEST(DesignProblem, OfACouplingSetByHandIsForJudgingIt) {
   const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.all_points, 1000);
   EXPECT_FALSE(r.goals.free_cap);
-  const coupling::CouplingSpec hand = spec_at_hand(s.coupling, s.device);
+  const coupling::CouplingSpec hand = spec_D(s.coupling, s.device);
   EXPECT_DOUBLE_EQ(hand.stiffness_cap_n_per_m, 1000);
   EXPECT_TRUE(std::isinf(hand.stiffness_cap_nm_per_rad));
 }
@@ -131,7 +131,7 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   design.spec.stiffness_cap_n_per_m = 800, design.spec.stiffness_cap_nm_per_rad = 2;
   design.spec.injected_damping_ns_per_m = 3, design.spec.injected_damping_nms_per_rad = 0.01;
   scene::Scene scene = scaled_scene();
-  coupling::CouplingSpec spec = spec_in_world(design, scene);
+  coupling::CouplingSpec spec = spec_W(design, scene);
   EXPECT_DOUBLE_EQ(spec.stiffness_cap_n_per_m, 400);
   EXPECT_DOUBLE_EQ(spec.stiffness_cap_nm_per_rad, 16);
   EXPECT_DOUBLE_EQ(spec.injected_damping_ns_per_m, 1.5);
@@ -142,7 +142,7 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   EXPECT_EQ(spec.gain, 0.5);
   EXPECT_EQ(spec.damping_ratio, 0.9);
   EXPECT_EQ(spec.velocity_filter_hz, 50);
-  const coupling::CouplingSpec back = spec_at_hand(spec, scene.device);
+  const coupling::CouplingSpec back = spec_D(spec, scene.device);
   EXPECT_DOUBLE_EQ(back.stiffness_cap_nm_per_rad, 2);
   EXPECT_DOUBLE_EQ(back.injected_damping_nms_per_rad, 0.01);
   EXPECT_DOUBLE_EQ(back.damping_ns_per_m, 4);
@@ -151,19 +151,19 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
 TEST(SpecInWorld, NeverLosesTheScenesOwnCaps) {
   coupling::design::Design uncapped;
   scene::Scene scene = scaled_scene();
-  EXPECT_TRUE(std::isinf(spec_in_world(uncapped, scene).stiffness_cap_n_per_m));
+  EXPECT_TRUE(std::isinf(spec_W(uncapped, scene).stiffness_cap_n_per_m));
   scene.design->stiffness_cap_n_per_m = 500, scene.design->stiffness_cap_nm_per_rad = 3;
-  EXPECT_EQ(spec_in_world(uncapped, scene).stiffness_cap_n_per_m, 500);
-  EXPECT_EQ(spec_in_world(uncapped, scene).stiffness_cap_nm_per_rad, 3);
+  EXPECT_EQ(spec_W(uncapped, scene).stiffness_cap_n_per_m, 500);
+  EXPECT_EQ(spec_W(uncapped, scene).stiffness_cap_nm_per_rad, 3);
   uncapped.spec.stiffness_cap_n_per_m = 100;
-  EXPECT_EQ(spec_in_world(uncapped, scene).stiffness_cap_n_per_m, 50) << "the lower one holds";
+  EXPECT_EQ(spec_W(uncapped, scene).stiffness_cap_n_per_m, 50) << "the lower one holds";
 }
 
 TEST(LimitsInWorld, AreTheDevicesThroughTheScales) {
-  const coupling::CouplingLimits limits = limits_in_world(scaled_scene().device, giving(20, 0.5));
+  const coupling::CouplingLimits limits = limits_W(scaled_scene().device, giving(20, 0.5));
   EXPECT_DOUBLE_EQ(limits.max_force_n, 40);
   EXPECT_DOUBLE_EQ(limits.max_torque_nm, 4);
-  const coupling::CouplingLimits none = limits_in_world(scaled_scene().device, giving(kInfinity, 0));
+  const coupling::CouplingLimits none = limits_W(scaled_scene().device, giving(kInfinity, 0));
   EXPECT_TRUE(std::isinf(none.max_force_n));
   EXPECT_EQ(none.max_torque_nm, 0);
   // At the limit in W the device gets just its own.

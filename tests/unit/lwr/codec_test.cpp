@@ -107,7 +107,6 @@ TEST(FriCodec, TransposesTheRotationsBetweenTheWireAndOurs) {
   const CartVector wire = {1, 2, 3, 40, 50, 60};  // x y z, about z, y, x
   Vec6 ours;
   ours << 1, 2, 3, 60, 50, 40;
-  EXPECT_EQ(from_wire(wire), ours);
   EXPECT_EQ(to_wire(ours), wire);
   LwrJacobian jacobian;
   for (int row = 0; row < 6; ++row)
@@ -122,9 +121,11 @@ TEST(FriCodec, KeepsAPoseThroughTheWire) {
   const Pose pose{Vec3(0.1, -0.2, 0.3), Quat(0.5, -0.5, 0.1, 0.7).normalized()};
   const Frame wire = to_wire(pose);
   EXPECT_EQ(wire[7], -0.2F) << "positions are the fourth column";
-  const Pose back = from_wire(wire);
-  EXPECT_NEAR((back.position - pose.position).norm(), 0.0, 1e-7);
-  EXPECT_NEAR(back.orientation.angularDistance(pose.orientation), 0.0, 1e-6);
+  const Mat3 rotation = pose.orientation.toRotationMatrix();
+  for (int row = 0; row < 3; ++row)
+    for (int col = 0; col < 4; ++col)
+      EXPECT_EQ(wire[static_cast<std::size_t>(4 * row + col)],
+                static_cast<float>(col < 3 ? rotation(row, col) : pose.position[row]));
 }
 
 TEST(FriCodec, CountsAcrossTheWrap) {

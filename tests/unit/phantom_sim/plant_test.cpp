@@ -195,9 +195,6 @@ TEST(Plant, RefusesWhatItCannotSimulate) {
   vice.stiffness_n_per_m = 1e5;
   vice.grip_factor = 100.0;
   EXPECT_THROW(plant_of({}, vice), std::runtime_error);
-  PlantConfig config;
-  config.coulomb_nm = -1.0;
-  EXPECT_THROW(plant_of(config), std::runtime_error);
 }
 
 TEST(Plant, SameCallsGiveTheSameBits) {

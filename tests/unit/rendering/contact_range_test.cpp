@@ -25,20 +25,20 @@ double largest_eigenvalue(const Mat3& m) {
 }
 
 TEST(ContactStiffness, CountsPointsAndLevers) {
-  const ContactStiffness none = contact_stiffness({}, {10.0});
+  const StiffnessBounds none = contact_stiffness({}, {10.0});
   EXPECT_EQ(none.translation.all_points + none.rotation.all_points + none.translation.one_point, 0.0);
-  const ContactStiffness one = contact_stiffness(shell_of({Vec3(0.3, 0, 0.4)}), {10.0});
+  const StiffnessBounds one = contact_stiffness(shell_of({Vec3(0.3, 0, 0.4)}), {10.0});
   EXPECT_DOUBLE_EQ(one.translation.one_point, 10.0);
   EXPECT_DOUBLE_EQ(one.translation.all_points, 10.0);
   EXPECT_NEAR(one.rotation.one_point, 2.5, 1e-11);
   EXPECT_EQ(one.rotation.all_points, one.rotation.one_point);
   // A rod along x: about y and z both ends count, about x none.
-  const ContactStiffness rod = contact_stiffness(shell_of({Vec3(0.5, 0, 0), Vec3(-0.5, 0, 0), Vec3(0.1, 0, 0)}), {10.0});
+  const StiffnessBounds rod = contact_stiffness(shell_of({Vec3(0.5, 0, 0), Vec3(-0.5, 0, 0), Vec3(0.1, 0, 0)}), {10.0});
   EXPECT_DOUBLE_EQ(rod.translation.all_points, 30.0);
   EXPECT_NEAR(rod.rotation.one_point, 2.5, 1e-11);
   EXPECT_NEAR(rod.rotation.all_points, 5.1, 1e-11);
   // Six points of a ball: two thirds of K sum |r|^2.
-  const ContactStiffness ball = contact_stiffness(
+  const StiffnessBounds ball = contact_stiffness(
       shell_of({Vec3::UnitX(), -Vec3::UnitX(), Vec3::UnitY(), -Vec3::UnitY(), Vec3::UnitZ(), -Vec3::UnitZ()}), {10.0});
   EXPECT_NEAR(ball.rotation.all_points, 10.0 * 4.0, 1e-9);
 }
@@ -46,7 +46,7 @@ TEST(ContactStiffness, CountsPointsAndLevers) {
 TEST(ContactStiffness, CountsEachPointByItsAreaWhereTheSceneDoes) {
   pointshell::Pointshell shell = shell_of({Vec3(0.5, 0, 0), Vec3(-0.1, 0, 0)});
   shell.area_m2 = {2e-6, 6e-6};
-  const ContactStiffness bound = contact_stiffness(shell, {1e6, contact::PointWeights::kArea});
+  const StiffnessBounds bound = contact_stiffness(shell, {1e6, contact::PointWeights::kArea});
   EXPECT_DOUBLE_EQ(bound.translation.one_point, 6.0);
   EXPECT_DOUBLE_EQ(bound.translation.all_points, 8.0);
   EXPECT_NEAR(bound.rotation.one_point, 0.5, 1e-11);
@@ -80,7 +80,7 @@ TEST(ContactStiffness, BoundsEverySetOfPointsWithAnyDirections) {
     std::vector<Vec3> points;
     const auto count = 1 + trial % 12;
     for (int p = 0; p < count; ++p) points.push_back(vector() + Vec3(0.5, 0, 0));
-    const ContactStiffness bound = contact_stiffness(shell_of(points), {3.0});
+    const StiffnessBounds bound = contact_stiffness(shell_of(points), {3.0});
     contact::StiffnessSum sum;
     const Vec3 axis = vector().normalized();
     for (const Vec3& arm : points) {

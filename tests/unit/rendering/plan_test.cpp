@@ -19,7 +19,7 @@ BuildCounts counts() {
   BuildCounts n;
   n.static_triangles = 1000, n.dynamic_triangles = 1;
   n.surface_voxels = 40'000, n.interior_voxels = 9'000;
-  n.contact_n_per_m = {10, 15'000}, n.contact_nm_per_rad = {0.001, 0.5};
+  n.contact = {{10, 15'000}, {0.001, 0.5}};
   n.shell_points = 1500, n.voxmap_bytes = 2'500'000, n.shell_bytes = 96'000;
   return n;
 }
