@@ -52,10 +52,9 @@ ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, c
   if (!unit.empty()) result.warnings.push_back(unit);
   result.mesh = transform(welded, options.scale, options.pose);
   result.report = inspect(result.mesh);
-  if (result.report.not_finite_vertices.count > 0) {
+  if (result.report.not_finite_vertices.count > 0)
     import::refuse(path, "vertex " + std::to_string(result.report.not_finite_vertices.examples.front()) +
                    " is not finite after scale and pose", "give a smaller scale");
-  }
   return result;
 }
 

@@ -24,10 +24,9 @@ class MeshFileOnly : public Assimp::DefaultIOSystem {
 
   bool Exists(const char* name) const override { return is_mesh(name) || may_open(name); }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
-    if (is_mesh(name)) {
+    if (is_mesh(name))
       return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(file_.bytes.data()),
           file_.bytes.size());
-    }
     return may_open(name) && mode[0] == 'r' ? DefaultIOSystem::Open(name, mode) : nullptr;
   }
 
@@ -92,12 +91,10 @@ void note_spacing(const Placed& placed, FileTriangles& result) {
   }
   const double stretch = placed.matrix.topLeftCorner<3, 3>().colwise().norm().maxCoeff();
   const double shift = placed.matrix.topRightCorner<3, 1>().cwiseAbs().maxCoeff();
-  if (const double s = single_spacing(largest) * stretch; s > result.spacing) {
+  if (const double s = single_spacing(largest) * stretch; s > result.spacing)
     result.spacing = s, result.largest = largest * stretch;
-  }
-  if (shift > 0.0 && single_spacing(shift) > result.spacing) {
+  if (shift > 0.0 && single_spacing(shift) > result.spacing)
     result.spacing = single_spacing(shift), result.largest = shift;
-  }
 }
 
 void append(const MeshFile& file, const Placed& placed, TriangleMesh& mesh) {
@@ -109,10 +106,9 @@ void append(const MeshFile& file, const Placed& placed, TriangleMesh& mesh) {
     const aiVector3D& a = placed.mesh->mVertices[v];
     const Vec3 x(a.x, a.y, a.z);
     mesh.vertices.push_back(as_is ? x : Vec3(linear * x + shift));
-    if (!mesh.vertices.back().allFinite()) {
+    if (!mesh.vertices.back().allFinite())
       refuse(file.path, "vertex " + std::to_string(v) + " is not finite, or not after its node's transform",
              "repair the mesh: NaN, Inf and numbers beyond 3.4e38 cannot be placed");
-    }
   }
   const bool mirrored = linear.determinant() < 0.0;
   for (unsigned f = 0; f < placed.mesh->mNumFaces; ++f) {
@@ -149,25 +145,21 @@ FileTriangles read_checked(const MeshFile& file, const ImportOptions& options) {
   Counts all, own;
   for (const Placed& p : placed) all.add(*p.mesh);
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) own.add(*scene.mMeshes[m]);
-  if (all.triangles > options.max_triangles) {
+  if (all.triangles > options.max_triangles)
     refuse(file.path, "has " + std::to_string(all.triangles) + " triangles, and at most " +
            std::to_string(options.max_triangles) + " are read", "reduce the mesh, or raise max_triangles");
-  }
   if (own.astray > 0) {  // before assimp cuts polygons, which trusts them
     refuse(file.path, std::to_string(own.astray) + " corners of its faces name vertices that are not there", "export it again");
   }
-  if (file.faces && own.polygons != *file.faces) {
+  if (file.faces && own.polygons != *file.faces)
     refuse_truncated(file, "it speaks of " + std::to_string(*file.faces) + " faces, and " + std::to_string(own.polygons) +
                      " can be read");
-  }
-  if (all.triangles == 0) {
+  if (all.triangles == 0)
     refuse(file.path, "has no triangles (" + std::to_string(all.points) + " points, " + std::to_string(all.lines) + " lines)",
            "export the surface, with faces");
-  }
   // In place: what is placed stays.
-  if (all.triangles != all.polygons && importer.ApplyPostProcessing(aiProcess_Triangulate) == nullptr) {
+  if (all.triangles != all.polygons && importer.ApplyPostProcessing(aiProcess_Triangulate) == nullptr)
     refuse(file.path, "its polygons cannot be cut into triangles", "triangulate on export");
-  }
   FileTriangles result{.mesh = {}, .points = all.points, .lines = all.lines, .warnings = file.warnings};
   for (const Placed& p : placed) append(file, p, result.mesh), note_spacing(p, result);
   result.uncut = all.triangles - std::min<std::uint64_t>(all.triangles, result.mesh.triangles.size());

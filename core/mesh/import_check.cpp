@@ -45,9 +45,8 @@ namespace {
 /// Objects, groups, materials and smoothing would make assimp sort the faces; as comments they leave the
 /// file's order alone.
 void check_obj(MeshFile& file) {
-  if (file.bytes.find('\0') != std::string::npos) {
+  if (file.bytes.find('\0') != std::string::npos)
     refuse(file.path, "is no OBJ text: it holds zero bytes", "export it as OBJ again, or give it the ending of its format");
-  }
   bool continued = false;
   for (std::size_t first = 0; first < file.bytes.size();) {
     const std::size_t end = std::min(file.bytes.find('\n', first), file.bytes.size());
@@ -80,10 +79,9 @@ void check_stl_text(MeshFile& file) {
     if (named || word == "facet") last = word;
   }
   if (last != "endsolid") refuse_truncated(file, "an STL text without its 'endsolid'");
-  if (ends != facets || vertices != 3 * facets) {
+  if (ends != facets || vertices != 3 * facets)
     refuse_truncated(file, std::to_string(facets) + " facets begin, " + std::to_string(ends) + " end, and they have " +
                      std::to_string(vertices) + " vertices");
-  }
   file.faces = facets;
 }
 

@@ -36,9 +36,8 @@ void check_indices(const MeshFile& file, std::string_view text) {
 void check_accessor(const MeshFile& file, const pugi::xml_node& accessor, std::uint64_t array) {
   const std::uint64_t begin = accessor.attribute("offset").as_uint(), count = accessor.attribute("count").as_uint();
   const std::uint64_t stride = accessor.attribute("stride").as_uint(1), params = accessor.select_nodes("param").size();
-  if (begin + (std::max(count, std::uint64_t{1}) - 1) * stride + std::max(params, stride) > array) {
+  if (begin + (std::max(count, std::uint64_t{1}) - 1) * stride + std::max(params, stride) > array)
     refuse_truncated(file, "an accessor reads beyond the " + std::to_string(array) + " numbers of its array");
-  }
 }
 
 /// What is behind the '#'.
@@ -53,9 +52,8 @@ void check_collada(MeshFile& file) {
   pugi::xml_document doc;
   const pugi::xml_parse_result parsed = doc.load_buffer(file.bytes.data(), file.bytes.size());
   if (!parsed) refuse_truncated(file, std::string("its XML does not hold together (") + parsed.description() + ")");
-  if (doc.select_node("//instance_controller")) {
+  if (doc.select_node("//instance_controller"))
     file.warnings.push_back("skinned or morphed parts are left out: export them as plain geometry");
-  }
   pugi::xpath_node_set no_geometry = doc.select_nodes(
       "//extra | //instance_controller | //instance_camera | //instance_light | //bind_material | /COLLADA/*[starts-with(name(), "
       "'library_') and name() != 'library_geometries' and name() != 'library_nodes' and name() != 'library_visual_scenes']");
@@ -63,13 +61,11 @@ void check_collada(MeshFile& file) {
   for (const pugi::xpath_node& found : no_geometry) found.parent().remove_child(found.node());
 
   std::map<std::string, std::uint64_t> arrays;
-  for (const auto& found : doc.select_nodes("//float_array")) {
+  for (const auto& found : doc.select_nodes("//float_array"))
     arrays[found.node().attribute("id").value()] = count_numbers(file, found.node());
-  }
   for (const auto& found : doc.select_nodes("//p")) check_indices(file, found.node().child_value());
-  for (const auto& found : doc.select_nodes("//accessor")) {
+  for (const auto& found : doc.select_nodes("//accessor"))
     check_accessor(file, found.node(), arrays[named_by(found.node().attribute("source"))]);
-  }
   std::set<std::string> parts;
   for (const auto& found : doc.select_nodes("//node/@id | //geometry/@id")) parts.insert(found.attribute().value());
   for (const auto& found : doc.select_nodes("//instance_node/@url | //instance_geometry/@url")) {

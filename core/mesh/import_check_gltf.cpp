@@ -16,10 +16,9 @@ std::string_view json_chunk(const MeshFile& file) {
   const std::string_view bytes = file.bytes;
   if (bytes.size() < 20 || !bytes.starts_with("glTF")) refuse_truncated(file, "no header of a .glb file");
   const std::uint64_t total = little_u32(bytes, 8), json = little_u32(bytes, 12);
-  if (total > bytes.size() || 20 + json > total) {
+  if (total > bytes.size() || 20 + json > total)
     refuse_truncated(file, "the header speaks of " + std::to_string(total) + " bytes, " + std::to_string(json) +
                      " of them JSON, and there are " + std::to_string(bytes.size()));
-  }
   return bytes.substr(20, json);
 }
 

@@ -58,9 +58,8 @@ Header read_header(const MeshFile& file) {
       const std::string_view name = next_word(line, p);
       header.elements.back().names.append(name).append(" "), understood = !name.empty();
     }
-    if (!understood || !next_word(line, p).empty()) {
+    if (!understood || !next_word(line, p).empty())
       refuse_header(file, "a line that is not understood: '" + printable(line.substr(0, 60)) + "'");
-    }
   }
   refuse_truncated(file, "a PLY header without its end");
 }
@@ -75,9 +74,8 @@ bool next_number(const MeshFile& file, const Header& header, std::size_t size, s
   }
   if (file.bytes.size() - at < size) return false;
   value = 0;
-  for (std::size_t k = 0; k < size; ++k) {
+  for (std::size_t k = 0; k < size; ++k)
     *value = *value << 8 | static_cast<unsigned char>(file.bytes[at + (header.big_endian ? k : size - 1 - k)]);
-  }
   at += size;
   return true;
 }
@@ -100,10 +98,9 @@ void check_ply(const MeshFile& file) {
         if (whole && !items) refuse_truncated(file, "a list of the element " + name + " has no length");
         for (std::uint64_t k = 0; whole && k < *items; ++k) whole = next_number(file, header, p.item_bytes, at, value);
       }
-      if (!whole) {
+      if (!whole)
         refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements " + name + ", and after " +
                          std::to_string(row) + " of them the file ends");
-      }
     }
   }
 }

@@ -42,14 +42,12 @@ std::string read_mesh_bytes(const std::filesystem::path& path, std::uintmax_t mo
   const std::uintmax_t size = size_of(path, most);
   errno = 0;
   std::ifstream in(path, std::ios::binary);
-  if (!in) {
+  if (!in)
     refuse(path, std::string("cannot be opened (") + std::strerror(errno) + ")", "give yourself the right to read it");
-  }
   std::string bytes(size, '\0');
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<std::size_t>(in.gcount()) != bytes.size() || in.peek() != std::ifstream::traits_type::eof()) {
+  if (static_cast<std::size_t>(in.gcount()) != bytes.size() || in.peek() != std::ifstream::traits_type::eof())
     refuse(path, "changed while it was read", "try again when nothing writes to it");
-  }
   return bytes;
 }
 

@@ -19,9 +19,8 @@ double six_volumes(const TriangleMesh& mesh, std::uint32_t t, const Vec3& about)
 std::vector<std::uint32_t> of_kind(const std::vector<TriangleKind>& kinds, bool with_zero_area) {
   std::vector<std::uint32_t> which;
   for (std::uint32_t t = 0; t < kinds.size(); ++t) {
-    if (kinds[t] == TriangleKind::kSound || (with_zero_area && kinds[t] == TriangleKind::kZeroArea)) {
+    if (kinds[t] == TriangleKind::kSound || (with_zero_area && kinds[t] == TriangleKind::kZeroArea))
       which.push_back(t);
-    }
   }
   return which;
 }
@@ -134,20 +133,18 @@ std::vector<std::string> MeshReport::sentences() const {
       ": triangles there have no place in the grid; repair the file, nothing can be built from this mesh");
   say(open_edges, "open edge", "open edges", "at triangle",
       ": the mesh has no interior, so a tool that goes through the surface is not pushed back");
-  if (inverted) {
+  if (inverted)
     all.push_back("the whole mesh faces inward (its signed volume is negative): it is felt as if all triangles were turned "
                   "round; other programs may see it inside out");
-  }
   say(flipped, "triangle is flipped against its neighbours",
       "triangles are flipped against their neighbours", "triangle",
       closed && orientable ? ": felt as if turned round"
                            : ": normals there point the wrong way, so the force drops or turns round as the tool passes");
   say(inward_parts, "closed part faces inward", "closed parts face inward", "beginning at triangle",
       ": right for a cavity inside another part; a part of its own is felt as if turned round");
-  if (!orientable) {
+  if (!orientable)
     all.push_back("the surface has one side only (a band with a twist): its normals turn round somewhere, and with them the "
                   "force");
-  }
   say(non_manifold_edges, "edge has more than two triangles", "edges have more than two triangles",
       "at triangle",
       ": sheets meet there, so shell points on it mix the normals of more than one sheet");
@@ -161,9 +158,8 @@ std::vector<std::string> MeshReport::sentences() const {
       ": their normals cancel, so shell points there take the normal of a single face");
   say(unused_vertices, "vertex is used by no triangle", "vertices are used by no triangle", "vertex",
       ": no effect, also not on the bounding box");
-  if (triangles > 0 && edges == 0 && not_finite_vertices.count == 0) {
+  if (triangles > 0 && edges == 0 && not_finite_vertices.count == 0)
     all.push_back("no triangle has an area: there is nothing to feel");
-  }
   return all;
 }
 

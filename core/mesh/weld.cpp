@@ -1,5 +1,7 @@
 #include "core/mesh/weld.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -16,9 +18,8 @@ using Cell = std::array<std::int64_t, 3>;
 struct CellHash {
   std::size_t operator()(const Cell& c) const noexcept {
     std::uint64_t h = 0x9e3779b97f4a7c15u;
-    for (const std::int64_t k : c) {
+    for (const std::int64_t k : c)
       h = (h ^ static_cast<std::uint64_t>(k)) * 0xff51afd7ed558ccdu, h ^= h >> 32;
-    }
     return static_cast<std::size_t>(h);
   }
 };
@@ -78,11 +79,9 @@ std::vector<std::uint8_t> used_vertices(const TriangleMesh& mesh) {
   std::vector<std::uint8_t> used(mesh.vertices.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const std::uint32_t v : mesh.triangles[t]) {
-      if (v >= used.size()) {
-        throw std::runtime_error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
-            " of " +
-                                 std::to_string(used.size()) + ": the mesh is not complete, build it again");
-      }
+      if (v >= used.size())
+        throw std::runtime_error(
+            fmt::format("triangle {} names vertex {} of {}: the mesh is not complete, build it again", t, v, used.size()));
       used[v] = 1;
     }
   }
