@@ -68,7 +68,7 @@ std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& sce
   if (!touch) return out;
   const double period_s = device.timing.period_s, depth_step_m = kDepthStepM * scene.device.position_scale;
   const int frames = static_cast<int>(std::clamp(std::ceil(depth_step_m / step_m), 1.0, 100.0));
-  coupling::RunningCoupling running(fitted.spec, fitting::limits_in_world(scene.device, device), period_s, 0.0);
+  coupling::RunningCoupling running(fitted.spec, fitting::limits_W(scene.device, device), period_s, 0.0);
   renderer.reset();
   rendering::ToolState tool{.pose = touch->pose, .twist = {}};
   double time_s = touch->time_s;
