@@ -228,7 +228,19 @@ class Bag:
 
     def recording(self):
         """What the logger tells of the recording beside it; {} where there is nothing."""
+        return self.beside("voxtouch_recording.json")
+
+    def summary(self):
+        """What `voxtouch up` told of the run, as its --json does; {} where it did not come to its end, was not there, or where this is none of its."""
+        told = self.beside("voxtouch_run.json")
+        limits, sentences = told.get("limits"), [told.get("problems"), told.get("notes")]
+        whole = isinstance(limits, dict) and all(isinstance(one, dict) and all(
+            isinstance(one.get(key), (int, float, type(None))) for key in ("value", "at_most", "at_least")) for one in limits.values())
+        return told if whole and all(isinstance(every, list) for every in sentences) else {}
+
+    def beside(self, name):
         try:
-            return json.loads((self.path / "voxtouch_recording.json").read_text())
+            told = json.loads((self.path / name).read_text())
         except (OSError, ValueError):
             return {}
+        return told if isinstance(told, dict) else {}

@@ -79,6 +79,29 @@ def kind_of_run(run):
             f"{run.length_s:.3g} s recorded of rig {esc(run.bag.rig)}.")
 
 
+def verdict(run):
+    """Whether `up` called it a good run, and why not."""
+    told = run.bag.summary()
+    if not told:
+        return ("<p><b>No verdict.</b> No <code>voxtouch up</code> judged this run: it was ended by force, is of an earlier version, or the nodes were started "
+                "one by one. What follows says what happened, not whether it was within the limits of a good run.</p>")
+    if told.get("ok") is True and not told["problems"]:
+        return f'<p class=good><b>A good run: all {len(told["limits"])} limits were met.</b></p>{listed(told["notes"])}'
+    return f'<p class=bad><b>Not a good run:</b></p>{listed(told["problems"])}{listed(told["notes"])}'
+
+
+def limit_rows(run):
+    limits = run.bag.summary().get("limits", {})
+    if not limits:
+        return "<p>The bag holds no verdict.</p>"
+    def bound(one):
+        side = "at_most" if "at_most" in one else "at_least"
+        return side.replace("_", " ") + (" no limit" if one.get(side) is None else f" {one[side]:.4g}")
+    return table(["figure", "was", "a good run has", "unit", "verdict"], [
+        [esc(name), number(one.get("value"), digits=4), bound(one), "share" if one.get("unit") == "1" else esc(one.get("unit", "")),
+         "met" if one.get("met") else "<span class=bad>not met</span>"] for name, one in limits.items()], numeric=(1,))
+
+
 def tiles(run):
     f = run.figures
     limit = f" of {run.limit_n:.3g} N" if math.isfinite(run.limit_n) else ""
@@ -301,12 +324,13 @@ def page(runs, progress=lambda share: None):
     decimated = (f"Curves are drawn in {STRETCHES} stretches of {1e3 * span:.2g} ms each, every one from its smallest to its largest value, so that no "
                  "peak is left out. "
                  if drawn_from > 2 * STRETCHES else "Curves show every sample. ")
-    parts = [f"<header><h1>{esc(names_of_runs)}</h1>{beside(runs, lambda run: f'<p>{kind_of_run(run)}</p>{tiles(run)}')}"
+    parts = [f"<header><h1>{esc(names_of_runs)}</h1>{beside(runs, lambda run: f'<p>{kind_of_run(run)}</p>{verdict(run)}{tiles(run)}')}"
              + (f"<h3>What is to be known of the bag</h3>{listed(notes)}" if notes else "") + "</header>"]
     parts += picture_sections(runs, progress)
     parts.append(section("Faults and when they came", beside(runs, fault_rows), "<p class=quiet>Times are of the device's clock since "
                          "the first sample. Samples of one kind that lie "
                          "closer than 50 ms are one row; the device's own counts come ten times a second.</p>"))
+    parts.append(section("Limits of a good run", beside(runs, limit_rows)))
     if any(run.bag.rows["rendering/changed"].times for run in runs):
         parts.append(section("Changes while it ran", beside(runs, change_rows)))
     parts.append(section("The coupling", beside(runs, design_words)))

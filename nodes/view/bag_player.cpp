@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "nodes/bus/wire_form.hpp"
 #include "nodes/runtime/realtime.hpp"
@@ -29,6 +31,17 @@ bag::BagReader open(const std::filesystem::path& path) {
   auto reader = bag::BagReader::open(path);
   if (!reader) throw std::runtime_error(reader.error().sentence);
   return std::move(*reader);
+}
+
+/// What `up` has left beside the bag, as the page shows it; null where it left nothing.
+nlohmann::json verdict_beside(const std::filesystem::path& path) {
+  std::ifstream file((std::filesystem::is_directory(path) ? path : path.parent_path()) / "voxtouch_run.json");
+  const auto told = nlohmann::json::parse(file, nullptr, false);
+  if (!told.is_object() || !told.contains("ok") || !told["ok"].is_boolean() || !told.contains("problems") || !told["problems"].is_array()) return nullptr;
+  nlohmann::json problems = nlohmann::json::array();
+  for (const auto& problem : told["problems"])
+    if (problem.is_string()) problems.push_back(problem);
+  return {{"good", told["ok"].get<bool>() && told["problems"].empty()}, {"problems", std::move(problems)}};
 }
 
 }  // namespace
@@ -55,7 +68,7 @@ struct BagPlayer::Types {
 };
 
 BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem::path& path)
-    : reader_(open(path)), types_(std::make_unique<Types>(participant.get())) {
+    : reader_(open(path)), verdict_(verdict_beside(path)), types_(std::make_unique<Types>(participant.get())) {
   using Kind = Types::Kind;
   constexpr std::pair<std::string_view, Kind> kKinds[] = {
       {qos::kDeviceState.path, Kind::kState},          {qos::kContactState.path, Kind::kContact},
@@ -170,7 +183,8 @@ void BagPlayer::take(const bag::BagMessage& m, Picture& picture, Facts& facts, N
 }
 
 nlohmann::json BagPlayer::to_json() const {
-  return {{"t", rounded(at_s_)}, {"duration", rounded(static_cast<double>(end_ns_ - begin_ns_) * 1e-9)}, {"playing", playing_}, {"speed", speed_}};
+  return {{"t", rounded(at_s_)}, {"duration", rounded(static_cast<double>(end_ns_ - begin_ns_) * 1e-9)}, {"playing", playing_}, {"speed", speed_},
+          {"verdict", verdict_}};
 }
 
 }  // namespace voxtouch::view

@@ -6,6 +6,8 @@
 #include <string>
 #include <thread>
 
+#include <nlohmann/json.hpp>
+
 #include "nodes/bag/bag_reader.hpp"
 #include "nodes/bus/participant.hpp"
 #include "nodes/view/facts.hpp"
@@ -27,7 +29,7 @@ class BagPlayer {
   /// Takes what was recorded up to where the clock now is. True where a jump was made: what was shown before is gone.
   bool advance(double elapsed_s, Picture& picture, Facts& facts, NodeTable& nodes);
 
-  /// {t, duration, playing, speed}
+  /// {t, duration, playing, speed, verdict: null or {good, problems}}
   nlohmann::json to_json() const;
   /// As the rendering node said it; empty where it did not.
   const std::string& scene_file() const noexcept { return scene_file_; }
@@ -44,6 +46,7 @@ class BagPlayer {
   void collect_facts(const std::filesystem::path& path);
 
   bag::BagReader reader_;
+  nlohmann::json verdict_;  ///< of `up`, on the run
   std::unique_ptr<Types> types_;
   std::int64_t begin_ns_ = 0, end_ns_ = 0;
   double at_s_ = 0.0, speed_ = 1.0;

@@ -239,6 +239,24 @@ class Reports(unittest.TestCase):
         self.says(self.report_of(unsaid), "None: no flag of a fault")
         self.says(self.page, "In lockstep time is simulated: there is no latency")
 
+    def test_whether_it_was_a_good_run_stands_first(self):
+        verdict = self.bag / "voxtouch_run.json"
+        self.assertEqual(json.loads(verdict.read_text()), self.summary)
+        self.says(self.page, f"A good run: all {len(self.summary['limits'])} limits were met", "energy_debt")
+        bad = self.at / "bad"
+        ended = up("--motion", "slide", "--duration", "0.5", "--lockstep", "--limit", "validated_share=1.5", "--record", bad)
+        self.assertEqual(ended.returncode, 1)
+        page = Page(bad / "report.html")
+        self.assertEqual(page.problems, [])
+        self.says(page, "Not a good run", *json.loads(ended.stdout)["problems"], "at least 1.5", "not met")
+        unjudged = self.copy("unjudged", "")
+        (unjudged / verdict.name).unlink()
+        self.says(self.report_of(unjudged), "No verdict")
+        for broken in ("", "[1]", "{", '{"limits": {}}', '{"ok": true, "limits": [], "problems": [], "notes": []}',
+                       '{"ok": true, "limits": {"a": {"value": "b"}}, "problems": [], "notes": []}'):
+            (unjudged / verdict.name).write_text(broken)
+            self.says(self.report_of(unjudged), "No verdict")
+
     def test_the_command_of_the_page_makes_the_same_run(self):
         folder, words = run_data.Run(self.bag).command_line()
         self.assertEqual(words, list(map(str, self.done.args)))

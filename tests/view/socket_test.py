@@ -227,6 +227,8 @@ class Recorded(unittest.TestCase):
             with page(bag) as shown, WebSocket(shown.address()) as socket:
                 socket.order(speed=4)
                 facts = socket.facts(lambda m: not m["bag"]["playing"] and m["latency"] and m["counts"], 30, "the end")
+                told = json.loads((pathlib.Path(bag) / "voxtouch_run.json").read_text())
+                self.assertEqual(facts["bag"]["verdict"], {"good": told["ok"], "problems": told["problems"]})
             self.assertGreater(facts["counts"]["latency_p50_us"], 0, "what the device measured stands beside it")
             taken = {"/haptic/device/state": {}, "/haptic/coupling/command": {}}
             for file in pathlib.Path(bag).glob("*.db3"):

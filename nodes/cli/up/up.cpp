@@ -16,6 +16,7 @@
 
 #include "core/scene/scene_file.hpp"
 #include "devices/settings.hpp"
+#include "nodes/bag/files.hpp"
 #include "nodes/bus/reader.hpp"
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/up/command_line.hpp"
@@ -310,9 +311,17 @@ RunSummary run_up(const UpOptions& options) {
   return Run(options, scene).go();
 }
 
-void print_json(const nlohmann::ordered_json& json) {
-  log::print_result("{}\n",
-             json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));  // paths need not be UTF-8
+std::string text_of(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
+}
+
+void print_json(const nlohmann::ordered_json& json) { log::print_result("{}", text_of(json)); }
+
+/// A bag alone does not tell whether its run was a good one: this file beside it does, with each limit and what was met.
+void keep_verdict(const RunSummary& summary) {
+  if (!std::filesystem::exists(summary.bag)) return;
+  const auto kept = bag::write_atomically(std::filesystem::path(summary.bag) / "voxtouch_run.json", text_of(to_json(summary)), bag::Flush::kNo);
+  if (!kept) log::tell("note: the verdict on this run does not stand beside its bag: {}\n", kept.error().sentence);
 }
 
 /// Beside the bag, and no part of the run: where it cannot be drawn a sentence says so, and a long one goes on by itself.
@@ -342,6 +351,7 @@ int up(const UpOptions& options) {
     if (options.json) print_json({{"ok", false}, {"problems", {error.what()}}});
     throw;
   }
+  if (!options.no_record) keep_verdict(summary);
   if (!options.no_record && !options.no_report) {
     log::finish_results();  // nobody waits for the summary while a page is drawn
     report_on(summary);

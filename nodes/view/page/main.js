@@ -137,7 +137,12 @@
     const say = (word, text) => { $('pill').dataset.state = word, $('pill').textContent = text; };
     if (!state.connected) return say('bad', 'no server: trying again');
     document.body.classList.remove('stale');
-    if (isBag()) return say('live', state.facts.bag.playing ? `recording × ${state.facts.bag.speed}` : 'recording, paused');
+    if (isBag()) {
+      const {playing, speed, verdict} = state.facts.bag;
+      $('pill').title = !verdict ? 'No voxtouch up judged this run' : verdict.problems.join(' ');
+      const judged = !verdict ? '' : verdict.good ? ', a good run' : ', not a good run';
+      return say(verdict && !verdict.good ? 'bad' : 'live', (playing ? `recording × ${speed}` : 'recording, paused') + judged);
+    }
     const silent = (performance.now() - frameAt) / 1000;
     document.body.classList.toggle('stale', state.frame !== null && silent > 1.5 && !isBag());
     if (state.frame === null) return say('wait', 'waiting for a ring');
