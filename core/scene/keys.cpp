@@ -56,7 +56,10 @@ constexpr auto kMesh = joined(joined(std::to_array<Key>({
   {"parts", kMaps, kOptional, "", "Closed forms that stand for the mesh in the validator, in its frame after scaling.", "",
    &part}}));
 constexpr auto kStaticMesh = joined(kMesh, std::to_array<Key>({
-  {"origin", kVector, kOptional, "", "Origin of the ground's voxel grid [m]; on one static mesh at most."},
+  {"origin", kVector, kOptional, "",
+   "Where the ground's voxel grid begins [m]; on one static mesh at most. Left out: so that faces along the grid lie far from voxel borders. "
+   "For the grid with borders at multiples of the voxel e, standard before: e (floor(min / e) - 1) for each axis, min the ground's least "
+   "coordinate; `voxtouch plan` says both."},
   {"object", kMap, kOptional, "", "", "", &object}}));
 constexpr auto kObject = std::to_array<Key>({
   {"name", kName, kRequired, "", "Of the object."},

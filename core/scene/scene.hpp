@@ -71,7 +71,7 @@ struct Scene {
   double voxel_size_m = 0.0;
   std::vector<MeshSpec> static_meshes;
   std::vector<ObjectSpec> objects;  ///< beside the ground, which all meshes belong to that name no object
-  std::optional<Vec3> grid_origin;  ///< of the ground; default e * (floor(min / e) - 1) per axis
+  std::optional<Vec3> grid_origin;  ///< of the ground; left out: voxmap::object_grid
   MeshSpec dynamic_mesh;
   ShellKind shell = ShellKind::kExact;
   ContactSpec contact;
