@@ -174,9 +174,9 @@ Tool build_tool(const Kit& kit) {
 voxmap::Grid place_grid(const Kit& kit, std::uint32_t id, const std::string& name, const mesh::TriangleMesh& mesh) {
   const double edge = kit.scene.voxel_size_m;
   const Vec3 at_multiples = voxmap::default_grid(mesh, edge).origin;
-  const bool given = id == 0 && kit.scene.grid_origin;
-  const voxmap::Grid grid = given ? voxmap::Grid{*kit.scene.grid_origin, edge} : voxmap::object_grid(mesh, edge);
-  kit.counts.grids.push_back({name, grid.origin, at_multiples, given});
+  const std::optional<Vec3>& given = id == 0 ? kit.scene.grid_origin : kit.scene.objects[id - 1].grid_origin;
+  const voxmap::Grid grid = given ? voxmap::Grid{*given, edge} : voxmap::object_grid(mesh, edge);
+  kit.counts.grids.push_back({name, grid.origin, at_multiples, given.has_value()});
   return grid;
 }
 

@@ -57,9 +57,9 @@ constexpr auto kMesh = joined(joined(std::to_array<Key>({
    &part}}));
 constexpr auto kStaticMesh = joined(kMesh, std::to_array<Key>({
   {"origin", kVector, kOptional, "",
-   "Where the ground's voxel grid begins [m]; on one static mesh at most. Left out: so that faces along the grid lie far from voxel borders. "
-   "For the grid with borders at multiples of the voxel e, standard before: e (floor(min / e) - 1) for each axis, min the ground's least "
-   "coordinate; `voxtouch plan` says both."},
+   "Where the voxel grid of the object begins, or of the ground [m]; on one of its meshes at most. Left out: so that faces along the grid lie far "
+   "from voxel borders. For the grid with borders at multiples of the voxel e, standard before: e (floor(min / e) - 1) for each axis, min the "
+   "least coordinate of its meshes; `voxtouch plan` says both."},
   {"object", kMap, kOptional, "", "", "", &object}}));
 constexpr auto kObject = std::to_array<Key>({
   {"name", kName, kRequired, "", "Of the object."},
