@@ -31,7 +31,7 @@ install(FILES ${PROJECT_BINARY_DIR}/installed/voxtouch_plot DESTINATION ${CMAKE_
 
 # Libraries: find_package(voxtouch), targets by module.
 set(libraries voxtouch_root voxtouch_reproducible)
-foreach(module types mesh mesh_import voxmap pointshell contact effects coupling coupling_design scene device_mapping plan rendering fitting
+foreach(module types mesh mesh_import voxmap pointshell contact effects coupling coupling_design scene device_mapping plan rendering fitting felt
     reference accuracy accuracy_advice first_scene devices)
   set_target_properties(voxtouch_${module} PROPERTIES EXPORT_NAME ${module})
   list(APPEND libraries voxtouch_${module})

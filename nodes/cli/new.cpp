@@ -7,7 +7,7 @@
 #include "core/first_scene/measure_part.hpp"
 #include "core/first_scene/scene_text.hpp"
 #include "core/first_scene/try_scene.hpp"
-#include "core/fitting/felt.hpp"
+#include "core/felt/felt.hpp"
 #include "core/mesh/import.hpp"
 #include "core/scene/scene_file.hpp"
 #include "core/types/program_folder.hpp"
@@ -91,7 +91,7 @@ int make_new(const NewOptions& o) {
     const rendering::StiffnessBounds bounds{built->plan().contact_n_per_m, built->plan().contact_nm_per_rad};
     const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds.translation, bounds.rotation);
     if (!fitted.refusal.empty()) proposed.reasons.push_back("To be mended by hand: " + fitted.refusal);
-    if (const std::string felt = fitting::felt_sentence(fitted, scene, device, bounds); !felt.empty()) proposed.reasons.push_back(felt);
+    if (const std::string felt = felt::felt_sentence(fitted, scene, device, *built); !felt.empty()) proposed.reasons.push_back(felt);
   } catch (const std::exception&) {
     fs::remove(out);  // a scene that cannot even be built is no begin
     throw;

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/rendering/build.hpp"
-#include "core/fitting/felt.hpp"
+#include "core/felt/felt.hpp"
 #include "core/fitting/device_check.hpp"
 #include "core/fitting/fit_coupling.hpp"
 #include "core/scene/scene_file.hpp"
@@ -38,8 +38,9 @@ struct PlanVerb {
 };
 
 /// The coupling on this device goes to `fitted`, where there is one that may run.
-DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene, const rendering::Plan& plan,
+DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene, rendering::BuiltScene& built,
                     std::optional<coupling::CouplingSpec>& fitted) {
+  const rendering::Plan& plan = built.plan();
   const coupling::design::DeviceModel device = find_device(o.device);
   DeviceVerdict out{.device = o.device, .errors = {}, .notes = {}};
   if (!device.gives_torque)
@@ -58,8 +59,7 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene, const renderin
     out.notes.insert(out.notes.end(), all.warnings.begin(), all.warnings.end());
     if (!all.fits()) out.notes.push_back("Where all points push together: " + all.errors.front());
   }
-  const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
-  if (std::string felt = fitting::felt_sentence(fit, scene, device, bounds); !felt.empty()) out.notes.push_back(std::move(felt));
+  if (std::string felt = felt::felt_sentence(fit, scene, device, built); !felt.empty()) out.notes.push_back(std::move(felt));
   fitted = scene.design ? fit.spec : scene.coupling;
   return out;
 }
@@ -77,7 +77,7 @@ PlanReport make_report(const PlanVerb& o) {
   for (rendering::PlanPart& part : rendering_node::ring_parts(scene)) report.plan.parts.push_back(std::move(part));
   MeasureOptions ask{.frames = o.frames, .cpu_time_s = thread_cpu_s, .coupling = {}};
   if (!scene.design) ask.coupling = scene.coupling;
-  if (!o.device.empty()) report.device = judge(o, scene, report.plan, ask.coupling);
+  if (!o.device.empty()) report.device = judge(o, scene, *built, ask.coupling);
   if (o.no_measure) return report;
   if (!ask.coupling)
     report.why_no_coupling_time = report.device

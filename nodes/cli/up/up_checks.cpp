@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "core/rendering/build.hpp"
+#include "core/felt/felt.hpp"
 #include "core/fitting/device_check.hpp"
-#include "core/fitting/felt.hpp"
 #include "core/fitting/fit_coupling.hpp"
 #include "core/types/device_description.hpp"
 #include "devices/registry.hpp"
@@ -49,16 +49,18 @@ std::unique_ptr<rendering::BuiltScene> build_unless_stopped(const scene::Scene& 
   return rendering::build_scene(scene, until_stopped, {.read = mesh_import::mesh_process()}, log::tell_each_second("up"));
 }
 
-/// `felt`: what will be felt of a virtual tool. What the coupling node will say of this device and scene, by its own code: a sentence; empty: it will command forces. What all
+/// `felt`: what will be felt. What the coupling node will say of this device and scene, by its own code: a sentence; empty: it will command forces. What all
 /// points show together is known only of the scene as built, so it is built here as well.
-std::string why_no_force(const scene::Scene& scene, const DeviceDescription& description, std::string& felt) {
+std::string why_no_force(const scene::Scene& scene, const DeviceDescription& description, const std::string& motion, std::string& felt) {
   if (std::string wrong = what_is_wrong(description); !wrong.empty()) return wrong;
   const std::unique_ptr<rendering::BuiltScene> built = build_unless_stopped(scene);
   const rendering::Plan& plan = built->plan();
   const coupling::design::DeviceModel device = coupling::design::model_of(description);
   const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
   const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds, fitting::demand_of(scene));
-  felt = fitting::felt_sentence(fitted, scene, device, bounds);
+  const auto chosen = scene.motions.find(motion);
+  felt = chosen == scene.motions.end() ? felt::felt_sentence(fitted, scene, device, *built)
+                                       : felt::felt_sentence(fitted, scene, device, *built, chosen->second);
   return fitted.refusal;
 }
 
@@ -92,7 +94,7 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
   device_node::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
   std::string felt;
-  if (const std::string why = why_no_force(scene, description, felt); !why.empty())
+  if (const std::string why = why_no_force(scene, description, plans.motion, felt); !why.empty())
     throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));
   std::vector<std::string> notes;
   if (!scene.design)

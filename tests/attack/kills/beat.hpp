@@ -1,27 +1,30 @@
 #pragma once
-/// How long the machine itself kept a thread from running: what a late sample is held against.
+/// How long the machine itself kept threads from running: what a late sample is held against.
 #include <atomic>
 #include <cstdint>
 #include <thread>
+#include <vector>
 
 namespace voxtouch::attack {
 
-/// A thread that wants to wake up every millisecond, with the priority that the nodes of the ring ask for where it is granted.
-class Beat {
+/// On each CPU a thread that wants to wake up every millisecond, with the priority that the nodes of the ring ask for where it is granted:
+/// of a virtual machine one CPU may stand still while the others run.
+class Beats {
  public:
-  Beat();
-  ~Beat();
+  Beats();
+  ~Beats();
   /// Forgets what was; the longest delay is counted from here.
-  void restart() noexcept { longest_ns_.store(0); }
-  /// The longest time by which a wake-up was late [ns].
-  std::int64_t longest_ns() const noexcept { return longest_ns_.load(); }
+  void restart() noexcept;
+  /// The longest time by which a wake-up on any CPU was late [ns].
+  std::int64_t longest_ns() const noexcept;
 
  private:
   std::atomic<bool> stop_{false};
-  std::atomic<std::int64_t> longest_ns_{0};
-  std::thread thread_;
+  std::vector<std::atomic<std::int64_t>> longest_ns_;
+  std::vector<std::thread> threads_;
 };
 
-std::int64_t monotonic_ns() noexcept;
+/// The clock by which DDS stamps what is written.
+std::int64_t unix_ns() noexcept;
 
 }  // namespace voxtouch::attack

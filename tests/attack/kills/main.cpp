@@ -79,19 +79,19 @@ int run(int argc, char** argv) {
           fmt::print("{} {}: zero after {:.1f} ms of samples, {:.1f} ms here; machine {:.1f} ms, gap {:.1f} ms\n", victim, how, *r.zero_ms,
                      *r.zero_wall_ms, r.machine_ms, r.gap_ms);
         if (r.stalled)
-          fmt::print("{} {}, round {}: the machine kept a thread waiting for {:.1f} ms, and {} samples were without force\n", victim, how, n,
-                     r.machine_ms, r.unforced);
+          fmt::print("{} {}, round {}: the machine kept a thread waiting for {:.1f} ms; zero after {:.1f} ms, {} samples without force\n", victim, how,
+                     n, r.machine_ms, r.zero_ms.value_or(0.0), r.unforced);
         for (const std::string& fault : r.faults) fmt::print("FAULT: {} {}, round {}: {}\n", victim, how, n, fault);
         std::fflush(stdout);
       }
       bad += row.bad;
-      fmt::print("figure: {} {}: {} rounds, zero after {} ms of samples, machine {:.1f} ms, bag loses {:.2f} s, {} lost force to the machine, {} bad\n",
+      fmt::print("figure: {} {}: {} rounds, zero after {} ms of samples, machine {:.1f} ms, bag loses {:.2f} s, {} late or without force by the machine, {} bad\n",
                  victim, how, row.played, span(row.zero_ms), row.machine_ms, row.bag_lost_s, row.stalled, row.bad);
       table += fmt::format("{:10} {:5} {:7} {:>25} {:>25} {:12.1f} {:10.1f} {:9.2f} {:5}\n", victim, how, row.played, span(row.zero_ms),
                            span(row.zero_wall_ms), row.machine_ms, row.gap_ms, row.bag_lost_s, row.bad);
     }
   fmt::print(stderr, "\n");
-  fmt::print("{}(least / median / most; machine: how long it kept another thread waiting; gap: without a sample of the device)\n", table);
+  fmt::print("{}(least / median / most; machine: how long it kept a thread on any CPU waiting; gap: without a sample of the device)\n", table);
   fmt::print("{}\n", bad == 0 ? "All is well." : "Not well.");
   return bad == 0 ? 0 : 1;
 }

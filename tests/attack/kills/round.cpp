@@ -75,8 +75,8 @@ class Round {
     victim_ = up_.pid();
     for (const pid_t node : nodes_)
       if (program_of(node) == "voxtouch_" + ask_.victim) victim_ = node;
-    beat_.restart();
-    at_ns_ = monotonic_ns();
+    beats_.restart();
+    at_ns_ = unix_ns();
     if (ask_.victim != "nobody") ::kill(victim_, ask_.signal);
   }
 
@@ -99,7 +99,7 @@ class Round {
     }
     std::this_thread::sleep_for(kStopped);
     if (!needed() && ask_.victim != "device") judge_undisturbed();
-    const std::int64_t on_ns = monotonic_ns();
+    const std::int64_t on_ns = unix_ns();
     if (ask_.victim != "nobody") ::kill(victim_, SIGCONT);
     std::this_thread::sleep_for(300ms);
     if (ask_.victim == "device") judge_waking(on_ns);
@@ -117,21 +117,20 @@ class Round {
   /// The first sample after the signal that has no force.
   std::optional<Seen> zero_at() const {
     for (const Seen& s : tap_->seen())
-      if (s.received_ns >= at_ns_ && !s.force_on) return s;
+      if (s.written_ns >= at_ns_ && !s.force_on) return s;
     return std::nullopt;
   }
 
-  /// The device's clock when the signal was sent: of the last sample before it, or, where this listener had been kept from running
-  /// just then and that sample is old, of the first one behind it less the time since (then a little early, never late).
+  /// The device's clock when the signal was sent: of the last sample written before it; where there is none, of the first one behind it
+  /// less the time since.
   std::int64_t device_time_at_signal(const std::vector<Seen>& seen, std::vector<Seen>::const_iterator after) const {
-    if (after == seen.end()) return seen.empty() ? at_ns_ : seen.back().sample_ns;
-    const std::int64_t less_elapsed_ns = after->sample_ns - (after->received_ns - at_ns_);
-    return after == seen.begin() ? less_elapsed_ns : std::max((after - 1)->sample_ns, less_elapsed_ns);
+    if (after != seen.begin()) return (after - 1)->sample_ns;
+    return after == seen.end() ? at_ns_ : after->sample_ns - (after->written_ns - at_ns_);
   }
 
   void judge_zero() {
     const std::vector<Seen> seen = tap_->seen();
-    const auto after = std::find_if(seen.begin(), seen.end(), [this](const Seen& s) { return s.received_ns >= at_ns_; });
+    const auto after = std::find_if(seen.begin(), seen.end(), [this](const Seen& s) { return s.written_ns >= at_ns_; });
     if (ask_.victim == "device") {
       if (seen.end() - after > 3) result_.faults.push_back("a device that was killed gives samples");
       return;
@@ -140,12 +139,13 @@ class Round {
     const auto last = zero == seen.end() ? seen.end() - 1 : zero;
     const std::int64_t from_ns = device_time_at_signal(seen, after);
     result_.zero_ms = kMsPerNs * static_cast<double>(last->sample_ns - from_ns);
-    result_.zero_wall_ms = kMsPerNs * static_cast<double>(last->received_ns - at_ns_);
+    result_.zero_wall_ms = kMsPerNs * static_cast<double>(last->written_ns - at_ns_);
     std::int64_t before_ns = at_ns_, gap_ns = 0;
-    for (auto s = after; s != seen.end() && s <= last; ++s) gap_ns = std::max(gap_ns, s->received_ns - std::exchange(before_ns, s->received_ns));
+    for (auto s = after; s != seen.end() && s <= last; ++s) gap_ns = std::max(gap_ns, s->written_ns - std::exchange(before_ns, s->written_ns));
     result_.gap_ms = kMsPerNs * static_cast<double>(gap_ns);
-    result_.machine_ms = kMsPerNs * static_cast<double>(beat_.longest_ns());
-    if (needed() && *result_.zero_ms > kZeroWithinMs)
+    result_.machine_ms = kMsPerNs * static_cast<double>(beats_.longest_ns());
+    result_.stalled = *result_.zero_ms > kZeroWithinMs && *result_.zero_ms - result_.machine_ms <= kZeroWithinMs;
+    if (needed() && *result_.zero_ms > kZeroWithinMs && !result_.stalled)
       result_.faults.push_back(fmt::format("the device is at zero after {:.1f} ms of its samples", *result_.zero_ms));
     if (zero == seen.end() && program_of(device()) == "voxtouch_device" && needed()) result_.faults.push_back("the device goes on with force");
   }
@@ -153,8 +153,8 @@ class Round {
   /// What only listens must not be felt. Where the machine kept a thread of the ring's priority waiting for longer than commands are held,
   /// it is the machine that was felt.
   void judge_undisturbed() {
-    for (const Seen& s : tap_->seen()) result_.unforced += s.received_ns >= at_ns_ && !s.force_on;
-    result_.machine_ms = kMsPerNs * static_cast<double>(beat_.longest_ns());
+    for (const Seen& s : tap_->seen()) result_.unforced += s.written_ns >= at_ns_ && !s.force_on;
+    result_.machine_ms = kMsPerNs * static_cast<double>(beats_.longest_ns());
     result_.stalled = result_.unforced > 0 && result_.machine_ms > kCommandLivesMs;
     if (result_.unforced > 0 && !result_.stalled)
       result_.faults.push_back(fmt::format("{} samples were without force while {} stood still; the machine kept a thread waiting for {:.1f} ms at most",
@@ -166,7 +166,7 @@ class Round {
     int samples = 0;
     bool rested = false;
     for (const Seen& s : tap_->seen())
-      if (s.received_ns >= on_ns && samples++ < 5) rested |= !s.force_on;
+      if (s.written_ns >= on_ns && samples++ < 5) rested |= !s.force_on;
     if (samples > 0 && !rested) result_.faults.push_back("the device goes on with the force that it held");
   }
 
@@ -196,7 +196,7 @@ class Round {
       // Of what was there while the logger was.
       std::int64_t last_ns = 0;
       for (const Seen& s : seen)
-        if (ask_.victim != "logger" || s.received_ns <= at_ns_ || ask_.signal == SIGSTOP) last_ns = s.sample_ns;
+        if (ask_.victim != "logger" || s.written_ns <= at_ns_ || ask_.signal == SIGSTOP) last_ns = s.sample_ns;
       result_.bag_lost_s = states.empty() ? 1e9 : 1e-9 * static_cast<double>(std::max<std::int64_t>(0, last_ns - states.back().sample_time_ns));
       if (*result_.bag_lost_s > kBagLosesS) result_.faults.push_back(fmt::format("the bag lacks the last {:.2f} s", *result_.bag_lost_s));
     } catch (const std::exception& error) {
@@ -209,7 +209,7 @@ class Round {
   test::TemporaryFolder folder_;
   test::Process up_;
   std::optional<Tap> tap_;
-  Beat beat_;
+  Beats beats_;
   std::vector<pid_t> nodes_;
   pid_t victim_ = 0;
   std::int64_t at_ns_ = 0;

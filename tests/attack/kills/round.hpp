@@ -19,12 +19,12 @@ struct RoundOptions {
 struct RoundResult {
   bool played = false;                    ///< false: the ring did not come into contact
   std::optional<double> zero_ms;          ///< from the signal to the first sample without force, by the device's own samples
-  std::optional<double> zero_wall_ms;     ///< likewise, by this machine's clock, as far as the tap heard it
-  double machine_ms = 0.0;                ///< the longest time in this span that the machine kept another thread waiting
+  std::optional<double> zero_wall_ms;     ///< likewise, by this machine's clock, until the device wrote it
+  double machine_ms = 0.0;                ///< the longest time in this span that the machine kept a thread of the ring's priority waiting
   double gap_ms = 0.0;                    ///< the longest time in this span without a sample of the device
   std::optional<double> bag_lost_s;       ///< of the device's samples that were seen, how much is missing at the bag's end
   int unforced = 0;                       ///< samples without force while what only listens stood still
-  bool stalled = false;                   ///< the machine kept threads waiting for so long just then that force had to fade
+  bool stalled = false;                   ///< the machine kept threads waiting for so long just then that force had to fade, or that zero came late
   int status = 0;                         ///< of `up`
   std::vector<std::string> faults;        ///< what did not hold, a sentence each
 };

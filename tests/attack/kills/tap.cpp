@@ -4,7 +4,6 @@
 
 #include "nodes/bus/wait_set.hpp"
 #include "qos/topics.hpp"
-#include "tests/attack/kills/beat.hpp"
 
 namespace voxtouch::attack {
 
@@ -25,12 +24,11 @@ void Tap::listen() {
   wait_set.attach(commands_.condition());
   while (!stop_.load()) {
     wait_set.wait(20'000'000);
-    msg::DeviceState state;
-    while (states_.take(state)) {
+    states_.take_each([this](const msg::DeviceState& state, const dds_sample_info_t& info) {
       const std::lock_guard lock(mutex_);
-      seen_.push_back({monotonic_ns(), state.sample_time_ns, state.sequence_number,
+      seen_.push_back({info.source_timestamp, state.sample_time_ns, state.sequence_number,
                        (state.flags & msg::device_state::kFlagForceOn) != 0});
-    }
+    });
     msg::ForceCommand command;
     while (commands_.take(command))
       commanded_n_.store(std::hypot(command.wrench.force.x, command.wrench.force.y, command.wrench.force.z));

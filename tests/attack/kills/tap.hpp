@@ -12,9 +12,9 @@
 
 namespace voxtouch::attack {
 
-/// One sample of the device as the tap got it.
+/// One sample of the device. When this process got it says nothing where it had been kept from running itself.
 struct Seen {
-  std::int64_t received_ns = 0;  ///< CLOCK_MONOTONIC, here
+  std::int64_t written_ns = 0;   ///< when the device wrote it, by DDS; Unix time
   std::int64_t sample_ns = 0;    ///< the device's own clock
   std::uint64_t sequence = 0;
   bool force_on = false;         ///< the guard lets force through

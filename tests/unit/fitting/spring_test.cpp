@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/fitting/design_problem.hpp"
-#include "core/fitting/felt.hpp"
+#include "core/felt/felt.hpp"
 #include "core/fitting/scene_on_device.hpp"
 #include "core/scene/scene_file.hpp"
 
@@ -95,7 +95,7 @@ TEST(Spring, GivesWayWhereTurningIsTheHarderPart) {
   const double spring = spring_n_per_m(fitted, scene, arm(), rendering::spring_of_any_device(lever));
   EXPECT_LE(spring * lever * lever, fitted.design.rotation.shown_stiffness * (1 + 1e-9));
   EXPECT_LT(spring, fitted.design.translation.shown_stiffness);
-  EXPECT_NE(felt_sentence(fitted, scene, arm(), rendering::spring_of_any_device(lever)).find("tool.lever_m"),
+  EXPECT_NE(felt::felt_of_spring(fitted, scene, arm(), rendering::spring_of_any_device(lever)).find("tool.lever_m"),
             std::string::npos);
 }
 
@@ -116,7 +116,7 @@ TEST(Spring, IsNoneOfAPenaltyContactAndNoneWhereNoCouplingHolds) {
   const FittedCoupling none = fit(scene, light);
   ASSERT_NE(none.refusal, "");
   EXPECT_EQ(spring_n_per_m(none, scene, light, rendering::spring_of_any_device(kLever)), 0.0);
-  EXPECT_EQ(felt_sentence(none, scene, light, rendering::spring_of_any_device(kLever)), "");
+  EXPECT_EQ(felt::felt_of_spring(none, scene, light, rendering::spring_of_any_device(kLever)), "");
 }
 
 TEST(Spring, UnderACouplingSetByHandIsItsCap) {
@@ -134,7 +134,7 @@ TEST(Spring, UnderACouplingSetByHandIsItsCap) {
 
 TEST(Spring, IsToldInOneLine) {
   const scene::Scene scene = scene_of();
-  const std::string told = felt_sentence(fit(scene, stylus()), scene, stylus(), rendering::spring_of_any_device(kLever));
+  const std::string told = felt::felt_of_spring(fit(scene, stylus()), scene, stylus(), rendering::spring_of_any_device(kLever));
   for (const char* part : {"What will be felt: ", "N/m at the hand, certified", "10 mm deep", "% of the 8.5 N that stylus gives", "What limits it:", "More:"})
     EXPECT_NE(told.find(part), std::string::npos) << part << " in " << told;
   EXPECT_EQ(told.find('\n'), std::string::npos);

@@ -1,0 +1,102 @@
+// What is told at the start against what contact and coupling give.
+#include <gtest/gtest.h>
+
+#include "core/felt/felt.hpp"
+#include "core/fitting/design_problem.hpp"
+#include "core/scene/scene_file.hpp"
+
+namespace voxtouch::felt {
+namespace {
+
+coupling::design::DeviceModel stylus() {
+  coupling::design::DeviceModel model;
+  model.name = "stylus";
+  model.translation = {.inertia_min = 0.1, .inertia_max = 0.2, .damping = 2.0, .resolution = 3e-5, .max_effort = 8.5, .max_stiffness = 800.0};
+  model.timing.delay_s = 1e-3;
+  return model;
+}
+
+struct Scene {
+  explicit Scene(const std::string& model, scene::RenderingKind rendering = scene::RenderingKind::kPenalty,
+                 const coupling::design::DeviceModel& device = stylus())
+      : scene(scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml")) {
+    scene.contact.model = model, scene.contact.rendering = rendering;
+    const ParallelFor one_after_another = [](std::size_t count, const std::function<void(std::size_t)>& body) {
+      for (std::size_t i = 0; i < count; ++i) body(i);
+    };
+    built = rendering::build_scene(scene, one_after_another);
+    fitted = fitting::fit_coupling(scene, device, {built->plan().contact_n_per_m, built->plan().contact_nm_per_rad}, fitting::demand_of(scene));
+  }
+  scene::Scene scene;
+  std::unique_ptr<rendering::BuiltScene> built;
+  fitting::FittedCoupling fitted;
+};
+
+Motion above() {
+  Motion motion;
+  motion.path = {Vec3(0, 0, 0.2)};
+  return motion;
+}
+
+void expect_parts(const std::string& told, std::initializer_list<const char*> parts) {
+  for (const char* part : parts) EXPECT_NE(told.find(part), std::string::npos) << part << " in " << told;
+  EXPECT_EQ(told.find('\n'), std::string::npos);
+}
+
+/// Two ways to one figure: the spring's law, and the frames of a hand that presses. Where it touches first is known to some 0.1 mm.
+TEST(Press, FindsTheStiffnessThatAVirtualToolIsToldToHave) {
+  for (const double scale : {1.0, 2.0}) {
+    Scene s("field", scene::RenderingKind::kVirtualTool);
+    ASSERT_EQ(s.fitted.refusal, "");
+    s.scene.device.position_scale = scale;
+    s.fitted = fitting::fit_coupling(s.scene, stylus(), {s.built->plan().contact_n_per_m, s.built->plan().contact_nm_per_rad}, {});
+    const double at_hand = fitting::stiffness_at_hand_n_per_m(
+        s.fitted.spec, s.scene.device,
+        fitting::spring_n_per_m(s.fitted, s.scene, stylus(), {s.built->plan().contact_n_per_m, s.built->plan().contact_nm_per_rad}));
+    const std::vector<Pressed> pressed = press(*s.built, s.scene, s.fitted, stylus(), s.scene.motions.begin()->second);
+    ASSERT_EQ(pressed.size(), 10U);
+    for (const Pressed& p : pressed) EXPECT_NEAR(p.force_n, std::min(8.5, at_hand * p.depth_m), 0.2e-3 * at_hand + 0.02 * p.force_n) << p.depth_m;
+    expect_parts(felt_sentence(s.fitted, s.scene, stylus(), *s.built), {"What will be felt: ", "N/m at the hand, certified", "What limits it:", "More:"});
+  }
+}
+
+TEST(Press, OfEachModelIsWhatTheCouplingReturnsAtRest) {
+  for (const char* model : {"original", "adapted", "clustered", "field"}) {
+    Scene s(model);
+    ASSERT_EQ(s.fitted.refusal, "") << model;
+    const std::vector<Pressed> pressed = press(*s.built, s.scene, s.fitted, stylus(), s.scene.motions.begin()->second);
+    ASSERT_EQ(pressed.size(), 10U) << model;
+    for (const Pressed& p : pressed) {
+      EXPECT_GT(p.force_n, 0.0) << model;
+      EXPECT_LE(p.force_n, s.fitted.design.translation.shown_stiffness * p.depth_m * 1.001) << model << ": no more than is certified";
+    }
+    EXPECT_EQ(pressed, press(*s.built, s.scene, s.fitted, stylus(), s.scene.motions.begin()->second)) << "the same again";
+    expect_parts(felt_sentence(s.fitted, s.scene, stylus(), *s.built),
+                 {"What will be felt: ", "N with the hand 10 mm deep", "% of the 8.5 N that stylus gives", "What limits it:", "virtual_tool"});
+  }
+}
+
+TEST(Press, OfWhatIsNotTouchedOrMustNotBeFeltSaysNothing) {
+  Scene s("adapted");
+  EXPECT_EQ(felt_sentence(s.fitted, s.scene, stylus(), *s.built, above()), "");
+  coupling::design::DeviceModel light = stylus();
+  light.translation.inertia_min = 0.0;
+  Scene none("adapted", scene::RenderingKind::kPenalty, light);
+  ASSERT_NE(none.fitted.refusal, "");
+  EXPECT_EQ(felt_sentence(none.fitted, none.scene, light, *none.built), "");
+  s.scene.motions.clear();
+  EXPECT_EQ(felt_sentence(s.fitted, s.scene, stylus(), *s.built), "") << "nobody says where to press";
+}
+
+TEST(Felt, NamesTheDeepestAndTheLargestForceAndAsManyChangesAsAreNeeded) {
+  const Scene s("adapted");
+  const std::string little = felt_of_penalty(s.fitted, s.scene, stylus(), {{0.005, 0.5}, {0.010, 0.3}});
+  expect_parts(little, {"0.3 N with the hand 10 mm deep, 4 % of", "at most 0.5 N, 5 mm deep", "one layer of voxels", "More:", "Or:"});
+  const double certified_n = 0.010 * s.fitted.design.translation.shown_stiffness;
+  const std::string much = felt_of_penalty(s.fitted, s.scene, stylus(), {{0.005, 0.5 * certified_n}, {0.010, certified_n}});
+  EXPECT_EQ(much.find("Or:"), std::string::npos) << much;
+  EXPECT_EQ(much.find("virtual_tool"), std::string::npos) << much;
+}
+
+}  // namespace
+}  // namespace voxtouch::felt
