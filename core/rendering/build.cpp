@@ -11,6 +11,7 @@
 #include "core/rendering/contact_range.hpp"
 #include "core/scene/mesh_parts.hpp"
 #include "core/voxmap/distance_thickness.hpp"
+#include "core/voxmap/object_grid.hpp"
 #include "core/voxmap/voxelise.hpp"
 
 namespace voxtouch::rendering {
@@ -169,14 +170,23 @@ Tool build_tool(const Kit& kit) {
   return tool;
 }
 
+/// The voxel grid of an object, written down for the plan.
+voxmap::Grid place_grid(const Kit& kit, std::uint32_t id, const std::string& name, const mesh::TriangleMesh& mesh) {
+  const double edge = kit.scene.voxel_size_m;
+  const Vec3 at_multiples = voxmap::default_grid(mesh, edge).origin;
+  const std::optional<Vec3>& given = id == 0 ? kit.scene.grid_origin : kit.scene.objects[id - 1].grid_origin;
+  const voxmap::Grid grid = given ? voxmap::Grid{*given, edge} : voxmap::object_grid(mesh, edge);
+  kit.counts.grids.push_back({name, grid.origin, at_multiples, given.has_value()});
+  return grid;
+}
+
 /// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
 std::unique_ptr<StaticObject> build_object(const Kit& kit, std::uint32_t id, const ObjectMesh& fixed) {
   const scene::Scene& scene = kit.scene;
   if (fixed.specs.empty()) return nullptr;
   const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
   kit.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
-  voxmap::Grid grid = voxmap::default_grid(fixed.mesh, scene.voxel_size_m);
-  if (id == 0 && scene.grid_origin) grid.origin = *scene.grid_origin;
+  const voxmap::Grid grid = place_grid(kit, id, name, fixed.mesh);
   auto object = std::make_unique<StaticObject>(
       StaticObject{.id = id,
                    .name = name,

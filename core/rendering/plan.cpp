@@ -90,6 +90,16 @@ std::string absent_effects(const scene::Scene& scene) {
   return joined(absent);
 }
 
+std::string metres(const Vec3& x) { return fmt::format("[{}, {}, {}]", x.x(), x.y(), x.z()); }  // all digits, so that it can be given
+
+std::string grid_sentence(const PlacedGrid& grid) {
+  const std::string begin = fmt::format("Voxel grid of '{}' begins at {} m", grid.object, metres(grid.origin));
+  if (grid.given) return begin + ", as the scene says.";
+  if (grid.origin == grid.at_multiples) return begin + ", its borders at multiples of the voxel, clear of faces along it.";
+  return fmt::format("{}, so that faces along it lie far from voxel borders; with its borders at multiples of the voxel it begins at {}.", begin,
+                     metres(grid.at_multiples));
+}
+
 void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   const std::size_t meshes = scene.static_meshes.size();
   plan.built.push_back(fmt::format("Voxmap of {} ({}) at {:g} m: {}, {}, {}; every contact model asks it.",
@@ -97,6 +107,7 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
                                    counted(n.static_triangles, "triangle", "triangles"), scene.voxel_size_m,
                                    counted(n.surface_voxels, "surface voxel", "surface voxels"),
                                    counted(n.interior_voxels, "interior voxel", "interior voxels"), bytes_text(n.voxmap_bytes)));
+  for (const PlacedGrid& grid : n.grids) plan.built.push_back(grid_sentence(grid));
   if (n.field_bytes > 0)
     plan.built.push_back(fmt::format(
         "Signed distance field to {:g} mm inside: {} of 4 bytes, {} ({:.3g} bytes a surface or interior voxel); the "

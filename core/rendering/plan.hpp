@@ -17,12 +17,22 @@ struct StiffnessBounds {
   coupling::design::ContactRange translation, rotation;  ///< [N/m]; [Nm/rad] about the tool's origin
   bool operator==(const StiffnessBounds&) const = default;
 };
+
+/// Where the voxel grid of a static object begins [m].
+struct PlacedGrid {
+  std::string object;
+  Vec3 origin = Vec3::Zero();
+  Vec3 at_multiples = Vec3::Zero();  ///< where it would begin with its borders at multiples of the voxel
+  bool given = false;                ///< by the scene
+};
+
 /// What the builders counted, as plain numbers: the plan knows no voxmap and no pointshell.
 struct BuildCounts {
   std::uint64_t static_triangles = 0, dynamic_triangles = 0;
   std::uint64_t surface_voxels = 0, interior_voxels = 0;
   std::uint64_t shell_points = 0;
   std::uint64_t objects = 1;  ///< static ones, each with a voxmap of its own
+  std::vector<PlacedGrid> grids;  ///< of each of them
   std::uint64_t voxmap_bytes = 0, shell_bytes = 0;
   std::uint64_t field_bytes = 0, field_nodes = 0;    ///< of the signed distance field; 0: none was built
   double field_depth_m = 0.0;                        ///< how deep it goes [m]

@@ -56,7 +56,10 @@ constexpr auto kMesh = joined(joined(std::to_array<Key>({
   {"parts", kMaps, kOptional, "", "Closed forms that stand for the mesh in the validator, in its frame after scaling.", "",
    &part}}));
 constexpr auto kStaticMesh = joined(kMesh, std::to_array<Key>({
-  {"origin", kVector, kOptional, "", "Origin of the ground's voxel grid [m]; on one static mesh at most."},
+  {"origin", kVector, kOptional, "",
+   "Where the voxel grid of the object begins, or of the ground [m]; on one of its meshes at most. Left out: so that faces along the grid lie far "
+   "from voxel borders. For the grid with borders at multiples of the voxel e, standard before: e (floor(min / e) - 1) for each axis, min the "
+   "least coordinate of its meshes; `voxtouch plan` says both."},
   {"object", kMap, kOptional, "", "", "", &object}}));
 constexpr auto kObject = std::to_array<Key>({
   {"name", kName, kRequired, "", "Of the object."},

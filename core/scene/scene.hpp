@@ -51,6 +51,7 @@ struct ObjectSpec {
   std::string name;
   ContactSpec contact;          ///< the scene's model; its stiffness, or the scene's
   std::optional<Motion> moves;  ///< displacement of the whole object in W [m] over the time since the session's begin
+  std::optional<Vec3> grid_origin = {};  ///< of its voxel grid before it moves, in W [m]; left out: voxmap::object_grid
 };
 
 /// How the device moves the tool in the world: pose_WT = pose_WD * scaled(pose_DP) * pose_PT.
@@ -71,7 +72,7 @@ struct Scene {
   double voxel_size_m = 0.0;
   std::vector<MeshSpec> static_meshes;
   std::vector<ObjectSpec> objects;  ///< beside the ground, which all meshes belong to that name no object
-  std::optional<Vec3> grid_origin;  ///< of the ground; default e * (floor(min / e) - 1) per axis
+  std::optional<Vec3> grid_origin;  ///< of the ground; left out: voxmap::object_grid
   MeshSpec dynamic_mesh;
   ShellKind shell = ShellKind::kExact;
   ContactSpec contact;

@@ -61,13 +61,11 @@ void read_static(SceneSource& source, const YamlNode& node, Scene& scene) {
     const MapReader map(source, item, "static", keys::static_mesh);
     MeshSpec mesh = read_mesh(source, map);
     if (const YamlNode* object = map.find("object")) mesh.object = read_object(source, *object, scene);
-    const bool on_ground = mesh.object == 0;
+    std::optional<Vec3>& origin = mesh.object == 0 ? scene.grid_origin : scene.objects[mesh.object - 1].grid_origin;
     scene.static_meshes.push_back(std::move(mesh));
-    if (!map.has("origin")) continue;
-    if (!on_ground)
-      source.fail(map.place_of("origin"), "'origin' is of the ground's grid; the grid of an object follows its meshes.");
-    if (scene.grid_origin) source.fail(map.place_of("origin"), "'origin' is given twice; all meshes of the ground share one grid.");
-    map.read("origin", scene.grid_origin);
+    if (origin && map.has("origin"))
+      source.fail(map.place_of("origin"), "'origin' is given twice; all meshes of an object share one grid, those of the ground too.");
+    map.read("origin", origin);
   }
   if (scene.static_meshes.empty()) source.fail(node.place, "'static' needs at least one mesh.");
 }

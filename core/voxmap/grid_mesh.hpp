@@ -35,9 +35,9 @@ inline constexpr std::uint64_t kVoxelMemoryLimit = std::uint64_t{4} << 30;  ///<
 /// Voxel indices stay within +-2^30, so that borders and differences fit int32.
 inline constexpr double kMaxVoxelIndex = 1073741824.0;
 
-/// e * (floor(min / e) - 1) an axis over the used vertices: one layer of free voxels before
-/// them. Throws std::runtime_error for no triangles, a vertex that is not finite, a bad index, or an
-/// edge that is not a positive number.
+/// Borders at multiples of e: e * (floor(min / e) - 1) an axis over the used vertices, one layer of free voxels before them. That of
+/// pointshells; static objects have `object_grid`. Throws std::runtime_error for no triangles, a vertex that is not finite, a bad
+/// index, or an edge that is not a positive number.
 Grid default_grid(const mesh::TriangleMesh& mesh, double edge);
 
 /// Throws std::runtime_error like `default_grid`; else never refuses.

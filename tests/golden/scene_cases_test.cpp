@@ -90,15 +90,12 @@ INSTANTIATE_TEST_SUITE_P(ShippedScenes, SceneFarAway,
 
 TEST_P(SceneFarAway, GivesTheSameForcesToAFewUnitsInTheLastPlace) {
   const Vec3 away(1e6, -1e6, 1e6);
-  scene::Scene here = shipped(GetParam());
-  // The plane's faces lie on voxel borders, and meet the voxels on both sides. Where the default grid would begin,
-  // e * (floor(min / e) - 1), is no double at 1e6 m: borders would lie 1e-10 m beside the faces, which would meet
-  // the voxels of one side only. An origin that is a double in both places keeps them where they are.
-  if (GetParam() == "plane") here.grid_origin = Vec3::Zero();
+  const scene::Scene here = shipped(GetParam());
   scene::Scene there = here;
-  if (here.grid_origin) there.grid_origin = *here.grid_origin + away;
   for (scene::MeshSpec& mesh : there.static_meshes) mesh.pose.position += away;
-  std::vector<Pose> poses = poses_of(here), far = poses;
+  std::vector<Pose> poses = poses_of(here);
+  for (Pose& pose : poses) pose.position.z() += 1e-5;  // the plane's `hit` rests with the sphere's pole on a voxel border, where rounding decides
+  std::vector<Pose> far = poses;
   for (Pose& pose : far) pose.position += away;
   const Difference off = difference(probed(here, poses), probed(there, far));
   EXPECT_GT(off.contacts, poses.size() / 4);

@@ -45,6 +45,42 @@ TEST(Objects, EachPushesWithItsOwnStiffness) {
   EXPECT_NEAR(hard.z() / soft.z(), 3.0, 0.5);
 }
 
+/// Everything that the contact asks, as numbers that are the same only for the same grid.
+std::vector<double> felt(BuiltScene& built) {
+  std::vector<double> all{static_cast<double>(built.plan().surface_voxels), static_cast<double>(built.plan().interior_voxels)};
+  for (int n = 0; n < 200; ++n) {
+    const Vec3 force = built.renderer().probe({Vec3(-0.05 + 5e-4 * n, 1e-4 * n, 0.0085), Quat::Identity()}).wrench.force;
+    all.insert(all.end(), force.data(), force.data() + 3);
+  }
+  return all;
+}
+
+TEST(Objects, LieClearOfTheirGridsBordersUnlessTheSceneSaysWhereTheGridBegins) {
+  const auto chosen = build_scene(scene_of("  - {mesh: plane.obj}\n"), serial_for());
+  const voxmap::Grid& grid = chosen->contacts().object(0).voxmap.grid();
+  EXPECT_NEAR((grid.origin - Vec3(-0.123, -0.123, -0.023)).norm(), 0.0, 1e-12);
+  // 240 x 240 x 20 mm at e = 2 mm: faces in the middles of 121, 121 and 11 voxels, and no voxel beyond.
+  EXPECT_EQ(chosen->plan().interior_voxels, 119U * 119U * 9U);
+  EXPECT_EQ(chosen->plan().surface_voxels, 121U * 121U * 11U - 119U * 119U * 9U);
+
+  const auto given = build_scene(scene_of("  - {mesh: plane.obj, origin: [-0.122, -0.122, -0.022]}\n"), serial_for());
+  EXPECT_EQ(given->contacts().object(0).voxmap.grid().origin, Vec3(-0.122, -0.122, -0.022));
+  const auto again = build_scene(scene_of("  - {mesh: plane.obj, origin: [-0.123, -0.123, -0.023]}\n"), serial_for());
+  ASSERT_EQ(grid.origin, Vec3(-0.123, -0.123, -0.023)) << "what the plan says, read back";
+  EXPECT_EQ(felt(*chosen), felt(*again));
+  EXPECT_NE(felt(*chosen), felt(*given));
+}
+
+TEST(Objects, HaveTheGridThatTheSceneGivesEachOfThem) {
+  const auto built = build_scene(scene_of("  - {mesh: plane.obj, origin: [-0.2, -0.2, -0.1]}\n"
+                                          "  - {mesh: plane.obj, position: [0.5, 0, 0], object: {name: soft}}\n"
+                                          "  - {mesh: plane.obj, position: [0.5, 0, 0.1], object: soft, origin: [0.3, -0.3, -0.2]}\n"
+                                          "  - {mesh: plane.obj, position: [1, 0, 0], object: {name: free}}\n"), serial_for());
+  EXPECT_EQ(built->contacts().object(0).voxmap.grid().origin, Vec3(-0.2, -0.2, -0.1));
+  EXPECT_EQ(built->contacts().object(1).voxmap.grid().origin, Vec3(0.3, -0.3, -0.2));
+  EXPECT_NEAR((built->contacts().object(2).voxmap.grid().origin - Vec3(0.877, -0.123, -0.023)).norm(), 0.0, 1e-12);
+}
+
 TEST(Objects, SumToWhatOneVoxmapGivesWhereTheyDoNotMeet) {
   const std::string wall = "  - {mesh: plane.obj, position: [0.13, 0, 0.12], orientation: [0.7071067811865476, 0, -0.7071067811865476, 0]";
   const auto one = build_scene(scene_of("  - {mesh: plane.obj}\n" + wall + "}\n"), serial_for());
@@ -120,7 +156,8 @@ TEST(Objects, AreRefusedWithAPlaceAndASentence) {
   EXPECT_TRUE(says(twice, ":5:") && says(twice, "an object named 'a' already")) << twice;
   EXPECT_TRUE(says(refusal("  - {mesh: plane.obj, object: {name: a, stiffness_n_per_m3: 1}}\n"), "another unit"));
   EXPECT_TRUE(says(refusal("  - {mesh: plane.obj, object: {name: a, colour: red}}\n"), "colour"));
-  EXPECT_TRUE(says(refusal("  - {mesh: plane.obj, origin: [0, 0, 0], object: {name: a}}\n"), "follows its meshes"));
+  EXPECT_TRUE(says(refusal("  - {mesh: plane.obj, origin: [0, 0, 0], object: {name: a}}\n  - {mesh: plane.obj, object: a, origin: [0, 0, 0]}\n"),
+                   "'origin' is given twice"));
   EXPECT_TRUE(says(refusal("  - {mesh: plane.obj}\n", "[{friction: {coulomb: 1}, object: lid}]"), "lid"));
   EXPECT_TRUE(says(refusal("  - {mesh: plane.obj}\n", "[{viscosity: {damping_ns_per_m: 1}, object: ground}]"), "feels no contact"));
   EXPECT_TRUE(says(refusal("  - {mesh: plane.obj}\n", "[{body: {mass_kg: 1}, gain: 0.5}]"), "all or nothing"));

@@ -41,6 +41,17 @@ effects::EffectSpec oil(const char* name, bool on) {
   return spec;
 }
 
+TEST(Plan, SaysWhereEachVoxelGridBeginsAndHowToHaveTheOneAtMultiplesOfTheVoxel) {
+  BuildCounts n = counts();
+  n.grids = {{"ground", Vec3(-0.123, -0.123, -0.023), Vec3(-0.122, -0.122, -0.022), false},
+             {"lid", Vec3(1, 2, 3), Vec3(1, 2, 3), false},
+             {"given", Vec3(0.1, 0.2, 0.3), Vec3(0, 0, 0), true}};
+  const Plan p = make_plan(cup(), n);
+  EXPECT_TRUE(any_has(p.built, {"'ground'", "[-0.123, -0.123, -0.023] m", "far from voxel borders", "[-0.122, -0.122, -0.022]"}));
+  EXPECT_TRUE(any_has(p.built, {"'lid'", "[1, 2, 3] m", "borders at multiples of the voxel, clear of faces"}));
+  EXPECT_TRUE(any_has(p.built, {"'given'", "[0.1, 0.2, 0.3] m", "as the scene says"}));
+}
+
 TEST(Plan, SaysWhatIsBuiltWithTheNumbersThatWereCounted) {
   const Plan p = make_plan(cup(), counts());
   EXPECT_EQ(p.scene, "cup");

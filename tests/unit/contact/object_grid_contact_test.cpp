@@ -1,0 +1,121 @@
+// Faces at whole voxels, as CAD makes them, on the grid that a scene gives an object: no rounding may decide what is felt.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "core/voxmap/object_grid.hpp"
+#include "field_scenes.hpp"
+#include "fixtures.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+constexpr double kEdge = 2e-3, kRadius = 5 * kEdge, kDepth = 0.5 * kEdge;
+constexpr contact::ContactModelKind kKinds[] = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
+                                                contact::ContactModelKind::kClustered, contact::ContactModelKind::kField};
+
+const Ball& ball() {
+  static const Ball one(kRadius, 4);
+  return one;
+}
+const pointshell::Pointshell& shell() {
+  static const pointshell::Pointshell one = exact_shell(ball().mesh, kEdge);
+  return one;
+}
+
+Ground ground(const mesh::TriangleMesh& mesh) { return {mesh, voxmap::object_grid(mesh, kEdge), 12.0}; }
+
+/// Depth below the surface of a box about `middle`, negative outside.
+double depth_in(const Vec3& size, const Vec3& middle, const Vec3& x) {
+  const Vec3 beyond = (x - middle).cwiseAbs() - 0.5 * size;
+  return -(beyond.cwiseMax(0.0).norm() + std::min(beyond.maxCoeff(), 0.0));
+}
+
+TEST(FacesAtWholeVoxels, AdaptedFeelsEveryTouchOfTheShippedPlane) {
+  const Vec3 size(0.24, 0.24, 0.02), middle(0, 0, -0.01);
+  mesh::TriangleMesh slab = box_mesh(size, {middle, Quat::Identity()});
+  for (Vec3& v : slab.vertices) v = v.cast<float>().cast<double>();  // as every mesh file is read: the bottom lies 0.4 nm inward
+  const Ground plane = ground(slab);
+  contact::ContactRenderer adapted = plane.renderer(shell(), contact::ContactModelKind::kAdapted);
+  std::mt19937_64 random(1);
+  int missed = 0;
+  constexpr int kTouches = 200;
+  for (int n = 0; n < kTouches; ++n) {
+    const double up = n % 2 == 0 ? 1.0 : -1.0;  // top and bottom
+    const Vec3 at(uniform(random, -0.1, 0.1), uniform(random, -0.1, 0.1), middle.z() + up * (0.5 * size.z() + kRadius - kDepth));
+    missed += adapted.probe(ball().posed(at, random_rotation(random))).wrench.force.isZero(0.0);
+  }
+  EXPECT_EQ(missed, 0) << "of " << kTouches;
+}
+
+TEST(FacesAtWholeVoxels, ClusteredPushesAtARightAngleAsTheLawDoesFromEveryDirection) {
+  const Vec3 size = Vec3::Constant(0.04), middle(-0.02, 0, -0.02);  // its edge along y through the origin
+  std::vector<Ground> blocks;
+  std::vector<contact::ContactRenderer> clustered;
+  for (const double away : {0.0, 1e-9, -1e-9}) blocks.push_back(ground(box_mesh(size, {middle + away * Vec3(1, 0, 1), Quat::Identity()})));
+  for (const Ground& block : blocks) clustered.push_back(block.renderer(shell(), contact::ContactModelKind::kClustered));
+  std::mt19937_64 random(2);
+  for (const double degrees : {10.0, 20.0, 30.0, 40.0, 45.0, 50.0, 60.0, 70.0, 80.0}) {
+    const double a = degrees * 3.14159265358979 / 180;
+    const Vec3 normal(std::sin(a), 0, std::cos(a));
+    std::array<double, 3> got{};
+    double truth = 0.0;
+    for (int n = 0; n < 20; ++n) {
+      const Pose pose = ball().posed((kRadius - kDepth) * normal + Vec3(0, uniform(random, -0.01, 0.01), 0), random_rotation(random));
+      for (std::size_t k = 0; k < got.size(); ++k) got[k] += clustered[k].probe(pose).wrench.force.norm();
+      truth += integral_over(ball().mesh, pose, [&](const Vec3& x) { return depth_in(size, middle, x); }).force.norm();
+    }
+    std::printf("right angle, clustered over the law from %2.0f deg: %.2f, a nanometre out %.2f, in %.2f\n", degrees, got[0] / truth,
+                got[1] / truth, got[2] / truth);
+    for (const double sum : got) {
+      EXPECT_LT(sum / truth, 2.0) << degrees;
+      EXPECT_GT(sum / truth, 0.25) << degrees << ": blended planes give way at an edge, 0.29 from 45 degrees";
+    }
+  }
+}
+
+TEST(FacesAtWholeVoxels, FieldFeelsAWallOfOneVoxel) {
+  const Vec3 size(0.08, 0.08, kEdge), middle(0, 0, 0.5 * kEdge);
+  const Ground wall = ground(box_mesh(size, {middle, Quat::Identity()}));
+  contact::ContactRenderer field = wall.renderer(shell());
+  std::mt19937_64 random(3);
+  for (const double side : {1.0, -1.0}) {
+    double got = 0.0, truth = 0.0;
+    for (int n = 0; n < 20; ++n) {
+      const Vec3 at(uniform(random, -0.02, 0.02), uniform(random, -0.02, 0.02), middle.z() + side * (0.5 * kEdge + kRadius - kDepth));
+      const Pose pose = ball().posed(at, random_rotation(random));
+      got += side * field.probe(pose).wrench.force.z();
+      truth += integral_over(ball().mesh, pose, [&](const Vec3& x) { return depth_in(size, middle, x); }).force.norm();
+    }
+    std::printf("wall of one voxel, field over the law: %.2f\n", got / truth);
+    EXPECT_GT(got / truth, 0.5);
+  }
+}
+
+TEST(FacesAtWholeVoxels, ANanometreDecidesNothing) {
+  const mesh::TriangleMesh block = box_mesh(Vec3(0.04, 0.06, 0.02), {Vec3(0.02, 0.03, 0.01), Quat::Identity()});
+  const double away[] = {-1e-9, 0.0, 1e-9};
+  std::vector<Ground> grounds;
+  for (const double by : away) {
+    mesh::TriangleMesh moved = block;
+    for (Vec3& v : moved.vertices) v += by * Vec3::Ones();
+    grounds.push_back(ground(moved));
+  }
+  for (const contact::ContactModelKind kind : kKinds) {
+    std::mt19937_64 random(4);
+    std::vector<contact::ContactRenderer> renderers;
+    for (const Ground& one : grounds) renderers.push_back(one.renderer(shell(), kind));
+    for (int n = 0; n < 100; ++n) {
+      const Vec3 normal = Vec3(uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0.1, 1)).normalized();
+      const Pose pose = ball().posed(Vec3(0.04, 0.06, 0.02) - 0.01 * Vec3(uniform(random, 0, 1), uniform(random, 0, 1), 0) +
+                                         (kRadius - kDepth) * normal, random_rotation(random));
+      const Vec3 here = renderers[1].probe(pose).wrench.force;
+      for (const std::size_t other : {0, 2})
+        EXPECT_LT((renderers[other].probe(pose).wrench.force - here).norm(), 1e-3 * here.norm() + 1e-4) << contact::name_of(kind);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch::test
