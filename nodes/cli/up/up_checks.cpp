@@ -13,9 +13,11 @@
 #include "core/fitting/device_check.hpp"
 #include "core/fitting/felt.hpp"
 #include "core/fitting/fit_coupling.hpp"
+#include "core/scene/device_workspace.hpp"
 #include "core/types/device_description.hpp"
 #include "devices/registry.hpp"
 #include "nodes/cli/up/run_figures.hpp"
+#include "nodes/device/described_device.hpp"
 #include "nodes/device/device_node.hpp"
 #include "nodes/log/progress.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
@@ -88,8 +90,10 @@ constexpr SampleNote kSampleNotes[] = {
 std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans) {
   devices::DeviceOptions options;
   options.settings = plans.settings;
+  const std::optional<scene::DeviceFile> file = device_node::described_device(plans.device);
+  if (file) options.described = file->description;
   const DeviceDescription description = devices::describe_device(plans.device, options);
-  device_node::choose_motion(scene, plans.motion);
+  const Motion motion = device_node::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
   std::string felt;
   if (const std::string why = why_no_force(scene, description, felt); !why.empty())
@@ -99,6 +103,12 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
     notes = fitting::check_device(scene, coupling::design::model_of(description), fitting::least_stiffness_n_per_m(scene))
                 .warnings;
   if (!felt.empty()) notes.insert(notes.begin(), std::move(felt));
+  if (file) {
+    notes.push_back(scene::assumed_sentence(*file));
+    const Motion tip = motion_in_device(motion, scene.device.pose_WD, scene.device.pose_PT, scene.device.position_scale);
+    notes.push_back(file->workspace_m ? scene::beyond_workspace(tip, *file->workspace_m, description.model) : "");
+    std::erase(notes, "");
+  }
   const bool simulated_hand = devices::has_simulated_hand(plans.device);
   if (!simulated_hand && !plans.motion.empty())
     notes.push_back(
