@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/types/version.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/main.hpp"
@@ -12,7 +13,7 @@ int main(int argc, char** argv) {
       "voxtouch lets a person feel a mesh scene through a force-feedback device, over a ring of DDS processes.\n"
       "Try: voxtouch up deploy/scenes/cup.yaml --device sim-phantom --motion slide --duration 10");
   app.require_subcommand(1);
-  app.set_version_flag("--version", VOXTOUCH_VERSION);
+  app.set_version_flag("--version", std::string(voxtouch::version()));
   voxtouch::cli::Action action;
   voxtouch::cli::add_up(app, action);
   voxtouch::cli::add_new(app, action);

@@ -310,7 +310,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   const scene::Scene scene = scene::load_scene(options.scene);
   std::unique_ptr<rendering::BuiltScene> built =
       rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("rendering"));
-  for (const std::string& warning : built->plan().warnings) log::tell("warning: {}\n", warning);
+  for (const std::string& warning : options.announce ? built->plan().warnings : std::vector<std::string>()) log::tell("warning: {}\n", warning);
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);
 }

@@ -53,10 +53,13 @@ std::unique_ptr<rendering::BuiltScene> build_unless_stopped(const scene::Scene& 
 
 /// `felt`: what will be felt of a virtual tool. What the coupling node will say of this device and scene, by its own code: a sentence; empty: it will command forces. What all
 /// points show together is known only of the scene as built, so it is built here as well.
-std::string why_no_force(const scene::Scene& scene, const DeviceDescription& description, std::string& felt) {
+std::string why_no_force(const scene::Scene& scene, const DeviceDescription& description, std::string& felt,
+                         std::vector<std::string>& warnings) {
   if (std::string wrong = what_is_wrong(description); !wrong.empty()) return wrong;
   const std::unique_ptr<rendering::BuiltScene> built = build_unless_stopped(scene);
   const rendering::Plan& plan = built->plan();
+  for (const std::string& warning : plan.warnings)
+    if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
   const coupling::design::DeviceModel device = coupling::design::model_of(description);
   const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
   const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds, fitting::demand_of(scene));
@@ -87,7 +90,7 @@ constexpr SampleNote kSampleNotes[] = {
 
 }  // namespace
 
-std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans) {
+std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans, std::vector<std::string>& warnings) {
   devices::DeviceOptions options;
   options.settings = plans.settings;
   const std::optional<scene::DeviceFile> file = device_node::described_device(plans.device);
@@ -96,7 +99,7 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
   const Motion motion = device_node::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
   std::string felt;
-  if (const std::string why = why_no_force(scene, description, felt); !why.empty())
+  if (const std::string why = why_no_force(scene, description, felt, warnings); !why.empty())
     throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));
   std::vector<std::string> notes;
   if (!scene.design)
