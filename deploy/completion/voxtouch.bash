@@ -3,7 +3,7 @@
 
 _voxtouch_folder() {  # the folder with scenes and devices that belongs to the program
   local program
-  program=$(readlink -f "$(type -P -- "$1")" 2>/dev/null) || return
+  program=$(readlink -f "$(command -v "$1")" 2>/dev/null) || return
   printf '%s' "${program%/*}/../share/voxtouch"
 }
 
@@ -54,7 +54,7 @@ _voxtouch() {
     if ((COMP_CWORD == 1)); then
       local verbs
       verbs=$("$program" --help 2>/dev/null | sed -n '/^Subcommands:/,$s/^  \([a-z][a-z]*\) .*/\1/p')
-      mapfile -t COMPREPLY < <(compgen -W "$verbs --help --version" -- "$current")
+      COMPREPLY=($(compgen -W "$verbs --help --version" -- "$current"))
       return
     fi
     verb=${COMP_WORDS[1]}
@@ -72,7 +72,7 @@ _voxtouch() {
       # A colon parts words for bash: what stands in front of it is kept out of the reply.
       choices="sim-phantom sim-lwr wire-phantom wire-lwr phantom lwr $(_voxtouch_names "$share/devices" | sed 's/^/sim:/')"
       ;;
-    :) mapfile -t COMPREPLY < <(compgen -W "$(_voxtouch_names "$share/devices")" -- "$current"; compgen -f -- "$current"); return ;;
+    :) COMPREPLY=($(compgen -W "$(_voxtouch_names "$share/devices")" -- "$current"; compgen -f -- "$current")); return ;;
     --motion) choices=$(_voxtouch_motions "$(_voxtouch_scene_file "$program" "$scene")") ;;
     --scene) choices=$(_voxtouch_names "$share/scenes") ;;
     --interface) choices="host lo $(ls /sys/class/net 2>/dev/null)" ;;
@@ -80,16 +80,16 @@ _voxtouch() {
     --*) choices=$(_voxtouch_choices "$before" "${call[@]}") ;;
   esac
   if [[ -n $choices ]]; then
-    mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$current")
+    COMPREPLY=($(compgen -W "$choices" -- "$current"))
   elif [[ $current == : && ${COMP_WORDS[COMP_CWORD - 2]-} == --device ]]; then
-    mapfile -t COMPREPLY < <(_voxtouch_names "$share/devices")
+    COMPREPLY=($(_voxtouch_names "$share/devices"))
   elif [[ $current == -* ]]; then
-    mapfile -t COMPREPLY < <(compgen -W "$(_voxtouch_options "${call[@]}")" -- "$current")
+    COMPREPLY=($(compgen -W "$(_voxtouch_options "${call[@]}")" -- "$current"))
   else
     case $verb in
-      up | plan | probe | accuracy | view) [[ -z $scene ]] && mapfile -t COMPREPLY < <(compgen -W "$(_voxtouch_names "$share/scenes")" -- "$current") ;;
-      change) [[ -z $scene ]] && mapfile -t COMPREPLY < <(compgen -W "$(_voxtouch_effects)" -- "$current")
-        [[ -n $scene ]] && mapfile -t COMPREPLY < <(compgen -W "on off gain" -- "$current") ;;
+      up | plan | probe | accuracy | view) [[ -z $scene ]] && COMPREPLY=($(compgen -W "$(_voxtouch_names "$share/scenes")" -- "$current")) ;;
+      change) [[ -z $scene ]] && COMPREPLY=($(compgen -W "$(_voxtouch_effects)" -- "$current"))
+        [[ -n $scene ]] && COMPREPLY=($(compgen -W "on off gain" -- "$current")) ;;
     esac
   fi
   return 0
