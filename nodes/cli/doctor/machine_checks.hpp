@@ -19,7 +19,7 @@ Finding check_governors(const std::filesystem::path& root = "/");
 /// Whether a card is wireless or slow: for rings over several hosts. Empty for a card that is neither, or unknown.
 std::vector<Finding> check_link(std::string_view card, const std::filesystem::path& root = "/");
 
-/// Haptic devices on USB and FireWire, whether this user may open them, and the vendor's library.
+/// Haptic devices on USB, whether this user may open them, and the vendor's library.
 std::vector<Finding> check_devices(const std::filesystem::path& root = "/");
 
 }  // namespace voxtouch::cli
