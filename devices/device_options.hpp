@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/types/device_description.hpp"
 #include "core/types/motion.hpp"
 #include "devices/sim/operator.hpp"
 
@@ -21,6 +22,7 @@ struct DeviceOptions {
   std::optional<sim::OperatorConfig> hand;  ///< absent: the usual grip, usual_hand(name)
   bool lockstep = false;               ///< a simulated counterpart runs in virtual time; hardware cannot
   DeviceSettings settings;
+  std::optional<DeviceDescription> described;  ///< of `sim:FILE`, whose file the caller has read: drivers read none
   /// Set by another thread when whoever opens the device no longer wants it: opening then ends with DeviceOpenError. Null: never.
   const std::atomic<bool>* cancelled = nullptr;
 };

@@ -9,6 +9,7 @@
 #include "devices/lwr/counterpart.hpp"
 #include "devices/phantom/counterpart.hpp"
 #include "devices/settings.hpp"
+#include "devices/sim/described.hpp"
 #include "devices/sim/simulated_device.hpp"
 
 namespace voxtouch::devices {
@@ -27,30 +28,40 @@ DeviceDescription describe_simulated(std::string_view name, const sim::SimParame
   return parameters.description;
 }
 
+const DeviceDescription& described(const DeviceOptions& options) {
+  if (!options.described) throw DeviceOpenError("the file of a device 'sim:FILE' has not been read");
+  return *options.described;
+}
+
 struct Entry {
   std::string_view name;
   std::unique_ptr<Driver> (*open)(const DeviceOptions&);
   DeviceDescription (*describe)(const DeviceOptions&);
-  sim::OperatorConfig (*hand)();  ///< null: a person holds it
+  sim::OperatorConfig (*hand)(const DeviceOptions&);  ///< null: a person holds it
 };
 
 const std::array kEntries{
     Entry{"sim-phantom", [](const DeviceOptions& o) { return open_simulated("sim-phantom", sim::sim_phantom(), o); },
           [](const DeviceOptions& o) { return describe_simulated("sim-phantom", sim::sim_phantom(), o); },
-          [] { return sim::sim_phantom().hand; }},
+          [](const DeviceOptions&) { return sim::sim_phantom().hand; }},
     Entry{"sim-lwr", [](const DeviceOptions& o) { return open_simulated("sim-lwr", sim::sim_lwr(), o); },
           [](const DeviceOptions& o) { return describe_simulated("sim-lwr", sim::sim_lwr(), o); },
-          [] { return sim::sim_lwr().hand; }},
-    Entry{"wire-phantom", phantom::open_wire_phantom, phantom::describe_wire_phantom, [] { return sim::sim_phantom().hand; }},
-    Entry{"wire-lwr", lwr::open_wire_lwr, lwr::describe_wire_lwr, lwr::usual_hand_at_wire_lwr},
+          [](const DeviceOptions&) { return sim::sim_lwr().hand; }},
+    Entry{"wire-phantom", phantom::open_wire_phantom, phantom::describe_wire_phantom, [](const DeviceOptions&) { return sim::sim_phantom().hand; }},
+    Entry{"wire-lwr", lwr::open_wire_lwr, lwr::describe_wire_lwr, [](const DeviceOptions&) { return lwr::usual_hand_at_wire_lwr(); }},
     Entry{"phantom", phantom::open_phantom, phantom::describe_phantom_device, nullptr},
     Entry{"lwr", lwr::open_lwr, lwr::describe_lwr_device, nullptr},
 };
 
+const Entry kDescribed{kDescribedPrefix, [](const DeviceOptions& o) { return open_simulated("sim:FILE", sim::simulated(described(o)), o); },
+                       [](const DeviceOptions& o) { return describe_simulated("sim:FILE", sim::simulated(described(o)), o); },
+                       [](const DeviceOptions& o) { return sim::simulated(described(o)).hand; }};
+
 const Entry& find(std::string_view name) {
+  if (name.starts_with(kDescribedPrefix)) return kDescribed;
   const auto found = std::find_if(kEntries.begin(), kEntries.end(), [&](const Entry& e) { return e.name == name; });
   if (found == kEntries.end())
-    throw DeviceOpenError(fmt::format("device '{}' is unknown; known are {}", name, fmt::join(device_names(), ", ")));
+    throw DeviceOpenError(fmt::format("device '{}' is unknown; known are {}, and sim:FILE for a device that a file describes", name, fmt::join(device_names(), ", ")));
   return *found;
 }
 
@@ -87,18 +98,18 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
 
 DeviceDescription describe_device(std::string_view name, const DeviceOptions& options) {
   DeviceDescription description = find(name).describe(options);
-  description.simulated = name.starts_with("sim-");
+  description.simulated = name.starts_with("sim-") || name.starts_with(kDescribedPrefix);
   require_possible(name, description);
   return description;
 }
 
 bool has_simulated_hand(std::string_view name) { return find(name).hand != nullptr; }
 
-sim::OperatorConfig usual_hand(std::string_view name) {
+sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options) {
   const Entry& entry = find(name);
   if (entry.hand == nullptr)
     throw DeviceOpenError(fmt::format("device '{}' is held by a person: no hand can be simulated on it", name));
-  return entry.hand();
+  return entry.hand(options);
 }
 
 }  // namespace voxtouch::devices

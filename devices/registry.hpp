@@ -10,7 +10,7 @@
 
 namespace voxtouch::devices {
 
-/// "sim-phantom", "sim-lwr": arithmetic alone. "wire-phantom", "wire-lwr": the drivers of the hardware, with the vendor's library or
+/// "sim-phantom", "sim-lwr": arithmetic alone; so is "sim:FILE", any device as a file describes it, which is not among the names. "wire-phantom", "wire-lwr": the drivers of the hardware, with the vendor's library or
 /// the controller's side of the network simulated. "phantom", "lwr": the hardware.
 const std::vector<std::string>& device_names();
 
@@ -23,10 +23,13 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
 /// open_device does for names and settings.
 DeviceDescription describe_device(std::string_view name, const DeviceOptions& options = {});
 
+/// A name that stands for a device in a file.
+inline constexpr std::string_view kDescribedPrefix = "sim:";
+
 /// A simulated hand holds it, and follows options.motion; else it is a person's.
 bool has_simulated_hand(std::string_view name);
 
 /// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown name, and for hardware.
-sim::OperatorConfig usual_hand(std::string_view name);
+sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options = {});
 
 }  // namespace voxtouch::devices

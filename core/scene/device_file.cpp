@@ -1,79 +1,136 @@
 #include "core/scene/device_file.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/scene/device_figures.hpp"
 #include "core/scene/map_reader.hpp"
 #include "core/scene/text_file.hpp"
 
 namespace voxtouch::scene {
 namespace {
 
-/// `key` holds [low, high] with 0 < low <= high.
-void read_inertia(const SceneSource& source, const MapReader& map, std::string_view key, coupling::design::AxisModel& axis) {
-  const auto range = map.get<std::array<double, 2>>(key);
-  if (!(range[0] > 0.0))
-    source.fail(map.require(key).place, fmt::format("'{}' begins at {}; it must be above 0.", key, range[0]));
-  axis.inertia_min = range[0], axis.inertia_max = range[1];
+/// The guard fades the largest force within 20 ms; the slew limit leaves it a third more than that takes.
+constexpr double kFadeS = 0.015, kLeastForceRate = 2000.0;  // the least is assumed: a wall of 800 N/m struck at 2.5 m/s
+
+/// Reads figures of one map, and notes each that is left out and has a standard.
+class FigureReader {
+ public:
+  FigureReader(const SceneSource& source, const MapReader& map, bool pen, DeviceFile& file)
+      : source_(source), map_(map), pen_(pen), file_(file) {}
+
+  double number(std::string_view key) const { return map_.has(key) ? map_.get<double>(key) : standard(key); }
+  std::size_t count(std::string_view key) const { return map_.has(key) ? map_.get<std::size_t>(key) : static_cast<std::size_t>(standard(key)); }
+  /// A number, or [low, high] with 0 < low <= high.
+  void range(std::string_view key, double& low, double& high) const {
+    const YamlNode* value = map_.find(key);
+    if (value == nullptr) return void(low = high = standard(key));
+    if (value->kind == YamlNode::Kind::kScalar) {
+      low = high = read_number(source_, *value, key);
+      if (!(low > 0.0)) source_.fail(value->place, fmt::format("'{}' is {}; it must be above 0.", key, low));
+      return;
+    }
+    const auto given = map_.get<std::array<double, 2>>(key);
+    if (!(given[0] > 0.0)) source_.fail(value->place, fmt::format("'{}' begins at {}; it must be above 0.", key, given[0]));
+    low = given[0], high = given[1];
+  }
+
+ private:
+  double standard(std::string_view key) const {
+    const DeviceFigure& figure = device_figure(key);
+    const double value = (pen_ ? figure.pen_standard : figure.arm_standard).value();
+    file_.assumed.push_back(fmt::format("{} {}", key, value));
+    return value;
+  }
+
+  const SceneSource& source_;
+  const MapReader& map_;
+  bool pen_;
+  DeviceFile& file_;
+};
+
+/// All that is missing in one error: who writes such a file looks for figures once.
+void require_all(const SceneSource& source, const YamlNode& root, const MapReader& map) {
+  std::vector<std::string> missing;
+  for (const Key& key : keys::device_file.keys)
+    if (key.rule == KeyRule::kRequired && !map.has(key.name)) missing.push_back(to_sentence(device_figure(key.name)));
+  if (missing.empty()) return;
+  source.fail(root.place, fmt::format("{} missing in the device file:\n  {}", missing.size() == 1 ? "1 key is" : fmt::format("{} keys are", missing.size()),
+                                      fmt::join(missing, "\n  ")));
 }
 
-coupling::design::AxisModel read_rotation(const SceneSource& source, const MapReader& map) {
-  coupling::design::AxisModel axis;
-  read_inertia(source, map, "inertia_kg_m2", axis);
-  map.read("damping_nms_per_rad", axis.damping);
-  map.read("coulomb_friction_nm", axis.coulomb_friction);
-  map.read("orientation_resolution_rad", axis.resolution);
-  map.read("max_stiffness_nm_per_rad", axis.max_stiffness);
-  return axis;
+void read_translation(const MapReader& map, const FigureReader& read, DeviceDescription& d) {
+  map.read("max_force_n", d.max_force_n);
+  d.max_force_rate_n_per_s = std::max(kLeastForceRate, d.max_force_n / kFadeS);
+  map.read("max_stiffness_n_per_m", d.max_stiffness_n_per_m);
+  read.range("mass_kg", d.mass_min_kg, d.mass_max_kg);
+  d.damping_ns_per_m = read.number("damping_ns_per_m");
+  d.coulomb_friction_n = read.number("coulomb_friction_n");
+  map.read("position_resolution_m", d.position_resolution_m);
+  d.force_bandwidth_hz = std::numeric_limits<double>::infinity();
+  map.read("force_bandwidth_hz", d.force_bandwidth_hz);
 }
 
-coupling::design::AxisModel read_translation(const SceneSource& source, const MapReader& map) {
-  coupling::design::AxisModel axis;
-  map.read("max_force_n", axis.max_effort);
-  map.read("max_stiffness_n_per_m", axis.max_stiffness);
-  read_inertia(source, map, "mass_kg", axis);
-  map.read("damping_ns_per_m", axis.damping);
-  map.read("coulomb_friction_n", axis.coulomb_friction);
-  map.read("position_resolution_m", axis.resolution);
-  map.read("force_bandwidth_hz", axis.effort_bandwidth_hz);
-  return axis;
+void read_rotation(const FigureReader& read, DeviceDescription& d) {
+  d.output_dof = 6;
+  d.max_torque_rate_nm_per_s = d.max_torque_nm / kFadeS;
+  read.range("inertia_kg_m2", d.inertia_min_kg_m2, d.inertia_max_kg_m2);
+  d.damping_nms_per_rad = read.number("damping_nms_per_rad");
+  d.coulomb_friction_nm = read.number("coulomb_friction_nm");
+  d.orientation_resolution_rad = read.number("orientation_resolution_rad");
+  d.max_stiffness_nm_per_rad = read.number("max_stiffness_nm_per_rad");
 }
 
-coupling::design::LoopTiming read_timing(const MapReader& map) {
-  coupling::design::LoopTiming timing;
-  timing.period_s = 1.0 / map.get<double>("rate_hz");
-  map.read("delay_s", timing.delay_s);
-  map.read("jitter", timing.jitter);
-  timing.lost_in_a_row = static_cast<int>(map.get<std::size_t>("lost_in_a_row"));
-  return timing;
+void read_timing(const MapReader& map, const FigureReader& read, DeviceDescription& d) {
+  d.rate_hz = map.get<double>("rate_hz");
+  d.delay_s = read.number("delay_s");
+  d.jitter = read.number("jitter");
+  d.lost_in_a_row = static_cast<std::uint32_t>(read.count("lost_in_a_row"));
 }
 
 }  // namespace
 
-coupling::design::DeviceModel parse_device_file(const std::string& text, const std::filesystem::path& file) {
+DeviceFile parse_device_file(const std::string& text, const std::filesystem::path& file) {
   const SceneSource source{file, {}};
   const YamlNode root = parse_yaml(text, file, "device file");
   if (root.kind == YamlNode::Kind::kNull)
     source.fail({1, 1}, "The device file is empty; it begins with 'device: <name>'.");
   const MapReader map(source, root, "device file", keys::device_file);
-  coupling::design::DeviceModel model;
-  map.read("device", model.name);
-  model.timing = read_timing(map);
-  model.translation = read_translation(source, map);
-  const double torque = map.get<double>("max_torque_nm");
-  model.gives_torque = torque > 0.0;
-  if (model.gives_torque) {
-    model.rotation = read_rotation(source, map.inner("rotation"));
-    model.rotation.max_effort = torque;
+  require_all(source, root, map);
+  DeviceFile out;
+  DeviceDescription& d = out.description;
+  d.simulated = true;
+  map.read("device", d.model);
+  const bool pen = map.choice("grip") == 0;
+  d.grip = pen ? "pen" : "arm";
+  const FigureReader read(source, map, pen, out);
+  read_timing(map, read, d);
+  read_translation(map, read, d);
+  d.max_torque_nm = map.get<double>("max_torque_nm");
+  if (d.max_torque_nm > 0.0) {
+    YamlNode nothing;
+    nothing.kind = YamlNode::Kind::kMap;
+    const MapReader rotation = map.has("rotation") ? map.inner("rotation") : MapReader(source, nothing, "rotation", keys::device_rotation);
+    read_rotation(FigureReader(source, rotation, pen, out), d);
   } else {
     map.refuse("rotation", "does not go with 'max_torque_nm: 0': a device without torque cannot act against rotation.");
   }
-  model.rotation.effort_bandwidth_hz = model.translation.effort_bandwidth_hz;
-  model.grip = map.choice("grip") == 0 ? coupling::design::Grip::kPen : coupling::design::Grip::kArm;
-  return model;
+  if (map.has("workspace_m")) map.read("workspace_m", out.workspace_m.emplace());
+  return out;
 }
 
-coupling::design::DeviceModel load_device_file(const std::filesystem::path& file) {
+DeviceFile load_device_file(const std::filesystem::path& file) {
   return parse_device_file(read_text_file(file, "device"), file);
+}
+
+std::string assumed_sentence(const DeviceFile& file) {
+  if (file.assumed.empty()) return {};
+  return fmt::format("the device file of {} leaves out what stands here by the standards of {}: {}", file.description.model,
+                     file.description.grip == "pen" ? "a stylus" : "an arm", fmt::join(file.assumed, ", "));
 }
 
 }  // namespace voxtouch::scene

@@ -8,6 +8,7 @@
 
 #include <sstream>
 
+#include "core/types/number.hpp"
 #include "core/types/utf8.hpp"
 
 namespace voxtouch::scene {
@@ -159,7 +160,8 @@ std::string describe(const YamlNode& node) {
   std::size_t cut = 37;  // not within a character: messages go into JSON, which must be UTF-8
   while (cut < node.text.size() && (static_cast<unsigned char>(node.text[cut]) & 0xC0U) == 0x80U) --cut;
   const std::string shown = node.text.size() > 40 ? node.text.substr(0, cut) + "..." : node.text;
-  return fmt::format("{} '{}'", node.quoted ? "the text" : "the word", shown);
+  const bool number = parse_finite(node.text).has_value();
+  return fmt::format("{} '{}'", node.quoted ? "the text" : number ? "the number" : "the word", shown);
 }
 
 }  // namespace voxtouch::scene

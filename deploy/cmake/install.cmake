@@ -29,6 +29,16 @@ file(CREATE_LINK ${tools}/plot.py ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/voxtouch_plo
 file(CREATE_LINK ../share/voxtouch/deploy/tools/plot.py ${PROJECT_BINARY_DIR}/installed/voxtouch_plot SYMBOLIC)
 install(FILES ${PROJECT_BINARY_DIR}/installed/voxtouch_plot DESTINATION ${CMAKE_INSTALL_BINDIR})
 
+# Completion: bash loads a file by the command's name, zsh every file of a folder.
+install(FILES ${PROJECT_SOURCE_DIR}/deploy/completion/voxtouch.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME voxtouch)
+install(FILES ${PROJECT_SOURCE_DIR}/deploy/completion/_voxtouch DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+# Man pages are what --help says of the programs that are installed.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+set(documented voxtouch voxtouch_device voxtouch_rendering voxtouch_coupling voxtouch_logger voxtouch_validator voxtouch_fri_controller)
+install(CODE "execute_process(COMMAND \"${Python3_EXECUTABLE}\" -B \"${tools}/man_page.py\" \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}\"
+  \"${PROJECT_BINARY_DIR}/man\" ${documented} COMMAND_ERROR_IS_FATAL ANY)")
+install(DIRECTORY ${PROJECT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+
 # Libraries: find_package(voxtouch), targets by module.
 set(libraries voxtouch_root voxtouch_reproducible)
 foreach(module types mesh mesh_import voxmap pointshell contact effects coupling coupling_design scene device_mapping plan rendering fitting felt

@@ -15,6 +15,7 @@ from numpy.lib import recfunctions
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "idl"))
 from generate_idl import PRIMITIVES, parse  # noqa: E402
+from type_hash import type_hash  # noqa: E402
 
 numpy.seterr(all="ignore")  # a bag may hold any number; what is not finite is left out where it is drawn or counted
 OWN = "voxtouch_msgs"
@@ -34,6 +35,22 @@ def message(name, package=OWN):
     folder = ROOT / "idl" / ("" if package == OWN else f"ros/{package}") / "msg"
     fields, constants = parse(folder / f"{name}.msg", package)
     return fields, {key: int(value) for _, key, value in constants}
+
+
+class Messages(dict):
+    """(fields, constants) by (package, name), read when asked for."""
+
+    def __missing__(self, key):
+        return message(key[1], key[0])
+
+
+def layout_hash(kind):
+    """The hash of a type such as voxtouch_msgs/msg/NodeStatus, as this version lays it out; "" for a type that it does not know."""
+    package, _, name = kind.partition("/msg/")
+    try:
+        return type_hash(Messages(), package, name)
+    except (OSError, SystemExit):
+        return ""
 
 
 def constants(name):
@@ -157,6 +174,7 @@ class Bag:
     def __init__(self, path, rig="", wanted=None, progress=lambda share: None):
         self.path = pathlib.Path(path)
         self.notes = []  # sentences on what is not as it should be, and was read all the same
+        self.require_same_layout()
         kinds = {**{name: kind for name, (kind, _) in self.STREAMS.items()}, **self.MESSAGES}
         wanted = list(kinds) if wanted is None else wanted
         files = [(file, self.topics_of(file)) for file in database_files(path)]
@@ -171,6 +189,17 @@ class Bag:
         except BagError as error:
             raise BagError(f"{self.path}: {error}") from None
         self.times = {name: numpy.array(self.rows[name].times, numpy.int64) for name in wanted}
+
+    def require_same_layout(self):
+        """A bag tells the hashes of its types since there are any; an older one may be tried."""
+        told = self.recording()
+        topics = [one for one in told.get("topics", []) if isinstance(one, dict)] if isinstance(told.get("topics"), list) else []
+        pairs = {(one["type"], one["type_hash"]) for one in topics if isinstance(one.get("type"), str) and isinstance(one.get("type_hash"), str)}
+        changed = sorted(kind for kind, then in pairs if layout_hash(kind) not in ("", then))
+        if changed:
+            raise BagError(f"{self.path}: it was recorded by voxtouch {told.get('voxtouch', 'of an unknown version')}, whose {', '.join(changed)} "
+                           f"{'is' if len(changed) == 1 else 'are'} laid out otherwise than in this version: read it with the version that recorded it. "
+                           "deploy/CHANGELOG.md says what has changed.")
 
     def find_rig(self, topics, rig):
         rigs = sorted({name.split("/")[1] for name, kind in topics.items() if kind.startswith(OWN + "/") and name.count("/") > 1})

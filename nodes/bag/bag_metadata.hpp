@@ -16,6 +16,7 @@ struct TopicInfo {
   /// of the writers, as YAML text: rmw's numbers up to version 8, version 9's list as it is there
   std::string offered_qos;
   std::uint64_t message_count = 0;
+  std::string type_hash = {};  ///< RIHS01 hash of the type's layout; for the report beside the bag, since metadata of version 5 has none
 };
 
 struct BagMetadata {

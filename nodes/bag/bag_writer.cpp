@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "core/types/version.hpp"
 #include "nodes/bag/refuse.hpp"
 
 namespace voxtouch::bag {
@@ -228,6 +229,7 @@ void BagWriter::fill_counts(std::vector<TopicReport>& topics) const {
 Result<void> BagWriter::report(const RecordingReport& report) {
   nlohmann::ordered_json json;
   json["version"] = 1;
+  json["voxtouch"] = version();
   json["closed"] = report.closed;
   json["lockstep"] = report.lockstep;
   json["topics"] = nlohmann::ordered_json::array();
@@ -237,6 +239,11 @@ Result<void> BagWriter::report(const RecordingReport& report) {
                               {"written", topic.written},
                               {"dropped", topic.dropped},
                               {"lost", topic.lost}});
+  for (std::size_t i = 0; i < metadata_.topics.size() && i < json["topics"].size(); ++i) {
+    if (metadata_.topics[i].type_hash.empty()) continue;
+    json["topics"][i]["type"] = metadata_.topics[i].type;
+    json["topics"][i]["type_hash"] = metadata_.topics[i].type_hash;
+  }
   json["errors"] = report.errors;
   return write_atomically(folder_ / "voxtouch_recording.json",
                           json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n",

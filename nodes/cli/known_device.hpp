@@ -2,11 +2,15 @@
 /// A device that is known without opening it: by name, or by a file that a lab has written.
 #include <string>
 
-#include "core/scene/device_file.hpp"
+#include "core/coupling/design/loop_parts.hpp"
 
 namespace voxtouch::cli {
 
+/// `sim:FILE`, a file alone, and `sim:NAME` of one that is shipped are the same here; what the file leaves out is told.
 /// Throws with the known names for one that is not there, and with the place in the file for a file that will not do.
 coupling::design::DeviceModel find_device(const std::string& device);
+
+/// As `up --device` takes it: a file alone gets its `sim:`.
+std::string device_argument(const std::string& device);
 
 }  // namespace voxtouch::cli

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <thread>
 
+#include "core/types/version.hpp"
+
 namespace voxtouch::cli {
 namespace {
 
@@ -28,7 +30,7 @@ Machine this_machine() {
 #else
   const std::string compiler = "gcc " __VERSION__;
 #endif
-  return {.version = VOXTOUCH_VERSION,
+  return {.version = std::string(version()),
           .processor = processor_name(),
           .cpus = std::thread::hardware_concurrency(),
           .compiler = compiler,

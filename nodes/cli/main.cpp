@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/types/version.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/main.hpp"
@@ -34,7 +35,7 @@ int main(int argc, char** argv) {
       "voxtouch lets a person feel a mesh scene through a force-feedback device, over a ring of DDS processes.\n"
       "Try: voxtouch up deploy/scenes/cup.yaml --device sim-phantom --motion slide --duration 10");
   app.require_subcommand(1);
-  app.set_version_flag("--version", VOXTOUCH_VERSION);
+  app.set_version_flag("--version", std::string(version()));
   cli::Action action;
   for (const auto add : {cli::add_up, cli::add_new, cli::add_build, cli::add_probe, cli::add_design, cli::add_accuracy, cli::add_plan,
                          cli::add_schema, cli::add_change, cli::add_types, cli::add_view, cli::add_report, cli::add_status, cli::add_doctor})

@@ -98,7 +98,7 @@ int make_new(const NewOptions& o) {
   }
   for (const std::string& reason : proposed.reasons) log::print_result("{}\n", reason);
   log::print_result("\n{} is written. Feel it, and see it:\n  voxtouch up {} --device {} --motion press --view\n", out.string(),
-                    o.out.empty() ? out.filename().string() : out.string(), o.device);
+                    o.out.empty() ? out.filename().string() : out.string(), device_argument(o.device));
   return 0;
 }
 

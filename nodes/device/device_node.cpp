@@ -16,6 +16,7 @@
 #include "core/types/number.hpp"
 #include "devices/registry.hpp"
 #include "devices/settings.hpp"
+#include "nodes/device/described_device.hpp"
 #include "nodes/device/device_loop.hpp"
 #include "nodes/device/last_second.hpp"
 #include "nodes/log/tell.hpp"
@@ -134,7 +135,8 @@ class DeviceNode {
     devices::DeviceOptions device;
     device.seed = options_.seed;
     device.motion = motion;
-    device.hand = choose_hand(options_.device, options_.hand);
+    device.described = description_of(options_.device);
+    device.hand = choose_hand(options_.device, options_.hand, device);
     device.lockstep = options_.lockstep;
     device.settings = devices::parse_settings(options_.settings);
     device.cancelled = &stop;
@@ -358,7 +360,8 @@ std::string check_duration(const std::string& text) {
 }  // namespace
 
 void add_device_options(CLI::App& app, Options& options) {
-  app.add_option("--device", options.device, fmt::format("{}", fmt::join(devices::device_names(), ", ")))->capture_default_str();
+  app.add_option("--device", options.device, fmt::format("{}; sim:FILE, or sim: and one of {}: as a file describes it", fmt::join(devices::device_names(), ", "),
+                                                 fmt::join(shipped_devices(), ", ")))->capture_default_str();
   app.add_option("--device-option", options.settings,
                  "KEY=VALUE of this device (deploy/devices/*.md list them); may be given more than once")
       ->allow_extra_args(false);

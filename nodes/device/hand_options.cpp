@@ -24,10 +24,11 @@ void add_hand_options(CLI::App& app, HandChoice& choice) {
       ->check(CLI::Range(1e-3, 1e3));
 }
 
-std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice) {
+std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice,
+                                                const devices::DeviceOptions& options) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   if (choice.grip.empty() && choice.let_go_at_s == kNever && choice.grip_harder_at_s == kNever) return std::nullopt;
-  sim::OperatorConfig hand = devices::usual_hand(device);
+  sim::OperatorConfig hand = devices::usual_hand(device, options);
   if (!choice.grip.empty()) {
     const std::optional<sim::OperatorConfig> named = hand::grip(choice.grip);
     if (!named)

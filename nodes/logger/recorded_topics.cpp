@@ -53,7 +53,8 @@ void RecordedTopics::add(const std::string& name, const msg::AnyType& type, cons
   bus::GraphEntry shown = participant_.enter(reader.get(), qos::Endpoint::kReader);
   const auto id = recorder_.add_topic({.name = name.substr(kRosPrefix.size()),
                                        .type = std::string(type.ros_name),
-                                       .offered_qos = offered_qos_text(offered)});
+                                       .offered_qos = offered_qos_text(offered),
+                                       .type_hash = std::string(type.hash)});
   if (!id) throw bus::Error(id.error().sentence);
   wait_set_.attach(reader.condition());
   entries_.push_back({name, std::move(reader), std::move(shown), *id, stamp});

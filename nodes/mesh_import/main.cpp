@@ -7,9 +7,12 @@
 
 #include <assimp/Importer.hpp>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <string_view>
 
+#include "core/types/version.hpp"
 #include "nodes/mesh_import/answer.hpp"
 
 namespace {
@@ -22,6 +25,7 @@ void limit(decltype(RLIMIT_CPU) what, std::uint64_t most, std::uint64_t grace = 
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 2 && argv[1] == std::string_view("--version")) return std::puts(std::string(voxtouch::version()).c_str()) < 0 ? 1 : 0;
   const auto number = [argv](int n) { return std::strtoull(argv[n], nullptr, 10); };
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (argc != 7 || static_cast<unsigned long long>(::getppid()) != number(5)) return 2;  // gone before that could be heard

@@ -314,7 +314,7 @@ std::unique_ptr<rendering::BuiltScene> build(const scene::Scene& scene) {
 int run(const Options& options, const std::atomic<bool>& stop) {
   const scene::Scene scene = scene::load_scene(options.scene);
   std::unique_ptr<rendering::BuiltScene> built = build(scene);
-  for (const std::string& warning : built->plan().warnings) log::tell("warning: {}\n", warning);
+  for (const std::string& warning : options.announce ? built->plan().warnings : std::vector<std::string>()) log::tell("warning: {}\n", warning);
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);
 }

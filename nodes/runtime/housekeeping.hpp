@@ -51,7 +51,8 @@ class Housekeeping {
   std::atomic<bool> peer_lost_{false};
   bus::Guid own_;
   NodeReport last_;
-  std::int64_t last_publish_ns_ = 0, last_ros_ns_ = 0;
+  std::int64_t last_publish_ns_ = 0, last_ros_ns_ = 0, last_line_ns_ = 0;
+  Figures at_last_line_;  ///< of a node that was started by hand
   bool had_session_ = false;
   std::set<bus::Guid> partners_;  ///< whom this node waits for, as `look` said last
   std::string lost_;  ///< the sentence for a peer that was lost

@@ -3,6 +3,7 @@
 #include <exception>
 #include <sstream>
 
+#include "core/types/version.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/signals.hpp"
 
@@ -27,6 +28,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
               const std::function<int(const std::atomic<bool>& stop)>& run) {
   CLI::App app(program.about);
   add_node_options(app, options, program.with_scene);
+  app.set_version_flag("--version", std::string(version()));
   int parent = 0;
   app.add_option("--with-parent", parent, "Stop when this parent process dies (voxtouch up sets this)");
   configure(app);
@@ -42,7 +44,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   try {
     if (!program.in_ring) options.realtime.mode = Realtime::kOff;
     options.warnings = enter_realtime(options.scheduling());
-    for (const std::string& warning : options.warnings) log::tell("warning: {}: {}\n", program.name, warning);
+    for (const std::string& warning : options.announce ? options.warnings : std::vector<std::string>()) log::tell("warning: {}: {}\n", program.name, warning);
     return run(stop_requested());
   } catch (const std::exception& error) {
     log::tell("error: {}: {}\n", program.name, error.what());

@@ -17,19 +17,21 @@
 namespace voxtouch::runtime {
 namespace {
 
-/// 0 or errno. Under a limit the lock is not even tried: with MCL_FUTURE every later allocation beyond the limit would fail.
-int lock_memory() {
+/// 0 or errno: whether all memory may be locked.
+int may_lock_memory() {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
-  if (limit.rlim_cur != RLIM_INFINITY && geteuid() != 0) return EPERM;
+  return limit.rlim_cur != RLIM_INFINITY && geteuid() != 0 ? EPERM : 0;
+}
+
+/// 0 or errno. Under a limit the lock is not even tried: with MCL_FUTURE every later allocation beyond the limit would fail.
+int lock_memory() {
+  if (const int error = may_lock_memory(); error != 0) return error;
   return mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
 }
 
-}  // namespace
-
-std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
+std::vector<std::string> take_rights(const RealtimeOptions& options, int (*lock)()) {
   std::vector<std::string> refused;
-  if (options.mode == Realtime::kOff) return refused;
   sched_param parameters{};
   parameters.sched_priority = options.priority;
   if (options.priority > 0 && sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
@@ -46,12 +48,22 @@ std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
       refused.push_back(fmt::format("CPU {} could not be taken ({}); `nproc` says how many there are.", *options.cpu,
                                     std::strerror(errno)));
   }
-  if (const int error = options.priority > 0 ? lock_memory() : 0; error != 0)
+  if (const int error = options.priority > 0 ? lock() : 0; error != 0)
     refused.push_back(
         fmt::format("memory could not be locked ({}): a page fault may delay a sample. 'memlock' in "
                     "/etc/security/limits.d allows it "
                     "(deploy/services/99-voxtouch-realtime.conf).",
                     std::strerror(error)));
+  return refused;
+}
+
+}  // namespace
+
+std::vector<std::string> refused_rights(const RealtimeOptions& options) { return take_rights(options, may_lock_memory); }
+
+std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
+  if (options.mode == Realtime::kOff) return {};
+  std::vector<std::string> refused = take_rights(options, lock_memory);
   if (options.mode == Realtime::kEnforce && !refused.empty())
     throw std::runtime_error("--realtime enforce: " + refused.front());
   return refused;

@@ -23,6 +23,10 @@ struct RealtimeOptions {
 /// kEnforce.
 std::vector<std::string> enter_realtime(const RealtimeOptions& options);
 
+/// The same sentences, for the calling thread alone and without locking the process's memory: what a node started by it would be refused.
+/// Never throws for a refusal.
+std::vector<std::string> refused_rights(const RealtimeOptions& options);
+
 /// Ordinary priority for the calling thread: whoever started it may run under SCHED_FIFO, which threads inherit.
 void ordinary_priority() noexcept;
 

@@ -8,10 +8,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "nodes/bag/bag_origin.hpp"
 #include "nodes/bus/wire_form.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/view/rounded.hpp"
 #include "qos/topics.hpp"
+#include "voxtouch_msgs/all_types.hpp"
 
 namespace voxtouch::view {
 namespace {
@@ -37,7 +39,13 @@ BagPlayer::Take fact(const bus::Participant& participant) {
   };
 }
 
+std::string_view hash_of(std::string_view type) {
+  const auto known = std::ranges::find(msg::kAllTypes, type, &msg::AnyType::ros_name);
+  return known == std::end(msg::kAllTypes) ? std::string_view() : known->hash;
+}
+
 bag::BagReader open(const std::filesystem::path& path) {
+  if (const std::string why = bag::why_other_layout(path, hash_of); !why.empty()) throw std::runtime_error(why);
   auto reader = bag::BagReader::open(path);
   if (!reader) throw std::runtime_error(reader.error().sentence);
   return std::move(*reader);

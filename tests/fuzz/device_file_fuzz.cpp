@@ -1,5 +1,6 @@
 // Device files for the coupling's designer: text to numbers that the design's own entrance takes, or a sentence.
 #include "core/coupling/design/design_steps.hpp"
+#include "core/coupling/design/loop_parts.hpp"
 #include "core/fitting/design_problem.hpp"
 #include "core/scene/device_file.hpp"
 #include "tests/fuzz/fuzz.hpp"
@@ -24,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text(reinterpret_cast<const char*>(data), size);
   const std::filesystem::path file = "/fuzz/device.yaml";
   try {
-    const coupling::design::DeviceModel device = scene::parse_device_file(text, file);
+    const coupling::design::DeviceModel device = coupling::design::model_of(scene::parse_device_file(text, file).description);
     check(device.translation);
     if (device.gives_torque) check(device.rotation);
     const coupling::design::LoopTiming& timing = device.timing;

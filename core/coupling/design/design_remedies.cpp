@@ -12,8 +12,11 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-constexpr std::array kDelayShares{0.75, 0.5, 0.25, 0.0};
-constexpr std::array kGripShares{0.25, 0.5, 0.75, 1.0};
+// What a laboratory can do: no delay is brought to nothing, nobody holds a device as firmly as hands can all the time, and the weight and
+// the damper that go onto a handle are at most those of the hand that holds it.
+constexpr std::array kDelayShares{0.75, 0.5, 0.25};
+constexpr std::array kGripShares{0.25, 0.5};
+constexpr std::array kAddedMassShares{0.25, 0.5, 1.0, 2.0};
 
 /// The goal, tried under another circumstance: all axes reach their targets with one of the laws.
 struct Trial {
@@ -57,9 +60,12 @@ class Remedies {
     injection();
     if (design_.spec.kind != "spring_damper") {  // its certificate is another; its stiffness is its own
       delay();
+      rate();
+      handle();
       cap();
       grip();
     }
+    if (out_.empty()) last_resort();
     return std::move(out_);
   }
 
@@ -73,17 +79,29 @@ class Remedies {
     return fmt::format("{:.3g} Hz would do without injected damping", request_.goals.cutoff_hz);
   }
 
+  /// Where no single change is enough: to want what holds, or another device.
+  void last_resort() {
+    double share = 1.0;
+    for (std::size_t a = 0; a < problems_.size(); ++a)
+      share = std::min(share, axis_of(design_, a).shown_stiffness / problems_[a].contact.all_points);
+    if (!short_of_ && design_.spec.kind == "shaping_filter")
+      out_.push_back(fmt::format("A wish for {:.3g} Hz instead of {:.3g} would be met as it is.", design_.spec.cutoff_hz, request_.goals.cutoff_hz));
+    else if (short_of_ && share > 0.0 && share < 1.0)
+      out_.push_back(fmt::format("A contact of {:.2g} times the stiffness, or position_scale times force_scale smaller by as much, would be shown whole.", share));
+    else
+      out_.push_back("No single change at this device is enough: a heavier one, or one with less delay or more damping of its own, is.");
+  }
+
   void damping() {
     for (std::size_t a = 0; a < problems_.size(); ++a) {
       const AxisProblem& p = problems_[a];
       const AxisDesign& d = a == 0 ? design_.translation : design_.rotation;
       if (p.model.damping >= d.damping_required) continue;
-      std::string sentence = fmt::format(
-          "{}: a device damping of {:.3g} {} (now {:.3g}) would make the wish stable as it is with every passive hand",
-          p.units->name, d.damping_required, p.units->damping, p.model.damping);
-      if (d.damping_required_any_cutoff < 0.99 * d.damping_required)
-        sentence += fmt::format("; {:.3g} with the cut-off as high as it may be", d.damping_required_any_cutoff);
-      out_.push_back(sentence + ".");
+      const double least = std::min(d.damping_required, d.damping_required_any_cutoff) - p.model.damping;
+      if (p.hand.any_passive || !(least <= p.hand.damping_max)) continue;
+      out_.push_back(fmt::format("{}: a damper of {:.3g} {} at the tool would make the wish stable with every passive hand{}.", p.units->name,
+                                 least, p.units->damping,
+                                 d.damping_required_any_cutoff < 0.99 * d.damping_required ? ", with the cut-off as high as it may be" : ""));
     }
   }
 
@@ -112,7 +130,29 @@ class Remedies {
       DesignProblem other = request_;
       other.device.timing.delay_s = share * now;
       if (!trial_.holds(same_targets(other))) continue;
-      out_.push_back(fmt::format("With a delay of {:.3g} ms (now {:.3g}), {}.", 1e3 * share * now, 1e3 * now, goal()));
+      out_.push_back(fmt::format("With a delay of {:.3g} ms (now {:.3g}), {}: a bus without hubs, a card of its own, a real-time kernel.",
+                                 1e3 * share * now, 1e3 * now, goal()));
+      return;
+    }
+  }
+
+  void rate() {
+    DesignProblem other = request_;
+    other.device.timing.period_s *= 0.5;
+    if (!trial_.holds(same_targets(other))) return;
+    out_.push_back(fmt::format("At {:.4g} Hz (now {:.4g}), if the device can, {}.", 1.0 / other.device.timing.period_s,
+                               1.0 / request_.device.timing.period_s, goal()));
+  }
+
+  void handle() {
+    const AxisModel& axis = request_.device.translation;
+    for (const double share : kAddedMassShares) {
+      const double added = share * axis.inertia_min;
+      if (request_.hand.translation.any_passive || added > request_.hand.translation.mass_max) return;
+      DesignProblem other = request_;
+      other.device.translation.inertia_min += added, other.device.translation.inertia_max += added;
+      if (!trial_.holds(same_targets(other))) continue;
+      out_.push_back(fmt::format("With a handle that is {:.2g} kg heavier, {}.", added, goal()));
       return;
     }
   }
@@ -161,7 +201,7 @@ class Remedies {
       tighten(other.hand.translation, request_.hand.translation, share);
       tighten(other.hand.rotation, request_.hand.rotation, share);
       if (!trial_.holds(same_targets(other))) continue;
-      out_.push_back(fmt::format("If the device is never released and always gripped with at least {}, {}.",
+      out_.push_back(fmt::format("If the device is never released and always gripped firmly, with at least {}, {}.",
                                  grips(other), goal()));
       return;
     }

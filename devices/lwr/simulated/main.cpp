@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/types/number.hpp"
+#include "core/types/version.hpp"
 #include "devices/lwr/simulated/session.hpp"
 #include "devices/lwr/simulated/start_posture.hpp"
 #include "devices/lwr/simulated/trace.hpp"
@@ -186,6 +187,7 @@ int run(Options& o) {
 
 int main(int argc, char** argv) {
   CLI::App app("Simulated controller of a light-weight robot: remote interface 1.0 on UDP, arm, and operator");
+  app.set_version_flag("--version", std::string(version()));
   Options options;
   declare(app, options);
   CLI11_PARSE(app, argc, argv);

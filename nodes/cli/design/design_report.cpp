@@ -10,6 +10,7 @@
 
 #include "core/coupling/design/design_axis.hpp"
 #include "core/coupling/design/design_cases.hpp"
+#include "core/coupling/design/status_words.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -190,7 +191,7 @@ LawRegion region_of_law(const coupling::design::DesignProblem& request, const co
 
 std::string to_text(const DesignReport& r) {
   const coupling::design::Design& d = r.design;
-  std::string text = fmt::format("\n  {}\n\n", std::string(coupling::design::name_of(d.status)));
+  std::string text = fmt::format("\n  {}: {}\n\n", coupling::design::name_of(d.status), coupling::design::sentence_of(coupling::design::name_of(d.status)));
   const auto row = [&](const char* name, const std::string& value) {
     text += fmt::format("  {:<13} {}\n", name, value);
   };

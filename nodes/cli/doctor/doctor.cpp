@@ -9,8 +9,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <dds/version.h>
+
 #include "nodes/bus/participant.hpp"
 #include "nodes/cli/doctor/doctor_checks.hpp"
+#include "nodes/cli/doctor/machine_checks.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
@@ -59,7 +62,7 @@ std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
     if (std::string_view(one.topic_name) == "ros_discovery_info") (user_data.contains("typehash=") ? iron : humble) = true;
   });
   std::vector<Finding> findings{
-      {Health::kGood, fmt::format("{} participants of ROS 2 or voxtouch are on domain {}, and {} others", ros, o.domain, others)}};
+      {Health::kGood, fmt::format("{} participants of ROS 2 or voxtouch are on domain {}, and {} others; this is Cyclone DDS {}", ros, o.domain, others, DDS_VERSION)}};
   if (humble && iron) findings.push_back({Health::kMind, "Humble and a later ROS 2 share the domain: one of them does not see a ring's nodes"});
   if (humble && !iron && o.ros != bus::RosGraph::kHumble)
     findings.push_back({Health::kMind, "a ROS 2 Humble is on the domain: start with --ros humble, or it does not see the ring's nodes"});
@@ -84,7 +87,11 @@ int doctor(const runtime::NodeOptions& o) {
     say(check_cards(o.network_interface, bus::network_cards()));
   std::ifstream udp("/proc/net/udp");
   say({check_indices(taken_indices(udp, o.domain))});
+  say({check_kernel(), check_limits()});
   say(check_rights());
+  say({check_governors()});
+  say(check_link(o.network_interface));
+  say(check_devices());
   if (is_bad) return 1;
   say(check_neighbours(o));
   log::print_result("\nROS 2 finds the ring as it comes, but for what stands above. One with rmw_cyclonedds that does not:\n{}",
@@ -97,7 +104,8 @@ int doctor(const runtime::NodeOptions& o) {
 void add_doctor(CLI::App& app, Action& action) {
   auto o = std::make_shared<runtime::NodeOptions>();
   CLI::App* verb = app.add_subcommand("doctor",
-                                      "Checks what a ring needs of this machine: network cards and multicast, ports, real-time rights, buffers, and who\n"
+                                      "Checks what a ring needs of this machine: kernel, real-time rights and limits, CPU governor, network cards\n"
+                                      "and multicast, ports, buffers, haptic devices on USB, and who\n"
                                       "else is on the domain. Prints the environment for a ROS 2 tool that does not find the ring. Takes 2 s; exit status 1\n"
                                       "where a ring cannot run.");
   runtime::add_rig_options(*verb, *o);

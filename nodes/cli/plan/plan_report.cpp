@@ -96,18 +96,18 @@ std::string to_text(const PlanReport& report) {
   const rendering::Plan& plan = report.plan;
   std::uint64_t bytes = 0;
   for (const rendering::PlanPart& part : plan.parts) bytes += part.bytes;
-  std::string text = fmt::format("Scene {} ({})\n\nWhat a frame is made of\n", plan.scene, plan.scene_hash);
-  text += frame_rows(report);
-  text += fmt::format("  All parts: {}; at most about {:.1f} us a frame of the rendering.\n", rendering::bytes_text(bytes),
-                      plan.expected_ns_per_frame / 1e3);
-  text += times_text(report);
-  text += "\nTopics and nodes\n" + ring_rows(report);
-  text += section("Built", plan.built) + section("Left out", plan.left_out) + section("Warnings", plan.warnings);
+  // First what was asked: what is built and why, and whether the device can run it. What holds of every scene comes last.
+  std::string text = fmt::format("Scene {} ({})\n", plan.scene, plan.scene_hash);
+  text += section("Built", plan.built) + section("Warnings", plan.warnings);
   if (report.device) {
     text += section(fmt::format("{} cannot run it", report.device->device).c_str(), report.device->errors);
     text += section(fmt::format("On {}", report.device->device).c_str(), report.device->notes);
   }
-  return text;
+  text += "\nWhat a frame is made of\n" + frame_rows(report);
+  text += fmt::format("  All parts: {}; at most about {:.1f} us a frame of the rendering.\n", rendering::bytes_text(bytes),
+                      plan.expected_ns_per_frame / 1e3);
+  text += times_text(report);
+  return text + section("Left out", plan.left_out) + "\nTopics and nodes\n" + ring_rows(report);
 }
 
 nlohmann::ordered_json to_json(const PlanReport& report) {

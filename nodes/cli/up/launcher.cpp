@@ -88,7 +88,6 @@ class ThreadOfThisProcess final : public RunningNode {
           int status = 1;
           try {
             options.warnings = runtime::enter_realtime(options.scheduling());
-            for (const std::string& warning : options.warnings) log::tell("warning: {}: {}\n", name_, warning);
             status = run(stop_);
           } catch (const std::exception& error) {
             log::tell("error: {}: {}\n", name_, error.what());

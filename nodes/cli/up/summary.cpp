@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/coupling/design/status_words.hpp"
+
 namespace voxtouch::cli {
 
 double number(const Reports& reports, const std::string& node, const std::string& name) {
@@ -116,6 +118,8 @@ std::string figures(const RunSummary& s) {
       count(r, "coupling", "passivity_samples"), count(r, "device", "refused"), count(r, "device", "refused_late"),
       count(r, "device", "clamped"), count(r, "validator", "checked"), count(r, "validator", "decided"),
       count(r, "validator", "agree"), count(r, "validator", "in_band"), count(r, "validator", "disagree"));
+  if (const std::string_view means = coupling::design::sentence_of(word(r, "coupling", "design_status")); !means.empty())
+    text += fmt::format("  {}: {}\n", word(r, "coupling", "design_status"), means);
   if (has_virtual_tool(s))
     text += fmt::format("  virtual     {:.4g} N/m of spring; at most {:.3g} mm in a wall and {:.3g} mm from rest; {} samples took all queries, {} lagged, "
                         "{} without a place\n",

@@ -21,6 +21,7 @@
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/up/command_line.hpp"
 #include "nodes/cli/up/launcher.hpp"
+#include "nodes/cli/up/start_warnings.hpp"
 #include "nodes/cli/up/summary.hpp"
 #include "nodes/cli/up/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
@@ -288,13 +289,15 @@ RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
   signal(SIGCHLD, [](int) {});  // is not to be ignored by `usleep`
   const scene::Scene scene = scene::load_scene(options.node.scene);
-  for (const std::string& warning : scene.warnings) log::tell("warning: {}\n", warning);
   std::unique_ptr<RunningNode> page;  // first: what takes long to build can be looked at meanwhile
   if (options.view) page = start_page(options.node);
   const device_node::Options& device = options.ring.device;
-  for (const std::string& note : check_before_start(scene, {device.device, devices::parse_settings(device.settings), device.motion,
-                                                            options.no_record ? "" : options.ring.logger.bag}))
-    log::tell("note: {}\n", note);
+  std::vector<std::string> warnings = scene.warnings;
+  const std::vector<std::string> notes = check_before_start(
+      scene, {device.device, devices::parse_settings(device.settings), device.motion, options.no_record ? "" : options.ring.logger.bag}, warnings);
+  std::ranges::copy(warnings_of_machine(options.node.scheduling()), std::back_inserter(warnings));
+  for (const std::string& line : few_warnings(warnings, options.node.scene.string())) log::tell("{}\n", line);
+  for (const std::string& note : notes) log::tell("note: {}\n", note);
   return Run(options, scene).go();
 }
 

@@ -13,9 +13,11 @@
 #include "core/felt/felt.hpp"
 #include "core/fitting/device_check.hpp"
 #include "core/fitting/fit_coupling.hpp"
+#include "core/scene/device_workspace.hpp"
 #include "core/types/device_description.hpp"
 #include "devices/registry.hpp"
 #include "nodes/cli/up/summary.hpp"
+#include "nodes/device/described_device.hpp"
 #include "nodes/device/device_node.hpp"
 #include "nodes/log/progress.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
@@ -51,10 +53,13 @@ std::unique_ptr<rendering::BuiltScene> build_unless_stopped(const scene::Scene& 
 
 /// `felt`: what will be felt. What the coupling node will say of this device and scene, by its own code: a sentence; empty: it will command forces. What all
 /// points show together is known only of the scene as built, so it is built here as well.
-std::string why_no_force(const scene::Scene& scene, const DeviceDescription& description, const std::string& motion, std::string& felt) {
+std::string why_no_force(const scene::Scene& scene, const DeviceDescription& description, const std::string& motion, std::string& felt,
+                         std::vector<std::string>& warnings) {
   if (std::string wrong = what_is_wrong(description); !wrong.empty()) return wrong;
   const std::unique_ptr<rendering::BuiltScene> built = build_unless_stopped(scene);
   const rendering::Plan& plan = built->plan();
+  for (const std::string& warning : plan.warnings)
+    if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
   const coupling::design::DeviceModel device = coupling::design::model_of(description);
   const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
   const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds, fitting::demand_of(scene));
@@ -87,20 +92,28 @@ constexpr SampleNote kSampleNotes[] = {
 
 }  // namespace
 
-std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans) {
+std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans, std::vector<std::string>& warnings) {
   devices::DeviceOptions options;
   options.settings = plans.settings;
+  const std::optional<scene::DeviceFile> file = device_node::described_device(plans.device);
+  if (file) options.described = file->description;
   const DeviceDescription description = devices::describe_device(plans.device, options);
-  device_node::choose_motion(scene, plans.motion);
+  const Motion motion = device_node::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
   std::string felt;
-  if (const std::string why = why_no_force(scene, description, plans.motion, felt); !why.empty())
+  if (const std::string why = why_no_force(scene, description, plans.motion, felt, warnings); !why.empty())
     throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));
   std::vector<std::string> notes;
   if (!scene.design)
     notes = fitting::check_device(scene, coupling::design::model_of(description), fitting::least_stiffness_n_per_m(scene))
                 .warnings;
   if (!felt.empty()) notes.insert(notes.begin(), std::move(felt));
+  if (file) {
+    notes.push_back(scene::assumed_sentence(*file));
+    const Motion tip = motion_in_device(motion, scene.device.pose_WD, scene.device.pose_PT, scene.device.position_scale);
+    notes.push_back(file->workspace_m ? scene::beyond_workspace(tip, *file->workspace_m, description.model) : "");
+    std::erase(notes, "");
+  }
   const bool simulated_hand = devices::has_simulated_hand(plans.device);
   if (!simulated_hand && !plans.motion.empty())
     notes.push_back(

@@ -185,7 +185,8 @@ TEST(Registry, InjectsTheFaultsOfACounterpartWhenTheyAreDue) {
 
 TEST(Registry, ListsTheKnownNamesForAnUnknownOne) {
   EXPECT_EQ(refusal("omni"),
-            "device 'omni' is unknown; known are sim-phantom, sim-lwr, wire-phantom, wire-lwr, phantom, lwr");
+            "device 'omni' is unknown; known are sim-phantom, sim-lwr, wire-phantom, wire-lwr, phantom, lwr, "
+            "and sim:FILE for a device that a file describes");
   EXPECT_EQ(device_names().size(), 6U);
 }
 

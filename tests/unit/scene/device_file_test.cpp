@@ -1,5 +1,10 @@
 #include "core/scene/device_file.hpp"
 
+#include "core/coupling/design/loop_parts.hpp"
+#include "core/scene/device_figures.hpp"
+#include "core/scene/device_workspace.hpp"
+#include "core/scene/keys.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,10 +40,11 @@ std::string changed(const std::string& from, const std::string& to) {
 }
 
 TEST(DeviceFile, EveryKeyArrivesWhereItBelongs) {
-  const coupling::design::DeviceModel file = parse_device_file(kArm, "arm.yaml");
-  const coupling::design::DeviceModel& m = file;
+  const DeviceFile file = parse_device_file(kArm, "arm.yaml");
+  EXPECT_EQ(what_is_wrong(file.description), "");
+  const coupling::design::DeviceModel m = coupling::design::model_of(file.description);
   EXPECT_EQ(m.name, "third");
-  EXPECT_EQ(file.grip, coupling::design::Grip::kArm);
+  EXPECT_EQ(m.grip, coupling::design::Grip::kArm);
   EXPECT_EQ(m.timing.period_s, 0.0005);
   EXPECT_EQ(m.timing.delay_s, 0.002);
   EXPECT_EQ(m.timing.jitter, 0.4);
@@ -64,19 +70,21 @@ TEST(DeviceFile, EveryKeyArrivesWhereItBelongs) {
 
 TEST(DeviceFile, MayLeaveTheBandwidthOut) {
   EXPECT_TRUE(std::isinf(
-      parse_device_file(changed("force_bandwidth_hz: 53\n", ""), "a.yaml").translation.effort_bandwidth_hz));
+      parse_device_file(changed("force_bandwidth_hz: 53\n", ""), "a.yaml").description.force_bandwidth_hz));
 }
 
 TEST(DeviceFile, OfAllExamplesThatAreShippedIsRead) {
   int read = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(VOXTOUCH_DEPLOY) / "devices")) {
     if (entry.path().extension() != ".yaml") continue;  // the folder also holds pages and rules for a lab
-    const coupling::design::DeviceModel file = load_device_file(entry.path());
-    EXPECT_FALSE(file.name.empty());
+    const DeviceFile file = load_device_file(entry.path());
+    EXPECT_EQ(what_is_wrong(file.description), "") << entry.path();
+    EXPECT_TRUE(file.workspace_m) << entry.path();
     ++read;
   }
-  EXPECT_GE(read, 1);
-  const coupling::design::DeviceModel premium = load_device_file(std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml");
+  EXPECT_GE(read, 13);
+  const coupling::design::DeviceModel premium =
+      coupling::design::model_of(load_device_file(std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml").description);
   EXPECT_EQ(premium.translation.max_effort, 22);
   EXPECT_EQ(premium.translation.max_stiffness, 1000);
   EXPECT_FALSE(premium.gives_torque);
@@ -105,7 +113,10 @@ const std::vector<Bad> kBad = {
     {"5000", "^0", "'max_stiffness_n_per_m' is 0"},
     {"[3, 6]", "^[6, 3]", "'mass_kg' goes from 6 to 3; the lower end comes first."},
     {"[3, 6]", "^[0, 3]", "'mass_kg' begins at 0; it must be above 0."},
-    {"[3, 6]", "^3", "'mass_kg' must be a range [low, high], but here is the word '3'."},
+    {"[3, 6]", "^0", "'mass_kg' is 0; it must be above 0."},
+    {"[3, 6]", "^heavy", "'mass_kg' must be a number, but here is the word 'heavy'."},
+    {"grip: arm", "grip: arm\nworkspace_m: ^0.4", "'workspace_m' must be a list of 3 numbers [x, y, z], but here is the number '0.4'."},
+    {"grip: arm", "grip: arm\nworkspace_m: ^[0.4, 0, 0.4]", "'workspace_m' must be above 0 along each axis."},
     {"[3, 6]", "^[3, 4, 6]", "must be a range [low, high]"},
     {"damping_ns_per_m: 30", "damping_ns_per_m: ^-30", "it must be 0 or above"},
     {"coulomb_friction_n: 2.5", "coulomb_friction_n: ^-1", "it must be 0 or above"},
@@ -161,19 +172,64 @@ TEST(DeviceFile, SaysWhereAndWhatIsWrong) {
   }
 }
 
-TEST(DeviceFile, GuessesNothingThatIsMissing) {
-  for (std::size_t begin = 0; begin < kArm.size();) {
-    const std::size_t end = kArm.find('\n', begin) + 1;
-    const std::string line = kArm.substr(begin, end - begin), key = line.substr(0, line.find(':'));
-    begin = end;
-    if (key == "force_bandwidth_hz") continue;
-    try {
-      parse_device_file(changed(line, ""), "arm.yaml");
-      ADD_FAILURE() << "was accepted without " << key;
-    } catch (const SceneError& error) {
-      EXPECT_EQ(error.sentence(), "'" + key + "' is missing in 'device file'.");
-    }
+std::string refusal_of(const std::string& text) {
+  try {
+    parse_device_file(text, "arm.yaml");
+  } catch (const SceneError& error) {
+    return error.sentence();
   }
+  return "accepted";
+}
+
+TEST(DeviceFile, TellsAllThatIsMissingAtOnceWithItsRangeAndWhatItDoes) {
+  const std::string said = refusal_of("device: third\ngrip: pen\n");
+  EXPECT_TRUE(said.starts_with("6 keys are missing in the device file:\n  rate_hz: 500 to 4000 Hz (stylus), 200 to 1000 Hz (arm). ")) << said;
+  for (const char* key : {"max_force_n", "max_torque_nm", "max_stiffness_n_per_m", "mass_kg", "position_resolution_m"})
+    EXPECT_NE(said.find(std::string("\n  ") + key + ": "), std::string::npos) << key << "\n" << said;
+  EXPECT_EQ(said.find("delay_s"), std::string::npos) << "has a standard";
+  EXPECT_TRUE(refusal_of(changed("mass_kg: [3, 6]\n", "")).starts_with("1 key is missing in the device file:\n  mass_kg: 0.03 to 0.3 kg")) << said;
+}
+
+TEST(DeviceFile, TakesWhatDataSheetsLeaveOutFromTheClassAndSaysSo) {
+  const std::string sheet = "rate_hz: 1000\nmax_force_n: 5\nmax_torque_nm: 1\nmax_stiffness_n_per_m: 900\nposition_resolution_m: 1e-5\n";
+  const DeviceFile pen = parse_device_file("device: p\ngrip: pen\nmass_kg: 0.25\n" + sheet, "a.yaml");
+  EXPECT_EQ(pen.description.mass_min_kg, 0.25);
+  EXPECT_EQ(pen.description.mass_max_kg, 0.25);
+  EXPECT_EQ(pen.description.damping_ns_per_m, 0.005);
+  EXPECT_EQ(pen.description.delay_s, 0.001);
+  EXPECT_EQ(pen.description.jitter, 0.2);
+  EXPECT_EQ(pen.description.lost_in_a_row, 1U);
+  EXPECT_EQ(pen.description.max_stiffness_nm_per_rad, 0.3);
+  EXPECT_EQ(pen.description.output_dof, 6U);
+  EXPECT_EQ(pen.assumed.size(), 10U);
+  EXPECT_TRUE(assumed_sentence(pen).starts_with("the device file of p leaves out what stands here by the standards of a stylus: delay_s 0.001, "))
+      << assumed_sentence(pen);
+  const DeviceFile arm = parse_device_file("device: a\ngrip: arm\nmass_kg: 2\nrotation: {inertia_kg_m2: 0.2}\n" + sheet, "a.yaml");
+  EXPECT_EQ(arm.description.delay_s, 0.002);
+  EXPECT_EQ(arm.description.inertia_max_kg_m2, 0.2);
+  EXPECT_EQ(arm.assumed.size(), 9U);
+  EXPECT_EQ(assumed_sentence(parse_device_file(kArm, "a.yaml")), "");
+  for (const DeviceFile* file : {&pen, &arm}) EXPECT_EQ(what_is_wrong(file->description), "");
+}
+
+TEST(DeviceFile, ReadsEveryKeyOfItsOwnDocumentation) {
+  for (const Key& key : keys::device_file.keys) {
+    if (key.kind == KeyKind::kMap || key.name == "workspace_m" || key.name == "force_bandwidth_hz") continue;
+    EXPECT_EQ(device_figure(key.name).pen_standard.has_value(), key.rule == KeyRule::kOptional) << key.name;
+  }
+  for (const Key& key : keys::device_rotation.keys) EXPECT_TRUE(device_figure(key.name).arm_standard) << key.name;
+}
+
+TEST(DeviceFile, SaysWhereAMotionLeavesTheWorkspace) {
+  Motion motion;
+  motion.path = {Vec3(0, 0, 0), Vec3(0.1, 0, 0)};
+  EXPECT_EQ(beyond_workspace(motion, {0.1, 0.05, 0.05}, "d"), "");
+  EXPECT_EQ(beyond_workspace(motion, {0.05, 0.05, 0.05}, "d"),
+            "the motion fills 0.1 x 0 x 0 m of the device, and the workspace of d is 0.05 x 0.05 x 0.05 m: a person could not follow it; a "
+            "position_scale that is 2 times as large brings it in");
+  motion.circle_centre = Vec3(0.1, 0.1, 0);  // a circle of 0.1 m about it
+  EXPECT_EQ(beyond_workspace(motion, {0.3, 0.3, 0.1}, "d"), "");
+  EXPECT_NE(beyond_workspace(motion, {0.3, 0.15, 0.1}, "d"), "");
 }
 
 TEST(DeviceFile, IsAFileWithADeviceInIt) {

@@ -1,0 +1,49 @@
+#include "nodes/device/described_device.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/types/program_folder.hpp"
+#include "devices/registry.hpp"
+
+namespace voxtouch::device_node {
+namespace {
+
+constexpr std::size_t kShown = 256;  ///< of a name that is none, in the message
+
+std::filesystem::path device_folder() { return shared_folder() / "devices"; }
+
+}  // namespace
+
+std::vector<std::string> shipped_devices() {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(device_folder(), error))
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  std::ranges::sort(names);
+  return names;
+}
+
+std::optional<scene::DeviceFile> described_device(const std::string& device) {
+  if (!device.starts_with(devices::kDescribedPrefix)) return std::nullopt;
+  const std::string name = device.substr(devices::kDescribedPrefix.size());
+  std::error_code error;
+  if (std::filesystem::exists(name, error)) return scene::load_device_file(name);
+  const std::vector<std::string> names = shipped_devices();
+  if (!std::ranges::binary_search(names, name))
+    throw std::runtime_error(fmt::format("'{}' is no file, and no device file of this name comes with voxtouch. These do: {}",
+                                         name.substr(0, kShown), fmt::join(names, ", ")));
+  return scene::load_device_file(std::filesystem::canonical(device_folder() / (name + ".yaml")));
+}
+
+std::optional<DeviceDescription> description_of(const std::string& device) {
+  const auto file = described_device(device);
+  return file ? std::optional(file->description) : std::nullopt;
+}
+
+}  // namespace voxtouch::device_node

@@ -1,0 +1,24 @@
+#include "nodes/cli/up/start_warnings.hpp"
+
+#include <gtest/gtest.h>
+
+namespace voxtouch::cli {
+namespace start_warnings_test {
+
+TEST(StartWarnings, AreTwoAtMostAndTheRestIsCounted) {
+  EXPECT_TRUE(few_warnings({}, "cup").empty());
+  EXPECT_EQ(few_warnings({"a", "b"}, "cup"), (std::vector<std::string>{"warning: a", "warning: b"}));
+  EXPECT_EQ(few_warnings({"a", "b", "c", "d"}, "cup"),
+            (std::vector<std::string>{"warning: a", "warning: b", "note: 2 more; `voxtouch plan cup` and `voxtouch doctor` tell them all"}));
+}
+
+TEST(StartWarnings, TellOfTheMachineInOneSentence) {
+  runtime::RealtimeOptions options;
+  options.cpu = 100'000;  // no machine has it
+  const std::vector<std::string> told = warnings_of_machine(options);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_TRUE(told[0].contains("`voxtouch doctor` says which")) << told[0];
+}
+
+}  // namespace start_warnings_test
+}  // namespace voxtouch::cli

@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""A bag of a version whose messages were laid out otherwise is refused with a sentence by `voxtouch view` and `report`; one that tells no
+hashes is read.
+
+usage: old_bag.py VOXTOUCH DOMAIN
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+HASH = "RIHS01_" + 64 * "0"
+
+
+def run(*words, patience=60):
+    """(exit status, or None where it had to be ended; all that it said)."""
+    with subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        try:
+            said, _ = process.communicate(timeout=patience)
+            return process.returncode, said
+        except subprocess.TimeoutExpired:
+            process.terminate()
+            return None, process.communicate()[0]
+
+
+def main(program, domain):
+    wrong = []
+    with tempfile.TemporaryDirectory() as folder:
+        bag = pathlib.Path(folder) / "bag"
+        status, said = run(program, "up", "cup", "--motion", "slide", "--duration", "1", "--lockstep", "--record", bag, "--no-report", "--domain", domain,
+                           patience=120)
+        told_file = bag / "voxtouch_recording.json"
+        told = json.loads(told_file.read_text())
+        if status != 0 or told.get("voxtouch", "").count(".") != 2:
+            wrong.append(f"the bag does not tell its version: {told.get('voxtouch')} {said}")
+        hashed = [one for one in told["topics"] if one.get("type_hash", "").startswith("RIHS01_") and one.get("type")]
+        if len(hashed) != len(told["topics"]):
+            wrong.append(f"only {len(hashed)} of {len(told['topics'])} topics tell their layout")
+        for one in hashed:
+            if one["type"].endswith("/ContactState"):
+                one["type_hash"] = HASH
+        told["voxtouch"] = "0.0.9"
+        told_file.write_text(json.dumps(told))
+        for verb in ("view", "report"):
+            status, said = run(program, verb, bag)
+            for words in ("was recorded by voxtouch 0.0.9", "voxtouch_msgs/msg/ContactState is laid out otherwise"):
+                if status != 1 or words not in said:
+                    wrong.append(f"{verb}: '{words}' is not said ({status}): {said}")
+        for one in told["topics"]:
+            one.pop("type_hash", None)
+        del told["voxtouch"]
+        told_file.write_text(json.dumps(told))
+        status, said = run(program, "view", bag, patience=4)
+        if status is not None:
+            wrong.append(f"a bag that tells no hashes is not shown: {status} {said}")
+    print("\n".join(wrong) or "another layout is refused, an untold one is read")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
