@@ -5,12 +5,12 @@
 
 namespace voxtouch::rendering_node {
 
-void SampleRenderer::begin_session() noexcept {
+void SampleRenderer::begin_session(std::optional<std::int64_t> begin_ns) noexcept {
   live_.reset();
   mapping_.reset();
   frame_ = {};  // what is held for a refused sample must not come from another session
   refused_in_a_row_ = 0;
-  session_begin_ns_.reset();
+  session_begin_ns_ = begin_ns;
 }
 
 msg::ContactState SampleRenderer::answer(const msg::DeviceState& state) noexcept {

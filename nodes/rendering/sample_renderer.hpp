@@ -16,8 +16,9 @@ class SampleRenderer {
   /// `first` is the scene that runs first; who owns it, see LiveScene.
   SampleRenderer(const scene::WorkspaceMapping& device, rendering::BuiltScene& first) noexcept : live_(first), mapping_(device) {}
 
-  /// Another device session: all samples so far are forgotten.
-  void begin_session() noexcept;
+  /// Another device session: all samples so far are forgotten. It begins with its first good sample, or began at `begin_ns` on the device's clock, with
+  /// samples that are not known any more.
+  void begin_session(std::optional<std::int64_t> begin_ns = {}) noexcept;
   /// The contact of one sample; `time_spent_ns` is left to who has a clock. A sample that cannot be used is answered with the last good
   /// pose's contact for kMaxRepeats samples, as long as a device holds a command.
   msg::ContactState answer(const msg::DeviceState& state) noexcept;
