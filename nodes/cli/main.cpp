@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   voxtouch::cli::add_types(app, action);
   voxtouch::cli::add_view(app, action);
   voxtouch::cli::add_report(app, action);
+  voxtouch::cli::add_replay(app, action);
   voxtouch::cli::add_status(app, action);
   voxtouch::cli::add_doctor(app, action);
   try {

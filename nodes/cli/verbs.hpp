@@ -22,6 +22,7 @@ void add_schema(CLI::App& app, Action& action);
 void add_change(CLI::App& app, Action& action);
 void add_types(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
+void add_replay(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_status(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
