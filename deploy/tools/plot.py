@@ -4,6 +4,7 @@
   %(prog)s accuracy RUN.json PICTURE    what accuracy costs in time: error of every contact model and voxel size over the time of a frame
   %(prog)s design RUN.json PICTURE      where a designed coupling is stable: contact stiffness over the filter's cut-off
   %(prog)s forces BAG PICTURE           contact force, returned force, depth and gap of a recorded run over time
+  %(prog)s replay RUN.json PICTURE      forces of a recorded run and of its replay; voxtouch replay --plot calls it
   %(prog)s report BAG PAGE.html         all of a recorded run on one page; voxtouch report calls it
   %(prog)s check PICTURE                draws nothing: exit status 0 where a picture could be drawn and written there
 
@@ -122,7 +123,7 @@ def read_json(file, verb):
         sys.exit(f"{file} could not be read: {error.strerror}.")
     except ValueError as error:
         sys.exit(f"{file} is not JSON ({error}); write it with: voxtouch {verb} ... --json > {file}")
-    if not isinstance(data, dict) or ("rows" if verb == "accuracy" else "region") not in data:
+    if not isinstance(data, dict) or {"accuracy": "rows", "design": "region", "replay": "curves"}[verb] not in data:
         sys.exit(f"{file} holds no result of `voxtouch {verb} --json`" +
                  ("; it says: " + " ".join(data["problems"]) if isinstance(data, dict) and data.get("problems") else "."))
     return data
@@ -361,6 +362,44 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
                     f"largest contact force {max(contact['contact']):.3f} N, largest returned force {felt:.3f} N")
 
 
+# ------------------------------------------------------------------------------------------------------------------------ replay
+REPLAY_NOTE = ("The recorded hand, which does not feel what is replayed: it moves as it did. Rendered: contact and effects at the scene's own stiffness. "
+               "Returned: what the coupling makes of it for the hand.")
+
+
+def replay_title(data):
+    contact, command, felt = data["contact"], data["command"], data["felt"]["returned"]
+    if not contact["differ"] and not command["differ"]:
+        return f"The replay of {contact['compared']} contacts and {command['compared']} commands gives the same bits"
+    now, then = felt["replayed"]["largest_n"], felt["recorded"]["largest_n"]
+    return (f"{'Another scene returns' if not data['scene']['same'] else 'Replayed,'} at most {now:.2g} N to the hand{'' if not data['scene']['same'] else ' come back'} "
+            f"instead of {then:.2g} N")
+
+
+def replay_figure(data):
+    curves, scene = data["curves"], data["scene"]
+    end = max((c["t_s"][-1] for c in curves.values() if c["t_s"]), default=0.0) + 1e-3
+    other = "" if scene["same"] else f" through the scene {scene['replayed']['name']} ({scene['replayed']['hash']})"
+    note = f"Bag {pathlib.Path(data['bag']).resolve().name}, scene {scene['recorded']['name']} ({scene['recorded']['hash']}), {data['device']}, replayed{other}.\n"
+    figure, axes = new_figure(replay_title(data), note + REPLAY_NOTE, 3, sharex=True, height_ratios=(2, 2, 1))
+    for axis, name, what in ((axes[0][0], "rendered", "rendered [N]"), (axes[1][0], "returned", "returned [N]")):
+        rows, felt = curves[name], data["felt"][name]
+        table = {"t": rows["t_s"], "then": [math.nan if f is None else f for f in rows["recorded_n"]], "now": [math.nan if f is None else f for f in rows["replayed_n"]]}
+        for key, label, more in (("then", "recorded", {"color": PALE_GREEN, "lw": 4.5}), ("now", "replayed", {"color": CONTACT if name == "rendered" else RETURNED, "lw": 1.4})):
+            of = felt[label]
+            draw_over_time(axis, table, key, end, label=f"{label}: at most {of['largest_n']:.3g} N,\nrms {of['rms_n']:.3g} N, in contact {100 * of['in_contact_share']:.0f} %", **more)
+        axis.set_ylabel(what)
+        axis.set_ylim(0.0, robust_limit(table["then"], table["now"]))
+        legend_beside(axis, labelspacing=0.8)
+        table["difference"] = [b - a for a, b in zip(table["then"], table["now"])]
+        draw_over_time(axes[2][0], table, "difference", end, color=CONTACT if name == "rendered" else RETURNED, lw=1.2, label=name)
+    axes[2][0].set_ylabel("difference\n[N]")
+    axes[2][0].set_xlabel("time on the device's clock [s]")
+    axes[2][0].set_xlim(0.0, end)
+    legend_beside(axes[2][0])
+    return figure, f"shows {end:.3f} s: {data['contact']['differ']} of {data['contact']['compared']} contacts and {data['command']['differ']} of {data['command']['compared']} commands differ"
+
+
 # ------------------------------------------------------------------------------------------------------------------------ report
 def tell_progress(share):
     """For who started this and waits: a line that is no part of what is said in the end."""
@@ -396,8 +435,9 @@ def main(arguments=None):
             one.add_argument("data", metavar=data[0], help=data[1])
         one.add_argument("picture", metavar="PICTURE", type=pathlib.Path, help="file to write; ends in .png, .svg or .pdf")
         return one
-    for verb in ("accuracy", "design"):
-        command(verb, ("RUN.json", f"what `voxtouch {verb} ... --json` printed; - reads standard input"), f"draws a result of voxtouch {verb}")
+    for verb in ("accuracy", "design", "replay"):
+        printed = f"what `voxtouch {verb} ... --json` printed" if verb != "replay" else "what `voxtouch replay ... --plot` gives to this tool"
+        command(verb, ("RUN.json", printed + "; - reads standard input"), f"draws a result of voxtouch {verb}")
     forces = command("forces", ("BAG", "folder of the bag, which `voxtouch up ... --record BAG` writes"), "draws the forces of a recorded run")
     forces.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
     forces.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="first second shown; 0 is the first contact message")
@@ -423,7 +463,7 @@ def main(arguments=None):
         else:
             data = read_json(a.data, a.command)
             try:
-                figure, shows = {"accuracy": accuracy_figure, "design": design_figure}[a.command](data)
+                figure, shows = {"accuracy": accuracy_figure, "design": design_figure, "replay": replay_figure}[a.command](data)
             except (KeyError, TypeError) as error:
                 sys.exit(f"{a.data} is not as this version of `voxtouch {a.command} --json` prints it: {type(error).__name__} {error}.")
         save(figure, a.picture)

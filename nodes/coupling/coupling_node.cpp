@@ -6,19 +6,16 @@
 
 #include <fmt/format.h>
 
-#include "core/coupling/running_coupling.hpp"
 #include "core/fitting/design_problem.hpp"
-#include "core/rendering/device_mapping.hpp"
 #include "core/scene/scene_file.hpp"
 #include "core/types/latest_value.hpp"
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
+#include "nodes/coupling/contact_coupling.hpp"
 #include "nodes/coupling/design_message.hpp"
 #include "nodes/coupling/fitting.hpp"
-#include "nodes/coupling/ring_messages.hpp"
 #include "nodes/runtime/clock.hpp"
-#include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
@@ -46,7 +43,7 @@ class CouplingNode {
                  qos::profile_in(qos::kCouplingDesign, options.mode())),
         wait_set_(participant_), device_("device", {&descriptions_.following()}),
         rendering_("rendering", {&plans_.following(), &contacts_.following()}), fitting_(scene),
-        wrench_to_device_(scene.device) {
+        coupling_(scene.device) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(plans_.condition());
     wait_set_.attach(contacts_.condition());
@@ -132,34 +129,19 @@ class CouplingNode {
   void start_session() {
     const std::uint64_t session = *fitting_.session();
     plan_writer_ = plans_.following().writer();
-    period_s_ = fitting_.device().timing.period_s;
-    coupling_.reset();
+    coupling_.begin_session(fitting_.device().timing.period_s);
     session_in_loop_ = session;
-    last_time_ns_.reset();
-    clutched_ = false;
     stiffness_.store(0.0, kRelaxed);
     adopt(fit());
-    if (coupling_) session_.begin(session);
+    if (coupling_.runs()) session_.begin(session);
   }
 
   /// From here on this coupling runs. One that must not run leaves the device without commands, which fades its force.
   void adopt(fitting::FittedCoupling fitted) {
-    publish_design(designs_, fitted, session_in_loop_, period_s_);
-    if (!fitted.refusal.empty() || (coupling_ && !coupling_->redesign(fitted.spec))) {
-      coupling_.reset();
-    } else if (!coupling_) {
-      coupling_.emplace(fitted.spec, fitting::limits_W(scene_.device, fitting_.device()), period_s_, coupling::kDefaultRampS,
-                        speed_limits());
-    }
+    publish_design(designs_, fitted, session_in_loop_, coupling_.period_s());
+    coupling_.adopt(fitted, fitting_.device());
     const std::lock_guard lock(running_mutex_);
     running_ = {std::move(fitted), fitting_.device().translation.max_stiffness, running_.made + 1};
-  }
-
-  /// Faster than this no hand moves a device: the pose has jumped (a clutch, a restart), and that is no velocity.
-  coupling::ToolSpeedLimits speed_limits() const noexcept {
-    coupling::ToolSpeedLimits limits;
-    limits.linear_m_per_s *= scene_.device.position_scale;
-    return limits;
   }
 
   /// Answers one contact; false where none waits.
@@ -168,21 +150,15 @@ class CouplingNode {
     msg::ContactState contact;
     if (!contacts_.take(contact)) return false;
     // What another participant says of itself has yet to be judged before its contacts are felt.
-    if (contact.session_id != session_in_loop_ || !coupling_ || !both_known_.load(kRelaxed)) return true;
+    if (contact.session_id != session_in_loop_ || !coupling_.runs() || !both_known_.load(kRelaxed)) return true;
     // A plan that holds from this sample on is here, for the rendering waited for that: it must not be used a sample later.
     if (options_.lockstep) listen();
-    if (coupling_ && contact.session_id == session_in_loop_) answer(contact);  // what came may have left none that may run
+    if (coupling_.runs() && contact.session_id == session_in_loop_) answer(contact);  // what came may have left none that may run
     return true;
   }
 
   void answer(const msg::ContactState& contact) noexcept {
-    const double dt_s = last_time_ns_ ? runtime::seconds_between(*last_time_ns_, contact.sample_time_ns) : period_s_;
-    last_time_ns_ = contact.sample_time_ns;
-    follow_clutch((contact.flags & msg::contact_state::kFlagClutched) != 0);
-    const coupling::CouplingInput input = coupling_input(contact);
-    const coupling::CouplingOutput out = coupling_->step(input, dt_s);
-    const Wrench wrench_D = clutched_ ? Wrench{} : wrench_to_device_(out.wrench, input.tool.orientation);
-    commands_.write_until(force_command(contact, out, wrench_D, kValidPeriods * period_s_), [this] {
+    commands_.write_until(coupling_.answer(contact), [this] {
       heartbeat_.beat();
       return !options_.lockstep || over();
     });
@@ -192,14 +168,8 @@ class CouplingNode {
 
   void note(double stiffness_n_per_m) noexcept {
     samples_.fetch_add(1, kRelaxed);
-    counted_.put(coupling_->counters());
+    counted_.put(coupling_.counters());
     if (stiffness_n_per_m > stiffness_.load(kRelaxed)) stiffness_.store(stiffness_n_per_m, kRelaxed);
-  }
-
-  /// While the clutch is pressed the tool stays and the device moves free: no force; the contact fades in again afterwards.
-  void follow_clutch(bool pressed) noexcept {
-    if (pressed != clutched_) coupling_->reset({});
-    clutched_ = pressed;
   }
 
   void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
@@ -268,8 +238,6 @@ class CouplingNode {
     report.values["design_worst_case"] = design.translation.worst_case_text;
   }
 
-  /// Two periods for the way round the ring, three that a device holds a command for.
-  static constexpr double kValidPeriods = 5.0;
   const Options& options_;
   const scene::Scene& scene_;
   bus::Participant participant_;
@@ -282,8 +250,7 @@ class CouplingNode {
   runtime::RoleBinding device_, rendering_;
   std::vector<runtime::Link> links_;
   Fitting fitting_;
-  rendering::WrenchToDevice wrench_to_device_;
-  std::optional<coupling::RunningCoupling> coupling_;  ///< none before the first fit and while what was found must not run
+  ContactCoupling coupling_;
   /// What other threads may ask about; the loop takes the lock only where a fit is adopted.
   struct Running {
     fitting::FittedCoupling fitted;
@@ -294,11 +261,8 @@ class CouplingNode {
   std::string wrong_;               ///< of the device's last description; under the same lock
   bool changed_ = false;            ///< description or plan have changed and are not followed yet
   std::atomic<bool> both_known_{false};   ///< both are there of those who are bound
-  double period_s_ = 1e-3;
   std::uint64_t session_in_loop_ = 0;
   dds_instance_handle_t plan_writer_ = 0;  ///< whose plan the session was begun with
-  std::optional<std::int64_t> last_time_ns_;
-  bool clutched_ = false;
   std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
   std::atomic<double> voxel_m_{0.0}, stiffness_{0.0};
   LatestValue<coupling::CouplingCounters> counted_;  ///< from the loop to the housekeeping

@@ -22,18 +22,11 @@ std::string status_word(const fitting::FittedCoupling& fitted) {
   return fitted.designed ? std::string(coupling::design::name_of(fitted.design.status)) : "configured";
 }
 
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted, std::uint64_t session,
-                    double sample_time_s) {
+msg::CouplingDesign design_numbers(const fitting::FittedCoupling& fitted, double sample_time_s) {
   const coupling::CouplingSpec& spec = fitted.spec;
   const coupling::design::Design& design = fitted.design;
   const bool filter = spec.kind == "shaping_filter", spring = spec.kind == "spring_damper";
-  const std::string status = status_word(fitted);
-  const std::vector<std::string> notes = notes_on(fitted, sample_time_s);
-  runtime::LentStrings lent_notes(notes), reasons(design.reasons), remedies(design.remedies);
   msg::CouplingDesign m{};
-  m.session_id = session;
-  m.kind = runtime::lend(spec.kind);
-  m.status = runtime::lend(status);
   m.cutoff_hz = filter ? spec.cutoff_hz : 0.0;
   m.damping_ratio = filter ? spec.damping_ratio : 0.0;
   m.gain = spring ? 1.0 : spec.gain;
@@ -55,6 +48,19 @@ void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::Fit
   m.critical_stiffness_nm_per_rad = design.rotation.critical_stiffness;
   m.max_approach_m_per_s = design.max_approach_m_per_s;
   m.passive = design.translation.passive;
+  return m;
+}
+
+void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted, std::uint64_t session,
+                    double sample_time_s) {
+  const coupling::design::Design& design = fitted.design;
+  const std::string status = status_word(fitted);
+  const std::vector<std::string> notes = notes_on(fitted, sample_time_s);
+  runtime::LentStrings lent_notes(notes), reasons(design.reasons), remedies(design.remedies);
+  msg::CouplingDesign m = design_numbers(fitted, sample_time_s);
+  m.session_id = session;
+  m.kind = runtime::lend(fitted.spec.kind);
+  m.status = runtime::lend(status);
   m.worst_case = runtime::lend(design.translation.worst_case_text);
   reasons.into(m.reasons);
   remedies.into(m.remedies);

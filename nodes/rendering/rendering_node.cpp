@@ -7,8 +7,6 @@
 #include <fmt/format.h>
 
 #include "core/contact/limits.hpp"
-#include "core/rendering/device_mapping.hpp"
-#include "core/rendering/live_scene.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
@@ -17,14 +15,13 @@
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/rendering/scene_update_server.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
+#include "nodes/rendering/sample_renderer.hpp"
 #include "nodes/runtime/clock.hpp"
-#include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/parallel_for.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/role_binding.hpp"
-#include "nodes/runtime/stamps.hpp"
 
 namespace voxtouch::rendering_node {
 namespace {
@@ -38,7 +35,7 @@ constexpr auto kRelaxed = std::memory_order_relaxed;
 class RenderingNode {
  public:
   RenderingNode(const Options& options, const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built)
-      : options_(options), scene_(scene), live_(*built), mapping_(scene.device),
+      : options_(options), scene_(scene), renderer_(scene.device, *built),
         participant_(options.participant("rendering")),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
@@ -99,21 +96,17 @@ class RenderingNode {
 
   /// Ready is said by the update server, when readers have the plan.
   void start_session(std::uint64_t session) {
-    live_.reset();
+    renderer_.begin_session();
     line_.begin_session(session);
     next_sample_ = 0;
-    mapping_.reset();
-    frame_ = {};  // what is held for a refused sample must not come from another session
-    refused_in_a_row_ = 0;
     session_in_loop_ = session;
-    session_begin_ns_.reset();
   }
 
   /// No sample has come: what waits for none is changed now. A fade goes on with the samples; where there are none for long,
   /// nobody feels it.
   void idle() noexcept {
     change(next_sample_, false);
-    if (!options_.lockstep && live_.fading() && runtime::monotonic_ns() - last_answer_ns_ > 500'000'000) live_.finish();
+    if (!options_.lockstep && renderer_.live().fading() && runtime::monotonic_ns() - last_answer_ns_ > 500'000'000) renderer_.live().finish();
   }
 
   void sleep_briefly() noexcept {
@@ -126,11 +119,10 @@ class RenderingNode {
   void change(std::uint64_t next, bool at_sample) noexcept {
     while (options_.lockstep && at_sample && line_.pauses_before(next) && !over()) sleep_briefly();
     if (!options_.lockstep) (void)line_.pauses_before(next);
-    line_.apply_due(live_, next, at_sample);
+    line_.apply_due(renderer_.live(), next, at_sample);
     while (options_.lockstep && !line_.settled(line_.applied()) && !over()) sleep_briefly();
   }
 
-  /// A sample that cannot be used is answered with the last good pose's contact for as long as a device holds a command.
   void answer(const msg::DeviceState& state) noexcept {
     const std::int64_t begin = runtime::monotonic_ns();
     heartbeat_.beat();
@@ -138,93 +130,49 @@ class RenderingNode {
     change(state.sequence_number, true);
     next_sample_ = state.sequence_number + 1;
     last_answer_ns_ = begin;
-    live_.aim_for_spring(updates_.spring_n_per_m());
-    const bool fading = live_.fading();
-    const bool good =
-        !(state.flags & msg::device_state::kFlagPoseHeld) &&
-        !mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons).refused;
-    if (good) {
-      if (!session_begin_ns_) session_begin_ns_ = state.sample_time_ns;
-      frame_ = live_.render(mapping_.tool(), seconds_since_begin(state));
-      refused_in_a_row_ = 0;
-    } else {
-      if (++refused_in_a_row_ > kMaxRepeats) frame_ = {}, live_.lose_tool();
-    }
-    publish(state, good, fading, begin);
+    renderer_.live().aim_for_spring(updates_.spring_n_per_m());
+    publish(renderer_.answer(state), begin);
   }
 
-  double seconds_since_begin(const msg::DeviceState& state) const noexcept {
-    return runtime::seconds_between(*session_begin_ns_, state.sample_time_ns);
-  }
-
-  void publish(const msg::DeviceState& state, bool good, bool fading, std::int64_t begin) noexcept {
-    const contact::StageResult& touch = frame_.touch;
+  void publish(msg::ContactState m, std::int64_t begin) noexcept {
+    const rendering::SceneFrame& frame = renderer_.frame();
+    const contact::StageResult& touch = frame.touch;
     const contact::ContactResult& c = touch.contact;
-    msg::ContactState m{};
-    m.session_id = state.session_id;
-    m.sequence_number = state.sequence_number;
-    m.sample_time_ns = state.sample_time_ns;
-    m.tool_pose = runtime::to_msg(mapping_.tool().pose);
-    m.wrench = runtime::to_msg(frame_.wrench);
-    m.contact_wrench = runtime::to_msg(c.wrench);
-    m.effects_wrench = runtime::to_msg(frame_.effects.wrench);
-    m.object_pose = runtime::to_msg(frame_.object);
-    m.supplied_energy_j = frame_.supplied_energy_j;
-    m.scene_time_ns = session_begin_ns_ ? runtime::ns_between(*session_begin_ns_, state.sample_time_ns) : 0;
-    m.mean_normal = runtime::to_vector(c.mean_normal);
-    m.deepest_point = runtime::to_point(c.deepest_point);
-    m.deepest_depth_m = c.deepest_depth_m;
-    m.residual_m = frame_.tool.residual_m;
-    m.queries = frame_.tool.queries;
-    m.coherence = c.coherence;
-    m.stiffness_bound_n_per_m = frame_.stiffness_bound_n_per_m;
-    runtime::to_msg(frame_.stiffness, m.stiffness);
-    m.surface_hits = c.surface_hits;
-    m.interior_hits = c.interior_hits;
-    m.points_tested = c.points_tested;
-    m.model = static_cast<std::uint32_t>(live_.dominant().renderer().model());
-    m.flags =
-        (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.retained ? msg::contact_state::kFlagHeld : 0U) |
-        (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
-        (c.saturated ? msg::contact_state::kFlagSaturated : 0U) | (fading ? msg::contact_state::kFlagFading : 0U) |
-        (touch.crossed ? msg::contact_state::kFlagCrossed : 0U) | (touch.missed ? msg::contact_state::kFlagMissed : 0U) |
-        (mapping_.tool().clutched ? msg::contact_state::kFlagClutched : 0U) |
-        (frame_.tool.constrained ? msg::contact_state::kFlagConstrained : 0U) | (frame_.tool.lag ? msg::contact_state::kFlagLag : 0U) |
-        (frame_.tool.unplaced ? msg::contact_state::kFlagUnplaced : 0U);
     const std::int64_t spent = runtime::monotonic_ns() - begin;
     m.time_spent_ns = options_.lockstep ? 0 : spent;
     contacts_.write_until(m, [this] {
       heartbeat_.beat();
       return !options_.lockstep || over();
     });
-    if (samples_.load(kRelaxed) == 0) first_sample_.store(state.sequence_number, kRelaxed);
+    if (samples_.load(kRelaxed) == 0) first_sample_.store(m.sequence_number, kRelaxed);
     const bool touches = c.surface_hits + c.interior_hits > 0, pushes = c.wrench.force.norm() > kForceEpsilonN;
-    ros_.show({state.sample_time_ns, state.session_id, static_cast<double>(m.scene_time_ns) * 1e-9, mapping_.tool().pose, frame_.object, frame_.wrench,
+    ros_.show({m.sample_time_ns, m.session_id, static_cast<double>(m.scene_time_ns) * 1e-9, renderer_.tool().pose, frame.object, frame.wrench,
                c.wrench.force});
     if (ros_.wants_points()) show_points(touches);
     samples_.fetch_add(1, kRelaxed);
     const bool buried = touches && !pushes && c.interior_hits > c.surface_hits;
     const std::array<bool, kCounted.size()> counts = {  // in the order of the names
-        pushes, !good, touch.fast, touch.crossed, touch.missed, buried, touch.retained, c.saturated,
-        frame_.tool.lag, frame_.tool.unplaced, frame_.tool.queries >= contact::limits::kMaxQueries};
+        pushes, (m.flags & msg::contact_state::kFlagRefusedSample) != 0, touch.fast, touch.crossed, touch.missed, buried, touch.retained, c.saturated,
+        frame.tool.lag, frame.tool.unplaced, frame.tool.queries >= contact::limits::kMaxQueries};
     for (std::size_t n = 0; n < counts.size(); ++n)
       if (counts[n]) counted_[n].fetch_add(1, kRelaxed);
-    if (frame_.tool.residual_m > most_residual_m_.load(kRelaxed)) most_residual_m_.store(frame_.tool.residual_m, kRelaxed);
-    if (frame_.tool.constrained && c.deepest_depth_m > most_depth_m_.load(kRelaxed)) most_depth_m_.store(c.deepest_depth_m, kRelaxed);
+    if (frame.tool.residual_m > most_residual_m_.load(kRelaxed)) most_residual_m_.store(frame.tool.residual_m, kRelaxed);
+    if (frame.tool.constrained && c.deepest_depth_m > most_depth_m_.load(kRelaxed)) most_depth_m_.store(c.deepest_depth_m, kRelaxed);
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
   }
 
   /// For who draws them: all points of the last query in contact, or every n-th of them. Of a virtual tool the deepest alone.
   void show_points(bool touches) noexcept {
+    const rendering::SceneFrame& frame = renderer_.frame();
     ShownPoints shown;
-    if (scene_.virtual_tool() && touches) shown.at[shown.count++] = frame_.touch.contact.deepest_point;
-    rendering::ObjectContacts& objects = live_.dominant().contacts();
-    const std::size_t every = (frame_.touch.contact.surface_hits + frame_.touch.contact.interior_hits) / ShownPoints::kMaxPoints + 1;
+    if (scene_.virtual_tool() && touches) shown.at[shown.count++] = frame.touch.contact.deepest_point;
+    rendering::ObjectContacts& objects = renderer_.live().dominant().contacts();
+    const std::size_t every = (frame.touch.contact.surface_hits + frame.touch.contact.interior_hits) / ShownPoints::kMaxPoints + 1;
     std::size_t n = 0;
     for (std::size_t k = 0; k < objects.size() && !scene_.virtual_tool(); ++k)
       for (const contact::Hits* hits : {&objects.object(k).renderer->hits().surface, &objects.object(k).renderer->hits().interior})
         for (std::size_t i = 0; i < hits->size() && shown.count < ShownPoints::kMaxPoints; ++i)
-          if (n++ % every == 0) shown.at[shown.count++] = frame_.object.position + (*hits)[i].arm;
+          if (n++ % every == 0) shown.at[shown.count++] = frame.object.position + (*hits)[i].arm;
     ros_.show_points(shown);
   }
 
@@ -263,13 +211,11 @@ class RenderingNode {
     report.message = refusal + " No force is commanded.";
   }
 
-  static constexpr int kMaxRepeats = 3;
   static constexpr double kForceEpsilonN = 1e-9;  ///< below this a sum of forces that cancel is rounding, not force
   const Options& options_;
   const scene::Scene& scene_;
-  rendering::LiveScene live_;
+  SampleRenderer renderer_;
   ChangeLine line_;
-  rendering::DeviceMapping mapping_;
   bus::Participant participant_;
   bus::LatchedReader<msg::DeviceDescription> descriptions_;
   bus::FollowedReader<msg::DeviceState> states_;
@@ -288,9 +234,6 @@ class RenderingNode {
   const runtime::Housekeeping* housekeeping_ = nullptr;
   runtime::Heartbeat heartbeat_;
   std::uint64_t session_in_loop_ = 0;
-  rendering::SceneFrame frame_;
-  std::optional<std::int64_t> session_begin_ns_;  ///< device clock of the first sample answered
-  int refused_in_a_row_ = 0;
   std::uint64_t next_sample_ = 0;     ///< number of the first one that has not been answered
   std::int64_t last_answer_ns_ = 0;
   /// Figures that count samples; what is behind the first kOfAnyTool is known of a virtual tool only.

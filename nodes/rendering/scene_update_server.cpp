@@ -9,6 +9,7 @@
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
+#include "nodes/rendering/effect_action.hpp"
 #include "nodes/rendering/plan_message.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/strings.hpp"
@@ -154,11 +155,8 @@ void SceneUpdateServer::receive_effect(const msg::EffectChange& m, Request reque
 
 /// Judges and hands over to the loop; a sentence why not.
 std::string SceneUpdateServer::give(const msg::EffectChange& m, const Request& request) {
-  const effects::EffectAction action = m.action == kActionSwitch ? effects::EffectAction::kSwitch
-                              : m.action == kActionGain ? effects::EffectAction::kGain
-                                                        : effects::EffectAction::kValue;
   Next after = next();
-  const auto command = effects::judge(after.effects, {.action = action,
+  const auto command = effects::judge(after.effects, {.action = effect_action(m.action),
                                              .effect = view(m.effect),
                                              .parameter = view(m.parameter),
                                              .value = {m.value[0], m.value[1], m.value[2]}});

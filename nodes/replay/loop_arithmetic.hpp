@@ -1,0 +1,24 @@
+#pragma once
+/// The processor's arithmetic as the threads have it that answer samples: numbers too small for full precision are zero.
+#include <cfenv>
+
+#include "nodes/runtime/realtime.hpp"
+
+namespace voxtouch::replay {
+
+/// While it lives. What is built or judged beside a loop has the usual arithmetic, and the same bits only with it.
+class LoopArithmetic {
+ public:
+  LoopArithmetic() noexcept {
+    std::fegetenv(&before_);
+    runtime::flush_denormals();
+  }
+  ~LoopArithmetic() { std::fesetenv(&before_); }
+  LoopArithmetic(const LoopArithmetic&) = delete;
+  LoopArithmetic& operator=(const LoopArithmetic&) = delete;
+
+ private:
+  std::fenv_t before_{};
+};
+
+}  // namespace voxtouch::replay

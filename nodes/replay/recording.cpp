@@ -1,0 +1,214 @@
+#include "nodes/replay/recording.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "nodes/bag/bag_reader.hpp"
+#include "nodes/replay/message_bytes.hpp"
+#include "nodes/runtime/device_message.hpp"
+#include "qos/topics.hpp"
+
+namespace voxtouch::replay {
+namespace {
+
+std::string text_of(const char* text) { return text ? text : ""; }
+
+template <class... Args>
+[[noreturn]] void cannot(fmt::format_string<Args...> form, Args&&... args) {
+  throw std::runtime_error(fmt::format(form, std::forward<Args>(args)...));
+}
+
+enum class Kind : std::uint8_t { kNone, kState, kContact, kCommand, kDevice, kPlan, kDesign, kChange, kChanged, kStatus };
+
+struct KindOfTopic {
+  const qos::Topic& topic;
+  Kind kind;
+};
+constexpr KindOfTopic kKinds[] = {{qos::kDeviceState, Kind::kState},         {qos::kContactState, Kind::kContact},
+                                  {qos::kForceCommand, Kind::kCommand},      {qos::kDeviceDescription, Kind::kDevice},
+                                  {qos::kScenePlan, Kind::kPlan},            {qos::kCouplingDesign, Kind::kDesign},
+                                  {qos::kEffectChange, Kind::kChange},       {qos::kEffectChanged, Kind::kChanged},
+                                  {qos::kNodeStatus, Kind::kStatus}};
+
+/// The rig of a topic "/<rig>/<path>", empty where it is none.
+std::string rig_in(const std::string& name, std::string_view path) {
+  const std::string end = "/" + std::string(path);
+  return name.size() > end.size() + 1 && name.ends_with(end) ? name.substr(1, name.size() - end.size() - 1) : "";
+}
+
+std::string chosen_rig(const bag::BagReader& bag, const std::filesystem::path& path, const std::string& asked) {
+  std::set<std::string> rigs;
+  for (const bag::TopicInfo& topic : bag.topics())
+    if (const std::string rig = rig_in(topic.name, qos::kDeviceState.path); !rig.empty() && topic.type == qos::kDeviceState.type) rigs.insert(rig);
+  if (rigs.empty()) cannot("{} has no device samples (a topic /<rig>/{}): it is not the recording of a ring, and nothing can be replayed.", path.string(), qos::kDeviceState.path);
+  if (!asked.empty() && !rigs.contains(asked)) cannot("{} holds no rig '{}', but {}.", path.string(), asked, fmt::join(rigs, ", "));
+  if (asked.empty() && rigs.size() > 1) cannot("{} holds several rigs: {}. Choose one with --rig.", path.string(), fmt::join(rigs, ", "));
+  return asked.empty() ? *rigs.begin() : asked;
+}
+
+/// Takes the bag's messages one after the other.
+class Collector {
+ public:
+  Collector(const bag::BagReader& bag, const std::filesystem::path& path, const std::string& rig) : path_(path) {
+    out_.rig = chosen_rig(bag, path, rig);
+    for (const bag::TopicInfo& topic : bag.topics()) {
+      kinds_.push_back(Kind::kNone);
+      for (const KindOfTopic& known : kKinds)
+        if (topic.name == "/" + out_.rig + "/" + std::string(known.topic.path) && topic.type == known.topic.type) kinds_.back() = known.kind;
+    }
+  }
+
+  void take(const bag::BagMessage& m) {
+    switch (kinds_[m.topic]) {
+      case Kind::kState: return stream<msg::DeviceState>(m, &RecordedSample::state);
+      case Kind::kContact: return stream<msg::ContactState>(m, &RecordedSample::contact);
+      case Kind::kCommand: return stream<msg::ForceCommand>(m, &RecordedSample::command);
+      case Kind::kDevice: return text<msg::DeviceDescription>(m, [&](const auto& d) { device(d, m.bytes); });
+      case Kind::kPlan: return text<msg::ScenePlan>(m, [this](const auto& p) { plan(p); });
+      case Kind::kDesign: return text<msg::CouplingDesign>(m, [&](const auto& d) { design(d, m.time_ns); });
+      case Kind::kChange: return text<msg::EffectChange>(m, [this](const auto& c) { change(c); });
+      case Kind::kChanged: return text<msg::EffectChanged>(m, [this](const auto& c) { changed(c); });
+      case Kind::kStatus: return text<msg::NodeStatus>(m, [this](const auto& s) { status(s); });
+      case Kind::kNone: return;
+    }
+  }
+
+  Recording finish() && {
+    std::erase_if(out_.sessions, [](const RecordedSession& s) { return std::ranges::none_of(s.samples, [](const auto& one) { return one.second.state.has_value(); }); });
+    if (out_.sessions.empty()) cannot("{} holds no device samples: nothing can be replayed.", path_.string());
+    for (RecordedSession& session : out_.sessions) {
+      const auto described = devices_.find(session.id);
+      if (described == devices_.end())
+        cannot("{} has no description of the device (/{}/{}) for session {}: the coupling is made for it, and cannot be made again.", path_.string(), out_.rig,
+               qos::kDeviceDescription.path, session.id);
+      session.device = described->second;
+      session.described_anew = anew_.contains(session.id);
+      const auto& first = std::ranges::find_if(session.samples, [](const auto& one) { return one.second.state.has_value(); })->second;
+      out_.lockstep = (first.state->flags & msg::device_state::kFlagLockstep) != 0;
+      for (RecordedDesign& told : designs_)
+        if (told.session == session.id) session.designs.push_back(std::move(told));
+    }
+    if (doubled_ > 0) out_.warnings.push_back(fmt::format("{} messages bear a number that was there before; the first of each counts.", doubled_));
+    return std::move(out_);
+  }
+
+ private:
+  RecordedSession& session(std::uint64_t id) {
+    const auto found = std::ranges::find(out_.sessions, id, &RecordedSession::id);
+    if (found != out_.sessions.end()) return *found;
+    out_.sessions.emplace_back().id = id;
+    return out_.sessions.back();
+  }
+
+  [[noreturn]] void strange(std::string_view type) const {
+    cannot("{} holds a {} that this version does not read: it was recorded by another version of voxtouch, or is damaged.", path_.string(), type);
+  }
+
+  template <class T>
+  void stream(const bag::BagMessage& m, std::optional<T> RecordedSample::*where) {
+    T message;
+    if (!read_stream(m.bytes, message)) strange(msg::Type<T>::ros_name);
+    RecordedSample& sample = session(message.session_id).samples[message.sequence_number];
+    if (sample.*where) return void(++doubled_);
+    sample.*where = message;
+    if constexpr (std::is_same_v<T, msg::ForceCommand>) sample.command_taken_ns = m.time_ns;
+  }
+
+  template <class T, class F>
+  void text(const bag::BagMessage& m, F&& f) {
+    if (!read_message<T>(m.bytes, f)) strange(msg::Type<T>::ros_name);
+  }
+
+  void device(const msg::DeviceDescription& m, std::span<const std::byte> bytes) {
+    DeviceDescription device = runtime::from_msg(m);
+    const std::string wrong = what_is_wrong(device);
+    if (!wrong.empty()) return void(out_.warnings.push_back("A description of the device was refused: " + wrong));
+    devices_.try_emplace(m.session_id, device);
+    if (!std::ranges::equal(described_.try_emplace(m.session_id, bytes.begin(), bytes.end()).first->second, bytes)) anew_.insert(m.session_id);
+  }
+
+  void plan(const msg::ScenePlan& m) {
+    out_.plans.push_back({m.session_id, m.from_sample, text_of(m.scene_hash)});
+  }
+
+  void design(const msg::CouplingDesign& m, std::int64_t taken_ns) {
+    RecordedDesign design{m.session_id, taken_ns, text_of(m.kind), numbers_of(m), {}};
+    for (std::uint32_t i = 0; i < m.notes._length; ++i) design.notes.push_back(text_of(m.notes._buffer[i]));
+    designs_.push_back(std::move(design));
+  }
+
+  void change(const msg::EffectChange& m) {
+    RecordedChange asked{.asked = true, .action = m.action, .effect = text_of(m.effect), .parameter = text_of(m.parameter), .model = text_of(m.model),
+                         .value = {m.value[0], m.value[1], m.value[2]}, .voxel_size_m = m.voxel_size_m};
+    if (m.request != 0)
+      asked_.insert_or_assign(m.request, std::move(asked));
+    else
+      nameless_.push_back(std::move(asked));
+  }
+
+  /// One that was asked for twice is answered twice and made once. Without a number of its own the answers come in the order of the questions.
+  void changed(const msg::EffectChanged& m) {
+    using namespace msg::effect_changed;
+    if (m.result == kResultWaiting || (m.request != 0 && !answered_.insert(m.request).second)) return;
+    RecordedChange made;
+    if (m.request == 0 && !nameless_.empty()) {
+      made = std::move(nameless_.front());
+      nameless_.pop_front();
+    } else if (const auto found = asked_.find(m.request); found != asked_.end()) {
+      made = found->second;
+    }
+    made.session = m.session_id, made.from_sample = m.from_sample, made.sentence = text_of(m.sentence);
+    if (m.result == kResultDone) out_.changes.push_back(std::move(made));
+  }
+
+  void status(const msg::NodeStatus& m) {
+    runtime::Figures& figures = out_.figures[text_of(m.node)];
+    for (std::uint32_t i = 0; i < m.figures._length; ++i)
+      figures[text_of(m.figures._buffer[i].name)] = runtime::Figure(m.figures._buffer[i].value, text_of(m.figures._buffer[i].unit));
+    if (text_of(m.node) != "rendering") return;
+    for (std::uint32_t i = 0; i < m.values._length; ++i) {
+      const std::string key = text_of(m.values._buffer[i].key), value = text_of(m.values._buffer[i].value);
+      if (key == "scene_file" && out_.scene_file.empty()) out_.scene_file = value;
+      if (key == "scene" && out_.scene.empty()) out_.scene = value;
+      if (key == "scene_hash" && out_.scene_hash.empty()) out_.scene_hash = value;
+    }
+  }
+
+  const std::filesystem::path& path_;
+  Recording out_;
+  std::vector<Kind> kinds_;  ///< of the bag's topics, by index
+  std::map<std::uint64_t, DeviceDescription> devices_;
+  std::map<std::uint64_t, std::vector<std::byte>> described_;  ///< the first description's bytes
+  std::set<std::uint64_t> anew_, answered_;
+  std::vector<RecordedDesign> designs_;
+  std::map<std::uint64_t, RecordedChange> asked_;  ///< by request
+  std::deque<RecordedChange> nameless_;
+  std::uint64_t doubled_ = 0;
+};
+
+}  // namespace
+
+std::array<double, 11> numbers_of(const msg::CouplingDesign& d) noexcept {
+  return {d.cutoff_hz, d.damping_ratio, d.gain, d.stiffness_n_per_m, d.damping_ns_per_m, d.stiffness_cap_n_per_m, d.stiffness_cap_nm_per_rad,
+          d.injected_damping_ns_per_m, d.injected_damping_nms_per_rad, d.velocity_filter_hz, d.sample_time_s};
+}
+
+Recording read_recording(const std::filesystem::path& path, const std::string& rig) {
+  const auto bag = bag::BagReader::open(path);
+  if (!bag) throw std::runtime_error(bag.error().sentence);
+  Collector collector(*bag, path, rig);
+  using Times = std::numeric_limits<std::int64_t>;
+  const auto read = bag->for_each_between(Times::min(), Times::max(), [&](const bag::BagMessage& m) { return collector.take(m), true; });
+  if (!read) throw std::runtime_error(read.error().sentence);
+  Recording recording = std::move(collector).finish();
+  recording.warnings.insert(recording.warnings.begin(), bag->warnings().begin(), bag->warnings().end());
+  return recording;
+}
+
+}  // namespace voxtouch::replay

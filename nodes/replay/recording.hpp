@@ -1,0 +1,81 @@
+#pragma once
+/// What of a bag a replay is made from: the samples by number, and what was said beside them.
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/types/device_description.hpp"
+#include "nodes/runtime/figure.hpp"
+#include "voxtouch_msgs/messages.hpp"
+
+namespace voxtouch::replay {
+
+/// One sample and its answers, each as far as the bag has it.
+struct RecordedSample {
+  std::optional<msg::DeviceState> state;
+  std::optional<msg::ContactState> contact;
+  std::optional<msg::ForceCommand> command;
+  std::int64_t command_taken_ns = 0;  ///< by the recorder
+  /// Whether the rendering answered it: in real time it and the coupling leave samples out. A contact that the recorder lost shows by its command.
+  bool rendered() const noexcept { return contact || command; }
+};
+
+/// A change that the rendering has made.
+struct RecordedChange {
+  std::uint64_t session = 0;      ///< 0: before any
+  std::uint64_t from_sample = 0;  ///< the first that it holds for
+  std::string sentence{};         ///< the rendering's
+  bool asked = false;             ///< what was asked for is in the bag, and stands below
+  std::uint32_t action = 0;
+  std::string effect{}, parameter{}, model{};
+  std::array<double, 3> value{};
+  double voxel_size_m = 0.0;
+};
+
+/// What the rendering said of the scene that runs from a sample on.
+struct RecordedPlan {
+  std::uint64_t session = 0, from_sample = 0;
+  std::string scene_hash{};
+};
+
+/// A coupling that was taken up. In the bag stands when it was told, not the sample.
+struct RecordedDesign {
+  std::uint64_t session = 0;
+  std::int64_t taken_ns = 0;  ///< by the recorder
+  std::string kind{};
+  std::array<double, 11> numbers{};  ///< as `numbers_of`
+  std::vector<std::string> notes{};
+};
+
+struct RecordedSession {
+  std::uint64_t id = 0;
+  std::map<std::uint64_t, RecordedSample> samples{};  ///< by sequence number
+  std::optional<DeviceDescription> device{};          ///< the first that it was described as
+  bool described_anew = false;
+  std::vector<RecordedDesign> designs{};
+};
+
+struct Recording {
+  std::string rig;
+  std::filesystem::path scene_file;  ///< as the rendering named it; empty where it did not
+  std::string scene, scene_hash;     ///< as the rendering named them first
+  bool lockstep = false;
+  std::vector<RecordedSession> sessions;  ///< in the order that their first samples were recorded
+  std::vector<RecordedChange> changes;    ///< in the order that they were made
+  std::vector<RecordedPlan> plans;
+  std::map<std::string, runtime::Figures> figures;  ///< each node's last
+  std::vector<std::string> warnings;                ///< what was not as it should be, and was read all the same
+};
+
+/// Reads `path`, a bag's folder or one of its files, of the rig named, or of the one that it holds where `rig` is empty. Throws std::runtime_error, a
+/// sentence, where nothing can be replayed: no bag, a damaged one, one of another program or version, without device samples or a device's
+/// description. Holds the whole run in memory, about 1 MB for each second of it.
+Recording read_recording(const std::filesystem::path& path, const std::string& rig);
+
+/// What a coupling does, in the order of RecordedDesign::numbers.
+std::array<double, 11> numbers_of(const msg::CouplingDesign& design) noexcept;
+
+}  // namespace voxtouch::replay

@@ -1,0 +1,216 @@
+#include "nodes/replay/replay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "core/scene/scene_file.hpp"
+#include "nodes/replay/coupling_replay.hpp"
+#include "nodes/replay/recording.hpp"
+#include "nodes/replay/scene_replay.hpp"
+#include "nodes/runtime/stamps.hpp"
+
+namespace voxtouch::replay {
+namespace {
+
+double force_n(const msg::geometry_msgs_Wrench& w) noexcept { return std::hypot(w.force.x, w.force.y, w.force.z); }
+
+void feel(Felt& felt, double force, bool touching) noexcept {
+  felt.most_n = std::max(felt.most_n, force), felt.squares += force * force;
+  ++felt.samples, felt.touching += touching;
+}
+
+scene::Scene scene_of(const ReplayOptions& options, const Recording& recording) {
+  if (!options.scene.empty()) return scene::load_scene(options.scene);
+  if (recording.scene_file.empty())
+    throw std::runtime_error(fmt::format("{} does not say which scene file was rendered: no status of the rendering is in it. Name it with --scene.", options.bag.string()));
+  if (!std::filesystem::exists(recording.scene_file))
+    throw std::runtime_error(fmt::format("the scene file that the bag names, {}, is not there; name it with --scene", recording.scene_file.string()));
+  return scene::load_scene(recording.scene_file);
+}
+
+/// Where the recorder came late, the first contact that it has tells when the session began; nothing where that contact is the first.
+std::optional<std::int64_t> begin_of(const RecordedSession& session) {
+  const auto first = std::ranges::find_if(session.samples, [](const auto& one) { return one.second.contact && !(one.second.contact->flags & msg::contact_state::kFlagRefusedSample); });
+  if (first == session.samples.end() || first->second.contact->scene_time_ns == 0) return std::nullopt;
+  return runtime::ns_between(first->second.contact->scene_time_ns, first->second.contact->sample_time_ns);
+}
+
+/// One recording through one scene.
+class Run {
+ public:
+  Run(const ReplayOptions& options, const Recording& recording, const scene::Scene& scene)
+      : options_(options), recording_(recording), scene_(scene), rendering_(scene),
+        coupling_(scene_, !recording.lockstep && (recording.scene_hash.empty() || recording.scene_hash == scene.hash)) {
+    out_.bag = options.bag.string(), out_.rig = recording.rig, out_.lockstep = recording.lockstep;
+    out_.recorded = {recording.scene, recording.scene_hash, recording.scene_file.string()};
+    out_.replayed = {scene.name, scene.hash, std::filesystem::absolute(scene.file).string()};
+    out_.notes = recording.warnings;
+  }
+
+  Replayed replay() {
+    for (const RecordedSession& session : recording_.sessions) run(session);
+    for (const std::string& note : coupling_.notes()) out_.notes.push_back(note);
+    say_what_is_lost();
+    if (!recording_.lockstep && scene_.virtual_tool() && out_.contact.differ > 0)
+      out_.missing.push_back("In real time the loop learns a virtual tool's spring some samples after a session's begin or a change. The bag does not say after how many: it is "
+                             "taken to be there at once.");
+    return std::move(out_);
+  }
+
+ private:
+  void run(const RecordedSession& session) {
+    ++out_.sessions;
+    out_.device = session.device->model;
+    if (session.described_anew)
+      out_.missing.push_back(fmt::format("The device described itself anew in session {}. The bag does not say from which sample on that held: the first description is used "
+                                         "throughout.", session.id));
+    change(session.id, std::nullopt);
+    rendering_.begin_session(coupling::design::model_of(*session.device), begin_of(session));
+    coupling_.begin_session(session, rendering_.bounds(), rendering_.demand());
+    const RecordedSample* last = nullptr;
+    const RecordedSample* first = nullptr;
+    for (const auto& [number, sample] : session.samples) {
+      change(session.id, number);
+      if (sample.state) first = first ? first : &sample, last = &sample, ++out_.samples;
+      answer(session, number, sample);
+    }
+    if (first) out_.duration_s += runtime::seconds_between(first->state->sample_time_ns, last->state->sample_time_ns);
+  }
+
+  /// All that hold from this sample of the session on; without one those that were made before it began.
+  void change(std::uint64_t session, std::optional<std::uint64_t> sample) {
+    for (; next_change_ < recording_.changes.size(); ++next_change_) {
+      const RecordedChange& made = recording_.changes[next_change_];
+      const bool before = made.session == 0, past = sample_of_other(made.session, session);
+      if (!before && !past && (made.session != session || !sample || made.from_sample > *sample)) return;
+      apply(made);
+      if (sample) coupling_.contact_shows(made.from_sample, rendering_.bounds(), rendering_.demand());
+    }
+  }
+  /// Of a session that has ended in the bag before its change was reached.
+  bool sample_of_other(std::uint64_t of, std::uint64_t now) const {
+    const auto place = [&](std::uint64_t id) { return std::ranges::find(recording_.sessions, id, &RecordedSession::id); };
+    return of != 0 && of != now && place(of) < place(now);
+  }
+
+  void apply(const RecordedChange& made) {
+    ++out_.changes;
+    if (!made.asked)
+      return out_.missing.push_back(fmt::format("The change that holds from sample {} on (\"{}\") was answered, and what was asked for is not in the bag: from there on bits cannot "
+                                                "be compared.", made.from_sample, made.sentence));
+    if (const std::string why = rendering_.apply(made); !why.empty())
+      return out_.missing.push_back(fmt::format("The change that holds from sample {} on (\"{}\") cannot be made again: {}", made.from_sample, made.sentence, why));
+    if (made.action != msg::effect_change::kActionReload) return;
+    const auto plan = std::ranges::find_if(recording_.plans, [&](const RecordedPlan& p) { return p.session == made.session && p.from_sample == made.from_sample; });
+    if (plan == recording_.plans.end())
+      out_.missing.push_back(fmt::format("Which scene was built anew for sample {} is not in the bag: the file is taken as it is now.", made.from_sample));
+    else if (plan->scene_hash != rendering_.scene_hash())
+      out_.missing.push_back(fmt::format("The scene that was built anew for sample {} had the hash {}, and the file has {} now: from there on bits cannot be compared.",
+                                         made.from_sample, plan->scene_hash, rendering_.scene_hash()));
+  }
+
+  void answer(const RecordedSession& session, std::uint64_t number, const RecordedSample& sample) {
+    if (!sample.state) {
+      if (++out_.lost_states == 1)
+        out_.missing.push_back(fmt::format("The device's sample {} was answered and is not in the bag: from there on the rendering may give other bits.", number));
+    } else if (!sample.rendered() && !recording_.lockstep) {
+      return void(++out_.left_out);
+    }
+    std::optional<msg::ContactState> contact;
+    if (sample.state) contact = rendering_.answer(*sample.state);
+    if (contact && sample.contact) compare(*sample.contact, *contact);
+    if (!sample.contact && sample.command) ++out_.lost_contacts;
+    if (!contact) contact = sample.contact;  // the coupling need not suffer from what the rendering lacks
+    if (!contact || (!sample.command && !recording_.lockstep)) return;  // in lockstep every contact is answered
+    if (!coupling_.runs())
+      return say_once(fmt::format("From sample {} of session {} on commands were recorded, and here no coupling may run.", number, session.id));
+    const msg::ForceCommand command = coupling_.answer(*contact, sample.command.value_or(msg::ForceCommand{}), sample.command_taken_ns);
+    if (sample.command) compare(*sample.command, command);
+  }
+
+  void compare(const msg::ContactState& recorded, msg::ContactState replayed) {
+    if (!recording_.lockstep) replayed.time_spent_ns = recorded.time_spent_ns;  // measured, and nothing hangs on it
+    out_.contact.take(recorded, replayed);
+    const double before = force_n(recorded.wrench), now = force_n(replayed.wrench);
+    feel(out_.rendered.recorded, before, recorded.surface_hits + recorded.interior_hits > 0);
+    feel(out_.rendered.replayed, now, replayed.surface_hits + replayed.interior_hits > 0);
+    draw(out_.rendered_curves, recorded.sample_time_ns, before, now);
+  }
+
+  void compare(const msg::ForceCommand& recorded, const msg::ForceCommand& replayed) {
+    out_.command.take(recorded, replayed);
+    const double before = force_n(recorded.wrench), now = force_n(replayed.wrench);
+    feel(out_.returned.recorded, before, before > 0.0);
+    feel(out_.returned.replayed, now, now > 0.0);
+    draw(out_.returned_curves, recorded.sample_time_ns, before, now);
+  }
+
+  void draw(ForceCurves& curves, std::int64_t time_ns, double recorded_n, double replayed_n) {
+    if (!options_.curves) return;
+    if (!begin_ns_) begin_ns_ = time_ns;
+    curves.t_s.push_back(runtime::seconds_between(*begin_ns_, time_ns));
+    curves.recorded_n.push_back(recorded_n), curves.replayed_n.push_back(replayed_n);
+  }
+
+  void say_once(std::string sentence) {
+    if (!said_) out_.missing.push_back(std::move(sentence));
+    said_ = true;
+  }
+
+  /// What the nodes counted and the bag does not hold. Where nobody tells of the sample, it is not known which one it was.
+  void say_what_is_lost() {
+    std::uint64_t contacts = 0, commands = 0;
+    std::optional<std::uint64_t> no_contact, no_command;  ///< first sample of a session that the recorder has without
+    for (const RecordedSession& session : recording_.sessions)
+      for (const auto& [number, sample] : session.samples) {
+        contacts += sample.contact.has_value(), commands += sample.command.has_value();
+        if (!sample.rendered() && !no_contact) no_contact = number;
+        if (!sample.command && !no_command) no_command = number;
+      }
+    say_lost("rendering", "contacts", contacts + out_.lost_contacts, no_contact);
+    say_lost("coupling", "commands", commands, no_command);
+    say_changes();
+  }
+
+  void say_lost(const std::string& node, std::string_view what, std::uint64_t held, std::optional<std::uint64_t> first_without) {
+    const auto figures = recording_.figures.find(node);
+    if (figures == recording_.figures.end()) return out_.missing.push_back(fmt::format("The {} has left no status: whether all its {} are in the bag is not known.", node, what));
+    const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "samples"));
+    if (made <= held) return;
+    out_.missing.push_back(fmt::format("The {} made {} {} more than the bag has, and nothing tells of which samples: from sample {} on bits may differ for it.", node,
+                                       made - held, what, first_without.value_or(0)));
+  }
+
+  void say_changes() {
+    const auto figures = recording_.figures.find("rendering");
+    if (figures == recording_.figures.end()) return;
+    const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "changes"));
+    if (made > recording_.changes.size())
+      out_.missing.push_back(fmt::format("The rendering made {} changes, and the bag has {} of them.", made, recording_.changes.size()));
+  }
+
+  const ReplayOptions& options_;
+  const Recording& recording_;
+  const scene::Scene& scene_;
+  SceneReplay rendering_;
+  CouplingReplay coupling_;
+  Replayed out_;
+  std::size_t next_change_ = 0;
+  std::optional<std::int64_t> begin_ns_;
+  bool said_ = false;
+};
+
+}  // namespace
+
+double Felt::rms_n() const noexcept { return samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0.0; }
+
+Replayed replay(const ReplayOptions& options) {
+  const Recording recording = read_recording(options.bag, options.rig);
+  const scene::Scene scene = scene_of(options, recording);
+  return Run(options, recording, scene).replay();
+}
+
+}  // namespace voxtouch::replay

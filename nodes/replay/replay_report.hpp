@@ -1,0 +1,16 @@
+#pragma once
+/// What a replay has shown, for people and as JSON.
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "nodes/replay/replay.hpp"
+
+namespace voxtouch::replay {
+
+std::string to_text(const Replayed& replayed);
+nlohmann::ordered_json to_json(const Replayed& replayed);
+/// What the plotting tool draws: the curves, and what stands beside them.
+nlohmann::ordered_json to_plot(const Replayed& replayed);
+
+}  // namespace voxtouch::replay

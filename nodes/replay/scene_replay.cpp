@@ -1,0 +1,80 @@
+#include "nodes/replay/scene_replay.hpp"
+
+#include <fmt/format.h>
+
+#include "core/rendering/reload_check.hpp"
+#include "core/scene/scene_file.hpp"
+#include "nodes/log/progress.hpp"
+#include "nodes/mesh_import/mesh_process.hpp"
+#include "nodes/rendering/effect_action.hpp"
+#include "nodes/replay/loop_arithmetic.hpp"
+#include "nodes/runtime/parallel_for.hpp"
+
+namespace voxtouch::replay {
+namespace {
+
+std::unique_ptr<rendering::BuiltScene> built_from(const scene::Scene& scene) {
+  return rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("replay"));
+}
+
+}  // namespace
+
+SceneReplay::SceneReplay(const scene::Scene& scene) : scene_(scene), settled_(scene.effects), renderer_(scene_.device, *built_.emplace_back(built_from(scene))) {
+  sum_up();
+}
+
+void SceneReplay::begin_session(const coupling::design::DeviceModel& device, std::optional<std::int64_t> begin_ns) {
+  renderer_.begin_session(begin_ns);
+  on_device_.device_is(device);
+  sum_up();
+}
+
+void SceneReplay::sum_up() {
+  bounds_ = rendering::with_effects(built_.back()->plan().of_contact_alone, settled_);
+  on_device_.runs(scene_, bounds_, demand());
+}
+
+fitting::DeviceDemand SceneReplay::demand() const { return fitting::demand_of(scene_, effects::at_rest(settled_)); }
+
+std::string SceneReplay::apply(const RecordedChange& change) {
+  std::string why = change.action == msg::effect_change::kActionReload ? reload(change) : change_effect(change);
+  sum_up();
+  return why;
+}
+
+std::string SceneReplay::change_effect(const RecordedChange& change) {
+  const auto command = effects::judge(settled_, {.action = rendering_node::effect_action(change.action),
+                                                 .effect = change.effect,
+                                                 .parameter = change.parameter,
+                                                 .value = change.value});
+  if (!command) return command.error();
+  renderer_.live().effects().carry_out(*command);
+  effects::carry_out(settled_[command->effect], *command);
+  return {};
+}
+
+std::string SceneReplay::reload(const RecordedChange& change) {
+  try {
+    scene::Scene next = scene::load_scene(scene_.file);
+    if (change.voxel_size_m > 0.0) next.voxel_size_m = change.voxel_size_m;
+    if (!change.model.empty()) next.contact.model = change.model;
+    auto built = built_from(next);
+    std::vector<effects::EffectSpec> effects = rendering::carried_over(scene_.effects, settled_, next.effects);
+    built->scene_renderer().effects() = effects::EffectChain(effects);
+    renderer_.live().finish();  // over, where the bag is whole: the loop takes no scene while another fades in
+    renderer_.live().swap_to(*built);
+    built_.push_back(std::move(built));
+    scene_ = std::move(next), settled_ = std::move(effects);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return {};
+}
+
+msg::ContactState SceneReplay::answer(const msg::DeviceState& state) noexcept {
+  const LoopArithmetic arithmetic;
+  renderer_.live().aim_for_spring(on_device_.spring_n_per_m());
+  return renderer_.answer(state);
+}
+
+}  // namespace voxtouch::replay

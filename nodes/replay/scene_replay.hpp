@@ -1,0 +1,47 @@
+#pragma once
+/// The rendering of a recorded run once more: scene, effects as they were set, and each sample through them.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/fitting/scene_on_device.hpp"
+#include "core/scene/scene.hpp"
+#include "nodes/rendering/sample_renderer.hpp"
+#include "nodes/replay/recording.hpp"
+
+namespace voxtouch::replay {
+
+/// What the node's loop and its update server do in two threads, in one, each at the sample for which it holds.
+class SceneReplay {
+ public:
+  /// Builds `scene`. Throws as rendering::build_scene and mesh readers do.
+  explicit SceneReplay(const scene::Scene& scene);
+  SceneReplay(const SceneReplay&) = delete;
+  SceneReplay& operator=(const SceneReplay&) = delete;
+
+  /// `begin_ns`: as SampleRenderer::begin_session.
+  void begin_session(const coupling::design::DeviceModel& device, std::optional<std::int64_t> begin_ns);
+  /// From the next sample on. A sentence why it could not be made; empty: it was. Builds the scene where that was asked for.
+  std::string apply(const RecordedChange& change);
+  /// `time_spent_ns` is 0.
+  msg::ContactState answer(const msg::DeviceState& state) noexcept;
+
+  /// What contact and effects can show and ask for as they are set now, in W: what the plan tells the coupling.
+  const rendering::StiffnessBounds& bounds() const noexcept { return bounds_; }
+  fitting::DeviceDemand demand() const;
+  const std::string& scene_hash() const noexcept { return scene_.hash; }
+
+ private:
+  std::string change_effect(const RecordedChange& change);
+  std::string reload(const RecordedChange& change);
+  void sum_up();
+
+  scene::Scene scene_;
+  std::vector<std::unique_ptr<rendering::BuiltScene>> built_;  ///< all that have run: the renderer points into the last two
+  std::vector<effects::EffectSpec> settled_;                   ///< the effects as they are set now
+  rendering::StiffnessBounds bounds_;
+  fitting::SceneOnDevice on_device_;
+  rendering_node::SampleRenderer renderer_;
+};
+
+}  // namespace voxtouch::replay

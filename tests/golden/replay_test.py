@@ -1,0 +1,271 @@
+#!/usr/bin/python3
+"""voxtouch replay: recorded runs give the same bits again, what was planted is found at its sample, and what cannot be replayed gets a sentence.
+
+usage: replay_test.py BIN DEPLOY [arguments of unittest]
+"""
+import json
+import os
+import pathlib
+import re
+import shutil
+import sqlite3
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+BIN, DEPLOY = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+STATE, CONTACT, COMMAND = "/haptic/device/state", "/haptic/rendering/contact", "/haptic/coupling/command"
+HEADER, NUMBER = 4, 12  # bytes of CDR's encapsulation; where the sequence number of a ring's message stands
+POSE = 28               # and a device state's pose
+
+
+def voxtouch(*words, **more):
+    return subprocess.run([BIN / "voxtouch", *map(str, words)], capture_output=True, text=True, timeout=300, **more)
+
+
+def up_words(bag, scene, *words):
+    return ["up", scene, "--device", "sim-phantom", "--one-process", "--no-report", "--record", bag, "--json", *words]
+
+
+def record(bag, scene, *words):
+    ran = voxtouch(*up_words(bag, scene, *words))
+    assert (bag / "metadata.yaml").exists(), ran.stderr + ran.stdout
+
+
+def replay(bag, *words):
+    ran = voxtouch("replay", bag, "--json", *words)
+    return ran.returncode, json.loads(ran.stdout), ran.stderr
+
+
+def database(bag):
+    return next(bag.glob("*.db3"))
+
+
+def edit(bag, sql, *values):
+    with sqlite3.connect(database(bag)) as connection:
+        done = connection.execute(sql, values).rowcount
+    connection.close()
+    return done
+
+
+def messages(bag, topic):
+    with sqlite3.connect(f"file:{database(bag)}?mode=ro", uri=True) as connection:
+        return connection.execute("SELECT messages.id, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ? ORDER BY messages.id", (topic,)).fetchall()
+
+
+def message_of(bag, topic, number):
+    return next((row, data) for row, data in messages(bag, topic) if struct.unpack_from("<Q", data, NUMBER)[0] == number)
+
+
+def scene_of(folder, name, *replacements):
+    """A shipped scene in a folder of its own, with some words replaced."""
+    text = (DEPLOY / f"scenes/{name}.yaml").read_text().replace("../meshes", str(DEPLOY / "meshes"))
+    for old, new in replacements:
+        assert old in text, old
+        text = text.replace(old, new)
+    file = folder / f"{name}.yaml"
+    file.write_text(text)
+    return file
+
+
+class Replay(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.whole = tempfile.TemporaryDirectory(prefix="voxtouch_replay_")
+        cls.cup = pathlib.Path(cls.whole.name) / "cup"
+        record(cls.cup, DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--lockstep", "--duration", "2")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.whole.cleanup()
+
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory(prefix="voxtouch_replay_")
+        self.folder = pathlib.Path(self.temporary.name)
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def copy(self, name="copy"):
+        return pathlib.Path(shutil.copytree(self.cup, self.folder / name))
+
+    def equal(self, bag, samples):
+        status, said, err = replay(bag)
+        self.assertEqual(status, 0, f"{said} {err}")
+        self.assertEqual((said["contact"]["compared"], said["command"]["compared"]), (samples, samples), said)
+        self.assertEqual((said["contact"]["differ"], said["command"]["differ"], said["missing"]), (0, 0, []), said)
+        return said
+
+    def refused(self, bag, *words):
+        ran = voxtouch("replay", bag, *words)
+        self.assertEqual((ran.returncode, ran.stdout), (1, ""), ran.stderr)
+        self.assertRegex(ran.stderr.splitlines()[-1], r"^error: .{20,}")
+        return ran.stderr
+
+    def test_lockstep_gives_the_same_bits_and_the_text_is_as_it_was(self):
+        said = self.equal(self.cup, 2000)
+        self.assertTrue(said["ok"] and said["scene"]["same"] and said["lockstep"])
+        self.assertGreater(said["felt"]["returned"]["recorded"]["largest_n"], 0.1)
+        self.assertEqual(said["felt"]["returned"]["recorded"], said["felt"]["returned"]["replayed"])
+        self.assertEqual(voxtouch("replay", self.cup).stdout,
+                         "cup: scene 'cup', sim-phantom, lockstep, 2000 samples in 1.999 s of the device's time\n"
+                         "  contact   2000 samples compared, all equal to the bit\n"
+                         "  command   2000 samples compared, all equal to the bit\n"
+                         "  All is equal to the bit.\n")
+
+    def test_moving_objects_and_a_virtual_tool_give_the_same_bits(self):
+        for scene, motion in (("objects", "slide"), ("cup_virtual_tool", "slide"), ("block", "fall")):
+            with self.subTest(scene):
+                record(self.folder / scene, DEPLOY / f"scenes/{scene}.yaml", "--motion", motion, "--lockstep", "--duration", "2")
+                self.equal(self.folder / scene, 2000)
+
+    def test_the_clutch_gives_the_same_bits(self):
+        scene = scene_of(self.folder, "plane")
+        text = re.sub(r"^device:.*$", "device: {position_scale: 1, force_scale: 1, clutch_button: 0}", scene.read_text(), flags=re.M)
+        scene.write_text(re.sub(r"^motions:.*$", "motions:\n  clutched: {path: [[0, 0, 0.03], [0, 0, 0.007]], speed_m_per_s: 0.1, hold_s: 0.2, "
+                                "press: [{button: 0, from_s: 1, to_s: 1.5}]}", text, flags=re.M))
+        record(self.folder / "bag", scene, "--motion", "clutched", "--lockstep", "--duration", "2.5")
+        clutched = [data for _, data in messages(self.folder / "bag", COMMAND) if struct.unpack_from("<3d", data, HEADER + 32) == (0.0, 0.0, 0.0)]
+        self.assertGreater(len(clutched), 500)
+        self.equal(self.folder / "bag", 2500)
+
+    def change(self, bag, scene, changes, *words):
+        """Records a run that is changed while it runs: by numbers of samples in lockstep, else at once."""
+        ring = subprocess.Popen([BIN / "voxtouch", *map(str, up_words(bag, scene, *words))], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        try:
+            for change in changes:
+                for _ in range(60):
+                    asked = voxtouch("change", *change)
+                    if asked.returncode == 0:
+                        break
+                    time.sleep(0.1)
+                self.assertEqual(asked.returncode, 0, asked.stdout + asked.stderr)
+            ring.communicate(timeout=120)
+        finally:
+            ring.kill()
+            ring.communicate()
+
+    def test_changes_and_a_scene_that_is_built_anew_hold_from_their_samples(self):
+        changes = [("friction", "coulomb=0.2", "--from-sample", 4000), ("friction", "stiffness_n_per_m=80", "--from-sample", 10000),
+                   ("--reload", "--voxel-size", 0.003, "--from-sample", 16000)]
+        self.change(self.folder / "bag", DEPLOY / "scenes/cup_friction.yaml", changes, "--motion", "slide", "--lockstep", "--duration", "20")
+        said = self.equal(self.folder / "bag", 20000)
+        self.assertEqual(said["changes"], 3)
+
+    def real_time(self, bag):
+        """Equal where the bag says all; else what is missing is said."""
+        status, said, err = replay(bag)
+        self.assertGreater(said["contact"]["compared"], 1000, f"{said} {err}")
+        self.assertGreater(said["command"]["compared"], 1000, f"{said} {err}")
+        if not said["missing"]:
+            self.assertEqual(status, 0, f"{said} {err}")
+            self.assertEqual((said["contact"]["differ"], said["command"]["differ"]), (0, 0), said)
+        return said
+
+    def test_a_run_in_real_time_gives_the_same_bits_or_says_what_is_missing(self):
+        record(self.folder / "bag", DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--duration", "3")
+        said = self.real_time(self.folder / "bag")
+        self.assertFalse(said["lockstep"])
+
+    def test_in_real_time_the_commands_tell_from_where_a_new_design_holds(self):
+        self.change(self.folder / "bag", DEPLOY / "scenes/cup_friction.yaml", [("friction", "stiffness_n_per_m=80")], "--motion", "slide", "--duration", "6")
+        said = self.real_time(self.folder / "bag")
+        self.assertEqual(said["changes"], 1)
+        self.assertTrue(said["missing"] or any(note.startswith("Design 2 began ") for note in said["notes"]), said)
+
+    def test_one_bit_of_a_device_sample_is_found_at_its_sample(self):
+        bag = self.copy()
+        row, data = message_of(bag, STATE, 1234)
+        changed = bytearray(data)
+        changed[POSE] ^= 1  # the last bit of the position's x
+        edit(bag, "UPDATE messages SET data = ? WHERE id = ?", bytes(changed), row)
+        status, said, _ = replay(bag)
+        self.assertEqual(status, 1)
+        self.assertFalse(said["ok"])
+        self.assertEqual(said["contact"]["first"]["sample"], 1234)
+        fields = {f["field"]: f for f in said["contact"]["first"]["fields"]}
+        self.assertIn("tool_pose.position.x", fields)
+        self.assertLess(float(fields["tool_pose.position.x"]["by"]), 1e-15)
+        text = voxtouch("replay", bag).stdout
+        self.assertIn("the first is sample 1234;", text)
+        self.assertIn("tool_pose.position.x: ", text)
+
+    def test_one_bit_of_a_recorded_answer_is_found_and_nothing_else(self):
+        for topic, at, name, field in ((CONTACT, HEADER + 24 + 112, "contact", "wrench.force.x"), (COMMAND, HEADER + 32, "command", "wrench.force.x")):
+            with self.subTest(topic):
+                bag = self.copy(name)
+                row, data = message_of(bag, topic, 777)
+                changed = bytearray(data)
+                changed[at] ^= 1
+                edit(bag, "UPDATE messages SET data = ? WHERE id = ?", bytes(changed), row)
+                status, said, _ = replay(bag)
+                self.assertEqual((status, said["contact"]["differ"] + said["command"]["differ"]), (1, 1), said)
+                self.assertEqual((said[name]["first"]["sample"], [f["field"] for f in said[name]["first"]["fields"]]), (777, [field]))
+
+    def test_another_scene_is_said_and_its_forces_stand_beside_the_recorded_ones(self):
+        scene = scene_of(self.folder, "cup", ("voxel_size: 0.002", "voxel_size: 0.003"))
+        picture = self.folder / "forces.png"
+        ran = voxtouch("replay", self.cup, "--scene", scene, "--plot", picture)
+        self.assertEqual(ran.returncode, 1, ran.stderr)
+        self.assertRegex(ran.stdout, r"another scene: 'cup' \([0-9a-f]{16}\) instead of 'cup' \([0-9a-f]{16}\)")
+        self.assertRegex(ran.stdout, r"returned +\d+\.\d{3} +\d+\.\d{3} +\d+\.\d % +\d+\.\d{3} +\d+\.\d{3} +\d+\.\d %")
+        self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
+        status, said, _ = replay(self.cup, "--scene", scene)
+        self.assertEqual((status, said["scene"]["same"]), (1, False))
+        self.assertGreater(said["contact"]["differ"], 100)
+        self.assertGreater(said["contact"]["largest_force"]["n"], 0.01)
+        self.assertNotEqual(said["felt"]["rendered"]["recorded"], said["felt"]["rendered"]["replayed"])
+
+    def test_a_scene_file_that_has_changed_since_or_is_gone_is_said(self):
+        scene = scene_of(self.folder, "plane")
+        record(self.folder / "bag", scene, "--motion", "slide", "--lockstep", "--duration", "1")
+        self.equal(self.folder / "bag", 1000)
+        scene.write_text(scene.read_text() + "# a word more\n")
+        status, said, _ = replay(self.folder / "bag")
+        self.assertEqual((status, said["scene"]["same"]), (0, False), "it is another file, and gives the same bits")
+        scene.unlink()
+        self.assertIn("is not there; name it with --scene", self.refused(self.folder / "bag"))
+
+    def test_messages_that_the_recorder_lost_are_counted_and_said(self):
+        bag = self.copy()
+        for topic, number in ((STATE, 500), (CONTACT, 800)):
+            edit(bag, "DELETE FROM messages WHERE id = ?", message_of(bag, topic, number)[0])
+        status, said, _ = replay(bag)
+        self.assertEqual(said["lost"], {"device_state": 1, "contact_state": 1})
+        self.assertEqual((said["contact"]["compared"], said["command"]["compared"]), (1998, 2000))
+        self.assertIn("The device's sample 500 was answered and is not in the bag", said["missing"][0])
+        self.assertEqual(status, int(said["contact"]["differ"] + said["command"]["differ"] > 0))
+        bag = self.copy("silent")
+        for topic in (STATE, CONTACT, COMMAND):
+            edit(bag, "DELETE FROM messages WHERE id = ?", message_of(bag, topic, 900)[0])
+        _, said, _ = replay(bag)
+        self.assertTrue(any(s.startswith("The rendering made 1 contacts more than the bag has") for s in said["missing"]), said["missing"])
+
+    def test_what_cannot_be_replayed_gets_a_sentence(self):
+        bag = self.copy("undescribed")
+        edit(bag, "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/device/description')")
+        self.assertIn("has no description of the device", self.refused(bag))
+        bag = self.copy("truncated")
+        os.truncate(database(bag), database(bag).stat().st_size // 2)
+        self.refused(bag)
+        bag = self.copy("strange")
+        edit(bag, "UPDATE topics SET name = '/camera' || name, type = 'sensor_msgs/msg/Image'")
+        self.assertIn("it is not the recording of a ring", self.refused(bag))
+        bag = self.copy("other version")
+        edit(bag, "UPDATE messages SET data = substr(data, 1, 100) WHERE topic_id = (SELECT id FROM topics WHERE name = ?)", STATE)
+        self.assertIn("recorded by another version", self.refused(bag))
+        bag = self.copy("empty")
+        edit(bag, "DELETE FROM messages")
+        self.assertIn("holds no device samples", self.refused(bag))
+        (self.folder / "none").mkdir()
+        self.refused(self.folder / "none")
+        self.assertIn("holds no rig 'left', but haptic", self.refused(self.cup, "--rig", "left"))
+        ran = voxtouch("replay", self.folder / "none", "--json")
+        self.assertFalse(json.loads(ran.stdout)["ok"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
