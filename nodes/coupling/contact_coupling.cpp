@@ -16,7 +16,7 @@ void ContactCoupling::adopt(const fitting::FittedCoupling& fitted, const couplin
   if (!fitted.refusal.empty() || (coupling_ && !coupling_->redesign(fitted.spec))) {
     coupling_.reset();
   } else if (!coupling_) {
-    coupling_.emplace(fitted.spec, fitting::limits_in_world(mapping_, device), period_s_, coupling::kDefaultRampS, speed_limits());
+    coupling_.emplace(fitted.spec, fitting::limits_W(mapping_, device), period_s_, coupling::kDefaultRampS, speed_limits());
   }
 }
 

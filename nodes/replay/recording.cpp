@@ -206,9 +206,7 @@ Recording read_recording(const std::filesystem::path& path, const std::string& r
   using Times = std::numeric_limits<std::int64_t>;
   const auto read = bag->for_each_between(Times::min(), Times::max(), [&](const bag::BagMessage& m) { return collector.take(m), true; });
   if (!read) throw std::runtime_error(read.error().sentence);
-  Recording recording = std::move(collector).finish();
-  recording.warnings.insert(recording.warnings.begin(), bag->warnings().begin(), bag->warnings().end());
-  return recording;
+  return std::move(collector).finish();
 }
 
 }  // namespace voxtouch::replay
