@@ -385,7 +385,7 @@ def replay_figure(data):
     for axis, name, what in ((axes[0][0], "rendered", "rendered [N]"), (axes[1][0], "returned", "returned [N]")):
         rows, felt = curves[name], data["felt"][name]
         table = {"t": rows["t_s"], "then": [math.nan if f is None else f for f in rows["recorded_n"]], "now": [math.nan if f is None else f for f in rows["replayed_n"]]}
-        for key, label, more in (("then", "recorded", {"color": PALE_GREEN, "lw": 4.5}), ("now", "replayed", {"color": CONTACT if name == "rendered" else RETURNED, "lw": 1.4})):
+        for key, label, more in (("then", "recorded", {"color": PALE_GREEN, "lw": 3.2}), ("now", "replayed", {"color": CONTACT if name == "rendered" else RETURNED, "lw": 1.4})):
             of = felt[label]
             draw_over_time(axis, table, key, end, label=f"{label}: at most {of['largest_n']:.3g} N,\nrms {of['rms_n']:.3g} N, in contact {100 * of['in_contact_share']:.0f} %", **more)
         axis.set_ylabel(what)

@@ -94,7 +94,7 @@ class Collector {
       for (RecordedDesign& told : designs_)
         if (told.session == session.id) session.designs.push_back(std::move(told));
     }
-    if (doubled_ > 0) out_.warnings.push_back(fmt::format("{} messages bear a number that was there before; the first of each counts.", doubled_));
+    if (doubled_ > 0) out_.warnings.push_back(fmt::format("{} messages bear a number that was there before: DDS gave something twice. What was commanded again is made again, of all else the first counts.", doubled_));
     return std::move(out_);
   }
 
@@ -115,7 +115,11 @@ class Collector {
     T message;
     if (!read_stream(m.bytes, message)) strange(msg::Type<T>::ros_name);
     RecordedSample& sample = session(message.session_id).samples[message.sequence_number];
-    if (sample.*where) return void(++doubled_);
+    if (sample.*where) {
+      ++doubled_;
+      if constexpr (std::is_same_v<T, msg::ForceCommand>) sample.again.push_back(message);
+      return;
+    }
     sample.*where = message;
     if constexpr (std::is_same_v<T, msg::ForceCommand>) sample.command_taken_ns = m.time_ns;
   }

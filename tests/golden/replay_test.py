@@ -95,7 +95,8 @@ class Replay(unittest.TestCase):
     def equal(self, bag, samples):
         status, said, err = replay(bag)
         self.assertEqual(status, 0, f"{said} {err}")
-        self.assertEqual((said["contact"]["compared"], said["command"]["compared"]), (samples, samples), said)
+        self.assertEqual(said["contact"]["compared"], samples, said)
+        self.assertGreaterEqual(said["command"]["compared"], samples, "more where DDS gave the coupling a contact twice")
         self.assertEqual((said["contact"]["differ"], said["command"]["differ"], said["missing"]), (0, 0, []), said)
         return said
 
@@ -243,6 +244,11 @@ class Replay(unittest.TestCase):
             edit(bag, "DELETE FROM messages WHERE id = ?", message_of(bag, topic, 900)[0])
         _, said, _ = replay(bag)
         self.assertTrue(any(s.startswith("The rendering made 1 contacts more than the bag has") for s in said["missing"]), said["missing"])
+
+    def test_a_command_that_the_recorder_got_twice_is_made_once(self):
+        bag = self.copy()
+        edit(bag, "INSERT INTO messages (topic_id, timestamp, data) SELECT topic_id, timestamp, data FROM messages WHERE id = ?", message_of(bag, COMMAND, 1300)[0])
+        self.assertIn("1 messages bear a number that was there before", self.equal(bag, 2000)["notes"][0])
 
     def test_what_cannot_be_replayed_gets_a_sentence(self):
         bag = self.copy("undescribed")
