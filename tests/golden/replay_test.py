@@ -23,7 +23,7 @@ POSE = 28               # and a device state's pose
 
 
 def voxtouch(*words, **more):
-    return subprocess.run([BIN / "voxtouch", *map(str, words)], capture_output=True, text=True, timeout=300, **more)
+    return subprocess.run([BIN / "voxtouch", *map(str, words)], capture_output=True, text=True, timeout=400, **more)
 
 
 def up_words(bag, scene, *words):
@@ -144,7 +144,7 @@ class Replay(unittest.TestCase):
                         break
                     time.sleep(0.1)
                 self.assertEqual(asked.returncode, 0, asked.stdout + asked.stderr)
-            ring.communicate(timeout=120)
+            ring.communicate(timeout=400)
         finally:
             ring.kill()
             ring.communicate()
