@@ -12,11 +12,10 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-// What a laboratory can do: no delay is brought to nothing, nobody holds a device as firmly as hands can all the time, and the weight and
-// the damper that go onto a handle are at most those of the hand that holds it.
+// What a laboratory can do: no delay is brought to nothing, nobody holds a device as firmly as hands can all the time, and a damper
+// that goes onto a handle is no stronger than the hand that holds it.
 constexpr std::array kDelayShares{0.75, 0.5, 0.25};
 constexpr std::array kGripShares{0.25, 0.5};
-constexpr std::array kAddedMassShares{0.25, 0.5, 1.0, 2.0};
 
 /// The goal, tried under another circumstance: all axes reach their targets with one of the laws.
 struct Trial {
@@ -61,7 +60,6 @@ class Remedies {
     if (design_.spec.kind != "spring_damper") {  // its certificate is another; its stiffness is its own
       delay();
       rate();
-      handle();
       cap();
       grip();
     }
@@ -142,19 +140,6 @@ class Remedies {
     if (!trial_.holds(same_targets(other))) return;
     out_.push_back(fmt::format("At {:.4g} Hz (now {:.4g}), if the device can, {}.", 1.0 / other.device.timing.period_s,
                                1.0 / request_.device.timing.period_s, goal()));
-  }
-
-  void handle() {
-    const AxisModel& axis = request_.device.translation;
-    for (const double share : kAddedMassShares) {
-      const double added = share * axis.inertia_min;
-      if (request_.hand.translation.any_passive || added > request_.hand.translation.mass_max) return;
-      DesignProblem other = request_;
-      other.device.translation.inertia_min += added, other.device.translation.inertia_max += added;
-      if (!trial_.holds(same_targets(other))) continue;
-      out_.push_back(fmt::format("With a handle that is {:.2g} kg heavier, {}.", added, goal()));
-      return;
-    }
   }
 
   void cap() {

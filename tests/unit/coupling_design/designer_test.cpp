@@ -236,6 +236,28 @@ TEST(Design, SaysWhatLimitsAndWhatItWouldTake) {
   }
 }
 
+TEST(Design, WhatTwiceTheRateIsSaidToGiveIsTrueAndNoRemedyIsOutOfALaboratorysReach) {
+  Random random(11);
+  int rates = 0;
+  for (int i = 0; i < 150; ++i) {
+    const DesignProblem r = random_request(random);
+    const Design d = designed(r);
+    const bool short_of = d.status == DesignStatus::kStiffnessReduced || d.status == DesignStatus::kInfeasible;
+    for (const std::string& s : d.remedies) {
+      EXPECT_EQ(s.find("delay of 0 ms"), std::string::npos) << s;
+      EXPECT_EQ(s.find("device damping"), std::string::npos) << s;
+      if (!short_of || !s.starts_with("At ")) continue;
+      DesignProblem other = r;
+      other.device.timing.period_s *= 0.5;
+      const Design again = designed(other);
+      // The sentence is about the coupling as it is; a new one weighs the encoder's noise as well and may stop a little short.
+      EXPECT_GE(again.translation.shown_stiffness, 0.9 * again.translation.wanted_stiffness) << i << ": " << s;
+      ++rates;
+    }
+  }
+  EXPECT_GT(rates, 0);
+}
+
 TEST(Design, WhatTheCapRemedySaysIsTrue) {
   DesignProblem r = stylus();
   const Design d = designed(r);
