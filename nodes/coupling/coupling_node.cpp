@@ -131,6 +131,7 @@ class CouplingNode {
     plan_writer_ = plans_.following().writer();
     coupling_.begin_session(fitting_.device().timing.period_s);
     session_in_loop_ = session;
+    last_answered_.reset();
     stiffness_.store(0.0, kRelaxed);
     adopt(fit());
     if (coupling_.runs()) session_.begin(session);
@@ -151,6 +152,8 @@ class CouplingNode {
     if (!contacts_.take(contact)) return false;
     // What another participant says of itself has yet to be judged before its contacts are felt.
     if (contact.session_id != session_in_loop_ || !coupling_.runs() || !both_known_.load(kRelaxed)) return true;
+    // A write that DDS could not end in time is made again in lockstep, and who had it already has it twice.
+    if (last_answered_ && contact.sequence_number <= *last_answered_) return true;
     // A plan that holds from this sample on is here, for the rendering waited for that: it must not be used a sample later.
     if (options_.lockstep) listen();
     if (coupling_.runs() && contact.session_id == session_in_loop_) answer(contact);  // what came may have left none that may run
@@ -158,6 +161,7 @@ class CouplingNode {
   }
 
   void answer(const msg::ContactState& contact) noexcept {
+    last_answered_ = contact.sequence_number;
     commands_.write_until(coupling_.answer(contact), [this] {
       heartbeat_.beat();
       return !options_.lockstep || over();
@@ -262,6 +266,7 @@ class CouplingNode {
   bool changed_ = false;            ///< description or plan have changed and are not followed yet
   std::atomic<bool> both_known_{false};   ///< both are there of those who are bound
   std::uint64_t session_in_loop_ = 0;
+  std::optional<std::uint64_t> last_answered_;  ///< number of the contact, in this session
   dds_instance_handle_t plan_writer_ = 0;  ///< whose plan the session was begun with
   std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
   std::atomic<double> voxel_m_{0.0}, stiffness_{0.0};
