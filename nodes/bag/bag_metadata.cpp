@@ -26,7 +26,7 @@ void add_extent(YAML::Node node, const BagMetadata& metadata) {
 }  // namespace
 
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root) {
-  YAML::Node root;
+  YAML::Node root(YAML::NodeType::Map);  // one that is nothing yet would not be shared by its copies
   YAML::Node body = with_root ? root["rosbag2_bagfile_information"] : root;
   body["version"] = 5;
   body["storage_identifier"] = metadata.storage_identifier;

@@ -23,6 +23,7 @@
 #include "core/rendering/build.hpp"
 #include "core/rendering/contact_parameters.hpp"
 #include "core/scene/scene_file.hpp"
+#include "core/voxmap/object_grid.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "tests/support/exact_shell.hpp"
 
@@ -65,7 +66,7 @@ struct HandBuilt {
       return mesh::import_mesh(spec.path, options).mesh;
     };
     const mesh::TriangleMesh fixed = mesh(scene.static_meshes.at(0)), moving = mesh(scene.dynamic_mesh);
-    voxmap = std::make_unique<voxmap::Voxmap>(voxmap::voxelise(fixed, voxmap::default_grid(fixed, scene.voxel_size_m), serial_for()));
+    voxmap = std::make_unique<voxmap::Voxmap>(voxmap::voxelise(fixed, voxmap::object_grid(fixed, scene.voxel_size_m), serial_for()));
     pointshell::Pointshell shell = test::exact_shell(moving, scene.voxel_size_m);
     const contact::ContactParameters parameters =
         rendering::contact_parameters(scene.contact, contact::ContactModelKind::kAdapted, shell, {});

@@ -9,7 +9,7 @@ import pathlib
 import re
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "deploy/tools"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "tests/runner"))
 import run_tests
 
 # Commands and pictures are named there too: a test is Suite.Name, a program's name does not begin with a capital.
