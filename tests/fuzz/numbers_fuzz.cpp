@@ -15,10 +15,10 @@ using namespace voxtouch;
 void settings(const std::string& text) try {
   const devices::DeviceSettings read = devices::parse_settings({text});
   const devices::SettingReader reader("fuzz", read, {"n", "w", "p", "v"});
-  if (const auto n = reader.number("n")) FUZZ_REQUIRE(std::isfinite(*n));
-  if (const auto p = reader.port("p")) FUZZ_REQUIRE(*p > 0);
+  if (const auto n = reader.number("n", -1e6, 1e6)) FUZZ_REQUIRE(std::abs(*n) <= 1e6);
+  if (const auto p = reader.whole("p", 1, 65535)) FUZZ_REQUIRE(*p > 0 && *p <= 65535);
   if (const auto v = reader.vector("v")) FUZZ_REQUIRE(v->allFinite());
-  (void)reader.whole("w");
+  (void)reader.whole("w", 0, 0xffffffffU);
 } catch (const devices::DeviceOpenError&) {
 }
 
