@@ -153,7 +153,8 @@ class CouplingNode {
     // What another participant says of itself has yet to be judged before its contacts are felt.
     if (contact.session_id != session_in_loop_ || !coupling_.runs() || !both_known_.load(kRelaxed)) return true;
     // A write that DDS could not end in time is made again in lockstep, and who had it already has it twice.
-    if (last_answered_ && contact.sequence_number <= *last_answered_) return true;
+    // Nothing more than that: a forged number must not keep the rightful ones that follow from being felt.
+    if (options_.lockstep && last_answered_ == contact.sequence_number) return true;
     // A plan that holds from this sample on is here, for the rendering waited for that: it must not be used a sample later.
     if (options_.lockstep) listen();
     if (coupling_.runs() && contact.session_id == session_in_loop_) answer(contact);  // what came may have left none that may run
