@@ -6,6 +6,7 @@
 #include <fstream>
 #include <memory>
 #include <sstream>
+#include <utility>
 
 #include "core/scene/scene_file.hpp"
 #include "core/types/geometry.hpp"
@@ -382,6 +383,17 @@ TEST(CouplingNode, JudgesACouplingThatIsSetByHandAndRunsIt) {
   ASSERT_FALSE(around.forces.empty());
   EXPECT_NEAR(around.forces.back(), kForce, 0.1 * kForce);
   EXPECT_EQ(around.node.end(), 0);
+}
+
+/// Such a number may be forged with the rendering's own GUID, which DDS without security cannot tell from the rightful one.
+TEST(CouplingNode, FeelsTheContactsThatFollowOneWithANumberFarAhead) {
+  Around a("{design: auto}");
+  a.describe(20.0), a.plan();
+  ASSERT_TRUE(a.force_comes()) << a.message();
+  const std::uint64_t next = std::exchange(a.sequence, std::uint64_t{1} << 40);
+  a.touch();
+  a.sequence = next;
+  EXPECT_TRUE(a.force_comes()) << a.message();
 }
 
 TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
