@@ -172,7 +172,8 @@ class Replay(unittest.TestCase):
         self.assertFalse(said["lockstep"])
 
     def test_in_real_time_the_commands_tell_from_where_a_new_design_holds(self):
-        self.change(self.folder / "bag", DEPLOY / "scenes/cup_friction.yaml", [("friction", "stiffness_n_per_m=80")], "--motion", "slide", "--duration", "6")
+        self.change(self.folder / "bag", DEPLOY / "scenes/cup_friction.yaml", [("friction", "stiffness_n_per_m=80", "--from-sample", 2000)],
+                    "--motion", "slide", "--duration", "6")
         said = self.real_time(self.folder / "bag")
         self.assertEqual(said["changes"], 1)
         self.assertTrue(said["missing"] or any(note.startswith("Design 2 began ") for note in said["notes"]), said)
