@@ -56,12 +56,13 @@ class LoggerNode {
       }
       // Whatever the others wrote before they stopped has been acknowledged by our readers: it is here, or on its way (best effort).
       // Not for ever: others may go on writing, a ring that this logger only listens to or a robot whose topics it was told.
-      const std::int64_t now = runtime::monotonic_ns(), quiet_until = now + 100'000'000, end = now + kMaxStopNs;
-      do {
+      // Quiet is counted in turns and not by the clock: a machine that lets this process wait lets DDS's threads in it wait as well.
+      const std::int64_t end = runtime::monotonic_ns() + kMaxStopNs;
+      for (int quiet = 0; quiet < 5 && runtime::monotonic_ns() < end; quiet = wait_set_.wait(20'000'000) ? 0 : quiet + 1) {
         heartbeat_.beat();
         descriptions_.take([](const msg::DeviceDescription&) {});
         topics_.drain();
-      } while (runtime::monotonic_ns() < end && (wait_set_.wait(20'000'000) || runtime::monotonic_ns() < quiet_until));
+      }
       lost_peer_ = housekeeping.peer_lost();
       constexpr std::int64_t kMaxCloseNs = 20'000'000'000;  // as long as `up` waits for it
       const runtime::Heartbeat::Busy busy(heartbeat_, kMaxCloseNs), closing(closing_, kMaxCloseNs);

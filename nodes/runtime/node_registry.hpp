@@ -79,7 +79,6 @@ struct Hung {
   std::string sentence;
 };
 
-/// The newest report of each participant that is still there.
 /// The newest report of each participant that is still there. Only its own: a status that comes from another participant than it names,
 /// as a bag that is played sends, is refused, and so is one that is longer than any of ours. A writer of such a one, or of a flood, is not
 /// listened to any more.

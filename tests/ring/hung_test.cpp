@@ -154,6 +154,26 @@ TEST(HungDisk, IsNamedAndTheRunIsNoGoodOne) {
   EXPECT_EQ(summary["recording"]["dropped"], 0) << "the queue holds more than a second";
 }
 
+TEST(HungDisk, ThatIsStoppedMeanwhileLosesNothing) {
+  const TemporaryFolder folder;
+  const std::string flag = (folder / "hangs").string();
+  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "0", "--record", (folder / "bag").string()}),
+             {{"LD_PRELOAD", VOXTOUCH_HUNG_DISK}, {"VOXTOUCH_TEST_DISK_HANGS", flag}});
+  ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
+  std::this_thread::sleep_for(milliseconds(1000));
+  std::ofstream(flag) << "now";
+  EXPECT_TRUE(wait_until([&] { return up.err().find("logger hangs: its disk has stood still") != std::string::npos; }, seconds(4)));
+  up.signal(SIGINT);
+  std::this_thread::sleep_for(milliseconds(2500));
+  std::filesystem::remove(flag);
+  const Finished end = up.wait();
+  const auto summary = parse_summary(end.out);
+  ASSERT_TRUE(summary.is_object()) << end.out << end.err;
+  const auto states = read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state");
+  ASSERT_FALSE(states.empty());
+  EXPECT_EQ(states.back().sequence_number + 1, summary["samples"]) << end.out << end.err;
+}
+
 class StoppedInLockstep : public testing::TestWithParam<const char*> {};
 
 TEST_P(StoppedInLockstep, EndsTheRunWithASentence) {

@@ -173,6 +173,7 @@ class Round {
   void finish() {
     const test::Finished end = up_.wait(30s);
     result_.status = end.status;
+    said_ = end.out + end.err;
     if (ask_.victim == "device" && ask_.signal == SIGKILL && end.out.find("device was ended by signal 9") == std::string::npos)
       result_.faults.push_back("`up` does not say that the device was killed");
   }
@@ -198,7 +199,7 @@ class Round {
       for (const Seen& s : seen)
         if (ask_.victim != "logger" || s.written_ns <= at_ns_ || ask_.signal == SIGSTOP) last_ns = s.sample_ns;
       result_.bag_lost_s = states.empty() ? 1e9 : 1e-9 * static_cast<double>(std::max<std::int64_t>(0, last_ns - states.back().sample_time_ns));
-      if (*result_.bag_lost_s > kBagLosesS) result_.faults.push_back(fmt::format("the bag lacks the last {:.2f} s", *result_.bag_lost_s));
+      if (*result_.bag_lost_s > kBagLosesS) result_.faults.push_back(fmt::format("the bag lacks the last {:.2f} s, where `up` ended with {} and said: {}", *result_.bag_lost_s, result_.status, said_));
     } catch (const std::exception& error) {
       result_.faults.push_back(std::string("the bag does not open: ") + error.what());
     }
@@ -213,6 +214,7 @@ class Round {
   std::vector<pid_t> nodes_;
   pid_t victim_ = 0;
   std::int64_t at_ns_ = 0;
+  std::string said_;  ///< by `up`, to its end
   RoundResult result_;
 };
 
