@@ -1,5 +1,6 @@
 #include "nodes/coupling/coupling_node.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "nodes/coupling/contact_coupling.hpp"
 #include "nodes/coupling/design_message.hpp"
 #include "nodes/coupling/fitting.hpp"
+#include "nodes/faults/fault_recorder.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/housekeeping.hpp"
@@ -26,6 +28,21 @@ namespace {
 
 using runtime::NodeState;
 constexpr auto kRelaxed = std::memory_order_relaxed;
+
+/// One contact and what it was answered with, for the record of a fault.
+struct ContactSeen {
+  msg::ContactState contact;
+  msg::ForceCommand command;
+};
+
+std::vector<faults::FaultMessage> messages_of(const std::vector<ContactSeen>& rows) {
+  std::vector<faults::FaultMessage> messages;
+  for (const ContactSeen& row : rows) {
+    messages.push_back(faults::message_of(0, row.contact.sample_time_ns, row.contact));
+    messages.push_back(faults::message_of(1, row.contact.sample_time_ns, row.command));
+  }
+  return messages;
+}
 
 /// What bounds each loop of the thread that answers contacts. `run`: it is the process, each cycle looks at `stop`. Contacts in a cycle:
 /// kMaxTakes; in real time the history holds one. Descriptions and plans in a cycle: kMaxTakes, of
@@ -43,7 +60,11 @@ class CouplingNode {
                  qos::profile_in(qos::kCouplingDesign, options.mode())),
         wait_set_(participant_), device_("device", {&descriptions_.following()}),
         rendering_("rendering", {&plans_.following(), &contacts_.following()}), fitting_(scene),
-        coupling_(scene.device) {
+        coupling_(scene.device),
+        faults_(options.fault_records, {"coupling", options.rig, {}},
+                {faults::topic_of<msg::ContactState>("/" + options.rig + "/rendering/contact"),
+                 faults::topic_of<msg::ForceCommand>("/" + options.rig + "/coupling/command")},
+                messages_of) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(plans_.condition());
     wait_set_.attach(contacts_.condition());
@@ -65,6 +86,7 @@ class CouplingNode {
       wait_set_.wait(50'000'000);
       listen();
       if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
+      if (device_fault_.exchange(false, kRelaxed)) faults_.keep_too("a fault that the device saw");
       for (int i = 0; i < contacts_.kMaxTakes && !over() && answer_one(); ++i) {
       }
     }
@@ -130,6 +152,7 @@ class CouplingNode {
     const std::uint64_t session = *fitting_.session();
     plan_writer_ = plans_.following().writer();
     coupling_.begin_session(fitting_.device().timing.period_s);
+    faults_.reserve(1.0 / fitting_.device().timing.period_s);
     session_in_loop_ = session;
     last_answered_.reset();
     stiffness_.store(0.0, kRelaxed);
@@ -140,6 +163,7 @@ class CouplingNode {
   /// From here on this coupling runs. One that must not run leaves the device without commands, which fades its force.
   void adopt(fitting::FittedCoupling fitted) {
     publish_design(designs_, fitted, session_in_loop_, coupling_.period_s());
+    if (coupling_.runs() && !fitted.refusal.empty()) faults_.keep("what came did not fit the device any more");
     coupling_.adopt(fitted, fitting_.device());
     const std::lock_guard lock(running_mutex_);
     running_ = {std::move(fitted), fitting_.device().translation.max_stiffness, running_.made + 1};
@@ -163,12 +187,27 @@ class CouplingNode {
 
   void answer(const msg::ContactState& contact) noexcept {
     last_answered_ = contact.sequence_number;
-    commands_.write_until(coupling_.answer(contact), [this] {
+    const coupling::CouplingCounters before = coupling_.counters();
+    const msg::ForceCommand command = coupling_.answer(contact);
+    commands_.write_until(command, [this] {
       heartbeat_.beat();
       return !options_.lockstep || over();
     });
     if (samples_.load(kRelaxed) == 0) first_sample_.store(contact.sequence_number, kRelaxed);
     note(contact.stiffness_bound_n_per_m);
+    faults_.push({contact, command});
+    keep_what_went_wrong(before, coupling_.counters());
+  }
+
+  void keep_what_went_wrong(const coupling::CouplingCounters& before, const coupling::CouplingCounters& now) noexcept {
+    if (now.faults != before.faults) faults_.keep("a contact came late or could not be used");
+    if (now.not_finite != before.not_finite) faults_.keep("a command was no number");
+    const auto below = [](double lowest_j, double was_j, double bound_j) { return lowest_j < was_j && lowest_j < -bound_j; };
+    const double voxel_m = voxel_m_.load(kRelaxed);
+    if (below(now.lowest_energy_j, before.lowest_energy_j, coupling::energy_bound_j(now.most_force_n, now.longest_way_m, voxel_m)) ||
+        below(now.lowest_energy_rotation_j, before.lowest_energy_rotation_j,
+              coupling::energy_bound_rotation_j(now.most_torque_nm, now.longest_turn_rad, now.most_force_n, voxel_m)))
+      faults_.keep("the coupling gave away more energy than a sound contact shows");
   }
 
   void note(double stiffness_n_per_m) noexcept {
@@ -203,6 +242,8 @@ class CouplingNode {
     if (running_.made > 0) describe(design, report);
     report.figures["foreign_samples"] = {device_.refused() + rendering_.refused(), "samples"};
     device_.update(registry, std::nullopt);
+    watch_device(registry);
+    faults_.report_to(report);
     if (device_.bound()) rendering_.update(registry, device_.session());
     std::string missing =
         session_.report_to(report, options_, registry, links_, "a device and its scene's plan", samples_.load() > 0);
@@ -227,6 +268,18 @@ class CouplingNode {
     if (running_.made == 0 || running_.fitted.refusal.empty()) return;
     report.state = NodeState::kFailed;
     report.message = running_.fitted.refusal + " No force is commanded.";
+  }
+
+  /// A device that hangs, or has gone without a last word, tells of no fault any more.
+  void watch_device(const runtime::NodeRegistry& registry) {
+    if (const auto& bound = device_.participant()) {
+      last_device_ = *bound;
+      if (const runtime::NodeReport* device = registry.report_of(*bound); device && device_faults_.see(*device)) device_fault_.store(true, kRelaxed);
+    }
+    const std::vector<runtime::Hung> hung = registry.hung();
+    const bool silent = std::ranges::find(hung, last_device_, &runtime::Hung::participant) != hung.end();
+    if (silent && !std::exchange(device_silent_, silent)) device_fault_.store(true, kRelaxed);
+    device_silent_ = silent;
   }
 
   void describe(const coupling::design::Design& design, runtime::NodeReport& report) const {
@@ -256,6 +309,11 @@ class CouplingNode {
   std::vector<runtime::Link> links_;
   Fitting fitting_;
   ContactCoupling coupling_;
+  faults::FaultRecorder<ContactSeen> faults_;
+  faults::OthersFaults device_faults_;
+  std::optional<bus::Guid> last_device_;    ///< that was bound
+  bool device_silent_ = false;              ///< at the last look
+  std::atomic<bool> device_fault_{false};   ///< for the loop to keep what it saw
   /// What other threads may ask about; the loop takes the lock only where a fit is adopted.
   struct Running {
     fitting::FittedCoupling fitted;

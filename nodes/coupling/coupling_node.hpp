@@ -6,7 +6,9 @@
 
 namespace voxtouch::coupling_node {
 
-struct Options : runtime::NodeOptions {};
+struct Options : runtime::NodeOptions {
+  std::filesystem::path fault_records;  ///< folder for what was seen before a fault; empty: nothing is kept
+};
 
 /// Answers every contact until `stop`. Throws while starting only.
 int run(const Options& options, const std::atomic<bool>& stop);

@@ -1,5 +1,6 @@
 #include "nodes/runtime/main.hpp"
 #include "nodes/coupling/coupling_node.hpp"
+#include "nodes/faults/fault_recorder.hpp"
 
 int main(int argc, char** argv) {
   voxtouch::coupling_node::Options options;
@@ -9,5 +10,6 @@ int main(int argc, char** argv) {
        .about = "voxtouch coupling node: shapes the contact wrench so that device, hand and contact stay stable "
                 "together, and commands the\n"
                 "device."},
-      options, [](CLI::App&) {}, [&](const std::atomic<bool>& stop) { return voxtouch::coupling_node::run(options, stop); });
+      options, [&](CLI::App& app) { voxtouch::faults::add_option(app, options.fault_records); },
+      [&](const std::atomic<bool>& stop) { return voxtouch::coupling_node::run(options, stop); });
 }

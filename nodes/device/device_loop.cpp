@@ -15,13 +15,26 @@ namespace {
 constexpr auto kRelaxed = std::memory_order_relaxed;
 constexpr std::int64_t kPollNs = 50'000'000;
 
+const char* reason_of(devices::DeviceError error) noexcept {
+  switch (error) {
+    case devices::DeviceError::kTimeout: return "the device gave no sample in time";
+    case devices::DeviceError::kDisconnected: return "the device went away";
+    case devices::DeviceError::kNotFinite:
+    case devices::DeviceError::kLimit: return "the driver refused a command";
+    case devices::DeviceError::kProtocol: return "the device broke its protocol";
+    case devices::DeviceError::kRecoverable: return "the device dropped its force";
+    case devices::DeviceError::kFault: return "the device stopped with a fault";
+  }
+  return "the device failed";
+}
+
 }  // namespace
 
 DeviceLoop::DeviceLoop(const Settings& settings, devices::Driver& driver, bus::Writer<msg::DeviceState>& states,
                        bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress,
-                       Requests& requests)
+                       Requests& requests, Faults& faults)
     : settings_(settings), driver_(driver), states_(states), commands_(commands), wait_set_(wait_set),
-      progress_(progress), requests_(requests), guard_(devices::guard_config(driver.description())), gate_(settings.session_id),
+      progress_(progress), requests_(requests), faults_(faults), guard_(devices::guard_config(driver.description())), gate_(settings.session_id),
       period_ns_(std::llround(1e9 / driver.description().rate_hz)),
       longest_gap_ns_(std::llround(1e9 * (guard_.config().hold_periods * guard_.config().period_s + guard_.config().fade_s))) {}
 
@@ -70,10 +83,13 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   ++sequence_;
   progress_.samples.store(sequence_, kRelaxed);
   if (stood_still()) {
+    faults_.keep("its process was kept from running");
     let_go();
     return End::kNone;
   }
+  const devices::GuardCounts before = guard_.counts();
   const Wrench force = guard_.pass(command, sample->time_ns + settings_.epoch_ns);
+  record(force, before);
   const auto written = driver_.write(force);
   note(written ? force : Wrench{});
   progress_.in_trouble.store(!written, kRelaxed);
@@ -84,6 +100,7 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
 /// Only a device that has gone or needs a person ends the session. All else costs force, not the session: zero now, ramped in anew.
 End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   progress_.last_error.store(error, kRelaxed);
+  if (accepts_force_) faults_.keep(reason_of(error));
   if (error == devices::DeviceError::kDisconnected) return End::kDeviceGone;
   if (error == devices::DeviceError::kFault) return End::kDeviceFault;
   let_go();
@@ -128,6 +145,7 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample, const std::atomic<
                 (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
                 (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) |
                 (trusted ? 0U : msg::device_state::kFlagPoseHeld);
+  seen_.state = state, seen_.answered = false;
   published_ns_[sequence_ % published_ns_.size()] = runtime::monotonic_ns();
   if (!settings_.lockstep) return states_.write(state), true;  // best effort: a full socket is a lost sample, not an end
   return states_.write_until(state, [&] {
@@ -150,6 +168,7 @@ std::optional<devices::GuardInput> DeviceLoop::take_commands() noexcept {
       progress_.first_answered.store(command.sequence_number, kRelaxed);
     if (sequence_ - command.sequence_number < published_ns_.size())
       progress_.latency.record(runtime::monotonic_ns() - published_ns_[command.sequence_number % published_ns_.size()]);
+    seen_.command = command, seen_.answered = true;
     newest = devices::GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns};
   }
   return newest;
@@ -195,6 +214,21 @@ void DeviceLoop::next_period() noexcept {
   progress_.overruns.fetch_add(next.skipped, kRelaxed);
 }
 
+/// A fault is what the guard had to mend; what the device itself says comes with its error.
+void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before) noexcept {
+  seen_.given = msg::ForceCommand{};
+  seen_.given.session_id = settings_.session_id;
+  seen_.given.sequence_number = seen_.state.sequence_number;
+  seen_.given.sample_time_ns = seen_.state.sample_time_ns;
+  seen_.given.wrench = runtime::to_msg(given);
+  faults_.push(seen_);
+  const devices::GuardCounts& now = guard_.counts();
+  if (now.refused_not_finite != before.refused_not_finite) faults_.keep("a command was no number");
+  if (now.clamped_force != before.clamped_force || now.clamped_torque != before.clamped_torque) faults_.keep("a command was above the device's limit");
+  if (now.faded != before.faded) faults_.keep("commands stopped coming and the force faded");
+  if (requests_.coupling_fault.exchange(false, kRelaxed)) faults_.keep_too("a fault that the coupling saw");
+}
+
 void DeviceLoop::note(const Wrench& force) noexcept {
   const double magnitude = force.force.norm();
   progress_.force_n.store(magnitude, kRelaxed);
@@ -205,6 +239,26 @@ void DeviceLoop::note(const Wrench& force) noexcept {
   progress_.refused_late.store(counts.refused_stale, kRelaxed);
   progress_.clamped.store(counts.clamped(), kRelaxed);
   progress_.faded.store(counts.faded, kRelaxed);
+}
+
+std::unique_ptr<Faults> make_faults(const std::filesystem::path& folder, const std::string& rig, double rate_hz) {
+  const std::string ns = "/" + rig + "/";
+  auto faults = std::make_unique<Faults>(
+      folder, faults::FaultStory{"device", rig, {}},
+      std::vector{faults::topic_of<msg::DeviceState>(ns + "device/state"), faults::topic_of<msg::ForceCommand>(ns + "coupling/command"),
+                  faults::topic_of<msg::ForceCommand>(ns + "device/given")},
+      [](const std::vector<SampleSeen>& rows) {
+        std::vector<faults::FaultMessage> messages;
+        for (const SampleSeen& row : rows) {
+          const std::int64_t time_ns = row.state.sample_time_ns;
+          messages.push_back(faults::message_of(0, time_ns, row.state));
+          if (row.answered) messages.push_back(faults::message_of(1, time_ns, row.command));
+          messages.push_back(faults::message_of(2, time_ns, row.given));
+        }
+        return messages;
+      });
+  faults->reserve(rate_hz);
+  return faults;
 }
 
 }  // namespace voxtouch::device_node

@@ -15,6 +15,7 @@
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
+#include "nodes/faults/fault_recorder.hpp"
 #include "nodes/runtime/heartbeat.hpp"
 #include "nodes/runtime/latency.hpp"
 
@@ -57,10 +58,22 @@ struct Progress {
   runtime::LatencyHistogram latency;
 };
 
+/// What the loop saw and did in one sample, for the record of a fault.
+struct SampleSeen {
+  msg::DeviceState state;
+  msg::ForceCommand command;  ///< the one that came for it, if `answered`
+  msg::ForceCommand given;    ///< with the wrench that the device was given
+  bool answered = false;
+};
+using Faults = faults::FaultRecorder<SampleSeen>;
+/// Writes to FOLDER (none: records nothing); the topics are those of the ring, and `device/given` beside them.
+std::unique_ptr<Faults> make_faults(const std::filesystem::path& folder, const std::string& rig, double rate_hz);
+
 /// Asked by other threads of the loop.
 struct Requests {
   std::atomic<bool> peer_gone{false};       ///< lockstep: a node that takes part has gone
   std::atomic<bool> rig_claimed{false};     ///< another device of this rig was there first
+  std::atomic<bool> coupling_fault{false};  ///< the coupling has kept what it saw: so does this node
 };
 
 class DeviceLoop {
@@ -73,7 +86,7 @@ class DeviceLoop {
     std::int64_t peer_timeout_ns = 5'000'000'000;
   };
   DeviceLoop(const Settings& settings, devices::Driver& driver, bus::Writer<msg::DeviceState>& states,
-             bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests);
+             bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests, Faults& faults);
 
   /// Runs to the end; leaves the driver stopped.
   End run(const std::atomic<bool>& stop) noexcept;
@@ -90,6 +103,7 @@ class DeviceLoop {
   std::optional<devices::GuardInput> wait_in_real_time() noexcept;
   std::optional<devices::GuardInput> take_commands() noexcept;
   void note(const Wrench& force) noexcept;
+  void record(const Wrench& given, const devices::GuardCounts& before) noexcept;
 
   Settings settings_;
   devices::Driver& driver_;
@@ -98,6 +112,8 @@ class DeviceLoop {
   bus::WaitSet& wait_set_;
   Progress& progress_;
   Requests& requests_;
+  Faults& faults_;
+  SampleSeen seen_{};  // of this turn
   devices::ForceGuard guard_;
   devices::CommandGate gate_;
   std::int64_t period_ns_, deadline_ns_ = 0;

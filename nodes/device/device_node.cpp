@@ -107,11 +107,12 @@ class DeviceNode {
     links_ = {runtime::link_of_writer(qos::kDeviceState, states_), runtime::link_of_writer(qos::kDeviceDescription, descriptions_),
               runtime::link_of_reader(qos::kForceCommand, commands_)};
     coupling_.emplace("coupling", std::vector{&commands_.following()});
+    faults_ = make_faults(options.fault_records, options.rig, driver_->description().rate_hz);
     describe();
   }
 
   int run(const std::atomic<bool>& stop) {
-    DeviceLoop loop(settings(), *driver_, states_, commands_, *wait_set_, progress_, requests_);
+    DeviceLoop loop(settings(), *driver_, states_, commands_, *wait_set_, progress_, requests_, *faults_);
     End end = End::kNone;
     {
       runtime::Housekeeping housekeeping(
@@ -208,6 +209,8 @@ class DeviceNode {
   void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
     const End end = progress_.end.load(std::memory_order_acquire);
     coupling_->update(registry, session_);
+    if (const runtime::NodeReport* coupling = coupling_->participant() ? registry.report_of(*coupling_->participant()) : nullptr)
+      if (faults_of_coupling_.see(*coupling)) requests_.coupling_fault.store(true);
     watch_peers(registry);
     watch_rig(registry);
     if (!options_.lockstep && reminder_.is_due(registry, session_, qos::kDeviceDescription)) describe();
@@ -321,6 +324,7 @@ class DeviceNode {
         {"foreign_commands", {coupling_->refused(), "commands"}}};
     if (const std::uint64_t first = progress_.first_answered.load(); first != Progress::kNone)
       report.figures["first_answered"] = {first, "sample number"};
+    faults_->report_to(report);
     if (claim_) report.figures[kClaim] = {*claim_, "samples"};
   }
 
@@ -342,6 +346,8 @@ class DeviceNode {
   Requests requests_;
   std::atomic<bool> peers_ready_{false};
   std::atomic<bool> peers_late_{false};
+  std::unique_ptr<Faults> faults_;
+  faults::OthersFaults faults_of_coupling_;
   std::optional<std::uint64_t> claim_;
   std::string rival_, waiting_for_;
   std::string gone_;  ///< lockstep: who was lost, and how
@@ -365,6 +371,7 @@ void add_device_options(CLI::App& app, Options& options) {
   app.add_option("--device-option", options.settings,
                  "KEY=VALUE of this device (deploy/devices/*.md list them); may be given more than once")
       ->allow_extra_args(false);
+  faults::add_option(app, options.fault_records);
   app.add_option("--motion", options.motion, "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
   app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")
       ->capture_default_str()

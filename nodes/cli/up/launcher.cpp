@@ -127,6 +127,13 @@ std::vector<std::string> device_arguments(const device_node::Options& o) {
   if (!o.motion.empty()) a.insert(a.end(), {"--motion", o.motion});
   device_node::append_arguments(o.hand, a);
   for (const std::string& setting : o.settings) a.insert(a.end(), {"--device-option", setting});
+  if (!o.fault_records.empty()) a.insert(a.end(), {"--fault-records", o.fault_records.string()});
+  return a;
+}
+
+std::vector<std::string> coupling_arguments(const coupling_node::Options& o) {
+  std::vector<std::string> a = runtime::to_arguments(o, true);
+  if (!o.fault_records.empty()) a.insert(a.end(), {"--fault-records", o.fault_records.string()});
   return a;
 }
 
@@ -186,7 +193,7 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
       "validator", o.validator, [&] { return validator_arguments(o.validator); },
       [&o](Stop stop) { return validator::run(o.validator, stop); });
   start(
-      "coupling", o.coupling, [&] { return runtime::to_arguments(o.coupling, true); },
+      "coupling", o.coupling, [&] { return coupling_arguments(o.coupling); },
       [&o](Stop stop) { return coupling_node::run(o.coupling, stop); });
   start(
       "rendering", o.rendering, [&] { return runtime::to_arguments(o.rendering, true); },

@@ -25,6 +25,7 @@
 #include "nodes/cli/up/summary.hpp"
 #include "nodes/cli/up/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/faults/fault_bag.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/scene_argument.hpp"
@@ -59,6 +60,13 @@ std::filesystem::path default_bag(const std::string& scene) {
   return recordings_folder() / (scene + "-" + stamp);
 }
 
+/// Where device and coupling keep what they saw before a fault; made with the first one.
+std::filesystem::path faults_beside(const std::filesystem::path& bag) {
+  std::filesystem::path folder = std::filesystem::absolute(bag).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();  // "bags/run/"
+  return folder += "_faults";
+}
+
 /// Runs the ring once: start, watch, stop in order, sum up.
 class Run {
  public:
@@ -75,6 +83,7 @@ class Run {
     summary_.limits = options.limits;
     if (!options.no_record)
       summary_.bag = options.ring.logger.bag.empty() ? default_bag(scene.name).string() : options.ring.logger.bag.string();
+    faults_ = faults_beside(summary_.bag.empty() ? default_bag(scene.name) : std::filesystem::path(summary_.bag));
   }
 
   /// Also after an exception: the device goes first.
@@ -91,6 +100,7 @@ class Run {
     watch();
     stop_all();
     judge(summary_);
+    for (std::string& sentence : faults::told_in(faults_)) summary_.notes.push_back(std::move(sentence));
     return std::move(summary_);
   }
 
@@ -130,6 +140,7 @@ class Run {
                                                                                   &ring.validator})
       *one = node;
     ring.logger.bag = summary_.bag;
+    ring.device.fault_records = ring.coupling.fault_records = faults_;
     ring.record = !options_.no_record;
     return ring;
   }
@@ -297,6 +308,7 @@ class Run {
   runtime::StatusWriter status_;
   runtime::NodeRegistry registry_;
   bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges for whoever reads; its counts come with its status
+  std::filesystem::path faults_;
   LauncherOptions launcher_options_;
   std::vector<std::unique_ptr<RunningNode>> children_;
   std::string last_message_ = "running";  ///< of the device, as it was said

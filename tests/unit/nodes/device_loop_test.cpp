@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "nodes/runtime/clock.hpp"
+#include "tests/ring/ring_run.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::device_node {
@@ -97,7 +98,7 @@ class DeviceLoopRun : public testing::Test {
     bus::WaitSet wait_set(participant_);
     wait_set.attach(commands.condition());
     test::NodeThread coupling([this](const std::atomic<bool>& enough) { return answer(enough); });
-    DeviceLoop loop({.session_id = 7, .max_samples = samples}, device, states, commands, wait_set, progress, requests);
+    DeviceLoop loop({.session_id = 7, .max_samples = samples}, device, states, commands, wait_set, progress, requests, *faults);
     test::wait_until([&] { return commands.matched_count() == 1 && states.matched_count() == 1; });
     EXPECT_TRUE(commands.following().follow(commands.matched().at(0)));
     const std::int64_t begin = runtime::monotonic_ns();
@@ -112,6 +113,7 @@ class DeviceLoopRun : public testing::Test {
   }
 
   FaultyDevice device;
+  std::unique_ptr<Faults> faults = make_faults({}, "r", 1000.0);
   Progress progress;
   Requests requests;
   std::atomic<bool> stop{false};
@@ -167,6 +169,22 @@ TEST_F(DeviceLoopRun, TakesAMissedSampleForAnInterruptionNotForTheEnd) {
   EXPECT_LT(device.pushed[920], 0.5) << "the force comes back in a ramp";
   EXPECT_GT(largest(1000, 1200), 0.5);
   EXPECT_FALSE(progress.in_trouble.load());
+}
+
+TEST_F(DeviceLoopRun, KeepsWhatItSawBeforeTheDeviceDroppedItsForce) {
+  const test::TemporaryFolder folder;
+  faults = make_faults(folder.path(), "r", 1000.0);
+  device.write_faults = {{900, devices::DeviceError::kRecoverable}};
+  EXPECT_EQ(run(), End::kFinished);
+  faults.reset();  // what is under way is written
+  const auto states = test::read_ring_topic<msg::DeviceState>(folder / "device_1", "/r/device/state");
+  ASSERT_FALSE(states.empty());
+  EXPECT_NEAR(static_cast<double>(states.back().sequence_number), 899.0, 1.0);
+  EXPECT_EQ(states.front().sequence_number, 0U);
+  const auto given = test::read_ring_topic<msg::ForceCommand>(folder / "device_1", "/r/device/given");
+  EXPECT_GT(given.back().wrench.force.x, 1.5);
+  EXPECT_FALSE(std::filesystem::exists(folder / "device_2"));
+  EXPECT_NE(faults::told_in(folder.path()).at(0).find("before the device dropped its force"), std::string::npos);
 }
 
 TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {

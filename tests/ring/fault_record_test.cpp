@@ -1,0 +1,66 @@
+// What device and coupling saw before a fault is beside the bag, and nowhere after a good run.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "tests/ring/ring_run.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+double force_n(const msg::ForceCommand& c) { return std::hypot(c.wrench.force.x, c.wrench.force.y, c.wrench.force.z); }
+
+/// A machine that is busy may have brought about others before it.
+std::filesystem::path newest(const std::filesystem::path& folder, const std::string& node) {
+  std::filesystem::path found = folder / (node + "1");
+  for (int n = 2; std::filesystem::exists(folder / (node + std::to_string(n))); ++n) found = folder / (node + std::to_string(n));
+  return found;
+}
+
+TEST(FaultRecord, OfAKilledRenderingHoldsWhatDeviceAndCouplingSawInTheTwoSecondsBefore) {
+  const TemporaryFolder folder;
+  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
+  for (int i = 0; i < 1500 && !runs(up); ++i) std::this_thread::sleep_for(milliseconds(20));
+  // Two seconds in which the machine kept nobody waiting, if it has them: a fault begins the record anew.
+  for (int i = 0; i < 10; ++i) {
+    const std::string said = up.err();
+    std::this_thread::sleep_for(milliseconds(2500));
+    if (i > 0 && up.err().find("what it saw before", said.size()) == std::string::npos) break;
+  }
+  ::kill(child_called(up.pid(), "voxtouch_rendering"), SIGKILL);
+  const Finished end = up.wait();
+  EXPECT_EQ(end.status, 1);
+  const std::filesystem::path device = newest(folder / "bag_faults", "device_"), coupling = newest(folder / "bag_faults", "coupling_");
+  ASSERT_TRUE(std::filesystem::exists(device / "fault.json")) << end.out << end.err;
+  ASSERT_TRUE(std::filesystem::exists(coupling / "fault.json")) << end.out << end.err;
+  EXPECT_NE(end.out.find("what the device saw in the last 2.0 s before"), std::string::npos) << end.out;
+
+  const auto states = read_ring_topic<msg::DeviceState>(device, "/haptic/device/state");
+  const auto given = read_ring_topic<msg::ForceCommand>(device, "/haptic/device/given");
+  ASSERT_EQ(states.size(), 2000U);
+  ASSERT_EQ(given.size(), 2000U);
+  EXPECT_TRUE(std::ranges::is_sorted(states, {}, &msg::DeviceState::sequence_number));
+  EXPECT_GT(std::ranges::max(given, {}, force_n).wrench.force.z + force_n(given[1000]), 0.05) << "it was in contact";
+  EXPECT_GT(read_ring_topic<msg::ForceCommand>(device, "/haptic/coupling/command").size(), 1500U);
+  EXPECT_GT(read_ring_topic<msg::ContactState>(coupling, "/haptic/rendering/contact").size(), 1500U);
+  // The bag of the run has the same samples.
+  const auto recorded = read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state");
+  const auto same = std::ranges::find(recorded, states[1000].sequence_number, &msg::DeviceState::sequence_number);
+  ASSERT_NE(same, recorded.end());
+  EXPECT_EQ(std::memcmp(&*same, &states[1000], sizeof *same), 0);
+}
+
+TEST(FaultRecord, OfAGoodRunIsNone) {
+  const TemporaryFolder folder;
+  const RingResult r = run_ring(shipped_scene("cup"), {"--lockstep", "--one-process", "--motion", "slide", "--duration", "3", "--record", (folder / "bag").string()});
+  ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
+  EXPECT_FALSE(std::filesystem::exists(folder / "bag_faults"));
+}
+
+}  // namespace
+}  // namespace voxtouch::test
