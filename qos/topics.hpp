@@ -58,6 +58,8 @@ inline constexpr Topic kEffectChange{"rendering/change", "voxtouch_msgs/msg/Effe
                                      "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool."};
 inline constexpr Topic kEffectChanged{"rendering/changed", "voxtouch_msgs/msg/EffectChanged", ProfileId::kStatus, 0, kRendering, kLogger,
                                       "What became of each change."};
+inline constexpr Topic kRecover{"recover", "voxtouch_msgs/msg/Recover", ProfileId::kEvent, 0, kNobody, kDevice | kCoupling | kLogger,
+                                "A person lets a locked node give force again: voxtouch recover."};
 inline constexpr std::string_view kForRos = "For ROS tools; made and written only while somebody reads it, outside the loop.";
 inline constexpr Topic kDiagnostics{"diagnostics", "diagnostic_msgs/msg/DiagnosticArray", ProfileId::kState, 1, kEveryNode, kNobody,
                                     "For ROS tools; made and written only while somebody reads it.", true};
@@ -71,7 +73,7 @@ inline constexpr Topic kWrench{"wrench", "geometry_msgs/msg/WrenchStamped", Prof
 inline constexpr Topic kMarkers{"markers", "visualization_msgs/msg/MarkerArray", ProfileId::kState, 10, kRendering, kNobody, kForRos};
 
 inline constexpr Topic kTopics[] = {kDeviceState, kContactState, kForceCommand, kDeviceDescription, kScenePlan,
-                                    kCouplingDesign, kValidation, kNodeStatus, kEffectChange, kEffectChanged,
+                                    kCouplingDesign, kValidation, kNodeStatus, kEffectChange, kEffectChanged, kRecover,
                                     kDiagnostics, kTf, kTfStatic, kClock, kPose, kWrench, kMarkers};
 
 enum class TimeMode : std::uint8_t { kRealTime, kLockstep };

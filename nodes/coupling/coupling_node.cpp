@@ -17,6 +17,7 @@
 #include "nodes/coupling/design_message.hpp"
 #include "nodes/coupling/fitting.hpp"
 #include "nodes/faults/fault_recorder.hpp"
+#include "nodes/faults/force_lock.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/housekeeping.hpp"
@@ -64,7 +65,8 @@ class CouplingNode {
         faults_(options.fault_records, {"coupling", options.rig, {}},
                 {faults::topic_of<msg::ContactState>("/" + options.rig + "/rendering/contact"),
                  faults::topic_of<msg::ForceCommand>("/" + options.rig + "/coupling/command")},
-                messages_of) {
+                messages_of),
+        keeper_(participant_, options.rig) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(plans_.condition());
     wait_set_.attach(contacts_.condition());
@@ -188,7 +190,9 @@ class CouplingNode {
   void answer(const msg::ContactState& contact) noexcept {
     last_answered_ = contact.sequence_number;
     const coupling::CouplingCounters before = coupling_.counters();
-    const msg::ForceCommand command = coupling_.answer(contact);
+    if (lock_.opened()) begin_anew();
+    msg::ForceCommand command = coupling_.answer(contact);
+    if (lock_.engaged()) command.wrench = {}, command.status |= msg::force_command::kStatusLocked;
     commands_.write_until(command, [this] {
       heartbeat_.beat();
       return !options_.lockstep || over();
@@ -199,15 +203,23 @@ class CouplingNode {
     keep_what_went_wrong(before, coupling_.counters());
   }
 
+  /// As at the begin of a session: no debt, and the force ramps in. Allocates, once, while no force is commanded.
+  void begin_anew() {
+    coupling_.begin_session(coupling_.period_s());
+    coupling_.adopt(running_.fitted, fitting_.device());
+  }
+
   void keep_what_went_wrong(const coupling::CouplingCounters& before, const coupling::CouplingCounters& now) noexcept {
     if (now.faults != before.faults) faults_.keep("a contact came late or could not be used");
     if (now.not_finite != before.not_finite) faults_.keep("a command was no number");
-    const auto below = [](double lowest_j, double was_j, double bound_j) { return lowest_j < was_j && lowest_j < -bound_j; };
+    const auto debt = [](double lowest_j, double was_j, double bound_j) { return lowest_j < was_j && bound_j > 0.0 ? -lowest_j / bound_j : 0.0; };
     const double voxel_m = voxel_m_.load(kRelaxed);
-    if (below(now.lowest_energy_j, before.lowest_energy_j, coupling::energy_bound_j(now.most_force_n, now.longest_way_m, voxel_m)) ||
-        below(now.lowest_energy_rotation_j, before.lowest_energy_rotation_j,
-              coupling::energy_bound_rotation_j(now.most_torque_nm, now.longest_turn_rad, now.most_force_n, voxel_m)))
-      faults_.keep("the coupling gave away more energy than a sound contact shows");
+    const double most = std::max(debt(now.lowest_energy_j, before.lowest_energy_j, coupling::energy_bound_j(now.most_force_n, now.longest_way_m, voxel_m)),
+                                 debt(now.lowest_energy_rotation_j, before.lowest_energy_rotation_j,
+                                      coupling::energy_bound_rotation_j(now.most_torque_nm, now.longest_turn_rad, now.most_force_n, voxel_m)));
+    if (most > 1.0) faults_.keep("the coupling gave away more energy than a sound contact shows");
+    if (most > kOutOfHand && std::min(now.lowest_energy_j, now.lowest_energy_rotation_j) < -kNoticeableJ)
+      lock_.engage("the coupling gave away five times the energy that a sound contact may show, so the contact is unstable");
   }
 
   void note(double stiffness_n_per_m) noexcept {
@@ -244,6 +256,7 @@ class CouplingNode {
     device_.update(registry, std::nullopt);
     watch_device(registry);
     faults_.report_to(report);
+    keeper_.listen(device_.session(), lock_);
     if (device_.bound()) rendering_.update(registry, device_.session());
     std::string missing =
         session_.report_to(report, options_, registry, links_, "a device and its scene's plan", samples_.load() > 0);
@@ -265,6 +278,7 @@ class CouplingNode {
                                "(coupling: {{design: auto}})",
                                displayed, running_.device_max_stiffness_n_per_m)
                          : fmt::format("{} runs, {}", running_.fitted.spec.kind, status_word(running_.fitted));
+    lock_.report_to(report, !session_.stopped());
     if (running_.made == 0 || running_.fitted.refusal.empty()) return;
     report.state = NodeState::kFailed;
     report.message = running_.fitted.refusal + " No force is commanded.";
@@ -311,6 +325,10 @@ class CouplingNode {
   ContactCoupling coupling_;
   faults::FaultRecorder<ContactSeen> faults_;
   faults::OthersFaults device_faults_;
+  static constexpr double kOutOfHand = 5.0;     ///< times what a sound contact may show
+  static constexpr double kNoticeableJ = 0.01;  ///< a stylus of 50 g at 0.6 m/s
+  faults::ForceLock lock_;
+  faults::LockKeeper keeper_;
   std::optional<bus::Guid> last_device_;    ///< that was bound
   bool device_silent_ = false;              ///< at the last look
   std::atomic<bool> device_fault_{false};   ///< for the loop to keep what it saw

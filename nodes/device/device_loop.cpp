@@ -87,6 +87,11 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
     let_go();
     return End::kNone;
   }
+  if (progress_.lock.opened()) guard_.restart();
+  if (progress_.lock.engaged()) {
+    let_go();
+    return End::kNone;
+  }
   const devices::GuardCounts before = guard_.counts();
   const Wrench force = guard_.pass(command, sample->time_ns + settings_.epoch_ns);
   record(force, before);
@@ -103,6 +108,9 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   if (accepts_force_) faults_.keep(reason_of(error));
   if (error == devices::DeviceError::kDisconnected) return End::kDeviceGone;
   if (error == devices::DeviceError::kFault) return End::kDeviceFault;
+  // The guard lets nothing through that the driver has to refuse: one of the two is wrong, and nobody knows which.
+  if (error == devices::DeviceError::kNotFinite || error == devices::DeviceError::kLimit)
+    progress_.lock.engage("the driver refused a command that the force guard had let through");
   let_go();
   progress_.in_trouble.store(true, kRelaxed);
   last_cycle_ns_ = 0;  // it is at zero force: how long it takes to come back tells nothing
@@ -143,6 +151,7 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample, const std::atomic<
   state.buttons = sample.buttons;
   state.flags = (driver_.simulated() ? msg::device_state::kFlagSimulated : 0U) |
                 (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
+                (progress_.lock.engaged() ? msg::device_state::kFlagLocked : 0U) |
                 (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) |
                 (trusted ? 0U : msg::device_state::kFlagPoseHeld);
   seen_.state = state, seen_.answered = false;
@@ -224,9 +233,21 @@ void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before)
   faults_.push(seen_);
   const devices::GuardCounts& now = guard_.counts();
   if (now.refused_not_finite != before.refused_not_finite) faults_.keep("a command was no number");
-  if (now.clamped_force != before.clamped_force || now.clamped_torque != before.clamped_torque) faults_.keep("a command was above the device's limit");
+  const bool cut = now.clamped_force != before.clamped_force || now.clamped_torque != before.clamped_torque;
+  if (cut) faults_.keep("a command was above the device's limit");
+  lock_where_cut(cut);
   if (now.faded != before.faded) faults_.keep("commands stopped coming and the force faded");
   if (requests_.coupling_fault.exchange(false, kRelaxed)) faults_.keep_too("a fault that the coupling saw");
+}
+
+/// One command above the limit is cut and counted. Where it is more than a tenth of about a second's, what the hand feels is the limit and no
+/// contact any more.
+void DeviceLoop::lock_where_cut(bool cut) noexcept {
+  const double second = 1e9 / static_cast<double>(period_ns_);
+  cut_samples_ += (cut ? 1.0 : 0.0) - cut_samples_ / second;
+  if (cut_samples_ < 0.1 * second) return;
+  cut_samples_ = 0.0;
+  progress_.lock.engage("more than a tenth of a second's commands were above the device's limit");
 }
 
 void DeviceLoop::note(const Wrench& force) noexcept {

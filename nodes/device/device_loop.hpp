@@ -16,6 +16,7 @@
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/faults/fault_recorder.hpp"
+#include "nodes/faults/force_lock.hpp"
 #include "nodes/runtime/heartbeat.hpp"
 #include "nodes/runtime/latency.hpp"
 
@@ -56,6 +57,7 @@ struct Progress {
   std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic
   std::atomic<End> end{End::kNone};
   runtime::LatencyHistogram latency;
+  faults::ForceLock lock;
 };
 
 /// What the loop saw and did in one sample, for the record of a fault.
@@ -103,6 +105,7 @@ class DeviceLoop {
   std::optional<devices::GuardInput> wait_in_real_time() noexcept;
   std::optional<devices::GuardInput> take_commands() noexcept;
   void note(const Wrench& force) noexcept;
+  void lock_where_cut(bool cut) noexcept;
   void record(const Wrench& given, const devices::GuardCounts& before) noexcept;
 
   Settings settings_;
@@ -122,6 +125,7 @@ class DeviceLoop {
   std::array<std::int64_t, 256> published_ns_{};
   Pose last_pose_;
   bool accepts_force_ = false;  // the last write was accepted
+  double cut_samples_ = 0.0;    // of about the last second, in which the guard cut a command
   std::int64_t last_cycle_ns_ = 0, longest_gap_ns_;
 };
 

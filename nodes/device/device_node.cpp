@@ -107,6 +107,7 @@ class DeviceNode {
     links_ = {runtime::link_of_writer(qos::kDeviceState, states_), runtime::link_of_writer(qos::kDeviceDescription, descriptions_),
               runtime::link_of_reader(qos::kForceCommand, commands_)};
     coupling_.emplace("coupling", std::vector{&commands_.following()});
+    keeper_.emplace(participant_, options.rig);
     faults_ = make_faults(options.fault_records, options.rig, driver_->description().rate_hz);
     describe();
   }
@@ -211,6 +212,7 @@ class DeviceNode {
     coupling_->update(registry, session_);
     if (const runtime::NodeReport* coupling = coupling_->participant() ? registry.report_of(*coupling_->participant()) : nullptr)
       if (faults_of_coupling_.see(*coupling)) requests_.coupling_fault.store(true);
+    keeper_->listen(session_, progress_.lock);
     watch_peers(registry);
     watch_rig(registry);
     if (!options_.lockstep && reminder_.is_due(registry, session_, qos::kDeviceDescription)) describe();
@@ -234,6 +236,7 @@ class DeviceNode {
                      : running           ? "running"
                                          : "waiting for " + waiting_for_;
     fill(report);
+    progress_.lock.report_to(report, end == End::kNone);
   }
 
   void watch_peers(runtime::NodeRegistry& registry) {
@@ -348,6 +351,7 @@ class DeviceNode {
   std::atomic<bool> peers_late_{false};
   std::unique_ptr<Faults> faults_;
   faults::OthersFaults faults_of_coupling_;
+  std::optional<faults::LockKeeper> keeper_;
   std::optional<std::uint64_t> claim_;
   std::string rival_, waiting_for_;
   std::string gone_;  ///< lockstep: who was lost, and how

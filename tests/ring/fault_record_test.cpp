@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <thread>
 
 #include "tests/ring/ring_run.hpp"
@@ -53,6 +54,48 @@ TEST(FaultRecord, OfAKilledRenderingHoldsWhatDeviceAndCouplingSawInTheTwoSeconds
   const auto same = std::ranges::find(recorded, states[1000].sequence_number, &msg::DeviceState::sequence_number);
   ASSERT_NE(same, recorded.end());
   EXPECT_EQ(std::memcmp(&*same, &states[1000], sizeof *same), 0);
+}
+
+/// 35 kN/m at the hand of a device that can show 800 N/m, through a coupling set by hand that is hardly damped.
+std::filesystem::path unstable_scene(const std::filesystem::path& folder) {
+  std::ifstream in(shipped_scene("plane"));
+  std::ofstream out(folder / "unstable.yaml");
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("coupling:")) line = "coupling: {kind: shaping_filter, cutoff_hz: 5, damping_ratio: 0.1, gain: 1}";
+    if (line.starts_with("contact:")) line = "contact: {model: field, stiffness_n_per_m3: 3e7}";
+    if (const auto at = line.find("../meshes"); at != std::string::npos) line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
+    out << line << "\n";
+  }
+  return folder / "unstable.yaml";
+}
+
+TEST(ForceLock, OfAnUnstableContactHoldsUntilAPersonSaysRecover) {
+  const TemporaryFolder folder;
+  Process up(up_arguments(unstable_scene(folder.path()), {"--motion", "hit", "--duration", "0", "--record", (folder / "bag").string()}));
+  const auto hears = [&](const char* words) {
+    for (int i = 0; i < 1500 && up.err().find(words) == std::string::npos; ++i) std::this_thread::sleep_for(milliseconds(20));
+    return up.err().find(words) != std::string::npos;
+  };
+  ASSERT_TRUE(hears("locked at zero force")) << up.err();
+  std::this_thread::sleep_for(milliseconds(1200));
+  Process recover(std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--domain", fresh_domain()});
+  const Finished said = recover.wait();
+  EXPECT_EQ(said.status, 0) << said.out << said.err;
+  EXPECT_NE(said.out.find("the coupling was locked because the coupling gave away five times the energy"), std::string::npos) << said.out;
+  std::this_thread::sleep_for(milliseconds(1500));
+  up.signal(SIGINT);
+  const Finished end = up.wait();
+  EXPECT_EQ(end.status, 1);
+  const auto summary = parse_summary(end.out);
+  ASSERT_TRUE(summary.is_object()) << end.out;
+  EXPECT_NE(summary["problems"].dump().find("the coupling locked itself at zero force"), std::string::npos) << end.out;
+}
+
+TEST(ForceLock, IsNotThereToBeOpenedWhereNothingIsLocked) {
+  Process recover(std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--rig", "nobody", "--domain", fresh_domain(), "--json"});
+  const Finished said = recover.wait();
+  EXPECT_EQ(said.status, 1);
+  EXPECT_NE(said.out.find("no node of rig 'nobody' is heard"), std::string::npos) << said.out;
 }
 
 TEST(FaultRecord, OfAGoodRunIsNone) {

@@ -26,6 +26,7 @@
 #include "nodes/cli/up/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/faults/fault_bag.hpp"
+#include "nodes/faults/force_lock.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/scene_argument.hpp"
@@ -226,6 +227,9 @@ class Run {
 
   /// What keeps a device that runs from giving force is said when it begins, not only in the end.
   void tell_trouble() {
+    if (const auto coupling = summary_.reports.find("coupling"); coupling != summary_.reports.end() && coupling->second.values.contains(faults::ForceLock::kNumber)) {
+      if (locked_.insert(coupling->second.values.at(faults::ForceLock::kNumber)).second) log::tell("  coupling: {}\n", coupling->second.message);
+    }
     const auto report = summary_.reports.find("device");
     if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
     const std::string& message = report->second.message;
@@ -312,6 +316,7 @@ class Run {
   LauncherOptions launcher_options_;
   std::vector<std::unique_ptr<RunningNode>> children_;
   std::string last_message_ = "running";  ///< of the device, as it was said
+  std::set<std::string> locked_;          ///< locks of the coupling that were told of
   std::set<std::string> hanging_;         ///< members that give no sign of life now
   std::set<std::string> noted_;  ///< members whose end is among the problems
   RunSummary summary_;

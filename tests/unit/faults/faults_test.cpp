@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "nodes/faults/fault_recorder.hpp"
+#include "nodes/faults/force_lock.hpp"
 #include "tests/ring/ring_run.hpp"
 
 namespace voxtouch::faults {
@@ -120,6 +121,33 @@ TEST(FaultRecorder, SaysWhereTheDiskRefusesAndGoesOn) {
   }
   EXPECT_NE(report.values["fault_record_trouble"].find("faults"), std::string::npos);
   EXPECT_FALSE(report.values.contains("fault_record"));
+}
+
+TEST(ForceLock, IsOpenedByItsOwnNumberOnceAndHasAnotherOneTheNextTime) {
+  const auto number_of = [](const ForceLock& lock) {
+    runtime::NodeReport report;
+    lock.report_to(report);
+    return std::stoull("0" + report.values[ForceLock::kNumber]);
+  };
+  ForceLock lock;
+  lock.open(0);
+  EXPECT_FALSE(lock.opened()) << "it is not engaged";
+  lock.engage("of a test");
+  const auto first = number_of(lock);
+  ASSERT_NE(first, 0U);
+  lock.engage("of another");
+  EXPECT_EQ(number_of(lock), first) << "it is engaged already";
+  lock.open(first - 1);
+  EXPECT_FALSE(lock.opened());
+  EXPECT_TRUE(lock.engaged());
+  lock.open(first);
+  EXPECT_TRUE(lock.opened());
+  EXPECT_FALSE(lock.engaged());
+  EXPECT_FALSE(lock.opened());
+  lock.engage("of a test");
+  lock.open(first);
+  EXPECT_FALSE(lock.opened()) << "said before, or recorded";
+  EXPECT_NE(number_of(lock), first);
 }
 
 TEST(FaultRecorder, OfAnotherNodeIsSeenOnceForEachRecord) {

@@ -1,9 +1,11 @@
 // The coupling node alone: what it designs, when it designs anew, and what it refuses.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <sstream>
 #include <utility>
@@ -139,13 +141,14 @@ class Around {
     });
   }
   /// Pressed against a floor at one depth, sample after sample.
-  void touch(std::uint64_t session = 7) {
+  void touch(std::uint64_t session = 7) { touch(-kDepth, kForce, session); }
+  void touch(double z_m, double force_n, std::uint64_t session = 7) {
     msg::ContactState c{};
     c.session_id = session;
     c.sequence_number = sequence++;
     c.sample_time_ns = static_cast<std::int64_t>(c.sequence_number) * 1'000'000;
-    c.tool_pose = runtime::to_msg(Pose{Vec3(0, 0, -kDepth), Quat::Identity()});
-    c.wrench.force.z = kForce;
+    c.tool_pose = runtime::to_msg(Pose{Vec3(0, 0, z_m), Quat::Identity()});
+    c.wrench.force.z = force_n;
     c.stiffness_bound_n_per_m = kStiffness;
     Mat6 stiffness = Mat6::Zero();
     stiffness(2, 2) = kStiffness;
@@ -412,6 +415,37 @@ TEST(CouplingNode, AnswersAContactThatComesTwiceOnceInLockstep) {
   std::this_thread::sleep_for(milliseconds(200));
   a.look();
   EXPECT_EQ(a.forces.size(), 50U);
+}
+
+/// A contact that pushes only on the way out gives energy at each stroke.
+TEST(CouplingNode, LocksItselfAtZeroWhereAContactGivesEnergyAndWaitsForAPersonsWord) {
+  Around a("{kind: shaping_filter, cutoff_hz: 20}");
+  bus::Writer<msg::Recover> person(a.participant, qos::kRecover, a.rig, qos::profile(qos::ProfileId::kEvent));
+  a.describe(20.0), a.plan();
+  ASSERT_TRUE(a.force_comes()) << a.message();
+  const auto lock = [&] {
+    a.registry.update();
+    const auto report = a.registry.find("coupling");
+    const auto number = report ? report->values.find("lock") : std::map<std::string, std::string>::iterator{};
+    return report && number != report->values.end() ? std::stoull(number->second) : 0;
+  };
+  for (int n = 0; n < 90; ++n) a.touch(-kDepth * (1.0 + 0.1 * n), 0.0);
+  for (int stroke = 0; stroke < 20 && lock() == 0; ++stroke)
+    for (int n = 0; n < 200; ++n) a.touch(-kDepth * (n < 100 ? 10 - 0.1 * n : 0.1 * (n - 100)), n < 100 ? 3.0 : 0.0);
+  const std::uint64_t number = lock();
+  ASSERT_NE(number, 0U) << a.message() << "; the lowest account was " << a.registry.find("coupling")->figures["lowest_energy_j"].value << " J of "
+                        << a.registry.find("coupling")->figures["energy_bound_j"].value;
+  EXPECT_NE(a.message().find("locked at zero force"), std::string::npos) << a.message();
+  for (int n = 0; n < 20; ++n) a.touch();
+  a.forces.clear();
+  person.write(msg::Recover{7, number + 1});
+  person.write(msg::Recover{8, number});
+  for (int n = 0; n < 300; ++n) a.touch();
+  ASSERT_GT(a.forces.size(), 200U) << "the ring goes on";
+  EXPECT_EQ(*std::ranges::max_element(a.forces), 0.0) << "another lock's number, or another session's";
+  person.write(msg::Recover{7, number});
+  EXPECT_TRUE(a.force_comes()) << a.message();
+  EXPECT_EQ(lock(), 0U);
 }
 
 TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -28,6 +29,7 @@ class FaultyDevice final : public devices::Driver {
   std::vector<double> delays_ms; ///< from a tick to the write that answers it
   int skipped_ticks = 0;
   std::uint64_t busy_at = 0;     ///< before this read the thread is kept from its work for three ticks
+  std::function<void(std::uint64_t)> at_read;  ///< called at each
   std::map<std::uint64_t, int> stops_ms;  ///< at these reads the whole process is stopped for so long: its own clock too
 
   FaultyDevice() {
@@ -41,6 +43,7 @@ class FaultyDevice final : public devices::Driver {
   devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds) noexcept override {
     pushed.push_back(force);
     ++reads_;
+    if (at_read) at_read(reads_);
     if (paces) wait_for_tick();
     if (const auto stop = stops_ms.find(reads_); stop != stops_ms.end())
       runtime::sleep_until(runtime::monotonic_ns() + stop->second * 1'000'000);
@@ -116,6 +119,7 @@ class DeviceLoopRun : public testing::Test {
   std::unique_ptr<Faults> faults = make_faults({}, "r", 1000.0);
   Progress progress;
   Requests requests;
+  std::atomic<double> commanded_n{2.0};
   std::atomic<bool> stop{false};
   std::vector<msg::DeviceState> seen;
   double took_s = 0.0;
@@ -137,7 +141,7 @@ class DeviceLoopRun : public testing::Test {
         command.sequence_number = state.sequence_number;
         command.sample_time_ns = state.sample_time_ns;
         command.valid_until_ns = state.sample_time_ns + 5'000'000;
-        command.wrench.force.x = 2.0;
+        command.wrench.force.x = commanded_n;
         commands.write(command);
       }
     }
@@ -185,6 +189,35 @@ TEST_F(DeviceLoopRun, KeepsWhatItSawBeforeTheDeviceDroppedItsForce) {
   EXPECT_GT(given.back().wrench.force.x, 1.5);
   EXPECT_FALSE(std::filesystem::exists(folder / "device_2"));
   EXPECT_NE(faults::told_in(folder.path()).at(0).find("before the device dropped its force"), std::string::npos);
+}
+
+TEST_F(DeviceLoopRun, LocksItselfWhereItsCommandsAreAboveTheLimitUntilAPersonHasSaidSo) {
+  commanded_n = 20.0;
+  std::uint64_t number = 0;
+  device.at_read = [&](std::uint64_t n) {
+    if (n == 1800) {
+      runtime::NodeReport report;
+      progress.lock.report_to(report);
+      number = std::stoull("0" + report.values["lock"]);
+      commanded_n = 2.0;
+      progress.lock.open(number + 1);
+    }
+    if (n == 2000) progress.lock.open(number);
+  };
+  EXPECT_EQ(run(3500), End::kFinished);
+  EXPECT_NE(number, 0U);
+  EXPECT_GT(largest(50, 1700), 0.5) << "it had begun to push, and it is cut to the limit";
+  EXPECT_EQ(largest(1750, 1999), 0.0) << "no force, and no word for another lock helps";
+  EXPECT_LT(largest(2000, 2100), 1.0) << "it ramps in";
+  EXPECT_GT(largest(3000, 3500), 1.5);
+}
+
+TEST_F(DeviceLoopRun, LocksItselfWhereItsDriverRefusesWhatTheGuardHasLetThrough) {
+  device.write_faults = {{800, devices::DeviceError::kLimit}};
+  EXPECT_EQ(run(), End::kFinished);
+  EXPECT_GT(largest(700, 800), 1.5);
+  EXPECT_EQ(largest(801, 1200), 0.0);
+  EXPECT_TRUE(progress.lock.engaged());
 }
 
 TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {
