@@ -33,6 +33,7 @@ std::string what_is_wrong(const DeviceDescription& d) {
   within("position_resolution_m", d.position_resolution_m, 0.0, 0.1);
   within("orientation_resolution_rad", d.orientation_resolution_rad, 0.0, 1.0);
   within("delay_s", d.delay_s, 0.0, 1.0);
+  within("network_delay_s", d.network_delay_s, 0.0, 0.1);
   within("force_bandwidth_hz", d.force_bandwidth_hz, 1e-3, kNoLimit);
   within("jitter", d.jitter, 0.0, 100.0);
   within("lost_in_a_row", d.lost_in_a_row, 0.0, 1'000.0);

@@ -19,6 +19,7 @@ struct DeviceDescription {
   double coulomb_friction_n = 0.0;
   double position_resolution_m = 0.0;
   double delay_s = 0.0;                     ///< from command to force, beside the sample period
+  double network_delay_s = 0.0;             ///< of the network between device and coupling, there and back, beside delay_s
   double force_bandwidth_hz = 0.0;          ///< first-order lag of the force and the torque; infinity if none
   double inertia_min_kg_m2 = 0.0, inertia_max_kg_m2 = 0.0;  ///< about any axis at the tool; 0 without torque
   double damping_nms_per_rad = 0.0;

@@ -5,8 +5,8 @@
 
 namespace voxtouch::coupling_node {
 
-void ContactCoupling::begin_session(double period_s) noexcept {
-  period_s_ = period_s;
+void ContactCoupling::begin_session(const coupling::design::LoopTiming& timing) noexcept {
+  period_s_ = timing.period_s, network_s_ = timing.network_s;
   coupling_.reset();
   last_time_ns_.reset();
   clutched_ = false;
@@ -34,7 +34,7 @@ msg::ForceCommand ContactCoupling::answer(const msg::ContactState& contact) noex
   const coupling::CouplingInput input = coupling_input(contact);
   const coupling::CouplingOutput out = coupling_->step(input, dt_s);
   const Wrench wrench_D = clutched_ ? Wrench{} : wrench_to_device_(out.wrench, input.tool.orientation);
-  return force_command(contact, out, wrench_D, kValidPeriods * period_s_);
+  return force_command(contact, out, wrench_D, kValidPeriods * period_s_ + network_s_);
 }
 
 /// While the clutch is pressed the tool stays and the device moves free: no force; the contact fades in again afterwards.

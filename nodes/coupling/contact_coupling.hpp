@@ -16,8 +16,8 @@ class ContactCoupling {
   /// How the tool's world is mapped to the device.
   explicit ContactCoupling(const scene::WorkspaceMapping& device) : mapping_(device), wrench_to_device_(device) {}
 
-  /// Another device session, whose samples come every `period_s`: nothing runs before `adopt`.
-  void begin_session(double period_s) noexcept;
+  /// Another device session: nothing runs before `adopt`.
+  void begin_session(const coupling::design::LoopTiming& timing) noexcept;
   /// From here on this coupling runs, going on from the one that ran; one that must not run leaves none. Not for the loop: it may allocate.
   void adopt(const fitting::FittedCoupling& fitted, const coupling::design::DeviceModel& device);
   bool runs() const noexcept { return coupling_.has_value(); }
@@ -36,7 +36,7 @@ class ContactCoupling {
   scene::WorkspaceMapping mapping_;
   rendering::WrenchToDevice wrench_to_device_;
   std::optional<coupling::RunningCoupling> coupling_;  ///< none before the first fit and while what was found must not run
-  double period_s_ = 1e-3;
+  double period_s_ = 1e-3, network_s_ = 0.0;
   std::optional<std::int64_t> last_time_ns_;
   bool clutched_ = false;
 };

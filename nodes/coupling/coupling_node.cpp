@@ -153,7 +153,7 @@ class CouplingNode {
   void start_session() {
     const std::uint64_t session = *fitting_.session();
     plan_writer_ = plans_.following().writer();
-    coupling_.begin_session(fitting_.device().timing.period_s);
+    coupling_.begin_session(fitting_.device().timing);
     faults_.reserve(1.0 / fitting_.device().timing.period_s);
     session_in_loop_ = session;
     last_answered_.reset();
@@ -205,7 +205,7 @@ class CouplingNode {
 
   /// As at the begin of a session: no debt, and the force ramps in. Allocates, once, while no force is commanded.
   void begin_anew() {
-    coupling_.begin_session(coupling_.period_s());
+    coupling_.begin_session(fitting_.device().timing);
     coupling_.adopt(running_.fitted, fitting_.device());
   }
 

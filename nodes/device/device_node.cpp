@@ -158,6 +158,7 @@ class DeviceNode {
   void describe() {
     DeviceDescription device = driver_->description();
     device.simulated = driver_->simulated();
+    device.network_delay_s = 1e-3 * options_.network_delay_ms;
     msg::DeviceDescription message = runtime::to_msg(device);
     message.session_id = session_, message.lockstep = options_.lockstep;
     descriptions_.write(message);
@@ -228,15 +229,29 @@ class DeviceNode {
       reported_gap_ns_ = gap_ns;
       trouble_ = fmt::format("its process was kept from running for {:.0f} ms", static_cast<double>(gap_ns) * 1e-6);
     }
+    look_for_late_commands();
     report.message = end != End::kNone ? end_sentence(end)
                      : progress_.in_trouble.load()
                          ? fmt::format("{} is at zero force: {}", driver_->description().model, trouble_)
+                     : !late_.empty()   ? late_
                      : !rival_.empty()  ? "another device runs in this rig, one of the two goes: " + rival_
                      : !foreign.empty() ? foreign
                      : running           ? "running"
                                          : "waiting for " + waiting_for_;
     fill(report);
     progress_.lock.report_to(report, end == End::kNone);
+  }
+
+  /// Where more than half of a second's commands were over when they came, no force is felt and the reason is the network.
+  void look_for_late_commands() {
+    const std::uint64_t refused = progress_.refused_late.load(), samples = progress_.samples.load();
+    if (samples - samples_at_look_ < static_cast<std::uint64_t>(driver_->description().rate_hz)) return;
+    const bool late = 2 * (refused - refused_at_look_) > samples - samples_at_look_;
+    samples_at_look_ = samples, refused_at_look_ = refused;
+    late_ = !late ? ""
+                  : fmt::format("commands come {:.1f} ms after the samples that they answer, too late for any force: the coupling was designed for {:.4g} ms of "
+                                "network. A shorter way, or --network-delay {:.0f} and less stiffness",
+                                1e-3 * progress_.latency.quantile_us(0.5), options_.network_delay_ms, std::ceil(1e-3 * progress_.latency.quantile_us(0.9)));
   }
 
   void watch_peers(runtime::NodeRegistry& registry) {
@@ -357,6 +372,8 @@ class DeviceNode {
   std::string gone_;  ///< lockstep: who was lost, and how
   LastSecond last_second_;
   std::int64_t reported_gap_ns_ = 0;
+  std::uint64_t samples_at_look_ = 0, refused_at_look_ = 0;
+  std::string late_;  ///< what is said where commands come too late
   std::string trouble_;  ///< what last kept the device from giving force
 };
 
@@ -376,6 +393,10 @@ void add_device_options(CLI::App& app, Options& options) {
                  "KEY=VALUE of this device (deploy/devices/*.md list them); may be given more than once")
       ->allow_extra_args(false);
   faults::add_option(app, options.fault_records);
+  app.add_option("--network-delay", options.network_delay_ms,
+                 "Milliseconds that the network between device and coupling takes, there and back: the coupling is designed for them, which costs\n"
+                 "stiffness. Default 0: one host, or a switch")
+      ->check(CLI::Range(0.0, 100.0));
   app.add_option("--motion", options.motion, "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
   app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")
       ->capture_default_str()

@@ -20,6 +20,7 @@ struct Options : runtime::NodeOptions {
   double duration_s = 0.0;            ///< of the device's time; 0: until stopped
   HandChoice hand;                    ///< of a simulated device
   std::vector<std::string> settings;  ///< KEY=VALUE, as the device knows them
+  double network_delay_ms = 0.0;      ///< that the coupling is designed for, there and back
   std::filesystem::path fault_records;  ///< folder for what was seen before a fault; empty: nothing is kept
 };
 

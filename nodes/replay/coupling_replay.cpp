@@ -33,7 +33,7 @@ void CouplingReplay::begin_session(const RecordedSession& session, const renderi
   bounds_ = bounds;
   wanted_.clear(), open_ = false, next_design_ = 0;
   running_ = fit(bounds, demand);
-  free_.begin_session(device_.timing.period_s);
+  free_.begin_session(device_.timing);
   candidates_.assign(1, Candidate{free_, 0});
   adopt(running_);
   check(running_, next_design_++);

@@ -21,6 +21,7 @@ void copy_device_numbers(const From& from, To& to) noexcept {
   to.coulomb_friction_n = from.coulomb_friction_n;
   to.position_resolution_m = from.position_resolution_m;
   to.delay_s = from.delay_s;
+  to.network_delay_s = from.network_delay_s;
   to.force_bandwidth_hz = from.force_bandwidth_hz;
   to.inertia_min_kg_m2 = from.inertia_min_kg_m2;
   to.inertia_max_kg_m2 = from.inertia_max_kg_m2;

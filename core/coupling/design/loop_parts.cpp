@@ -121,7 +121,8 @@ DeviceModel model_of(const DeviceDescription& d) {
                 .max_stiffness = d.max_stiffness_nm_per_rad,
                 .effort_bandwidth_hz = d.force_bandwidth_hz};
   m.timing.period_s = 1.0 / d.rate_hz;
-  m.timing.delay_s = d.delay_s + (d.simulated ? 0.0 : m.timing.period_s);
+  m.timing.network_s = d.network_delay_s;
+  m.timing.delay_s = d.delay_s + d.network_delay_s + (d.simulated ? 0.0 : m.timing.period_s);
   m.timing.jitter = d.jitter;
   m.timing.lost_in_a_row = static_cast<int>(d.lost_in_a_row);
   parse_grip(d.grip, m.grip);

@@ -127,6 +127,7 @@ std::vector<std::string> device_arguments(const device_node::Options& o) {
   if (!o.motion.empty()) a.insert(a.end(), {"--motion", o.motion});
   device_node::append_arguments(o.hand, a);
   for (const std::string& setting : o.settings) a.insert(a.end(), {"--device-option", setting});
+  if (o.network_delay_ms > 0.0) a.insert(a.end(), {"--network-delay", fmt::format("{}", o.network_delay_ms)});
   if (!o.fault_records.empty()) a.insert(a.end(), {"--fault-records", o.fault_records.string()});
   return a;
 }

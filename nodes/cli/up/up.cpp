@@ -331,7 +331,7 @@ RunSummary run_up(const UpOptions& options) {
   const device_node::Options& device = options.ring.device;
   std::vector<std::string> warnings = scene.warnings;
   const std::vector<std::string> notes = check_before_start(
-      scene, {device.device, devices::parse_settings(device.settings), device.motion, options.no_record ? "" : options.ring.logger.bag}, warnings);
+      scene, {device.device, devices::parse_settings(device.settings), device.motion, options.no_record ? "" : options.ring.logger.bag, device.network_delay_ms}, warnings);
   std::ranges::copy(warnings_of_machine(options.node.scheduling()), std::back_inserter(warnings));
   for (const std::string& line : few_warnings(warnings, options.node.scene.string())) log::tell("{}\n", line);
   for (const std::string& note : notes) log::tell("note: {}\n", note);

@@ -98,7 +98,8 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
   options.settings = plans.settings;
   const std::optional<scene::DeviceFile> file = device_node::described_device(plans.device);
   if (file) options.described = file->description;
-  const DeviceDescription description = devices::describe_device(plans.device, options);
+  DeviceDescription description = devices::describe_device(plans.device, options);
+  description.network_delay_s = 1e-3 * plans.network_delay_ms;
   const Motion motion = device_node::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
   std::string felt;

@@ -15,6 +15,7 @@ struct Plans {
   devices::DeviceSettings settings;
   std::string motion;
   std::filesystem::path bag;  ///< empty: none
+  double network_delay_ms = 0.0;
 };
 
 /// Throws std::runtime_error, a sentence: unknown device, device option or motion, a scene that cannot be built, a device that the
