@@ -50,6 +50,9 @@ inline constexpr std::size_t kMaxTextBytes = 16 * 1024;  ///< [bytes]; the rest 
 /// How long the end of a process waits for a stream that takes nothing.
 inline constexpr std::chrono::milliseconds kStopTimeout{500};
 
+/// Whether stderr is systemd's journal, which keeps what it gets: told there is what changes, and not how fast it goes on.
+bool stderr_is_journal() noexcept;
+
 /// Texts of this process that no stream took, so far.
 std::uint64_t texts_lost() noexcept;
 
