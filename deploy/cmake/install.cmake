@@ -13,6 +13,12 @@ foreach(folder deploy/scenes deploy/meshes deploy/devices nodes/view/page)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${here} PATTERN "*.py" EXCLUDE)
 endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/services DESTINATION ${here})
+# In share/voxtouch the paths of the READMEs hold too.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/installed/deploy)
+foreach(name scenes meshes devices services)
+  file(CREATE_LINK ../${name} ${PROJECT_BINARY_DIR}/installed/deploy/${name} SYMBOLIC)
+  install(FILES ${PROJECT_BINARY_DIR}/installed/deploy/${name} DESTINATION ${here}/deploy)
+endforeach()
 # The messages: voxtouch_msgs, a package for the src/ of a ROS 2 workspace, which the tool that draws reads too.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/idl DESTINATION ${here} PATTERN "__pycache__" EXCLUDE)
 

@@ -1,4 +1,4 @@
-# The package for Debian 12: `cpack -G DEB` in the folder of a build, or deploy/package/make. What it holds is in install.cmake.
+# The package for Debian 12: `cpack -G DEB` in the folder of a build, or deploy/package/build. What it holds is in install.cmake.
 set(CPACK_PACKAGE_NAME voxtouch)
 set(CPACK_PACKAGE_VENDOR voxtouch)
 set(CPACK_PACKAGE_CONTACT "the authors of voxtouch <voxtouch@example.org>")
@@ -25,6 +25,17 @@ file(WRITE ${PROJECT_BINARY_DIR}/conffiles "/etc/security/limits.d/99-voxtouch-r
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/services/99-voxtouch-realtime.conf DESTINATION /etc/security/limits.d COMPONENT system EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/devices/99-voxtouch-phantom.rules DESTINATION lib/udev/rules.d COMPONENT system EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/package/copyright DESTINATION share/doc/voxtouch COMPONENT system EXCLUDE_FROM_ALL)
+# The READMEs with their pictures, folder by folder, so that their links lead somewhere.
+set(readmes README.md)
+foreach(folder core deploy devices idl nodes qos tests)
+  file(GLOB_RECURSE more RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.md)
+  list(APPEND readmes ${more})
+endforeach()
+foreach(file IN LISTS readmes)
+  get_filename_component(folder ${file} DIRECTORY)
+  install(FILES ${PROJECT_SOURCE_DIR}/${file} DESTINATION share/doc/voxtouch/${folder} COMPONENT system EXCLUDE_FROM_ALL)
+endforeach()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/pictures DESTINATION share/doc/voxtouch/deploy COMPONENT system EXCLUDE_FROM_ALL)
 find_program(GZIP gzip REQUIRED)
 execute_process(COMMAND ${GZIP} -9n -c ${PROJECT_SOURCE_DIR}/deploy/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.gz COMMAND_ERROR_IS_FATAL ANY)
 install(FILES ${PROJECT_BINARY_DIR}/changelog.gz DESTINATION share/doc/voxtouch COMPONENT system EXCLUDE_FROM_ALL)
