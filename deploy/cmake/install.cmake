@@ -12,7 +12,7 @@ foreach(folder deploy/scenes deploy/meshes deploy/devices nodes/view/page)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${PROJECT_BINARY_DIR}/share/voxtouch/${name} SYMBOLIC)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${here} PATTERN "*.py" EXCLUDE)
 endforeach()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/services DESTINATION ${here})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/services DESTINATION ${here} PATTERN "try" EXCLUDE)
 # In share/voxtouch the paths of the READMEs hold too.
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/installed/deploy)
 foreach(name scenes meshes devices services)

@@ -16,14 +16,19 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # every library by the package that it c
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libjs-three, libjs-dygraphs")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-matplotlib")  # pictures
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, g++, libeigen3-dev, libfmt-dev, libyaml-cpp-dev, nlohmann-json3-dev, libpugixml-dev, libassimp-dev, libfcl-dev")  # find_package(voxtouch)
-set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/deploy/package/postinst ${PROJECT_SOURCE_DIR}/deploy/package/postrm
-  ${PROJECT_BINARY_DIR}/conffiles)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/deploy/package/postinst ${PROJECT_SOURCE_DIR}/deploy/package/prerm
+  ${PROJECT_SOURCE_DIR}/deploy/package/postrm ${PROJECT_BINARY_DIR}/conffiles)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 # What only a package may place outside of its prefix.
 file(WRITE ${PROJECT_BINARY_DIR}/conffiles "/etc/security/limits.d/99-voxtouch-realtime.conf\n")
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/services/99-voxtouch-realtime.conf DESTINATION /etc/security/limits.d COMPONENT system EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/devices/99-voxtouch-phantom.rules DESTINATION lib/udev/rules.d COMPONENT system EXCLUDE_FROM_ALL)
+# Services, installed and not enabled: whoever enables them writes their settings to /etc/voxtouch.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/services/ DESTINATION lib/systemd/system COMPONENT system EXCLUDE_FROM_ALL
+  FILES_MATCHING PATTERN "voxtouch*" PATTERN "10-common.conf")
+install(DIRECTORY DESTINATION /etc/voxtouch COMPONENT system EXCLUDE_FROM_ALL)
+install(FILES ${PROJECT_SOURCE_DIR}/deploy/services/rig.conf DESTINATION share/doc/voxtouch/examples COMPONENT system EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/package/copyright DESTINATION share/doc/voxtouch COMPONENT system EXCLUDE_FROM_ALL)
 # The READMEs with their pictures, folder by folder, so that their links lead somewhere.
 set(readmes README.md)
