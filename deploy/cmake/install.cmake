@@ -12,7 +12,13 @@ foreach(folder deploy/scenes deploy/meshes deploy/devices nodes/view/page)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${PROJECT_BINARY_DIR}/share/voxtouch/${name} SYMBOLIC)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${here} PATTERN "*.py" EXCLUDE)
 endforeach()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/services DESTINATION ${here})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/services DESTINATION ${here} PATTERN "try" EXCLUDE)
+# In share/voxtouch the paths of the READMEs hold too.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/installed/deploy)
+foreach(name scenes meshes devices services)
+  file(CREATE_LINK ../${name} ${PROJECT_BINARY_DIR}/installed/deploy/${name} SYMBOLIC)
+  install(FILES ${PROJECT_BINARY_DIR}/installed/deploy/${name} DESTINATION ${here}/deploy)
+endforeach()
 # The messages: voxtouch_msgs, a package for the src/ of a ROS 2 workspace, which the tool that draws reads too.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/idl DESTINATION ${here} PATTERN "__pycache__" EXCLUDE)
 

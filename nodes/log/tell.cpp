@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -118,6 +119,14 @@ void put(std::string_view text) {
 }
 
 }  // namespace log_parts
+
+bool stderr_is_journal() noexcept {
+  const char* const named = std::getenv("JOURNAL_STREAM");  // device:inode, which a child with another stderr inherits too
+  struct stat stream {};
+  unsigned long long device = 0, inode = 0;
+  return named && std::sscanf(named, "%llu:%llu", &device, &inode) == 2 && fstat(STDERR_FILENO, &stream) == 0 && stream.st_dev == device &&
+         stream.st_ino == inode;
+}
 
 std::uint64_t texts_lost() noexcept {
   try {

@@ -21,6 +21,12 @@ decltype(auto) shown(const T& value) {
     return (value);
 }
 
+/// fmt 10.1 and later take named values only.
+template <class... Shown>
+std::string formatted(fmt::string_view format, const Shown&... shown) {
+  return fmt::vformat(format, fmt::make_format_args(shown...));
+}
+
 void post(std::string_view text) noexcept;
 void count_lost() noexcept;
 void put(std::string_view text);
@@ -33,7 +39,7 @@ void put(std::string_view text);
 template <class... Args>
 void tell(fmt::format_string<Args...> format, Args&&... args) noexcept {
   try {
-    log_parts::post(fmt::vformat(format, fmt::make_format_args(log_parts::shown(args)...)));
+    log_parts::post(log_parts::formatted(format, log_parts::shown(args)...));
   } catch (...) {
     log_parts::count_lost();
   }
@@ -43,6 +49,9 @@ inline constexpr std::size_t kLinesKept = 1024;          ///< texts that wait fo
 inline constexpr std::size_t kMaxTextBytes = 16 * 1024;  ///< [bytes]; the rest of a longer text is cut off
 /// How long the end of a process waits for a stream that takes nothing.
 inline constexpr std::chrono::milliseconds kStopTimeout{500};
+
+/// Whether stderr is systemd's journal, which keeps what it gets: told there is what changes, and not how fast it goes on.
+bool stderr_is_journal() noexcept;
 
 /// Texts of this process that no stream took, so far.
 std::uint64_t texts_lost() noexcept;
@@ -54,7 +63,7 @@ void finish_telling(std::chrono::milliseconds patience = kStopTimeout) noexcept;
 /// written, since a result that nobody gets is a failure.
 template <class... Args>
 void print_result(fmt::format_string<Args...> format, Args&&... args) {
-  log_parts::put(fmt::vformat(format, fmt::make_format_args(log_parts::shown(args)...)));
+  log_parts::put(log_parts::formatted(format, log_parts::shown(args)...));
 }
 
 /// Whether a result has been printed so far. Any thread.

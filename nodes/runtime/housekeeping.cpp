@@ -121,7 +121,7 @@ void Housekeeping::turn() {
   writer_.publish(report, tell_ros);
   last_ = std::move(report);
   if (announce) log::tell("{}: {}\n", node_, last_.message);  // after the report itself: that one is for the other nodes
-  if (options_.announce && last_.state == NodeState::kRunning && now - last_line_ns_ >= 1'000'000'000) {
+  if (rate_lines_ && last_.state == NodeState::kRunning && now - last_line_ns_ >= 1'000'000'000) {
     const double seconds = 1e-9 * static_cast<double>(now - last_line_ns_);
     if (const std::string line = own_line(node_, last_.figures, at_last_line_, seconds); last_line_ns_ != 0 && !line.empty()) log::tell("{}\n", line);
     at_last_line_ = last_.figures, last_line_ns_ = now;

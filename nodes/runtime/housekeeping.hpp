@@ -7,6 +7,7 @@
 #include <set>
 #include <thread>
 
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/node_registry.hpp"
 
@@ -52,7 +53,8 @@ class Housekeeping {
   bus::Guid own_;
   NodeReport last_;
   std::int64_t last_publish_ns_ = 0, last_ros_ns_ = 0, last_line_ns_ = 0;
-  Figures at_last_line_;  ///< of a node that was started by hand
+  const bool rate_lines_ = options_.announce && !log::stderr_is_journal();  ///< once a second, of a node that was started by hand
+  Figures at_last_line_;
   bool had_session_ = false;
   std::set<bus::Guid> partners_;  ///< whom this node waits for, as `look` said last
   std::string lost_;  ///< the sentence for a peer that was lost

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <mutex>
 #include <stdexcept>
+#include <string>
 
 #include "devices/phantom/hd_library.hpp"
 #include "devices/phantom/phantom_driver.hpp"
@@ -20,7 +21,8 @@ void spied_set(phantom::hd::HDenum name, const phantom::hd::HDdouble* values);
 
 /// The library's functions and hooks, loaded once a process.
 struct Library {
-  const phantom::HdLibrary& library = phantom::HdLibrary::load(VOXTOUCH_HD_SIM_LIBRARY);
+  static inline const std::string file = VOXTOUCH_HD_SIM_LIBRARY;  // GCC 13 and later take what is returned for a part of a temporary
+  const phantom::HdLibrary& library = phantom::HdLibrary::load(file);
   decltype(&hdsim_defaults) defaults = find<decltype(&hdsim_defaults)>("hdsim_defaults");
   decltype(&hdsim_use_virtual_time) use_virtual_time =
       find<decltype(&hdsim_use_virtual_time)>("hdsim_use_virtual_time");

@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <functional>
@@ -65,6 +66,19 @@ TEST(Tell, MakesStringsPrintableAndLeavesItsFormatAlone) {
   const std::string foreign = "\x1b]0;owned\a";
   EXPECT_EQ(in_a_process_with_stderr(pipe.end[1], [&] { tell("\x1b[1m{}|{}|{}\n", foreign, foreign.c_str(), std::string_view(foreign)); }), 7);
   EXPECT_EQ(drain(pipe.end[0]), "\x1b[1m?]0;owned?|?]0;owned?|?]0;owned?\n");
+}
+
+TEST(Tell, KnowsTheJournalByItsStreamAndNotByTheVariableAlone) {
+  const Pipe journal, other;
+  struct stat stream {};
+  ASSERT_EQ(fstat(journal.end[1], &stream), 0);
+  const std::string named = std::to_string(stream.st_dev) + ":" + std::to_string(stream.st_ino);
+  const auto told = [&] {
+    setenv("JOURNAL_STREAM", named.c_str(), 1);
+    std::_Exit(stderr_is_journal() ? 1 : 2);
+  };
+  EXPECT_EQ(in_a_process_with_stderr(journal.end[1], told), 1);
+  EXPECT_EQ(in_a_process_with_stderr(other.end[1], told), 2);
 }
 
 TEST(Tell, CutsATextThatNobodyCouldRead) {
