@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "devices/lwr/udp_socket.hpp"
+#include "devices/arm/udp_socket.hpp"
 #include "devices/settings.hpp"
 
 namespace voxtouch::devices {
@@ -44,7 +44,7 @@ TEST(Registry, SaysWhichLibrariesOfAPhantomItTriedAndWhatToInstall) {
 
 TEST(Registry, SaysOnWhichPortItWaitedForARobotAndWhatToSet) {
   DeviceOptions options;
-  const std::string port = std::to_string(lwr::UdpSocket("127.0.0.1", 0).local().port);
+  const std::string port = std::to_string(arm::UdpSocket("127.0.0.1", 0).local().port);
   options.settings = {{"address", "127.0.0.1"}, {"port", port}, {"connect_timeout_s", "0.2"}};
   const std::string said = refusal("lwr", options);
   EXPECT_NE(said.find("UDP 127.0.0.1:" + port), std::string::npos) << said;

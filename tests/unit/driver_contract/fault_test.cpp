@@ -73,7 +73,7 @@ TEST(FaultInRealTime, IsZeroInTimeToo) {
 }
 
 TEST(Fault, AKilledControllerIsATimeoutAndThenDisconnectedAndTheDriverStillCloses) {
-  const std::uint16_t port = lwr::UdpSocket("127.0.0.1", 0).local().port;
+  const std::uint16_t port = arm::UdpSocket("127.0.0.1", 0).local().port;
   test::Process controller({std::string(VOXTOUCH_BIN) + "/voxtouch_fri_controller", "--remote",
                             "127.0.0.1:" + std::to_string(port), "--period-ms", "5"});
   lwr::LwrOptions options;

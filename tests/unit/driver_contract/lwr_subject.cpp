@@ -125,7 +125,7 @@ class LwrSubject final : public Subject {
 
  private:
   void start_controller() {
-    port_ = lwr::UdpSocket("127.0.0.1", 0).local().port;
+    port_ = arm::UdpSocket("127.0.0.1", 0).local().port;
     ControllerConfig config;
     config.virtual_time = virtual_time_;
     config.period_s = usual_period_s();

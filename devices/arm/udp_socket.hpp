@@ -9,7 +9,7 @@
 
 #include "devices/driver.hpp"
 
-namespace voxtouch::lwr {
+namespace voxtouch::arm {
 
 /// An IPv4 address and port in host byte order.
 struct UdpEndpoint {
@@ -50,4 +50,4 @@ class UdpSocket {
   UdpEndpoint local_;
 };
 
-}  // namespace voxtouch::lwr
+}  // namespace voxtouch::arm

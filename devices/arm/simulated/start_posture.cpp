@@ -1,4 +1,4 @@
-#include "devices/lwr/simulated/start_posture.hpp"
+#include "devices/arm/simulated/start_posture.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace voxtouch::lwr_sim {
+namespace voxtouch::arm_sim {
 namespace {
 
 constexpr int kIterations = 500;
@@ -25,18 +25,21 @@ Vec6 way_to(const Pose& wanted, const Pose& tool) {
 
 }  // namespace
 
-lwr::LwrJoints start_posture(const lwr::LwrArm& arm, const Pose& wanted, const lwr::LwrJoints& posture) {
-  const lwr::LwrJoints limit = kMargin * lwr::lwr_limits().position_rad;
-  lwr::LwrJoints q = posture.cwiseMax(-limit).cwiseMin(limit);
+arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm, const Pose& wanted, const arm::Joints& posture,
+                          const arm::Joints& lowest_rad, const arm::Joints& highest_rad) {
+  // A margin of the way from the middle, so that a start at a stop is none.
+  const arm::Joints middle = 0.5 * (lowest_rad + highest_rad), half = kMargin * (0.5 * (highest_rad - lowest_rad));
+  const arm::Joints low = middle - half, high = middle + half;
+  arm::Joints q = posture.cwiseMax(low).cwiseMin(high);
   for (int i = 0; i < kIterations; ++i) {
-    const lwr::LwrArm::State state = arm.at(q);
-    const Vec6 way = way_to(wanted, state.pose_BT);
+    const Reach state = arm(q);
+    const Vec6 way = way_to(wanted, state.tool);
     if (way.norm() < kReached) return q;
     const double damp = std::min(1e-2, 1e-2 * way.squaredNorm());
     const Mat6 square = state.jacobian * state.jacobian.transpose() + damp * Mat6::Identity();
-    lwr::LwrJoints step = state.jacobian.transpose() * square.llt().solve(way);
+    arm::Joints step = state.jacobian.transpose() * square.llt().solve(way);
     if (const double length = step.norm(); length > kLongestStep) step *= kLongestStep / length;
-    q = (q + step).cwiseMax(-limit).cwiseMin(limit);
+    q = (q + step).cwiseMax(low).cwiseMin(high);
   }
   const Vec3& p = wanted.position;
   const Quat& o = wanted.orientation;
@@ -46,4 +49,4 @@ lwr::LwrJoints start_posture(const lwr::LwrArm& arm, const Pose& wanted, const l
       p.x(), p.y(), p.z(), o.w(), o.x(), o.y(), o.z()));
 }
 
-}  // namespace voxtouch::lwr_sim
+}  // namespace voxtouch::arm_sim

@@ -1,4 +1,4 @@
-#include "devices/lwr/controller_process.hpp"
+#include "devices/arm/controller_process.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,7 +16,7 @@
 #include "core/types/program_folder.hpp"
 #include "devices/driver.hpp"
 
-namespace voxtouch::lwr {
+namespace voxtouch::arm {
 namespace {
 
 using namespace std::chrono_literals;
@@ -50,23 +50,22 @@ std::string words(int status) {
 
 }  // namespace
 
-ControllerProcess::File::File(const char* name) : number(memfd_create(name, MFD_CLOEXEC)) {
+ControllerProcess::File::File(const char* name, std::string_view device) : number(memfd_create(name, MFD_CLOEXEC)) {
   if (number < 0)
-    throw devices::DeviceOpenError(fmt::format("device 'wire-lwr': no file in memory could be made ({})", std::strerror(errno)));
+    throw devices::DeviceOpenError(fmt::format("device '{}': no file in memory could be made ({})", device, std::strerror(errno)));
 }
 
 ControllerProcess::File::~File() { close(number); }
 
-ControllerProcess::ControllerProcess(const std::vector<std::string>& arguments, const std::string& hand)
-    : hand_("voxtouch_hand"), log_("voxtouch_controller_log") {
+ControllerProcess::ControllerProcess(std::string_view device, const std::string& name, const std::vector<std::string>& arguments,
+                                     const std::string& hand)
+    : device_(device), hand_("voxtouch_hand", device), log_("voxtouch_controller_log", device) {
   if (pwrite(hand_.number, hand.data(), hand.size(), 0) != static_cast<ssize_t>(hand.size()))
-    throw devices::DeviceOpenError(fmt::format("device 'wire-lwr': the hand could not be written ({})", std::strerror(errno)));
-  const std::string program = (program_folder() / "voxtouch_fri_controller").string();
+    refuse(fmt::format(": the hand could not be written ({})", std::strerror(errno)));
+  const std::string program = (program_folder() / name).string();
   if (access(program.c_str(), X_OK) != 0)
-    throw devices::DeviceOpenError(fmt::format(
-        "device 'wire-lwr': the simulated controller {} cannot be run ({}); build the target voxtouch_fri_controller, "
-        "and keep it beside this program",
-        program, std::strerror(errno)));
+    refuse(fmt::format(": the simulated controller {} cannot be run ({}); build the target {}, and keep it beside this program",
+                       program, std::strerror(errno), name));
   start(program, arguments);
   try {
     wait_until_ready();
@@ -74,6 +73,10 @@ ControllerProcess::ControllerProcess(const std::vector<std::string>& arguments, 
     end();
     throw;
   }
+}
+
+void ControllerProcess::refuse(const std::string& why) const {
+  throw devices::DeviceOpenError(fmt::format("device '{}'{}", device_, why));
 }
 
 void ControllerProcess::start(const std::string& program, const std::vector<std::string>& arguments) {
@@ -86,20 +89,15 @@ void ControllerProcess::start(const std::string& program, const std::vector<std:
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ == 0) become(argv.data(), parent, hand_.number, log_.number);
-  if (pid_ < 0)
-    throw devices::DeviceOpenError(
-        fmt::format("device 'wire-lwr': {} could not be started ({})", program, std::strerror(errno)));
+  if (pid_ < 0) refuse(fmt::format(": {} could not be started ({})", program, std::strerror(errno)));
 }
 
 void ControllerProcess::wait_until_ready() {
   for (const auto give_up = Clock::now() + kStart; said().find(kReady) == std::string::npos;) {
     const std::string how = ending();
-    if (!how.empty())
-      throw devices::DeviceOpenError(
-          fmt::format("device 'wire-lwr' cannot be opened: its simulated controller {}: {}", how, said()));
+    if (!how.empty()) refuse(fmt::format(" cannot be opened: its simulated controller {}: {}", how, said()));
     if (Clock::now() > give_up)
-      throw devices::DeviceOpenError(
-          "device 'wire-lwr' cannot be opened: its simulated controller did not get ready; is the machine very busy?");
+      refuse(" cannot be opened: its simulated controller did not get ready; is the machine very busy?");
     std::this_thread::sleep_for(2ms);
   }
 }
@@ -129,7 +127,6 @@ std::string ControllerProcess::ending() const {
   return running() ? std::string() : words(*status_);
 }
 
-/// Its last words, on one line.
 std::string ControllerProcess::said() const {
   std::array<char, 4096> text;
   const off_t size = lseek(log_.number, 0, SEEK_END);
@@ -142,4 +139,4 @@ std::string ControllerProcess::said() const {
   return words;
 }
 
-}  // namespace voxtouch::lwr
+}  // namespace voxtouch::arm

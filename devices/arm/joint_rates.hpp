@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "devices/lwr/lwr_arm.hpp"
+#include "devices/arm/joints.hpp"
 
-namespace voxtouch::lwr {
+namespace voxtouch::arm {
 
 /// Backward difference, then a first-order low-pass: rate += (1 - exp(-2 pi f dt)) (difference - rate). Any dt is stable. It lags a
 /// steady acceleration by half a period (the difference) and 1 / (2 pi f) (the low-pass), within a period: a sampled low-pass is
@@ -16,7 +16,7 @@ class JointRates {
   explicit JointRates(double cutoff_hz) noexcept : per_s_(2.0 * std::numbers::pi * cutoff_hz) {}
 
   /// The rates [rad/s] with the positions `q` [rad], `dt_s` [s] after the last ones.
-  const LwrJoints& see(const LwrJoints& q, double dt_s) noexcept {
+  const Joints& see(const Joints& q, double dt_s) noexcept {
     if (started_ && dt_s > 0.0) rate_ += (1.0 - std::exp(-per_s_ * dt_s)) * ((q - last_) / dt_s - rate_);
     started_ = true;
     last_ = q;
@@ -24,12 +24,12 @@ class JointRates {
   }
   /// The next position starts anew, at rest: after a gap a difference says nothing.
   void restart() noexcept { started_ = false, rate_.setZero(); }
-  const LwrJoints& rate() const noexcept { return rate_; }
+  const Joints& rate() const noexcept { return rate_; }
 
  private:
   double per_s_;
   bool started_ = false;
-  LwrJoints last_ = LwrJoints::Zero(), rate_ = LwrJoints::Zero();
+  Joints last_ = Joints::Zero(), rate_ = Joints::Zero();
 };
 
-}  // namespace voxtouch::lwr
+}  // namespace voxtouch::arm

@@ -1,4 +1,4 @@
-#include "devices/lwr/udp_socket.hpp"
+#include "devices/arm/udp_socket.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 #include <cstring>
 #include <ctime>
 
-namespace voxtouch::lwr {
+namespace voxtouch::arm {
 namespace {
 
 sockaddr_in to_system(const UdpEndpoint& endpoint) noexcept {
@@ -46,7 +46,7 @@ std::chrono::nanoseconds age_of(msghdr& message) noexcept {
 std::string advice(int error, std::uint16_t port) {
   if (error == EADDRINUSE)
     return fmt::format(
-        "another program has the port: end it, or give another port here and in friSetup (who has it: 'ss -ulnp "
+        "another program has the port: end it, or give another port here and on the controller (who has it: 'ss -ulnp "
         "sport = {}')",
         port);
   if (error == EADDRNOTAVAIL) return "no network interface of this machine has the address: see 'ip address'";
@@ -134,4 +134,4 @@ bool UdpSocket::send(std::span<const std::byte> datagram, const UdpEndpoint& to)
   }
 }
 
-}  // namespace voxtouch::lwr
+}  // namespace voxtouch::arm

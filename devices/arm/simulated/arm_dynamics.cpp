@@ -1,16 +1,9 @@
-#include "devices/lwr/simulated/arm_dynamics.hpp"
-
-#include <fmt/format.h>
+#include "devices/arm/simulated/arm_dynamics.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
-namespace voxtouch::lwr_sim {
+namespace voxtouch::arm_sim {
 namespace {
-
-// From one joint to the next, up the stretched arm [m], and the joints' axes at q = 0: z, -y, z, y, z, -y, z.
-constexpr std::array<double, 7> kRise = {0.11, 0.2005, 0.20, 0.20, 0.20, 0.19, 0.078};
-constexpr std::array<int, 7> kTurnsAboutY = {0, -1, 0, 1, 0, -1, 0};  // 0: about z
 
 /// Spatial inertia about the base's origin, in base axes: mass, first moment, rotational inertia. Those of bodies that move as
 /// one add up. (Featherstone's spatial notation; motions are [angular; velocity of the point at the base's origin].)
@@ -51,52 +44,44 @@ Mat3 in_base(const Mat3& rotation, const Vec3& principal) noexcept {
 }
 
 /// R <- R * rotation about the joint's axis.
-void turn(Mat3& r, std::size_t joint, double angle) noexcept {
+void turn(Mat3& r, Axis axis, double angle) noexcept {
   const double c = std::cos(angle), s = std::sin(angle);
-  const int y = kTurnsAboutY[joint];
-  const Vec3 first = r.col(0), other = y ? Vec3(-y * r.col(2)) : Vec3(r.col(1));
+  const bool about_y = axis == Axis::kY || axis == Axis::kMinusY, backwards = axis == Axis::kMinusZ || axis == Axis::kY;
+  const int second = about_y ? 2 : 1;
+  const Vec3 first = r.col(0), other = backwards ? Vec3(-r.col(second)) : Vec3(r.col(second));
   r.col(0) = c * first + s * other;
   const Vec3 turned = c * other - s * first;
-  if (y)
-    r.col(2) = -y * turned;
-  else
-    r.col(1) = turned;
+  r.col(second) = backwards ? Vec3(-turned) : turned;
+}
+
+/// A joint's axis in the base.
+Vec3 axis_of(const Mat3& rotation, Axis axis) noexcept {
+  switch (axis) {
+    case Axis::kZ: return rotation.col(2);
+    case Axis::kMinusZ: return -rotation.col(2);
+    case Axis::kY: return rotation.col(1);
+    case Axis::kMinusY: return -rotation.col(1);
+  }
+  return Vec3::Zero();
 }
 
 }  // namespace
 
-ArmInertia lwr_inertia(double torque_feedback_gain) {
-  if (!(torque_feedback_gain >= 1.0 && std::isfinite(torque_feedback_gain)))
-    throw std::runtime_error(
-        fmt::format("arm inertia: torque_feedback_gain is {}, but has to be 1 or more", torque_feedback_gain));
-  ArmInertia arm;
-  const Vec3 upper(0.01845, 0.00405, 0.01602);
-  arm.links = {Link{2.7, Vec3(0.0, -0.06, 0.13), upper},
-               Link{2.7, Vec3(0.0, 0.06, 0.07), upper},
-               Link{2.7, Vec3(0.0, 0.06, 0.13), upper},
-               Link{2.7, Vec3(0.0, -0.06, 0.07), upper},
-               Link{1.7, Vec3(0.0, 0.0, 0.124), Vec3(0.01075, 0.00255, 0.00922)},
-               Link{1.1, Vec3(0.0, 0.0, 0.0625), Vec3::Constant(0.002865)},
-               Link{0.25, Vec3::Zero(), Vec3::Constant(4.17e-4)}};
-  arm.rotor_kg_m2 << 3.19, 3.05, 1.98, 2.05, 0.787, 0.391, 0.394;
-  arm.rotor_kg_m2 /= torque_feedback_gain;
-  return arm;
-}
-
-std::array<ArmDynamics::Frame, 7> ArmDynamics::links(const lwr::LwrJoints& q) const noexcept {
+std::array<ArmDynamics::Frame, 7> ArmDynamics::links(const arm::Joints& q) const noexcept {
   std::array<Frame, 7> frames;
   Mat3 rotation = Mat3::Identity();
   Vec3 origin = Vec3::Zero();
   for (std::size_t i = 0; i < 7; ++i) {
-    origin += kRise[i] * rotation.col(2);
-    const Vec3 axis = kTurnsAboutY[i] ? Vec3(kTurnsAboutY[i] * rotation.col(1)) : Vec3(rotation.col(2));
-    turn(rotation, i, q[static_cast<Eigen::Index>(i)]);
+    const JointPlace& joint = bodies_.joints[i];
+    origin += rotation * joint.from_last_m;
+    const Vec3 axis = axis_of(rotation, joint.axis);
+    turn(rotation, joint.axis, q[static_cast<Eigen::Index>(i)]);
     frames[i] = {rotation, origin, axis};
   }
   return frames;
 }
 
-ArmDynamics::Terms ArmDynamics::at(const lwr::LwrJoints& q, const lwr::LwrJoints& rate, const TipLoad& load) const noexcept {
+ArmDynamics::Terms ArmDynamics::at(const arm::Joints& q, const arm::Joints& rate, const TipLoad& load) const noexcept {
   const std::array<Frame, 7> frames = links(q);
   Terms terms;
   terms.tool = Pose{frames[6].origin, Quat(frames[6].rotation)} * pose_FT_;
@@ -108,8 +93,8 @@ ArmDynamics::Terms ArmDynamics::at(const lwr::LwrJoints& q, const lwr::LwrJoints
   Spatial velocity, acceleration;
   for (std::size_t i = 0; i < 7; ++i) {
     const Frame& f = frames[i];
-    const Link& link = inertia_.links[i];
-    bodies[i].add(link.mass_kg, f.rotation * link.centre_m + f.origin, in_base(f.rotation, link.inertia_kg_m2));
+    const Link& link = bodies_.links[i];
+    bodies[i].add(link.mass_kg, f.rotation * link.centre_m + f.origin, in_base(f.rotation * link.axes, link.inertia_kg_m2));
     axes[i] = {f.axis, f.origin.cross(f.axis)};
     const double speed = rate[static_cast<Eigen::Index>(i)];
     velocity = velocity + axes[i] * speed;
@@ -138,8 +123,8 @@ ArmDynamics::Terms ArmDynamics::at(const lwr::LwrJoints& q, const lwr::LwrJoints
     }
     terms.jacobian.col(row) << axes[i].linear + frames[i].axis.cross(tip), frames[i].axis;
   }
-  terms.mass.diagonal() += inertia_.rotor_kg_m2;
+  terms.mass.diagonal() += bodies_.rotor_kg_m2;
   return terms;
 }
 
-}  // namespace voxtouch::lwr_sim
+}  // namespace voxtouch::arm_sim
