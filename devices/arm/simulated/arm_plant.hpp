@@ -31,8 +31,9 @@ class ArmPlant {
   ArmPlant(const PlantParameters& parameters, const arm::Joints& q);
 
   /// Moves on by `dt_s` with `torque` held (beyond gravity, which the drives carry exactly; the sum is cut to the drives'
-  /// limits). `hand`: over this step, in the base. Classical Runge-Kutta of fourth order for all smooth forces; then dry friction, brakes and stops as impulses that
-  /// take speed and never give any: a joint under less than its friction stays exactly where it is. Real-time safe.
+  /// limits). `hand`: over this step, in the base. Classical Runge-Kutta of fourth order for all smooth forces; then dry friction,
+  /// brakes and stops as impulses that take speed and never give any: a joint under less than its friction stays exactly where it
+  /// is. Real-time safe.
   void step(const arm::Joints& torque, Drives drives, const hand::HandAction& hand, double dt_s) noexcept;
 
   const arm::Joints& q() const noexcept { return q_; }
