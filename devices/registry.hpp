@@ -10,8 +10,8 @@
 
 namespace voxtouch::devices {
 
-/// "sim-phantom", "sim-lwr": arithmetic alone; so is "sim:FILE", any device as a file describes it, which is not among the names. "wire-phantom", "wire-lwr": the drivers of the hardware, with the vendor's library or
-/// the controller's side of the network simulated. "phantom", "lwr": the hardware.
+/// "sim-phantom", "sim-lwr": arithmetic alone; so is "sim:FILE", any device as a file describes it, which is not among the names. "wire-phantom", "wire-lwr", "wire-fr3": the drivers of the hardware, with the vendor's library or
+/// the controller's side of the network simulated. "phantom", "lwr", "fr3": the hardware.
 const std::vector<std::string>& device_names();
 
 /// Opens a device. Throws DeviceOpenError: an unknown name (the sentence lists the known ones), an option that the device has not

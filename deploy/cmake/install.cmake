@@ -24,7 +24,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/idl DESTINATION ${here} PATTERN "__pycac
 
 # Programs.
 install(TARGETS voxtouch voxtouch_device_program voxtouch_rendering_program voxtouch_coupling_program voxtouch_logger_program
-  voxtouch_validator_program voxtouch_import_mesh_program voxtouch_fri_controller RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  voxtouch_validator_program voxtouch_import_mesh_program voxtouch_fri_controller voxtouch_fci_robot RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS voxtouch_hd_sim LIBRARY DESTINATION lib/voxtouch)
 # What draws is Python, beside its parts; a link by its own name stands beside the programs.
 set(tools ${PROJECT_SOURCE_DIR}/deploy/tools)
@@ -40,7 +40,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/deploy/completion/voxtouch.bash DESTINATION 
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/completion/_voxtouch DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
 # Man pages are what --help says of the programs that are installed.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
-set(documented voxtouch voxtouch_device voxtouch_rendering voxtouch_coupling voxtouch_logger voxtouch_validator voxtouch_fri_controller)
+set(documented voxtouch voxtouch_device voxtouch_rendering voxtouch_coupling voxtouch_logger voxtouch_validator voxtouch_fri_controller voxtouch_fci_robot)
 install(CODE "execute_process(COMMAND \"${Python3_EXECUTABLE}\" -B \"${tools}/man_page.py\" \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}\"
   \"${PROJECT_BINARY_DIR}/man\" ${documented} COMMAND_ERROR_IS_FATAL ANY)")
 install(DIRECTORY ${PROJECT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)

@@ -70,7 +70,7 @@ _voxtouch() {
   case $before in
     --device)
       # A colon parts words for bash: what stands in front of it is kept out of the reply.
-      choices="sim-phantom sim-lwr wire-phantom wire-lwr phantom lwr $(_voxtouch_names "$share/devices" | sed 's/^/sim:/')"
+      choices="sim-phantom sim-lwr wire-phantom wire-lwr wire-fr3 phantom lwr fr3 $(_voxtouch_names "$share/devices" | sed 's/^/sim:/')"
       ;;
     :) COMPREPLY=($(compgen -W "$(_voxtouch_names "$share/devices")" -- "$current"; compgen -f -- "$current")); return ;;
     --motion) choices=$(_voxtouch_motions "$(_voxtouch_scene_file "$program" "$scene")") ;;

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "devices/lwr/controller_process.hpp"
+#include "devices/arm/controller_process.hpp"
 #include "devices/lwr/lwr_driver.hpp"
 #include "devices/operator/hand.hpp"
 #include "devices/operator/hand_file.hpp"
@@ -52,10 +52,11 @@ std::uint32_t period_ms(const devices::SettingReader& settings) {
 }
 
 /// The controller begins before the driver and ends after it, whose last messages need it.
-class WireLwr final : ControllerProcess, public LwrDriver {
+class WireLwr final : arm::ControllerProcess, public LwrDriver {
  public:
   WireLwr(const LwrOptions& driver, const devices::DeviceOptions& options, const devices::SettingReader& settings)
-      : ControllerProcess(arguments(driver, options, settings), hand(driver, options)), LwrDriver(driver) {}
+      : ControllerProcess("wire-lwr", "voxtouch_fri_controller", arguments(driver, options, settings), hand(driver, options)),
+        LwrDriver(driver) {}
 
   std::string trouble() const override {
     const std::string of_driver = LwrDriver::trouble(), how = ending();

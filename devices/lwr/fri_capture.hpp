@@ -5,10 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "devices/arm/udp_socket.hpp"
 #include "devices/lwr/fri_packets.hpp"
-#include "devices/lwr/udp_socket.hpp"
 
-namespace voxtouch::lwr::fri {
+namespace voxtouch::lwr {
+
+using arm::parse_ipv4;
+using arm::UdpEndpoint;
+using arm::UdpSocket;
+
+namespace fri {
 
 /// A ring of datagrams. `note` is real-time safe; the rest allocates.
 class FriCapture {
@@ -36,4 +42,5 @@ class FriCapture {
   std::uint64_t count_ = 0;
 };
 
-}  // namespace voxtouch::lwr::fri
+}  // namespace fri
+}  // namespace voxtouch::lwr

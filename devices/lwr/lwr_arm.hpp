@@ -2,12 +2,13 @@
 /// Geometry and limits of the light-weight robot 4 / 4+: seven revolute joints, in the order of the wire (A1 A2 E1 A3 A4 A5 A6).
 #include <array>
 
-#include "core/types/geometry.hpp"
+#include "devices/arm/joints.hpp"
 
 namespace voxtouch::lwr {
 
-using LwrJoints = Eigen::Matrix<double, 7, 1>;    ///< rad, rad/s or Nm
-using LwrJacobian = Eigen::Matrix<double, 6, 7>;  ///< [linear; angular] of the tool over joint rates, base axes
+using LwrJoints = arm::Joints;
+using LwrJacobian = arm::Jacobian;
+using arm::joint_torque;
 
 /// Per joint; where published models of the 4 and the 4+ differ, the smaller of each.
 struct LwrLimits {
@@ -46,13 +47,6 @@ class LwrArm {
  private:
   Pose pose_FT_;
 };
-
-/// Joint torque that gives `wrench` (base axes, about the tool's origin): J^T F.
-inline LwrJoints joint_torque(const LwrJacobian& jacobian, const Wrench& wrench) noexcept {
-  Vec6 stacked;
-  stacked << wrench.force, wrench.torque;
-  return jacobian.transpose() * stacked;
-}
 
 /// Elbow bent, hand in front: q = (0, 30, 0, -90, 0, 60, 0) degrees, far from every limit and singularity.
 LwrJoints lwr_rest_posture() noexcept;

@@ -20,16 +20,16 @@
 #include <string>
 #include <string_view>
 
+#include "devices/arm/joint_rates.hpp"
+#include "devices/arm/udp_socket.hpp"
 #include "devices/driver.hpp"
 #include "devices/lwr/fri_capture.hpp"
 #include "devices/lwr/fri_clock.hpp"
 #include "devices/lwr/fri_composer.hpp"
 #include "devices/lwr/fri_sequence.hpp"
 #include "devices/lwr/fri_session.hpp"
-#include "devices/lwr/joint_rates.hpp"
 #include "devices/lwr/lwr_arm.hpp"
 #include "devices/lwr/lwr_options.hpp"
-#include "devices/lwr/udp_socket.hpp"
 
 namespace voxtouch::lwr {
 
@@ -126,7 +126,7 @@ class LwrDriver : public devices::Driver {
   fri::FriSession session_;
   std::optional<fri::FriComposer> composer_;  // these two: once the period is known
   std::optional<fri::FriClock> clock_;
-  JointRates rates_;
+  arm::JointRates rates_;
 
   std::array<std::byte, 2048> buffer_;
   fri::MsrPacket incoming_{}, msr_{};

@@ -7,7 +7,7 @@
 
 #include "devices/lwr/fri_composer.hpp"
 #include "devices/lwr/fri_session.hpp"
-#include "devices/lwr/posture_torque.hpp"
+#include "devices/arm/posture_torque.hpp"
 
 namespace voxtouch::lwr {
 
@@ -24,7 +24,7 @@ struct LwrOptions {
   Pose pose_BD;                     ///< frame D in the robot's base B (z up, along axis 1)
   fri::SessionRules session;
   fri::ComposerRules composer;      ///< the step limit is set by the driver
-  PostureRules posture;
+  arm::PostureRules posture{.posture = lwr_rest_posture()};
   double rate_cutoff_hz = 50.0;  ///< low-pass of the joint rates, which the twist is made of
   /// Torque on top of the arm's own, joint by joint: the limits less what holds the arm up, and no more than the $stiffness
   /// limits (100 and 30 Nm) that KRL programs in use set.

@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 PROGRAMS = ("voxtouch", "voxtouch_device", "voxtouch_rendering", "voxtouch_coupling", "voxtouch_logger", "voxtouch_validator",
-            "voxtouch_fri_controller", "voxtouch_import_mesh")
+            "voxtouch_fri_controller", "voxtouch_fci_robot", "voxtouch_import_mesh")
 ASK = r"""
 source "$1"; shift
 COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=()

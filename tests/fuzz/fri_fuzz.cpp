@@ -13,7 +13,7 @@
 
 namespace {
 
-constexpr voxtouch::lwr::UdpEndpoint kController{0x7F000001, 49939};
+constexpr voxtouch::arm::UdpEndpoint kController{0x7F000001, 49939};
 
 struct Network {
   std::deque<std::string> to_driver;
@@ -23,7 +23,7 @@ struct Network {
 
 }  // namespace
 
-namespace voxtouch::lwr {
+namespace voxtouch::arm {
 
 std::string text_of(const UdpEndpoint&) { return "here"; }
 std::optional<std::uint32_t> parse_ipv4(const std::string&) noexcept { return 0x7F000001; }
@@ -45,7 +45,7 @@ bool UdpSocket::send(std::span<const std::byte> datagram, const UdpEndpoint&) no
   return true;
 }
 
-}  // namespace voxtouch::lwr
+}  // namespace voxtouch::arm
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "devices/lwr/simulated/control_laws.hpp"
+#include "devices/lwr/simulated/lwr_plant.hpp"
 
 namespace voxtouch::lwr_sim {
 

@@ -1,12 +1,10 @@
 #pragma once
 /// What goes wrong, and when: faults of the network, the robot and the controller, on a schedule.
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <optional>
-#include <string>
 #include <string_view>
-#include <vector>
+
+#include "devices/arm/simulated/faults.hpp"
 
 namespace voxtouch::lwr_sim {
 
@@ -26,28 +24,10 @@ enum class FaultKind : std::uint8_t {
 };
 inline constexpr std::size_t kFaultKinds = 12;
 
-/// Acts from `start_s` on for `duration_s`, on the controller's clock.
-struct Fault {
-  FaultKind kind = FaultKind::kLoss;
-  double start_s = 0.0;
-  double duration_s = std::numeric_limits<double>::infinity();
-  double value = 0.0;
-};
+using Fault = arm_sim::Fault<FaultKind>;
+using FaultSchedule = arm_sim::FaultSchedule<FaultKind>;
 
-/// KIND@START[:DURATION[:VALUE]] in seconds, DURATION "inf" for ever (as if left out): "late@2.0:0.1", "loss@0:inf:0.02",
-/// "nan@1.5:0.001:3". Kinds: loss answer_loss late jitter reorder duplicate nan drives_off drive_error estop quality silent.
-/// Throws std::runtime_error that shows the text and says what is wrong with it.
+/// As arm_sim::parse_fault. Kinds: loss answer_loss late jitter reorder duplicate nan drives_off drive_error estop quality silent.
 Fault parse_fault(std::string_view text);
-
-/// Real-time safe after construction.
-class FaultSchedule {
- public:
-  explicit FaultSchedule(std::vector<Fault> faults = {}) : faults_(std::move(faults)) {}
-  /// The value of the first fault of this kind that acts at `time_s`.
-  std::optional<double> active(FaultKind kind, double time_s) const noexcept;
-
- private:
-  std::vector<Fault> faults_;
-};
 
 }  // namespace voxtouch::lwr_sim

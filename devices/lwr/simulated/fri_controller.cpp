@@ -32,7 +32,8 @@ void ControllerConfig::validate() const {
           "1 to 100 whole milliseconds");
   quality.validate();
   require(plant.pose_FT.finite(), "plant.tool_in_flange", "finite");
-  require(start_rad.allFinite() && (start_rad.cwiseAbs().array() <= plant.position_limit_rad.array()).all(),
+  require(start_rad.allFinite() && (start_rad.array() <= plant.highest_rad.array()).all() &&
+              (start_rad.array() >= plant.lowest_rad.array()).all(),
           "start_rad", "within the joints' limits");
   require(overlay_lag_s >= 0.0 && overlay_lag_s < 1.0, "overlay_lag_s", "in [0, 1)");
   require(torque_noise_nm >= 0.0 && torque_noise_nm < 100.0, "torque_noise_nm", "in [0, 100)");

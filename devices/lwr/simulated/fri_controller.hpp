@@ -8,11 +8,11 @@
 #include <span>
 
 #include "devices/lwr/fri_codec.hpp"
-#include "devices/lwr/simulated/arm_plant.hpp"
 #include "devices/lwr/simulated/command_path.hpp"
 #include "devices/lwr/simulated/faults.hpp"
 #include "devices/lwr/simulated/krl_script.hpp"
 #include "devices/lwr/simulated/link_quality.hpp"
+#include "devices/lwr/simulated/lwr_plant.hpp"
 #include "devices/lwr/simulated/safety.hpp"
 
 namespace voxtouch::lwr_sim {

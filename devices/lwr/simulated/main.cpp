@@ -10,8 +10,8 @@
 
 #include "core/types/number.hpp"
 #include "core/types/version.hpp"
+#include "devices/arm/simulated/start_posture.hpp"
 #include "devices/lwr/simulated/session.hpp"
-#include "devices/lwr/simulated/start_posture.hpp"
 #include "devices/lwr/simulated/trace.hpp"
 #include "devices/operator/hand_file.hpp"
 
@@ -116,8 +116,13 @@ hand::Hand make_hand(Options& o) {
   const hand::HandFile file = hand::read_hand(o.hand_file);
   c.seed = o.seed.value_or(file.seed);
   hand::Hand hand(file.hand, file.motion, kSubstep, c.seed, kDrag);
-  c.start_rad = start_posture(arm, {file.motion.path.front(), file.motion.orientation.normalized()},
-                              posture(o, file.posture_rad));
+  const auto reach = [&arm](const lwr::LwrJoints& q) {
+    const lwr::LwrArm::State state = arm.at(q);
+    return arm_sim::Reach{state.pose_BT, state.jacobian};
+  };
+  const lwr::LwrJoints limit = lwr::lwr_limits().position_rad;
+  c.start_rad = arm_sim::start_posture(reach, {file.motion.path.front(), file.motion.orientation.normalized()},
+                                       posture(o, file.posture_rad), -limit, limit);
   return hand;
 }
 
@@ -168,7 +173,7 @@ int run(Options& o) {
     tell(controller);
   };
   catch_signals();
-  fmt::print(stderr, "simulated controller: {} -> {}, {} ms, {} time\n", lwr::text_of(session.local()), o.remote,
+  fmt::print(stderr, "simulated controller: {} -> {}, {} ms, {} time\n", arm::text_of(session.local()), o.remote,
              o.period_ms, o.controller.virtual_time ? "virtual" : "real");
   const Ending ending = session.run(stop_asked);
   tell(controller);

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "devices/lwr/fri_packets.hpp"
-#include "devices/lwr/simulated/control_laws.hpp"
+#include "devices/lwr/simulated/lwr_plant.hpp"
 
 namespace voxtouch::lwr_sim {
 

@@ -31,7 +31,7 @@ constexpr nanoseconds kForgotten = milliseconds(200);
 
 Session::Session(const SessionConfig& config, FriController& controller, Line line)
     : config_(config), controller_(controller), line_(std::move(line)), socket_(config.address, config.port) {
-  const auto address = lwr::parse_ipv4(config.remote_address);
+  const auto address = arm::parse_ipv4(config.remote_address);
   if (!address || config.remote_port == 0)
     throw devices::DeviceOpenError(fmt::format("'{}:{}' is no address and port of a remote side, like 127.0.0.1:{}",
                                       config.remote_address, config.remote_port, lwr::fri::kDefaultPort));

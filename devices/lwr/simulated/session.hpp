@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "devices/arm/udp_socket.hpp"
 #include "devices/lwr/simulated/fri_controller.hpp"
 #include "devices/lwr/simulated/line.hpp"
-#include "devices/lwr/udp_socket.hpp"
 
 namespace voxtouch::lwr_sim {
 
@@ -50,7 +50,7 @@ class Session {
   /// Until told, or the end of the duration or of patience. At the end one measurement with state OFF is sent.
   Ending run(const std::atomic<bool>& stop);
 
-  lwr::UdpEndpoint local() const noexcept { return socket_.local(); }
+  arm::UdpEndpoint local() const noexcept { return socket_.local(); }
   const SessionCounts& counts() const noexcept { return counts_; }
   const Line& line() const noexcept { return line_; }
 
@@ -67,8 +67,8 @@ class Session {
   SessionConfig config_;
   FriController& controller_;
   Line line_;
-  lwr::UdpEndpoint remote_;
-  lwr::UdpSocket socket_;
+  arm::UdpEndpoint remote_;
+  arm::UdpSocket socket_;
   SessionCounts counts_;
   bool heard_ = false;
   double virtual_latency_s_ = 0.0;

@@ -23,7 +23,9 @@ struct Options {
   std::string csv_file;
 };
 
-std::string device_of(const FaultCase& fault) { return fault.plant == Plant::kPhantom ? "phantom" : "lwr"; }
+std::string device_of(const FaultCase& fault) {
+  return fault.plant == Plant::kPhantom ? "phantom" : fault.plant == Plant::kLwr ? "lwr" : "fr3";
+}
 
 bool wanted(const Options& o, const FaultCase& fault) {
   for (const std::string& name : o.only)
@@ -32,7 +34,9 @@ bool wanted(const Options& o, const FaultCase& fault) {
 }
 
 FaultOutcome run(const FaultCase& fault, bool virtual_time) {
-  const auto subject = fault.plant == Plant::kPhantom ? phantom("premium", virtual_time) : lwr(virtual_time);
+  const auto subject = fault.plant == Plant::kPhantom ? phantom("premium", virtual_time)
+                       : fault.plant == Plant::kLwr   ? lwr(virtual_time)
+                                                      : fr3(virtual_time);
   return run_fault(*subject, fault);
 }
 
@@ -132,7 +136,7 @@ int main(int argc, char** argv) {
       "Every fault of the simulated counterparts, into the drivers; exit status 1 where force was received that should "
       "not be");
   Options options;
-  app.add_option("--only", options.only, "Faults by name, or all of a device: phantom, lwr");
+  app.add_option("--only", options.only, "Faults by name, or all of a device: phantom, lwr, fr3");
   app.add_flag("--json", options.json, "JSON instead of a table");
   app.add_option("--csv", options.csv_file, "The table to this file as well");
   app.add_flag("--real-time", options.real_time,

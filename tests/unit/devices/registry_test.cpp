@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "devices/lwr/udp_socket.hpp"
+#include "devices/arm/udp_socket.hpp"
 #include "devices/settings.hpp"
 
 namespace voxtouch::devices {
@@ -44,7 +44,7 @@ TEST(Registry, SaysWhichLibrariesOfAPhantomItTriedAndWhatToInstall) {
 
 TEST(Registry, SaysOnWhichPortItWaitedForARobotAndWhatToSet) {
   DeviceOptions options;
-  const std::string port = std::to_string(lwr::UdpSocket("127.0.0.1", 0).local().port);
+  const std::string port = std::to_string(arm::UdpSocket("127.0.0.1", 0).local().port);
   options.settings = {{"address", "127.0.0.1"}, {"port", port}, {"connect_timeout_s", "0.2"}};
   const std::string said = refusal("lwr", options);
   EXPECT_NE(said.find("UDP 127.0.0.1:" + port), std::string::npos) << said;
@@ -52,8 +52,17 @@ TEST(Registry, SaysOnWhichPortItWaitedForARobotAndWhatToSet) {
   EXPECT_NE(said.find("--device wire-lwr"), std::string::npos) << said;
 }
 
+TEST(Registry, SaysWhichRobotItAskedAndWhatToDo) {
+  DeviceOptions options;
+  options.settings = {{"address", "127.0.0.1"}, {"port", "1"}};
+  const std::string said = refusal("fr3", options);
+  EXPECT_NE(said.find("TCP 127.0.0.1:1"), std::string::npos) << said;
+  EXPECT_NE(said.find("FCI"), std::string::npos) << said;
+  EXPECT_NE(said.find("--device wire-fr3"), std::string::npos) << said;
+}
+
 TEST(Registry, OpensTheDriversAtTheirCounterpartsWhereTheHandIs) {
-  for (const char* name : {"wire-phantom", "wire-lwr"}) {
+  for (const char* name : {"wire-phantom", "wire-lwr", "wire-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
     options.motion.emplace().path = {Vec3(-0.07, -0.03, 0.02)};
@@ -75,7 +84,7 @@ TEST(Registry, OpensTheDriversAtTheirCounterpartsWhereTheHandIs) {
 }
 
 TEST(Registry, DescribesTheCounterpartsAsTheyDescribeThemselvesOnceOpen) {
-  for (const char* name : {"wire-phantom", "wire-lwr"}) {
+  for (const char* name : {"wire-phantom", "wire-lwr", "wire-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
     const DeviceDescription before = describe_device(name), open = open_device(name, options)->description();
@@ -90,7 +99,7 @@ TEST(Registry, DescribesTheCounterpartsAsTheyDescribeThemselvesOnceOpen) {
 }
 
 TEST(Registry, PutsTheDevicesRestWhereItIsTold) {
-  for (const char* name : {"wire-phantom", "wire-lwr"}) {
+  for (const char* name : {"wire-phantom", "wire-lwr", "wire-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
     options.settings = {{"rest", "1,2,-0.5"}};
@@ -136,6 +145,8 @@ TEST(Registry, RefusesSettingsThatADeviceHasNotGotAndNamesThoseThatItHas) {
   EXPECT_NE(with("lwr", {{"connect_timeout_s", "nan"}}).find("[0, 3600]"), std::string::npos);
   EXPECT_NE(with("lwr", {{"controller", "krc"}}).find("IPv4"), std::string::npos);
   EXPECT_NE(with("wire-lwr", {{"period_ms", "0"}}).find("[1, 100]"), std::string::npos);
+  EXPECT_NE(with("fr3", {{"address", "robot"}}).find("IPv4"), std::string::npos);
+  EXPECT_NE(with("wire-fr3", {{"address", "127.0.0.1"}}).find("rest, tool, server_version, fault"), std::string::npos);
   EXPECT_NE(with("phantom", {{"encoder_reset", "perhaps"}}).find("if_needed or always"), std::string::npos);
   EXPECT_NE(with("phantom", {{"max_force_n", "-1"}}).find("max_force_n"), std::string::npos);
   EXPECT_NE(with("phantom", {{"rate_hz", "7"}}).find("[100, 10000]"), std::string::npos);
@@ -148,7 +159,7 @@ TEST(Registry, RefusesSettingsThatADeviceHasNotGotAndNamesThoseThatItHas) {
 }
 
 TEST(Registry, SaysWhyACounterpartCannotFollowTheHandAndLeavesNothingBehind) {
-  for (const char* name : {"wire-phantom", "wire-lwr"}) {
+  for (const char* name : {"wire-phantom", "wire-lwr", "wire-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
     options.motion.emplace().path = {Vec3(5.0, 0.0, 0.0)};
@@ -170,7 +181,7 @@ TEST(Registry, HandsOnWhatTheSimulatedControllerSaysOfItsOptions) {
 
 TEST(Registry, InjectsTheFaultsOfACounterpartWhenTheyAreDue) {
   for (const auto& [name, fault] :
-       {std::pair{"wire-phantom", "comm_error@0.1"}, std::pair{"wire-lwr", "drive_error@0.3"}}) {
+       {std::pair{"wire-phantom", "comm_error@0.1"}, std::pair{"wire-lwr", "drive_error@0.3"}, std::pair{"wire-fr3", "reflex@0.2"}}) {
     DeviceOptions options;
     options.lockstep = true;
     options.settings = {{"fault", fault}};
@@ -185,9 +196,9 @@ TEST(Registry, InjectsTheFaultsOfACounterpartWhenTheyAreDue) {
 
 TEST(Registry, ListsTheKnownNamesForAnUnknownOne) {
   EXPECT_EQ(refusal("omni"),
-            "device 'omni' is unknown; known are sim-phantom, sim-lwr, wire-phantom, wire-lwr, phantom, lwr, "
+            "device 'omni' is unknown; known are sim-phantom, sim-lwr, wire-phantom, wire-lwr, wire-fr3, phantom, lwr, fr3, "
             "and sim:FILE for a device that a file describes");
-  EXPECT_EQ(device_names().size(), 6U);
+  EXPECT_EQ(device_names().size(), 8U);
 }
 
 TEST(Registry, PassesHandMotionAndSeedOn) {

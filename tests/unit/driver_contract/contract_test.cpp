@@ -232,11 +232,15 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
   const std::array<double, 8> odd = {kNaN, kInf, -kInf, kHuge, -kHuge, 1e300, 5e-324, -0.0};
   int refused = 0, accepted = 0, samples = 0;
   const int commands = subject->virtual_time() ? 10000 : 500;
+  Wrench command;
   for (int i = 0; i < commands; ++i) {
-    Wrench command{vector(d.max_force_n), vector(std::max(d.max_torque_nm, 1e-9))};
-    if (i % 3 == 0) command.torque.setZero();
-    if (i % 5 == 0) command.force[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
-    if (i % 7 == 0) command.torque[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
+    if (i % subject->periods_to_reach() == 0) {
+      const int n = i / subject->periods_to_reach();
+      command = {vector(d.max_force_n), vector(std::max(d.max_torque_nm, 1e-9))};
+      if (n % 3 == 0) command.torque.setZero();
+      if (n % 5 == 0) command.force[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
+      if (n % 7 == 0) command.torque[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
+    }
     const auto expected = devices::check_command(command, d);
     const auto t = cycle(command);
     if (!t.sample) continue;
@@ -321,6 +325,9 @@ const Maker kMakers[] = {
     {"phantom_real", [] { return phantom("premium", false); }},
     {"lwr_virtual", [] { return lwr(true); }},
     {"lwr_real", [] { return lwr(false); }},
+    {"fr3_virtual", [] { return fr3(true); }},
+    {"fr3_panda_virtual", [] { return fr3(true, 5); }},
+    {"fr3_real", [] { return fr3(false); }},
 };
 INSTANTIATE_TEST_SUITE_P(Every, DriverContract, testing::ValuesIn(kMakers),
                          [](const auto& maker) { return std::string(maker.param.name); });

@@ -32,6 +32,13 @@ constexpr FaultCase fri(std::string_view name, std::string_view text, After afte
   return {name, Plant::kLwr, 0, 0.0, 0.0, text, short_one, after, told, bound_s, why};
 }
 
+constexpr double kTwenty = 0.021;  // the simulated arm's twenty misses in a row, and the period that they end in
+constexpr std::string_view kRobot = "no state, no answer: the robot bears twenty misses, as the maker says";
+constexpr FaultCase fci(std::string_view name, std::string_view text, After after, devices::DeviceError told,
+                        double bound_s = 0.0, std::string_view why = {}, bool short_one = false) {
+  return {name, Plant::kFr3, 0, 0.0, 0.0, text, short_one, after, told, bound_s, why};
+}
+
 }  // namespace
 
 std::string_view name_of(After after) noexcept {
@@ -72,6 +79,20 @@ const std::vector<FaultCase>& fault_cases() {
       fri("estop", "estop", After::kRecovers, kRecoverable),
       fri("quality", "quality", After::kRecovers, kRecoverable),
       fri("silent", "silent", After::kRecovers, kTimeout, kMisses, kController),
+      fci("loss", "loss", After::kRecovers, kRecoverable, kTwenty, kRobot),
+      fci("one_lost", "loss", After::kRidesThrough, kRecoverable, 0.0, {}, true),
+      fci("answer_loss", "answer_loss", After::kRecovers, kRecoverable, kTwenty, kRobot),
+      fci("late", "late", After::kRecovers, kRecoverable, 0.024, kRobot),
+      fci("jitter", "jitter", After::kRidesThrough, kRecoverable),
+      fci("reorder", "reorder", After::kRidesThrough, kRecoverable),
+      fci("duplicate", "duplicate", After::kRidesThrough, kRecoverable),
+      fci("nan_joint", "nan:3", After::kRecovers, kProtocol),
+      fci("user_stop", "user_stop", After::kRecovers, kRecoverable),
+      fci("guiding", "guiding", After::kRecovers, kRecoverable),
+      fci("not_ready", "not_ready", After::kRecovers, kRecoverable),
+      fci("reflex", "reflex:7", After::kEnds, kFault),
+      fci("silent", "silent", After::kRecovers, kTimeout, kTwenty, kRobot),
+      fci("closed", "closed", After::kEnds, kDisconnected),
   };
   return cases;
 }
@@ -84,7 +105,7 @@ bool FaultOutcome::good() const noexcept {
 
 double fault_start_s(const Subject& subject) {
   if (subject.virtual_time()) return 0.4;
-  return subject.name() == "lwr" ? 1.5 : 0.4;
+  return subject.name() == "lwr" || subject.name() == "fr3" ? 1.5 : 0.4;
 }
 
 double fault_lasts_s(const Subject& subject, const FaultCase& fault) {
@@ -149,7 +170,7 @@ FaultOutcome run_fault(Subject& subject, const FaultCase& fault) {
     const auto began = subject.fault_began_s();
     if (!began) continue;
     const double over_s = *began + std::max(fault_lasts_s(subject, fault), o.bound_s + kWatched);
-    end_s = over_s + (fault.plant == Plant::kLwr ? 2.0 : 0.5);
+    end_s = over_s + (fault.plant == Plant::kPhantom ? 0.5 : 2.0);
     if (!t.sample) note(o, t.sample.error(), t.time_s - *began, t.trouble);
     if (t.sample && !t.written) note(o, t.written.error(), t.time_s - *began, t.trouble);
     back = subject.now_s() > over_s && felt(subject.received(), push, over_s);

@@ -11,7 +11,7 @@ namespace voxtouch::contract {
 
 class Subject;
 
-enum class Plant : std::uint8_t { kPhantom, kLwr };
+enum class Plant : std::uint8_t { kPhantom, kLwr, kFr3 };
 
 /// What becomes of the session.
 enum class After : std::uint8_t {

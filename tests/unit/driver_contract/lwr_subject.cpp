@@ -125,7 +125,7 @@ class LwrSubject final : public Subject {
 
  private:
   void start_controller() {
-    port_ = lwr::UdpSocket("127.0.0.1", 0).local().port;
+    port_ = arm::UdpSocket("127.0.0.1", 0).local().port;
     ControllerConfig config;
     config.virtual_time = virtual_time_;
     config.period_s = usual_period_s();
@@ -179,13 +179,16 @@ std::unique_ptr<Subject> lwr(bool virtual_time, const std::string& capture) {
   return std::make_unique<LwrSubject>(virtual_time, capture);
 }
 
+void lwr_hears(const void* data, std::size_t size) { Ears::instance().hear(data, size); }
+
 }  // namespace voxtouch::contract
 
 extern "C" {
 ssize_t __real_sendto(int file, const void* data, std::size_t size, int flags, const sockaddr* to, socklen_t length);
 ssize_t __wrap_sendto(int file, const void* data, std::size_t size, int flags, const sockaddr* to, socklen_t length);
 ssize_t __wrap_sendto(int file, const void* data, std::size_t size, int flags, const sockaddr* to, socklen_t length) {
-  voxtouch::contract::Ears::instance().hear(data, size);
+  voxtouch::contract::lwr_hears(data, size);
+  voxtouch::contract::fr3_hears(data, size);
   return __real_sendto(file, data, size, flags, to, length);
 }
 }

@@ -1,5 +1,6 @@
 #pragma once
 /// A driver, what stands behind it, and a look at what that received: all that the contract and its experiments need of a device.
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -73,8 +74,12 @@ class Subject {
   virtual Wire wire() = 0;
   /// A push that the device can hold for seconds.
   virtual Wrench usual_push() const = 0;
-  /// What a machine that others use may take beside one period; in virtual time nothing.
-  double slack_s() const { return virtual_time() ? 0.0 : 10.0 * usual_period_s(); }
+  /// How long the usual push takes to end: nothing, but where the device itself bears no steps of its torques.
+  virtual double fade_s() const { return 0.0; }
+  /// How many periods a command has to last to be reached, likewise.
+  virtual int periods_to_reach() const { return 1; }
+  /// What a machine that others use may take beside one period, and what the device does; in virtual time the latter alone.
+  double slack_s() const { return fade_s() + (virtual_time() ? 0.0 : 10.0 * usual_period_s()); }
   virtual double usual_period_s() const { return 1e-3; }
   /// An answer that has gone out cannot be taken back.
   virtual bool answers_are_final() const { return false; }
@@ -110,5 +115,11 @@ std::unique_ptr<Subject> simulated_lwr();
 std::unique_ptr<Subject> phantom(const std::string& model, bool virtual_time);
 /// At the controller in this process. `capture`: file of a pcap, empty for none.
 std::unique_ptr<Subject> lwr(bool virtual_time, const std::string& capture = {});
+/// At the simulated Franka arm in this process, whose server speaks `version`.
+std::unique_ptr<Subject> fr3(bool virtual_time, std::uint16_t version = 10);
+
+/// What this process hands to the system for the network, for the subjects that listen.
+void lwr_hears(const void* data, std::size_t size);
+void fr3_hears(const void* data, std::size_t size);
 
 }  // namespace voxtouch::contract

@@ -163,7 +163,7 @@ TEST(LwrDriver, KeepsTheElbowInPostureWithoutTheToolFeelingIt) {
   FakeController krc;
   const auto driver = krc.open();
   const lwr::LwrArm arm;
-  const lwr::LwrJoints n = lwr::free_motion(arm.jacobian(lwr::lwr_rest_posture())).normalized();
+  const lwr::LwrJoints n = arm::free_motion(arm.jacobian(lwr::lwr_rest_posture())).normalized();
   const lwr::LwrJoints q = lwr::lwr_rest_posture() + 0.1 * n;
   krc.msr.data.jnt_pos = krc.msr.data.cmd_jnt_pos = lwr::fri::to_wire(q);
   ASSERT_TRUE(run_to_command(krc, *driver));

@@ -86,7 +86,7 @@ void FakeController::close(std::unique_ptr<lwr::LwrDriver> driver) {
 lwr::LwrOptions quick_options() {
   lwr::LwrOptions options;
   options.address = "127.0.0.1";
-  options.port = lwr::UdpSocket("127.0.0.1", 0).local().port;
+  options.port = arm::UdpSocket("127.0.0.1", 0).local().port;
   options.connect_timeout_s = 5.0;
   options.silence_s = 10.0;  // these two: a test machine may be busy
   options.max_age_s = 5.0;

@@ -8,7 +8,7 @@
 
 #include "devices/lwr/fri_codec.hpp"
 #include "devices/lwr/lwr_driver.hpp"
-#include "devices/lwr/udp_socket.hpp"
+#include "devices/arm/udp_socket.hpp"
 
 namespace voxtouch::test {
 
@@ -38,7 +38,7 @@ class FakeController {
 
  private:
   void follow(const lwr::fri::CmdPacket& command);
-  lwr::UdpSocket socket_;
+  arm::UdpSocket socket_;
   std::uint64_t periods_ = 0;
 };
 

@@ -3,10 +3,15 @@
 #include <Eigen/SVD>
 #include <random>
 
-#include "devices/lwr/posture_torque.hpp"
+#include "devices/arm/posture_torque.hpp"
+#include "devices/lwr/lwr_arm.hpp"
 
 namespace voxtouch::lwr {
 namespace posture_test {
+
+using arm::free_motion;
+using arm::posture_torque;
+using arm::PostureRules;
 
 LwrJoints random_posture(std::mt19937& random) {
   const LwrLimits limits = lwr_limits();
@@ -29,7 +34,7 @@ TEST(PostureTorque, MovesAlongTheDirectionThatLeavesTheToolWhereItIs) {
 
 TEST(PostureTorque, IsAtRightAnglesToEveryTorqueOfAWrench) {
   std::mt19937 random(2);
-  const PostureRules rules;
+  const PostureRules rules{.posture = lwr_rest_posture()};
   for (int n = 0; n < 100; ++n) {
     const LwrJoints q = random_posture(random);
     const LwrJacobian jacobian = LwrArm().jacobian(q);
@@ -41,7 +46,7 @@ TEST(PostureTorque, IsAtRightAnglesToEveryTorqueOfAWrench) {
 }
 
 TEST(PostureTorque, DrawsTheElbowBackAndTakesItsSpeed) {
-  const PostureRules rules;
+  const PostureRules rules{.posture = lwr_rest_posture()};
   const LwrArm arm;
   LwrJoints q = rules.posture;
   EXPECT_EQ(posture_torque(rules, arm.jacobian(q), q, LwrJoints::Zero()).norm(), 0.0);
@@ -55,7 +60,7 @@ TEST(PostureTorque, DrawsTheElbowBackAndTakesItsSpeed) {
 }
 
 TEST(PostureTorque, FadesAtASingularityAndForWhatIsNoNumber) {
-  const PostureRules rules;
+  const PostureRules rules{.posture = lwr_rest_posture()};
   const LwrArm arm;
   const LwrJoints away = LwrJoints::Constant(0.5);
   EXPECT_EQ(posture_torque(rules, arm.jacobian(LwrJoints::Zero()), away, LwrJoints::Zero()).norm(), 0.0)

@@ -3,7 +3,7 @@
 #include "devices/lwr/fri_capture.hpp"
 #include "devices/lwr/fri_clock.hpp"
 #include "devices/lwr/fri_sequence.hpp"
-#include "devices/lwr/joint_rates.hpp"
+#include "devices/arm/joint_rates.hpp"
 
 namespace voxtouch::lwr::fri {
 namespace {
@@ -85,7 +85,7 @@ TEST(FriClock, TakesVirtualTimeAtItsWord) {
 
 TEST(JointRates, LagsARampBehindByItsStatedTime) {
   constexpr double kDt = 1e-3;
-  JointRates rates(50.0);
+  arm::JointRates rates(50.0);
   const LwrJoints acceleration = LwrJoints::Constant(2.0);
   double t = 0.0;
   for (int n = 0; n < 500; ++n, t = n * kDt) rates.see(0.5 * t * t * acceleration, kDt);
@@ -94,7 +94,7 @@ TEST(JointRates, LagsARampBehindByItsStatedTime) {
 }
 
 TEST(JointRates, StartsAnewAtRestAfterAGap) {
-  JointRates rates(50.0);
+  arm::JointRates rates(50.0);
   rates.see(LwrJoints::Zero(), 1e-3);
   rates.see(LwrJoints::Constant(0.01), 1e-3);
   EXPECT_GT(rates.rate()[0], 1.0);

@@ -1,4 +1,4 @@
-#include "devices/lwr/simulated/arm_dynamics.hpp"
+#include "devices/lwr/simulated/lwr_plant.hpp"
 #include "tests/unit/lwr_sim/arm_energy.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ auto derivative(const F& f, const lwr::LwrJoints& q, const lwr::LwrJoints& v) {
 TEST(ArmDynamics, ItsFlangeIsThatOfTheDenavitHartenbergRows) {
   std::mt19937_64 random(1);
   const lwr::LwrArm arm(kTool);
-  const ArmDynamics dynamics(lwr_inertia(), kTool);
+  const ArmDynamics dynamics(lwr_bodies(), kTool);
   for (int n = 0; n < kPostures; ++n) {
     const lwr::LwrJoints q = random_joints(random, 2.5);
     const lwr::LwrArm::State expected = arm.at(q);
@@ -44,7 +44,7 @@ TEST(ArmDynamics, ItsFlangeIsThatOfTheDenavitHartenbergRows) {
 
 TEST(ArmDynamics, TheMassMatrixIsTheSecondDerivativeOfTheKineticEnergy) {
   std::mt19937_64 random(2);
-  const ArmDynamics dynamics(lwr_inertia(), kTool);
+  const ArmDynamics dynamics(lwr_bodies(), kTool);
   for (int n = 0; n < kPostures; ++n) {
     const lwr::LwrJoints q = random_joints(random, 2.5);
     const LwrMatrix mass = dynamics.at(q, lwr::LwrJoints::Zero(), kHand).mass;
@@ -61,7 +61,7 @@ TEST(ArmDynamics, TheMassMatrixIsTheSecondDerivativeOfTheKineticEnergy) {
 TEST(ArmDynamics, TheKineticEnergyIsThatOfPointsThatMoveWithTheLinks) {
   // Each link as six point masses on its axes with the link's mass, centre and inertia; their speeds by differences in time.
   std::mt19937_64 random(3);
-  const ArmInertia inertia = lwr_inertia();
+  const ArmBodies inertia = lwr_bodies();
   const ArmDynamics dynamics(inertia);
   for (int n = 0; n < kPostures; ++n) {
     const lwr::LwrJoints q = random_joints(random, 2.5), rate = random_joints(random, 2.0);
@@ -87,7 +87,7 @@ TEST(ArmDynamics, TheKineticEnergyIsThatOfPointsThatMoveWithTheLinks) {
 
 TEST(ArmDynamics, GravityIsTheGradientOfThePotentialEnergyAndTheHandCarriesItself) {
   std::mt19937_64 random(4);
-  const ArmDynamics dynamics;
+  const ArmDynamics dynamics(lwr_bodies());
   for (int n = 0; n < kPostures; ++n) {
     const lwr::LwrJoints q = random_joints(random, 2.5);
     const lwr::LwrJoints gravity = dynamics.at(q, lwr::LwrJoints::Zero(), kHand).gravity;
@@ -114,7 +114,7 @@ LwrMatrix coriolis_matrix(const ArmDynamics& dynamics, const lwr::LwrJoints& q, 
 
 TEST(ArmDynamics, TheMassMatrixsRateLessTwiceTheCoriolisMatrixIsSkew) {
   std::mt19937_64 random(5);
-  const ArmDynamics dynamics(lwr_inertia(), kTool);
+  const ArmDynamics dynamics(lwr_bodies(), kTool);
   for (int n = 0; n < kPostures; ++n) {
     const lwr::LwrJoints q = random_joints(random, 2.5), rate = random_joints(random, 2.0);
     const LwrMatrix coriolis = 2.0 * coriolis_matrix(dynamics, q, rate);
@@ -128,7 +128,7 @@ TEST(ArmDynamics, TheMassMatrixsRateLessTwiceTheCoriolisMatrixIsSkew) {
 
 TEST(ArmDynamics, TheToolsTwistIsTheJacobianTimesTheRates) {
   std::mt19937_64 random(6);
-  const ArmDynamics dynamics(lwr_inertia(), kTool);
+  const ArmDynamics dynamics(lwr_bodies(), kTool);
   const lwr::LwrJoints q = random_joints(random, 2.0), rate = random_joints(random, 2.0);
   const ArmDynamics::Terms terms = dynamics.at(q, rate);
   Vec6 twist;
@@ -141,7 +141,7 @@ TEST(ArmDynamics, TheMassAtTheToolIsThatOfPublishedEstimates) {
   lwr::LwrJoints q;
   q << 0, 30, 0, -90, 0, 60, 0;
   q *= deg;
-  const ArmDynamics::Terms terms = ArmDynamics().at(q, lwr::LwrJoints::Zero());
+  const ArmDynamics::Terms terms = ArmDynamics(lwr_bodies()).at(q, lwr::LwrJoints::Zero());
   const Mat3 mobility = (terms.jacobian * terms.mass.inverse() * terms.jacobian.transpose()).topLeftCorner<3, 3>();
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_GT(1.0 / mobility(axis, axis), 2.5);
@@ -149,7 +149,7 @@ TEST(ArmDynamics, TheMassAtTheToolIsThatOfPublishedEstimates) {
   }
 }
 
-TEST(ArmDynamics, RefusesAGainThatNoTorqueLoopHas) { EXPECT_THROW(lwr_inertia(0.0), std::runtime_error); }
+TEST(ArmDynamics, RefusesAGainThatNoTorqueLoopHas) { EXPECT_THROW(lwr_bodies(0.0), std::runtime_error); }
 
 }  // namespace
 }  // namespace voxtouch::lwr_sim

@@ -1,6 +1,6 @@
 #pragma once
 /// The arm's energies, by another way than its dynamics go.
-#include "devices/lwr/simulated/arm_dynamics.hpp"
+#include "devices/lwr/simulated/lwr_plant.hpp"
 
 namespace voxtouch::lwr_sim {
 
@@ -13,10 +13,10 @@ inline double kinetic_energy(const ArmDynamics& arm, const lwr::LwrJoints& q, co
       v += rate[static_cast<Eigen::Index>(j)] * frames[j].axis.cross(point - frames[j].origin);
     return v;
   };
-  double twice = rate.cwiseAbs2().dot(arm.inertia().rotor_kg_m2);
+  double twice = rate.cwiseAbs2().dot(arm.bodies().rotor_kg_m2);
   Vec3 angular = Vec3::Zero();
   for (std::size_t i = 0; i < 7; ++i) {
-    const Link& link = arm.inertia().links[i];
+    const Link& link = arm.bodies().links[i];
     angular += rate[static_cast<Eigen::Index>(i)] * frames[i].axis;
     twice += link.mass_kg * speed_of(frames[i].rotation * link.centre_m + frames[i].origin, i).squaredNorm();
     twice += (frames[i].rotation.transpose() * angular).cwiseAbs2().dot(link.inertia_kg_m2);
@@ -32,7 +32,7 @@ inline double potential_energy(const ArmDynamics& arm, const lwr::LwrJoints& q) 
   double sum = 0.0;
   for (std::size_t i = 0; i < 7; ++i)
     sum +=
-        arm.inertia().links[i].mass_kg * kGravity * (frames[i].rotation * arm.inertia().links[i].centre_m + frames[i].origin).z();
+        arm.bodies().links[i].mass_kg * kGravity * (frames[i].rotation * arm.bodies().links[i].centre_m + frames[i].origin).z();
   return sum;
 }
 

@@ -1,4 +1,4 @@
-#include "devices/lwr/simulated/arm_plant.hpp"
+#include "devices/lwr/simulated/lwr_plant.hpp"
 #include "tests/unit/lwr_sim/arm_energy.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ const lwr::LwrJoints kBent = joints(0.1, 0.5, -0.2, -1.5, 0.3, 1.0, 0.2);
 
 PlantParameters bare() {
   PlantParameters p;
-  p.inertia = lwr_inertia();
+  p.bodies = lwr_bodies();
   return p;
 }
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "devices/lwr/simulated/start_posture.hpp"
+#include "devices/arm/simulated/start_posture.hpp"
 #include "tests/unit/lwr_sim/rig.hpp"
 
 namespace voxtouch::lwr_sim {
@@ -202,17 +202,23 @@ TEST(Control, AClosedControllerSaysOff) {
   EXPECT_TRUE(rig.controller.braked());
 }
 
+lwr::LwrJoints start(const lwr::LwrArm& arm, const Pose& wanted) {
+  const lwr::LwrJoints limit = lwr::lwr_limits().position_rad;
+  const auto reach = [&arm](const lwr::LwrJoints& q) { return arm_sim::Reach{arm.at(q).pose_BT, arm.at(q).jacobian}; };
+  return arm_sim::start_posture(reach, wanted, lwr::lwr_rest_posture(), -limit, limit);
+}
+
 TEST(StartPosture, BringsTheToolWhereTheMotionStarts) {
   const lwr::LwrArm arm(Pose{Vec3(0.0, 0.0, 0.1), Quat::Identity()});
   const Pose rest = arm.tool(lwr::lwr_rest_posture());
   const Pose wanted{rest.position + Vec3(0.05, 0.2, 0.1),
                     rest.orientation * Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()))};
-  const lwr::LwrJoints q = start_posture(arm, wanted, lwr::lwr_rest_posture());
+  const lwr::LwrJoints q = start(arm, wanted);
   EXPECT_LT((arm.tool(q).position - wanted.position).norm(), 1e-8);
   EXPECT_LT(arm.tool(q).orientation.angularDistance(wanted.orientation), 1e-7);
   EXPECT_TRUE((q.cwiseAbs().array() <= lwr::lwr_limits().position_rad.array()).all());
-  EXPECT_EQ(start_posture(arm, rest, lwr::lwr_rest_posture()), lwr::lwr_rest_posture());
-  EXPECT_THROW(start_posture(arm, {Vec3(2.0, 0.0, 0.0), rest.orientation}, lwr::lwr_rest_posture()), std::runtime_error);
+  EXPECT_EQ(start(arm, rest), lwr::lwr_rest_posture());
+  EXPECT_THROW(start(arm, {Vec3(2.0, 0.0, 0.0), rest.orientation}), std::runtime_error);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::uint16_t free_port() { return lwr::UdpSocket("127.0.0.1", 0).local().port; }
+std::uint16_t free_port() { return arm::UdpSocket("127.0.0.1", 0).local().port; }
 
 /// A controller on a thread of its own; rows of its trace are to be read after `end`.
 class RunningController {

@@ -74,7 +74,7 @@ TEST(MsrBytes, GeometryAndDynamicsOfTheArm) {
   rig.remote.run = 0;
   const MsrBytes msr = rig.periods(3);
   const lwr::LwrArm::State arm = lwr::LwrArm().at(config.start_rad);
-  const ArmDynamics::Terms terms = ArmDynamics(config.plant.inertia).at(config.start_rad, lwr::LwrJoints::Zero());
+  const ArmDynamics::Terms terms = ArmDynamics(config.plant.bodies).at(config.start_rad, lwr::LwrJoints::Zero());
   for (std::size_t i = 0; i < 7; ++i) {
     const auto n = static_cast<Eigen::Index>(i);
     EXPECT_NEAR(get<float>(msr, 216 + 4 * i), config.start_rad[n], 1e-3);  // the hand pulls at it

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "devices/lwr/lwr_arm.hpp"
-#include "devices/lwr/udp_socket.hpp"
+#include "devices/arm/udp_socket.hpp"
 #include "devices/operator/hand.hpp"
 #include "devices/operator/hand_file.hpp"
 #include "tests/support/process/process.hpp"
@@ -22,10 +22,10 @@ using voxtouch::test::TemporaryFolder;
 
 const std::string kProgram = std::string(VOXTOUCH_BIN) + "/voxtouch_fri_controller";
 
-std::string remote_of(const lwr::UdpSocket& socket) { return lwr::text_of(socket.local()); }
+std::string remote_of(const arm::UdpSocket& socket) { return arm::text_of(socket.local()); }
 
 /// Answers until the controller says OFF or nothing comes for `patience`; returns the last measurement.
-lwr_sim::test::MsrBytes serve(lwr::UdpSocket& socket, std::chrono::nanoseconds patience, int most = 1 << 30) {
+lwr_sim::test::MsrBytes serve(arm::UdpSocket& socket, std::chrono::nanoseconds patience, int most = 1 << 30) {
   lwr_sim::test::ScriptedRemote remote;
   lwr_sim::test::MsrBytes msr{};
   std::array<std::byte, 2048> buffer;
@@ -44,7 +44,7 @@ lwr_sim::test::MsrBytes serve(lwr::UdpSocket& socket, std::chrono::nanoseconds p
 }
 
 TEST(ControllerProgram, EndsCleanlyBySigtermAndSaysOff) {
-  lwr::UdpSocket socket("127.0.0.1", 0);
+  arm::UdpSocket socket("127.0.0.1", 0);
   Process program({kProgram, "--remote", remote_of(socket), "--period-ms", "10"});
   serve(socket, 5s, 20);
   program.signal(SIGTERM);
@@ -55,7 +55,7 @@ TEST(ControllerProgram, EndsCleanlyBySigtermAndSaysOff) {
 }
 
 TEST(ControllerProgram, EndsCleanlyBySigtermWhileItWaitsInVirtualTime) {
-  lwr::UdpSocket socket("127.0.0.1", 0);
+  arm::UdpSocket socket("127.0.0.1", 0);
   Process program({kProgram, "--remote", remote_of(socket), "--virtual-time", "--patience", "60"});
   ASSERT_TRUE(socket.wait(5s));
   program.signal(SIGTERM);
@@ -63,7 +63,7 @@ TEST(ControllerProgram, EndsCleanlyBySigtermWhileItWaitsInVirtualTime) {
 }
 
 TEST(ControllerProgram, SaysInASentenceThatThePortIsTakenAndThatNobodyAnswers) {
-  lwr::UdpSocket socket("127.0.0.1", 0);
+  arm::UdpSocket socket("127.0.0.1", 0);
   const std::string port = std::to_string(socket.local().port);
   Process second({kProgram, "--port", port});
   auto end = second.wait(10s);
@@ -101,7 +101,7 @@ TEST(ControllerProgram, LeadsTheArmAlongAHandFilesMotionAndTracesWhatItFeltAfter
   file.motion.orientation = rest.orientation;
   file.hand = *hand::grip("arm");
   std::ofstream(folder / "hand") << hand::to_text(file);
-  lwr::UdpSocket socket("127.0.0.1", 0);
+  arm::UdpSocket socket("127.0.0.1", 0);
   const std::string trace = (folder / "trace.csv").string();
   Process program({kProgram, "--remote", remote_of(socket), "--virtual-time", "--duration", "2.6", "--hand",
                    (folder / "hand").string(), "--trace", trace, "--fault", "estop@2.5"});

@@ -51,7 +51,7 @@ class Client {
       if (answers_left-- > 0) socket_.send(remote_.answer(msr), datagram->from);
     }
   }
-  lwr::UdpSocket socket_;
+  arm::UdpSocket socket_;
   test::ScriptedRemote remote_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
@@ -278,7 +278,7 @@ TEST(Session, StrangersAreNotListenedTo) {
   network.remote_port = client.port();
   network.duration_s = 0.2;
   Session session(network, controller, Line(FaultSchedule(), config.period_s, 0));
-  lwr::UdpSocket stranger("127.0.0.1", 0);
+  arm::UdpSocket stranger("127.0.0.1", 0);
   const test::CmdBytes nothing{};
   ASSERT_TRUE(stranger.send(nothing, session.local()));
   const std::atomic<bool> never{false};
@@ -289,7 +289,7 @@ TEST(Session, StrangersAreNotListenedTo) {
 
 TEST(Session, ASilentControllerHearsNothing) {
   for (const bool silent : {false, true}) {
-    lwr::UdpSocket remote("127.0.0.1", 0);
+    arm::UdpSocket remote("127.0.0.1", 0);
     std::vector<Fault> faults;
     if (silent) faults = {parse_fault("silent@0")};
     ControllerConfig config;
@@ -307,7 +307,7 @@ TEST(Session, ASilentControllerHearsNothing) {
 }
 
 TEST(Session, APortThatIsTakenGivesASentence) {
-  lwr::UdpSocket bound("127.0.0.1", 0);
+  arm::UdpSocket bound("127.0.0.1", 0);
   FriController controller({}, test::nobody());
   SessionConfig network;
   network.port = bound.local().port;

@@ -1,0 +1,52 @@
+#include "devices/arm/simulated/start_posture.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <stdexcept>
+
+namespace voxtouch::arm_sim {
+namespace {
+
+constexpr int kIterations = 500;
+constexpr double kReached = 1e-9;     // [m] and [rad]
+constexpr double kLongestStep = 0.2;  // [rad] of the joints together
+constexpr double kMargin = 0.999;     // of a joint's limit
+
+Vec6 way_to(const Pose& wanted, const Pose& tool) {
+  const Quat turn = wanted.orientation * tool.orientation.conjugate();
+  const double sign = turn.w() < 0.0 ? -1.0 : 1.0;
+  const Eigen::AngleAxisd angle(Quat(Eigen::Vector4d(sign * turn.coeffs())));
+  Vec6 way;
+  way << wanted.position - tool.position, angle.angle() * angle.axis();
+  return way;
+}
+
+}  // namespace
+
+arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm, const Pose& wanted, const arm::Joints& posture,
+                          const arm::Joints& lowest_rad, const arm::Joints& highest_rad) {
+  // A margin of the way from the middle, so that a start at a stop is none.
+  const arm::Joints middle = 0.5 * (lowest_rad + highest_rad), half = kMargin * (0.5 * (highest_rad - lowest_rad));
+  const arm::Joints low = middle - half, high = middle + half;
+  arm::Joints q = posture.cwiseMax(low).cwiseMin(high);
+  for (int i = 0; i < kIterations; ++i) {
+    const Reach state = arm(q);
+    const Vec6 way = way_to(wanted, state.tool);
+    if (way.norm() < kReached) return q;
+    const double damp = std::min(1e-2, 1e-2 * way.squaredNorm());
+    const Mat6 square = state.jacobian * state.jacobian.transpose() + damp * Mat6::Identity();
+    arm::Joints step = state.jacobian.transpose() * square.llt().solve(way);
+    if (const double length = step.norm(); length > kLongestStep) step *= kLongestStep / length;
+    q = (q + step).cwiseMax(low).cwiseMin(high);
+  }
+  const Vec3& p = wanted.position;
+  const Quat& o = wanted.orientation;
+  throw std::runtime_error(fmt::format(
+      "the arm cannot bring its tool to ({:.4g}, {:.4g}, {:.4g}) m with orientation (w x y z) ({:.4g}, {:.4g}, {:.4g}, "
+      "{:.4g}) in its base's frame; start the motion within its reach, or give a posture nearer to it",
+      p.x(), p.y(), p.z(), o.w(), o.x(), o.y(), o.z()));
+}
+
+}  // namespace voxtouch::arm_sim

@@ -1,0 +1,54 @@
+#include "devices/fr3/fr3_arm.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace voxtouch::fr3 {
+namespace {
+
+/// Rotation about x by whole quarter turns, without the rounding of a cosine.
+Quat quarter_turns_about_x(int turns) noexcept {
+  const double half = std::numbers::sqrt2 / 2.0;
+  return turns == 0 ? Quat::Identity() : Quat(half, turns * half, 0.0, 0.0);
+}
+
+Quat turn_about_z(double angle) noexcept { return {std::cos(angle / 2.0), 0.0, 0.0, std::sin(angle / 2.0)}; }
+
+}  // namespace
+
+Fr3Limits fr3_limits() noexcept {
+  Fr3Limits limits;
+  limits.lowest_rad << -2.8973, -1.7837, -2.9007, -3.0718, -2.8973, -0.0175, -3.0159;
+  limits.highest_rad << 2.8973, 1.7837, 2.9007, -0.0698, 2.8973, 4.5169, 3.0159;
+  limits.velocity_rad_s << 2.62, 2.62, 2.62, 2.62, 5.26, 4.18, 5.26;
+  limits.torque_nm << 87, 87, 87, 87, 12, 12, 12;
+  return limits;
+}
+
+Fr3Arm::State Fr3Arm::at(const Joints& q) const noexcept {
+  State state;
+  std::array<Pose, kJoints> frames;
+  Pose frame;
+  for (int i = 0; i < kJoints; ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    const Pose to_axis{Vec3(kA[n], 0.0, 0.0), quarter_turns_about_x(kAlphaQuarterTurns[n])};
+    frame = frame * to_axis * Pose{Vec3(0.0, 0.0, kD[n]), turn_about_z(q[i])};
+    frames[n] = frame;
+  }
+  state.flange = frame * Pose{Vec3(0.0, 0.0, kFlange), Quat::Identity()};
+  state.pose_BT = state.flange * pose_FT_;
+  for (int i = 0; i < kJoints; ++i) {
+    const Pose& own = frames[static_cast<std::size_t>(i)];  // joint i turns about the z axis of its own frame
+    const Vec3 axis = own.orientation * Vec3::UnitZ();
+    state.jacobian.col(i) << axis.cross(state.pose_BT.position - own.position), axis;
+  }
+  return state;
+}
+
+Joints fr3_rest_posture() noexcept {
+  Joints q;
+  q << 0, -45, 0, -135, 0, 90, 45;
+  return q * (std::numbers::pi / 180.0);
+}
+
+}  // namespace voxtouch::fr3

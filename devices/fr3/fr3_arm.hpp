@@ -1,0 +1,50 @@
+#pragma once
+/// Geometry and limits of the Franka Research 3 and the Panda: seven revolute joints, the same geometry.
+#include <array>
+
+#include "devices/arm/joints.hpp"
+
+namespace voxtouch::fr3 {
+
+using arm::Jacobian;
+using arm::Joints;
+
+/// Of both arms; where published descriptions of the two differ, the wider: they say what can be, not what is wise.
+struct Fr3Limits {
+  Joints lowest_rad, highest_rad;
+  Joints velocity_rad_s;
+  Joints torque_nm;
+};
+Fr3Limits fr3_limits() noexcept;
+
+/// Forward kinematics. Base frame: z up, along axis 1. Source: the modified Denavit-Hartenberg rows that the maker publishes
+/// (a, d, alpha of the joint before, then theta = q_i).
+class Fr3Arm {
+ public:
+  static constexpr int kJoints = 7;
+  static constexpr std::array<double, kJoints> kA = {0.0, 0.0, 0.0, 0.0825, -0.0825, 0.0, 0.088};  ///< m
+  static constexpr std::array<double, kJoints> kD = {0.333, 0.0, 0.316, 0.0, 0.384, 0.0, 0.0};     ///< m
+  static constexpr std::array<int, kJoints> kAlphaQuarterTurns = {0, -1, 1, 1, -1, 1, 1};
+  static constexpr double kFlange = 0.107;  ///< m, along the last axis
+
+  /// `pose_FT`: the frame T in the flange that poses, twists and wrenches are of.
+  explicit Fr3Arm(const Pose& pose_FT = {}) noexcept : pose_FT_(pose_FT) {}
+
+  /// All that one posture gives, computed once.
+  struct State {
+    Pose flange;        ///< in the base B
+    Pose pose_BT;       ///< T in the base
+    Jacobian jacobian;  ///< geometric, about the tool's origin
+  };
+  /// Real-time safe. Non-finite in, non-finite out.
+  State at(const Joints& q) const noexcept;
+
+ private:
+  Pose pose_FT_;
+};
+
+/// The posture that the maker's own examples start from, q = (0, -45, 0, -135, 0, 90, 45) degrees: elbow up, hand down in front,
+/// far from every limit and singularity.
+Joints fr3_rest_posture() noexcept;
+
+}  // namespace voxtouch::fr3

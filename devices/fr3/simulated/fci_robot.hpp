@@ -1,0 +1,115 @@
+#pragma once
+/// The simulated robot: arm, controller and the operator at it; everything but the network.
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "devices/arm/simulated/control_laws.hpp"
+#include "devices/fr3/fci_codec.hpp"
+#include "devices/fr3/simulated/faults.hpp"
+#include "devices/fr3/simulated/fr3_plant.hpp"
+
+namespace voxtouch::fr3_sim {
+
+inline constexpr double kTick = 1e-3;  ///< [s]
+inline constexpr int kSubsteps = 4;
+inline constexpr double kSubstep = kTick / kSubsteps;
+
+/// What makes the robot stop itself.
+struct Limits {
+  arm::Joints torque_nm = (arm::Joints() << 87, 87, 87, 87, 12, 12, 12).finished();
+  arm::Joints speed_rad_s = fr3_speed_limit();
+  double torque_step_nm = 1.0;   ///< from one command to the next: 1000 Nm/s
+  int lost_in_a_row = 20;        ///< commands, as the maker's manual says
+};
+
+struct RobotConfig {
+  std::uint16_t version = fr3::fci::kNewestVersion;  ///< of the server
+  arm_sim::PlantParameters plant = fr3_plant();
+  Vec3 ee_in_flange = Vec3::Zero();
+  arm::Joints start_rad = fr3::fr3_rest_posture();
+  Limits limits;
+  double torque_lag_s = 0.0027;      ///< first-order lag of the torque loop, 60 Hz; assumed
+  int torque_delay_ticks = 1;        ///< beside the millisecond that a command waits; assumed
+  bool compensates_coriolis = true;
+  double angle_resolution_rad = 1e-5;  ///< assumed
+  bool hand_waits = true;            ///< the hand takes the tool, and its clock starts, with the first motion
+  std::uint64_t seed = 0;
+
+  /// Throws std::runtime_error that names field and rule.
+  void validate() const;
+};
+
+struct RobotCounts {
+  std::uint64_t commands = 0;  ///< taken, in time
+  std::uint64_t missed = 0;    ///< milliseconds of a motion without one
+  std::uint64_t length = 0, stale = 0, not_finite = 0, idle = 0;
+  std::uint64_t motions = 0, reflexes = 0;
+};
+
+/// One millisecond: `measure`, any number of `receive`, `advance`. A command that comes between acts from the next millisecond on;
+/// where none does, the last one goes on. Time is a count: the same seed and calls give the same bits. Real-time safe after
+/// construction.
+class FciRobot {
+ public:
+  /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
+  FciRobot(const RobotConfig& config, hand::Hand hand, FaultSchedule faults = FaultSchedule());
+
+  /// The state that this millisecond begins with.
+  const fr3::fci::State& measure() noexcept;
+  void receive(std::span<const std::byte> datagram) noexcept;
+  void advance() noexcept;
+
+  /// What comes over the command channel, and the answer to it at once.
+  fr3::fci::Outcome request(fr3::fci::Request request, const fr3::fci::Received& body) noexcept;
+  /// How the motion ended since the last call, which Move is answered with.
+  std::optional<fr3::fci::Outcome> motion_ended() noexcept;
+  /// Nobody is there any more: a motion ends.
+  void abandoned() noexcept;
+
+  double time_s() const noexcept { return static_cast<double>(ticks_) * kTick; }
+  const fr3::fci::Dialect& dialect() const noexcept { return *dialect_; }
+  fr3::fci::RobotMode mode() const noexcept { return state_.mode; }
+  bool in_motion() const noexcept { return state_.mode == fr3::fci::RobotMode::kMove; }
+  const RobotCounts& counts() const noexcept { return counts_; }
+  const RobotConfig& config() const noexcept { return config_; }
+  const arm_sim::ArmPlant& plant() const noexcept { return plant_; }
+  bool finite() const noexcept { return plant_.q().allFinite() && plant_.rate().allFinite(); }
+  /// Force and torque that the drives give at the tool beyond carrying and holding the arm, over the last millisecond, in the base.
+  Wrench applied() const noexcept;
+  const FaultSchedule& faults() const noexcept { return faults_; }
+
+ private:
+  void watch_people() noexcept;
+  void take_command() noexcept;
+  void judge_motion() noexcept;
+  void reflex(fr3::fci::Errors errors) noexcept;
+  void leave(fr3::fci::RobotMode to, fr3::fci::Outcome how) noexcept;
+  void tick() noexcept;
+
+  RobotConfig config_;
+  const fr3::fci::Dialect* dialect_;
+  arm_sim::ArmPlant plant_;
+  hand::Hand hand_;
+  FaultSchedule faults_;
+  std::uint64_t ticks_ = 0;
+  fr3::fci::State state_;
+  arm::Joints held_rad_;                                     // what the robot's own controller holds
+  arm::Joints commanded_ = arm::Joints::Zero(), delayed_ = arm::Joints::Zero(), torque_ = arm::Joints::Zero();
+  arm::Joints felt_ = arm::Joints::Zero();                   // the last of the torques that pushed over the last millisecond
+  std::array<arm::Joints, 8> line_;                          // torques on their way
+  std::size_t next_ = 0;
+  std::optional<fr3::fci::Command> pending_;
+  bool not_finite_ = false;
+  bool armed_ = false;      // the remote side has begun to answer
+  bool hand_holds_ = false;
+  bool reflex_done_ = false;
+  int lost_in_a_row_ = 0;
+  std::array<bool, 100> window_{};  // of the last milliseconds of a motion: answered in time
+  double worst_hand_n_ = 20.0;        // what SetCollisionBehavior allows; before it, assumed
+  std::optional<fr3::fci::Outcome> ended_;
+  RobotCounts counts_;
+};
+
+}  // namespace voxtouch::fr3_sim

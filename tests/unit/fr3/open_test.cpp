@@ -1,0 +1,115 @@
+// Opening over the network: who is there, what it speaks, and the sentence where it is not what was hoped for.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "devices/fr3/fr3_driver.hpp"
+#include "devices/fr3/simulated/fci_server.hpp"
+
+namespace voxtouch::fr3 {
+namespace open_test {
+
+using namespace std::chrono_literals;
+
+/// A robot in real time on a thread of its own.
+class Robot {
+ public:
+  explicit Robot(std::uint16_t version = 10, std::vector<std::string> faults = {}, const Vec3& ee_in_flange = Vec3::Zero()) {
+    std::vector<fr3_sim::Fault> parsed;
+    for (const std::string& text : faults) parsed.push_back(fr3_sim::parse_fault(text));
+    fr3_sim::RobotConfig config;
+    config.version = version;
+    config.ee_in_flange = ee_in_flange;
+    sim::OperatorConfig released;
+    released.released = true;
+    Motion rest;
+    rest.path = {Vec3::Zero()};
+    const fr3_sim::FaultSchedule schedule(parsed);
+    robot_.emplace(config, hand::Hand(released, rest, fr3_sim::kSubstep), schedule);
+    server_.emplace(fr3_sim::ServerConfig{}, *robot_, fr3_sim::Line(schedule, fr3_sim::kTick, 1));
+    thread_ = std::thread([this] { server_->run(stop_); });
+  }
+  ~Robot() {
+    stop_ = true;
+    thread_.join();
+  }
+  Fr3Options options() const {
+    Fr3Options o;
+    o.address = "127.0.0.1";
+    o.port = server_->port();
+    return o;
+  }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::optional<fr3_sim::FciRobot> robot_;
+  std::optional<fr3_sim::FciServer> server_;
+  std::thread thread_;
+};
+
+std::string refusal(const Fr3Options& options) {
+  try {
+    const Fr3Driver driver(options);
+  } catch (const devices::DeviceOpenError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Fr3Open, SpeaksTheVersionThatTheRobotHas) {
+  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{10, 9, 6, 5}) {
+    const Robot robot(version);
+    Fr3Driver driver(robot.options());
+    EXPECT_EQ(driver.version(), version);
+    for (int i = 0; i < 2000 && !driver.session().force_allowed(); ++i) (void)driver.read(20ms), (void)driver.write({});
+    EXPECT_TRUE(driver.session().force_allowed()) << version << ": " << driver.trouble();
+  }
+}
+
+TEST(Fr3Open, SaysThatNobodyListensAndWhatToDo) {
+  Fr3Options options;
+  options.address = "127.0.0.1";
+  options.port = 1;
+  const std::string said = refusal(options);
+  EXPECT_NE(said.find("TCP 127.0.0.1:1"), std::string::npos) << said;
+  EXPECT_NE(said.find("activate FCI"), std::string::npos) << said;
+  options.address = "the robot";
+  EXPECT_NE(refusal(options).find("IPv4"), std::string::npos);
+}
+
+TEST(Fr3Open, TakesAnEndEffectorThatTheRobotTellsOf) {
+  const Robot robot(10, {}, Vec3(0.0, 0.0, 0.1034));
+  EXPECT_EQ(refusal(robot.options()), "");
+}
+
+TEST(Fr3Open, WaitsForPeopleAndSaysSo) {
+  const Robot robot(10, {"not_ready@0:60"});
+  const Fr3Driver driver(robot.options());
+  EXPECT_NE(driver.trouble().find("unlock its joints"), std::string::npos) << driver.trouble();
+}
+
+TEST(Fr3Open, AReflexThatIsThereAlreadyIsRefusedInWords) {
+  const Robot robot(10, {"reflex@0:60:6"});
+  std::this_thread::sleep_for(20ms);
+  const std::string said = refusal(robot.options());
+  EXPECT_NE(said.find("[joint reflex]"), std::string::npos) << said;
+}
+
+TEST(Fr3Open, AChannelThatClosesInTheMiddleIsDisconnectedAtOnceAndSaidSo) {
+  const Robot robot(10, {"closed@1:60"});
+  Fr3Driver driver(robot.options());
+  devices::DeviceError last = devices::DeviceError::kTimeout;
+  for (int i = 0; i < 3000 && last != devices::DeviceError::kDisconnected; ++i) {
+    const auto sample = driver.read(20ms);
+    if (!sample) last = sample.error();
+    (void)driver.write({Vec3(3, 0, 0), Vec3::Zero()});
+  }
+  EXPECT_EQ(last, devices::DeviceError::kDisconnected);
+  EXPECT_NE(driver.trouble().find("closed the connection"), std::string::npos) << driver.trouble();
+}
+
+}  // namespace open_test
+}  // namespace voxtouch::fr3

@@ -1,0 +1,139 @@
+#include "devices/fr3/fci_session.hpp"
+
+#include <gtest/gtest.h>
+
+namespace voxtouch::fr3::fci {
+namespace session_test {
+
+State in_mode(RobotMode mode) {
+  State state;
+  state.mode = mode;
+  return state;
+}
+State in_torque_control() {
+  State state = in_mode(RobotMode::kMove);
+  state.controller = ControllerMode::kExternal;
+  state.generator_mode = dialect_of(10)->generator_mode;
+  return state;
+}
+State in_reflex(Errors errors) {
+  State state = in_mode(RobotMode::kReflex);
+  state.errors = state.reflex = errors;
+  return state;
+}
+
+struct Rig {
+  FciSession session{*dialect_of(10)};
+  /// Sees `state` for `seconds`; the request that came meanwhile.
+  std::optional<Request> see(const State& state, double seconds = 1e-3) {
+    std::optional<Request> asked;
+    for (double t = 0.0; t < seconds - 1e-9; t += 1e-3) {
+      session.see(state, 1e-3, false);
+      if (const auto due = session.due()) asked = due;
+    }
+    return asked;
+  }
+  void run() {
+    EXPECT_EQ(see(in_mode(RobotMode::kIdle)), Request::kMove);
+    session.answered(Request::kMove, Outcome::kStarted);
+    EXPECT_EQ(see(in_torque_control()), std::nullopt);
+    EXPECT_TRUE(session.force_allowed());
+  }
+};
+
+TEST(FciSession, AsksForTorqueControlOnceAndAllowsForceWhenItIsThere) {
+  Rig rig;
+  EXPECT_FALSE(rig.session.force_allowed());
+  rig.run();
+  EXPECT_EQ(rig.session.trouble(), Trouble::kNone);
+}
+
+TEST(FciSession, ComesBackFromLostPacketsByItselfAfterAPauseAndNotForEver) {
+  Rig rig;
+  rig.run();
+  for (int n = 0; n < 10; ++n) {
+    EXPECT_EQ(rig.see(in_reflex(kLostPacketsError)), std::nullopt);
+    EXPECT_FALSE(rig.session.force_allowed());
+    EXPECT_EQ(rig.session.trouble(), Trouble::kLostPackets);
+    EXPECT_EQ(rig.see(in_reflex(kLostPacketsError), 0.4), std::nullopt) << "not at once";
+    EXPECT_EQ(rig.see(in_reflex(kLostPacketsError), 0.2), Request::kErrorRecovery);
+    rig.session.answered(Request::kErrorRecovery, Outcome::kSuccess);
+    EXPECT_EQ(rig.see(in_mode(RobotMode::kIdle), 0.6), Request::kMove);
+    rig.see(in_torque_control());
+    EXPECT_TRUE(rig.session.force_allowed());
+  }
+  rig.see(in_reflex(kLostPacketsError), 2.0);
+  EXPECT_EQ(rig.session.error(), devices::DeviceError::kFault);
+  EXPECT_EQ(rig.session.trouble(), Trouble::kTooOften);
+}
+
+TEST(FciSession, AnyOtherReflexIsAPersonsMatter) {
+  for (const Errors errors : {Errors{1} << 7, kLostPacketsError | Errors{1} << 3, Errors{0}}) {
+    Rig rig;
+    rig.run();
+    EXPECT_EQ(rig.see(in_reflex(errors), 3.0), std::nullopt);
+    EXPECT_EQ(rig.session.error(), devices::DeviceError::kFault);
+    EXPECT_EQ(rig.session.trouble(), Trouble::kReflex);
+    EXPECT_EQ(rig.session.errors(), errors);
+  }
+}
+
+TEST(FciSession, WaitsThroughAShortUserStopAndEndsInALongOne) {
+  Rig rig;
+  rig.run();
+  EXPECT_EQ(rig.see(in_mode(RobotMode::kUserStopped), 1.0), std::nullopt);
+  EXPECT_EQ(rig.session.trouble(), Trouble::kUserStop);
+  EXPECT_EQ(rig.session.error(), devices::DeviceError::kRecoverable);
+  EXPECT_EQ(rig.see(in_mode(RobotMode::kIdle), 0.6), Request::kMove);
+  rig.see(in_torque_control());
+  EXPECT_TRUE(rig.session.force_allowed());
+  rig.see(in_mode(RobotMode::kUserStopped), 2.1);
+  EXPECT_EQ(rig.session.error(), devices::DeviceError::kFault);
+}
+
+TEST(FciSession, SaysWhyMoveWasRefusedAndAsksAgain) {
+  Rig rig;
+  EXPECT_EQ(rig.see(in_mode(RobotMode::kIdle)), Request::kMove);
+  rig.session.answered(Request::kMove, Outcome::kSafetyFunction);
+  EXPECT_EQ(rig.session.trouble(), Trouble::kRefused);
+  EXPECT_EQ(rig.session.refusal(), Outcome::kSafetyFunction);
+  EXPECT_EQ(rig.see(in_mode(RobotMode::kIdle), 0.6), Request::kMove);
+  for (int n = 0; n < 10; ++n) {
+    rig.session.answered(Request::kMove, Outcome::kSafetyFunction);
+    rig.see(in_mode(RobotMode::kIdle), 0.6);
+  }
+  EXPECT_EQ(rig.session.error(), devices::DeviceError::kFault);
+}
+
+TEST(FciSession, AnotherProgramsMotionIsNotItsOwn) {
+  Rig rig;
+  EXPECT_EQ(rig.see(in_torque_control(), 1.0), std::nullopt);
+  EXPECT_FALSE(rig.session.force_allowed());
+}
+
+TEST(FciSession, AJointThatIsTooFastTakesTheForceAwayForAsLong) {
+  Rig rig;
+  rig.run();
+  rig.session.see(in_torque_control(), 1e-3, true);
+  EXPECT_FALSE(rig.session.force_allowed());
+  EXPECT_EQ(rig.session.trouble(), Trouble::kFast);
+  rig.see(in_torque_control());
+  EXPECT_TRUE(rig.session.force_allowed());
+}
+
+TEST(FciSession, AtItsEndItStopsTheMotionAndAsksForNothingElse) {
+  Rig rig;
+  rig.run();
+  rig.session.end();
+  EXPECT_EQ(rig.session.due(), Request::kStopMove);
+  EXPECT_FALSE(rig.session.force_allowed());
+  EXPECT_EQ(rig.see(in_mode(RobotMode::kIdle), 2.0), std::nullopt);
+}
+
+TEST(FciSession, EveryTroubleHasASentenceThatSaysWhatToDo) {
+  for (int i = 1; i <= static_cast<int>(Trouble::kFast); ++i)
+    EXPECT_TRUE(sentence_of(static_cast<Trouble>(i)).starts_with("no force")) << i;
+}
+
+}  // namespace session_test
+}  // namespace voxtouch::fr3::fci
