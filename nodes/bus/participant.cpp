@@ -91,6 +91,7 @@ Participant::Participant(const ParticipantOptions& options) {
   static constexpr char kEnclave[] = "enclave=/;";
   dds_qset_userdata(qos.get(), kEnclave, sizeof(kEnclave) - 1);
   dds_qset_entity_name(qos.get(), options.name.c_str());
+  for (const auto& [name, value] : options.security) dds_qset_prop(qos.get(), name.c_str(), value.c_str());
   entity_ = Entity(dds_create_participant(options.domain, qos.get(), nullptr),
                    "node '" + options.name + "' could not join DDS domain " + std::to_string(options.domain) +
                        " on interface '" + options.network_interface +
