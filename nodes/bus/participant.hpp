@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "nodes/bus/entity.hpp"
@@ -16,6 +17,7 @@ struct ParticipantOptions {
   std::string name = "voxtouch";              ///< seen by DDS tools
   std::vector<std::string> discovery_peers{};  ///< other hosts to ask, where multicast does not reach them
   RosNode node{};                              ///< what ROS 2 tools show it as; without a name: not at all
+  std::vector<std::pair<std::string, std::string>> security{};  ///< properties of DDS Security (nodes/security); none: plain
 };
 
 /// Announces itself as ROS 2 does (USER_DATA "enclave=/;"). Threads of Cyclone DDS inherit the caller's scheduling: set it first.

@@ -38,7 +38,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string(version()));
   cli::Action action;
   for (const auto add : {cli::add_up, cli::add_new, cli::add_build, cli::add_probe, cli::add_design, cli::add_accuracy, cli::add_plan,
-                         cli::add_schema, cli::add_change, cli::add_types, cli::add_view, cli::add_report, cli::add_replay, cli::add_status, cli::add_recover, cli::add_doctor})
+                         cli::add_schema, cli::add_change, cli::add_types, cli::add_view, cli::add_report, cli::add_replay, cli::add_status, cli::add_recover,
+                         cli::add_doctor, cli::add_keys})
     add(app, action);
   try {
     app.parse(argc, argv);

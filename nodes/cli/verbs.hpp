@@ -15,6 +15,6 @@ using Action = std::function<int()>;
 using AddVerb = void(CLI::App& app, Action& action);
 
 AddVerb add_up, add_new, add_build, add_probe, add_design, add_accuracy, add_plan, add_schema, add_change, add_types, add_view, add_report,
-    add_replay, add_status, add_recover, add_doctor;
+    add_replay, add_status, add_recover, add_doctor, add_keys;
 
 }  // namespace voxtouch::cli

@@ -42,6 +42,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   if (parent) die_with_parent(parent);
   options.announce = parent == 0;
   try {
+    options.require_keys(program.name);  // before anything starts
     if (!program.in_ring) options.realtime.mode = Realtime::kOff;
     options.warnings = enter_realtime(options.scheduling());
     for (const std::string& warning : options.announce ? options.warnings : std::vector<std::string>()) log::tell("warning: {}: {}\n", program.name, warning);

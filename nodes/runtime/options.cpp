@@ -20,16 +20,6 @@ namespace {
 
 constexpr std::size_t kShown = 64;  ///< of a faulty text, in messages
 
-/// A rig becomes part of every topic name.
-std::string check_rig(const std::string& name) {
-  constexpr std::size_t kMaxLength = 64;
-  const bool good = !name.empty() && name.size() <= kMaxLength && std::isalpha(static_cast<unsigned char>(name[0])) &&
-                    std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
-  return good ? std::string()
-              : fmt::format("'{}' is not a ROS name: letters, digits and _, a letter first, {} of them at most",
-                            name.substr(0, kShown), kMaxLength);
-}
-
 /// An interface becomes part of the XML that configures DDS. The kernel's own names are shorter; an address may stand here too.
 std::string check_interface(const std::string& name) {
   constexpr std::size_t kMaxLength = 64;
@@ -46,6 +36,15 @@ std::string check_host(const std::string& name) {
 }
 
 }  // namespace
+
+std::string check_rig(const std::string& name) {
+  constexpr std::size_t kMaxLength = 64;
+  const bool good = !name.empty() && name.size() <= kMaxLength && std::isalpha(static_cast<unsigned char>(name[0])) &&
+                    std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+  return good ? std::string()
+              : fmt::format("'{}' is not a ROS name: letters, digits and _, a letter first, {} of them at most",
+                            name.substr(0, kShown), kMaxLength);
+}
 
 std::string require_cpu(const std::string& text) {
   cpu_set_t allowed;
@@ -102,6 +101,9 @@ void add_rig_options(CLI::App& app, NodeOptions& o) {
   app.add_option("--discovery-peer", o.discovery_peers, "Another host of the ring, where multicast does not reach it; may be repeated")
       ->allow_extra_args(false)
       ->check(check_host);
+  app.add_option("--security", o.security, "Folder of `voxtouch keys`: DDS Security, with the files of the role that this has; nothing falls back to plain")
+      ->option_text("DIR")
+      ->check([](const std::string& text) { return std::string(text.empty() ? "an empty name is no folder of keys" : ""); });
   app.add_option("--ros", o.ros, "The ROS 2 that shows the nodes: humble, or iron for every later one (Jazzy, Kilted, ...)")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, bus::RosGraph>{{"humble", bus::RosGraph::kHumble}, {"iron", bus::RosGraph::kIron}}))
@@ -130,6 +132,7 @@ std::vector<std::string> to_arguments(const NodeOptions& o, bool with_scene) {
   a.insert(a.end(), {"--rig", o.rig, "--domain", fmt::to_string(o.domain), "--interface", o.network_interface, "--seed",
                      fmt::to_string(o.seed)});
   for (const std::string& peer : o.discovery_peers) a.insert(a.end(), {"--discovery-peer", peer});
+  if (!o.security.empty()) a.insert(a.end(), {"--security", o.security.string()});
   if (o.ros == bus::RosGraph::kHumble) a.insert(a.end(), {"--ros", "humble"});
   if (o.lockstep) a.push_back("--lockstep");
   if (!o.peers.empty()) a.insert(a.end(), {"--peers", fmt::format("{}", fmt::join(o.peers, ","))});

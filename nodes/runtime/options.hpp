@@ -8,6 +8,8 @@
 #include "nodes/bus/network.hpp"
 #include "nodes/bus/participant.hpp"
 #include "nodes/runtime/realtime.hpp"
+#include "nodes/security/documents.hpp"
+#include "nodes/security/key_folder.hpp"
 #include "qos/topics.hpp"
 
 namespace CLI {
@@ -23,6 +25,7 @@ struct NodeOptions {
   std::string network_interface{bus::kThisHost};
   std::vector<std::string> discovery_peers;
   bus::RosGraph ros = bus::RosGraph::kIron;
+  std::filesystem::path security;  ///< folder of keys; empty: plain DDS
   bool lockstep = false;
   std::vector<std::string> peers;  ///< lockstep: the nodes that take part, the device aside
   std::uint64_t seed = 1;
@@ -31,8 +34,13 @@ struct NodeOptions {
   std::vector<std::string> warnings;  ///< of the start-up; each node keeps them in its reports
 
   qos::TimeMode mode() const noexcept { return lockstep ? qos::TimeMode::kLockstep : qos::TimeMode::kRealTime; }
+  /// Judges the files of --security first: throws security::Error.
   bus::ParticipantOptions participant(const std::string& node) const {
-    return {domain, network_interface, "voxtouch_" + node + "/" + rig, discovery_peers, {"/" + rig, node, ros}};
+    return {domain, network_interface, "voxtouch_" + node + "/" + rig, discovery_peers, {"/" + rig, node, ros}, require_keys(node)};
+  }
+  /// Of the role that `node` has; nothing without --security. Throws security::Error, a sentence.
+  security::Properties require_keys(std::string_view node) const {
+    return security.empty() ? security::Properties() : security::properties_of(security, security::role_of(node), rig);
   }
   bool has_peer(std::string_view node) const;
   /// In lockstep no deadline is to be met, and a loop that never rests would keep the real-time rings of this machine from running.
@@ -48,12 +56,14 @@ std::string require_positive(const std::string& text);
 /// CLI11 would take a negative number for a huge one.
 std::string require_whole(const std::string& text);
 std::string require_count(const std::string& text);  ///< a whole number of 1 or more
+/// A rig becomes part of every topic name.
+std::string check_rig(const std::string& name);
 /// A name that a DDS topic may have.
 std::string check_topic(const std::string& name);
 /// The number of a CPU that this process may run on (its affinity mask).
 std::string require_cpu(const std::string& text);
 
-/// --rig, --domain, --interface and --discovery-peer alone: whom to talk to.
+/// --rig, --domain, --interface and --discovery-peer, --security and --ros alone: whom to talk to.
 void add_rig_options(CLI::App& app, NodeOptions& options);
 
 /// Adds the options above to a command line: --scene (where `with_scene`), --rig, --domain, --interface, --lockstep, ...

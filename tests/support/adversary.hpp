@@ -23,7 +23,9 @@ const qos::Topic& topic_of() {
 class Adversary {
  public:
   Adversary(std::uint32_t domain, std::string rig, qos::TimeMode mode = qos::TimeMode::kRealTime)
-      : participant_({domain, "lo", "adversary"}), rig_(std::move(rig)), mode_(mode) {}
+      : Adversary({domain, "lo", "adversary"}, std::move(rig), mode) {}
+  Adversary(const bus::ParticipantOptions& options, std::string rig, qos::TimeMode mode = qos::TimeMode::kRealTime)
+      : participant_(options), rig_(std::move(rig)), mode_(mode) {}
 
   template <class T>
   bus::Writer<T>& writer() {

@@ -171,6 +171,7 @@ std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o) {
   std::vector<std::string> arguments = {"view",     o.scene.string(),          "--rig",       o.rig,
                                         "--domain", fmt::to_string(o.domain), "--interface", o.network_interface};
   for (const std::string& peer : o.discovery_peers) arguments.insert(arguments.end(), {"--discovery-peer", peer});
+  if (!o.security.empty()) arguments.insert(arguments.end(), {"--security", o.security.string()});
   if (o.ros == bus::RosGraph::kHumble) arguments.insert(arguments.end(), {"--ros", "humble"});
   return std::make_unique<ChildProcess>("view", program_folder() / "voxtouch", arguments, kPatience);
 }

@@ -322,7 +322,16 @@ class Run {
   RunSummary summary_;
 };
 
+/// Of every process that is to come: half a ring under DDS Security would find out one by one.
+void require_all_keys(const UpOptions& options) {
+  if (!options.node.security.empty() && options.ring.one_process)
+    throw std::runtime_error("--security gives each node its own rights, and DDS (Cyclone DDS 0.10) knows one certificate a process: start without --one-process");
+  for (const std::string& role : security::roles())
+    if ((role != "logger" || !options.no_record) && (role != security::kTool || options.view)) options.node.require_keys(role);
+}
+
 RunSummary run_up(const UpOptions& options) {
+  require_all_keys(options);
   runtime::catch_signals();
   signal(SIGCHLD, [](int) {});  // is not to be ignored by `usleep`
   const scene::Scene scene = scene::load_scene(options.node.scene);

@@ -103,6 +103,7 @@ TEST(NodeOptions, ComeBackFromTheArgumentsThatAChildGets) {
   given.domain = 17;
   given.network_interface = "eth7";
   given.discovery_peers = {"10.0.0.2", "lab-pc"};
+  given.security = "/home/me/keys";
   given.ros = bus::RosGraph::kHumble;
   given.seed = 99;
   given.lockstep = true;
@@ -120,6 +121,7 @@ TEST(NodeOptions, ComeBackFromTheArgumentsThatAChildGets) {
   EXPECT_EQ(got.domain, given.domain);
   EXPECT_EQ(got.network_interface, given.network_interface);
   EXPECT_EQ(got.discovery_peers, given.discovery_peers);
+  EXPECT_EQ(got.security, given.security);
   EXPECT_EQ(got.ros, given.ros);
   EXPECT_EQ(got.seed, given.seed);
   EXPECT_EQ(got.lockstep, given.lockstep);
