@@ -1,7 +1,7 @@
 """A ring on two hosts, over a link with delay, loss and cuts: the device on one, rendering and coupling on the other, in network namespaces of the
 test's own with `emulated_link` between them.
 
-usage: network_test.py CASE|all BIN [SECONDS]
+usage: network_test.py CASE|all BIN
 plain           the link as it is: a good ring
 delay_2, _10    milliseconds each way: named where the coupling was not designed for them; with --network-delay felt, or refused with a sentence
 loss_1, _5, _10 percent of the frames: stable, no step above the ramp
@@ -26,6 +26,7 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 SCENE = REPOSITORY / "deploy/scenes/press_virtual_tool.yaml"
 HEADER = 4
 failures = []
+RINGS = []
 
 
 def expect(holds, sentence):
@@ -90,6 +91,14 @@ class Ring:
             words = [bin_folder / f"voxtouch_{name}", *(common if name != "logger" else common[2:]), "--interface", host.card, *more]
             self.nodes.append(subprocess.Popen(host.inside(*words), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=os.setsid))
         self.bin = bin_folder
+        RINGS.append(self)
+
+    def kill(self):
+        """What is left where a case ended in the middle."""
+        for process in (*self.nodes, self.link, self.near.holder, self.far.holder):
+            if process.poll() is None:
+                process.kill()
+                process.wait()
 
     def status(self):
         end = subprocess.run(self.near.inside(self.bin / "voxtouch", "status", "--rig", "haptic", "--domain", "0", "--interface", self.near.card, "--json"),
@@ -225,7 +234,11 @@ def main():
         return subprocess.run(["unshare", "-n", sys.executable, *sys.argv], env=os.environ | {"VOXTOUCH_IN_NAMESPACE": "1"}, check=False).returncode
     for case in CASES if sys.argv[1] == "all" else [sys.argv[1]]:
         print(case, flush=True)
-        CASES[case](pathlib.Path(sys.argv[2]))
+        try:
+            CASES[case](pathlib.Path(sys.argv[2]))
+        finally:
+            for ring in RINGS:
+                ring.kill()
     return 1 if failures else 0
 
 
