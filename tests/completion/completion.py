@@ -6,10 +6,15 @@ usage: completion.py ROOT BIN VERSION
 import gzip
 import os
 import pathlib
+import pty
 import re
+import select
+import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 PROGRAMS = ("voxtouch", "voxtouch_device", "voxtouch_rendering", "voxtouch_coupling", "voxtouch_logger", "voxtouch_validator",
             "voxtouch_fri_controller", "voxtouch_fci_robot", "voxtouch_import_mesh")
@@ -53,6 +58,39 @@ def wrong_completions(root, binaries):
             yield f"{' '.join(words)}: wanted {sorted(wanted)}, not {sorted(unwanted)}; got {sorted(given)} {err}"
 
 
+def wrong_in_zsh(root, binaries):
+    """What a person sees who presses Tab in zsh, twice over: the first time loads it. Nothing where there is no zsh."""
+    if not shutil.which("zsh"):
+        print("zsh is not here: its completion is left out")
+        return
+    with tempfile.TemporaryDirectory() as home:
+        zsh, terminal = pty.fork()
+        if zsh == 0:
+            os.execve(shutil.which("zsh"), ["zsh", "-f", "-i"], {"PATH": f"{binaries}:/usr/bin:/bin", "TERM": "dumb", "HOME": home, "COLUMNS": "120"})
+        seen = ""
+
+        def waits_for(text, seconds=30.0):
+            nonlocal seen
+            end = time.monotonic() + seconds
+            while text not in seen and time.monotonic() < end:
+                if select.select([terminal], [], [], 0.1)[0]:
+                    seen += os.read(terminal, 65536).decode(errors="replace")
+            found, seen = text in seen, ""
+            return found
+
+        os.write(terminal, f"fpath=({root}/deploy/completion $fpath); autoload -Uz compinit; compinit -u -D; echo rea''dy\n".encode())
+        if not waits_for("ready"):
+            yield "zsh does not get ready"
+        for typed, wanted in (("voxtouch sta\t", "status "), ("voxtouch up cup --motion sl\t", "slide "), ("voxtouch rec\t", "recover ")):
+            os.write(terminal, typed.encode())
+            if not waits_for(wanted):
+                yield f"zsh makes no {wanted!r} of {typed!r}"
+            os.write(terminal, b"\x15")
+        os.kill(zsh, signal.SIGKILL)
+        os.waitpid(zsh, 0)
+        os.close(terminal)
+
+
 def wrong_effects(root, binaries):
     """Those of a scene that a rendering runs: a process of that name with such a command line stands in for it."""
     with tempfile.TemporaryDirectory() as folder:
@@ -90,7 +128,7 @@ def main(root, binaries, version):
         run = subprocess.run([binaries / name, "--version"], capture_output=True, text=True, timeout=60, check=False)
         if (run.returncode, run.stdout) != (0, version + "\n"):
             wrong.append(f"{name} --version: {run.returncode} '{run.stdout}' {run.stderr}")
-    wrong += [*wrong_completions(root, binaries), *wrong_effects(root, binaries), *wrong_pages(root, binaries, version)]
+    wrong += [*wrong_completions(root, binaries), *wrong_in_zsh(root, binaries), *wrong_effects(root, binaries), *wrong_pages(root, binaries, version)]
     print("\n".join(wrong) or f"{len(CASES) + 1} completions, {len(PROGRAMS)} versions, 7 pages")
     return 1 if wrong else 0
 
