@@ -74,7 +74,7 @@ def scene_of(folder, name, *replacements):
 class Replay(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.whole = tempfile.TemporaryDirectory(prefix="voxtouch_replay_")
+        cls.whole = tempfile.TemporaryDirectory(prefix="voxtouch_test_replay_")
         cls.cup = pathlib.Path(cls.whole.name) / "cup"
         record(cls.cup, DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--lockstep", "--duration", "2")
 
@@ -83,7 +83,7 @@ class Replay(unittest.TestCase):
         cls.whole.cleanup()
 
     def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory(prefix="voxtouch_replay_")
+        self.temporary = tempfile.TemporaryDirectory(prefix="voxtouch_test_replay_")
         self.folder = pathlib.Path(self.temporary.name)
 
     def tearDown(self):

@@ -78,7 +78,7 @@ class Ring:
     """Device and logger here, rendering and coupling there."""
 
     def __init__(self, bin_folder, delay_ms, loss, network_delay_ms=0.0, duration_s=6.0, seed=1):
-        self.folder = tempfile.TemporaryDirectory(prefix="voxtouch_network_")
+        self.folder = tempfile.TemporaryDirectory(prefix="voxtouch_test_network_")
         self.bag = pathlib.Path(self.folder.name) / "bag"
         self.near, self.far = Host("near", "10.78.0.1/24"), Host("far", "10.78.0.2/24")
         self.link = subprocess.Popen([bin_folder / "emulated_link", self.near.end, self.far.end, str(delay_ms), str(loss), str(seed)],

@@ -128,7 +128,7 @@ TEST(Up, TakesItsNodesWithItWhenItIsKilled) {
   ASSERT_EQ(nodes.size(), 4U);
   up.signal(SIGKILL);
   EXPECT_TRUE(wait_until(
-      [&] { return std::all_of(nodes.begin(), nodes.end(), [](pid_t p) { return ::kill(p, 0) != 0; }); }, seconds(10)));
+      [&] { return std::all_of(nodes.begin(), nodes.end(), has_ended); }, seconds(10)));
 }
 
 TEST(Up, SaysWhichNodeDiedAndLeavesABagThatOpens) {

@@ -261,18 +261,18 @@ class Run {
     }
   }
 
-  /// Status of a node that was asked to stop. One that hangs is ended after a second, for it has nothing that anybody would miss; the logger has
-  /// the end of the bag, so a disk that is slow, or a machine that lets it wait, gets as long as a node gets that is watched.
+  /// Status of a node that was asked to stop. One that hung before is ended after a second, for it has nothing that anybody would miss; the
+  /// logger has the end of the bag, so a disk that is slow, or a machine that lets it wait, gets as long as a node gets that is watched. A node
+  /// that takes its time to leave says nothing meanwhile, and hangs not.
   int wait_for_end(RunningNode& child) {
-    const bool logger = child.name() == "logger";
+    const bool logger = child.name() == "logger", hung = hanging_.contains(child.name());
     const auto seconds_since = [begun = std::chrono::steady_clock::now()] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(); };
     bool told = false;
     while (!child.ended() && seconds_since() < (logger ? 20.0 : 8.0)) {
       listen();
-      watch_for_hung();
       const auto report = summary_.reports.find(child.name());
       const double silent_s = report == summary_.reports.end() ? 0.0 : registry_.silent_s(report->second);
-      if (hanging_.contains(child.name()) && (logger ? silent_s > 1e-9 * runtime::kGivenUpNs : seconds_since() > 1.0)) break;
+      if (hung && (logger ? silent_s > 1e-9 * runtime::kGivenUpNs : seconds_since() > 1.0)) break;
       if (logger && !told && seconds_since() > 1.0) {
         log::tell("  the logger is writing what it still has into the bag\n");
         told = true;

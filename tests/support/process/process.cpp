@@ -111,6 +111,14 @@ std::string fresh_domain() {
   return domain;
 }
 
+bool has_ended(pid_t process) {
+  std::ifstream in("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  std::getline(in, text);
+  const std::size_t after = text.rfind(')');
+  return after == std::string::npos || text.compare(after, 4, ") Z ") == 0;
+}
+
 std::vector<pid_t> children_of(pid_t parent) {
   std::vector<pid_t> children;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
