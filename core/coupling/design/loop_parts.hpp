@@ -29,9 +29,9 @@ struct AxisModel {
 struct LoopTiming {
   double period_s = 1e-3;     ///< T, nominal
   double delay_s = 0.0;       ///< from the sample to the effort, beside the hold: network, computation and device together; >= 0
-  double network_s = 0.0;     ///< the network's part of delay_s
   double jitter = 0.2;        ///< the longest period is (1 + jitter) T; >= 0
   int lost_in_a_row = 1;      ///< samples that may be lost one after the other; their input is held
+  double network_s = 0.0;     ///< the network's part of delay_s
 };
 
 /// How a device is usually held: between the fingers like a pen, or with hand and arm behind it.
