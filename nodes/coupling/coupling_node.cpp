@@ -88,6 +88,7 @@ class CouplingNode {
       wait_set_.wait(50'000'000);
       listen();
       if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
+      if (lock_.opened() && coupling_.runs()) begin_anew();
       if (device_fault_.exchange(false, kRelaxed)) faults_.keep_too("a fault that the device saw");
       for (int i = 0; i < contacts_.kMaxTakes && !over() && answer_one(); ++i) {
       }
@@ -190,7 +191,6 @@ class CouplingNode {
   void answer(const msg::ContactState& contact) noexcept {
     last_answered_ = contact.sequence_number;
     const coupling::CouplingCounters before = coupling_.counters();
-    if (lock_.opened()) begin_anew();
     msg::ForceCommand command = coupling_.answer(contact);
     if (lock_.engaged()) command.wrench = {}, command.status |= msg::force_command::kStatusLocked;
     commands_.write_until(command, [this] {
@@ -203,7 +203,7 @@ class CouplingNode {
     keep_what_went_wrong(before, coupling_.counters());
   }
 
-  /// As at the begin of a session: no debt, and the force ramps in. Allocates, once, while no force is commanded.
+  /// As at the begin of a session: no debt, and the force ramps in. Allocates, beside the answers, while no force is commanded.
   void begin_anew() {
     coupling_.begin_session(fitting_.device().timing);
     coupling_.adopt(running_.fitted, fitting_.device());

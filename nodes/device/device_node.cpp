@@ -351,6 +351,7 @@ class DeviceNode {
   const scene::Scene& scene_;
   bus::Participant participant_;
   std::uint64_t session_;
+  std::unique_ptr<Faults> faults_;  ///< before the driver, which closes first: a disk that hangs must not keep it open
   std::unique_ptr<devices::Driver> driver_;
   bus::Writer<msg::DeviceState> states_;
   bus::Writer<msg::DeviceDescription> descriptions_;
@@ -364,7 +365,6 @@ class DeviceNode {
   Requests requests_;
   std::atomic<bool> peers_ready_{false};
   std::atomic<bool> peers_late_{false};
-  std::unique_ptr<Faults> faults_;
   faults::OthersFaults faults_of_coupling_;
   std::optional<faults::LockKeeper> keeper_;
   std::optional<std::uint64_t> claim_;

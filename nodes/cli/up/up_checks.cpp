@@ -1,4 +1,3 @@
-#include "nodes/faults/force_lock.hpp"
 #include "nodes/cli/up/up_checks.hpp"
 
 #include <unistd.h>
@@ -20,6 +19,7 @@
 #include "nodes/cli/up/summary.hpp"
 #include "nodes/device/described_device.hpp"
 #include "nodes/device/device_node.hpp"
+#include "nodes/faults/force_lock.hpp"
 #include "nodes/log/progress.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/signals.hpp"
