@@ -13,13 +13,16 @@ add_library(voxtouch_reproducible INTERFACE)
 add_library(voxtouch::reproducible ALIAS voxtouch_reproducible)
 target_compile_options(voxtouch_reproducible INTERFACE -ffp-contract=off -fno-fast-math)
 
-# Tests and command lines: they run once, call the libraries for whatever takes time, and are most of what is to be compiled. The bits do
-# not hang on it. What measures times or counts instructions is no test program and links it not. What GCC only suspects to be read before it
+# Tests, command lines, and nodes' code outside of the loop: they run once or seldom, call the libraries for whatever takes time, and are most of
+# what is to be compiled. The bits do not hang on it. What measures times or counts instructions is no test program and links it not. What GCC only suspects to be read before it
 # is set is told and no error here: it sees fewer paths to the end.
 add_library(voxtouch_runs_once INTERFACE)
 add_library(voxtouch::runs_once ALIAS voxtouch_runs_once)
 target_compile_options(voxtouch_runs_once INTERFACE
   "$<$<AND:$<CONFIG:Release>,$<COMPILE_LANGUAGE:CXX>>:-O1;-Wno-error=maybe-uninitialized>")
+
+# GCC frees memory while it compiles as if there were little of it. Units of eight files rarely need more than this: a tenth less time.
+add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)  # [KiB]
 
 # The repository's root is the one include root: #include "core/voxmap/voxmap.hpp" says where the file is.
 add_library(voxtouch_root INTERFACE)

@@ -2,7 +2,9 @@
 #include "nodes/coupling/coupling_node.hpp"
 #include "nodes/faults/fault_recorder.hpp"
 
-int main(int argc, char** argv) {
+namespace voxtouch::program {
+
+int coupling(int argc, char** argv) {
   voxtouch::coupling_node::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
@@ -13,3 +15,5 @@ int main(int argc, char** argv) {
       options, [&](CLI::App& app) { voxtouch::faults::add_option(app, options.fault_records); },
       [&](const std::atomic<bool>& stop) { return voxtouch::coupling_node::run(options, stop); });
 }
+
+}  // namespace voxtouch::program

@@ -1,7 +1,9 @@
 #include "nodes/runtime/main.hpp"
 #include "nodes/device/device_node.hpp"
 
-int main(int argc, char** argv) {
+namespace voxtouch::program {
+
+int device(int argc, char** argv) {
   voxtouch::device_node::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
@@ -13,3 +15,5 @@ int main(int argc, char** argv) {
       [&](CLI::App& app) { voxtouch::device_node::add_device_options(app, options); },
       [&](const std::atomic<bool>& stop) { return voxtouch::device_node::run(options, stop); });
 }
+
+}  // namespace voxtouch::program

@@ -1,7 +1,11 @@
-#include "nodes/runtime/main.hpp"
-#include "nodes/logger/logger_node.hpp"
+#include <CLI/CLI.hpp>
 
-int main(int argc, char** argv) {
+#include "nodes/logger/logger_node.hpp"
+#include "nodes/runtime/main.hpp"
+
+namespace voxtouch::program {
+
+int logger(int argc, char** argv) {
   voxtouch::logger::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
@@ -19,3 +23,5 @@ int main(int argc, char** argv) {
       },
       [&](const std::atomic<bool>& stop) { return voxtouch::logger::run(options, stop); });
 }
+
+}  // namespace voxtouch::program

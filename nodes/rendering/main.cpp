@@ -1,7 +1,9 @@
 #include "nodes/runtime/main.hpp"
 #include "nodes/rendering/rendering_node.hpp"
 
-int main(int argc, char** argv) {
+namespace voxtouch::program {
+
+int rendering(int argc, char** argv) {
   voxtouch::rendering_node::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
@@ -11,3 +13,5 @@ int main(int argc, char** argv) {
       options, [](CLI::App&) {},
       [&](const std::atomic<bool>& stop) { return voxtouch::rendering_node::run(options, stop); });
 }
+
+}  // namespace voxtouch::program

@@ -3,6 +3,8 @@
 #include <exception>
 #include <sstream>
 
+#include <CLI/CLI.hpp>
+
 #include "core/types/version.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/signals.hpp"

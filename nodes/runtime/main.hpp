@@ -4,9 +4,12 @@
 #include <functional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "nodes/runtime/options.hpp"
+
+namespace CLI {
+class App;
+class ParseError;
+}
 
 namespace voxtouch::runtime {
 

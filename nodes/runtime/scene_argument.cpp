@@ -13,7 +13,7 @@
 namespace voxtouch::runtime {
 namespace {
 
-constexpr std::size_t kShown = 64;  ///< of a name that is none, in the message
+constexpr std::size_t kNameShown = 64;  ///< of a name that is none, in the message
 
 std::filesystem::path scene_folder() { return shared_folder() / "scenes"; }
 
@@ -23,7 +23,7 @@ std::string find_scene(std::string& text) {
   if (std::filesystem::exists(status) && !std::filesystem::is_directory(status)) return {};
   const std::vector<std::string> names = shipped_scenes();
   if (!std::ranges::binary_search(names, text))
-    return fmt::format("'{}' is no file, and no scene of this name comes with voxtouch. These do: {}", text.substr(0, kShown),
+    return fmt::format("'{}' is no file, and no scene of this name comes with voxtouch. These do: {}", text.substr(0, kNameShown),
                        fmt::join(names, ", "));
   text = std::filesystem::canonical(scene_folder() / (text + ".yaml")).string();
   return {};

@@ -1,7 +1,11 @@
-#include "nodes/runtime/main.hpp"
-#include "nodes/validator/validator_node.hpp"
+#include <CLI/CLI.hpp>
 
-int main(int argc, char** argv) {
+#include "nodes/validator/validator_node.hpp"
+#include "nodes/runtime/main.hpp"
+
+namespace voxtouch::program {
+
+int validator(int argc, char** argv) {
   voxtouch::validator::Options options;
   return voxtouch::runtime::node_main(
       argc, argv,
@@ -18,3 +22,5 @@ int main(int argc, char** argv) {
       },
       [&](const std::atomic<bool>& stop) { return voxtouch::validator::run(options, stop); });
 }
+
+}  // namespace voxtouch::program

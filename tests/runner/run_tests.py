@@ -42,9 +42,9 @@ def cases_of(program):
 
 
 def all_cases(build):
-    """The cases of each test program of the build, and under None the tests that are no such program."""
+    """The cases of each test program that is built, and under None the tests that are no such program."""
     tests = [(pathlib.Path(test["command"][0]), test["name"]) for test in listing(build) if "command" in test]
-    programs = sorted({program for program, _ in tests if program.name.endswith("_test")})
+    programs = sorted({program for program, _ in tests if program.name.endswith("_test") and program.exists()})
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         found = dict(zip(programs, pool.map(cases_of, programs)))
     found[None] = [name for program, name in tests if program not in found]

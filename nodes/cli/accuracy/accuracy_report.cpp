@@ -73,7 +73,7 @@ std::string load_text(const AccuracyReport& r) {
   return fmt::format("load {:.1f} before and {:.1f} after", r.load_before, r.load_after);
 }
 
-nlohmann::ordered_json number(double value) {
+nlohmann::ordered_json number_or_null(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
 }
 
@@ -113,14 +113,14 @@ nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index)
                            {"shell_points", built ? nlohmann::ordered_json(r.shell_points) : nlohmann::ordered_json()},
                            {"bytes", built ? nlohmann::ordered_json(r.bytes) : nlohmann::ordered_json()},
                            {"contacts", r.contacts}};
-  for (const Entry& f : figures(r)) j[f.key] = number(f.value);
+  for (const Entry& f : figures(r)) j[f.key] = number_or_null(f.value);
   j["pareto"] = on_front(report, index);
   j["recommended"] = report.advice.row == index;
   j["refused"] = built ? nlohmann::ordered_json() : nlohmann::ordered_json(r.refused);
   return j;
 }
 
-std::string quoted(const std::string& text) {
+std::string csv_quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
   return out + "\"";
@@ -183,7 +183,7 @@ std::string to_csv(const AccuracyReport& report) {
     text += r.refused.empty() ? fmt::format(",{},{},{}", r.shell_points, r.bytes, r.contacts) : std::string(",,,0");
     for (const Entry& f : figures(r)) text += std::isfinite(f.value) ? fmt::format(",{}", f.value) : std::string(",");
     text += fmt::format(",{:d},{:d},{}\n", on_front(report, i), report.advice.row == i,
-                        r.refused.empty() ? std::string() : quoted(r.refused));
+                        r.refused.empty() ? std::string() : csv_quoted(r.refused));
   }
   return text;
 }
