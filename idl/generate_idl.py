@@ -21,7 +21,7 @@ PRIMITIVES = {  # .msg name -> (idl name, bytes in CDR and in C)
 }
 CONSTANT_TYPES = {"byte": "std::uint8_t", **{f"{u}int{n}": f"std::{u}int{n}_t" for u in ("", "u") for n in (8, 16, 32, 64)}}
 # Types that walk round the ring a thousand times a second: fixed size, no padding (padding bytes would reach the wire).
-RING = ("DeviceState", "ContactState", "ForceCommand")
+RING = ("DeviceState", "ContactState", "ForceCommand", "ExternalSample")
 FIELD = re.compile(r"^(?P<type>[\w/]+)(?P<array>\[(?P<bound><=)?(?P<size>\d*)\])?\s+(?P<name>\w+)\s*(?P<const>=\s*(?P<value>\S+))?$")
 
 

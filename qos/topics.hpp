@@ -33,6 +33,7 @@ struct Topic {
   std::string_view why = {};  ///< it is written, for the scene's plan
   bool global = false;     ///< outside the rig's namespace: /tf, /diagnostics
   bool lockstep_only = false;  ///< there is no writer in real time
+  bool with_external = false;  ///< its rendering's end is there only where the scene has the effect `external`, in real time
 };
 
 inline constexpr Topic kDeviceState{"device/state", "voxtouch_msgs/msg/DeviceState", ProfileId::kStream, 1000, kDevice,
@@ -60,6 +61,10 @@ inline constexpr Topic kEffectChanged{"rendering/changed", "voxtouch_msgs/msg/Ef
                                       "What became of each change."};
 inline constexpr Topic kRecover{"recover", "voxtouch_msgs/msg/Recover", ProfileId::kEvent, 0, kNobody, kDevice | kCoupling | kLogger,
                                 "A person lets a locked node give force again: voxtouch recover."};
+inline constexpr Topic kExternalWrench{"external", "geometry_msgs/msg/WrenchStamped", ProfileId::kTap, 0, kNobody, kRendering,
+                                       "Somebody outside the ring writes what the effect 'external' gives; one writer is followed.", false, false, true};
+inline constexpr Topic kExternalSample{"rendering/external", "voxtouch_msgs/msg/ExternalSample", ProfileId::kEvent, 0, kRendering, kLogger,
+                                       "Which sample saw which value of the outside wrench, for a replay.", false, false, true};
 inline constexpr std::string_view kForRos = "For ROS tools; made and written only while somebody reads it, outside the loop.";
 inline constexpr Topic kDiagnostics{"diagnostics", "diagnostic_msgs/msg/DiagnosticArray", ProfileId::kState, 1, kEveryNode, kNobody,
                                     "For ROS tools; made and written only while somebody reads it.", true};
@@ -74,7 +79,7 @@ inline constexpr Topic kMarkers{"markers", "visualization_msgs/msg/MarkerArray",
 
 inline constexpr Topic kTopics[] = {kDeviceState, kContactState, kForceCommand, kDeviceDescription, kScenePlan,
                                     kCouplingDesign, kValidation, kNodeStatus, kEffectChange, kEffectChanged, kRecover,
-                                    kDiagnostics, kTf, kTfStatic, kClock, kPose, kWrench, kMarkers};
+                                    kDiagnostics, kTf, kTfStatic, kClock, kPose, kWrench, kMarkers, kExternalWrench, kExternalSample};
 
 enum class TimeMode : std::uint8_t { kRealTime, kLockstep };
 
@@ -89,6 +94,14 @@ inline std::string dds_name(const Topic& topic, std::string_view rig) {
   std::string name = "rt/";
   if (!topic.global) name.append(rig).append("/");
   return name.append(topic.path);
+}
+
+/// The row of the outside wrench under the topic that a scene names, absolute as ROS has it ("/sim/wrench"); its own under the rig where it names
+/// none. Looks into `ros_name` as long as it lives.
+inline Topic external_topic(std::string_view ros_name) {
+  Topic row = kExternalWrench;
+  if (!ros_name.empty()) row.path = ros_name.substr(1), row.global = true;
+  return row;
 }
 
 /// How figures in statuses call a topic: "device_state".

@@ -39,6 +39,12 @@ struct ToolPoint {
   double share = 0.0;            ///< of the tool's area; all of them sum to 1
 };
 
+/// What somebody outside the ring wants felt.
+struct ExternalWrench {
+  Wrench wrench;         ///< W, torque about the tool's origin; may be anything, also no number
+  double taken_s = 0.0;  ///< time of the first sample that saw it, on the clock of EffectFrame::time_s
+};
+
 /// What one sample gives. All in W; points into storage of the caller that lives for the call.
 struct EffectFrame {
   Pose tool;                                ///< T in W
@@ -48,6 +54,7 @@ struct EffectFrame {
   std::span<const ObjectContact> contacts;  ///< empty where no effect needs them
   const Proximity* proximity = nullptr;     ///< null where no effect needs it
   std::span<const ToolPoint> tool_points;   ///< empty where `proximity` is null
+  const ExternalWrench* external = nullptr;  ///< the newest that was taken; null where none was, or nobody is followed
   double share = 1.0;                       ///< 0..1, what gain and region leave; of matter to EffectKind::shares_inside
 };
 
@@ -57,6 +64,7 @@ struct EffectPush {
   Mat6 stiffness = Mat6::Zero();         ///< symmetric positive semidefinite, at least the law's own
   double stiffness_bound_n_per_m = 0.0;  ///< spectral norm of its translational part at most
   double potential_j = 0.0;              ///< conservative kinds only
+  double given_j = 0.0;  ///< since the last sample, by kinds that keep to a budget of their own; below 0: taken. Gain and region are in it
 };
 
 /// An effect's state, if it has any. Its parameters stay with the chain, which moves them smoothly when they are changed.

@@ -11,7 +11,7 @@ namespace {
 
 bool usable(const EffectPush& push) noexcept {
   return push.wrench.finite() && push.stiffness.allFinite() && std::isfinite(push.stiffness_bound_n_per_m) &&
-         std::isfinite(push.potential_j);
+         std::isfinite(push.potential_j) && std::isfinite(push.given_j);
 }
 
 /// The same with the contact of one object only.
@@ -60,6 +60,7 @@ void EffectChain::weigh(const Link& link, const RegionWeight& weight, const Effe
   sum.wrench.torque += share * own.wrench.torque;
   sum.stiffness += share * own.stiffness;
   sum.stiffness_bound_n_per_m += share * own.stiffness_bound_n_per_m;
+  sum.given_j += own.given_j;
   if (weight.gradient.isZero(0.0)) {
     sum.potential_j += share * own.potential_j;
     return;

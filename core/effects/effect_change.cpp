@@ -13,7 +13,7 @@ using Judged = std::expected<EffectCommand, std::string>;
 /// What was not asked for when the scene was built is not there.
 bool needs_more(const EffectNeeds& after, const EffectNeeds& before) {
   return (after.twist && !before.twist) || (after.contact && !before.contact) || (after.torque && !before.torque) ||
-         (after.orientation && !before.orientation) || (after.body && !before.body) ||
+         (after.orientation && !before.orientation) || (after.body && !before.body) || (after.external && !before.external) ||
          after.proximity_m > before.proximity_m || after.smoothing_m > before.smoothing_m || after.lever_m < before.lever_m;
 }
 
@@ -53,7 +53,7 @@ Judged judge_value(const EffectSpec& effect, std::string_view parameter, const s
   if (found == all.end())
     return std::unexpected(fmt::format("the effect '{}' has no parameter '{}'; it takes: {}", effect.name,
                                        quotable(parameter), names_of(all)));
-  if (found->shape == ParameterShape::kWord)
+  if (found->shape == ParameterShape::kWord || found->shape == ParameterShape::kText)
     return std::unexpected(fmt::format("'{}' cannot change while running", found->name));
   const auto p = static_cast<std::size_t>(found - all.begin());
   EffectCommand command{.action = EffectAction::kValue, .effect = 0, .parameter = static_cast<std::uint32_t>(p)};

@@ -15,7 +15,7 @@ std::string wanted(const EffectParameter& p) {
 }
 
 std::size_t numbers_of(const EffectParameter& p) {
-  return p.shape == ParameterShape::kNumber || p.shape == ParameterShape::kWord ? 1 : 3;
+  return p.shape == ParameterShape::kVector || p.shape == ParameterShape::kDirection ? 3 : 1;
 }
 
 }  // namespace
@@ -35,6 +35,7 @@ std::string check_value(const EffectParameter& p, const std::array<double, 3>& v
     case ParameterShape::kNumber:
     case ParameterShape::kVector:
       return size >= p.low && size <= p.high ? "" : fmt::format("'{}' must be {}", p.name, wanted(p));
+    case ParameterShape::kText: return "";  // the text itself is judged where it is read
     case ParameterShape::kDirection:
       return std::abs(size - 1.0) <= 1e-6 ? "" : fmt::format("'{}' must be a direction of length 1", p.name);
     case ParameterShape::kWord: {

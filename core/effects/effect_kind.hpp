@@ -23,6 +23,7 @@ enum class ParameterShape : std::uint8_t {
   kVector,     ///< three numbers; low and high are for its length
   kDirection,  ///< three numbers, brought to unit length; zero is refused
   kWord,       ///< one of `words`; its place in the list is kept as a number; never changes while running
+  kText,       ///< as `pattern` has it, kept in EffectSpec::text, and 0 as a number; never changes while running. One of a kind at most
 };
 
 /// One key of an effect in a scene file. Names carry the unit (`stiffness_n_per_m`).
@@ -33,6 +34,7 @@ struct EffectParameter {
   std::optional<std::array<double, 3>> standard = {};  ///< where the scene says nothing; none: the scene must say it
   std::string_view meaning = {};                       ///< a sentence for the manual and for editors
   std::string_view words = {};                         ///< kWord: the choices, parted by single spaces
+  std::string_view pattern = {};                       ///< kText: a regular expression for editors; EffectKind::check_text judges
 };
 
 /// The rows of a kind's table; without a standard the scene must give the value.
@@ -56,6 +58,10 @@ constexpr EffectParameter direction(std::string_view name, std::string_view mean
 /// Its standard is the first of `words`.
 constexpr EffectParameter word(std::string_view name, std::string_view words, std::string_view meaning) {
   return {.name = name, .shape = ParameterShape::kWord, .standard = {{0.0, 0.0, 0.0}}, .meaning = meaning, .words = words};
+}
+/// A text that may be left out.
+constexpr EffectParameter text(std::string_view name, std::string_view pattern, std::string_view meaning) {
+  return {.name = name, .shape = ParameterShape::kText, .standard = {{0.0, 0.0, 0.0}}, .meaning = meaning, .pattern = pattern};
 }
 }  // namespace row
 
@@ -82,7 +88,7 @@ class EffectValues {
 enum class EnergyBehaviour : std::uint8_t {
   kConservative,  ///< force from a potential: none is given or taken
   kDissipative,   ///< taken, never given
-  kBounded,       ///< may be given, at most what `EffectBound` says: texture, moving objects
+  kBounded,       ///< may be given, at most what `EffectBound` or EffectPush::given_j says: texture, moving objects
 };
 
 /// What an effect with given values can do at most. Infinity where nothing holds: such values are refused.
@@ -94,6 +100,7 @@ struct EffectBound {
   double force_n = std::numeric_limits<double>::infinity();      ///< where one is known
   double potential_j = std::numeric_limits<double>::infinity();  ///< |U| of a conservative kind, where one is known
   double energy_per_metre_j = 0.0;  ///< kBounded: given per metre of the tool's way at most
+  double external_force_n = 0.0, external_torque_nm = 0.0;  ///< by who may react to the pose, outside the ring: no certificate covers it
 };
 
 /// What must be there for an effect; the plan is the union over the scene's effects.
@@ -103,6 +110,7 @@ struct EffectNeeds {
   bool torque = false;       ///< gives torque: a device of three degrees of freedom cannot show it
   bool orientation = false;  ///< looks at how the tool is turned
   bool body = false;         ///< the dynamic object moves by itself: rigid_body.hpp
+  bool external = false;     ///< follows somebody outside the ring: EffectFrame::external
   double proximity_m = 0.0;  ///< distances to the static surface out to here [m]; 0: none
   double smoothing_m = 0.0;  ///< and smoothed over this length at least [m]
   double lever_m = std::numeric_limits<double>::infinity();  ///< no point of the tool is farther from its origin [m]
@@ -125,6 +133,8 @@ struct EffectKind {
   EffectBound (*bound)(const EffectValues&) = nullptr;
   /// What the ranges alone do not say, e.g. low > high: a sentence, empty where all is well.
   std::string (*check)(const EffectValues&) = nullptr;
+  /// What is wrong with the text of its kText parameter, to follow the text: "does not begin ..."; empty where nothing is.
+  std::string (*check_text)(std::string_view) = nullptr;
   std::unique_ptr<Effect> (*make)() = nullptr;
   double expected_ns = 50.0;  ///< of one `apply`, from counting its steps: what the plan expects of a frame [ns]
 };

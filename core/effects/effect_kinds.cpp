@@ -7,6 +7,7 @@
 namespace voxtouch::effects {
 
 extern const EffectKind kBody;
+extern const EffectKind kExternal;
 extern const EffectKind kFriction;
 extern const EffectKind kGuideLine, kGuidePlane, kGuidePoint;
 extern const EffectKind kMagnet;
@@ -17,8 +18,8 @@ extern const EffectKind kViscosity;
 
 namespace {
 
-constexpr std::array kKinds = {&kBody,     &kFriction,       &kGuideLine, &kGuidePlane, &kGuidePoint, &kMagnet,
-                               &kProximity, &kSurfaceDamping, &kTexture,   &kViscosity};
+constexpr std::array kKinds = {&kBody,   &kExternal,  &kFriction,       &kGuideLine, &kGuidePlane, &kGuidePoint,
+                               &kMagnet, &kProximity, &kSurfaceDamping, &kTexture,   &kViscosity};
 
 }  // namespace
 

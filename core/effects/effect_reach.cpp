@@ -12,7 +12,9 @@ EffectBound larger(const EffectBound& a, const EffectBound& b) {
           .damping_nms_per_rad = std::max(a.damping_nms_per_rad, b.damping_nms_per_rad),
           .force_n = std::max(a.force_n, b.force_n),
           .potential_j = std::max(a.potential_j, b.potential_j),
-          .energy_per_metre_j = std::max(a.energy_per_metre_j, b.energy_per_metre_j)};
+          .energy_per_metre_j = std::max(a.energy_per_metre_j, b.energy_per_metre_j),
+          .external_force_n = std::max(a.external_force_n, b.external_force_n),
+          .external_torque_nm = std::max(a.external_torque_nm, b.external_torque_nm)};
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "core/effects/effect_spec.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 namespace voxtouch::effects {
@@ -9,11 +11,23 @@ EffectNeeds needs_of(std::span<const EffectSpec> effects) {
   for (const EffectSpec& spec : effects) {
     const EffectNeeds one = spec.kind->needs(spec.values);
     all.twist |= one.twist, all.contact |= one.contact, all.torque |= one.torque, all.orientation |= one.orientation;
-    all.body |= one.body;
+    all.body |= one.body, all.external |= one.external;
     all.proximity_m = std::max(all.proximity_m, one.proximity_m);
     all.smoothing_m = std::max(all.smoothing_m, one.smoothing_m), all.lever_m = std::min(all.lever_m, one.lever_m);
   }
   return all;
+}
+
+const EffectSpec* external_of(std::span<const EffectSpec> effects) {
+  const auto found = std::find_if(effects.begin(), effects.end(), [](const EffectSpec& e) { return e.kind->needs(e.values).external; });
+  return found == effects.end() ? nullptr : &*found;
+}
+
+std::string no_certificate_sentence(std::string_view name) {
+  return fmt::format(
+      "No certificate covers the effect '{}': who writes its topic may react to the pose. It is bounded in force, slew and energy before the coupling, and "
+      "the passivity controller allows the hand no more of it than that energy.",
+      name);
 }
 
 EffectBound bound_of(const EffectSpec& effect) {

@@ -44,6 +44,20 @@ std::string damps_too_much(const DampingDemand& demand, double scale, double lat
                      1e3 * late_s, inertia, words.inertia, limit, words.unit, demand.largest * limit / at_hand, words.unit);
 }
 
+/// Words of a sentence about force or torque, and what one of W is at the hand.
+struct EffortWords {
+  const char *effort, *unit, *key;
+  double scale;
+};
+
+/// Written so that NaN does not pass.
+std::string asks_too_much(const ExternalDemand& external, double at_hand, double given, const EffortWords& words) {
+  if (at_hand <= given) return {};
+  return fmt::format("{}{}the effect '{}' may ask for a {} of {:.4g} {} at the hand, and the device gives {:.4g} {}: lower {} to {:.4g} {}.", external.place,
+                     external.place.empty() ? "" : ": ", external.name, words.effort, at_hand, words.unit, given, words.unit, words.key, given / words.scale,
+                     words.unit);
+}
+
 }  // namespace
 
 std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque) {
@@ -52,6 +66,16 @@ std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque) {
       "The effect '{}' gives torque, and the device gives none. Leave the effect out, set what turns the tool to 0, or use "
       "a device of six degrees of freedom.",
       demand.torque);
+}
+
+std::string external_too_strong(const DeviceDemand& demand, const scene::WorkspaceMapping& scales, const coupling::design::DeviceModel& device) {
+  const ExternalDemand& external = demand.external;
+  if (external.name.empty()) return {};
+  const double force_scale = scales.force_scale, torque_scale = scales.force_scale / scales.position_scale;
+  std::string why = asks_too_much(external, external.force_n * force_scale, device.translation.max_effort, {"force", "N", "max_force_n", force_scale});
+  if (why.empty() && device.gives_torque)
+    why = asks_too_much(external, external.torque_nm * torque_scale, device.rotation.max_effort, {"torque", "Nm", "max_torque_nm", torque_scale});
+  return why;
 }
 
 std::string effects_damp_too_much(const DeviceDemand& demand, const scene::WorkspaceMapping& scales, const coupling::CouplingSpec& spec,
@@ -65,6 +89,7 @@ std::string effects_damp_too_much(const DeviceDemand& demand, const scene::Works
 std::string why_not_felt(const scene::Scene& scene, const coupling::CouplingSpec* runs, const coupling::design::DeviceModel& device,
                          double least_n_per_m, const DeviceDemand& demand) {
   std::string why = torque_not_shown(demand, device.gives_torque);
+  if (why.empty()) why = external_too_strong(demand, scene.device, device);
   if (!why.empty() || runs == nullptr) return why;
   if (!scene.design) why = too_stiff_by_hand(scene, device, least_n_per_m, demand);
   if (!why.empty()) return why;

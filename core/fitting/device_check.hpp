@@ -19,6 +19,10 @@ struct DeviceCheck {
 /// Why a device that gives no torque cannot show what is demanded, a sentence with what to do. Empty: it can.
 std::string torque_not_shown(const DeviceDemand& demand, bool gives_torque);
 
+/// Why a device does not give what an effect may ask for that follows somebody outside the ring, a sentence with its place. Empty: it does, or
+/// there is no such effect.
+std::string external_too_strong(const DeviceDemand& demand, const scene::WorkspaceMapping& scales, const coupling::design::DeviceModel& device);
+
 /// Judges `scene.coupling` as it is: for a designed coupling put the design's spec (spec_W) there first.
 /// `stiffness_bound_n_per_m`: of all points that can push at once, not of one: the total is what the loop must stand.
 /// `stiffest`: what the sentence says to lower; empty: the stiffest of the scene as it was read.

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 namespace voxtouch::fitting {
 namespace {
 
@@ -38,6 +40,15 @@ void add_damping(std::span<const effects::EffectReach> effects, DeviceDemand& de
   }
 }
 
+void add_external(std::span<const effects::EffectReach> effects, DeviceDemand& demand) {
+  for (const effects::EffectReach& effect : effects) {
+    const effects::EffectSpec& spec = effect.spec();
+    if (!spec.kind->needs(spec.values).external) continue;
+    const effects::EffectBound bound = effect.bound();
+    demand.external = {bound.external_force_n, bound.external_torque_nm, spec.name, spec.place};
+  }
+}
+
 }  // namespace
 
 DeviceDemand demand_of(const scene::Scene& scene) { return demand_of(scene, effects::at_rest(scene.effects)); }
@@ -46,6 +57,7 @@ DeviceDemand demand_of(const scene::Scene& scene, std::span<const effects::Effec
   DeviceDemand demand;
   if (!scene.design) add_stiffness(scene, effects, demand);
   add_damping(effects, demand);
+  add_external(effects, demand);
   for (const effects::EffectReach& effect : effects)
     if (demand.torque.empty() && effect.spec().kind->needs(effect.spec().values).torque) demand.torque = effect.spec().name;
   return demand;
@@ -58,6 +70,9 @@ DeviceDemand larger_of(const DeviceDemand& a, const DeviceDemand& b) {
   if (a.damping.all > b.damping.all) out.damping = a.damping;
   if (a.turning.all > b.turning.all) out.turning = a.turning;
   if (out.torque.empty()) out.torque = a.torque;
+  if (out.external.name.empty()) out.external = a.external;
+  out.external.force_n = std::max(a.external.force_n, b.external.force_n);
+  out.external.torque_nm = std::max(a.external.torque_nm, b.external.torque_nm);
   return out;
 }
 

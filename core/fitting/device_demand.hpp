@@ -18,12 +18,21 @@ struct DampingDemand {
   bool operator==(const DampingDemand&) const = default;
 };
 
+/// What an effect may ask for that follows somebody outside the ring [N], [Nm].
+struct ExternalDemand {
+  double force_n = 0.0, torque_nm = 0.0;
+  std::string name, place;  ///< of the effect; empty: there is none
+
+  bool operator==(const ExternalDemand&) const = default;
+};
+
 /// In W. Effects count at full gain, also those that are switched off: what is found good is good whatever gain or switch do.
 struct DeviceDemand {
   double least_stiffness_n_per_m = 0.0;   ///< that any contact shows, all effects with it; 0 where a designed coupling caps it
   std::string stiffest;                   ///< what a person would lower first
   DampingDemand damping, turning;         ///< of the tool's motion, and of its turning
   std::string torque;                     ///< name of an effect that gives torque; empty: none does
+  ExternalDemand external;
 
   bool operator==(const DeviceDemand&) const = default;
 };

@@ -13,7 +13,8 @@ std::vector<effects::EffectSpec> ends_of(std::span<const effects::EffectReach> e
 
 bool no_more_than(const DeviceDemand& what, const DeviceDemand& shown) {
   return what.least_stiffness_n_per_m <= shown.least_stiffness_n_per_m && what.damping.all <= shown.damping.all &&
-         what.turning.all <= shown.turning.all && (what.torque.empty() || !shown.torque.empty());
+         what.turning.all <= shown.turning.all && (what.torque.empty() || !shown.torque.empty()) &&
+         what.external.force_n <= shown.external.force_n && what.external.torque_nm <= shown.external.torque_nm;
 }
 
 }  // namespace

@@ -62,6 +62,7 @@ SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
 void LiveScene::swap_to(BuiltScene& next) noexcept {
   old_ = std::exchange(now_, &next);
   now_->scene_renderer().aim_for_spring(spring_n_per_m_);
+  if (external_) now_->scene_renderer().external_is(*external_);
   now_->scene_renderer().start_tool_from(old_->scene_renderer(), last_s_ < 0.0 ? 0.0 : last_s_);
   supplied_old_j_ = std::exchange(supplied_now_j_, 0.0);
   weight_ = 0.0;
@@ -72,6 +73,12 @@ void LiveScene::aim_for_spring(double n_per_m) noexcept {
   spring_n_per_m_ = n_per_m;
   for (BuiltScene* scene : {now_, old_})
     if (scene != nullptr) scene->scene_renderer().aim_for_spring(n_per_m);
+}
+
+void LiveScene::external_is(const effects::ExternalWrench& newest) noexcept {
+  external_ = newest;
+  for (BuiltScene* scene : {now_, old_})
+    if (scene != nullptr) scene->scene_renderer().external_is(newest);
 }
 
 void LiveScene::lose_tool() noexcept {
@@ -90,6 +97,7 @@ void LiveScene::reset() noexcept {
   finish();
   now_->scene_renderer().reset();
   last_s_ = -1.0;
+  external_.reset();
   supplied_j_ = supplied_now_j_ = supplied_old_j_ = 0.0;
 }
 

@@ -23,6 +23,8 @@ class LiveScene {
   void swap_to(BuiltScene& next) noexcept;
   /// Of a virtual tool, in all scenes from now on: the spring's stiffness in W [N/m], and that it is placed anew; see SceneRenderer.
   void aim_for_spring(double n_per_m) noexcept;
+  /// What the effect `external` of every scene follows from the next sample on.
+  void external_is(const effects::ExternalWrench& newest) noexcept;
   /// The virtual tool of every scene is placed anew.
   void lose_tool() noexcept;
   bool fading() const noexcept { return old_ != nullptr; }
@@ -46,6 +48,7 @@ class LiveScene {
   BuiltScene* retired_ = nullptr;
   double weight_ = 1.0;   ///< of now_
   double spring_n_per_m_ = 0.0;
+  std::optional<effects::ExternalWrench> external_;
   double last_s_ = -1.0;  ///< time of the last frame; below 0: none
   double supplied_j_ = 0.0, supplied_now_j_ = 0.0, supplied_old_j_ = 0.0;  ///< told to the hand; by each scene so far
 };

@@ -60,6 +60,7 @@ std::string needs_text(const effects::EffectNeeds& needs) {
   if (needs.contact) parts.push_back("the contact");
   if (needs.twist) parts.push_back("the tool's velocity");
   if (needs.orientation) parts.push_back("the tool's orientation");
+  if (needs.external) parts.push_back("a writer outside the ring");
   if (needs.proximity_m > 0.0) parts.push_back(fmt::format("distances out to {:g} m", needs.proximity_m));
   return parts.empty() ? "nothing but the tool's position" : joined(parts);
 }
@@ -152,6 +153,7 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
                                    scene.effects.empty() ? "by all points" : "by all that may push at once"));
   plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
   for (const effects::EffectSpec& effect : scene.effects) plan.built.push_back(effect_sentence(effect));
+  if (const effects::EffectSpec* external = effects::external_of(scene.effects)) plan.built.push_back(effects::no_certificate_sentence(external->name));
   std::size_t parts = 0;
   for (const scene::MeshSpec& mesh : scene.static_meshes) parts += mesh.primitives.size();
   parts += scene.dynamic_mesh.primitives.size();

@@ -1,14 +1,21 @@
 #include "core/rendering/reload_check.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace voxtouch::rendering {
 namespace {
 
 /// As the file asks for it, wherever it stands there.
 bool same(const effects::EffectSpec& a, const effects::EffectSpec& b) {
-  return a.name == b.name && a.kind == b.kind && a.values == b.values && a.gain == b.gain && a.on == b.on &&
+  return a.name == b.name && a.kind == b.kind && a.values == b.values && a.gain == b.gain && a.on == b.on && a.text == b.text &&
          a.object == b.object && a.region == b.region;
+}
+
+/// That an outside wrench is read from; nothing where no effect asks for one.
+std::optional<std::string> topic_of(const scene::Scene& scene) {
+  const effects::EffectSpec* effect = effects::external_of(scene.effects);
+  return effect ? std::optional(effect->text) : std::nullopt;
 }
 
 }  // namespace
@@ -23,6 +30,8 @@ std::string why_not_reloaded(const scene::Scene& running, const scene::Scene& ne
   if (effects::needs_of(running.effects).body || effects::needs_of(next.effects).body)
     return "the scene's dynamic object is a body that lies somewhere by itself, and a scene built anew would not know where: "
            "restart the ring for it";
+  if (topic_of(running) != topic_of(next))
+    return "the effect 'external' has come, gone or follows another topic, which the rendering does not read anew while it runs: restart the ring for it";
   return {};
 }
 

@@ -106,13 +106,14 @@ effects::EffectFrame SceneRenderer::look(const ToolState& object, double step_s,
   in.time_s = time_s;
   in.contacts = contacts;
   in.proximity = surroundings_.proximity, in.tool_points = surroundings_.tool_points;
+  in.external = external_ ? &*external_ : nullptr;
   return in;
 }
 
 /// `given_j`: by what is no effect.
 void SceneRenderer::supply(const Pose& object, double given_j, SceneFrame& frame) noexcept {
   const double potential = frame.effects.potential_j;
-  supplied_j_ += potential_j_.value_or(potential) - potential + given_j +
+  supplied_j_ += potential_j_.value_or(potential) - potential + given_j + frame.effects.given_j +
                  effects_.given_over((object.position - last_position_.value_or(object.position)).norm());
   potential_j_ = potential;
   last_position_ = object.position;
@@ -150,7 +151,7 @@ void SceneRenderer::reset() noexcept {
   if (body_) body_->body = effects::RigidBody(body_->body.shape());
   if (constrained_) constrained_->reset();
   clutched_ = false;
-  last_s_.reset(), potential_j_.reset(), last_position_.reset();
+  last_s_.reset(), potential_j_.reset(), last_position_.reset(), external_.reset();
   supplied_j_ = 0.0;
 }
 

@@ -60,6 +60,8 @@ class SceneRenderer {
   void aim_for_spring(double n_per_m) noexcept {
     if (constrained_) constrained_->aim_for(n_per_m);
   }
+  /// What the effect `external` follows from the next sample on. Real-time safe.
+  void external_is(const effects::ExternalWrench& newest) noexcept { external_ = newest; }
   /// The virtual tool of `before`, where both scenes have one and its place is free in this one, is this one's from now on. Real-time safe.
   void start_tool_from(const SceneRenderer& before, double time_s) noexcept;
 
@@ -95,6 +97,7 @@ class SceneRenderer {
   bool clutched_ = false;
   std::optional<double> last_s_, potential_j_;
   std::optional<Vec3> last_position_;
+  std::optional<effects::ExternalWrench> external_;
   double supplied_j_ = 0.0;
 };
 

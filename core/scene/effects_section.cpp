@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/effects/effect_change.hpp"
 #include "core/scene/scene_sections.hpp"
 
 namespace voxtouch::scene {
@@ -22,11 +23,19 @@ std::array<double, 3> read_value(const SceneSource& source, const YamlNode& node
     }
     case effects::ParameterShape::kWord:
       return {static_cast<double>(read_choice(source, node, parameter.name, words_of(parameter.words))), 0.0, 0.0};
+    case effects::ParameterShape::kText: return {};
   }
   return {};
 }
 
-effects::EffectValues read_values(const SceneSource& source, const YamlNode& node, const effects::EffectKind& kind) {
+std::string read_text_of(const SceneSource& source, const YamlNode& node, const effects::EffectKind& kind, std::string_view parameter) {
+  std::string text = read_text(source, node, parameter);
+  if (const std::string why = kind.check_text(text); !why.empty()) source.fail(node.place, fmt::format("'{}' {}.", effects::quotable(text), why));
+  return text;
+}
+
+/// `text`: of its kText parameter.
+effects::EffectValues read_values(const SceneSource& source, const YamlNode& node, const effects::EffectKind& kind, std::string& text) {
   std::vector<std::string_view> keys;
   for (const effects::EffectParameter& parameter : kind.parameters) keys.push_back(parameter.name);
   const MapReader map(source, node, kind.name, keys);
@@ -35,6 +44,7 @@ effects::EffectValues read_values(const SceneSource& source, const YamlNode& nod
     const effects::EffectParameter& parameter = kind.parameters[n];
     const YamlNode* value = parameter.standard ? map.find(parameter.name) : &map.require(parameter.name);
     if (value == nullptr) continue;
+    if (parameter.shape == effects::ParameterShape::kText) text = read_text_of(source, *value, kind, parameter.name);
     values.at(n) = read_value(source, *value, parameter);
     effects::EffectValues alone = values;
     if (const std::string why = effects::check_value(parameter, alone.at(n)); !why.empty()) source.fail(value->place, why + ".");
@@ -82,7 +92,7 @@ effects::EffectSpec read_effect(const SceneSource& source, const YamlNode& node,
                               "of the list for '{}'.",
                               spec.kind->name, kind->name));
     spec.kind = kind;
-    spec.values = read_values(source, *values, *kind);
+    spec.values = read_values(source, *values, *kind, spec.text);
   }
   if (spec.kind == nullptr)
     source.fail(node.place, fmt::format("The entry names no effect; there are: {}.", listed(kinds)));

@@ -128,10 +128,12 @@ Json parameter(const effects::EffectParameter& p) {
     out = number_within(p.low, p.high);
   } else if (p.shape == effects::ParameterShape::kWord) {
     out["enum"] = words_of(p.words);
+  } else if (p.shape == effects::ParameterShape::kText) {
+    out = {{"type", "string"}, {"pattern", p.pattern}};
   } else {
     out = {{"$ref", "#/$defs/vector"}};
   }
-  if (p.standard) {
+  if (p.standard && p.shape != effects::ParameterShape::kText) {
     const std::array<double, 3>& v = *p.standard;
     out["default"] = p.shape == effects::ParameterShape::kNumber ? tidy(v[0])
                      : p.shape == effects::ParameterShape::kWord ? out["enum"].at(static_cast<std::size_t>(v[0]))

@@ -165,7 +165,7 @@ class CouplingNode {
 
   /// From here on this coupling runs. One that must not run leaves the device without commands, which fades its force.
   void adopt(fitting::FittedCoupling fitted) {
-    publish_design(designs_, fitted, session_in_loop_, coupling_.period_s());
+    publish_design(designs_, fitted, session_in_loop_, coupling_.period_s(), fitting_.external());
     if (coupling_.runs() && !fitted.refusal.empty()) faults_.keep("what came did not fit the device any more");
     coupling_.adopt(fitted, fitting_.device());
     const std::lock_guard lock(running_mutex_);

@@ -5,8 +5,9 @@
 namespace voxtouch::coupling_node {
 namespace {
 
-std::vector<std::string> notes_on(const fitting::FittedCoupling& fitted, double sample_time_s) {
+std::vector<std::string> notes_on(const fitting::FittedCoupling& fitted, double sample_time_s, const std::string& external) {
   std::vector<std::string> notes;
+  if (!external.empty()) notes.push_back(effects::no_certificate_sentence(external));
   if (!fitted.designed)
     notes.push_back(fitted.design.status == coupling::design::DesignStatus::kInfeasible
                         ? "set by hand in the scene; the designer does not vouch for it: the reasons say why"
@@ -52,10 +53,10 @@ msg::CouplingDesign design_numbers(const fitting::FittedCoupling& fitted, double
 }
 
 void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted, std::uint64_t session,
-                    double sample_time_s) {
+                    double sample_time_s, const std::string& external) {
   const coupling::design::Design& design = fitted.design;
   const std::string status = status_word(fitted);
-  const std::vector<std::string> notes = notes_on(fitted, sample_time_s);
+  const std::vector<std::string> notes = notes_on(fitted, sample_time_s, external);
   runtime::LentStrings lent_notes(notes), reasons(design.reasons), remedies(design.remedies);
   msg::CouplingDesign m = design_numbers(fitted, sample_time_s);
   m.session_id = session;

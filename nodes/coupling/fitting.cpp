@@ -15,7 +15,8 @@ fitting::DeviceDemand demand_in(const msg::ScenePlan& plan) {
                       plan.largest_damping_place},
           .turning = {plan.effects_damping_nms_per_rad, plan.largest_damping_nms_per_rad, plan.largest_turning_damping,
                       plan.largest_turning_damping_place},
-          .torque = plan.torque_effect};
+          .torque = plan.torque_effect,
+          .external = {plan.external_force_n, plan.external_torque_nm, plan.external_effect, plan.external_place}};
 }
 
 }  // namespace

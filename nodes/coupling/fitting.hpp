@@ -36,6 +36,8 @@ class Fitting {
   std::string judge(const fitting::FittedCoupling& fitted) const;
 
   const coupling::design::DeviceModel& device() const noexcept { return device_; }
+  /// Name of the effect that no certificate covers, as the plan was last told; empty: there is none.
+  const std::string& external() const noexcept { return demand_.external.name; }
 
  private:
   const scene::Scene& scene_;

@@ -132,7 +132,7 @@ std::vector<runtime::Link> RecordedTopics::links() const {
   std::vector<runtime::Link> links;
   for (const qos::Topic& row : qos::kTopics)
     for (const Entry& entry : entries_)
-      if (row.writers != qos::kEveryNode && entry.name == qos::dds_name(row, options_.rig))
+      if (row.writers != qos::kEveryNode && !row.with_external && entry.name == qos::dds_name(row, options_.rig))
         links.push_back({std::string(row.path), [handle = entry.reader.get()] { return bus::matched_writers(handle); },
                          qos::names_of(row.writers)});
   return links;

@@ -76,6 +76,10 @@ void publish_plan(bus::Writer<msg::ScenePlan>& writer, const scene::Scene& scene
   m.largest_turning_damping = runtime::lend(demand.turning.name);
   m.largest_turning_damping_place = runtime::lend(demand.turning.place);
   m.torque_effect = runtime::lend(demand.torque);
+  m.external_force_n = demand.external.force_n;
+  m.external_torque_nm = demand.external.torque_nm;
+  m.external_effect = runtime::lend(demand.external.name);
+  m.external_place = runtime::lend(demand.external.place);
   built.into(m.built);
   left_out.into(m.left_out);
   warnings.into(m.warnings);

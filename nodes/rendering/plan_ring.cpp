@@ -14,6 +14,11 @@ std::string writer_of(const qos::Topic& topic) {
   return fmt::format("{}", fmt::join(qos::names_of(topic.writers ? topic.writers : topic.readers & ~qos::kLogger), ", "));
 }
 
+std::string name_of(const qos::Topic& topic, const effects::EffectSpec* external) {
+  const bool elsewhere = topic.path == qos::kExternalWrench.path && external != nullptr && !external->text.empty();
+  return fmt::format("topic {}", elsewhere ? std::string_view(external->text) : topic.path);
+}
+
 rendering::PlanPart node_part(const char* name, std::string why) {
   return {.name = fmt::format("node {}", name), .node = name, .why = std::move(why)};
 }
@@ -22,8 +27,9 @@ rendering::PlanPart node_part(const char* name, std::string why) {
 
 std::vector<rendering::PlanPart> ring_parts(const scene::Scene& scene) {
   std::vector<rendering::PlanPart> parts;
+  const effects::EffectSpec* external = effects::external_of(scene.effects);
   for (const qos::Topic& topic : qos::kTopics)
-    parts.push_back({.name = fmt::format("topic {}", topic.path), .node = writer_of(topic), .why = std::string(topic.why)});
+    if (external != nullptr || !topic.with_external) parts.push_back({.name = name_of(topic, external), .node = writer_of(topic), .why = std::string(topic.why)});
   parts.push_back(node_part("device", "Reads the device and keeps its force within limits."));
   parts.push_back(node_part("rendering",
                             scene.effects.empty() ? "Contact of each sample." : "Contact and effects of each sample."));

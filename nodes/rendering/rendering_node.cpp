@@ -13,10 +13,12 @@
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/log/progress.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
+#include "nodes/rendering/external_source.hpp"
 #include "nodes/rendering/scene_update_server.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/rendering/sample_renderer.hpp"
 #include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/parallel_for.hpp"
@@ -49,6 +51,10 @@ class RenderingNode {
     wait_set_.attach(states_.condition());
     links_ = {runtime::link_of_reader(qos::kDeviceDescription, descriptions_), runtime::link_of_reader(qos::kDeviceState, states_),
               runtime::link_of_writer(qos::kContactState, contacts_), runtime::link_of_writer(qos::kScenePlan, updates_.plans())};
+    // In lockstep nothing is followed: a value comes at the wall's time, and no two runs would give the same bits.
+    if (options.lockstep || effects::external_of(scene.effects) == nullptr) return;
+    external_samples_ = {participant_, qos::kExternalSample, options.rig, qos::profile(qos::kExternalSample.profile)};
+    external_.emplace(participant_, options, scene);
   }
 
   int run(const std::atomic<bool>& stop) {
@@ -100,6 +106,7 @@ class RenderingNode {
     line_.begin_session(session);
     next_sample_ = 0;
     session_in_loop_ = session;
+    if (external_) external_->begin_session(session);
   }
 
   /// No sample has come: what waits for none is changed now. A fade goes on with the samples; where there are none for long,
@@ -134,7 +141,16 @@ class RenderingNode {
     next_sample_ = state.sequence_number + 1;
     last_answer_ns_ = begin;
     renderer_.live().aim_for_spring(updates_.spring_n_per_m());
+    if (external_) take_external(state);
     publish(renderer_.answer(state), begin);
+  }
+
+  /// For a replay it is told which sample saw what.
+  void take_external(const msg::DeviceState& state) noexcept {
+    const std::optional<Wrench> wrench = external_->take(session_in_loop_);
+    if (!wrench) return;
+    renderer_.take_external(*wrench, state);
+    external_samples_.write({state.session_id, state.sequence_number, state.sample_time_ns, runtime::to_msg(*wrench)});
   }
 
   void publish(msg::ContactState m, std::int64_t begin) noexcept {
@@ -197,8 +213,10 @@ class RenderingNode {
       report.figures["spring_n_per_m"] = {updates_.spring_n_per_m(), "N/m"};
     }
     device_.update(registry, std::nullopt);
+    if (external_) external_->report_to(registry, report);
     const std::string missing = session_.report_to(report, options_, registry, links_, "a device", samples_.load() > 0);
     std::string trouble = device_.trouble(registry);
+    if (trouble.empty() && external_) trouble = external_->trouble(registry);
     {
       const std::lock_guard lock(wrong_mutex_);
       if (!wrong_.empty()) trouble = "the device's description is refused: " + wrong_;
@@ -223,6 +241,8 @@ class RenderingNode {
   bus::LatchedReader<msg::DeviceDescription> descriptions_;
   bus::FollowedReader<msg::DeviceState> states_;
   bus::Writer<msg::ContactState> contacts_;
+  bus::Writer<msg::ExternalSample> external_samples_;  ///< where the scene names the effect `external`, in real time
+  std::optional<ExternalSource> external_;             ///< likewise
   RosOutputs ros_;
   runtime::Session session_;
   SceneUpdateServer updates_;

@@ -19,6 +19,9 @@ class SampleRenderer {
   /// Another device session: all samples so far are forgotten. It begins with its first good sample, or began at `begin_ns` on the device's clock, with
   /// samples that are not known any more.
   void begin_session(std::optional<std::int64_t> begin_ns = {}) noexcept;
+  /// Somebody outside the ring wants this felt, in W, and the sample that is answered next is the first to see it. Nothing before a session's first
+  /// good sample.
+  void take_external(const Wrench& wrench, const msg::DeviceState& next) noexcept;
   /// The contact of one sample; `time_spent_ns` is left to who has a clock. A sample that cannot be used is answered with the last good
   /// pose's contact for kMaxRepeats samples, as long as a device holds a command.
   msg::ContactState answer(const msg::DeviceState& state) noexcept;

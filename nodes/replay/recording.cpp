@@ -24,7 +24,7 @@ template <class... Args>
   throw std::runtime_error(fmt::format(form, std::forward<Args>(args)...));
 }
 
-enum class Kind : std::uint8_t { kNone, kState, kContact, kCommand, kDevice, kPlan, kDesign, kChange, kChanged, kStatus };
+enum class Kind : std::uint8_t { kNone, kState, kContact, kCommand, kDevice, kPlan, kDesign, kChange, kChanged, kStatus, kExternal };
 
 struct KindOfTopic {
   const qos::Topic& topic;
@@ -34,7 +34,7 @@ constexpr KindOfTopic kKinds[] = {{qos::kDeviceState, Kind::kState},         {qo
                                   {qos::kForceCommand, Kind::kCommand},      {qos::kDeviceDescription, Kind::kDevice},
                                   {qos::kScenePlan, Kind::kPlan},            {qos::kCouplingDesign, Kind::kDesign},
                                   {qos::kEffectChange, Kind::kChange},       {qos::kEffectChanged, Kind::kChanged},
-                                  {qos::kNodeStatus, Kind::kStatus}};
+                                  {qos::kNodeStatus, Kind::kStatus},         {qos::kExternalSample, Kind::kExternal}};
 
 /// The rig of a topic "/<rig>/<path>", empty where it is none.
 std::string rig_in(const std::string& name, std::string_view path) {
@@ -69,6 +69,7 @@ class Collector {
       case Kind::kState: return stream<msg::DeviceState>(m, &RecordedSample::state);
       case Kind::kContact: return stream<msg::ContactState>(m, &RecordedSample::contact);
       case Kind::kCommand: return stream<msg::ForceCommand>(m, &RecordedSample::command);
+      case Kind::kExternal: return stream<msg::ExternalSample>(m, &RecordedSample::external);
       case Kind::kDevice: return text<msg::DeviceDescription>(m, [&](const auto& d) { device(d, m.bytes); });
       case Kind::kPlan: return text<msg::ScenePlan>(m, [this](const auto& p) { plan(p); });
       case Kind::kDesign: return text<msg::CouplingDesign>(m, [&](const auto& d) { design(d, m.time_ns); });

@@ -20,8 +20,9 @@ struct RecordedSample {
   std::optional<msg::ForceCommand> command;
   std::vector<msg::ForceCommand> again;  ///< the same sample's, once more: DDS gave the coupling its contact twice, or the command to the recorder
   std::int64_t command_taken_ns = 0;  ///< by the recorder
+  std::optional<msg::ExternalSample> external;  ///< what the effect `external` was given with it
   /// Whether the rendering answered it: in real time it and the coupling leave samples out. A contact that the recorder lost shows by its command.
-  bool rendered() const noexcept { return contact || command; }
+  bool rendered() const noexcept { return contact || command || external; }
 };
 
 /// A change that the rendering has made.

@@ -126,6 +126,7 @@ class Run {
       return void(++out_.left_out);
     }
     std::optional<msg::ContactState> contact;
+    if (sample.state && sample.external) rendering_.take_external(*sample.external, *sample.state);
     if (sample.state) contact = rendering_.answer(*sample.state);
     if (contact && sample.contact) compare(*sample.contact, *contact);
     if (!sample.contact && sample.command) ++out_.lost_contacts;
@@ -181,6 +182,7 @@ class Run {
     say_lost("rendering", "contacts", contacts + out_.lost_contacts, no_contact);
     say_lost("coupling", "commands", commands, no_command);
     say_changes();
+    say_external();
   }
 
   void say_lost(const std::string& node, std::string_view what, std::uint64_t held, std::optional<std::uint64_t> first_without) {
@@ -198,6 +200,18 @@ class Run {
     const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "changes"));
     if (made > recording_.changes.size())
       out_.missing.push_back(fmt::format("The rendering made {} changes, and the bag has {} of them.", made, recording_.changes.size()));
+  }
+
+  /// What the effect `external` was given and the bag does not hold. The rendering counts those of a ring, the bag has those of its sessions.
+  void say_external() {
+    std::uint64_t held = 0;
+    for (const RecordedSession& session : recording_.sessions)
+      for (const auto& [number, sample] : session.samples) held += sample.external.has_value();
+    const auto figures = recording_.figures.find("rendering");
+    const std::uint64_t taken = figures == recording_.figures.end() ? held : runtime::as_count(runtime::value_of(figures->second, "external_samples"));
+    if (taken > held)
+      out_.missing.push_back(fmt::format("The rendering took up {} values of the outside wrench that the bag does not hold, and nothing tells of which samples: bits may differ for it.",
+                                         taken - held));
   }
 
   const ReplayOptions& options_;

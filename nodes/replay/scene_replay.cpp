@@ -8,6 +8,7 @@
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/rendering/effect_action.hpp"
 #include "nodes/replay/loop_arithmetic.hpp"
+#include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/parallel_for.hpp"
 
 namespace voxtouch::replay {
@@ -69,6 +70,11 @@ std::string SceneReplay::reload(const RecordedChange& change) {
     return error.what();
   }
   return {};
+}
+
+void SceneReplay::take_external(const msg::ExternalSample& sample, const msg::DeviceState& next) noexcept {
+  const LoopArithmetic arithmetic;
+  renderer_.take_external(runtime::from_msg(sample.wrench), next);
 }
 
 msg::ContactState SceneReplay::answer(const msg::DeviceState& state) noexcept {

@@ -23,6 +23,8 @@ class SceneReplay {
   void begin_session(const coupling::design::DeviceModel& device, std::optional<std::int64_t> begin_ns);
   /// From the next sample on. A sentence why it could not be made; empty: it was. Builds the scene where that was asked for.
   std::string apply(const RecordedChange& change);
+  /// The effect `external` is given this, and `next` is the first sample to see it.
+  void take_external(const msg::ExternalSample& sample, const msg::DeviceState& next) noexcept;
   /// `time_spent_ns` is 0.
   msg::ContactState answer(const msg::DeviceState& state) noexcept;
 

@@ -28,7 +28,7 @@ json effect_json(const effects::EffectSpec& effect) {
   json parameters = json::array();
   for (std::size_t n = 0; n < effect.kind->parameters.size(); ++n) {
     const effects::EffectParameter& p = effect.kind->parameters[n];
-    if (p.shape == effects::ParameterShape::kWord) continue;  // never changes while running
+    if (p.shape == effects::ParameterShape::kWord || p.shape == effects::ParameterShape::kText) continue;  // never changes while running
     parameters.push_back({{"name", p.name},
                           {"meaning", p.meaning},
                           {"low", rounded(p.low)},

@@ -19,7 +19,7 @@ inline std::vector<effects::EffectSpec> all_effects() {
       if (p.standard) continue;
       const double some = std::isfinite(p.high) ? 0.5 * (p.low + p.high) : p.low + 0.1;
       spec.values.at(n) = p.shape == effects::ParameterShape::kDirection ? std::array{0.0, 0.0, 1.0}
-                          : p.shape == effects::ParameterShape::kWord    ? std::array{0.0, 0.0, 0.0}
+                          : p.shape == effects::ParameterShape::kWord || p.shape == effects::ParameterShape::kText ? std::array{0.0, 0.0, 0.0}
                                                                 : std::array{some, 0.0, 0.0};
     }
     const effects::EffectNeeds needs = kind->needs(spec.values);

@@ -195,6 +195,20 @@ class Replay(unittest.TestCase):
         self.assertIn("the first is sample 1234;", text)
         self.assertIn("tool_pose.position.x: ", text)
 
+    def test_a_wrench_from_outside_is_felt_from_the_sample_that_saw_it_until_it_is_late(self):
+        bag = self.folder / "bag"
+        record(bag, DEPLOY / "scenes/cup_external.yaml", "--motion", "rest", "--lockstep", "--duration", "1")
+        self.equal(bag, 1000)
+        session, number, time_ns = struct.unpack_from("<QQq", message_of(bag, STATE, 500)[1], HEADER)
+        taken = struct.pack("<4xQQq6d", session, number, time_ns, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+        insert = "INSERT INTO messages (topic_id, timestamp, data) SELECT id, ?, ? FROM topics WHERE name = '/haptic/rendering/external'"
+        self.assertEqual(edit(bag, insert, time_ns, b"\x00\x01\x00\x00" + taken[4:]), 1)
+        status, said, _ = replay(bag)
+        self.assertEqual((status, said["contact"]["first"]["sample"]), (1, 500), said)
+        self.assertIn("effects_wrench.force.y", [f["field"] for f in said["contact"]["first"]["fields"]])
+        # 50 ms until it is late, 20 ms of fade from 1 N with 50 N/s; the hand rests, so that it is given no energy.
+        self.assertTrue(68 <= said["contact"]["differ"] <= 74, said)
+
     def test_one_bit_of_a_recorded_answer_is_found_and_nothing_else(self):
         for topic, at, name, field in ((CONTACT, HEADER + 24 + 112, "contact", "wrench.force.x"), (COMMAND, HEADER + 32, "command", "wrench.force.x")):
             with self.subTest(topic):

@@ -85,7 +85,7 @@ TEST(Permissions, AreThoseOfTheTableOfTopics) {
       EXPECT_EQ(half(text, "publish").contains(name), (topic.writers & bit) != 0) << role << name;
       EXPECT_TRUE((topic.readers & bit) == 0 || half(text, "subscribe").contains(name) || half(text, "subscribe").contains("<topic>*<")) << role << name;
     }
-    EXPECT_EQ(half(of("tool"), "publish").contains(name), topic.path == "rendering/change" || topic.path == "recover") << name;
+    EXPECT_EQ(half(of("tool"), "publish").contains(name), topic.path == "rendering/change" || topic.path == "recover" || topic.path == "external") << name;
     EXPECT_EQ(half(of("up"), "publish").contains(name), topic.path == "node_status" || topic.path == "diagnostics") << name;
   }
   int commanding = 0;

@@ -86,6 +86,7 @@ DesignReport problem_of(const DesignVerbOptions& o, const coupling::design::Devi
                                        scene.name, out.request.contact.all_points)
                          : fmt::format("scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} points, at the hand", scene.name,
                     out.request.contact.one_point, out.request.contact.all_points, plan.shell_points);
+    if (const effects::EffectSpec* external = effects::external_of(scene.effects)) out.contact += ". " + effects::no_certificate_sentence(external->name);
   }
   if (o.scene.empty() || o.kind != "auto") out.request.goals.kind = o.kind;
   if (o.scene.empty() || o.cutoff_hz != 5.0) out.request.goals.cutoff_hz = o.cutoff_hz;

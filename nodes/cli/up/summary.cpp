@@ -76,6 +76,10 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
     add_numbers(j["virtual_tool"], r, "rendering", {"spring_n_per_m", "most_penetration_m", "most_residual_m"});
     add_counts(j["virtual_tool"], r, "rendering", {"samples_at_most_queries", "lag_samples", "unplaced_samples"});
   }
+  if (!word(r, "rendering", "external").empty()) {
+    j["external"] = {{"topic", word(r, "rendering", "external_topic")}, {"writer", word(r, "rendering", "external_writer")}};
+    add_counts(j["external"], r, "rendering", {"external_samples", "external_foreign", "external_not_finite", "external_wrong_frame", "external_late"});
+  }
   add_counts(j, r, "device", {"zero_force_samples", "interruptions"});
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);

@@ -84,6 +84,7 @@ class Run {
     summary_.limits = options.limits;
     if (!options.no_record)
       summary_.bag = options.ring.logger.bag.empty() ? default_bag(scene.name).string() : options.ring.logger.bag.string();
+    if (const effects::EffectSpec* external = effects::external_of(scene.effects)) external_topic_ = qos::dds_name(qos::external_topic(external->text), options.node.rig);
     faults_ = faults_beside(summary_.bag.empty() ? default_bag(scene.name) : std::filesystem::path(summary_.bag));
   }
 
@@ -143,6 +144,7 @@ class Run {
     ring.logger.bag = summary_.bag;
     ring.device.fault_records = ring.coupling.fault_records = faults_;
     ring.record = !options_.no_record;
+    if (!external_topic_.empty() && !node.lockstep) ring.logger.topics.push_back(external_topic_);
     return ring;
   }
 
@@ -230,6 +232,11 @@ class Run {
     if (const auto coupling = summary_.reports.find("coupling"); coupling != summary_.reports.end() && coupling->second.values.contains(faults::ForceLock::kNumber)) {
       if (locked_.insert(coupling->second.values.at(faults::ForceLock::kNumber)).second) log::tell("  coupling: {}\n", coupling->second.message);
     }
+    if (const std::string writer = word(summary_.reports, "rendering", "external_writer"); writer != external_writer_) {
+      log::tell("  rendering: the outside wrench on {} {}\n", word(summary_.reports, "rendering", "external_topic"),
+                writer.empty() ? "comes from nobody any more" : "comes from " + writer);
+      external_writer_ = writer;
+    }
     const auto report = summary_.reports.find("device");
     if (report == summary_.reports.end() || report->second.state != runtime::NodeState::kRunning) return;
     const std::string& message = report->second.message;
@@ -316,6 +323,8 @@ class Run {
   LauncherOptions launcher_options_;
   std::vector<std::unique_ptr<RunningNode>> children_;
   std::string last_message_ = "running";  ///< of the device, as it was said
+  std::string external_topic_;            ///< of the scene's effect `external`, as DDS has it; empty without one
+  std::string external_writer_;           ///< whom the effect follows, as it was said
   std::set<std::string> locked_;          ///< locks of the coupling that were told of
   std::set<std::string> hanging_;         ///< members that give no sign of life now
   std::set<std::string> noted_;  ///< members whose end is among the problems
@@ -340,7 +349,9 @@ RunSummary run_up(const UpOptions& options) {
   const device_node::Options& device = options.ring.device;
   std::vector<std::string> warnings = scene.warnings;
   const std::vector<std::string> notes = check_before_start(
-      scene, {device.device, devices::parse_settings(device.settings), device.motion, options.no_record ? "" : options.ring.logger.bag, device.network_delay_ms}, warnings);
+      scene, {device.device, devices::parse_settings(device.settings), device.motion, options.no_record ? "" : options.ring.logger.bag, device.network_delay_ms,
+              options.node.lockstep},
+      warnings);
   std::ranges::copy(warnings_of_machine(options.node.scheduling()), std::back_inserter(warnings));
   for (const std::string& line : few_warnings(warnings, options.node.scene.string())) log::tell("{}\n", line);
   for (const std::string& note : notes) log::tell("note: {}\n", note);

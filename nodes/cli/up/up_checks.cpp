@@ -116,6 +116,10 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
     notes.push_back(file->workspace_m ? scene::beyond_workspace(tip, *file->workspace_m, description.model) : "");
     std::erase(notes, "");
   }
+  if (const effects::EffectSpec* external = effects::external_of(scene.effects))
+    notes.push_back(plans.lockstep ? fmt::format("in lockstep the effect '{}' gives nothing: a value from outside comes at the wall's time, and no two runs would be the same",
+                                                 external->name)
+                                   : effects::no_certificate_sentence(external->name));
   const bool simulated_hand = devices::has_simulated_hand(plans.device);
   if (!simulated_hand && !plans.motion.empty())
     notes.push_back(
@@ -125,7 +129,21 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
   return notes;
 }
 
+namespace {
+
+/// What nobody vouches for, and what came of it.
+void say_external(RunSummary& s) {
+  const std::string about = word(s.reports, "rendering", "external");
+  if (about.empty()) return;
+  const auto count = [&](const char* figure) { return runtime::as_count(number(s.reports, "rendering", figure)); };
+  s.notes.push_back(fmt::format("{} Felt were {} of its values; refused were {} of other writers, {} that held a number that is none and {} in a frame that is not known.",
+                                about, count("external_samples"), count("external_foreign"), count("external_not_finite"), count("external_wrong_frame")));
+}
+
+}  // namespace
+
 void judge(RunSummary& s) {
+  say_external(s);
   const auto message = [&](const std::string& node) { return s.reports[node].message; };
   if (const double n = number(s.reports, "validator", "disagree"); n > 0)
     s.problems.push_back(fmt::format("the validator disagrees with {} samples: {}", n, message("validator")));

@@ -16,6 +16,7 @@ struct Plans {
   std::string motion;
   std::filesystem::path bag;  ///< empty: none
   double network_delay_ms = 0.0;
+  bool lockstep = false;
 };
 
 /// Throws std::runtime_error, a sentence: unknown device, device option or motion, a scene that cannot be built, a device that the

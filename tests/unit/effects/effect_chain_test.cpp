@@ -66,6 +66,7 @@ TEST(EffectKinds, AreSortedByNameAndCompleteInWhatTheySay) {
       EXPECT_FALSE(p.meaning.empty()) << kind->name << "." << p.name;
       EXPECT_LE(p.low, p.high);
       EXPECT_EQ(p.words.empty(), p.shape != ParameterShape::kWord);
+      EXPECT_EQ(p.pattern.empty(), p.shape != ParameterShape::kText);
     }
     ASSERT_NE(kind->needs, nullptr);
     ASSERT_NE(kind->bound, nullptr);

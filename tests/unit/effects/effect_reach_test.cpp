@@ -62,6 +62,7 @@ bool draw(EffectSpec& spec, double word, std::mt19937_64& random) {
         case ParameterShape::kVector: spec.values.at(p) = {0.3 * high, 0.2 * high, 0.1 * high}; break;
         case ParameterShape::kDirection: spec.values.at(p) = {0.0, 0.0, 1.0}; break;
         case ParameterShape::kWord: spec.values.at(p) = {word, 0.0, 0.0}; break;
+        case ParameterShape::kText: break;
       }
     }
     if (check_values(*spec.kind, spec.values).empty()) return true;
@@ -91,6 +92,8 @@ TEST(EffectReach, BoundsEveryStateOnTheWayForEveryKind) {
         ASSERT_LE(now.stiffness_nm_per_rad, most.stiffness_nm_per_rad * (1 + 1e-9)) << kind->name;
         ASSERT_LE(now.damping_ns_per_m, most.damping_ns_per_m * (1 + 1e-9)) << kind->name;
         ASSERT_LE(now.damping_nms_per_rad, most.damping_nms_per_rad * (1 + 1e-9)) << kind->name;
+        ASSERT_LE(now.external_force_n, most.external_force_n * (1 + 1e-9)) << kind->name;
+        ASSERT_LE(now.external_torque_nm, most.external_torque_nm * (1 + 1e-9)) << kind->name;
       }
     }
   }

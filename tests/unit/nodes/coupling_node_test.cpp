@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -98,6 +99,7 @@ class Around {
     double damping_ns_per_m, least_n_per_m;
     std::string torque;
     double damping_nms_per_rad = 0.0;
+    double external_force_n = 0.0;
   };
   void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7) { plan(one_point_n_per_m, session, {0.0, 0.0, ""}); }
   void plan(double one_point_n_per_m, std::uint64_t session, const Demand& demand) {
@@ -119,6 +121,9 @@ class Around {
     m.effects_damping_nms_per_rad = m.largest_damping_nms_per_rad = demand.damping_nms_per_rad;
     m.largest_turning_damping = runtime::lend(oil), m.largest_turning_damping_place = runtime::lend(none);
     m.torque_effect = runtime::lend(demand.torque);
+    static const std::string hand = "remote";
+    m.external_force_n = demand.external_force_n;
+    m.external_effect = runtime::lend(demand.external_force_n != 0.0 ? hand : none), m.external_place = runtime::lend(none);
     return m;
   }
   /// Force stops within some samples, and the node says why; `text` stands in its sentence.
@@ -163,6 +168,7 @@ class Around {
     designs.take_each([this](const msg::CouplingDesign& d) {
       seen.push_back({d.status, d.kind, d.cutoff_hz, d.shown_stiffness_n_per_m, d.injected_damping_ns_per_m,
                       d.reasons._length, d.notes._length});
+      for (std::uint32_t n = 0; n < d.notes._length; ++n) notes.emplace_back(d.notes._buffer[n]);
     });
   }
   std::string message() {
@@ -186,6 +192,7 @@ class Around {
   std::uint64_t sequence = 0;
   std::vector<double> forces;
   std::vector<Seen> seen;
+  std::vector<std::string> notes;  ///< of all designs
 };
 
 double largest_step(const std::vector<double>& forces) {
@@ -319,6 +326,22 @@ TEST(CouplingNode, CommandsNothingWhileTheEffectsDampTurningMoreThanTheDeviceSta
   around.plan(30.0, 7, {0.0, 0.0, "oil", 5.0});
   around.expect_no_force("the effects damp turning with up to 5 Nms/rad at the hand, 'oil' most of it");
   around.plan(30.0, 7, {0.0, 0.0, "oil", 0.01});
+  EXPECT_TRUE(around.force_comes()) << around.message();
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, CommandsNothingWhileAnOutsideWrenchMayAskForMoreThanTheDeviceGives) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan(30.0, 7, {0.0, 0.0, "", 0.0, 2.0});
+  ASSERT_TRUE(around.force_comes()) << around.message();
+  EXPECT_TRUE(std::ranges::any_of(around.notes, [](const std::string& note) { return note.find("No certificate covers the effect 'remote'") != std::string::npos; }))
+      << "the design says so";
+  around.plan(30.0, 7, {0.0, 0.0, "", 0.0, 9.0});
+  around.expect_no_force("the effect 'remote' may ask for a force of 9 N at the hand, and the device gives");
+  around.plan(30.0, 7, {0.0, 0.0, "", 0.0, std::numeric_limits<double>::quiet_NaN()});
+  around.expect_no_force("'remote'");
+  around.plan(30.0, 7, {0.0, 0.0, "", 0.0, 2.0});
   EXPECT_TRUE(around.force_comes()) << around.message();
   EXPECT_EQ(around.node.end(), 0);
 }

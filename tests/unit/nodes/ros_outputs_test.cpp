@@ -207,7 +207,11 @@ TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
     EXPECT_FALSE(part.node.empty());
     EXPECT_EQ(part.expected_ns, 0.0);
   }
+  std::size_t topics = 0;
   for (const qos::Topic& topic : qos::kTopics) {
+    EXPECT_TRUE(!topic.with_external || !names.contains("topic " + std::string(topic.path))) << "the scene has no such effect";
+    if (topic.with_external) continue;
+    ++topics;
     EXPECT_EQ(names.count("topic " + std::string(topic.path)), 1U) << topic.path;
     const auto part = std::find_if(parts.begin(), parts.end(),
                                    [&](const rendering::PlanPart& p) { return p.name == "topic " + std::string(topic.path); });
@@ -216,7 +220,24 @@ TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
   }
   for (const char* node : {"device", "rendering", "coupling", "validator", "logger"})
     EXPECT_EQ(names.count(std::string("node ") + node), 1U);
-  EXPECT_EQ(names.size(), std::size(qos::kTopics) + 5);
+  EXPECT_EQ(names.size(), topics + 5);
+}
+
+TEST(PlanRing, HasTheTopicOfAnOutsideWrenchWhereTheSceneNamesIt) {
+  scene::Scene scene = plane();
+  effects::EffectSpec external{.name = "external", .kind = effects::find_effect_kind("external"), .values = {}, .region = {}};
+  external.values = effects::EffectValues(external.kind->parameters);
+  const auto count = [&](const std::string& name) {
+    const std::vector<rendering::PlanPart> parts = rendering_node::ring_parts(scene);
+    return std::ranges::count(parts, "topic " + name, &rendering::PlanPart::name);
+  };
+  EXPECT_EQ(count("external") + count("rendering/external"), 0);
+  scene.effects = {external};
+  EXPECT_EQ(count("external"), 1);
+  EXPECT_EQ(count("rendering/external"), 1);
+  scene.effects[0].text = "/sim/wrench";
+  EXPECT_EQ(count("/sim/wrench"), 1);
+  EXPECT_EQ(count("external"), 0);
 }
 
 TEST(PlanMessage, CarriesThePartsOfPlanAndRingSideBySide) {

@@ -15,6 +15,14 @@ std::string why_not(const std::function<void(scene::Scene&)>& change) {
   return why_not_reloaded(shipped(), next);
 }
 
+effects::EffectSpec external(const std::string& topic) {
+  const effects::EffectKind* kind = effects::find_effect_kind("external");
+  effects::EffectSpec spec{.name = "external", .kind = kind, .values = effects::EffectValues(kind->parameters), .region = {}};
+  spec.values.at(1) = {1.0, 0.0, 0.0};
+  spec.text = topic;
+  return spec;
+}
+
 effects::EffectSpec oil(double damping, const std::string& name = "viscosity") {
   const effects::EffectKind* kind = effects::find_effect_kind("viscosity");
   effects::EffectSpec spec{.name = name, .kind = kind, .values = effects::EffectValues(kind->parameters), .region = {}};
@@ -40,6 +48,22 @@ TEST(ReloadCheck, RefusesWhatOtherNodesWouldHaveToReadAgain) {
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design->given_rotation = coupling::design::HandRange{}; }), "'coupling'"));
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design.reset(); }), "'coupling'"));
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.coupling.cutoff_hz = 3.0; }), "'coupling'"));
+  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.effects = {external("")}; }), "'external' has come")) << "nobody reads its topic";
+}
+
+TEST(ReloadCheck, RefusesAnotherTopicOfAnOutsideWrenchAndTakesOtherValuesOfIt) {
+  scene::Scene now = shipped(), next = now;
+  now.effects = {external("/sim/wrench")}, next.effects = {external("/sim/wrench")};
+  next.effects[0].values.at(1)[0] = 0.5;
+  EXPECT_EQ(why_not_reloaded(now, next), "");
+  next.effects[0].text = "/sim/other";
+  EXPECT_NE(why_not_reloaded(now, next), "");
+  next.effects.clear();
+  EXPECT_NE(why_not_reloaded(now, next), "");
+  const std::vector<effects::EffectSpec> before = {external("/a")}, elsewhere = {external("/b")};
+  std::vector<effects::EffectSpec> changed = before;
+  changed[0].gain = 0.5;
+  EXPECT_EQ(carried_over(before, changed, elsewhere)[0].gain, 1.0) << "of another topic nothing is carried over";
 }
 
 TEST(CarriedOver, KeepsWhatWasChangedWhereTheFileSaysTheSameAndTheFileWhereNot) {

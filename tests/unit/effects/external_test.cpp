@@ -1,0 +1,304 @@
+// A wrench from outside the ring: what of it reaches the hand, however it comes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "core/effects/effect_chain.hpp"
+#include "core/effects/ros_topic.hpp"
+#include "tests/support/seed.hpp"
+#include "tests/unit/effects/chain_change.hpp"
+#include "tests/unit/effects/effect_check.hpp"
+
+namespace voxtouch::effects {
+namespace external_test {
+
+constexpr double kInf = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kStepS = 0.001, kMost = 2.0, kMostTorque = 0.05, kSlew = 100.0, kTurningSlew = 5.0, kTimeout = 0.05, kFade = 0.02;
+constexpr int kTimeoutSamples = 50, kFadeSamples = 20;
+
+EffectSpec external(double energy_j = 1.0, double power_w = 0.0) {
+  return test::effect("external", {{"max_force_n", {kMost, 0, 0}},
+                                   {"max_torque_nm", {kMostTorque, 0, 0}},
+                                   {"timeout_s", {kTimeout, 0, 0}},
+                                   {"fade_s", {kFade, 0, 0}},
+                                   {"slew_n_per_s", {kSlew, 0, 0}},
+                                   {"slew_nm_per_s", {kTurningSlew, 0, 0}},
+                                   {"energy_j", {energy_j, 0, 0}},
+                                   {"power_w", {power_w, 0, 0}}});
+}
+
+/// The effect behind its chain, sample after sample.
+class Felt {
+ public:
+  explicit Felt(const EffectSpec& spec) : chain({spec}) {}
+  /// Somebody writes this before every sample from now on.
+  void writes(const Wrench& wrench) { writes_ = wrench; }
+  void falls_silent() { writes_.reset(); }
+  const EffectPush& sample(const Vec3& way = Vec3::Zero()) {
+    time_s += kStepS;
+    if (writes_) newest_ = ExternalWrench{*writes_, time_s};
+    frame.tool.position += way;
+    frame.dt_s = kStepS, frame.time_s = time_s;
+    frame.external = newest_ ? &*newest_ : nullptr;
+    const Wrench before = push.wrench;
+    push = chain.apply(frame);
+    force_step = (push.wrench.force - before.force).norm(), torque_step = (push.wrench.torque - before.torque).norm();
+    most_step = std::max(most_step, force_step), most_torque_step = std::max(most_torque_step, torque_step);
+    most_force = std::max(most_force, push.wrench.force.norm()), most_torque = std::max(most_torque, push.wrench.torque.norm());
+    return push;
+  }
+  void samples(int count, const Vec3& way = Vec3::Zero()) {
+    for (int n = 0; n < count; ++n) sample(way);
+  }
+  double force() const { return push.wrench.force.norm(); }
+
+  EffectChain chain;
+  EffectFrame frame;
+  EffectPush push;
+  double time_s = 0.0, force_step = 0.0, torque_step = 0.0, most_step = 0.0, most_torque_step = 0.0, most_force = 0.0, most_torque = 0.0;
+
+ private:
+  std::optional<Wrench> writes_;
+  std::optional<ExternalWrench> newest_;
+};
+
+const Wrench kPush{Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 0.01)};
+
+TEST(External, GivesNothingBeforeAnybodyHasWritten) {
+  Felt felt(external());
+  felt.samples(100);
+  EXPECT_TRUE(felt.push.wrench.zero());
+  EXPECT_TRUE(felt.push.stiffness.isZero(0.0));
+  EXPECT_EQ(felt.push.potential_j, 0.0);
+}
+
+TEST(External, ComesToWhatIsWrittenAtTheSlewAndStays) {
+  Felt felt(external());
+  felt.writes(kPush);
+  felt.samples(5);
+  EXPECT_NEAR(felt.force(), 5 * kStepS * kSlew, 1e-12);
+  felt.samples(200);
+  EXPECT_TRUE(felt.push.wrench.force.isApprox(kPush.force, 1e-12));
+  EXPECT_TRUE(felt.push.wrench.torque.isApprox(kPush.torque, 1e-12));
+  EXPECT_LE(felt.most_step, kStepS * kSlew * (1 + 1e-9));
+  EXPECT_LE(felt.most_torque_step, kStepS * kTurningSlew * (1 + 1e-9));
+}
+
+TEST(External, IsCutToItsLargestForceAndTorqueWhateverIsWritten) {
+  for (const double size : {3.0, 1e6, 1e300, std::numeric_limits<double>::max()}) {
+    Felt felt(external());
+    felt.writes({Vec3(size, -size, 0.5 * size), Vec3(0, size, size)});
+    felt.samples(300);
+    EXPECT_NEAR(felt.force(), kMost, 1e-9) << size;
+    EXPECT_NEAR(felt.push.wrench.torque.norm(), kMostTorque, 1e-9) << size;
+    EXPECT_LE(felt.most_force, kMost);
+    EXPECT_LE(felt.most_torque, kMostTorque);
+    EXPECT_GT(felt.push.wrench.force.dot(Vec3(1, -1, 0.5)), 0.0) << "cut, not turned";
+  }
+}
+
+TEST(External, TurnsRoundNoFasterThanItsSlew) {
+  Felt felt(external());
+  for (int turn = 0; turn < 20; ++turn) {
+    felt.writes({turn % 2 ? Vec3(-100, 0, 0) : Vec3(100, 0, 0), Vec3::Zero()});
+    felt.samples(7);
+  }
+  EXPECT_LE(felt.most_step, kStepS * kSlew * (1 + 1e-9));
+}
+
+TEST(External, FadesToExactlyZeroWithinTheStatedTimeWhenNothingComesAnyMore) {
+  for (const double slew : {kSlew, 0.5}) {  // the fade does not wait for a slow slew
+    EffectSpec spec = external();
+    spec.values.at(5)[0] = slew;
+    ASSERT_EQ(spec.kind->parameters[5].name, "slew_n_per_s");
+    Felt felt(spec);
+    felt.writes({Vec3(5, 0, 0), Vec3(0, 1, 0)});
+    felt.samples(5000);
+    ASSERT_NEAR(felt.force(), kMost, 1e-9);
+    felt.falls_silent();
+    felt.samples(kTimeoutSamples - 1);
+    EXPECT_NEAR(felt.force(), kMost, 1e-9) << "held up to the timeout";
+    felt.most_step = 0.0;
+    felt.samples(kFadeSamples + 2);
+    EXPECT_TRUE(felt.push.wrench.zero()) << felt.push.wrench.force.transpose();
+    EXPECT_LE(felt.most_step, kMost / kFade * kStepS * (1 + 1e-9));
+    felt.writes({Vec3(5, 0, 0), Vec3::Zero()});
+    felt.most_step = 0.0;
+    felt.samples(10);
+    EXPECT_GT(felt.force(), 0.0);
+    EXPECT_LE(felt.most_step, slew * kStepS * (1 + 1e-9)) << "it comes back by a ramp";
+  }
+}
+
+TEST(External, AgeCountsInTheTimeOfSamplesSoThatAGapOfSamplesIsSilenceToo) {
+  Felt felt(external());
+  felt.writes(kPush);
+  felt.samples(200);
+  felt.falls_silent();
+  felt.time_s += 0.2;  // samples that were lost
+  const double before = felt.force();
+  felt.sample();
+  EXPECT_LT(felt.force(), before) << "the value is older than the timeout by the first sample after the gap";
+  Felt backwards(external());
+  backwards.writes(kPush);
+  backwards.samples(200);
+  backwards.falls_silent();
+  backwards.time_s -= 0.15;  // a clock that was set back
+  backwards.samples(50);
+  EXPECT_TRUE(backwards.push.wrench.zero()) << "a value from a later time is none";
+}
+
+TEST(External, ANumberThatIsNoneChangesNothingAndAges) {
+  for (const double bad : {kNan, kInf, -kInf})
+    for (int place = 0; place < 6; ++place) {
+      Felt felt(external());
+      felt.writes(kPush);
+      felt.samples(300);
+      Wrench spoiled = kPush;
+      (place < 3 ? spoiled.force : spoiled.torque)[place % 3] = bad;
+      felt.writes(spoiled);
+      felt.samples(kTimeoutSamples - 1);
+      ASSERT_TRUE(felt.push.wrench.force.isApprox(kPush.force, 1e-12)) << bad << " at " << place;
+      felt.samples(kFadeSamples + 2);
+      ASSERT_TRUE(felt.push.wrench.zero()) << bad << " at " << place;
+      ASSERT_EQ(felt.chain.not_finite(), 0U) << "it never reached the sum";
+    }
+}
+
+TEST(External, AnyBitsStayWithinForceTorqueAndSlew) {
+  const std::uint64_t seed = testing::seed(20261124);
+  SCOPED_TRACE(testing::seed_trace(seed));
+  std::mt19937_64 random(seed);
+  const auto any = [&] {
+    const std::uint64_t bits = random() % 4 == 0 ? random() : random() & 0x40FFFFFFFFFFFFFFULL;  // half of them of a size that is felt
+    double value;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+  };
+  Felt felt(external());
+  for (int n = 0; n < 200'000; ++n) {
+    if (random() % 3 != 0)
+      felt.writes({Vec3(any(), any(), any()), Vec3(any(), any(), any())});
+    else
+      felt.falls_silent();
+    const EffectPush& push = felt.sample();
+    ASSERT_TRUE(push.wrench.finite());
+    ASSERT_LE(push.wrench.force.norm(), kMost);
+    ASSERT_LE(push.wrench.torque.norm(), kMostTorque);
+    ASSERT_LE(felt.force_step, kMost / kFade * kStepS * (1 + 1e-9));
+  }
+  EXPECT_GT(felt.most_force, 0.1);
+}
+
+TEST(External, GivesTheHandNoMoreThanItsBudgetHoweverFarItDrivesIt) {
+  for (const double power_w : {0.0, 0.02}) {
+    constexpr double kEnergy = 0.05;
+    Felt felt(external(kEnergy, power_w));
+    felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
+    double given_j = 0.0, told_j = 0.0;
+    for (int n = 0; n < 4000; ++n) {  // the hand lets itself be driven with 0.2 m/s
+      const Vec3 way(0.0002, 0, 0), force = felt.push.wrench.force;
+      given_j += force.dot(way);
+      told_j += felt.sample(way).given_j;
+      ASSERT_LE(given_j, kEnergy + power_w * felt.time_s + 1e-6) << n;
+      ASSERT_LE(felt.force_step, 0.11) << "the budget's end is no step: 2 N over half of the store at 0.2 m/s, and the slew";
+    }
+    EXPECT_NEAR(told_j, given_j, 1e-9) << "what the observer is told is what was done, and no more";
+    EXPECT_GT(given_j, 0.9 * kEnergy);
+    EXPECT_NEAR(felt.force(), power_w / 0.2, 0.01) << "what is left is what the power lasts for";
+    // Pushed back, it has again what the hand put in; told as taken.
+    double back_j = 0.0;
+    felt.samples(50, Vec3(-0.0002, 0, 0));
+    for (int n = 0; n < 500; ++n) back_j += felt.sample(Vec3(-0.0002, 0, 0)).given_j;
+    if (power_w > 0.0) {
+      EXPECT_LT(back_j, 0.0);
+    }
+  }
+}
+
+TEST(External, AQuietHandFeelsItsFullForceForEver) {
+  Felt felt(external(0.001, 0.0));
+  felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
+  felt.samples(20'000);
+  EXPECT_NEAR(felt.force(), kMost, 1e-9);
+}
+
+TEST(External, ARegionThatIsLeftAndEnteredAgainGivesNoNewBudget) {
+  EffectSpec spec = external(0.02, 0.0);
+  spec.region = {SphereRegion{Vec3::Zero(), 0.03}, 0.01};
+  Felt felt(spec);
+  felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
+  double given_j = 0.0;
+  for (int round = 0; round < 10; ++round) {
+    felt.frame.tool.position = Vec3(-0.05, 0, 0);  // it comes in where it is pushed on and is carried out
+    for (int n = 0; n < 500; ++n) {
+      const Vec3 way(0.0002, 0, 0);
+      given_j += felt.push.wrench.force.dot(way);
+      felt.sample(way);
+    }
+    felt.push = {};
+  }
+  EXPECT_LE(given_j, 0.021);
+}
+
+TEST(External, AllowsNoTorqueToTheObserver) {
+  Felt felt(external());
+  felt.writes({Vec3::Zero(), Vec3(0, 0, 1)});
+  double told_j = 0.0;
+  for (int n = 0; n < 500; ++n) {
+    felt.frame.tool.orientation = Quat(Eigen::AngleAxisd(0.001 * n, Vec3::UnitZ()));
+    told_j += felt.sample().given_j;
+  }
+  EXPECT_NEAR(felt.push.wrench.torque.norm(), kMostTorque, 1e-9);
+  EXPECT_EQ(told_j, 0.0);
+}
+
+TEST(External, ForgetsWhatItFeltWhenItsRegionOrSessionEnds) {
+  Felt felt(external());
+  felt.writes(kPush);
+  felt.samples(300);
+  felt.chain.reset();
+  felt.sample();
+  EXPECT_LE(felt.force(), kStepS * kSlew * (1 + 1e-9));
+}
+
+TEST(External, ValuesGainAndSwitchChangeWithoutAStep) {
+  Felt felt(external());
+  felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
+  felt.samples(300);
+  felt.most_step = 0.0;
+  ASSERT_EQ(test::set_value(felt.chain, "max_force_n", {0.5, 0, 0}), "");
+  felt.samples(150);
+  EXPECT_NEAR(felt.force(), 0.5, 1e-9);
+  EXPECT_LE(felt.most_step, kMost / EffectChain::kEffectRampS * kStepS * 1.001);
+  EXPECT_NE(test::set_value(felt.chain, "topic", {0, 0, 0}), "");
+  EXPECT_NE(test::set_value(felt.chain, "max_force_n", {-1, 0, 0}), "");
+  EXPECT_NE(test::set_value(felt.chain, "max_force_n", {kNan, 0, 0}), "");
+}
+
+TEST(External, NeedsAndBoundsSayWhatItIs) {
+  const EffectSpec spec = external();
+  const EffectNeeds needs = spec.kind->needs(spec.values);
+  EXPECT_TRUE(needs.external && needs.torque);
+  EXPECT_FALSE(needs.contact || needs.twist);
+  EXPECT_EQ(bound_of(spec).force_n, kMost);
+  EXPECT_EQ(bound_of(spec).external_force_n, kMost);
+  EXPECT_EQ(bound_of(spec).external_torque_nm, kMostTorque);
+  EXPECT_EQ(bound_of(spec).stiffness_n_per_m, 0.0);
+  EXPECT_EQ(bound_of(spec).energy_per_metre_j, 0.0) << "its way alone allows nothing";
+  EXPECT_EQ(external_of(std::vector{spec})->name, "external");
+  EXPECT_EQ(external_of({}), nullptr);
+}
+
+TEST(RosTopic, TakesAbsoluteNamesAloneAndSaysWhatIsWrong) {
+  for (const char* good : {"/sim/wrench", "/w", "/a_b/c9/_d"}) EXPECT_EQ(fault_of_ros_topic(good), "") << good;
+  for (const char* bad : {"", "/", "wrench", "sim/wrench", "/sim/", "//w", "/9a", "/a b", "/a-b", "/a/../b", "/a\n", "~/w", "/é"})
+    EXPECT_NE(fault_of_ros_topic(bad), "") << bad;
+  EXPECT_NE(fault_of_ros_topic("/" + std::string(200, 'a')), "");
+}
+
+}  // namespace external_test
+}  // namespace voxtouch::effects
