@@ -5,7 +5,7 @@ usage: generate_idl.py OUT_DIR PACKAGE=MSG_DIR ...      (the first package is th
 
 For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_::Name_, which is how ROS 2 names it on
 DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and static_asserts on its layout;
-OUT_DIR/voxtouch_msgs/python_types.hpp carries the same types as Python text.
+OUT_DIR/voxtouch_msgs/python_types.hpp carries the same types as Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text.
 """
 import pathlib
 import re
@@ -135,6 +135,25 @@ def all_types_text(messages, own):
                       "};", "}  // namespace voxtouch::msg", ""])
 
 
+def definition(messages, texts, package, name):
+    """The .msg with those of all types that it uses, as ROS 2 puts them together ("ros2msg"): so a bag explains itself."""
+    parts = [texts[package, name]]
+    parts += [f"MSG: {owner}/{kind}\n{texts[owner, kind]}" for owner, kind in sorted(type_hash.used(messages, package, name))]
+    return ("=" * 80 + "\n").join(part.rstrip("\n") + "\n" for part in parts)
+
+
+def definitions_text(messages, texts):
+    """A C++ header with the definition of every type by its ROS name, for bags."""
+    out = ["#pragma once", "/// Written by generate_idl.py: every type as the text of its .msg file and of those that it uses.", "#include <string_view>",
+           "namespace voxtouch::msg {", "struct Definition {", "  std::string_view ros_name, text;", "};",
+           "inline constexpr Definition kDefinitions[] = {"]
+    out += [f'    {{"{package}/msg/{name}", R"ros2msg({definition(messages, texts, package, name)})ros2msg"}},' for package, name in messages]
+    return "\n".join([*out, "};", "/// Empty for a type that is not compiled in.",
+                      "constexpr std::string_view definition_of(std::string_view ros_name) noexcept {",
+                      "  for (const Definition& one : kDefinitions)", "    if (one.ros_name == ros_name) return one.text;", "  return {};", "}",
+                      "}  // namespace voxtouch::msg", ""])
+
+
 def write(path, text):
     """A file that says so already stays as it is: what is made of it need not be compiled again."""
     if not path.exists() or path.read_text() != text:
@@ -147,10 +166,11 @@ def main():
     out = pathlib.Path(sys.argv[1])
     packages = dict(argument.split("=", 1) for argument in sys.argv[2:])
     own = next(iter(packages))
-    messages = {}
+    messages, texts = {}, {}
     for package, folder in packages.items():
         for path in sorted(pathlib.Path(folder).glob("*.msg")):
             messages[package, path.stem] = parse(path, package)
+            texts[package, path.stem] = path.read_text()
     for (package, name), (fields, constants) in messages.items():
         for kind, owner, *_ in fields:
             if owner and (owner, kind) not in messages:
@@ -161,6 +181,7 @@ def main():
     (out / own).mkdir(parents=True, exist_ok=True)
     write(out / own / "messages.hpp", header_text(messages, own))
     write(out / own / "all_types.hpp", all_types_text(messages, own))
+    write(out / own / "definitions.hpp", definitions_text(messages, texts))
     write(out / own / "python_types.hpp", python_types.header_text(messages))
 
 

@@ -1,16 +1,17 @@
 """What a recorded run holds, as arrays and dictionaries. The layout of the messages is read from idl/msg, where they are written down.
 
-Reads rosbag2 folders (sqlite3), also of a ring that was killed. Needs numpy, which comes with python3-matplotlib.
+Reads rosbag2 folders (bag_files.py says which), also of a ring that was killed. Needs numpy, which comes with python3-matplotlib.
 """
 import functools
 import json
 import pathlib
-import sqlite3
 import struct
 import sys
 
 import numpy
 from numpy.lib import recfunctions
+
+from bag_files import FileError, files_of, open_file
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "idl"))
@@ -122,16 +123,6 @@ def norm(vectors):
 
 
 # ---------------------------------------------------------------------------------------------------------------------- bags
-def database_files(path):
-    path = pathlib.Path(path)
-    files = [path] if path.suffix == ".db3" else sorted(path.glob("*.db3"), key=lambda f: (len(f.name), f.name))
-    if files and path.exists():
-        return files
-    if any(path.glob("*.mcap")) or any(path.glob("*.zstd")):
-        raise BagError(f"{path}: bags in mcap or compressed are not read; `ros2 bag convert` makes one in sqlite3.")
-    raise BagError(f"{path}: there is no bag here; name the folder that holds metadata.yaml and a .db3 file.")
-
-
 class Rows:
     """What comes of one topic: its times [ns], and its numbers (`fields` of a message's front) or its whole messages."""
 
@@ -177,11 +168,14 @@ class Bag:
         self.require_same_layout()
         kinds = {**{name: kind for name, (kind, _) in self.STREAMS.items()}, **self.MESSAGES}
         wanted = list(kinds) if wanted is None else wanted
-        files = [(file, self.topics_of(file)) for file in database_files(path)]
-        self.rig = self.find_rig({name: kind for _, topics in files for name, kind in topics.values()}, rig)
+        try:
+            files = [open_file(file) for file in files_of(path)]
+        except (FileError, OSError) as error:
+            raise BagError(str(error) if str(error).startswith(str(self.path)) else f"{self.path}: {error}") from None
+        self.rig = self.find_rig({name: kind for file in files for name, kind, _ in file.topics.values()}, rig)
         self.rows = {name: Rows(kinds[name], self.STREAMS.get(name, (0, ()))[1]) for name in wanted}
-        for number, (file, topics) in enumerate(files):
-            rows = {row: self.rows[name] for row, (full, kind) in topics.items() for name in wanted
+        for number, file in enumerate(files):
+            rows = {row: self.rows[name] for row, (full, kind, _) in file.topics.items() for name in wanted
                     if full == f"/{self.rig}/{name}" and kind == f"{OWN}/msg/{kinds[name]}"}
             self.read(file, rows, lambda share, done=number: progress((done + share) / len(files)))
         try:
@@ -211,37 +205,18 @@ class Bag:
             self.notes.append(f"The bag holds the rigs {', '.join(rigs)}; this is {'haptic' if 'haptic' in rigs else rigs[0]} (--rig chooses another).")
         return rig or ("haptic" if "haptic" in rigs else rigs[0])
 
-    def connect(self, file):
-        return sqlite3.connect(f"file:{str(file).replace('%', '%25').replace('?', '%3f').replace('#', '%23')}?mode=ro", uri=True)
-
-    def topics_of(self, file):
-        try:
-            connection = self.connect(file)
-            topics = {row: (name, kind) for row, name, kind in connection.execute("SELECT id, name, type FROM topics")}
-            connection.close()
-            return topics
-        except sqlite3.Error as error:
-            raise BagError(f"{self.path}: the bag cannot be read ({error}); is it whole, and of this version?") from None
-
     def read(self, file, rows, progress):
-        connection = self.connect(file)
         try:
-            last = connection.execute("SELECT max(id) FROM messages").fetchone()[0] or 1
-            cursor = connection.execute(f"SELECT id, topic_id, timestamp, data FROM messages WHERE topic_id IN ({','.join(map(str, rows))}) ORDER BY id")
-            while some := cursor.fetchmany(AT_ONCE):
-                for _, topic, time, data in some:
-                    one = rows[topic]
-                    one.times.append(time)
-                    one.raw.append(data)
-                for one in rows.values():
-                    one.take()
-                progress(some[-1][0] / last)
-        except sqlite3.Error as error:
-            self.notes.append(f"The bag is damaged: {file.name} could be read in part only ({error}).")
+            for number, (topic, time, data) in enumerate(file.messages(rows, progress), 1):
+                rows[topic].times.append(time)
+                rows[topic].raw.append(data)
+                if number % AT_ONCE == 0:
+                    for one in rows.values():
+                        one.take()
+        except FileError as error:
+            self.notes.append(f"The bag is damaged: {file.file.name} could be read in part only ({error}).")
         except BagError as error:
             raise BagError(f"{self.path}: {error}") from None
-        finally:
-            connection.close()
 
     def messages(self, name, last=None, rows=None):
         """(row, time [ns], message as a dictionary) in order of arrival, of all rows or of these; what cannot be read is left out, and said."""

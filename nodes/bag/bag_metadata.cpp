@@ -1,5 +1,7 @@
 #include "nodes/bag/bag_metadata.hpp"
 
+#include <algorithm>
+
 #include <yaml-cpp/yaml.h>
 
 namespace voxtouch::bag {
@@ -17,13 +19,22 @@ YAML::Node topic_node(const TopicInfo& topic) {
 }
 
 /// What is told of the bag and of each of its files alike.
-void add_extent(YAML::Node node, const BagMetadata& metadata) {
-  node["duration"]["nanoseconds"] = metadata.duration_ns;
-  node["starting_time"]["nanoseconds_since_epoch"] = metadata.starting_time_ns;
-  node["message_count"] = metadata.message_count;
+void add_extent(YAML::Node node, const Extent& extent) {
+  node["duration"]["nanoseconds"] = extent.duration_ns;
+  node["starting_time"]["nanoseconds_since_epoch"] = extent.starting_time_ns;
+  node["message_count"] = extent.message_count;
 }
 
 }  // namespace
+
+void Extent::add(const Extent& more) noexcept {
+  if (more.message_count == 0) return;
+  if (message_count == 0) return void(*this = more);
+  const std::int64_t end = std::max(starting_time_ns + duration_ns, more.starting_time_ns + more.duration_ns);
+  starting_time_ns = std::min(starting_time_ns, more.starting_time_ns);
+  duration_ns = end - starting_time_ns;
+  message_count += more.message_count;
+}
 
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root) {
   YAML::Node root(YAML::NodeType::Map);  // one that is nothing yet would not be shared by its copies
@@ -35,11 +46,11 @@ std::string metadata_yaml(const BagMetadata& metadata, bool with_root) {
   for (const TopicInfo& topic : metadata.topics) body["topics_with_message_count"].push_back(topic_node(topic));
   body["compression_format"] = "";
   body["compression_mode"] = "";
-  for (const std::string& name : metadata.files) {
+  for (const FileInfo& one : metadata.files) {
     YAML::Node file;
-    file["path"] = name;
-    add_extent(file, metadata);
-    body["relative_file_paths"].push_back(name);
+    file["path"] = one.path;
+    add_extent(file, one);
+    body["relative_file_paths"].push_back(one.path);
     body["files"].push_back(file);
   }
   return YAML::Dump(root) + "\n";

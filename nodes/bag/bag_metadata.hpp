@@ -17,18 +17,28 @@ struct TopicInfo {
   std::string offered_qos;
   std::uint64_t message_count = 0;
   std::string type_hash = {};  ///< RIHS01 hash of the type's layout; for the report beside the bag, since metadata of version 5 has none
+  std::string definition = {};  ///< the type's .msg with all that it uses ("ros2msg"); an MCAP holds it, so that a bag explains itself
 };
 
-struct BagMetadata {
-  std::string storage_identifier = "sqlite3";
+/// When messages were, and how many.
+struct Extent {
   std::int64_t starting_time_ns = 0;  ///< of the first message; 0 without messages
   std::int64_t duration_ns = 0;       ///< last minus first
   std::uint64_t message_count = 0;
-  std::vector<TopicInfo> topics;
-  std::vector<std::string> files;  ///< relative to the folder
+  void add(const Extent& more) noexcept;
 };
 
-/// The text of metadata.yaml (version 5, one file). With `with_root` false the inner part alone, which the
+struct FileInfo : Extent {
+  std::string path = {};  ///< relative to the folder
+};
+
+struct BagMetadata : Extent {
+  std::string storage_identifier = "sqlite3";
+  std::vector<TopicInfo> topics;
+  std::vector<FileInfo> files;
+};
+
+/// The text of metadata.yaml (version 5). With `with_root` false the inner part alone, which the
 /// database's own metadata table holds: without that row Jazzy takes the QoS text for its newest form.
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root = true);
 

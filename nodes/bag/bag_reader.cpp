@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "nodes/bag/bag_storage.hpp"
 #include "nodes/bag/refuse.hpp"
 
 namespace voxtouch::bag {
@@ -15,11 +16,11 @@ namespace fs = std::filesystem;
 
 // bag_2.db3 before bag_10.db3: by length, then by letters, which is by number where the names differ in the
 // number only.
-std::vector<fs::path> databases_in(const fs::path& folder) {
+std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (it->path().extension() == ".db3") found.push_back(it->path());
+    if (std::ranges::any_of(kStorages, [&](const StorageName& one) { return it->path().extension() == one.extension; })) found.push_back(it->path());
   std::ranges::sort(found, {}, [](const fs::path& path) { return std::pair(path.string().size(), path.string()); });
   return found;
 }
@@ -30,7 +31,7 @@ struct Described {
   std::vector<std::string> files;
 };
 
-// Nothing where it is missing or no metadata of a bag: the databases can be read without it.
+// Nothing where it is missing or no metadata of a bag: the files can be read without it.
 std::optional<Described> read_metadata(const fs::path& file) {
   try {
     const YAML::Node node = YAML::LoadFile(file.string())["rosbag2_bagfile_information"];
@@ -42,16 +43,19 @@ std::optional<Described> read_metadata(const fs::path& file) {
   }
 }
 
-// The files that metadata names; if one is not there, what the folder holds.
-std::vector<fs::path> databases_of(const fs::path& folder, const std::optional<Described>& metadata) {
-  std::vector<fs::path> named;
+// The files that metadata names, and those behind them that a killed writer did not come to name; if one is not there, what the folder holds.
+std::vector<fs::path> files_of(const fs::path& folder, const std::optional<Described>& metadata) {
+  std::vector<fs::path> named, found = files_in(folder);
   if (metadata)
     for (const auto& file : metadata->files) named.push_back(folder / file);
   const bool all_there = std::ranges::all_of(named, [](const fs::path& path) {
     std::error_code error;
     return fs::exists(path, error);
   });
-  return !named.empty() && all_there ? named : databases_in(folder);
+  if (named.empty() || !all_there) return found;
+  const auto last = std::ranges::find(found, named.back());
+  if (last != found.end()) named.insert(named.end(), last + 1, found.end());
+  return named;
 }
 
 }  // namespace
@@ -65,12 +69,12 @@ Result<BagReader> BagReader::open(const fs::path& path) {
     const std::optional<Described> described = read_metadata(path / "metadata.yaml");
     if (described && !described->compression.empty() && described->compression != "NONE" && described->compression != "none")
       return refuse("The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.", path.string(), described->compression);
-    if (described && described->storage != "sqlite3")
-      return refuse("The bag '{}' is stored as {}, and only sqlite3 is read. Convert it with ros2 bag convert.", path.string(),
+    if (described && !storage_named(described->storage))
+      return refuse("The bag '{}' is stored as {}, and only sqlite3 and mcap are read. Convert it with ros2 bag convert.", path.string(),
                     described->storage);
-    files = databases_of(path, described);
+    files = files_of(path, described);
     if (files.empty())
-      return refuse("'{}' holds no .db3 file. Name a folder that holds a bag.", path.string());
+      return refuse("'{}' holds no .db3 file and no .mcap file. Name a folder that holds a bag.", path.string());
   } else if (fs::is_regular_file(status)) {
     files = {path};
   } else {
@@ -82,33 +86,20 @@ Result<BagReader> BagReader::open(const fs::path& path) {
 }
 
 Result<void> BagReader::add_file(const fs::path& path) {
-  auto opened = Database::open(path, Database::Mode::kReadOnly);
+  const bool mcap = path.extension() == names_of(Storage::kMcap).extension || is_mcap(path);
+  auto opened = mcap ? open_mcap_file(path) : open_sqlite_file(path);
   if (!opened) return std::unexpected(opened.error());
   File file{std::move(*opened), {}};
-  const auto has_qos =
-      file.database.value("SELECT count(*) FROM pragma_table_info('topics') WHERE name='offered_qos_profiles'");
-  if (!has_qos) return std::unexpected(has_qos.error());
-  const std::string qos = *has_qos == "1" ? "offered_qos_profiles" : "''";  // schema 1 has none
-  auto rows = file.database.prepare("SELECT id, name, type, serialization_format, " + qos + " FROM topics ORDER BY id");
-  if (!rows) return std::unexpected(rows.error());
-  int code = rows->step();
-  for (; code == SQLITE_ROW; code = rows->step()) {
-    auto index = find_topic(rows->text(1));
+  for (const TopicInfo& topic : file.reader->topics()) {
+    auto index = find_topic(topic.name);
     if (!index) {
       index = topics_.size();
-      topics_.push_back({rows->text(1), rows->text(2), rows->text(3), rows->text(4), 0});
+      topics_.push_back(topic);
     }
-    file.topics.emplace_back(rows->integer(0), *index);
+    file.topics.push_back(*index);
   }
-  if (code != SQLITE_DONE) return std::unexpected(file.database.error("read the topics of"));
   files_.push_back(std::move(file));
   return {};
-}
-
-std::optional<std::size_t> BagReader::File::index_of(std::int64_t row) const noexcept {
-  const auto found = std::ranges::find(topics, row, &std::pair<std::int64_t, std::size_t>::first);
-  if (found == topics.end()) return std::nullopt;
-  return found->second;
 }
 
 std::optional<std::size_t> BagReader::find_topic(std::string_view name) const noexcept {
@@ -117,24 +108,10 @@ std::optional<std::size_t> BagReader::find_topic(std::string_view name) const no
   return static_cast<std::size_t>(found - topics_.begin());
 }
 
-/// Gives the rows of a statement to f; false where f wanted no more.
-Result<bool> BagReader::hand_out(const File& file, Statement& rows, const std::function<bool(const BagMessage&)>& f) const {
-  int code = rows.step();
-  for (; code == SQLITE_ROW; code = rows.step())
-    if (const auto index = file.index_of(rows.integer(0)))
-      if (!f({*index, rows.integer(1), rows.integer(2), rows.blob(3)})) return false;
-  if (code != SQLITE_DONE) return std::unexpected(file.database.error("read the messages of"));
-  return true;
-}
-
-Result<void> BagReader::for_each_between(std::int64_t from_ns, std::int64_t to_ns,
-                                         const std::function<bool(const BagMessage&)>& f) const {
-  for (const auto& file : files_) {
-    auto rows = file.database.prepare(
-        "SELECT topic_id, timestamp, id, data FROM messages WHERE timestamp >= ? AND timestamp < ? ORDER BY timestamp, id");
-    if (!rows) return std::unexpected(rows.error());
-    rows->bind(1, from_ns), rows->bind(2, to_ns);
-    const auto more = hand_out(file, *rows, f);
+Result<void> BagReader::for_each_between(std::int64_t from_ns, std::int64_t to_ns, const TakeMessage& f) const {
+  for (const File& file : files_) {
+    const auto more = file.reader->for_each_between(
+        from_ns, to_ns, [&](const BagMessage& m) { return f({file.topics[m.topic], m.time_ns, m.id, m.bytes}); });
     if (!more) return std::unexpected(more.error());
     if (!*more) return {};
   }
@@ -143,15 +120,11 @@ Result<void> BagReader::for_each_between(std::int64_t from_ns, std::int64_t to_n
 
 Result<std::optional<std::pair<std::int64_t, std::int64_t>>> BagReader::times() const {
   std::optional<std::pair<std::int64_t, std::int64_t>> all;
-  for (const auto& file : files_) {
-    // One at a time: only then the index alone is looked at.
-    auto rows = file.database.prepare(
-        "SELECT (SELECT min(timestamp) FROM messages), (SELECT max(timestamp) FROM messages), EXISTS (SELECT 1 FROM messages)");
-    if (!rows) return std::unexpected(rows.error());
-    if (rows->step() != SQLITE_ROW) return std::unexpected(file.database.error("read the times of"));
-    if (rows->integer(2) == 0) continue;
-    const std::pair own{rows->integer(0), rows->integer(1)};
-    all = all ? std::pair{std::min(all->first, own.first), std::max(all->second, own.second)} : own;
+  for (const File& file : files_) {
+    const auto own = file.reader->times();
+    if (!own) return std::unexpected(own.error());
+    if (!*own) continue;
+    all = all ? std::pair{std::min(all->first, (*own)->first), std::max(all->second, (*own)->second)} : *own;
   }
   return all;
 }

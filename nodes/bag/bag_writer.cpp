@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <utility>
 
 #include "core/types/version.hpp"
 #include "nodes/bag/refuse.hpp"
@@ -12,22 +13,7 @@
 namespace voxtouch::bag {
 namespace {
 
-constexpr std::int64_t kPageBytes = 4096;
-
-// rosbag2's schema 3 (Humble). ros_distro: the release whose form this is.
-constexpr const char* kSchema = R"(
-BEGIN;
-CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);
-CREATE TABLE metadata(id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL, metadata TEXT NOT NULL);
-CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
-                    serialization_format TEXT NOT NULL,
-                    offered_qos_profiles TEXT NOT NULL);
-CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL,
-                      data BLOB NOT NULL);
-CREATE INDEX timestamp_idx ON messages (timestamp ASC);
-INSERT INTO schema VALUES (3, 'humble');
-COMMIT;
-)";
+constexpr std::uint64_t kMessageOverhead = 64;  // of a message in a file, beside its bytes: about
 
 // One call decides who owns the folder: of two recorders that race for it one makes it and the other is
 // refused.
@@ -53,76 +39,67 @@ Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given
   std::filesystem::path folder = std::filesystem::absolute(folder_as_given).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   if (auto made = make_folder(folder); !made) return std::unexpected(made.error());
-  const std::string file = folder.filename().string() + "_0.db3";
-  auto database = Database::open(folder / file, Database::Mode::kCreate);
-  if (!database) return std::unexpected(database.error());
-  BagWriter writer(folder, options, std::move(*database));
-  writer.metadata_.files = {file};
-  auto made = writer.create_tables();
+  BagWriter writer(folder, options);
+  writer.metadata_.storage_identifier = names_of(options.storage).name;
+  auto made = writer.open_file();
   if (made) made = writer.refresh();
   if (made) return writer;
-  writer.insert_.reset();
-  writer.database_.reset();
+  writer.file_.reset();
   std::error_code ignored;
   // made above by this call; half a bag would only stand in the next one's way
   std::filesystem::remove_all(folder, ignored);
   return std::unexpected(made.error());
 }
 
-BagWriter::BagWriter(std::filesystem::path folder, const WriterOptions& options, Database database)
-    : folder_(std::move(folder)), options_(options), database_(std::make_unique<Database>(std::move(database))),
-      last_commit_(Clock::now()), last_refresh_(Clock::now()) {}
-
 BagWriter::~BagWriter() {
-  if (database_) (void)close();
+  if (file_) (void)close();
 }
 
-Result<void> BagWriter::create_tables() {
-  auto mode = database_->value("PRAGMA journal_mode=WAL");
-  if (!mode) return std::unexpected(mode.error());
-  if (*mode != "wal")
-    return refuse("The file system of '{}' cannot share a write-ahead log (journal mode stays {}). Record to "
-                  "a local disk.",
-                  folder_.string(), *mode);
-  if (auto set = database_->run("PRAGMA synchronous=OFF"); !set) return set;
-  if (options_.max_bytes > 0) {
-    const auto pages = std::max<std::int64_t>(static_cast<std::int64_t>(options_.max_bytes) / kPageBytes, 1);
-    if (auto set = database_->run(fmt::format("PRAGMA max_page_count={}", pages)); !set) return set;
+Result<std::unique_ptr<BagFile>> BagWriter::make_file(const std::string& name) const {
+  return options_.storage == Storage::kMcap ? make_mcap_file(folder_ / name, options_.max_bytes) : make_sqlite_file(folder_ / name, options_.max_bytes);
+}
+
+Result<void> BagWriter::open_file() {
+  const std::string name = fmt::format("{}_{}{}", folder_.filename().string(), metadata_.files.size(), names_of(options_.storage).extension);
+  std::error_code ignored;
+  if (std::filesystem::exists(folder_ / name, ignored))  // somebody else's
+    return refuse("'{}' exists already and is left as it is; the bag goes on in the file that it has.", (folder_ / name).string());
+  auto made = make_file(name);
+  Result<void> result;
+  if (!made) result = std::unexpected(made.error());
+  for (std::size_t i = 0; result && i < metadata_.topics.size(); ++i) result = (*made)->add_topic(metadata_.topics[i]);
+  if (!result) {
+    if (made) made->reset();
+    std::filesystem::remove(folder_ / name, ignored);
+    return result;
   }
-  if (auto made = database_->run(kSchema); !made) return made;
-  auto insert = database_->prepare("INSERT INTO messages (timestamp, topic_id, data) VALUES (?, ?, ?)");
-  if (!insert) return std::unexpected(insert.error());
-  insert_ = std::move(*insert);
-  return {};
+  if (file_) result = file_->close(metadata_, Flush::kNo);  // a flush would hold up what comes in meanwhile
+  file_ = std::move(*made);
+  metadata_.files.emplace_back().path = name;
+  return result;
 }
 
 Result<TopicId> BagWriter::add_topic(const TopicInfo& topic) {
-  if (!database_) return refuse("The bag is closed.");
-  // Out of the open transaction: a message that does not fit must not take its topic with it.
+  if (!file_) return refuse("The bag is closed.");
+  // A message that does not fit must not take its topic with it.
   if (auto committed = commit(); !committed) return std::unexpected(committed.error());
-  auto insert = database_->prepare(
-      "INSERT INTO topics (name, type, serialization_format, offered_qos_profiles) VALUES (?, ?, ?, ?)");
-  if (!insert) return std::unexpected(insert.error());
-  insert->bind(1, topic.name);
-  insert->bind(2, topic.type);
-  insert->bind(3, topic.serialization_format);
-  insert->bind(4, topic.offered_qos);
-  if (insert->step() != SQLITE_DONE) return std::unexpected(database_->error("add a topic to"));
-  topics_.push_back({.row = database_->last_row()});
+  if (auto added = file_->add_topic(topic); !added) return std::unexpected(added.error());
+  topics_.emplace_back();
   metadata_.topics.push_back(topic);
   metadata_.topics.back().message_count = 0;
   return static_cast<TopicId>(topics_.size() - 1);
 }
 
-Result<void> BagWriter::begin() {
-  if (in_transaction_) return {};
-  if (auto begun = database_->run("BEGIN"); !begun) return begun;
-  in_transaction_ = true;
-  return {};
+bool BagWriter::is_to_be_split(std::int64_t time_ns, std::size_t bytes) const noexcept {
+  const FileInfo& file = metadata_.files.back();
+  if (file.message_count + pending_.messages == 0) return false;  // one message is in each, however large it is
+  const SplitOptions& split = options_.split;
+  if (split.bytes > 0 && file_->bytes() + pending_.bytes + bytes + kMessageOverhead > split.bytes) return true;
+  return split.time_ns > 0 && time_ns - file_begun_ns_ >= split.time_ns;
 }
 
 Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const std::byte> bytes) {
-  if (!database_) return refuse("The bag is closed.");
+  if (!file_) return refuse("The bag is closed.");
   if (id >= topics_.size()) return refuse("Topic number {} was never added to the bag.", id);
   Topic& topic = topics_[id];
   if (time_ns < 0) {  // rosbag2 reads its times as unsigned and would refuse the whole bag
@@ -130,84 +107,69 @@ Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const
     return refuse("A message on '{}' has the time {} ns; a bag holds none before 1970.",
                   metadata_.topics[id].name, time_ns);
   }
-  if (auto begun = begin(); !begun) {
-    ++topic.lost;
-    return begun;
+  if (metadata_.message_count + pending_.messages == 0) file_begun_ns_ = time_ns;
+  Result<void> result;
+  if (is_to_be_split(time_ns, bytes.size()) && Clock::now() - last_split_refusal_ >= options_.refresh_period) {
+    result = commit();
+    // Where no new file can be made, the one that is there goes on; what is to be written is not lost for it.
+    if (auto opened = open_file(); !opened) {
+      last_split_refusal_ = Clock::now();
+      if (result) result = opened;
+    } else {
+      file_begun_ns_ = time_ns;
+    }
+    if (auto written = write_metadata(Flush::kNo); !written && result) result = written;
   }
-  insert_->bind(1, time_ns);
-  insert_->bind(2, topic.row);
-  insert_->bind(3, bytes);
-  const bool good = insert_->step() == SQLITE_DONE;
-  std::optional<BagError> error;
-  if (!good) error = database_->error("write to");
-  insert_->reset();
-  if (!good) {
+  if (auto appended = file_->append(id, time_ns, bytes); !appended) {
     ++topic.lost;
-    if (database_->autocommit()) lose_pending();  // sqlite undid the whole transaction
-    return std::unexpected(*error);
+    if (!file_->pending()) lose_pending();
+    return appended;
   }
   ++topic.pending;
   ++pending_.messages;
+  pending_.bytes += bytes.size() + kMessageOverhead;
   pending_.first_ns = std::min(pending_.first_ns, time_ns);
   pending_.last_ns = std::max(pending_.last_ns, time_ns);
-  return {};
+  if (file_->is_full())
+    if (auto committed = commit(); !committed) return committed;
+  return result;
 }
 
 Result<void> BagWriter::commit() {
   last_commit_ = Clock::now();
-  if (!database_ || !in_transaction_) return {};
-  if (auto committed = database_->run("COMMIT"); !committed) {
-    BagError error = committed.error();
-    if (!database_->autocommit()) (void)database_->run("ROLLBACK");
+  if (!file_ || !file_->pending()) return {};
+  if (auto committed = file_->commit(); !committed) {
     lose_pending();
-    return std::unexpected(error);
+    return committed;
   }
-  commit_counts();
+  count_committed();
   return {};
 }
 
-void BagWriter::commit_counts() {
+void BagWriter::count_committed() {
   for (std::size_t i = 0; i < topics_.size(); ++i)
     metadata_.topics[i].message_count += std::exchange(topics_[i].pending, 0);
-  if (pending_.messages > 0) {
-    const bool first = metadata_.message_count == 0;
-    const std::int64_t first_ns = metadata_.starting_time_ns, last_ns = first_ns + metadata_.duration_ns;
-    const std::int64_t begin = first ? pending_.first_ns : std::min(first_ns, pending_.first_ns);
-    const std::int64_t end = first ? pending_.last_ns : std::max(last_ns, pending_.last_ns);
-    metadata_.starting_time_ns = begin;
-    metadata_.duration_ns = end - begin;
-    metadata_.message_count += pending_.messages;
-  }
+  const Extent committed{pending_.first_ns, pending_.last_ns - pending_.first_ns, pending_.messages};
+  metadata_.add(committed);
+  metadata_.files.back().add(committed);
   pending_ = {};
-  in_transaction_ = false;
 }
 
 void BagWriter::lose_pending() {
   for (auto& topic : topics_) topic.lost += std::exchange(topic.pending, 0);
   pending_ = {};
-  in_transaction_ = false;
 }
 
-Result<void> BagWriter::write_metadata_row() {
-  auto insert = database_->prepare("INSERT OR REPLACE INTO metadata (id, metadata_version, metadata) VALUES (1, 5, ?)");
-  if (!insert) return std::unexpected(insert.error());
-  insert->bind(1, metadata_yaml(metadata_, false));
-  if (insert->step() != SQLITE_DONE) return std::unexpected(database_->error("write the metadata of"));
-  return {};
-}
+Result<void> BagWriter::write_metadata(Flush flush) const { return write_atomically(folder_ / "metadata.yaml", metadata_yaml(metadata_), flush); }
 
-Result<void> BagWriter::refresh() { return refresh(Flush::kNo); }
-
-Result<void> BagWriter::refresh(Flush flush) {
+Result<void> BagWriter::refresh() {
   last_refresh_ = Clock::now();
-  if (!database_) return {};
-  // Each step is tried whatever became of the one before: metadata.yaml tells the truth also when the
-  // database is full.
+  if (!file_) return {};
+  // Each step is tried whatever became of the one before: metadata.yaml tells the truth also when the file is full.
   const auto committed = commit();
-  const auto row = write_metadata_row();
-  const auto checkpoint = database_->run("PRAGMA wal_checkpoint(PASSIVE)");
-  const auto yaml = write_atomically(folder_ / "metadata.yaml", metadata_yaml(metadata_), flush);
-  for (const auto* step : {&committed, &row, &checkpoint, &yaml})
+  const auto refreshed = file_->refresh(metadata_);
+  const auto yaml = write_metadata(Flush::kNo);
+  for (const auto* step : {&committed, &refreshed, &yaml})
     if (!*step) return *step;
   return {};
 }
@@ -251,19 +213,14 @@ Result<void> BagWriter::report(const RecordingReport& report) {
 }
 
 Result<void> BagWriter::close() {
-  if (!database_) return {};
-  // sqlite changes how it flushes between transactions only. Each step is tried whatever became of the one before.
+  if (!file_) return {};
+  // Each step is tried whatever became of the one before.
   auto result = commit();
-  for (const auto& step : {database_->run("PRAGMA synchronous=FULL"), refresh(Flush::kYes)})
-    if (!step && result) result = step;
-  insert_.reset();
-  const auto mode = database_->value("PRAGMA journal_mode=DELETE");
-  if (!mode && result) result = std::unexpected(mode.error());
-  if (mode && *mode != "delete" && result)
-    result = refuse("The bag '{}' is complete, but another program has it open, so its -wal file stays; keep "
-                    "the two together.",
-                    folder_.string());
-  database_.reset();
+  const auto closed = file_->close(metadata_, Flush::kYes);
+  const auto yaml = write_metadata(Flush::kYes);
+  for (const auto* step : {&closed, &yaml})
+    if (!*step && result) result = *step;
+  file_.reset();
   return result;
 }
 

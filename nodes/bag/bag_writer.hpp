@@ -1,35 +1,33 @@
 #pragma once
-/// Writes a rosbag2 folder: metadata.yaml (version 5) and <name>_0.db3 (sqlite3, schema 3), readable by
-/// Humble and Jazzy.
+/// Writes a rosbag2 folder: metadata.yaml (version 5) and <name>_0.db3 (sqlite3, schema 3) or <name>_0.mcap, then _1 and so on where it is split;
+/// readable by Humble and Jazzy.
 ///
-/// Journal: write-ahead log while recording, as rosbag2's own resilient profile has it. Reason: rosbag2 opens
-/// bags read-only, and a read-only connection cannot undo the rollback journal that a kill in the middle of a
-/// transaction leaves behind (of 25 killed writers each, journal mode DELETE left 4 that opened, TRUNCATE 2,
-/// WAL 25), but it reads a write-ahead log. So after a kill the folder holds <name>_0.db3-wal (and -shm)
-/// besides the .db3: keep them together; the .db3 alone lacks what was committed since the last checkpoint
-/// (`refresh_period`). Closing folds the log in and turns the journal back, so that a closed bag is one file
-/// that opens on read-only media too.
-///
-/// Nothing is flushed to the disk before the bag is closed, as in rosbag2's own default: flushes of 0.3 to 1.2 s
-/// were seen on a disk that two rings shared, as long as a hung logger. So a kill of any process loses 0.2 s at
-/// most, but a loss of power while recording may cost the bag; a closed one is on the disk.
+/// Nothing is flushed to the disk before the bag is closed, as in rosbag2's own default: flushes of 0.3 to 1.2 s were seen on a disk that two rings
+/// shared, as long as a hung logger. So a kill of any process loses 0.2 s at most, but a loss of power while recording may cost the bag; a closed one
+/// is on the disk.
 #include <chrono>
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <optional>
 
-#include "nodes/bag/bag_sink.hpp"
-#include "nodes/bag/files.hpp"
-#include "nodes/bag/sqlite.hpp"
+#include "nodes/bag/bag_file.hpp"
+#include "nodes/bag/bag_storage.hpp"
 
 namespace voxtouch::bag {
 
+/// When a bag goes on in a new file: each bound holds that is not 0. A topic stands in every file, its messages in the one that was open.
+struct SplitOptions {
+  std::uint64_t bytes = 0;   ///< no message goes into a file that is about as large
+  std::int64_t time_ns = 0;  ///< none goes into one that was begun as much earlier, in the bag's time
+};
+
 struct WriterOptions {
   std::chrono::milliseconds commit_period{200};   ///< a kill loses at most what came since
-  std::chrono::milliseconds refresh_period{500};  ///< metadata.yaml, checkpoint
-  /// of the .db3; beyond it messages are lost as on a full disk; 0: no limit
+  std::chrono::milliseconds refresh_period{500};  ///< metadata.yaml; sqlite3: checkpoint
+  /// of a file; beyond it messages are lost as on a full disk; 0: no limit
   std::uint64_t max_bytes = 0;
+  Storage storage = Storage::kSqlite3;
+  SplitOptions split = {};
 };
 
 /// Not thread-safe. Blocks for the disk: never call it from a DDS listener; BagRecorder is for that.
@@ -50,35 +48,34 @@ class BagWriter final : public BagSink {
   Result<void> close() override;
 
   Result<void> commit();                                              ///< at once
-  Result<void> refresh();                                             ///< commit, checkpoint, metadata.yaml, at once
+  Result<void> refresh();                                             ///< commit, metadata.yaml, and what the file has, at once
   const BagMetadata& metadata() const noexcept { return metadata_; }  ///< of what is committed
 
  private:
   struct Topic {
-    std::int64_t row = 0;
-    std::uint64_t pending = 0, lost = 0;  // pending: in the open transaction
+    std::uint64_t pending = 0, lost = 0;  // pending: not committed yet
   };
   using Clock = std::chrono::steady_clock;
-  BagWriter(std::filesystem::path folder, const WriterOptions& options, Database database);
-  Result<void> create_tables();
-  Result<void> refresh(Flush flush);
-  Result<void> begin();
-  void commit_counts();
+  BagWriter(std::filesystem::path folder, const WriterOptions& options) : folder_(std::move(folder)), options_(options) {}
+  /// The next one, with all topics; the one before is closed.
+  Result<void> open_file();
+  Result<std::unique_ptr<BagFile>> make_file(const std::string& name) const;
+  bool is_to_be_split(std::int64_t time_ns, std::size_t bytes) const noexcept;
+  Result<void> write_metadata(Flush flush) const;
+  void count_committed();
   void lose_pending();
-  Result<void> write_metadata_row();
 
   std::filesystem::path folder_;
   WriterOptions options_;
-  std::unique_ptr<Database> database_;  // null once closed or moved from
-  std::optional<Statement> insert_;
+  std::unique_ptr<BagFile> file_;  // null once closed or moved from
   BagMetadata metadata_;
+  std::int64_t file_begun_ns_ = 0;  // the time of the message that the file was opened for
   std::vector<Topic> topics_;
   struct Pending {
     std::int64_t first_ns = std::numeric_limits<std::int64_t>::max(), last_ns = 0;
-    std::uint64_t messages = 0;
-  } pending_;  // what the open transaction holds
-  bool in_transaction_ = false;
-  Clock::time_point last_commit_, last_refresh_;
+    std::uint64_t messages = 0, bytes = 0;
+  } pending_;
+  Clock::time_point last_commit_ = Clock::now(), last_refresh_ = last_commit_, last_split_refusal_{};
 };
 
 }  // namespace voxtouch::bag

@@ -11,7 +11,7 @@ namespace {
 
 int report(Report o) {
   if (o.page.empty()) {
-    const std::filesystem::path folder = o.bag.extension() == ".db3" ? o.bag.parent_path() : o.bag;
+    const std::filesystem::path folder = std::filesystem::is_directory(o.bag) ? o.bag : o.bag.parent_path();
     const auto name = std::filesystem::weakly_canonical(o.beside).filename().stem().string();
     o.page = folder / (o.beside.empty() ? "report.html" : "report_beside_" + name + ".html");
   }

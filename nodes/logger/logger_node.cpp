@@ -1,5 +1,7 @@
 #include "nodes/logger/logger_node.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "nodes/bag/bag_recorder.hpp"
@@ -16,8 +18,11 @@ namespace {
 
 constexpr std::int64_t kMaxStopNs = 1'000'000'000;
 
-std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder) {
-  auto writer = bag::BagWriter::create(folder);
+std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder, const RecordFormat& format) {
+  constexpr double kMost = 9e18;  // as whole numbers
+  auto writer = bag::BagWriter::create(folder, {.storage = format.storage,
+                                                .split = {.bytes = static_cast<std::uint64_t>(std::min(format.split_mb * 1e6, kMost)),
+                                                          .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMost))}});
   if (!writer) throw std::runtime_error(writer.error().sentence);
   return std::make_unique<bag::BagWriter>(std::move(*writer));
 }
@@ -27,7 +32,7 @@ class LoggerNode {
   explicit LoggerNode(const Options& options)
       : options_(options), participant_(options.participant("logger")),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
-        wait_set_(participant_), recorder_(open_bag(options.bag), {.lockstep = options.lockstep}),
+        wait_set_(participant_), recorder_(open_bag(options.bag, options.format), {.lockstep = options.lockstep}),
         topics_(participant_, options, options.topics, recorder_, wait_set_),
         device_("device", {&descriptions_.following()}), links_(topics_.links()) {
     wait_set_.attach(descriptions_.condition());

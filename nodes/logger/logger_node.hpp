@@ -5,12 +5,24 @@
 #include <string>
 #include <vector>
 
+#include "nodes/bag/bag_writer.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::logger {
 
+/// How the bag is stored, and when it goes on in another file.
+struct RecordFormat {
+  bag::Storage storage = bag::Storage::kSqlite3;
+  double split_mb = 0.0, split_s = 0.0;  ///< of a file [10^6 bytes, s]; 0: no such bound
+};
+/// --record-format, --record-split-mb and --record-split-s.
+void add_format_options(CLI::App& app, RecordFormat& format);
+/// The words of a command line that say `format`; none where it is the default.
+std::vector<std::string> to_arguments(const RecordFormat& format);
+
 struct Options : runtime::NodeOptions {
   std::filesystem::path bag;        ///< folder to make; it must not exist
+  RecordFormat format;
   std::vector<std::string> topics;  ///< further DDS topics, "rt/..."; "rt/*" for all
 };
 

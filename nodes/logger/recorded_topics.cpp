@@ -7,6 +7,7 @@
 
 #include "nodes/logger/recording_qos.hpp"
 #include "nodes/runtime/clock.hpp"
+#include "voxtouch_msgs/definitions.hpp"
 
 namespace voxtouch::logger {
 namespace {
@@ -54,7 +55,8 @@ void RecordedTopics::add(const std::string& name, const msg::AnyType& type, cons
   const auto id = recorder_.add_topic({.name = name.substr(kRosPrefix.size()),
                                        .type = std::string(type.ros_name),
                                        .offered_qos = offered_qos_text(offered),
-                                       .type_hash = std::string(type.hash)});
+                                       .type_hash = std::string(type.hash),
+                                       .definition = std::string(msg::definition_of(type.ros_name))});
   if (!id) throw bus::Error(id.error().sentence);
   wait_set_.attach(reader.condition());
   entries_.push_back({name, std::move(reader), std::move(shown), *id, stamp});

@@ -63,7 +63,7 @@ mesh::FileTriangles read_apart(const std::filesystem::path& path, const std::str
   if (!shared || std::fwrite(bytes.data(), 1, bytes.size(), shared.get()) != bytes.size() || std::fflush(shared.get()) != 0) {
     throw std::runtime_error(fmt::format("no memory for its bytes: {}", std::strerror(errno)));
   }
-  const std::filesystem::path program = program_folder() / "voxtouch_import_mesh";
+  const std::filesystem::path program = limits.program.empty() ? program_folder() / "voxtouch_import_mesh" : limits.program;
   const pid_t child = spawn({program, path, std::to_string(options.max_triangles), std::to_string(limits.cpu_s),
                              std::to_string(limits.memory_mib), std::to_string(::getpid()), how},
                             ::fileno(shared.get()));

@@ -10,6 +10,7 @@ namespace voxtouch::mesh_import {
 struct ReadLimits {
   unsigned cpu_s = 20;              ///< CPU time; the clock may show three times as much
   std::uint64_t memory_mib = 4096;  ///< address space; not held where a sanitizer needs it
+  std::filesystem::path program = {};  ///< voxtouch_import_mesh; empty: the one beside this program
 };
 
 /// The reader for import_mesh() and build_scene(). Throws MeshError. One process a mesh, about 10 ms; it ends with the calling

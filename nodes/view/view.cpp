@@ -34,7 +34,7 @@ constexpr std::int64_t kFrameNs = 33'333'333, kFactsNs = 200'000'000;
 std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 bool is_bag(const std::filesystem::path& path) {
-  return std::filesystem::is_directory(path) || path.extension() == ".db3";
+  return std::filesystem::is_directory(path) || path.extension() == ".db3" || path.extension() == ".mcap";
 }
 
 /// What the device's guard and clock have counted, for the line above the charts.

@@ -1,4 +1,4 @@
-// A bag's folder. First byte odd: the rest is its metadata.yaml; even: its SQLite file. What is read is counted as it is handed out,
+// A bag's folder. First byte odd: the rest is its metadata.yaml; even: its file, in SQLite or MCAP, which its first bytes say. What is read is counted as it is handed out,
 // hashes twice the same, and messages of the ring are read into their types, or are none.
 #include "tests/support/whole_bag.hpp"
 #include "tests/fuzz/wire.hpp"

@@ -239,10 +239,10 @@ void packets() {
   put("phantom", "still", std::string(600, '\0'));
 }
 
-void bags() {
+void bag_in(bag::Storage storage) {
   const fs::path folder = fs::temp_directory_path() / ("voxtouch_corpus_" + std::to_string(getpid()));
   {
-    auto writer = bag::BagWriter::create(folder).value();
+    auto writer = bag::BagWriter::create(folder, {.storage = storage}).value();
     const auto add = [&](const char* name, std::string_view type) {
       bag::TopicInfo topic;
       topic.name = name, topic.type = type, topic.serialization_format = "cdr";
@@ -265,9 +265,14 @@ void bags() {
     std::ifstream in(entry.path(), std::ios::binary);
     const std::string bytes(std::istreambuf_iterator<char>(in), {});
     if (entry.path().extension() == ".db3") put("bag", "database", std::string(1, '\0') + bytes);
-    if (entry.path().filename() == "metadata.yaml") put("bag", "metadata", "\1" + bytes);
+    if (entry.path().extension() == ".mcap") put("bag", "mcap", std::string(1, '\0') + bytes);
+    if (entry.path().filename() == "metadata.yaml" && storage == bag::Storage::kSqlite3) put("bag", "metadata", "\1" + bytes);
   }
   fs::remove_all(folder);
+}
+
+void bags() {
+  for (const bag::StorageName& one : bag::kStorages) bag_in(one.storage);
 }
 
 void numbers() {

@@ -71,6 +71,23 @@ def scene_of(folder, name, *replacements):
     return file
 
 
+class Storages(unittest.TestCase):
+    """A bag in MCAP, split, is a recorded run as one in sqlite3 is."""
+
+    def test_a_split_bag_in_mcap_gives_the_same_bits_and_has_its_report(self):
+        with tempfile.TemporaryDirectory(prefix="voxtouch_test_replay_") as folder:
+            bag = pathlib.Path(folder) / "cup"
+            record(bag, DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--lockstep", "--duration", "1.5", "--record-format", "mcap", "--record-split-s", "0.6")
+            self.assertEqual(sorted(file.name for file in bag.glob("*.mcap")), ["cup_0.mcap", "cup_1.mcap", "cup_2.mcap"])
+            self.assertEqual(list(bag.glob("*.db3")), [])
+            status, told, said = replay(bag)
+            self.assertEqual(status, 0, said)
+            self.assertEqual(told["samples"], 1500, told)
+            ran = voxtouch("report", bag)
+            self.assertEqual(ran.returncode, 0, ran.stderr + ran.stdout)
+            self.assertIn("1500", (bag / "report.html").read_text())
+
+
 class Replay(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

@@ -45,7 +45,10 @@ inline Result<WholeMetadata> read_metadata(const std::filesystem::path& file) {
     metadata.starting_time_ns = node["starting_time"]["nanoseconds_since_epoch"].as<std::int64_t>();
     metadata.message_count = node["message_count"].as<std::uint64_t>();
     for (const auto& topic : node["topics_with_message_count"]) metadata.topics.push_back(parse_topic(topic));
-    metadata.files = node["relative_file_paths"].as<std::vector<std::string>>();
+    for (const auto& one : node["files"])
+      metadata.files.push_back({{one["starting_time"]["nanoseconds_since_epoch"].as<std::int64_t>(), one["duration"]["nanoseconds"].as<std::int64_t>(),
+                                 one["message_count"].as<std::uint64_t>()},
+                                one["path"].as<std::string>()});
     return metadata;
   } catch (const YAML::Exception& error) {
     return std::unexpected(BagError{error.what()});

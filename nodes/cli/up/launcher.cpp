@@ -141,6 +141,7 @@ std::vector<std::string> coupling_arguments(const coupling_node::Options& o) {
 std::vector<std::string> logger_arguments(const logger::Options& o) {
   std::vector<std::string> a = runtime::to_arguments(o, false);
   a.insert(a.end(), {"--bag", o.bag.string()});
+  for (const std::string& word : logger::to_arguments(o.format)) a.push_back(word);
   for (const std::string& topic : o.topics) a.insert(a.end(), {"--topic", topic});
   return a;
 }

@@ -412,6 +412,7 @@ void add_up(CLI::App& app, Action& action) {
   verb->add_option("--record", options->ring.logger.bag,
                    "Folder for the bag; it must not exist (default: " +
                        (recordings_folder() / "<scene>-<time>").string() + ")");
+  logger::add_format_options(*verb, options->ring.logger.format);
   verb->add_option("--topic", options->ring.logger.topics, "Record this DDS topic as well (its type has to be compiled in), such as rt/tf")
       ->check(runtime::check_topic);
   verb->add_option("--validate-every", options->ring.validator.every, "The validator checks every n-th sample")

@@ -1,15 +1,17 @@
-/// make_bag FOLDER closed|killed: 500 messages of the size and fields of DeviceState and one latched text,
+/// make_bag FOLDER closed|killed [sqlite3|mcap] [split]: 500 messages of the size and fields of DeviceState and one latched text,
 /// through the recorder as the logger uses it. `killed` ends itself by SIGKILL once everything is committed,
-/// with the write-ahead log beside the bag.
+/// with the write-ahead log beside the bag. `split`: a file for each 0.2 s.
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "nodes/bag/bag_recorder.hpp"
 #include "nodes/bag/bag_writer.hpp"
 #include "nodes/logger/recording_qos.hpp"
+#include "voxtouch_msgs/definitions.hpp"
 
 namespace {
 
@@ -36,17 +38,22 @@ int fail(const std::string& sentence) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) return fail("usage: make_bag FOLDER closed|killed");
-  auto writer = bag::BagWriter::create(argv[1]);
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const auto storage = bag::storage_named(words.size() > 2 ? words[2] : "sqlite3");
+  if (words.size() < 2 || words.size() > 4 || !storage || (words.size() == 4 && words[3] != "split"))
+    return fail("usage: make_bag FOLDER closed|killed [sqlite3|mcap] [split]");
+  auto writer = bag::BagWriter::create(words[0], {.storage = *storage, .split = {.time_ns = words.size() == 4 ? 200'000'000 : 0}});
   if (!writer) return fail(writer.error().sentence);
   bag::BagRecorder recorder(std::make_unique<bag::BagWriter>(std::move(*writer)));
   const auto offered = [](qos::ProfileId id) {
     return logger::offered_qos_text(qos::make_qos(qos::profile(id), qos::Endpoint::kWriter, 0.001).get());
   };
-  const auto state = recorder.add_topic(
-      {"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", offered(qos::ProfileId::kStream), 0});
-  const auto text =
-      recorder.add_topic({"/haptic/note", "std_msgs/msg/String", "cdr", offered(qos::ProfileId::kLatched), 0});
+  const auto topic = [&](const char* name, std::string type, qos::ProfileId id) {
+    const std::string definition = type == "std_msgs/msg/String" ? "string data\n" : std::string(msg::definition_of(type));
+    return recorder.add_topic({name, std::move(type), "cdr", offered(id), 0, {}, definition});
+  };
+  const auto state = topic("/haptic/device/state", "voxtouch_msgs/msg/DeviceState", qos::ProfileId::kStream);
+  const auto text = topic("/haptic/note", "std_msgs/msg/String", qos::ProfileId::kLatched);
   if (!state || !text) return fail("a topic was refused");
   // header (1 byte of padding is said there), length 6, "hello", padding
   const char hello[] = "\0\1\0\1\6\0\0\0hello\0\0";
@@ -60,7 +67,7 @@ int main(int argc, char** argv) {
                            0.0, 0.0, 0.0, std::uint64_t{5} << 32 | 1U);
     recorder.push(*state, time, bytes);
   }
-  if (std::string(argv[2]) == "killed") {
+  if (words[1] == "killed") {
     std::this_thread::sleep_for(std::chrono::milliseconds(900));
     std::raise(SIGKILL);
   }

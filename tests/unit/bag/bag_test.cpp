@@ -8,6 +8,7 @@
 
 #include "tests/support/whole_bag.hpp"
 #include "nodes/bag/bag_writer.hpp"
+#include "nodes/bag/sqlite.hpp"
 #include "tests/support/process/forked.hpp"
 #include "tests/unit/bag/support.hpp"
 
@@ -25,8 +26,8 @@ std::string text_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-void write_bag(const std::filesystem::path& folder, std::uint64_t count) {
-  auto writer = expect_value(BagWriter::create(folder));
+void write_bag(const std::filesystem::path& folder, std::uint64_t count, Storage storage = Storage::kSqlite3) {
+  auto writer = expect_value(BagWriter::create(folder, {.storage = storage}));
   const TopicId state = expect_value(writer.add_topic(kState)), plan = expect_value(writer.add_topic(kPlan));
   for (std::uint64_t i = 0; i < count; ++i)
     EXPECT_GOOD(writer.append(state, static_cast<std::int64_t>(1000 + i), ring_message(9, i)));
@@ -34,9 +35,21 @@ void write_bag(const std::filesystem::path& folder, std::uint64_t count) {
   EXPECT_GOOD(writer.close());
 }
 
-TEST(Bag, GivesBackWhatWasWrittenInOrderOfTime) {
+/// What holds for both storages.
+class EachBag : public testing::TestWithParam<Storage> {
+ protected:
+  std::string file_in(const std::string& name) const { return name + std::string(names_of(GetParam()).extension); }
+  BagWriter writer_of(const std::filesystem::path& path, WriterOptions options = {}) const {
+    options.storage = GetParam();
+    return expect_value(BagWriter::create(path, options));
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Storages, EachBag, testing::Values(Storage::kSqlite3, Storage::kMcap),
+                         [](const auto& storage) { return std::string(names_of(storage.param).name); });
+
+TEST_P(EachBag, GivesBackWhatWasWrittenInOrderOfTime) {
   const TemporaryFolder folder;
-  write_bag(folder / "run", 100);
+  write_bag(folder / "run", 100, GetParam());
   const auto bag = expect_value(WholeBag::open(folder / "run"));
   ASSERT_EQ(bag.topics().size(), 2u);
   EXPECT_EQ(bag.topics()[0].name, kState.name);
@@ -57,21 +70,23 @@ TEST(Bag, GivesBackWhatWasWrittenInOrderOfTime) {
   EXPECT_TRUE(std::ranges::is_sorted(times));
 }
 
-TEST(Bag, ClosedIsTwoFilesWithTrueMetadata) {
+TEST_P(EachBag, ClosedIsTwoFilesWithTrueMetadata) {
   const TemporaryFolder folder;
-  write_bag(folder / "run", 10);
+  write_bag(folder / "run", 10, GetParam());
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "run"))
     names.push_back(entry.path().filename());
   std::ranges::sort(names);
-  EXPECT_EQ(names, (std::vector<std::string>{"metadata.yaml", "run_0.db3"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"metadata.yaml", file_in("run_0")}));
   const auto metadata = expect_value(read_metadata(folder / "run" / "metadata.yaml"));
   EXPECT_EQ(metadata.version, 5);
-  EXPECT_EQ(metadata.storage_identifier, "sqlite3");
+  EXPECT_EQ(metadata.storage_identifier, names_of(GetParam()).name);
   EXPECT_EQ(metadata.message_count, 11u);
   EXPECT_EQ(metadata.starting_time_ns, 500);
   EXPECT_EQ(metadata.duration_ns, 1009 - 500);
-  EXPECT_EQ(metadata.files, std::vector<std::string>{"run_0.db3"});
+  ASSERT_EQ(metadata.files.size(), 1u);
+  EXPECT_EQ(metadata.files[0].path, file_in("run_0"));
+  EXPECT_EQ(metadata.files[0].message_count, 11u);
   ASSERT_EQ(metadata.topics.size(), 2u);
   EXPECT_EQ(metadata.topics[0].message_count, 10u);
   EXPECT_EQ(metadata.topics[0].offered_qos, kState.offered_qos);
@@ -114,11 +129,10 @@ TEST(Bag, IsNamedByItsFolderAlsoWithATrailingSlash) {
   EXPECT_TRUE(std::filesystem::exists(folder / "a/b/run/run_0.db3"));
 }
 
-TEST(Bag, HasMetadataFromTheStartAndRefreshesIt) {
+TEST_P(EachBag, HasMetadataFromTheStartAndRefreshesIt) {
   const TemporaryFolder folder;
-  auto writer = expect_value(BagWriter::create(
-      folder / "run",
-      {.commit_period = std::chrono::milliseconds(5), .refresh_period = std::chrono::milliseconds(20)}));
+  auto writer = writer_of(
+      folder / "run", {.commit_period = std::chrono::milliseconds(5), .refresh_period = std::chrono::milliseconds(20)});
   EXPECT_EQ(expect_value(read_metadata(folder / "run/metadata.yaml")).message_count, 0u);
   const TopicId state = expect_value(writer.add_topic(kState));
   EXPECT_GOOD(writer.append(state, 7, ring_message(1, 0)));
@@ -155,9 +169,9 @@ TEST(Bag, TellsWhyAFolderCannotBeMade) {
   EXPECT_TRUE(says(refused, "/proc/voxtouch' cannot be made")) << refused.error().sentence;
 }
 
-TEST(Bag, RefusesWhatItCannotHold) {
+TEST_P(EachBag, RefusesWhatItCannotHold) {
   const TemporaryFolder folder;
-  auto writer = expect_value(BagWriter::create(folder / "run"));
+  auto writer = writer_of(folder / "run");
   const TopicId state = expect_value(writer.add_topic(kState));
   EXPECT_TRUE(says(writer.append(state, -1, ring_message(1, 0)), "none before 1970"));
   EXPECT_TRUE(says(writer.append(state + 1, 1, ring_message(1, 0)), "was never added"));
@@ -166,19 +180,20 @@ TEST(Bag, RefusesWhatItCannotHold) {
   EXPECT_EQ(expect_value(WholeBag::open(folder / "run")).message_count(), 1u);
 }
 
-TEST(Bag, CountsWhatAFullDiskRefusesAndStaysReadable) {
+TEST_P(EachBag, CountsWhatAFullDiskRefusesAndStaysReadable) {
   const TemporaryFolder folder;
-  auto writer = expect_value(BagWriter::create(folder / "run", {.max_bytes = 200'000}));
+  auto writer = writer_of(folder / "run", {.max_bytes = 200'000});
   const TopicId state = expect_value(writer.add_topic(kState));
   std::uint64_t refused = 0;
   std::string sentence;
   for (std::uint64_t i = 0; i < 500; ++i) {
-    const auto appended = writer.append(state, static_cast<std::int64_t>(i), ring_message(1, i, 1000));
-    if (!appended) {
-      ++refused;
-      sentence = appended.error().sentence;
-    }
-    if (i % 10 == 9) (void)writer.commit();
+    const auto appended = writer.append(state, static_cast<std::int64_t>(i), noisy_message(1, i, 1000));
+    const auto committed = i % 10 == 9 ? writer.commit() : Result<void>();
+    for (const auto* step : {&appended, &committed})
+      if (!*step) {
+        ++refused;
+        sentence = step->error().sentence;
+      }
   }
   EXPECT_GT(refused, 0u);
   EXPECT_NE(sentence.find("full"), std::string::npos) << sentence;
@@ -194,11 +209,11 @@ TEST(Bag, CountsWhatAFullDiskRefusesAndStaysReadable) {
 
 // The operating system refuses to let any file grow: what a disk that runs full looks like, for metadata.yaml
 // too.
-TEST(Bag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
+TEST_P(EachBag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
   const TemporaryFolder folder;
   voxtouch::test::Forked child([&] {
     std::signal(SIGXFSZ, SIG_IGN);
-    auto writer = BagWriter::create(folder / "run");
+    auto writer = BagWriter::create(folder / "run", {.storage = GetParam()});
     const auto state = writer->add_topic(kState);
     rlimit limit{};
     getrlimit(RLIMIT_FSIZE, &limit);
@@ -206,7 +221,7 @@ TEST(Bag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
     std::uint64_t time = 0;
     const auto write_100 = [&] {
       for (int i = 0; i < 100; ++i, ++time)
-        (void)writer->append(*state, static_cast<std::int64_t>(time), ring_message(1, time, 1000));
+        (void)writer->append(*state, static_cast<std::int64_t>(time), noisy_message(1, time, 1000));
       return writer->refresh().has_value();
     };
     const bool before = write_100();
@@ -322,11 +337,11 @@ TEST(BagReader, RefusesWhatItCannotReadWithASentence) {
   const TemporaryFolder folder;
   write_bag(folder / "run", 1);
   std::string yaml = text_of(folder / "run/metadata.yaml");
-  std::string mcap = yaml, compressed = yaml;
-  mcap.replace(mcap.find("sqlite3"), 7, "mcap");
+  std::string other = yaml, compressed = yaml;
+  other.replace(other.find("sqlite3"), 7, "rocksdb");
   compressed.replace(compressed.find("compression_mode: \"\""), 20, "compression_mode: \"FILE\"");
-  std::ofstream(folder / "run/metadata.yaml") << mcap;
-  EXPECT_NE(WholeBag::open(folder / "run").error().sentence.find("mcap"), std::string::npos);
+  std::ofstream(folder / "run/metadata.yaml") << other;
+  EXPECT_NE(WholeBag::open(folder / "run").error().sentence.find("rocksdb"), std::string::npos);
   std::ofstream(folder / "run/metadata.yaml") << compressed;
   EXPECT_NE(WholeBag::open(folder / "run").error().sentence.find("compressed"), std::string::npos);
 }

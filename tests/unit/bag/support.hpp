@@ -46,6 +46,17 @@ inline std::vector<std::byte> ring_message(std::uint64_t session, std::uint64_t 
   return bytes;
 }
 
+/// The same, filled with what no compression makes smaller.
+inline std::vector<std::byte> noisy_message(std::uint64_t session, std::uint64_t sequence, std::size_t fill) {
+  std::vector<std::byte> bytes = ring_message(session, sequence, fill);
+  std::uint64_t state = sequence + 1;
+  for (std::size_t i = 20; i < bytes.size(); ++i) {
+    state = state * 6364136223846793005U + 1442695040888963407U;
+    bytes[i] = static_cast<std::byte>(state >> 56);
+  }
+  return bytes;
+}
+
 /// The value; without one the test ends with the error's sentence.
 template <class T, class Error>
 T expect_value(std::expected<T, Error>&& result) {

@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+"""How well a part of yours can be felt: writes a scene for its mesh, measures every contact model against the true force, and prints what to take.
+
+It calls `voxtouch new` and `voxtouch accuracy --json`, which measures for 10 s to minutes. Needs the programs of voxtouch on PATH, or --voxtouch.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import tempfile
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("part", help="mesh (OBJ, STL, PLY, glTF/GLB, COLLADA), or a scene file that is there already (.yaml)")
+    parser.add_argument("--unit", help="unit of the mesh's numbers: m, mm, ...; default: whichever makes it fit a desk")
+    parser.add_argument("--models", default="adapted,clustered,field", help="contact models (default: adapted,clustered,field)")
+    parser.add_argument("--contacts", type=int, default=200, help="contact poses, the same for each model (default: 200)")
+    parser.add_argument("--voxel-sizes", help="voxel edges [m], separated by commas; default: the scene's own times 2, 1 and 1/2")
+    parser.add_argument("--voxtouch", default="voxtouch", help="the program, where it is not on PATH")
+    parser.add_argument("--save", metavar="FILE", help="draws error over time into this file (.png, .svg, .pdf)")
+    return parser.parse_args()
+
+
+def main():
+    o = arguments()
+    with tempfile.TemporaryDirectory() as folder:
+        scene = pathlib.Path(o.part)
+        if scene.suffix not in (".yaml", ".yml"):
+            scene = pathlib.Path(folder) / "part.yaml"
+            subprocess.run([o.voxtouch, "new", o.part, "--out", str(scene), *(["--unit", o.unit] if o.unit else [])], check=True)
+        words = [o.voxtouch, "accuracy", str(scene), "--json", "--models", o.models, "--contacts", str(o.contacts)]
+        words += ["--voxel-sizes", o.voxel_sizes] if o.voxel_sizes else []
+        words += ["--plot", o.save] if o.save else []
+        ran = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=False)
+    if not ran.stdout:
+        raise SystemExit("voxtouch accuracy measured nothing; its sentence stands above.")
+    told = json.loads(ran.stdout)
+    print(f"{'model':14} {'voxel':>9} {'direction':>10} {'frame':>9}")
+    for row in told["rows"]:
+        if row["direction_median_deg"] is None or row["median_us"] is None:
+            print(f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm  {row['refused'] or 'no figures'}")
+            continue
+        direction, frame = row["direction_median_deg"], row["median_us"]
+        print(f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm {direction:8.2f}° {frame:6.1f} us{'  <- take this' if row['recommended'] else ''}")
+    print(told["advice"]["sentence"])
+    raise SystemExit(0 if told["ok"] else 1)
+
+
+if __name__ == "__main__":
+    main()

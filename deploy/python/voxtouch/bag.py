@@ -1,0 +1,131 @@
+"""Recorded runs as arrays: rosbag2 folders in sqlite3 or MCAP, split ones too, also of a ring that was killed."""
+import collections.abc
+import json
+import pathlib
+import struct
+
+import numpy
+
+from ._bag_files import FileError, files_of, open_file
+from ._definitions import DEFINITIONS
+from .messages import Definition, table
+
+
+class BagError(Exception):
+    """A sentence: what of the bag cannot be used."""
+
+
+def open_bag(path):
+    """A bag's folder, or one of its files, as a Bag. Reads no messages yet. BagError where there is no bag.
+
+        bag = open_bag(path)
+        list(bag)                                  # names of topics
+        bag["/haptic/device/state"]["pose"]        # a numpy structured array
+        bag.frame("/haptic/coupling/command")      # the same as a pandas DataFrame, with columns such as wrench.force.z
+    """
+    return Bag(path)
+
+
+class Bag(collections.abc.Mapping):
+    """Topics by name, each as a numpy structured array: `bag_time_ns` [ns] (when it was recorded; simulated time in lockstep), then the fields of its
+    message, in the units that idl/msg says. A topic is read when it is first asked for, and kept.
+
+    `types` has each topic's ROS type, `notes` sentences on what was not as it should be and was read all the same.
+    """
+
+    def __init__(self, path):
+        self.path = pathlib.Path(path).expanduser()
+        self.notes, self.types, self._definitions, self._tables = [], {}, {}, {}
+        try:
+            self._files = [open_file(file) for file in files_of(self.path)]
+        except (FileError, OSError) as error:
+            raise BagError(str(error) if str(error).startswith(str(self.path)) else f"{self.path}: {error}") from None
+        for file in self._files:
+            for name, kind, definition in file.topics.values():
+                self.types.setdefault(name, kind)
+                if definition:
+                    self._definitions.setdefault(kind, definition)
+
+    def __iter__(self):
+        return iter(self.types)
+
+    def __len__(self):
+        return len(self.types)
+
+    def __getitem__(self, topic):
+        if topic not in self._tables:
+            self._tables[topic] = self._table(topic)
+        return self._tables[topic]
+
+    def raw(self, topic):
+        """(bag time [ns], bytes in CDR with their four bytes of encapsulation) of each message, in order of arrival. KeyError: no such topic.
+
+        `TOPICS[...].type.deserialize(bytes)` of voxtouch.types makes a message of it that can be written again.
+        """
+        if topic not in self.types:
+            raise KeyError(f"{self.path} has no topic {topic!r}; it has {', '.join(self.types)}")
+        for file in self._files:
+            wanted = [number for number, (name, _, _) in file.topics.items() if name == topic]
+            if not wanted:
+                continue
+            try:
+                for _, time, data in file.messages(wanted):
+                    yield time, data
+            except FileError as error:
+                note = f"{file.file}: it could be read in part only ({error})"
+                if note not in self.notes:
+                    self.notes.append(note)
+
+    def frame(self, topic):
+        """The topic as a pandas DataFrame: a column for each number, `wrench.force.z`, `value.0`. Needs pandas."""
+        import pandas
+        columns = {}
+
+        def flatten(name, values):
+            if values.dtype.names:
+                for inner in values.dtype.names:
+                    flatten(f"{name}.{inner}" if name else inner, values[inner])
+            elif values.ndim > 1:
+                for n in range(values.shape[1]):
+                    flatten(f"{name}.{n}", values[:, n])
+            else:
+                columns[name] = values
+        flatten("", self[topic])
+        return pandas.DataFrame(columns)
+
+    def frames(self):
+        """Every topic that can be read, as pandas DataFrames by name."""
+        return {topic: self.frame(topic) for topic in self}
+
+    def recording(self):
+        """What the logger told of the recording: version, samples lost, errors; {} where it told nothing."""
+        folder = self.path if self.path.is_dir() else self.path.parent
+        try:
+            told = json.loads((folder / "voxtouch_recording.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return {}
+        return told if isinstance(told, dict) else {}
+
+    def definition(self, topic):
+        """How the topic's messages are laid out: by the bag itself where it says so (MCAP), else as this version has it. BagError where nobody knows, or
+        where the recording version had it otherwise."""
+        kind = self.types[topic]
+        if kind in self._definitions:
+            return Definition(kind, self._definitions[kind])
+        if kind not in DEFINITIONS:
+            raise BagError(f"{self.path}: {topic} is of type {kind}, which neither the bag nor this version of voxtouch explains. A bag in MCAP explains its types.")
+        text, here = DEFINITIONS[kind]
+        told = self.recording()
+        for one in told.get("topics", []):
+            if isinstance(one, dict) and one.get("type") == kind and one.get("type_hash") not in (None, here):
+                raise BagError(f"{self.path}: it was recorded by voxtouch {told.get('voxtouch', 'of an unknown version')}, whose {kind} is laid out otherwise "
+                               "than in this version: read it with the version that recorded it.")
+        return Definition(kind, text)
+
+    def _table(self, topic):
+        rows = list(self.raw(topic))
+        times = numpy.array([time for time, _ in rows], numpy.int64)
+        try:
+            return table(self.definition(topic), times, [data for _, data in rows])
+        except (struct.error, KeyError, ValueError) as error:
+            raise BagError(f"{self.path}: messages of {topic} are not laid out as {self.types[topic]} is ({error})") from None

@@ -1,0 +1,208 @@
+"""The files of a rosbag2 bag as raw messages: sqlite3 and MCAP, split ones too, also of a logger that was killed. Standard library, and for compressed
+chunks of an MCAP a zstd: Debian's python3-zstandard, PyPI's zstandard, or Python's own from 3.14 on.
+"""
+import pathlib
+import sqlite3
+import struct
+import zlib
+
+MAGIC = b"\x89MCAP0\r\n"
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, CHUNK_INDEX, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 8, 11, 15
+LOG_TIME_OF_ZERO = 1  # nodes/bag/mcap_format.hpp says why
+MAX_CHUNK = 1 << 30
+
+
+class FileError(Exception):
+    """A sentence: what of the bag cannot be used."""
+
+
+def files_of(path):
+    """The bag's files in the order in which they were written; `path` is its folder, or one of them."""
+    path = pathlib.Path(path)
+    if path.is_file():
+        return [path]
+    files = sorted((file for ending in ("*.db3", "*.mcap") for file in path.glob(ending)), key=lambda f: (len(f.name), f.name))
+    if not files and any(path.glob("*.zstd")):
+        raise FileError(f"{path}: a bag that is compressed as a whole is not read; `ros2 bag convert` makes one that is not.")
+    if not files:
+        raise FileError(f"{path}: there is no bag here; name the folder that holds metadata.yaml and a .db3 or .mcap file.")
+    return files
+
+
+def open_file(file):
+    """SqliteFile or McapFile. FileError where it is neither."""
+    with open(file, "rb") as opened:
+        mcap = opened.read(len(MAGIC)) == MAGIC
+    return McapFile(file) if mcap or pathlib.Path(file).suffix == ".mcap" else SqliteFile(file)
+
+
+class SqliteFile:
+    """`topics`: {number: (name, type, definition)}; the definition is always empty."""
+
+    def __init__(self, file):
+        self.file = file
+        try:
+            with self.connect() as connection:
+                self.topics = {row: (name, kind, "") for row, name, kind in connection.execute("SELECT id, name, type FROM topics")}
+            connection.close()
+        except sqlite3.Error as error:
+            raise FileError(f"the bag cannot be read ({error}); is it whole, and of this version?") from None
+
+    def connect(self):
+        return sqlite3.connect(f"file:{str(self.file).replace('%', '%25').replace('?', '%3f').replace('#', '%23')}?mode=ro", uri=True)
+
+    def messages(self, wanted, progress=lambda share: None):
+        """(topic's number, time [ns], bytes) of these topics, in order of arrival. FileError where the file is damaged, behind what is whole."""
+        connection = self.connect()
+        try:
+            last = connection.execute("SELECT max(id) FROM messages").fetchone()[0] or 1
+            cursor = connection.execute(f"SELECT id, topic_id, timestamp, data FROM messages WHERE topic_id IN ({','.join(map(str, wanted))}) ORDER BY id")
+            for row, topic, time, data in cursor:
+                yield topic, time, data
+                if row % 4096 == 0:
+                    progress(row / last)
+        except sqlite3.Error as error:
+            raise FileError(str(error)) from None
+        finally:
+            connection.close()
+
+
+def decompressor():
+    """A function of the bytes and their size uncompressed."""
+    try:
+        import zstandard
+        return lambda data, size: zstandard.ZstdDecompressor().decompress(data, max_output_size=max(size, 1))
+    except ImportError:
+        pass
+    try:
+        from compression import zstd
+        return lambda data, _: zstd.decompress(data)
+    except ImportError:
+        raise FileError("the MCAP is compressed, and this Python has no zstd: install python3-zstandard (deploy/setup does), or `pip install zstandard`.") from None
+
+
+def records(data):
+    """(opcode, content) of records one behind the other, up to the last whole one."""
+    at = 0
+    while at + 9 <= len(data):
+        code, size = struct.unpack_from("<BQ", data, at)
+        if size > len(data) - at - 9:
+            return
+        yield code, data[at + 9:at + 9 + size]
+        at += 9 + size
+
+
+class Texts:
+    """Texts and numbers one behind the other."""
+
+    def __init__(self, data, at=0):
+        self.data, self.at = data, at
+
+    def bytes(self):
+        size, = struct.unpack_from("<I", self.data, self.at)
+        self.at += 4 + size
+        if self.at > len(self.data):
+            raise struct.error("a text is longer than its record")
+        return bytes(self.data[self.at - size:self.at])
+
+    def text(self):
+        return self.bytes().decode(errors="replace")
+
+
+class McapFile:
+    """`topics`: {channel: (name, type, definition)}; the definition is the type's .msg with all that it uses, where the file has it."""
+
+    def __init__(self, file):
+        self.file, self.topics, self.schemas, self.unpack = file, {}, {}, None
+        self.size = pathlib.Path(file).stat().st_size
+        try:
+            with open(file, "rb") as opened:
+                if opened.read(8) != MAGIC:
+                    raise FileError("the bag cannot be read (it does not begin as an MCAP does); is it whole?")
+                if not self.read_summary(opened):
+                    self.topics, self.schemas = {}, {}
+                    for code, content, _ in self.walk(opened):
+                        self.describe(code, content)
+        except struct.error as error:
+            raise FileError(f"the bag cannot be read ({error}); is it whole?") from None
+
+    def describe(self, code, content):
+        if code == SCHEMA:
+            number, = struct.unpack_from("<H", content)
+            texts = Texts(content, 2)
+            kind, encoding, text = texts.text(), texts.text(), texts.text()
+            self.schemas[number] = (kind, text if encoding == "ros2msg" else "")
+        elif code == CHANNEL:
+            number, schema = struct.unpack_from("<HH", content)
+            self.topics.setdefault(number, (Texts(content, 4).text(), *self.schemas.get(schema, ("", ""))))
+
+    def read_summary(self, opened):
+        """Whether there is one."""
+        opened.seek(max(0, self.size - 37))
+        tail = opened.read(37)
+        if len(tail) < 37 or tail[-8:] != MAGIC or tail[:9] != struct.pack("<BQ", FOOTER, 20):
+            return False
+        start, _, crc = struct.unpack_from("<QQI", tail, 9)
+        if not 8 < start < self.size - 37:
+            return False
+        opened.seek(start)
+        summary = opened.read(self.size - 37 - start)
+        if crc and zlib.crc32(summary + tail[:25]) != crc:
+            return False
+        for code, content in records(summary):
+            self.describe(code, content)
+        return bool(self.topics)
+
+    def walk(self, opened):
+        """(opcode, content, place in the file) of schemas, channels and messages, of those in chunks too."""
+        opened.seek(8)
+        while len(head := opened.read(9)) == 9:
+            code, size = struct.unpack("<BQ", head)
+            at = opened.tell()
+            if code in (0, DATA_END, FOOTER) or size > self.size - at:  # the last one may not be whole
+                return
+            if code == CHUNK:
+                for inner, content in records(self.uncompressed(opened.read(size))):
+                    yield inner, content, at
+            elif code in (SCHEMA, CHANNEL, MESSAGE):
+                yield code, opened.read(size), at
+            else:
+                opened.seek(size, 1)
+
+    def uncompressed(self, chunk):
+        size, crc = struct.unpack_from("<QI", chunk, 16)
+        texts = Texts(chunk, 28)
+        compression = texts.text()
+        packed = memoryview(chunk)[texts.at + 8:]
+        if size > MAX_CHUNK or struct.unpack_from("<Q", chunk, texts.at)[0] != len(packed):
+            raise FileError("a chunk is not whole")
+        if compression not in ("", "zstd"):
+            raise FileError(f"the MCAP is compressed by {compression}, and zstd alone is read; `mcap compress --compression zstd` makes one that is")
+        if compression:
+            self.unpack = self.unpack or decompressor()
+            try:
+                data = self.unpack(bytes(packed), size)
+            except FileError:
+                raise
+            except Exception as error:  # each zstd has an error of its own
+                raise FileError(f"a chunk cannot be uncompressed: {error}") from None
+        else:
+            data = bytes(packed)
+        if len(data) != size or (crc and zlib.crc32(data) != crc):
+            raise FileError("a chunk does not have its checksum")
+        return memoryview(data)
+
+    def messages(self, wanted, progress=lambda share: None):
+        """As SqliteFile.messages."""
+        wanted = set(wanted)
+        with open(self.file, "rb") as opened:
+            last = 0
+            for code, content, at in self.walk(opened):
+                if at != last:
+                    progress(at / max(self.size, 1))
+                    last = at
+                if code != MESSAGE or len(content) < 22:
+                    continue
+                channel, _, time, published = struct.unpack_from("<HIQQ", content)
+                if channel in wanted:
+                    yield channel, 0 if (time, published) == (LOG_TIME_OF_ZERO, 0) else time, bytes(content[22:])

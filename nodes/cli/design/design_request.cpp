@@ -1,0 +1,90 @@
+#include "nodes/cli/design/design_request.hpp"
+
+#include <fmt/format.h>
+
+#include "core/fitting/design_problem.hpp"
+#include "core/fitting/fit_coupling.hpp"
+#include "core/scene/scene_file.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+std::string hand_text(const coupling::design::OperatorRange& hand, const std::string& name) {
+  const coupling::design::HandRange& h = hand.translation;
+  if (h.any_passive) return "any hand that creates no energy";
+  return fmt::format("{}: {:.3g} to {:.3g} kg, {:.3g} to {:.3g} Ns/m, {:.4g} to {:.4g} N/m{}", name, h.mass_min,
+                     h.mass_max, h.damping_min, h.damping_max, h.stiffness_min, h.stiffness_max,
+                     h.may_release ? ", or nobody" : ", always held");
+}
+
+/// The request without a scene: whatever the device can show, or the stiffness given, in one contact that may be capped.
+coupling::design::DesignProblem request_for_device(const DesignRequest& o, const coupling::design::DeviceModel& device) {
+  scene::Scene scene;
+  scene.voxel_size_m = 0.0;
+  scene.design.emplace();
+  const double most = o.stiffness_n_per_m > 0 ? o.stiffness_n_per_m : device.translation.max_stiffness;
+  const double most_rotation = device.gives_torque ? device.rotation.max_stiffness : 0.0;
+  return fitting::design_problem(scene, device, {0.01 * most, most}, {0.01 * most_rotation, most_rotation});
+}
+
+/// What the command line says goes over what the scene says.
+void apply(const DesignRequest& o, const coupling::design::DeviceModel& device, coupling::design::DesignProblem& request,
+           std::string& hand) {
+  if (!o.hand.empty()) {
+    scene::DesignOptions options;
+    coupling::design::Grip grip = device.grip;
+    if (o.hand == "any_passive")
+      options.hand = scene::HandOption::kAnyPassive;
+    else
+      coupling::design::parse_grip(o.hand, grip);
+    request.hand = scene::operator_range(options, grip);
+    hand = o.hand;
+  }
+  if (o.held) request.hand.translation.may_release = request.hand.rotation.may_release = false;
+  if (o.no_damping) request.goals.allow_injected_damping = false;
+}
+
+/// The problem that the command line and its scene pose, and the words for it: without what is found.
+DesignReport problem_of(const DesignRequest& o, const coupling::design::DeviceModel& device, const mesh::TriangleReader& read, const ParallelFor& parallel_for,
+                        const rendering::Progress& progress) {
+  DesignReport out;
+  out.device = device.name;
+  std::string hand = std::string(coupling::design::name_of(device.grip));
+  if (o.scene.empty()) {
+    out.request = request_for_device(o, device);
+    out.contact =
+        fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)", out.request.contact.all_points);
+  } else {
+    const scene::Scene scene = scene::load_scene(o.scene);
+    const auto built = rendering::build_scene(scene, parallel_for, {.read = read}, progress);
+    const rendering::Plan& plan = built->plan();
+    out.request = fitting::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
+    if (scene.design) hand = std::string(scene::name_of(scene.design->hand));
+    const bool spring = rendering::is_spring({plan.contact_n_per_m, plan.contact_nm_per_rad});
+    out.contact = spring ? fmt::format("scene {}: the spring of a virtual tool, up to the {:.4g} N/m that the device can show, at the hand",
+                                       scene.name, out.request.contact.all_points)
+                         : fmt::format("scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} points, at the hand", scene.name,
+                    out.request.contact.one_point, out.request.contact.all_points, plan.shell_points);
+    if (const effects::EffectSpec* external = effects::external_of(scene.effects)) out.contact += ". " + effects::no_certificate_sentence(external->name);
+  }
+  if (o.scene.empty() || o.kind != "auto") out.request.goals.kind = o.kind;
+  if (o.scene.empty() || o.cutoff_hz != 5.0) out.request.goals.cutoff_hz = o.cutoff_hz;
+  if (o.scene.empty() || o.gain_margin != 2.0) out.request.goals.gain_margin = o.gain_margin;
+  apply(o, device, out.request, hand);
+  out.hand = hand_text(out.request.hand, hand);
+  return out;
+}
+
+}  // namespace
+
+DesignReport work_out(const DesignRequest& request, const coupling::design::DeviceModel& device, const mesh::TriangleReader& read, const ParallelFor& parallel_for,
+                      const rendering::Progress& progress) {
+  DesignReport report = problem_of(request, device, read, parallel_for, progress);
+  report.design = coupling::design::design_coupling(report.request);
+  report.paper = judge_paper_recipe(report.request);
+  report.region = region_round(report.request, report.design);
+  report.law = region_of_law(report.request, report.design);
+  return report;
+}
+
+}  // namespace voxtouch::cli

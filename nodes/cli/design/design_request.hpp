@@ -1,0 +1,26 @@
+#pragma once
+/// What is asked of the designer, by `voxtouch design` and by the Python package alike.
+#include <filesystem>
+#include <string>
+
+#include "core/mesh/import.hpp"
+#include "core/rendering/build.hpp"
+#include "core/types/parallel.hpp"
+#include "nodes/cli/design/design_report.hpp"
+
+namespace voxtouch::cli {
+
+struct DesignRequest {
+  std::filesystem::path scene;   ///< whose contact and wishes are to be met; empty: whatever the device can show
+  std::string hand;              ///< pen, arm or any_passive; empty: the scene's, else how the device is held
+  std::string kind = "auto";     ///< shaping_filter, spring_damper or direct
+  double cutoff_hz = 5.0, gain_margin = 2.0;
+  double stiffness_n_per_m = 0.0;  ///< without a scene: the contact's, at the hand; 0: the device's largest
+  bool held = false, no_damping = false;
+};
+
+/// Builds the scene, where there is one, and designs for it. Takes seconds. Throws what reading and building a scene throw.
+DesignReport work_out(const DesignRequest& request, const coupling::design::DeviceModel& device, const mesh::TriangleReader& read,
+                      const ParallelFor& parallel_for, const rendering::Progress& progress);
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,259 @@
+"""deploy/python, installed by pip: bits of probe and build against the command line's, bags of both storages, topics and examples against a ring.
+
+usage: package_test.py ROOT BUILD MAKE_BAG [arguments of unittest]
+"""
+import csv
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import cyclonedds
+import numpy
+
+ROOT, BUILD, MAKE_BAG = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
+VOXTOUCH = BUILD / "bin/voxtouch"
+EXAMPLES = ROOT / "deploy/python/examples"
+PLACE = tempfile.TemporaryDirectory(prefix="voxtouch_test_package_")
+FOLDER = pathlib.Path(PLACE.name)
+STREAMS = ("/haptic/device/state", "/haptic/rendering/contact", "/haptic/coupling/command")
+DOMAIN = 87
+
+
+def setUpModule():
+    environment = {**os.environ, "VOXTOUCH_BUILD": str(BUILD), "MATPLOTLIBRC": os.devnull}
+    installed = subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--no-build-isolation", "--no-deps", "--no-index", "--target",
+                                FOLDER / "site", ROOT / "deploy/python"], capture_output=True, text=True, env=environment, check=False)
+    assert installed.returncode == 0, installed.stdout + installed.stderr
+    sys.path.insert(0, str(FOLDER / "site"))
+    global voxtouch
+    import voxtouch
+
+
+def run(*words, **more):
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=120, check=False, **more)
+
+
+def record(name, *words, domain=DOMAIN):
+    bag = FOLDER / name
+    ran = run(VOXTOUCH, "up", "cup", "--motion", "slide", "--no-report", "--one-process", "--record", bag, "--domain", domain, *words)
+    assert (bag / "metadata.yaml").exists(), ran.stderr
+    return bag
+
+
+def table_of(text):
+    return list(csv.DictReader(text.splitlines()))
+
+
+class Computes(unittest.TestCase):
+    def poses(self):
+        random = numpy.random.default_rng(5)
+        return numpy.concatenate([random.normal(size=(300, 4)), random.uniform([-0.05, -0.05, -0.02], [0.05, 0.05, 0.08], (300, 3))], axis=1)
+
+    def test_the_wrenches_of_probe_bit_by_bit(self):
+        poses = self.poses()
+        file = FOLDER / "poses.csv"
+        file.write_text("qw,qx,qy,qz,tx,ty,tz\n" + "\n".join(",".join(map(repr, map(float, row))) for row in poses) + "\n")
+        touched = 0
+        for model in ("original", "adapted", "clustered", "field", None):
+            ran = run(VOXTOUCH, "probe", "cup", "--poses", file, "--points", *(["--model", model] if model else []))
+            self.assertEqual(ran.returncode, 0, ran.stderr)
+            wanted = table_of(ran.stdout)
+            got = voxtouch.probe("cup", poses, model=model, points=True)
+            for n, row in enumerate(wanted):
+                self.assertEqual((got["surface_hits"][n], got["interior_hits"][n]), (int(row["nS"]), int(row["nI"])), (model, n))
+                ours = (got["coherence"][n], *got["force_n"][n], *got["torque_nm"][n])
+                self.assertEqual(ours, tuple(float(row[key]) for key in ("coh", "fx", "fy", "fz", "tx", "ty", "tz")), (model, n))
+                self.assertEqual(len(got["points"][n]), got["surface_hits"][n])
+            touched += int((got["surface_hits"] > 0).sum())
+        self.assertGreater(touched, 50)
+
+    def test_the_voxels_and_points_of_build_bit_by_bit(self):
+        mesh = ROOT / "deploy/meshes/cup.obj"
+        ran = run(VOXTOUCH, "build", mesh, "--voxel", "0.003", "--out", FOLDER / "built")
+        self.assertEqual(ran.returncode, 0, ran.stderr)
+        got = voxtouch.build(mesh, 0.003)
+        rows = table_of((FOLDER / "built/cup_surface.csv").read_text())
+        self.assertEqual(len(rows), len(got["surface"]))
+        points = {(int(r["i"]), int(r["j"]), int(r["k"])): r for r in rows}
+        self.assertEqual({tuple(map(int, v)) for v in got["surface"]}, set(points))
+        ours = sorted((tuple(p), tuple(n)) for p, n in zip(got["points_m"].tolist(), got["normals"].tolist()))
+        theirs = sorted((tuple(float(r[k]) for k in ("px", "py", "pz")), tuple(float(r[k]) for k in ("nx", "ny", "nz"))) for r in rows)
+        self.assertEqual(ours, theirs)
+        runs = table_of((FOLDER / "built/cup_interior.csv").read_text())
+        self.assertEqual(len(got["interior"]), sum(int(r["k_last"]) - int(r["k_first"]) + 1 for r in runs))
+        self.assertTrue(got["closed"])
+
+    def test_the_coupling_of_design(self):
+        ran = run(VOXTOUCH, "design", "--device", "sim-phantom", "--scene", "cup", "--json")
+        wanted, got = json.loads(ran.stdout), voxtouch.design("sim-phantom", "cup")
+        self.assertEqual(got, wanted)
+        self.assertEqual(voxtouch.design("sim:touch")["device"], json.loads(run(VOXTOUCH, "design", "--device", "sim:touch", "--json").stdout)["device"])
+
+    def test_what_is_wrong_is_an_exception_with_a_sentence(self):
+        for error, words, call in (
+                (ValueError, "no scene of this name comes with voxtouch. These do: block, cup", lambda: voxtouch.probe("nothing", [[1, 0, 0, 0, 0, 0, 0]])),
+                (ValueError, "n rows of 7", lambda: voxtouch.probe("cup", [1, 2, 3])),
+                (ValueError, "not a finite number", lambda: voxtouch.probe("cup", [[1, 0, 0, 0, 0, 0, float("nan")]])),
+                (ValueError, "quaternion's norm", lambda: voxtouch.probe("cup", [[0, 0, 0, 0, 0, 0, 0]])),
+                (ValueError, "no contact model", lambda: voxtouch.probe("cup", [[1, 0, 0, 0, 0, 0, 0]], model="soft")),
+                (RuntimeError, "nothing.obj", lambda: voxtouch.build("nothing.obj", 0.002)),
+                (ValueError, "voxel is", lambda: voxtouch.build(ROOT / "deploy/meshes/cup.obj", -1)),
+                (Exception, "mouse", lambda: voxtouch.design("mouse")),
+                (ValueError, "hand: 'foot' is none of", lambda: voxtouch.design("sim-phantom", hand="foot")),
+                (voxtouch.BagError, "there is no bag here", lambda: voxtouch.open_bag(EXAMPLES))):
+            with self.assertRaises(error) as caught:
+                call()
+            self.assertIn(words, str(caught.exception))
+        broken = FOLDER / "broken.obj"
+        broken.write_bytes(b"v 0 0 0\nf 1 2 3\n")
+        with self.assertRaises(RuntimeError) as caught:
+            voxtouch.build(broken, 0.002)
+        self.assertIn("broken.obj", str(caught.exception))
+
+
+class Bags(unittest.TestCase):
+    def test_both_storages_give_the_same_arrays(self):
+        first = voxtouch.open_bag(record("sqlite", "--lockstep", "--duration", "2"))
+        second = voxtouch.open_bag(record("mcap", "--lockstep", "--duration", "2", "--record-format", "mcap", "--record-split-s", "0.8"))
+        self.assertEqual(sorted(first), sorted(second))
+        self.assertEqual(first.types, second.types)
+        self.assertEqual(len(list((FOLDER / "mcap").glob("*.mcap"))), 3)
+        for bag in (first, second):
+            told = {one["name"]: one["written"] for one in bag.recording()["topics"]}
+            self.assertEqual({topic: len(bag[topic]) for topic in bag}, told)
+            self.assertEqual(bag.notes, [])
+        for topic in STREAMS:
+            one, other = (numpy.sort(bag[topic], order="sequence_number") for bag in (first, second))
+            self.assertEqual(len(one), 2000)
+            for name in one.dtype.names:
+                if name != "session_id":
+                    self.assertEqual(one[name].tobytes(), other[name].tobytes(), (topic, name))
+        force = second["/haptic/coupling/command"]["wrench"]["force"]
+        self.assertGreater(numpy.hypot(numpy.hypot(force["x"], force["y"]), force["z"]).max(), 0.01)
+        # What a bag of the other storage does not say, this one says itself.
+        status = second["/haptic/node_status"]
+        self.assertIn("rendering", set(status["node"]))
+        self.assertIsInstance(status["figures"][0], list)
+
+    def test_frames_have_a_column_for_each_number(self):
+        import pandas
+        bag = voxtouch.open_bag(record("frames", "--lockstep", "--duration", "0.3"))
+        frame = bag.frame("/haptic/device/state")
+        self.assertIsInstance(frame, pandas.DataFrame)
+        self.assertEqual(len(frame), 300)
+        self.assertTrue({"bag_time_ns", "sequence_number", "pose.position.x", "twist.linear.z", "flags"} <= set(frame.columns))
+        self.assertTrue((frame["pose.orientation.w"] <= 1).all())
+        self.assertEqual(set(bag.frames()), set(bag))
+
+    def test_of_a_recorder_that_was_killed(self):
+        for storage in ("sqlite3", "mcap"):
+            for more in ((), ("split",)):
+                folder = FOLDER / f"killed_{storage}_{len(more)}"
+                self.assertEqual(run(MAKE_BAG, folder, "killed", storage, *more).returncode, -signal.SIGKILL)
+                bag = voxtouch.open_bag(folder)
+                states = bag["/haptic/device/state"]
+                self.assertEqual(list(states["sequence_number"]), list(range(500)))
+                self.assertEqual(list(states["pose"]["position"]["z"]), [0.002 * i for i in range(500)])
+                if storage == "mcap":  # a type that no version of voxtouch has
+                    self.assertEqual(bag["/haptic/note"]["data"][0], "hello")
+
+
+class Ring(unittest.TestCase):
+    """Beside a ring in real time."""
+
+    def setUp(self):
+        self.bag = FOLDER / f"ring_{self.id().rsplit('.', 1)[-1]}"
+        self.log = open(FOLDER / "ring.log", "w+", encoding="utf-8")
+        self.ring = subprocess.Popen([VOXTOUCH, "up", "cup", "--motion", "slide", "--duration", "0", "--no-report", "--record", self.bag, "--record-format", "mcap",
+                                      "--domain", str(DOMAIN)], stdout=subprocess.DEVNULL, stderr=self.log, text=True)
+        until = time.monotonic() + 40
+        while " samples  force" not in self.said() and time.monotonic() < until and self.ring.poll() is None:
+            time.sleep(0.05)
+        self.assertIn(" samples  force", self.said())
+
+    def said(self):
+        return pathlib.Path(self.log.name).read_text(encoding="utf-8")
+
+    def tearDown(self):
+        self.ring.send_signal(signal.SIGINT)
+        self.ring.wait(60)
+        self.log.close()
+
+    def example(self, name, *words):
+        return run(sys.executable, "-B", EXAMPLES / name, *words, env={**os.environ, "PYTHONPATH": str(FOLDER / "site"), "MPLBACKEND": "Agg"})
+
+    def test_the_examples_run(self):
+        ran = self.example("own_effect.py", "--domain", DOMAIN, "--seconds", "1")
+        self.assertEqual(ran.returncode, 0, ran.stderr + ran.stdout)
+        self.assertGreater(int(ran.stdout.splitlines()[-1].split()[0]), 100, ran.stdout)
+        # Debian's Python has matplotlib; of ours it gets cyclonedds.
+        dds = FOLDER / "dds"
+        dds.mkdir()
+        for part in pathlib.Path(cyclonedds.__file__).parents[1].glob("cyclonedds*"):
+            (dds / part.name).symlink_to(part)
+        ran = run("/usr/bin/python3", "-B", EXAMPLES / "live_plot.py", "--domain", DOMAIN, "--seconds", "1", "--save", FOLDER / "live.svg",
+                  env={**os.environ, "PYTHONPATH": f"{FOLDER / 'site'}:{dds}", "MPLCONFIGDIR": str(FOLDER)})
+        self.assertEqual(ran.returncode, 0, ran.stderr + ran.stdout)
+        self.assertIn("commands", ran.stdout)
+        self.assertGreater((FOLDER / "live.svg").stat().st_size, 5000)
+
+    def test_a_bag_that_is_played_into_it_is_not_felt(self):
+        """Every topic of a bag of an earlier session, each message in its order, as fast as the writers take it, for two seconds."""
+        from voxtouch.types import TOPICS, join
+        bag = voxtouch.open_bag(record("to_play", "--duration", "2", "--record-format", "mcap", "--lockstep", domain=DOMAIN + 1))
+        participant = join(DOMAIN)
+        by_name = {row.dds_name().removeprefix("rt"): row for row in TOPICS.values()}
+        played = {topic: (by_name[topic].writer(participant), [by_name[topic].type.deserialize(data) for _, data in bag.raw(topic)])
+                  for topic in bag if topic in by_name}
+        self.assertTrue(set(STREAMS) <= set(played))
+        end, written, n = time.monotonic() + 2, 0, 0
+        while time.monotonic() < end:
+            for writer, messages in played.values():
+                if messages:
+                    writer.write(messages[n % len(messages)])
+                    written += 1
+            n += 1
+            time.sleep(0.0005)
+        self.assertGreater(written, 2000)
+        time.sleep(1.0)
+        self.assertIsNone(self.ring.poll(), self.said())
+        self.ring.send_signal(signal.SIGINT)
+        self.ring.wait(60)
+        ours = voxtouch.open_bag(self.bag)
+        states = ours["/haptic/device/state"]
+        own = numpy.unique(states["session_id"], return_counts=True)
+        session = own[0][own[1].argmax()]  # the ring's: the bag holds all that was on the wire
+        figures = [one for one in ours["/haptic/node_status"] if one["node"] == "device"][-1]["figures"]
+        most = {one["name"]: one["value"] for one in figures}
+        self.assertLess(most["max_force_n"], 1.0)
+        commands = ours["/haptic/coupling/command"]
+        commands = commands[commands["session_id"] == session]
+        self.assertGreater(len(commands), 1500)
+        self.assertLess(max(numpy.abs(commands["wrench"]["force"][axis]).max() for axis in "xyz"), 1.0)
+        self.assertIn("is refused", " ".join(ours["/haptic/node_status"]["message"]), "who plays the bag is named")
+
+
+class Examples(unittest.TestCase):
+    def test_each_says_what_it_is(self):
+        for file in sorted(EXAMPLES.glob("*.py")):
+            ran = run(sys.executable, "-B", file, "--help", env={**os.environ, "PYTHONPATH": str(FOLDER / "site")})
+            if file.name == "live_plot.py" and "No module named 'matplotlib'" in ran.stderr:
+                continue  # Ring runs it where matplotlib is
+            self.assertEqual(ran.returncode, 0, ran.stderr)
+            self.assertIn("--", ran.stdout)
+
+    def test_accuracy_of_a_part_names_a_setting(self):
+        ran = run(sys.executable, "-B", EXAMPLES / "accuracy_of_a_part.py", ROOT / "deploy/scenes/cup.yaml", "--models", "adapted", "--contacts", "20", "--voxel-sizes", "0.004",
+                  "--voxtouch", VOXTOUCH)
+        self.assertEqual(ran.returncode, 0, ran.stderr + ran.stdout)
+        self.assertIn("adapted", ran.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]])
