@@ -279,6 +279,21 @@ TEST(External, ValuesGainAndSwitchChangeWithoutAStep) {
   EXPECT_NE(test::set_value(felt.chain, "max_force_n", {kNan, 0, 0}), "");
 }
 
+TEST(External, ALimitThatComesDownIsKeptWhereTheSlewIsSlower) {
+  EffectSpec spec = external();
+  spec.values.at(5)[0] = 0.5;
+  Felt felt(spec);
+  felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
+  felt.samples(5000);
+  ASSERT_NEAR(felt.force(), kMost, 1e-9);
+  ASSERT_EQ(test::set_value(felt.chain, "max_force_n", {0.5, 0, 0}), "");
+  for (int n = 0; n < 150; ++n) {
+    felt.sample();
+    ASSERT_LE(felt.force(), felt.chain.values(0).number(1));
+  }
+  EXPECT_NEAR(felt.force(), 0.5, 1e-9);
+}
+
 TEST(External, NeedsAndBoundsSayWhatItIs) {
   const EffectSpec spec = external();
   const EffectNeeds needs = spec.kind->needs(spec.values);
