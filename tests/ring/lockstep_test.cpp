@@ -101,6 +101,13 @@ class ShippedScene : public testing::TestWithParam<Case> {
     more.insert(more.end(), {"--lockstep", "--one-process", "--device", GetParam().device, "--motion", motion, "--duration", duration_s});
     return run_ring(shipped_scene(GetParam().scene), more);
   }
+  /// For a motion that touches: of a run of 6 s.
+  static void expect_touch_that_the_validator_agrees_with(const RingResult& r) {
+    EXPECT_GT(r.summary["contact_samples"], 500);
+    EXPECT_EQ(r.summary["validator"]["disagree"], 0);
+    EXPECT_GE(r.summary["validator"]["decided"], 0.2 * r.summary["validator"]["checked"].get<double>());
+    EXPECT_LT(r.summary["max_force_n"], 0.6 * GetParam().max_force_n);
+  }
 };
 
 double magnitude(const msg::ForceCommand& c) {
@@ -122,6 +129,7 @@ TEST_P(ShippedScene, IsStableWhileHeldStillInContactForTwoSeconds) {
   const TemporaryFolder folder;
   const RingResult r = run("hit", "6", {"--record", (folder / "bag").string()});
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
+  expect_touch_that_the_validator_agrees_with(r);
   const auto commands = read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command");
   const auto touched = std::find_if(commands.begin(), commands.end(), [](const auto& c) { return magnitude(c) > 0.0; });
   const auto settled = static_cast<std::size_t>(touched - commands.begin()) + 400;  // the hand has come to rest
@@ -142,14 +150,13 @@ TEST_P(ShippedScene, GivesNoForceInFreeSpaceAndAfterIt) {
   EXPECT_EQ(r.summary["contact_samples"], 0);
 }
 
+/// The third motion, hit, is that of the case above.
 TEST_P(ShippedScene, TouchesInEveryMotionThatShouldAndTheValidatorAgrees) {
-  for (const char* motion : {"hit", "slide", "circle"}) {
+  for (const char* motion : {"slide", "circle"}) {
+    SCOPED_TRACE(motion);
     const RingResult r = run(motion, "6", {"--no-record"});
-    ASSERT_EQ(r.process.status, 0) << motion << r.process.err << r.process.out;
-    EXPECT_GT(r.summary["contact_samples"], 500) << motion;
-    EXPECT_EQ(r.summary["validator"]["disagree"], 0) << motion;
-    EXPECT_GE(r.summary["validator"]["decided"], 0.2 * r.summary["validator"]["checked"].get<double>()) << motion;
-    EXPECT_LT(r.summary["max_force_n"], 0.6 * GetParam().max_force_n) << motion;
+    ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
+    expect_touch_that_the_validator_agrees_with(r);
   }
 }
 
