@@ -17,7 +17,7 @@ struct Change {
   std::uint64_t session = 0;      ///< 0: whichever runs
   std::uint64_t from_sample = 0;  ///< 0: at once
   std::uint64_t epoch = 0;        ///< as the loop last said; a change of an older one is dropped
-  std::uint32_t following = 0;    ///< so many behind it are made in the same sample as it, or none of all
+  std::uint32_t following = 0;    ///< so many behind it are made in the same sample as it, or none of all; of the last of them 0
   effects::EffectCommand effect;
   rendering::BuiltScene* scene = nullptr;  ///< takes the place of the one that runs; `effect` is not looked at then
 };

@@ -259,7 +259,7 @@ bool SceneUpdateServer::ask(std::vector<Outstanding> asked) {
     one.change.epoch = epoch_;
     one.change.session = one.request.session;
     one.change.from_sample = one.request.from_sample;
-    one.change.following = changes.empty() ? static_cast<std::uint32_t>(asked.size() - 1) : 0;
+    one.change.following = static_cast<std::uint32_t>(asked.size() - 1 - changes.size());
     changes.push_back(one.change);
   }
   // One that goes at once goes after what waits; in the report it then stands for the same sample.
@@ -422,9 +422,11 @@ void SceneUpdateServer::applied(Outstanding& done, std::uint64_t sample) {
     voxtouch::effects::carry_out(effect, done.change.effect);
     reach_[done.change.effect.effect].widen(effect);
   }
-  show(sample, done.change.scene != nullptr);
   done_.fetch_add(1);
-  services_.parameters_changed();
+  if (done.change.following == 0) {  // what is made together is shown as a whole: its parts by themselves nobody has judged
+    show(sample, done.change.scene != nullptr);
+    services_.parameters_changed();
+  }
   answer(done.request, result::kResultDone, sample,
          fmt::format("{}: holds from sample {} on", done.request.what, sample));
   line_.settle(done.change.ticket);
