@@ -3,12 +3,17 @@
 #include <chrono>
 #include <cstdint>
 #include <expected>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "core/types/device_description.hpp"
 #include "core/types/geometry.hpp"
+
+namespace voxtouch::arm {
+struct ArmDescription;
+}
 
 namespace voxtouch::devices {
 
@@ -78,6 +83,10 @@ class Driver {
   /// What keeps the device from giving samples or taking force now, and what to do about it; empty: nothing that it knows of. For
   /// people: allocates, so not for the loop, but any other thread may ask while the loop runs.
   virtual std::string trouble() const { return {}; }
+  /// The arm that the device is, the same from opening to the end; null where it is none, or its joints are not told.
+  virtual const arm::ArmDescription* arm_description() const noexcept { return nullptr; }
+  /// Angles of its joints in the last sample that `read` gave, if that had a valid pose [rad]. Of the thread that owns it; real-time safe.
+  virtual std::span<const double> joints() const noexcept { return {}; }
 
  protected:
   Driver() = default;

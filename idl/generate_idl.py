@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Writes DDS .idl files and a C++ header from ROS 2 .msg files.
+"""Writes DDS .idl files and C++ headers from ROS 2 .msg and .srv files.
 
-usage: generate_idl.py OUT_DIR PACKAGE=MSG_DIR ...      (the first package is the project's own)
+usage: generate_idl.py OUT_DIR PACKAGE=DIR ...      (DIR holds msg and srv; the first package is the project's own)
 
 For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_::Name_, which is how ROS 2 names it on
 DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and static_asserts on its layout;
-OUT_DIR/voxtouch_msgs/python_types.hpp carries the same types as Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text.
+OUT_DIR/voxtouch_msgs/python_types.hpp carries the same types as Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text. Of a service it
+writes OUT_DIR/pkg/srv/Name_.idl with request and response, and OUT_DIR/voxtouch_msgs/services.hpp.
 """
 import pathlib
 import re
@@ -26,9 +27,19 @@ FIELD = re.compile(r"^(?P<type>[\w/]+)(?P<array>\[(?P<bound><=)?(?P<size>\d*)\])
 
 
 def parse(path, package):
-    """(fields, constants) of one .msg file; a field is (type, package or None, array kind, size, name)."""
+    """(fields, constants) of a .msg file, two of them of a .srv file; a field is (type, package or None, array kind, size, name)."""
+    lines = list(enumerate(path.read_text().splitlines(), 1))
+    if path.suffix != ".srv":
+        return parse_lines(path, package, lines)
+    middle = next((n for n, (_, line) in enumerate(lines) if line.strip() == "---"), None)
+    if middle is None:
+        sys.exit(f"{path}: has no line '---' between request and response.")
+    return parse_lines(path, package, lines[:middle]), parse_lines(path, package, lines[middle + 1:])
+
+
+def parse_lines(path, package, lines):
     fields, constants = [], []
-    for number, line in enumerate(path.read_text().splitlines(), 1):
+    for number, line in lines:
         text = line.split("#", 1)[0].strip()
         if not text:
             continue
@@ -56,15 +67,32 @@ def idl_type(kind, owner):
 
 
 def idl_text(package, name, fields, constants):
-    includes = sorted({f'#include "{owner}/msg/{kind}_.idl"' for kind, owner, *_ in fields if owner})
-    guard = f"{package}_msg_{name}_".upper()
-    out = [f"// Written by generate_idl.py from {name}.msg.", f"#ifndef {guard}", f"#define {guard}", *includes,
-           f"module {package} {{ module msg {{ module dds_ {{"]
+    body = []
     if constants:
-        out.append(f"  module {name}_Constants {{")
-        out += [f"    const {PRIMITIVES[kind][0]} {constant} = {value};" for kind, constant, value in constants]
-        out.append("  };")
-    out.append(f"  @final @topic struct {name}_ {{")
+        body.append(f"  module {name}_Constants {{")
+        body += [f"    const {PRIMITIVES[kind][0]} {constant} = {value};" for kind, constant, value in constants]
+        body.append("  };")
+    return idl_file(package, "msg", name, fields, body + struct_lines(name, fields))
+
+
+def service_idl_text(package, name, request, response):
+    """Request and response behind the header that rmw_cyclonedds puts into both: whose client's, and its number there."""
+    header = [("uint64", None, None, 0, "client_guid"), ("int64", None, None, 0, "request_number")]
+    body = []
+    for half, fields in (("Request", request), ("Response", response)):
+        body += struct_lines(f"{name}_{half}", header + (fields or type_hash.EMPTY))
+    return idl_file(package, "srv", name, request + response, body)
+
+
+def idl_file(package, folder, name, fields, body):
+    includes = sorted({f'#include "{owner}/msg/{kind}_.idl"' for kind, owner, *_ in fields if owner})
+    guard = f"{package}_{folder}_{name}_".upper()
+    return "\n".join([f"// Written by generate_idl.py from {name}.{folder}.", f"#ifndef {guard}", f"#define {guard}", *includes,
+                      f"module {package} {{ module {folder} {{ module dds_ {{", *body, "}; }; };", "#endif", ""])
+
+
+def struct_lines(name, fields):
+    out = [f"  @final @topic struct {name}_ {{"]
     for kind, owner, array, size, field in fields:
         base = idl_type(kind, owner)
         if array == "fixed":
@@ -73,8 +101,7 @@ def idl_text(package, name, fields, constants):
             out.append(f"    sequence<{base}{f', {size}' if array == 'bounded' else ''}> {field};")
         else:
             out.append(f"    {base} {field};")
-    out += ["  };", "}; }; };", "#endif", ""]
-    return "\n".join(out)
+    return [*out, "  };"]
 
 
 def packed_size(messages, package, name):
@@ -125,6 +152,21 @@ def header_text(messages, own):
     return "\n".join(out)
 
 
+def services_text(messages, services, own):
+    """A C++ header with one tag type for each service."""
+    out = ["#pragma once", "/// Written by generate_idl.py: services in the wire form of rmw_cyclonedds.",
+           f'#include "{own}/messages.hpp"', *(f'#include "{package}/srv/{name}_.h"' for package, name in services), "namespace voxtouch::msg {"]
+    for (package, name), (request, response) in services.items():
+        c_name = f"{package}_srv_dds__{name}"
+        out += [f"struct {name if package == own else f'{package}_{name}'} {{",
+                f"  using Request = {c_name}_Request_;", f"  using Response = {c_name}_Response_;",
+                f'  static constexpr std::string_view ros_name = "{package}/srv/{name}";',
+                f'  static constexpr std::string_view hash = "{type_hash.service_hash(messages, package, name, request[0], response[0])}";',
+                f'  static constexpr AnyType request{{"{package}/srv/{name}_Request", &{c_name}_Request__desc, hash}};',
+                f'  static constexpr AnyType response{{"{package}/srv/{name}_Response", &{c_name}_Response__desc, hash}};', "};"]
+    return "\n".join([*out, "}  // namespace voxtouch::msg", ""])
+
+
 def all_types_text(messages, own):
     """A C++ header with the descriptor of every type by its name, for what takes any topic of the table."""
     shorts = [name if package == own else f"{package}_{name}" for package, name in messages]
@@ -156,8 +198,15 @@ def definitions_text(messages, texts):
 
 def write(path, text):
     """A file that says so already stays as it is: what is made of it need not be compiled again."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     if not path.exists() or path.read_text() != text:
         path.write_text(text)
+
+
+def require_known(messages, file, fields):
+    for kind, owner, *_ in fields:
+        if owner and (owner, kind) not in messages:
+            sys.exit(f"{file} uses {owner}/{kind}, which none of the given folders holds.")
 
 
 def main():
@@ -166,20 +215,21 @@ def main():
     out = pathlib.Path(sys.argv[1])
     packages = dict(argument.split("=", 1) for argument in sys.argv[2:])
     own = next(iter(packages))
-    messages, texts = {}, {}
+    messages, services, texts = {}, {}, {}
     for package, folder in packages.items():
-        for path in sorted(pathlib.Path(folder).glob("*.msg")):
-            messages[package, path.stem] = parse(path, package)
-            texts[package, path.stem] = path.read_text()
+        for found, kind in ((messages, "msg"), (services, "srv")):
+            for path in sorted((pathlib.Path(folder) / kind).glob(f"*.{kind}")):
+                found[package, path.stem] = parse(path, package)
+                if kind == "msg":
+                    texts[package, path.stem] = path.read_text()
     for (package, name), (fields, constants) in messages.items():
-        for kind, owner, *_ in fields:
-            if owner and (owner, kind) not in messages:
-                sys.exit(f"{package}/{name}.msg uses {owner}/{kind}, which none of the given folders holds.")
-        target = out / package / "msg" / f"{name}_.idl"
-        target.parent.mkdir(parents=True, exist_ok=True)
-        write(target, idl_text(package, name, fields, constants))
-    (out / own).mkdir(parents=True, exist_ok=True)
+        require_known(messages, f"{package}/{name}.msg", fields)
+        write(out / package / "msg" / f"{name}_.idl", idl_text(package, name, fields, constants))
+    for (package, name), ((request, _), (response, _)) in services.items():
+        require_known(messages, f"{package}/{name}.srv", request + response)
+        write(out / package / "srv" / f"{name}_.idl", service_idl_text(package, name, request, response))
     write(out / own / "messages.hpp", header_text(messages, own))
+    write(out / own / "services.hpp", services_text(messages, services, own))
     write(out / own / "all_types.hpp", all_types_text(messages, own))
     write(out / own / "definitions.hpp", definitions_text(messages, texts))
     write(out / own / "python_types.hpp", python_types.header_text(messages))

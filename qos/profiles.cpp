@@ -7,7 +7,8 @@ namespace voxtouch::qos {
 Qos make_qos(const Profile& p, Endpoint endpoint, double period_s) {
   Qos qos(dds_create_qos());
   // Of a full history; in lockstep nodes ask again, see Writer::write_until. What people look at waits for nobody: it is left out.
-  const dds_duration_t blocking = p.id == ProfileId::kState ? 0 : DDS_MSECS(100);
+  const bool is_for_others = p.id == ProfileId::kState || p.id == ProfileId::kService || p.id == ProfileId::kLog;
+  const dds_duration_t blocking = is_for_others ? 0 : DDS_MSECS(100);
   dds_qset_reliability(qos.get(), p.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, blocking);
   dds_qset_durability(qos.get(), p.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   // A status writer keeps its own last value; its readers keep one for each of many writers.

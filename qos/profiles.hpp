@@ -9,7 +9,7 @@
 
 namespace voxtouch::qos {
 
-enum class ProfileId : std::uint8_t { kStream, kLockstep, kLatched, kEvent, kStatus, kTap, kState };
+enum class ProfileId : std::uint8_t { kStream, kLockstep, kLatched, kEvent, kStatus, kTap, kState, kService, kLog };
 
 /// Policies of a profile. All are shared ownership, by reception, automatic liveliness, no lifespan and no latency budget (a
 /// latency budget above 0 makes Cyclone DDS batch samples asynchronously).
@@ -32,6 +32,8 @@ inline constexpr Profile kProfiles[] = {
     {ProfileId::kStatus, "status", true, true, false, 64, 0.0},      // as latched; readers keep many writers' last
     {ProfileId::kTap, "tap", false, false, false, 64, 0.0},          // matches every stream and event, slows none
     {ProfileId::kState, "state", true, false, false, 10, 0.0},       // ROS standard types; a full history drops, nobody waits
+    {ProfileId::kService, "service", true, false, false, 64, 0.0},   // requests and replies; a client that stands still holds up nobody
+    {ProfileId::kLog, "log", true, true, false, 64, 0.0},            // /rosout: who comes later gets the last lines too
 };
 
 constexpr const Profile& profile(ProfileId id) {

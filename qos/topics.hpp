@@ -12,6 +12,8 @@ namespace voxtouch::qos {
 /// Nodes of the ring, as a set.
 using Nodes = std::uint8_t;
 inline constexpr Nodes kNobody = 0, kDevice = 1, kRendering = 2, kCoupling = 4, kValidator = 8, kLogger = 16, kEveryNode = 31;
+/// Beside nodes: who is no node of the ring writes it too.
+inline constexpr Nodes kAnybody = 128;
 
 /// Names of the nodes in a set, as they stand in statuses and options.
 inline std::vector<std::string> names_of(Nodes nodes) {
@@ -34,6 +36,7 @@ struct Topic {
   bool global = false;     ///< outside the rig's namespace: /tf, /diagnostics
   bool lockstep_only = false;  ///< there is no writer in real time
   bool with_external = false;  ///< its rendering's end is there only where the scene has the effect `external`, in real time
+  bool of_arms = false;        ///< there is a writer only where the device is an arm whose joints are known
 };
 
 inline constexpr Topic kDeviceState{"device/state", "voxtouch_msgs/msg/DeviceState", ProfileId::kStream, 1000, kDevice,
@@ -54,9 +57,9 @@ inline constexpr Topic kValidation{"validation", "voxtouch_msgs/msg/ValidationRe
                                    "Verdicts; made only while a validator runs and somebody reads them."};
 inline constexpr Topic kNodeStatus{"node_status", "voxtouch_msgs/msg/NodeStatus", ProfileId::kStatus, 10, kEveryNode, kEveryNode,
                                    "Nodes find each other by it. Ten times a second and on a change."};
-inline constexpr Topic kEffectChange{"rendering/change", "voxtouch_msgs/msg/EffectChange", ProfileId::kEvent, 0, kNobody,
+inline constexpr Topic kEffectChange{"rendering/change", "voxtouch_msgs/msg/EffectChange", ProfileId::kEvent, 0, kRendering | kAnybody,
                                      kRendering | kLogger,
-                                     "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool."};
+                                     "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool; the rendering what came by a service."};
 inline constexpr Topic kEffectChanged{"rendering/changed", "voxtouch_msgs/msg/EffectChanged", ProfileId::kStatus, 0, kRendering, kLogger,
                                       "What became of each change."};
 inline constexpr Topic kRecover{"recover", "voxtouch_msgs/msg/Recover", ProfileId::kEvent, 0, kNobody, kDevice | kCoupling | kLogger,
@@ -68,6 +71,14 @@ inline constexpr Topic kExternalSample{"rendering/external", "voxtouch_msgs/msg/
 inline constexpr std::string_view kForRos = "For ROS tools; made and written only while somebody reads it, outside the loop.";
 inline constexpr Topic kDiagnostics{"diagnostics", "diagnostic_msgs/msg/DiagnosticArray", ProfileId::kState, 1, kEveryNode, kNobody,
                                     "For ROS tools; made and written only while somebody reads it.", true};
+inline constexpr Topic kParameterEvents{"parameter_events", "rcl_interfaces/msg/ParameterEvent", ProfileId::kState, 0, kRendering, kNobody,
+                                        "Changes of parameters, for ROS tools; made and written only while somebody reads it.", true};
+inline constexpr Topic kRosout{"rosout", "rcl_interfaces/msg/Log", ProfileId::kLog, 0, kEveryNode, kNobody,
+                               "What each node says, for ROS tools; made and written only while somebody reads it.", true};
+inline constexpr Topic kJointStates{"joint_states", "sensor_msgs/msg/JointState", ProfileId::kState, 100, kDevice, kNobody,
+                                    "Joints of an arm, for ROS tools; made and written only while somebody reads it, outside the loop.", true, false, true};
+inline constexpr Topic kRobotDescription{"robot_description", "std_msgs/msg/String", ProfileId::kLatched, 0, kDevice, kNobody,
+                                         "The arm itself, for ROS tools; written once, and only while somebody reads it.", true, false, true};
 inline constexpr Topic kTf{"tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, kRendering, kNobody, kForRos, true};
 inline constexpr Topic kTfStatic{"tf_static", "tf2_msgs/msg/TFMessage", ProfileId::kLatched, 0, kRendering, kNobody,
                                  "Frames that do not move, for ROS tools; made and written once, and only while somebody reads it.", true};
@@ -79,7 +90,8 @@ inline constexpr Topic kMarkers{"markers", "visualization_msgs/msg/MarkerArray",
 
 inline constexpr Topic kTopics[] = {kDeviceState, kContactState, kForceCommand, kDeviceDescription, kScenePlan,
                                     kCouplingDesign, kValidation, kNodeStatus, kEffectChange, kEffectChanged, kRecover,
-                                    kDiagnostics, kTf, kTfStatic, kClock, kPose, kWrench, kMarkers, kExternalWrench, kExternalSample};
+                                    kDiagnostics, kParameterEvents, kRosout, kJointStates, kRobotDescription, kTf, kTfStatic, kClock, kPose, kWrench, kMarkers,
+                                    kExternalWrench, kExternalSample};
 
 enum class TimeMode : std::uint8_t { kRealTime, kLockstep };
 

@@ -45,8 +45,8 @@ std::string no_switch(const EffectSpec& effect) {
   return fmt::format("'{}' takes no switch and no gain: half of it would be nothing", effect.name);
 }
 
-/// `judge` for one parameter of one effect.
-Judged judge_value(const EffectSpec& effect, std::string_view parameter, const std::array<double, 3>& value) {
+/// The command of one parameter of one effect; its number is not looked at.
+Judged find_value(const EffectSpec& effect, std::string_view parameter, const std::array<double, 3>& value) {
   const std::span<const EffectParameter> all = effect.kind->parameters;
   const auto found =
       std::find_if(all.begin(), all.end(), [&](const EffectParameter& p) { return p.name == parameter; });
@@ -55,25 +55,13 @@ Judged judge_value(const EffectSpec& effect, std::string_view parameter, const s
                                        quotable(parameter), names_of(all)));
   if (found->shape == ParameterShape::kWord || found->shape == ParameterShape::kText)
     return std::unexpected(fmt::format("'{}' cannot change while running", found->name));
-  const auto p = static_cast<std::size_t>(found - all.begin());
-  EffectCommand command{.action = EffectAction::kValue, .effect = 0, .parameter = static_cast<std::uint32_t>(p)};
+  EffectCommand command{.action = EffectAction::kValue, .effect = 0, .parameter = static_cast<std::uint32_t>(found - all.begin())};
   command.value = in_shape(*found, value);
-  EffectSpec wanted = effect;
-  carry_out(wanted, command);
-  if (std::string why = check_values(*effect.kind, wanted.values); !why.empty()) return std::unexpected(std::move(why));
-  if (needs_more(effect.kind->needs(wanted.values), effect.kind->needs(effect.values)))
-    return std::unexpected(
-        fmt::format("'{}' would need what was not built for this scene; change the scene file", found->name));
-  const EffectBound bound = bound_of(wanted);
-  if (!std::isfinite(bound.stiffness_n_per_m) || !std::isfinite(bound.stiffness_nm_per_rad))
-    return std::unexpected(
-        fmt::format("with this '{}' nothing bounds the stiffness of '{}'", found->name, effect.name));
   return command;
 }
 
-}  // namespace
-
-Judged judge(std::span<const EffectSpec> effects, const EffectRequest& request) {
+/// What `request` asks for; of a parameter's number only the shape counts.
+Judged find(std::span<const EffectSpec> effects, const EffectRequest& request) {
   const auto found =
       std::find_if(effects.begin(), effects.end(), [&](const EffectSpec& e) { return e.name == request.effect; });
   if (found == effects.end())
@@ -92,7 +80,7 @@ Judged judge(std::span<const EffectSpec> effects, const EffectRequest& request) 
       if (!(first >= 0.0 && first <= 1.0)) return std::unexpected("'gain' must be a number from 0 to 1");
       break;
     case EffectAction::kValue: {
-      const Judged value = judge_value(*found, request.parameter, request.value);
+      const Judged value = find_value(*found, request.parameter, request.value);
       if (!value) return value;
       command = *value;
       break;
@@ -100,6 +88,43 @@ Judged judge(std::span<const EffectSpec> effects, const EffectRequest& request) 
   }
   command.effect = static_cast<std::uint32_t>(found - effects.begin());
   return command;
+}
+
+/// Why `wanted` cannot take the place of `effect`, of which `parameter` alters.
+std::string why_not(const EffectSpec& effect, const EffectSpec& wanted, std::uint32_t parameter) {
+  const std::string_view name = effect.kind->parameters[parameter].name;
+  if (std::string why = check_values(*effect.kind, wanted.values); !why.empty()) return why;
+  if (needs_more(effect.kind->needs(wanted.values), effect.kind->needs(effect.values)))
+    return fmt::format("'{}' would need what was not built for this scene; change the scene file", name);
+  const EffectBound bound = bound_of(wanted);
+  if (!std::isfinite(bound.stiffness_n_per_m) || !std::isfinite(bound.stiffness_nm_per_rad))
+    return fmt::format("with this '{}' nothing bounds the stiffness of '{}'", name, effect.name);
+  return {};
+}
+
+}  // namespace
+
+Judged judge(std::span<const EffectSpec> effects, const EffectRequest& request) {
+  const auto all = judge(effects, std::span(&request, 1));
+  if (!all) return std::unexpected(all.error());
+  return all->front();
+}
+
+std::expected<std::vector<EffectCommand>, std::string> judge(std::span<const EffectSpec> effects, std::span<const EffectRequest> requests) {
+  std::vector<EffectSpec> wanted(effects.begin(), effects.end());
+  std::vector<EffectCommand> commands;
+  for (const EffectRequest& request : requests) {
+    const Judged command = find(effects, request);
+    if (!command) return std::unexpected(command.error());
+    carry_out(wanted[command->effect], *command);
+    commands.push_back(*command);
+  }
+  for (const EffectCommand& command : commands) {
+    if (command.action != EffectAction::kValue) continue;
+    if (std::string why = why_not(effects[command.effect], wanted[command.effect], command.parameter); !why.empty())
+      return std::unexpected(std::move(why));
+  }
+  return commands;
 }
 
 void carry_out(EffectSpec& effect, const EffectCommand& command) noexcept {

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/effects/effect_spec.hpp"
 
@@ -31,6 +32,9 @@ struct EffectCommand {
 /// What `request` means for `effects`, or a sentence why not: an unknown name, a number that is not finite or out of its range, a
 /// word (which never changes while running), values that together need what was not built or bound the stiffness no more.
 std::expected<EffectCommand, std::string> judge(std::span<const EffectSpec> effects, const EffectRequest& request);
+/// The same of several that are made together, in the same sample: each by what all of them lead to, so that values which only fit
+/// together may be asked for in any order. A sentence about the first that cannot be.
+std::expected<std::vector<EffectCommand>, std::string> judge(std::span<const EffectSpec> effects, std::span<const EffectRequest> requests);
 
 /// Does to the spec what the chain does to the effect, without a ramp: where it will have come to. Real-time safe.
 void carry_out(EffectSpec& effect, const EffectCommand& command) noexcept;

@@ -45,6 +45,23 @@ Fr3Arm::State Fr3Arm::at(const Joints& q) const noexcept {
   return state;
 }
 
+const arm::ArmDescription& fr3_description() {
+  static const arm::ArmDescription description = [] {
+    constexpr std::array<std::string_view, Fr3Arm::kJoints> kNames = {"fr3_joint1", "fr3_joint2", "fr3_joint3", "fr3_joint4",
+                                                                      "fr3_joint5", "fr3_joint6", "fr3_joint7"};
+    const Fr3Limits limits = fr3_limits();
+    arm::ArmDescription arm{.model = "fr3", .joints = {}, .flange = {Vec3(0.0, 0.0, Fr3Arm::kFlange), Quat::Identity()}};
+    for (int i = 0; i < Fr3Arm::kJoints; ++i) {
+      const auto n = static_cast<std::size_t>(i);
+      const Pose to_axis{Vec3(Fr3Arm::kA[n], 0.0, 0.0), quarter_turns_about_x(Fr3Arm::kAlphaQuarterTurns[n])};
+      arm.joints.push_back({kNames[n], to_axis * Pose{Vec3(0.0, 0.0, Fr3Arm::kD[n]), Quat::Identity()}, limits.lowest_rad[i], limits.highest_rad[i],
+                            limits.velocity_rad_s[i], limits.torque_nm[i]});
+    }
+    return arm;
+  }();
+  return description;
+}
+
 Joints fr3_rest_posture() noexcept {
   Joints q;
   q << 0, -45, 0, -135, 0, 90, 45;

@@ -2,6 +2,7 @@
 /// Geometry and limits of the Franka Research 3 and the Panda: seven revolute joints, the same geometry.
 #include <array>
 
+#include "devices/arm/arm_description.hpp"
 #include "devices/arm/joints.hpp"
 
 namespace voxtouch::fr3 {
@@ -42,6 +43,9 @@ class Fr3Arm {
  private:
   Pose pose_FT_;
 };
+
+/// The same geometry and limits, for who draws it.
+const arm::ArmDescription& fr3_description();
 
 /// The posture that the maker's own examples start from, q = (0, -45, 0, -135, 0, 90, 45) degrees: elbow up, hand down in front,
 /// far from every limit and singularity.

@@ -72,6 +72,8 @@ class Fr3Driver : public devices::Driver {
   void stop() noexcept override;
   bool simulated() const noexcept override { return options_.virtual_time; }
   std::string trouble() const override;
+  const arm::ArmDescription* arm_description() const noexcept override { return &fr3_description(); }
+  std::span<const double> joints() const noexcept override { return {state_.q.data(), static_cast<std::size_t>(state_.q.size())}; }
 
   // For the thread that owns it.
   const fci::FciSession& session() const noexcept { return session_; }

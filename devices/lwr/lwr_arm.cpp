@@ -44,6 +44,24 @@ LwrArm::State LwrArm::at(const LwrJoints& q) const noexcept {
   return state;
 }
 
+const arm::ArmDescription& lwr_description() {
+  static const arm::ArmDescription description = [] {
+    constexpr std::array<std::string_view, LwrArm::kJoints> kNames = {"A1", "A2", "E1", "A3", "A4", "A5", "A6"};
+    const LwrLimits limits = lwr_limits();
+    arm::ArmDescription arm{.model = "lwr", .joints = {}, .flange = {}};
+    Pose after;  // the last joint, at an angle of 0, up to the next one
+    for (int i = 0; i < LwrArm::kJoints; ++i) {
+      const auto n = static_cast<std::size_t>(i);
+      const double most = limits.position_rad[i];
+      arm.joints.push_back({kNames[n], after, -most, most, limits.velocity_rad_s[i], limits.torque_nm[i]});
+      after = {Vec3(0.0, 0.0, LwrArm::kD[n]), quarter_turns_about_x(LwrArm::kAlphaQuarterTurns[n])};
+    }
+    arm.flange = after;
+    return arm;
+  }();
+  return description;
+}
+
 LwrJoints lwr_rest_posture() noexcept {
   LwrJoints q;
   q << 0, 30, 0, -90, 0, 60, 0;

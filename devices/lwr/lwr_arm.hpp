@@ -2,6 +2,7 @@
 /// Geometry and limits of the light-weight robot 4 / 4+: seven revolute joints, in the order of the wire (A1 A2 E1 A3 A4 A5 A6).
 #include <array>
 
+#include "devices/arm/arm_description.hpp"
 #include "devices/arm/joints.hpp"
 
 namespace voxtouch::lwr {
@@ -47,6 +48,9 @@ class LwrArm {
  private:
   Pose pose_FT_;
 };
+
+/// The same geometry and limits, for who draws it.
+const arm::ArmDescription& lwr_description();
 
 /// Elbow bent, hand in front: q = (0, 30, 0, -90, 0, 60, 0) degrees, far from every limit and singularity.
 LwrJoints lwr_rest_posture() noexcept;

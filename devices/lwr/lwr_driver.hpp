@@ -84,6 +84,8 @@ class LwrDriver : public devices::Driver {
   void stop() noexcept override;
   bool simulated() const noexcept override { return virtual_time_; }
   std::string trouble() const override;
+  const arm::ArmDescription* arm_description() const noexcept override { return &lwr_description(); }
+  std::span<const double> joints() const noexcept override { return {q_.data(), static_cast<std::size_t>(q_.size())}; }
 
   /// For the thread that owns it: the handshake, the newest measurement, and what was counted so far. Real-time safe.
   const fri::FriSession& session() const noexcept { return session_; }

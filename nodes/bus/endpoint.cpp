@@ -96,6 +96,10 @@ std::vector<dds_instance_handle_t> matched_writer_handles(dds_entity_t reader) {
   return matched_handles(reader, dds_get_matched_publications);
 }
 
+std::vector<dds_instance_handle_t> matched_reader_handles(dds_entity_t writer) {
+  return matched_handles(writer, dds_get_matched_subscriptions);
+}
+
 Guid participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer) {
   Guid guid{};
   if (dds_builtintopic_endpoint_t* peer = dds_get_matched_publication_data(reader, writer)) {

@@ -30,6 +30,7 @@ EndpointEntities make_reader(const Participant& participant, const qos::Topic& r
 std::vector<Guid> matched_readers(dds_entity_t writer);
 std::vector<Guid> matched_writers(dds_entity_t reader);
 std::vector<dds_instance_handle_t> matched_writer_handles(dds_entity_t reader);
+std::vector<dds_instance_handle_t> matched_reader_handles(dds_entity_t writer);
 /// The participant of the writer with instance handle `writer`, as this reader has matched it; all zero if it has gone.
 Guid participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer);
 bool writer_is_matched(dds_entity_t reader, dds_instance_handle_t writer);

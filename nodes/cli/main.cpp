@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
                          cli::add_doctor, cli::add_keys})
     add(app, action);
   try {
-    app.parse(argc, argv);
+    runtime::parse(app, argc, argv);
   } catch (const CLI::ParseError& error) {
     return runtime::explain(app, error);
   }

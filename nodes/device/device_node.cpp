@@ -18,6 +18,7 @@
 #include "devices/settings.hpp"
 #include "nodes/device/described_device.hpp"
 #include "nodes/device/device_loop.hpp"
+#include "nodes/device/joint_outputs.hpp"
 #include "nodes/device/last_second.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
@@ -98,6 +99,10 @@ class DeviceNode {
       : options_(options), scene_(scene), participant_(options.participant("device")),
         session_(make_session_id(options, scene, require_free_rig(participant_, options))),
         driver_(open_driver(scene, stop)) {
+    if (const arm::ArmDescription* const arm = driver_->arm_description()) {
+      joints_.emplace(participant_, options.rig, *arm, options.mode());
+      driver_ = std::make_unique<ShownDriver>(std::move(driver_), *joints_);
+    }
     states_ = {participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())};
     descriptions_ = {participant_, qos::kDeviceDescription, options.rig,
                      qos::profile_in(qos::kDeviceDescription, options.mode())};
@@ -352,6 +357,7 @@ class DeviceNode {
   bus::Participant participant_;
   std::uint64_t session_;
   std::unique_ptr<Faults> faults_;  ///< before the driver, which closes first: a disk that hangs must not keep it open
+  std::optional<JointOutputs> joints_;  ///< of an arm; the driver tells it
   std::unique_ptr<devices::Driver> driver_;
   bus::Writer<msg::DeviceState> states_;
   bus::Writer<msg::DeviceDescription> descriptions_;

@@ -18,36 +18,41 @@ void ChangeLine::rest(rendering::LiveScene& live) noexcept {
   reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr});
 }
 
+/// None: it waits. What is not made takes the epoch with it, for what is behind it was judged as if it had been.
+std::optional<ChangeReport::What> ChangeLine::fate_of(const Change& change, const rendering::LiveScene& live, std::uint64_t next,
+                                                      bool at_sample) const noexcept {
+  using What = ChangeReport::What;
+  const bool judged = session_ == 0 || good_for_.load(std::memory_order_acquire) == session_;
+  if (change.epoch != epoch_ || (change.session != 0 && change.session != session_)) return What::kDropped;
+  if (change.ticket <= cancelled_.load(std::memory_order_acquire)) return What::kDropped;
+  if (!judged || change.from_sample > next || (change.from_sample > 0 && !at_sample) || (change.scene && live.fading())) return {};
+  return change.from_sample > 0 && change.from_sample < next ? What::kLate : What::kApplied;
+}
+
+void ChangeLine::make(const Change& change, rendering::LiveScene& live) noexcept {
+  if (change.scene)
+    live.swap_to(*change.scene);
+  else
+    live.effects().carry_out(change.effect);
+  moving_ |= !change.scene && change.effect.action == effects::EffectAction::kValue;
+  applied_ = change.ticket;
+}
+
 void ChangeLine::apply_due(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept {
   retire(live);
   rest(live);
-  const bool judged = session_ == 0 || good_for_.load(std::memory_order_acquire) == session_;
   while (const Change* change = changes_.front()) {
-    if (reports_.room() < 2) return;
-    if (change->epoch != epoch_) {
-      report(ChangeReport::What::kDropped, *change, next);
-    } else if (change->session != 0 && change->session != session_) {
-      ++epoch_;  // what is behind it was judged as if it had been applied
-      report(ChangeReport::What::kDropped, *change, next);
-    } else if (change->ticket <= cancelled_.load(std::memory_order_acquire)) {
-      ++epoch_;
-      report(ChangeReport::What::kDropped, *change, next);
-    } else if (!judged || change->from_sample > next || (change->from_sample > 0 && !at_sample) ||
-               (change->scene && live.fading())) {
-      return;
-    } else if (change->from_sample > 0 && change->from_sample < next) {
-      ++epoch_;
-      report(ChangeReport::What::kLate, *change, next);
-    } else {
-      if (change->scene)
-        live.swap_to(*change->scene);
-      else
-        live.effects().carry_out(change->effect);
-      moving_ |= !change->scene && change->effect.action == effects::EffectAction::kValue;
-      applied_ = change->ticket;
-      report(ChangeReport::What::kApplied, *change, next);
+    const std::uint32_t count = 1 + change->following;
+    if (reports_.room() < 1 + count) return;
+    const std::optional<ChangeReport::What> fate = fate_of(*change, live, next, at_sample);
+    if (!fate) return;
+    if (*fate != ChangeReport::What::kApplied && change->epoch == epoch_) ++epoch_;
+    for (std::uint32_t n = 0; n < count; ++n) {
+      change = changes_.front();
+      if (*fate == ChangeReport::What::kApplied) make(*change, live);
+      report(*fate, *change, next);
+      changes_.pop();
     }
-    changes_.pop();
   }
 }
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "core/effects/effect_change.hpp"
 #include "core/rendering/live_scene.hpp"
@@ -16,6 +17,7 @@ struct Change {
   std::uint64_t session = 0;      ///< 0: whichever runs
   std::uint64_t from_sample = 0;  ///< 0: at once
   std::uint64_t epoch = 0;        ///< as the loop last said; a change of an older one is dropped
+  std::uint32_t following = 0;    ///< so many behind it are made in the same sample as it, or none of all; of the last of them 0
   effects::EffectCommand effect;
   rendering::BuiltScene* scene = nullptr;  ///< takes the place of the one that runs; `effect` is not looked at then
 };
@@ -42,6 +44,8 @@ class ChangeLine {
 
   // Of the update server.
   bool ask(const Change& change) noexcept { return changes_.push(change); }
+  /// Several that the first one's `following` binds together.
+  bool ask(std::span<const Change> changes) noexcept { return changes_.push(changes); }
   bool next_report(ChangeReport& report) noexcept {
     const ChangeReport* oldest = reports_.front();
     if (!oldest) return false;
@@ -78,6 +82,8 @@ class ChangeLine {
   void rest(rendering::LiveScene& live) noexcept;
   static constexpr std::uint64_t kNoPause = ~std::uint64_t{0};
   void report(ChangeReport::What what, const Change& change, std::uint64_t sample) noexcept;
+  std::optional<ChangeReport::What> fate_of(const Change& change, const rendering::LiveScene& live, std::uint64_t next, bool at_sample) const noexcept;
+  void make(const Change& change, rendering::LiveScene& live) noexcept;
 
   runtime::SpscQueue<Change, kCapacity> changes_;
   runtime::SpscQueue<ChangeReport, 4 * kCapacity> reports_;

@@ -2,6 +2,8 @@
 
 #include <sys/resource.h>
 
+#include <utility>
+
 #include "core/types/motion.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/realtime.hpp"
@@ -10,7 +12,8 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-constexpr std::int64_t kPeriodNs = 10'000'000;
+constexpr std::int64_t kPeriodNs = runtime::HundredASecond::kPeriodNs;
+constexpr std::int64_t kBehindNs = 1'500'000;  ///< a period's first sample is there by then, at 1 kHz
 constexpr std::uint64_t kMarkersEvery = 10;
 
 msg::geometry_msgs_TransformStamped transform(std::int64_t stamp_ns, const std::string& child, const Pose& pose) {
@@ -44,9 +47,9 @@ void RosOutputs::scene_is(const scene::Scene& scene) {
   next_scene_ = scene;
 }
 
-/// At absolute deadlines: a hundred turns are a second, however long each takes. A turn that comes too late is left out.
+/// At absolute deadlines, just behind the sample that is due. A turn that comes too late writes what has waited.
 void RosOutputs::run() {
-  std::int64_t at_ns = runtime::monotonic_ns();
+  std::int64_t at_ns = runtime::monotonic_ns() / kPeriodNs * kPeriodNs + kBehindNs;
   std::uint64_t tenth = 0;
   for (std::uint64_t count = 0; !stop_.load(std::memory_order_acquire);) {
     try {
@@ -64,16 +67,18 @@ void RosOutputs::run() {
 
 void RosOutputs::turn(bool tenth) {
   follow_scene();
-  const bool fresh = latest_.take(shown_);
-  has_shown_ = has_shown_ || fresh;
   if (tf_static_.matched_count() && made_tf_static_ == 0) write_tf_static();  // DDS keeps it for who comes later
-  if (fresh) {
-    if (clock_ && clock_.matched_count()) ++made_clock_, clock_.write({ros_header(shown_.stamp_ns, kWorldFrame).stamp});
-    if (tf_.matched_count()) write_tf();
-    if (pose_.matched_count()) write_pose();
-    if (wrench_.matched_count()) write_wrench();
-  }
-  if (tenth) look_after_markers(fresh);
+  bool fresh = false;
+  for (; const Shown* next = due_.front(); due_.pop(), fresh = true) shown_ = *next, write_moving();
+  fresh_ = fresh_ || fresh;
+  if (tenth) look_after_markers(std::exchange(fresh_, false));
+}
+
+void RosOutputs::write_moving() {
+  if (clock_ && clock_.matched_count()) ++made_clock_, clock_.write({ros_header(shown_.stamp_ns, kWorldFrame).stamp});
+  if (tf_.matched_count()) write_tf();
+  if (pose_.matched_count()) write_pose();
+  if (wrench_.matched_count()) write_wrench();
 }
 
 void RosOutputs::follow_scene() {

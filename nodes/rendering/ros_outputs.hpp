@@ -16,6 +16,8 @@
 #include "nodes/bus/writer.hpp"
 #include "nodes/rendering/ros_markers.hpp"
 #include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/hundred_a_second.hpp"
+#include "nodes/runtime/spsc_queue.hpp"
 
 namespace voxtouch::rendering_node {
 
@@ -50,10 +52,11 @@ class RosOutputs {
   RosOutputs(const RosOutputs&) = delete;
   RosOutputs& operator=(const RosOutputs&) = delete;
 
-  /// From the loop; real-time safe.
+  /// From the loop; real-time safe. A sample that is due waits here until it is written, however late that is; where 64 wait, the next is left out.
   void show(Shown shown) noexcept {
+    if (!regular_.is_due(runtime::monotonic_ns())) return;
     if (mode_ == qos::TimeMode::kRealTime) shown.stamp_ns = runtime::realtime_ns();
-    latest_.put(shown);
+    due_.push(shown);
   }
   /// The same: ten times a second, while somebody draws them.
   bool wants_points() const noexcept { return wants_points_.load(std::memory_order_relaxed); }
@@ -73,6 +76,7 @@ class RosOutputs {
   void run();
   void turn(bool tenth);
   void follow_scene();
+  void write_moving();
   void write_pose();
   void write_wrench();
   void write_tf();
@@ -91,7 +95,8 @@ class RosOutputs {
   bus::Writer<msg::geometry_msgs_PoseStamped> pose_;
   bus::Writer<msg::geometry_msgs_WrenchStamped> wrench_;
   bus::Writer<msg::visualization_msgs_MarkerArray> markers_;
-  LatestValue<Shown> latest_;
+  runtime::HundredASecond regular_;  ///< of the loop alone
+  runtime::SpscQueue<Shown, 64> due_;
   LatestValue<ShownPoints> latest_points_;
   std::atomic<bool> wants_points_{false};
   std::atomic<std::uint64_t> made_tf_{0}, made_tf_static_{0}, made_clock_{0}, made_pose_{0}, made_wrench_{0}, made_markers_{0};
@@ -99,7 +104,7 @@ class RosOutputs {
   // Of the thread alone.
   scene::Scene scene_;
   Shown shown_;
-  bool has_shown_ = false;
+  bool fresh_ = false;  ///< `shown_` is newer than the last markers
   std::optional<bus::Reader<msg::ForceCommand>> commands_;  ///< while somebody draws forces
   std::optional<Vec3> returned_;
   MarkerRounds rounds_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
@@ -23,6 +24,7 @@ namespace result = msg::effect_changed;
 constexpr std::size_t kMaxNameBytes = 64;
 /// What waits for a sample holds up all that is asked for later: no longer than a person would wait.
 constexpr double kMaxWaitS = 10.0;
+constexpr const char* kTooMany = "too many changes wait already; wait for their answers";
 
 bool too_long(const char* text) { return text && ::strnlen(text, kMaxNameBytes + 1) > kMaxNameBytes; }
 std::string_view view(const char* text) { return text ? text : ""; }
@@ -37,6 +39,12 @@ std::string in_words(const msg::EffectChange& m) {
   }
 }
 
+/// Of a change that came by a service: as good as never that of another.
+std::uint64_t request_number() {
+  static thread_local std::random_device random;
+  return (std::uint64_t{random()} << 32U | random()) | 1U;
+}
+
 }  // namespace
 
 SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const Options& options, const scene::Scene& scene,
@@ -44,13 +52,16 @@ SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const 
                        std::function<void(std::uint64_t)> begun)
     : options_(options), line_(line), swapped_(std::move(swapped)),
       changes_(participant, qos::kEffectChange, options.rig, qos::profile_in(qos::kEffectChange, options.mode())),
+      asked_by_service_(participant, qos::kEffectChange, options.rig, qos::profile_in(qos::kEffectChange, options.mode())),
       answers_(participant, qos::kEffectChanged, options.rig, qos::profile_in(qos::kEffectChanged, options.mode())),
       plans_(participant, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
-      wait_set_(participant), scene_(scene), settled_(scene.effects), reach_(effects::at_rest(settled_)), begun_(std::move(begun)) {
+      wait_set_(participant), scene_(scene), settled_(scene.effects), reach_(effects::at_rest(settled_)), begun_(std::move(begun)),
+      services_(participant, options.rig, door()) {
   set_plan(*first);
   sum_up();
   scenes_.push_back(std::move(first));
   wait_set_.attach(changes_.condition());
+  services_.attach_to(wait_set_);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -63,7 +74,7 @@ SceneUpdateServer::~SceneUpdateServer() {
 void SceneUpdateServer::run() {
   runtime::ordinary_priority();
   while (!stop_.load(std::memory_order_acquire)) {
-    wait_set_.wait(outstanding_.empty() && !reload_ ? 20'000'000 : 1'000'000);
+    wait_set_.wait(outstanding_.empty() && !reload_ && !services_.waits() ? 20'000'000 : 1'000'000);
     try {
       cycle();
     } catch (const std::exception&) {
@@ -79,7 +90,37 @@ void SceneUpdateServer::cycle() {
   while (line_.next_report(report)) handle_report(report);
   look_after_build();
   if (remind_.exchange(false)) republish();
-  changes_.take_each([this](const msg::EffectChange& m) { receive(m); });
+  changes_.take_each([this, own = asked_by_service_.handle()](const msg::EffectChange& m, dds_instance_handle_t writer) {
+    if (writer != own) receive(m, {m.request, m.session_id, m.from_sample, {}});
+  });
+  services_.serve();
+}
+
+ChangeDoor SceneUpdateServer::door() {
+  return {[this](std::span<const msg::EffectChange> asked, bool together, const ChangeTold& told) { ask_for(asked, together, told); },
+          [this] { return parameters_of(scene_, settled_); }};
+}
+
+/// What came by a service goes on as if it had come as a message, and stands in bags as one.
+void SceneUpdateServer::ask_for(std::span<const msg::EffectChange> asked, bool together, const ChangeTold& told) {
+  std::vector<msg::EffectChange> all(asked.begin(), asked.end());
+  std::vector<Request> requests;
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    all[n].request = request_number();
+    asked_by_service_.write(all[n]);
+    requests.push_back({all[n].request, all[n].session_id, all[n].from_sample, in_words(all[n]),
+                        [told, n](bool done, std::uint64_t sample, const std::string& sentence) { told(n, done, sample, sentence); }});
+  }
+  if (!together) {
+    for (std::size_t n = 0; n < all.size(); ++n) receive(all[n], std::move(requests[n]));
+    return;
+  }
+  std::string why;
+  for (const msg::EffectChange& m : all)
+    if (why.empty()) why = m.action == kActionReload ? "a scene is built anew by itself, and not together with other changes" : why_not(m);
+  if (why.empty() && outstanding_.size() + all.size() > ChangeLine::kCapacity) why = kTooMany;
+  if (why.empty()) return receive_effects(all, std::move(requests));
+  for (const Request& request : requests) refuse(request, why);
 }
 
 /// The plan goes out first, for the coupling waits for it. Then what runs is held against the device, and what was asked for before
@@ -127,47 +168,54 @@ std::string SceneUpdateServer::why_not(const msg::EffectChange& m) const {
   if (m.from_sample > 0 && !outstanding_.empty() && m.from_sample < outstanding_.back().change.from_sample)
     return fmt::format("a change asked for earlier waits for sample {}, and changes are made in order",
                        outstanding_.back().change.from_sample);
-  if (outstanding_.size() >= ChangeLine::kCapacity) return "too many changes wait already; wait for their answers";
+  if (outstanding_.size() >= ChangeLine::kCapacity) return kTooMany;
   return {};
 }
 
-void SceneUpdateServer::receive(const msg::EffectChange& m) {
-  Request request{m.request, m.session_id, m.from_sample, {}};
+void SceneUpdateServer::receive(const msg::EffectChange& m, Request request) {
   if (answered_before(m.request)) return;
   if (const std::string why = why_not(m); !why.empty()) return refuse(request, why);
   request.what = in_words(m);
   if (m.action == kActionReload) return receive_reload(m, std::move(request));
-  receive_effect(m, std::move(request));
+  receive_effects(std::span(&m, 1), {std::move(request)});
 }
 
-void SceneUpdateServer::receive_effect(const msg::EffectChange& m, Request request) {
+/// All of them hold from the same sample, or are refused together. They ask for the same session and sample.
+void SceneUpdateServer::receive_effects(std::span<const msg::EffectChange> all, std::vector<Request> requests) {
+  const std::uint64_t from_sample = requests.front().from_sample;
+  std::string why;
   if (reload_ && reload_->from_sample > 0)
-    return refuse(request,
-                  fmt::format("the scene is being built anew for sample {}; ask again after it", reload_->from_sample));
-  if (options_.lockstep && request.from_sample > 0 && !pause_before(request))
-    return refuse(request, fmt::format("sample {} has passed", request.from_sample));
-  const std::string why = give(m, request);
-  line_.resume();
-  if (!why.empty()) return refuse(request, why);
-  if (outstanding_.back().change.from_sample > 0)
-    answer(request, result::kResultWaiting, outstanding_.back().change.from_sample, wait_text(request));
+    why = fmt::format("the scene is being built anew for sample {}; ask again after it", reload_->from_sample);
+  else if (options_.lockstep && from_sample > 0 && !pause_before(requests.front()))
+    why = fmt::format("sample {} has passed", from_sample);
+  else
+    why = give(all, requests), line_.resume();
+  for (const Request& request : requests) {
+    if (!why.empty())
+      refuse(request, why);
+    else if (outstanding_.back().change.from_sample > 0)
+      answer(request, result::kResultWaiting, outstanding_.back().change.from_sample, wait_text(request));
+  }
 }
 
 /// Judges and hands over to the loop; a sentence why not.
-std::string SceneUpdateServer::give(const msg::EffectChange& m, const Request& request) {
+std::string SceneUpdateServer::give(std::span<const msg::EffectChange> all, std::span<const Request> requests) {
   Next after = next();
-  const auto command = effects::judge(after.effects, {.action = effect_action(m.action),
-                                             .effect = view(m.effect),
-                                             .parameter = view(m.parameter),
-                                             .value = {m.value[0], m.value[1], m.value[2]}});
-  if (!command) return command.error();
-  effects::EffectSpec& effect = after.effects[command->effect];
-  voxtouch::effects::carry_out(effect, *command);
-  after.reach[command->effect].widen(effect);
+  std::vector<effects::EffectRequest> asked;
+  for (const msg::EffectChange& m : all)
+    asked.push_back({.action = effect_action(m.action), .effect = view(m.effect), .parameter = view(m.parameter), .value = {m.value[0], m.value[1], m.value[2]}});
+  const auto commands = effects::judge(after.effects, asked);
+  if (!commands) return commands.error();
+  std::vector<Outstanding> outstanding;
+  for (const effects::EffectCommand& command : *commands) {
+    effects::EffectSpec& effect = after.effects[command.effect];
+    voxtouch::effects::carry_out(effect, command);
+    after.reach[command.effect].widen(effect);
+    outstanding.push_back({requests[outstanding.size()], {}});
+    outstanding.back().change.effect = command;
+  }
   if (std::string why = on_device_.why_not(after.scene, after.contact_alone, after.reach); !why.empty()) return why;
-  Outstanding asked{request, {}};
-  asked.change.effect = *command;
-  return ask(std::move(asked)) ? "" : "too many changes wait already; wait for their answers";
+  return ask(std::move(outstanding)) ? "" : kTooMany;
 }
 
 /// Lockstep: from here on the loop answers no sample from the request's on. False, and nothing pauses, where it has passed.
@@ -203,18 +251,24 @@ SceneUpdateServer::Next SceneUpdateServer::next() const {
   return all;
 }
 
-/// False where the loop's queue is full.
-bool SceneUpdateServer::ask(Outstanding&& asked) {
-  asked.change.ticket = ticket_ + 1;
-  asked.change.epoch = epoch_;
-  asked.change.session = asked.request.session;
-  asked.change.from_sample = asked.request.from_sample;
+/// All of `asked` are made in the same sample. False where the loop's queue has no room for them.
+bool SceneUpdateServer::ask(std::vector<Outstanding> asked) {
+  std::vector<Change> changes;
+  for (Outstanding& one : asked) {
+    one.change.ticket = ticket_ + 1 + changes.size();
+    one.change.epoch = epoch_;
+    one.change.session = one.request.session;
+    one.change.from_sample = one.request.from_sample;
+    one.change.following = static_cast<std::uint32_t>(asked.size() - 1 - changes.size());
+    changes.push_back(one.change);
+  }
   // One that goes at once goes after what waits; in the report it then stands for the same sample.
-  if (!line_.ask(asked.change)) return false;
-  if (asked.change.from_sample == 0 && !outstanding_.empty())
-    asked.change.from_sample = outstanding_.back().change.from_sample;
-  ++ticket_;
-  outstanding_.push_back(std::move(asked));
+  if (!line_.ask(changes)) return false;
+  ticket_ += changes.size();
+  for (Outstanding& one : asked) {
+    if (one.change.from_sample == 0 && !outstanding_.empty()) one.change.from_sample = outstanding_.back().change.from_sample;
+    outstanding_.push_back(std::move(one));
+  }
   return true;
 }
 
@@ -286,8 +340,9 @@ void SceneUpdateServer::look_after_build() {
     return refuse(request, "the old scene goes on: " + result.refusal);
   }
   result.built->scene_renderer().effects() = effects::EffectChain(effects);
-  Outstanding asked{request, {}, std::move(result.scene), std::move(effects)};
-  asked.change.scene = result.built.get();
+  std::vector<Outstanding> asked;
+  asked.push_back({request, {}, std::move(result.scene), std::move(effects)});
+  asked.front().change.scene = result.built.get();
   scenes_.push_back(std::move(result.built));
   ask(std::move(asked));  // nothing else is there: it has room
   line_.resume();
@@ -367,8 +422,11 @@ void SceneUpdateServer::applied(Outstanding& done, std::uint64_t sample) {
     voxtouch::effects::carry_out(effect, done.change.effect);
     reach_[done.change.effect.effect].widen(effect);
   }
-  show(sample, done.change.scene != nullptr);
   done_.fetch_add(1);
+  if (done.change.following == 0) {  // what is made together is shown as a whole: its parts by themselves nobody has judged
+    show(sample, done.change.scene != nullptr);
+    services_.parameters_changed();
+  }
   answer(done.request, result::kResultDone, sample,
          fmt::format("{}: holds from sample {} on", done.request.what, sample));
   line_.settle(done.change.ticket);
@@ -412,6 +470,7 @@ void SceneUpdateServer::answer(const Request& request, std::uint32_t result, std
   answered_.push_back({request.id, sample, result, sentence});
   if (answered_.size() > kRemembered) answered_.pop_front();
   send(answered_.back());
+  if (request.told && result != result::kResultWaiting) request.told(result == result::kResultDone, sample, sentence);
 }
 
 void SceneUpdateServer::refuse(const Request& request, const std::string& sentence) {
@@ -423,7 +482,8 @@ runtime::Figures SceneUpdateServer::figures() const {
   return {{"warnings", {warnings_.load(), "warnings"}},
           {"changes", {done_.load(), "changes"}},
           {"refused_changes", {refused_.load(), "changes"}},
-          {"reloads", {reloads_.load(), "reloads"}}};
+          {"reloads", {reloads_.load(), "reloads"}},
+          {"refused_requests", {services_.refused(), "requests"}}};
 }
 
 std::string SceneUpdateServer::refusal() const {

@@ -18,6 +18,7 @@
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/rendering/change_line.hpp"
+#include "nodes/rendering/effect_services.hpp"
 #include "nodes/rendering/rendering_node.hpp"
 #include "nodes/runtime/figure.hpp"
 
@@ -29,9 +30,9 @@ struct DescribedDevice {
   coupling::design::DeviceModel model;
 };
 
-/// A thread of ordinary priority that reads `rendering/change`, judges by its own copy of what the effects are set to and by the
-/// device that was described, builds scenes, frees them, and publishes the plan. The loop meets it only at `line` and at
-/// `device_is`, and waits for it at neither.
+/// A thread of ordinary priority that reads `rendering/change` and answers the rendering's services, judges by its own copy of what the effects are
+/// set to and by the device that was described, builds scenes, frees them, and publishes the plan. What comes by a service is written
+/// on `rendering/change` as well, so that a bag has every change. The loop meets it only at `line` and at `device_is`, and waits for it at neither.
 class SceneUpdateServer {
  public:
   /// `first` is the scene that runs, built from `scene`. Both functions are called from the update server's thread: `swapped` is told of a
@@ -63,6 +64,7 @@ class SceneUpdateServer {
   struct Request {  ///< what of an EffectChange is needed later
     std::uint64_t id = 0, session = 0, from_sample = 0;
     std::string what;  ///< for the answer: "'viscosity' off"
+    std::function<void(bool done, std::uint64_t from_sample, const std::string& sentence)> told = {};  ///< the last word, for who asked by a service
   };
   struct Answered {
     std::uint64_t id = 0, sample = 0;
@@ -91,10 +93,12 @@ class SceneUpdateServer {
 
   void run();
   void cycle();
-  void receive(const msg::EffectChange& m);
+  ChangeDoor door();
+  void ask_for(std::span<const msg::EffectChange> asked, bool together, const ChangeTold& told);
+  void receive(const msg::EffectChange& m, Request request);
   std::string why_not(const msg::EffectChange& m) const;
-  void receive_effect(const msg::EffectChange& m, Request request);
-  std::string give(const msg::EffectChange& m, const Request& request);
+  void receive_effects(std::span<const msg::EffectChange> all, std::vector<Request> requests);
+  std::string give(std::span<const msg::EffectChange> all, std::span<const Request> requests);
   bool pause_before(const Request& request);
   std::string wait_text(const Request& request) const;
   void receive_reload(const msg::EffectChange& m, Request request);
@@ -102,7 +106,7 @@ class SceneUpdateServer {
   void look_after_build();
   void handle_report(const ChangeReport& report);
   void applied(Outstanding& done, std::uint64_t sample);
-  bool ask(Outstanding&& asked);
+  bool ask(std::vector<Outstanding> asked);
   Next next() const;
   void look_after_device();
   void judge_outstanding();
@@ -120,6 +124,7 @@ class SceneUpdateServer {
   ChangeLine& line_;
   std::function<void(const scene::Scene&)> swapped_;
   bus::Reader<msg::EffectChange> changes_;
+  bus::Writer<msg::EffectChange> asked_by_service_;  ///< what `changes_` passes over
   bus::Writer<msg::EffectChanged> answers_;
   bus::Writer<msg::ScenePlan> plans_;
   bus::WaitSet wait_set_;
@@ -148,6 +153,7 @@ class SceneUpdateServer {
   std::atomic<std::size_t> warnings_{0};
   std::atomic<std::uint64_t> done_{0}, refused_{0}, reloads_{0};
   std::atomic<bool> stop_{false}, remind_{false};
+  EffectServices services_;
   std::thread thread_;
 };
 

@@ -92,8 +92,12 @@ class Run {
       const RecordedChange& made = recording_.changes[next_change_];
       const bool before = made.session == 0, past = sample_of_other(made.session, session);
       if (!before && !past && (made.session != session || !sample || made.from_sample > *sample)) return;
-      apply(made);
-      if (sample) coupling_.contact_shows(made.from_sample, rendering_.bounds(), rendering_.demand());
+      const auto last = std::find_if(recording_.changes.begin() + static_cast<std::ptrdiff_t>(next_change_), recording_.changes.end(), [&](const RecordedChange& c) {
+        return c.session != made.session || c.from_sample != made.from_sample;
+      });
+      const std::span together(&made, static_cast<std::size_t>(last - recording_.changes.begin()) - next_change_);
+      apply(together);
+      if (sample && together.size() == 1) coupling_.contact_shows(made.from_sample, rendering_.bounds(), rendering_.demand());
     }
   }
   /// Of a session that has ended in the bag before its change was reached.
@@ -102,12 +106,14 @@ class Run {
     return of != 0 && of != now && place(of) < place(now);
   }
 
-  void apply(const RecordedChange& made) {
+  /// The first of those that hold from the same sample on.
+  void apply(std::span<const RecordedChange> together) {
+    const RecordedChange& made = together.front();
     ++out_.changes;
     if (!made.asked)
       return out_.missing.push_back(fmt::format("The change that holds from sample {} on (\"{}\") was answered, and what was asked for is not in the bag: from there on bits cannot "
                                                 "be compared.", made.from_sample, made.sentence));
-    if (const std::string why = rendering_.apply(made); !why.empty())
+    if (const std::string why = rendering_.apply(together); !why.empty())
       return out_.missing.push_back(fmt::format("The change that holds from sample {} on (\"{}\") cannot be made again: {}", made.from_sample, made.sentence, why));
     if (made.action != msg::effect_change::kActionReload) return;
     const auto plan = std::ranges::find_if(recording_.plans, [&](const RecordedPlan& p) { return p.session == made.session && p.from_sample == made.from_sample; });

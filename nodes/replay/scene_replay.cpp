@@ -37,20 +37,24 @@ void SceneReplay::sum_up() {
 
 fitting::DeviceDemand SceneReplay::demand() const { return fitting::demand_of(scene_, effects::at_rest(settled_)); }
 
-std::string SceneReplay::apply(const RecordedChange& change) {
-  std::string why = change.action == msg::effect_change::kActionReload ? reload(change) : change_effect(change);
+std::string SceneReplay::apply(std::span<const RecordedChange> changes) {
+  const RecordedChange& change = changes.front();
+  std::string why = change.action == msg::effect_change::kActionReload ? reload(change) : change_effect(changes);
   sum_up();
   return why;
 }
 
-std::string SceneReplay::change_effect(const RecordedChange& change) {
-  const auto command = effects::judge(settled_, {.action = rendering_node::effect_action(change.action),
-                                                 .effect = change.effect,
-                                                 .parameter = change.parameter,
-                                                 .value = change.value});
-  if (!command) return command.error();
-  renderer_.live().effects().carry_out(*command);
-  effects::carry_out(settled_[command->effect], *command);
+std::string SceneReplay::change_effect(std::span<const RecordedChange> changes) {
+  std::vector<effects::EffectRequest> requests;
+  for (const RecordedChange& change : changes) {
+    if (!change.asked || change.action == msg::effect_change::kActionReload) break;
+    requests.push_back({.action = rendering_node::effect_action(change.action), .effect = change.effect, .parameter = change.parameter, .value = change.value});
+  }
+  const auto commands = effects::judge(settled_, requests);
+  if (!commands) return commands.error();
+  const effects::EffectCommand& command = commands->front();
+  renderer_.live().effects().carry_out(command);
+  effects::carry_out(settled_[command.effect], command);
   return {};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// The rendering of a recorded run once more: scene, effects as they were set, and each sample through them.
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,9 @@ class SceneReplay {
 
   /// `begin_ns`: as SampleRenderer::begin_session.
   void begin_session(const coupling::design::DeviceModel& device, std::optional<std::int64_t> begin_ns);
-  /// From the next sample on. A sentence why it could not be made; empty: it was. Builds the scene where that was asked for.
-  std::string apply(const RecordedChange& change);
+  /// The first of `changes`, which hold from the same sample on. They may have been made together: it is judged by where all of them lead. A
+  /// sentence why it could not be made; empty: it was. Builds the scene where that was asked for.
+  std::string apply(std::span<const RecordedChange> changes);
   /// The effect `external` is given this, and `next` is the first sample to see it.
   void take_external(const msg::ExternalSample& sample, const msg::DeviceState& next) noexcept;
   /// `time_spent_ns` is 0.
@@ -34,7 +36,7 @@ class SceneReplay {
   const std::string& scene_hash() const noexcept { return scene_.hash; }
 
  private:
-  std::string change_effect(const RecordedChange& change);
+  std::string change_effect(std::span<const RecordedChange> changes);
   std::string reload(const RecordedChange& change);
   void sum_up();
 

@@ -1,5 +1,7 @@
 #pragma once
 /// Messages to core values and back; field by field, nothing computed. Real-time safe.
+#include <cstdint>
+
 #include "core/types/geometry.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
@@ -13,6 +15,10 @@ inline Pose from_msg(const msg::geometry_msgs_Pose& p) noexcept {
 inline Twist from_msg(const msg::geometry_msgs_Twist& t) noexcept { return {from_msg(t.linear), from_msg(t.angular)}; }
 inline Wrench from_msg(const msg::geometry_msgs_Wrench& w) noexcept { return {from_msg(w.force), from_msg(w.torque)}; }
 
+/// `ns` since 1970, 0 at least.
+inline msg::builtin_interfaces_Time to_time(std::int64_t ns) noexcept {
+  return {static_cast<std::int32_t>(ns / 1'000'000'000), static_cast<std::uint32_t>(ns % 1'000'000'000)};
+}
 inline msg::geometry_msgs_Vector3 to_vector(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
 inline msg::geometry_msgs_Point to_point(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
 inline msg::geometry_msgs_Pose to_msg(const Pose& p) noexcept {

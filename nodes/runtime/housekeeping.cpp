@@ -20,7 +20,7 @@ constexpr std::int64_t kStatusPeriodNs = 75'000'000;
 Housekeeping::Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
                            std::function<void(NodeRegistry&, NodeReport&)> look, std::vector<Watched> watched)
     : options_(options), node_(node), writer_(participant, std::move(node), options.rig),
-      registry_(participant, options.rig), look_(std::move(look)), watched_(std::move(watched)),
+      registry_(participant, options.rig), life_cycle_(participant, node_, options.rig), ros_log_(participant, node_, options.rig), look_(std::move(look)), watched_(std::move(watched)),
       own_(participant.guid()) {
   turn();
   thread_ = std::thread([this] {
@@ -99,6 +99,12 @@ void Housekeeping::watch_others(NodeReport& report) {
   peer_lost_.store(true, std::memory_order_relaxed);
 }
 
+/// What it says anew, and to who has just come what it said last.
+void Housekeeping::tell_ros(const NodeReport& report) {
+  life_cycle_.serve(report.state);
+  if (ros_log_.reader_came() || report.message != last_.message) ros_log_.say(report.state, report.message);
+}
+
 void Housekeeping::turn() {
   registry_.update([this](const NodeReport& report) { return partners_.contains(report.participant); });
   NodeReport report = last_;
@@ -111,14 +117,15 @@ void Housekeeping::turn() {
   if (const std::uint64_t lost = log::texts_lost()) report.figures["lost_texts"] = {lost, "texts"};
   watch_own(report);
   watch_others(report);
+  tell_ros(report);
   const bool announce = options_.announce && report.message != last_.message;
   const std::int64_t now = monotonic_ns();
   const bool changed =
       report.state != last_.state || report.session_id != last_.session_id || report.message != last_.message;
   if (!changed && last_publish_ns_ != 0 && now - last_publish_ns_ < kStatusPeriodNs) return;
-  const bool tell_ros = changed || now - last_ros_ns_ >= 1'000'000'000;
-  if (tell_ros) last_ros_ns_ = now;
-  writer_.publish(report, tell_ros);
+  const bool diagnose = changed || now - last_ros_ns_ >= 1'000'000'000;
+  if (diagnose) last_ros_ns_ = now;
+  writer_.publish(report, diagnose);
   last_ = std::move(report);
   if (announce) log::tell("{}: {}\n", node_, last_.message);  // after the report itself: that one is for the other nodes
   if (rate_lines_ && last_.state == NodeState::kRunning && now - last_line_ns_ >= 1'000'000'000) {

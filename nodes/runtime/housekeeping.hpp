@@ -1,6 +1,6 @@
 #pragma once
-/// The slow half of a node: a thread of ordinary priority that reports ten times a second, so that the loop never has to, and tells who
-/// hangs: another node, or its own loop.
+/// The slow half of a node: a thread of ordinary priority that reports ten times a second, so that the loop never has to, tells who
+/// hangs: another node, or its own loop, and tells ROS tools state and sentences of the node.
 #include <atomic>
 #include <functional>
 #include <mutex>
@@ -8,8 +8,10 @@
 #include <thread>
 
 #include "nodes/log/tell.hpp"
+#include "nodes/runtime/life_cycle.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/node_registry.hpp"
+#include "nodes/runtime/ros_log.hpp"
 
 namespace voxtouch::runtime {
 
@@ -40,11 +42,14 @@ class Housekeeping {
   void watch_own(NodeReport& report);
   void watch_others(NodeReport& report);
   void turn_or_skip() noexcept;
+  void tell_ros(const NodeReport& report);
 
   const NodeOptions& options_;
   std::string node_;
   StatusWriter writer_;
   NodeRegistry registry_;
+  LifeCycle life_cycle_;
+  RosLog ros_log_;
   std::function<void(NodeRegistry&, NodeReport&)> look_;
   WatchClock clock_;
   std::vector<Watched> watched_;

@@ -1,5 +1,6 @@
 #include "nodes/runtime/main.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <sstream>
 
@@ -7,9 +8,17 @@
 
 #include "core/types/version.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/runtime/ros_arguments.hpp"
 #include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::runtime {
+
+void parse(CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> words = without_ros_arguments(argc, argv);
+  std::ranges::reverse(words);  // as CLI11 takes them
+  app.name(argc > 0 ? argv[0] : "");
+  app.parse(std::move(words));
+}
 
 int explain(const CLI::App& app, const CLI::ParseError& error) noexcept {
   try {
@@ -36,7 +45,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   configure(app);
   log::guard_standard_streams();
   try {
-    app.parse(argc, argv);
+    parse(app, argc, argv);
   } catch (const CLI::ParseError& error) {
     return explain(app, error);
   }

@@ -21,6 +21,8 @@ struct Program {
   bool in_ring = true;     ///< asks for real-time scheduling; a tap does not
 };
 
+/// Parses `argv`, of which ROS may have written a part (ros_arguments.hpp). Throws CLI::ParseError.
+void parse(CLI::App& app, int argc, char** argv);
 /// What a command line that asks for help or has a fault leads to: text for a person, and the exit status.
 int explain(const CLI::App& app, const CLI::ParseError& error) noexcept;
 

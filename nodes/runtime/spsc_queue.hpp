@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <span>
 
 namespace voxtouch::runtime {
 
@@ -11,11 +12,13 @@ template <class T, std::size_t kCapacity>
 class SpscQueue {
  public:
   /// False, and nothing happened, where it is full.
-  bool push(const T& value) noexcept {
-    const std::size_t end = end_.load(std::memory_order_relaxed);
-    if (end - begin_.load(std::memory_order_acquire) == kCapacity) return false;
-    slots_[end % kCapacity] = value;
-    end_.store(end + 1, std::memory_order_release);
+  bool push(const T& value) noexcept { return push(std::span(&value, 1)); }
+  /// All of them or none: the other thread sees no part.
+  bool push(std::span<const T> values) noexcept {
+    if (room() < values.size()) return false;
+    std::size_t end = end_.load(std::memory_order_relaxed);
+    for (const T& value : values) slots_[end++ % kCapacity] = value;
+    end_.store(end, std::memory_order_release);
     return true;
   }
   /// The oldest, null where there is none; stays where it is until `pop`.

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "qos/topics.hpp"
+#include "qos/services.hpp"
 
 namespace voxtouch::security {
 namespace {
@@ -18,7 +18,7 @@ qos::Nodes node_of(std::string_view role) {
 
 bool writes(std::string_view role, const qos::Topic& topic) {
   if (role == kLauncher) return topic.writers == qos::kEveryNode;
-  if (role == kTool) return topic.writers == qos::kNobody;
+  if (role == kTool) return topic.writers == qos::kNobody || (topic.writers & qos::kAnybody) != 0;
   return (topic.writers & node_of(role)) != 0;
 }
 
@@ -77,6 +77,13 @@ std::string permissions(std::string_view role, std::string_view rig, std::string
     if (writes(role, topic)) written.push_back(qos::dds_name(topic, rig));
     if (!reads_all(role) && (topic.readers & node_of(role)) != 0) read.push_back(qos::dds_name(topic, rig));
   }
+  for (const qos::Service& service : qos::kServices)
+    for (const std::string& node : qos::names_of(service.servers)) {
+      if (role == kTool) written.push_back(qos::request_name(service, rig, node));
+      if (role != node) continue;
+      written.push_back(qos::reply_name(service, rig, node));
+      if (!reads_all(role)) read.push_back(qos::request_name(service, rig, node));
+    }
   return fmt::format(R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds><permissions><grant name="{0}">
   <subject_name>CN={0}</subject_name>

@@ -9,7 +9,7 @@
 #include "nodes/security/documents.hpp"
 #include "nodes/security/key_folder.hpp"
 #include "nodes/security/make_keys.hpp"
-#include "qos/topics.hpp"
+#include "qos/services.hpp"
 #include "tests/support/process/process.hpp"
 
 namespace voxtouch::security {
@@ -86,8 +86,21 @@ TEST(Permissions, AreThoseOfTheTableOfTopics) {
       EXPECT_TRUE((topic.readers & bit) == 0 || half(text, "subscribe").contains(name) || half(text, "subscribe").contains("<topic>*<")) << role << name;
     }
     EXPECT_EQ(half(of("tool"), "publish").contains(name), topic.path == "rendering/change" || topic.path == "recover" || topic.path == "external") << name;
-    EXPECT_EQ(half(of("up"), "publish").contains(name), topic.path == "node_status" || topic.path == "diagnostics") << name;
+    EXPECT_EQ(half(of("up"), "publish").contains(name), topic.path == "node_status" || topic.path == "diagnostics" || topic.path == "rosout") << name;
   }
+  const auto named = [](const std::string& name) { return "<topic>" + name + "</topic>"; };
+  for (const qos::Service& service : qos::kServices)
+    for (const std::string& node : qos::names_of(service.servers)) {
+      const std::string asked = named(qos::request_name(service, "left", node)), answered = named(qos::reply_name(service, "left", node));
+      EXPECT_TRUE(half(of(node), "publish").contains(answered)) << answered;
+      EXPECT_TRUE(half(of(node), "subscribe").contains(asked) || half(of(node), "subscribe").contains("<topic>*<")) << asked;
+      EXPECT_TRUE(half(of("tool"), "publish").contains(asked)) << asked;
+      for (const std::string& other : roles()) {
+        if (other == node) continue;
+        EXPECT_FALSE(half(of(other), "publish").contains(answered)) << other << " answers as " << node;
+        EXPECT_EQ(half(of(other), "publish").contains(asked), other == "tool") << other << asked;
+      }
+    }
   int commanding = 0;
   for (const std::string& role : roles()) commanding += half(of(role), "publish").contains("coupling/command");
   EXPECT_EQ(commanding, 1) << "the coupling alone commands";

@@ -104,6 +104,23 @@ TEST(EffectChange, RefusesWithASentenceWhateverCannotRun) {
   EXPECT_FALSE(judge({}, gain(1.0)).has_value());
 }
 
+TEST(EffectChange, JudgesWhatIsMadeTogetherByWhereItLeads) {
+  const auto together = [](const std::vector<EffectRequest>& requests) { return judge(two_pushes(), requests); };
+  const EffectRequest low = value("low", {5.0}), high = value("high", {6.0});
+  EXPECT_NE(why_not(low), "") << "above the `high` of 2";
+  for (const auto& both : {std::vector{low, high}, std::vector{high, low}}) {
+    const auto judged = together(both);
+    ASSERT_TRUE(judged) << judged.error();
+    EXPECT_EQ(judged->size(), 2U);
+  }
+  EXPECT_EQ(together({low, value("high", {4.0})}).error(), "'low' must not be above 'high'");
+  EXPECT_EQ(together({high, gain(1.5)}).error(), why_not(gain(1.5)));
+  EXPECT_EQ(together({gain(0.5), value("force_n", {kNan})}).error(), why_not(value("force_n", {kNan})));
+  EXPECT_FALSE(together({value("turning_nm", {0.5}), high})) << "torque was not built";
+  EXPECT_FALSE(together({value("high", {9.5}), gain(0.5)})) << "nothing bounds the stiffness";
+  EXPECT_TRUE(together({}));
+}
+
 TEST(EffectChange, QuotesNothingThatATerminalWouldObey) {
   const std::string quote = quotable("a\x1b[2J\n" + std::string(500, 'x'));
   EXPECT_EQ(quote.substr(0, 6), "a?[2J?");

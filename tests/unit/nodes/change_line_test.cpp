@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <thread>
 
 #include "core/scene/scene_file.hpp"
@@ -109,6 +110,39 @@ TEST_F(ChangeLineTest, RefusesASampleThatHasPassedAndWhatWasJudgedByIt) {
   ask(3, 0, 0.5);
   line_.apply_due(*live_, 5, true);
   EXPECT_EQ(gain(), 0.5) << "judged anew, it runs";
+}
+
+TEST_F(ChangeLineTest, MakesWhatBelongsTogetherInOneSampleOrNotAtAll) {
+  const auto pair = [&](std::uint64_t ticket, std::uint64_t from_sample, double gain) {
+    std::array<Change, 2> both{Change{.ticket = ticket, .from_sample = from_sample, .epoch = epoch_, .following = 1, .effect = {}},
+                               Change{.ticket = ticket + 1, .from_sample = from_sample, .epoch = epoch_, .effect = {}}};
+    both[0].effect = {.action = effects::EffectAction::kGain, .value = {gain, 0.0, 0.0}};
+    both[1].effect = {.action = effects::EffectAction::kSwitch, .value = {0.0, 0.0, 0.0}};
+    return line_.ask(both);
+  };
+  ASSERT_TRUE(pair(1, 3, 0.25));
+  line_.apply_due(*live_, 4, true);
+  for (const ChangeReport& late : reports()) EXPECT_EQ(late.what, What::kLate);
+  ASSERT_TRUE(pair(3, 0, 0.25));
+  line_.cancel(3);
+  line_.apply_due(*live_, 5, true);
+  EXPECT_EQ(reports().size(), 2U);
+  EXPECT_EQ(gain(), 1.0);
+  EXPECT_TRUE(live_->effects().spec(0).on) << "what stands behind a change that is dropped is dropped with it";
+
+  // Nobody takes the reports: all but two places are full, and each of the pair needs one, with one to spare.
+  std::uint64_t ticket = 5, sample = 10;
+  for (std::size_t n = 0; n < 4 * ChangeLine::kCapacity - 2; ++n, ++ticket) ask(ticket, 0, 0.5), line_.apply_due(*live_, sample++, true);
+  ASSERT_TRUE(pair(ticket, 0, 0.125));
+  line_.apply_due(*live_, sample++, true);
+  EXPECT_EQ(gain(), 0.5) << "half a pair was made";
+  (void)reports();
+  line_.apply_due(*live_, sample, true);
+  EXPECT_EQ(gain(), 0.125);
+  EXPECT_FALSE(live_->effects().spec(0).on);
+  for (const ChangeReport& made : reports()) EXPECT_TRUE(made.what == What::kApplied && made.sample == sample);
+  for (std::size_t n = 0; n + 1 < ChangeLine::kCapacity; ++n) ask(ticket + 2 + n);
+  EXPECT_FALSE(pair(ticket + 100, 0, 0.0)) << "the queue has room for one";
 }
 
 TEST_F(ChangeLineTest, AnotherSessionDropsWhatWaitsForTheLastOnesSamples) {

@@ -1,0 +1,26 @@
+#pragma once
+/// An arm as a chain of turning joints, for who draws it: ROS's robot description.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/types/geometry.hpp"
+
+namespace voxtouch::arm {
+
+struct ArmJoint {
+  std::string_view name;
+  Pose origin;  ///< of the joint's link in that of the link before, at an angle of 0; it turns about its own z
+  double low_rad = 0.0, high_rad = 0.0, velocity_rad_s = 0.0, torque_nm = 0.0;  ///< limits
+};
+
+struct ArmDescription {
+  std::string_view model;        ///< "lwr"
+  std::vector<ArmJoint> joints;  ///< from the base B on, in the order of the driver's numbers
+  Pose flange;                   ///< in the last joint's link
+};
+
+/// The same as URDF: links <model>_base, <model>_link1 and so on, <model>_flange. Each link is drawn as a cylinder to the next.
+std::string to_urdf(const ArmDescription& arm);
+
+}  // namespace voxtouch::arm

@@ -1,0 +1,72 @@
+#pragma once
+/// Joints of an arm, for ROS tools: /joint_states, and the arm itself as /robot_description. Written only while somebody reads them.
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <thread>
+
+#include "devices/arm/arm_description.hpp"
+#include "devices/driver.hpp"
+#include "nodes/bus/writer.hpp"
+#include "nodes/runtime/hundred_a_second.hpp"
+#include "nodes/runtime/spsc_queue.hpp"
+
+namespace voxtouch::device_node {
+
+class JointOutputs {
+ public:
+  JointOutputs(const bus::Participant& participant, const std::string& rig, const arm::ArmDescription& arm, qos::TimeMode mode);
+  ~JointOutputs();
+  JointOutputs(const JointOutputs&) = delete;
+  JointOutputs& operator=(const JointOutputs&) = delete;
+
+  /// From the loop: angles [rad] of the sample at `sample_ns`, the device's clock. Real-time safe.
+  void show(std::span<const double> joints, std::int64_t sample_ns) noexcept;
+
+ private:
+  static constexpr std::size_t kMostJoints = 8;
+  struct Moment {
+    std::int64_t stamp_ns = 0;
+    std::array<double, kMostJoints> at{};
+    std::uint32_t count = 0;
+  };
+  void run();
+  void write(const Moment& moment);
+
+  const std::string urdf_;
+  std::vector<std::string> names_;
+  const qos::TimeMode mode_;
+  bus::Writer<msg::sensor_msgs_JointState> states_;
+  bus::Writer<msg::std_msgs_String> description_;
+  runtime::HundredASecond regular_;
+  runtime::SpscQueue<Moment, 64> due_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// A driver whose joints are shown; all else is the driver's own.
+class ShownDriver final : public devices::Driver {
+ public:
+  ShownDriver(std::unique_ptr<devices::Driver> driver, JointOutputs& outputs) : driver_(std::move(driver)), outputs_(outputs) {}
+  const DeviceDescription& description() const noexcept override { return driver_->description(); }
+  devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds timeout) noexcept override {
+    auto sample = driver_->read(timeout);
+    if (sample && sample->pose_valid) outputs_.show(driver_->joints(), sample->time_ns);
+    return sample;
+  }
+  devices::DeviceResult<void> write(const Wrench& command) noexcept override { return driver_->write(command); }
+  void stop() noexcept override { driver_->stop(); }
+  bool simulated() const noexcept override { return driver_->simulated(); }
+  std::string trouble() const override { return driver_->trouble(); }
+  const arm::ArmDescription* arm_description() const noexcept override { return driver_->arm_description(); }
+  std::span<const double> joints() const noexcept override { return driver_->joints(); }
+
+ private:
+  std::unique_ptr<devices::Driver> driver_;
+  JointOutputs& outputs_;
+};
+
+}  // namespace voxtouch::device_node

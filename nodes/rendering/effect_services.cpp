@@ -1,0 +1,245 @@
+#include "nodes/rendering/effect_services.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/strings.hpp"
+
+namespace voxtouch::rendering_node {
+namespace {
+
+/// Requests of one service in one turn, so that none keeps the others waiting.
+constexpr int kMostATurn = 64;
+
+template <class Sequence>
+auto all_of(const Sequence& sequence) {
+  return std::span(sequence._buffer, sequence._length);
+}
+/// A sequence over the elements of a vector, which keeps them.
+template <class Sequence, class Element>
+void lend(Sequence& sequence, std::vector<Element>& elements) {
+  sequence._buffer = elements.data();
+  sequence._length = sequence._maximum = static_cast<std::uint32_t>(elements.size());
+}
+
+template <class Texts>
+std::vector<std::string> texts_of(const Texts& texts) {
+  return {texts._buffer, texts._buffer + texts._length};
+}
+
+// What DDS asks about each request before it stores it.
+template <class Texts>
+bool names_fit(const Texts& names) {
+  return names._length <= EffectServices::kMostNames && std::ranges::all_of(all_of(names), [](const char* name) { return fits(name); });
+}
+template <class Request>
+bool has_fitting_names(const Request& request) {
+  return names_fit(request.names);
+}
+bool has_fitting_prefixes(const msg::rcl_interfaces_ListParameters::Request& request) { return names_fit(request.prefixes); }
+template <class Request>
+bool has_fitting_parameters(const Request& request) {
+  return request.parameters._length <= EffectServices::kMostChanges &&
+         std::ranges::all_of(all_of(request.parameters), [](const auto& parameter) { return fits(parameter); });
+}
+bool is_fitting_change(const msg::ChangeEffect::Request& request) { return fits(request.effect) && fits(request.parameter) && fits(request.model); }
+
+/// What became of each change of one request, until the last word has come.
+struct Results {
+  struct One {
+    bool done = false;
+    std::string sentence;
+  };
+  std::vector<One> all;
+  std::size_t open = 0;
+};
+
+msg::rcl_interfaces_SetParametersResult message_of(const Results::One& result) {
+  // ROS tools show the reason of a refusal; of what is done they show the value.
+  return {result.done, result.done ? const_cast<char*>("") : runtime::lend(result.sentence)};
+}
+
+}  // namespace
+
+EffectServices::EffectServices(const bus::Participant& participant, const std::string& rig, ChangeDoor door)
+    : node_("/" + rig + "/rendering"), door_(std::move(door)),
+      change_(Server<msg::ChangeEffect>::make<is_fitting_change>(participant, qos::kChangeEffect, rig, "rendering")),
+      list_(Server<msg::rcl_interfaces_ListParameters>::make<has_fitting_prefixes>(participant, qos::kListParameters, rig, "rendering")),
+      get_(Server<msg::rcl_interfaces_GetParameters>::make<has_fitting_names>(participant, qos::kGetParameters, rig, "rendering")),
+      types_(Server<msg::rcl_interfaces_GetParameterTypes>::make<has_fitting_names>(participant, qos::kGetParameterTypes, rig, "rendering")),
+      describe_(Server<msg::rcl_interfaces_DescribeParameters>::make<has_fitting_names>(participant, qos::kDescribeParameters, rig, "rendering")),
+      set_(Server<msg::rcl_interfaces_SetParameters>::make<has_fitting_parameters>(participant, qos::kSetParameters, rig, "rendering")),
+      set_together_(Server<msg::rcl_interfaces_SetParametersAtomically>::make<has_fitting_parameters>(participant, qos::kSetParametersAtomically, rig, "rendering")),
+      events_(participant, qos::kParameterEvents, rig, qos::profile(qos::kParameterEvents.profile)), told_(door_.parameters()) {}
+
+void EffectServices::attach_to(bus::WaitSet& wait_set) {
+  for (const dds_entity_t condition : {change_.condition(), list_.condition(), get_.condition(), types_.condition(), describe_.condition(), set_.condition(),
+                                       set_together_.condition()})
+    wait_set.attach(condition);
+}
+
+bool EffectServices::waits() const noexcept {
+  return change_.waits() || list_.waits() || get_.waits() || types_.waits() || describe_.waits() || set_.waits() || set_together_.waits();
+}
+
+/// Whether `count` more go into this second; the part that does is taken.
+bool EffectServices::admits(std::uint32_t count) {
+  bool all = true;
+  for (std::uint32_t n = 0; n < std::max(count, 1U); ++n) all = admitted_.take(runtime::monotonic_ns()).say && all;
+  return all;
+}
+
+template <class S, class F>
+void EffectServices::each(Server<S>& server, F&& f) {
+  server.send_waiting();
+  server.take(
+      [&](const typename S::Request& request, const bus::Caller& caller) {
+        std::uint32_t count = 1;
+        if constexpr (requires { request.parameters; }) count = request.parameters._length;
+        if (admits(count))
+          f(request, caller);
+        else
+          refused_.fetch_add(1, std::memory_order_relaxed);
+      },
+      kMostATurn);
+}
+
+void EffectServices::serve() {
+  using bus::Caller;
+  each(list_, [this](const auto& request, const Caller& caller) {
+    ListedParameters listed = list_parameters(door_.parameters(), texts_of(request.prefixes), request.depth);
+    list_.reply(caller, [listed = std::move(listed)](auto& response, const auto& send) {
+      runtime::LentStrings names(listed.names), prefixes(listed.prefixes);
+      names.into(response.result.names), prefixes.into(response.result.prefixes);
+      send();
+    });
+  });
+  // Of a name that there is not, a value that is not set: so tools say that it is not.
+  const auto named = [this](const auto& names) {
+    const std::vector<RosParameter> all = door_.parameters();
+    std::vector<RosParameter> found;
+    for (const char* name : all_of(names)) {
+      const RosParameter* const known = find_parameter(all, name);
+      found.push_back(known ? *known : RosParameter{.name = name, .value = {}, .meaning = {}});
+    }
+    return found;
+  };
+  each(get_, [&](const auto& request, const Caller& caller) {
+    get_.reply(caller, [found = named(request.names)](auto& response, const auto& send) {
+      std::vector<msg::rcl_interfaces_ParameterValue> values;
+      for (const RosParameter& parameter : found) values.push_back(ParameterMessages::value(parameter.value));
+      lend(response.values, values);
+      send();
+    });
+  });
+  each(types_, [&](const auto& request, const Caller& caller) {
+    types_.reply(caller, [found = named(request.names)](auto& response, const auto& send) {
+      std::vector<std::uint8_t> types;
+      for (const RosParameter& parameter : found) types.push_back(type_of(parameter.value));
+      lend(response.types, types);
+      send();
+    });
+  });
+  each(describe_, [&](const auto& request, const Caller& caller) {
+    describe_.reply(caller, [found = named(request.names)](auto& response, const auto& send) {
+      ParameterMessages messages;
+      std::vector<msg::rcl_interfaces_ParameterDescriptor> descriptors;
+      for (const RosParameter& parameter : found) descriptors.push_back(messages.descriptor(parameter));
+      lend(response.descriptors, descriptors);
+      send();
+    });
+  });
+  each(set_, [this](const auto& request, const Caller& caller) { set(request, caller); });
+  each(set_together_, [this](const auto& request, const Caller& caller) { set_together(request, caller); });
+  each(change_, [this](const auto& request, const Caller& caller) { change(request, caller); });
+}
+
+void EffectServices::set(const msg::rcl_interfaces_SetParameters::Request& request, const bus::Caller& caller) {
+  const std::span asked = all_of(request.parameters);
+  const auto results = std::make_shared<Results>(Results{std::vector<Results::One>(asked.size()), asked.size()});
+  const auto reply = [this, caller, results] {
+    set_.reply(caller, [results](auto& response, const auto& send) {
+      std::vector<msg::rcl_interfaces_SetParametersResult> messages;
+      for (const Results::One& one : results->all) messages.push_back(message_of(one));
+      lend(response.results, messages);
+      send();
+    });
+  };
+  const auto tell = [results, reply](std::size_t which, bool done, const std::string& sentence) {
+    results->all[which] = {done, sentence};
+    if (--results->open == 0) reply();
+  };
+  if (asked.empty()) return reply();
+  const std::vector<RosParameter> known = door_.parameters();
+  for (std::size_t n = 0; n < asked.size(); ++n) {
+    const auto wish = wish_of(known, asked[n]);
+    if (!wish) {
+      tell(n, false, wish.error());
+      continue;
+    }
+    const msg::EffectChange message = wish->message();
+    door_.ask(std::span(&message, 1), false, [n, tell](std::size_t, bool done, std::uint64_t, const std::string& sentence) { tell(n, done, sentence); });
+  }
+}
+
+void EffectServices::set_together(const msg::rcl_interfaces_SetParametersAtomically::Request& request, const bus::Caller& caller) {
+  const auto reply = [this, caller](Results::One result) {
+    set_together_.reply(caller, [result = std::move(result)](auto& response, const auto& send) {
+      response.result = message_of(result);
+      send();
+    });
+  };
+  const std::vector<RosParameter> known = door_.parameters();
+  std::vector<ParameterWish> wishes;
+  for (const auto& parameter : all_of(request.parameters)) {
+    auto wish = wish_of(known, parameter);
+    if (!wish) return reply({false, wish.error()});
+    wishes.push_back(std::move(*wish));
+  }
+  if (wishes.empty()) return reply({true, {}});
+  std::vector<msg::EffectChange> messages;
+  for (const ParameterWish& wish : wishes) messages.push_back(wish.message());
+  const auto open = std::make_shared<std::size_t>(messages.size());
+  door_.ask(messages, true, [open, reply](std::size_t, bool done, std::uint64_t, const std::string& sentence) {
+    if (--*open == 0) reply({done, sentence});
+  });
+}
+
+void EffectServices::change(const msg::ChangeEffect::Request& request, const bus::Caller& caller) {
+  msg::EffectChange message{};
+  message.session_id = request.session_id, message.from_sample = request.from_sample, message.action = request.action;
+  message.effect = request.effect, message.parameter = request.parameter, message.model = request.model;
+  std::ranges::copy(request.value, message.value);
+  message.voxel_size_m = request.voxel_size_m;
+  door_.ask(std::span(&message, 1), false, [this, caller](std::size_t, bool done, std::uint64_t from_sample, const std::string& sentence) {
+    change_.reply(caller, [done, from_sample, sentence](auto& response, const auto& send) {
+      response.done = done, response.from_sample = from_sample;
+      response.sentence = runtime::lend(sentence);
+      send();
+    });
+  });
+}
+
+void EffectServices::parameters_changed() {
+  std::vector<RosParameter> before = std::exchange(told_, door_.parameters());
+  if (events_.matched_count() == 0) return;
+  std::vector<msg::rcl_interfaces_Parameter> came, changed, gone;
+  for (const RosParameter& now : told_) {
+    const RosParameter* const was = find_parameter(before, now.name);
+    if (!was) came.push_back(ParameterMessages::parameter(now));
+    if (was && was->value != now.value) changed.push_back(ParameterMessages::parameter(now));
+  }
+  for (const RosParameter& was : before)
+    if (!find_parameter(told_, was.name)) gone.push_back(ParameterMessages::parameter(was));
+  if (came.empty() && changed.empty() && gone.empty()) return;
+  msg::rcl_interfaces_ParameterEvent event{};
+  event.stamp = runtime::to_time(runtime::realtime_ns());
+  event.node = runtime::lend(node_);
+  lend(event.new_parameters, came), lend(event.changed_parameters, changed), lend(event.deleted_parameters, gone);
+  events_.write(event);
+}
+
+}  // namespace voxtouch::rendering_node

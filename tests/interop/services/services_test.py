@@ -1,0 +1,226 @@
+"""Services, parameters, /parameter_events and /rosout of a running ring, asked by an independent client in rmw_cyclonedds' wire form."""
+import json
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+BIN, DEPLOY, DOMAIN = pathlib.Path(os.environ["VOXTOUCH_BIN"]), pathlib.Path(os.environ["VOXTOUCH_DEPLOY"]), 93
+sys.path[:0] = [str(DEPLOY.parent / "tests" / part) for part in ("view", "interop/ros_tools")]
+
+from cyclonedds.qos import Policy, Qos  # noqa: E402
+from cyclonedds.sub import DataReader  # noqa: E402
+from cyclonedds.topic import Topic  # noqa: E402
+from cyclonedds.util import duration  # noqa: E402
+from looker import join  # noqa: E402
+from page_client import Process, until  # noqa: E402
+from ros_services import DOUBLE, Client, JointState, Log, ParameterEvent, String, parameter, plain  # noqa: E402
+
+NODE = "/haptic/rendering"
+SWITCH, GAIN, VALUE = 1, 2, 3
+RELIABLE = Policy.Reliability.Reliable(duration(milliseconds=100))
+
+
+def dry_and_thick(folder):
+    """The shipped dry cup, filled with something thick that pulls to a point as well."""
+    text = (DEPLOY / "scenes" / "cup_friction.yaml").read_text().replace("../meshes", str(DEPLOY / "meshes"))
+    more = "  - viscosity: {damping_ns_per_m: 0.5}\n  - guide_point: {point: [0, 0, 0.1], stiffness_n_per_m: 20, limit_n: 0.1, beyond: release, range_m: 0.05}\ncoupling:"
+    scene = pathlib.Path(folder) / "dry_and_thick.yaml"
+    scene.write_text(text.replace("coupling:", more, 1))
+    return scene
+
+
+def change(*words):
+    """What `voxtouch change` says."""
+    end = subprocess.run([BIN / "voxtouch", "change", *words, "--domain", str(DOMAIN)], capture_output=True, text=True, timeout=60)
+    return end.returncode, end.stdout + end.stderr
+
+
+def valid(reader):
+    return [sample for sample in reader.take(N=1000) if sample.sample_info.valid_data]
+
+
+class Services(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.bag = pathlib.Path(cls.folder.name) / "bag"
+        cls.up = Process("up", str(dry_and_thick(cls.folder.name)), "--domain", str(DOMAIN), "--motion", "slide", "--record", str(cls.bag), "--no-report")
+        cls.addClassCleanup(cls.up.end)
+        until(lambda: " samples  force" in cls.up.told(), 60, f"a ring that runs:\n{cls.up.told()}")
+        cls.participant = join(DOMAIN)
+        cls.clients = {name: Client(cls.participant, NODE, name) for name in
+                       ("list_parameters", "get_parameters", "get_parameter_types", "describe_parameters", "set_parameters", "set_parameters_atomically", "change_effect")}
+        until(lambda: all(client.ready() for client in cls.clients.values()), 20, "every service")
+
+    def call(self, service, **fields):
+        return self.clients[service].call(**fields)
+
+    def get(self, *names):
+        return [plain(value) for value in self.call("get_parameters", names=list(names)).values]
+
+    def set(self, name, value):
+        result = self.call("set_parameters", parameters=[parameter(name, value)]).results[0]
+        return "" if result.successful else result.reason
+
+    def set_together(self, **values):
+        result = self.call("set_parameters_atomically", parameters=[parameter(n.replace("__", "."), v) for n, v in values.items()]).result
+        return "" if result.successful else result.reason
+
+    def test_a_lists_gets_and_describes(self):
+        names = self.call("list_parameters").result.names
+        for name in ("friction.on", "friction.gain", "friction.coulomb", "viscosity.damping_ns_per_m", "guide_point.point", "guide_point.beyond", "scene"):
+            self.assertIn(name, names)
+        below = self.call("list_parameters", prefixes=["friction"], depth=1).result
+        self.assertEqual(below.prefixes, ["friction"])
+        self.assertTrue(all(name.startswith("friction.") for name in below.names))
+        self.assertEqual(self.get("friction.sticking", "guide_point.point", "guide_point.beyond", "scene", "viscosity.on", "no.such"),
+                         [1.2, [0.0, 0.0, 0.1], "release", "cup_friction", True, None])
+        self.assertEqual(list(self.call("get_parameter_types", names=["friction.gain", "friction.on", "no.such"]).types), [3, 1, 0])
+        coulomb, beyond, unknown = self.call("describe_parameters", names=["friction.coulomb", "guide_point.beyond", "no.such"]).descriptors
+        self.assertEqual((coulomb.type, coulomb.read_only, coulomb.floating_point_range[0].from_value, coulomb.floating_point_range[0].to_value),
+                         (DOUBLE, False, 0.0, 2.0))
+        self.assertIn("Friction while sliding", coulomb.description)
+        self.assertTrue(beyond.read_only)
+        self.assertIn("hold release", beyond.additional_constraints)
+        self.assertEqual((unknown.name, unknown.type), ("no.such", 0))
+
+    def test_b_sets_what_voxtouch_change_sets_and_refuses_in_its_words(self):
+        self.assertEqual(self.set("friction.coulomb", 0.3), "")
+        self.assertEqual(self.set("friction.gain", 1), "", "a whole number is a number")
+        self.assertEqual(self.set("friction.on", False), "")
+        self.assertEqual(self.set("guide_point.point", [0.0, 0.01, 0.1]), "")
+        self.assertEqual(self.get("friction.coulomb", "friction.on", "guide_point.point"), [0.3, False, [0.0, 0.01, 0.1]])
+        for words, name, value in ((("friction", "coulomb=9"), "friction.coulomb", 9.0), (("friction", "gain", "1.5"), "friction.gain", 1.5),
+                                   (("nothing", "on"), "nothing.on", True), (("friction", "nothing=1"), "friction.nothing", 1.0),
+                                   (("viscosity", "damping_ns_per_m=10000"), "viscosity.damping_ns_per_m", 1e4),
+                                   (("guide_point", "beyond=1"), "guide_point.beyond", "hold")):
+            status, told = change(*words)
+            self.assertNotEqual(status, 0)
+            reason = self.set(name, value)
+            self.assertGreater(len(reason), 20, name)
+            self.assertIn(reason, told)
+        for name, value in (("friction.on", 1.0), ("friction.coulomb", "much"), ("friction.coulomb", True), ("friction.coulomb", [1.0, 2.0]),
+                            ("guide_point.point", 1.0), ("friction.coulomb", None), ("friction.coulomb", float("nan")), ("scene", "other"), ("none", 1.0)):
+            self.assertNotEqual(self.set(name, value), "", f"{name}={value}")
+        self.assertEqual(change("friction", "on")[0], 0)
+        self.assertEqual(self.get("friction.on", "friction.coulomb"), [True, 0.3])
+
+    def test_c_sets_all_in_one_sample_or_none(self):
+        before = self.get("friction.coulomb", "viscosity.gain")
+        self.assertIn("'coulomb' must be a number from 0 to 2", self.set_together(viscosity__gain=0.25, friction__coulomb=9.0))
+        self.assertEqual(self.get("friction.coulomb", "viscosity.gain"), before)
+        # Each alone is against the rule of the guide (range_m of at least 3 limit_n / stiffness_n_per_m), and so is either order.
+        self.assertNotEqual(self.set("guide_point.limit_n", 4.0), "")
+        self.assertEqual(self.set_together(guide_point__limit_n=4.0, guide_point__stiffness_n_per_m=100.0, guide_point__range_m=0.15), "")
+        self.assertEqual(self.get("guide_point.limit_n", "guide_point.range_m"), [4.0, 0.15])
+        self.assertNotEqual(self.set_together(guide_point__limit_n=0.1, scene="other"), "")
+        self.assertEqual(self.set_together(), "")
+
+    def test_d_changes_an_effect_by_its_service(self):
+        done = self.call("change_effect", action=VALUE, effect="friction", parameter="coulomb", value=[0.2, 0.0, 0.0])
+        self.assertTrue(done.done, done.sentence)
+        self.assertGreater(done.from_sample, 0)
+        self.assertEqual(self.get("friction.coulomb"), [0.2])
+        refused = self.call("change_effect", action=GAIN, effect="friction", value=[7.0, 0.0, 0.0])
+        self.assertEqual((refused.done, refused.sentence), (False, "'gain' must be a number from 0 to 1"))
+        self.assertIn("there is no action 77", self.call("change_effect", action=77).sentence)
+
+    def test_e_tells_changes_and_sentences_to_who_reads_them(self):
+        events = DataReader(self.participant, Topic(self.participant, "rt/parameter_events", ParameterEvent), qos=Qos(RELIABLE, Policy.History.KeepLast(1000)))
+        until(lambda: len(events.get_matched_publications()) > 0, 20, "a writer of events")
+        self.assertEqual(self.set("viscosity.gain", 0.5), "")
+        self.assertEqual(change("viscosity", "gain", "0.75")[0], 0)
+        seen = []
+        until(lambda: seen.extend(valid(events)) or len(seen) >= 2, 20, f"two events: {seen}")
+        self.assertEqual([(e.node, [(p.name, plain(p.value)) for p in e.changed_parameters]) for e in seen],
+                         [(NODE, [("viscosity.gain", value)]) for value in (0.5, 0.75)])
+        lines = DataReader(self.participant, Topic(self.participant, "rt/rosout", Log), qos=Qos(RELIABLE, Policy.Durability.TransientLocal, Policy.History.KeepLast(1000)))
+        said = []
+        until(lambda: said.extend(valid(lines)) or len({line.name for line in said}) == 5, 20, f"each node's sentence: {said}")
+        self.assertEqual({line.name for line in said}, {f"haptic.{node}" for node in ("device", "rendering", "coupling", "validator", "logger")})
+        self.assertTrue(all(line.msg and line.level in (20, 30) for line in said), said)
+
+    def test_f_tells_each_nodes_state(self):
+        for node in ("device", "rendering", "coupling", "validator", "logger"):
+            client = Client(self.participant, f"/haptic/{node}", "get_state")
+            until(client.ready, 20, f"the state of {node}")
+            state = client.call().current_state
+            self.assertEqual((state.id, state.label), (3, "active"), node)
+
+    def test_g_answers_within_milliseconds(self):
+        took = {"set_parameters": [], "get_parameters": [], "change_effect": []}
+        for n in range(100):
+            for service, fields in (("set_parameters", {"parameters": [parameter("viscosity.gain", n / 100.0)]}), ("get_parameters", {"names": ["viscosity.gain"]}),
+                                    ("change_effect", {"action": GAIN, "effect": "friction", "value": [n / 100.0, 0.0, 0.0]})):
+                begin = time.monotonic()
+                self.call(service, **fields)
+                took[service].append(1e3 * (time.monotonic() - begin))
+            time.sleep(0.02)  # 200 requests a second are taken
+        for service, ms in took.items():
+            print(f"{service}: median {statistics.median(ms):.1f} ms, of a hundred the second longest {sorted(ms)[-2]:.1f} ms, the longest {max(ms):.1f} ms")
+            self.assertLess(statistics.median(ms), 20.0, service)
+
+    def test_h_goes_on_beside_clients_that_mean_ill(self):
+        deaf = Client(self.participant, NODE, "set_parameters", hears=False)  # no reader of replies
+        lists = Client(self.participant, NODE, "get_parameters")
+        until(lambda: deaf.writer.get_matched_subscriptions() and lists.ready(), 20, "services")
+        before = self.get("friction.coulomb")
+        for _ in range(10):
+            lists.send(names=["x"] * 100_000)
+            lists.send(names=["y" * 1_000_000])
+            deaf.send(parameters=[parameter("viscosity.gain", 0.5)] * 10_000)
+            deaf.send(parameters=[parameter("\x1b[31m" + "z" * 1000, float("inf"))] * 64)
+        for _ in range(3000):
+            deaf.send(parameters=[parameter("viscosity.gain", 2.0)])
+        end, answered = time.monotonic() + 30.0, None
+        while answered is None and time.monotonic() < end:  # of a flooded second not every request is taken
+            try:
+                answered = self.clients["get_parameters"].call(patience_s=0.5, names=["friction.coulomb"])
+            except AssertionError:
+                pass
+        self.assertIsNotNone(answered, "nobody is answered after a flood")
+        self.assertEqual([plain(v) for v in answered.values], before)
+        time.sleep(1.1)
+        self.assertEqual(self.set("viscosity.gain", 0.25), "")
+        self.assertIsNone(self.up.process.poll(), self.up.told())
+
+    def test_i_leaves_a_bag_that_replays(self):
+        self.up.process.send_signal(2)
+        self.up.process.wait(60)
+        self.assertNotIn("voxtouch_rendering died", self.up.told())
+        end = subprocess.run([BIN / "voxtouch", "replay", str(self.bag), "--json"], capture_output=True, text=True, timeout=100)
+        replayed = json.loads(end.stdout)
+        self.assertGreater(replayed["changes"], 10)
+        self.assertEqual(end.returncode, 0, f"what came by services is in the bag, and replays:\n{end.stdout[:2000]}\n{end.stderr[:2000]}")
+
+
+class Arm(unittest.TestCase):
+    """A device that is an arm tells its joints, and itself; the arm's own kinematics are held against the description by `urdf_test`."""
+
+    def test_tells_its_joints_and_itself(self):
+        participant = join(DOMAIN)
+        joints = DataReader(participant, Topic(participant, "rt/joint_states", JointState), qos=Qos(RELIABLE, Policy.History.KeepLast(1000)))
+        arm = DataReader(participant, Topic(participant, "rt/robot_description", String), qos=Qos(RELIABLE, Policy.Durability.TransientLocal, Policy.History.KeepLast(1)))
+        with Process("up", "plane", "--device", "wire-lwr", "--motion", "slide", "--domain", str(DOMAIN), "--no-record") as up:
+            told, states = [], []
+            until(lambda: told.extend(valid(arm)) or told, 60, f"a robot description:\n{up.told()}")
+            until(lambda: states.extend(valid(joints)) or len(states) > 300, 60, f"joints:\n{up.told()}")
+        names = ["A1", "A2", "E1", "A3", "A4", "A5", "A6"]
+        self.assertEqual([name for name in names if f'<joint name="{name}" type="revolute">' in told[0].data], names)
+        for state in states:
+            self.assertEqual(list(state.name), names)
+            self.assertTrue(all(abs(q) < 3.0 for q in state.position), state.position)
+        self.assertGreater(max(max(q) - min(q) for q in zip(*(state.position for state in states))), 1e-3, "the arm moves")
+        stamps = [state.header.stamp.sec + 1e-9 * state.header.stamp.nanosec for state in states]
+        self.assertEqual(stamps, sorted(set(stamps)))
+        print(f"joint states: {(len(stamps) - 1) / (stamps[-1] - stamps[0]):.2f} Hz by their stamps")
+
+
+if __name__ == "__main__":
+    unittest.main()
