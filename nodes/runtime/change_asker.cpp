@@ -86,20 +86,36 @@ std::vector<ChangeRequest> read_changes(const ChangeWords& o) {
 ChangeAsker::ChangeAsker(const bus::Participant& participant, const NodeOptions& options)
     : rig_(options.rig), domain_(options.domain),
       changes_(participant, qos::kEffectChange, options.rig, qos::profile(qos::kEffectChange.profile)),
-      answers_(participant, qos::kEffectChanged, options.rig, qos::profile(qos::kEffectChanged.profile)) {}
+      answers_(participant, qos::kEffectChanged, options.rig, qos::profile(qos::kEffectChanged.profile)),
+      plans_(participant, qos::kScenePlan, options.rig, qos::profile(qos::kScenePlan.profile)) {}
 
 std::string ChangeAsker::ask(const ChangeWords& words, const std::function<void(const ChangeAnswer&)>& heard,
                              const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
   const std::vector<ChangeRequest> changes = read_changes(words);
   if (!until(kPatience, [&] { return leave() || (changes_.matched_count() > 0 && answers_.matched_count() > 0); })) return nobody();
+  // A rendering that waits for its first device has told none yet.
+  until(kPatience / 4, [&] {
+    plans_.take_each([&](const msg::ScenePlan& plan) { session_ = plan.session_id; });
+    return leave() || session_ != 0;
+  });
   for (const ChangeRequest& change : changes) {
-    const std::optional<Message> answer = ask_one(change, words, waits, leave);
+    const std::optional<Message> answer = ask_in_session(change, words, waits, leave);
     if (!answer) return nobody();
     if (answer->result == msg::effect_changed::kResultRefused) return answer->sentence;
     if (answer->result != msg::effect_changed::kResultDone) return "not waited for: " + answer->sentence;
     heard({answer->from_sample, answer->sentence});
   }
   return {};
+}
+
+/// Once more where another session has begun since, which the answer names.
+std::optional<ChangeAsker::Message> ChangeAsker::ask_in_session(const ChangeRequest& change, const ChangeWords& words,
+                                                                const std::function<void(const std::string&)>& waits,
+                                                                const std::function<bool()>& leave) {
+  std::optional<Message> answer = ask_one(change, words, waits, leave);
+  if (!answer || answer->result != msg::effect_changed::kResultRefused || session_ == 0 || answer->session == session_) return answer;
+  session_ = answer->session;
+  return ask_one(change, words, waits, leave);
 }
 
 /// None where nobody answers.
@@ -110,7 +126,7 @@ std::optional<ChangeAsker::Message> ChangeAsker::ask_one(const ChangeRequest& ch
   std::optional<Message> answer;
   const auto look = [&] {
     answers_.take_each([&](const msg::EffectChanged& m) {
-      if (m.request == request) answer = Message{m.result, m.from_sample, m.sentence};
+      if (m.request == request) answer = Message{m.result, m.session_id, m.from_sample, m.sentence};
     });
     return leave() || (answer && answer->result != msg::effect_changed::kResultWaiting);
   };
@@ -129,6 +145,7 @@ std::optional<ChangeAsker::Message> ChangeAsker::ask_one(const ChangeRequest& ch
 void ChangeAsker::send(const ChangeRequest& change, const ChangeWords& words, std::uint64_t request) {
   msg::EffectChange m{};
   m.request = request;
+  m.session_id = session_;
   m.from_sample = words.from_sample;
   m.action = change.action;
   m.effect = lend(change.effect);

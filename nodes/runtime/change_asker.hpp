@@ -52,9 +52,11 @@ class ChangeAsker {
  private:
   struct Message {
     std::uint32_t result = 0;
-    std::uint64_t from_sample = 0;
+    std::uint64_t session = 0, from_sample = 0;
     std::string sentence;
   };
+  std::optional<Message> ask_in_session(const ChangeRequest& change, const ChangeWords& words,
+                                        const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave);
   std::optional<Message> ask_one(const ChangeRequest& change, const ChangeWords& words,
                                  const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave);
   void send(const ChangeRequest& change, const ChangeWords& words, std::uint64_t request);
@@ -64,6 +66,8 @@ class ChangeAsker {
   std::uint32_t domain_;
   bus::Writer<msg::EffectChange> changes_;
   bus::Reader<msg::EffectChanged> answers_;
+  bus::Reader<msg::ScenePlan> plans_;  ///< the rendering says in it which session runs
+  std::uint64_t session_ = 0;          ///< that is asked: a question that stands in a bag and is played belongs to none that runs, and is refused
 };
 
 }  // namespace voxtouch::runtime

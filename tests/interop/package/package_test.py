@@ -164,25 +164,35 @@ class Bags(unittest.TestCase):
                     self.assertEqual(bag["/haptic/note"]["data"][0], "hello")
 
 
+def start_ring(bag, domain, log):
+    """A ring in real time that has begun to answer samples."""
+    ring = subprocess.Popen([VOXTOUCH, "up", "cup_friction", "--motion", "slide", "--duration", "0", "--no-report", "--record", bag, "--record-format", "mcap",
+                             "--domain", str(domain)], stdout=subprocess.DEVNULL, stderr=log, text=True)
+    until = time.monotonic() + 40
+    while " samples  force" not in pathlib.Path(log.name).read_text(encoding="utf-8") and time.monotonic() < until and ring.poll() is None:
+        time.sleep(0.05)
+    return ring
+
+
+def stop_ring(ring):
+    ring.send_signal(signal.SIGINT)
+    ring.wait(60)
+
+
 class Ring(unittest.TestCase):
     """Beside a ring in real time."""
 
     def setUp(self):
         self.bag = FOLDER / f"ring_{self.id().rsplit('.', 1)[-1]}"
-        self.log = open(FOLDER / "ring.log", "w+", encoding="utf-8")
-        self.ring = subprocess.Popen([VOXTOUCH, "up", "cup", "--motion", "slide", "--duration", "0", "--no-report", "--record", self.bag, "--record-format", "mcap",
-                                      "--domain", str(DOMAIN)], stdout=subprocess.DEVNULL, stderr=self.log, text=True)
-        until = time.monotonic() + 40
-        while " samples  force" not in self.said() and time.monotonic() < until and self.ring.poll() is None:
-            time.sleep(0.05)
+        self.log = open(FOLDER / "ring.log", "w", encoding="utf-8")
+        self.ring = start_ring(self.bag, DOMAIN, self.log)
         self.assertIn(" samples  force", self.said())
 
     def said(self):
         return pathlib.Path(self.log.name).read_text(encoding="utf-8")
 
     def tearDown(self):
-        self.ring.send_signal(signal.SIGINT)
-        self.ring.wait(60)
+        stop_ring(self.ring)
         self.log.close()
 
     def example(self, name, *words):
@@ -204,9 +214,16 @@ class Ring(unittest.TestCase):
         self.assertGreater((FOLDER / "live.svg").stat().st_size, 5000)
 
     def test_a_bag_that_is_played_into_it_is_not_felt(self):
-        """Every topic of a bag of an earlier session, each message in its order, as fast as the writers take it, for two seconds."""
+        """Every topic of a bag of another session, a change of an effect among them, each message in its order, for two seconds."""
         from voxtouch.types import TOPICS, join
-        bag = voxtouch.open_bag(record("to_play", "--duration", "2", "--record-format", "mcap", "--lockstep", domain=DOMAIN + 1))
+        from voxtouch.types.voxtouch_msgs import EffectChanged
+        with open(FOLDER / "to_play.log", "w", encoding="utf-8") as log:
+            other = start_ring(FOLDER / "to_play", DOMAIN + 1, log)
+            changed = run(VOXTOUCH, "change", "friction", "coulomb=0.1", "--domain", DOMAIN + 1)
+            stop_ring(other)
+        self.assertEqual(changed.returncode, 0, changed.stderr)
+        bag = voxtouch.open_bag(FOLDER / "to_play")
+        self.assertEqual(list(bag["/haptic/rendering/changed"]["result"]), [EffectChanged.RESULT_DONE])
         participant = join(DOMAIN)
         by_name = {row.dds_name().removeprefix("rt"): row for row in TOPICS.values()}
         played = {topic: (by_name[topic].writer(participant), [by_name[topic].type.deserialize(data) for _, data in bag.raw(topic)])
@@ -223,8 +240,7 @@ class Ring(unittest.TestCase):
         self.assertGreater(written, 2000)
         time.sleep(1.0)
         self.assertIsNone(self.ring.poll(), self.said())
-        self.ring.send_signal(signal.SIGINT)
-        self.ring.wait(60)
+        stop_ring(self.ring)
         ours = voxtouch.open_bag(self.bag)
         states = ours["/haptic/device/state"]
         own = numpy.unique(states["session_id"], return_counts=True)
@@ -236,6 +252,10 @@ class Ring(unittest.TestCase):
         commands = commands[commands["session_id"] == session]
         self.assertGreater(len(commands), 1500)
         self.assertLess(max(numpy.abs(commands["wrench"]["force"][axis]).max() for axis in "xyz"), 1.0)
+        own_answers = ours["/haptic/rendering/changed"]
+        own_answers = own_answers[own_answers["session_id"] == session]
+        self.assertEqual(set(own_answers["result"]), {EffectChanged.RESULT_REFUSED}, "events of a bag are not applied")
+        self.assertIn("does not run", own_answers["sentence"][0])
         self.assertIn("is refused", " ".join(ours["/haptic/node_status"]["message"]), "who plays the bag is named")
 
 

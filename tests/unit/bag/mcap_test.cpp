@@ -126,6 +126,28 @@ TEST(McapBag, ChunksThatOverlapAreReadInOrderOfTimeAndOfArrival) {
   EXPECT_EQ(*times, (std::pair<std::int64_t, std::int64_t>{1000, 1395}));
 }
 
+// In lockstep what is said seldom has the time 0 whenever it is said.
+TEST(McapBag, ALaterChunkMayBeginBeforeAllOthers) {
+  const TemporaryFolder folder;
+  auto writer = mcap_writer(folder / "run");
+  const TopicId state = expect_value(writer.add_topic(kState));
+  for (const std::int64_t time : {2000, 3000, 0, 1000}) {
+    EXPECT_GOOD(writer.append(state, time, ring_message(1, static_cast<std::uint64_t>(time))));
+    EXPECT_GOOD(writer.append(state, time + 1, ring_message(1, static_cast<std::uint64_t>(time + 1))));
+    EXPECT_GOOD(writer.commit());
+  }
+  const auto check = [&] {
+    const auto all = expect_value(messages_of(folder / "run"));
+    std::vector<std::int64_t> times;
+    for (const auto& [time, bytes] : all) times.push_back(time);
+    EXPECT_EQ(times, (std::vector<std::int64_t>{0, 1, 1000, 1001, 2000, 2001, 3000, 3001}));
+    EXPECT_EQ(expect_value(messages_of(folder / "run", 1, 2001)).size(), 4u);
+  };
+  check();
+  EXPECT_GOOD(writer.close());
+  check();
+}
+
 TEST(McapBag, OfTimeZeroIsOfTimeZeroAndOthersFindItToo) {
   const TemporaryFolder folder;
   auto writer = mcap_writer(folder / "run");
