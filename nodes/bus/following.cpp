@@ -11,7 +11,22 @@ bool admit(const dds_sample_info_t* info, void* following) {
   return static_cast<Following*>(following)->admits(info->publication_handle);
 }
 
+void on_matched(dds_entity_t, const dds_subscription_matched_status_t status, void* following) {
+  if (status.current_count_change < 0) static_cast<Following*>(following)->see_go(status.last_publication_handle);
+}
+
 }  // namespace
+
+void Following::attach(dds_entity_t reader) {
+  reader_ = reader;
+  const std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(dds_create_listener(this), dds_delete_listener);
+  dds_lset_subscription_matched(listener.get(), on_matched);
+  if (dds_set_listener(reader, listener.get()) != DDS_RETCODE_OK) throw Error("a reader could not be told to watch who goes");
+}
+
+void Following::see_go(dds_instance_handle_t writer) noexcept {
+  if (writer == writer_.load(std::memory_order_acquire)) has_gone_.store(true, std::memory_order_release);
+}
 
 dds_topic_filter Following::filter() noexcept {
   dds_topic_filter filter{};
@@ -23,7 +38,9 @@ dds_topic_filter Following::filter() noexcept {
 
 bool Following::admits(dds_instance_handle_t writer) noexcept {
   const dds_instance_handle_t followed = writer_.load(std::memory_order_acquire);
-  if (followed == 0)
+  // What is latched comes once. Of a participant that is found anew, after a cut of the network, it may come before `follow` knows its new writer.
+  const bool nobody = followed == 0 || (rule_ == WhileNobody::kTakeAll && has_gone_.load(std::memory_order_acquire) && followed != writer);
+  if (nobody)
     return rule_ == WhileNobody::kTakeAll &&
            std::none_of(unwanted_.begin(), unwanted_.end(), [&](const auto& one) { return one.load() == writer; });
   if (followed == writer) return true;
@@ -41,8 +58,12 @@ bool Following::follow(const Guid& participant) {
   for (const dds_instance_handle_t writer : matched_writer_handles(reader_))
     if (participant_of_writer(reader_, writer) == participant) found = writer;
   writer_.store(found, std::memory_order_release);
+  has_gone_.store(false, std::memory_order_release);
+  if (found != 0 && !has_writer()) has_gone_.store(true, std::memory_order_release);  // since it was looked for
   return found != 0;
 }
+
+Guid Following::participant() const { return participant_of_writer(reader_, writer()); }
 
 bool Following::has_matched(const Guid& participant) const {
   for (const Guid& other : matched_writers(reader_))

@@ -14,7 +14,7 @@ class Following {
  public:
   enum class WhileNobody : bool {
     kTakeNothing,  ///< streams: a sample of nobody in particular is of no use
-    kTakeAll,      ///< latched values, which come before it is known whose is needed
+    kTakeAll,      ///< latched values, which come before it is known whose is needed; also while the one that is followed has gone
   };
   explicit Following(WhileNobody rule) noexcept : rule_(rule) {}
   Following(const Following&) = delete;
@@ -32,13 +32,17 @@ class Following {
   bool has_matched(const Guid& participant) const;
   /// Whether the writer that is followed is still there.
   bool has_writer() const;
+  /// Whose the writer is that is followed; none: nobody's, or it has gone. Allocates, as DDS does.
+  Guid participant() const;
   /// Samples of others that came while somebody was followed; any thread.
   std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
   /// Participants of some of those that were refused since the last call; those that have gone are not among them.
   std::vector<Guid> take_refused();
 
   // Of the reader.
-  void attach(dds_entity_t reader) noexcept { reader_ = reader; }
+  /// Throws Error. From now on it is told which writers go.
+  void attach(dds_entity_t reader);
+  void see_go(dds_instance_handle_t writer) noexcept;
   dds_topic_filter filter() noexcept;
   /// Whether a sample of `writer` is to be taken; counts. Real-time safe.
   bool admits(dds_instance_handle_t writer) noexcept;
@@ -47,6 +51,7 @@ class Following {
   WhileNobody rule_;
   dds_entity_t reader_ = 0;
   std::atomic<dds_instance_handle_t> writer_{0};
+  std::atomic<bool> has_gone_{false};  ///< the writer that is followed has gone, and `follow` has not been called since
   std::atomic<std::uint64_t> refused_{0};
   std::array<std::atomic<dds_instance_handle_t>, 16> unwanted_{};
   std::size_t unwanted_count_ = 0;

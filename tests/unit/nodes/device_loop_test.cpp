@@ -212,6 +212,18 @@ TEST_F(DeviceLoopRun, LocksItselfWhereItsCommandsAreAboveTheLimitUntilAPersonHas
   EXPECT_GT(largest(3000, 3500), 1.5);
 }
 
+/// One command in twenty is above the limit, then one in four.
+TEST_F(DeviceLoopRun, LocksItselfNotBeforeATenthOfItsCommandsAreAboveTheLimit) {
+  bool locked_early = true;
+  device.at_read = [&](std::uint64_t n) {
+    if (n == 2000) locked_early = progress.lock.engaged();
+    commanded_n = n % (n < 2000 ? 20 : 4) == 0 ? 20.0 : 2.0;
+  };
+  EXPECT_EQ(run(3500), End::kFinished);
+  EXPECT_FALSE(locked_early);
+  EXPECT_TRUE(progress.lock.engaged());
+}
+
 TEST_F(DeviceLoopRun, LocksItselfWhereItsDriverRefusesWhatTheGuardHasLetThrough) {
   device.write_faults = {{800, devices::DeviceError::kLimit}};
   EXPECT_EQ(run(), End::kFinished);
