@@ -63,6 +63,8 @@ TEST(Keys, ArePrivateAndTakenForEveryRole) {
   }
   EXPECT_EQ(role_of("device"), "device");
   EXPECT_EQ(role_of("up"), "up");
+  EXPECT_EQ(role_of("rendering_standby"), "rendering") << "a standby has the keys of the one that it stands by for";
+  EXPECT_EQ(role_of("_standby"), kTool);
   for (const char* reader : {"view", "status", "change", "doctor"}) EXPECT_EQ(role_of(reader), kTool);
 }
 
@@ -92,6 +94,9 @@ TEST(Permissions, AreThoseOfTheTableOfTopics) {
   for (const std::string& role : roles()) commanding += half(of(role), "publish").contains("coupling/command");
   EXPECT_EQ(commanding, 1) << "the coupling alone commands";
   EXPECT_FALSE(half(of("device"), "subscribe").contains("<topic>*<"));
+  EXPECT_TRUE(half(of("coupling"), "subscribe").contains("coupling/command")) << "a standby hears whether the other one answers";
+  EXPECT_TRUE(half(of("rendering"), "subscribe").contains("rendering/contact"));
+  EXPECT_FALSE(half(of("device"), "subscribe").contains("device/state"));
   EXPECT_FALSE(half(of("logger"), "publish").contains("device/state"));
 }
 
