@@ -118,7 +118,8 @@ class Round {
     if (!summary.is_object()) return result_.faults.push_back("`up` gave no summary: " + end.err);
     if (result_.status != 1) result_.faults.push_back("a run in which a node was lost is called good");
     const std::string other = ask_.victim + "_standby";
-    for (const auto& [name, takeover] : summary.value("takeovers", nlohmann::json::object()).items()) result_.takeovers += takeover["times"].get<std::uint64_t>();
+    if (summary.contains("takeovers"))
+      for (const nlohmann::json& takeover : summary["takeovers"]) result_.takeovers += takeover["times"].get<std::uint64_t>();
     if (ask_.signal == SIGKILL && end.out.find(fmt::format("{} was ended by signal 9; {}", ask_.victim, other)) == std::string::npos)
       result_.faults.push_back("`up` does not say who was lost and who goes on: " + summary["problems"].dump());
     answered_ = summary["answered"].get<std::uint64_t>();
