@@ -60,7 +60,10 @@ bool DutyBase::yields_to(const NodeReport& other) const {
 std::string DutyBase::look_as_acting(const NodeRegistry& registry, NodeReport& report) {
   if (other_ && !registry.is_here(*other_)) other_.reset();
   const std::vector<NodeReport> reports = registry.reports();
-  if (const auto acting = who_acts(reports, role_, participant_.guid()); acting && !options_.is_standby && answers_.load() == 0 && place_session_ == 0) {
+  const auto acting = who_acts(reports, role_, participant_.guid());
+  const NodeReport* in_pair = acting ? registry.report_of(*acting) : nullptr;
+  const bool is_fresh = !options_.is_standby && answers_.load() == 0 && place_session_ == 0;
+  if (is_fresh && in_pair && says_that_it_acts_in_a_pair(*in_pair, role_)) {
     // Started again while its standby acts: this node stands by from here on, before its first answer.
     follow(*acting);
     stand_back_.store(true, std::memory_order_release);

@@ -37,6 +37,10 @@ bool says_that_it_acts(const NodeReport& report, std::string_view role) {
   return report.node == role ? duty != kStandsBy : report.node == standby_of(role) && duty == kActs;
 }
 
+bool says_that_it_acts_in_a_pair(const NodeReport& report, std::string_view role) {
+  return plays(report, role) && word(report, kDuty) == kActs;
+}
+
 std::string to_hex(const bus::Guid& guid) { return fmt::format("{:02x}", fmt::join(guid, "")); }
 
 NamedStandby named_standby(const NodeReport& report) {

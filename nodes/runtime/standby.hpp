@@ -22,6 +22,9 @@ bool takes_part(const NodeReport& report);
 /// Whether it says that it acts: a standby once it has taken over, any other as long as it does not say that it stands by.
 bool says_that_it_acts(const NodeReport& report, std::string_view role);
 
+/// And one that has a standby, or was one: a rival that knows of none is not meant.
+bool says_that_it_acts_in_a_pair(const NodeReport& report, std::string_view role);
+
 std::string to_hex(const bus::Guid& guid);
 /// What an acting one says of its standby. `says`: it says something; without a participant: that it has none.
 struct NamedStandby {

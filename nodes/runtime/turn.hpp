@@ -29,27 +29,22 @@ class Turn {
   }
   /// The other one has answered `sequence`; `newest`: the last sample that this node has been given. What is ahead of it waits.
   void hear(std::uint64_t sequence, std::uint64_t newest, const Pair& pair) noexcept {
-    if (sequence > newest) {
+    heed_what_was_ahead(newest, pair);
+    if (sequence > newest)
       ahead_ = sequence;
-      return;
-    }
-    if (failover_.hear(kOther, sequence) != Failover::Verdict::kFenced || !failover_.last() || sequence + 1 < *failover_.last()) return;
-    // Both answer: after a false alarm, or where this node woke up and works off what has come meanwhile.
-    constexpr std::uint64_t kInARow = 8;
-    times_beside_ = beside_ && sequence <= *beside_ + kInARow ? times_beside_ + 1 : 1;
-    beside_ = sequence;
-    if (pair.yields || times_beside_ >= kMostBeside) step_back(sequence);
+    else
+      heed(sequence, pair);
   }
   /// Whether this node's answer to `sequence` is to be sent.
   bool answers(std::uint64_t sequence, const Pair& pair) noexcept {
-    if (ahead_ && *ahead_ <= sequence) hear(*std::exchange(ahead_, std::nullopt), sequence, pair);
+    heed_what_was_ahead(sequence, pair);
     const std::optional<std::uint64_t> given_before = std::exchange(last_given_, sequence);
     if (acts()) {
       failover_.hear(kOwn, sequence);
       return true;
     }
-    // The other one has had at least one sample, and a period for it.
-    const bool waited = given_before && failover_.last() && *given_before > *failover_.last();
+    // The other one has had at least one sample, and a period for it; and it has answered none that is later.
+    const bool waited = given_before && failover_.last() && *given_before > *failover_.last() && !ahead_;
     if (!pair.entitled || !waited || failover_.hear(kOwn, sequence) != Failover::Verdict::kTakenOver) return false;
     ++takeovers_;
     return true;
@@ -68,6 +63,19 @@ class Turn {
   std::uint64_t stepped_back() const noexcept { return stepped_back_; }
 
  private:
+  /// It is of use once this node has been given its sample too.
+  void heed_what_was_ahead(std::uint64_t newest, const Pair& pair) noexcept {
+    if (ahead_ && *ahead_ <= newest) heed(*std::exchange(ahead_, std::nullopt), pair);
+  }
+  void heed(std::uint64_t sequence, const Pair& pair) noexcept {
+    if (failover_.hear(kOther, sequence) != Failover::Verdict::kFenced || !failover_.last() || sequence + 1 < *failover_.last()) return;
+    // Both answer: after a false alarm, or where this node woke up and works off what has come meanwhile.
+    constexpr std::uint64_t kInARow = 8;
+    times_beside_ = beside_ && sequence <= *beside_ + kInARow ? times_beside_ + 1 : 1;
+    beside_ = sequence;
+    if (pair.yields || times_beside_ >= kMostBeside) step_back(sequence);
+  }
+
   static constexpr Failover::Place kOwn = Failover::Place::kFirst, kOther = Failover::Place::kSecond;
   Failover failover_;
   std::optional<std::uint64_t> ahead_;       ///< an answer of the other one's to a sample that this node has not been given yet

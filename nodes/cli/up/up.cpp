@@ -104,8 +104,8 @@ class Run {
     judge(summary_);
     watch_pairs();  // what was said last
     for (const auto& [name, times] : summary_.takeovers)
-      summary_.notes.push_back(fmt::format("{} took over {} time{}, the last time at sample {:.0f}; force went on", name, times, times == 1 ? "" : "s",
-                                           number(summary_.reports, name, "took_over_at")));
+      summary_.notes.push_back(fmt::format("{} took over {} time{}, the last time at sample {:.0f}; {}", name, times, times == 1 ? "" : "s",
+                                           number(summary_.reports, name, "took_over_at"), how_force_went_on()));
     for (std::string& sentence : faults::told_in(faults_)) summary_.notes.push_back(std::move(sentence));
     return std::move(summary_);
   }
@@ -268,6 +268,11 @@ class Run {
     summary_.problems.push_back(sentence);
   }
 
+  std::string how_force_went_on() const {
+    const double faded = number(summary_.reports, "device", "faded");
+    return faded == 0 ? std::string("force went on, and never faded in this run") : fmt::format("force faded {:.0f}x in this run", faded);
+  }
+
   /// Says at once who took over, and in the end how often.
   void watch_pairs() {
     for (const char* role : {"rendering", "coupling"})
@@ -393,7 +398,7 @@ void require_all_keys(const UpOptions& options) {
 void require_room_for_standby(const UpOptions& options) {
   if (!options.standby) return;
   (void)runtime::in_mode({.is_standby = true}, options.node.lockstep);
-  if (options.ring.one_process) throw std::runtime_error("--standby starts a second rendering and coupling to go on where the first is lost: start without --one-process");
+  if (options.ring.one_process) throw std::runtime_error("--standby starts a second rendering and coupling to go on where the first is lost. Start without --one-process");
 }
 
 RunSummary run_up(const UpOptions& options) {

@@ -26,7 +26,6 @@ constexpr auto kStopped = 700ms;            // how long a node stands still
 constexpr double kMostPeriods = 5.0;
 constexpr double kRampS = 0.1;              // of the force guard, after a fade
 constexpr double kPeriodMs = 1.0;
-constexpr std::int64_t kAfterNs = 300'000'000;
 
 bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds patience) {
   const auto until = std::chrono::steady_clock::now() + patience;
@@ -85,6 +84,7 @@ class Round {
       ::kill(victim_, SIGCONT);
       std::this_thread::sleep_for(kStopped);
     }
+    end_ns_ = unix_ns();
     up_.signal(SIGINT);
     finish();
     look_back();
@@ -116,10 +116,11 @@ class Round {
     result_.status = end.status;
     const nlohmann::json summary = test::parse_summary(end.out);
     if (!summary.is_object()) return result_.faults.push_back("`up` gave no summary: " + end.err);
-    if (result_.status != 1) result_.faults.push_back("a run in which a node was lost is called good");
+    if (ask_.signal == SIGKILL && result_.status != 1) result_.faults.push_back("a run in which a node was lost is called good");
     const std::string other = ask_.victim + "_standby";
     if (summary.contains("takeovers"))
       for (const nlohmann::json& takeover : summary["takeovers"]) result_.takeovers += takeover["times"].get<std::uint64_t>();
+    if (summary.contains("takeovers")) result_.who = summary["takeovers"].dump();
     if (ask_.signal == SIGKILL && end.out.find(fmt::format("{} was ended by signal 9; {}", ask_.victim, other)) == std::string::npos)
       result_.faults.push_back("`up` does not say who was lost and who goes on: " + summary["problems"].dump());
     answered_ = summary["answered"].get<std::uint64_t>();
@@ -129,19 +130,24 @@ class Round {
   void look_back() {
     const auto states = test::read_ring_topic<msg::DeviceState>(folder_ / "bag", "/haptic/device/state");
     const auto sent = test::read_ring_topic<msg::ForceCommand>(folder_ / "bag", "/haptic/coupling/command");
-    std::uint64_t lost = 0;
-    std::int64_t lost_ns = 0;
-    for (const Seen& seen : tap_->seen())
-      if (seen.written_ns <= at_ns_) lost = seen.sequence, lost_ns = seen.sample_ns;
-    std::map<std::uint64_t, msg::ForceCommand> commands;  // the first to each sample: it is what the device takes
-    for (const msg::ForceCommand& c : sent)
-      if (!commands.emplace(c.sequence_number, c).second) ++result_.sent_twice;
+    std::uint64_t lost = 0, end = 0;
+    for (const Seen& seen : tap_->seen()) {
+      if (seen.written_ns <= at_ns_) lost = seen.sequence;
+      if (seen.written_ns <= end_ns_) end = seen.sequence;
+    }
+    std::map<std::uint64_t, msg::ForceCommand> commands;  // the device takes what is newer than all before
+    for (const msg::ForceCommand& c : sent) {
+      if (commands.empty() || c.sequence_number > commands.rbegin()->first)
+        commands.emplace(c.sequence_number, c);
+      else
+        ++result_.sent_late;
+    }
     // The bag may lack some; there were at most so many to answer, those that nobody answered in the takeover among them.
     const std::uint64_t most = commands.empty() ? 0 : commands.rbegin()->first - commands.begin()->first + 1;
     if (answered_ > most) result_.answered_twice = static_cast<int>(answered_ - most);
-    judge_gap(commands, lost);
+    judge_gap(commands, lost, end);
     for (const msg::DeviceState& s : states)
-      result_.unforced += s.sample_time_ns >= lost_ns && s.sample_time_ns < lost_ns + kAfterNs && (s.flags & msg::device_state::kFlagForceOn) == 0;
+      result_.unforced += s.sequence_number >= lost && s.sequence_number <= end && (s.flags & msg::device_state::kFlagForceOn) == 0;
     result_.stalled = result_.machine_ms > kPeriodMs;
     const bool excused = result_.stalled;
     if (result_.takeover_periods > kMostPeriods && !excused)
@@ -154,7 +160,7 @@ class Round {
   }
 
   /// The largest gap between two answered samples from shortly before the signal on.
-  void judge_gap(const std::map<std::uint64_t, msg::ForceCommand>& commands, std::uint64_t lost) {
+  void judge_gap(const std::map<std::uint64_t, msg::ForceCommand>& commands, std::uint64_t lost, std::uint64_t end) {
     constexpr double kMostN = 8.5;  // of the simulated Phantom
     for (auto next = commands.upper_bound(lost > 1000 ? lost - 1000 : 0); next != commands.end(); ++next) {
       if (next == commands.begin()) continue;
@@ -162,7 +168,7 @@ class Round {
       const std::uint64_t periods = next->first - before->first;
       if (next->first < lost - 5) {
         if (periods == 1) result_.usual_step_n = std::max(result_.usual_step_n, step(before->second, next->second));
-      } else if (next->first < lost + 300 && static_cast<double>(periods) > result_.takeover_periods) {
+      } else if (next->first <= end && static_cast<double>(periods) > result_.takeover_periods) {
         result_.takeover_periods = static_cast<double>(periods);
         result_.step_n = step(before->second, next->second);
         result_.ramp_step_n = kMostN * static_cast<double>(periods) * 1e-3 * kPeriodMs / kRampS;
@@ -177,7 +183,7 @@ class Round {
   std::optional<bus::Participant> registry_participant_;
   Beats beats_;
   pid_t victim_ = 0;
-  std::int64_t at_ns_ = 0;
+  std::int64_t at_ns_ = 0, end_ns_ = 0;
   std::uint64_t answered_ = 0;
   FailoverResult result_;
 };

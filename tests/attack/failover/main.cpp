@@ -19,7 +19,7 @@ struct Options {
   std::vector<std::string> victims{"rendering", "coupling"}, how{"kill", "stop"};
   int times = 100;
   std::uint64_t seed = 1;
-  std::string domain, scene = "cup", motion = "slide";
+  std::string domain, scene = FailoverOptions{}.scene, motion = FailoverOptions{}.motion;
   std::vector<std::string> up;
   bool each = false;
 };
@@ -27,7 +27,7 @@ struct Options {
 struct Row {
   std::map<int, int> periods;  ///< how many rounds took so many
   double step_n = 0.0, usual_n = 0.0, machine_ms = 0.0;
-  int played = 0, stalled = 0, bad = 0, unforced = 0, answered_twice = 0, sent_twice = 0;
+  int played = 0, stalled = 0, bad = 0, unforced = 0, answered_twice = 0, sent_late = 0;
 };
 
 int run(int argc, char** argv) {
@@ -55,13 +55,13 @@ int run(int argc, char** argv) {
         ask.after_ms = static_cast<int>(random() % 500);
         const FailoverResult r = play(ask);
         row.played += r.played, row.stalled += r.stalled, row.bad += !r.faults.empty();
-        row.unforced += r.unforced, row.answered_twice += r.answered_twice, row.sent_twice += r.sent_twice;
+        row.unforced += r.unforced, row.answered_twice += r.answered_twice, row.sent_late += r.sent_late;
         row.step_n = std::max(row.step_n, r.step_n), row.usual_n = std::max(row.usual_n, r.usual_step_n), row.machine_ms = std::max(row.machine_ms, r.machine_ms);
         if (r.played) ++row.periods[static_cast<int>(r.takeover_periods)];
         fmt::print(stderr, "\r{} {} {}/{} ", victim, how, n + 1, o.times);
         if (o.each)
-          fmt::print("{} {}: {:.0f} periods, {} without force, {} sent twice, step {:.3f} N (usual {:.3f}, ramp {:.3f}), {} takeovers, machine {:.1f} ms{}\n",
-                     victim, how, r.takeover_periods, r.unforced, r.sent_twice, r.step_n, r.usual_step_n, r.ramp_step_n, r.takeovers, r.machine_ms,
+          fmt::print("{} {}: {:.0f} periods, {} without force, {} sent late, step {:.3f} N (usual {:.3f}, ramp {:.3f}), {} takeovers {}, machine {:.1f} ms{}\n",
+                     victim, how, r.takeover_periods, r.unforced, r.sent_late, r.step_n, r.usual_step_n, r.ramp_step_n, r.takeovers, r.who, r.machine_ms,
                      r.stalled ? ", told apart" : "");
         for (const std::string& fault : r.faults) fmt::print("FAULT: {} {}, round {}: {}\n", victim, how, n, fault);
         std::fflush(stdout);
@@ -69,9 +69,9 @@ int run(int argc, char** argv) {
       bad += row.bad;
       std::string spread;
       for (const auto& [periods, rounds] : row.periods) spread += fmt::format("{}{} periods {}x", spread.empty() ? "" : ", ", periods, rounds);
-      fmt::print("figure: {} {}: {} rounds, taken over after {}; {} samples without force, {} answered twice ({} sent twice and refused), largest step {:.3f} N "
+      fmt::print("figure: {} {}: {} rounds, taken over after {}; {} samples without force, {} answered twice ({} sent late and refused), largest step {:.3f} N "
                  "(between two samples before {:.3f} N), machine {:.1f} ms, {} told apart, {} bad\n",
-                 victim, how, row.played, spread, row.unforced, row.answered_twice, row.sent_twice, row.step_n, row.usual_n, row.machine_ms, row.stalled, row.bad);
+                 victim, how, row.played, spread, row.unforced, row.answered_twice, row.sent_late, row.step_n, row.usual_n, row.machine_ms, row.stalled, row.bad);
     }
   fmt::print(stderr, "\n");
   fmt::print("{}\n", bad == 0 ? "All is well." : "Not well.");

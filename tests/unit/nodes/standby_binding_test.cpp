@@ -288,6 +288,16 @@ TEST_F(DutyTest, SaysAndReadsNothingWhereNoStandbyIsTaken) {
   EXPECT_TRUE(first.answer(50));
 }
 
+TEST_F(DutyTest, DoesNotStandBackForARivalThatKnowsOfNoStandby) {
+  Coupling rival(rig);
+  Node first(rig, "coupling", {});
+  rival.say();
+  ASSERT_TRUE(wait_until([&] { return first.look(), first.registry.find("coupling").has_value() && first.registry.reports().size() == 2; }));
+  for (int i = 0; i < 10; ++i) first.look();
+  EXPECT_TRUE(first.answer(1));
+  EXPECT_EQ(first.words.count(runtime::kDuty), 0U);
+}
+
 TEST_F(DutyTest, StandsByFromItsFirstAnswerOnWhereTheStandbyActsAlready) {
   Node standby(rig, "coupling_standby", {.is_standby = true});
   auto first = std::make_unique<Node>(rig, "coupling", runtime::StandbyOptions{});

@@ -221,6 +221,15 @@ TEST(Pairs, DoNotChangeWhereSamplesComeToNeither) {
   EXPECT_EQ(ring.sent(1), 0U);
 }
 
+TEST(Pairs, HearTheOtherOneAlsoWhereTheyAreAlwaysLaterThanIt) {
+  Turn slow(false);
+  const Turn::Pair pair{.entitled = true, .yields = true};
+  for (std::uint64_t n = 1; n < 200; n += 2) {  // of two samples it gets the later one, and when that is computed the next has been answered
+    slow.hear(n + 1, n, pair);
+    ASSERT_FALSE(slow.answers(n, pair)) << n;
+  }
+}
+
 TEST(Pairs, FallSilentWhereTheyWorkOffWhatCameWhileTheyStoodStill) {
   Turn first(true), second(false);
   const Turn::Pair stays{.entitled = true, .yields = false}, yields{.entitled = true, .yields = true};

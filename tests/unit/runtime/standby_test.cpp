@@ -33,6 +33,13 @@ TEST(Standby, SaysWhoActs) {
   EXPECT_FALSE(says_that_it_acts(report("coupling_standby_standby", 1, kActs), "coupling"));
 }
 
+TEST(Standby, TellsARivalFromOneThatHasAStandby) {
+  EXPECT_FALSE(says_that_it_acts_in_a_pair(report("coupling", 1), "coupling"));
+  EXPECT_TRUE(says_that_it_acts_in_a_pair(report("coupling", 1, kActs), "coupling"));
+  EXPECT_TRUE(says_that_it_acts_in_a_pair(report("coupling_standby", 1, kActs), "coupling"));
+  EXPECT_FALSE(says_that_it_acts_in_a_pair(report("device", 1, kActs), "coupling"));
+}
+
 TEST(Standby, FindsTheOneThatActsAndNoneOfTwo) {
   std::vector<NodeReport> all{report("device", 1), report("coupling", 2), report("coupling_standby", 3, kStandsBy)};
   EXPECT_EQ(who_acts(all, "coupling", guid(3)), guid(2));
