@@ -43,7 +43,8 @@ bool Following::admits(dds_instance_handle_t writer) noexcept {
   if (nobody)
     return rule_ == WhileNobody::kTakeAll &&
            std::none_of(unwanted_.begin(), unwanted_.end(), [&](const auto& one) { return one.load() == writer; });
-  if (followed == writer) return true;
+  if (followed == writer || also_.load(std::memory_order_acquire) == writer) return true;
+  if (passed_over_.load(std::memory_order_acquire) == writer) return false;
   refused_.fetch_add(1, std::memory_order_relaxed);
   last_refused_[writer % last_refused_.size()].store(writer, std::memory_order_relaxed);
   return false;
@@ -53,10 +54,16 @@ void Following::refuse(dds_instance_handle_t writer) noexcept {
   unwanted_[unwanted_count_++ % unwanted_.size()].store(writer);
 }
 
-bool Following::follow(const Guid& participant) {
+dds_instance_handle_t Following::writer_of(const Guid& participant) const {
   dds_instance_handle_t found = 0;
   for (const dds_instance_handle_t writer : matched_writer_handles(reader_))
     if (participant_of_writer(reader_, writer) == participant) found = writer;
+  return found;
+}
+
+bool Following::follow(const Guid& participant) {
+  const dds_instance_handle_t found = writer_of(participant);
+  switching_.store(false, std::memory_order_release);
   writer_.store(found, std::memory_order_release);
   has_gone_.store(false, std::memory_order_release);
   if (found != 0 && !has_writer()) has_gone_.store(true, std::memory_order_release);  // since it was looked for
@@ -64,6 +71,20 @@ bool Following::follow(const Guid& participant) {
 }
 
 Guid Following::participant() const { return participant_of_writer(reader_, writer()); }
+
+bool Following::keep_also(const Guid& participant) {
+  const dds_instance_handle_t found = writer_of(participant);
+  also_.store(found, std::memory_order_release);
+  return found != 0;
+}
+
+void Following::pass_over(const Guid& participant) { passed_over_.store(writer_of(participant), std::memory_order_release); }
+
+void Following::follow_awaited() noexcept {
+  switching_.store(false, std::memory_order_release);
+  also_.store(writer_.exchange(also_.load(std::memory_order_acquire), std::memory_order_acq_rel), std::memory_order_release);
+  has_gone_.store(false, std::memory_order_release);
+}
 
 bool Following::has_matched(const Guid& participant) const {
   for (const Guid& other : matched_writers(reader_))

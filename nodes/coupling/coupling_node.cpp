@@ -10,7 +10,6 @@
 #include "core/fitting/design_problem.hpp"
 #include "core/scene/scene_file.hpp"
 #include "core/types/latest_value.hpp"
-#include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/coupling/contact_coupling.hpp"
@@ -20,7 +19,9 @@
 #include "nodes/faults/force_lock.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/device_message.hpp"
+#include "nodes/runtime/duty.hpp"
 #include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/pair_reader.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/role_binding.hpp"
 
@@ -52,24 +53,27 @@ std::vector<faults::FaultMessage> messages_of(const std::vector<ContactSeen>& ro
 class CouplingNode {
  public:
   CouplingNode(const Options& options, const scene::Scene& scene)
-      : options_(options), scene_(scene), participant_(options.participant("coupling")),
+      : options_(options), scene_(scene), name_(runtime::name_in_ring(options.standby, "coupling")), participant_(options.participant(name_)),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
         plans_(participant_, qos::kScenePlan, options.rig),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
         commands_(participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())),
         designs_(participant_, qos::kCouplingDesign, options.rig,
                  qos::profile_in(qos::kCouplingDesign, options.mode())),
+        duty_(participant_, qos::kForceCommand, options.rig, "coupling", runtime::in_mode(options.standby, options.lockstep),
+              {{"scene_hash", "design_status", "design_kind"},
+               {"design_cutoff_hz", "design_gain", "design_injected_damping_ns_per_m", "design_shown_n_per_m", "design_critical_n_per_m"}}),
         wait_set_(participant_), device_("device", {&descriptions_.following()}),
-        rendering_("rendering", {&plans_.following(), &contacts_.following()}), fitting_(scene),
+        rendering_("rendering", {&plans_.following()}, &contacts_), fitting_(scene),
         coupling_(scene.device),
-        faults_(options.fault_records, {"coupling", options.rig, {}},
+        faults_(options.fault_records, {name_, options.rig, {}},
                 {faults::topic_of<msg::ContactState>("/" + options.rig + "/rendering/contact"),
                  faults::topic_of<msg::ForceCommand>("/" + options.rig + "/coupling/command")},
                 messages_of),
         keeper_(participant_, options.rig) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(plans_.condition());
-    wait_set_.attach(contacts_.condition());
+    contacts_.attach_to(wait_set_);
     links_ = {runtime::link_of_reader(qos::kDeviceDescription, descriptions_), runtime::link_of_reader(qos::kScenePlan, plans_),
               runtime::link_of_reader(qos::kContactState, contacts_), runtime::link_of_writer(qos::kForceCommand, commands_),
               runtime::link_of_writer(qos::kCouplingDesign, designs_)};
@@ -78,7 +82,7 @@ class CouplingNode {
   int run(const std::atomic<bool>& stop) {
     runtime::flush_denormals();
     runtime::Housekeeping housekeeping(
-        participant_, "coupling", options_,
+        participant_, name_, options_,
         [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
         {{"its loop", [this] { return heartbeat_.sign(); }}});
     stop_ = &stop;
@@ -89,6 +93,7 @@ class CouplingNode {
       listen();
       if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
       if (lock_.opened() && coupling_.runs()) begin_anew();
+      if (design_unsaid_ && duty_.acts_now()) say_design();
       if (device_fault_.exchange(false, kRelaxed)) faults_.keep_too("a fault that the device saw");
       for (int i = 0; i < contacts_.kMaxTakes && !over() && answer_one(); ++i) {
       }
@@ -136,7 +141,9 @@ class CouplingNode {
   /// does not fit any more commands nothing from here on.
   void follow_change() {
     // A rendering that took another's place may run another scene: nothing of it is felt before the fit.
-    if (fitting_.session() != session_in_loop_ || plans_.following().participant() != planner_) return start_session();
+    if (fitting_.session() != session_in_loop_ || (rendering_.tenure() != plan_tenure_ && plans_.following().participant() != planner_)) return start_session();
+    plan_tenure_ = rendering_.tenure();
+    planner_ = plans_.following().participant();
     if (options_.lockstep && fitting_.outdated()) return adopt(fit());
     judge_running();
     if (fitting_.outdated()) fitting_.begin();
@@ -153,7 +160,10 @@ class CouplingNode {
 
   void start_session() {
     const std::uint64_t session = *fitting_.session();
+    plan_tenure_ = rendering_.tenure();
     planner_ = plans_.following().participant();
+    contacts_.begin_session(session);
+    heard_other_.store(false, kRelaxed);
     coupling_.begin_session(fitting_.device().timing);
     faults_.reserve(1.0 / fitting_.device().timing.period_s);
     session_in_loop_ = session;
@@ -165,18 +175,34 @@ class CouplingNode {
 
   /// From here on this coupling runs. One that must not run leaves the device without commands, which fades its force.
   void adopt(fitting::FittedCoupling fitted) {
-    publish_design(designs_, fitted, session_in_loop_, coupling_.period_s(), fitting_.external());
+    if (duty_.acts_now())
+      publish_design(designs_, fitted, session_in_loop_, coupling_.period_s(), fitting_.external());
+    else
+      design_unsaid_ = true;  // the one that acts says its own
     if (coupling_.runs() && !fitted.refusal.empty()) faults_.keep("what came did not fit the device any more");
     coupling_.adopt(fitted, fitting_.device());
     const std::lock_guard lock(running_mutex_);
     running_ = {std::move(fitted), fitting_.device().translation.max_stiffness, running_.made + 1};
   }
 
+  void say_design() {
+    design_unsaid_ = false;
+    publish_design(designs_, running_.fitted, session_in_loop_, coupling_.period_s(), fitting_.external());
+  }
+
+  /// The last sample that there can be, by the time since the last contact: who answers a later one must not take over with it.
+  std::uint64_t newest_sample() const noexcept {
+    constexpr double kShortestPeriod = 0.8;  // of the nominal one
+    if (options_.lockstep || !last_answered_) return ~std::uint64_t{0};
+    const double since_s = 1e-9 * static_cast<double>(runtime::monotonic_ns() - last_contact_ns_);
+    return *last_answered_ + 1 + static_cast<std::uint64_t>(std::clamp(since_s / (kShortestPeriod * coupling_.period_s()), 0.0, 1e12));
+  }
+
   /// Answers one contact; false where none waits.
   bool answer_one() {
     heartbeat_.beat();
     msg::ContactState contact;
-    if (!contacts_.take(contact)) return false;
+    if (!contacts_.take(contact, nullptr, newest_sample())) return false;
     // What another participant says of itself has yet to be judged before its contacts are felt.
     if (contact.session_id != session_in_loop_ || !coupling_.runs() || !both_known_.load(kRelaxed)) return true;
     // A write that DDS could not end in time is made again in lockstep, and who had it already has it twice.
@@ -190,17 +216,30 @@ class CouplingNode {
 
   void answer(const msg::ContactState& contact) noexcept {
     last_answered_ = contact.sequence_number;
+    if (!options_.lockstep) last_contact_ns_ = runtime::monotonic_ns();
     const coupling::CouplingCounters before = coupling_.counters();
     msg::ForceCommand command = coupling_.answer(contact);
+    const bool acts = duty_.acts(contact.session_id, contact.sequence_number, [this](const msg::ForceCommand& theirs) { heed(theirs); });
     if (lock_.engaged()) command.wrench = {}, command.status |= msg::force_command::kStatusLocked;
-    commands_.write_until(command, [this] {
-      heartbeat_.beat();
-      return !options_.lockstep || over();
-    });
-    if (samples_.load(kRelaxed) == 0) first_sample_.store(contact.sequence_number, kRelaxed);
+    if (acts) {
+      commands_.write_until(command, [this] {
+        heartbeat_.beat();
+        return !options_.lockstep || over();
+      });
+      if (samples_.load(kRelaxed) == 0) first_sample_.store(contact.sequence_number, kRelaxed);
+      samples_.fetch_add(1, kRelaxed);
+    }
     note(contact.stiffness_bound_n_per_m);
     faults_.push({contact, command});
     keep_what_went_wrong(before, coupling_.counters());
+  }
+
+  /// A command of the one that acts. Where that one locks itself so does this one: a takeover opens no lock.
+  void heed(const msg::ForceCommand& theirs) noexcept {
+    const bool locked = (theirs.status & msg::force_command::kStatusLocked) != 0;
+    if (locked && !they_are_locked_ && !duty_.acts_now() && !lock_.engaged()) lock_.engage("the coupling that this one stands by for has locked itself");
+    they_are_locked_ = locked;
+    heard_other_.store(true, kRelaxed);
   }
 
   /// As at the begin of a session: no debt, and the force ramps in. Allocates, beside the answers, while no force is commanded.
@@ -223,7 +262,6 @@ class CouplingNode {
   }
 
   void note(double stiffness_n_per_m) noexcept {
-    samples_.fetch_add(1, kRelaxed);
     counted_.put(coupling_.counters());
     if (stiffness_n_per_m > stiffness_.load(kRelaxed)) stiffness_.store(stiffness_n_per_m, kRelaxed);
   }
@@ -253,6 +291,7 @@ class CouplingNode {
                       {"device_max_stiffness_n_per_m", {running_.device_max_stiffness_n_per_m, "N/m"}}};
     if (running_.made > 0) describe(design, report);
     report.figures["foreign_samples"] = {device_.refused() + rendering_.refused(), "samples"};
+    rendering_.report_to(report, registry);
     device_.update(registry, std::nullopt);
     watch_device(registry);
     faults_.report_to(report);
@@ -264,8 +303,11 @@ class CouplingNode {
       missing = "a device and its scene's plan";
       report.session_id = 0, report.state = NodeState::kStarting;
     }
+    if (!duty_.acts_now() && samples_.load() == 0 && !heard_other_.load(kRelaxed)) report.state = NodeState::kStarting;  // it cannot stand by yet
+    const std::string duty = duty_.look(registry, report);
     std::string trouble = device_.trouble(registry);
     if (trouble.empty()) trouble = rendering_.trouble(registry);
+    if (trouble.empty()) trouble = duty;
     if (!wrong_.empty()) trouble = "the device's description is refused: " + wrong_;
     // The device's limit is held against the total stiffness of the contact, not against one point's.
     report.message = session_.stopped() ? "stopped"
@@ -312,12 +354,14 @@ class CouplingNode {
 
   const Options& options_;
   const scene::Scene& scene_;
+  const std::string name_;
   bus::Participant participant_;
   bus::LatchedReader<msg::DeviceDescription> descriptions_;
   bus::LatchedReader<msg::ScenePlan> plans_;
-  bus::FollowedReader<msg::ContactState> contacts_;
+  runtime::PairReader<msg::ContactState> contacts_;
   bus::Writer<msg::ForceCommand> commands_;
   bus::Writer<msg::CouplingDesign> designs_;
+  runtime::Duty<msg::ForceCommand> duty_;
   bus::WaitSet wait_set_;
   runtime::RoleBinding device_, rendering_;
   std::vector<runtime::Link> links_;
@@ -344,6 +388,11 @@ class CouplingNode {
   std::atomic<bool> both_known_{false};   ///< both are there of those who are bound
   std::uint64_t session_in_loop_ = 0;
   std::optional<std::uint64_t> last_answered_;  ///< number of the contact, in this session
+  std::int64_t last_contact_ns_ = 0;            ///< when that was, by the clock of this host
+  std::uint64_t plan_tenure_ = 0;  ///< of the rendering whose plan the session was begun with; its standby goes on with it
+  bool design_unsaid_ = false;     ///< what runs has not been published, for another coupling acts
+  bool they_are_locked_ = false;   ///< the other coupling, as it said last
+  std::atomic<bool> heard_other_{false};  ///< in this session
   bus::Guid planner_{};  ///< whose plan the session was begun with; after a cut of the network it is the same one
   std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
   std::atomic<double> voxel_m_{0.0}, stiffness_{0.0};

@@ -31,12 +31,14 @@ const char* reason_of(devices::DeviceError error) noexcept {
 }  // namespace
 
 DeviceLoop::DeviceLoop(const Settings& settings, devices::Driver& driver, bus::Writer<msg::DeviceState>& states,
-                       bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress,
+                       runtime::PairReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress,
                        Requests& requests, Faults& faults)
     : settings_(settings), driver_(driver), states_(states), commands_(commands), wait_set_(wait_set),
       progress_(progress), requests_(requests), faults_(faults), guard_(devices::guard_config(driver.description())), gate_(settings.session_id),
       period_ns_(std::llround(1e9 / driver.description().rate_hz)),
-      longest_gap_ns_(std::llround(1e9 * (guard_.config().hold_periods * guard_.config().period_s + guard_.config().fade_s))) {}
+      longest_gap_ns_(std::llround(1e9 * (guard_.config().hold_periods * guard_.config().period_s + guard_.config().fade_s))) {
+  commands_.begin_session(settings.session_id);
+}
 
 End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   runtime::flush_denormals();
@@ -165,11 +167,11 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample, const std::atomic<
 
 std::optional<devices::GuardInput> DeviceLoop::take_commands() noexcept {
   std::optional<devices::GuardInput> newest;
-  // The gate's own rule is the second line: it lets go only of a writer that is not followed any more.
-  if (gate_.writer() && *gate_.writer() != commands_.writer()) gate_.release_writer();
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
-  for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer); ++i) {
+  for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer, sequence_); ++i) {
+    // The gate's own rule is the second line: it lets go only of a writer that is not followed any more.
+    if (gate_.writer() && *gate_.writer() != commands_.writer()) gate_.release_writer();
     const devices::GateVerdict verdict = gate_.accept(writer, command.session_id, command.sequence_number, sequence_);
     guard_.count(verdict);
     if (verdict != devices::GateVerdict::kAccepted) continue;

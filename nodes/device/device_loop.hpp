@@ -1,7 +1,8 @@
 #pragma once
 /// One turn a sample: read, publish, wait for the command, guard, write. Real-time safe after construction. A simulated device is paced
 /// here, at absolute deadlines; a real one paces by its own clock, in `read`, and gets its command as soon as it is there.
-/// Commands are those of the one writer that the reader follows; the housekeeping decides whose it is.
+/// Commands are those of the one writer that the reader follows; the housekeeping decides whose it is, and the reader itself where that one has
+/// a standby, which takes over when it has left out samples.
 ///
 /// What bounds each loop. `run`: it is the session, each cycle looks at `stop`. `read`: ten periods. `take_commands`: kMaxTakes
 /// commands, of which the history in real time holds one. `wait_in_real_time`: the sample's own period. `wait_in_lockstep`: peer_timeout,
@@ -12,13 +13,13 @@
 #include "devices/command_gate.hpp"
 #include "devices/driver.hpp"
 #include "devices/force_guard.hpp"
-#include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/faults/fault_recorder.hpp"
 #include "nodes/faults/force_lock.hpp"
 #include "nodes/runtime/heartbeat.hpp"
 #include "nodes/runtime/latency.hpp"
+#include "nodes/runtime/pair_reader.hpp"
 
 namespace voxtouch::device_node {
 
@@ -88,7 +89,7 @@ class DeviceLoop {
     std::int64_t peer_timeout_ns = 5'000'000'000;
   };
   DeviceLoop(const Settings& settings, devices::Driver& driver, bus::Writer<msg::DeviceState>& states,
-             bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests, Faults& faults);
+             runtime::PairReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests, Faults& faults);
 
   /// Runs to the end; leaves the driver stopped.
   End run(const std::atomic<bool>& stop) noexcept;
@@ -111,7 +112,7 @@ class DeviceLoop {
   Settings settings_;
   devices::Driver& driver_;
   bus::Writer<msg::DeviceState>& states_;
-  bus::FollowedReader<msg::ForceCommand>& commands_;
+  runtime::PairReader<msg::ForceCommand>& commands_;
   bus::WaitSet& wait_set_;
   Progress& progress_;
   Requests& requests_;

@@ -106,19 +106,19 @@ class DeviceNode {
     states_ = {participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())};
     descriptions_ = {participant_, qos::kDeviceDescription, options.rig,
                      qos::profile_in(qos::kDeviceDescription, options.mode())};
-    commands_ = {participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode())};
+    commands_.emplace(participant_, qos::kForceCommand, options.rig, qos::profile_in(qos::kForceCommand, options.mode()));
     wait_set_.emplace(participant_);
-    wait_set_->attach(commands_.condition());
+    commands_->attach_to(*wait_set_);
     links_ = {runtime::link_of_writer(qos::kDeviceState, states_), runtime::link_of_writer(qos::kDeviceDescription, descriptions_),
-              runtime::link_of_reader(qos::kForceCommand, commands_)};
-    coupling_.emplace("coupling", std::vector{&commands_.following()});
+              runtime::link_of_reader(qos::kForceCommand, *commands_)};
+    coupling_.emplace("coupling", std::vector<bus::Following*>{}, &*commands_);
     keeper_.emplace(participant_, options.rig);
     faults_ = make_faults(options.fault_records, options.rig, driver_->description().rate_hz);
     describe();
   }
 
   int run(const std::atomic<bool>& stop) {
-    DeviceLoop loop(settings(), *driver_, states_, commands_, *wait_set_, progress_, requests_, *faults_);
+    DeviceLoop loop(settings(), *driver_, states_, *commands_, *wait_set_, progress_, requests_, *faults_);
     End end = End::kNone;
     {
       runtime::Housekeeping housekeeping(
@@ -244,6 +244,7 @@ class DeviceNode {
                      : running           ? "running" + network_
                                          : "waiting for " + waiting_for_;
     fill(report);
+    coupling_->report_to(report, registry);
     progress_.lock.report_to(report, end == End::kNone);
   }
 
@@ -340,7 +341,7 @@ class DeviceNode {
         {"latency_max_us", latency_us(progress_.latency.max_us())},
         {"answered", {progress_.latency.count(), "samples"}},
         {"overruns", {progress_.overruns.load(), "periods"}},
-        {"deadline_misses", {ended ? progress_.deadline_misses.load() : commands_.deadlines_missed(), "deadlines"}},
+        {"deadline_misses", {ended ? progress_.deadline_misses.load() : commands_->deadlines_missed(), "deadlines"}},
         {"max_force_n", {progress_.max_force_n.load(), "N"}},
         {"force_n", {progress_.force_n.load(), "N"}},
         {"refused", {progress_.refused.load() + coupling_->refused(), "commands"}},
@@ -367,7 +368,7 @@ class DeviceNode {
   std::unique_ptr<devices::Driver> driver_;
   bus::Writer<msg::DeviceState> states_;
   bus::Writer<msg::DeviceDescription> descriptions_;
-  bus::FollowedReader<msg::ForceCommand> commands_;
+  std::optional<runtime::PairReader<msg::ForceCommand>> commands_;
   std::optional<runtime::RoleBinding> coupling_;
   runtime::Reminder reminder_;
   std::optional<bus::WaitSet> wait_set_;

@@ -97,6 +97,7 @@ void EffectServices::each(Server<S>& server, F&& f) {
   server.send_waiting();
   server.take(
       [&](const typename S::Request& request, const bus::Caller& caller) {
+        if (!answers_) return;
         std::uint32_t count = 1;
         if constexpr (requires { request.parameters; }) count = request.parameters._length;
         if (admits(count))
@@ -107,8 +108,9 @@ void EffectServices::each(Server<S>& server, F&& f) {
       kMostATurn);
 }
 
-void EffectServices::serve() {
+void EffectServices::serve(bool answers) {
   using bus::Caller;
+  answers_ = answers;
   each(list_, [this](const auto& request, const Caller& caller) {
     ListedParameters listed = list_parameters(door_.parameters(), texts_of(request.prefixes), request.depth);
     list_.reply(caller, [listed = std::move(listed)](auto& response, const auto& send) {
@@ -225,7 +227,7 @@ void EffectServices::change(const msg::ChangeEffect::Request& request, const bus
 
 void EffectServices::parameters_changed() {
   std::vector<RosParameter> before = std::exchange(told_, door_.parameters());
-  if (events_.matched_count() == 0) return;
+  if (!answers_ || events_.matched_count() == 0) return;  // of two that play one role the acting one tells
   std::vector<msg::rcl_interfaces_Parameter> came, changed, gone;
   for (const RosParameter& now : told_) {
     const RosParameter* const was = find_parameter(before, now.name);

@@ -35,8 +35,8 @@ class EffectServices {
 
   EffectServices(const bus::Participant& participant, const std::string& rig, ChangeDoor door);
   void attach_to(bus::WaitSet& wait_set);
-  /// Answers what has come, and what waited for its client. Does not block.
-  void serve();
+  /// Answers what has come, and what waited for its client. Does not block. Where not `answers` another rendering that acts does: what has come is dropped.
+  void serve(bool answers);
   /// Replies wait for their client's reader: `serve` soon.
   bool waits() const noexcept;
   /// Parameters may have changed, by whatever door: tells `/parameter_events` what did.
@@ -55,6 +55,7 @@ class EffectServices {
   void change(const msg::ChangeEffect::Request& request, const bus::Caller& caller);
 
   std::string node_;  ///< "/haptic/rendering"
+  bool answers_ = true;
   ChangeDoor door_;
   Server<msg::ChangeEffect> change_;
   Server<msg::rcl_interfaces_ListParameters> list_;

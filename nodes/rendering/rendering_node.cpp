@@ -17,9 +17,11 @@
 #include "nodes/rendering/scene_update_server.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/rendering/sample_renderer.hpp"
+#include "nodes/rendering/session_of_another.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/device_message.hpp"
+#include "nodes/runtime/duty.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/parallel_for.hpp"
 #include "nodes/runtime/participation.hpp"
@@ -37,8 +39,8 @@ constexpr auto kRelaxed = std::memory_order_relaxed;
 class RenderingNode {
  public:
   RenderingNode(const Options& options, const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built)
-      : options_(options), scene_(scene), renderer_(scene.device, *built),
-        participant_(options.participant("rendering")),
+      : options_(options), scene_(scene), name_(runtime::name_in_ring(options.standby, "rendering")), renderer_(scene.device, *built),
+        participant_(options.participant(name_)),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
@@ -46,6 +48,8 @@ class RenderingNode {
         updates_(participant_, options, scene, std::move(built), line_,
               [this](const scene::Scene& next) { ros_.scene_is(next); },
               [this](std::uint64_t session) { session_.begin(session); }),
+        duty_(participant_, qos::kContactState, options.rig, "rendering", runtime::in_mode(options.standby, options.lockstep),
+              {{"scene_hash"}, {"changes", "reloads"}}),
         wait_set_(participant_), device_("device", {&descriptions_.following(), &states_.following()}) {
     wait_set_.attach(descriptions_.condition());
     wait_set_.attach(states_.condition());
@@ -61,7 +65,7 @@ class RenderingNode {
     runtime::flush_denormals();
     stop_ = &stop;
     runtime::Housekeeping housekeeping(
-        participant_, "rendering", options_,
+        participant_, name_, options_,
         [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
         {{"its loop", [this] { return heartbeat_.sign(); }}});
     housekeeping_ = &housekeeping;
@@ -72,9 +76,9 @@ class RenderingNode {
       // The device's status and its description name one session: then it begins, or goes on with what has changed.
       if (described_ && described_->session == device_.session() && descriptions_.current()) follow_device();
       msg::DeviceState state;
-      const std::uint64_t before = samples_.load(kRelaxed);
+      const std::uint64_t before = rendered_;
       for (int i = 0; i < states_.kMaxTakes && states_.take(state) && !over(); ++i) answer(state);
-      if (samples_.load(kRelaxed) == before) idle();
+      if (rendered_ == before) idle();
     }
     session_.stop();
     return housekeeping.peer_lost() ? 1 : 0;
@@ -103,6 +107,7 @@ class RenderingNode {
   /// Ready is said by the update server, when readers have the plan.
   void start_session(std::uint64_t session) {
     renderer_.begin_session();
+    theirs_.begin();
     line_.begin_session(session);
     next_sample_ = 0;
     session_in_loop_ = session;
@@ -141,16 +146,23 @@ class RenderingNode {
     next_sample_ = state.sequence_number + 1;
     last_answer_ns_ = begin;
     renderer_.live().aim_for_spring(updates_.spring_n_per_m());
-    if (external_) take_external(state);
-    publish(renderer_.answer(state), begin);
+    ++rendered_;
+    const std::optional<Wrench> wrench = external_ ? external_->take(session_in_loop_) : std::nullopt;
+    if (wrench) renderer_.take_external(*wrench, state);
+    msg::ContactState contact = renderer_.answer(state);
+    const bool acts = duty_.acts(state.session_id, state.sequence_number, [this](const msg::ContactState& c) { heed(c); });
+    theirs_.note(contact, acts);
+    if (!acts) return;
+    // For a replay it is told which sample saw what.
+    if (wrench) external_samples_.write({state.session_id, state.sequence_number, state.sample_time_ns, runtime::to_msg(*wrench)});
+    publish(theirs_.carried_on(contact), begin);
   }
 
-  /// For a replay it is told which sample saw what.
-  void take_external(const msg::DeviceState& state) noexcept {
-    const std::optional<Wrench> wrench = external_->take(session_in_loop_);
-    if (!wrench) return;
-    renderer_.take_external(*wrench, state);
-    external_samples_.write({state.session_id, state.sequence_number, state.sample_time_ns, runtime::to_msg(*wrench)});
+  /// An answer of the one that acts: while this node stands by it goes by the session as that one began it.
+  void heed(const msg::ContactState& theirs) noexcept {
+    if (duty_.acts_now()) return;
+    if (const auto begin_ns = theirs_.session_begin(theirs)) renderer_.begin_session(begin_ns);
+    theirs_.heed(theirs);
   }
 
   void publish(msg::ContactState m, std::int64_t begin) noexcept {
@@ -215,8 +227,12 @@ class RenderingNode {
     device_.update(registry, std::nullopt);
     if (external_) external_->report_to(registry, report);
     const std::string missing = session_.report_to(report, options_, registry, links_, "a device", samples_.load() > 0);
+    if (!duty_.acts_now() && !theirs_.known()) report.state = runtime::NodeState::kStarting;  // it cannot stand by yet
+    const std::string duty = duty_.look(registry, report);
+    updates_.speak(duty_.acts_now());
     std::string trouble = device_.trouble(registry);
     if (trouble.empty() && external_) trouble = external_->trouble(registry);
+    if (trouble.empty()) trouble = duty;
     {
       const std::lock_guard lock(wrong_mutex_);
       if (!wrong_.empty()) trouble = "the device's description is refused: " + wrong_;
@@ -235,6 +251,7 @@ class RenderingNode {
   static constexpr double kForceEpsilonN = 1e-9;  ///< below this a sum of forces that cancel is rounding, not force
   const Options& options_;
   const scene::Scene& scene_;
+  const std::string name_;
   SampleRenderer renderer_;
   ChangeLine line_;
   bus::Participant participant_;
@@ -246,6 +263,9 @@ class RenderingNode {
   RosOutputs ros_;
   runtime::Session session_;
   SceneUpdateServer updates_;
+  runtime::Duty<msg::ContactState> duty_;
+  SessionOfAnother theirs_;
+  std::uint64_t rendered_ = 0;  ///< samples, also while the other one answers them
   bus::WaitSet wait_set_;
   runtime::RoleBinding device_;
   runtime::Reminder reminder_;
@@ -278,6 +298,7 @@ std::unique_ptr<rendering::BuiltScene> build(const scene::Scene& scene) {
 }  // namespace
 
 int run(const Options& options, const std::atomic<bool>& stop) {
+  (void)runtime::in_mode(options.standby, options.lockstep);  // before a scene is built
   const scene::Scene scene = scene::load_scene(options.scene);
   std::unique_ptr<rendering::BuiltScene> built = build(scene);
   for (const std::string& warning : options.announce ? built->plan().warnings : std::vector<std::string>()) log::tell("warning: {}\n", warning);

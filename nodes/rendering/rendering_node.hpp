@@ -3,10 +3,13 @@
 #include <atomic>
 
 #include "nodes/runtime/options.hpp"
+#include "nodes/runtime/standby_options.hpp"
 
 namespace voxtouch::rendering_node {
 
-struct Options : runtime::NodeOptions {};
+struct Options : runtime::NodeOptions {
+  runtime::StandbyOptions standby;
+};
 
 /// Builds the scene, then answers every device sample until `stop`. Throws while starting only.
 int run(const Options& options, const std::atomic<bool>& stop);

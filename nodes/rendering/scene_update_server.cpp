@@ -56,7 +56,7 @@ SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const 
       answers_(participant, qos::kEffectChanged, options.rig, qos::profile_in(qos::kEffectChanged, options.mode())),
       plans_(participant, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
       wait_set_(participant), scene_(scene), settled_(scene.effects), reach_(effects::at_rest(settled_)), begun_(std::move(begun)),
-      services_(participant, options.rig, door()) {
+      services_(participant, options.rig, door()), speaks_(!options.standby.is_standby), spoke_(!options.standby.is_standby) {
   set_plan(*first);
   sum_up();
   scenes_.push_back(std::move(first));
@@ -89,11 +89,12 @@ void SceneUpdateServer::cycle() {
   ChangeReport report;
   while (line_.next_report(report)) handle_report(report);
   look_after_build();
-  if (remind_.exchange(false)) republish();
+  if (const bool begins_to_speak = speaks_.load(std::memory_order_acquire) && !spoke_; remind_.exchange(false) || begins_to_speak) republish();
+  spoke_ = speaks_.load(std::memory_order_acquire);
   changes_.take_each([this, own = asked_by_service_.handle()](const msg::EffectChange& m, dds_instance_handle_t writer) {
     if (writer != own) receive(m, {m.request, m.session_id, m.from_sample, {}});
   });
-  services_.serve();
+  services_.serve(spoke_);
 }
 
 ChangeDoor SceneUpdateServer::door() {
@@ -132,7 +133,7 @@ void SceneUpdateServer::look_after_device() {
   session_ = device->session;
   if (begins) {
     plan_from_sample_ = 0;
-    publish_plan(plans_, scene_, plan_, shown_, largest_shell_gap_m_, session_, 0);
+    publish(0);
   }
   on_device_.device_is(device->model);
   judge_running();
@@ -436,9 +437,13 @@ void SceneUpdateServer::applied(Outstanding& done, std::uint64_t sample) {
 /// with that of the change that began it.
 void SceneUpdateServer::republish() {
   if (session_ == 0) return;  // the first one tells
-  publish_plan(plans_, scene_, plan_, shown_, largest_shell_gap_m_, session_, plan_from_sample_);
+  publish(plan_from_sample_);
   // In lockstep the loop waits for this: whoever reads the plan has it before the first sample that it holds for.
   if (options_.lockstep) plans_.wait_for_acknowledgments(DDS_SECS(2));
+}
+
+void SceneUpdateServer::publish(std::uint64_t from_sample) {
+  if (speaks_.load(std::memory_order_acquire)) publish_plan(plans_, scene_, plan_, shown_, largest_shell_gap_m_, session_, from_sample);
 }
 
 /// DDS does not say when both ends know each other: a first message may be lost, or the answer. So it may be asked again.
@@ -454,6 +459,7 @@ bool SceneUpdateServer::answered_before(std::uint64_t id) {
 }
 
 void SceneUpdateServer::send(const Answered& answer) {
+  if (!speaks_.load(std::memory_order_acquire)) return;
   msg::EffectChanged m{};
   m.request = answer.id;
   m.session_id = session_;

@@ -51,6 +51,8 @@ class SceneUpdateServer {
   void device_is(std::unique_ptr<DescribedDevice> device) noexcept { delete described_.exchange(device.release()); }
   /// Writes the plan of the session once more, for a node that has missed it. Not in lockstep.
   void remind() noexcept { remind_.store(true, std::memory_order_release); }
+  /// Whether plan and answers are written, or another rendering that acts does that. Who begins to speak writes its plan. Any thread.
+  void speak(bool speaks) noexcept { speaks_.store(speaks, std::memory_order_release); }
   /// Who reads the plan.
   const bus::Writer<msg::ScenePlan>& plans() const noexcept { return plans_; }
   /// For the node's report: changes, reloads, warnings, ...
@@ -115,6 +117,7 @@ class SceneUpdateServer {
   void show(std::uint64_t from_sample, bool another_scene = false);
   void judge_running();
   void republish();
+  void publish(std::uint64_t from_sample);
   bool answered_before(std::uint64_t id);
   void send(const Answered& answer);
   void answer(const Request& request, std::uint32_t result, std::uint64_t sample, const std::string& sentence);
@@ -154,6 +157,8 @@ class SceneUpdateServer {
   std::atomic<std::uint64_t> done_{0}, refused_{0}, reloads_{0};
   std::atomic<bool> stop_{false}, remind_{false};
   EffectServices services_;
+  std::atomic<bool> speaks_;
+  bool spoke_;
   std::thread thread_;
 };
 

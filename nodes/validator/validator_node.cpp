@@ -12,7 +12,6 @@
 #include "core/reference/reference_scene.hpp"
 #include "core/reference/tool_judgement.hpp"
 #include "core/scene/scene_file.hpp"
-#include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
@@ -21,6 +20,7 @@
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/pair_reader.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/realtime.hpp"
@@ -65,8 +65,9 @@ class ValidatorNode {
         plans_(participant_, qos::kScenePlan, options.rig),
         contacts_(participant_, qos::kContactState, options.rig, contact_profile(options)),
         reports_(participant_, qos::kValidation, options.rig, qos::profile_in(qos::kValidation, options.mode())),
-        wait_set_(participant_), rendering_("rendering", {&plans_.following(), &contacts_.following()}) {
-    for (const dds_entity_t condition : {plans_.condition(), contacts_.condition()}) wait_set_.attach(condition);
+        wait_set_(participant_), rendering_("rendering", {&plans_.following()}, &contacts_) {
+    wait_set_.attach(plans_.condition());
+    contacts_.attach_to(wait_set_);
     links_ = {runtime::link_of_reader(qos::kScenePlan, plans_), runtime::link_of_reader(qos::kContactState, contacts_),
               runtime::link_of_writer(qos::kValidation, reports_)};
   }
@@ -137,6 +138,7 @@ class ValidatorNode {
     judge_ = std::make_unique<reference::Judge>(settings());
     forget_disagreement();
     session_in_loop_ = built_.session;
+    contacts_.begin_session(built_.session);
     publish_counts();
     session_.begin(built_.session);
   }
@@ -257,6 +259,7 @@ class ValidatorNode {
       report.figures["first_checked"] = {first, "sample number"};
     report.figures["foreign_samples"] = {rendering_.refused(), "samples"};
     rendering_.update(registry, std::nullopt);
+    rendering_.report_to(report, registry);
     const std::string trouble = rendering_.trouble(registry);
     const std::string missing =
         session_.report_to(report, options_, registry, links_, "the rendering", counts_.checked > 0);
@@ -273,7 +276,7 @@ class ValidatorNode {
   reference::ReferenceScene reference_;
   bus::Participant participant_;
   bus::LatchedReader<msg::ScenePlan> plans_;
-  bus::FollowedReader<msg::ContactState> contacts_;
+  runtime::PairReader<msg::ContactState> contacts_;
   bus::Writer<msg::ValidationReport> reports_;
   bus::WaitSet wait_set_;
   runtime::RoleBinding rendering_;  ///< only its samples are judged

@@ -134,7 +134,14 @@ std::vector<std::string> device_arguments(const device_node::Options& o) {
 
 std::vector<std::string> coupling_arguments(const coupling_node::Options& o) {
   std::vector<std::string> a = runtime::to_arguments(o, true);
+  runtime::append_arguments(o.standby, a);
   if (!o.fault_records.empty()) a.insert(a.end(), {"--fault-records", o.fault_records.string()});
+  return a;
+}
+
+std::vector<std::string> rendering_arguments(const rendering_node::Options& o) {
+  std::vector<std::string> a = runtime::to_arguments(o, true);
+  runtime::append_arguments(o.standby, a);
   return a;
 }
 
@@ -186,6 +193,9 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
     else
       nodes.push_back(std::make_unique<ChildProcess>(name, program_folder() / ("voxtouch_" + name), arguments()));
   };
+  const auto start_standby = [&](const std::string& role, const std::vector<std::string>& arguments) {
+    nodes.push_back(std::make_unique<ChildProcess>(runtime::standby_of(role), program_folder() / ("voxtouch_" + role), arguments));
+  };
   using Stop = const std::atomic<bool>&;
   o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps
   if (o.record)
@@ -199,8 +209,10 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
       "coupling", o.coupling, [&] { return coupling_arguments(o.coupling); },
       [&o](Stop stop) { return coupling_node::run(o.coupling, stop); });
   start(
-      "rendering", o.rendering, [&] { return runtime::to_arguments(o.rendering, true); },
+      "rendering", o.rendering, [&] { return rendering_arguments(o.rendering); },
       [&o](Stop stop) { return rendering_node::run(o.rendering, stop); });
+  if (o.coupling_standby) start_standby("coupling", coupling_arguments(*o.coupling_standby));
+  if (o.rendering_standby) start_standby("rendering", rendering_arguments(*o.rendering_standby));
   start(
       "device", o.device, [&] { return device_arguments(o.device); },
       [&o](Stop stop) { return device_node::run(o.device, stop); });

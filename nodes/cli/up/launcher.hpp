@@ -39,13 +39,15 @@ struct LauncherOptions {
   device_node::Options device;
   rendering_node::Options rendering;
   coupling_node::Options coupling;
+  std::optional<rendering_node::Options> rendering_standby;  ///< none: nobody stands by
+  std::optional<coupling_node::Options> coupling_standby;    ///< likewise
   logger::Options logger;
   validator::Options validator;
   bool record = true;
   bool one_process = false;
 };
 
-/// Starts logger, validator, coupling, rendering, device. Order does not matter to them; this is the order of the returned list.
+/// Starts logger, validator, coupling, rendering, their standbys, device. Order does not matter to them; this is the order of the returned list.
 /// `options` must outlive the members. Throws std::runtime_error if a program cannot be started.
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& options);
 

@@ -94,6 +94,8 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
                                                     {judged.limit->at_least ? "at_least" : "at_most", judged.bound},
                                                     {"unit", judged.limit->unit},
                                                     {"met", judged.met}};
+  for (const auto& [name, times] : s.takeovers)
+    j["takeovers"][name] = {{"times", times}, {"last_sample", count(r, name, "took_over_at")}};
   j["bag"] = s.bag.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(s.bag);
   j["problems"] = s.problems;
   j["notes"] = s.notes;

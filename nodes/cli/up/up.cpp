@@ -31,6 +31,7 @@
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/scene_argument.hpp"
 #include "nodes/runtime/signals.hpp"
+#include "nodes/runtime/standby.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -42,7 +43,7 @@ struct UpOptions {
   runtime::NodeOptions node;  ///< what all nodes are started with
   LauncherOptions ring;       ///< what each has beside that
   ChosenLimits limits;
-  bool no_record = false, no_report = false, json = false, view = false;
+  bool no_record = false, no_report = false, json = false, view = false, standby = false;
 };
 
 /// Of the user and not of the current folder, which may be one that nobody can write to: as the XDG base directories have it.
@@ -102,6 +103,10 @@ class Run {
     watch();
     stop_all();
     judge(summary_);
+    watch_pairs();  // what was said last
+    for (const auto& [name, times] : summary_.takeovers)
+      summary_.notes.push_back(fmt::format("{} took over {} time{}, the last time at sample {:.0f}; {}", name, times, times == 1 ? "" : "s",
+                                           number(summary_.reports, name, "took_over_at"), how_force_went_on()));
     for (std::string& sentence : faults::told_in(faults_)) summary_.notes.push_back(std::move(sentence));
     return std::move(summary_);
   }
@@ -143,6 +148,11 @@ class Run {
       *one = node;
     ring.logger.bag = summary_.bag;
     ring.device.fault_records = ring.coupling.fault_records = faults_;
+    ring.rendering.standby.takes = ring.coupling.standby.takes = options_.standby ? runtime::TakesStandby::kAny : runtime::TakesStandby::kNever;
+    if (options_.standby) {
+      ring.rendering_standby = ring.rendering, ring.rendering_standby->standby.is_standby = true;
+      ring.coupling_standby = ring.coupling, ring.coupling_standby->standby.is_standby = true;
+    }
     ring.record = !options_.no_record;
     if (!external_topic_.empty() && !node.lockstep) ring.logger.topics.push_back(external_topic_);
     return ring;
@@ -183,8 +193,14 @@ class Run {
         next_line += 1'000'000'000;
       }
       bool over = watch_for_hung();
+      watch_pairs();
       for (const auto& child : children_)
         if (const auto status = child->ended()) {
+          if (goes_on_without(child->name())) {
+            note_loss(child->name(), fmt::format("{} was ended by {}", child->name(),
+                                                 *status > 128 ? fmt::format("signal {}", *status - 128) : fmt::format("itself, with status {}", *status)));
+            continue;
+          }
           if (child->name() != "device" || *status != 0) note_end(child->name(), *status);
           over = true;
         }
@@ -210,6 +226,10 @@ class Run {
       still.insert(hung.node);
       if (hanging_.insert(hung.node).second) log::tell("  {}\n", hung.sentence);
       if (hung.for_s * 1e9 < static_cast<double>(runtime::kGivenUpNs)) continue;
+      if (goes_on_without(hung.node)) {
+        note_loss(hung.node, fmt::format("{} has given no sign of life for {} s", hung.node, runtime::kGivenUpNs / 1'000'000'000));
+        continue;
+      }
       summary_.problems.push_back(fmt::format("{} has given no sign of life for {} s: the run ends without it", hung.node,
                                               runtime::kGivenUpNs / 1'000'000'000));
       return true;
@@ -220,6 +240,50 @@ class Run {
       return true;
     });
     return false;
+  }
+
+  /// The other one of a rendering or coupling that has a standby; empty where it has none.
+  std::string partner_of(const std::string& name) const {
+    if (!options_.standby) return {};
+    for (const char* role : {"rendering", "coupling"}) {
+      if (name == role) return runtime::standby_of(role);
+      if (name == runtime::standby_of(role)) return role;
+    }
+    return {};
+  }
+
+  /// Where one of two is lost and the other one is there, the ring goes on.
+  bool goes_on_without(const std::string& name) {
+    const std::string partner = partner_of(name);
+    if (partner.empty() || !is_running(partner) || hanging_.contains(partner)) return false;
+    const auto report = summary_.reports.find(partner);
+    return report != summary_.reports.end() && !report->second.final() && report->second.session_id != 0;
+  }
+
+  /// A run in which a node was lost is not a good one, also where force went on.
+  void note_loss(const std::string& name, const std::string& how) {
+    if (!noted_.insert(name).second) return;
+    const bool acts = word(summary_.reports, partner_of(name), runtime::kDuty) == runtime::kActs;
+    const std::string sentence = fmt::format("{}; {} {}", how, partner_of(name),
+                                             acts || name == runtime::standby_of(partner_of(name)) ? "goes on" : "stood by, and takes over");
+    log::tell("  {}\n", sentence);
+    summary_.problems.push_back(sentence);
+  }
+
+  std::string how_force_went_on() const {
+    const double faded = number(summary_.reports, "device", "faded");
+    return faded == 0 ? std::string("force went on, and never faded in this run") : fmt::format("force faded {:.0f}x in this run", faded);
+  }
+
+  /// Says at once who took over, and in the end how often.
+  void watch_pairs() {
+    for (const char* role : {"rendering", "coupling"})
+      for (const std::string& name : {std::string(role), runtime::standby_of(role)}) {
+        const auto count = runtime::as_count(number(summary_.reports, name, "took_over"));
+        if (const auto known = summary_.takeovers.find(name); count == 0 || (known != summary_.takeovers.end() && count <= known->second)) continue;
+        summary_.takeovers[name] = count;
+        log::tell("  {} took over at sample {:.0f}\n", name, number(summary_.reports, name, "took_over_at"));
+      }
   }
 
   bool is_running(const std::string& name) {
@@ -258,7 +322,7 @@ class Run {
 
   /// The device is at zero first; the logger goes last, so that the bag holds how the others ended.
   void stop_all() {
-    for (const char* name : {"device", "rendering", "coupling", "validator", "logger"}) {
+    for (const char* name : {"device", "rendering_standby", "coupling_standby", "rendering", "coupling", "validator", "logger"}) {
       RunningNode* child = find(name);
       if (!child) continue;
       child->request_stop();
@@ -339,7 +403,15 @@ void require_all_keys(const UpOptions& options) {
     if ((role != "logger" || !options.no_record) && (role != security::kTool || options.view)) options.node.require_keys(role);
 }
 
+/// What takes over is another process, by the clock.
+void require_room_for_standby(const UpOptions& options) {
+  if (!options.standby) return;
+  (void)runtime::in_mode({.is_standby = true}, options.node.lockstep);
+  if (options.ring.one_process) throw std::runtime_error("--standby starts a second rendering and coupling to go on where the first is lost. Start without --one-process");
+}
+
 RunSummary run_up(const UpOptions& options) {
+  require_room_for_standby(options);
   require_all_keys(options);
   runtime::catch_signals();
   signal(SIGCHLD, [](int) {});  // is not to be ignored by `usleep`
@@ -430,6 +502,7 @@ void add_up(CLI::App& app, Action& action) {
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
   verb->add_flag("--no-report", options->no_report, "No report.html beside the bag: see voxtouch report --help");
   verb->add_flag("--one-process", options->ring.one_process, "All nodes in this process; still over DDS");
+  verb->add_flag("--standby", options->standby, "A second rendering and a second coupling stand by, and take over where the first leaves samples without an answer");
   verb->add_flag("--view", options->view, "Serves a page that shows the ring, and tells its address: see voxtouch view --help");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");
   verb->callback([options, &action] { action = [options] { return up(*options); }; });

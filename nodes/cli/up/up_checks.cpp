@@ -149,7 +149,7 @@ void judge(RunSummary& s) {
     s.problems.push_back(fmt::format("the validator disagrees with {} samples: {}", n, message("validator")));
   if (const double n = number(s.reports, "device", "foreign_commands"); n > 0)
     s.problems.push_back(fmt::format("{} commands of a second writer were ignored ({})", n, message("device")));
-  for (const char* node : {"device", "coupling"})
+  for (const char* node : {"device", "coupling", "coupling_standby"})
     if (const double n = number(s.reports, node, faults::ForceLock::kCount); n > 0)
       s.problems.push_back(fmt::format("the {} locked itself at zero force {}x: its fault records tell what it saw before", node, n));
   const double felt = number(s.reports, "coupling", "stiffness_at_hand_n_per_m"),

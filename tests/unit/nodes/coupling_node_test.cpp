@@ -20,6 +20,7 @@
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/node_registry.hpp"
+#include "nodes/runtime/standby.hpp"
 #include "nodes/runtime/strings.hpp"
 #include "tests/support/stand_in.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
@@ -55,7 +56,7 @@ struct Seen {
 /// Device and rendering of one rig, as far as the coupling sees them.
 class Around {
  public:
-  explicit Around(const std::string& coupling, bool lockstep = false)
+  explicit Around(const std::string& coupling, bool lockstep = false, bool standby = false)
       : rig(own_rig("c")), device(kDomain, "device", rig), rendering(std::make_unique<StandIn>(kDomain, "rendering", rig)),
         participant({kDomain, "lo", "around"}), registry(participant, rig),
         descriptions(device.participant, qos::kDeviceDescription, rig, latched()),
@@ -63,16 +64,17 @@ class Around {
         contacts(rendering->participant, qos::kContactState, rig, qos::profile(lockstep ? qos::ProfileId::kLockstep : qos::ProfileId::kStream)),
         designs(participant, qos::kCouplingDesign, rig, latched()),
         commands(participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kTap)),
-        options(options_for(coupling, lockstep)),
+        options(options_for(coupling, lockstep, standby)),
         node([this](const std::atomic<bool>& stop) { return coupling_node::run(options, stop); }) {
     EXPECT_TRUE(wait_until([&] {
       return descriptions.matched_count() && plans.matched_count() && contacts.matched_count() &&
              commands.matched_count() && designs.matched_count();
     }));
   }
-  coupling_node::Options options_for(const std::string& coupling, bool lockstep) const {
+  coupling_node::Options options_for(const std::string& coupling, bool lockstep, bool standby) const {
     auto o = node_options<coupling_node::Options>(rig);
     o.lockstep = lockstep;
+    o.standby.is_standby = standby;
     o.scene = scene_with(coupling);
     return o;
   }
@@ -486,6 +488,53 @@ TEST(CouplingNode, LocksItselfAtZeroWhereAContactGivesEnergyAndWaitsForAPersonsW
   person.write(msg::Recover{7, number});
   EXPECT_TRUE(a.force_comes()) << a.message();
   EXPECT_EQ(lock(), 0U);
+}
+
+/// Another coupling acts, and falls silent: this one goes on with the force at hand, or with its lock.
+TEST(CouplingNode, StandsByWithTheForceAndTheLockOfTheOneThatActs) {
+  for (const bool locked : {false, true}) {
+    SCOPED_TRACE(locked);
+    Around a("{kind: shaping_filter, cutoff_hz: 20}", false, true);
+    StandIn acting(kDomain, "coupling", a.rig);
+    bus::Writer<msg::ForceCommand> commands(acting.participant, qos::kForceCommand, a.rig, Around::stream());
+    a.describe(20.0), a.plan();
+    std::uint32_t status = 0;
+    const auto standby = [&] {
+      a.registry.update();
+      return a.registry.find("coupling_standby");
+    };
+    const auto answer = [&] {
+      runtime::NodeReport report;
+      report.session_id = 7, report.state = runtime::NodeState::kRunning;
+      if (const auto other = standby()) report.values[runtime::kStandby] = runtime::to_hex(other->participant);
+      if (a.sequence % 50 == 0) acting.status.publish(report);
+      msg::ForceCommand m{};
+      m.session_id = 7, m.sequence_number = a.sequence, m.status = status;
+      a.touch();
+      commands.write(m);
+    };
+    ASSERT_TRUE(wait_until([&] {
+      answer();
+      const auto other = standby();
+      return other && other->message.starts_with("stands by for coupling");
+    })) << (standby() ? standby()->message : "");
+    for (int n = 0; n < 600; ++n) answer();
+    EXPECT_EQ(*std::ranges::max_element(a.forces), 0.0) << "it sends nothing";
+    EXPECT_TRUE(a.seen.empty()) << "nor does it say what it has designed";
+    status = locked ? msg::force_command::kStatusLocked : 0U;
+    for (int n = 0; n < 50; ++n) answer();
+    a.forces.clear();
+    for (int n = 0; n < 30; ++n) a.touch();
+    ASSERT_GT(a.forces.size(), 10U) << "it takes over";
+    if (locked) {
+      EXPECT_EQ(*std::ranges::max_element(a.forces), 0.0) << "a takeover opens no lock";
+    } else {
+      const auto first = std::ranges::find_if(a.forces, [](double force_n) { return force_n > 0.0; });  // behind the last of the other one
+      ASSERT_NE(first, a.forces.end());
+      EXPECT_GT(*first, 0.9 * kForce) << "and without a ramp";
+    }
+    EXPECT_TRUE(wait_until([&] { return a.touch(), a.seen.size() == 1; }));
+  }
 }
 
 TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {

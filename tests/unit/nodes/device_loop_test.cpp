@@ -97,9 +97,9 @@ class DeviceLoopRun : public testing::Test {
   End run(std::uint64_t samples = 1200) {
     const auto& stream = qos::profile(qos::ProfileId::kStream);
     bus::Writer<msg::DeviceState> states(participant_, qos::kDeviceState, rig_, stream);
-    bus::FollowedReader<msg::ForceCommand> commands(participant_, qos::kForceCommand, rig_, stream);
+    runtime::PairReader<msg::ForceCommand> commands(participant_, qos::kForceCommand, rig_, stream);
     bus::WaitSet wait_set(participant_);
-    wait_set.attach(commands.condition());
+    commands.attach_to(wait_set);
     test::NodeThread coupling([this](const std::atomic<bool>& enough) { return answer(enough); });
     DeviceLoop loop({.session_id = 7, .max_samples = samples}, device, states, commands, wait_set, progress, requests, *faults);
     test::wait_until([&] { return commands.matched_count() == 1 && states.matched_count() == 1; });

@@ -1,0 +1,195 @@
+#include "tests/attack/failover/failover_round.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <thread>
+
+#include "nodes/runtime/standby.hpp"
+#include "tests/attack/kills/beat.hpp"
+#include "tests/attack/kills/leftovers.hpp"
+#include "tests/attack/kills/tap.hpp"
+#include "tests/ring/ring_run.hpp"
+
+namespace voxtouch::attack {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr double kFeltN = 0.05;             // more than this is commanded: the hand feels the contact
+constexpr auto kStopped = 700ms;            // how long a node stands still
+constexpr double kMostPeriods = 5.0;
+constexpr double kRampS = 0.1;              // of the force guard, after a fade
+constexpr double kPeriodMs = 1.0;
+
+bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds patience) {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > until) return false;
+    std::this_thread::sleep_for(2ms);
+  }
+  return true;
+}
+
+std::vector<std::string> command(const FailoverOptions& ask, const std::filesystem::path& bag) {
+  std::vector<std::string> words{VOXTOUCH_BIN "/voxtouch", "up", test::shipped_scene(ask.scene), "--standby", "--json", "--no-report",
+                                 "--domain", std::to_string(ask.domain), "--motion", ask.motion, "--record", bag.string()};
+  for (const std::string& word : test::on_a_busy_machine()) words.push_back(word);
+  words.insert(words.end(), ask.options.begin(), ask.options.end());
+  return words;
+}
+
+double step(const msg::ForceCommand& a, const msg::ForceCommand& b) {
+  const auto &f = a.wrench.force, &g = b.wrench.force;
+  return std::hypot(f.x - g.x, f.y - g.y, f.z - g.z);
+}
+
+bool has_argument(pid_t pid, const std::string& wanted) {
+  std::ifstream command("/proc/" + std::to_string(pid) + "/cmdline");
+  for (std::string word; std::getline(command, word, '\0');)
+    if (word == wanted) return true;
+  return false;
+}
+
+/// The one that was started first, not its standby, which is the same program.
+pid_t find_first(pid_t up, const std::string& role) {
+  for (const pid_t child : test::children_of(up))
+    if (program_of(child) == "voxtouch_" + role && !has_argument(child, "--standby")) return child;
+  return 0;
+}
+
+class Round {
+ public:
+  explicit Round(const FailoverOptions& ask) : ask_(ask), up_(command(ask, folder_ / "bag")) { tap_.emplace(ask.domain, "haptic"); }
+
+  FailoverResult play() {
+    result_.played = reach_contact();
+    if (!result_.played) {
+      up_.signal(SIGINT);
+      result_.faults.push_back("the ring did not come into contact with both standbys known: " + up_.wait(30s).err);
+      return result_;
+    }
+    victim_ = find_first(up_.pid(), ask_.victim);
+    beats_.restart();
+    at_ns_ = unix_ns();
+    ::kill(victim_, ask_.signal);
+    std::this_thread::sleep_for(kStopped);
+    result_.machine_ms = 1e-6 * static_cast<double>(beats_.longest_ns());
+    if (ask_.signal == SIGSTOP) {
+      ::kill(victim_, SIGCONT);
+      std::this_thread::sleep_for(kStopped);
+    }
+    end_ns_ = unix_ns();
+    up_.signal(SIGINT);
+    finish();
+    look_back();
+    return result_;
+  }
+
+ private:
+  /// Both pairs are known, force for half a second (the start's ramp), and the contact is felt now.
+  bool reach_contact() {
+    registry_participant_.emplace(bus::ParticipantOptions{ask_.domain, "lo", "watcher"});
+    runtime::NodeRegistry registry(*registry_participant_, "haptic");
+    const auto both_named = [&] {
+      registry.update();
+      const auto names = [&](const char* role) {
+        const auto report = registry.find(role);
+        return report && runtime::named_standby(*report).participant.has_value();
+      };
+      return names("rendering") && names("coupling");
+    };
+    if (!wait_until(both_named, 30s)) return false;
+    if (!wait_until([this] { return tap_->newest() && tap_->newest()->sequence > 1000 && felt(); }, 30s)) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200 + ask_.after_ms));
+    return wait_until([this] { return felt(); }, 10s);
+  }
+  bool felt() const { return tap_->newest()->force_on && tap_->commanded_n() > kFeltN; }
+
+  void finish() {
+    const test::Finished end = up_.wait(30s);
+    result_.status = end.status;
+    const nlohmann::json summary = test::parse_summary(end.out);
+    if (!summary.is_object()) return result_.faults.push_back("`up` gave no summary: " + end.err);
+    if (ask_.signal == SIGKILL && result_.status != 1) result_.faults.push_back("a run in which a node was lost is called good");
+    const std::string other = ask_.victim + "_standby";
+    if (summary.contains("takeovers"))
+      for (const nlohmann::json& takeover : summary["takeovers"]) result_.takeovers += takeover["times"].get<std::uint64_t>();
+    if (summary.contains("takeovers")) result_.who = summary["takeovers"].dump();
+    if (ask_.signal == SIGKILL && end.out.find(fmt::format("{} was ended by signal 9; {}", ask_.victim, other)) == std::string::npos)
+      result_.faults.push_back("`up` does not say who was lost and who goes on: " + summary["problems"].dump());
+    answered_ = summary["answered"].get<std::uint64_t>();
+  }
+
+  /// By the bag: what the device wrote, and every command that was sent.
+  void look_back() {
+    const auto states = test::read_ring_topic<msg::DeviceState>(folder_ / "bag", "/haptic/device/state");
+    const auto sent = test::read_ring_topic<msg::ForceCommand>(folder_ / "bag", "/haptic/coupling/command");
+    std::uint64_t lost = 0, end = 0;
+    for (const Seen& seen : tap_->seen()) {
+      if (seen.written_ns <= at_ns_) lost = seen.sequence;
+      if (seen.written_ns <= end_ns_) end = seen.sequence;
+    }
+    std::map<std::uint64_t, msg::ForceCommand> commands;  // the device takes what is newer than all before
+    for (const msg::ForceCommand& c : sent) {
+      if (commands.empty() || c.sequence_number > commands.rbegin()->first)
+        commands.emplace(c.sequence_number, c);
+      else
+        ++result_.sent_late;
+    }
+    // The bag may lack some; there were at most so many to answer, those that nobody answered in the takeover among them.
+    const std::uint64_t most = commands.empty() ? 0 : commands.rbegin()->first - commands.begin()->first + 1;
+    if (answered_ > most) result_.answered_twice = static_cast<int>(answered_ - most);
+    judge_gap(commands, lost, end);
+    for (const msg::DeviceState& s : states)
+      result_.unforced += s.sequence_number >= lost && s.sequence_number <= end && (s.flags & msg::device_state::kFlagForceOn) == 0;
+    result_.stalled = result_.machine_ms > kPeriodMs;
+    const bool excused = result_.stalled;
+    if (result_.takeover_periods > kMostPeriods && !excused)
+      result_.faults.push_back(fmt::format("the takeover took {} periods; the machine kept a thread waiting for {:.1f} ms", result_.takeover_periods, result_.machine_ms));
+    if (result_.unforced > 0 && !excused) result_.faults.push_back(fmt::format("{} samples were without force", result_.unforced));
+    if (result_.answered_twice > 0) result_.faults.push_back(fmt::format("the device took {} answers more than there are samples", result_.answered_twice));
+    if (result_.takeovers == 0) result_.faults.push_back("nobody took over");
+    if (result_.step_n > std::max(result_.ramp_step_n, result_.usual_step_n * std::max(1.0, result_.takeover_periods)) && !excused)
+      result_.faults.push_back(fmt::format("the force stepped by {:.3f} N, where the ramp allows {:.3f} N", result_.step_n, result_.ramp_step_n));
+  }
+
+  /// The largest gap between two answered samples from shortly before the signal on.
+  void judge_gap(const std::map<std::uint64_t, msg::ForceCommand>& commands, std::uint64_t lost, std::uint64_t end) {
+    constexpr double kMostN = 8.5;  // of the simulated Phantom
+    for (auto next = commands.upper_bound(lost > 1000 ? lost - 1000 : 0); next != commands.end(); ++next) {
+      if (next == commands.begin()) continue;
+      const auto before = std::prev(next);
+      const std::uint64_t periods = next->first - before->first;
+      if (next->first < lost - 5) {
+        if (periods == 1) result_.usual_step_n = std::max(result_.usual_step_n, step(before->second, next->second));
+      } else if (next->first <= end && static_cast<double>(periods) > result_.takeover_periods) {
+        result_.takeover_periods = static_cast<double>(periods);
+        result_.step_n = step(before->second, next->second);
+        result_.ramp_step_n = kMostN * static_cast<double>(periods) * 1e-3 * kPeriodMs / kRampS;
+      }
+    }
+  }
+
+  FailoverOptions ask_;
+  test::TemporaryFolder folder_;
+  test::Process up_;
+  std::optional<Tap> tap_;
+  std::optional<bus::Participant> registry_participant_;
+  Beats beats_;
+  pid_t victim_ = 0;
+  std::int64_t at_ns_ = 0, end_ns_ = 0;
+  std::uint64_t answered_ = 0;
+  FailoverResult result_;
+};
+
+}  // namespace
+
+FailoverResult play(const FailoverOptions& ask) { return Round(ask).play(); }
+
+}  // namespace voxtouch::attack

@@ -1,0 +1,41 @@
+// A rendering and a coupling lost in contact, with a standby each; failover_campaign does it a hundred times.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/attack/failover/failover_round.hpp"
+#include "tests/support/process/process.hpp"
+
+namespace voxtouch::attack {
+namespace {
+
+struct Case {
+  const char* victim;
+  int signal;
+};
+void PrintTo(const Case& c, std::ostream* out) { *out << c.victim << (c.signal == SIGKILL ? " killed" : " stopped"); }
+
+class Failover : public testing::TestWithParam<Case> {};
+
+TEST_P(Failover, GoesOnWithoutAStepAndAnswersNoSampleTwice) {
+  const FailoverResult r = play({.victim = GetParam().victim, .signal = GetParam().signal, .domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()))});
+  std::printf("%.0f periods, %d samples without force, %d sent late, step %.3f N (usual %.3f N, ramp %.3f N), %llu takeovers; the machine stood still for %.1f ms\n",
+              r.takeover_periods, r.unforced, r.sent_late, r.step_n, r.usual_step_n, r.ramp_step_n, static_cast<unsigned long long>(r.takeovers), r.machine_ms);
+  for (const std::string& fault : r.faults) ADD_FAILURE() << fault;
+}
+
+INSTANTIATE_TEST_SUITE_P(Ring, Failover,
+                         testing::Values(Case{"rendering", SIGKILL}, Case{"rendering", SIGSTOP}, Case{"coupling", SIGKILL}, Case{"coupling", SIGSTOP}),
+                         [](const auto& c) { return std::string(c.param.victim) + (c.param.signal == SIGKILL ? "_killed" : "_stopped"); });
+
+TEST(UpWithStandby, IsRefusedWhereNobodyCouldTakeOver) {
+  for (const char* option : {"--lockstep", "--one-process"}) {
+    test::Process up({VOXTOUCH_BIN "/voxtouch", "up", "cup", "--standby", option, "--no-record", "--domain", test::fresh_domain()});
+    const test::Finished end = up.wait(std::chrono::seconds(20));
+    EXPECT_EQ(end.status, 1) << option;
+    EXPECT_NE(end.err.find("--standby"), std::string::npos) << end.err;
+    EXPECT_NE(end.err.find(std::string("Start without ") + option), std::string::npos) << end.err;
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch::attack
