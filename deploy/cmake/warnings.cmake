@@ -22,7 +22,7 @@ target_compile_options(voxtouch_runs_once INTERFACE
   "$<$<AND:$<CONFIG:Release>,$<COMPILE_LANGUAGE:CXX>>:-O1;-Wno-error=maybe-uninitialized>")
 
 # GCC frees memory while it compiles as if there were little of it. Units of eight files rarely need more than this: a tenth less time.
-#TMP add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)  # [KiB]
+add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)  # [KiB]
 
 # The repository's root is the one include root: #include "core/voxmap/voxmap.hpp" says where the file is.
 add_library(voxtouch_root INTERFACE)

@@ -40,6 +40,7 @@ Prepared& prepared(const std::string& name, bool on_handle = false) {
   if (!one) {
     const scene::Scene scene = shipped_scene(name);
     one = std::make_unique<Prepared>(scene, on_handle ? handle_of(scene) : Vec3(Vec3::Zero()));
+    EXPECT_EQ(one->own_motions.size(), 3U) << "hit, slide and circle";
   }
   return *one;
 }
