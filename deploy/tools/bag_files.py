@@ -78,7 +78,7 @@ def decompressor():
         from compression import zstd
         return lambda data, _: zstd.decompress(data)
     except ImportError:
-        raise FileError("the MCAP is compressed, and this Python has no zstd: install python3-zstandard (deploy/setup does), or `pip install zstandard`.") from None
+        raise FileError("it is an MCAP, whose chunks are compressed, and this Python has no zstd: install python3-zstandard (deploy/setup does), or `pip install zstandard`.") from None
 
 
 def records(data):
@@ -113,7 +113,7 @@ class McapFile:
     """`topics`: {channel: (name, type, definition)}; the definition is the type's .msg with all that it uses, where the file has it."""
 
     def __init__(self, file):
-        self.file, self.topics, self.schemas, self.unpack = file, {}, {}, None
+        self.file, self.topics, self.schemas, self.unpack = file, {}, {}, decompressor()
         self.size = pathlib.Path(file).stat().st_size
         try:
             with open(file, "rb") as opened:
@@ -179,11 +179,8 @@ class McapFile:
         if compression not in ("", "zstd"):
             raise FileError(f"the MCAP is compressed by {compression}, and zstd alone is read; `mcap compress --compression zstd` makes one that is")
         if compression:
-            self.unpack = self.unpack or decompressor()
             try:
                 data = self.unpack(bytes(packed), size)
-            except FileError:
-                raise
             except Exception as error:  # each zstd has an error of its own
                 raise FileError(f"a chunk cannot be uncompressed: {error}") from None
         else:

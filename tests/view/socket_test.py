@@ -246,7 +246,8 @@ class Recorded(unittest.TestCase):
     def test_plays_seeks_and_ends(self):
         with tempfile.TemporaryDirectory() as folder:
             bag = str(pathlib.Path(folder) / "bag")
-            with Process("up", scene("cup"), "--motion", "slide", "--domain", DOMAIN, "--lockstep", "--duration", "6", "--record", bag) as run:
+            with Process("up", scene("cup"), "--motion", "slide", "--domain", DOMAIN, "--lockstep", "--duration", "6", "--record", bag,
+                         "--record-format", "mcap", "--record-split-s", "2.5") as run:  # the case above plays one in sqlite3
                 self.assertEqual(run.process.wait(60), 0, run.told())
             with page(bag) as shown, WebSocket(shown.address()) as socket:
                 socket.frame(lambda m: size(m.get("force")) > 0.05, 10, "force")

@@ -160,6 +160,12 @@ TEST(McapBag, OfTimeZeroIsOfTimeZeroAndOthersFindItToo) {
   EXPECT_EQ(all[0].first, 0);
   EXPECT_EQ(all[1].first, 1);
   EXPECT_EQ(expect_value(messages_of(folder / "run", 0, 1)).size(), 1u);
+  const auto bytes = content_of(folder / "run/run_0.mcap");
+  mcap::Cursor records{std::span(bytes).subspan(mcap::kMagic.size())};
+  auto record = mcap::next_record(records);
+  while (record && record->op != Op::kChunk) record = mcap::next_record(records);
+  ASSERT_TRUE(record);
+  EXPECT_EQ(mcap::Cursor(record->content).number<std::uint64_t>(), 1u);  // where the chunk begins: 0 would be none to some
 }
 
 TEST(McapBag, ALargeMessageAndManyDoNotWaitForTheNextCommit) {
