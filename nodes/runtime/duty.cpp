@@ -41,8 +41,9 @@ bool DutyBase::may_take_another() const noexcept {
 
 std::string DutyBase::look(const NodeRegistry& registry, NodeReport& report) {
   const bool plain = !options_.is_standby && options_.takes == TakesStandby::kNever;
-  if (plain || report.final()) return {};
-  const std::string said = acts_now() ? look_as_acting(registry, report) : look_as_standby(registry, report);
+  if (plain) return {};
+  std::string said;
+  if (!report.final()) said = acts_now() ? look_as_acting(registry, report) : look_as_standby(registry, report);
   if (!reads_others()) return said;
   report.values[kDuty] = acts_now() && !stand_back_.load(std::memory_order_relaxed) ? kActs : kStandsBy;
   report.figures["took_over"] = {takeovers_.load(), "times"};

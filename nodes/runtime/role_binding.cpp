@@ -60,7 +60,10 @@ void RoleBinding::look_for_standby(const NodeRegistry& registry) {
   const NodeReport* standby = registry.report_of(*named.participant);
   if (*named.participant == *at(acting_) || !standby || !registry.is_here(*named.participant) || !plays(*standby, role_)) return;
   bus::Following* place = pair_->place_if_made(other_than(acting_));
-  if (other != named.participant || !place || !place->has_writer()) fill_other_place(*named.participant);
+  if (other != named.participant || !place || !place->has_writer()) return fill_other_place(*named.participant);
+  // Under DDS Security a writer is matched by one reader after the other.
+  place->pass_over(*at(acting_));
+  pair_->place(acting_).pass_over(*named.participant);
 }
 
 /// Each of the two readers passes over what the other one takes in.

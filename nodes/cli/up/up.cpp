@@ -272,7 +272,7 @@ class Run {
 
   std::string how_force_went_on() const {
     const double faded = number(summary_.reports, "device", "faded");
-    return faded == 0 ? std::string("force went on, and never faded in this run") : fmt::format("force faded {:.0f}x in this run", faded);
+    return fmt::format("the guard began {:.0f} fade{} in this run, and a takeover takes one of a twentieth of the force", faded, faded == 1 ? "" : "s");
   }
 
   /// Says at once who took over, and in the end how often.

@@ -123,6 +123,8 @@ class Round {
     if (summary.contains("takeovers")) result_.who = summary["takeovers"].dump();
     if (ask_.signal == SIGKILL && end.out.find(fmt::format("{} was ended by signal 9; {}", ask_.victim, other)) == std::string::npos)
       result_.faults.push_back("`up` does not say who was lost and who goes on: " + summary["problems"].dump());
+    for (const nlohmann::json& problem : summary["problems"])
+      if (problem.get<std::string>().find("was ended by signal 9; ") == std::string::npos) result_.faults.push_back("`up` says: " + problem.get<std::string>());
     answered_ = summary["answered"].get<std::uint64_t>();
   }
 
