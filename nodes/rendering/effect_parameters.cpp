@@ -45,6 +45,10 @@ RosParameter parameter_of(const effects::EffectSpec& effect, const EffectParamet
       out.value = word_at(parameter, value[0]), out.read_only = true;
       out.constraints = fmt::format("One of: {}. It cannot change while running.", parameter.words);
       break;
+    case ParameterShape::kText:
+      out.value = effect.text, out.read_only = true;
+      out.constraints = "It cannot change while running.";
+      break;
   }
   return out;
 }
