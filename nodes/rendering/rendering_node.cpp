@@ -190,6 +190,8 @@ class RenderingNode {
     if (frame.tool.residual_m > most_residual_m_.load(kRelaxed)) most_residual_m_.store(frame.tool.residual_m, kRelaxed);
     if (frame.tool.constrained && c.deepest_depth_m > most_depth_m_.load(kRelaxed)) most_depth_m_.store(c.deepest_depth_m, kRelaxed);
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
+    const bool refused = (m.flags & msg::contact_state::kFlagRefusedSample) != 0;  // then the frame is the last one once more
+    if (external_ && !refused) external_given_j_.store(external_given_j_.load(kRelaxed) + frame.effects.given_j, kRelaxed);
   }
 
   /// For who draws them: all points of the last query in contact, or every n-th of them. Of a virtual tool the deepest alone.
@@ -225,7 +227,10 @@ class RenderingNode {
       report.figures["spring_n_per_m"] = {updates_.spring_n_per_m(), "N/m"};
     }
     device_.update(registry, std::nullopt);
-    if (external_) external_->report_to(registry, report);
+    if (external_) {
+      external_->report_to(registry, report);
+      report.figures["external_given_j"] = {external_given_j_.load(), "J"};
+    }
     const std::string missing = session_.report_to(report, options_, registry, links_, "a device", samples_.load() > 0);
     if (!duty_.acts_now() && !theirs_.known()) report.state = runtime::NodeState::kStarting;  // it cannot stand by yet
     const std::string duty = duty_.look(registry, report);
@@ -287,6 +292,7 @@ class RenderingNode {
   std::array<std::atomic<std::uint64_t>, kCounted.size()> counted_{};
   std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
   std::atomic<double> most_residual_m_{0.0}, most_depth_m_{0.0};  ///< of a virtual tool
+  std::atomic<double> external_given_j_{0.0};  ///< to the hand, in W, by the effect `external`; below 0: taken
   std::atomic<std::int64_t> longest_ns_{0};
 };
 

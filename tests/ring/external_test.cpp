@@ -88,6 +88,7 @@ TEST(ExternalRing, ALoopThatIsClosedOutsideIsStableBoundedFadesWhenItsNodeStopsA
   EXPECT_NE(end.err.find("rendering: the outside wrench on /sim/wrench comes from"), std::string::npos) << end.err;
   EXPECT_NE(end.out.find("No certificate covers the effect 'external'"), std::string::npos) << end.out;
   EXPECT_GT(summary["external"]["external_samples"], 100);
+  EXPECT_LE(summary["external"]["external_given_j"], 0.05 + 0.05 * 10.0) << "energy_j and ten seconds of power_w";
 
   const auto contacts = read_ring_topic<msg::ContactState>(bag, "/haptic/rendering/contact");
   const auto commands = read_ring_topic<msg::ForceCommand>(bag, "/haptic/coupling/command");

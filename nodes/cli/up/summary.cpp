@@ -79,6 +79,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   if (!word(r, "rendering", "external").empty()) {
     j["external"] = {{"topic", word(r, "rendering", "external_topic")}, {"writer", word(r, "rendering", "external_writer")}};
     add_counts(j["external"], r, "rendering", {"external_samples", "external_foreign", "external_not_finite", "external_wrong_frame", "external_late"});
+    add_numbers(j["external"], r, "rendering", {"external_given_j"});
   }
   add_counts(j, r, "device", {"zero_force_samples", "interruptions"});
   j["max_force_n"] = number(r, "device", "max_force_n");

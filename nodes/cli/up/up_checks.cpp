@@ -136,8 +136,8 @@ void say_external(RunSummary& s) {
   const std::string about = word(s.reports, "rendering", "external");
   if (about.empty()) return;
   const auto count = [&](const char* figure) { return runtime::as_count(number(s.reports, "rendering", figure)); };
-  s.notes.push_back(fmt::format("{} Felt were {} of its values; refused were {} of other writers, {} that held a number that is none and {} in a frame that is not known.",
-                                about, count("external_samples"), count("external_foreign"), count("external_not_finite"), count("external_wrong_frame")));
+  s.notes.push_back(fmt::format("{} Felt were {} of its values, which gave the hand {:.3g} J in all; refused were {} of other writers, {} that held a number that is none and {} in a frame that is not known.",
+                                about, count("external_samples"), number(s.reports, "rendering", "external_given_j"), count("external_foreign"), count("external_not_finite"), count("external_wrong_frame")));
 }
 
 }  // namespace
