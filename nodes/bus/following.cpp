@@ -63,8 +63,6 @@ bool Following::follow(const Guid& participant) {
   return found != 0;
 }
 
-Guid Following::participant() const { return participant_of_writer(reader_, writer()); }
-
 bool Following::has_matched(const Guid& participant) const {
   for (const Guid& other : matched_writers(reader_))
     if (other == participant) return true;

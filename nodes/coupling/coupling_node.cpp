@@ -136,7 +136,7 @@ class CouplingNode {
   /// does not fit any more commands nothing from here on.
   void follow_change() {
     // A rendering that took another's place may run another scene: nothing of it is felt before the fit.
-    if (fitting_.session() != session_in_loop_ || plans_.following().participant() != planner_) return start_session();
+    if (fitting_.session() != session_in_loop_ || plans_.following().writer() != plan_writer_) return start_session();
     if (options_.lockstep && fitting_.outdated()) return adopt(fit());
     judge_running();
     if (fitting_.outdated()) fitting_.begin();
@@ -153,7 +153,7 @@ class CouplingNode {
 
   void start_session() {
     const std::uint64_t session = *fitting_.session();
-    planner_ = plans_.following().participant();
+    plan_writer_ = plans_.following().writer();
     coupling_.begin_session(fitting_.device().timing);
     faults_.reserve(1.0 / fitting_.device().timing.period_s);
     session_in_loop_ = session;
@@ -344,7 +344,7 @@ class CouplingNode {
   std::atomic<bool> both_known_{false};   ///< both are there of those who are bound
   std::uint64_t session_in_loop_ = 0;
   std::optional<std::uint64_t> last_answered_;  ///< number of the contact, in this session
-  bus::Guid planner_{};  ///< whose plan the session was begun with; after a cut of the network it is the same one
+  dds_instance_handle_t plan_writer_ = 0;  ///< whose plan the session was begun with
   std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
   std::atomic<double> voxel_m_{0.0}, stiffness_{0.0};
   LatestValue<coupling::CouplingCounters> counted_;  ///< from the loop to the housekeeping
