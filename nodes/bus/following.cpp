@@ -70,8 +70,6 @@ bool Following::follow(const Guid& participant) {
   return found != 0;
 }
 
-Guid Following::participant() const { return participant_of_writer(reader_, writer()); }
-
 bool Following::keep_also(const Guid& participant) {
   const dds_instance_handle_t found = writer_of(participant);
   also_.store(found, std::memory_order_release);

@@ -40,8 +40,6 @@ class Following {
   bool has_matched(const Guid& participant) const;
   /// Whether the writer that is followed is still there.
   bool has_writer() const;
-  /// Whose the writer is that is followed; none: nobody's, or it has gone. Allocates, as DDS does.
-  Guid participant() const;
   /// Samples of others that came while somebody was followed; any thread.
   std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
   /// Participants of some of those that were refused since the last call; those that have gone are not among them.

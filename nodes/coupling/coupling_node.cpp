@@ -141,9 +141,7 @@ class CouplingNode {
   /// does not fit any more commands nothing from here on.
   void follow_change() {
     // A rendering that took another's place may run another scene: nothing of it is felt before the fit.
-    if (fitting_.session() != session_in_loop_ || (rendering_.tenure() != plan_tenure_ && plans_.following().participant() != planner_)) return start_session();
-    plan_tenure_ = rendering_.tenure();
-    planner_ = plans_.following().participant();
+    if (fitting_.session() != session_in_loop_ || rendering_.tenure() != plan_tenure_) return start_session();
     if (options_.lockstep && fitting_.outdated()) return adopt(fit());
     judge_running();
     if (fitting_.outdated()) fitting_.begin();
@@ -161,7 +159,6 @@ class CouplingNode {
   void start_session() {
     const std::uint64_t session = *fitting_.session();
     plan_tenure_ = rendering_.tenure();
-    planner_ = plans_.following().participant();
     contacts_.begin_session(session);
     heard_other_.store(false, kRelaxed);
     coupling_.begin_session(fitting_.device().timing);
@@ -393,7 +390,6 @@ class CouplingNode {
   bool design_unsaid_ = false;     ///< what runs has not been published, for another coupling acts
   bool they_are_locked_ = false;   ///< the other coupling, as it said last
   std::atomic<bool> heard_other_{false};  ///< in this session
-  bus::Guid planner_{};  ///< whose plan the session was begun with; after a cut of the network it is the same one
   std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
   std::atomic<double> voxel_m_{0.0}, stiffness_{0.0};
   LatestValue<coupling::CouplingCounters> counted_;  ///< from the loop to the housekeeping

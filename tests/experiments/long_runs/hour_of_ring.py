@@ -2,6 +2,8 @@
 """An hour of ring time in lockstep: all processes of `voxtouch up`, watched from outside.
 
     tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: about ten minutes
+    tests/experiments/long_runs/hour_of_ring.py --hours 2           # the soak of a release
+    tests/experiments/long_runs/hour_of_ring.py --hours 24          # before a long session of a laboratory
     tests/experiments/long_runs/hour_of_ring.py --duration 20       # what the test runs
 
 Looks at resident memory and CPU time of every process of the ring once a second, and at the lines that `up` prints. Ends with 1
@@ -33,7 +35,9 @@ def arguments():
     parser.add_argument("--scene", type=pathlib.Path, default=HERE / "deploy/scenes/cup.yaml")
     parser.add_argument("--motion", default="slide")
     parser.add_argument("--device", default="sim-phantom")
-    parser.add_argument("--duration", type=float, default=3600.0, help="ring time [s]")
+    length = parser.add_mutually_exclusive_group()
+    length.add_argument("--duration", type=float, default=3600.0, help="ring time [s]")
+    length.add_argument("--hours", type=lambda hours: 3600.0 * float(hours), dest="duration", help="the same in hours")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--record", type=pathlib.Path, help="folder for the bag (an hour is some GB); default: no bag")
     parser.add_argument("--domain", type=int, default=int(os.environ.get("ROS_DOMAIN_ID", "0")))

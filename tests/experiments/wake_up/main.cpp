@@ -1,5 +1,6 @@
 // How a node of the ring should be woken: three processes hand a sample round as device, rendering and coupling do, once with each way,
-// in turns, and the time of a round is told. What a node computes is left out; the ways differ in nothing else.
+// in turns, and the time of a round is told. What a node computes is left out; the ways differ in nothing else. With --protection the same under
+// DDS Security: a process of the ring has one set of keys, so kinds of protection are told apart by runs (tests/security/cost.py).
 #include <semaphore.h>
 #include <spawn.h>
 #include <sys/prctl.h>
@@ -20,6 +21,8 @@
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/latency.hpp"
 #include "nodes/runtime/realtime.hpp"
+#include "tests/experiments/wake_up/protection.hpp"
+#include "tests/support/process/process.hpp"
 
 extern char** environ;
 
@@ -87,6 +90,8 @@ class Woken {
 
 struct Options {
   std::string way, relay;  ///< `relay`: "first" or "second" for a child
+  std::string protection;  ///< kind; empty: plain
+  std::filesystem::path keys;
   std::uint32_t domain = 93;
   double seconds = 10.0;
   int rounds = 3;
@@ -94,7 +99,7 @@ struct Options {
 
 bus::Participant join(const Options& o) {
   runtime::enter_realtime({});
-  return bus::Participant({o.domain, "lo", "wake_up"});
+  return bus::Participant({o.domain, "lo", "wake_up", {}, {}, o.protection.empty() ? security::Properties() : protected_by(o.keys)});
 }
 
 int relay(const Options& o) {
@@ -109,6 +114,7 @@ int relay(const Options& o) {
 
 pid_t start(const Options& o, const std::string& way, const std::string& relay) {
   std::vector<std::string> words = {"wake_up", "--way", way, "--relay", relay, "--domain", std::to_string(o.domain), "--seconds", std::to_string(o.seconds)};
+  if (!o.protection.empty()) words.insert(words.end(), {"--protection", o.protection, "--keys", o.keys.string()});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -143,16 +149,20 @@ void measure(const Options& o, const std::string& way, runtime::LatencyHistogram
   }
 }
 
-int run(const Options& o) {
+int run(Options o) {
+  const test::TemporaryFolder folder;
+  o.keys = folder / "keys";
+  if (!o.protection.empty()) make_keys_of(o.protection, o.keys);
+  const std::vector<std::string> ways = o.way.empty() ? kWays : std::vector{o.way};
   std::map<std::string, runtime::LatencyHistogram> of;
   for (int round = 0; round < o.rounds; ++round)
-    for (const std::string& way : kWays) {
+    for (const std::string& way : ways) {
       std::fprintf(stderr, "\rround %d of %d: %s          ", round + 1, o.rounds, way.c_str());
       measure(o, way, of[way]);
     }
   std::fprintf(stderr, "\r");
   std::printf("%-18s %8s %9s %9s %9s\n", "way", "rounds", "p50 us", "p99 us", "p99.9 us");
-  for (const std::string& way : kWays)
+  for (const std::string& way : ways)
     std::printf("%-18s %8lu %9.0f %9.0f %9.0f\n", way.c_str(), static_cast<unsigned long>(of[way].count()), of[way].quantile_us(0.5), of[way].quantile_us(0.99),
                 of[way].quantile_us(0.999));
   return 0;
@@ -168,7 +178,9 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", o.seconds, "of each way in a round (10)");
   app.add_option("--rounds", o.rounds, "how often each way takes its turn (3)");
   app.add_option("--domain", o.domain, "DDS domain (93)");
-  app.add_option("--way", o.way)->group("");
+  app.add_option("--way", o.way, "this one only")->check(CLI::IsMember(voxtouch::wake_up::kWays));
+  app.add_option("--protection", o.protection, "under DDS Security, protected like this")->check(CLI::IsMember(voxtouch::wake_up::protections()));
+  app.add_option("--keys", o.keys)->group("");
   app.add_option("--relay", o.relay)->group("");
   CLI11_PARSE(app, argc, argv);
   return o.relay.empty() ? voxtouch::wake_up::run(o) : voxtouch::wake_up::relay(o);

@@ -375,23 +375,6 @@ TEST(CouplingNode, CommandsNothingForARenderingThatTakesTheRoleBeforeItsPlanIsFi
   EXPECT_EQ(around.node.end(), 0);
 }
 
-/// After a cut of the network that is longer than DDS's lease the same rendering is found anew, with another handle.
-TEST(CouplingNode, GoesOnAsDesignedWhereTheSameRenderingIsFoundAnew) {
-  Around around("{design: auto, kind: shaping_filter}");
-  around.describe(20.0);
-  around.plan();
-  ASSERT_TRUE(around.force_comes());
-  const std::size_t designs = around.seen.size();
-  around.plans = {};
-  for (int i = 0; i < 100; ++i) around.touch();
-  around.plans = bus::Writer<msg::ScenePlan>(around.rendering->participant, qos::kScenePlan, around.rig, Around::latched());
-  ASSERT_TRUE(wait_until([&] { return around.plans.matched_count() > 0; }));
-  around.plan();
-  EXPECT_TRUE(around.force_comes()) << around.message();
-  EXPECT_EQ(around.seen.size(), designs) << "by a coupling of its own";
-  EXPECT_EQ(around.node.end(), 0);
-}
-
 TEST(CouplingNode, CommandsNothingWhereTheDeviceHasBecomeOneThatDoesNotStandTheEffects) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);
