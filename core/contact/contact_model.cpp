@@ -29,7 +29,7 @@ bool summarise(const HitList& hits, ContactResult& result) noexcept {
 /// McNeely 1999: F = K sum w_i d_i n_i, d_i = max(0, n_i . (c_i - x_i)).
 void push_along_own_normals(const HitList& hits, double stiffness, ContactResult& result) noexcept {
   StiffnessSum sum;
-  push_along_directions(hits.surface, 0, hits.surface.size(), {}, stiffness, hits.pose_WT.position, result, sum);
+  push_along_directions(hits.surface, {}, stiffness, hits.pose_WT.position, result, sum);
   if (sum.any()) sum.add_to(stiffness, result.stiffness);
 }
 

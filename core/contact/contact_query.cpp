@@ -6,7 +6,6 @@
 #include <string>
 
 #include "core/contact/limits.hpp"
-#include "core/contact/push_sums.hpp"
 #include "core/contact/query_kernel.hpp"
 
 namespace voxtouch::contact {
@@ -78,15 +77,12 @@ void ContactQuery::find(const Pose& pose_WT, HitList& hits) const noexcept {
   }
   QueryFrame frame;
   if (!make_query_frame(voxmap_, source, reach_m_, frame)) return;
-  std::size_t surface = 0, interior = 0;
-  hits.tested = search({&voxmap_, shell_.size(), &tree_, x_.data(), y_.data(), z_.data()}, frame,
-                       hits.surface.room(shell_.size()), surface, hits.interior.room(shell_.size()), interior);
-  hits.surface.keep(surface, source);
-  hits.interior.keep(interior, source);
-  Vec3 normals = Vec3::Zero();
-  double weights = 0.0;
-  add_normals(hits.surface, normals, weights);
-  hits.surface.set_sums(normals, weights);
+  FoundHits surface{hits.surface.room(shell_.size())}, interior{hits.interior.room(shell_.size())};
+  hits.tested = search({&voxmap_, shell_.size(), &tree_, x_.data(), y_.data(), z_.data()}, frame, surface, interior);
+  hits.surface.keep(surface.count, source);
+  hits.interior.keep(interior.count, source);
+  hits.surface.set_sums(surface.normals, surface.weights);
+  hits.interior.set_sums(interior.normals, interior.weights);
 }
 
 }  // namespace voxtouch::contact

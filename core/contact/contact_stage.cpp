@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/contact/limits.hpp"
 #include "core/contact/stiffness_sum.hpp"
@@ -50,7 +51,7 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
     update_shared_direction(hits);
     frame.direction = {plain.mean_normal, mean_share(config_.model, plain.coherence)};
     surface_points(hits, frame, result);
-    interior_points(hits, frame, result);
+    held_points(hits, frame, result);
     if (frame.stiffness.any()) frame.stiffness.add_to(config_.stiffness, result.contact.stiffness);
     if (frame.shared.any()) result.contact.stiffness += frame.shared.matrix(config_.stiffness, shared_now_);
     retained_.resize(returning_.size() + inside_.size());
@@ -73,9 +74,8 @@ double ContactStage::motion_bound(const Pose& pose) const noexcept {
 
 void ContactStage::update_shared_direction(const HitList& hits) noexcept {
   // Over the points gone through as well: the rim alone is few points and turns over beyond the tool's equator.
-  Vec3 mean = hits.surface.normal_sum();
-  double weights = hits.surface.weight_sum();
-  add_normals(hits.interior, mean, weights);
+  Vec3 mean = hits.surface.normal_sum() + hits.interior.normal_sum();
+  const double weights = hits.surface.weight_sum() + hits.interior.weight_sum();
   const double length = mean.norm();
   const double coherence = weights > 0.0 ? length / weights : 0.0;
   double share = hits.surface.empty() ? 0.0 : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
@@ -94,7 +94,7 @@ double ContactStage::plain_depth(const Hit& hit, const PushDirection& direction)
   Vec3 along = share >= 1.0 ? direction.mean : hit.normal;
   if (share > 0.0 && share < 1.0) {
     const Vec3 mix = share * direction.mean + (1.0 - share) * hit.normal;
-    along = mix / std::max(mix.norm(), limits::kShortestDirection);
+    along = mix * (1.0 / std::max(mix.norm(), limits::kShortestDirection));
   }
   return std::max(0.0, along.dot(hit.to_centre));
 }
@@ -135,7 +135,7 @@ void ContactStage::count_retained(Push push, const Hit& hit, Frame& frame, Conta
   }
 }
 
-void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
+void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult& result) const noexcept {
   // At both ends of the blend the model has already summed exactly this; only in between is the sum made anew.
   const bool blended = frame.direction.mean_share > 0.0 && frame.direction.mean_share < 1.0;
   ContactResult& contact = result.contact;
@@ -145,23 +145,8 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult
     contact.deepest_point.setZero();
     contact.stiffness_bound_n_per_m = 0.0;
     contact.stiffness.setZero();
+    push_along_directions(hits.surface, frame.direction, config_.stiffness, hits.pose_WT.position, contact, frame.stiffness);
   }
-  returning_.clear();
-  std::size_t summed = 0, next = 0;
-  const auto sum_up_to = [&](std::size_t end) {
-    if (blended)
-      push_along_directions(hits.surface, summed, end, frame.direction, config_.stiffness, hits.pose_WT.position, contact,
-                            frame.stiffness);
-    summed = end;
-  };
-  for (const RetainedHit& before : retained_) {  // ascending, so that every sum runs over the hits in their order
-    next = hits.surface.not_below(before.point, next);
-    if (next == hits.surface.size()) break;
-    if (hits.surface.point(next) != before.point) continue;
-    sum_up_to(next + 1);
-    returning_point(hits, hits.surface[next], before, frame, result);
-  }
-  sum_up_to(hits.surface.size());
 }
 
 void ContactStage::returning_point(const HitList& hits, const Hit& hit, const RetainedHit& before, Frame& frame,
@@ -176,31 +161,61 @@ void ContactStage::returning_point(const HitList& hits, const Hit& hit, const Re
   returning_.push_back({hit.point, before.push, left});
 }
 
-/// What a point in an interior voxel pushes with from now on. `next_retained` walks through retained_, as the points do.
-ContactStage::RetainedHit ContactStage::retained_hit(const HitList& hits, const Hit& hit, std::size_t& next_retained) const noexcept {
-  while (next_retained < retained_.size() && retained_[next_retained].point < hit.point) ++next_retained;
-  RetainedHit out{hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
-  if (next_retained < retained_.size() && retained_[next_retained].point == hit.point) {
-    out = retained_[next_retained];
-  } else if (const std::size_t n = last_surface_.find(hit.point); n < last_surface_.size()) {
-    out = {hit.point, choose_direction(hits, hit), plain_depth(last_surface_[n], last_direction_)};
-  } else {
-    return out;
-  }
-  out.depth_m = std::max(out.depth_m, limits::kRetainedDepthFloorEdges * config_.edge_m);
-  return out;
+/// What a point that has just gone through pushes with from now on.
+ContactStage::RetainedHit ContactStage::gone_through(const HitList& hits, const Hit& hit) const noexcept {
+  const std::size_t n = last_surface_.find(hit.point);
+  if (n == last_surface_.size()) return {hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
+  return {hit.point, choose_direction(hits, hit), plain_depth(last_surface_[n], last_direction_)};
 }
 
-void ContactStage::interior_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
-  inside_.clear();
-  std::size_t next_retained = 0;
-  for (const Hit& hit : hits.interior) {
-    const RetainedHit retained = retained_hit(hits, hit, next_retained);
-    push(hits, hit, retained.depth_m, retained_direction(retained.push, hit), result.contact);
-    count_retained(retained.push, hit, frame, result.contact);
-    frame.shared_points += retained.push == Push::kShared;
+/// The points in interior voxels, and those of the last frame that are back in the surface layer.
+void ContactStage::held_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
+  inside_.clear(), returning_.clear();
+  std::size_t next = 0, back = 0;  // in retained_ and in the surface hits, which both ascend
+  const auto up_to = [&](std::uint32_t point) {
+    for (; next < retained_.size() && retained_[next].point < point; ++next) {
+      const RetainedHit& before = retained_[next];
+      back = hits.surface.not_below(before.point, back);
+      if (back < hits.surface.size() && hits.surface.point(back) == before.point)
+        returning_point(hits, hits.surface[back], before, frame, result);
+    }
+  };
+  if (!hits.interior.empty()) {
+    const PushKernel& kernel = push_kernel(instructions());
+    PushLanes lanes;
+    HitBlock block;
+    Pushes pushes;
+    for (std::size_t begin = 0; begin < hits.interior.size(); begin += HitBlock::kHits) {
+      fill_block(kernel, hits.interior, begin, block);
+      for (std::size_t n = 0; n < block.count; ++n) {
+        const std::uint32_t point = hits.interior.point(begin + n);
+        up_to(point);
+        const bool known = next < retained_.size() && retained_[next].point == point;
+        RetainedHit held = known ? retained_[next++] : gone_through(hits, hits.interior[begin + n]);
+        held.depth_m = std::max(held.depth_m, limits::kRetainedDepthFloorEdges * config_.edge_m);
+        inside_.push_back(held);
+        frame.shared_points += held.push == Push::kShared;
+      }
+      push_held(block, begin, pushes, lanes);
+      kernel.add(block, pushes, lanes);
+    }
+    add_lanes(hits.interior, lanes, config_.stiffness, hits.pose_WT.position, result.contact, frame.stiffness);
     result.retained = true;
-    inside_.push_back(retained);
+  }
+  up_to(std::numeric_limits<std::uint32_t>::max());
+}
+
+/// How the held points of a block push, which are those from `first` on of inside_.
+void ContactStage::push_held(const HitBlock& block, std::size_t first, Pushes& pushes, PushLanes& lanes) const noexcept {
+  for (std::size_t n = 0; n < block.filled(); ++n) {
+    const RetainedHit& held = inside_[first + (n < block.count ? n : 0)];
+    const bool shared = held.push == Push::kShared;
+    for (int axis = 0; axis < 3; ++axis) pushes.j[axis][n] = shared ? shared_now_[axis] : block.normal[axis][n];
+    pushes.depth[n] = held.depth_m;
+    pushes.push[n] = block.weight[n] * held.depth_m;
+    pushes.weight[n] = block.weight[n];
+    const std::size_t lane = n % kLanes;
+    if (held.depth_m > lanes.deepest[lane]) lanes.deepest[lane] = held.depth_m, lanes.deepest_hit[lane] = static_cast<double>(first + n - lane);
   }
 }
 

@@ -91,10 +91,11 @@ class ContactStage {
   double plain_depth(const Hit& hit, const PushDirection& direction) const noexcept;
   Vec3 retained_direction(Push push, const Hit& hit) const noexcept;
   Push choose_direction(const HitList& hits, const Hit& hit) const noexcept;
-  void surface_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
+  void surface_points(const HitList& hits, Frame& frame, StageResult& result) const noexcept;
   void returning_point(const HitList& hits, const Hit& hit, const RetainedHit& before, Frame& frame, StageResult& result) noexcept;
-  void interior_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
-  RetainedHit retained_hit(const HitList& hits, const Hit& hit, std::size_t& next_retained) const noexcept;
+  void held_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
+  RetainedHit gone_through(const HitList& hits, const Hit& hit) const noexcept;
+  void push_held(const HitBlock& block, std::size_t first, Pushes& pushes, PushLanes& lanes) const noexcept;
   void push(const HitList& hits, const Hit& hit, double depth, const Vec3& direction, ContactResult& result) const noexcept;
   void count_retained(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept;
 

@@ -7,31 +7,11 @@
 namespace voxtouch::contact {
 namespace {
 
-/// Sums over the hits of one frame.
-struct Sums {
-  Vec3 normals = Vec3::Zero();
-  double weights = 0.0;
-  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< for k = 1
-  double stiffness = 0.0;                            ///< likewise
-  StiffnessSum along;
-};
-
-void add_push(const Hit& hit, const voxmap::FieldSample& sample, double depth, Sums& sums) noexcept {
-  const Vec3 push = (hit.weight * depth) * hit.normal;
-  sums.force += push;
-  sums.torque += hit.arm.cross(push);
-  const double steepness = sample.gradient.norm();
-  if (!(steepness > 0.0)) return;
-  sums.stiffness += hit.weight * steepness;
-  sums.along.add(hit.arm, hit.normal, 0.5 * hit.weight * steepness);
-  sums.along.add(hit.arm, sample.gradient, 0.5 * hit.weight / steepness);  // |g|/2 h h' = g g' / (2 |g|)
-}
-
 /// Whether moving the point deeper would meet no more push: beyond what the field holds; near the middle of a body, where
 /// the gradient fades; or beyond it, where the push points away from the nearest way out.
-bool at_its_end(const Hit& hit, const voxmap::FieldSample& sample) noexcept {
+bool at_its_end(const Vec3& normal, const voxmap::FieldSample& sample) noexcept {
   constexpr double kFlat = limits::kFlatGradient;
-  return sample.saturated || sample.gradient.squaredNorm() < kFlat * kFlat || hit.normal.dot(sample.gradient) < -kFlat;
+  return sample.saturated || sample.gradient.squaredNorm() < kFlat * kFlat || normal.dot(sample.gradient) < -kFlat;
 }
 
 }  // namespace
@@ -39,28 +19,45 @@ bool at_its_end(const Hit& hit, const voxmap::FieldSample& sample) noexcept {
 void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noexcept {
   begin_result(hits, result);
   if (hits.surface.empty() && hits.interior.empty()) return;
-
-  const voxmap::Grid& grid = field_.grid();
-  const Vec3 local = hits.pose_WT.position - grid.origin;  // first, so that a grid at 1e6 m costs no digits of the arms
-  Sums sums;
+  StiffnessSum sum;
   for (const Hits* list : {&hits.surface, &hits.interior})
-    for (const Hit& hit : *list) {
-      sums.normals += hit.weight * hit.normal;
-      sums.weights += hit.weight;
-      const voxmap::FieldSample sample = field_.at((local + hit.arm) / grid.edge);
-      const double depth = -sample.distance_m;
-      if (!(hit.weight * depth > 0.0)) continue;  // a point without an area does not push
-      add_push(hit, sample, depth, sums);
-      result.saturated = result.saturated || at_its_end(hit, sample);
-      if (depth > result.deepest_depth_m) {
-        result.deepest_depth_m = depth;
-        result.deepest_point = hits.pose_WT.position + hit.arm;
-      }
+    if (!list->empty()) add_pushes(*list, hits.pose_WT.position, sum, result);
+  tell_mean_normal(hits.surface.normal_sum() + hits.interior.normal_sum(), hits.surface.weight_sum() + hits.interior.weight_sum(), result);
+  if (sum.any()) sum.add_to(stiffness_, result.stiffness);
+}
+
+void FieldModel::add_pushes(const Hits& hits, const Vec3& tool, StiffnessSum& sum, ContactResult& result) const noexcept {
+  const voxmap::Grid& grid = field_.grid();
+  const Vec3 local = tool - grid.origin;  // first, so that a grid at 1e6 m costs no digits of the arms
+  const PushKernel& kernel = push_kernel(instructions());
+  PushLanes lanes;
+  HitBlock block;
+  Pushes along_normal, along_gradient;
+  for (std::size_t begin = 0; begin < hits.size(); begin += HitBlock::kHits) {
+    fill_block(kernel, hits, begin, block);
+    bool any = false;
+    for (std::size_t n = 0; n < block.filled(); ++n) {
+      const Vec3 arm(block.arm[0][n], block.arm[1][n], block.arm[2][n]);
+      const Vec3 normal(block.normal[0][n], block.normal[1][n], block.normal[2][n]);
+      const voxmap::FieldSample sample = n < block.count ? field_.at((local + arm) / grid.edge) : voxmap::FieldSample{};
+      const double weight = block.weight[n], depth = -sample.distance_m, push = weight * depth;
+      const bool pushes = push > 0.0;  // a point without an area does not
+      const double steepness = sample.gradient.norm();
+      const Vec3 gradient = steepness > 0.0 ? Vec3(sample.gradient * (1.0 / steepness)) : sample.gradient;
+      for (int axis = 0; axis < 3; ++axis) along_normal.j[axis][n] = normal[axis], along_gradient.j[axis][n] = gradient[axis];
+      along_normal.push[n] = pushes ? push : 0.0, along_gradient.push[n] = 0.0;
+      along_normal.weight[n] = along_gradient.weight[n] = pushes ? 0.5 * weight * steepness : 0.0;
+      if (!pushes) continue;
+      any = true;
+      result.saturated = result.saturated || at_its_end(normal, sample);
+      const std::size_t lane = n % kLanes;
+      if (depth > lanes.deepest[lane]) lanes.deepest[lane] = depth, lanes.deepest_hit[lane] = static_cast<double>(begin + n - lane);
     }
-  tell_mean_normal(sums.normals, sums.weights, result);
-  result.wrench = {stiffness_ * sums.force, stiffness_ * sums.torque};
-  result.stiffness_bound_n_per_m = stiffness_ * sums.stiffness;
-  if (sums.along.any()) sums.along.add_to(stiffness_, result.stiffness);
+    if (!any) continue;
+    kernel.add(block, along_normal, lanes);
+    kernel.add(block, along_gradient, lanes);
+  }
+  add_lanes(hits, lanes, stiffness_, tool, result, sum);
 }
 
 }  // namespace voxtouch::contact

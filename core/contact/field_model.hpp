@@ -1,6 +1,7 @@
 #pragma once
 /// The contact model `field`: depths from the interpolated signed distance, each point's own normal, area weights.
 #include "core/contact/contact_model.hpp"
+#include "core/contact/stiffness_sum.hpp"
 #include "core/voxmap/distance_field.hpp"
 
 namespace voxtouch::contact {
@@ -35,6 +36,8 @@ class FieldModel final : public ContactModel {
   void evaluate(const HitList& hits, ContactResult& result) const noexcept override;
 
  private:
+  void add_pushes(const Hits& hits, const Vec3& tool, StiffnessSum& sum, ContactResult& result) const noexcept;
+
   const voxmap::DistanceField& field_;
   double stiffness_;
 };

@@ -44,7 +44,7 @@ void Hits::push_back(const Hit& hit) {
 }
 
 std::uint32_t* Hits::room(std::size_t count) {
-  points_.resize(count);
+  points_.resize(count + kSpareRoom);
   return points_.data();
 }
 

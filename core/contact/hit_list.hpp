@@ -93,7 +93,7 @@ class Hits {
   std::size_t find(std::uint32_t point, std::size_t from = 0) const noexcept;
   /// Where the first point that is not below `point` stands, likewise.
   std::size_t not_below(std::uint32_t point, std::size_t from) const noexcept;
-  /// Sum of weight * normal and of weight, added in the list's order; a query gives them for the surface layer alone.
+  /// Sum of weight * normal and of weight: of a list that a query filled as `FoundHits` says, else in the list's order.
   const Vec3& normal_sum() const noexcept { return normal_sum_; }
   double weight_sum() const noexcept { return weight_sum_; }
 
@@ -104,7 +104,9 @@ class Hits {
 
   /// Adds one by hand, of no shell: for a list that no query fills. The point must be above the last.
   void push_back(const Hit& hit);
-  /// For the query: room for `count` numbers, none written yet; the first `found` of them were, and stay; and what they sum up to.
+  /// A kernel may write so many numbers more than it has found.
+  static constexpr std::size_t kSpareRoom = 8;
+  /// For the query: room for `count` numbers and kSpareRoom more, none written yet.
   std::uint32_t* room(std::size_t count);
   /// Keeps the first `found` numbers of those that were written into `room`, hits of `source`. Real-time safe.
   void keep(std::size_t found, const HitSource& source);
@@ -112,7 +114,7 @@ class Hits {
   void set_sums(const Vec3& normals, double weights) noexcept { normal_sum_ = normals, weight_sum_ = weights; }
 
   /// Room for `count` hits. Allocates.
-  void reserve(std::size_t count) { points_.reserve(count); }
+  void reserve(std::size_t count) { points_.reserve(count + kSpareRoom); }
   /// No hits; the memory stays. Real-time safe.
   void clear() noexcept;
 

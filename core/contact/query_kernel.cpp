@@ -5,154 +5,153 @@
 #include <bit>
 #include <cmath>
 
+#include "core/contact/leaf_kernel.hpp"
 #include "core/contact/limits.hpp"
-#include "core/types/clones.hpp"
+#include "core/contact/push_sums.hpp"
 
 namespace voxtouch::contact {
 namespace {
 
 constexpr std::size_t kNodes = SphereTree::kFanOut;
 constexpr std::size_t kRun = SphereTree::kLeafPoints;
-constexpr std::size_t kRuns = 4;  ///< leaves that are looked at together
-constexpr std::size_t kPoints = kRuns * kRun;
+static_assert(kRun == 8 && kLanes == kRun);
 
-constexpr std::array<std::uint32_t, 32> kBit = [] {
-  std::array<std::uint32_t, 32> out{};
-  for (std::size_t n = 0; n < 32; ++n) out[n] = 1U << n;
+/// Places of the bits that are set in a byte, and how many they are.
+struct BitsOf {
+  std::array<std::array<std::uint8_t, kRun>, 256> places{};
+  std::array<std::uint8_t, 256> count{};
+};
+constexpr BitsOf kBitsOf = [] {
+  BitsOf out;
+  for (std::size_t byte = 0; byte < 256; ++byte)
+    for (std::uint8_t bit = 0; bit < kRun; ++bit)
+      if ((byte >> bit & 1U) != 0) out.places[byte][out.count[byte]++] = bit;
   return out;
 }();
-
-constexpr std::array<float, 256> kVoxelsOf = [] {
-  std::array<float, 256> out{};
-  for (std::size_t n = 0; n < 256; ++n) out[n] = voxmap::free_distance::voxels(static_cast<std::uint8_t>(n));
-  return out;
-}();
-
-/// Which of sixteen spheres may touch something, as bits. No distance falls faster than the way from where it was measured, the
-/// middle of a 4-voxel cell; outside the table there is nothing nearer than the table.
-VOXTOUCH_INLINE std::uint32_t near_spheres(const QueryFrame& f, const voxmap::Voxmap::Arrays& map, const std::array<std::int64_t, 3>& cells,
-                                           const SphereTree::Level& level, std::size_t base) noexcept {
-  const float* const x = level.x.data() + base;
-  const float* const y = level.y.data() + base;
-  const float* const z = level.z.data() + base;
-  const float* const radius = level.radius.data() + base;
-  alignas(64) std::uint32_t cell[kNodes];
-  alignas(64) float way[kNodes], outside[kNodes];
-  const auto ny = static_cast<std::uint32_t>(2 * cells[1]), nz = static_cast<std::uint32_t>(2 * cells[2]);
-  constexpr float kHalf = 0.5F * voxmap::free_distance::kCellEdge;
-  for (std::size_t n = 0; n < kNodes; ++n) {
-    const float ux = f.a[0][0] * x[n] + f.a[0][1] * y[n] + f.a[0][2] * z[n] + f.corner_shift[0];
-    const float uy = f.a[1][0] * x[n] + f.a[1][1] * y[n] + f.a[1][2] * z[n] + f.corner_shift[1];
-    const float uz = f.a[2][0] * x[n] + f.a[2][1] * y[n] + f.a[2][2] * z[n] + f.corner_shift[2];
-    const auto within = [](float u, float size) {
-      const float low = u > 0.0F ? u : 0.0F;
-      return low < size ? low : size;
-    };
-    const float wx = within(ux, f.size[0]), wy = within(uy, f.size[1]), wz = within(uz, f.size[2]);
-    outside[n] = (ux - wx) * (ux - wx) + (uy - wy) * (uy - wy) + (uz - wz) * (uz - wz);
-    const std::int32_t cx = static_cast<std::int32_t>(wx) >> 2, cy = static_cast<std::int32_t>(wy) >> 2,
-                       cz = static_cast<std::int32_t>(wz) >> 2;
-    const auto from_middle = [](float u, std::int32_t c) { return u - (static_cast<float>(c << 2) + kHalf); };
-    const float dx = from_middle(ux, cx), dy = from_middle(uy, cy), dz = from_middle(uz, cz);
-    way[n] = dx * dx + dy * dy + dz * dz;
-    cell[n] = (static_cast<std::uint32_t>(cx) * ny + static_cast<std::uint32_t>(cy)) * nz + static_cast<std::uint32_t>(cz);
-  }
-  alignas(64) float free[kNodes];
-  for (std::size_t n = 0; n < kNodes; ++n) free[n] = kVoxelsOf[map.free[cell[n]]];
-  std::uint32_t near = 0;
-  for (std::size_t n = 0; n < kNodes; ++n) {
-    const float needed = radius[n] * f.per_metre + f.margin;
-    const float spare = free[n] - needed;
-    const float reach = spare > 0.0F ? spare : 0.0F;
-    near |= ((reach * reach > way[n]) | (outside[n] > needed * needed)) ? 0U : kBit[n];
-  }
-  return near;
-}
-
-using HalfWord = std::uint32_t __attribute__((may_alias));
-constexpr std::int32_t kHalfWords = sizeof(voxmap::Voxmap::Brick) / sizeof(HalfWord);
-static_assert(std::endian::native == std::endian::little);  // the lower half comes first
-
-/// Leaves collected until there is a block of points of them.
-struct Block {
-  std::uint32_t leaf[kRuns];
-  std::size_t leaves = 0;
-};
-
-struct Kinds {
-  std::uint32_t surface = 0, interior = 0, unsure = 0;  ///< one bit a point of the block
-};
-
-/// Puts a block of points into voxels. Both decisions are good where `unsure` is not set.
-VOXTOUCH_INLINE Kinds classify(const QueryData& data, const QueryFrame& f, const voxmap::Voxmap::Arrays& map,
-                               const std::array<std::int64_t, 3>& cells, const Block& block) noexcept {
-  alignas(64) float px[kPoints], py[kPoints], pz[kPoints];
-  for (std::size_t run = 0; run < kRuns; ++run) {
-    const std::size_t from = kRun * block.leaf[run];
-    for (std::size_t n = 0; n < kRun; ++n) px[kRun * run + n] = data.x[from + n];
-    for (std::size_t n = 0; n < kRun; ++n) py[kRun * run + n] = data.y[from + n];
-    for (std::size_t n = 0; n < kRun; ++n) pz[kRun * run + n] = data.z[from + n];
-  }
-  alignas(64) std::int32_t cell[kPoints], voxel[kPoints], brick[kPoints];
-  const auto sx = static_cast<std::int32_t>(cells[0]), sy = static_cast<std::int32_t>(cells[1]);
-  Kinds kinds;
-  for (std::size_t p = 0; p < kPoints; ++p) {
-    const auto within = [](float u, float low, float high) {
-      const float above = u > low ? u : low;
-      return above < high ? above : high;
-    };
-    const float ux = within(f.a[0][0] * px[p] + f.a[0][1] * py[p] + f.a[0][2] * pz[p] + f.shift[0], f.low[0], f.high[0]);
-    const float uy = within(f.a[1][0] * px[p] + f.a[1][1] * py[p] + f.a[1][2] * pz[p] + f.shift[1], f.low[1], f.high[1]);
-    const float uz = within(f.a[2][0] * px[p] + f.a[2][1] * py[p] + f.a[2][2] * pz[p] + f.shift[2], f.low[2], f.high[2]);
-    const auto ix = static_cast<std::int32_t>(ux), iy = static_cast<std::int32_t>(uy), iz = static_cast<std::int32_t>(uz);
-    const auto off_middle = [](float u, std::int32_t i) { return std::abs((u - static_cast<float>(i)) - 0.5F); };
-    const float dx = off_middle(ux, ix), dy = off_middle(uy, iy), dz = off_middle(uz, iz);
-    kinds.unsure |= ((dx < f.certain) & (dy < f.certain) & (dz < f.certain)) ? 0U : kBit[p];
-    const std::int32_t vx = ix + f.first[0], vy = iy + f.first[1], vz = iz + f.first[2];
-    cell[p] = (vx >> 3) + sx * ((vy >> 3) + sy * (vz >> 3));
-    voxel[p] = (vx & 7) | (vy & 7) << 3 | (vz & 7) << 6;
-  }
-  std::int32_t any = 0;
-  for (std::size_t p = 0; p < kPoints; ++p) {
-    brick[p] = map.table[cell[p]];
-    any |= brick[p];
-  }
-  static_assert(voxmap::Voxmap::kFreeBrick == 0);
-  if (any == 0) return kinds;
-  // In halves of the bricks' words, so that a look is one of 32 bits for each point at once.
-  const auto* const words = reinterpret_cast<const HalfWord*>(map.bricks);
-  alignas(64) std::uint32_t kind[kPoints];
-  for (std::size_t p = 0; p < kPoints; ++p) kind[p] = words[brick[p] * kHalfWords + (voxel[p] >> 4)];
-  for (std::size_t p = 0; p < kPoints; ++p) kind[p] >>= 2 * (voxel[p] & 15);
-  for (std::size_t p = 0; p < kPoints; ++p) {
-    kinds.surface |= (kind[p] & 1U) != 0 ? kBit[p] : 0U;
-    kinds.interior |= (kind[p] & 2U) != 0 ? kBit[p] : 0U;
-  }
-  return kinds;
-}
 
 /// What doubles say, for the bits of `unsure`.
-void decide(const QueryData& data, const QueryFrame& f, const Block& block, Kinds& kinds) noexcept {
-  const HitSource& s = f.source;
-  kinds.surface &= ~kinds.unsure, kinds.interior &= ~kinds.unsure;
-  for (std::uint32_t bits = kinds.unsure; bits != 0; bits &= bits - 1) {
-    const auto slot = static_cast<std::size_t>(std::countr_zero(bits));
-    const std::size_t p = kRun * block.leaf[slot / kRun] + slot % kRun;
-    Vec3 u;
-    for (Eigen::Index row = 0; row < 3; ++row)
-      u[row] = (s.r[row][0] * s.place[0][p] + s.r[row][1] * s.place[1][p] + s.r[row][2] * s.place[2][p] + s.t[row]) / s.edge;
-    const voxmap::VoxelKind kind = data.voxmap->at(voxmap::Grid::voxel_of(u));
-    if (kind == voxmap::VoxelKind::kSurface) kinds.surface |= kBit[slot];
-    if (kind == voxmap::VoxelKind::kInterior) kinds.interior |= kBit[slot];
+void decide(const QueryData& data, const HitSource& s, Leaves& leaves) noexcept {
+  for (std::size_t n = 0; n < leaves.count; ++n) {
+    const unsigned unsure = leaves.unsure[n];
+    if (unsure == 0) continue;
+    unsigned surface = leaves.surface[n] & ~unsure, interior = leaves.interior[n] & ~unsure;
+    for (unsigned bits = unsure; bits != 0; bits &= bits - 1) {
+      const auto slot = static_cast<unsigned>(std::countr_zero(bits));
+      const std::size_t p = kRun * leaves.leaf[n] + slot;
+      Vec3 u;
+      for (Eigen::Index row = 0; row < 3; ++row)
+        u[row] = (s.r[row][0] * s.place[0][p] + s.r[row][1] * s.place[1][p] + s.r[row][2] * s.place[2][p] + s.t[row]) / s.edge;
+      const voxmap::VoxelKind kind = data.voxmap->at(voxmap::Grid::voxel_of(u));
+      if (kind == voxmap::VoxelKind::kSurface) surface |= 1U << slot;
+      if (kind == voxmap::VoxelKind::kInterior) interior |= 1U << slot;
+    }
+    leaves.surface[n] = static_cast<std::uint8_t>(surface), leaves.interior[n] = static_cast<std::uint8_t>(interior);
   }
 }
 
-VOXTOUCH_INLINE void append(std::uint32_t bits, const Block& block, std::uint32_t* points, std::size_t& count) noexcept {
-  for (; bits != 0; bits &= bits - 1) {
-    const auto slot = static_cast<std::size_t>(std::countr_zero(bits));
-    points[count++] = static_cast<std::uint32_t>(kRun * block.leaf[slot / kRun] + slot % kRun);
+static_assert(Hits::kSpareRoom >= kRun);
+/// Writes the numbers of the points whose bits are set in `chosen`; eight places each time, which costs less than to ask how many.
+void append(const Leaves& leaves, const std::uint8_t* chosen, FoundHits& found) noexcept {
+  std::uint32_t* out = found.points + found.count;
+  for (std::size_t n = 0; n < leaves.count; ++n) {
+    const auto first = static_cast<std::uint32_t>(kRun * leaves.leaf[n]);
+    const unsigned bits = chosen[n];
+    const std::array<std::uint8_t, kRun> places = kBitsOf.places[bits];
+    for (std::size_t k = 0; k < kRun; ++k) out[k] = first + places[k];
+    out += kBitsOf.count[bits];
   }
+  found.count = static_cast<std::size_t>(out - found.points);
 }
+
+void set_sums(const HitSource& s, const NormalLanes& lanes, FoundHits& found) noexcept {
+  const double x = combined(lanes.sum[0]), y = combined(lanes.sum[1]), z = combined(lanes.sum[2]);
+  for (std::size_t row = 0; row < 3; ++row)
+    found.normals[static_cast<Eigen::Index>(row)] = row_sum(row, s.r[row][0] * x, s.r[row][1] * y, s.r[row][2] * z);
+  found.weights = combined(lanes.sum[3]);
+}
+
+/// One query on its way through the tree.
+class Search {
+ public:
+  Search(const QueryData& data, const QueryFrame& frame, FoundHits& surface, FoundHits& interior) noexcept
+      : lookup_{data, frame, data.voxmap->arrays(), {}}, kernel_(leaf_kernel(instructions())), surface_(surface), interior_(interior) {
+    for (std::size_t axis = 0; axis < 3; ++axis) lookup_.cells[axis] = static_cast<std::int32_t>(data.voxmap->cells()[axis]);
+  }
+
+  /// Depth first, one group of spheres a level: `left` are those of it still to go through.
+  std::uint32_t run() noexcept {
+    const std::vector<SphereTree::Level>& levels = lookup_.data.tree->levels();
+    std::uint32_t left[SphereTree::kMaxLevels] = {};
+    std::size_t base[SphereTree::kMaxLevels] = {};
+    const auto enter = [&](std::size_t level, std::size_t first) {
+      const std::size_t count = levels[level].count - first;
+      const std::uint32_t real = count < kNodes ? (1U << count) - 1U : (1U << kNodes) - 1U;
+      base[level] = first;
+      left[level] = real & (lookup_.map.free != nullptr ? kernel_.near_spheres(lookup_, levels[level], first) : real);
+    };
+    const std::size_t top = levels.size() - 1;
+    std::size_t level = top;
+    enter(top, 0);
+    for (;;) {
+      if (left[level] == 0) {
+        if (level == top) break;
+        ++level;
+        continue;
+      }
+      const std::size_t node = base[level] + static_cast<std::size_t>(std::countr_zero(left[level]));
+      left[level] &= left[level] - 1;
+      if (level > 0)
+        enter(--level, kNodes * node);
+      else
+        add(static_cast<std::uint32_t>(node));
+    }
+    if (leaves_.count > 0) test();
+    set_sums(lookup_.frame.source, surface_lanes_, surface_);
+    set_sums(lookup_.frame.source, interior_lanes_, interior_);
+    return tested_;
+  }
+
+ private:
+  void add(std::uint32_t leaf) noexcept {
+    leaves_.leaf[leaves_.count] = leaf;
+    if (++leaves_.count == Leaves::kMost) test();
+  }
+
+  void test() noexcept {
+    const QueryData& data = lookup_.data;
+    std::array<std::uint8_t, 3> any = {255, 255, 255};
+    if (lookup_.frame.certain > 0.0F) {
+      any = kernel_.classify(lookup_, leaves_);
+    } else {
+      std::fill_n(leaves_.unsure, leaves_.count, std::uint8_t{255});
+    }
+    tested_ += static_cast<std::uint32_t>(kRun * leaves_.count);
+    // The shell's last leaf may be of fewer points.
+    const std::size_t last = leaves_.count - 1, end = kRun * (leaves_.leaf[last] + std::size_t{1});
+    if (end > data.points) {
+      const auto real = static_cast<std::uint8_t>(255U >> (end - data.points));
+      leaves_.surface[last] &= real, leaves_.interior[last] &= real, leaves_.unsure[last] &= real;
+      tested_ -= static_cast<std::uint32_t>(end - data.points);
+    }
+    if (any[2] != 0) decide(data, lookup_.frame.source, leaves_), any[0] = any[1] = 255;
+    if (any[0] != 0) take(leaves_.surface, surface_, surface_lanes_);
+    if (any[1] != 0) take(leaves_.interior, interior_, interior_lanes_);
+    leaves_.count = 0;
+  }
+
+  void take(const std::uint8_t* chosen, FoundHits& found, NormalLanes& lanes) noexcept {
+    append(leaves_, chosen, found);
+    kernel_.add_normals(lookup_.frame.source, leaves_, chosen, lanes);
+  }
+
+  Lookup lookup_;
+  const LeafKernel& kernel_;
+  FoundHits& surface_;
+  FoundHits& interior_;
+  NormalLanes surface_lanes_, interior_lanes_;
+  Leaves leaves_;
+  std::uint32_t tested_ = 0;
+};
 
 }  // namespace
 
@@ -189,65 +188,9 @@ bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, dou
   return beyond <= reach + f.margin;
 }
 
-VOXTOUCH_CLONES
-std::uint32_t search(const QueryData& data, const QueryFrame& f, std::uint32_t* surface, std::size_t& surface_count,
-                     std::uint32_t* interior, std::size_t& interior_count) noexcept {
-  surface_count = interior_count = 0;
-  const std::vector<SphereTree::Level>& levels = data.tree->levels();
-  if (levels.empty()) return 0;
-  const voxmap::Voxmap::Arrays map = data.voxmap->arrays();
-  const std::array<std::int64_t, 3>& cells = data.voxmap->cells();
-  const std::size_t points = data.points;
-  std::uint32_t tested = 0;
-
-  Block block;
-  const auto test_block = [&]() __attribute__((always_inline)) {
-    std::uint32_t real = block.leaves < kRuns ? (1U << (kRun * block.leaves)) - 1U : ~0U;
-    for (std::size_t run = block.leaves; run < kRuns; ++run) block.leaf[run] = block.leaf[0];
-    const std::size_t end = kRun * (block.leaf[block.leaves - 1] + std::size_t{1});
-    if (end > points) real &= ~0U >> (kPoints - kRun * block.leaves + (end - points));
-    tested += static_cast<std::uint32_t>(std::popcount(real));
-    Kinds kinds;
-    if (f.certain > 0.0F)
-      kinds = classify(data, f, map, cells, block);
-    else
-      kinds.unsure = ~0U;
-    kinds.surface &= real, kinds.interior &= real, kinds.unsure &= real;
-    if (kinds.unsure != 0) decide(data, f, block, kinds);
-    append(kinds.surface, block, surface, surface_count);
-    append(kinds.interior, block, interior, interior_count);
-    block.leaves = 0;
-  };
-
-  // Depth first, one group of spheres a level: `left` are those of it still to go through.
-  std::uint32_t left[SphereTree::kMaxLevels] = {};
-  std::size_t base[SphereTree::kMaxLevels] = {};
-  const auto enter = [&](std::size_t level, std::size_t first) __attribute__((always_inline)) {
-    const std::size_t count = levels[level].count - first;
-    const std::uint32_t real = count < kNodes ? (1U << count) - 1U : (1U << kNodes) - 1U;
-    base[level] = first;
-    left[level] = real & (map.free != nullptr ? near_spheres(f, map, cells, levels[level], first) : real);
-  };
-  const std::size_t top = levels.size() - 1;
-  std::size_t level = top;
-  enter(top, 0);
-  for (;;) {
-    if (left[level] == 0) {
-      if (level == top) break;
-      ++level;
-      continue;
-    }
-    const std::size_t node = base[level] + static_cast<std::size_t>(std::countr_zero(left[level]));
-    left[level] &= left[level] - 1;
-    if (level > 0) {
-      enter(--level, kNodes * node);
-      continue;
-    }
-    block.leaf[block.leaves] = static_cast<std::uint32_t>(node);
-    if (++block.leaves == kRuns) test_block();
-  }
-  if (block.leaves > 0) test_block();
-  return tested;
+std::uint32_t search(const QueryData& data, const QueryFrame& frame, FoundHits& surface, FoundHits& interior) noexcept {
+  surface.count = interior.count = 0;
+  return data.tree->levels().empty() ? 0 : Search(data, frame, surface, interior).run();
 }
 
 }  // namespace voxtouch::contact

@@ -1,5 +1,5 @@
 #pragma once
-/// The part of the query that runs over many points: plain loops, compiled for what the processor has.
+/// The part of the query that runs over many points: through the tree, and leaf by leaf into the voxels. Its loops are in leaf_kernel.hpp.
 #include <cstdint>
 
 #include "core/contact/hit_list.hpp"
@@ -43,9 +43,16 @@ struct QueryData {
 /// outside the table: it hits nothing.
 bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, double reach_m, QueryFrame& frame) noexcept;
 
-/// Writes the points that collide, ascending, to `surface` and `interior`, each with room for all points of the shell, and how many
-/// they are. \returns the points that culling left to test.
-std::uint32_t search(const QueryData& data, const QueryFrame& frame, std::uint32_t* surface, std::size_t& surface_count,
-                     std::uint32_t* interior, std::size_t& interior_count) noexcept;
+/// The points of one kind of voxel: ascending, `count` of them, and what they sum up to.
+struct FoundHits {
+  std::uint32_t* points = nullptr;  ///< what `Hits::room` gave for all points of the shell
+  std::size_t count = 0;
+  Vec3 normals = Vec3::Zero();  ///< sum of weight * normal, W axes: of eight sums, one for each place in a leaf, turned once
+  double weights = 0.0;
+};
+
+/// Finds the points that collide. \returns the points that culling left to test. The hits, the sums and what is returned have the same
+/// bits on every processor.
+std::uint32_t search(const QueryData& data, const QueryFrame& frame, FoundHits& surface, FoundHits& interior) noexcept;
 
 }  // namespace voxtouch::contact

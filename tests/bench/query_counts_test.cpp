@@ -101,10 +101,10 @@ double instructions(const std::string& place, int points, const std::string& wha
 TEST(QueryCounts, InstructionsStayWhatTheyAreWithAvx2) {
   if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser's own would be among them";
   if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "counted for a processor with AVX2";
-  EXPECT_LE(instructions("near", 10'000, "find"), 2'400.0);
-  EXPECT_LE(instructions("light", 10'000, "find"), 41'000.0);
-  EXPECT_LE(instructions("heavy", 10'000, "find"), 350'000.0);
-  EXPECT_LE(instructions("heavy", 10'000, "render"), 700'000.0);
+  EXPECT_LE(instructions("near", 10'000, "find"), 2'300.0);
+  EXPECT_LE(instructions("light", 10'000, "find"), 34'000.0);
+  EXPECT_LE(instructions("heavy", 10'000, "find"), 235'000.0);
+  EXPECT_LE(instructions("heavy", 10'000, "render"), 460'000.0);
 }
 
 }  // namespace

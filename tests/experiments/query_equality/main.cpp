@@ -1,8 +1,9 @@
 // query_equality [POINTS [SEED]]: puts that many points (1e9) in random poses to the query and to doubles alone, and says whether
-// every hit was the same to the last bit. Some 5 minutes for 1e9.
+// every hit was the same to the last bit, with the kernels of every kind of processor that this one can run. Some 5 minutes for 1e9.
 #include <fmt/core.h>
 
 #include "core/contact/contact_query.hpp"
+#include "core/contact/instructions.hpp"
 #include "core/types/number.hpp"
 #include "tests/support/reference_query.hpp"
 #include "tests/unit/contact/fixtures.hpp"
@@ -36,10 +37,16 @@ int main(int argc, char** argv) {
     hits.reserve(shell.size());
     for (int n = 0; n < 500; ++n) {
       const Vec3 u(uniform(random, -10, 74), uniform(random, -10, 74), uniform(random, -10, 74));
-      query.find({grid.origin + e * u, test::random_rotation(random)}, hits);
+      const Pose pose{grid.origin + e * u, test::random_rotation(random)};
+      query.find(pose, hits);
       const test::ReferenceHits reference = test::reference_hits(map, shell, hits.pose_WT);
-      if (!test::same(hits.surface, reference.surface) || !test::same(hits.interior, reference.interior)) {
-        fmt::print("not the same: seed {}, after {:.0f} points, e = {} m, reach {} voxels\n", seed, decided, e, reach);
+      for (const auto kind : {contact::Instructions::kAny, contact::Instructions::kAvx2, contact::Instructions::kAvx512}) {
+        if (kind > contact::widest_instructions()) break;
+        contact::use_instructions(kind);
+        query.find(pose, hits);
+        if (test::same(hits.surface, reference.surface) && test::same(hits.interior, reference.interior)) continue;
+        fmt::print("not the same: seed {}, after {:.0f} points, e = {} m, reach {} voxels, kind of processor {}\n", seed, decided, e, reach,
+                   static_cast<int>(kind));
         return 1;
       }
       decided += static_cast<double>(shell.size());

@@ -5,14 +5,11 @@
 #include <limits>
 #include <numbers>
 
+#include "core/contact/instructions.hpp"
 #include "core/contact/query_kernel.hpp"
 #include "fixtures.hpp"
 #include "tests/support/reference_query.hpp"
 #include "tests/support/seed.hpp"
-
-#ifdef VOXTOUCH_NO_CLONES  // compiled a second time, with the kernels as any x86-64 runs them
-#define QueryEquality QueryEqualityOnAnyProcessor
-#endif
 
 namespace voxtouch::test {
 namespace {
@@ -45,21 +42,44 @@ class Compared {
       : voxmap_(voxmap), shell_(shell), by_area_(weights == contact::PointWeights::kArea), query_(voxmap, shell, weights) {
     hits_.reserve(shell.size());
   }
+  /// With the kernels of every kind of processor that this one can run.
   void at(const Pose& pose) {
     query_.find(pose, hits_);
-    ASSERT_EQ(hits_.pose_status, contact::PoseStatus::kUsable);
     const ReferenceHits reference = reference_hits(voxmap_, shell_, hits_.pose_WT, by_area_);
-    ASSERT_TRUE(same(hits_.surface, reference.surface)) << pose.position.transpose() << ", " << pose.orientation.coeffs().transpose();
-    ASSERT_TRUE(same(hits_.interior, reference.interior)) << pose.position.transpose();
-    Vec3 sum = Vec3::Zero();
-    for (const contact::Hit& one : reference.surface) sum += one.weight * one.normal;
-    ASSERT_EQ(hits_.surface.normal_sum(), sum);
+    const Vec3 surface = normal_sum(reference.surface), interior = normal_sum(reference.interior);
+    const std::uint32_t tested = hits_.tested;
+    for (const auto kind : {contact::Instructions::kAny, contact::Instructions::kAvx2, contact::Instructions::kAvx512}) {
+      if (kind > contact::widest_instructions()) break;
+      contact::use_instructions(kind);
+      query_.find(pose, hits_);
+      ASSERT_EQ(hits_.pose_status, contact::PoseStatus::kUsable);
+      ASSERT_TRUE(same(hits_.surface, reference.surface))
+          << pose.position.transpose() << ", " << pose.orientation.coeffs().transpose() << ", kind " << static_cast<int>(kind);
+      ASSERT_TRUE(same(hits_.interior, reference.interior)) << pose.position.transpose() << ", kind " << static_cast<int>(kind);
+      ASSERT_EQ(hits_.surface.normal_sum(), surface);
+      ASSERT_EQ(hits_.interior.normal_sum(), interior);
+      ASSERT_EQ(hits_.tested, tested);
+    }
     decided += shell_.size();
     hit += reference.surface.size() + reference.interior.size();
   }
   std::size_t decided = 0, hit = 0;
 
  private:
+  /// Eight sums in the tool's frame, one for each place in a leaf, added up in halves and turned: the bits that a query gives.
+  Vec3 normal_sum(const std::vector<contact::Hit>& hits) const {
+    Vec3 lanes[8] = {}, plain = Vec3::Zero();
+    for (Vec3& lane : lanes) lane.setZero();
+    for (const contact::Hit& one : hits) {
+      lanes[one.point % 8] += one.weight * shell_.normal(one.point);
+      plain += one.weight * one.normal;
+    }
+    const Vec3 sum = ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
+    const Vec3 turned = hits_.pose_WT.orientation.toRotationMatrix() * sum;
+    EXPECT_LE((turned - plain).norm(), 1e-12 * static_cast<double>(hits.size() + 1));
+    return turned;
+  }
+
   const voxmap::Voxmap& voxmap_;
   const pointshell::Pointshell& shell_;
   bool by_area_;

@@ -1,0 +1,110 @@
+// Plain loops, for any processor: what the others have to give, too.
+#include "core/contact/leaf_kernel.hpp"
+
+#include <cmath>
+
+namespace voxtouch::contact {
+namespace {
+
+constexpr std::size_t kNodes = SphereTree::kFanOut, kRun = SphereTree::kLeafPoints;
+
+inline float within(float u, float low, float high) noexcept {
+  const float above = u > low ? u : low;
+  return above < high ? above : high;
+}
+
+std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level, std::size_t first) noexcept {
+  const QueryFrame& f = lookup.frame;
+  const float* const x = level.x.data() + first;
+  const float* const y = level.y.data() + first;
+  const float* const z = level.z.data() + first;
+  constexpr float kHalf = 0.5F * voxmap::free_distance::kCellEdge;
+  float way[kNodes] = {}, outside[kNodes] = {};
+  std::int32_t cell[3][kNodes];
+  for (std::size_t row = 0; row < 3; ++row) {
+    const float a0 = f.a[row][0], a1 = f.a[row][1], a2 = f.a[row][2], shift = f.corner_shift[row], size = f.size[row];
+    for (std::size_t n = 0; n < kNodes; ++n) {
+      const float u = a0 * x[n] + a1 * y[n] + a2 * z[n] + shift, w = within(u, 0.0F, size);
+      const std::int32_t c = static_cast<std::int32_t>(w) >> 2;
+      const float off = u - (static_cast<float>(c << 2) + kHalf);
+      outside[n] += (u - w) * (u - w);
+      way[n] += off * off;
+      cell[row][n] = c;
+    }
+  }
+  const auto ny = static_cast<std::uint32_t>(2 * lookup.cells[1]), nz = static_cast<std::uint32_t>(2 * lookup.cells[2]);
+  std::uint32_t near = 0;
+  for (std::size_t n = 0; n < kNodes; ++n) {
+    const std::uint32_t at = (static_cast<std::uint32_t>(cell[0][n]) * ny + static_cast<std::uint32_t>(cell[1][n])) * nz +
+                             static_cast<std::uint32_t>(cell[2][n]);
+    const float free = voxmap::free_distance::voxels(lookup.map.free[at]);
+    const float needed = level.radius[first + n] * f.per_metre + f.margin;
+    const float spare = free - needed;
+    const float reach = spare > 0.0F ? spare : 0.0F;
+    const bool clear = (reach * reach > way[n]) | (outside[n] > needed * needed);
+    near |= static_cast<std::uint32_t>(!clear) << n;
+  }
+  return near;
+}
+
+std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexcept {
+  const QueryFrame& f = lookup.frame;
+  const auto* const words = reinterpret_cast<const HalfWord*>(lookup.map.bricks);
+  std::array<std::uint8_t, 3> any{};
+  for (std::size_t n = 0; n < leaves.count; ++n) {
+    const float* const x = lookup.data.x + kRun * leaves.leaf[n];
+    const float* const y = lookup.data.y + kRun * leaves.leaf[n];
+    const float* const z = lookup.data.z + kRun * leaves.leaf[n];
+    std::int32_t v[3][kRun];
+    float farthest[kRun] = {};  // of the three coordinates from the middle of the voxel
+    for (std::size_t row = 0; row < 3; ++row) {
+      const float a0 = f.a[row][0], a1 = f.a[row][1], a2 = f.a[row][2], shift = f.shift[row], low = f.low[row], high = f.high[row];
+      for (std::size_t p = 0; p < kRun; ++p) {
+        const float u = within(a0 * x[p] + a1 * y[p] + a2 * z[p] + shift, low, high);
+        const auto i = static_cast<std::int32_t>(u);
+        const float off = std::abs((u - static_cast<float>(i)) - 0.5F);
+        farthest[p] = off > farthest[p] ? off : farthest[p];
+        v[row][p] = i + f.first[row];
+      }
+    }
+    unsigned surface = 0, interior = 0, unsure = 0;
+    for (std::size_t p = 0; p < kRun; ++p) {
+      const std::int32_t brick =
+          lookup.map.table[(v[0][p] >> 3) + lookup.cells[0] * ((v[1][p] >> 3) + lookup.cells[1] * (v[2][p] >> 3))];
+      const std::int32_t voxel = (v[0][p] & 7) | (v[1][p] & 7) << 3 | (v[2][p] & 7) << 6;
+      const std::uint32_t kind = words[brick * kHalfWords + (voxel >> 4)] >> (2 * (voxel & 15));
+      surface |= (kind & 1U) << p, interior |= (kind >> 1 & 1U) << p;
+      unsure |= static_cast<unsigned>(!(farthest[p] < f.certain)) << p;
+    }
+    leaves.surface[n] = static_cast<std::uint8_t>(surface), any[0] |= leaves.surface[n];
+    leaves.interior[n] = static_cast<std::uint8_t>(interior), any[1] |= leaves.interior[n];
+    leaves.unsure[n] = static_cast<std::uint8_t>(unsure), any[2] |= leaves.unsure[n];
+  }
+  return any;
+}
+
+void add_normals(const HitSource& source, const Leaves& leaves, const std::uint8_t* chosen, NormalLanes& lanes) noexcept {
+  for (std::size_t n = 0; n < leaves.count; ++n)
+    for (std::size_t lane = 0; lane < kRun; ++lane) {
+      if ((chosen[n] >> lane & 1) == 0) continue;
+      const std::size_t p = kRun * leaves.leaf[n] + lane;
+      const double weight = source.area != nullptr ? source.area[p] : 1.0;
+      for (std::size_t axis = 0; axis < 3; ++axis) lanes.sum[axis][lane] += weight * source.normal[axis][p];
+      lanes.sum[3][lane] += weight;
+    }
+}
+
+constexpr LeafKernel kPlain = {near_spheres, classify, add_normals};
+
+}  // namespace
+
+const LeafKernel& leaf_kernel(Instructions instructions) noexcept {
+#if VOXTOUCH_WIDE_KERNELS
+  if (instructions == Instructions::kAvx512) return kLeafKernelAvx512;
+  if (instructions == Instructions::kAvx2) return kLeafKernelAvx2;
+#endif
+  static_cast<void>(instructions);
+  return kPlain;
+}
+
+}  // namespace voxtouch::contact

@@ -1,0 +1,56 @@
+#pragma once
+/// The loops of the query that run over many points or spheres at once, one set of them for each kind of processor.
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/contact/instructions.hpp"
+#include "core/contact/query_kernel.hpp"
+
+namespace voxtouch::contact {
+
+/// What is looked up: the shell, the pose, the ground.
+struct Lookup {
+  const QueryData& data;
+  const QueryFrame& frame;
+  voxmap::Voxmap::Arrays map;
+  std::array<std::int32_t, 3> cells;  ///< bricks of the table
+};
+
+/// Leaves that are looked at together, ascending, and what was found in them.
+struct Leaves {
+  static constexpr std::size_t kMost = 64;
+  std::size_t count = 0;
+  alignas(64) std::uint32_t leaf[kMost];
+  /// One bit for each point of the leaf. The first two are good where `unsure` is not set.
+  alignas(64) std::uint8_t surface[kMost], interior[kMost], unsure[kMost];
+};
+
+/// Weight times normal and weight, frame T: point p is added to lane p mod 8, in the points' order.
+struct NormalLanes {
+  alignas(64) double sum[4][SphereTree::kLeafPoints] = {};
+};
+
+/// Bricks are read in halves of their words, the lower first, so that a look is one of 32 bits for each point.
+using HalfWord = std::uint32_t __attribute__((may_alias));
+inline constexpr std::int32_t kHalfWords = sizeof(voxmap::Voxmap::Brick) / sizeof(HalfWord);
+static_assert(std::endian::native == std::endian::little);
+
+/// All are real-time safe.
+struct LeafKernel {
+  /// Which of the sixteen spheres from `first` on may touch something, as bits. No distance falls faster than the way from where it was
+  /// measured, the middle of a 4-voxel cell; outside the table there is nothing nearer than the table.
+  std::uint32_t (*near_spheres)(const Lookup& lookup, const SphereTree::Level& level, std::size_t first) noexcept;
+  /// Puts the points of the leaves into voxels. \returns the bits of `surface`, `interior` and `unsure` of all leaves together.
+  std::array<std::uint8_t, 3> (*classify)(const Lookup& lookup, Leaves& leaves) noexcept;
+  /// Adds those points of the leaves whose bits are set in `chosen`.
+  void (*add_normals)(const HitSource& source, const Leaves& leaves, const std::uint8_t* chosen, NormalLanes& lanes) noexcept;
+};
+
+const LeafKernel& leaf_kernel(Instructions instructions) noexcept;
+
+/// Those of one kind of processor; only where VOXTOUCH_WIDE_KERNELS.
+extern const LeafKernel kLeafKernelAvx2, kLeafKernelAvx512;
+
+}  // namespace voxtouch::contact

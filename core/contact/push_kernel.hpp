@@ -1,0 +1,73 @@
+#pragma once
+/// The loops over hits that a force law is summed up with, one set of them for each kind of processor.
+///
+/// A sum over hits is eight sums, hit n of the list in lane n mod 8, each in the hits' order, and then added up in a fixed order. So it has
+/// the same bits whether two, four or eight numbers are added at once, which one sum in the hits' order would not allow.
+#include <cstddef>
+#include <cstdint>
+
+#include "core/contact/hit_list.hpp"
+#include "core/contact/instructions.hpp"
+
+namespace voxtouch::contact {
+
+inline constexpr std::size_t kLanes = 8;
+
+/// A few dozen hits as structure of arrays: worked out once, used while they are in the first cache. Filled up to a multiple of kLanes
+/// with hits of no weight.
+struct HitBlock {
+  static constexpr std::size_t kHits = 64;
+  std::size_t count = 0;  ///< hits that are real
+  alignas(64) double arm[3][kHits], normal[3][kHits], to_centre[3][kHits], weight[kHits];
+
+  /// With what it is filled up.
+  std::size_t filled() const noexcept { return (count + kLanes - 1) / kLanes * kLanes; }
+};
+
+/// How the hits of a block push: along j[0..2], at most of unit length, with `push` times the stiffness; and what each counts in the
+/// stiffness matrix. All three must be 0 beyond the block's hits.
+struct Pushes {
+  alignas(64) double j[6][HitBlock::kHits];  ///< J = [u', (arm x u)']; the second half is worked out by `add`
+  alignas(64) double depth[HitBlock::kHits], push[HitBlock::kHits], weight[HitBlock::kHits];
+};
+
+/// Sums of pushes.
+struct PushLanes {
+  alignas(64) double push[6][kLanes] = {};        ///< of push J: the wrench for a stiffness of one
+  alignas(64) double weight[kLanes] = {};         ///< of the weights
+  alignas(64) double stiffness[21][kLanes] = {};  ///< of weight J' J: the upper triangle by rows
+  alignas(64) double deepest[kLanes] = {};        ///< the largest depth of a lane, and ...
+  alignas(64) double deepest_hit[kLanes] = {};    ///< ... its hit's place in the list less the lane: the first of equals
+};
+
+/// The same along one common direction: what each hit adds is its arm's moments.
+struct MeanLanes {
+  alignas(64) double push[4][kLanes] = {};      ///< of push and push times arm
+  alignas(64) double moments[10][kLanes] = {};  ///< of weights as CommonDirectionSum::kSums
+  alignas(64) double deepest[kLanes] = {}, deepest_hit[kLanes] = {};  ///< as PushLanes
+};
+
+/// The way a point pushes: u_i = s m + (1 - s) n_i, brought to unit length (limits::kShortestDirection); n_i itself for s = 0.
+struct PushDirection {
+  Vec3 mean = Vec3::Zero();  ///< m
+  double mean_share = 0.0;   ///< s in [0, 1)
+};
+
+/// All are real-time safe.
+struct PushKernel {
+  /// The hits of a query from `begin` on, at most up to `end` and at most a block. Hit by hit the bits of HitSource::hit.
+  void (*fill)(const Hits& hits, std::size_t begin, std::size_t end, HitBlock& block) noexcept;
+  /// The same without normals.
+  void (*fill_places)(const Hits& hits, std::size_t begin, std::size_t end, HitBlock& block) noexcept;
+  /// Works out how the hits push: d_i = max(0, u_i . (c_i - x_i)), push = w_i d_i; the weight is w_i where d_i > 0, else 0. `first`: place
+  /// of the block's first hit in the list.
+  void (*push)(const HitBlock& block, const PushDirection& direction, std::size_t first, Pushes& pushes, PushLanes& lanes) noexcept;
+  /// Adds the pushes.
+  void (*add)(const HitBlock& block, Pushes& pushes, PushLanes& lanes) noexcept;
+  /// Both at once, all hits along `mean`.
+  void (*push_along_mean)(const HitBlock& block, const Vec3& mean, std::size_t first, MeanLanes& lanes) noexcept;
+};
+
+const PushKernel& push_kernel(Instructions instructions) noexcept;
+
+}  // namespace voxtouch::contact
