@@ -141,7 +141,7 @@ class RenderingNode {
     renderer_.live().aim_for_spring(updates_.spring_n_per_m());
     ++rendered_;
     msg::ContactState contact = renderer_.answer(state);
-    const bool acts = duty_.acts(state.session_id, state.sequence_number, [this](const msg::ContactState& c) { heed(c); });
+    const bool acts = duty_.acts(state.session_id, state.sequence_number, [this](const msg::ContactState& c) { heed(c); }, &theirs_.agrees());
     theirs_.note(contact, acts);
     if (acts) publish(theirs_.carried_on(contact), begin);
   }
@@ -214,7 +214,7 @@ class RenderingNode {
     }
     device_.update(registry, std::nullopt);
     const std::string missing = session_.report_to(report, options_, registry, links_, "a device", samples_.load() > 0);
-    if (!duty_.acts_now() && !theirs_.known()) report.state = runtime::NodeState::kStarting;  // it cannot stand by yet
+    if (!duty_.acts_now() && !(theirs_.known() && theirs_.agrees().load())) report.state = runtime::NodeState::kStarting;  // it cannot stand by yet
     const std::string duty = duty_.look(registry, report);
     updates_.speak(duty_.acts_now());
     std::string trouble = device_.trouble(registry);
