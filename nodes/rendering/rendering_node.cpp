@@ -150,7 +150,7 @@ class RenderingNode {
     const std::optional<Wrench> wrench = external_ ? external_->take(session_in_loop_) : std::nullopt;
     if (wrench) renderer_.take_external(*wrench, state);
     msg::ContactState contact = renderer_.answer(state);
-    const bool acts = duty_.acts(state.session_id, state.sequence_number, [this](const msg::ContactState& c) { heed(c); });
+    const bool acts = duty_.acts(state.session_id, state.sequence_number, [this](const msg::ContactState& c) { heed(c); }, &theirs_.agrees());
     theirs_.note(contact, acts);
     if (!acts) return;
     // For a replay it is told which sample saw what.
@@ -232,7 +232,7 @@ class RenderingNode {
       report.figures["external_given_j"] = {external_given_j_.load(), "J"};
     }
     const std::string missing = session_.report_to(report, options_, registry, links_, "a device", samples_.load() > 0);
-    if (!duty_.acts_now() && !theirs_.known()) report.state = runtime::NodeState::kStarting;  // it cannot stand by yet
+    if (!duty_.acts_now() && !(theirs_.known() && theirs_.agrees().load())) report.state = runtime::NodeState::kStarting;  // it cannot stand by yet
     const std::string duty = duty_.look(registry, report);
     updates_.speak(duty_.acts_now());
     std::string trouble = device_.trouble(registry);

@@ -1,7 +1,9 @@
 #pragma once
 /// What one rendering takes over from the one that it stands by for: when the session began, and the energy that was supplied before.
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -17,6 +19,8 @@ class SessionOfAnother {
     known_.store(false, std::memory_order_release);
     recent_ = {};
     offset_j_ = 0.0;
+    unlike_in_a_row_ = kMostUnlike;
+    agrees_.store(false, std::memory_order_release);
   }
   /// Whether this session's begin is known: this node has answered a sample itself, or has heard the other one do so.
   bool known() const noexcept { return known_.load(std::memory_order_acquire); }
@@ -30,12 +34,23 @@ class SessionOfAnother {
   /// An answer of the other one to a sample that this node has rendered as well.
   void heed(const msg::ContactState& theirs) noexcept {
     const Supplied& own = recent_[theirs.sequence_number % recent_.size()];
-    if (own.rendered && own.sequence == theirs.sequence_number) offset_j_ = theirs.supplied_energy_j - own.energy_j;
+    if (!own.rendered || own.sequence != theirs.sequence_number) return;
+    offset_j_ = theirs.supplied_energy_j - own.energy_j;
+    const auto &f = own.force, &g = theirs.wrench.force;
+    const double apart_n = std::hypot(f.x - g.x, f.y - g.y, f.z - g.z);
+    unlike_in_a_row_ = apart_n <= kAlikeN + kAlikeShare * std::hypot(g.x, g.y, g.z) ? 0 : std::min(unlike_in_a_row_ + 1, kMostUnlike);
+    agrees_.store(unlike_in_a_row_ < kMostUnlike, std::memory_order_release);
   }
+  /// Whether what this node renders is what the other one does, by the samples that both have answered lately: else a takeover would be felt. A
+  /// virtual tool that was placed within a contact gives no force, for one. Any thread.
+  const std::atomic<bool>& agrees() const noexcept { return agrees_; }
   /// What this node has rendered, before `carried_on`; `sent`: it answers.
   void note(const msg::ContactState& own, bool sent) noexcept {
-    recent_[own.sequence_number % recent_.size()] = {own.sequence_number, own.supplied_energy_j, true};
-    if (sent && !known()) known_.store(true, std::memory_order_release);
+    recent_[own.sequence_number % recent_.size()] = {own.sequence_number, own.supplied_energy_j, own.wrench.force, true};
+    if (!sent) return;
+    known_.store(true, std::memory_order_release);
+    unlike_in_a_row_ = 0;
+    agrees_.store(true, std::memory_order_release);
   }
   /// As the other one would have gone on.
   msg::ContactState carried_on(msg::ContactState own) const noexcept {
@@ -47,11 +62,15 @@ class SessionOfAnother {
   struct Supplied {
     std::uint64_t sequence = 0;
     double energy_j = 0.0;
+    msg::geometry_msgs_Vector3 force{};
     bool rendered = false;
   };
+  static constexpr double kAlikeN = 0.05, kAlikeShare = 0.1;
+  static constexpr int kMostUnlike = 8;  ///< in a row: one alone may be a sample that one of the two was not given
   std::array<Supplied, 16> recent_{};  ///< the other one's answer comes up to some samples later
   double offset_j_ = 0.0;
-  std::atomic<bool> known_{false};
+  int unlike_in_a_row_ = kMostUnlike;
+  std::atomic<bool> known_{false}, agrees_{false};
 };
 
 }  // namespace voxtouch::rendering_node

@@ -15,9 +15,11 @@ void DutyBase::begin(std::uint64_t session) noexcept {
   answers_.store(0, std::memory_order_relaxed);
 }
 
-bool DutyBase::decide(std::uint64_t sequence) noexcept {
+bool DutyBase::decide(std::uint64_t sequence, bool fit) noexcept {
   if (stand_back_.exchange(false, std::memory_order_relaxed) && turn_.acts() && !turn_.has_begun()) turn_.step_back(sequence);
-  const bool acted = turn_.acts(), answers = turn_.answers(sequence, pair());
+  Turn::Pair known = pair();
+  known.entitled = known.entitled && fit;
+  const bool acted = turn_.acts(), answers = turn_.answers(sequence, known);
   if (answers && !acted) taken_over_at_.store(sequence, std::memory_order_relaxed);
   takeovers_.store(turn_.takeovers(), std::memory_order_relaxed);
   stepped_back_.store(turn_.stepped_back(), std::memory_order_relaxed);

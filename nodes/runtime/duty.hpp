@@ -31,7 +31,7 @@ class DutyBase {
   virtual bool reads_others() const noexcept = 0;
   void begin(std::uint64_t session) noexcept;
   void hear(std::uint64_t theirs, std::uint64_t newest) noexcept { turn_.hear(theirs, newest, pair()); }
-  bool decide(std::uint64_t sequence) noexcept;
+  bool decide(std::uint64_t sequence, bool fit) noexcept;
   void count_answer() noexcept { answers_.fetch_add(1, std::memory_order_relaxed); }
 
   const bus::Participant& participant_;
@@ -73,9 +73,9 @@ class Duty final : public DutyBase {
   }
 
   /// From the loop, where the answer to a sample is ready: whether it is to be sent. `f(const T&)` is called for each of the other's answers of
-  /// this session that have come since. Real-time safe.
+  /// this session that have come since. `fit`, which `f` may set: only then does it take over. Real-time safe.
   template <class F>
-  bool acts(std::uint64_t session, std::uint64_t sequence, F&& f) noexcept {
+  bool acts(std::uint64_t session, std::uint64_t sequence, F&& f, const std::atomic<bool>* fit = nullptr) noexcept {
     if (session != session_) begin(session);
     bus::FollowedReader<T>* const reader = reader_.load(std::memory_order_acquire);
     if (!reader) return count_answer(), true;  // neither has a standby nor is one
@@ -85,7 +85,7 @@ class Duty final : public DutyBase {
       f(static_cast<const T&>(answer));
       hear(answer.sequence_number, sequence);
     }
-    return decide(sequence);
+    return decide(sequence, !fit || fit->load(std::memory_order_acquire));
   }
 
  private:

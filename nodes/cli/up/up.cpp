@@ -255,7 +255,7 @@ class Run {
   /// Where one of two is lost and the other one is there, the ring goes on.
   bool goes_on_without(const std::string& name) {
     const std::string partner = partner_of(name);
-    if (partner.empty() || !is_running(partner) || hanging_.contains(partner)) return false;
+    if (partner.empty() || !is_running(partner)) return false;
     const auto report = summary_.reports.find(partner);
     return report != summary_.reports.end() && !report->second.final() && report->second.session_id != 0;
   }
