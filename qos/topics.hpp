@@ -76,9 +76,9 @@ inline constexpr Topic kParameterEvents{"parameter_events", "rcl_interfaces/msg/
 inline constexpr Topic kRosout{"rosout", "rcl_interfaces/msg/Log", ProfileId::kLog, 0, kEveryNode, kNobody,
                                "What each node says, for ROS tools; made and written only while somebody reads it.", true};
 inline constexpr Topic kJointStates{"joint_states", "sensor_msgs/msg/JointState", ProfileId::kState, 100, kDevice, kNobody,
-                                    "Joints of an arm, for ROS tools; made and written only while somebody reads it, outside the loop.", true, false, true};
+                                    "Joints of an arm, for ROS tools; made and written only while somebody reads it, outside the loop.", true, false, false, true};
 inline constexpr Topic kRobotDescription{"robot_description", "std_msgs/msg/String", ProfileId::kLatched, 0, kDevice, kNobody,
-                                         "The arm itself, for ROS tools; written once, and only while somebody reads it.", true, false, true};
+                                         "The arm itself, for ROS tools; written once, and only while somebody reads it.", true, false, false, true};
 inline constexpr Topic kTf{"tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, kRendering, kNobody, kForRos, true};
 inline constexpr Topic kTfStatic{"tf_static", "tf2_msgs/msg/TFMessage", ProfileId::kLatched, 0, kRendering, kNobody,
                                  "Frames that do not move, for ROS tools; made and written once, and only while somebody reads it.", true};
