@@ -50,7 +50,7 @@ TEST_F(EffectParameters, AreAllThatTheTableOfKindsHasWithMeaningsAndRanges) {
       const RosParameter* const found = find_parameter(all_, effect.name + "." + std::string(row.name));
       ASSERT_NE(found, nullptr) << effect.name << row.name;
       EXPECT_EQ(found->meaning, row.meaning);
-      EXPECT_EQ(found->read_only, row.shape == effects::ParameterShape::kWord);
+      EXPECT_EQ(found->read_only, row.shape == effects::ParameterShape::kWord || row.shape == effects::ParameterShape::kText);
       if (row.shape == effects::ParameterShape::kNumber) {
         EXPECT_EQ(std::get<double>(found->value), effect.values.number(n)) << found->name;
         EXPECT_EQ(found->low, row.low);
