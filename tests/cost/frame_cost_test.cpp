@@ -107,6 +107,7 @@ TEST_F(FrameCostTest, OfASceneWithAnEffectOfAnyKindIsThatOfItsContactAndThatEffe
       {"guide_line", "point: [0, 0, 0], direction: [1, 0, 0], stiffness_n_per_m: 100, limit_n: 1"},
       {"guide_plane", "point: [0, 0, 0], normal: [0, 0, 1], stiffness_n_per_m: 100, limit_n: 1"},
       {"magnet", "point: [0, 0, 0], radius_m: 0.1, force_n: 1"},
+      {"external", "max_force_n: 1"},
   };
   const FrameCost contact = cost_of(cylinder("contact", "effects: []"), "slide", "touch");
   for (const effects::EffectKind* kind : effects::effect_kinds()) {
