@@ -120,6 +120,7 @@ def found(voxtouch, cyclone, fast, python):
                                          "print(json.dumps([row.dds_name() for row in TOPICS.values()]))", clients.types.name],
                                         stdout=subprocess.PIPE, check=True).stdout))
     expected = own - {"rt/haptic/recover", "rt/clock", "rt/joint_states", "rt/robot_description"}  # of a person; in simulated time; of arms
+    expected -= {"rt/haptic/external", "rt/haptic/rendering/external"}  # of a scene that follows somebody outside
     seconds = 3.0
     for name, command in clients.commands(str(seconds)):
         answer = ask(command)
@@ -238,7 +239,7 @@ def graph(voxtouch, fast, distribution, gid_size):
         expect(key_value(answer["participants"].get(participant, ""), "enclave") == "/", f"enclave of {participant}")
     owner = {gid: (node[1], writes) for node in newest.values() for writes in (False, True) for gid in node[2 + writes]}
     ours = {participant[:24] for participant in newest}  # of a GUID; the client sees its own reader too
-    announced = [e for e in answer["endpoints"] if e[0].startswith("rt/") and e[1][:24] in ours]
+    announced = [e for e in answer["endpoints"] if e[0].startswith(("rt/", "rq/", "rr/")) and e[1][:24] in ours]
     expect(len(announced) == len(owner) > 30, f"{len(announced)} endpoints are announced, and {len(owner)} are nodes'")
     for name, guid, user_data, writes in announced:
         expect(owner.get(guid, (None, None))[1] == writes, f"an endpoint on {name} belongs to no node")
