@@ -229,6 +229,11 @@ class Ring(unittest.TestCase):
         played = {topic: (by_name[topic].writer(participant), [by_name[topic].type.deserialize(data) for _, data in bag.raw(topic)])
                   for topic in bag if topic in by_name}
         self.assertTrue(set(STREAMS) <= set(played))
+        # What is written before the rendering knows the writer is answered by nobody, and on a busy machine that may take longer than it is played.
+        until = time.monotonic() + 20
+        while len(played["/haptic/rendering/change"][0].get_matched_subscriptions()) < 2:  # the rendering and the logger
+            self.assertLess(time.monotonic(), until, "rendering and logger read changes")
+            time.sleep(0.05)
         end, written, n = time.monotonic() + 2, 0, 0
         while time.monotonic() < end:
             for writer, messages in played.values():
