@@ -1,12 +1,17 @@
 // Who runs before all else on a machine, and when: a ring in real time while it has samples to answer, and nobody else.
 #include <gtest/gtest.h>
 
+#include <pthread.h>
 #include <sched.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
+#include "nodes/runtime/realtime.hpp"
 #include "tests/ring/ring_run.hpp"
 
 namespace voxtouch::test {
@@ -76,6 +81,59 @@ TEST(Priority, OfARingInRealTimeIsAboveAllOthersWhileItRunsAndNotWhileItIsBuilt)
   }));
   EXPECT_TRUE(ordinary_while_building);
   EXPECT_TRUE(comes([&] { return urgent_threads(up) > 10; }));
+}
+
+/// As the kernel has it, what is lent included: -1 - n for priority n of SCHED_FIFO, 20 for an ordinary thread.
+int effective_priority(pid_t thread) {
+  std::ifstream in("/proc/self/task/" + std::to_string(thread) + "/stat");
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  std::istringstream fields(text.substr(text.rfind(')') + 2));
+  std::string field;
+  for (int n = 0; n < 16; ++n) fields >> field;
+  return std::stoi(field);
+}
+
+/// A loop that waits for a lock of Cyclone's waits for whoever holds it, and that thread for every other program of the machine.
+TEST(Priority, OfWhoWaitsForALockIsLentToWhoHoldsIt) {
+  if (!granted()) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  runtime::flush_denormals();  // of the object that brings the locks
+  pthread_mutex_t mutex;
+  ASSERT_EQ(pthread_mutex_init(&mutex, nullptr), 0);
+  std::atomic<pid_t> holder = 0;
+  std::atomic<bool> release = false;
+  std::thread holds([&] {
+    pthread_mutex_lock(&mutex);
+    holder = gettid();
+    while (!release) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    pthread_mutex_unlock(&mutex);
+  });
+  ASSERT_TRUE(comes([&] { return holder != 0; }));
+  EXPECT_EQ(effective_priority(holder), 20);
+  std::thread waits([&] {
+    const sched_param urgent{.sched_priority = 3};
+    sched_setscheduler(0, SCHED_FIFO, &urgent);
+    pthread_mutex_lock(&mutex);
+    pthread_mutex_unlock(&mutex);
+  });
+  EXPECT_TRUE(comes([&] { return effective_priority(holder) == -4; })) << effective_priority(holder);
+  release = true;
+  waits.join();
+  holds.join();
+  pthread_mutex_destroy(&mutex);
+}
+
+/// The linker's word for it that Cyclone's mutexes are made by the node.
+TEST(Priority, IsLentByTheLocksOfDdsInEachNodeOfTheLoop) {
+  for (const char* node : {"voxtouch_device", "voxtouch_rendering", "voxtouch_coupling", "voxtouch"}) {
+    Process node_says({"/usr/bin/env", "LD_DEBUG=bindings", "LD_BIND_NOW=1", std::string(VOXTOUCH_BIN "/") + node, "--version"});
+    const Finished run = node_says.wait();
+    std::istringstream lines(run.err);
+    std::string line;
+    bool bound = false;
+    while (std::getline(lines, line))
+      bound |= line.find("`pthread_mutex_init'") != line.npos && line.find("libddsc") != line.npos && line.find(std::string("/") + node + " [") != line.npos;
+    EXPECT_TRUE(bound) << node;
+  }
 }
 
 }  // namespace
