@@ -8,9 +8,9 @@
 namespace voxtouch::reference {
 namespace {
 
-constexpr double kBendShare = 0.01;     ///< of the resolution: depths that differ less count as linear
-constexpr double kLongestShare = 2.0;   ///< of the resolution: larger triangles are split, whatever their depths
-constexpr double kShortestShare = 0.25; ///< of the resolution: smaller ones are not
+constexpr double kBendShare = 0.02;     ///< of the resolution: depths that differ less count as linear
+constexpr double kLongestShare = 4.0;   ///< of the resolution: larger triangles are split, whatever their depths
+constexpr double kShortestShare = 0.5;  ///< of the resolution: smaller ones are not
 
 /// A point of the tool in W, and how deep it is; below zero outside.
 struct Sample {

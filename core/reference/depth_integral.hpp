@@ -11,8 +11,8 @@ namespace voxtouch::reference {
 using DepthQuery = std::function<double(const Vec3&)>;
 
 /// ReferenceWrench's integral for the tool at `pose_WT`. A part of the tool whose middle is farther outside than it is wide is left out. A
-/// triangle is split into four until the depth at the middles of its edges and at its own lies within 1 % of `resolution_m` of what
-/// its corners say (and it is no larger than twice the resolution: what is narrower could lie between), or it is smaller than a quarter of it. What
+/// triangle is split into four until the depth at the middles of its edges and at its own lies within 2 % of `resolution_m` of what
+/// its corners say (and it is no larger than four times the resolution: what is narrower could lie between), or it is smaller than half of it. What
 /// is left is summed with depths that are linear between these points: exact for planes, also where they are crossed.
 TrueWrench integrate_depth(const ToolTriangles& tool, const Pose& pose_WT, double resolution_m, const DepthQuery& distance);
 

@@ -21,8 +21,8 @@ enum class WrenchWay : std::uint8_t {
   /// Split where the depth bends (depth_integral.hpp), signed distances by the nearest feature (signed_surface.hpp).
   kWhereDepthBends,
   /// Split until triangles are smaller than the resolution inside (edge midpoints: exact for depths linear in place, and for their torque)
-  /// and than a quarter of it where they cross the surface; signed distances by FCL, signs by the winding number. A hundred times slower, and
-  /// shares nothing but the reading of meshes with the first: what that is tested by.
+  /// and than a quarter of it where they cross the surface; signed distances by FCL, signs by the winding number. Many
+  /// times slower, and it shares nothing but the reading of meshes with the first: what that is tested by.
   kSampledEverywhere,
 };
 

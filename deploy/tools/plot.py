@@ -115,7 +115,14 @@ def keep(file, write):
 
 
 def save(figure, picture):
-    keep(picture, lambda part: figure.savefig(part, format=picture.suffix[1:].lower(), metadata=ENDINGS[picture.suffix.lower()]))
+    ending = picture.suffix.lower()
+
+    def write(part):
+        figure.savefig(part, format=ending[1:], metadata=ENDINGS[ending])
+        if ending == ".png":  # matplotlib writes an opaque fourth channel, an eighth of the file
+            with Image.open(part) as image:
+                image.convert("RGB").save(part, "PNG", optimize=True)
+    keep(picture, write)
 
 
 def read_json(file, verb):
@@ -242,17 +249,17 @@ def page_title(rows):
         return "What accuracy costs: nothing was measured at the scene's own voxels"
     deepest = max(d["edges"] for r in rows for d in r["depths"])
     least, most = (choose(rows, key=lambda r: abs(math.log(max(r["depths"][-1]["force_ratio"], 1e-6)))) for choose in (max, min))
-    words = [f"{r['model'].replace('_', ' ')} gives {100 * r['depths'][-1]['force_ratio']:.2g} % of the true force" for r in (most, least)]
-    return f"{deepest:g} e deep, " + ("; ".join(words) if least is not most else words[0])
+    share = {r["model"]: f"{100 * r['depths'][-1]['force_ratio']:.2g} %" for r in rows}
+    title = f"{deepest:g} e deep, {most['model'].replace('_', ' ')} gives {share[most['model']]} of the true force"
+    return title if least is most else f"{title}, {least['model'].replace('_', ' ')} {share[least['model']]}"
 
 
 def page_figure(data):
     rows, edge = page_rows(data), 1e3 * data["scene_voxel_m"]
     judged = max((d["contacts"] + d["missed"] for r in rows for d in r["depths"]), default=0)
     processor = data["conditions"]["processor"].replace("(R)", "").replace("(TM)", "").split(" CPU @")[0]
-    note = (f"Scene {data['scene']}, e = {edge:g} mm: {judged} random contacts, pressed in slowly, seed {data['options']['seed']}. Truth of a contact model: its law "
-            "integrated over the exact tool; of a virtual tool: the exact ball drawn to the hand. Missed: no force, 180 deg off.\n"
-            f"Time: one thread of {processor[:48]}; compare ratios. Models: points weigh their area.")
+    note = (f"Scene {data['scene']}, {judged} random contacts, pressed in slowly; points weigh their area; missed contacts are 180 deg off. Time: one thread of "
+            f"{processor[:48]}, compare ratios.\nTruth: the law integrated over the exact tool; for the virtual tool the exact ball that is drawn to the hand.")
     figure, axes = new_figure(page_title(rows), note, 2, 2)
     force, direction, noise, cost = axes[0][0], axes[0][1], axes[1][0], axes[1][1]
     for n, row in enumerate(rows):
