@@ -104,14 +104,15 @@ class Measurement {
     AccuracyRow row;
     row.setting = setting;
     try {
-      if (!setting.virtual_tool) know_truth(setting.voxel_m);
-      progress_.begin(std::string(setting.virtual_tool ? "virtual tool" : contact::name_of(setting.model)),
-                      kRowWeight * std::max(0.1, options_.contacts / 200.0));
+      const std::string name(setting.virtual_tool ? "virtual tool" : contact::name_of(setting.model));
+      progress_.begin("building " + name, 0.0);
       const double begin = now();
       const std::unique_ptr<rendering::BuiltScene> built = build(setting, scene_.grid_origin);
       row.build_s = now() - begin;
       row.shell_points = built->plan().shell_points, row.bytes = built->plan().bytes;
       origins_.emplace(setting.voxel_m, built->voxmap().grid().origin);
+      if (!setting.virtual_tool) know_truth(setting.voxel_m);  // not before: what is too fine to be built is too fine to be integrated
+      progress_.begin(name, kRowWeight * std::max(0.1, options_.contacts / 200.0));
       if (setting.virtual_tool) {
         judge_tool(*built, row);
         return row;
