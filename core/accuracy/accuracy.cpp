@@ -4,46 +4,28 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <random>
 #include <stdexcept>
 
 #include "core/accuracy/contact_errors.hpp"
 #include "core/accuracy/contact_places.hpp"
+#include "core/accuracy/measured_progress.hpp"
 #include "core/accuracy/tool_row.hpp"
+#include "core/accuracy/true_forces.hpp"
 #include "core/reference/reference_scene.hpp"
-#include "core/reference/reference_wrench.hpp"
 #include "core/rendering/build.hpp"
+#include "core/rendering/contact_parameters.hpp"
 
 namespace voxtouch::accuracy {
 namespace {
 
-constexpr double kFaintShare = 0.05;  ///< of the median true force: a contact below tells of rounding, not of a model
 constexpr int kRounds = 5;            ///< that times are taken in
 constexpr double kLookAheadEdges = 2.0, kLookInEdges = 1.5, kStepEdges = 1.0 / 32.0;  ///< where a force may begin
 constexpr int kHalvings = 12;
+constexpr double kPressEdges = 0.25;  ///< a frame, for the spread over depth: below half a voxel nothing counts as fast
 
-/// True wrenches at every place, for one depth; zero where the contact is too faint to judge.
-using Truth = std::vector<Wrench>;
-
-Truth true_wrenches(const scene::Scene& scene, const std::vector<ContactPlace>& places, double depth_m) {
-  const reference::ReferenceWrench reference(scene, depth_m);
-  Truth truth;
-  std::vector<double> sizes;
-  for (const ContactPlace& place : places) {
-    truth.push_back(reference.at(place.at(depth_m)).wrench);
-    sizes.push_back(truth.back().force.norm());
-  }
-  const double faint = kFaintShare * median_of(sizes);
-  for (Wrench& w : truth)
-    if (!(w.force.norm() > faint)) w = {};
-  return truth;
-}
-
-/// Whether the way in is free from where an onset is looked for: a narrow place may have another wall behind the tool.
-bool clear_before(const reference::ReferenceScene& reference, const ContactPlace& place, double edge) {
-  const double ahead = kLookAheadEdges * edge;
-  return reference.gap(place.at(-ahead)).gap_m > 0.5 * ahead &&
-         reference.gap(place.at(-0.5 * ahead)).gap_m > 0.25 * ahead;
-}
+/// Weights of progress, roughly the seconds of 200 contacts on a part of a hundred thousand triangles.
+constexpr double kPlacesWeight = 6.0, kTruthWeight = 1.5, kSpreadTruthWeight = 1.0, kRowWeight = 1.5, kPhaseWeight = 1.0;
 
 /// The gap at which the force begins on the way in; minus the last depth looked at where it never does.
 double onset_gap(contact::ContactRenderer& renderer, const ContactPlace& place, double edge) {
@@ -57,58 +39,99 @@ double onset_gap(contact::ContactRenderer& renderer, const ContactPlace& place, 
   return -(before + step);
 }
 
+/// Stiffness of the law that a shell's points make up together [N/m^3], whatever each of them weighs.
+double law_stiffness(const contact::ContactParameters& parameters, const pointshell::Pointshell& shell) {
+  if (parameters.weights == contact::PointWeights::kArea) return parameters.stiffness;
+  double area = 0.0;
+  for (const double a : shell.area_m2) area += a;
+  return parameters.stiffness * static_cast<double>(shell.size()) / area;
+}
+
+void widen(Interval& all, double value) {
+  all.low = std::isnan(all.low) ? value : std::min(all.low, value);
+  all.high = std::isnan(all.high) ? value : std::max(all.high, value);
+}
+
 class Measurement {
  public:
-  Measurement(const scene::Scene& scene, const AccuracyOptions& options, const ParallelFor& parallel_for, std::size_t settings)
-      : scene_(scene), options_(options), parallel_for_(parallel_for), settings_(settings), reference_(scene) {
+  Measurement(const scene::Scene& scene, const AccuracyOptions& options, const ParallelFor& parallel_for,
+              const std::vector<AccuracySetting>& settings)
+      : scene_(scene), options_(options), parallel_for_(parallel_for), settings_(settings), progress_(all_weights(), options.progress) {
     if (!scene.objects.empty())
       throw std::runtime_error(scene.file.string() +
                                ": the true force is known for one material that rests; this scene has objects of their own");
-    say("places where the tool touches", 0.0);
-    places_ = contact_places(scene, options.contacts, options.seed);
+    progress_.begin("places where the tool touches", kPlacesWeight);
+    reference_ = std::make_unique<reference::ReferenceScene>(scene);
+    places_ = contact_places(scene, options.contacts, options.seed, [this](double share) { progress_.at(share); });
     if (places_.empty())
       throw std::runtime_error(
           scene.file.string() +
           ": no place was found where the tool can touch from outside; is it larger than what it is to touch?");
   }
 
+  std::vector<AccuracyRow> rows() {
+    std::vector<AccuracyRow> rows;
+    for (const AccuracySetting& setting : settings_) rows.push_back(row(setting));
+    for (const double voxel_m : voxel_sizes()) add_phases(voxel_m, rows);
+    return rows;
+  }
+
+ private:
+  /// Made where a row asks for it: a scene without an inside has none, and then it is the row that says so.
+  TrueForces& truth() {
+    if (!truth_) truth_ = std::make_unique<TrueForces>(scene_);
+    return *truth_;
+  }
+  double now() const { return options_.cpu_time_s ? options_.cpu_time_s() : 0.0; }
+  std::size_t spread_count() const { return std::min<std::size_t>(options_.spread_contacts, places_.size()); }
+
+  /// In the order in which they come first.
+  std::vector<double> voxel_sizes() const {
+    std::vector<double> out;
+    for (const AccuracySetting& s : settings_)
+      if (std::find(out.begin(), out.end(), s.voxel_m) == out.end()) out.push_back(s.voxel_m);
+    return out;
+  }
+
+  double all_weights() const {
+    const double scale = std::max(0.1, options_.contacts / 200.0);
+    const auto sizes = static_cast<double>(voxel_sizes().size());
+    const double spread = options_.spread_contacts > 0 ? static_cast<double>(options_.spread_depth_edges.size()) * kSpreadTruthWeight : 0.0;
+    return kPlacesWeight + sizes * (kTruthWeight + spread + options_.phases * kPhaseWeight) + static_cast<double>(settings_.size()) * kRowWeight * scale;
+  }
+
   AccuracyRow row(const AccuracySetting& setting) {
     AccuracyRow row;
     row.setting = setting;
     try {
+      const std::string name(setting.virtual_tool ? "virtual tool" : contact::name_of(setting.model));
+      progress_.begin("building " + name, 0.0);
       const double begin = now();
-      const std::unique_ptr<rendering::BuiltScene> built = build(setting);
+      const std::unique_ptr<rendering::BuiltScene> built = build(setting, scene_.grid_origin);
       row.build_s = now() - begin;
       row.shell_points = built->plan().shell_points, row.bytes = built->plan().bytes;
+      origins_.emplace(setting.voxel_m, built->voxmap().grid().origin);
+      if (!setting.virtual_tool) know_truth(setting.voxel_m);  // not before: what is too fine to be built is too fine to be integrated
+      progress_.begin(name, kRowWeight * std::max(0.1, options_.contacts / 200.0));
       if (setting.virtual_tool) {
-        say("virtual tool", share());
-        judge_tool(scene_, *built, reference_, places_, options_, row);
-        ++done_;
+        judge_tool(*built, row);
         return row;
       }
-      const Truth& truth = truth_at(options_.depth_edges * setting.voxel_m);
-      say(std::string(contact::name_of(setting.model)), share());
-      judge(built->contacts().object(0).renderer.value(), truth, row);
+      const pointshell::Pointshell& shell = built->renderer().query().shell();
+      shells_.emplace(setting.shell_voxel_m, shell);
+      judge(built->renderer(), law_stiffness(parameters(setting, shell), shell), row);
     } catch (const std::exception& error) {
       row = {};
       row.setting = setting;
       row.refused = error.what();
     }
-    ++done_;
     return row;
   }
 
- private:
-  double now() const { return options_.cpu_time_s ? options_.cpu_time_s() : 0.0; }
-  double share() const { return (0.5 + static_cast<double>(done_)) / (1.0 + static_cast<double>(settings_)); }
-  void say(const std::string& what, double share) const {
-    if (options_.progress) options_.progress(what, share);
-  }
-
-  std::unique_ptr<rendering::BuiltScene> build(const AccuracySetting& setting) {
-    say("building " + std::string(contact::name_of(setting.model)), share());
+  std::unique_ptr<rendering::BuiltScene> build(const AccuracySetting& setting, const std::optional<Vec3>& origin) {
     scene::Scene scene = scene_;
     scene.voxel_size_m = setting.voxel_m;
+    scene.grid_origin = origin;
     scene.contact.model = contact::name_of(setting.model);
     if (setting.virtual_tool) scene.contact.rendering = scene::RenderingKind::kVirtualTool;
     scene.effects.clear();
@@ -118,29 +141,110 @@ class Measurement {
                         .shell_voxel_m = setting.shell_voxel_m,
                         .read = options_.read});
   }
-
-  const Truth& truth_at(double depth_m) {
-    const auto found = truth_.find(depth_m);
-    if (found != truth_.end()) return found->second;
-    say("true forces", share());
-    return truth_.emplace(depth_m, true_wrenches(scene_, places_, depth_m)).first->second;
+  contact::ContactParameters parameters(const AccuracySetting& setting, const pointshell::Pointshell& shell) const {
+    return rendering::contact_parameters(scene_.contact, setting.model, shell, setting.weights);
   }
 
-  void judge(contact::ContactRenderer& renderer, const Truth& truth, AccuracyRow& row) const {
-    const double edge = row.setting.voxel_m, depth = options_.depth_edges * edge;
+  /// What the rows of this voxel size are held beside.
+  void know_truth(double voxel_m) {
+    if (!known_.insert({voxel_m, true}).second) return;
+    const auto tell = [this](double share) { progress_.at(share); };
+    progress_.begin("true forces", kTruthWeight);
+    truth().at(places_, places_.size(), options_.depth_edges * voxel_m, tell);
+    if (spread_count() == 0) return;
+    for (const double edges : options_.spread_depth_edges) {
+      progress_.begin("true forces", kSpreadTruthWeight);
+      truth().at(places_, spread_count(), edges * voxel_m, tell);
+    }
+  }
+
+  /// Whether the way in is free from where an onset is looked for: a narrow place may have another wall behind the tool.
+  const std::vector<bool>& clear_before(double edge) {
+    std::vector<bool>& clear = clear_[edge];
+    const double ahead = kLookAheadEdges * edge;
+    while (clear.size() < places_.size()) {
+      const ContactPlace& place = places_[clear.size()];
+      clear.push_back(reference_->apart_m(place.at(-ahead)) > 0.5 * ahead && reference_->apart_m(place.at(-0.5 * ahead)) > 0.25 * ahead);
+    }
+    return clear;
+  }
+
+  static std::vector<WrenchPair> scaled(const std::vector<Wrench>& wanted, double stiffness) {
     std::vector<WrenchPair> pairs;
+    for (const Wrench& w : wanted) pairs.push_back({{}, {stiffness * w.force, stiffness * w.torque}});
+    return pairs;
+  }
+
+  void judge(contact::ContactRenderer& renderer, double stiffness, AccuracyRow& row) {
+    const double edge = row.setting.voxel_m, depth = options_.depth_edges * edge;
+    const std::vector<Wrench> wanted = truth().at(places_, places_.size(), depth);
+    const std::vector<bool>& clear = clear_before(edge);
+    std::vector<WrenchPair> pairs = scaled(wanted, stiffness);
     std::vector<double> onsets;
     for (std::size_t n = 0; n < places_.size(); ++n) {
-      if (truth[n].force.isZero(0.0)) continue;
-      pairs.push_back({renderer.probe(places_[n].at(depth)).wrench, truth[n]});
-      if (clear_before(reference_, places_[n], edge)) onsets.push_back(onset_gap(renderer, places_[n], edge));
+      progress_.at(static_cast<double>(n) / static_cast<double>(places_.size()));
+      if (wanted[n].force.isZero(0.0)) continue;
+      pairs[n].given = renderer.probe(places_[n].at(depth)).wrench;
+      if (clear[n]) onsets.push_back(onset_gap(renderer, places_[n], edge));
     }
     judge_wrenches(pairs, row);
     judge_onsets(onsets, row);
-    measure_times(renderer, truth, depth, row);
+    measure_times(renderer, wanted, depth, row);
+    judge_depths(renderer, stiffness, row);
   }
 
-  void measure_times(contact::ContactRenderer& renderer, const Truth& truth, double depth, AccuracyRow& row) const {
+  void judge_depths(contact::ContactRenderer& renderer, double stiffness, AccuracyRow& row) {
+    if (spread_count() == 0 || options_.spread_depth_edges.empty()) return;
+    const double edge = row.setting.voxel_m;
+    std::vector<std::vector<WrenchPair>> pairs;
+    for (const double edges : options_.spread_depth_edges) pairs.push_back(scaled(truth().at(places_, spread_count(), edges * edge), stiffness));
+    for (std::size_t n = 0; n < spread_count(); ++n) {
+      renderer.reset();
+      double at = -1.0;
+      for (std::size_t d = 0; d < pairs.size(); ++d) {  // rising, as options are read
+        for (; at < options_.spread_depth_edges[d]; at += kPressEdges) renderer.render(places_[n].at(at * edge));
+        pairs[d][n].given = renderer.render(places_[n].at(options_.spread_depth_edges[d] * edge)).contact.wrench;
+      }
+    }
+    renderer.reset();
+    for (std::size_t d = 0; d < pairs.size(); ++d) {
+      DepthFigures& figures = row.depths.emplace_back();
+      figures.edges = options_.spread_depth_edges[d];
+      judge_forces(pairs[d], figures);
+    }
+  }
+
+  void judge_tool(rendering::BuiltScene& built, AccuracyRow& row) {
+    const double edge = row.setting.voxel_m, radius = drawn_radius_m(scene_), depth = kHandDepthEdges * edge;
+    ToolPress press(built, edge);
+    std::vector<WrenchPair> pairs = scaled(drawn_forces(*reference_, radius, places_, places_.size(), depth), 1.0);
+    std::vector<double> times;
+    for (std::size_t n = 0; n < places_.size(); ++n) {
+      progress_.at(static_cast<double>(n) / static_cast<double>(places_.size()));
+      pairs[n].given = press.into(places_[n], depth);
+      if (options_.cpu_time_s) times.push_back(1e6 * press.frame_s(places_[n], depth, options_.cpu_time_s));
+    }
+    judge_wrenches(pairs, row);
+    keep_times(std::move(times), row);
+    row.onset_error_m = row.onset_worst_m = std::numeric_limits<double>::quiet_NaN();  // it has none
+    if (spread_count() == 0) return;
+    for (const double edges : options_.spread_depth_edges) {
+      pairs = scaled(drawn_forces(*reference_, radius, places_, spread_count(), edges * edge), 1.0);
+      for (std::size_t n = 0; n < pairs.size(); ++n) pairs[n].given = press.into(places_[n], edges * edge);
+      DepthFigures& figures = row.depths.emplace_back();
+      figures.edges = edges;
+      judge_forces(pairs, figures);
+    }
+  }
+
+  static void keep_times(std::vector<double> times_us, AccuracyRow& row) {
+    if (times_us.empty()) return;
+    row.worst_us = *std::max_element(times_us.begin(), times_us.end());
+    row.median_us = median_of(times_us);
+    row.median_us_95 = median_interval(std::move(times_us));
+  }
+
+  void measure_times(contact::ContactRenderer& renderer, const std::vector<Wrench>& wanted, double depth, AccuracyRow& row) const {
     if (!options_.cpu_time_s) return;
     double clock_s = 1.0;  // what asking for the time costs
     for (int n = 0; n < 100; ++n) {
@@ -149,7 +253,7 @@ class Measurement {
     }
     std::vector<double> all;
     for (std::size_t n = 0; n < places_.size(); ++n) {
-      if (truth[n].force.isZero(0.0)) continue;
+      if (wanted[n].force.isZero(0.0)) continue;
       double best = 1.0;
       for (int round = 0; round < kRounds; ++round) {
         renderer.reset();
@@ -158,28 +262,84 @@ class Measurement {
         best = std::min(best, std::max(now() - begin - clock_s, 0.0));
       }
       all.push_back(1e6 * best);
-      row.worst_us = std::max(row.worst_us, 1e6 * best);
     }
-    row.median_us = median_of(std::move(all));
+    keep_times(std::move(all), row);
+  }
+
+  /// One distance field serves all models: the grid is built once for each of its places.
+  void add_phases(double voxel_m, std::vector<AccuracyRow>& rows) {
+    const auto origin = origins_.find(voxel_m);
+    if (options_.phases == 0 || spread_count() == 0 || origin == origins_.end()) return;
+    std::mt19937_64 random(options_.seed);
+    const auto share = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    for (std::uint32_t n = 0; n < options_.phases; ++n) {
+      progress_.begin("other places of the grid", kPhaseWeight);
+      const Vec3 moved(share(), share(), share());
+      add_phase(voxel_m, origin->second - voxel_m * moved, rows);
+    }
+  }
+
+  void add_phase(double voxel_m, const Vec3& origin, std::vector<AccuracyRow>& rows) {
+    std::unique_ptr<rendering::BuiltScene> ground;
+    for (AccuracyRow& row : rows) {
+      const AccuracySetting& setting = row.setting;
+      if (setting.voxel_m != voxel_m || !row.refused.empty()) continue;
+      try {
+        ErrorFigures figures;
+        if (setting.virtual_tool) {
+          judge_forces(tool_at(origin, setting), figures);
+        } else {
+          if (!ground) ground = build({contact::ContactModelKind::kField, contact::PointWeights::kArea, voxel_m, voxel_m}, origin);
+          judge_forces(contacts_at(*ground, setting), figures);
+        }
+        ++row.phases.phases;
+        row.phases.contacts = figures.contacts + figures.missed;
+        widen(row.phases.direction_mean_deg, figures.direction_mean_deg);
+        widen(row.phases.missed_share, figures.missed_share());
+        widen(row.phases.force_ratio, figures.force_ratio);
+      } catch (const std::exception&) {  // of this grid nothing is known: the row tells how many were
+      }
+    }
+  }
+
+  std::vector<WrenchPair> contacts_at(const rendering::BuiltScene& ground, const AccuracySetting& setting) {
+    const pointshell::Pointshell& shell = shells_.at(setting.shell_voxel_m);
+    const contact::ContactParameters law = parameters(setting, shell);
+    contact::ContactRenderer renderer(ground.voxmap(), shell, setting.model, law, ground.field());
+    const double depth = options_.depth_edges * setting.voxel_m;
+    std::vector<WrenchPair> pairs = scaled(truth().at(places_, spread_count(), depth), law_stiffness(law, shell));
+    for (std::size_t n = 0; n < pairs.size(); ++n) pairs[n].given = renderer.probe(places_[n].at(depth)).wrench;
+    return pairs;
+  }
+
+  std::vector<WrenchPair> tool_at(const Vec3& origin, const AccuracySetting& setting) {
+    const std::unique_ptr<rendering::BuiltScene> built = build(setting, origin);
+    ToolPress press(*built, setting.voxel_m);
+    const double depth = kHandDepthEdges * setting.voxel_m;
+    std::vector<WrenchPair> pairs = scaled(drawn_forces(*reference_, drawn_radius_m(scene_), places_, spread_count(), depth), 1.0);
+    for (std::size_t n = 0; n < pairs.size(); ++n) pairs[n].given = press.into(places_[n], depth);
+    return pairs;
   }
 
   const scene::Scene& scene_;
   const AccuracyOptions& options_;
   const ParallelFor& parallel_for_;
-  std::size_t settings_, done_ = 0;
-  reference::ReferenceScene reference_;
+  const std::vector<AccuracySetting>& settings_;
+  MeasuredProgress progress_;
+  std::unique_ptr<TrueForces> truth_;
+  std::unique_ptr<reference::ReferenceScene> reference_;
   std::vector<ContactPlace> places_;
-  std::map<double, Truth> truth_;
+  std::map<double, bool> known_;                   ///< voxel sizes whose truth is
+  std::map<double, std::vector<bool>> clear_;      ///< by voxel size, of each place
+  std::map<double, Vec3> origins_;                 ///< of the grid, by voxel size
+  std::map<double, pointshell::Pointshell> shells_;  ///< by the voxel size that they were made with
 };
 
 }  // namespace
 
 std::vector<AccuracyRow> measure_accuracy(const scene::Scene& scene, const std::vector<AccuracySetting>& settings,
                                           const AccuracyOptions& options, const ParallelFor& parallel_for) {
-  Measurement measurement(scene, options, parallel_for, settings.size());
-  std::vector<AccuracyRow> rows;
-  for (const AccuracySetting& setting : settings) rows.push_back(measurement.row(setting));
-  return rows;
+  return Measurement(scene, options, parallel_for, settings).rows();
 }
 
 }  // namespace voxtouch::accuracy

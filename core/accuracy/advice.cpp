@@ -22,7 +22,7 @@ std::string degrees(double value) {
 }
 
 std::string time_and_error(const AccuracyRow& row) {
-  return fmt::format("{} us, {}", figure(row.median_us), degrees(row.direction_median_deg));
+  return fmt::format("{} us, {}", figure(row.median_us), degrees(row.direction_mean_deg));
 }
 
 /// One wanted figure and what a row has of it.
@@ -37,7 +37,7 @@ std::vector<Wanted> wanted_of(const AccuracyGoal& goal) {
   const auto millimetres = [](double v) { return figure(v * 1e3) + " mm"; };
   std::vector<Wanted> out;
   if (goal.direction_deg)
-    out.push_back({"direction error", *goal.direction_deg, [](const AccuracyRow& r) { return r.direction_median_deg; },
+    out.push_back({"direction error", *goal.direction_deg, [](const AccuracyRow& r) { return r.direction_mean_deg; },
                    [](double v) { return figure(v) + " deg"; }});
   if (goal.noise)
     out.push_back({"magnitude noise", *goal.noise, [](const AccuracyRow& r) { return r.magnitude_noise; },
@@ -116,7 +116,7 @@ void advise_for_error(const std::vector<AccuracyRow>& rows, const AccuracyGoal& 
 void advise_for_time(const std::vector<AccuracyRow>& rows, double within_us, AccuracyAdvice& out) {
   out.row = least(rows, [&](const AccuracyRow& r) {
     const bool within = r.median_us <= within_us;
-    return std::tuple(within ? 0.0 : r.median_us, std::max(r.direction_median_deg, kMinDirectionDeg), r.median_us,
+    return std::tuple(within ? 0.0 : r.median_us, std::max(r.direction_mean_deg, kMinDirectionDeg), r.median_us,
                       r.bytes);
   });
   const AccuracyRow& row = rows[*out.row];
@@ -137,7 +137,9 @@ void name_choices(const std::vector<AccuracyRow>& rows, AccuracyAdvice& out) {
   const std::size_t fast = out.front.front(), exact = out.front.back();
   if (out.front.size() == 1) {
     out.row = fast;
-    out.sentence = fmt::format("{} is both the fastest and the most accurate.", named(fast));
+    const auto judged = std::count_if(rows.begin(), rows.end(), is_judged);
+    out.sentence = judged == 1 ? fmt::format("Only {} could be measured: nothing to compare it with.", named(fast))
+                               : fmt::format("{} is both the fastest and the most accurate of {}.", named(fast), judged);
     return;
   }
   out.sentence = fmt::format("Worth choosing from are {} settings, from {}, the fastest, to {}, the most accurate",
@@ -147,7 +149,7 @@ void name_choices(const std::vector<AccuracyRow>& rows, AccuracyAdvice& out) {
     const AccuracyRow &from = rows[*out.knee], &to = rows[exact];
     out.sentence += fmt::format(
         "; the knee is {}: from there to the most accurate the error falls {} times, for {} times the time",
-        named(*out.knee), figure(from.direction_median_deg / std::max(to.direction_median_deg, kMinDirectionDeg)),
+        named(*out.knee), figure(from.direction_mean_deg / std::max(to.direction_mean_deg, kMinDirectionDeg)),
         figure(to.median_us / from.median_us));
   }
   out.sentence += ".";
@@ -174,7 +176,7 @@ void AccuracyGoal::validate() const {
 
 bool is_judged(const AccuracyRow& row) noexcept {
   return row.refused.empty() && row.contacts > 0 && std::isfinite(row.median_us) &&
-         std::isfinite(row.direction_median_deg);
+         std::isfinite(row.direction_mean_deg);
 }
 
 std::string_view weights_word(contact::PointWeights weights) noexcept { return weights == contact::PointWeights::kArea ? "area" : "one"; }
@@ -190,7 +192,7 @@ std::string describe(const AccuracySetting& s) {
 AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyGoal& goal) {
   std::vector<CostError> points;
   for (const AccuracyRow& row : rows)
-    points.push_back(is_judged(row) ? CostError{row.median_us, std::max(row.direction_median_deg, kMinDirectionDeg)}
+    points.push_back(is_judged(row) ? CostError{row.median_us, std::max(row.direction_mean_deg, kMinDirectionDeg)}
                                     : CostError{kInfinity, kInfinity});
   AccuracyAdvice out;
   out.front = pareto_front(points);

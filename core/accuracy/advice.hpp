@@ -17,7 +17,7 @@ inline constexpr double kMinDirectionDeg = 1e-3;
 /// What the user wants: errors that must not be exceeded (the cheapest setting that keeps all of them), or a time (the most
 /// accurate setting within it). Nothing: what there is to choose from.
 struct AccuracyGoal {
-  std::optional<double> direction_deg = {};  ///< median direction error
+  std::optional<double> direction_deg = {};  ///< mean direction error, a missed contact counted as 180 deg
   std::optional<double> noise = {};          ///< magnitude noise, 0.01 = 1 %
   std::optional<double> torque_m = {};       ///< torque error as a lever arm
   std::optional<double> onset_m = {};        ///< |median onset error|
@@ -32,7 +32,7 @@ struct AccuracyAdvice {
   std::string sentence;
   std::optional<std::size_t> row;  ///< what the sentence recommends; without a goal the knee, or the only choice
   std::optional<bool> met;         ///< whether `row` keeps the goal; absent without a goal
-  std::vector<std::size_t> front;  ///< Pareto front of time and median direction error, by ascending time
+  std::vector<std::size_t> front;  ///< Pareto front of time and mean direction error, by ascending time
   std::optional<std::size_t> knee;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace voxtouch::accuracy {
@@ -15,13 +16,31 @@ double at_share(std::vector<double> values, double share) {
   return values[n];
 }
 
-/// Standard deviation over mean.
-double noise_of(const std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  double mean = 0.0, variance = 0.0;
-  for (const double v : values) mean += v / static_cast<double>(values.size());
-  for (const double v : values) variance += (v - mean) * (v - mean) / static_cast<double>(values.size());
-  return std::sqrt(variance) / mean;
+struct Spread {
+  double mean = 0.0, over_mean = 0.0;  ///< standard deviation over mean
+};
+
+Spread spread_of(const std::vector<double>& values) {
+  Spread out;
+  double variance = 0.0;
+  for (const double v : values) out.mean += v / static_cast<double>(values.size());
+  for (const double v : values) variance += (v - out.mean) * (v - out.mean) / static_cast<double>(values.size());
+  if (out.mean > 0.0) out.over_mean = std::sqrt(variance) / out.mean;
+  return out;
+}
+
+/// The largest count l for which at most 2.5 % of all rows of n fair coins have fewer than l heads.
+std::size_t lower_rank(std::size_t n) {
+  constexpr double kTail = 0.025, kSigmas = 1.959964;
+  const auto count = static_cast<double>(n);
+  if (n > 1000) return static_cast<std::size_t>(std::floor(0.5 * count - 0.5 * kSigmas * std::sqrt(count)));
+  double share = std::pow(0.5, count), sum = 0.0;  // of rows with `l` heads, and with fewer
+  std::size_t l = 0;
+  for (; sum + share <= kTail; ++l) {
+    sum += share;
+    share *= (count - static_cast<double>(l)) / (static_cast<double>(l) + 1.0);
+  }
+  return l;
 }
 
 }  // namespace
@@ -34,29 +53,49 @@ double angle_deg(const Vec3& a, const Vec3& b) noexcept {
 double median_of(std::vector<double> values) { return at_share(std::move(values), 0.5); }
 double p95_of(std::vector<double> values) { return at_share(std::move(values), 0.95); }
 
-void judge_wrenches(const std::vector<WrenchPair>& pairs, AccuracyRow& row) {
-  std::vector<double> directions, ratios, levers;
-  row.contacts = row.missed = 0;
+Interval median_interval(std::vector<double> values) {
+  const std::size_t rank = lower_rank(values.size());
+  if (rank == 0) return {};
+  std::sort(values.begin(), values.end());
+  return {values[rank - 1], values[values.size() - rank]};
+}
+
+void judge_forces(const std::vector<WrenchPair>& pairs, ErrorFigures& figures) {
+  std::vector<double> ratios;
+  double turned = 0.0;
+  figures.contacts = figures.missed = 0;
   for (const auto& [given, truth] : pairs) {
     const double size = given.force.norm(), wanted = truth.force.norm();
     if (!(wanted > 0.0)) continue;
-    if (!(size > 0.0)) {
-      ++row.missed;
-      continue;
-    }
-    ++row.contacts;
-    directions.push_back(angle_deg(given.force, truth.force));
+    ++(size > 0.0 ? figures.contacts : figures.missed);
     ratios.push_back(size / wanted);
-    levers.push_back((given.torque / size - truth.torque / wanted).norm());
+    turned += angle_deg(given.force, truth.force);
+  }
+  const Spread size = spread_of(ratios);
+  figures.direction_mean_deg = ratios.empty() ? 0.0 : turned / static_cast<double>(ratios.size());
+  figures.force_ratio = size.mean;
+  figures.magnitude_noise = size.over_mean;
+}
+
+void judge_wrenches(const std::vector<WrenchPair>& pairs, AccuracyRow& row) {
+  judge_forces(pairs, row);
+  std::vector<double> directions, levers;
+  for (const auto& [given, truth] : pairs) {
+    const double size = given.force.norm(), wanted = truth.force.norm();
+    if (!(wanted > 0.0)) continue;
+    directions.push_back(angle_deg(given.force, truth.force));
+    levers.push_back(size > 0.0 ? (given.torque / size - truth.torque / wanted).norm() : std::numeric_limits<double>::infinity());
   }
   row.direction_median_deg = median_of(directions);
   row.direction_p95_deg = p95_of(directions);
-  row.magnitude_noise = noise_of(ratios);
+  row.direction_median_95 = median_interval(std::move(directions));
   row.torque_error_m = median_of(levers);
+  row.torque_error_95 = median_interval(std::move(levers));
 }
 
 void judge_onsets(const std::vector<double>& gaps_m, AccuracyRow& row) {
   row.onset_error_m = median_of(gaps_m);
+  row.onset_error_95 = median_interval(gaps_m);
   row.onset_worst_m = 0.0;
   for (const double gap : gaps_m)
     if (std::abs(gap) > std::abs(row.onset_worst_m)) row.onset_worst_m = gap;

@@ -7,7 +7,7 @@
 
 namespace voxtouch::accuracy {
 
-/// What a setting gave and what is true, for one contact. Any scale on either side.
+/// What a setting gave and what is true, for one contact, in the same unit.
 struct WrenchPair {
   Wrench given, truth;
 };
@@ -19,9 +19,15 @@ double median_of(std::vector<double> values);
 /// The smallest value that is not below 95 % of them; 0 for none.
 double p95_of(std::vector<double> values);
 
-/// Fills contacts, missed, direction, magnitude and torque figures. A pair whose truth is zero counts for nothing.
+/// 95 % interval of the median of what the values are drawn from, whatever their distribution: between two of the sorted values, so that
+/// the binomial distribution leaves at most 2.5 % beyond either (David and Nagaraja 2003, 7.1). Not known for fewer than six values.
+Interval median_interval(std::vector<double> values);
+
+/// Fills contacts, missed, mean direction and size of the force. A pair whose truth is zero counts for nothing.
+void judge_forces(const std::vector<WrenchPair>& pairs, ErrorFigures& figures);
+/// The same, and median directions, torque and their intervals.
 void judge_wrenches(const std::vector<WrenchPair>& pairs, AccuracyRow& row);
-/// Fills the onset figures from the gaps [m] at which the force began.
+/// Fills the onset figures and their interval from the gaps [m] at which the force began.
 void judge_onsets(const std::vector<double>& gaps_m, AccuracyRow& row);
 
 }  // namespace voxtouch::accuracy

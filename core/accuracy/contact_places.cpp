@@ -87,13 +87,13 @@ std::optional<ContactPlace> approach(const reference::ReferenceScene& reference,
   place.into = -aim.normal;
   place.touch.orientation = turn;
   place.touch.position = aim.point + kClear * tool.reach * aim.normal - turn * tool.centre;
-  double gap = reference.gap(place.touch).gap_m, gone = 0.0;
-  if (!(gap > 0.0)) return std::nullopt;  // something else is in the way
+  double gap = reference.apart_m(place.touch), gone = 0.0;
+  if (!(gap > 0.0) || !(reference.gap(place.touch).gap_m > 0.0)) return std::nullopt;  // something else is in the way
   for (int n = 0; n < kMaxSteps && gone <= 2.0 * kClear * tool.reach; ++n) {
     if (gap <= kTouchShare * tool.reach) return place;
     place.touch.position += gap * place.into;
     gone += gap;
-    const double left = reference.gap(place.touch).gap_m;
+    const double left = reference.apart_m(place.touch);
     if (!(left > 0.0)) return place;  // by rounding: the step was the gap itself
     gap = left;
   }
@@ -102,7 +102,8 @@ std::optional<ContactPlace> approach(const reference::ReferenceScene& reference,
 
 }  // namespace
 
-std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count, std::uint64_t seed) {
+std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count, std::uint64_t seed,
+                                         const std::function<void(double share)>& progress) {
   scene::Scene by_triangles = scene;  // the contact models see triangles, not the primitives that stand for them
   by_triangles.dynamic_mesh.primitives.clear();
   for (scene::MeshSpec& mesh : by_triangles.static_meshes) mesh.primitives.clear();
@@ -115,6 +116,7 @@ std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_
     const Surface::Aim aim = surface.aim(dice);
     const Quat turn = dice.rotation();
     if (const auto place = approach(reference, tool, aim, turn)) places.push_back(*place);
+    if (progress) progress(std::max(static_cast<double>(places.size()) / count, static_cast<double>(trial) / (kTrialsPerPlace * static_cast<double>(count))));
   }
   return places;
 }

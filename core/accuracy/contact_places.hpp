@@ -1,6 +1,7 @@
 #pragma once
 /// Where a tool may touch a scene: places found by the reference alone, the same for every contact model.
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/scene/scene.hpp"
@@ -18,7 +19,9 @@ struct ContactPlace {
 };
 
 /// Up to `count` places; fewer where most of the surface cannot be reached (a narrow slot). The same for the same seed,
-/// everywhere. Reads the scene's meshes itself. Throws std::runtime_error naming a file that cannot be read.
-std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count, std::uint64_t seed);
+/// everywhere. Reads the scene's meshes itself; `progress` hears what share has been found. Throws std::runtime_error naming a file that
+/// cannot be read.
+std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count, std::uint64_t seed,
+                                         const std::function<void(double share)>& progress = {});
 
 }  // namespace voxtouch::accuracy

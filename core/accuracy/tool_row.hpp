@@ -1,10 +1,9 @@
 #pragma once
-/// A virtual tool against the exact ball that is drawn to the same hand.
+/// A virtual tool pressed into the places of a measurement; its truth is the exact ball drawn to the same hand (true_forces.hpp).
+#include <functional>
 #include <vector>
 
-#include "core/accuracy/accuracy.hpp"
 #include "core/accuracy/contact_places.hpp"
-#include "core/reference/reference_scene.hpp"
 #include "core/rendering/build.hpp"
 
 namespace voxtouch::accuracy {
@@ -12,9 +11,27 @@ namespace voxtouch::accuracy {
 /// Hand this deep at each place [voxel edges of the setting]: a virtual tool is not asked about the depth of a layer.
 inline constexpr double kHandDepthEdges = 5.0;
 
-/// Fills contacts, missed, direction, noise, torque and times of `row`; an onset is none of its figures (NaN). Throws
-/// std::runtime_error, a sentence, where the tool is no declared sphere about its origin.
-void judge_tool(const scene::Scene& scene, rendering::BuiltScene& built, const reference::ReferenceScene& reference,
-                const std::vector<ContactPlace>& places, const AccuracyOptions& options, AccuracyRow& row);
+/// Radius of the scene's tool [m]. Throws std::runtime_error, a sentence, where it is no declared sphere about its origin: the exact tool is not
+/// known then.
+double drawn_radius_m(const scene::Scene& scene);
+
+/// Goes in by an eighth of a voxel a frame, and rests. It begins a voxel before the touch: a virtual tool is placed where nothing touches,
+/// and at a rim the touch itself may count as inside.
+class ToolPress {
+ public:
+  /// `built` has a virtual tool and must outlive this.
+  ToolPress(rendering::BuiltScene& built, double edge_m);
+
+  /// Force at the end, for a spring of 1 N/m.
+  Wrench into(const ContactPlace& place, double depth_m);
+  /// CPU time [s] of a frame in which the hand goes on from where `into` has left it, the least of several: frames at rest cost next to nothing.
+  double frame_s(const ContactPlace& place, double depth_m, const std::function<double()>& cpu_time_s);
+
+ private:
+  rendering::SceneFrame at(const Pose& hand, double dt_s);
+
+  rendering::SceneRenderer& renderer_;
+  double edge_m_, time_s_ = 0.0;
+};
 
 }  // namespace voxtouch::accuracy

@@ -34,8 +34,10 @@ struct ShellPoint {
   std::uint32_t triangle = 0;        ///< lowest-numbered triangle that holds the point
   Vec3 point = Vec3::Zero();         ///< [m], frame of the mesh
   Vec3 normal = Vec3::UnitZ();       ///< unit, inward, by the rule above
-  /// unit, inward: unweighted mean over all triangles that meet the closed voxel
+  /// unit, inward: unweighted mean over all triangles that meet the closed voxel; zero where these cancel
+  /// (a mean as long as kNormalsCancel of a unit vector, or shorter): what is left there is rounding
   Vec3 plain_normal = Vec3::UnitZ();
+  bool plain_cancels = false;
   double distance_m = 0.0;           ///< from the voxel's centre
   double area_m2 = 0.0;              ///< the point's share of the surface
   double coherence = 0.0;            ///< |sum A n| / sum A

@@ -7,6 +7,8 @@
 namespace voxtouch::pointshell {
 namespace {
 
+constexpr int kPlainCancels = 4;  ///< in the column `fallback`
+
 /// A line of comma-separated numbers.
 class Row {
  public:
@@ -42,7 +44,7 @@ void write_surface_csv(std::ostream& out, const std::vector<ShellPoint>& points)
   for (const ShellPoint& p : points) {
     row.add(p.voxel.i).add(p.voxel.j).add(p.voxel.k).add(int{p.open});
     row.add(p.point).add(p.normal).add(p.plain_normal);
-    row.add(p.triangle).add(p.distance_m).add(p.coherence).add(int{p.tie}).add(static_cast<int>(p.rule));
+    row.add(p.triangle).add(p.distance_m).add(p.coherence).add(int{p.tie}).add(static_cast<int>(p.rule) + (p.plain_cancels ? kPlainCancels : 0));
     row.write(out);
   }
 }

@@ -73,7 +73,8 @@ void set_normals(const NormalSums& sums, const Vec3& face, const Vec3& to_centre
   const double total = touch_only ? sums.count : sums.area;
   point.coherence = total > 0.0 ? sum.norm() / total : 0.0;
   const double plain = sums.plain.norm();
-  point.plain_normal = plain > 1e-9 * sums.count ? Vec3(-sums.plain / plain) : own;
+  point.plain_cancels = sums.count > 0 && plain <= kNormalsCancel * sums.count;
+  point.plain_normal = point.plain_cancels ? Vec3(Vec3::Zero()) : sums.count > 0 ? Vec3(-sums.plain / plain) : own;
   if (point.coherence <= kNormalsCancel) {
     point.rule = NormalRule::kFaceForCancelling;
     point.normal = own;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace voxtouch::reference {
 namespace {
@@ -26,6 +27,13 @@ GapResult DynamicMesh::gap(const std::vector<PosedMesh>& statics, const Pose& po
     best.self_error_m = error, best.self_check = check, best.buried_m = buried;
   }
   return best;
+}
+
+double DynamicMesh::apart_m(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const PosedMesh& object : statics)
+    least = std::min(least, object.distance().to(body_.distance(), object.pose().inverse() * (pose_WT * body_.pose())).distance_m);
+  return least;
 }
 
 bool DynamicMesh::one_swallows_other(const PosedMesh& object, const Pose& pose_OM) const {

@@ -15,6 +15,10 @@ class DynamicMesh {
   /// Gap against the union of `statics`, at least one, with the tool at `pose_WT`.
   GapResult gap(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const;
 
+  /// Distance between its surface and that of the nearest of `statics` [m]; 0 where they meet. By FCL alone, without a second way, and
+  /// blind to one that is wholly inside the other.
+  double apart_m(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const;
+
  private:
   GapResult against(const PosedMesh& object, const Pose& pose_WT) const;
   bool one_swallows_other(const PosedMesh& object, const Pose& pose_OM) const;

@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <unordered_map>
 
 namespace voxtouch::reference {
 namespace {
@@ -58,13 +59,15 @@ class Joiner {
   /// The index of the first vertex at `position`; adds one to `vertices` where there is none.
   std::uint32_t id_of(const Vec3& position, std::vector<Vec3>& vertices) {
     const Cell cell = cell_of(position);
+    std::uint32_t found = kNone;  // of several the first that was added: the table has no order
     for (std::int64_t x = -1; x <= 1; ++x)
       for (std::int64_t y = -1; y <= 1; ++y)
         for (std::int64_t z = -1; z <= 1; ++z) {
           const auto [first, last] = cells_.equal_range({cell[0] + x, cell[1] + y, cell[2] + z});
           for (auto entry = first; entry != last; ++entry)
-            if ((vertices[entry->second] - position).cwiseAbs().maxCoeff() <= step_) return entry->second;
+            if (entry->second < found && (vertices[entry->second] - position).cwiseAbs().maxCoeff() <= step_) found = entry->second;
         }
+    if (found != kNone) return found;
     const auto id = static_cast<std::uint32_t>(vertices.size());
     vertices.push_back(position);
     cells_.emplace(cell, id);
@@ -73,13 +76,21 @@ class Joiner {
 
  private:
   using Cell = std::array<std::int64_t, 3>;
+  struct Hash {
+    std::size_t operator()(const Cell& c) const noexcept {
+      std::uint64_t all = 0;
+      for (const std::int64_t index : c) all = (all ^ static_cast<std::uint64_t>(index)) * 0x9e3779b97f4a7c15U, all ^= all >> 32;
+      return static_cast<std::size_t>(all);
+    }
+  };
+  static constexpr std::uint32_t kNone = 0xffffffff;
   static constexpr double kSteps = 4.0 / (1 << 23);
   Cell cell_of(const Vec3& p) const {
     const auto index = [this](double x) { return step_ > 0 ? static_cast<std::int64_t>(std::floor(x / step_)) : 0; };
     return {index(p.x()), index(p.y()), index(p.z())};
   }
   double step_;
-  std::multimap<Cell, std::uint32_t> cells_;
+  std::unordered_multimap<Cell, std::uint32_t, Hash> cells_;
 };
 
 /// Largest absolute coordinate. Throws where one is not finite.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -115,6 +116,16 @@ GapResult ReferenceScene::gap(const Pose& pose_WT) const {
   GapResult gap = p.sphere ? p.sphere_gap(pose_WT * p.sphere->centre) : p.mesh->gap(p.statics, pose_WT);
   gap.inside_known = p.all_closed;
   return gap;
+}
+
+double ReferenceScene::apart_m(const Pose& pose_WT) const {
+  const Parts& p = *parts_;
+  if (!pose_WT.finite()) return std::numeric_limits<double>::quiet_NaN();
+  if (!p.sphere) return p.mesh->apart_m(p.statics, pose_WT);
+  double least = std::numeric_limits<double>::infinity();
+  for (const PosedMesh& object : p.statics)
+    least = std::min(least, object.signed_distance(pose_WT * p.sphere->centre).signed_point.distance_m);
+  return least - p.sphere->radius_m;
 }
 
 GapResult ReferenceScene::Parts::sphere_gap(const Vec3& centre) const {

@@ -37,6 +37,10 @@ class ReferenceScene {
   /// The gap with the tool at `pose_WT`. A pose that is not finite gives method kNone.
   GapResult gap(const Pose& pose_WT) const;
 
+  /// Distance between the surfaces of tool and static objects [m], not above 0 where they meet: what a gap begins with, for those who
+  /// move step by step from where a gap has said that the tool is outside. Nothing is checked in a second way.
+  double apart_m(const Pose& pose_WT) const;
+
   /// Largest difference between declared primitives and meshes that a gap may carry: the dynamic object's plus the largest
   /// of the static ones [m]. What a Judge wants to know.
   double chord_error_m() const noexcept;

@@ -2,6 +2,7 @@
 """Draws what voxtouch measures; the ending of PICTURE says the format: .png, .svg or .pdf. Needs python3-matplotlib.
 
   %(prog)s accuracy RUN.json PICTURE    what accuracy costs in time: error of every contact model and voxel size over the time of a frame
+  %(prog)s costs RUN.json PICTURE       the same on one page: force, direction error and noise over depth, and the time of a frame
   %(prog)s design RUN.json PICTURE      where a designed coupling is stable: contact stiffness over the filter's cut-off
   %(prog)s forces BAG PICTURE           contact force, returned force, depth and gap of a recorded run over time
   %(prog)s replay RUN.json PICTURE      forces of a recorded run and of its replay; voxtouch replay --plot calls it
@@ -108,12 +109,20 @@ def keep(file, write):
         write(part)
         os.replace(part, file)
     except OSError as error:
-        part.unlink(missing_ok=True)
         sys.exit(f"{file} could not be written: {error.strerror}.")
+    finally:  # broken off by Ctrl-C too
+        part.unlink(missing_ok=True)
 
 
 def save(figure, picture):
-    keep(picture, lambda part: figure.savefig(part, format=picture.suffix[1:].lower(), metadata=ENDINGS[picture.suffix.lower()]))
+    ending = picture.suffix.lower()
+
+    def write(part):
+        figure.savefig(part, format=ending[1:], metadata=ENDINGS[ending])
+        if ending == ".png":  # matplotlib writes an opaque fourth channel, an eighth of the file
+            with Image.open(part) as image:
+                image.convert("RGB").save(part, "PNG", optimize=True)
+    keep(picture, write)
 
 
 def read_json(file, verb):
@@ -173,11 +182,11 @@ def accuracy_title(data, direction):
 
 
 def accuracy_figure(data):
-    rows = [r for r in data["rows"] if r.get("median_us") is not None and r.get("direction_median_deg") is not None]
+    rows = [r for r in data["rows"] if r.get("median_us") is not None and r.get("direction_mean_deg") is not None]
     wish, advice, missing = data["wish"], data["advice"], len(data["rows"]) - len(rows)
 
     def direction(row):
-        return max(row["direction_median_deg"], LEAST_DIRECTION_DEG)
+        return max(row["direction_mean_deg"], LEAST_DIRECTION_DEG)
 
     def noise(row):
         return max(100.0 * (row["magnitude_noise"] or 0.0), LEAST_NOISE_PERCENT)
@@ -186,7 +195,7 @@ def accuracy_figure(data):
     processor = machine["processor"].replace("(R)", "").replace("(TM)", "").split(" CPU @")[0]
     note = (f"Scene {data['scene']}: {data['options']['contacts']} random contacts, {data['options']['depth_edges']:g} e deep, seed "
             f"{data['options']['seed']}{f'; {missing} settings not measured' if missing else ''}. Lower left is better. "
-            "Shell points weigh one each, or their area.\n"
+            "Shell points weigh one each, or their area. A missed contact is 180 deg off.\n"
             f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of {processor[:48]}"
             f"{'' if load is None else f', load average {load:.1f}'}")
     figure, axes = new_figure(accuracy_title(data, direction), note, 2, sharex=True, height_ratios=(2.3, 1))
@@ -214,7 +223,7 @@ def accuracy_figure(data):
     if not rows:
         top.text(0.5, 0.5, "nothing could be measured", transform=top.transAxes, ha="center")
     least = any(direction(r) <= LEAST_DIRECTION_DEG for r in rows)
-    top.set_ylabel("direction error, median [deg]" + (f"\nlowest: {LEAST_DIRECTION_DEG:g} or less" if least else ""))
+    top.set_ylabel("direction error, mean [deg]" + (f"\nlowest: {LEAST_DIRECTION_DEG:g} or less" if least else ""))
     least = any(noise(r) <= LEAST_NOISE_PERCENT for r in rows)
     bottom.set_ylabel("noise, std / mean [%]" + (f"\nlowest: {LEAST_NOISE_PERCENT:g} or less" if least else ""))
     bottom.set_xlabel("CPU time of one frame, median [µs]")
@@ -222,6 +231,67 @@ def accuracy_figure(data):
         legend_beside(top, labelspacing=0.8)
     label_marks(top, marks, [] if advice["row"] is None else [(data["rows"][advice["row"]]["median_us"], direction(data["rows"][advice["row"]]))])
     return figure, f"shows the errors of {len(rows)} settings over their times"
+
+
+# ------------------------------------------------------------------------------------------------- what accuracy costs, on one page
+def page_rows(data):
+    """At the scene's own voxels, one row a model: points that weigh their area, the shell as dense as the voxels."""
+    out = {}
+    for row in data["rows"]:
+        own = math.isclose(row["voxel_m"], data["scene_voxel_m"]) and row["voxel_m"] == row["shell_voxel_m"] and row["weights"] == "area"
+        if own and row.get("median_us") is not None and row["depths"]:
+            out.setdefault(row["model"], row)
+    return list(out.values())
+
+
+def page_title(rows):
+    if not rows:
+        return "What accuracy costs: nothing was measured at the scene's own voxels"
+    deepest = max(d["edges"] for r in rows for d in r["depths"])
+    least, most = (choose(rows, key=lambda r: abs(math.log(max(r["depths"][-1]["force_ratio"], 1e-6)))) for choose in (max, min))
+    share = {r["model"]: f"{100 * r['depths'][-1]['force_ratio']:.2g} %" for r in rows}
+    title = f"{deepest:g} e deep, {most['model'].replace('_', ' ')} gives {share[most['model']]} of the true force"
+    return title if least is most else f"{title}, {least['model'].replace('_', ' ')} {share[least['model']]}"
+
+
+def page_figure(data):
+    rows, edge = page_rows(data), 1e3 * data["scene_voxel_m"]
+    judged = max((d["contacts"] + d["missed"] for r in rows for d in r["depths"]), default=0)
+    processor = data["conditions"]["processor"].replace("(R)", "").replace("(TM)", "").split(" CPU @")[0]
+    note = (f"Scene {data['scene']}, {judged} random contacts, pressed in slowly; points weigh their area; missed contacts are 180 deg off. Time: one thread of "
+            f"{processor[:48]}, compare ratios.\nTruth: the law integrated over the exact tool; for the virtual tool the exact ball that is drawn to the hand.")
+    figure, axes = new_figure(page_title(rows), note, 2, 2)
+    force, direction, noise, cost = axes[0][0], axes[0][1], axes[1][0], axes[1][1]
+    for n, row in enumerate(rows):
+        colour, mark = MODELS.get(row["model"], (PURPLE, "v"))
+        look = {"color": colour, "marker": mark, "ms": 9, "lw": 2.0, "zorder": 3}
+        x = [d["edges"] for d in row["depths"]]
+        force.plot(x, [d["force_ratio"] for d in row["depths"]], **look)
+        direction.plot(x, [max(d["direction_mean_deg"], LEAST_DIRECTION_DEG) for d in row["depths"]], label=row["model"].replace("_", " "), **look)
+        noise.plot(x, [max(100 * d["magnitude_noise"], LEAST_NOISE_PERCENT) for d in row["depths"]], **look)
+        cost.plot([row["median_us"], row["worst_us"]], [n, n], "-", color=colour, lw=3, solid_capstyle="butt")
+        cost.plot([row["median_us"]], [n], mark, color=colour, ms=12)
+        cost.annotate(f"{row['median_us']:.2g}", (row["median_us"], n), textcoords="offset points", xytext=(0, 10), ha="center", fontsize=13, color=colour)
+    force.axhline(1.0, color=INK, ls="--", lw=1.6, zorder=2)
+    depths = sorted({d["edges"] for r in rows for d in r["depths"]}) or [0.5, 1.0]
+    for axis in (force, direction, noise):
+        log_axis(axis.xaxis, depths[0] / 1.15, depths[-1] * 1.15)
+        axis.set_xticks(depths)
+    force.set_ylim(0.0, 1.1 * max([1.2] + [d["force_ratio"] for r in rows for d in r["depths"]]))
+    force.set_ylabel("force over the true one [1]")
+    log_axis(direction.yaxis, *decade_round([max(d["direction_mean_deg"], LEAST_DIRECTION_DEG) for r in rows for d in r["depths"]]))
+    direction.set_ylabel("direction error, mean [deg]")
+    log_axis(noise.yaxis, *decade_round([max(100 * d["magnitude_noise"], LEAST_NOISE_PERCENT) for r in rows for d in r["depths"]]))
+    noise.set_ylabel("noise, std / mean [%]")
+    for axis in (force, direction, noise):
+        axis.set_xlabel(f"depth [e]; 1 e = {edge:g} mm")
+    log_axis(cost.xaxis, *decade_round([r[key] for r in rows for key in ("median_us", "worst_us")]))
+    cost.set_yticks(range(len(rows)), [r["model"].replace("_", " ") for r in rows])
+    cost.set_ylim(len(rows) - 0.4, -0.7)
+    cost.set_xlabel("CPU time of one frame, median and up to the worst [µs]")
+    if rows:
+        legend_beside(direction)
+    return figure, f"shows what accuracy costs with {len(rows)} models"
 
 
 # ------------------------------------------------------------------------------------------------------------------------ design
@@ -435,9 +505,9 @@ def main(arguments=None):
             one.add_argument("data", metavar=data[0], help=data[1])
         one.add_argument("picture", metavar="PICTURE", type=pathlib.Path, help="file to write; ends in .png, .svg or .pdf")
         return one
-    for verb in ("accuracy", "design", "replay"):
-        printed = f"what `voxtouch {verb} ... --json` printed" if verb != "replay" else "what `voxtouch replay ... --plot` gives to this tool"
-        command(verb, ("RUN.json", printed + "; - reads standard input"), f"draws a result of voxtouch {verb}")
+    for verb in ("accuracy", "costs", "design", "replay"):
+        printed = f"what `voxtouch {'accuracy' if verb == 'costs' else verb} ... --json` printed" if verb != "replay" else "what `voxtouch replay ... --plot` gives to this tool"
+        command(verb, ("RUN.json", printed + "; - reads standard input"), "draws on one page what voxtouch accuracy found" if verb == "costs" else f"draws a result of voxtouch {verb}")
     forces = command("forces", ("BAG", "folder of the bag, which `voxtouch up ... --record BAG` writes"), "draws the forces of a recorded run")
     forces.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
     forces.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="first second shown; 0 is the first contact message")
@@ -461,9 +531,9 @@ def main(arguments=None):
         if a.command == "forces":
             figure, shows = forces_figure(a.data, a.rig, a.begin, a.end, a.note)
         else:
-            data = read_json(a.data, a.command)
+            data = read_json(a.data, "accuracy" if a.command == "costs" else a.command)
             try:
-                figure, shows = {"accuracy": accuracy_figure, "design": design_figure, "replay": replay_figure}[a.command](data)
+                figure, shows = {"accuracy": accuracy_figure, "costs": page_figure, "design": design_figure, "replay": replay_figure}[a.command](data)
             except (KeyError, TypeError) as error:
                 sys.exit(f"{a.data} is not as this version of `voxtouch {a.command} --json` prints it: {type(error).__name__} {error}.")
         save(figure, a.picture)

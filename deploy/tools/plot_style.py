@@ -7,6 +7,7 @@ try:
     from matplotlib.figure import Figure
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
     from matplotlib.transforms import Bbox
+    from PIL import Image  # matplotlib depends on it
     NO_MATPLOTLIB = ""
 except ImportError as error:
     NO_MATPLOTLIB = (f"Pictures are drawn with matplotlib, which {sys.executable} does not have ({error}): "

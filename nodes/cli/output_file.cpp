@@ -14,13 +14,14 @@ namespace {
 
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path file)
-    : file_(std::move(file)), fresh_(file_.string() + ".part"), out_(fresh_, std::ios::binary) {
-  if (!out_ || std::filesystem::is_directory(file_)) {
-    std::error_code ignored;
-    std::filesystem::remove(fresh_, ignored);
-    refuse(file_);
-  }
+OutputFile::OutputFile(std::filesystem::path file) : file_(std::move(file)), fresh_(file_.string() + ".part") {
+  out_.open(fresh_, std::ios::binary);
+  const bool failed = !out_ || std::filesystem::is_directory(file_);
+  out_.close();
+  out_.clear();
+  std::error_code ignored;
+  std::filesystem::remove(fresh_, ignored);
+  if (failed) refuse(file_);
 }
 
 OutputFile::~OutputFile() {
@@ -30,8 +31,13 @@ OutputFile::~OutputFile() {
   std::filesystem::remove(fresh_, ignored);
 }
 
+std::ostream& OutputFile::stream() {
+  if (!out_.is_open()) out_.open(fresh_, std::ios::binary);
+  return out_;
+}
+
 void OutputFile::keep(const std::string& text) {
-  out_ << text;
+  stream() << text;
   out_.close();
   std::error_code failed;
   if (out_) std::filesystem::rename(fresh_, file_, failed);

@@ -6,8 +6,9 @@
 
 namespace voxtouch::cli {
 
-/// Opens `<file>.part` at once, so that a folder that is not there is told before the run and not after it; keep() writes the text
-/// and gives it its real name, so that a full disk leaves no half file under that. Without keep() nothing stays.
+/// Finds out at once whether `<file>.part` can be written, so that a folder that is not there is told before the run and not after it, and
+/// leaves nothing there: a run that is broken off (Ctrl-C, a kill) leaves no file behind. keep() writes the text under that name and then
+/// gives it its real one, so that a full disk leaves no half file under that.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path file);  ///< throws std::runtime_error, a sentence
@@ -15,7 +16,7 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  std::ostream& stream() noexcept { return out_; }  ///< for a long text, before keep()
+  std::ostream& stream();                           ///< for a long text, before keep(); from now on there is a file
   void keep(const std::string& text = {});          ///< once; throws std::runtime_error, a sentence
 
  private:

@@ -44,7 +44,10 @@ TEST(AccuracyVerb, MeasuresEverySettingAskedFor) {
     EXPECT_LE(row["contacts"], 12);
     EXPECT_GT(row["shell_points"], 0);
     EXPECT_GT(row["bytes"], 0);
-    EXPECT_GE(row["direction_median_deg"], 0.0);
+    EXPECT_LE(row["missed"].get<double>() + row["contacts"].get<double>(), 12);
+    EXPECT_GE(row["direction_mean_deg"], 0.0);
+    EXPECT_EQ(row["depths"].size(), 5u);
+    EXPECT_EQ(row["phases"]["phases"], 4);
     EXPECT_LE(row["direction_median_deg"], row["direction_p95_deg"]);
     EXPECT_LE(row["direction_p95_deg"], 180.0);
     EXPECT_GE(row["magnitude_noise"], 0.0);
@@ -59,7 +62,7 @@ TEST(AccuracyVerb, MeasuresEverySettingAskedFor) {
   ASSERT_EQ(csv.size(), 14u);
   for (std::size_t i = 0; i < csv.size(); ++i) {
     EXPECT_EQ(csv.text(i, "model"), j["rows"][i]["model"]);
-    for (const char* key : {"voxel_m", "shell_voxel_m", "shell_points", "bytes", "contacts", "direction_median_deg",
+    for (const char* key : {"voxel_m", "shell_voxel_m", "shell_points", "bytes", "contacts", "missed", "missed_share", "direction_mean_deg", "direction_median_deg", "force_ratio",
                             "direction_p95_deg", "magnitude_noise", "torque_error_m", "onset_error_m", "onset_worst_m",
                             "median_us", "worst_us", "build_s"})
       if (const nlohmann::json& value = j["rows"][i][key]; !value.is_null()) {

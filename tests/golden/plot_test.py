@@ -250,13 +250,21 @@ class Pictures(unittest.TestCase):
             self.judge(figure)
             drawn = {tuple(point) for line in figure.axes[0].lines for point in line.get_xydata()}
             for row in self.run_json["rows"]:
-                self.assertIn((row["median_us"], max(row["direction_median_deg"], plot.LEAST_DIRECTION_DEG)), drawn)
+                self.assertIn((row["median_us"], max(row["direction_mean_deg"], plot.LEAST_DIRECTION_DEG)), drawn)
+            figure, _ = plot.page_figure(self.run_json)
+            self.judge(figure)
+            own = [r for r in self.run_json["rows"] if r["voxel_m"] == self.run_json["scene_voxel_m"] and r["weights"] == "area"]
+            self.assertEqual(len(figure.axes[3].get_yticklabels()), len(own))
+            drawn = {tuple(point) for line in figure.axes[0].lines for point in line.get_xydata()}
+            for row in own:
+                for at in row["depths"]:
+                    self.assertIn((at["edges"], at["force_ratio"]), drawn)
             advised, best = json.loads(json.dumps(self.run_json)), self.run_json["rows"][0]
             advised["advice"]["row"] = 0
             figure, _ = plot.accuracy_figure(advised)
             self.judge(figure)
             self.assertIn(f"{best['model']} at ", figure._suptitle.get_text())
-            self.assertIn(f"{best['direction_median_deg']:.2g} deg off in {best['median_us']:.2g} µs", figure._suptitle.get_text())
+            self.assertIn(f"{best['direction_mean_deg']:.2g} deg off in {best['median_us']:.2g} µs", figure._suptitle.get_text())
             design = json.loads(voxtouch("design", "--scene", DEPLOY / "scenes/cup.yaml", "--json").stdout)
             figure = plot.design_figure(design)[0]
             self.judge(figure)
@@ -283,14 +291,15 @@ class Pictures(unittest.TestCase):
     def test_wishes_zeros_and_nothing_at_all_are_drawn_too(self):
         wished = json.loads(json.dumps(self.run_json))
         wished["wish"].update(direction_deg=0.5, noise=0.02, within_us=3.0)
-        wished["rows"][0].update(direction_median_deg=0.0, magnitude_noise=0.0)
+        wished["rows"][0].update(direction_mean_deg=0.0, magnitude_noise=0.0)
         nothing = json.loads(json.dumps(self.run_json))
         for row in nothing["rows"]:
-            row.update(median_us=None, direction_median_deg=None, magnitude_noise=None, refused="too large")
+            row.update(median_us=None, direction_mean_deg=None, magnitude_noise=None, refused="too large")
         nothing["advice"].update(row=None, front=[], knee=None, met=None)
         for name, data in (("wished", wished), ("nothing", nothing)):
             with self.subTest(name), plot.matplotlib.rc_context(plot.STYLE):
                 self.judge(plot.accuracy_figure(data)[0])
+                self.judge(plot.page_figure(data)[0])
                 plot.save(plot.accuracy_figure(data)[0], self.at / f"{name}.png")
         self.assertGreater(painted(self.at / "wished.png", plot.RED), painted(self.at / "nothing.png", plot.RED))
 

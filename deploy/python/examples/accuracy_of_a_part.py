@@ -38,10 +38,10 @@ def main():
     told = json.loads(ran.stdout)
     print(f"{'model':14} {'voxel':>9} {'direction':>10} {'frame':>9}")
     for row in told["rows"]:
-        if row["direction_median_deg"] is None or row["median_us"] is None:
+        if row["direction_mean_deg"] is None or row["median_us"] is None:
             print(f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm  {row['refused'] or 'no figures'}")
             continue
-        direction, frame = row["direction_median_deg"], row["median_us"]
+        direction, frame = row["direction_mean_deg"], row["median_us"]
         print(f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm {direction:8.2f}° {frame:6.1f} us{'  <- take this' if row['recommended'] else ''}")
     print(told["advice"]["sentence"])
     raise SystemExit(0 if told["ok"] else 1)

@@ -36,11 +36,8 @@ std::string cell(double value) {
 }
 
 constexpr const char* kHead =
-    "     weights  e [mm]  shell    points  poses  direction [deg]   noise  torque     onset [mm]       time [us]     "
-    "memory   build\n"
-    "                       [mm]                    median     p95     [%]    [mm]  median   worst   median   worst    "
-    " "
-    "[MB]     [s]\n";
+    "     weights  e [mm]  shell    points  poses  missed      direction [deg]      force   noise  torque    onset [mm]       time [us]      memory   build\n"
+    "                       [mm]                      [%]    mean  median     p95   /true     [%]    [mm]  median   worst   median   worst     [MB]     [s]\n";
 
 std::string table_row(const AccuracyReport& report, std::size_t index) {
   const accuracy::AccuracyRow& r = report.rows[index];
@@ -49,8 +46,9 @@ std::string table_row(const AccuracyReport& report, std::size_t index) {
                                  r.setting.voxel_m * 1e3, r.setting.shell_voxel_m * 1e3);
   if (const std::string why = no_figures(r); !why.empty())
     return text + fmt::format("  {}{}\n", r.refused.empty() ? "" : "refused: ", why);
-  return text + fmt::format(" {:>9} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>7} {:>8} {:>7}\n",
-                            r.shell_points, r.contacts, cell(r.direction_median_deg), cell(r.direction_p95_deg),
+  return text + fmt::format(" {:>9} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>7} {:>8} {:>7}\n",
+                            r.shell_points, r.contacts + r.missed, cell(100.0 * r.missed_share()), cell(r.direction_mean_deg),
+                            cell(r.direction_median_deg), cell(r.direction_p95_deg), cell(r.force_ratio),
                             cell(r.magnitude_noise * 100.0), cell(r.torque_error_m * 1e3), cell(r.onset_error_m * 1e3),
                             cell(r.onset_worst_m * 1e3), cell(r.median_us), cell(r.worst_us),
                             cell(static_cast<double>(r.bytes) / 1e6), cell(r.build_s));
@@ -64,6 +62,56 @@ std::string table(const AccuracyReport& report) {
     if (i == 0 || report.rows[i - 1].setting.model != model || report.rows[i - 1].setting.virtual_tool != tool)
       text += fmt::format("  {}\n", tool ? "virtual tool, hand 5 e deep, against the exact ball" : contact::name_of(model));
     text += table_row(report, i);
+  }
+  return text;
+}
+
+std::string cells(const accuracy::Interval& both, double unit) {
+  if (!std::isfinite(both.low) || !std::isfinite(both.high)) return "-";
+  return cell(both.low * unit) + " to " + cell(both.high * unit);
+}
+
+/// Depths that rows tell of; none where no row does.
+std::vector<double> depths_of(const AccuracyReport& report) {
+  std::vector<double> out;
+  for (const accuracy::AccuracyRow& r : report.rows) {
+    if (r.depths.empty()) continue;
+    for (const accuracy::DepthFigures& d : r.depths) out.push_back(d.edges);
+    break;
+  }
+  return out;
+}
+
+std::string depth_table(const AccuracyReport& report) {
+  const std::vector<double> depths = depths_of(report);
+  if (depths.empty()) return {};
+  const std::size_t width = 8 * depths.size();
+  std::string text = fmt::format("  {:<40}{:>{}}  {:>{}}\n    {:<38}", "Over depth, pressed in slowly by a hand", "direction, mean [deg]", width,
+                                 "force /true", width, "depth [e]");
+  for (const char* gap : {"", "  "}) {
+    text += gap;
+    for (const double edges : depths) text += fmt::format(" {:>7.4g}", edges);
+  }
+  text += '\n';
+  for (const accuracy::AccuracyRow& r : report.rows) {
+    if (r.depths.empty() || !no_figures(r).empty()) continue;
+    text += fmt::format("    {:<38}", accuracy::describe(r.setting));
+    for (const accuracy::DepthFigures& d : r.depths) text += fmt::format(" {:>7}", cell(d.direction_mean_deg));
+    text += "  ";
+    for (const accuracy::DepthFigures& d : r.depths) text += fmt::format(" {:>7}", cell(d.force_ratio));
+    text += '\n';
+  }
+  return text + '\n';
+}
+
+std::string phase_table(const AccuracyReport& report) {
+  std::string text = fmt::format("  Over random places of the voxel grid, least to largest, and 95 % intervals of medians\n    {:<38} {:>15} {:>15} {:>15}  {:>15} {:>15} {:>16} {:>15}\n",
+                                 "", "missed [%]", "dir., mean", "force /true", "dir., median", "torque [mm]", "onset [mm]", "time [us]");
+  for (const accuracy::AccuracyRow& r : report.rows) {
+    if (!no_figures(r).empty()) continue;
+    text += fmt::format("    {:<38} {:>15} {:>15} {:>15}  {:>15} {:>15} {:>16} {:>15}\n", accuracy::describe(r.setting), cells(r.phases.missed_share, 100.0),
+                        cells(r.phases.direction_mean_deg, 1.0), cells(r.phases.force_ratio, 1.0), cells(r.direction_median_95, 1.0),
+                        cells(r.torque_error_95, 1e3), cells(r.onset_error_95, 1e3), cells(r.median_us_95, 1.0));
   }
   return text;
 }
@@ -89,8 +137,11 @@ struct Entry {
 };
 
 std::vector<Entry> figures(const accuracy::AccuracyRow& r) {
-  std::vector<Entry> out{{"direction_median_deg", r.direction_median_deg},
+  std::vector<Entry> out{{"missed_share", r.missed_share()},
+                         {"direction_mean_deg", r.direction_mean_deg},
+                         {"direction_median_deg", r.direction_median_deg},
                          {"direction_p95_deg", r.direction_p95_deg},
+                         {"force_ratio", r.force_ratio},
                          {"magnitude_noise", r.magnitude_noise},
                          {"torque_error_m", r.torque_error_m},
                          {"onset_error_m", r.onset_error_m},
@@ -103,6 +154,36 @@ std::vector<Entry> figures(const accuracy::AccuracyRow& r) {
   return out;
 }
 
+nlohmann::ordered_json both_ends(const accuracy::Interval& both) { return {number_or_null(both.low), number_or_null(both.high)}; }
+
+/// Least and largest, or the ends of an interval: of each the CSV has two columns.
+struct EntryPair {
+  const char* key;
+  accuracy::Interval value;
+};
+
+std::vector<EntryPair> phase_figures(const accuracy::AccuracyRow& r) {
+  return {{"missed_share", r.phases.missed_share}, {"direction_mean_deg", r.phases.direction_mean_deg}, {"force_ratio", r.phases.force_ratio}};
+}
+
+std::vector<EntryPair> median_intervals(const accuracy::AccuracyRow& r) {
+  return {{"direction_median_deg", r.direction_median_95}, {"torque_error_m", r.torque_error_95}, {"onset_error_m", r.onset_error_95},
+          {"median_us", r.median_us_95}};
+}
+
+nlohmann::ordered_json spread_json(const accuracy::AccuracyRow& r) {
+  nlohmann::ordered_json j;
+  j["median_interval_95"] = nlohmann::ordered_json::object();
+  for (const EntryPair& f : median_intervals(r)) j["median_interval_95"][f.key] = both_ends(f.value);
+  j["depths"] = nlohmann::ordered_json::array();
+  for (const accuracy::DepthFigures& d : r.depths)
+    j["depths"].push_back({{"edges", d.edges}, {"contacts", d.contacts}, {"missed", d.missed}, {"direction_mean_deg", number_or_null(d.direction_mean_deg)},
+                           {"force_ratio", number_or_null(d.force_ratio)}, {"magnitude_noise", number_or_null(d.magnitude_noise)}});
+  j["phases"] = {{"phases", r.phases.phases}, {"contacts", r.phases.contacts}};
+  for (const EntryPair& f : phase_figures(r)) j["phases"][f.key] = both_ends(f.value);
+  return j;
+}
+
 nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index) {
   const accuracy::AccuracyRow& r = report.rows[index];
   const bool built = r.refused.empty();
@@ -112,8 +193,10 @@ nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index)
                            {"shell_voxel_m", r.setting.shell_voxel_m},
                            {"shell_points", built ? nlohmann::ordered_json(r.shell_points) : nlohmann::ordered_json()},
                            {"bytes", built ? nlohmann::ordered_json(r.bytes) : nlohmann::ordered_json()},
-                           {"contacts", r.contacts}};
+                           {"contacts", r.contacts},
+                           {"missed", r.missed}};
   for (const Entry& f : figures(r)) j[f.key] = number_or_null(f.value);
+  j.update(spread_json(r));
   j["pareto"] = on_front(report, index);
   j["recommended"] = report.advice.row == index;
   j["refused"] = built ? nlohmann::ordered_json() : nlohmann::ordered_json(r.refused);
@@ -129,9 +212,9 @@ std::string csv_quoted(const std::string& text) {
 }  // namespace
 
 std::string to_text(const AccuracyReport& r) {
-  std::string text = fmt::format("\n  What accuracy costs: scene {}, {} contacts, each {} e deep, seed {}\n\n{}\n",
-                                 r.scene, r.contacts, r.depth_edges, r.seed, table(r));
-  text += "  *  on the Pareto front: no other setting is both faster and closer in direction";
+  std::string text = fmt::format("\n  What accuracy costs: scene {}, {} contacts, each {} e deep, seed {}\n\n{}\n{}{}\n",
+                                 r.scene, r.contacts, r.depth_edges, r.seed, table(r), depth_table(r), phase_table(r));
+  text += "  *  on the Pareto front: no other setting is both faster and closer in direction, a missed contact being 180 deg off";
   if (r.advice.row) text += ";  > the one that the advice names";
   text += fmt::format(
       "\n  Times: CPU time of one frame, median and worst, on {} ({} CPUs, {}; {}, {}).\n"
@@ -173,15 +256,30 @@ nlohmann::ordered_json to_json(const AccuracyReport& r) {
 }
 
 std::string to_csv(const AccuracyReport& report) {
-  std::string text = "model,weights,voxel_m,shell_voxel_m,shell_points,bytes,contacts";
+  std::string text = "model,weights,voxel_m,shell_voxel_m,shell_points,bytes,contacts,missed";
+  const std::vector<double> depths = depths_of(report);
   for (const Entry& f : figures({})) text += fmt::format(",{}", f.key);
+  for (const EntryPair& f : median_intervals({})) text += fmt::format(",{0}_95_low,{0}_95_high", f.key);
+  for (const double edges : depths) text += fmt::format(",missed_at_{0}_e,direction_mean_deg_at_{0}_e,force_ratio_at_{0}_e,magnitude_noise_at_{0}_e", edges);
+  text += ",phases";
+  for (const EntryPair& f : phase_figures({})) text += fmt::format(",{0}_phases_low,{0}_phases_high", f.key);
   text += ",pareto,recommended,refused\n";
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
     const accuracy::AccuracyRow& r = report.rows[i];
+    const auto add = [&text](double value) { text += std::isfinite(value) ? fmt::format(",{}", value) : std::string(","); };
     text += fmt::format("{},{},{},{}", model_word(r.setting), accuracy::weights_word(r.setting.weights), r.setting.voxel_m,
                         r.setting.shell_voxel_m);
-    text += r.refused.empty() ? fmt::format(",{},{},{}", r.shell_points, r.bytes, r.contacts) : std::string(",,,0");
-    for (const Entry& f : figures(r)) text += std::isfinite(f.value) ? fmt::format(",{}", f.value) : std::string(",");
+    text += r.refused.empty() ? fmt::format(",{},{},{},{}", r.shell_points, r.bytes, r.contacts, r.missed) : std::string(",,,0,0");
+    for (const Entry& f : figures(r)) add(f.value);
+    for (const EntryPair& f : median_intervals(r)) add(f.value.low), add(f.value.high);
+    for (std::size_t d = 0; d < depths.size(); ++d) {
+      if (d < r.depths.size())
+        add(r.depths[d].missed), add(r.depths[d].direction_mean_deg), add(r.depths[d].force_ratio), add(r.depths[d].magnitude_noise);
+      else
+        text += ",,,,";
+    }
+    text += fmt::format(",{}", r.phases.phases);
+    for (const EntryPair& f : phase_figures(r)) add(f.value.low), add(f.value.high);
     text += fmt::format(",{:d},{:d},{}\n", on_front(report, i), report.advice.row == i,
                         r.refused.empty() ? std::string() : csv_quoted(r.refused));
   }

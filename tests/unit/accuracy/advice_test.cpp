@@ -13,7 +13,7 @@ AccuracyRow row(contact::ContactModelKind model, double voxel_m, double time_us,
   AccuracyRow r;
   r.setting = {model, contact::PointWeights::kArea, voxel_m, voxel_m};
   r.contacts = 100;
-  r.direction_median_deg = direction_deg;
+  r.direction_mean_deg = direction_deg;
   r.magnitude_noise = direction_deg / 20.0;
   r.torque_error_m = direction_deg * 1e-4;
   r.onset_error_m = -direction_deg * 1e-4;
@@ -102,7 +102,11 @@ TEST(AccuracyAdvice, NamesBothEndsOfAFrontOfTwoAndTheOneOfAFrontOfOne) {
   expect_says(ends, {"2 settings", "fastest", "most accurate"});
   const AccuracyAdvice one = advise({rows()[2]}, {});
   EXPECT_EQ(one.row, 0u);
-  expect_says(one, {"field/area, e = 4 mm (10 us, 0.5 deg) is both"});
+  expect_says(one, {"Only field/area, e = 4 mm (10 us, 0.5 deg) could be measured"});
+  EXPECT_EQ(one.sentence.find("fastest"), std::string::npos) << "one setting is neither the fastest nor the most accurate: " << one.sentence;
+  const AccuracyAdvice best = advise({rows()[1], rows()[2]}, {});
+  EXPECT_EQ(best.row, 1u);
+  expect_says(best, {"field/area, e = 4 mm (10 us, 0.5 deg) is both the fastest and the most accurate of 2"});
 }
 
 TEST(AccuracyAdvice, NeverChoosesWhatWasRefusedOrNeverTouchedOrIsNotANumber) {

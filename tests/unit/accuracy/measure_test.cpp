@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <random>
 
 #include "core/accuracy/accuracy.hpp"
 #include "core/accuracy/contact_errors.hpp"
@@ -51,9 +53,60 @@ TEST(ContactErrors, CountsWhatAModelMissesAndNotWhatNobodyFeels) {
   judge_wrenches({pair({0, 0, 0}, {1, 0, 0}), pair({1, 0, 0}, {0, 0, 0}), pair({1, 0, 0}, {1, 0, 0})}, row);
   EXPECT_EQ(row.contacts, 1u);
   EXPECT_EQ(row.missed, 1u);
+  EXPECT_EQ(row.missed_share(), 0.5);
+  EXPECT_EQ(row.force_ratio, 0.5);
+  EXPECT_EQ(row.magnitude_noise, 1.0);
+  EXPECT_EQ(row.direction_mean_deg, 90.0);
+  EXPECT_TRUE(std::isinf(row.torque_error_m));
   EXPECT_EQ(angle_deg(Vec3::Zero(), Vec3(1, 0, 0)), 180.0);
   EXPECT_EQ(median_of({}), 0.0);
   EXPECT_EQ(p95_of({5, 1, 2}), 5.0);
+}
+
+/// However well the half that is felt points: what feels nothing in the other half ranks behind whatever pushes outward everywhere.
+TEST(ContactErrors, RankAModelThatFeelsHalfBehindOneThatFeelsAllFromABadAngle) {
+  std::vector<WrenchPair> half, all;
+  for (int n = 0; n < 20; ++n) {
+    half.push_back(pair(n % 2 == 0 ? Vec3(1, 0, 0) : Vec3(0, 0, 0), {1, 0, 0}));
+    all.push_back(pair({0.1, 1, 0}, {1, 0, 0}));
+  }
+  AccuracyRow feels_half, feels_all;
+  judge_wrenches(half, feels_half), judge_wrenches(all, feels_all);
+  EXPECT_LT(feels_all.direction_mean_deg, feels_half.direction_mean_deg);
+  EXPECT_GT(feels_half.direction_p95_deg, 179.0);
+}
+
+/// The table of the binomial distribution: ranks of the ends for n = 5 to 100 (Conover 1999, table A3).
+TEST(MedianInterval, IsBetweenTheSortedValuesThatTheBinomialDistributionNames) {
+  const auto ranks = [](int n) {
+    std::vector<double> values;
+    for (int k = n; k >= 1; --k) values.push_back(k);
+    const Interval both = median_interval(values);
+    return std::pair(both.low, both.high);
+  };
+  EXPECT_TRUE(std::isnan(ranks(5).first)) << "five values leave 6 % beyond both";
+  EXPECT_EQ(ranks(6), std::pair(1.0, 6.0));
+  EXPECT_EQ(ranks(9), std::pair(2.0, 8.0));
+  EXPECT_EQ(ranks(20), std::pair(6.0, 15.0));
+  EXPECT_EQ(ranks(100), std::pair(40.0, 61.0));
+  EXPECT_EQ(ranks(1000), std::pair(469.0, 532.0));
+  EXPECT_NEAR(ranks(2000).first, 956, 1.0);
+  EXPECT_NEAR(ranks(2000).second, 2001 - 956, 1.0);
+}
+
+/// 400 draws of 31 values each: the median lies in at least 93 % of the intervals.
+TEST(MedianInterval, HoldsTheMedianInNineteenOfTwentyDraws) {
+  std::mt19937_64 random(11);
+  std::exponential_distribution<double> draw(1.0);
+  int holds = 0;
+  for (int n = 0; n < 400; ++n) {
+    std::vector<double> values;
+    for (int k = 0; k < 31; ++k) values.push_back(draw(random));
+    const Interval both = median_interval(values);
+    holds += both.low <= std::log(2.0) && std::log(2.0) <= both.high;
+  }
+  EXPECT_GE(holds, 372);
+  EXPECT_LE(holds, 398);
 }
 
 TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
@@ -95,6 +148,38 @@ TEST(Accuracy, ModelsComeInTheirOrderAndErrorsFallWithTheVoxel) {
   EXPECT_LT(std::abs(field.onset_error_m), std::abs(adapted.onset_error_m));
   EXPECT_GT(rows[1].direction_median_deg, rows[3].direction_median_deg);
   EXPECT_LT(rows[1].shell_points, rows[3].shell_points);
+}
+
+/// `field` knows depth everywhere; `adapted` in one layer of voxels only, so its force falls behind; both feel the tool from outside.
+TEST(Accuracy, TellsTheSpreadOverDepthAndOverTheGridsPlace) {
+  AccuracyOptions options;
+  options.contacts = 24, options.spread_contacts = 16;
+  const std::vector<AccuracyRow> rows =
+      measure_accuracy(shipped("plane"),
+                       {setting(contact::ContactModelKind::kAdapted, 0.002), setting(contact::ContactModelKind::kAdapted, 0.002, contact::PointWeights::kArea),
+                        setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea)},
+                       options, serial_for());
+  for (const AccuracyRow& row : rows) {
+    ASSERT_EQ(row.refused, "");
+    ASSERT_EQ(row.depths.size(), 5u);
+    EXPECT_EQ(row.depths[0].edges, 0.25);
+    EXPECT_EQ(row.depths[4].edges, 4.0);
+    for (const DepthFigures& at : row.depths) EXPECT_GE(at.contacts + at.missed, 12u);
+    EXPECT_EQ(row.phases.phases, 4u);
+    EXPECT_GE(row.phases.contacts, 12u);
+    EXPECT_LE(row.phases.direction_mean_deg.low, row.phases.direction_mean_deg.high);
+    EXPECT_LE(row.phases.force_ratio.low, row.phases.force_ratio.high);
+    EXPECT_LE(row.direction_median_95.low, row.direction_median_deg);
+    EXPECT_GE(row.direction_median_95.high, row.direction_median_deg);
+  }
+  const AccuracyRow &one = rows[0], &adapted = rows[1], &field = rows[2];
+  for (const DepthFigures& at : field.depths) {
+    EXPECT_EQ(at.missed, 0u) << at.edges;
+    EXPECT_NEAR(at.force_ratio, 1.0, 0.1) << at.edges;
+  }
+  EXPECT_NEAR(one.force_ratio, adapted.force_ratio, 0.15) << "the law of points that weigh one is that of their mean area";
+  EXPECT_LT(adapted.depths[4].force_ratio, 0.6) << "depth is known for one layer";
+  EXPECT_LT(field.phases.direction_mean_deg.high, adapted.phases.direction_mean_deg.high);
 }
 
 TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {

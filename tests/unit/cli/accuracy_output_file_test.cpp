@@ -38,6 +38,14 @@ TEST_F(OutputFileTest, LeavesNothingAndOverwritesNothingWhereTheRunFailed) {
   EXPECT_EQ(files(), 1u);
 }
 
+/// A run that is broken off gets no destructor called.
+TEST_F(OutputFileTest, HasNoFileWhileTheRunLasts) {
+  OutputFile file(folder_ / "a.csv");
+  EXPECT_EQ(files(), 0u);
+  file.keep("1\n");
+  EXPECT_EQ(files(), 1u);
+}
+
 TEST_F(OutputFileTest, RefusesAFolderThatIsNotThereAndAFolderItselfBeforeTheRun) {
   EXPECT_THROW(OutputFile(folder_ / "none" / "a.csv"), std::runtime_error);
   std::filesystem::create_directory(folder_ / "b");

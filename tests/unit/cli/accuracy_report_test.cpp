@@ -50,7 +50,7 @@ TEST(AccuracyText, AlignsItsColumnsUnderTheirHeads) {
       std::find_if(all.begin(), all.end(), [](const auto& l) { return l.find("[MB]") != std::string::npos; });
   ASSERT_NE(units, all.end());
   EXPECT_EQ(units->size(), rows[0].size()) << *units << "\n" << rows[0];
-  for (const char* head : {"median", "p95", "[%]", "worst", "[MB]"}) {
+  for (const char* head : {"mean", "median", "p95", "/true", "[%]", "worst", "[MB]"}) {
     const std::size_t end = units->find(head) + std::string(head).size();
     EXPECT_TRUE(std::isdigit(static_cast<unsigned char>(rows[0][end - 1]))) << head;
     EXPECT_TRUE(end == rows[0].size() || rows[0][end] == ' ') << head;
@@ -65,6 +65,16 @@ TEST(AccuracyText, KeepsItsColumnsForFiguresOfAnySize) {
   const auto rows = rows_of(to_text(report));
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(rows[i].size(), rows[2].size()) << rows[i];
   EXPECT_EQ(rows[1].find("e-"), std::string::npos);
+}
+
+TEST(AccuracyText, TellsWhatIsMissedAndTheSpreadOverDepthAndOverTheGrid) {
+  const std::string text = to_text(accuracy_report());
+  const auto rows = rows_of(text);
+  EXPECT_NE(rows[0].find(" 50 "), std::string::npos) << "contacts judged: felt and missed\n" << rows[0];
+  EXPECT_NE(rows[0].find(" 20.0 "), std::string::npos) << "10 of 50 missed, in %\n" << rows[0];
+  for (const char* word : {"Over depth", "original/one, e = 4 mm", "0.875", "0.125", "45.0", "Over random places of the voxel grid",
+                           "10.0 to 50.0", "2.00 to 90.0", "0.500 to 1.50", "5.60 to 7.20"})
+    EXPECT_NE(text.find(word), std::string::npos) << word << " in\n" << text;
 }
 
 TEST(AccuracyText, ShowsRefusedRowsWithTheReasonAndRowsWithoutContactAsSuch) {
@@ -97,7 +107,14 @@ TEST(AccuracyJson, HoldsRowsOptionsConditionsAndAdvice) {
   EXPECT_EQ(j["rows"][2]["model"], "field");
   EXPECT_EQ(j["rows"][2]["weights"], "area");
   EXPECT_EQ(j["rows"][2]["voxel_m"], 0.004);
-  EXPECT_EQ(j["rows"][2]["direction_median_deg"], 0.5);
+  EXPECT_EQ(j["rows"][2]["direction_mean_deg"], 0.5);
+  EXPECT_EQ(j["rows"][2]["direction_median_deg"], 0.4);
+  EXPECT_EQ(j["rows"][2]["missed"], 10);
+  EXPECT_EQ(j["rows"][2]["missed_share"], 0.2);
+  EXPECT_EQ(j["rows"][2]["depths"][1]["force_ratio"], 0.125);
+  EXPECT_EQ(j["rows"][2]["phases"]["missed_share"], nlohmann::json({0.1, 0.5}));
+  EXPECT_EQ(j["rows"][2]["median_interval_95"]["direction_median_deg"], nlohmann::json({0.7 * 0.5, 0.9 * 0.5}));
+  EXPECT_TRUE(j["rows"][2]["median_interval_95"]["median_us"][0].is_null());
   EXPECT_EQ(j["rows"][2]["onset_error_m"], -2e-4);
   EXPECT_EQ(j["rows"][2]["pareto"], true);
   EXPECT_EQ(j["rows"][2]["recommended"], true);
@@ -140,9 +157,12 @@ TEST(AccuracyCsv, HasAHeaderAndACellForEveryColumnAndQuotesReasons) {
   const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
   EXPECT_TRUE(all[0].starts_with("model,weights,voxel_m,")) << all[0];
   for (std::size_t i : {1u, 2u, 3u, 4u, 6u}) EXPECT_EQ(commas(all[i]), commas(all[0])) << all[i];
-  EXPECT_EQ(all[1], "original,one,0.004,0.004,1300,300000,40,8,16,0.4,0.0001,-0.0002,0.0005,5,15,0.25,1,0,");
+  EXPECT_EQ(all[1], "original,one,0.004,0.004,1300,300000,40,10,0.2,8,6.4,16,0.9,0.4,0.0001,-0.0002,0.0005,5,15,0.25,5.6,7.2,,,,,,,"
+                    "0,3,0.875,0,10,45,0.125,0,4,0.1,0.5,2,90,0.5,1.5,1,0,");
+  EXPECT_NE(all[0].find(",missed_at_4_e,direction_mean_deg_at_4_e,force_ratio_at_4_e,"), std::string::npos) << all[0];
   EXPECT_TRUE(all[3].ends_with(",1,1,")) << all[3];
-  EXPECT_EQ(all[5], "field,area,0.0001,0.0001,,,0,,,,,,,,,,0,0,\"it would need 80 GB, \"\"too much\"\" <here>\"");
+  EXPECT_TRUE(all[5].starts_with("field,area,0.0001,0.0001,,,0,0,,,,")) << all[5];
+  EXPECT_TRUE(all[5].ends_with(",0,0,\"it would need 80 GB, \"\"too much\"\" <here>\"")) << all[5];
 }
 
 }  // namespace

@@ -11,7 +11,16 @@ inline accuracy::AccuracyRow accuracy_row(contact::ContactModelKind model, conta
   r.shell_points = 1300;
   r.bytes = 300'000;
   r.contacts = 40;
-  r.direction_median_deg = direction_deg;
+  r.missed = 10;
+  r.force_ratio = 0.9;
+  r.direction_mean_deg = direction_deg;
+  r.direction_median_deg = 0.8 * direction_deg;
+  r.direction_median_95 = {0.7 * direction_deg, 0.9 * direction_deg};
+  r.depths.resize(2);
+  r.depths[0].edges = 0.25, r.depths[0].contacts = 40, r.depths[0].direction_mean_deg = 3.0, r.depths[0].force_ratio = 0.875;
+  r.depths[1].edges = 4.0, r.depths[1].contacts = 30, r.depths[1].missed = 10, r.depths[1].direction_mean_deg = 45.0, r.depths[1].force_ratio = 0.125;
+  r.phases.phases = 4, r.phases.contacts = 40;
+  r.phases.missed_share = {0.1, 0.5}, r.phases.direction_mean_deg = {2.0, 90.0}, r.phases.force_ratio = {0.5, 1.5};
   r.direction_p95_deg = 2.0 * direction_deg;
   r.magnitude_noise = 0.05 * direction_deg;
   r.torque_error_m = 1e-4;

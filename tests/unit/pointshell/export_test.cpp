@@ -68,6 +68,26 @@ TEST(Export, SurfaceFilesReadBackExactly) {
   }
 }
 
+/// A plate a tenth of a voxel thick, askew, with the rounding of a file in single precision: both sides' normals cancel but for noise.
+TEST(Export, PlainNormalsThatCancelAreZeroWithAFlagAndNotRoundingBroughtToLengthOne) {
+  mesh::TriangleMesh plate = box(Vec3(0, 0, 0), Vec3(8, 8, 0.1));
+  const Quat askew(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0.5).normalized()));
+  for (Vec3& v : plate.vertices) v = (askew * v).cast<float>().cast<double>();
+  const auto points = shell_points(plate, {Vec3::Constant(-20.3), 1.0}, serial_for());
+  std::istringstream text(written([&](std::ostream& out) { write_surface_csv(out, points); }));
+  const auto rows = read_csv(text);
+  std::size_t cancelling = 0;
+  for (const auto& row : rows) {
+    const Vec3 plain(row.at("mx"), row.at("my"), row.at("mz")), normal(row.at("nx"), row.at("ny"), row.at("nz"));
+    const bool flagged = static_cast<int>(row.at("fallback")) & 4;
+    cancelling += flagged;
+    EXPECT_NEAR(plain.norm(), flagged ? 0.0 : 1.0, 1e-12);
+    EXPECT_NEAR(normal.norm(), 1.0, 1e-12) << "the point's own normal is another matter";
+  }
+  EXPECT_GT(cancelling, rows.size() / 4);
+  EXPECT_LT(cancelling, rows.size()) << "at the rim they do not";
+}
+
 TEST(Export, PlyHoldsSevenDoublesAPoint) {
   const auto points = shell_points(sphere(Vec3::Zero(), 1.0, 30), {Vec3::Constant(-2), 0.05}, serial_for());
   ASSERT_GT(points.size(), 1000U);

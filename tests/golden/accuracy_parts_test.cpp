@@ -1,0 +1,52 @@
+/// `voxtouch accuracy` on parts of one's own, with nothing said but the part: every setting, within a minute of one core.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include <sys/resource.h>
+
+#include "tests/golden/golden.hpp"
+#include "tests/support/parts.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+/// CPU time of all children that have ended [s].
+double children_s() {
+  rusage used{};
+  getrusage(RUSAGE_CHILDREN, &used);
+  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+void expect_measured(const Part& part, const Part& tool, const std::string& name) {
+  const TemporaryFolder folder;
+  write_obj(part, folder / "part.obj"), write_obj(tool, folder / "tool.obj");
+  const Finished made = voxtouch({"new", (folder / "part.obj").string(), (folder / "tool.obj").string(), "--unit", "m", "--tool-unit", "m", "--out",
+                                  (folder / "part.yaml").string()});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const double before = children_s();
+  const Finished run = voxtouch({"accuracy", (folder / "part.yaml").string(), "--json", "--csv", (folder / "part.csv").string()});
+  const double took = children_s() - before;
+  ASSERT_EQ(run.status, 0) << run.err;
+  std::printf("%s: %.1f s of CPU\n", name.c_str(), took);
+  EXPECT_LE(took, 60.0) << name;
+  EXPECT_NE(run.err.find(" s left: places where the tool touches"), std::string::npos) << "no time is told from the start\n" << run.err;
+  const nlohmann::json rows = nlohmann::json::parse(run.out)["rows"];
+  ASSERT_EQ(rows.size(), 19u);
+  for (std::size_t n = 0; n < 18; ++n) {
+    EXPECT_TRUE(rows[n]["refused"].is_null()) << rows[n]["refused"];
+    EXPECT_GT(rows[n]["contacts"].get<int>() + rows[n]["missed"].get<int>(), 100);
+    EXPECT_EQ(rows[n]["depths"].size(), 5u);
+    EXPECT_EQ(rows[n]["phases"]["phases"], 4);
+  }
+  EXPECT_FALSE(rows[18]["refused"].is_null()) << "the exact virtual tool is known for balls";
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+}
+
+TEST(AccuracyOfParts, EndsWithinAMinuteOfOneCoreForABracketAndAPeg) { expect_measured(bracket(), peg(), "bracket and peg"); }
+TEST(AccuracyOfParts, EndsWithinAMinuteOfOneCoreForAGear) { expect_measured(gear(), peg(), "gear and peg"); }
+TEST(AccuracyOfParts, EndsWithinAMinuteOfOneCoreForAHundredThousandTriangles) { expect_measured(knob(100'000), peg(), "knob and peg"); }
+
+}  // namespace
+}  // namespace voxtouch::test
