@@ -26,6 +26,9 @@ Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProb
 /// stays below the device's limit. As requested where the series shows nine tenths of the target.
 Proposal propose_spring_damper(const DesignProblem& request, const std::vector<AxisProblem>& problems);
 
+/// `spec` with all that it shows times `factor`.
+CouplingSpec shrunk(const DesignProblem& request, CouplingSpec spec, double factor);
+
 /// What limits, one sentence each.
 std::vector<std::string> reasons_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                                     const Design& design);

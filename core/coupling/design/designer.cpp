@@ -40,18 +40,6 @@ Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& prob
   return out;
 }
 
-/// All that is shown, times a factor.
-CouplingSpec shrunk(const DesignProblem& request, CouplingSpec spec, double factor) {
-  if (spec.kind == "spring_damper") {
-    spec.stiffness_n_per_m *= factor, spec.damping_ns_per_m *= factor;
-  } else if (spec.kind == "direct" || request.goals.free_cap) {
-    spec.stiffness_cap_n_per_m *= factor, spec.stiffness_cap_nm_per_rad *= factor;
-  } else {
-    spec.gain *= factor;
-  }
-  return spec;
-}
-
 /// What the passivity controller may add: half of what the worst case bears, less what is injected already.
 void allow_passivity_damping(const std::vector<AxisProblem>& problems, CouplingSpec& spec) {
   const auto left = [&](std::size_t axis, double injected) {
@@ -114,6 +102,17 @@ Design best_of_all(const DesignProblem& request, const std::vector<AxisProblem>&
 }
 
 }  // namespace
+
+CouplingSpec shrunk(const DesignProblem& request, CouplingSpec spec, double factor) {
+  if (spec.kind == "spring_damper") {
+    spec.stiffness_n_per_m *= factor, spec.damping_ns_per_m *= factor;
+  } else if (spec.kind == "direct" || request.goals.free_cap) {
+    spec.stiffness_cap_n_per_m *= factor, spec.stiffness_cap_nm_per_rad *= factor;
+  } else {
+    spec.gain *= factor;
+  }
+  return spec;
+}
 
 std::string_view name_of(DesignStatus status) noexcept {
   constexpr std::array<std::string_view, 5> kNames{"as_requested", "bandwidth_raised", "damping_added", "stiffness_reduced",

@@ -127,25 +127,43 @@ void balance(MatrixXd& a) {
   }
 }
 
-/// Largest modulus. The real solver gives up on about one loop in 50 000 (four states, two of them commands of the past); the
+/// The real solver gives up on about one loop in 50 000 (four states, two of them commands of the past); the
 /// complex one, three times slower, shifts otherwise and has been seen to solve them.
-double largest_eigenvalue(const MatrixXd& a) {
+Eigen::VectorXcd eigenvalues_of(const MatrixXd& a) {
   const Eigen::EigenSolver<MatrixXd> real(a, false);
-  if (real.info() == Eigen::Success) return real.eigenvalues().cwiseAbs().maxCoeff();
+  if (real.info() == Eigen::Success) return real.eigenvalues();
   const Eigen::ComplexEigenSolver<Eigen::MatrixXcd> complex(a.cast<std::complex<double>>(), false);
   if (complex.info() != Eigen::Success) throw std::runtime_error("The loop's eigenvalues did not converge.");
-  return complex.eigenvalues().cwiseAbs().maxCoeff();
+  return complex.eigenvalues();
+}
+
+/// Eigenvalues of the closed loop without those of free integrators; `integrators` says whether there were any.
+Eigen::VectorXcd loop_eigenvalues(const LoopPlant& plant, const LoopController& controller, double contact_stiffness, bool& integrators) {
+  MatrixXd a = LoopMatrix(plant, controller, contact_stiffness).matrix();
+  integrators = without_integrators(a);
+  if (a.size() == 0) return {};
+  if (!a.allFinite()) throw std::invalid_argument("The loop's numbers are too large or too small to be computed with.");
+  balance(a);
+  return eigenvalues_of(a);
 }
 
 }  // namespace
 
 double spectral_radius(const LoopPlant& plant, const LoopController& controller, double contact_stiffness) {
-  MatrixXd a = LoopMatrix(plant, controller, contact_stiffness).matrix();
-  const double integrators = without_integrators(a) ? 1.0 : 0.0;
-  if (a.size() == 0) return integrators;
-  if (!a.allFinite()) throw std::invalid_argument("The loop's numbers are too large or too small to be computed with.");
-  balance(a);
-  return std::max(integrators, largest_eigenvalue(a));
+  bool integrators = false;
+  const Eigen::VectorXcd all = loop_eigenvalues(plant, controller, contact_stiffness, integrators);
+  const double least = integrators ? 1.0 : 0.0;
+  return all.size() == 0 ? least : std::max(least, all.cwiseAbs().maxCoeff());
+}
+
+double slowest_damping_ratio(const LoopPlant& plant, const LoopController& controller, double contact_stiffness) {
+  bool integrators = false;
+  std::complex<double> slowest = 0.0;
+  for (const std::complex<double>& z : loop_eigenvalues(plant, controller, contact_stiffness, integrators))
+    if ((z.imag() != 0.0 || z.real() < 0.0) && std::abs(z) > std::abs(slowest)) slowest = z;
+  if (slowest == 0.0) return 1.0;
+  const std::complex<double> s = std::log(slowest);  // times T
+  return -s.real() / std::abs(s);
 }
 
 }  // namespace voxtouch::coupling::design

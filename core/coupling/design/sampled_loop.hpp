@@ -37,6 +37,11 @@ struct LoopPlant {
 /// 10 to 100 us, the more the longer the delay. Throws std::invalid_argument where the numbers are too far apart for a matrix.
 double spectral_radius(const LoopPlant& plant, const LoopController& controller, double contact_stiffness);
 
+/// Damping ratio -Re s / |s|, s = ln z / T, of the slowest motion that swings: of the closed loop's eigenvalues z that are not on
+/// the positive real axis the one of largest modulus. 1 where nothing swings, 0 where a swing stays, below 0 where it grows. Cost and
+/// errors as `spectral_radius`.
+double slowest_damping_ratio(const LoopPlant& plant, const LoopController& controller, double contact_stiffness);
+
 /// Where the loop becomes unstable.
 struct CriticalStiffness {
   double stiffness =

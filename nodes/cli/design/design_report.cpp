@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -68,6 +69,22 @@ std::string axis_lines(const coupling::design::AxisDesign& a, const char* unit) 
           : a.injected_damping > 0.0
               ? "; holds for the hands above, not for any hand at all"
               : fmt::format("; with any hand at all only up to {:.3g} {}", a.passive_stiffness, unit);
+  return text;
+}
+
+/// Least damping ratios, where they are, and what the usual floors would leave.
+std::string damping_lines(const DesignReport& r) {
+  namespace cd = coupling::design;
+  const cd::SlowestSwing& least = r.swing;
+  std::string text;
+  for (const auto& [who, ratio, where] : {std::tuple("released", least.released, &least.released_where), {"held", least.held, &least.held_where}})
+    if (!where->empty()) text += fmt::format("{}{:.2g} {} ({})", text.empty() ? "" : "\n                ", ratio, who, *where);
+  if (text.empty()) return "nothing swings";
+  const cd::DampingFloors floors;
+  if (r.damped.cost_n_per_m > 0.0)
+    text += fmt::format("\n                at least {} released and {} held would leave {:.4g} N/m, {:.4g} less", floors.released, floors.held,
+                        r.damped.design.translation.shown_stiffness, r.damped.cost_n_per_m);
+  if (!r.damped.out_of_reach.empty()) text += "\n                out of reach: " + r.damped.out_of_reach;
   return text;
 }
 
@@ -202,6 +219,7 @@ std::string to_text(const DesignReport& r) {
   row("coupling", coupling_lines(d));
   row("stiffness", axis_lines(d.translation, "N/m"));
   if (r.request.device.gives_torque) row("rotation", axis_lines(d.rotation, "Nm/rad"));
+  row("damping", damping_lines(r));
   row("encoder", d.translation.limit_cycle_bound > 0 ? fmt::format("its steps may leave up to {:.3g} mm peak to peak",
                                                                    d.translation.limit_cycle_bound * 1e3)
                                                      : "friction stops what its steps could leave");
@@ -237,6 +255,9 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   j["max_approach_m_per_s"] = r.design.max_approach_m_per_s;
   j["translation"] = axis_json(r.design.translation);
   if (r.request.device.gives_torque) j["rotation"] = axis_json(r.design.rotation);
+  j["slowest_swing"] = {{"released_damping_ratio", r.swing.released}, {"released", r.swing.released_where},
+                        {"held_damping_ratio", r.swing.held}, {"held", r.swing.held_where},
+                        {"cost_of_floors_n_per_m", r.damped.cost_n_per_m}, {"out_of_reach", r.damped.out_of_reach}};
   j["paper_recipe"] = {{"cutoff_hz", kPaperCutoffHz}, {"damping_ratio", 1.0}, {"stiffness_n_per_m", r.paper.stiffness}};
   const auto verdict = [&](const char* who, double critical) {
     if (!std::isnan(critical))

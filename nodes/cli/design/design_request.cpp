@@ -83,6 +83,8 @@ DesignReport work_out(const DesignRequest& request, const coupling::design::Devi
   report.design = coupling::design::design_coupling(report.request);
   report.paper = judge_paper_recipe(report.request);
   report.region = region_round(report.request, report.design);
+  report.swing = coupling::design::slowest_swing(report.request, report.design.spec);
+  report.damped = coupling::design::with_floors(report.request, report.design);
   report.law = region_of_law(report.request, report.design);
   return report;
 }

@@ -256,6 +256,21 @@ TEST(NonlinearLoop, TheLawPushesOnlyHoweverFastTheDeviceIsTornOut) {
   for (int i = 0; i < 100; ++i) EXPECT_LE(law.step(0.01 - 0.0005 * i, 200.0, 1e-3), 0.0) << i;
 }
 
+/// A certified design with a margin of 2 in its worst case, released. A damper that gives no more than half of what the wall gives would make a
+/// touch gentler, and is no longer the damper that was certified: the device goes on bouncing.
+TEST(NonlinearLoop, ADamperBoundedByAShareOfTheContactLosesTheCertificate) {
+  coupling_models::NonlinearLoop loop;
+  loop.plant = {.mass = 0.161978, .damping = 0.0770831, .period_s = 0.000863997, .delay_s = 0.00330842, .effort_lag_s = 0.00154943};
+  loop.controller = {.w0_rad_per_s = 614.141, .damping_ratio = 0.577, .gain = 0.242627, .injected_damping = 12.7161, .velocity_filter_rad_per_s = 314.159};
+  loop.contact_stiffness = 2129.55, loop.resolution = 4.26777e-05;
+  loop.damping_only_in_contact = true, loop.push = 0.318162, loop.start_speed = 0.290296;
+  loop.jitter = 0.2, loop.delay_jitter_s = 0.000172799, loop.loss = 0.0199041, loop.most_lost_in_a_row = 1;
+  loop.duration_s = 33.6, loop.longest_s = 134.4, loop.seed = 13178426720665012520U;
+  EXPECT_TRUE(coupling_models::simulate(loop).stable);
+  loop.damping_share = 0.5;
+  EXPECT_FALSE(coupling_models::simulate(loop).stable);
+}
+
 TEST(NonlinearLoop, FindsTheLimitThatTheLinearModelHas) {
   coupling_models::NonlinearLoop loop = literal_recipe();
   loop.wall = coupling_models::WallLaw::kBilateral, loop.resolution = 0.0;
