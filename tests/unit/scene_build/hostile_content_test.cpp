@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
 #include <random>
 
 #include "core/rendering/built_parts.hpp"
@@ -97,6 +100,54 @@ TEST_F(HostileContent, WithAnyBytesChangedIsRefusedOrStandsAllLookups) {
   EXPECT_GT(unread, 500U);
   EXPECT_GT(read, 500U);
   EXPECT_GT(used, 20U);
+}
+
+/// Maps and fields begin alike: grid, first voxel, cells, then the table with its length before it, then the bricks likewise.
+constexpr std::size_t kTable = 24 + 8 + 12 + 24 + 8;
+
+template <class T>
+std::string with(const std::string& bytes, std::size_t at, T value) {
+  std::string changed = bytes;
+  std::memcpy(changed.data() + at, &value, sizeof value);
+  return changed;
+}
+
+template <class Stored>
+bool is_taken(const std::string& bytes) {
+  try {
+    ByteReader in(bytes);
+    Stored::take(in);
+    return true;
+  } catch (const StoredBytesError&) {
+    return false;
+  }
+}
+
+std::size_t entries_of(const std::string& bytes) {
+  std::uint64_t count = 0;
+  std::memcpy(&count, bytes.data() + kTable - 8, sizeof count);
+  return count;
+}
+
+TEST_F(HostileContent, WhoseTableNamesABrickThatIsNotThereIsRefused) {
+  const auto built = rendering::build_scene(scene_, serial_for());
+  ByteWriter map, field;
+  built->voxmap().put(map), built->field()->put(field);
+  ASSERT_TRUE(is_taken<voxmap::Voxmap>(map.bytes()) && is_taken<voxmap::DistanceField>(field.bytes()));
+  for (std::size_t entry = 0; entry < entries_of(map.bytes()); entry += 7)
+    for (const std::int32_t wrong : {0x7fffffff, -0x7fffffff, -1}) EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), kTable + 4 * entry, wrong))) << wrong;
+  for (std::size_t entry = 0; entry < entries_of(field.bytes()); entry += 7)
+    for (const std::int32_t wrong : {0x7fffffff, -0x7fffffff, -3}) EXPECT_FALSE(is_taken<voxmap::DistanceField>(with(field.bytes(), kTable + 4 * entry, wrong))) << wrong;
+}
+
+TEST_F(HostileContent, WithAVoxelOfNoKindOrADistanceThatIsNoneIsRefused) {
+  const auto built = rendering::build_scene(scene_, serial_for());
+  ByteWriter map, field;
+  built->voxmap().put(map), built->field()->put(field);
+  const std::size_t bricks_of_map = kTable + 4 * entries_of(map.bytes()) + 8, bricks_of_field = kTable + 4 * entries_of(field.bytes()) + 8;
+  EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), bricks_of_map + 3 * sizeof(voxmap::Voxmap::Brick), ~std::uint64_t{0})));
+  for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30F, -13.0F})
+    EXPECT_FALSE(is_taken<voxmap::DistanceField>(with(field.bytes(), bricks_of_field + 4 * 100, wrong))) << wrong;
 }
 
 TEST_F(HostileContent, ForAnotherSceneIsRefused) {
