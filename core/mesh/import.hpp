@@ -35,7 +35,7 @@ struct ImportOptions {
   double scale = 1.0;         ///< metres for one unit of the file, > 0; on top of the unit COLLADA declares
   Pose pose = Pose();         ///< after scaling: x -> pose * (scale * x); quaternion within 1e-3 of unit
   double voxel_size_m = 0.0;  ///< voxel edge e, for precision and unit checks; 0: not known
-  std::size_t max_triangles = 4'000'000;
+  std::size_t max_triangles = 12'000'000;
   std::uintmax_t max_file_bytes = kLargestMeshFile;
 };
 

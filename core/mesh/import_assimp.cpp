@@ -135,10 +135,11 @@ const aiScene& parse(const MeshFile& file, Assimp::Importer& importer) {
   return *scene;
 }
 
-FileTriangles read_checked(const MeshFile& file, const ImportOptions& options) {
+FileTriangles read_checked(MeshFile file, const ImportOptions& options) {
   Assimp::Importer importer;
   importer.SetIOHandler(new MeshFileOnly(file));  // the importer owns it
   const aiScene& scene = parse(file, importer);
+  std::string().swap(file.bytes);  // assimp has read them, and what follows needs the room
   std::vector<Placed> placed;
   place(scene, *scene.mRootNode, Eigen::Matrix4d::Identity(), placed);
 
@@ -161,6 +162,9 @@ FileTriangles read_checked(const MeshFile& file, const ImportOptions& options) {
   if (all.triangles != all.polygons && importer.ApplyPostProcessing(aiProcess_Triangulate) == nullptr)
     refuse(file.path, "its polygons cannot be cut into triangles", "triangulate on export");
   FileTriangles result{.mesh = {}, .points = all.points, .lines = all.lines, .warnings = file.warnings};
+  std::size_t vertices = 0;
+  for (const Placed& p : placed) vertices += p.mesh->mNumVertices;
+  result.mesh.vertices.reserve(vertices), result.mesh.triangles.reserve(all.triangles);
   for (const Placed& p : placed) append(file, p, result.mesh), note_spacing(p, result);
   result.uncut = all.triangles - std::min<std::uint64_t>(all.triangles, result.mesh.triangles.size());
   return result;

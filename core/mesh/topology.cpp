@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <tuple>
 
 namespace voxtouch::mesh {
@@ -32,6 +33,19 @@ Corners corners_of(const std::array<std::uint32_t, 3>& t, std::uint32_t triangle
   return c;
 }
 
+/// Sorts by a vertex number, which `vertex_of` gives and is below `vertices`, and what has one in common by `less`.
+template <class T, class VertexOf, class Less>
+void sort_by_vertex(std::vector<T>& values, std::size_t vertices, VertexOf vertex_of, Less less) {
+  std::vector<std::size_t> start(vertices + 1, 0);
+  for (const T& value : values) ++start[vertex_of(value) + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<T> sorted(values.size());
+  for (const T& value : values) sorted[start[vertex_of(value)]++] = value;  // each start ends as the one behind it
+  values.swap(sorted);
+  for (std::size_t v = 0, first = 0; v < vertices; first = start[v++])
+    if (start[v] - first > 1) std::sort(values.begin() + static_cast<std::ptrdiff_t>(first), values.begin() + static_cast<std::ptrdiff_t>(start[v]), less);
+}
+
 std::array<std::uint32_t, 3> standing(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands,
     std::size_t t) {
   const auto& c = mesh.triangles[t];
@@ -55,9 +69,8 @@ std::vector<TriangleKind> triangle_kinds(const TriangleMesh& mesh, const std::ve
       corners.push_back(corners_of(s, t));
     }
   }
-  std::sort(corners.begin(), corners.end(), [](const Corners& a, const Corners& b) {
-    return std::tie(a.sorted, a.triangle) < std::tie(b.sorted, b.triangle);
-  });
+  sort_by_vertex(corners, mesh.vertices.size(), [](const Corners& c) { return c.sorted[0]; },
+                 [](const Corners& a, const Corners& b) { return std::tie(a.sorted, a.triangle) < std::tie(b.sorted, b.triangle); });
   for (std::size_t k = 1, first = 0; k < corners.size(); ++k) {
     if (corners[k].sorted != corners[first].sorted) {
       first = k;
@@ -80,9 +93,8 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh, const std::vector<std::
       if (from != to) sides.push_back({std::min(from, to), std::max(from, to), t, from < to});
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-  });
+  sort_by_vertex(sides, mesh.vertices.size(), [](const Side& s) { return s.low; },
+                 [](const Side& a, const Side& b) { return std::tie(a.high, a.triangle) < std::tie(b.high, b.triangle); });
   return sides;
 }
 

@@ -6,22 +6,45 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
-#include <unordered_map>
 
 namespace voxtouch::mesh {
 namespace {
 
-using Cell = std::array<std::int64_t, 3>;
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-struct CellHash {
-  std::size_t operator()(const Cell& c) const noexcept {
-    std::uint64_t h = 0x9e3779b97f4a7c15u;
-    for (const std::int64_t k : c)
-      h = (h ^ static_cast<std::uint64_t>(k)) * 0xff51afd7ed558ccdu, h ^= h >> 32;
-    return static_cast<std::size_t>(h);
+/// Three numbers that are a place, in one; open addressing needs the low bits spread.
+using Cell = std::array<std::int64_t, 3>;
+std::uint64_t hash_of(const Cell& c) noexcept {
+  std::uint64_t h = 0x9e3779b97f4a7c15u;
+  for (const std::int64_t k : c)
+    h = (h ^ static_cast<std::uint64_t>(k)) * 0xff51afd7ed558ccdu, h ^= h >> 32;
+  return h;
+}
+
+/// The lowest-numbered vertex at exactly the same place, for vertices that are asked for in order.
+class EqualVertices {
+ public:
+  explicit EqualVertices(const std::vector<Vec3>& vertices)
+      : vertices_(vertices), table_(std::bit_ceil(2 * vertices.size() + 2), kNone) {}
+
+  std::uint32_t find_or_add(std::uint32_t vertex) {
+    const Cell own = bits(vertices_[vertex]);
+    const std::size_t mask = table_.size() - 1;
+    std::size_t slot = hash_of(own) & mask;
+    while (table_[slot] != kNone && vertices_[table_[slot]] != vertices_[vertex]) slot = (slot + 1) & mask;
+    if (table_[slot] == kNone) table_[slot] = vertex;
+    return table_[slot];
   }
+
+ private:
+  static Cell bits(const Vec3& x) noexcept {  // adding 0.0 turns -0 into 0
+    return {std::bit_cast<std::int64_t>(x.x() + 0.0), std::bit_cast<std::int64_t>(x.y() + 0.0), std::bit_cast<std::int64_t>(x.z() + 0.0)};
+  }
+  const std::vector<Vec3>& vertices_;
+  std::vector<std::uint32_t> table_;
 };
 
 /// Standing vertices by cell. A cell is much wider than the tolerance, so that nearly every look-up opens one
@@ -29,29 +52,27 @@ struct CellHash {
 class StandingVertices {
  public:
   StandingVertices(const std::vector<Vec3>& vertices, double tolerance)
-      : vertices_(vertices), tolerance_(tolerance), edge_(64.0 * tolerance) {}
+      : vertices_(vertices), tolerance_(tolerance), edge_(64.0 * tolerance), table_(1024), next_(vertices.size(), kNone) {}
 
   std::uint32_t find_or_add(std::uint32_t vertex) {
     const Vec3& x = vertices_[vertex];
-    const Cell low = cell_of(x, -tolerance_), high = cell_of(x, tolerance_);
     std::uint32_t best = vertex;
-    for_cells(low, high, [&](const Cell& cell) {
-      const auto found = cells_.find(cell);
-      if (found == cells_.end()) return;
-      for (const std::uint32_t other : found->second) {
+    for_cells(cell_of(x, -tolerance_), cell_of(x, tolerance_), [&](const Cell& cell) {
+      for (std::uint32_t other = table_[slot_of(cell)].last; other != kNone; other = next_[other])
         if (other < best && (vertices_[other] - x).cwiseAbs().maxCoeff() <= tolerance_) best = other;
-      }
     });
-    if (best == vertex) cells_[cell_of(x, 0.0)].push_back(vertex);
+    if (best == vertex) add(vertex, cell_of(x, 0.0));
     return best;
   }
 
  private:
-  /// Without a tolerance a cell is one number's bits (adding 0.0 turns -0 into 0).
-  std::int64_t cell_of(double x, double shift) const {
-    if (edge_ > 0.0) return static_cast<std::int64_t>(std::floor((x + shift) / edge_));
-    return std::bit_cast<std::int64_t>(x + 0.0);
-  }
+  /// The vertices of one cell are a chain from the last to the first of them.
+  struct Slot {
+    std::uint32_t last = kNone;
+    std::uint32_t hash = 0;  ///< upper half of the cell's
+  };
+
+  std::int64_t cell_of(double x, double shift) const { return static_cast<std::int64_t>(std::floor((x + shift) / edge_)); }
   Cell cell_of(const Vec3& x, double shift) const {
     return {cell_of(x.x(), shift), cell_of(x.y(), shift), cell_of(x.z(), shift)};
   }
@@ -62,9 +83,35 @@ class StandingVertices {
         for (std::int64_t k = low[2]; k <= high[2]; ++k) visit(Cell{i, j, k});
   }
 
+  /// That of the cell, or the free one where it belongs.
+  std::size_t slot_of(const Cell& cell) const {
+    const std::uint64_t hash = hash_of(cell);
+    const std::size_t mask = table_.size() - 1;
+    std::size_t slot = hash & mask;
+    while (table_[slot].last != kNone && (table_[slot].hash != hash >> 32 || cell_of(vertices_[table_[slot].last], 0.0) != cell)) slot = (slot + 1) & mask;
+    return slot;
+  }
+  void add(std::uint32_t vertex, const Cell& cell) {
+    Slot& slot = table_[slot_of(cell)];
+    if (slot.last == kNone && ++cells_ * 2 > table_.size()) {
+      grow();
+      return void(table_[slot_of(cell)] = {vertex, static_cast<std::uint32_t>(hash_of(cell) >> 32)});
+    }
+    next_[vertex] = slot.last;
+    slot = {vertex, static_cast<std::uint32_t>(hash_of(cell) >> 32)};
+  }
+  void grow() {
+    std::vector<Slot> before(2 * table_.size());
+    before.swap(table_);
+    for (const Slot& slot : before)
+      if (slot.last != kNone) table_[slot_of(cell_of(vertices_[slot.last], 0.0))] = slot;
+  }
+
   const std::vector<Vec3>& vertices_;
   double tolerance_, edge_;
-  std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> cells_;
+  std::vector<Slot> table_;
+  std::vector<std::uint32_t> next_;
+  std::size_t cells_ = 0;
 };
 
 /// 0 for a mesh whose used vertices all lie in the origin.
@@ -100,13 +147,20 @@ Eigen::AlignedBox3d bounds(const TriangleMesh& mesh) {
 std::vector<std::uint32_t> standing_vertices(const TriangleMesh& mesh, double tolerance) {
   // Below the rounding of double a tolerance merges nothing that is not equal.
   const double absolute = tolerance < 0x1p-52 ? 0.0 : tolerance * largest_coordinate(mesh);
-  StandingVertices standing(mesh.vertices, absolute);
+  EqualVertices equal(mesh.vertices);
+  std::optional<StandingVertices> standing;
+  if (absolute > 0.0) standing.emplace(mesh.vertices, absolute);
   // Only an unused vertex can lie so far out that the number of its cell is too large; it merges with none.
   const double limit = absolute > 0.0 ? 1e17 * absolute : std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> stands(mesh.vertices.size());
   for (std::uint32_t v = 0; v < stands.size(); ++v) {
     const bool ordinary = mesh.vertices[v].cwiseAbs().maxCoeff() <= limit && mesh.vertices[v].allFinite();
-    stands[v] = ordinary ? standing.find_or_add(v) : v;
+    const std::uint32_t first = ordinary ? equal.find_or_add(v) : v;
+    // What stands for the first at a place stands for all of them: those that came in between have higher numbers.
+    if (first != v)
+      stands[v] = stands[first];
+    else
+      stands[v] = ordinary && standing ? standing->find_or_add(v) : v;
   }
   return stands;
 }

@@ -1,259 +1,69 @@
 #include "core/rendering/build.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/mesh/mass_properties.hpp"
-#include "core/pointshell/build_shell.hpp"
+#include "core/rendering/built_parts.hpp"
 #include "core/rendering/contact_parameters.hpp"
 #include "core/rendering/contact_range.hpp"
-#include "core/scene/mesh_parts.hpp"
-#include "core/voxmap/distance_thickness.hpp"
-#include "core/voxmap/object_grid.hpp"
-#include "core/voxmap/voxelise.hpp"
+#include "core/types/stored_bytes.hpp"
 
 namespace voxtouch::rendering {
 namespace {
 
-/// The mesh that the scene was read with, and no other that stands in its place now.
-mesh::ImportedMesh import(const scene::MeshSpec& spec, const scene::Scene& scene, const mesh::TriangleReader& reader) {
-  mesh::ImportOptions options;
-  options.scale = spec.scale;
-  options.pose = spec.pose;
-  options.voxel_size_m = scene.voxel_size_m;
-  std::string bytes = mesh::read_mesh_bytes(spec.path);
-  const auto read = scene.mesh_hashes.find(spec.path);
-  if (read != scene.mesh_hashes.end() && scene::hash_of_mesh(spec.path, bytes) != read->second)
-    throw mesh::MeshError("mesh '" + spec.path.string() +
-                    "': has changed since the scene was read; read the scene again when nothing writes to it");
-  return mesh::import_mesh(spec.path, std::move(bytes), options, reader);
-}
-
-void warn(BuildCounts& counts, const scene::MeshSpec& spec, const mesh::ImportedMesh& imported) {
-  const std::string name = spec.path.filename().string();
-  for (const std::string& sentence : imported.warnings) counts.mesh_warnings.push_back(name + ": " + sentence);
-  for (const std::string& sentence : imported.report.sentences())
-    counts.mesh_warnings.push_back(name + ": " + sentence);
-}
-
-void append(mesh::TriangleMesh& all, const mesh::TriangleMesh& mesh) {
-  const auto offset = static_cast<std::uint32_t>(all.vertices.size());
-  all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-  for (const auto& t : mesh.triangles) all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-}
-
-/// The meshes of one object as one, in W; `last_triangle`: the number of triangles up to each mesh, it included.
-struct ObjectMesh {
-  mesh::TriangleMesh mesh;
-  std::vector<const scene::MeshSpec*> specs;
-  std::vector<std::size_t> last_triangle;
-  std::size_t open = 0;  ///< how many of the meshes are not closed
-};
-
-/// What all objects of a scene are built with.
-struct Kit {
-  const scene::Scene& scene;
-  const ParallelFor& parallel_for;
-  const BuildChoices& choices;
-  const Progress& progress;
-  contact::ContactModelKind model;
-  BuildCounts& counts;
-
-  /// Rendered through another model, it is a scene without one.
-  bool has_virtual_tool() const noexcept { return scene.virtual_tool() && model == contact::ContactModelKind::kField; }
-  void step(const std::string& text) const {
-    if (progress) progress(text);
-  }
-};
-
-ObjectMesh import_object(const Kit& kit, std::uint32_t object) {
-  const scene::Scene& scene = kit.scene;
-  BuildCounts& counts = kit.counts;
-  ObjectMesh all;
-  for (const scene::MeshSpec& spec : scene.static_meshes) {
-    if (spec.object != object) continue;
-    if (const auto n = &spec - scene.static_meshes.data(); n > 0)
-      kit.step(fmt::format("reading mesh {} of {}", n + 1, scene.static_meshes.size()));
-    const mesh::ImportedMesh imported = import(spec, scene, kit.choices.read);
-    warn(counts, spec, imported);
-    counts.closed = counts.closed && imported.report.closed;
-    if (!imported.report.closed) counts.open_meshes.push_back(spec.path.filename().string()), ++all.open;
-    append(all.mesh, imported.mesh);
-    all.specs.push_back(&spec);
-    all.last_triangle.push_back(all.mesh.triangles.size());
-  }
-  counts.static_triangles += all.mesh.triangles.size();
-  return all;
-}
-
-/// What is known about the meshes so far belongs to the reason why they do not fit.
-template <class Build>
-auto with_hints(const BuildCounts& counts, Build&& build) {
-  try {
-    return build();
-  } catch (const voxmap::VoxelBudgetError& error) {
-    std::string text = error.what();
-    for (const std::string& hint : counts.mesh_warnings) text += ". " + hint;
-    throw voxmap::VoxelBudgetError(text);
-  }
-}
-
-/// Only a body with an inside can push by depth.
-voxmap::DistanceField build_field(const scene::Scene& scene, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap,
-                          const ParallelFor& parallel_for, BuildCounts& counts) {
-  voxmap::DistanceField field =
-      with_hints(counts, [&] { return voxmap::build_distance_field(fixed.mesh, voxmap, voxmap::DistanceFieldOptions{}, parallel_for); });
-  const bool surface_will_do = scene.virtual_tool() && fixed.open < fixed.specs.size();  // thin walls hold without an inside
-  if (!field.has_inside() && !surface_will_do)
-    throw std::invalid_argument(fmt::format(
-        "{}: the contact model 'field' pushes by the depth inside a static mesh, but {}. Close the mesh, use a smaller "
-        "voxel_size, or choose the model 'adapted', which needs a surface only.",
-        scene.file.string(),
-        fixed.open == fixed.specs.size() ? "no static mesh is closed, so none has an inside"
-                                         : fmt::format("at {:g} m no corner of a voxel lies in one", scene.voxel_size_m)));
-  counts.field_bytes += field.bytes();
-  counts.field_nodes += field.stored_nodes();
-  counts.field_depth_m = field.depth_m();
-  const voxmap::ThinnestWall thinnest = voxmap::thinnest_wall(fixed.mesh, voxmap.grid(), parallel_for);
-  if (!(thinnest.thickness_m < counts.thinnest_m)) return field;
-  const auto mesh =
-      std::upper_bound(fixed.last_triangle.begin(), fixed.last_triangle.end(), std::size_t{thinnest.triangle});
-  counts.thinnest_m = thinnest.thickness_m;
-  counts.thinnest_mesh =
-      fixed.specs[static_cast<std::size_t>(mesh - fixed.last_triangle.begin())]->path.filename().string();
-  return field;
-}
-
-std::uint64_t shell_bytes(const pointshell::Pointshell& shell) {
-  return shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
-}
-
-/// For scenes whose dynamic object is a body.
-effects::BodyShape body_shape(const scene::Scene& scene, const mesh::TriangleMesh& mesh) {
-  try {
-    const mesh::MassProperties mass = mesh::mass_properties(mesh);
-    effects::BodyShape shape{.centre = mass.centre, .inertia_m2 = mass.inertia_m2};
-    for (const Vec3& v : mesh.vertices) shape.reach_m = std::max(shape.reach_m, v.norm());
-    return shape;
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(fmt::format("{}: the effect 'body' gives the dynamic object {} a weight, but {}.",
-                                            scene.file.string(), scene.dynamic_mesh.path.filename().string(),
-                                            error.what()));
-  }
-}
-
-/// What is made of the dynamic mesh.
-struct Tool {
-  pointshell::Pointshell shell;
-  double largest_gap = 0.0;
-  std::optional<effects::BodyShape> body;
-};
-
-Tool build_tool(const Kit& kit) {
-  const scene::Scene& scene = kit.scene;
-  kit.step("reading the dynamic mesh");
-  const mesh::ImportedMesh moving = import(scene.dynamic_mesh, scene, kit.choices.read);
-  warn(kit.counts, scene.dynamic_mesh, moving);
-  kit.counts.dynamic_triangles = moving.mesh.triangles.size();
-  kit.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
-  const voxmap::Grid grid = voxmap::default_grid(moving.mesh, kit.choices.shell_voxel_m.value_or(scene.voxel_size_m));
-  const std::vector<pointshell::ShellPoint> points =
-      with_hints(kit.counts, [&] { return pointshell::shell_points(moving.mesh, grid, kit.parallel_for); });
-  Tool tool;
-  tool.largest_gap = pointshell::largest_gap_m(points);
-  tool.shell =
-      scene.shell == scene::ShellKind::kExact ? pointshell::make_exact_shell(points, grid) : pointshell::make_naive_shell(points, grid);
-  kit.counts.shell_points = tool.shell.size();
-  if (effects::needs_of(scene.effects).body) tool.body = body_shape(scene, moving.mesh);
-  return tool;
-}
-
-/// The voxel grid of an object, written down for the plan.
-voxmap::Grid place_grid(const Kit& kit, std::uint32_t id, const std::string& name, const mesh::TriangleMesh& mesh) {
-  const double edge = kit.scene.voxel_size_m;
-  const Vec3 at_multiples = voxmap::default_grid(mesh, edge).origin;
-  const std::optional<Vec3>& given = id == 0 ? kit.scene.grid_origin : kit.scene.objects[id - 1].grid_origin;
-  const voxmap::Grid grid = given ? voxmap::Grid{*given, edge} : voxmap::object_grid(mesh, edge);
-  kit.counts.grids.push_back({name, grid.origin, at_multiples, given.has_value()});
-  return grid;
-}
-
-/// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
-std::unique_ptr<StaticObject> build_object(const Kit& kit, std::uint32_t id, const ObjectMesh& fixed) {
-  const scene::Scene& scene = kit.scene;
-  if (fixed.specs.empty()) return nullptr;
-  const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
-  kit.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
-  const voxmap::Grid grid = place_grid(kit, id, name, fixed.mesh);
-  auto object = std::make_unique<StaticObject>(
-      StaticObject{.id = id,
-                   .name = name,
-                   .voxmap = with_hints(kit.counts, [&] { return voxmap::voxelise(fixed.mesh, grid, kit.parallel_for); }),
-                   .field = {},
-                   .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
-                   .renderer = {}});
-  kit.counts.surface_voxels += object->voxmap.surface_count();
-  kit.counts.interior_voxels += object->voxmap.interior_count();
-  kit.counts.voxmap_bytes += object->voxmap.bytes();
-  if (kit.model == contact::ContactModelKind::kField) {
-    kit.step("distance field");
-    object->field = build_field(scene, fixed, object->voxmap, kit.parallel_for, kit.counts);
-  }
-  return object;
+/// Rendered through another model, it is a scene without one.
+bool has_virtual_tool(const PartsRequest& request) noexcept {
+  return request.scene.virtual_tool() && request.model == contact::ContactModelKind::kField;
 }
 
 /// The force law of one object, with its own material; what all objects can show together is the sum of what each can.
-void add_contact_law(const Kit& kit, const pointshell::Pointshell& shell, StaticObject& object) {
-  const scene::ContactSpec& material = object.id == 0 ? kit.scene.contact : kit.scene.objects[object.id - 1].contact;
-  const contact::ContactParameters parameters = contact_parameters(material, kit.model, shell, kit.choices.weights);
-  object.renderer.emplace(object.voxmap, shell, kit.model, parameters, object.field ? &*object.field : nullptr);
-  kit.counts.shell_bytes += shell_bytes(shell);
-  if (kit.has_virtual_tool()) return;  // one spring for all objects
+void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& shell, StaticObject& object, BuildCounts& counts) {
+  const scene::Scene& scene = request.scene;
+  const scene::ContactSpec& material = object.id == 0 ? scene.contact : scene.objects[object.id - 1].contact;
+  const contact::ContactParameters parameters = contact_parameters(material, request.model, shell, request.choices.weights);
+  object.renderer.emplace(object.voxmap, shell, request.model, parameters, object.field ? &*object.field : nullptr);
+  counts.shell_bytes += shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
+  if (has_virtual_tool(request)) return;  // one spring for all objects
   const StiffnessBounds contact =
       contact_stiffness(shell, parameters, object.field ? object.field->steepest_gradient() : 1.0);
   const auto add = [](const coupling::design::ContactRange& one, coupling::design::ContactRange& sum) {
     sum.one_point = std::max(sum.one_point, one.one_point);
     sum.all_points += one.all_points;
   };
-  add(contact.translation, kit.counts.contact.translation), add(contact.rotation, kit.counts.contact.rotation);
+  add(contact.translation, counts.contact.translation), add(contact.rotation, counts.contact.rotation);
 }
 
 /// One spring, whatever it touches.
-void add_virtual_tool(const Kit& kit, const contact::ContactRenderer& renderer, EffectGround& ground) {
-  if (!kit.has_virtual_tool()) return;
-  ground.virtual_tool_lever_m = kit.scene.lever_m.value_or(0.0);
-  const double reach = renderer.query().reach_m(), lever = kit.scene.lever_m.value_or(reach);
-  if (!(reach > 0.0)) throw std::invalid_argument(kit.scene.file.string() + ": the tool is a point at its origin; a virtual tool needs one with a size");
-  kit.counts.contact = spring_of_any_device(lever);
-  kit.counts.virtual_tool_lever_m = lever;
+void add_virtual_tool(const PartsRequest& request, const contact::ContactRenderer& renderer, EffectGround& ground, BuildCounts& counts) {
+  if (!has_virtual_tool(request)) return;
+  const scene::Scene& scene = request.scene;
+  ground.virtual_tool_lever_m = scene.lever_m.value_or(0.0);
+  const double reach = renderer.query().reach_m(), lever = scene.lever_m.value_or(reach);
+  if (!(reach > 0.0)) throw std::invalid_argument(scene.file.string() + ": the tool is a point at its origin; a virtual tool needs one with a size");
+  counts.contact = spring_of_any_device(lever);
+  counts.virtual_tool_lever_m = lever;
 }
 
-/// What `needs` asks for round the ground; the shell's points are where the tool is looked at.
-void build_proximity(const Kit& kit, const effects::EffectNeeds& needs, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap,
-                     const pointshell::Pointshell& shell, EffectGround& ground) {
-  const scene::Scene& scene = kit.scene;
-  BuildCounts& counts = kit.counts;
-  if (fixed.open == fixed.specs.size())
-    throw std::invalid_argument(fmt::format(
-        "{}: the effect 'proximity' asks for distances to the static meshes of the ground, but {}, and only a closed "
-        "mesh has an outside. Close it or leave the effect out.",
-        scene.file.string(), fixed.specs.empty() ? "all of them belong to objects" : "none of them is closed"));
-  kit.step("distances round the static meshes");
-  ground.tool = spread_tool_points(shell);
-  if (ground.tool.reach_m > needs.lever_m)
-    throw std::invalid_argument(fmt::format(
-        "{}: 'lever_m' of the effect 'proximity' is {:g} m, but the tool reaches {:.4g} m from its origin. Say at least that.",
-        scene.file.string(), needs.lever_m, ground.tool.reach_m));
-  with_hints(counts, [&] {
-    ground.proximity.emplace(fixed.mesh, voxmap, needs.proximity_m, needs.smoothing_m, kit.parallel_for);
-    return true;
-  });
-  counts.proximity_bytes = ground.proximity->bytes() + ground.tool.points.size() * sizeof(effects::ToolPoint);
-  counts.proximity_nodes = ground.proximity->nodes();
-  counts.proximity_m = needs.proximity_m, counts.proximity_smoothing_m = ground.proximity->smoothing_m();
-  counts.tool_points = ground.tool.points.size(), counts.tool_gap_m = ground.tool.gap_m;
+/// What the store has, where it has it and it can be read.
+std::optional<BuiltParts> kept_parts(const PartsRequest& request, const std::string& recipe) {
+  const Kept kept = request.choices.store->find(recipe);
+  if (!kept.memory) return std::nullopt;
+  try {
+    return parts_from(kept.content, request);
+  } catch (const StoredBytesError& error) {
+    request.choices.store->refuse(recipe, error.what());
+  }
+  return std::nullopt;
+}
+
+BuiltParts kept_or_built(const PartsRequest& request, const ParallelFor& parallel_for, const Progress& progress) {
+  SceneStore* const store = request.choices.store;
+  const std::string recipe = store != nullptr ? recipe_of(request, *store) : std::string();
+  if (recipe.empty()) return build_parts(request, parallel_for, progress);
+  if (std::optional<BuiltParts> kept = kept_parts(request, recipe)) return std::move(*kept);
+  BuiltParts parts = build_parts(request, parallel_for, progress);
+  if (expected_bytes(parts) <= store->most_bytes()) store->keep(recipe, stored(parts));
+  return parts;
 }
 
 }  // namespace
@@ -270,25 +80,13 @@ std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const Paralle
   contact::ContactModelKind kind = contact::ContactModelKind::kAdapted;
   if (!choices.model && !contact::parse_contact_model(scene.contact.model, kind))
     throw std::invalid_argument(scene.file.string() + ": there is no contact model '" + scene.contact.model + "'");
-  BuildCounts counts;
-  const Kit kit{scene, parallel_for, choices, progress, choices.model.value_or(kind), counts};
-  std::vector<std::unique_ptr<StaticObject>> objects;
-  std::vector<ObjectMesh> meshes;
-  for (std::uint32_t id = 0; id <= scene.objects.size(); ++id) {
-    kit.step(id == 0 ? "reading the static meshes" : "reading the meshes of '" + scene.objects[id - 1].name + "'");
-    meshes.push_back(import_object(kit, id));
-    if (auto object = build_object(kit, id, meshes.back())) objects.push_back(std::move(object));
-  }
-  counts.objects = objects.size();
-  const Tool tool = build_tool(kit);
-  for (auto& object : objects) add_contact_law(kit, tool.shell, *object);
-  EffectGround ground;
-  ground.body = tool.body;
-  add_virtual_tool(kit, *objects.front()->renderer, ground);
-  if (const effects::EffectNeeds needs = effects::needs_of(scene.effects); needs.proximity_m > 0.0)
-    build_proximity(kit, needs, meshes.front(), objects.front()->voxmap, tool.shell, ground);
-  return std::make_unique<BuiltScene>(std::move(objects), scene.effects, std::move(ground), make_plan(scene, counts),
-                                      tool.largest_gap);
+  const PartsRequest request{scene, choices, choices.model.value_or(kind)};
+  BuiltParts parts = kept_or_built(request, parallel_for, progress);
+  for (auto& object : parts.objects) add_contact_law(request, parts.shell, *object, parts.counts);
+  EffectGround ground{.proximity = std::move(parts.proximity), .tool = std::move(parts.tool_points), .body = parts.body, .virtual_tool_lever_m = {}};
+  add_virtual_tool(request, *parts.objects.front()->renderer, ground, parts.counts);
+  return std::make_unique<BuiltScene>(std::move(parts.objects), scene.effects, std::move(ground), make_plan(scene, parts.counts),
+                                      parts.largest_gap_m);
 }
 
 }  // namespace voxtouch::rendering

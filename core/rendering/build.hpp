@@ -11,6 +11,7 @@
 #include "core/rendering/proximity_field.hpp"
 #include "core/scene/scene.hpp"
 #include "core/rendering/scene_renderer.hpp"
+#include "core/rendering/scene_store.hpp"
 #include "core/types/parallel.hpp"
 
 namespace voxtouch::rendering {
@@ -62,9 +63,10 @@ struct BuildChoices {
   std::optional<contact::PointWeights> weights = {};  ///< std::invalid_argument where the model does not weigh so
   std::optional<double> shell_voxel_m = {};  ///< voxel edge that the pointshell is made with, instead of the scene's
   mesh::TriangleReader read = mesh::read_triangles;  ///< programs give one that a broken file cannot take with it (nodes/mesh_import)
+  SceneStore* store = nullptr;  ///< where parts that were built before are found and new ones kept; null: all is built
 };
 
-/// Reads the scene's meshes and builds what it calls for, and nothing else. Throws MeshError,
+/// Reads the scene's meshes and builds what it calls for, and nothing else; what the store has is as if it were built, bit for bit. Throws MeshError,
 /// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for `field` where no static mesh has an inside,
 /// and for effects that ask for distances where no static mesh is closed or for a lever that the tool is longer than.
 std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const ParallelFor& parallel_for,

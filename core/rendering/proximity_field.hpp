@@ -20,6 +20,10 @@ class ProximityField final : public effects::Proximity {
   /// have none. Throws like build_distance_field.
   ProximityField(const mesh::TriangleMesh& mesh, const voxmap::Voxmap& voxmap, double range_m, double smoothing_m,
                  const ParallelFor& parallel_for);
+  /// What `put` wrote. Throws StoredBytesError for bytes that are none.
+  explicit ProximityField(ByteReader& in);
+  /// All of it, to be kept.
+  void put(ByteWriter& out) const;
 
   effects::ProximitySample at(const Vec3& x) const noexcept override;
 
@@ -30,10 +34,10 @@ class ProximityField final : public effects::Proximity {
   double reach_m() const noexcept { return reach_m_; }
 
  private:
-  std::int32_t stride_;
+  std::int32_t stride_ = 1;
   voxmap::DistanceField field_;
-  double band_voxels_;
-  double reach_m_;
+  double band_voxels_ = 0.0;
+  double reach_m_ = 0.0;
 };
 
 /// Points of the tool, for a cost that its size does not change.

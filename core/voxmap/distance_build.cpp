@@ -3,9 +3,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/voxmap/closed_shells.hpp"
+#include "core/voxmap/brick_distances.hpp"
+#include "core/voxmap/closed_mesh.hpp"
 #include "core/voxmap/distance_field.hpp"
-#include "core/voxmap/distance_tree.hpp"
 #include "core/voxmap/winding.hpp"
 
 namespace voxtouch::voxmap {
@@ -14,10 +14,6 @@ namespace {
 constexpr int kEdge = DistanceField::kBrickEdge, kNodes = DistanceField::kNodeEdge;
 /// From a brick's centre to its corners, and a little for rounding.
 constexpr double kBrickRadius = 4.0 * 1.7320509;
-
-constexpr std::size_t node_index(int x, int y, int z) {
-  return static_cast<std::size_t>(x + kNodes * (y + kNodes * z));
-}
 
 /// The kinds of a brick's voxels and of the layer round it.
 class Kinds {
@@ -88,9 +84,8 @@ double steepest_square_inside(const Corners& d, double side, int splits, double 
 /// Fills a field brick by brick.
 class DistanceFieldBuilder {
  public:
-  DistanceFieldBuilder(const mesh::TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options)
-      : voxmap_(voxmap), mesh_(mesh, voxmap.grid()), shells_(find_closed_shells(mesh_)),
-        tree_(mesh_, triangles_of_closed_parts(shells_)) {
+  DistanceFieldBuilder(const ClosedMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options)
+      : voxmap_(voxmap), mesh_(mesh.in_grid), shells_(mesh.shells), tree_(mesh.tree) {
     field_.grid_ = voxmap.grid(), field_.base_ = voxmap.base(), field_.cells_ = voxmap.cells();
     field_.depth_voxels_ = static_cast<float>(options.depth_voxels);  // as the nodes hold it
     field_.band_voxels_ = static_cast<float>(options.band_voxels);
@@ -188,17 +183,16 @@ class DistanceFieldBuilder {
   void fill_brick(const VoxelIndex& first, DistanceField::Brick& brick) const {
     const Kinds kinds(voxmap_, first);
     std::vector<std::uint32_t> above;
-    std::uint32_t place = DistanceTree::kNoPlace;
+    BrickLimits limit;  // of each node; below 0 inside
     for (int z = 0; z < kNodes; ++z)
       for (int y = 0; y < kNodes; ++y)
         for (int x = 0; x < kNodes; ++x) {
-          const Vec3 node(first.i + x, first.j + y, first.k + z);
           const VoxelKind side = kinds.side(x, y, z);
-          const bool inside = side == VoxelKind::kSurface ? inside_exactly(node, above) : side == VoxelKind::kInterior;
-          const double limit = inside ? field_.depth_voxels_ : field_.band_voxels_;
-          const double distance = tree_.nearest(node, limit, place);
-          brick[node_index(x, y, z)] = static_cast<float>(inside ? -distance : distance);
+          const bool inside = side == VoxelKind::kSurface ? inside_exactly(Vec3(first.i + x, first.j + y, first.k + z), above)
+                                                          : side == VoxelKind::kInterior;
+          limit[node_of_brick(x, y, z)] = inside ? -field_.depth_voxels_ : field_.band_voxels_;
         }
+    signed_distances(tree_, Vec3(first.i, first.j, first.k), limit, brick);
   }
 
   /// A node among surface voxels only. One on a triangle may come out either way; its distance is 0.
@@ -213,22 +207,22 @@ class DistanceFieldBuilder {
     for (int z = 0; z < kEdge; ++z)
       for (int y = 0; y < kEdge; ++y)
         for (int x = 0; x < kEdge; ++x) {
-          const float* const d = &brick[node_index(x, y, z)];
+          const float* const d = &brick[node_of_brick(x, y, z)];
           Corners voxel{};
-          for (int n = 0; n < 8; ++n) voxel[static_cast<std::size_t>(n)] = d[node_index(n & 1, n >> 1 & 1, n >> 2)];
+          for (int n = 0; n < 8; ++n) voxel[static_cast<std::size_t>(n)] = d[node_of_brick(n & 1, n >> 1 & 1, n >> 2)];
           steepest = steepest_square_inside(voxel, 1.0, 3, steepest);
         }
     return steepest;
   }
 
   const Voxmap& voxmap_;
-  GridMesh mesh_;
-  ClosedShells shells_;
-  DistanceTree tree_;
+  const GridMesh& mesh_;
+  const ClosedShells& shells_;
+  const DistanceTree& tree_;
   DistanceField field_;
 };
 
-DistanceField build_distance_field(const mesh::TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
+DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
                                    const ParallelFor& parallel_for, std::uint64_t memory_limit_bytes) {
   for (const double voxels : {options.depth_voxels, options.band_voxels})
     if (!(voxels >= 2.0 && voxels <= 1e4))
@@ -236,6 +230,11 @@ DistanceField build_distance_field(const mesh::TriangleMesh& mesh, const Voxmap&
                                   " and " + std::to_string(options.band_voxels) +
                                   " voxels; each must lie between 2 and 10000");
   return DistanceFieldBuilder(mesh, voxmap, options).build(parallel_for, memory_limit_bytes);
+}
+
+DistanceField build_distance_field(const mesh::TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
+                                   const ParallelFor& parallel_for, std::uint64_t memory_limit_bytes) {
+  return build_distance_field(ClosedMesh(mesh, voxmap.grid()), voxmap, options, parallel_for, memory_limit_bytes);
 }
 
 }  // namespace voxtouch::voxmap

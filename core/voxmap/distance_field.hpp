@@ -29,6 +29,8 @@
 
 namespace voxtouch::voxmap {
 
+struct ClosedMesh;
+
 /// What the field says about one point.
 struct FieldSample {
   double distance_m = 0.0;       ///< interpolated signed distance [m], negative inside
@@ -73,8 +75,14 @@ class DistanceField {
   /// in a concave edge and sqrt(3) in a concave corner (three differences of at most one each).
   double steepest_gradient() const noexcept { return steepest_gradient_; }
 
+  /// As Voxmap::put and Voxmap::take; in stored.cpp.
+  void put(ByteWriter& out) const;
+  static DistanceField take(ByteReader& in);
+
  private:
   friend class DistanceFieldBuilder;
+  template <class Archive, class Field>
+  static void fields(Archive& archive, Field& field);
   static constexpr std::int32_t kFree = -1, kDeep = -2;
 
   Grid grid_;
@@ -89,7 +97,10 @@ class DistanceField {
 
 /// The field of the mesh that `voxmap` was made from. Several static meshes: concatenate them. Same bits whatever
 /// `parallel_for` does. Throws std::invalid_argument for options out of range and VoxelBudgetError where the bricks would
-/// take more than `memory_limit_bytes`, before they are allocated.
+/// take more than `memory_limit_bytes`, before they are allocated. Of a mesh alone it makes the ClosedMesh itself.
+DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
+                                   const ParallelFor& parallel_for,
+                                   std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
 DistanceField build_distance_field(const mesh::TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
                                    const ParallelFor& parallel_for,
                                    std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);

@@ -5,8 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/voxmap/closed_shells.hpp"
-#include "core/voxmap/distance_tree.hpp"
+#include "core/voxmap/closed_mesh.hpp"
 #include "core/voxmap/exact_sign.hpp"
 
 namespace voxtouch::voxmap {
@@ -69,12 +68,11 @@ double solid_ahead(const GridMesh& mesh, const ClosedShells& shells, const Dista
 
 }  // namespace
 
-ThinnestWall thinnest_wall(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+ThinnestWall thinnest_wall(const ClosedMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
                            std::size_t most_rays) {
-  const GridMesh in_grid(mesh, grid);
-  const ClosedShells shells = find_closed_shells(in_grid);
+  const GridMesh& in_grid = mesh.in_grid;
+  const ClosedShells& shells = mesh.shells;
   const std::vector<std::uint32_t> chosen = triangles_of_closed_parts(shells);
-  const DistanceTree tree(in_grid, chosen);
   const std::size_t stride = chosen.size() / std::max<std::size_t>(most_rays, 1) + 1;
   std::vector<double> found((chosen.size() + stride - 1) / stride, kNowhere);
   parallel_for(found.size(), [&](std::size_t n) {
@@ -83,8 +81,8 @@ ThinnestWall thinnest_wall(const mesh::TriangleMesh& mesh, const Grid& grid, con
     const Vec3 normal = area_vector(a, b, c).stableNormalized();
     if (normal.isZero(0.0)) return;
     const Vec3 spot = kSpotA * a + kSpotB * b + kSpotC * c;
-    const double behind = solid_ahead(in_grid, shells, tree, t, spot, -normal);
-    const double before = solid_ahead(in_grid, shells, tree, t, spot, normal);
+    const double behind = solid_ahead(in_grid, shells, mesh.tree, t, spot, -normal);
+    const double before = solid_ahead(in_grid, shells, mesh.tree, t, spot, normal);
     // Solid on both sides: a wall buried in overlapping parts, no surface.
     if (std::isinf(behind) != std::isinf(before)) found[n] = std::min(behind, before);
   });
@@ -92,6 +90,11 @@ ThinnestWall thinnest_wall(const mesh::TriangleMesh& mesh, const Grid& grid, con
   for (std::size_t n = 0; n < found.size(); ++n)
     if (grid.edge * found[n] < out.thickness_m) out = {grid.edge * found[n], chosen[n * stride]};
   return out;
+}
+
+ThinnestWall thinnest_wall(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+                           std::size_t most_rays) {
+  return thinnest_wall(ClosedMesh(mesh, grid), grid, parallel_for, most_rays);
 }
 
 }  // namespace voxtouch::voxmap

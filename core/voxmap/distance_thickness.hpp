@@ -8,6 +8,8 @@
 
 namespace voxtouch::voxmap {
 
+struct ClosedMesh;
+
 /// The thinnest place found.
 struct ThinnestWall {
   double thickness_m = 0.0;    ///< [m]; infinite where nothing is inside
@@ -17,6 +19,8 @@ struct ThinnestWall {
 /// Straight through the solid, from a point of each triangle along its normal to where the winding number comes back to 0.
 /// So walls inside overlapping parts do not count, nor does which way triangles face. Above `most_rays` triangles only every
 /// n-th is looked at; an estimate for people, no bound: a place thinner than its triangles are wide may be missed.
+ThinnestWall thinnest_wall(const ClosedMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
+                           std::size_t most_rays = 50'000);
 ThinnestWall thinnest_wall(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
                            std::size_t most_rays = 50'000);
 

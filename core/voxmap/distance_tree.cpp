@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/types/clones.hpp"
 #include "core/voxmap/exact_sign.hpp"
 
 namespace voxtouch::voxmap {
@@ -12,13 +13,43 @@ namespace {
 /// computed distances comes out, whatever the order of the boxes.
 constexpr double kRoundingRelative = 1e-6, kRoundingAbsolute = 1e-9;
 
+/// As Eigen adds three products up.
+VOXTOUCH_INLINE double dot(double ax, double ay, double az, double bx, double by, double bz) noexcept { return (ax * bx + ay * by) + az * bz; }
+
+/// The rows of a facet, each of three vectors of three numbers, against many points. `least`: a point is beyond an edge where it is farther out.
+VOXTOUCH_CLONES void squares_to(const double* corner, const double* edge, const double* outward, const double* inverse_square, const double* normal,
+                                double least, const double* px, const double* py, const double* pz, double* out) noexcept {
+  for (std::size_t n = 0; n < DistanceTree::Points::kCount; ++n) {
+    double best = HUGE_VAL, beyond = 0.0;
+    for (int k = 0; k < 9; k += 3) {
+      const double x = px[n] - corner[k], y = py[n] - corner[k + 1], z = pz[n] - corner[k + 2];
+      const double out_by = dot(x, y, z, outward[k], outward[k + 1], outward[k + 2]);
+      double t = dot(x, y, z, edge[k], edge[k + 1], edge[k + 2]) * inverse_square[k / 3];
+      t = t < 0.0 ? 0.0 : t;
+      t = 1.0 < t ? 1.0 : t;
+      const double rx = x - t * edge[k], ry = y - t * edge[k + 1], rz = z - t * edge[k + 2];
+      const double square = dot(rx, ry, rz, rx, ry, rz);
+      const double counts = out_by > least ? square : HUGE_VAL;
+      best = counts < best ? counts : best;
+      beyond = out_by > least ? 1.0 : beyond;
+    }
+    const double height = dot(normal[0], normal[1], normal[2], px[n] - corner[0], py[n] - corner[1], pz[n] - corner[2]);
+    out[n] = beyond > 0.0 ? best : height * height;
+  }
+}
+
 }  // namespace
 
 DistanceTree::DistanceTree(const GridMesh& mesh, const std::vector<std::uint32_t>& chosen) {
+  if (chosen.empty()) return;
+  std::vector<Place> places;
+  places.reserve(chosen.size());
+  for (const std::uint32_t t : chosen) places.push_back({mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2), t});
+  nodes_.reserve(chosen.size());
+  split(places, 0, static_cast<std::uint32_t>(places.size()));
   facets_.reserve(chosen.size());
-  for (const std::uint32_t t : chosen) facets_.push_back(make_facet(mesh, t));
-  nodes_.reserve(facets_.size());
-  if (!facets_.empty()) split(0, static_cast<std::uint32_t>(facets_.size()));
+  for (const Place& place : places) facets_.push_back(make_facet(mesh, place.triangle));
+  for (std::size_t n = nodes_.size(); n-- > 0;) enclose(n);  // children follow their parents
 }
 
 DistanceTree::Facet DistanceTree::make_facet(const GridMesh& mesh, std::uint32_t triangle) {
@@ -36,28 +67,38 @@ DistanceTree::Facet DistanceTree::make_facet(const GridMesh& mesh, std::uint32_t
   return f;
 }
 
-void DistanceTree::split(std::uint32_t begin, std::uint32_t end) {
-  Node node{facets_[begin].corner[0], facets_[begin].corner[0], begin, end - begin};
-  for (std::uint32_t n = begin; n < end; ++n)
-    for (const Vec3& corner : facets_[n].corner) {
+void DistanceTree::split(std::vector<Place>& places, std::uint32_t begin, std::uint32_t end) {
+  const std::size_t index = nodes_.size();
+  nodes_.push_back({Vec3::Zero(), Vec3::Zero(), begin, end - begin});
+  if (end - begin <= kLeafFacets) return;
+  Eigen::AlignedBox3d box;
+  for (std::uint32_t n = begin; n < end; ++n) box.extend(places[n].three_middles);
+  Eigen::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  const std::uint32_t middle = begin + (end - begin) / 2;
+  std::nth_element(places.begin() + begin, places.begin() + middle, places.begin() + end, [axis](const Place& a, const Place& b) {
+    const double at_a = a.three_middles[axis], at_b = b.three_middles[axis];
+    return at_a != at_b ? at_a < at_b : a.triangle < b.triangle;
+  });
+  nodes_[index].count = 0;
+  split(places, begin, middle);
+  nodes_[index].first = static_cast<std::uint32_t>(nodes_.size());
+  split(places, middle, end);
+}
+
+void DistanceTree::enclose(std::size_t index) noexcept {
+  Node& node = nodes_[index];
+  if (node.count == 0) {
+    node.low = nodes_[index + 1].low.cwiseMin(nodes_[node.first].low);
+    node.high = nodes_[index + 1].high.cwiseMax(nodes_[node.first].high);
+    return;
+  }
+  node.low = node.high = facets_[node.first].corner[0];
+  for (std::uint32_t n = 0; n < node.count; ++n)
+    for (const Vec3& corner : facets_[node.first + n].corner) {
       node.low = node.low.cwiseMin(corner);
       node.high = node.high.cwiseMax(corner);
     }
-  const std::size_t index = nodes_.size();
-  nodes_.push_back(node);
-  if (node.count <= kLeafFacets) return;
-  Eigen::Index axis = 0;
-  (node.high - node.low).maxCoeff(&axis);
-  const auto place = [axis](const Facet& f) { return f.corner[0][axis] + f.corner[1][axis] + f.corner[2][axis]; };
-  const std::uint32_t middle = begin + (end - begin) / 2;
-  std::nth_element(facets_.begin() + begin, facets_.begin() + middle, facets_.begin() + end,
-                   [&](const Facet& a, const Facet& b) {
-                     return place(a) != place(b) ? place(a) < place(b) : a.triangle < b.triangle;
-                   });
-  nodes_[index].count = 0;
-  split(begin, middle);
-  nodes_[index].first = static_cast<std::uint32_t>(nodes_.size());
-  split(middle, end);
 }
 
 double DistanceTree::square_distance(const Facet& f, const Vec3& p) noexcept {
@@ -112,6 +153,31 @@ double DistanceTree::nearest(const Vec3& p, double bound, std::uint32_t& place) 
     stack[depth++] = near;
   }
   return std::min(bound, std::sqrt(best));
+}
+
+void DistanceTree::squares(std::uint32_t place, const Points& points, Squares& out) const noexcept {
+  static_assert(sizeof(std::array<Vec3, 3>) == 9 * sizeof(double));
+  const Facet& f = facets_[place];
+  squares_to(f.corner[0].data(), f.edge[0].data(), f.outward[0].data(), f.inverse_square.data(), f.normal.data(),
+             f.normal.isZero(0.0) ? -HUGE_VAL : 0.0, points.x.data(), points.y.data(), points.z.data(), out.data());
+}
+
+bool DistanceTree::within(const Vec3& centre, double reach, std::size_t most, std::vector<std::uint32_t>& places) const {
+  places.clear();
+  if (nodes_.empty()) return true;
+  const double square = reach * reach * (1.0 + kRoundingRelative) + kRoundingAbsolute;
+  std::array<std::uint32_t, kDeepest> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t index = stack[--depth];
+    const Node& node = nodes_[index];
+    if (square_distance(node, centre) > square) continue;
+    if (places.size() + node.count > most) return false;
+    for (std::uint32_t n = 0; n < node.count; ++n) places.push_back(node.first + n);
+    if (node.count == 0) stack[depth++] = node.first, stack[depth++] = index + 1;
+  }
+  return true;
 }
 
 bool DistanceTree::on_ray(const Node& node, const Vec3& origin, const Vec3& direction) noexcept {

@@ -23,6 +23,18 @@ class DistanceTree {
   double nearest(const Vec3& p, double bound, std::uint32_t& place) const noexcept;
   static constexpr std::uint32_t kNoPlace = 0xffffffff;
 
+  /// Many points at once, as a loop over them has them.
+  struct Points {
+    static constexpr std::size_t kCount = 32;
+    std::array<double, kCount> x{}, y{}, z{};
+    void set(std::size_t n, const Vec3& p) noexcept { x[n] = p.x(), y[n] = p.y(), z[n] = p.z(); }
+  };
+  using Squares = std::array<double, Points::kCount>;
+  /// Squared distance of each point to the triangle at this place: what `nearest` compares, to the bit.
+  void squares(std::uint32_t place, const Points& points, Squares& out) const noexcept;
+  /// Places of all triangles within `reach` of `centre`, and of some beyond, in the tree's order; at most `most`. False where there are more.
+  bool within(const Vec3& centre, double reach, std::size_t most, std::vector<std::uint32_t>& places) const;
+
   /// Calls f(triangle) for each triangle whose box meets the ray from `origin` along `direction`, any length of it.
   template <class F>
   void each_on_ray(const Vec3& origin, const Vec3& direction, F&& f) const;
@@ -46,7 +58,14 @@ class DistanceTree {
   static double square_distance(const Facet& facet, const Vec3& p) noexcept;
   static double square_distance(const Node& node, const Vec3& p) noexcept;
   static bool on_ray(const Node& node, const Vec3& origin, const Vec3& direction) noexcept;
-  void split(std::uint32_t begin, std::uint32_t end);
+  /// While the tree is made: where a triangle lies.
+  struct Place {
+    Vec3 three_middles;  ///< sum of its corners
+    std::uint32_t triangle;
+  };
+  void split(std::vector<Place>& places, std::uint32_t begin, std::uint32_t end);
+  /// The box of a node whose children have theirs.
+  void enclose(std::size_t index) noexcept;
 
   std::vector<Facet> facets_;
   std::vector<Node> nodes_;

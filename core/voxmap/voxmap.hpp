@@ -15,6 +15,11 @@
 #include "core/voxmap/free_distance.hpp"
 #include "core/voxmap/grid.hpp"
 
+namespace voxtouch {
+class ByteReader;
+class ByteWriter;
+}  // namespace voxtouch
+
 namespace voxtouch::voxmap {
 
 enum class VoxelKind : std::uint8_t { kFree = 0, kSurface = 1, kInterior = 2 };
@@ -88,7 +93,14 @@ class Voxmap {
   };
   Arrays arrays() const noexcept { return {table_.data(), bricks_.data(), bricks_.size(), near_.empty() ? nullptr : near_.data()}; }
 
+  /// All of a finished map, and such a map again, bit for bit; in stored.cpp. `take` throws StoredBytesError for bytes that are no map
+  /// which every lookup stands.
+  void put(ByteWriter& out) const;
+  static Voxmap take(ByteReader& in);
+
  private:
+  template <class Archive, class Map>
+  static void fields(Archive& archive, Map& map);
   static constexpr std::int32_t kInteriorBrick = 1;
   /// Voxel counted from the first of the table.
   std::array<std::int64_t, 3> local(const VoxelIndex& v) const noexcept {

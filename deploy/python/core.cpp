@@ -151,7 +151,8 @@ std::string design(const std::string& device, const std::string& scene, const st
   cli::DesignRequest request;
   request.scene = scene, request.hand = hand, request.kind = kind, request.cutoff_hz = cutoff_hz, request.gain_margin = gain_margin;
   request.stiffness_n_per_m = stiffness_n_per_m, request.held = held, request.no_damping = !damping;
-  return cli::to_json(cli::work_out(request, coupling::design::model_of(description), reader(program), serial_for(), {})).dump();
+  const auto build = [&](const scene::Scene& wanted) { return rendering::build_scene(wanted, serial_for(), {.read = reader(program)}); };
+  return cli::to_json(cli::work_out(request, coupling::design::model_of(description), build)).dump();
 }
 
 }  // namespace

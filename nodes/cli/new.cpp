@@ -13,9 +13,9 @@
 #include "core/types/program_folder.hpp"
 #include "nodes/cli/known_device.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/progress.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
-#include "nodes/runtime/parallel_for.hpp"
+#include "nodes/scene_build/build_here.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 struct NewOptions {
   fs::path part, tool, out;
   std::string device = "sim-phantom", part_unit, tool_unit;
+  scene_build::CacheOptions cache;
 };
 
 struct ReadMesh {
@@ -85,7 +86,7 @@ int make_new(const NewOptions& o) {
   write_new(out, first_scene::scene_text(proposed, names));
   try {
     const scene::Scene scene = scene::load_scene(out);
-    const auto built = rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("new"));
+    const auto built = scene_build::build_here(scene, {.who = "new", .cache = o.cache});
     if (const std::string wrong = first_scene::what_is_wrong(scene, *built); !wrong.empty())
       proposed.reasons.push_back("To be mended by hand: " + wrong + ".");
     const rendering::StiffnessBounds bounds{built->plan().contact_n_per_m, built->plan().contact_nm_per_rad};
@@ -117,6 +118,7 @@ void add_new(CLI::App& app, Action& action) {
   const CLI::IsMember units({first_scene::kMillimetre.name, first_scene::kMetre.name});
   verb->add_option("--unit", o->part_unit, "Unit of the part's numbers; default: whichever makes it fit a desk")->check(units);
   verb->add_option("--tool-unit", o->tool_unit, "Unit of the tool's numbers")->check(units);
+  scene_build::add_cache_options(*verb, o->cache);
   verb->add_option("--out", o->out, "Scene file to write; default: PART's name with .yaml, in the current folder");
   verb->callback([o, &action] { action = [o] { return make_new(*o); }; });
 }

@@ -51,6 +51,7 @@ void add_replay(CLI::App& app, Action& action) {
       ->transform(runtime::scene_argument());
   verb->add_option("--rig", o->options.rig, "Rig, where a bag holds several; default: the one that is there");
   verb->add_option("--plot", o->picture, "Draws recorded and replayed forces over time: .png, .svg or .pdf");
+  scene_build::add_cache_options(*verb, o->options.cache);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->callback([o, &action] {
     action = [o] {

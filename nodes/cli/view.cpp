@@ -43,6 +43,7 @@ void add_view(CLI::App& app, Action& action) {
       ->capture_default_str();
   CLI::Option* port = verb->add_option("--port", o->server.port, "Port to serve at; 0: any that is free. Default: 8765, or any where that is taken")
                           ->check(CLI::Range(0, 65535));
+  scene_build::add_cache_options(*verb, o->cache);
   verb->add_option("--with-parent", o->parent, "Stop when this parent process dies, and tell the address on stderr (voxtouch up sets this)");
   verb->callback([o, port, &action] {
     o->server.port_is_wished = port->count() > 0;

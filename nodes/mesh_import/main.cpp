@@ -12,6 +12,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "core/mesh/weld.hpp"
 #include "core/types/version.hpp"
 #include "nodes/mesh_import/answer.hpp"
 
@@ -44,7 +45,10 @@ int main(int argc, char** argv) {
       Assimp::Importer().ReadFile(argv[1], aiProcess_Triangulate);
       answer = voxtouch::mesh_import::encode({});
     } else {
-      answer = voxtouch::mesh_import::encode(voxtouch::mesh::read_triangles(argv[1], voxtouch::mesh::read_mesh_bytes(shared), options));
+      voxtouch::mesh::FileTriangles read = voxtouch::mesh::read_triangles(argv[1], voxtouch::mesh::read_mesh_bytes(shared), options);
+      // An STL has each vertex six times. Whoever gets them welds, and finds the same with these as with all.
+      read.mesh = voxtouch::mesh::weld(read.mesh, 0.0);
+      answer = voxtouch::mesh_import::encode(read);
     }
   } catch (const voxtouch::mesh::MeshError& refusal) {
     answer = voxtouch::mesh_import::encode_refusal(refusal.what());

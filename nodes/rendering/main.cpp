@@ -10,7 +10,10 @@ int rendering(int argc, char** argv) {
       {.name = "rendering",
        .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers every device sample "
                 "with the contact wrench."},
-      options, [&](CLI::App& app) { voxtouch::runtime::add_standby_options(app, options.standby); },
+      options, [&](CLI::App& app) {
+        voxtouch::runtime::add_standby_options(app, options.standby);
+        voxtouch::scene_build::add_cache_options(app, options.cache);
+      },
       [&](const std::atomic<bool>& stop) { return voxtouch::rendering_node::run(options, stop); });
 }
 

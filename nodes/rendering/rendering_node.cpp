@@ -11,8 +11,6 @@
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
-#include "nodes/log/progress.hpp"
-#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/rendering/external_source.hpp"
 #include "nodes/rendering/scene_update_server.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
@@ -23,9 +21,10 @@
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/duty.hpp"
 #include "nodes/runtime/housekeeping.hpp"
-#include "nodes/runtime/parallel_for.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/role_binding.hpp"
+#include "nodes/runtime/realtime.hpp"
+#include "nodes/scene_build/build_here.hpp"
 
 namespace voxtouch::rendering_node {
 namespace {
@@ -296,9 +295,9 @@ class RenderingNode {
   std::atomic<std::int64_t> longest_ns_{0};
 };
 
-std::unique_ptr<rendering::BuiltScene> build(const scene::Scene& scene) {
+std::unique_ptr<rendering::BuiltScene> build(const scene::Scene& scene, const scene_build::CacheOptions& cache) {
   const runtime::AtOrdinaryPriority while_no_sample_waits;
-  return rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("rendering"));
+  return scene_build::build_here(scene, {.who = "rendering", .cache = cache});
 }
 
 }  // namespace
@@ -306,7 +305,7 @@ std::unique_ptr<rendering::BuiltScene> build(const scene::Scene& scene) {
 int run(const Options& options, const std::atomic<bool>& stop) {
   (void)runtime::in_mode(options.standby, options.lockstep);  // before a scene is built
   const scene::Scene scene = scene::load_scene(options.scene);
-  std::unique_ptr<rendering::BuiltScene> built = build(scene);
+  std::unique_ptr<rendering::BuiltScene> built = build(scene, options.cache);
   for (const std::string& warning : options.announce ? built->plan().warnings : std::vector<std::string>()) log::tell("warning: {}\n", warning);
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);

@@ -4,11 +4,13 @@
 
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/standby_options.hpp"
+#include "nodes/scene_build/cache_options.hpp"
 
 namespace voxtouch::rendering_node {
 
 struct Options : runtime::NodeOptions {
   runtime::StandbyOptions standby;
+  scene_build::CacheOptions cache;
 };
 
 /// Builds the scene, then answers every device sample until `stop`. Throws while starting only.

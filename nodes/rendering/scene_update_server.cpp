@@ -9,11 +9,11 @@
 
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
-#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/rendering/effect_action.hpp"
 #include "nodes/rendering/plan_message.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/strings.hpp"
+#include "nodes/scene_build/build_here.hpp"
 
 namespace voxtouch::rendering_node {
 namespace {
@@ -311,11 +311,8 @@ SceneUpdateServer::Built SceneUpdateServer::build(double voxel_size_m, const std
     const auto go_on = [this] {
       if (stop_.load(std::memory_order_acquire)) throw std::runtime_error("the ring has stopped");
     };
-    const ParallelFor until_stopped = [&](std::size_t count, const std::function<void(std::size_t)>& body) {
-      for (std::size_t i = 0; i < count; ++i) go_on(), body(i);
-    };
-    out.built =
-        rendering::build_scene(out.scene, until_stopped, {.read = mesh_import::mesh_process()}, [&](const std::string&) { go_on(); });
+    // On one thread: the ring runs meanwhile.
+    out.built = scene_build::build_here(out.scene, {.who = "rendering", .cache = options_.cache, .loop = serial_for(), .go_on = go_on, .tells_progress = false});
   } catch (const std::exception& error) {
     out.refusal = error.what();
   }

@@ -43,7 +43,7 @@ std::optional<std::int64_t> begin_of(const RecordedSession& session) {
 class Run {
  public:
   Run(const ReplayOptions& options, const Recording& recording, const scene::Scene& scene)
-      : options_(options), recording_(recording), scene_(scene), rendering_(scene),
+      : options_(options), recording_(recording), scene_(scene), rendering_(scene, options.cache),
         coupling_(scene_, !recording.lockstep && (recording.scene_hash.empty() || recording.scene_hash == scene.hash)) {
     out_.bag = options.bag.string(), out_.rig = recording.rig, out_.lockstep = recording.lockstep;
     out_.recorded = {recording.scene, recording.scene_hash, recording.scene_file.string()};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nodes/replay/message_difference.hpp"
+#include "nodes/scene_build/cache_options.hpp"
 
 namespace voxtouch::replay {
 
@@ -13,6 +14,7 @@ struct ReplayOptions {
   std::filesystem::path bag, scene;  ///< `scene` instead of the recorded one; empty: the file that the bag names
   std::string rig;                   ///< empty: the one that the bag holds
   bool curves = false;               ///< keep them
+  scene_build::CacheOptions cache = {};
 };
 
 /// Forces of one run.

@@ -4,23 +4,22 @@
 
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
-#include "nodes/log/progress.hpp"
-#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/rendering/effect_action.hpp"
 #include "nodes/replay/loop_arithmetic.hpp"
 #include "nodes/runtime/convert.hpp"
-#include "nodes/runtime/parallel_for.hpp"
+#include "nodes/scene_build/build_here.hpp"
 
 namespace voxtouch::replay {
 namespace {
 
-std::unique_ptr<rendering::BuiltScene> built_from(const scene::Scene& scene) {
-  return rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("replay"));
+std::unique_ptr<rendering::BuiltScene> built_from(const scene::Scene& scene, const scene_build::CacheOptions& cache) {
+  return scene_build::build_here(scene, {.who = "replay", .cache = cache});
 }
 
 }  // namespace
 
-SceneReplay::SceneReplay(const scene::Scene& scene) : scene_(scene), settled_(scene.effects), renderer_(scene_.device, *built_.emplace_back(built_from(scene))) {
+SceneReplay::SceneReplay(const scene::Scene& scene, const scene_build::CacheOptions& cache)
+    : cache_(cache), scene_(scene), settled_(scene.effects), renderer_(scene_.device, *built_.emplace_back(built_from(scene, cache))) {
   sum_up();
 }
 
@@ -63,7 +62,7 @@ std::string SceneReplay::reload(const RecordedChange& change) {
     scene::Scene next = scene::load_scene(scene_.file);
     if (change.voxel_size_m > 0.0) next.voxel_size_m = change.voxel_size_m;
     if (!change.model.empty()) next.contact.model = change.model;
-    auto built = built_from(next);
+    auto built = built_from(next, cache_);
     std::vector<effects::EffectSpec> effects = rendering::carried_over(scene_.effects, settled_, next.effects);
     built->scene_renderer().effects() = effects::EffectChain(effects);
     renderer_.live().finish();  // over, where the bag is whole: the loop takes no scene while another fades in

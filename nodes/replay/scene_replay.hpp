@@ -9,6 +9,7 @@
 #include "core/scene/scene.hpp"
 #include "nodes/rendering/sample_renderer.hpp"
 #include "nodes/replay/recording.hpp"
+#include "nodes/scene_build/cache_options.hpp"
 
 namespace voxtouch::replay {
 
@@ -16,7 +17,7 @@ namespace voxtouch::replay {
 class SceneReplay {
  public:
   /// Builds `scene`. Throws as rendering::build_scene and mesh readers do.
-  explicit SceneReplay(const scene::Scene& scene);
+  explicit SceneReplay(const scene::Scene& scene, const scene_build::CacheOptions& cache = {});
   SceneReplay(const SceneReplay&) = delete;
   SceneReplay& operator=(const SceneReplay&) = delete;
 
@@ -40,6 +41,7 @@ class SceneReplay {
   std::string reload(const RecordedChange& change);
   void sum_up();
 
+  scene_build::CacheOptions cache_;
   scene::Scene scene_;
   std::vector<std::unique_ptr<rendering::BuiltScene>> built_;  ///< all that have run: the renderer points into the last two
   std::vector<effects::EffectSpec> settled_;                   ///< the effects as they are set now

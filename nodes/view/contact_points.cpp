@@ -6,7 +6,7 @@
 #include <exception>
 #include <utility>
 
-#include "nodes/mesh_import/mesh_process.hpp"
+#include "nodes/scene_build/build_here.hpp"
 #include "nodes/runtime/realtime.hpp"
 
 namespace voxtouch::view {
@@ -73,9 +73,9 @@ void ContactPoints::look() {
   if (building_.valid() || finding_.valid()) return;
   if (scene_) {
     built_.reset();
-    building_ = std::async(std::launch::async, [scene = *std::exchange(scene_, std::nullopt)] {
+    building_ = std::async(std::launch::async, [scene = *std::exchange(scene_, std::nullopt), cache = cache_] {
       give_way();
-      return rendering::build_scene(scene, serial_for(), {.read = mesh_import::mesh_process()});
+      return scene_build::build_here(scene, {.who = "view", .cache = cache, .loop = serial_for(), .tells_progress = false});
     });
   } else if (built_ && (question_ || slice_question_)) {
     finding_ = std::async(std::launch::async, [this, question = std::exchange(question_, std::nullopt),

@@ -10,6 +10,7 @@
 
 #include "core/rendering/build.hpp"
 #include "core/scene/scene.hpp"
+#include "nodes/scene_build/cache_options.hpp"
 #include "nodes/view/voxel_slice.hpp"
 
 namespace voxtouch::view {
@@ -18,6 +19,7 @@ namespace voxtouch::view {
 /// it, and none of its calls waits; its end waits for what is under way.
 class ContactPoints {
  public:
+  explicit ContactPoints(const scene_build::CacheOptions& cache) : cache_(cache) {}
   /// Another scene; built when its turn comes.
   void scene_is(const scene::Scene& scene);
   /// Which points touch with the tool at `object` in W, where moving objects are at `scene_time_s`.
@@ -45,6 +47,7 @@ class ContactPoints {
     std::optional<nlohmann::json> slice;
   };
 
+  scene_build::CacheOptions cache_;
   std::optional<scene::Scene> scene_;  ///< to be built
   std::optional<Question> question_;
   std::optional<SliceQuestion> slice_question_;

@@ -52,7 +52,7 @@ json counts_of(const std::vector<NodeRow>& rows) {
 class View {
  public:
   explicit View(const Options& options)
-      : options_(options), participant_(options.node.participant("view")),
+      : options_(options), participant_(options.node.participant("view")), points_(options.cache),
         server_(options.server, [this] { return greeting(); }, [this](std::string text) { hear(std::move(text)); }) {
     if (is_bag(options.shown))
       player_.emplace(participant_, options.shown);

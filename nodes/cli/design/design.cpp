@@ -10,11 +10,9 @@
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/progress.hpp"
-#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/options.hpp"
-#include "nodes/runtime/parallel_for.hpp"
 #include "nodes/runtime/scene_argument.hpp"
+#include "nodes/scene_build/build_here.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -23,6 +21,7 @@ struct DesignVerbOptions : DesignRequest {
   std::string device = "sim-phantom";
   std::filesystem::path plot, csv;
   bool json = false;
+  scene_build::CacheOptions cache;
 };
 
 int design(const DesignVerbOptions& o) {
@@ -31,7 +30,7 @@ int design(const DesignVerbOptions& o) {
   if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
   const coupling::design::DeviceModel device = find_device(o.device);
   if (!o.scene.empty()) log::tell("building {} to count its points\n", o.scene.stem().string());
-  const DesignReport report = work_out(o, device, mesh_import::mesh_process(), runtime::threaded_for(), log::tell_each_second("design"));
+  const DesignReport report = work_out(o, device, [&](const scene::Scene& scene) { return scene_build::build_here(scene, {.who = "design", .cache = o.cache}); });
   const std::string json = to_json(report).dump(2);
   log::print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
@@ -57,6 +56,7 @@ void add_design(CLI::App& app, Action& action) {
   verb->add_option("--scene", o->scene,
                    "Scene whose contact and wishes are to be met; default: whatever the device can show")
       ->transform(runtime::scene_argument());
+  scene_build::add_cache_options(*verb, o->cache);
   verb->add_option("--hand", o->hand, "pen, arm or any_passive; default: the scene's, else how the device is held")
       ->check(CLI::IsMember({"pen", "arm", "any_passive"}));
   verb->add_flag("--held", o->held, "Somebody always holds the device: nobody letting go is not among the cases");

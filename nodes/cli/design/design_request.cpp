@@ -45,8 +45,7 @@ void apply(const DesignRequest& o, const coupling::design::DeviceModel& device, 
 }
 
 /// The problem that the command line and its scene pose, and the words for it: without what is found.
-DesignReport problem_of(const DesignRequest& o, const coupling::design::DeviceModel& device, const mesh::TriangleReader& read, const ParallelFor& parallel_for,
-                        const rendering::Progress& progress) {
+DesignReport problem_of(const DesignRequest& o, const coupling::design::DeviceModel& device, const BuildScene& build) {
   DesignReport out;
   out.device = device.name;
   std::string hand = std::string(coupling::design::name_of(device.grip));
@@ -56,7 +55,7 @@ DesignReport problem_of(const DesignRequest& o, const coupling::design::DeviceMo
         fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)", out.request.contact.all_points);
   } else {
     const scene::Scene scene = scene::load_scene(o.scene);
-    const auto built = rendering::build_scene(scene, parallel_for, {.read = read}, progress);
+    const auto built = build(scene);
     const rendering::Plan& plan = built->plan();
     out.request = fitting::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
     if (scene.design) hand = std::string(scene::name_of(scene.design->hand));
@@ -77,9 +76,8 @@ DesignReport problem_of(const DesignRequest& o, const coupling::design::DeviceMo
 
 }  // namespace
 
-DesignReport work_out(const DesignRequest& request, const coupling::design::DeviceModel& device, const mesh::TriangleReader& read, const ParallelFor& parallel_for,
-                      const rendering::Progress& progress) {
-  DesignReport report = problem_of(request, device, read, parallel_for, progress);
+DesignReport work_out(const DesignRequest& request, const coupling::design::DeviceModel& device, const BuildScene& build) {
+  DesignReport report = problem_of(request, device, build);
   report.design = coupling::design::design_coupling(report.request);
   report.paper = judge_paper_recipe(report.request);
   report.region = region_round(report.request, report.design);

@@ -1,11 +1,11 @@
 #pragma once
 /// What is asked of the designer, by `voxtouch design` and by the Python package alike.
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 
-#include "core/mesh/import.hpp"
 #include "core/rendering/build.hpp"
-#include "core/types/parallel.hpp"
 #include "nodes/cli/design/design_report.hpp"
 
 namespace voxtouch::cli {
@@ -19,8 +19,10 @@ struct DesignRequest {
   bool held = false, no_damping = false;
 };
 
+/// How a scene is built.
+using BuildScene = std::function<std::unique_ptr<rendering::BuiltScene>(const scene::Scene&)>;
+
 /// Builds the scene, where there is one, and designs for it. Takes seconds. Throws what reading and building a scene throw.
-DesignReport work_out(const DesignRequest& request, const coupling::design::DeviceModel& device, const mesh::TriangleReader& read,
-                      const ParallelFor& parallel_for, const rendering::Progress& progress);
+DesignReport work_out(const DesignRequest& request, const coupling::design::DeviceModel& device, const BuildScene& build);
 
 }  // namespace voxtouch::cli

@@ -11,11 +11,9 @@
 #include "nodes/cli/plan/plan_report.hpp"
 #include "nodes/cli/machine.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/progress.hpp"
-#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/rendering/plan_ring.hpp"
-#include "nodes/runtime/parallel_for.hpp"
 #include "nodes/runtime/scene_argument.hpp"
+#include "nodes/scene_build/build_here.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -33,6 +31,7 @@ struct PlanVerb {
   std::string device, model;
   int frames = 1000;
   bool json = false, no_measure = false;
+  scene_build::CacheOptions cache;
 };
 
 /// The coupling on this device goes to `fitted`, where there is one that may run.
@@ -69,7 +68,7 @@ PlanReport make_report(const PlanVerb& o) {
   if (!o.model.empty()) scene.contact.model = o.model;
   log::tell("building {}\n", scene.name);
   const std::unique_ptr<rendering::BuiltScene> built =
-      rendering::build_scene(scene, runtime::threaded_for(), {.read = mesh_import::mesh_process()}, log::tell_each_second("plan"));
+      scene_build::build_here(scene, {.who = "plan", .cache = o.cache});
   PlanReport report;
   report.plan = built->plan();
   for (rendering::PlanPart& part : rendering_node::ring_parts(scene)) report.plan.parts.push_back(std::move(part));
@@ -108,6 +107,7 @@ void add_plan(CLI::App& app, Action& action) {
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
   verb->add_flag("--no-measure", o->no_measure, "Only what is expected, which is the same on every machine");
+  scene_build::add_cache_options(*verb, o->cache);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->callback([o, &action] { action = [o] { return run(*o); }; });
 }

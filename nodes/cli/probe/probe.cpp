@@ -7,14 +7,13 @@
 
 #include "core/reference/reference_scene.hpp"
 #include "core/reference/reference_wrench.hpp"
-#include "core/rendering/build.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/cli/probe/pose_csv.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
-#include "nodes/runtime/parallel_for.hpp"
 #include "nodes/runtime/scene_argument.hpp"
+#include "nodes/scene_build/build_here.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -23,6 +22,7 @@ struct ProbeOptions {
   std::filesystem::path scene, poses;
   std::string model;
   bool points = false;
+  scene_build::CacheOptions cache;
 };
 
 /// Ids as `3 5-8 11`.
@@ -62,8 +62,7 @@ int probe(const ProbeOptions& o) {
   if (o.model == "reference") return mesh_import::rehearse_reading(scene), probe_reference(scene, poses);
   std::optional<contact::ContactModelKind> model;  // absent: the scene's own
   if (!o.model.empty()) contact::parse_contact_model(o.model, model.emplace());
-  const auto built = rendering::build_scene(scene, runtime::threaded_for(), {.model = model, .read = mesh_import::mesh_process()},
-                                 [](const std::string& text) { log::tell("{}\n", text); });
+  const auto built = scene_build::build_here(scene, {.who = "probe", .cache = o.cache, .model = model});
   for (const std::string& warning : built->plan().warnings) log::tell("warning: {}\n", warning);
   log::print_result("nS,nI,coh,fx,fy,fz,tx,ty,tz{}\n", o.points ? ",S" : "");
   std::vector<std::uint32_t> ids;
@@ -93,6 +92,7 @@ void add_probe(CLI::App& app, Action& action) {
       ->required();
   verb->add_option("--model", o->model, "original, adapted, clustered, field or reference; default: the scene's")
       ->check(CLI::IsMember({"original", "adapted", "clustered", "field", "reference"}));
+  scene_build::add_cache_options(*verb, o->cache);
   verb->add_flag("--points", o->points, "Adds a column with the ids of the colliding points");
   verb->callback([o, &action] { action = [o] { return probe(*o); }; });
 }

@@ -142,6 +142,7 @@ std::vector<std::string> coupling_arguments(const coupling_node::Options& o) {
 std::vector<std::string> rendering_arguments(const rendering_node::Options& o) {
   std::vector<std::string> a = runtime::to_arguments(o, true);
   runtime::append_arguments(o.standby, a);
+  scene_build::append_arguments(o.cache, a);
   return a;
 }
 
@@ -174,13 +175,14 @@ int RunningNode::join(std::chrono::milliseconds patience) {
   return *ended();
 }
 
-std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o) {
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o, const scene_build::CacheOptions& cache) {
   constexpr std::chrono::milliseconds kPatience{2'000};
   std::vector<std::string> arguments = {"view",     o.scene.string(),          "--rig",       o.rig,
                                         "--domain", fmt::to_string(o.domain), "--interface", o.network_interface};
   for (const std::string& peer : o.discovery_peers) arguments.insert(arguments.end(), {"--discovery-peer", peer});
   if (!o.security.empty()) arguments.insert(arguments.end(), {"--security", o.security.string()});
   if (o.ros == bus::RosGraph::kHumble) arguments.insert(arguments.end(), {"--ros", "humble"});
+  scene_build::append_arguments(cache, arguments);
   return std::make_unique<ChildProcess>("view", program_folder() / "voxtouch", arguments, kPatience);
 }
 

@@ -53,6 +53,6 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& options);
 
 /// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not notice. Shows the ring of `options` and
 /// the meshes of its scene, and tells its address on stderr. Throws std::runtime_error where it cannot be started.
-std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options);
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options, const scene_build::CacheOptions& cache);
 
 }  // namespace voxtouch::cli

@@ -417,12 +417,12 @@ RunSummary run_up(const UpOptions& options) {
   signal(SIGCHLD, [](int) {});  // is not to be ignored by `usleep`
   const scene::Scene scene = scene::load_scene(options.node.scene);
   std::unique_ptr<RunningNode> page;  // first: what takes long to build can be looked at meanwhile
-  if (options.view) page = start_page(options.node);
+  if (options.view) page = start_page(options.node, options.ring.rendering.cache);
   const device_node::Options& device = options.ring.device;
   std::vector<std::string> warnings = scene.warnings;
   const std::vector<std::string> notes = check_before_start(
       scene, {device.device, devices::parse_settings(device.settings), device.motion, options.no_record ? "" : options.ring.logger.bag, device.network_delay_ms,
-              options.node.lockstep},
+              options.node.lockstep, options.ring.rendering.cache},
       warnings);
   std::ranges::copy(warnings_of_machine(options.node.scheduling()), std::back_inserter(warnings));
   for (const std::string& line : few_warnings(warnings, options.node.scene.string())) log::tell("{}\n", line);
@@ -503,6 +503,7 @@ void add_up(CLI::App& app, Action& action) {
   verb->add_flag("--no-report", options->no_report, "No report.html beside the bag: see voxtouch report --help");
   verb->add_flag("--one-process", options->ring.one_process, "All nodes in this process; still over DDS");
   verb->add_flag("--standby", options->standby, "A second rendering and a second coupling stand by, and take over where the first leaves samples without an answer");
+  scene_build::add_cache_options(*verb, options->ring.rendering.cache);
   verb->add_flag("--view", options->view, "Serves a page that shows the ring, and tells its address: see voxtouch view --help");
   verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");
   verb->callback([options, &action] { action = [options] { return up(*options); }; });

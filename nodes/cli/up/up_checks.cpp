@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "core/rendering/build.hpp"
 #include "core/felt/felt.hpp"
 #include "core/fitting/device_check.hpp"
 #include "core/fitting/fit_coupling.hpp"
@@ -20,9 +19,8 @@
 #include "nodes/device/described_device.hpp"
 #include "nodes/device/device_node.hpp"
 #include "nodes/faults/force_lock.hpp"
-#include "nodes/log/progress.hpp"
-#include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/signals.hpp"
+#include "nodes/scene_build/build_here.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -42,22 +40,19 @@ void check_bag(const std::filesystem::path& bag) {
 }
 
 /// Ctrl-C ends it: there is nothing to stop in order yet.
-std::unique_ptr<rendering::BuiltScene> build_unless_stopped(const scene::Scene& scene) {
-  const ParallelFor until_stopped = [](std::size_t count, const std::function<void(std::size_t)>& body) {
-    for (std::size_t i = 0; i < count; ++i) {
-      if (runtime::stop_requested().load(std::memory_order_relaxed)) throw std::runtime_error("stopped before the start");
-      body(i);
-    }
+std::unique_ptr<rendering::BuiltScene> build_unless_stopped(const scene::Scene& scene, const scene_build::CacheOptions& cache) {
+  const auto go_on = [] {
+    if (runtime::stop_requested().load(std::memory_order_relaxed)) throw std::runtime_error("stopped before the start");
   };
-  return rendering::build_scene(scene, until_stopped, {.read = mesh_import::mesh_process()}, log::tell_each_second("up"));
+  return scene_build::build_here(scene, {.who = "up", .cache = cache, .go_on = go_on});
 }
 
 /// `felt`: what will be felt. What the coupling node will say of this device and scene, by its own code: a sentence; empty: it will command forces. What all
 /// points show together is known only of the scene as built, so it is built here as well.
-std::string why_no_force(const scene::Scene& scene, const DeviceDescription& description, const std::string& motion, std::string& felt,
-                         std::vector<std::string>& warnings) {
+std::string why_no_force(const scene::Scene& scene, const DeviceDescription& description, const std::string& motion,
+                         const scene_build::CacheOptions& cache, std::string& felt, std::vector<std::string>& warnings) {
   if (std::string wrong = what_is_wrong(description); !wrong.empty()) return wrong;
-  const std::unique_ptr<rendering::BuiltScene> built = build_unless_stopped(scene);
+  const std::unique_ptr<rendering::BuiltScene> built = build_unless_stopped(scene, cache);
   const rendering::Plan& plan = built->plan();
   for (const std::string& warning : plan.warnings)
     if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
@@ -103,7 +98,7 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
   const Motion motion = device_node::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
   std::string felt;
-  if (const std::string why = why_no_force(scene, description, plans.motion, felt, warnings); !why.empty())
+  if (const std::string why = why_no_force(scene, description, plans.motion, plans.cache, felt, warnings); !why.empty())
     throw std::runtime_error(fmt::format("{} does not go with {}: {}", scene.file.string(), plans.device, why));
   std::vector<std::string> notes;
   if (!scene.design)

@@ -7,6 +7,7 @@
 #include "core/scene/scene.hpp"
 #include "devices/device_options.hpp"
 #include "nodes/cli/up/summary.hpp"
+#include "nodes/scene_build/cache_options.hpp"
 
 namespace voxtouch::cli {
 
@@ -17,6 +18,7 @@ struct Plans {
   std::filesystem::path bag;  ///< empty: none
   double network_delay_ms = 0.0;
   bool lockstep = false;
+  scene_build::CacheOptions cache = {};
 };
 
 /// Throws std::runtime_error, a sentence: unknown device, device option or motion, a scene that cannot be built, a device that the

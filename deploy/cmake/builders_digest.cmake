@@ -1,0 +1,17 @@
+# cmake -DOUT=FILE -DWITH=TEXT -DFILES=A;B;... -P builders_digest.cmake: writes the digest that builders_digest.hpp speaks of.
+set(all "${WITH}")
+foreach(file IN LISTS FILES)
+  file(SHA256 ${file} digest)
+  get_filename_component(name ${file} NAME)
+  string(APPEND all " ${name} ${digest}")
+endforeach()
+string(SHA256 digest "${all}")
+set(text "#include \"core/rendering/builders_digest.hpp\"\n
+namespace voxtouch::rendering {\nstd::string_view builders_digest() noexcept { return \"${digest}\"; }\n}  // namespace voxtouch::rendering\n")
+set(before "")
+if(EXISTS ${OUT})
+  file(READ ${OUT} before)
+endif()
+if(NOT before STREQUAL text)
+  file(WRITE ${OUT} "${text}")
+endif()

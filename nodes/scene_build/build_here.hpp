@@ -1,0 +1,27 @@
+#pragma once
+/// How programs build a scene: each mesh is read in a process of its own, all processors work, progress is told, and what was built before is
+/// taken from the cache.
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/rendering/build.hpp"
+#include "nodes/runtime/parallel_for.hpp"
+#include "nodes/scene_build/cache_options.hpp"
+
+namespace voxtouch::scene_build {
+
+struct BuildHow {
+  std::string who;                                 ///< begins what is told
+  CacheOptions cache = {};
+  std::optional<contact::ContactModelKind> model = {};
+  ParallelFor loop = runtime::threaded_for();
+  std::function<void()> go_on = {};                ///< asked before each piece of work, from any thread; throws where the build is to end
+  bool tells_progress = true;
+};
+
+/// Throws as rendering::build_scene and `go_on`.
+std::unique_ptr<rendering::BuiltScene> build_here(const scene::Scene& scene, const BuildHow& how);
+
+}  // namespace voxtouch::scene_build

@@ -1,0 +1,96 @@
+// A brick's distances, many nodes at once, are what each node would get from the tree alone, to the bit.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "core/voxmap/brick_distances.hpp"
+#include "tests/support/seed.hpp"
+
+namespace voxtouch::test::brick_distances {
+namespace {
+
+using voxmap::DistanceTree;
+
+struct Soup {
+  mesh::TriangleMesh mesh;
+  std::vector<std::uint32_t> all;
+
+  /// Triangles of about `size` voxels in a cube of 40; each tenth a line, each eleventh a point, some on the grid.
+  Soup(std::mt19937_64& random, std::size_t count, double size) : all(count) {
+    std::uniform_real_distribution<double> place(-10.0, 30.0), step(-size, size);
+    for (std::uint32_t t = 0; t < count; ++t) {
+      Vec3 a(place(random), place(random), place(random));
+      if (t % 7 == 0) a = a.array().round();
+      Vec3 b = a + Vec3(step(random), step(random), step(random)), c = a + Vec3(step(random), step(random), step(random));
+      if (t % 5 == 0) b.z() = c.z() = a.z();
+      if (t % 10 == 0) c = a + 0.5 * (b - a);
+      if (t % 11 == 0) b = c = a;
+      for (const Vec3& corner : {a, b, c}) mesh.vertices.push_back(corner);
+      mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    std::iota(all.begin(), all.end(), 0U);
+  }
+};
+
+/// Bricks whose distances differ from the tree's anywhere.
+int different(const Soup& soup, std::mt19937_64& random, int bricks) {
+  const voxmap::GridMesh in_grid(soup.mesh, {Vec3::Zero(), 1.0});
+  const DistanceTree tree(in_grid, soup.all);
+  int wrong = 0;
+  for (int n = 0; n < bricks; ++n) {
+    const Vec3 first(8.0 * static_cast<double>(random() % 6) - 16.0, 8.0 * static_cast<double>(random() % 6) - 16.0, 8.0 * static_cast<double>(random() % 6) - 16.0);
+    voxmap::BrickLimits limit;
+    for (double& most : limit) most = random() % 2 == 0 ? -12.0 : 2.0;
+    voxmap::DistanceField::Brick brick;
+    voxmap::signed_distances(tree, first, limit, brick);
+    bool same = true;
+    for (int at = 0; at < static_cast<int>(brick.size()); ++at) {
+      const auto node = static_cast<std::size_t>(at);
+      const double distance = tree.nearest(first + Vec3(at % 9, at / 9 % 9, at / 81), std::abs(limit[node]));
+      same = same && std::bit_cast<std::uint32_t>(static_cast<float>(limit[node] < 0.0 ? -distance : distance)) == std::bit_cast<std::uint32_t>(brick[node]);
+    }
+    wrong += !same;
+  }
+  return wrong;
+}
+
+TEST(BrickDistances, AreThoseOfTheTreeWhateverTheTriangles) {
+  std::mt19937_64 random(voxtouch::testing::seed(1));
+  for (const auto& [count, size] : {std::pair{std::size_t{1}, 10.0}, {3, 30.0}, {40, 5.0}, {300, 3.0}, {3000, 1.0}, {30000, 0.4}})
+    EXPECT_EQ(different(Soup(random, count, size), random, 40), 0) << count << " triangles of " << size;
+}
+
+TEST(BrickDistances, AreTheLimitsWhereNothingIsNear) {
+  const mesh::TriangleMesh empty;
+  const voxmap::GridMesh in_grid(empty, {Vec3::Zero(), 1.0});
+  const DistanceTree tree(in_grid, {});
+  voxmap::BrickLimits limit;
+  limit.fill(-12.0), limit[5] = 2.0;
+  voxmap::DistanceField::Brick brick;
+  voxmap::signed_distances(tree, Vec3::Zero(), limit, brick);
+  for (std::size_t n = 0; n < brick.size(); ++n) EXPECT_EQ(brick[n], n == 5 ? 2.0F : -12.0F);
+}
+
+TEST(BrickDistances, SquaresOfManyPointsAreThoseThatOneIsComparedBy) {
+  std::mt19937_64 random(voxtouch::testing::seed(2));
+  const Soup soup(random, 500, 4.0);
+  const voxmap::GridMesh in_grid(soup.mesh, {Vec3::Zero(), 1.0});
+  std::uniform_real_distribution<double> place(-15.0, 35.0);
+  for (std::uint32_t t = 0; t < 500; ++t) {
+    const DistanceTree alone(in_grid, {t});
+    DistanceTree::Points points;
+    for (std::size_t n = 0; n < DistanceTree::Points::kCount; ++n) points.set(n, Vec3(place(random), place(random), place(random)));
+    DistanceTree::Squares squares;
+    alone.squares(0, points, squares);
+    for (std::size_t n = 0; n < squares.size(); ++n) {
+      const double one = alone.nearest(Vec3(points.x[n], points.y[n], points.z[n]), 1e3);
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(one), std::bit_cast<std::uint64_t>(std::sqrt(squares[n]))) << t;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch::test::brick_distances
