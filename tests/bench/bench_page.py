@@ -192,9 +192,15 @@ def new_plane(columns, title, note):
     matplotlib.rcParams.update(STYLE)
     figure = Figure(figsize=(16, 9), dpi=100, layout="constrained")
     axes = figure.subplots(1, columns, squeeze=False, sharey=True)[0]
-    figure.suptitle(title + "\n", x=0.01, ha="left", fontweight="bold")
-    figure.text(0.01, 0.94, note, va="top", color="0.25", fontsize=14)
+    figure.get_layout_engine().set(rect=(0, 0, 1, 0.9))
+    figure.suptitle(title, x=0.01, y=0.985, va="top", ha="left", fontweight="bold")
+    figure.text(0.01, 0.935, note, va="top", color="0.25", fontsize=14).set_in_layout(False)
     return figure, axes
+
+
+def tick_at(axis, sizes):
+    log_axis(axis, sizes[0] / 1.5, sizes[-1] * 1.5)
+    axis.set_ticks(sizes, labels=[f"{n:,}" for n in sizes])
 
 
 def draw_points(m, picture):
@@ -207,7 +213,7 @@ def draw_points(m, picture):
                       label=f"{place}, {what.split()[0]}")
     axis.axhline(1000.0, color=RED, lw=1.2)
     axis.annotate("the period of a 1 kHz loop", (sizes[0], 1000.0), xytext=(0, 5), textcoords="offset points", color=RED, fontsize=13)
-    log_axis(axis.xaxis, sizes[0] / 1.3, sizes[-1] * 1.3)
+    tick_at(axis.xaxis, sizes)
     log_axis(axis.yaxis, 0.02, 4e4)
     axis.set_xlabel("shell points")
     axis.set_ylabel("CPU time of a frame [µs]")
@@ -225,12 +231,12 @@ def draw_triangles(m, picture):
             values = [m.ns(what, place, n) for n in sizes]
             if all(values):
                 axis.plot(sizes, [v / 1e3 for v in values], "-", marker=mark, color=colour, ms=10, lw=1.4, label=name)
-        log_axis(axis.xaxis, sizes[0] / 1.5, sizes[-1] * 1.5)
+        tick_at(axis.xaxis, sizes)
         log_axis(axis.yaxis, 0.1, 4e5)
         axis.set_title({"near": "near, no contact", "light": "light contact", "heavy": "heavy contact"}[place])
         axis.set_xlabel("triangles of each mesh")
     axes[0].set_ylabel("CPU time of a query [µs]")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncol=5)
+    axes[-1].legend(*axes[0].get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(1.005, 1.0))
     figure.savefig(picture, metadata={"Software": None})
 
 
@@ -241,7 +247,13 @@ def main():
 
     def read(name):
         file = folder / f"{name}.json"
-        return json.loads(file.read_text(encoding="utf-8")) if file.is_file() and file.stat().st_size else None
+        try:
+            return json.loads(file.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return None
+        except ValueError:
+            print(f"{file} is not whole: its run was broken off. The page leaves it out.", file=sys.stderr)
+            return None
 
     query, meshes, build = (Medians(result) if (result := read(name)) else None for name in ("query", "meshes", "build"))
     counted, ring = read("instructions"), read("ring")

@@ -86,6 +86,12 @@ def system_calls(ask):
     return out
 
 
+def write(ask, rounds, calls):
+    medians = {kind: {name: statistics.median(turn[name] for turn in all_of) for name in ("p50_us", "p99_us")} for kind, all_of in rounds.items()}
+    ask.out.write_text(json.dumps({"turns": len(next(iter(rounds.values()))), "seconds": ask.seconds, "load": os.getloadavg()[0], "rounds": rounds, "calls": calls,
+                                   "medians": medians}, indent=1))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="build folder")
@@ -99,9 +105,8 @@ def main():
         for kind in KINDS if turn % 2 == 0 else reversed(KINDS):  # who comes second finds the machine as the first left it
             rounds[kind].append(KINDS[kind](ask))
         print(f"turn {turn + 1}, load {os.getloadavg()[0]:.1f}: " + ", ".join(f"{kind} {rounds[kind][-1]['p50_us']:.0f}" for kind in KINDS) + " us", flush=True)
-    result = {"turns": ask.turns, "seconds": ask.seconds, "load": os.getloadavg()[0], "rounds": rounds, "calls": system_calls(ask),
-              "medians": {kind: {name: statistics.median(turn[name] for turn in all_of) for name in ("p50_us", "p99_us")} for kind, all_of in rounds.items()}}
-    ask.out.write_text(json.dumps(result, indent=1))
+        write(ask, rounds, {})  # what is broken off keeps its turns
+    write(ask, rounds, system_calls(ask))
 
 
 if __name__ == "__main__":
