@@ -5,11 +5,11 @@
 #include <numbers>
 #include <numeric>
 
+#include "tests/bench/bench_sizes.hpp"
+
 namespace voxtouch::bench {
 namespace {
 
-constexpr double kOuter = 80.0, kInner = 72.0, kFloor = 8.0, kHeight = 200.0;  // [voxels]
-constexpr double kBall = 50.0, kPlugLength = 120.0;
 constexpr std::int32_t kReach = 82;
 
 bool solid(std::int32_t i, std::int32_t j, std::int32_t k) {
@@ -117,6 +117,13 @@ std::vector<Pose> path(Place place) {
     }
     out.push_back({kEdge * at, turn});
   }
+  return out;
+}
+
+std::vector<Pose> eight_poses(Place place) {
+  const std::vector<Pose> all = path(place);
+  std::vector<Pose> out;
+  for (const std::size_t n : {0U, 1U, 2U, 3U, 4U, 3U, 2U, 1U}) out.push_back(all[n]);
   return out;
 }
 

@@ -23,5 +23,7 @@ pointshell::Pointshell tool(Place place, std::size_t points);
 
 /// Poses of a closed path about the place, less than half a voxel apart.
 std::vector<Pose> path(Place place);
+/// Its first five there and back again, so that they too can be gone round without a jump.
+std::vector<Pose> eight_poses(Place place);
 
 }  // namespace voxtouch::bench

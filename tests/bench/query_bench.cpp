@@ -3,11 +3,17 @@
 #include <benchmark/benchmark.h>
 
 #include <map>
+#include <numbers>
 #include <string_view>
 
 #include "core/contact/contact_renderer.hpp"
 #include "core/contact/instructions.hpp"
-#include "tests/bench/bench_scene.hpp"
+#include "core/contact/virtual_tool.hpp"
+#include "core/voxmap/distance_field.hpp"
+#include "core/voxmap/voxelise.hpp"
+#include "tests/bench/bench_mesh.hpp"
+#include "tests/bench/bench_sizes.hpp"
+#include "tests/bench/read_floor.hpp"
 
 namespace voxtouch::bench {
 namespace {
@@ -15,6 +21,29 @@ namespace {
 const voxmap::Voxmap& ground() {
   static const voxmap::Voxmap map = cup();
   return map;
+}
+
+/// The same cup out of a mesh: `field` and the virtual tool look up distances. Its surface has other voxels, so it has rows of its own.
+struct Ground {
+  voxmap::Voxmap map;
+  voxmap::DistanceField field;
+};
+const Ground& ground_of_mesh() {
+  static const Ground made = [] {
+    const mesh::TriangleMesh mesh = cup_mesh(20'000);
+    voxmap::Voxmap map = voxmap::voxelise(mesh, {kEdge * Vec3(0.06, 0.08, 0.1), kEdge}, serial_for());
+    voxmap::DistanceField field = voxmap::build_distance_field(mesh, map, {}, serial_for());
+    return Ground{std::move(map), std::move(field)};
+  }();
+  return made;
+}
+
+/// Each row is set up anew for each repetition, and to put a million points in order takes a second.
+const pointshell::Pointshell& points_of(Place place, std::size_t points) {
+  static std::map<std::pair<bool, std::size_t>, pointshell::Pointshell> made;
+  const auto key = std::pair{place == Place::kHeavy, points};
+  const auto found = made.find(key);
+  return found != made.end() ? found->second : made.emplace(key, tool(place, points)).first->second;
 }
 
 void count(benchmark::State& state, std::size_t points, double tested, double hits) {
@@ -25,33 +54,14 @@ void count(benchmark::State& state, std::size_t points, double tested, double hi
   state.counters["hits%"] = 100.0 * hits / frames / static_cast<double>(points);
 }
 
-/// Four vectors of sums, so that no addition waits for the one before: as fast as memory gives the numbers.
-using Floats = float __attribute__((vector_size(16)));
-float add_up(const std::vector<float>& values) {
-  Floats sums[4] = {};
-  for (std::size_t n = 0; n + 16 <= values.size(); n += 16)
-    for (std::size_t k = 0; k < 4; ++k) {
-      Floats four;
-      __builtin_memcpy(&four, values.data() + n + 4 * k, sizeof four);
-      sums[k] += four;
-    }
-  const Floats all = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-  return (all[0] + all[1]) + (all[2] + all[3]);
-}
-
 void read_12_bytes(benchmark::State& state, std::size_t points) {
-  const std::vector<float> x(points, 1.0F), y(points, 2.0F), z(points, 3.0F);
-  for (auto _ : state) {
-    float sum = 0.0F;
-    for (const std::vector<float>* const axis : {&x, &y, &z}) sum += add_up(*axis);
-    benchmark::DoNotOptimize(sum);
-  }
+  const ReadFloor floor(points);
+  for (auto _ : state) benchmark::DoNotOptimize(floor.read());
   count(state, points, 0.0, 0.0);
 }
 
-void find(benchmark::State& state, Place place, std::size_t points) {
-  const contact::ContactQuery query(ground(), tool(place, points));
-  const std::vector<Pose> poses = path(place);
+void find(benchmark::State& state, const voxmap::Voxmap& map, Place place, const std::vector<Pose>& poses, std::size_t points) {
+  const contact::ContactQuery query(map, points_of(place, points));
   contact::HitList hits;
   hits.reserve(points);
   double tested = 0.0, hit = 0.0;
@@ -63,8 +73,9 @@ void find(benchmark::State& state, Place place, std::size_t points) {
   count(state, points, tested, hit);
 }
 
-void render(benchmark::State& state, Place place, std::size_t points, contact::ContactModelKind model) {
-  contact::ContactRenderer renderer(ground(), tool(place, points), model, {1.0, contact::PointWeights::kArea});
+void render(benchmark::State& state, const voxmap::Voxmap& map, Place place, std::size_t points, contact::ContactModelKind model,
+            const voxmap::DistanceField* field) {
+  contact::ContactRenderer renderer(map, points_of(place, points), model, {1.0, contact::PointWeights::kArea}, field);
   const std::vector<Pose> poses = path(place);
   double tested = 0.0, hit = 0.0;
   std::size_t n = 0;
@@ -75,17 +86,58 @@ void render(benchmark::State& state, Place place, std::size_t points, contact::C
   count(state, points, tested, hit);
 }
 
+/// The hand's ball goes round on the cup's floor at 0.1 m/s, 2 mm too deep, and there and back again, so that no frame is a jump.
+std::vector<Pose> slide(double too_deep_voxels) {
+  constexpr double kRound = 16.0, kStep = 0.2;  // [voxels]
+  std::vector<Pose> out;
+  const int frames = static_cast<int>(2.0 * std::numbers::pi * kRound / kStep);
+  const Quat turned(Eigen::AngleAxisd(0.7, Vec3(0.2, 0.7, 0.4).normalized()));
+  for (int n = 0; n < frames; ++n) {
+    const double angle = 2.0 * std::numbers::pi * n / frames;
+    out.push_back({kEdge * Vec3(kRound * std::cos(angle), kRound * std::sin(angle), kFloor + kBall - too_deep_voxels), turned});
+  }
+  return out;
+}
+
+void virtual_tool(benchmark::State& state, std::size_t points) {
+  const Ground& ground = ground_of_mesh();
+  const contact::ContactQuery query(ground.map, points_of(Place::kLight, points));
+  contact::VirtualTool tool({.points = points, .reach_m = query.reach_m(), .edge_m = kEdge});
+  const contact::ToolGround grounds[] = {{.query = &query, .field = &ground.field}};
+  const std::vector<Pose> poses = slide(4.0);
+  Pose hand = poses.front();
+  hand.position.z() += kEdge * 6.0;
+  while (hand.position.z() > poses.front().position.z()) tool.frame({.pose = hand}, grounds), hand.position.z() -= 0.2 * kEdge;
+  double tested = 0.0, hit = 0.0, queries = 0.0;
+  std::size_t n = 0;
+  for (auto _ : state) {
+    const contact::VirtualToolFrame frame = tool.frame({.pose = poses[n++ % poses.size()]}, grounds);
+    tested += frame.points_tested, hit += frame.surface_hits + frame.interior_hits, queries += frame.queries;
+  }
+  count(state, points, tested, hit);
+  state.counters["queries"] = queries / static_cast<double>(state.iterations());
+}
+
 void add_all() {
+  using contact::ContactModelKind;
   for (const std::size_t points : {1000U, 10'000U, 100'000U, 1'000'000U}) {
     const std::string size = "/" + std::to_string(points);
     benchmark::RegisterBenchmark(("read 12 bytes a point" + size).c_str(), read_12_bytes, points);
     for (const Place place : {Place::kFar, Place::kNear, Place::kLight, Place::kHeavy}) {
       const std::string row = "/" + name_of(place) + size;
-      benchmark::RegisterBenchmark(("find" + row).c_str(), find, place, points);
-      for (const auto model :
-           {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kClustered})
-        benchmark::RegisterBenchmark(("render " + std::string(contact::name_of(model)) + row).c_str(), render, place, points, model);
+      benchmark::RegisterBenchmark(("find" + row).c_str(), [=](benchmark::State& state) { find(state, ground(), place, path(place), points); });
+      for (const auto model : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered})
+        benchmark::RegisterBenchmark(("render " + std::string(contact::name_of(model)) + row).c_str(),
+                                     [=](benchmark::State& state) { render(state, ground(), place, points, model, nullptr); });
+      if (place == Place::kFar) continue;
+      for (const auto model : {ContactModelKind::kAdapted, ContactModelKind::kField})
+        benchmark::RegisterBenchmark(("of mesh " + std::string(contact::name_of(model)) + row).c_str(), [=](benchmark::State& state) {
+          render(state, ground_of_mesh().map, place, points, model, &ground_of_mesh().field);
+        });
     }
+    if (points > 100'000) continue;
+    benchmark::RegisterBenchmark(("find/slide" + size).c_str(), [=](benchmark::State& state) { find(state, ground_of_mesh().map, Place::kLight, slide(0.0), points); });
+    benchmark::RegisterBenchmark(("virtual tool/slide" + size).c_str(), [=](benchmark::State& state) { virtual_tool(state, points); });
   }
 }
 

@@ -1,7 +1,6 @@
 // How a node of the ring should be woken: three processes hand a sample round as device, rendering and coupling do, once with each way,
 // in turns, and the time of a round is told. What a node computes is left out; the ways differ in nothing else. With --protection the same under
 // DDS Security: a process of the ring has one set of keys, so kinds of protection are told apart by runs (tests/security/cost.py).
-#include <semaphore.h>
 #include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -15,14 +14,13 @@
 
 #include <CLI/CLI.hpp>
 
-#include "nodes/bus/reader.hpp"
-#include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/latency.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "tests/experiments/wake_up/protection.hpp"
 #include "tests/support/process/process.hpp"
+#include "tests/support/woken.hpp"
 
 extern char** environ;
 
@@ -30,63 +28,11 @@ namespace voxtouch::wake_up {
 namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000;
-const std::vector<std::string> kWays = {"waitset", "listener_wakes", "listener_answers"};
+const std::vector<std::string>& kWays = test::ways_to_be_woken();
 
 qos::Topic row(std::string_view path) { return {path, "voxtouch_msgs/msg/DeviceState", qos::ProfileId::kStream, 1000}; }
 
-/// A reader that calls `answer` for each sample, woken in one of the ways.
-class Woken {
- public:
-  using Answer = std::function<void(const msg::DeviceState&)>;
-  Woken(const bus::Participant& participant, std::string_view path, const std::string& way, Answer answer)
-      : reader_(participant, row(path), way, qos::profile(qos::ProfileId::kStream)), answer_(std::move(answer)), answers_in_listener_(way == kWays[2]) {
-    sem_init(&waiting_, 0, 0);
-    if (way == kWays[0]) {
-      wait_set_.emplace(participant);
-      wait_set_->attach(reader_.condition());
-      return;
-    }
-    dds_listener_t* listener = dds_create_listener(this);
-    dds_lset_data_available(listener, [](dds_entity_t, void* self) { static_cast<Woken*>(self)->on_data(); });
-    dds_set_listener(reader_.get(), listener);
-    dds_delete_listener(listener);
-  }
-  ~Woken() { dds_set_listener(reader_.get(), nullptr); }
-
-  /// Answers what comes, until `end_ns` of the monotonic clock.
-  void run_until(std::int64_t end_ns) {
-    while (runtime::monotonic_ns() < end_ns) {
-      if (wait_set_) {
-        wait_set_->wait(std::min<std::int64_t>(end_ns - runtime::monotonic_ns(), 50'000'000));
-        take();
-      } else if (answers_in_listener_) {
-        runtime::sleep_until(end_ns);
-      } else {
-        timespec until{};
-        clock_gettime(CLOCK_REALTIME, &until);
-        const std::int64_t ns = until.tv_nsec + std::min<std::int64_t>(std::max<std::int64_t>(end_ns - runtime::monotonic_ns(), 0), 50'000'000);
-        until.tv_sec += ns / 1'000'000'000, until.tv_nsec = ns % 1'000'000'000;
-        if (sem_timedwait(&waiting_, &until) == 0) take();
-      }
-    }
-  }
-
- private:
-  void on_data() {
-    if (answers_in_listener_) return take();
-    sem_post(&waiting_);
-  }
-  void take() {
-    msg::DeviceState sample;
-    while (reader_.take(sample)) answer_(sample);
-  }
-
-  bus::Reader<msg::DeviceState> reader_;
-  Answer answer_;
-  bool answers_in_listener_;
-  std::optional<bus::WaitSet> wait_set_;
-  sem_t waiting_;
-};
+using Woken = test::Woken<msg::DeviceState>;
 
 struct Options {
   std::string way, relay;  ///< `relay`: "first" or "second" for a child
@@ -107,7 +53,7 @@ int relay(const Options& o) {
   const bus::Participant participant = join(o);
   const bool first = o.relay == "first";
   bus::Writer<msg::DeviceState> writer(participant, row(first ? "b" : "c"), o.way, qos::profile(qos::ProfileId::kStream));
-  Woken reader(participant, first ? "a" : "b", o.way, [&](const msg::DeviceState& sample) { writer.write(sample); });
+  Woken reader(participant, row(first ? "a" : "b"), o.way, o.way, [&](const msg::DeviceState& sample) { writer.write(sample); });
   reader.run_until(runtime::monotonic_ns() + static_cast<std::int64_t>((o.seconds + 30.0) * 1e9));
   return 0;
 }
@@ -129,7 +75,7 @@ void measure(const Options& o, const std::string& way, runtime::LatencyHistogram
     const bus::Participant participant = join(o);
     bus::Writer<msg::DeviceState> writer(participant, row("a"), way, qos::profile(qos::ProfileId::kStream));
     std::uint64_t back = 0;
-    Woken reader(participant, "c", way, [&](const msg::DeviceState& sample) {
+    Woken reader(participant, row("c"), way, way, [&](const msg::DeviceState& sample) {
       if (++back > 500) latency.record(runtime::monotonic_ns() - sample.sample_time_ns);
     });
     const std::int64_t begin = runtime::monotonic_ns() + 2'000'000'000;
