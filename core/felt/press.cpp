@@ -38,7 +38,7 @@ class Hand {
   }
 
  private:
-  Pose pose_at(double time_s) const { return {motion_at(motion_, time_s).position, motion_.orientation}; }
+  Pose pose_at(double time_s) const { return {motion_at(motion_, time_s).position, turn_at(motion_, time_s).orientation}; }
   Vec3 contact_at(double time_s) { return renderer_.render({.pose = pose_at(time_s), .twist = {}}, time_s).touch.contact.wrench.force; }
 
   /// The last time without contact, as near as a thousandth of the step.

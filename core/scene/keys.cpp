@@ -134,6 +134,11 @@ constexpr auto kPress = std::to_array<Key>({
   {"button", kButton, kRequired, "", "Counted from 0."},
   {"from_s", kNotNegative, kRequired, "", "[s]"},
   {"to_s", kPositive, kRequired, "", "[s]"}});
+constexpr auto kTurn = std::to_array<Key>({
+  {"axis", kVector, kRequired, "", "In the scene, right-handed."},
+  {"angle_rad", kNumber, kRequired, "", "[rad]", "", nullptr, -3.1, 3.1},
+  {"from_s", kNotNegative, kOptional, "0", "[s]"},
+  {"to_s", kPositive, kRequired, "", "[s]"}});
 constexpr auto kWay = std::to_array<Key>({
   {"path", kVectors, kRequired, "", "Way points [m], walked in straight pieces.", "", nullptr, 1},
   {"speed_m_per_s", kPositive, kOptional, "0.05", "Largest speed of a straight piece [m/s]."},
@@ -142,6 +147,7 @@ constexpr auto kWay = std::to_array<Key>({
   {"circle", kMap, kNotTogether, "", "", "", &circle}});
 constexpr auto kMotion = joined(kWay, std::to_array<Key>({
   {"orientation", kQuaternion, kOptional, "[1, 0, 0, 0]"},
+  {"turn", kMap, kOptional, "", "", "", &turn},
   {"press", kMaps, kOptional, "", "Buttons that the hand holds down meanwhile.", "", &press}}));
 
 // Above the largest a number is in the wrong unit (milliseconds, millimetres, per cent), not the property of a haptic device.
@@ -205,6 +211,7 @@ constinit const KeyGroup region{"region", "The effect works in here only.", kReg
 constinit const KeyGroup region_sphere{"", "", kRegionSphere};
 constinit const KeyGroup hand{"", "Ranges of a hand.", kHand};
 constinit const KeyGroup press{"", "", kPress};
+constinit const KeyGroup turn{"", "The hand turns from its orientation, about the device's tip, from rest to rest.", kTurn};
 constinit const KeyGroup circle{"", "Round and round after the way points, beginning at the last.", kCircle};
 constinit const KeyGroup way{"way", "How an object moves: its displacement over the time since the session's begin.", kWay};
 

@@ -74,7 +74,7 @@ inline constexpr std::string_view kModelsByArea = "clustered field", kKindsByHan
                                   kNotEverywhere = "region gain on";
 
 extern const KeyGroup scene, static_mesh, dynamic_mesh, object, contact, tool, effect, coupling, device, motion;
-extern const KeyGroup pose, part, sphere, box, cylinder, region, region_sphere, hand, press, circle;
+extern const KeyGroup pose, part, sphere, box, cylinder, region, region_sphere, hand, press, turn, circle;
 /// A device file and its part for devices that give torque.
 extern const KeyGroup device_file, device_rotation;
 /// A motion without what only a hand has.

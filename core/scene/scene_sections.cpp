@@ -52,6 +52,17 @@ ButtonPress read_press(const SceneSource& source, const YamlNode& node) {
   return press;
 }
 
+void read_turn(const SceneSource& source, const MapReader& map, MotionTurn& turn) {
+  map.read("axis", turn.axis);
+  map.read("angle_rad", turn.angle_rad);
+  map.read("from_s", turn.from_s);
+  map.read("to_s", turn.to_s);
+  const double norm = turn.axis.stableNorm();
+  if (!(norm > 1e-9)) source.fail(map.place_of("axis"), "'axis' is the zero vector; a hand turns about a direction.");
+  turn.axis /= norm;
+  if (!(turn.to_s > turn.from_s)) source.fail(map.place_of("to_s"), "'to_s' must lie after 'from_s'.");
+}
+
 void read_circle(const SceneSource& source, const MapReader& map, Motion& motion) {
   map.read("centre", motion.circle_centre);
   map.read("axis", motion.circle_axis);
@@ -100,6 +111,7 @@ Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_
   if (map.has("circle")) read_circle(source, map.inner("circle"), motion);
   if (!by_hand) return motion;
   map.read("orientation", motion.orientation);
+  if (map.has("turn")) read_turn(source, map.inner("turn"), motion.turn);
   for (const YamlNode& press : map.list("press")) motion.press.push_back(read_press(source, press));
   return motion;
 }

@@ -15,11 +15,18 @@ double walk_duration(const Motion& motion, std::size_t from, std::size_t to) noe
   return kMinimumJerkPeak * (motion.path[to] - motion.path[from]).norm() / motion.speed_m_per_s;
 }
 
-/// Minimum jerk from one way point to another: rest to rest, acceleration zero at both ends.
-MotionPoint walk(const Motion& motion, std::size_t from, std::size_t to, double time_s, double duration_s) noexcept {
+/// Minimum jerk: rest to rest, acceleration zero at both ends. Share of the way and its rate [1/s].
+struct Profile {
+  double share, rate;
+};
+Profile minimum_jerk(double time_s, double duration_s) noexcept {
   const double s = time_s / duration_s;
-  const double share = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
-  const double rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration_s;
+  return {s * s * s * (10.0 + s * (-15.0 + 6.0 * s)), 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration_s};
+}
+
+/// From one way point to another.
+MotionPoint walk(const Motion& motion, std::size_t from, std::size_t to, double time_s, double duration_s) noexcept {
+  const auto [share, rate] = minimum_jerk(time_s, duration_s);
   const Vec3 way = motion.path[to] - motion.path[from];
   return {motion.path[from] + share * way, rate * way};
 }
@@ -90,6 +97,14 @@ std::uint32_t buttons_at(const Motion& motion, double time_s) noexcept {
   return down;
 }
 
+MotionTurnPoint turn_at(const Motion& motion, double time_s) noexcept {
+  const MotionTurn& turn = motion.turn;
+  const double time = usable_time(time_s), duration = turn.to_s - turn.from_s;
+  if (turn.angle_rad == 0.0 || time <= turn.from_s || !(duration > 0.0)) return {motion.orientation, Vec3::Zero()};
+  const auto [share, rate] = time < turn.to_s ? minimum_jerk(time - turn.from_s, duration) : Profile{1.0, 0.0};
+  return {Quat(Eigen::AngleAxisd(share * turn.angle_rad, turn.axis)) * motion.orientation, rate * turn.angle_rad * turn.axis};
+}
+
 double approach_duration(const Motion& motion) noexcept {
   if (motion.path.empty() || !(motion.speed_m_per_s > 0.0)) return 0.0;
   return motion.hold_s + stretch_duration(motion, 0, motion.path.size() - 1);
@@ -119,6 +134,7 @@ Motion motion_in_device(const Motion& motion_W, const Pose& pose_WD, const Pose&
   for (Vec3& x : out.path) x = point(x);
   if (motion_W.circle_centre) out.circle_centre = point(*motion_W.circle_centre);
   out.circle_axis = rotation_DW * motion_W.circle_axis;
+  out.turn.axis = rotation_DW * motion_W.turn.axis;
   out.speed_m_per_s = motion_W.speed_m_per_s / position_scale;
   return out;
 }

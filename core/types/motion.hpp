@@ -15,6 +15,13 @@ struct ButtonPress {
   double from_s = 0.0, to_s = 0.0;
 };
 
+/// A turn of the hand about an axis through the device's tip: minimum jerk from rest to rest, then kept.
+struct MotionTurn {
+  Vec3 axis = Vec3::UnitZ();    ///< unit, in the motion's frame; right-handed
+  double angle_rad = 0.0;       ///< 0: none
+  double from_s = 0.0, to_s = 1.0;  ///< `to_s` after `from_s`
+};
+
 /// Straight pieces between way points, each walked with a minimum-jerk profile whose peak speed is `speed_m_per_s`.
 /// `repeat_from`: after the last point the hand walks back and forth between points repeat_from..last for ever; absent: it
 /// holds the last point. Circle: after the way points the hand goes round `circle_centre` for ever (start of the circle =
@@ -26,8 +33,9 @@ struct Motion {
   std::optional<std::size_t> repeat_from;
   std::optional<Vec3> circle_centre;    ///< [m]; only its distance from the last point across the axis counts
   Vec3 circle_axis = Vec3::UnitZ();     ///< unit; right-handed turn about it
-  Quat orientation = Quat::Identity();  ///< kept throughout
+  Quat orientation = Quat::Identity();  ///< kept throughout, but for `turn`
   std::vector<ButtonPress> press = {};  ///< what the hand does with the device's buttons meanwhile
+  MotionTurn turn = {};
 };
 
 /// Buttons that are down at `time_s`, bit 0 the first. Real-time safe.
@@ -45,6 +53,15 @@ struct MotionPoint {
 /// zero, time beyond 1e15 s as 1e15 s; an empty path gives the frame's origin, a speed that is not above zero the first
 /// point. Linear in the number of way points. Real-time safe.
 MotionPoint motion_at(const Motion& motion, double time_s) noexcept;
+
+/// Orientation of the hand's target and its rate of turn [rad/s], both in the motion's frame.
+struct MotionTurnPoint {
+  Quat orientation = Quat::Identity();
+  Vec3 rate = Vec3::Zero();
+};
+
+/// The target's orientation at `time_s`, of which the same holds as of motion_at's. Without a turn `motion.orientation` to the bit. Real-time safe.
+MotionTurnPoint turn_at(const Motion& motion, double time_s) noexcept;
 
 /// Seconds until the last way point's rest is over: from then on the motion holds, repeats or circles.
 double approach_duration(const Motion& motion) noexcept;

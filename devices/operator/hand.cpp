@@ -63,6 +63,8 @@ Motion checked_motion(Motion motion) {
     throw std::runtime_error("simulated hand: the motion repeats from a way point that it has not got");
   if (motion.circle_centre && !(motion.circle_centre->allFinite() && std::abs(motion.circle_axis.norm() - 1.0) < 1e-6))
     throw std::runtime_error("simulated hand: the motion's circle needs a finite centre and an axis of length 1");
+  if (const MotionTurn& t = motion.turn; !(std::isfinite(t.angle_rad) && std::isfinite(t.from_s) && t.to_s > t.from_s && std::abs(t.axis.norm() - 1.0) < 1e-6))
+    throw std::runtime_error("simulated hand: the motion's turn needs a finite angle, an end after its begin and an axis of length 1");
   if (!normalise_within(motion.orientation, 1e-3, 1e3))
     throw std::runtime_error("simulated hand: the motion's orientation is no rotation");
   return motion;
@@ -87,7 +89,7 @@ Hand::Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std:
            double bandwidth_hz)
     : config_(checked_grip(config)), motion_(checked_motion(std::move(motion))), step_s_(checked_step(step_s, bandwidth_hz)),
       drag_(drag), seed_(seed), tremor_(config.tremor_n, config.tremor_bandwidth_hz, step_s, seed),
-      first_(motion_at(motion_, 0.0).position), second_(first_), orientation_(motion_.orientation) {
+      first_(motion_at(motion_, 0.0).position), second_(first_), orientation_(turn_at(motion_, 0.0).orientation) {
   if (!std::isfinite(bandwidth_hz)) return;
   // Two equal lags are down by 3 dB where each is down by 1.5 dB: at sqrt(sqrt(2) - 1) of the corner of each.
   rate_ = 2.0 * std::numbers::pi * bandwidth_hz / std::sqrt(std::numbers::sqrt2 - 1.0);
@@ -100,7 +102,8 @@ HandAction Hand::step() noexcept {
   const double now_s = time_s();
   const bool held = holds();
   HandAction action;
-  action.target = lead(motion_at(motion_, now_s - motion_start_s_ + 0.5 * step_s_));
+  const double middle_s = now_s - motion_start_s_ + 0.5 * step_s_;
+  action.target = lead(motion_at(motion_, middle_s), turn_at(motion_, middle_s).orientation);
   action.target_orientation = orientation_;
   const Vec3 tremor = tremor_.next();  // drawn also where the hand is open: what comes later does not depend on it
   ++steps_;
@@ -122,8 +125,7 @@ HandAction Hand::step() noexcept {
 }
 
 /// Moves the lags on by one step; the target in its middle.
-MotionPoint Hand::lead(const MotionPoint& wanted) noexcept {
-  const Quat& goal = motion_.orientation;
+MotionPoint Hand::lead(const MotionPoint& wanted, const Quat& goal) noexcept {
   const double sign = orientation_.dot(goal) < 0.0 ? -1.0 : 1.0;
   orientation_.coeffs() += gain_ * (sign * goal.coeffs() - orientation_.coeffs());
   orientation_.normalize();

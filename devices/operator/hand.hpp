@@ -77,7 +77,7 @@ class Hand {
   void follow(Motion motion);
 
  private:
-  MotionPoint lead(const MotionPoint& wanted) noexcept;
+  MotionPoint lead(const MotionPoint& wanted, const Quat& goal) noexcept;
 
   sim::OperatorConfig config_;
   Motion motion_;

@@ -30,6 +30,10 @@ void each_key(File& file, Visit&& visit) {
   visit("circle_centre_m", m.circle_centre);
   visit("circle_axis", m.circle_axis);
   visit("orientation_wxyz", m.orientation);
+  visit("turn_axis", m.turn.axis);
+  visit("turn_rad", m.turn.angle_rad);
+  visit("turn_from_s", m.turn.from_s);
+  visit("turn_to_s", m.turn.to_s);
   visit("released", h.released);
   visit("let_go_at_s", h.let_go_at_s);
   visit("grip_harder_at_s", h.grip_harder_at_s);

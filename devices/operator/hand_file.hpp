@@ -23,7 +23,7 @@ struct HandFile {
 /// back to the same bits.
 /// ```yaml
 /// path_m: [[0, 0, 0.1], [0, 0, 0.05]]   # way points of Motion; the other keys are its fields and OperatorConfig's:
-/// # speed_m_per_s, hold_s, repeat_from, circle_centre_m, circle_axis, orientation_wxyz; released, let_go_at_s, grip_harder_at_s,
+/// # speed_m_per_s, hold_s, repeat_from, circle_centre_m, circle_axis, orientation_wxyz, turn_axis, turn_rad, turn_from_s, turn_to_s; released, let_go_at_s, grip_harder_at_s,
 /// # grip_factor, mass_kg, damping_ns_per_m, stiffness_n_per_m, inertia_kg_m2, damping_nms_per_rad, stiffness_nm_per_rad,
 /// # carries_tool, tremor_n, tremor_bandwidth_hz
 /// posture_rad: [0, 0, 0, -1.5, 0, 0, 0]

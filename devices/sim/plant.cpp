@@ -57,7 +57,7 @@ SimPlant::SimPlant(const SimParameters& p, const OperatorConfig& hand, Motion mo
   held_turn_.mass += Vec3::Constant(hand.inertia_kg_m2);
   held_turn_.hand_damping = hand.damping_nms_per_rad;
   held_turn_.hand_stiffness = hand.stiffness_nm_per_rad;
-  pose_ = {motion_at(motion_, 0.0).position, motion_.orientation};
+  pose_ = {motion_at(motion_, 0.0).position, turn_at(motion_, 0.0).orientation};
 }
 
 void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept {
@@ -66,7 +66,8 @@ void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, doubl
   const Vec3 force = held ? Vec3(push.force + tremor + carrying_force(target.velocity)) : push.force;
   pose_.position += dt_s * step_mobility(held ? gripped(held_move_, time_s) : free_move_, target.position - pose_.position, target.velocity,
                                          force, dt_s, twist_.linear);
-  const Vec3 rate = step_mobility(held ? gripped(held_turn_, time_s) : free_turn_, turn_to_target(), Vec3::Zero(), push.torque, dt_s,
+  const MotionTurnPoint turn = turn_at(motion_, time_s + 0.5 * dt_s);
+  const Vec3 rate = step_mobility(held ? gripped(held_turn_, time_s) : free_turn_, turn_to(turn.orientation), turn.rate, push.torque, dt_s,
                                   twist_.angular);
   if (rate.isZero(0.0)) return;  // nothing to renormalise: a tool that does not turn keeps its bits
   const Vec3 half_turn = (0.5 * dt_s) * rate;  // the Cayley map: a rotation by 2 atan(|rate| dt / 2)
@@ -87,8 +88,8 @@ Mobility SimPlant::gripped(Mobility held, double time_s) const noexcept {
   return held;
 }
 
-Vec3 SimPlant::turn_to_target() const noexcept {
-  const Quat turn = motion_.orientation * pose_.orientation.conjugate();
+Vec3 SimPlant::turn_to(const Quat& target) const noexcept {
+  const Quat turn = target * pose_.orientation.conjugate();
   return (turn.w() < 0.0 ? -2.0 : 2.0) * turn.vec();
 }
 
@@ -97,7 +98,7 @@ double SimPlant::energy(double time_s) const noexcept {
   const Mobility move = held ? gripped(held_move_, time_s) : free_move_;
   const Mobility turn = held ? gripped(held_turn_, time_s) : free_turn_;
   const Vec3 off = motion_at(motion_, time_s).position - pose_.position;
-  const double cosine = std::abs((motion_.orientation * pose_.orientation.conjugate()).w());
+  const double cosine = std::abs((turn_at(motion_, time_s).orientation * pose_.orientation.conjugate()).w());
   return 0.5 * (move.mass.dot(twist_.linear.cwiseAbs2()) + turn.mass.dot(twist_.angular.cwiseAbs2()) +
                 move.hand_stiffness * off.squaredNorm()) +
          turn.hand_stiffness * 4.0 * (1.0 - cosine);

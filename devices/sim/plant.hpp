@@ -52,7 +52,7 @@ class SimPlant {
   /// From the tool's orientation to the target's: 2 sin(angle / 2) along the axis, in D. The torque of a
   /// spring whose energy is 4 k (1 - cos(angle / 2)); within 0.2 % of the angle up to 12 degrees, and free of
   /// inverse functions.
-  Vec3 turn_to_target() const noexcept;
+  Vec3 turn_to(const Quat& target) const noexcept;
   /// What a hand that carries the tool adds against the device's drag at the target's velocity [N].
   Vec3 carrying_force(const Vec3& target_velocity) const noexcept;
   /// `held` with the grip that the hand has at `time_s`.

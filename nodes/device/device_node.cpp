@@ -433,6 +433,7 @@ Motion choose_motion(const scene::Scene& scene, const std::string& name) {
     rest.path.resize(1);
     rest.repeat_from.reset();
     rest.circle_centre.reset();
+    rest.turn = {};
     return rest;
   }
   const auto found = scene.motions.find(name);

@@ -10,6 +10,7 @@
 
 #include "core/types/geometry.hpp"
 #include "nodes/runtime/convert.hpp"
+#include "tests/experiments/virtual_tool/loops.hpp"
 #include "tests/ring/ring_run.hpp"
 
 namespace voxtouch::test {
@@ -38,9 +39,16 @@ std::string write_scene(const TemporaryFolder& folder, const std::string& mesh, 
 struct Recorded {
   nlohmann::json summary;
   std::vector<Vec3> hand, force;      ///< as the device measures it; as the coupling commands
+  std::vector<virtual_tool::PlanePose> pose;  ///< of the hand, in the plane of x and z
+  std::vector<double> torque_y;
   std::vector<msg::ContactState> contacts;
   double certified = 0.0;
 };
+
+virtual_tool::PlanePose in_plane(const Pose& pose) {
+  const Vec3 up = pose.orientation * Vec3::UnitZ();
+  return {pose.position.x(), pose.position.z(), std::atan2(up.x(), up.z())};
+}
 
 Recorded run(const std::string& scene, const std::string& motion, const std::string& device, double duration_s, std::vector<std::string> more = {"--one-process"}) {
   const TemporaryFolder folder;
@@ -52,9 +60,9 @@ Recorded run(const std::string& scene, const std::string& motion, const std::str
   out.summary = ring.summary;
   out.certified = ring.summary["coupling"]["shown_stiffness_n_per_m"];
   for (const auto& m : read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state"))
-    out.hand.push_back(runtime::from_msg(m.pose).position);
+    out.hand.push_back(runtime::from_msg(m.pose).position), out.pose.push_back(in_plane(runtime::from_msg(m.pose)));
   for (const auto& m : read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command"))
-    out.force.push_back(runtime::from_msg(m.wrench).force);
+    out.force.push_back(runtime::from_msg(m.wrench).force), out.torque_y.push_back(runtime::from_msg(m.wrench).torque.y());
   out.contacts = read_ring_topic<msg::ContactState>(folder / "bag", "/haptic/rendering/contact");
   EXPECT_EQ(out.hand.size(), out.force.size());
   EXPECT_EQ(ring.summary["validator"]["disagree"], 0) << ring.summary["problems"];
@@ -165,6 +173,56 @@ TEST(VirtualToolRing, SlidesQuietlyOverPlaneCylinderAndCup) {
         EXPECT_LE(share, 0.02);
       }
     }
+}
+
+void write_mesh(const std::filesystem::path& file, const mesh::TriangleMesh& mesh) {
+  std::ofstream out(file);
+  out.precision(17);
+  for (const Vec3& v : mesh.vertices) out << "v " << v.x() << " " << v.y() << " " << v.z() << "\n";
+  for (const auto& t : mesh.triangles) out << "f " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << "\n";
+}
+
+constexpr double kLever = 0.015;
+
+/// A tool against a part on sim-lwr, e = 1 mm: the torque that the coupling commands, over that of the exact tool at the pose that the device measures.
+void gives_torque(const mesh::TriangleMesh& part, const mesh::TriangleMesh& tool, const std::string& motion, double duration_s, double least_nm,
+                  const std::function<virtual_tool::PlanePose(const virtual_tool::PlanePose&)>& exact) {
+  const TemporaryFolder folder;
+  write_mesh(folder / "part.obj", part), write_mesh(folder / "tool.obj", tool);
+  const std::string file = (folder / "torque.yaml").string();
+  std::ofstream(file) << "scene: torque\nvoxel_size: 0.001\nstatic: [{mesh: part.obj}]\ndynamic: {mesh: tool.obj}\n"
+                      << "contact: {model: field, rendering: virtual_tool}\ntool: {lever_m: " << kLever
+                      << "}\ncoupling: {design: auto, kind: shaping_filter}\nmotions: {it: {" << motion << "}}\n";
+  const Recorded r = run(file, "it", "sim-lwr", duration_s);
+  std::vector<double> wanted;
+  for (const virtual_tool::PlanePose& hand : r.pose) wanted.push_back(r.certified * kLever * kLever * (exact(hand).turn - hand.turn));
+  const double last = mean(wanted, wanted.size() - 30);
+  double worst = 0.0;
+  int measured = 0;
+  for (std::size_t i = 400; i + 30 < wanted.size(); i += 25) {
+    const double is = mean(r.torque_y, i), of = mean(wanted, i);
+    if (of / last < 0.2) continue;
+    worst = std::max(worst, std::abs(is / of - 1.0)), ++measured;
+  }
+  std::printf("certified %.4g N/m, exact torque %.4f N m, off by %.4f at most in %d places\n", r.certified, last, worst, measured);
+  EXPECT_GE(std::abs(last), least_nm);
+  EXPECT_GT(measured, 30);
+  EXPECT_LE(worst, 0.05);
+  EXPECT_EQ(r.summary["guard"]["clamped"], 0) << "a step that the guard had to spread";
+}
+
+TEST(VirtualToolRing, GivesTheTorqueOfABarOverAnEdge) {
+  gives_torque(box_mesh(Vec3(0.02, 0.03, 0.02), {Vec3(0.026, 0, -0.01), Quat::Identity()}), box_mesh(Vec3(0.04, 0.006, 0.006)),
+               "path: [[0.0004, 0.0002, 0.012], [0.0004, 0.0002, -0.008]], speed_m_per_s: 0.01, hold_s: 0.3", 6.0, 0.01,
+               [](const auto& hand) { return virtual_tool::exact_lever(hand, Vec3(0.016, 0, 0), 0.003, kLever); });
+}
+
+TEST(VirtualToolRing, GivesTheTorqueOfAPinTurnedInItsHole) {
+  constexpr double kClearance = 2e-4;
+  gives_torque(virtual_tool::hole_mesh(virtual_tool::kPegRadius + kClearance, virtual_tool::kPegHole),
+               cylinder_mesh(virtual_tool::kPegRadius, virtual_tool::kPegLong, 96),
+               "path: [[0, 0, 0.018], [0, 0, 0]], speed_m_per_s: 0.01, hold_s: 0.3, turn: {axis: [0, 1, 0], angle_rad: 0.21, from_s: 4.5, to_s: 7.5}", 8.5, 0.01,
+               [](const auto& hand) { return virtual_tool::exact_pin(hand, virtual_tool::kPegRadius + kClearance, kLever); });
 }
 
 TEST(VirtualToolRing, GivesTheSameBitsInFiveProcessesAndInOne) {

@@ -45,8 +45,9 @@ class Way {
     rendering::ToolState tool;
     if (motion_) {
       const MotionPoint point = motion_at(*motion_, step_s() * n);
-      tool.pose = {point.position, motion_->orientation};
-      tool.twist.linear = point.velocity;
+      const MotionTurnPoint turn = turn_at(*motion_, step_s() * n);
+      tool.pose = {point.position, turn.orientation};
+      tool.twist = {point.velocity, turn.rate};
       return tool;
     }
     if (surface_.empty()) return tool;

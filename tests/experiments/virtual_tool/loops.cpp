@@ -58,20 +58,16 @@ double largest_stable_stiffness(const LoopOptions& o) {
   return low;
 }
 
-/// The exact bar: least shift^2 + (lever turn)^2 in the plane of x and z with its lower face over the edge of the block at `edge_at`.
-/// \returns x, z and the turn about y [rad].
-Vec3 exact_lever(const Vec3& hand, const Vec3& edge_at, double below_m, double lever_m) {
-  Vec3 at(hand.x(), hand.z(), 0.0);
+PlanePose exact_lever(const PlanePose& hand, const Vec3& edge_at, double below_m, double lever_m) {
+  PlanePose at = hand;
   for (int n = 0; n < 200; ++n) {
-    const double c = std::cos(at[2]), s = std::sin(at[2]);
-    const double dx = edge_at.x() - at[0], dz = edge_at.z() - at[1];
+    const double c = std::cos(at.turn), s = std::sin(at.turn), dx = edge_at.x() - at.x, dz = edge_at.z() - at.z;
     // The edge in the bar's frame: turned back about y.
     const double gap = -below_m - (s * dx + c * dz);
-    const Vec3 slope(s, c, (-c * dx + s * dz) / lever_m);
-    const Vec3 spring(hand.x() - at[0], hand.z() - at[1], -lever_m * at[2]);
+    const Vec3 slope(s, c, (-c * dx + s * dz) / lever_m), spring(hand.x - at.x, hand.z - at.z, lever_m * (hand.turn - at.turn));
     const double push = std::max(0.0, -(gap + slope.dot(spring)) / slope.squaredNorm());
     const Vec3 step = spring + push * slope;
-    at += Vec3(step[0], step[1], step[2] / lever_m);
+    at.x += step[0], at.z += step[1], at.turn += step[2] / lever_m;
   }
   return at;
 }
@@ -98,13 +94,14 @@ LeverFigures lever(double edge, std::uint64_t seed) {
       last = torque;
     }
     for (int k = 0; k < 200; ++k) f = rig.frame(hand_at(250));
-    const double exact = kStiffness * lever_m * lever_m * exact_lever(hand_at(250), block_edge, 0.003 - middle.z(), lever_m)[2];
+    const double exact = kStiffness * lever_m * lever_m * -exact_lever({aside, hand_at(250).z(), 0.0}, block_edge, 0.003 - middle.z(), lever_m).turn;
     figures.torque_error = std::max(figures.torque_error, std::abs(f.wrench(kStiffness).torque.y() / exact - 1.0));
   }
   return figures;
 }
 
-/// A round block with a round hole from above: one closed mesh.
+constexpr double kPegLever = 0.015;
+
 mesh::TriangleMesh hole_mesh(double radius_m, double deep_m) {
   constexpr std::uint32_t kSides = 96;
   constexpr double kOuter = 0.02, kFloor = 0.01;
@@ -130,31 +127,74 @@ mesh::TriangleMesh hole_mesh(double radius_m, double deep_m) {
 }
 
 PegFigures peg(double edge, double clearance_m, bool turned) {
-  constexpr double kRadius = 0.005, kDeep = 0.02, kLong = 0.03, kLever = 0.015;
-  Rig rig(hole_mesh(kRadius + clearance_m, kDeep), edge, shell_of(test::cylinder_mesh(kRadius, kLong, 96), edge), kLever);
+  Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, shell_of(test::cylinder_mesh(kPegRadius, kPegLong, 96), edge), kPegLever);
   PegFigures figures;
-  double z = kLong / 2 + 0.003;
+  double z = kPegLong / 2 + 0.003;
   if (!rig.place({Vec3(0, 0, z), Quat::Identity()})) return figures;
   contact::VirtualToolFrame f;
   const auto go = [&](double to, const Vec3& aside, const Quat& turn) {
     for (; z > to; z -= 5e-5) {
       f = rig.frame(Pose{Vec3(aside.x(), aside.y(), z), turn});
-      if (z > kLong / 2 - kDeep + 2e-3) figures.drag_n = std::max(figures.drag_n, std::abs(f.wrench(kStiffness).force.z()));
+      if (z > kPegLong / 2 - kPegHole + 2e-3) figures.drag_n = std::max(figures.drag_n, std::abs(f.wrench(kStiffness).force.z()));
     }
   };
-  go(kLong / 2 - 0.008, Vec3::Zero(), Quat::Identity());
+  go(kPegLong / 2 - 0.008, Vec3::Zero(), Quat::Identity());
   constexpr double kTilt = 2.9 * std::numbers::pi / 180;
   const Quat turn = turned ? Quat(Eigen::AngleAxisd(kTilt, Vec3::UnitX())) : Quat::Identity();
   const Vec3 aside = turned ? Vec3::Zero() : Vec3(1.7e-3, 0, 0);
   for (int n = 1; n <= 50; ++n)  // slowly aside
     f = rig.frame(Pose{Vec3(n / 50.0 * aside.x(), 0, z), Quat::Identity().slerp(n / 50.0, turn)});
-  go(kLong / 2 - kDeep - 0.004, aside, turn);
+  go(kPegLong / 2 - kPegHole - 0.004, aside, turn);
   for (int n = 0; n < 200; ++n) f = rig.frame(Pose{Vec3(aside.x(), aside.y(), z), turn});
-  figures.short_m = f.tool.position.z() - (kLong / 2 - kDeep);
+  figures.short_m = f.tool.position.z() - (kPegLong / 2 - kPegHole);
   figures.entered = figures.short_m < 0.01;
-  // In the hole the peg can tilt by twice the clearance over its depth: what is left of the hand's turn is felt.
-  const double felt = kTilt - 2 * clearance_m / kDeep;
-  if (turned) figures.torque_error = std::abs(f.turn.norm() / felt - 1.0);
+  return figures;
+}
+
+PlanePose exact_pin(const PlanePose& hand, double hole_radius, double lever_m) {
+  PlanePose at = hand;
+  for (int n = 0; n < 500; ++n) {
+    const double c = std::cos(at.turn), s = std::sin(at.turn), dx = hole_radius - at.x, dz = -at.z;
+    const Vec3 spring(hand.x - at.x, hand.z - at.z, lever_m * (hand.turn - at.turn));
+    // A turn above zero leans the upper end towards x: its side meets the mouth's edge there, its lower rim the wall across.
+    const double gap[2] = {c * dx - s * dz - kPegRadius, at.x - c * kPegRadius - s * kPegLong / 2 + hole_radius};
+    const Vec3 slope[2] = {Vec3(-c, s, (-s * dx - c * dz) / lever_m), Vec3(1, 0, (s * kPegRadius - c * kPegLong / 2) / lever_m)};
+    const double a = slope[0].squaredNorm(), b = slope[1].squaredNorm(), m = slope[0].dot(slope[1]), det = a * b - m * m;
+    const double u = -(gap[0] + slope[0].dot(spring)), v = -(gap[1] + slope[1].dot(spring));
+    // Neither, one of both, or both touch: the nearest that neither pulls nor sinks in.
+    const double pushes[4][2] = {{0, 0}, {u / a, 0}, {0, v / b}, {(u * b - v * m) / det, (v * a - u * m) / det}};
+    Vec3 best = Vec3::Constant(1.0);
+    for (const auto& push : pushes) {
+      const Vec3 step = spring + push[0] * slope[0] + push[1] * slope[1];
+      const bool allowed = push[0] >= 0 && push[1] >= 0 && gap[0] + slope[0].dot(step) > -1e-12 && gap[1] + slope[1].dot(step) > -1e-12;
+      if (allowed && (step - spring).norm() < (best - spring).norm()) best = step;
+    }
+    at.x += best[0], at.z += best[1], at.turn += best[2] / lever_m;
+  }
+  return at;
+}
+
+PinFigures pin(double edge, double clearance_m, double turn_rad, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  constexpr double kIn = 0.015;
+  Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, shell_of(test::cylinder_mesh(kPegRadius, kPegLong, 96), edge), kPegLever);
+  const double angle = uniform(random, 0, 2 * std::numbers::pi);
+  const Vec3 axis(std::cos(angle), std::sin(angle), 0);
+  PinFigures figures;
+  double z = kPegLong / 2 + 0.003;
+  if (!rig.place({Vec3(0, 0, z), Quat::Identity()})) return figures;
+  for (; z > kPegLong / 2 - kIn; z -= 5e-5) rig.frame(Vec3(0, 0, z));
+  const auto exact = [&](double turn) { return kStiffness * kPegLever * kPegLever * (turn - exact_pin({0, z, turn}, kPegRadius + clearance_m, kPegLever).turn); };
+  figures.torque_nm = exact(turn_rad);
+  constexpr int kFrames = 2000;
+  double last = 0.0;
+  for (int n = 1; n <= kFrames; ++n) {
+    const double turn = turn_rad * n / kFrames, wanted = exact(turn);
+    const double torque = -rig.frame(Pose{Vec3(0, 0, z), Quat(Eigen::AngleAxisd(turn, axis))}).wrench(kStiffness).torque.dot(axis);
+    figures.step_over_torque = std::max(figures.step_over_torque, std::abs(torque - last) / figures.torque_nm);
+    if (wanted > 0.2 * figures.torque_nm) figures.torque_error = std::max(figures.torque_error, std::abs(torque / wanted - 1.0));
+    last = torque;
+  }
   return figures;
 }
 

@@ -14,6 +14,20 @@ struct LoopOptions {
 /// The largest k [N/m] for which a kick dies out, to 3 %.
 double largest_stable_stiffness(const LoopOptions& options);
 
+/// A round block with a round hole from above, mouth at z = 0: one closed mesh.
+mesh::TriangleMesh hole_mesh(double radius_m, double deep_m);
+inline constexpr double kPegRadius = 0.005, kPegHole = 0.02, kPegLong = 0.03;
+
+/// A tool's pose in the plane of x and z: shift [m], and turn about y [rad].
+struct PlanePose {
+  double x = 0.0, z = 0.0, turn = 0.0;
+};
+/// The exact bar: of all poses with its lower face, `below_m` under its origin, over the edge of a block at `edge_at` the nearest to the hand,
+/// least shift^2 + (lever turn)^2.
+PlanePose exact_lever(const PlanePose& hand, const Vec3& edge_at, double below_m, double lever_m);
+/// The same of the exact peg, its side off the mouth's edge of a hole along z and its lower rim off the wall, turned by more than nothing.
+PlanePose exact_pin(const PlanePose& hand, double hole_radius, double lever_m);
+
 /// A bar pressed with its end on a block, the hand at its middle: torque over the exact one of force times arm.
 struct LeverFigures {
   double torque_error = 0.0;  ///< worst, over the torque
@@ -25,9 +39,17 @@ LeverFigures lever(double edge, std::uint64_t seed);
 struct PegFigures {
   double short_m = 0.0;      ///< of the floor
   double drag_n = 0.0;       ///< along the hole on the way in
-  double torque_error = 0.0; ///< hand turned about the hole's axis: torque there, which should be none [N m]
   bool entered = false;
 };
 PegFigures peg(double edge, double clearance_m, bool turned);
+
+/// The same peg 15 mm deep in its hole, the hand turned slowly across the hole's axis until the peg stands against mouth and wall: torque over that of
+/// the exact peg, which has its play and then the spring alone.
+struct PinFigures {
+  double torque_error = 0.0;      ///< worst once the torque is a fifth of its last, over the torque
+  double step_over_torque = 0.0;  ///< from frame to frame, over the last torque
+  double torque_nm = 0.0;         ///< the exact one in the end
+};
+PinFigures pin(double edge, double clearance_m, double turn_rad, std::uint64_t seed);
 
 }  // namespace voxtouch::virtual_tool

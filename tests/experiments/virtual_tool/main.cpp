@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <numbers>
 
 #include "loops.hpp"
 #include "trials.hpp"
@@ -38,12 +39,13 @@ int main(int argc, char** argv) {
   app.add_option("what", what, "press, plates, slide, friction, walls, tumble, edge, stability, torque or all");
   app.add_option("--seed", seed, "of the random places");
   app.add_option("--places", places, "of each press");
+  app.add_option("--shell-voxel", shell_ratio, "edge of the voxels of the tool's shell over the scene's");
   CLI11_PARSE(app, argc, argv);
   fmt::print("seed {}\n", seed);
   const bool all = what == "all";
   if (all || what == "press") {
     for (const double e : {0.002, 0.001})
-      for (const char* scene : {"plane", "tilted", "cylinder", "cup"})
+      for (const char* scene : {"plane", "tilted", "cylinder", "cylinder:384", "cup"})
         for (const bool turned : {false, true}) tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
   }
   if (all || what == "press" || what == "plates") {
@@ -110,8 +112,16 @@ int main(int argc, char** argv) {
       for (const double e : {0.0005, 0.001, 0.002})
         for (const bool turned : {false, true}) {
           const PegFigures f = peg(e, clearance, turned);
-          fmt::print("peg clearance {:g} mm e {:g} mm {:6} | {} {:.3f} mm short | drag {:.4f} N | torque off by {:.3f}\n", 1e3 * clearance, 1e3 * e,
-                     turned ? "turned" : "aside", f.entered ? "in," : "OUT,", 1e3 * f.short_m, f.drag_n, f.torque_error);
+          fmt::print("peg clearance {:g} mm e {:g} mm {:6} | {} {:.3f} mm short | drag {:.4f} N\n", 1e3 * clearance, 1e3 * e,
+                     turned ? "turned" : "aside", f.entered ? "in," : "OUT,", 1e3 * f.short_m, f.drag_n);
+        }
+    for (const double clearance : {2e-4, 1e-4})
+      for (const double e : {0.0005, 0.001, 0.002})
+        for (const double degrees : {3.0, 6.0, 12.0}) {
+          const PinFigures f = pin(e, clearance, degrees * std::numbers::pi / 180, seed);
+          fmt::print("pin clearance {:g} mm e {:g} mm turned by {:g} deg | {:.4f} N m, off by {:.3f}, step {:.4f} of it\n", 1e3 * clearance, 1e3 * e, degrees,
+                     f.torque_nm, f.torque_error, f.step_over_torque);
+          std::fflush(stdout);
         }
   }
 }

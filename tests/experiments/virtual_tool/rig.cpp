@@ -12,7 +12,7 @@ Rig::Rig(const mesh::TriangleMesh& of, double edge_m, const pointshell::Pointshe
       tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = edge_m, .lever_m = lever_m}),
       grounds{{&query, &ground.field, Vec3::Zero()}}, edge(edge_m) {}
 
-pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge) { return test::exact_shell(mesh, edge); }
+pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge) { return test::exact_shell(mesh, shell_ratio * edge); }
 pointshell::Pointshell ball_shell(double edge, double radius_m) { return shell_of(test::sphere_mesh(radius_m, 4), edge); }
 
 Quat tilt() { return Quat(0.961463877, 0.169532022, 0.213151410, -0.037584345).normalized(); }
@@ -24,6 +24,11 @@ mesh::TriangleMesh scene_mesh(const std::string& name) {
     const bool askew = name.ends_with(":askew");
     const double thick = std::stod(name.substr(6));
     return test::box_mesh(Vec3(0.08, 0.08, thick), {Vec3(0.37e-3, 0.11e-3, 0.0), askew ? tilt() : Quat::Identity()});
+  }
+  if (name.starts_with("cylinder:")) {  // with other facets than the shipped one's 96
+    mesh::TriangleMesh mesh = test::cylinder_mesh(0.04, 0.2, static_cast<std::uint32_t>(std::stoul(name.substr(9))));
+    for (Vec3& v : mesh.vertices) v = Vec3(v.x(), v.z(), -v.y());
+    return mesh;
   }
   return mesh::import_mesh(std::string(VOXTOUCH_DEPLOY "/meshes/") + name + ".obj").mesh;
 }
@@ -59,7 +64,7 @@ Place random_place(const std::string& scene, const mesh::TriangleMesh& mesh, std
     place.point = (1 - a) * mesh.corner(t, 0) + a * (1 - b) * mesh.corner(t, 1) + a * b * mesh.corner(t, 2);
     place.normal = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).normalized();
     // Round about its axis only: the ends are planes.
-    if (scene == "cylinder" && (std::abs(place.normal.y()) > 0.5 || std::abs(place.point.y()) > 0.07)) continue;
+    if (scene.starts_with("cylinder") && (std::abs(place.normal.y()) > 0.5 || std::abs(place.point.y()) > 0.07)) continue;
     return place;
   }
 }

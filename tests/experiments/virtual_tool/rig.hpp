@@ -35,11 +35,13 @@ struct Rig {
   bool place(const Pose& at) { return tool.place(at, grounds); }
 };
 
+/// Edge of the voxels on which the tool's shell is made, over the scene's.
+inline double shell_ratio = 1.0;
 pointshell::Pointshell ball_shell(double edge, double radius_m = kBall);
-/// The shell of `mesh`, on a grid of `edge`.
+/// The shell of `mesh`, on a grid of `edge` times `shell_ratio`.
 pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge);
 
-/// "plane", "tilted", "cylinder", "cup", or "plate:<thickness in m>[:askew]".
+/// "plane", "tilted", "cylinder", "cylinder:<sides>", "cup", or "plate:<thickness in m>[:askew]".
 mesh::TriangleMesh scene_mesh(const std::string& name);
 /// Turn of what is tilted in `scene_mesh`.
 Quat tilt();

@@ -124,6 +124,19 @@ TEST(VirtualToolTorque, OfABarOverAnEdgeIsTheExactOnes) {
   for (const double edge : {0.002, 0.001}) EXPECT_LT(lever(edge, seed).torque_error, 0.05);
 }
 
+/// A pin in its hole, 15 mm deep, the hand turned slowly to 12 degrees: the torque is that of the exact pin, with its play, at every turn.
+TEST(VirtualToolTorque, OfAPinTurnedInItsHoleIsTheExactOnes) {
+  const std::uint64_t seed = testing::seed(62);
+  SCOPED_TRACE(testing::seed_trace(seed));
+  for (const auto& [edge, clearance] : {std::pair{0.001, 2e-4}, {0.001, 1e-4}, {0.0005, 1e-4}}) {
+    const PinFigures f = pin(edge, clearance, 12 * std::numbers::pi / 180, seed);
+    std::printf("e %g, clearance %g: %.4f N m, off by %.3f, step %.4f of it\n", edge, clearance, f.torque_nm, f.torque_error, f.step_over_torque);
+    EXPECT_GT(f.torque_nm, 0.01);
+    EXPECT_LT(f.torque_error, 0.05);
+    EXPECT_LT(f.step_over_torque, 0.01);
+  }
+}
+
 TEST(VirtualToolLoop, IsStableUpToTheStiffnessOfALinearWall) {
   for (const double delay : {0.001, 0.002}) {
     const double linear = largest_stable_stiffness({.scene = "linear", .delay_s = delay});

@@ -20,6 +20,7 @@ hand::HandFile sample() {
   f.motion.circle_centre = Vec3(0.1, 0.2, 0.3);
   f.motion.circle_axis = Vec3(1.0, 2.0, 3.0).normalized();
   f.motion.orientation = Quat(0.1, 0.2, -0.3, 0.4).normalized();
+  f.motion.turn = {Vec3(3.0, 2.0, 1.0).normalized(), -0.2, 0.1, 1.0 / 3.0};
   f.hand = *hand::grip("arm-firm");
   f.hand.let_go_at_s = 2.5;
   f.hand.tremor_n = 0.1;
@@ -34,6 +35,10 @@ TEST(HandFile, ReadsBackToTheSameBits) {
   EXPECT_EQ(back.motion.path, f.motion.path);
   EXPECT_EQ(back.motion.orientation.coeffs(), f.motion.orientation.coeffs());
   EXPECT_EQ(back.motion.circle_axis, f.motion.circle_axis);
+  EXPECT_EQ(back.motion.turn.axis, f.motion.turn.axis);
+  EXPECT_EQ(back.motion.turn.angle_rad, -0.2);
+  EXPECT_EQ(back.motion.turn.from_s, 0.1);
+  EXPECT_EQ(back.motion.turn.to_s, 1.0 / 3.0);
   EXPECT_EQ(*back.motion.circle_centre, *f.motion.circle_centre);
   EXPECT_EQ(back.motion.repeat_from, f.motion.repeat_from);
   EXPECT_EQ(back.posture_rad, f.posture_rad);
