@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "nodes/rendering/request_limits.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/strings.hpp"
@@ -14,10 +15,6 @@ namespace {
 /// Requests of one service in one turn, so that none keeps the others waiting.
 constexpr int kMostATurn = 64;
 
-template <class Sequence>
-auto all_of(const Sequence& sequence) {
-  return std::span(sequence._buffer, sequence._length);
-}
 /// A sequence over the elements of a vector, which keeps them.
 template <class Sequence, class Element>
 void lend(Sequence& sequence, std::vector<Element>& elements) {
@@ -29,23 +26,6 @@ template <class Texts>
 std::vector<std::string> texts_of(const Texts& texts) {
   return {texts._buffer, texts._buffer + texts._length};
 }
-
-// What DDS asks about each request before it stores it.
-template <class Texts>
-bool names_fit(const Texts& names) {
-  return names._length <= EffectServices::kMostNames && std::ranges::all_of(all_of(names), [](const char* name) { return fits(name); });
-}
-template <class Request>
-bool has_fitting_names(const Request& request) {
-  return names_fit(request.names);
-}
-bool has_fitting_prefixes(const msg::rcl_interfaces_ListParameters::Request& request) { return names_fit(request.prefixes); }
-template <class Request>
-bool has_fitting_parameters(const Request& request) {
-  return request.parameters._length <= EffectServices::kMostChanges &&
-         std::ranges::all_of(all_of(request.parameters), [](const auto& parameter) { return fits(parameter); });
-}
-bool is_fitting_change(const msg::ChangeEffect::Request& request) { return fits(request.effect) && fits(request.parameter) && fits(request.model); }
 
 /// What became of each change of one request, until the last word has come.
 struct Results {
@@ -66,13 +46,13 @@ msg::rcl_interfaces_SetParametersResult message_of(const Results::One& result) {
 
 EffectServices::EffectServices(const bus::Participant& participant, const std::string& rig, ChangeDoor door)
     : node_("/" + rig + "/rendering"), door_(std::move(door)),
-      change_(Server<msg::ChangeEffect>::make<is_fitting_change>(participant, qos::kChangeEffect, rig, "rendering")),
-      list_(Server<msg::rcl_interfaces_ListParameters>::make<has_fitting_prefixes>(participant, qos::kListParameters, rig, "rendering")),
-      get_(Server<msg::rcl_interfaces_GetParameters>::make<has_fitting_names>(participant, qos::kGetParameters, rig, "rendering")),
-      types_(Server<msg::rcl_interfaces_GetParameterTypes>::make<has_fitting_names>(participant, qos::kGetParameterTypes, rig, "rendering")),
-      describe_(Server<msg::rcl_interfaces_DescribeParameters>::make<has_fitting_names>(participant, qos::kDescribeParameters, rig, "rendering")),
-      set_(Server<msg::rcl_interfaces_SetParameters>::make<has_fitting_parameters>(participant, qos::kSetParameters, rig, "rendering")),
-      set_together_(Server<msg::rcl_interfaces_SetParametersAtomically>::make<has_fitting_parameters>(participant, qos::kSetParametersAtomically, rig, "rendering")),
+      change_(Server<msg::ChangeEffect>::make<change_fits>(participant, qos::kChangeEffect, rig, "rendering")),
+      list_(Server<msg::rcl_interfaces_ListParameters>::make<prefixes_fit>(participant, qos::kListParameters, rig, "rendering")),
+      get_(Server<msg::rcl_interfaces_GetParameters>::make<names_fit>(participant, qos::kGetParameters, rig, "rendering")),
+      types_(Server<msg::rcl_interfaces_GetParameterTypes>::make<names_fit>(participant, qos::kGetParameterTypes, rig, "rendering")),
+      describe_(Server<msg::rcl_interfaces_DescribeParameters>::make<names_fit>(participant, qos::kDescribeParameters, rig, "rendering")),
+      set_(Server<msg::rcl_interfaces_SetParameters>::make<parameters_fit>(participant, qos::kSetParameters, rig, "rendering")),
+      set_together_(Server<msg::rcl_interfaces_SetParametersAtomically>::make<parameters_fit>(participant, qos::kSetParametersAtomically, rig, "rendering")),
       events_(participant, qos::kParameterEvents, rig, qos::profile(qos::kParameterEvents.profile)), told_(door_.parameters()) {}
 
 void EffectServices::attach_to(bus::WaitSet& wait_set) {

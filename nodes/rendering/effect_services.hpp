@@ -27,11 +27,10 @@ struct ChangeDoor {
 };
 
 /// All in one thread of ordinary priority. What clients may send is bounded: kMostASecond requests, of which each change asked for counts as one, each as
-/// `fits` allows and of at most kMostChanges changes. What is beyond is not answered and counted.
+/// request_limits.hpp allows. What is beyond is not answered and counted.
 class EffectServices {
  public:
   static constexpr int kMostASecond = 200;
-  static constexpr std::uint32_t kMostChanges = 64, kMostNames = 256;
 
   EffectServices(const bus::Participant& participant, const std::string& rig, ChangeDoor door);
   void attach_to(bus::WaitSet& wait_set);

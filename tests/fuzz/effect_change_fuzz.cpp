@@ -9,13 +9,6 @@ using namespace voxtouch;
 
 std::string_view view(const char* text) { return text ? text : ""; }
 
-void check(const effects::EffectSpec& effect) {
-  FUZZ_REQUIRE(effects::check_values(*effect.kind, effect.values).empty());
-  FUZZ_REQUIRE(effect.gain >= 0.0 && effect.gain <= 1.0);
-  const effects::EffectBound bound = effects::bound_of(effect);
-  FUZZ_REQUIRE(std::isfinite(bound.stiffness_n_per_m) && std::isfinite(bound.stiffness_nm_per_rad));
-}
-
 void feel(effects::EffectChain& chain, double time_s) {
   effects::EffectFrame frame;
   frame.tool.position = Vec3(0.01, -0.02, 0.03);
@@ -50,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       }
       effects::carry_out(planned.at(command->effect), *command);
       chain.carry_out(*command);
-      check(planned[command->effect]);
+      fuzz::require_good(planned[command->effect]);
     });
     for (int k = 0; k < 3; ++k) feel(chain, time_s += 0.01);
   }

@@ -1,10 +1,11 @@
 #pragma once
-/// One of each kind of effect that needs no scene around it.
+/// One of each kind of effect that needs no scene around it, and what must hold of them whatever was changed.
 #include <array>
 #include <string>
 #include <vector>
 
 #include "core/effects/effect_chain.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace voxtouch::fuzz {
 
@@ -27,6 +28,13 @@ inline std::vector<effects::EffectSpec> all_effects() {
     all.push_back(std::move(spec));
   }
   return all;
+}
+
+inline void require_good(const effects::EffectSpec& effect) {
+  FUZZ_REQUIRE(effects::check_values(*effect.kind, effect.values).empty());
+  FUZZ_REQUIRE(effect.gain >= 0.0 && effect.gain <= 1.0);
+  const effects::EffectBound bound = effects::bound_of(effect);
+  FUZZ_REQUIRE(std::isfinite(bound.stiffness_n_per_m) && std::isfinite(bound.stiffness_nm_per_rad));
 }
 
 }  // namespace voxtouch::fuzz

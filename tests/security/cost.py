@@ -8,23 +8,20 @@ p50 and p99 are of a whole round, which is three hops; a ratio is of two rounds 
 decides more than the program: read the load beside it.
 """
 import argparse
-import json
-import os
 import pathlib
 import re
 import statistics
 import subprocess
+import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(HERE / "tests/support"))
+from turns import in_turns, ring_latency  # noqa: E402
 
 
 def ring(ask, keys, kind):
-    more = ["--security", keys] if kind == "secured" else []
-    end = subprocess.run([ask.build / "bin/voxtouch", "up", HERE / "deploy/scenes/cup.yaml", "--motion", "slide", "--duration", str(ask.seconds), "--no-record", "--json",
-                          "--domain", str(ask.domain), *more], capture_output=True, text=True, check=False)
-    latency = json.loads(end.stdout)["ring_latency_us"]
-    return latency["p50"], latency["p99"]
+    return ring_latency(ask.build, ask.domain, ask.seconds, *(["--security", keys] if kind == "secured" else []))
 
 
 def hop(ask, _, kind):
@@ -48,14 +45,10 @@ def main():
     parser.add_argument("--seconds", type=float, default=6.0, help="of each kind in a turn")
     ask = parser.parse_args()
     measure, kinds = KINDS[ask.what]
-    rounds = {kind: [] for kind in kinds}
     with tempfile.TemporaryDirectory(prefix="voxtouch_cost_") as folder:
         keys = str(pathlib.Path(folder, "keys"))
         subprocess.run([ask.build / "bin/voxtouch", "keys", "--out", keys], check=True, stdout=subprocess.DEVNULL)
-        for turn in range(ask.turns):
-            for kind in kinds if turn % 2 == 0 else reversed(kinds):  # who comes second finds the machine as the first left it
-                rounds[kind].append(measure(ask, keys, kind))
-            print(f"turn {turn + 1}, load {os.getloadavg()[0]:.1f}: " + ", ".join(f"{kind} {rounds[kind][-1][0]:.0f}/{rounds[kind][-1][1]:.0f}" for kind in kinds) + " us", flush=True)
+        rounds = in_turns(ask.turns, kinds, lambda kind: measure(ask, keys, kind))
     plain = rounds["plain"]
     for kind, figures in rounds.items():
         p50, p99 = (statistics.median(f[n] for f in figures) for n in (0, 1))

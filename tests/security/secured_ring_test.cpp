@@ -114,6 +114,32 @@ TEST(SecuredRing, RunsInContactWithAllItsLinksAndTakesNothingOfStrangers) {
   EXPECT_GT(read_ring_topic<msg::DeviceState>(bag, "/haptic/device/state").size(), 2000U);
 }
 
+/// Asked by processes, for the reason above.
+TEST(SecuredRing, AnswersServicesOfAToolWithItsKeysAndOfNobodyElse) {
+  const TemporaryFolder folder;
+  const auto keys = folder / "keys", others = folder / "others";
+  security::make_keys(keys, kRig, 30);
+  security::make_keys(others, kRig, 30);
+  Process up(up_arguments(shipped_scene("cup_friction"), {"--motion", "slide", "--duration", "0", "--no-record", "--security", keys.string()}));
+  ASSERT_TRUE(wait_until([&] { return !up.running() || runs(up); })) << up.err();
+  const auto asks = [](double gain, const std::vector<std::string>& with) {
+    std::vector<std::string> arguments = {VOXTOUCH_BIN "/voxtouch_asker", fresh_domain(), std::to_string(gain)};
+    arguments.insert(arguments.end(), with.begin(), with.end());
+    return Process(arguments).wait(seconds(60));
+  };
+  const Finished tool = asks(0.8, {keys.string(), "tool"});
+  EXPECT_EQ(tool.out, "is 1\nset true\nis 0.8\nchanged true\nis 0.4\n") << tool.err;
+  for (const std::vector<std::string>& with : {std::vector<std::string>{}, {others.string(), "tool"}, {keys.string(), "validator"}}) {
+    const Finished end = asks(0.1, with);
+    EXPECT_TRUE(end.out.starts_with("no server")) << end.out << end.err;
+  }
+  const Finished again = asks(0.4, {keys.string(), "tool"});
+  EXPECT_EQ(again.out, "is 0.4\nset true\nis 0.4\nchanged true\nis 0.2\n") << again.err;
+  EXPECT_TRUE(up.running());
+  up.signal(SIGINT);
+  EXPECT_EQ(up.wait().status, 0);
+}
+
 /// A plain stranger beside the same ring without --security: that the test above would see it.
 TEST(SecuredRing, IsNeededPlainStrangersKeepAPlainRingFromStarting) {
   const TemporaryFolder folder;

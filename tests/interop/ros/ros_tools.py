@@ -29,6 +29,7 @@ CYCLONE = {  # what rmw_cyclonedds hands to Cyclone DDS
 }
 FAST = {"Humble and Jazzy (SUBNET)": "default", "Humble, ROS_LOCALHOST_ONLY=1": "humble_localhost", "Jazzy, LOCALHOST": "jazzy_localhost"}
 DOMAIN = "0"
+REPOSITORY = pathlib.Path(__file__).resolve().parents[3]
 failures = []
 
 
@@ -72,10 +73,10 @@ class OtherHost:
     def run(self, *arguments):
         run(*self.inside(*arguments))
 
+
 class Ring:
-    def __init__(self, voxtouch, *more, record=("--no-record",)):
-        repository = pathlib.Path(__file__).resolve().parents[3]
-        self.up = subprocess.Popen([voxtouch, "up", repository / "deploy/scenes/plane.yaml", "--device", "sim-phantom", "--motion", "slide",
+    def __init__(self, voxtouch, *more, record=("--no-record",), scene="plane"):
+        self.up = subprocess.Popen([voxtouch, "up", REPOSITORY / f"deploy/scenes/{scene}.yaml", "--device", "sim-phantom", "--motion", "slide",
                                     "--domain", DOMAIN, "--duration", "600", *record, *more],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         for line in self.up.stderr:
@@ -89,8 +90,9 @@ class Ring:
 
 
 def ask(command):
+    """What a client of this folder has found; nothing where it failed."""
     end = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=60, check=False)
-    return json.loads(end.stdout) if end.returncode == 0 else {"topics": {}, "samples": 0, "first_s": -1.0}
+    return json.loads(end.stdout) if end.returncode == 0 else {"topics": {}, "samples": 0, "first_s": -1.0, "standard": {}, "streams": {}, "answers_ms": []}
 
 
 def topics_of(answer):
@@ -206,7 +208,7 @@ HASHES = {  # as ROS 2 publishes them
 
 def expect_array_hash():
     """Of a type with a fixed array, which none of the standard types that a ring speaks has."""
-    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "idl"))
+    sys.path.insert(0, str(REPOSITORY / "idl"))
     from type_hash import type_hash
     geometry = "geometry_msgs"
     messages = {(geometry, "Point"): ([("float64", None, None, 0, axis) for axis in "xyz"], []),
@@ -319,8 +321,8 @@ def peers(voxtouch):
     ring.close()
 
 
-def main():
-    case, voxtouch, cyclone, fast, python = sys.argv[1:6]
+def enter_own_network():
+    """Starts this program anew in a network namespace, unless it runs in one of its own."""
     if os.environ.get("VOXTOUCH_OWN_NETWORK") != "1":
         unshare = ["unshare", "-n"] if os.geteuid() == 0 else ["unshare", "-rn"]
         if subprocess.run([*unshare, "ip", "link", "set", "lo", "up"], check=False).returncode != 0:
@@ -328,6 +330,11 @@ def main():
             raise SystemExit(77)
         os.execvpe("unshare", [*unshare, sys.executable, "-B", *sys.argv], {**os.environ, "VOXTOUCH_OWN_NETWORK": "1", "CYCLONEDDS_URI": ""})
     run("ip", "link", "set", "lo", "up")
+
+
+def main():
+    case, voxtouch, cyclone, fast, python = sys.argv[1:6]
+    enter_own_network()
     if case == "found":
         found(voxtouch, cyclone, fast, python)
     elif case == "doctor":

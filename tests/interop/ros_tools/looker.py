@@ -28,15 +28,25 @@ def join(domain):
     return DomainParticipant(domain)
 
 
+def subscription(participant, topic, depth=10, latched=False):
+    """As rclpy makes one by default; `latched`: as tf2 makes one of what is said once."""
+    qos = Qos(Policy.Reliability.Reliable(duration(milliseconds=100)), Policy.History.KeepLast(depth),
+              Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile)
+    return DataReader(participant, topic, qos=qos)
+
+
+def valid(reader):
+    """The messages that wait."""
+    return [sample for sample in reader.take(N=1000) if sample.sample_info.valid_data]
+
+
 class Looker:
     def __init__(self, participant, rig="haptic", paths=PATHS, depth=10):
         from voxtouch_types import TOPICS
 
         def reader(path):
             fixed = path == "tf_static"
-            qos = Qos(Policy.Reliability.Reliable(duration(milliseconds=100)), Policy.History.KeepLast(100 if fixed else depth),
-                      Policy.Durability.TransientLocal if fixed else Policy.Durability.Volatile)
-            return DataReader(participant, TOPICS[path].topic(participant, rig), qos=qos)
+            return subscription(participant, TOPICS[path].topic(participant, rig), 100 if fixed else depth, fixed)
 
         self.readers = {path: reader(path) for path in paths}
         self.frames, self.markers = Frames(), Markers()
@@ -46,9 +56,8 @@ class Looker:
         end = time.monotonic() + seconds
         while time.monotonic() < end and keeps_on():
             for path, reader in self.readers.items():
-                for message in reader.take(N=100):
-                    if message.sample_info.valid_data:
-                        self.take(path, message, time.monotonic())
+                for message in valid(reader):
+                    self.take(path, message, time.monotonic())
             time.sleep(0.005)
 
     def take(self, path, message, now):
