@@ -66,10 +66,10 @@ void RoleBinding::look_for_standby(const NodeRegistry& registry) {
   pair_->place(acting_).pass_over(*named.participant);
 }
 
-/// Each of the two readers passes over what the other one takes in.
+/// Each of the two readers passes over what the other one takes in, from its first sample on: not before both have matched both.
 void RoleBinding::fill_other_place(const bus::Guid& participant) {
   bus::Following &own = pair_->place(acting_), &other = pair_->place(other_than(acting_));
-  if (!other.follow(participant)) return;  // not matched yet
+  if (!own.has_matched(participant) || !other.has_matched(*at(acting_)) || !other.follow(participant)) return;
   other.pass_over(*at(acting_));
   own.pass_over(participant);
   for (bus::Following* input : inputs_) input->keep_also(participant);

@@ -12,35 +12,22 @@
 #include <thread>
 
 #include "nodes/runtime/standby.hpp"
-#include "tests/attack/kills/beat.hpp"
+#include "tests/attack/kills/felt_ring.hpp"
 #include "tests/attack/kills/leftovers.hpp"
-#include "tests/attack/kills/tap.hpp"
-#include "tests/ring/ring_run.hpp"
 
 namespace voxtouch::attack {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr double kFeltN = 0.05;             // more than this is commanded: the hand feels the contact
 constexpr auto kStopped = 700ms;            // how long a node stands still
 constexpr double kMostPeriods = 5.0;
 constexpr double kRampS = 0.1;              // of the force guard, after a fade
 constexpr double kPeriodMs = 1.0;
 
-bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds patience) {
-  const auto until = std::chrono::steady_clock::now() + patience;
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(2ms);
-  }
-  return true;
-}
-
-std::vector<std::string> command(const FailoverOptions& ask, const std::filesystem::path& bag) {
-  std::vector<std::string> words{VOXTOUCH_BIN "/voxtouch", "up", test::shipped_scene(ask.scene), "--standby", "--json", "--no-report",
-                                 "--domain", std::to_string(ask.domain), "--motion", ask.motion, "--record", bag.string()};
-  for (const std::string& word : test::on_a_busy_machine()) words.push_back(word);
-  words.insert(words.end(), ask.options.begin(), ask.options.end());
+std::vector<std::string> with_standby(const std::vector<std::string>& options) {
+  std::vector<std::string> words = test::on_a_busy_machine();
+  words.push_back("--standby");
+  words.insert(words.end(), options.begin(), options.end());
   return words;
 }
 
@@ -65,27 +52,26 @@ pid_t find_first(pid_t up, const std::string& role) {
 
 class Round {
  public:
-  explicit Round(const FailoverOptions& ask) : ask_(ask), up_(command(ask, folder_ / "bag")) { tap_.emplace(ask.domain, "haptic"); }
+  explicit Round(const FailoverOptions& ask)
+      : ask_(ask), ring_({.scene = ask.scene, .motion = ask.motion, .domain = ask.domain, .more = with_standby(ask.options), .keys = ask.keys}) {}
 
   FailoverResult play() {
     result_.played = reach_contact();
     if (!result_.played) {
-      up_.signal(SIGINT);
-      result_.faults.push_back("the ring did not come into contact with both standbys known: " + up_.wait(30s).err);
+      result_.faults.push_back("the ring did not come into contact with both standbys known: " + ring_.why_not());
       return result_;
     }
-    victim_ = find_first(up_.pid(), ask_.victim);
-    beats_.restart();
-    at_ns_ = unix_ns();
-    ::kill(victim_, ask_.signal);
+    victim_ = find_first(ring_.up().pid(), ask_.victim);
+    ring_.lose(victim_, ask_.signal);
+    at_ns_ = ring_.lost_at_ns();
     std::this_thread::sleep_for(kStopped);
-    result_.machine_ms = 1e-6 * static_cast<double>(beats_.longest_ns());
+    result_.machine_ms = ring_.machine_ms();
     if (ask_.signal == SIGSTOP) {
       ::kill(victim_, SIGCONT);
       std::this_thread::sleep_for(kStopped);
     }
     end_ns_ = unix_ns();
-    up_.signal(SIGINT);
+    ring_.up().signal(SIGINT);
     finish();
     look_back();
     return result_;
@@ -94,7 +80,7 @@ class Round {
  private:
   /// Both pairs are known, force for half a second (the start's ramp), and the contact is felt now.
   bool reach_contact() {
-    registry_participant_.emplace(bus::ParticipantOptions{ask_.domain, "lo", "watcher"});
+    registry_participant_.emplace(ring_.joined("watcher"));
     runtime::NodeRegistry registry(*registry_participant_, "haptic");
     const auto both_named = [&] {
       registry.update();
@@ -104,15 +90,11 @@ class Round {
       };
       return names("rendering") && names("coupling");
     };
-    if (!wait_until(both_named, 30s)) return false;
-    if (!wait_until([this] { return tap_->newest() && tap_->newest()->sequence > 1000 && felt(); }, 30s)) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(200 + ask_.after_ms));
-    return wait_until([this] { return felt(); }, 10s);
+    return ring_.reach_contact(1000, std::chrono::milliseconds(200 + ask_.after_ms), both_named);
   }
-  bool felt() const { return tap_->newest()->force_on && tap_->commanded_n() > kFeltN; }
 
   void finish() {
-    const test::Finished end = up_.wait(30s);
+    const test::Finished end = ring_.up().wait(30s);
     result_.status = end.status;
     const nlohmann::json summary = test::parse_summary(end.out);
     if (!summary.is_object()) return result_.faults.push_back("`up` gave no summary: " + end.err);
@@ -130,10 +112,10 @@ class Round {
 
   /// By the bag: what the device wrote, and every command that was sent.
   void look_back() {
-    const auto states = test::read_ring_topic<msg::DeviceState>(folder_ / "bag", "/haptic/device/state");
-    const auto sent = test::read_ring_topic<msg::ForceCommand>(folder_ / "bag", "/haptic/coupling/command");
+    const auto states = test::read_ring_topic<msg::DeviceState>(ring_.bag(), "/haptic/device/state");
+    const auto sent = test::read_ring_topic<msg::ForceCommand>(ring_.bag(), "/haptic/coupling/command");
     std::uint64_t lost = 0, end = 0;
-    for (const Seen& seen : tap_->seen()) {
+    for (const Seen& seen : ring_.seen()) {
       if (seen.written_ns <= at_ns_) lost = seen.sequence;
       if (seen.written_ns <= end_ns_) end = seen.sequence;
     }
@@ -179,11 +161,8 @@ class Round {
   }
 
   FailoverOptions ask_;
-  test::TemporaryFolder folder_;
-  test::Process up_;
-  std::optional<Tap> tap_;
+  FeltRing ring_;
   std::optional<bus::Participant> registry_participant_;
-  Beats beats_;
   pid_t victim_ = 0;
   std::int64_t at_ns_ = 0, end_ns_ = 0;
   std::uint64_t answered_ = 0;

@@ -1,6 +1,7 @@
 #pragma once
 /// One ring whose rendering and coupling have a standby, one of the two lost while the hand feels a contact, and what the device saw of it.
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@ struct FailoverOptions {
   std::uint32_t domain = 0;
   std::string scene = "press_virtual_tool", motion = "press";  ///< forces of newtons, that change slowly
   std::vector<std::string> options = {};  ///< more of `up`
+  std::filesystem::path keys = {};   ///< folder of --security; empty: plain
   int after_ms = 0;                  ///< of contact, before the signal
 };
 

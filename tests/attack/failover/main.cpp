@@ -9,6 +9,7 @@
 #include <map>
 #include <random>
 
+#include "nodes/security/make_keys.hpp"
 #include "tests/attack/failover/failover_round.hpp"
 #include "tests/support/process/process.hpp"
 
@@ -21,7 +22,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::string domain, scene = FailoverOptions{}.scene, motion = FailoverOptions{}.motion;
   std::vector<std::string> up;
-  bool each = false;
+  bool each = false, secured = false;
 };
 
 struct Row {
@@ -41,9 +42,12 @@ int run(int argc, char** argv) {
   app.add_option("--scene", o.scene, "a shipped one")->capture_default_str();
   app.add_option("--motion", o.motion, "of the scene")->capture_default_str();
   app.add_option("--up", o.up, "an option of `voxtouch up`, such as --up=--realtime=off; may be given more than once")->allow_extra_args(false);
+  app.add_flag("--secured", o.secured, "under --security, with keys made for it");
   app.add_flag("--each", o.each, "a line for each round");
   CLI11_PARSE(app, argc, argv);
   if (o.domain.empty()) o.domain = test::fresh_domain();
+  const test::TemporaryFolder folder;
+  if (o.secured) security::make_keys(folder / "keys", "haptic", 30);
   std::mt19937_64 random(o.seed);
   int bad = 0;
   for (const std::string& victim : o.victims)
@@ -52,6 +56,7 @@ int run(int argc, char** argv) {
       for (int n = 0; n < o.times; ++n) {
         FailoverOptions ask{.victim = victim, .signal = how == "kill" ? SIGKILL : SIGSTOP, .domain = static_cast<std::uint32_t>(std::stoul(o.domain))};
         ask.scene = o.scene, ask.motion = o.motion, ask.options = o.up;
+        if (o.secured) ask.keys = folder / "keys";
         ask.after_ms = static_cast<int>(random() % 500);
         const FailoverResult r = play(ask);
         row.played += r.played, row.stalled += r.stalled, row.bad += !r.faults.empty();

@@ -8,50 +8,27 @@
 #include <functional>
 #include <thread>
 
-#include "tests/attack/kills/beat.hpp"
+#include "tests/attack/kills/felt_ring.hpp"
 #include "tests/attack/kills/leftovers.hpp"
-#include "tests/attack/kills/tap.hpp"
-#include "tests/ring/ring_run.hpp"
 
 namespace voxtouch::attack {
 namespace {
 
 using namespace std::chrono_literals;
 constexpr double kMsPerNs = 1e-6;
-constexpr double kFeltN = 0.05;      // more than this is commanded: the hand feels the contact
 constexpr double kBagLosesS = 1.0;   // at most
 constexpr auto kStopped = 700ms;     // how long a node stands still
 constexpr double kCommandLivesMs = 3.0;      // a command is held this long before it fades
 
-bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds patience) {
-  const auto until = std::chrono::steady_clock::now() + patience;
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(2ms);
-  }
-  return true;
-}
-
-std::vector<std::string> command(const RoundOptions& ask, const std::filesystem::path& bag) {
-  std::vector<std::string> words{VOXTOUCH_BIN "/voxtouch", "up", test::shipped_scene("cup"), "--json", "--no-report", "--domain", std::to_string(ask.domain),
-                                 "--rig", ask.rig, "--motion", "slide", "--record", bag.string()};
-  words.insert(words.end(), ask.options.begin(), ask.options.end());
-  return words;
-}
-
 class Round {
  public:
   explicit Round(const RoundOptions& ask)
-      : ask_(ask), names_before_(shared_names()),
-        up_(command(ask, folder_ / "bag")) {
-    tap_.emplace(ask.domain, ask.rig);
-  }
+      : ask_(ask), names_before_(shared_names()), ring_({.scene = "cup", .motion = "slide", .rig = ask.rig, .domain = ask.domain, .more = ask.options}) {}
 
   RoundResult play() {
     result_.played = reach_contact();
     if (!result_.played) {
-      up_.signal(SIGINT);
-      result_.faults.push_back("the ring did not come into contact: " + up_.wait(30s).err);
+      result_.faults.push_back("the ring did not come into contact: " + ring_.why_not());
       return result_;
     }
     send();
@@ -63,21 +40,17 @@ class Round {
  private:
   /// Force for half a second, the start's ramp, and the contact felt now.
   bool reach_contact() {
-    if (!wait_until([this] { return tap_->newest() && tap_->newest()->sequence > 700 && felt(); }, 30s)) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(ask_.after_ms));
-    if (!wait_until([this] { return felt(); }, 10s)) return false;
-    nodes_ = test::children_of(up_.pid());
+    if (!ring_.reach_contact(700, std::chrono::milliseconds(ask_.after_ms))) return false;
+    nodes_ = test::children_of(ring_.up().pid());
     return nodes_.size() == 5;
   }
-  bool felt() const { return tap_->newest()->force_on && tap_->commanded_n() > kFeltN; }
 
   void send() {
-    victim_ = up_.pid();
+    victim_ = ring_.up().pid();
     for (const pid_t node : nodes_)
       if (program_of(node) == "voxtouch_" + ask_.victim) victim_ = node;
-    beats_.restart();
-    at_ns_ = unix_ns();
-    if (ask_.victim != "nobody") ::kill(victim_, ask_.signal);
+    ring_.lose(victim_, ask_.victim == "nobody" ? 0 : ask_.signal);
+    at_ns_ = ring_.lost_at_ns();
   }
 
   bool needed() const { return ask_.victim == "rendering" || ask_.victim == "coupling"; }
@@ -103,7 +76,7 @@ class Round {
     if (ask_.victim != "nobody") ::kill(victim_, SIGCONT);
     std::this_thread::sleep_for(300ms);
     if (ask_.victim == "device") judge_waking(on_ns);
-    up_.signal(SIGINT);
+    ring_.up().signal(SIGINT);
     finish();
     if (needed() && result_.status == 0) result_.faults.push_back("a run with a node that hung is called good");
   }
@@ -116,7 +89,7 @@ class Round {
 
   /// The first sample after the signal that has no force.
   std::optional<Seen> zero_at() const {
-    for (const Seen& s : tap_->seen())
+    for (const Seen& s : ring_.seen())
       if (s.written_ns >= at_ns_ && !s.force_on) return s;
     return std::nullopt;
   }
@@ -129,7 +102,7 @@ class Round {
   }
 
   void judge_zero() {
-    const std::vector<Seen> seen = tap_->seen();
+    const std::vector<Seen> seen = ring_.seen();
     const auto after = std::find_if(seen.begin(), seen.end(), [this](const Seen& s) { return s.written_ns >= at_ns_; });
     if (ask_.victim == "device") {
       if (seen.end() - after > 3) result_.faults.push_back("a device that was killed gives samples");
@@ -143,7 +116,7 @@ class Round {
     std::int64_t before_ns = at_ns_, gap_ns = 0;
     for (auto s = after; s != seen.end() && s <= last; ++s) gap_ns = std::max(gap_ns, s->written_ns - std::exchange(before_ns, s->written_ns));
     result_.gap_ms = kMsPerNs * static_cast<double>(gap_ns);
-    result_.machine_ms = kMsPerNs * static_cast<double>(beats_.longest_ns());
+    result_.machine_ms = ring_.machine_ms();
     result_.stalled = *result_.zero_ms > kZeroWithinMs && *result_.zero_ms - result_.machine_ms <= kZeroWithinMs;
     if (needed() && *result_.zero_ms > kZeroWithinMs && !result_.stalled)
       result_.faults.push_back(fmt::format("the device is at zero after {:.1f} ms of its samples", *result_.zero_ms));
@@ -153,8 +126,8 @@ class Round {
   /// What only listens must not be felt. Where the machine kept a thread of the ring's priority waiting for longer than commands are held,
   /// it is the machine that was felt.
   void judge_undisturbed() {
-    for (const Seen& s : tap_->seen()) result_.unforced += s.written_ns >= at_ns_ && !s.force_on;
-    result_.machine_ms = kMsPerNs * static_cast<double>(beats_.longest_ns());
+    for (const Seen& s : ring_.seen()) result_.unforced += s.written_ns >= at_ns_ && !s.force_on;
+    result_.machine_ms = ring_.machine_ms();
     result_.stalled = result_.unforced > 0 && result_.machine_ms > kCommandLivesMs;
     if (result_.unforced > 0 && !result_.stalled)
       result_.faults.push_back(fmt::format("{} samples were without force while {} stood still; the machine kept a thread waiting for {:.1f} ms at most",
@@ -165,13 +138,13 @@ class Round {
   void judge_waking(std::int64_t on_ns) {
     int samples = 0;
     bool rested = false;
-    for (const Seen& s : tap_->seen())
+    for (const Seen& s : ring_.seen())
       if (s.written_ns >= on_ns && samples++ < 5) rested |= !s.force_on;
     if (samples > 0 && !rested) result_.faults.push_back("the device goes on with the force that it held");
   }
 
   void finish() {
-    const test::Finished end = up_.wait(30s);
+    const test::Finished end = ring_.up().wait(30s);
     result_.status = end.status;
     said_ = end.out + end.err;
     if (ask_.victim == "device" && ask_.signal == SIGKILL && end.out.find("device was ended by signal 9") == std::string::npos)
@@ -179,8 +152,8 @@ class Round {
   }
 
   void look_back() {
-    const std::vector<Seen> seen = tap_->seen();
-    tap_.reset();
+    const std::vector<Seen> seen = ring_.seen();
+    ring_.stop_listening();
     for (const pid_t node : nodes_)
       if (program_of(node).starts_with("voxtouch_")) result_.faults.push_back(program_of(node) + " is left behind");
     // Other tests run beside this one and have such names too, for a moment: left behind is what stays.
@@ -193,7 +166,7 @@ class Round {
     // A process that ends gives up its memory, and with it its name, before its sockets.
     if (!wait_until([this] { return bound_ports(ask_.domain).empty(); }, 2s)) result_.faults.push_back("a port of the domain is left behind");
     try {
-      const auto states = test::read_ring_topic<msg::DeviceState>(folder_ / "bag", "/" + ask_.rig + "/device/state");
+      const auto states = test::read_ring_topic<msg::DeviceState>(ring_.bag(), "/" + ask_.rig + "/device/state");
       // Of what was there while the logger was.
       std::int64_t last_ns = 0;
       for (const Seen& s : seen)
@@ -207,10 +180,7 @@ class Round {
 
   RoundOptions ask_;
   std::set<std::string> names_before_;
-  test::TemporaryFolder folder_;
-  test::Process up_;
-  std::optional<Tap> tap_;
-  Beats beats_;
+  FeltRing ring_;
   std::vector<pid_t> nodes_;
   pid_t victim_ = 0;
   std::int64_t at_ns_ = 0;

@@ -7,8 +7,8 @@
 
 namespace voxtouch::attack {
 
-Tap::Tap(std::uint32_t domain, const std::string& rig)
-    : participant_({domain, "lo", "tap"}),
+Tap::Tap(const bus::ParticipantOptions& joined, const std::string& rig)
+    : participant_(joined),
       states_(participant_, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kTap)),
       commands_(participant_, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kTap)),
       thread_([this] { listen(); }) {}

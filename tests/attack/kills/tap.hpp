@@ -22,7 +22,7 @@ struct Seen {
 
 class Tap {
  public:
-  Tap(std::uint32_t domain, const std::string& rig);
+  Tap(const bus::ParticipantOptions& joined, const std::string& rig);
   ~Tap();
 
   std::vector<Seen> seen() const;

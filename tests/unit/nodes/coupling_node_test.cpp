@@ -473,6 +473,36 @@ TEST(CouplingNode, LocksItselfAtZeroWhereAContactGivesEnergyAndWaitsForAPersonsW
   EXPECT_EQ(lock(), 0U);
 }
 
+/// One stroke that gives energy: six times what a sound contact shows and more, but little; and much, but less than five times that.
+TEST(CouplingNode, LocksItselfForNothingThatIsLittleOrLessThanFiveTimesWhatIsSound) {
+  struct Stroke {
+    double force_n, voxel_m;
+    bool is_little;
+  };
+  for (const Stroke& stroke : {Stroke{0.4, 0.0, true}, Stroke{3.0, 1.5e-3, false}}) {
+    SCOPED_TRACE(stroke.force_n);
+    Around a("{kind: shaping_filter, cutoff_hz: 20}");
+    const Around::Demand demand{0.0, 0.0, ""};
+    msg::ScenePlan plan = Around::message_of(30.0, 7, demand);
+    plan.voxel_size_m = stroke.voxel_m;
+    a.describe(20.0), a.plans.write(plan), a.rendering->say(7);
+    ASSERT_TRUE(a.force_comes()) << a.message();
+    for (int n = 0; n < 90; ++n) a.touch(-kDepth * (1.0 + 0.1 * n), 0.0);
+    for (int n = 0; n < 100; ++n) a.touch(-kDepth * (10 - 0.1 * n), stroke.force_n);
+    const auto figures = [&] {
+      a.registry.update();
+      const auto report = a.registry.find("coupling");
+      return report ? report->figures : runtime::Figures();
+    };
+    ASSERT_TRUE(wait_until([&] { return figures()["samples"].value >= static_cast<double>(a.sequence) - 20.0; }));
+    const double debt_j = -figures()["lowest_energy_j"].value, bound_j = figures()["energy_bound_j"].value;
+    EXPECT_EQ(debt_j < 0.01, stroke.is_little) << debt_j;
+    EXPECT_EQ(debt_j > 5.0 * bound_j, stroke.is_little) << debt_j << " J of " << bound_j;
+    EXPECT_GT(debt_j, bound_j);
+    EXPECT_EQ(figures()["locks"].value, 0.0) << a.message();
+  }
+}
+
 /// Another coupling acts, and falls silent: this one goes on with the force at hand, or with its lock.
 TEST(CouplingNode, StandsByWithTheForceAndTheLockOfTheOneThatActs) {
   for (const bool locked : {false, true}) {
@@ -554,6 +584,35 @@ TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
 }
 
 /// A fit takes some tenths of a second; what comes meanwhile is not in it.
+/// What is asked for again is not fitted again; whatever is another is.
+TEST(Fitting, IsMadeAnewForWhateverIsAnother) {
+  const scene::Scene scene = scene::load_scene(scene_with("{design: auto, kind: shaping_filter}"));
+  const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};
+  coupling_node::Fitting fitting(scene);
+  const auto fit = [&](const msg::DeviceDescription& device, double one_point_n_per_m, const Around::Demand& demand) {
+    fitting.set_device(runtime::from_msg(device), 7);
+    fitting.set_plan(Around::message_of(one_point_n_per_m, 7, demand));
+    fitting::DeviceDemand asked;
+    asked.stiffest = "oil";
+    asked.damping = {demand.damping_ns_per_m, demand.damping_ns_per_m, "oil", ""};
+    asked.turning = {0.0, 0.0, "oil", ""};
+    const rendering::StiffnessBounds bounds{{one_point_n_per_m, 100 * one_point_n_per_m}, {1e-4 * one_point_n_per_m, 1e-2 * one_point_n_per_m}};
+    const auto made = fitting.fit(), alone = fitting::fit_coupling(scene, fitting.device(), bounds, asked);
+    EXPECT_EQ(made.spec, alone.spec);
+    EXPECT_EQ(made.refusal.empty(), alone.refusal.empty()) << made.refusal << alone.refusal;
+    return made;
+  };
+  const auto first = fit(stylus(7), 30.0, little);
+  EXPECT_EQ(fit(stylus(7), 30.0, little).spec, first.spec);
+  msg::DeviceDescription heavy = stylus(7), slow = stylus(7);
+  heavy.mass_min_kg = 0.2, heavy.mass_max_kg = 0.4, slow.network_delay_s = 4e-3;
+  EXPECT_NE(fit(heavy, 30.0, little).spec, first.spec);
+  EXPECT_NE(fit(slow, 30.0, little).spec, first.spec);
+  fit(stylus(7), 3000.0, little);
+  EXPECT_NE(fit(stylus(7), 30.0, much).refusal, "");
+  EXPECT_EQ(fit(stylus(7), 30.0, little).refusal, "");
+}
+
 TEST(Fitting, IsJudgedOnceMoreForWhatHasComeMeanwhile) {
   const scene::Scene scene = scene::load_scene(scene_with("{design: auto, kind: shaping_filter}"));
   const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};
