@@ -1,7 +1,6 @@
 #include "nodes/coupling/fitting.hpp"
 
 #include <chrono>
-#include <tuple>
 
 #include "nodes/runtime/realtime.hpp"
 
@@ -18,22 +17,6 @@ fitting::DeviceDemand demand_in(const msg::ScenePlan& plan) {
                       plan.largest_turning_damping_place},
           .torque = plan.torque_effect,
           .external = {plan.external_force_n, plan.external_torque_nm, plan.external_effect, plan.external_place}};
-}
-
-// All members of each: one that is added does not compile before it is compared too.
-auto all_of(const coupling::design::AxisModel& m) {
-  const auto& [inertia_min, inertia_max, damping, friction, resolution, effort, stiffness, bandwidth] = m;
-  return std::tie(inertia_min, inertia_max, damping, friction, resolution, effort, stiffness, bandwidth);
-}
-auto all_of(const coupling::design::LoopTiming& m) {
-  const auto& [period, delay, jitter, lost, network] = m;
-  return std::tie(period, delay, jitter, lost, network);
-}
-bool same(const coupling::design::DeviceModel& a, const coupling::design::DeviceModel& b) {
-  const auto& [name_a, translation_a, rotation_a, torque_a, timing_a, grip_a] = a;
-  const auto& [name_b, translation_b, rotation_b, torque_b, timing_b, grip_b] = b;
-  return name_a == name_b && all_of(translation_a) == all_of(translation_b) && all_of(rotation_a) == all_of(rotation_b) && torque_a == torque_b &&
-         all_of(timing_a) == all_of(timing_b) && grip_a == grip_b;
 }
 
 }  // namespace
@@ -60,11 +43,8 @@ std::optional<std::uint64_t> Fitting::session() const noexcept {
 
 fitting::FittedCoupling Fitting::fit() {
   outdated_ = false;
-  if (!made_ || !same(made_->device, device_) || made_->bounds != bounds_ || made_->demand != demand_) {
-    const runtime::AtOrdinaryPriority while_no_sample_waits;
-    made_ = Made{device_, bounds_, demand_, fitting::fit_coupling(scene_, device_, bounds_, demand_)};
-  }
-  return made_->fitted;
+  const runtime::AtOrdinaryPriority while_no_sample_waits;
+  return fitting::fit_coupling(scene_, device_, bounds_, demand_);
 }
 
 void Fitting::begin() {

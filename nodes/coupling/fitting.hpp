@@ -26,8 +26,7 @@ class Fitting {
   /// Whether what came calls for another fit: another device or contact, not only other effects.
   bool outdated() const noexcept { return outdated_; }
 
-  /// Takes up to some tenths of a second; no time where it is asked for the same once more, as after a cut of the network, for the same gives the
-  /// same bits.
+  /// Takes up to some tenths of a second.
   fitting::FittedCoupling fit();
   /// The same in a thread of ordinary priority, while the ring runs. A request that comes during a fit is made after it.
   void begin();
@@ -41,16 +40,7 @@ class Fitting {
   const std::string& external() const noexcept { return demand_.external.name; }
 
  private:
-  /// What `fit` made last, and of what.
-  struct Made {
-    coupling::design::DeviceModel device;
-    rendering::StiffnessBounds bounds;
-    fitting::DeviceDemand demand;
-    fitting::FittedCoupling fitted;
-  };
-
   const scene::Scene& scene_;
-  std::optional<Made> made_;
   coupling::design::DeviceModel device_;
   rendering::StiffnessBounds bounds_;  ///< in W
   fitting::DeviceDemand demand_;

@@ -110,9 +110,6 @@ TEST(Press, RisesWithEveryDepthAndGivesTheCertifiedStiffnessAsFarAsTheModelTells
         if (thick_m > 0.01 || spring) {
           EXPECT_GE(p.force_n, before * (1 - 1e-3)) << model << " falls " << p.depth_m << " m deep";
         }
-        if (thick_m > 0.01 && model == std::string("field")) {
-          EXPECT_GE(p.force_n, certified * (p.depth_m - 3.6e-4)) << "all but the way in which the contact is softer than the cap";
-        }
         before = p.force_n;
       }
       std::printf("%g m, %s, %.4g N/m certified: share%s\n", thick_m, model, certified, row.c_str());

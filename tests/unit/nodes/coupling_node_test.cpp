@@ -584,35 +584,6 @@ TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
 }
 
 /// A fit takes some tenths of a second; what comes meanwhile is not in it.
-/// What is asked for again is not fitted again; whatever is another is.
-TEST(Fitting, IsMadeAnewForWhateverIsAnother) {
-  const scene::Scene scene = scene::load_scene(scene_with("{design: auto, kind: shaping_filter}"));
-  const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};
-  coupling_node::Fitting fitting(scene);
-  const auto fit = [&](const msg::DeviceDescription& device, double one_point_n_per_m, const Around::Demand& demand) {
-    fitting.set_device(runtime::from_msg(device), 7);
-    fitting.set_plan(Around::message_of(one_point_n_per_m, 7, demand));
-    fitting::DeviceDemand asked;
-    asked.stiffest = "oil";
-    asked.damping = {demand.damping_ns_per_m, demand.damping_ns_per_m, "oil", ""};
-    asked.turning = {0.0, 0.0, "oil", ""};
-    const rendering::StiffnessBounds bounds{{one_point_n_per_m, 100 * one_point_n_per_m}, {1e-4 * one_point_n_per_m, 1e-2 * one_point_n_per_m}};
-    const auto made = fitting.fit(), alone = fitting::fit_coupling(scene, fitting.device(), bounds, asked);
-    EXPECT_EQ(made.spec, alone.spec);
-    EXPECT_EQ(made.refusal.empty(), alone.refusal.empty()) << made.refusal << alone.refusal;
-    return made;
-  };
-  const auto first = fit(stylus(7), 30.0, little);
-  EXPECT_EQ(fit(stylus(7), 30.0, little).spec, first.spec);
-  msg::DeviceDescription heavy = stylus(7), slow = stylus(7);
-  heavy.mass_min_kg = 0.2, heavy.mass_max_kg = 0.4, slow.network_delay_s = 4e-3;
-  EXPECT_NE(fit(heavy, 30.0, little).spec, first.spec);
-  EXPECT_NE(fit(slow, 30.0, little).spec, first.spec);
-  fit(stylus(7), 3000.0, little);
-  EXPECT_NE(fit(stylus(7), 30.0, much).refusal, "");
-  EXPECT_EQ(fit(stylus(7), 30.0, little).refusal, "");
-}
-
 TEST(Fitting, IsJudgedOnceMoreForWhatHasComeMeanwhile) {
   const scene::Scene scene = scene::load_scene(scene_with("{design: auto, kind: shaping_filter}"));
   const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};
