@@ -2,7 +2,6 @@
 // gives differs: ours forces of all points to a voxel, FCL pairs of triangles, Bullet the same in single precision. deploy/bench writes it down.
 #include <benchmark/benchmark.h>
 
-#include <functional>
 #include <map>
 
 #include "core/contact/contact_renderer.hpp"
