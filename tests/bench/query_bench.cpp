@@ -38,14 +38,6 @@ const Ground& ground_of_mesh() {
   return made;
 }
 
-/// Each row is set up anew for each repetition, and to put a million points in order takes a second.
-const pointshell::Pointshell& points_of(Place place, std::size_t points) {
-  static std::map<std::pair<bool, std::size_t>, pointshell::Pointshell> made;
-  const auto key = std::pair{place == Place::kHeavy, points};
-  const auto found = made.find(key);
-  return found != made.end() ? found->second : made.emplace(key, tool(place, points)).first->second;
-}
-
 void count(benchmark::State& state, std::size_t points, double tested, double hits) {
   const auto frames = static_cast<double>(state.iterations());
   state.counters["ns/point"] = benchmark::Counter(static_cast<double>(points) * 1e-9 * frames,
@@ -61,7 +53,7 @@ void read_12_bytes(benchmark::State& state, std::size_t points) {
 }
 
 void find(benchmark::State& state, const voxmap::Voxmap& map, Place place, const std::vector<Pose>& poses, std::size_t points) {
-  const contact::ContactQuery query(map, points_of(place, points));
+  const contact::ContactQuery query(map, tool(place, points));
   contact::HitList hits;
   hits.reserve(points);
   double tested = 0.0, hit = 0.0;
@@ -75,7 +67,7 @@ void find(benchmark::State& state, const voxmap::Voxmap& map, Place place, const
 
 void render(benchmark::State& state, const voxmap::Voxmap& map, Place place, std::size_t points, contact::ContactModelKind model,
             const voxmap::DistanceField* field) {
-  contact::ContactRenderer renderer(map, points_of(place, points), model, {1.0, contact::PointWeights::kArea}, field);
+  contact::ContactRenderer renderer(map, tool(place, points), model, {1.0, contact::PointWeights::kArea}, field);
   const std::vector<Pose> poses = path(place);
   double tested = 0.0, hit = 0.0;
   std::size_t n = 0;
@@ -101,7 +93,7 @@ std::vector<Pose> slide(double too_deep_voxels) {
 
 void virtual_tool(benchmark::State& state, std::size_t points) {
   const Ground& ground = ground_of_mesh();
-  const contact::ContactQuery query(ground.map, points_of(Place::kLight, points));
+  const contact::ContactQuery query(ground.map, tool(Place::kLight, points));
   contact::VirtualTool tool({.points = points, .reach_m = query.reach_m(), .edge_m = kEdge});
   const contact::ToolGround grounds[] = {{.query = &query, .field = &ground.field}};
   const std::vector<Pose> poses = slide(4.0);
