@@ -94,7 +94,7 @@ LeverFigures lever(double edge, std::uint64_t seed) {
       last = torque;
     }
     for (int k = 0; k < 200; ++k) f = rig.frame(hand_at(250));
-    const double exact = kStiffness * lever_m * lever_m * -exact_lever({aside, hand_at(250).z(), 0.0}, block_edge, 0.003 - middle.z(), lever_m).turn;
+    const double exact = kStiffness * lever_m * lever_m * exact_lever({aside, hand_at(250).z(), 0.0}, block_edge, 0.003 - middle.z(), lever_m).turn;
     figures.torque_error = std::max(figures.torque_error, std::abs(f.wrench(kStiffness).torque.y() / exact - 1.0));
   }
   return figures;
