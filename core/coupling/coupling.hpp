@@ -23,8 +23,6 @@ struct CouplingInput {
   Pose tool = {};                        ///< T in W at this sample
   /// What effects and moving objects may have given the tool so far [J]: the passivity observer allows their growth.
   double supplied_energy_j = 0.0;
-  /// Depth of the deepest point of this contact [m], W, as far as the contact's model tells it; 0 or below: not told.
-  double contact_depth_m = 0.0;
 };
 
 /// Seconds over which the input is faded in after a start in contact, a reset to a force or a gap.

@@ -134,12 +134,11 @@ double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) 
 /// The contact, capped and cut, through the law.
 Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample& sample, CouplingOutput& out) noexcept {
   if (sample.good) {
-    const CapScales scales = cap_.step(input, sample.dt_s);
-    out.scale = scales.wrench;
+    out.scale = cap_.step(input, sample.dt_s);
     contact_ = input;
-    contact_.contact.force *= scales.wrench, contact_.contact.torque *= scales.wrench;
-    contact_.contact_stiffness_n_per_m *= scales.stiffness;
-    contact_.contact_stiffness *= scales.stiffness;
+    contact_.contact.force *= out.scale, contact_.contact.torque *= out.scale;
+    contact_.contact_stiffness_n_per_m *= out.scale;
+    contact_.contact_stiffness *= out.scale;
     out.capped = out.scale < 1.0 && pushes(input);
     shown_ = out.scale * gain();
   } else if (sample.lost) {

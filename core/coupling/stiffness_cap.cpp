@@ -14,15 +14,6 @@ double ramp_s(const CouplingSpec& spec) noexcept {
   return ramp_behind_filter_s(spec.kind == name_of(CouplingKind::kShapingFilter) ? cutoff_rad_per_s(spec) : 0.0);
 }
 
-/// A force below this is none: a share of it could not be told.
-constexpr double kNoForce = 1e-200;
-
-/// Stiffness of the contact along `n` [N/m]; its bound where the matrix is missing.
-double stiffness_along(const CouplingInput& input, const Vec3& n) noexcept {
-  if (input.contact_stiffness.isZero(0.0)) return input.contact_stiffness_n_per_m;
-  return std::max(0.0, n.dot(input.contact_stiffness.topLeftCorner<3, 3>() * n));
-}
-
 /// Fixed size: Eigen keeps it on the stack, and its iteration is bounded.
 template <class Matrix>
 double largest(const Matrix& matrix) noexcept {
@@ -65,7 +56,7 @@ void StiffnessCap::redesign(const CouplingSpec& spec) noexcept {
   redesigned_ = true;
 }
 
-CapScales StiffnessCap::step(const CouplingInput& input, double dt_s) noexcept {
+double StiffnessCap::step(const CouplingInput& input, double dt_s) noexcept {
   double allowed = cap_scale(input.contact_stiffness, input.contact_stiffness_n_per_m, per_cap_t_, per_cap_r_);
   if (redesigned_) {
     over_ = Ramp(allowed > 0.0 ? std::clamp(scale_ / allowed, 0.0, 1e12) : 1.0);
@@ -74,28 +65,7 @@ CapScales StiffnessCap::step(const CouplingInput& input, double dt_s) noexcept {
   }
   allowed = std::min(allowed * over_.advance(dt_s), 1.0);
   scale_ = std::min(allowed, scale_ + allowed * dt_s / rise_s_);
-  return {secant(input, allowed, dt_s), scale_};
-}
-
-/// What of the wrench is given, the force's length deciding for all of it.
-double StiffnessCap::secant(const CouplingInput& input, double allowed, double dt_s) noexcept {
-  const Vec3& force = input.contact.force;
-  const double size = force.stableNorm(), depth = std::max(input.contact_depth_m, 0.0);
-  const double deeper = depth - depth_m_, more = size - size_n_;
-  depth_m_ = depth, size_n_ = size;
-  if (!(size > kNoForce)) {
-    given_n_ = 0.0;
-    return scale_;
-  }
-  const double along = stiffness_along(input, force / size);
-  const double least = scale_ * size, shown = scale_ * along;
-  // As far as the contact grows with the depth, and as steep as is shown. On the way out what the cap allows counts, not what has
-  // risen to it so far, so that no more comes back than went in.
-  given_n_ += deeper > 0.0 ? std::min(shown * deeper, std::max(more, 0.0)) : std::max(allowed * along * deeper, std::min(more, 0.0));
-  // More than the depth stands for is let go of in time: the deepest point may be another one all at once.
-  const double most = std::min(size, std::max(shown * depth, given_n_ * (1.0 - dt_s / rise_s_)));
-  given_n_ = std::clamp(given_n_, least, std::max(least, most));
-  return given_n_ > least ? given_n_ / size : scale_;
+  return scale_;
 }
 
 }  // namespace voxtouch::coupling

@@ -72,9 +72,6 @@ std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& sce
   renderer.reset();
   rendering::ToolState tool{.pose = touch->pose, .twist = {}};
   double time_s = touch->time_s;
-  coupling::CouplingInput input;
-  input.tool = tool.pose;
-  running.step(input, period_s);  // free: the contact begins from here
   if (scene.virtual_tool())  // it has to begin outside, and its spring fades in
     for (int n = 0; n < 20; ++n) renderer.render(tool, time_s += rendering::SceneRenderer::kLongestStepS);
   for (int depth = 1; depth <= kDepths; ++depth) {
@@ -82,10 +79,8 @@ std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& sce
     for (int n = 0; n < frames; ++n) {
       tool.pose.position += depth_step_m / frames * touch->onward;
       frame = renderer.render(tool, time_s += period_s);
-      input = {frame.wrench, frame.stiffness_bound_n_per_m, frame.stiffness, tool.pose};
-      input.contact_depth_m = frame.touch.contact.deepest_depth_m;
-      running.step(input, period_s);
     }
+    const coupling::CouplingInput input{frame.wrench, frame.stiffness_bound_n_per_m, frame.stiffness, tool.pose};
     Wrench returned;
     for (double t = 0.0; t < kSettlesInS; t += period_s) returned = running.step(input, period_s).wrench;
     out.push_back({kDepthStepM * depth, scene.device.force_scale * returned.force.norm()});

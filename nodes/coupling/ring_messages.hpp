@@ -16,7 +16,6 @@ inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) 
   input.contact_stiffness = runtime::from_msg(contact.stiffness);
   input.tool = runtime::from_msg(contact.tool_pose);
   input.supplied_energy_j = contact.supplied_energy_j;
-  input.contact_depth_m = contact.deepest_depth_m;
   return input;
 }
 

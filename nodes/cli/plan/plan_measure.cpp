@@ -138,8 +138,7 @@ class Measurement {
     rendering::SceneFrame all;
     samples_.frame.push_back(watch_.ns([&] { all = built_.scene_renderer().render(tool, time_s += kDefaultS); }));
     if (coupling_) {
-      coupling::CouplingInput input{all.wrench, all.stiffness_bound_n_per_m, all.stiffness, tool.pose};
-      input.contact_depth_m = all.touch.contact.deepest_depth_m;
+      const coupling::CouplingInput input{all.wrench, all.stiffness_bound_n_per_m, all.stiffness, tool.pose};
       samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
     }
   }

@@ -48,7 +48,7 @@ Wrench RigFront::answer(const devices::DeviceSample& sample) noexcept {
   const rendering::ToolState& tool = mapping_.update(sample.pose, sample.twist, sample.buttons);
   frame_ = live_.render(tool, static_cast<double>(sample.time_ns - *begin_ns_) * 1e-9);
   coupling::CouplingInput in{frame_.wrench, frame_.stiffness_bound_n_per_m, frame_.stiffness, tool.pose};
-  in.supplied_energy_j = frame_.supplied_energy_j, in.contact_depth_m = frame_.touch.contact.deepest_depth_m;
+  in.supplied_energy_j = frame_.supplied_energy_j;
   out_ = coupling_.step(in, dt_s);
   return rendering::wrench_to_device(device_, out_.wrench, tool.pose.orientation);
 }

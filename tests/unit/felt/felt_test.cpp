@@ -1,11 +1,5 @@
 // What is told at the start against what contact and coupling give.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include "core/felt/felt.hpp"
 #include "core/fitting/design_problem.hpp"
@@ -22,22 +16,11 @@ coupling::design::DeviceModel stylus() {
   return model;
 }
 
-/// A slab whose top is z = 0, as a file of its own.
-std::filesystem::path plate(double thick_m) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / fmt::format("felt_plate_{}_{}.obj", thick_m, getpid());
-  std::ofstream out(file);
-  for (int k = 0; k < 8; ++k)
-    out << "v " << (k & 1 ? 0.06 : -0.06) << " " << (k & 2 ? 0.06 : -0.06) << " " << (k & 4 ? 0.0 : -thick_m) << "\n";
-  out << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
-  return file;
-}
-
 struct Scene {
   explicit Scene(const std::string& model, scene::RenderingKind rendering = scene::RenderingKind::kPenalty,
-                 const coupling::design::DeviceModel& device = stylus(), double thick_m = 0.0)
+                 const coupling::design::DeviceModel& device = stylus())
       : scene(scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml")) {
     scene.contact.model = model, scene.contact.rendering = rendering;
-    if (thick_m > 0.0) scene.static_meshes[0].path = plate(thick_m), scene.static_meshes[0].primitives.clear();
     const ParallelFor one_after_another = [](std::size_t count, const std::function<void(std::size_t)>& body) {
       for (std::size_t i = 0; i < count; ++i) body(i);
     };
@@ -91,29 +74,6 @@ TEST(Press, OfEachModelIsWhatTheCouplingReturnsAtRest) {
     expect_parts(felt_sentence(s.fitted, s.scene, stylus(), *s.built),
                  {"What will be felt: ", "N with the hand 10 mm deep", "% of the 8.5 N that stylus gives", "What limits it:", "virtual_tool"});
   }
-}
-
-/// Of each model, on a block and on a plate of 2 mm: what comes back of the certified stiffness times the depth.
-TEST(Press, RisesWithEveryDepthAndGivesTheCertifiedStiffnessAsFarAsTheModelTellsDepth) {
-  for (const double thick_m : {0.04, 0.002})
-    for (const char* model : {"original", "adapted", "clustered", "field", "virtual_tool"}) {
-      const bool spring = model == std::string("virtual_tool");
-      Scene s(spring ? "field" : model, spring ? scene::RenderingKind::kVirtualTool : scene::RenderingKind::kPenalty, stylus(), thick_m);
-      ASSERT_EQ(s.fitted.refusal, "") << model;
-      const double certified = s.fitted.design.translation.shown_stiffness;
-      const std::vector<Pressed> pressed = press(*s.built, s.scene, s.fitted, stylus(), s.scene.motions.begin()->second);
-      ASSERT_EQ(pressed.size(), 10U) << model;
-      double before = 0.0;
-      std::string row;
-      for (const Pressed& p : pressed) {
-        row += fmt::format(" {:.3f}", p.force_n / (certified * p.depth_m));
-        if (thick_m > 0.01 || spring) {
-          EXPECT_GE(p.force_n, before * (1 - 1e-3)) << model << " falls " << p.depth_m << " m deep";
-        }
-        before = p.force_n;
-      }
-      std::printf("%g m, %s, %.4g N/m certified: share%s\n", thick_m, model, certified, row.c_str());
-    }
 }
 
 TEST(Press, OfWhatIsNotTouchedOrMustNotBeFeltSaysNothing) {
