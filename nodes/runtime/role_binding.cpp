@@ -69,9 +69,11 @@ void RoleBinding::look_for_standby(const NodeRegistry& registry) {
 /// Each of the two readers passes over what the other one takes in, from its first sample on: not before both have matched both.
 void RoleBinding::fill_other_place(const bus::Guid& participant) {
   bus::Following &own = pair_->place(acting_), &other = pair_->place(other_than(acting_));
-  if (!own.has_matched(participant) || !other.has_matched(*at(acting_)) || !other.follow(participant)) return;
+  if (!own.has_matched(participant) || !other.has_matched(*at(acting_))) return;
+  // Before it follows: the acting one writes all the while, and a reader that follows somebody counts all others as strangers.
   other.pass_over(*at(acting_));
   own.pass_over(participant);
+  if (!other.follow(participant)) return;
   for (bus::Following* input : inputs_) input->keep_also(participant);
   at(other_than(acting_)) = participant;
 }

@@ -23,6 +23,7 @@ constexpr auto kStopped = 700ms;            // how long a node stands still
 constexpr double kMostPeriods = 5.0;
 constexpr double kRampS = 0.1;              // of the force guard, after a fade
 constexpr double kPeriodMs = 1.0;
+constexpr int kMostTold = 10;               // samples named in a sentence
 
 std::vector<std::string> with_standby(const std::vector<std::string>& options) {
   std::vector<std::string> words = test::on_a_busy_machine();
@@ -130,13 +131,16 @@ class Round {
     const std::uint64_t most = commands.empty() ? 0 : commands.rbegin()->first - commands.begin()->first + 1;
     if (answered_ > most) result_.answered_twice = static_cast<int>(answered_ - most);
     judge_gap(commands, lost, end);
+    std::string unforced;  // how many samples after the loss
     for (const msg::DeviceState& s : states)
-      result_.unforced += s.sequence_number >= lost && s.sequence_number <= end && (s.flags & msg::device_state::kFlagForceOn) == 0;
+      if (s.sequence_number >= lost && s.sequence_number <= end && (s.flags & msg::device_state::kFlagForceOn) == 0) {
+        if (++result_.unforced <= kMostTold) unforced += fmt::format(" {}", s.sequence_number - lost);
+      }
     result_.stalled = result_.machine_ms > kPeriodMs;
     const bool excused = result_.stalled;
     if (result_.takeover_periods > kMostPeriods && !excused)
       result_.faults.push_back(fmt::format("the takeover took {} periods; the machine kept a thread waiting for {:.1f} ms", result_.takeover_periods, result_.machine_ms));
-    if (result_.unforced > 0 && !excused) result_.faults.push_back(fmt::format("{} samples were without force", result_.unforced));
+    if (result_.unforced > 0 && !excused) result_.faults.push_back(fmt::format("{} samples were without force, of {} after the loss:{}", result_.unforced, end - lost, unforced));
     if (result_.answered_twice > 0) result_.faults.push_back(fmt::format("the device took {} answers more than there are samples", result_.answered_twice));
     if (result_.takeovers == 0) result_.faults.push_back("nobody took over");
     if (result_.step_n > std::max(result_.ramp_step_n, result_.usual_step_n * std::max(1.0, result_.takeover_periods)) && !excused)

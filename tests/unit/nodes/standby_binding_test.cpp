@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <thread>
 
 #include "nodes/bus/latched_reader.hpp"
 #include "nodes/runtime/duty.hpp"
@@ -136,6 +137,24 @@ TEST_F(StandbyBinding, LetsANamedStandbyTakeOverWithNoSampleThatIsNotThereYet) {
   EXPECT_TRUE(is_taken(first, 10, 10));
   EXPECT_FALSE(is_taken(second, 1'000'000, 11)) << "it would take over from one that answers each sample";
   EXPECT_TRUE(is_taken(first, 11, 11));
+}
+
+TEST_F(StandbyBinding, CountsNothingOfTheActingOneAsAStrangersWhileItsStandbyIsTaken) {
+  Coupling first(rig), second(rig, "coupling_standby");
+  second.say({{runtime::kDuty, kStandsBy}}, NodeState::kReady);
+  first.name(second);
+  std::jthread writes_all_the_while([&](const std::stop_token& over) {
+    for (std::uint64_t sequence = 10; !over.stop_requested(); ++sequence) first.command(sequence);
+  });
+  for (int i = 0; i < 100; ++i) {
+    runtime::PairReader<msg::ForceCommand> read(own, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kStream));
+    runtime::RoleBinding binding("coupling", {}, &read);
+    ASSERT_TRUE(wait_until([&] {
+      registry.update(), binding.update(registry, 7);
+      return binding.standby() == second.participant.guid();
+    }));
+    EXPECT_EQ(binding.refused(), 0U);
+  }
 }
 
 TEST_F(StandbyBinding, ShowsTheStandbysLatchedValueOnceItActsAndHasOneOfItsOwn) {
