@@ -14,6 +14,18 @@
 #include "nodes/runtime/realtime.hpp"
 #include "tests/ring/ring_run.hpp"
 
+namespace {
+
+std::atomic<int> policy_at_lock = -1;
+
+}  // namespace
+
+/// Instead of the C library's: whose turn it would be meanwhile.
+extern "C" int mlockall(int) noexcept {
+  policy_at_lock = sched_getscheduler(0);
+  return 0;
+}
+
 namespace voxtouch::test {
 namespace {
 
@@ -81,6 +93,24 @@ TEST(Priority, OfARingInRealTimeIsAboveAllOthersWhileItRunsAndNotWhileItIsBuilt)
   }));
   EXPECT_TRUE(ordinary_while_building);
   EXPECT_TRUE(comes([&] { return urgent_threads(up) > 10; }));
+}
+
+/// All memory comes in at once, the stacks of DDS's threads with it: at the loop's priority every ring of the machine would stand still for it.
+TEST(Priority, IsTakenWhenTheMemoryIsLockedAndStacksAreSmall) {
+  if (!granted()) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  int policy = -1;
+  std::size_t stack_bytes = 0;
+  std::thread([&] {
+    EXPECT_TRUE(runtime::enter_realtime({}).empty());
+    policy = sched_getscheduler(0);
+    pthread_attr_t next;
+    pthread_getattr_default_np(&next);
+    pthread_attr_getstacksize(&next, &stack_bytes);
+    pthread_attr_destroy(&next);
+  }).join();
+  EXPECT_EQ(policy_at_lock, SCHED_OTHER);
+  EXPECT_EQ(policy, SCHED_FIFO);
+  EXPECT_LE(stack_bytes, 1U << 20);
 }
 
 /// As the kernel has it, what is lent included: -1 - n for priority n of SCHED_FIFO, 20 for an ordinary thread.
