@@ -50,7 +50,8 @@ bool FeltRing::reach_contact(std::uint64_t behind, std::chrono::milliseconds aft
 
 std::string FeltRing::why_not() {
   up_->signal(SIGINT);
-  return up_->wait(30s).err;
+  const test::Finished end = up_->wait(30s);
+  return end.err + end.out;
 }
 
 void FeltRing::lose(pid_t victim, int signal) {
