@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "devices/arm/wire_arm.hpp"
 #include "devices/fr3/counterpart.hpp"
 #include "devices/lwr/counterpart.hpp"
 #include "devices/phantom/counterpart.hpp"
@@ -49,8 +50,8 @@ const std::array kEntries{
           [](const DeviceOptions& o) { return describe_simulated("sim-lwr", sim::sim_lwr(), o); },
           [](const DeviceOptions&) { return sim::sim_lwr().hand; }},
     Entry{"wire-phantom", phantom::open_wire_phantom, phantom::describe_wire_phantom, [](const DeviceOptions&) { return sim::sim_phantom().hand; }},
-    Entry{"wire-lwr", lwr::open_wire_lwr, lwr::describe_wire_lwr, [](const DeviceOptions&) { return lwr::usual_hand_at_wire_lwr(); }},
-    Entry{"wire-fr3", fr3::open_wire_fr3, fr3::describe_wire_fr3, [](const DeviceOptions&) { return fr3::usual_hand_at_wire_fr3(); }},
+    Entry{"wire-lwr", lwr::open_wire_lwr, lwr::describe_wire_lwr, [](const DeviceOptions&) { return arm::usual_hand_at_wire(); }},
+    Entry{"wire-fr3", fr3::open_wire_fr3, fr3::describe_wire_fr3, [](const DeviceOptions&) { return arm::usual_hand_at_wire(); }},
     Entry{"phantom", phantom::open_phantom, phantom::describe_phantom_device, nullptr},
     Entry{"lwr", lwr::open_lwr, lwr::describe_lwr_device, nullptr},
     Entry{"fr3", fr3::open_fr3, fr3::describe_fr3_device, nullptr},

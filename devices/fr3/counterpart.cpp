@@ -1,21 +1,11 @@
 #include "devices/fr3/counterpart.hpp"
 
-#include <fmt/format.h>
-
 #include "core/types/number.hpp"
-#include "devices/arm/controller_process.hpp"
+#include "devices/arm/wire_arm.hpp"
 #include "devices/fr3/fr3_driver.hpp"
-#include "devices/operator/hand.hpp"
-#include "devices/operator/hand_file.hpp"
-#include "devices/settings.hpp"
 
 namespace voxtouch::fr3 {
 namespace {
-
-// The ring gives a silent peer up after 5 s, and a robot that died has to be seen before that.
-constexpr double kVirtualTimeoutS = 4.0;
-// In lockstep the robot waits as long as the ring does; it goes with its parent, so no patience of its own is needed.
-constexpr const char* kPatienceS = "86400";
 
 devices::SettingReader hardware_settings(const devices::DeviceOptions& options) {
   return {"fr3", options.settings, {"address", "port", "connect_timeout_s", "rest", "tool", "load_kg", "load_centre"}};
@@ -50,56 +40,23 @@ std::uint32_t server_version(const devices::SettingReader& settings) {
   return settings.whole("server_version", 1, 65535).value_or(fci::kNewestVersion);
 }
 
-/// The robot begins before the driver and ends after it, whose last messages need it.
-class WireFr3 final : arm::ControllerProcess, public Fr3Driver {
- public:
-  WireFr3(const Fr3Options& driver, const devices::DeviceOptions& options, const devices::SettingReader& settings)
-      : ControllerProcess("wire-fr3", "voxtouch_fci_robot", arguments(driver, options, settings), hand(driver, options)),
-        Fr3Driver(at(driver, said())) {}
+using WireFr3 = arm::WireArm<Fr3Driver, Fr3Options>;
 
-  std::string trouble() const override {
-    const std::string of_driver = Fr3Driver::trouble(), how = ending();
-    if (how.empty()) return of_driver;
-    return fmt::format("its simulated controller {}{}{}", how, of_driver.empty() ? "" : "; ", of_driver);
-  }
-
- private:
-  /// Its first line says where it listens: "... TCP 127.0.0.1:PORT, ...".
-  static Fr3Options at(Fr3Options driver, const std::string& said) {
-    const std::string mark = fmt::format("TCP {}:", driver.address);
-    const auto begin = said.find(mark);
-    const std::string_view rest = begin == std::string::npos ? std::string_view() : std::string_view(said).substr(begin + mark.size());
-    const auto port = parse_number<std::uint16_t>(rest.substr(0, rest.find(',')));
-    if (!port) throw devices::DeviceOpenError("device 'wire-fr3': its simulated controller did not say where it listens: " + said);
-    driver.port = *port;
-    return driver;
-  }
-
-  static std::vector<std::string> arguments(const Fr3Options& driver, const devices::DeviceOptions& options,
-                                            const devices::SettingReader& settings) {
-    const Vec3& tool = driver.pose_FT.position;
-    std::vector<std::string> a = {"--address", driver.address, "--tool", fmt::to_string(tool.x()), fmt::to_string(tool.y()),
-                                  fmt::to_string(tool.z()), "--server-version", fmt::to_string(server_version(settings))};
-    if (options.lockstep) a.insert(a.end(), {"--virtual-time", "--patience", kPatienceS});
-    for (const std::string& fault : settings.all("fault")) a.insert(a.end(), {"--fault", fault});
-    return a;
-  }
-  /// The robot's tool has the flange's axes, ours is turned against them: so is the motion in the base.
-  static std::string hand(const Fr3Options& driver, const devices::DeviceOptions& options) {
-    hand::HandFile file;
-    file.motion = motion_in_device(devices::motion_of(options), driver.pose_BD.inverse(), {Vec3::Zero(), driver.pose_FT.orientation}, 1.0);
-    file.hand = options.hand.value_or(usual_hand_at_wire_fr3());
-    file.seed = options.seed;
-    return hand::to_text(file);
-  }
-};
+/// Its first line says where it listens: "... TCP 127.0.0.1:PORT, ...".
+Fr3Options at_port(Fr3Options driver, const std::string& said) {
+  const std::string mark = fmt::format("TCP {}:", driver.address);
+  const auto begin = said.find(mark);
+  const std::string_view rest = begin == std::string::npos ? std::string_view() : std::string_view(said).substr(begin + mark.size());
+  const auto port = parse_number<std::uint16_t>(rest.substr(0, rest.find(',')));
+  if (!port) throw devices::DeviceOpenError("device 'wire-fr3': its simulated controller did not say where it listens: " + said);
+  driver.port = *port;
+  return driver;
+}
 
 }  // namespace
 
 void place(Fr3Options& options, const Vec3& rest_in_d, const Vec3& tool_F) {
-  const Pose flange = Fr3Arm().at(options.posture.posture).flange;
-  options.pose_FT = {tool_F, flange.orientation.conjugate().normalized()};
-  options.pose_BD = {(flange * options.pose_FT).position - rest_in_d, Quat::Identity()};
+  arm::place(options, Fr3Arm().at(options.posture.posture).flange, rest_in_d, tool_F);
 }
 
 std::unique_ptr<devices::Driver> open_fr3(const devices::DeviceOptions& options) {
@@ -116,12 +73,12 @@ std::unique_ptr<devices::Driver> open_wire_fr3(const devices::DeviceOptions& opt
   Fr3Options driver = driver_options(settings);
   driver.address = "127.0.0.1";
   driver.virtual_time = options.lockstep;
-  driver.virtual_timeout_s = kVirtualTimeoutS;
+  driver.virtual_timeout_s = arm::kVirtualTimeoutS;
   driver.cancelled = options.cancelled;
-  return std::make_unique<WireFr3>(driver, options, settings);
+  std::vector<std::string> arguments = arm::wire_arguments(driver.pose_FT.position, options, settings);
+  arguments.insert(arguments.end(), {"--address", driver.address, "--server-version", fmt::to_string(server_version(settings))});
+  return std::make_unique<WireFr3>("wire-fr3", "voxtouch_fci_robot", arguments, options, driver, at_port);
 }
-
-sim::OperatorConfig usual_hand_at_wire_fr3() { return *hand::grip("arm-firm"); }
 
 DeviceDescription describe_wire_fr3(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = wire_settings(options);

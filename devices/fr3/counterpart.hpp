@@ -22,8 +22,6 @@ DeviceDescription describe_fr3_device(const devices::DeviceOptions& options);
 /// DeviceOpenError.
 std::unique_ptr<devices::Driver> open_wire_fr3(const devices::DeviceOptions& options);
 DeviceDescription describe_wire_fr3(const devices::DeviceOptions& options);
-/// A firm arm, as on the other arm: kilograms at the tool that nothing brakes swing past where a relaxed one leads them.
-sim::OperatorConfig usual_hand_at_wire_fr3();
 
 /// D and T so that the tool at the rest posture lies at `rest_in_d`, with the axes of T, D and the base parallel.
 void place(Fr3Options& options, const Vec3& rest_in_d, const Vec3& tool_F);

@@ -301,8 +301,6 @@ std::uint16_t version_in(const Received& received) noexcept {
   return received.size < kHeaderSize + 3 ? std::uint16_t{0} : get<std::uint16_t>(&received.body[1]);
 }
 
-std::string_view error_name(std::size_t bit) noexcept { return bit < kErrors ? kErrorNames[bit] : std::string_view(); }
-
 std::string words_of(Errors errors) {
   std::string words;
   for (std::size_t i = 0; i < kErrors; ++i) {

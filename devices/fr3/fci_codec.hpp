@@ -130,9 +130,7 @@ enum class RobotMode : std::uint8_t { kOther, kIdle, kMove, kGuiding, kReflex, k
 enum class ControllerMode : std::uint8_t { kJointImpedance, kCartesianImpedance, kExternal, kOther };
 inline constexpr std::size_t kErrors = 41;
 using Errors = std::uint64_t;  ///< bit i: error i of the maker's list
-/// The list as words, "" for a bit that it has not got.
-std::string_view error_name(std::size_t bit) noexcept;
-/// "joint reflex, power limit violation". Allocates.
+/// The list as words: "joint reflex, power limit violation". Allocates.
 std::string words_of(Errors errors);
 inline constexpr Errors kLostPacketsError = Errors{1} << 25;     ///< communication constraints violation
 inline constexpr Errors kTorqueJumpError = Errors{1} << 32;      ///< controller torque discontinuity

@@ -1,20 +1,12 @@
 #include "devices/fr3/fr3_arm.hpp"
 
-#include <cmath>
 #include <numbers>
 
+#include "devices/arm/row_turns.hpp"
+
 namespace voxtouch::fr3 {
-namespace {
 
-/// Rotation about x by whole quarter turns, without the rounding of a cosine.
-Quat quarter_turns_about_x(int turns) noexcept {
-  const double half = std::numbers::sqrt2 / 2.0;
-  return turns == 0 ? Quat::Identity() : Quat(half, turns * half, 0.0, 0.0);
-}
-
-Quat turn_about_z(double angle) noexcept { return {std::cos(angle / 2.0), 0.0, 0.0, std::sin(angle / 2.0)}; }
-
-}  // namespace
+using arm::quarter_turns_about_x, arm::turn_about_z;
 
 Fr3Limits fr3_limits() noexcept {
   Fr3Limits limits;

@@ -1,21 +1,12 @@
 #include "devices/lwr/counterpart.hpp"
 
-#include <fmt/format.h>
-
-#include "devices/arm/controller_process.hpp"
+#include "devices/arm/wire_arm.hpp"
 #include "devices/lwr/lwr_driver.hpp"
-#include "devices/operator/hand.hpp"
-#include "devices/operator/hand_file.hpp"
-#include "devices/settings.hpp"
 
 namespace voxtouch::lwr {
 namespace {
 
 constexpr double kConnectTimeoutS = 3.0;  // a controller that runs sends every few milliseconds
-// The ring gives a silent peer up after 5 s, and a controller that died has to be seen before that.
-constexpr double kVirtualTimeoutS = 4.0;
-// In lockstep the controller waits as long as the ring does; it goes with its parent, so no patience of its own is needed.
-constexpr const char* kPatienceS = "86400";
 
 devices::SettingReader hardware_settings(const devices::DeviceOptions& options) {
   return {"lwr", options.settings, {"address", "port", "controller", "connect_timeout_s", "rest", "tool", "capture"}};
@@ -51,53 +42,12 @@ std::uint32_t period_ms(const devices::SettingReader& settings) {
   return settings.whole("period_ms", 1, 100).value_or(1);
 }
 
-/// The controller begins before the driver and ends after it, whose last messages need it.
-class WireLwr final : arm::ControllerProcess, public LwrDriver {
- public:
-  WireLwr(const LwrOptions& driver, const devices::DeviceOptions& options, const devices::SettingReader& settings)
-      : ControllerProcess("wire-lwr", "voxtouch_fri_controller", arguments(driver, options, settings), hand(driver, options)),
-        LwrDriver(driver) {}
-
-  std::string trouble() const override {
-    const std::string of_driver = LwrDriver::trouble(), how = ending();
-    if (how.empty()) return of_driver;
-    return fmt::format("its simulated controller {}{}{}", how, of_driver.empty() ? "" : "; ", of_driver);
-  }
-
- private:
-  static std::vector<std::string> arguments(const LwrOptions& driver, const devices::DeviceOptions& options,
-                                            const devices::SettingReader& settings) {
-    const Vec3& tool = driver.pose_FT.position;
-    std::vector<std::string> a = {"--remote",
-                                  fmt::format("127.0.0.1:{}", driver.port),
-                                  "--period-ms",
-                                  fmt::to_string(period_ms(settings)),
-                                  "--tool",
-                                  fmt::to_string(tool.x()),
-                                  fmt::to_string(tool.y()),
-                                  fmt::to_string(tool.z())};
-    if (options.lockstep) a.insert(a.end(), {"--virtual-time", "--patience", kPatienceS});
-    for (const std::string& fault : settings.all("fault")) a.insert(a.end(), {"--fault", fault});
-    if (const auto trace = settings.text("trace")) a.insert(a.end(), {"--trace", *trace});
-    return a;
-  }
-  /// The controller's tool has the flange's axes, ours is turned against them: so is the motion in the base.
-  static std::string hand(const LwrOptions& driver, const devices::DeviceOptions& options) {
-    hand::HandFile file;
-    file.motion = motion_in_device(devices::motion_of(options), driver.pose_BD.inverse(),
-                                   {Vec3::Zero(), driver.pose_FT.orientation}, 1.0);
-    file.hand = options.hand.value_or(usual_hand_at_wire_lwr());
-    file.seed = options.seed;
-    return hand::to_text(file);
-  }
-};
+using WireLwr = arm::WireArm<LwrDriver, LwrOptions>;
 
 }  // namespace
 
 void place(LwrOptions& options, const Vec3& rest_in_d, const Vec3& tool_F) {
-  const Pose flange = LwrArm().flange(options.posture.posture);
-  options.pose_FT = {tool_F, flange.orientation.conjugate().normalized()};
-  options.pose_BD = {(flange * options.pose_FT).position - rest_in_d, Quat::Identity()};
+  arm::place(options, LwrArm().flange(options.posture.posture), rest_in_d, tool_F);
 }
 
 std::unique_ptr<devices::Driver> open_lwr(const devices::DeviceOptions& options) {
@@ -114,12 +64,14 @@ std::unique_ptr<devices::Driver> open_wire_lwr(const devices::DeviceOptions& opt
   LwrOptions driver = driver_options(settings);
   driver.address = driver.controller = "127.0.0.1";
   driver.port = UdpSocket(driver.address, 0).local().port;
-  driver.virtual_timeout_s = kVirtualTimeoutS;
+  driver.virtual_timeout_s = arm::kVirtualTimeoutS;
   driver.cancelled = options.cancelled;
-  return std::make_unique<WireLwr>(driver, options, settings);
+  std::vector<std::string> arguments = arm::wire_arguments(driver.pose_FT.position, options, settings);
+  arguments.insert(arguments.end(), {"--remote", fmt::format("127.0.0.1:{}", driver.port), "--period-ms", fmt::to_string(period_ms(settings))});
+  if (const auto trace = settings.text("trace")) arguments.insert(arguments.end(), {"--trace", *trace});
+  return std::make_unique<WireLwr>("wire-lwr", "voxtouch_fri_controller", arguments, options, driver,
+                                   [](LwrOptions as_they_are, const std::string&) { return as_they_are; });
 }
-
-sim::OperatorConfig usual_hand_at_wire_lwr() { return *hand::grip("arm-firm"); }
 
 DeviceDescription describe_wire_lwr(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = wire_settings(options);

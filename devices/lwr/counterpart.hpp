@@ -22,8 +22,6 @@ DeviceDescription describe_lwr_device(const devices::DeviceOptions& options);
 /// virtual: the same options give the same bits. Throws DeviceOpenError.
 std::unique_ptr<devices::Driver> open_wire_lwr(const devices::DeviceOptions& options);
 DeviceDescription describe_wire_lwr(const devices::DeviceOptions& options);
-/// A firm arm: 6 kg at the tool that nothing brakes swing past where a relaxed one leads them.
-sim::OperatorConfig usual_hand_at_wire_lwr();
 
 /// D and T so that the tool at the rest posture lies at `rest_in_d`, with the axes of T, D and the base parallel.
 void place(LwrOptions& options, const Vec3& rest_in_d, const Vec3& tool_F);

@@ -5,8 +5,7 @@
 ///
 /// Joints: 0 turret about +y (right-handed), 1 thigh from the horizontal (up +), 2 shin from the vertical (up +); all against
 /// the base, so the third does not contain the second. Frame D: +x right, +y up, +z to the operator; its origin is the tip in
-/// the reset pose, where all joints are zero, the thigh is level and the shin hangs. The library counts the turret the
-/// other way round: to_library_angles.
+/// the reset pose, where all joints are zero, the thigh is level and the shin hangs.
 #include <optional>
 
 #include "core/types/geometry.hpp"
@@ -49,9 +48,6 @@ Quat phantom_shin(const Vec3& joints) noexcept;
 Vec3 gimbal_angles(const Vec3& joints, const Quat& orientation) noexcept;
 /// The inverse: the stylus in D.
 Quat stylus_orientation(const Vec3& joints, const Vec3& gimbal) noexcept;
-
-/// The library counts the turret positive to the left. Its own inverse; for torques as well.
-inline Vec3 to_library_angles(const Vec3& joints) noexcept { return {-joints.x(), joints.y(), joints.z()}; }
 
 /// The arm without anything in the hand: M(q) q'' + C(q, q') q' + G(q) = torque. Rotors are part of M. The constants are
 /// summed up once; all calls are real-time safe.

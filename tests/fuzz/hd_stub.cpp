@@ -37,11 +37,8 @@ std::uint8_t byte() {
 std::size_t count_of(HDenum name) {
   switch (name) {
     case kCurrentTransform: return 16;
-    case kMotorTemperature:
-    case kMaxWorkspaceDimensions:
-    case kUsableWorkspaceDimensions: return 6;
+    case kMotorTemperature: return 6;
     case kCurrentPosition:
-    case kCurrentGimbalAngles:
     case kCurrentForce:
     case kCurrentTorque: return 3;
     default: return 1;
@@ -108,41 +105,27 @@ HDstring hdGetErrorString(HDerror) { return byte() & 1 ? nullptr : "said the stu
 void hdEnable(HDenum) {}
 void hdDisable(HDenum) {}
 HDboolean hdIsEnabled(HDenum) { return byte() & 1; }
-void hdGetBooleanv(HDenum, HDboolean* values) { *values = byte() & 1; }
 void hdGetIntegerv(HDenum, HDint* values) { fill(values, sizeof *values); }
-void hdGetFloatv(HDenum, HDfloat* values) { fill(values, sizeof *values); }
 void hdGetDoublev(HDenum name, HDdouble* values) { answer(name, values); }
-void hdGetLongv(HDenum, HDlong* values) { fill(values, sizeof *values); }
 HDstring hdGetString(HDenum) {
   const std::uint8_t how = byte();
   if (how & 1) return nullptr;
   constexpr const char* kNames[] = {"PHANTOM Omni", "PHANTOM Premium 3.0", "Touch", "\xff\x01 no text", ""};
   return kNames[how / 2 % 5];
 }
-void hdSetBooleanv(HDenum, const HDboolean*) {}
-void hdSetIntegerv(HDenum, const HDint*) {}
-void hdSetFloatv(HDenum, const HDfloat*) {}
 void hdSetDoublev(HDenum name, const HDdouble* values) {
   if (name == kCurrentForce) set(values, g.force);
   if (name == kCurrentTorque) set(values, g.torque);
 }
-void hdSetLongv(HDenum, const HDlong*) {}
 HDenum hdCheckCalibration() { return byte() < 240 ? kCalibrationOk : kCalibrationNeedsUpdate; }
-HDenum hdCheckCalibrationStyle() { return 0; }
 void hdUpdateCalibration(HDenum) {}
-void hdUpdateCalibrationMessage(HDenum) {}
-void hdScaleGimbalAngles(HDdouble, HDdouble, HDdouble, HDdouble*) {}
-HDboolean hdDeploymentLicense(const char*, const char*, const char*) { return 1; }
 void hdStartScheduler() { fuzz_hd_tick(); }
 void hdStopScheduler() { g.callback = nullptr; }
 void hdSetSchedulerRate(HDulong) {}
-void hdScheduleSynchronous(HDSchedulerCallback, void*, HDushort) {}
 HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback callback, void* data, HDushort) {
   g.callback = callback, g.callback_data = data;
   return 1;
 }
 void hdUnschedule(HDSchedulerHandle) { g.callback = nullptr; }
-HDboolean hdWaitForCompletion(HDSchedulerHandle, HDWaitCode) { return 1; }
-HDdouble hdGetSchedulerTimeStamp() { return 0.0; }
 
 }  // extern "C"

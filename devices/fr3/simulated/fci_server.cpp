@@ -73,7 +73,6 @@ void FciServer::look_for_guests() noexcept {
     const int file = accept4(listener_, reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (file < 0) return;
     if (guest_ >= 0) {
-      ++counts_.turned_away;
       close(file);
       continue;
     }

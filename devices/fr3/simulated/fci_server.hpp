@@ -31,7 +31,7 @@ enum class Ending : std::uint8_t {
 
 struct ServerCounts {
   std::uint64_t sent = 0, send_errors = 0, received = 0, foreign = 0;
-  std::uint64_t connections = 0, turned_away = 0;
+  std::uint64_t connections = 0;
   std::uint64_t overruns = 0;  ///< real time: milliseconds that this process was too late for; its clock waited
 };
 

@@ -30,7 +30,6 @@ void ControllerConfig::validate() const {
   const int ticks = ticks_of(period_s);
   require(ticks >= 1 && ticks <= 100 && std::abs(period_s - ticks * kTick) < 1e-9, "period_s",
           "1 to 100 whole milliseconds");
-  quality.validate();
   require(plant.pose_FT.finite(), "plant.tool_in_flange", "finite");
   require(start_rad.allFinite() && (start_rad.array() <= plant.highest_rad.array()).all() &&
               (start_rad.array() >= plant.lowest_rad.array()).all(),
@@ -41,7 +40,7 @@ void ControllerConfig::validate() const {
 
 FriController::FriController(const ControllerConfig& config, hand::Hand hand, FaultSchedule faults)
     : config_(checked(config)), ticks_(ticks_of(config.period_s)), faults_(std::move(faults)),
-      plant_(config.plant, config.start_rad), hand_(std::move(hand)), link_(config.quality),
+      plant_(config.plant, config.start_rad), hand_(std::move(hand)),
       script_(config.script_pause_s, config.first_start_keeps_strategy),
       path_(ticks_, static_cast<std::size_t>(config.overlay_delay_ticks)), impedance_(config.laws),
       random_(config.seed), commanded_rad_(config.start_rad), msr_(lwr::fri::empty_msr()) {

@@ -26,7 +26,6 @@ struct ControllerConfig {
   double safety_limits = 1.0;  ///< argument of friStart: share of the joints' speed, in (0, 1]
   PlantParameters plant = lwr_plant();
   lwr::LwrJoints start_rad = lwr::lwr_rest_posture();
-  QualityRules quality;
   SafetyRules safety;
   LawParameters laws;
   int overlay_delay_ticks = 1;            ///< of overlaid torques beside the period that an answer waits; assumed

@@ -1,19 +1,18 @@
 #include "devices/lwr/simulated/link_quality.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 namespace voxtouch::lwr_sim {
 
-void QualityRules::validate() const {
-  if (ok_after < 1 || perfect_after < ok_after)
-    throw std::runtime_error("link quality: ok_after has to be 1 or more, perfect_after no less than it");
-  if (misses_in_a_row < 1 || misses_in_window < 1 || misses_in_window > static_cast<int>(LinkQuality::kWindow))
-    throw std::runtime_error(
-        "link quality: misses_in_a_row and misses_in_window have to be 1 or more, the latter at most 100");
-}
+namespace {
 
-LinkQuality::LinkQuality(const QualityRules& rules) : rules_((rules.validate(), rules)) {}
+// The real controller's thresholds are not published: all of these are assumed.
+constexpr int kOkAfter = 10;          // answers in time in a row
+constexpr int kPerfectAfter = 20;     // likewise
+constexpr int kMissesInARow = 5;      // that many make the link UNACCEPTABLE
+constexpr int kMissesInWindow = 10;   // more than that of the last 100 make it BAD
+
+}  // namespace
 
 void LinkQuality::push(bool in_time, double latency_s) noexcept {
   missed_in_window_ += (in_time ? 0 : 1) - (was_missed_[next_] ? 1 : 0);
@@ -28,8 +27,8 @@ void LinkQuality::answered(double latency_s) noexcept {
   ++answered_run_;
   missed_run_ = 0;
   lwr::fri::Quality earned = lwr::fri::Quality::kBad;
-  if (answered_run_ >= rules_.ok_after) earned = lwr::fri::Quality::kOk;
-  if (answered_run_ >= rules_.perfect_after) earned = lwr::fri::Quality::kPerfect;
+  if (answered_run_ >= kOkAfter) earned = lwr::fri::Quality::kOk;
+  if (answered_run_ >= kPerfectAfter) earned = lwr::fri::Quality::kPerfect;
   if (earned <= quality_) return;
   quality_ = earned;
   if (earned != lwr::fri::Quality::kPerfect) return;
@@ -44,8 +43,8 @@ void LinkQuality::missed() noexcept {
   ++misses_;
   lwr::fri::Quality most = lwr::fri::Quality::kPerfect;
   if (missed_run_ >= 2) most = lwr::fri::Quality::kOk;
-  if (missed_in_window_ > rules_.misses_in_window) most = lwr::fri::Quality::kBad;
-  if (missed_run_ >= rules_.misses_in_a_row) most = lwr::fri::Quality::kUnacceptable;
+  if (missed_in_window_ > kMissesInWindow) most = lwr::fri::Quality::kBad;
+  if (missed_run_ >= kMissesInARow) most = lwr::fri::Quality::kUnacceptable;
   quality_ = std::min(quality_, most);
 }
 

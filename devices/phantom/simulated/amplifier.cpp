@@ -1,8 +1,6 @@
 #include "devices/phantom/simulated/amplifier.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 
 #include "core/types/clamp.hpp"
 
@@ -10,8 +8,6 @@ namespace voxtouch::hd_sim {
 namespace {
 
 constexpr double kCool = 0.9;  // a warm motor works again from here: assumed
-constexpr double kDacFull = 32767.0;
-constexpr double kStretched = 1e-7;  // determinant of the Jacobian [m^3]; at rest it is 8e-3
 
 }  // namespace
 
@@ -48,21 +44,12 @@ phantom::hd::HDerror Amplifier::limit(Vec3& force, double period_s) noexcept {
 
 phantom::hd::HDerror Amplifier::flush(const Setpoint& setpoint, const Reading& reading, double period_s) noexcept {
   age_s_ = 0.0;
-  if (setpoint.contradictory()) return drop(phantom::hd::kForceError);
   if (!limits.force_output || !power_ || dropping()) {
     release();
     return phantom::hd::kSuccess;
   }
-  if (setpoint.dac) {  // past all limits but the motors' own
-    for (int i = 0; i < 3; ++i) torque_[i] = static_cast<double>((*setpoint.dac)[i]) / kDacFull * motor_limit_[i];
-    return phantom::hd::kSuccess;
-  }
   const Mat3 j = phantom::phantom_jacobian(geometry_, reading.joints);
   Vec3 force = setpoint.force.value_or(Vec3::Zero());
-  if (setpoint.joint_torque) {
-    if (std::abs(j.determinant()) < kStretched) return drop(phantom::hd::kForceError);
-    force = j.transpose().inverse() * *setpoint.joint_torque;
-  }
   const phantom::hd::HDerror verdict = limit(force, period_s);
   if (verdict == phantom::hd::kSuccess) torque_ = j.transpose() * force;
   return verdict;

@@ -1,6 +1,5 @@
 #pragma once
 /// From what a frame asked for to the torque of the motors: overrides, limits, ramp, heat, watchdog.
-#include <array>
 #include <optional>
 
 #include "devices/phantom/hdapi.hpp"
@@ -10,16 +9,10 @@
 
 namespace voxtouch::hd_sim {
 
-/// What was set between begin and end of a frame; joints with their own signs. Absent: not set.
+/// What was set between begin and end of a frame. Absent: not set.
 struct Setpoint {
-  std::optional<Vec3> force;          ///< [N]
-  std::optional<Vec3> torque;         ///< [Nm]
-  std::optional<Vec3> joint_torque;   ///< [Nm]
-  std::optional<Vec3> gimbal_torque;  ///< [Nm]
-  std::optional<std::array<long, 3>> dac;
-
-  /// A torque in D beside torques of joints or of the gimbal: which of them is meant?
-  bool contradictory() const noexcept { return torque && (joint_torque || gimbal_torque); }
+  std::optional<Vec3> force;   ///< [N]
+  std::optional<Vec3> torque;  ///< [Nm]; the arm that is simulated gives none
 };
 
 /// What a caller may switch and set. Which are on at first is assumed.

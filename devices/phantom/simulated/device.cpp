@@ -28,7 +28,6 @@ phantom::hd::HDerror Device::begin_frame(bool servo_runs) noexcept {
   if (servo_runs && framed_this_tick_ && amplifier.limits.one_frame) return phantom::hd::kIllegalBegin;
   if (!servo_runs) sense();
   frame_open_ = framed_this_tick_ = true;
-  last_ = current_;
   current_ = {sensors_.reading(), switches, {}, faults.lost_position != 0};
   if (faults.communication != 0) return phantom::hd::kCommError;
   return faults.device != 0 ? phantom::hd::kDeviceFault : phantom::hd::kSuccess;

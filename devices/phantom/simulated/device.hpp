@@ -42,7 +42,6 @@ class Device {
   phantom::hd::HDerror end_frame(bool servo_runs) noexcept;
   bool frame_open() const noexcept { return frame_open_; }
   const Frame& current() const noexcept { return current_; }  ///< of this frame, or the last where none is open
-  const Frame& last() const noexcept { return last_; }        ///< the one before
   /// For sets; only while a frame is open.
   Setpoint& setpoint() noexcept { return current_.setpoint; }
   /// Ends a frame that nobody ended; what was set in it is lost.
@@ -75,7 +74,6 @@ class Device {
   Switches switches;
   Faults faults;
   std::uint64_t ticks = 0, non_finite_sets = 0;
-  int status_light = 0;
 
   const Model& model() const noexcept { return *settings_.model; }
   const Settings& settings() const noexcept { return settings_; }
@@ -85,7 +83,7 @@ class Device {
 
   Settings settings_;
   Sensors sensors_;
-  Frame current_, last_;
+  Frame current_;
   int substeps_ = 8;
   bool frame_open_ = false, framed_this_tick_ = false, calibrated_ = false;
 };

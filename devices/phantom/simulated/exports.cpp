@@ -1,4 +1,5 @@
-// The 36 functions that the vendor's library exports.
+// Those functions of the vendor's library that the driver calls.
+#include <algorithm>
 #include <type_traits>
 
 #include "devices/phantom/simulated/library.hpp"
@@ -16,15 +17,6 @@ void get(HDenum name, hd_sim::Type type, T* out) {
   if (out == nullptr) return library().fail(kInvalidValue);
   const hd_sim::Values values = library().get(name, type);
   for (int i = 0; i < values.count; ++i) out[i] = static_cast<T>(values.value[static_cast<std::size_t>(i)]);
-}
-
-template <class T>
-void set(HDenum name, hd_sim::Type type, const T* in) {
-  if (in == nullptr) return library().fail(kInvalidValue);
-  hd_sim::Values values;
-  values.count = library().count_of_set(name, type);
-  for (int i = 0; i < values.count; ++i) values.value[static_cast<std::size_t>(i)] = static_cast<double>(in[i]);
-  if (values.count > 0) library().set(name, values);
 }
 
 struct Sentence {
@@ -77,41 +69,27 @@ void hdEnable(HDenum capability) { library().set_capability(capability, true); }
 void hdDisable(HDenum capability) { library().set_capability(capability, false); }
 HDboolean hdIsEnabled(HDenum capability) { return library().capability_on(capability) ? kTrue : kFalse; }
 
-void hdGetBooleanv(HDenum name, HDboolean* values) { get(name, hd_sim::kBoolean, values); }
-void hdGetIntegerv(HDenum name, HDint* values) { get(name, hd_sim::kInteger, values); }
-void hdGetFloatv(HDenum name, HDfloat* values) { get(name, hd_sim::kFloat, values); }
-void hdGetDoublev(HDenum name, HDdouble* values) { get(name, hd_sim::kDouble, values); }
-void hdGetLongv(HDenum name, HDlong* values) { get(name, hd_sim::kLong, values); }
+void hdGetIntegerv(HDenum name, HDint* values) { get(name, hd_sim::Type::kInteger, values); }
+void hdGetDoublev(HDenum name, HDdouble* values) { get(name, hd_sim::Type::kDouble, values); }
 HDstring hdGetString(HDenum name) { return library().string(name); }
-void hdSetBooleanv(HDenum name, const HDboolean* values) { set(name, hd_sim::kBoolean, values); }
-void hdSetIntegerv(HDenum name, const HDint* values) { set(name, hd_sim::kInteger, values); }
-void hdSetFloatv(HDenum name, const HDfloat* values) { set(name, hd_sim::kFloat, values); }
-void hdSetDoublev(HDenum name, const HDdouble* values) { set(name, hd_sim::kDouble, values); }
-void hdSetLongv(HDenum name, const HDlong* values) { set(name, hd_sim::kLong, values); }
-
-HDenum hdCheckCalibration() { return library().calibration(false); }
-HDenum hdCheckCalibrationStyle() { return library().calibration(true); }
-void hdUpdateCalibration(HDenum style) { library().calibrate(style); }
-void hdUpdateCalibrationMessage(HDenum style) { library().calibrate(style); }
-void hdScaleGimbalAngles(HDdouble x, HDdouble y, HDdouble z, HDdouble* transform16) {
-  library().scale_gimbal({x, y, z}, transform16);
+void hdSetDoublev(HDenum name, const HDdouble* values) {
+  if (values == nullptr) return library().fail(kInvalidValue);
+  hd_sim::Values copied;
+  copied.count = library().count_of_set(name);
+  std::copy_n(values, copied.count, copied.value.begin());
+  if (copied.count > 0) library().set(name, copied);
 }
-HDboolean hdDeploymentLicense(const char*, const char*, const char*) { return kTrue; }  // nothing here needs one
+
+HDenum hdCheckCalibration() { return library().calibration(); }
+void hdUpdateCalibration(HDenum style) { library().calibrate(style); }
 
 void hdStartScheduler() { library().start(); }
 void hdStopScheduler() { library().stop(); }
 void hdSetSchedulerRate(HDulong rate_hz) { library().set_rate(rate_hz); }
-void hdScheduleSynchronous(HDSchedulerCallback callback, void* data, HDushort priority) {
-  library().schedule_synchronous(callback, data, priority);
-}
 HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback callback, void* data, HDushort priority) {
   return library().schedule_asynchronous(callback, data, priority);
 }
 void hdUnschedule(HDSchedulerHandle handle) { library().unschedule(handle); }
-HDboolean hdWaitForCompletion(HDSchedulerHandle handle, HDWaitCode code) {
-  return library().wait(handle, code) ? kTrue : kFalse;
-}
-HDdouble hdGetSchedulerTimeStamp() { return library().time_stamp(); }
 
 }  // extern "C"
 

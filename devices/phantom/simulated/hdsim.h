@@ -1,4 +1,4 @@
-/* Hooks of the simulated Phantom library, beside the 36 functions that it exports in the vendor's place: the operator, faults
+/* Hooks of the simulated Phantom library, beside the functions that it exports in the vendor's place: the operator, faults
  * on command, time that a test steps, and the true state. C, to be found with dlsym. SI units: m, s, N, Nm, rad, kg.
  *
  * The environment variable VOXTOUCH_HD_SIM sets what the library starts from, read at the first call of any function:

@@ -45,7 +45,7 @@ void Library::power_on(const Settings& settings) {
   skip_ticks_ = 0;
   late_s_ = 0.0;
   ticks_without_callbacks_ = 0;
-  rates_ = {};
+  mean_rate_hz_ = 0.0;
 }
 
 void Library::note(phantom::hd::HDerror code) {
@@ -140,17 +140,16 @@ bool Library::capability_on(phantom::hd::HDenum name) {
 Values Library::get(phantom::hd::HDenum name, Type type) {
   const Lock lock(mutex_);
   Values out;
-  if (opened()) note(read_parameter(*device_, rates_, name, type, out));
+  if (opened()) note(read_parameter(*device_, mean_rate_hz_, name, type, out));
   return out;
 }
 
-int Library::count_of_set(phantom::hd::HDenum name, Type type) {
+int Library::count_of_set(phantom::hd::HDenum name) {
   const Lock lock(mutex_);
-  int count = 0;
   if (!opened()) return 0;
-  const phantom::hd::HDerror verdict = settable(name, type, count);
-  note(verdict);
-  return verdict == phantom::hd::kSuccess ? count : 0;
+  const int count = settable(name);
+  if (count == 0) note(phantom::hd::kInvalidEnum);
+  return count;
 }
 
 void Library::set(phantom::hd::HDenum name, const Values& values) {
@@ -161,29 +160,20 @@ void Library::set(phantom::hd::HDenum name, const Values& values) {
 phantom::hd::HDstring Library::string(phantom::hd::HDenum name) {
   const Lock lock(mutex_);
   if (!opened()) return nullptr;
-  const phantom::hd::HDstring found = read_string(device_->model(), name);
-  if (found == nullptr) note(phantom::hd::kInvalidEnum);
-  return found;
+  if (name == phantom::hd::kDeviceModelType) return device_->model().type;
+  note(phantom::hd::kInvalidEnum);
+  return nullptr;
 }
 
-phantom::hd::HDenum Library::calibration(bool style_only) {
+phantom::hd::HDenum Library::calibration() {
   const Lock lock(mutex_);
   if (!opened()) return phantom::hd::kCalibrationNeedsManualInput;
-  return style_only ? device_->model().calibration : device_->calibration();
+  return device_->calibration();
 }
 
 void Library::calibrate(phantom::hd::HDenum style) {
   const Lock lock(mutex_);
   if (opened()) note(device_->calibrate(style, serves()));
-}
-
-void Library::scale_gimbal(const Vec3& scale, double* transform) {
-  const Lock lock(mutex_);
-  if (!opened()) return;
-  if (transform == nullptr || !scale.allFinite()) return note(phantom::hd::kInvalidValue);
-  const Reading& reading = device_->current().reading;
-  Eigen::Map<Eigen::Matrix4d> m(transform);
-  m.topLeftCorner<3, 3>() = phantom::stylus_orientation(reading.joints, scale.cwiseProduct(reading.gimbal)).toRotationMatrix();
 }
 
 }  // namespace voxtouch::hd_sim

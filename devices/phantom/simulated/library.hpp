@@ -40,18 +40,16 @@ class Library {
   bool capability_on(phantom::hd::HDenum name);
   /// A parameter's values; none of them where it cannot be read as `type`.
   Values get(phantom::hd::HDenum name, Type type);
-  /// 0 where this cannot be set as `type`; the error is noted then.
-  int count_of_set(phantom::hd::HDenum name, Type type);
+  /// 0 where this cannot be set; the error is noted then.
+  int count_of_set(phantom::hd::HDenum name);
   /// Sets a parameter, of as many values as `count_of_set` says.
   void set(phantom::hd::HDenum name, const Values& values);
   /// Null where there is no string of that name. Lives as long as the process.
   phantom::hd::HDstring string(phantom::hd::HDenum name);
-  /// What the calibration needs next or, `style_only`, how this model is calibrated.
-  phantom::hd::HDenum calibration(bool style_only);
+  /// What the calibration needs next.
+  phantom::hd::HDenum calibration();
   /// Calibrates, if the model does it so and its arm stands as it must for it.
   void calibrate(phantom::hd::HDenum style);
-  /// The rotation of the stylus with each gimbal angle times `scale`, into a column-major transform of 16.
-  void scale_gimbal(const Vec3& scale, double* transform);
   /// The newest error, taken off the stack; kSuccess: there is none.
   phantom::hd::HDErrorInfo pop_error();
   /// Leaves an error that the caller has found.
@@ -64,17 +62,11 @@ class Library {
   void stop();
   /// Ticks a second, of those that the model's bus has [Hz].
   void set_rate(phantom::hd::HDulong rate_hz);
-  /// Runs `callback` once in the servo thread and waits for it; at once where there is none, or from within it.
-  void schedule_synchronous(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority);
   /// Runs `callback` each tick until it says that it is done. 0: there is no room.
   phantom::hd::HDSchedulerHandle schedule_asynchronous(phantom::hd::HDSchedulerCallback callback, void* data,
                                                        phantom::hd::HDushort priority);
   /// Takes a callback out, and waits until it is not running.
   void unschedule(phantom::hd::HDSchedulerHandle handle);
-  /// Still scheduled, now or after waiting for its end as `code` says?
-  bool wait(phantom::hd::HDSchedulerHandle handle, phantom::hd::HDWaitCode code);
-  /// Since this tick began [s]; 0 in virtual time.
-  double time_stamp();
 
   // --- hooks. Throw std::runtime_error with a sentence.
   /// Changes settings and switches the device off and on again.
@@ -108,7 +100,6 @@ class Library {
   bool opened();
   bool serves() const noexcept { return running_ && !dead_; }
   void note(phantom::hd::HDerror code);
-  void run_at_once(Lock& lock, phantom::hd::HDSchedulerCallback callback, void* data);
   bool tick(Lock& lock);
   void serve();
   void catch_up(Clock::time_point& due, Clock::duration period);
@@ -125,8 +116,7 @@ class Library {
   std::thread thread_;
   bool running_ = false, stopping_ = false, dead_ = false;
   int substeps_ = 8;
-  Rates rates_;
-  Clock::time_point tick_start_{};
+  double mean_rate_hz_ = 0.0;
 
   phantom::hd::HDerror fail_init_ = phantom::hd::kSuccess;
   bool fail_start_ = false;

@@ -60,7 +60,6 @@ void Library::inject(int fault, double amount) {
         throw std::runtime_error("simulated Phantom: there is no servo loop that could die; start the scheduler first");
       dead_ = true;
       note(phantom::hd::kTimerError);
-      callbacks_.wake();
       return;
     case HDSIM_WARM_MOTORS:
       device_->amplifier.set_temperature(

@@ -9,11 +9,10 @@ namespace {
 // Type strings but the first are as seen in drivers; that of the plain Premium 1.5 is assumed. Forces are data-sheet figures
 // from memory but for the maxima 8.5, 7.9, 3.3 N and the stiffness 0.8, 1.0, 0.7 N/mm, which CHAI3D's model table has.
 constexpr std::array kModels{
-    Model{"premium", "PHANTOM Premium 1.5", Bus::kParallelPort, phantom::hd::kCalibrationEncoderReset, 3, 8.5, 1.4, 0.8, 0.5},
-    Model{"premium-6dof", "PHANTOM Premium 1.5 6DOF", Bus::kParallelPort, phantom::hd::kCalibrationEncoderReset, 6, 8.5, 1.4,
-          0.8, 0.5},
-    Model{"desktop", "PHANTOM Desktop", Bus::kParallelPort, phantom::hd::kCalibrationAuto, 3, 7.9, 1.75, 1.0, 0.5},
-    Model{"omni", "PHANTOM Omni", Bus::kFireWire, phantom::hd::kCalibrationInkwell, 3, 3.3, 0.88, 0.7, 0.5},
+    Model{"premium", "PHANTOM Premium 1.5", Bus::kParallelPort, phantom::hd::kCalibrationEncoderReset, 3, 8.5, 1.4, 0.8},
+    Model{"premium-6dof", "PHANTOM Premium 1.5 6DOF", Bus::kParallelPort, phantom::hd::kCalibrationEncoderReset, 6, 8.5, 1.4, 0.8},
+    Model{"desktop", "PHANTOM Desktop", Bus::kParallelPort, phantom::hd::kCalibrationAuto, 3, 7.9, 1.75, 1.0},
+    Model{"omni", "PHANTOM Omni", Bus::kFireWire, phantom::hd::kCalibrationInkwell, 3, 3.3, 0.88, 0.7},
 };
 
 }  // namespace

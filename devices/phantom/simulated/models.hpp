@@ -16,7 +16,7 @@ struct Model {
   phantom::hd::HDenum calibration;  ///< one style
   int output_dof;
   double max_force_n, continuous_force_n;
-  double stiffness_n_per_mm, damping;  ///< nominal; the latter of 0..1
+  double stiffness_n_per_mm;  ///< nominal
 };
 
 /// Null for an unknown key.

@@ -4,10 +4,9 @@
 
 namespace voxtouch::hd_sim {
 
-phantom::hd::HDSchedulerHandle CallbackList::add(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority,
-                                        bool once) {
+phantom::hd::HDSchedulerHandle CallbackList::add(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority) {
   if (entries_.size() >= kMaxEntries) return 0;
-  const Entry entry{++newest_, callback, data, priority, once};
+  const Entry entry{++newest_, callback, data, priority};
   const auto behind =
       std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.priority < priority; });
   entries_.insert(behind, entry);
@@ -40,7 +39,7 @@ void CallbackList::run(Lock& lock) {
     const phantom::hd::HDCallbackCode code = entry.callback(entry.data);
     lock.lock();
     running_ = 0;
-    if (entry.once || code == phantom::hd::kCallbackDone) erase(entry.handle);
+    if (code == phantom::hd::kCallbackDone) erase(entry.handle);
     over_.notify_all();
   }
 }

@@ -14,20 +14,11 @@ class CallbackList {
   static constexpr std::size_t kMaxEntries = 64;
   using Lock = std::unique_lock<std::recursive_mutex>;
 
-  /// Behind those of the same priority; `once`: it goes after its first run. 0: there is no room.
-  phantom::hd::HDSchedulerHandle add(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority, bool once);
-  /// Still scheduled.
-  bool contains(phantom::hd::HDSchedulerHandle handle) const noexcept;
+  /// Behind those of the same priority. 0: there is no room.
+  phantom::hd::HDSchedulerHandle add(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority);
   std::size_t size() const noexcept { return entries_.size(); }  ///< callbacks that are scheduled
   /// Takes it out; waits until it is not running, unless `from_servo`. False: there is none.
   bool remove(phantom::hd::HDSchedulerHandle handle, Lock& lock, bool from_servo);
-  /// Waits until the callback is over, or `give_up()` says that it will never be.
-  template <class GiveUp>
-  void wait(phantom::hd::HDSchedulerHandle handle, Lock& lock, GiveUp give_up) {
-    over_.wait(lock, [&] { return !contains(handle) || give_up(); });
-  }
-  /// All that wait look again whether to give up.
-  void wake() { over_.notify_all(); }
   /// Each callback once, in falling priority, the older first among equals. What comes meanwhile waits for the next tick.
   void run(Lock& lock);
   /// Takes out all; none may be running.
@@ -39,8 +30,8 @@ class CallbackList {
     phantom::hd::HDSchedulerCallback callback = nullptr;
     void* data = nullptr;
     phantom::hd::HDushort priority = 0;
-    bool once = false;
   };
+  bool contains(phantom::hd::HDSchedulerHandle handle) const noexcept;
   void erase(phantom::hd::HDSchedulerHandle handle) noexcept;
 
   std::vector<Entry> entries_, round_;

@@ -22,15 +22,13 @@ void Sensors::set_period(double period_s) noexcept {
 
 const Reading& Sensors::sample(const Vec3& joints, const Quat& orientation) noexcept {
   // The gimbal's own angles are those of the true arm; where the arm is not calibrated the orientation is wrong with it.
-  const Vec3 gimbal = phantom::gimbal_angles(joints, orientation);
+  const Vec3 true_gimbal = phantom::gimbal_angles(joints, orientation);
+  Vec3 gimbal;
   for (int i = 0; i < 3; ++i) {
-    const long joint = std::lround((joints[i] - zero_[i]) / step_[i]), ring = std::lround(gimbal[i] / gimbal_step_);
-    reading_.counts[i] = joint;
-    reading_.counts[3 + i] = ring;
-    reading_.joints[i] = static_cast<double>(joint) * step_[i];
-    reading_.gimbal[i] = static_cast<double>(ring) * gimbal_step_;
+    reading_.joints[i] = static_cast<double>(std::lround((joints[i] - zero_[i]) / step_[i])) * step_[i];
+    gimbal[i] = static_cast<double>(std::lround(true_gimbal[i] / gimbal_step_)) * gimbal_step_;
   }
-  reading_.pose = {phantom::phantom_tip(geometry_, reading_.joints), phantom::stylus_orientation(reading_.joints, reading_.gimbal)};
+  reading_.pose = {phantom::phantom_tip(geometry_, reading_.joints), phantom::stylus_orientation(reading_.joints, gimbal)};
   differences_.sample(reading_.pose);
   reading_.twist = differences_.twist();
   return reading_;

@@ -1,7 +1,5 @@
 #pragma once
 /// What the device knows of its own pose: counts of encoders, and what follows from them.
-#include <array>
-
 #include "devices/phantom/phantom_arm.hpp"
 #include "devices/sim/encoder.hpp"
 
@@ -9,9 +7,7 @@ namespace voxtouch::hd_sim {
 
 /// One reading, in SI units and the joints' own signs.
 struct Reading {
-  std::array<long, 6> counts{};
   Vec3 joints = Vec3::Zero();  ///< from the counts [rad]
-  Vec3 gimbal = Vec3::Zero();
   Pose pose;    ///< of the stylus in D, from those angles
   Twist twist;  ///< difference from the reading before, low-passed
 };

@@ -19,7 +19,6 @@ struct InServo {
 };
 
 constexpr long kMaxMissed = 200;  // periods that the arm catches up at once after a stall of the whole process
-constexpr int kLongestWaitTicks = 100000;
 
 }  // namespace
 
@@ -30,8 +29,7 @@ void Library::start() {
   dead_ = stopping_ = false;
   device_->amplifier.restart_ramp();
   running_ = true;
-  measure_rate(device_->period_s());
-  rates_.mean_hz = rates_.last_hz;
+  mean_rate_hz_ = 1.0 / device_->period_s();
   if (settings_.virtual_time) return;
   try {
     thread_ = std::thread([this] { serve(); });
@@ -55,7 +53,6 @@ void Library::stop() {
   running_ = dead_ = stopping_ = false;
   device_->close_frame();
   device_->restart_ramp();
-  callbacks_.wake();
 }
 
 void Library::set_rate(phantom::hd::HDulong rate_hz) {
@@ -66,27 +63,11 @@ void Library::set_rate(phantom::hd::HDulong rate_hz) {
   device_->set_substeps(substeps);
 }
 
-void Library::run_at_once(Lock& lock, phantom::hd::HDSchedulerCallback callback, void* data) {
-  lock.unlock();
-  const InServo in_servo;
-  callback(data);
-}
-
-void Library::schedule_synchronous(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority) {
-  Lock lock(mutex_);
-  if (callback == nullptr) return note(phantom::hd::kInvalidValue);
-  if (t_in_servo > 0 || !running_ || settings_.virtual_time) return run_at_once(lock, callback, data);
-  const phantom::hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority, true);
-  if (handle == 0) return note(phantom::hd::kSchedulerFull);
-  callbacks_.wait(handle, lock, [this] { return !serves() || stopping_; });
-  if (callbacks_.remove(handle, lock, false)) note(phantom::hd::kTimerError);  // nobody will ever call it
-}
-
 phantom::hd::HDSchedulerHandle Library::schedule_asynchronous(phantom::hd::HDSchedulerCallback callback, void* data,
                                                      phantom::hd::HDushort priority) {
   const Lock lock(mutex_);
   if (callback == nullptr) return note(phantom::hd::kInvalidValue), 0;
-  const phantom::hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority, false);
+  const phantom::hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority);
   if (handle == 0) note(phantom::hd::kSchedulerFull);
   return handle;
 }
@@ -96,30 +77,8 @@ void Library::unschedule(phantom::hd::HDSchedulerHandle handle) {
   if (!callbacks_.remove(handle, lock, t_in_servo > 0)) note(phantom::hd::kInvalidOperation);
 }
 
-/// True: still scheduled.
-bool Library::wait(phantom::hd::HDSchedulerHandle handle, phantom::hd::HDWaitCode code) {
-  Lock lock(mutex_);
-  if (code == phantom::hd::kWaitCheckStatus) return callbacks_.contains(handle);
-  if (code != phantom::hd::kWaitInfinite) return note(phantom::hd::kInvalidEnum), false;
-  if (t_in_servo > 0 || !running_) {
-    if (callbacks_.contains(handle)) note(phantom::hd::kInvalidOperation);  // it would wait for ever
-  } else if (settings_.virtual_time) {
-    for (int i = 0; i < kLongestWaitTicks && callbacks_.contains(handle) && serves(); ++i) tick(lock);
-  } else {
-    callbacks_.wait(handle, lock, [this] { return !serves() || stopping_; });
-  }
-  return callbacks_.contains(handle);
-}
-
-double Library::time_stamp() {
-  const Lock lock(mutex_);
-  if (!running_ || settings_.virtual_time) return 0.0;
-  return std::chrono::duration<double>(Clock::now() - tick_start_).count();
-}
-
 void Library::measure_rate(double seconds) noexcept {
-  rates_.last_hz = 1.0 / seconds;
-  rates_.mean_hz += 0.01 * (rates_.last_hz - rates_.mean_hz);
+  mean_rate_hz_ += 0.01 * (1.0 / seconds - mean_rate_hz_);
 }
 
 bool Library::step() {
@@ -161,7 +120,7 @@ void Library::serve() {
   const InServo in_servo;
   Lock lock(mutex_);
   Clock::time_point due = Clock::now();
-  tick_start_ = due;
+  Clock::time_point tick_start = due;
   while (!stopping_) {
     const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(device_->period_s()));
     const auto late =
@@ -173,8 +132,8 @@ void Library::serve() {
     if (stopping_) break;
     catch_up(due, period);
     const Clock::time_point now = Clock::now();
-    measure_rate(std::max(1e-6, std::chrono::duration<double>(now - tick_start_).count()));
-    tick_start_ = now;
+    measure_rate(std::max(1e-6, std::chrono::duration<double>(now - tick_start).count()));
+    tick_start = now;
     tick(lock);
   }
 }

@@ -73,17 +73,6 @@ TEST(LinkQuality, ReportsTheLastHundred) {
   EXPECT_EQ(s.miss_counter, 25u);
 }
 
-TEST(LinkQuality, ThresholdsCanBeSet) {
-  LinkQuality link({.ok_after = 1, .perfect_after = 2, .misses_in_a_row = 2, .misses_in_window = 1});
-  answers(link, 2);
-  EXPECT_EQ(link.quality(), Quality::kPerfect);
-  link.missed();
-  link.missed();
-  EXPECT_EQ(link.quality(), Quality::kUnacceptable);
-  EXPECT_THROW(LinkQuality({.ok_after = 5, .perfect_after = 2, .misses_in_a_row = 2, .misses_in_window = 1}),
-               std::runtime_error);
-}
-
 TEST(Faults, AreReadFromTheirText) {
   const Fault late = parse_fault("late@2.0:0.1");
   EXPECT_EQ(late.kind, FaultKind::kLate);

@@ -38,12 +38,11 @@ std::set<std::string> dynamic_symbols(const char* path) {
 
 class Abi : public SimulatedLibrary {};
 
-TEST_F(Abi, ExportsTheVendorsFunctionsAndItsHooksAndNothingElse) {
+TEST_F(Abi, ExportsTheFunctionsThatTheDriverCallsAndItsHooksAndNothingElse) {
   std::set<std::string> expected;
 #define VOXTOUCH_HD_NAME(name, result, arguments) expected.insert(#name);
   VOXTOUCH_HD_FUNCTIONS(VOXTOUCH_HD_NAME)
 #undef VOXTOUCH_HD_NAME
-  EXPECT_EQ(expected.size(), 36u);
   std::set<std::string> found, hooks;
   for (const std::string& name : dynamic_symbols(VOXTOUCH_HD_SIM_LIBRARY))
     (name.starts_with("hdsim_") ? hooks : found).insert(name);
@@ -69,15 +68,6 @@ TEST_F(Abi, ErrorComesByValueInTwoRegisters) {
   const Registers r = raw();
   EXPECT_EQ(r.low & 0xFFFFFFFF, phantom::hd::kDeviceAlreadyInitiated);
   EXPECT_EQ(r.high & 0xFFFFFFFF, phantom::hd::kInvalidHandle);
-}
-
-TEST_F(Abi, EncoderValuesTakeFortyEightBytes) {
-  open();
-  std::array<phantom::hd::HDlong, 7> counts;
-  counts.fill(0x5555555555555555);
-  frame([&] { api.hdGetLongv(phantom::hd::kCurrentEncoderValues, counts.data()); });
-  for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(counts[static_cast<std::size_t>(i)]), 100000);
-  EXPECT_EQ(counts[6], 0x5555555555555555);
 }
 
 TEST_F(Abi, EveryErrorHasASentence) {

@@ -60,37 +60,6 @@ TEST_F(Forces, MotorsGiveTheTransposedJacobianOfTheForce) {
   EXPECT_NEAR(motor(2), 0.170 * 3.0, 2e-3);
 }
 
-TEST_F(Forces, JointTorqueIsInMilliNewtonMetresAndOverridesForce) {
-  open_and_start();
-  tick([&] {
-    frame([&] {
-      api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(0.0, 3.0, 0.0).data());
-      api.hdSetDoublev(phantom::hd::kCurrentJointTorque, Vec3(100.0, 0.0, 50.0).data());
-    });
-  });
-  EXPECT_NEAR(motor(0), -0.1, 1e-9);  // the library's turret turns to the left
-  EXPECT_NEAR(motor(1), 0.0, 1e-9);
-  EXPECT_NEAR(motor(2), 0.05, 1e-9);
-  EXPECT_EQ(errors(), Errors{});
-}
-
-TEST_F(Forces, DacOverridesEverything) {
-  open_and_start();
-  const long dac[3] = {-32767, 0, 16383};
-  tick([&] {
-    frame([&] {
-      api.hdSetLongv(phantom::hd::kCurrentMotorDacValues, dac);
-      api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(0.0, 3.0, 0.0).data());
-    });
-  });
-  EXPECT_NEAR(motor(0), -1.8275, 1e-9);
-  EXPECT_NEAR(motor(1), 0.0, 1e-9);
-  EXPECT_NEAR(motor(2), 0.5 * 1.445, 1e-3);
-  const long over[3] = {40000, 0, 0};
-  tick([&] { frame([&] { api.hdSetLongv(phantom::hd::kCurrentMotorDacValues, over); }); });
-  EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidValue});
-}
-
 TEST_F(Forces, TorqueNeedsMotorsInTheGimbal) {
   open_and_start();
   tick([&] { frame([&] { api.hdSetDoublev(phantom::hd::kCurrentTorque, Vec3(10.0, 0.0, 0.0).data()); }); });
@@ -109,19 +78,6 @@ TEST_F(Forces, TorqueNeedsMotorsInTheGimbal) {
   EXPECT_EQ(errors(), Errors{});
   EXPECT_DOUBLE_EQ(seen.x(), 10.0);
   EXPECT_NEAR(applied().x(), 1.0, 0.02);
-}
-
-TEST_F(Forces, ContradictoryTorquesAreAForceErrorAndNoForce) {
-  ASSERT_EQ(sim.set_model("premium-6dof"), 0);
-  open_and_start();
-  tick([&] {
-    frame([&] {
-      api.hdSetDoublev(phantom::hd::kCurrentTorque, Vec3(10.0, 0.0, 0.0).data());
-      api.hdSetDoublev(phantom::hd::kCurrentJointTorque, Vec3(10.0, 0.0, 0.0).data());
-    });
-  });
-  EXPECT_EQ(errors(), Errors{phantom::hd::kForceError});
-  EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
 }
 
 TEST_F(Forces, ClampingCutsSilentlyAndKeepsTheDirection) {
@@ -189,7 +145,6 @@ TEST_F(Forces, SpeedOverItsLimitDropsTheForceWhileItLasts) {
 TEST_F(Forces, RampRisesFromZeroAtTheStartAndAfterAnError) {
   open();
   api.hdEnable(phantom::hd::kForceRamping);
-  set_number(phantom::hd::kForceRampingRate, 100.0);
   api.hdScheduleAsynchronous(
       [](void* self) {
         auto* t = static_cast<Forces*>(self);
@@ -198,16 +153,17 @@ TEST_F(Forces, RampRisesFromZeroAtTheStartAndAfterAnError) {
       },
       this, phantom::hd::kMaxPriority);
   api.hdStartScheduler();
-  for (int ms = 1; ms <= 30; ++ms) {
+  for (int ms = 1; ms <= 120; ++ms) {
     sim.step();
-    EXPECT_NEAR(applied().x(), std::min(2.0, 0.1 * ms), 0.02) << ms;
+    EXPECT_NEAR(applied().x(), std::min(2.0, 0.02 * ms), 0.02) << ms;  // 20 N/s
   }
+  EXPECT_NEAR(applied().x(), 2.0, 0.02);
   sim.inject(HDSIM_WARM_MOTORS, 1.0);
   sim.step();
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
   sim.inject(HDSIM_WARM_MOTORS, 0.5);
   sim.step();
-  EXPECT_NEAR(applied().x(), 0.1, 0.02);
+  EXPECT_NEAR(applied().x(), 0.02, 0.005);
 }
 
 TEST_F(Forces, MotorsWarmUpWithTheSquareOfTheForceAndDropIt) {
@@ -253,7 +209,9 @@ class Calibration : public SimulatedLibrary {};
 TEST_F(Calibration, EncodersKnowNothingUntilTheyAreReset) {
   device = api.hdInitDevice(nullptr);
   EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsManualInput);
-  EXPECT_EQ(api.hdCheckCalibrationStyle(), phantom::hd::kCalibrationEncoderReset);
+  int style = 0;
+  api.hdGetIntegerv(phantom::hd::kCalibrationStyle, &style);
+  EXPECT_EQ(static_cast<phantom::hd::HDenum>(style), phantom::hd::kCalibrationEncoderReset);
   frame();
   EXPECT_GT(read_vector(phantom::hd::kCurrentPosition).norm(), 50.0);
   api.hdUpdateCalibration(phantom::hd::kCalibrationEncoderReset);
@@ -311,7 +269,7 @@ TEST_F(Calibration, AutomaticOneAsksForAnUpdateOnceItHasSeenTheArm) {
   EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsManualInput);
   for (int i = 0; i < 60; ++i) sim.step();
   EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsUpdate);
-  api.hdUpdateCalibrationMessage(phantom::hd::kCalibrationAuto);
+  api.hdUpdateCalibration(phantom::hd::kCalibrationAuto);
   EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationOk);
 }
 

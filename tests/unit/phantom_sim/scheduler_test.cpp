@@ -1,4 +1,4 @@
-// The servo loop: order, ends, waiting, rates; in virtual time and with its own thread.
+// The servo loop: order, ends, rates; in virtual time and with its own thread.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -50,11 +50,11 @@ TEST_F(Scheduler, DoneEndsACallback) {
   const auto handle = add(note, phantom::hd::kDefaultPriority);
   api.hdStartScheduler();
   sim.step();
-  EXPECT_EQ(api.hdWaitForCompletion(handle, phantom::hd::kWaitCheckStatus), phantom::hd::kTrue);
+  EXPECT_EQ(state().callbacks, 1u);
   sim.step();
   sim.step();
   EXPECT_EQ(calls.size(), 2u);
-  EXPECT_EQ(api.hdWaitForCompletion(handle, phantom::hd::kWaitCheckStatus), phantom::hd::kFalse);
+  EXPECT_EQ(state().callbacks, 0u);
   EXPECT_EQ(errors(), Errors{});
   api.hdUnschedule(handle);
   EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidOperation});
@@ -82,37 +82,11 @@ TEST_F(Scheduler, CallbacksOutliveAStopAndCanBeTakenOutThen) {
   EXPECT_EQ(errors(), Errors{});
 }
 
-TEST_F(Scheduler, SynchronousOneRunsOnceAtOnceWhereTheSchedulerStands) {
-  Note note{&calls, 1};
-  api.hdScheduleSynchronous(Note::run, &note, phantom::hd::kDefaultPriority);
-  EXPECT_EQ(calls, std::vector<int>{1});
-}
-
-TEST_F(Scheduler, SynchronousOneFromACallbackRunsAtOnce) {
-  open_and_start();
-  Note note{&calls, 1};
-  tick([&] {
-    api.hdScheduleSynchronous(Note::run, &note, phantom::hd::kDefaultPriority);
-    EXPECT_EQ(calls.size(), 1u);
-  });
-  tick();
-  EXPECT_EQ(calls.size(), 1u);
-}
-
 TEST_F(Scheduler, StoppingFromACallbackIsRefused) {
   open_and_start();
   tick([&] { api.hdStopScheduler(); });
   EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidOperation});
   EXPECT_TRUE(state().scheduler_running);
-}
-
-TEST_F(Scheduler, WaitingInVirtualTimeLetsItPass) {
-  Note note{nullptr, 1, 25};
-  const auto handle = add(note, phantom::hd::kDefaultPriority);
-  api.hdStartScheduler();
-  EXPECT_EQ(api.hdWaitForCompletion(handle, phantom::hd::kWaitInfinite), phantom::hd::kFalse);
-  EXPECT_EQ(calls.size(), 25u);
-  EXPECT_EQ(state().ticks, 25u);
 }
 
 TEST_F(Scheduler, FullSchedulerSaysSo) {
@@ -197,15 +171,6 @@ TEST_F(RealTime, TicksAtItsRateOnAThreadOfItsOwn) {
   EXPECT_EQ(counter.calls, calls);
 }
 
-TEST_F(RealTime, SynchronousOneWaitsForTheServoThread) {
-  Counter counter;
-  open();
-  api.hdStartScheduler();
-  api.hdScheduleSynchronous(Counter::run, &counter, phantom::hd::kDefaultPriority);
-  EXPECT_EQ(counter.calls, 1);
-  EXPECT_TRUE(counter.on_other_thread);
-}
-
 TEST_F(RealTime, UnscheduleReturnsOnlyWhenTheCallbackIsOver) {
   struct Slow {
     std::atomic<bool> inside{false}, over{false};
@@ -224,39 +189,6 @@ TEST_F(RealTime, UnscheduleReturnsOnlyWhenTheCallbackIsOver) {
   EXPECT_TRUE(slow.over);
 }
 
-TEST_F(RealTime, WaitsForCompletion) {
-  struct Few {
-    std::atomic<int> left{5};
-    static phantom::hd::HDCallbackCode run(void* self) {
-      return --static_cast<Few*>(self)->left > 0 ? phantom::hd::kCallbackContinue : phantom::hd::kCallbackDone;
-    }
-  } few;
-  const auto handle = api.hdScheduleAsynchronous(Few::run, &few, 1);
-  api.hdStartScheduler();
-  EXPECT_EQ(api.hdWaitForCompletion(handle, phantom::hd::kWaitInfinite), phantom::hd::kFalse);
-  EXPECT_EQ(few.left, 0);
-}
-
-TEST_F(RealTime, TimeStampIsTheAgeOfTheTick) {
-  struct Stamp {
-    SimulatedLibrary* test;
-    phantom::hd::Api* api;
-    std::atomic<double> early{-1.0}, late{-1.0};
-    static phantom::hd::HDCallbackCode run(void* self) {
-      auto* s = static_cast<Stamp*>(self);
-      s->early = s->api->hdGetSchedulerTimeStamp();
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      s->late = s->api->hdGetSchedulerTimeStamp();
-      return phantom::hd::kCallbackDone;
-    }
-  } stamp{this, &api};
-  const auto handle = api.hdScheduleAsynchronous(Stamp::run, &stamp, 1);
-  api.hdStartScheduler();
-  api.hdWaitForCompletion(handle, phantom::hd::kWaitInfinite);
-  EXPECT_GE(stamp.early, 0.0);
-  EXPECT_GE(stamp.late - stamp.early, 0.0049);
-}
-
 TEST_F(RealTime, LateTickIsTimeThatTheArmHasGoneOn) {
   open();
   api.hdStartScheduler();
@@ -267,19 +199,6 @@ TEST_F(RealTime, LateTickIsTimeThatTheArmHasGoneOn) {
   sleep_ms(160);
   EXPECT_GT(state().time - before, 0.1);
   EXPECT_GE(state().ticks_without_callbacks - missed, 90u);
-}
-
-TEST_F(RealTime, DeadTimerWakesWhoeverWaits) {
-  Counter counter;
-  const auto handle = api.hdScheduleAsynchronous(Counter::run, &counter, 1);
-  api.hdStartScheduler();
-  std::thread killer([&] {
-    sleep_ms(20);
-    sim.inject(HDSIM_TIMER_ERROR, 0.0);
-  });
-  EXPECT_EQ(api.hdWaitForCompletion(handle, phantom::hd::kWaitInfinite), phantom::hd::kTrue);  // still there, never done
-  killer.join();
-  EXPECT_EQ(error(), phantom::hd::kTimerError);
 }
 
 }  // namespace

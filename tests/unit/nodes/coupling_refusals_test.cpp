@@ -1,0 +1,127 @@
+// The coupling node alone: it commands no force while the effects or the contact ask for more than the device stands.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "core/scene/scene_file.hpp"
+#include "nodes/coupling/fitting.hpp"
+#include "nodes/runtime/device_message.hpp"
+#include "tests/unit/nodes/around_coupling.hpp"
+
+namespace voxtouch::test::around_coupling {
+namespace {
+
+/// The second line: whatever the rendering has taken, it is held against the device once more where the force is made.
+TEST(CouplingNode, CommandsNothingWhileTheEffectsAskMoreThanTheDeviceStands) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan();
+  ASSERT_TRUE(around.force_comes());
+  around.plan(30.0, 7, {50.0, 0.0, ""});
+  around.expect_no_force("the effects damp with up to 50 Ns/m at the hand, 'oil' most of it");
+  around.plan(30.0, 7, {0.1, 0.0, ""});
+  EXPECT_TRUE(around.force_comes());
+  around.plan(30.0, 7, {0.0, 0.0, "oil"});
+  around.expect_no_force("'oil' gives torque");
+  around.plan();
+  EXPECT_TRUE(around.force_comes());
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, CommandsNothingWhileTheEffectsDampTurningMoreThanTheDeviceStands) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe_one_that_gives_torque();
+  around.plan(30.0, 7, {0.0, 0.0, "oil", 0.01});
+  ASSERT_TRUE(around.force_comes()) << around.message();
+  around.plan(30.0, 7, {0.0, 0.0, "oil", 5.0});
+  around.expect_no_force("the effects damp turning with up to 5 Nms/rad at the hand, 'oil' most of it");
+  around.plan(30.0, 7, {0.0, 0.0, "oil", 0.01});
+  EXPECT_TRUE(around.force_comes()) << around.message();
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, CommandsNothingWhileAnOutsideWrenchMayAskForMoreThanTheDeviceGives) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan(30.0, 7, {0.0, 0.0, "", 0.0, 2.0});
+  ASSERT_TRUE(around.force_comes()) << around.message();
+  EXPECT_TRUE(std::ranges::any_of(around.notes, [](const std::string& note) { return note.find("No certificate covers the effect 'remote'") != std::string::npos; }))
+      << "the design says so";
+  around.plan(30.0, 7, {0.0, 0.0, "", 0.0, 9.0});
+  around.expect_no_force("the effect 'remote' may ask for a force of 9 N at the hand, and the device gives");
+  around.plan(30.0, 7, {0.0, 0.0, "", 0.0, std::numeric_limits<double>::quiet_NaN()});
+  around.expect_no_force("'remote'");
+  around.plan(30.0, 7, {0.0, 0.0, "", 0.0, 2.0});
+  EXPECT_TRUE(around.force_comes()) << around.message();
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+/// Another rendering may run another scene: nothing of it is felt before its plan has come and has been fitted to.
+TEST(CouplingNode, CommandsNothingForARenderingThatTakesTheRoleBeforeItsPlanIsFittedTo) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan();
+  ASSERT_TRUE(around.force_comes());
+  around.forces.clear();
+  for (int i = 0; i < 100; ++i) around.touch(8);
+  EXPECT_TRUE(around.forces.empty()) << "contacts of another session";
+  auto second = std::make_unique<StandIn>(kDomain, "rendering", around.rig);
+  bus::Writer<msg::ScenePlan> plans(second->participant, qos::kScenePlan, around.rig, Around::latched());
+  bus::Writer<msg::ContactState> contacts(second->participant, qos::kContactState, around.rig, Around::stream());
+  ASSERT_TRUE(wait_until([&] { return plans.matched_count() > 0 && contacts.matched_count() > 0; }));
+  second->say(7);
+  around.contacts = {}, around.plans = {}, around.rendering.reset();
+  around.contacts = std::move(contacts), around.plans = std::move(plans), around.rendering = std::move(second);
+  for (int i = 0; i < 50; ++i) around.touch();
+  around.forces.clear();
+  for (int i = 0; i < 500; ++i) around.touch();
+  EXPECT_TRUE(around.forces.empty()) << "by the plan of the one before";
+  const std::size_t designs = around.seen.size();
+  around.plan();
+  EXPECT_TRUE(around.force_comes()) << around.message();
+  EXPECT_EQ(around.seen.size(), designs + 1) << "by the coupling of the one before";
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, CommandsNothingWhereTheDeviceHasBecomeOneThatDoesNotStandTheEffects) {
+  Around around("{design: auto, kind: shaping_filter}");
+  around.describe(20.0);
+  around.plan(30.0, 7, {1.0, 0.0, ""});
+  ASSERT_TRUE(around.force_comes());
+  around.describe(20.0, 7, 0.001);
+  around.expect_no_force("a device of 0.001 kg let go stands");
+  around.describe(20.0);
+  EXPECT_TRUE(around.force_comes());
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+TEST(CouplingNode, CommandsNothingWhereACouplingSetByHandMeetsEffectsTooStiffForTheDevice) {
+  Around around("{kind: shaping_filter, cutoff_hz: 100, damping_ratio: 1, gain: 1}");
+  around.describe(2.0);
+  around.plan(30.0, 7, {0.0, 100.0, ""});
+  ASSERT_TRUE(around.force_comes());
+  around.plan(30.0, 7, {0.0, 900.0, ""});
+  around.expect_no_force("900 N/m at the hand; the device can show 800 N/m. Lower oil");
+  EXPECT_EQ(around.node.end(), 0);
+}
+
+/// A fit takes some tenths of a second; what comes meanwhile is not in it.
+TEST(Fitting, IsJudgedOnceMoreForWhatHasComeMeanwhile) {
+  const scene::Scene scene = scene::load_scene(scene_with("{design: auto, kind: shaping_filter}"));
+  const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};
+  coupling_node::Fitting fitting(scene);
+  fitting.set_device(runtime::from_msg(stylus(7)), 7);
+  fitting.set_plan(Around::message_of(30.0, 7, little));
+  ASSERT_EQ(fitting.fit().refusal, "");
+  fitting.begin();
+  fitting.set_plan(Around::message_of(30.0, 7, much));
+  std::optional<fitting::FittedCoupling> fitted;
+  ASSERT_TRUE(wait_until([&] { return (fitted = fitting.poll()).has_value(); }));
+  EXPECT_NE(fitted->refusal.find("'oil'"), std::string::npos) << fitted->refusal;
+}
+
+}  // namespace
+}  // namespace voxtouch::test::around_coupling
