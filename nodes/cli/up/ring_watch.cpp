@@ -13,6 +13,13 @@
 #include "nodes/runtime/standby.hpp"
 
 namespace voxtouch::cli {
+namespace {
+
+std::string how_ended(const std::string& name, int status) {
+  return fmt::format("{} was ended by {}", name, status > 128 ? fmt::format("signal {}", status - 128) : fmt::format("itself, with status {}", status));
+}
+
+}  // namespace
 
 void RingRun::watch() {
   std::int64_t next_line = runtime::monotonic_ns();
@@ -28,8 +35,7 @@ void RingRun::watch() {
     for (const auto& child : children_)
       if (const auto status = child->ended()) {
         if (goes_on_without(child->name())) {
-          note_loss(child->name(), fmt::format("{} was ended by {}", child->name(),
-                                               *status > 128 ? fmt::format("signal {}", *status - 128) : fmt::format("itself, with status {}", *status)));
+          note_loss(child->name(), how_ended(child->name(), *status));
           continue;
         }
         if (child->name() != "device" || *status != 0) note_end(child->name(), *status);
@@ -38,6 +44,10 @@ void RingRun::watch() {
     if (over || note_refusals()) return;
     usleep(kWatchPeriodUs);  // ended at once by a signal: Ctrl-C, or that a node has died
   }
+  // Where this process had to wait for its turn, a node may have been lost that it has not looked at since.
+  for (const auto& child : children_)
+    if (const auto status = child->ended(); status && *status > 128 && goes_on_without(child->name()))
+      note_loss(child->name(), how_ended(child->name(), *status));
   log::tell("stopping\n");
   if (const double duration_s = options_.ring.device.duration_s; duration_s > 0)
     summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", duration_s));

@@ -63,6 +63,7 @@ class Round {
       return result_;
     }
     victim_ = find_first(ring_.up().pid(), ask_.victim);
+    if (ask_.up_waits) ring_.up().signal(SIGSTOP);
     ring_.lose(victim_, ask_.signal);
     at_ns_ = ring_.lost_at_ns();
     std::this_thread::sleep_for(kStopped);
@@ -73,6 +74,7 @@ class Round {
     }
     end_ns_ = unix_ns();
     ring_.up().signal(SIGINT);
+    if (ask_.up_waits) ring_.up().signal(SIGCONT);
     finish();
     look_back();
     return result_;

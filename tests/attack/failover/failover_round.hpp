@@ -16,6 +16,7 @@ struct FailoverOptions {
   std::vector<std::string> options = {};  ///< more of `up`
   std::filesystem::path keys = {};   ///< folder of --security; empty: plain
   int after_ms = 0;                  ///< of contact, before the signal
+  bool up_waits = false;             ///< `up` is stopped meanwhile, and looks only when it is asked to end
 };
 
 struct FailoverResult {

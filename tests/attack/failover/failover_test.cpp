@@ -24,6 +24,8 @@ INSTANTIATE_TEST_SUITE_P(Ring, Failover,
                          testing::Values(Case{"rendering", SIGKILL}, Case{"rendering", SIGSTOP}, Case{"coupling", SIGKILL}),
                          [](const auto& c) { return std::string(c.param.victim) + (c.param.signal == SIGKILL ? "_killed" : "_stopped"); });
 
+TEST(UpWithStandby, SaysWhoWasLostWhereItSeesItOnlyInTheEnd) { expect_taken_over({.victim = "rendering", .up_waits = true}); }
+
 TEST(UpWithStandby, IsRefusedWhereNobodyCouldTakeOver) {
   for (const char* option : {"--lockstep", "--one-process"}) {
     test::Process up({VOXTOUCH_BIN "/voxtouch", "up", "cup", "--standby", option, "--no-record", "--domain", test::fresh_domain()});
