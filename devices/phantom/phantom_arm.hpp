@@ -7,9 +7,11 @@
 /// the base, so the third does not contain the second. Frame D: +x right, +y up, +z to the operator; its origin is the tip in
 /// the reset pose, where all joints are zero, the thigh is level and the shin hangs. The library counts the turret the
 /// other way round: to_library_angles.
+#include <array>
 #include <optional>
 
 #include "core/types/geometry.hpp"
+#include "devices/arm/arm_description.hpp"
 
 namespace voxtouch::phantom {
 
@@ -49,6 +51,13 @@ Quat phantom_shin(const Vec3& joints) noexcept;
 Vec3 gimbal_angles(const Vec3& joints, const Quat& orientation) noexcept;
 /// The inverse: the stylus in D.
 Quat stylus_orientation(const Vec3& joints, const Vec3& gimbal) noexcept;
+
+/// The arm as a chain, for who draws it: turret, thigh, elbow (the shin against the thigh), and the gimbal's three with the library's signs. The base is
+/// D as the library has it. Of a Premium 1.5; figures of limits are assumed.
+inline constexpr int kChainJoints = 6;
+const arm::ArmDescription& phantom_description();
+/// Angles of that chain for a tip and a stylus in D [rad]; absent where the arm does not reach. Real-time safe.
+std::optional<std::array<double, kChainJoints>> phantom_chain(const PhantomGeometry& geometry, const Vec3& tip, const Quat& orientation) noexcept;
 
 /// The library counts the turret positive to the left. Its own inverse; for torques as well.
 inline Vec3 to_library_angles(const Vec3& joints) noexcept { return {-joints.x(), joints.y(), joints.z()}; }
